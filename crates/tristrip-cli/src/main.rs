@@ -1,0 +1,2 @@
+//! The `tristrip` command.
+fn main() {}

@@ -1,0 +1,92 @@
+//! Triangle strips: the vertices that are sent, strip after strip.
+//!
+//! Triangle i of a strip is its vertices i, i + 1, i + 2, in that order for even i and with the first two exchanged for odd i;
+//! one in which two vertices are equal draws nothing. A *swap* repeats one vertex inside a strip; a winding repeat does so at
+//! its start.
+
+pub mod layout;
+
+pub use layout::Layout;
+
+use crate::error::{Error, MeshProblem};
+
+/// Strips over the vertices of one mesh.
+///
+/// ```
+/// let mut strips = tristrip::Strips::default();
+/// strips.push(&[0, 1, 2, 3]);
+/// strips.push(&[4, 5, 6]);
+/// assert_eq!((strips.len(), strips.vertices_sent()), (2, 7));
+/// assert_eq!(strips.triangles().collect::<Vec<_>>(), [[0, 1, 2], [2, 1, 3], [4, 5, 6]]);
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Strips {
+    vertices: Vec<u32>,
+    /// End of each strip within `vertices`.
+    ends: Vec<u32>,
+}
+
+impl Strips {
+    /// Makes strips from all their vertices and the end of each strip.
+    ///
+    /// # Errors
+    /// The ends do not rise to the number of vertices.
+    pub fn from_parts(vertices: Vec<u32>, ends: Vec<u32>) -> Result<Self, Error> {
+        let last = ends.last().copied().unwrap_or(0);
+        if !ends.is_sorted() || last as usize != vertices.len() {
+            return Err(MeshProblem::CornerCount {
+                found: vertices.len() as u64,
+                expected: format!("{last}, by ends that never fall"),
+            }
+            .into());
+        }
+        Ok(Self { vertices, ends })
+    }
+
+    /// Adds a strip at the end.
+    pub fn push(&mut self, strip: &[u32]) {
+        self.vertices.extend_from_slice(strip);
+        self.ends.push(self.vertices.len() as u32);
+    }
+
+    /// Counts the strips.
+    pub fn len(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// Tells whether there is no strip.
+    pub fn is_empty(&self) -> bool {
+        self.ends.is_empty()
+    }
+
+    /// Counts the vertices of all strips, swaps and winding repeats included: the `OpenGL` cost.
+    pub fn vertices_sent(&self) -> usize {
+        self.vertices.len()
+    }
+
+    /// Gives the vertices of all strips, one strip after the other.
+    pub fn vertices(&self) -> &[u32] {
+        &self.vertices
+    }
+
+    /// Walks over the strips in the order in which they are drawn.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = &[u32]> {
+        (0..self.ends.len()).map(|i| {
+            let start = if i == 0 { 0 } else { self.ends[i - 1] as usize };
+            &self.vertices[start..self.ends[i] as usize]
+        })
+    }
+
+    /// Walks over the triangles drawn, wound as their faces are; degenerate ones are left out.
+    pub fn triangles(&self) -> impl Iterator<Item = [u32; 3]> {
+        self.iter().flat_map(strip_triangles)
+    }
+}
+
+/// Walks over the triangles that one strip draws, wound as their faces are; degenerate ones are left out.
+pub fn strip_triangles(strip: &[u32]) -> impl Iterator<Item = [u32; 3]> {
+    strip.windows(3).enumerate().filter_map(|(i, w)| {
+        let real = w[0] != w[1] && w[1] != w[2] && w[0] != w[2];
+        real.then(|| if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[1], w[0], w[2]] })
+    })
+}
