@@ -12,10 +12,16 @@
 
 #![forbid(unsafe_code)]
 
+pub mod cover;
+pub mod dual;
 pub mod error;
 pub mod mesh;
 pub mod strip;
+pub mod stripify;
 
+pub use cover::PathCover;
+pub use dual::{DualGraph, FaceId, HalfEdge};
 pub use error::{Error, MeshProblem};
-pub use mesh::{Attribute, AttributeData, Faces, Mesh};
+pub use mesh::{Attribute, AttributeData, Faces, Mesh, Surface};
 pub use strip::{Layout, Strips};
+pub use stripify::{FaceTriangulation, Method, Options, Patches, Ties, stripify};

@@ -6,6 +6,15 @@
 //! # Complexity
 //! 12 bytes a vertex and 12 bytes a triangle; polygons take 4 bytes a corner and 4 a face.
 
+pub mod report;
+pub mod surface;
+pub mod triangulation;
+
+pub use report::MeshReport;
+pub use surface::{Surface, SurfaceCounts};
+pub use triangulation::Triangulation;
+pub(crate) use triangulation::TriangulationBuilder;
+
 use std::sync::Arc;
 
 use crate::error::{Error, MeshProblem};

@@ -4,9 +4,15 @@
 //! one in which two vertices are equal draws nothing. A *swap* repeats one vertex inside a strip; a winding repeat does so at
 //! its start.
 
+pub mod cost;
+pub mod emit;
 pub mod layout;
+pub mod verify;
 
+pub use cost::Metrics;
+pub use emit::{emit, path_cost};
 pub use layout::Layout;
+pub use verify::{Proof, Unproven, verify, verify_drawing};
 
 use crate::error::{Error, MeshProblem};
 

@@ -1,0 +1,373 @@
+//! The path cover: disjoint simple paths over the dual graph of triangles, one path for each strip.
+//!
+//! A path is kept as links: each triangle knows through which of its three edges it is joined to its neighbours on the path.
+//! A link is one byte a triangle, has no direction, and needs no renumbering when paths are cut or joined.
+//!
+//! ```text
+//!   ●━━●━━●  ○   ●━━●      three paths: six nodes, three links, four ends and an isolated triangle
+//! ```
+//!
+//! # References
+//! Stewart: *Tunneling for Triangle Strips in Continuous Level-of-Detail Meshes*, 2001 (the cover as red and black edges);
+//! Pósa: *Hamiltonian circuits in random graphs*, 1976 (rotations).
+//!
+//! # Complexity
+//! 1 byte a triangle. Linking and cutting take O(1), joining and rotating O(length of the paths that they touch),
+//! renumbering O(n) and 8 bytes a triangle.
+
+use crate::dual::{DualGraph, FaceId, HalfEdge};
+
+/// No link, in the two bits of one.
+const FREE: u8 = 3;
+
+/// Disjoint paths over the triangles of a dual graph.
+///
+/// ```
+/// use tristrip::{DualGraph, Faces, HalfEdge, PathCover};
+/// let graph = DualGraph::new(&Faces::from_triangles(vec![0, 1, 2, 2, 1, 3, 2, 3, 4])?);
+/// let mut cover = PathCover::isolated(graph.face_count());
+/// assert!(cover.join(&graph, HalfEdge(1)));
+/// assert_eq!(cover.path_count(), 2);
+/// # Ok::<(), tristrip::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct PathCover {
+    /// Bits 0–1 and 2–3: the edges that are linked, `FREE` where there is none.
+    links: Vec<u8>,
+    link_count: usize,
+}
+
+/// Says what is wrong with a cover.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum CoverFault {
+    /// The cover has not one node for each triangle of the graph.
+    Size,
+    /// A link leads over a boundary.
+    NoTwin(HalfEdge),
+    /// A link is not known to the triangle on its other side, or named twice.
+    OneSided(HalfEdge),
+    /// The path through this triangle is closed.
+    Cycle(FaceId),
+    /// The number of links is not what was counted.
+    Count,
+}
+
+/// Where each triangle stands: its path and its position on it.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Numbering {
+    /// The path of each triangle, counted in order of the paths' lowest triangles.
+    pub path: Vec<u32>,
+    /// The position of each triangle on its path, counted from the path's first end.
+    pub position: Vec<u32>,
+    /// The first triangle of each path.
+    pub first: Vec<FaceId>,
+}
+
+impl PathCover {
+    /// Makes the cover in which every triangle is a path by itself.
+    pub fn isolated(triangle_count: usize) -> Self {
+        Self { links: vec![FREE | FREE << 2; triangle_count], link_count: 0 }
+    }
+
+    /// Counts the triangles.
+    pub fn len(&self) -> usize {
+        self.links.len()
+    }
+
+    /// Tells whether there is no triangle.
+    pub fn is_empty(&self) -> bool {
+        self.links.is_empty()
+    }
+
+    /// Counts the paths.
+    pub fn path_count(&self) -> usize {
+        self.links.len() - self.link_count
+    }
+
+    /// Counts the links of a triangle: 0 where it is isolated, 1 at the end of a path, 2 inside.
+    #[inline]
+    pub fn degree(&self, face: FaceId) -> usize {
+        self.edges(face).into_iter().flatten().count()
+    }
+
+    /// Gives the half-edges through which a triangle is linked.
+    #[inline]
+    pub fn edges(&self, face: FaceId) -> [Option<HalfEdge>; 2] {
+        let links = self.links[face.0 as usize];
+        [links & 3, links >> 2 & 3]
+            .map(|edge| (edge != FREE).then_some(HalfEdge(3 * face.0 + u32::from(edge))))
+    }
+
+    /// Tells whether a path passes through a half-edge.
+    #[inline]
+    pub fn is_linked(&self, half_edge: HalfEdge) -> bool {
+        self.edges(FaceId(half_edge.0 / 3)).contains(&Some(half_edge))
+    }
+
+    /// Links two triangles across a half-edge and its twin. Does not look for cycles: see [`PathCover::join`].
+    /// Returns whether it could: both have a link free, there is a twin, and they are not linked there already.
+    #[inline]
+    pub fn link(&mut self, graph: &DualGraph, half_edge: HalfEdge) -> bool {
+        let Some(twin) = graph.twin(half_edge) else { return false };
+        let free = |h: HalfEdge| self.degree(FaceId(h.0 / 3)) < 2 && !self.is_linked(h);
+        if !free(half_edge) || !free(twin) {
+            return false;
+        }
+        self.set(half_edge);
+        self.set(twin);
+        self.link_count += 1;
+        true
+    }
+
+    /// Takes the link across a half-edge away. Returns whether there was one.
+    #[inline]
+    pub fn cut(&mut self, graph: &DualGraph, half_edge: HalfEdge) -> bool {
+        let Some(twin) = graph.twin(half_edge) else { return false };
+        if !self.is_linked(half_edge) {
+            return false;
+        }
+        self.clear(half_edge);
+        self.clear(twin);
+        self.link_count -= 1;
+        true
+    }
+
+    /// Joins the ends of two different paths across a half-edge. Returns whether it could.
+    pub fn join(&mut self, graph: &DualGraph, half_edge: HalfEdge) -> bool {
+        let Some(twin) = graph.twin(half_edge) else { return false };
+        let (face, other) = (graph.face_of(half_edge), graph.face_of(twin));
+        self.other_end(graph, face) != Some(other) && face != other && self.link(graph, half_edge)
+    }
+
+    /// Rotates a path at its end `half_edge`'s triangle (Pósa): links the end across `half_edge` to a triangle within the same
+    /// path and cuts that triangle's link on the side toward the end. Returns the new end, or `None` where the half-edge does
+    /// not lead from an end to a triangle of the same path that is not linked to it.
+    ///
+    /// ```text
+    ///   w ━ x ━ v ━ y        w ━ x   v ━ y
+    ///   ╰┄┄┄┄┄┄┄╯      ─▶    ╰━━━━━━━╯         x is the new end
+    /// ```
+    pub fn rotate(&mut self, graph: &DualGraph, half_edge: HalfEdge) -> Option<FaceId> {
+        let twin = graph.twin(half_edge)?;
+        let (end, target) = (graph.face_of(half_edge), graph.face_of(twin));
+        if self.degree(end) != 1 || self.is_linked(half_edge) {
+            return None;
+        }
+        let mut previous = None;
+        for (face, _, exit) in self.walk(graph, end) {
+            if face == target {
+                let toward_end = previous?;
+                let new_end = graph.face_of(toward_end);
+                if new_end == end {
+                    return None;
+                }
+                self.cut(graph, toward_end);
+                self.link(graph, half_edge);
+                return Some(new_end);
+            }
+            previous = exit;
+        }
+        None
+    }
+
+    /// Walks along a path from one of its ends: each triangle with the half-edges by which the walk enters and leaves it.
+    /// From a triangle inside a path it walks one way, from the link that is named second.
+    pub fn walk<'a>(&'a self, graph: &'a DualGraph, start: FaceId) -> Walk<'a> {
+        let [a, b] = self.edges(start);
+        let exit = if a.is_some() && b.is_some() { b } else { a.or(b) };
+        Walk { cover: self, graph, state: Some((start, None, exit)), left: self.links.len() }
+    }
+
+    /// Gives the other end of the path that has an end at this triangle; itself where it is isolated, `None` inside a path.
+    pub fn other_end(&self, graph: &DualGraph, end: FaceId) -> Option<FaceId> {
+        if self.degree(end) == 2 {
+            return None;
+        }
+        self.walk(graph, end).last().map(|(face, _, _)| face)
+    }
+
+    /// Walks over the first triangle of every path, the paths in order of their lowest triangles.
+    pub fn path_starts<'a>(&'a self, graph: &'a DualGraph) -> impl Iterator<Item = FaceId> + 'a {
+        let mut seen = vec![false; self.links.len()];
+        (0..self.links.len() as u32).filter_map(move |lowest| {
+            if seen[lowest as usize] {
+                return None;
+            }
+            // From inside a path its first end is where the first link leads; a path is then marked from that end on.
+            let mut start = FaceId(lowest);
+            if self.degree(start) == 2 {
+                let [first, _] = self.edges(start);
+                let mut exit = first;
+                while let Some(twin) = exit.and_then(|h| graph.twin(h)) {
+                    start = graph.face_of(twin);
+                    if start.0 == lowest {
+                        break; // a cycle, which `check` reports
+                    }
+                    exit = self.edges(start).into_iter().flatten().find(|&h| h != twin);
+                }
+            }
+            for (face, _, _) in self.walk(graph, start) {
+                seen[face.0 as usize] = true;
+            }
+            Some(start)
+        })
+    }
+
+    /// Numbers the paths and the positions on them.
+    pub fn renumber(&self, graph: &DualGraph) -> Numbering {
+        let mut numbering = Numbering {
+            path: vec![0; self.links.len()],
+            position: vec![0; self.links.len()],
+            first: Vec::with_capacity(self.path_count()),
+        };
+        for start in self.path_starts(graph) {
+            for (position, (face, _, _)) in self.walk(graph, start).enumerate() {
+                numbering.path[face.0 as usize] = numbering.first.len() as u32;
+                numbering.position[face.0 as usize] = position as u32;
+            }
+            numbering.first.push(start);
+        }
+        numbering
+    }
+
+    /// Checks that links are known on both sides, that no path is closed, and that the links are as many as counted.
+    ///
+    /// # Errors
+    /// The first fault found.
+    pub fn check(&self, graph: &DualGraph) -> Result<(), CoverFault> {
+        if graph.half_edge_count() != 3 * self.links.len() {
+            return Err(CoverFault::Size);
+        }
+        let mut ends = 0;
+        for face in (0..self.links.len() as u32).map(FaceId) {
+            let edges = self.edges(face);
+            if let [Some(a), Some(b)] = edges
+                && a == b
+            {
+                return Err(CoverFault::OneSided(a));
+            }
+            for h in edges.into_iter().flatten() {
+                let twin = graph.twin(h).ok_or(CoverFault::NoTwin(h))?;
+                if !self.is_linked(twin) {
+                    return Err(CoverFault::OneSided(h));
+                }
+            }
+            ends += 2 - self.degree(face);
+        }
+        if ends != 2 * self.path_count() {
+            return Err(CoverFault::Count);
+        }
+        // Every node that no walk from an end reaches lies on a cycle.
+        let mut reached = vec![false; self.links.len()];
+        for face in (0..self.links.len() as u32).map(FaceId) {
+            if self.degree(face) < 2 && !reached[face.0 as usize] {
+                for (on_path, _, _) in self.walk(graph, face) {
+                    reached[on_path.0 as usize] = true;
+                }
+            }
+        }
+        match reached.iter().position(|&r| !r) {
+            Some(face) => Err(CoverFault::Cycle(FaceId(face as u32))),
+            None => Ok(()),
+        }
+    }
+
+    #[inline]
+    fn set(&mut self, half_edge: HalfEdge) {
+        let (links, edge) = (&mut self.links[half_edge.0 as usize / 3], (half_edge.0 % 3) as u8);
+        *links = if *links & 3 == FREE { *links & !3 | edge } else { *links & 3 | edge << 2 };
+    }
+
+    #[inline]
+    fn clear(&mut self, half_edge: HalfEdge) {
+        let (links, edge) = (&mut self.links[half_edge.0 as usize / 3], (half_edge.0 % 3) as u8);
+        *links |= if *links & 3 == edge { FREE } else { FREE << 2 };
+    }
+}
+
+/// Walks along a path: see [`PathCover::walk`].
+#[derive(Debug)]
+pub struct Walk<'a> {
+    cover: &'a PathCover,
+    graph: &'a DualGraph,
+    state: Option<(FaceId, Option<HalfEdge>, Option<HalfEdge>)>,
+    /// Triangles that the walk may still visit, so that it ends on a cover that is faulty, too.
+    left: usize,
+}
+
+impl Iterator for Walk<'_> {
+    type Item = (FaceId, Option<HalfEdge>, Option<HalfEdge>);
+
+    #[inline]
+    fn next(&mut self) -> Option<Self::Item> {
+        let here = self.state.take()?;
+        if self.left == 0 {
+            return None;
+        }
+        self.left -= 1;
+        if let Some(entry) = here.2.and_then(|exit| self.graph.twin(exit)) {
+            let face = self.graph.face_of(entry);
+            let exit = self.cover.edges(face).into_iter().flatten().find(|&h| h != entry);
+            self.state = Some((face, Some(entry), exit));
+        }
+        Some(here)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::Faces;
+
+    /// A row of triangles, each sharing an edge with the next, closed to a ring where asked.
+    fn row(n: u32, ring: bool) -> DualGraph {
+        let v = |i: u32| if ring { i % n } else { i };
+        let corners = (0..n)
+            .flat_map(|i| if i % 2 == 0 { [v(i), v(i + 1), v(i + 2)] } else { [v(i + 1), v(i), v(i + 2)] });
+        DualGraph::new(&Faces::from_triangles(corners.collect()).unwrap())
+    }
+
+    fn arc(graph: &DualGraph, a: u32, b: u32) -> HalfEdge {
+        graph.half_edges(FaceId(a)).find(|&h| graph.twin(h).is_some_and(|t| graph.face_of(t).0 == b)).unwrap()
+    }
+
+    #[test]
+    fn joins_cuts_and_refuses_cycles() {
+        let graph = row(8, true);
+        let mut cover = PathCover::isolated(8);
+        for i in 0..7 {
+            assert!(cover.join(&graph, arc(&graph, i, i + 1)));
+            assert_eq!(cover.check(&graph), Ok(()));
+        }
+        assert_eq!(cover.path_count(), 1);
+        assert!(!cover.join(&graph, arc(&graph, 7, 0)), "that would close the path");
+        assert!(cover.link(&graph, arc(&graph, 7, 0)));
+        assert!(matches!(cover.check(&graph), Err(CoverFault::Count | CoverFault::Cycle(_))));
+        assert!(cover.cut(&graph, arc(&graph, 3, 4)));
+        assert!(!cover.cut(&graph, arc(&graph, 3, 4)));
+        assert_eq!(cover.check(&graph), Ok(()));
+        let numbering = cover.renumber(&graph);
+        assert_eq!(numbering.first.len(), 1);
+        let mut positions = numbering.position.clone();
+        positions.sort_unstable();
+        assert_eq!(positions, (0..8).collect::<Vec<_>>());
+        assert_eq!(cover.other_end(&graph, FaceId(3)), Some(FaceId(4)));
+    }
+
+    #[test]
+    fn rotates_an_end_into_its_path() {
+        // In a fan of five triangles around vertex 0, closed, the ends of the path meet.
+        let corners: Vec<u32> = (0..5).flat_map(|i| [0, 1 + i, 1 + (i + 1) % 5]).collect();
+        let graph = DualGraph::new(&Faces::from_triangles(corners).unwrap());
+        let mut cover = PathCover::isolated(5);
+        for i in 0..4 {
+            assert!(cover.join(&graph, arc(&graph, i, i + 1)));
+        }
+        let new_end = cover.rotate(&graph, arc(&graph, 0, 4));
+        assert_eq!(new_end, Some(FaceId(3)));
+        assert_eq!(cover.check(&graph), Ok(()));
+        assert_eq!(cover.path_count(), 1);
+        assert_eq!(cover.rotate(&graph, arc(&graph, 1, 2)), None, "1 is not an end");
+    }
+}

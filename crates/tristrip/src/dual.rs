@@ -1,0 +1,505 @@
+//! The dual graph: faces joined across the edges that they share.
+//!
+//! A half-edge is a corner of a face and stands for the edge from that corner to the next one of the face. Two half-edges of
+//! opposite direction over the same two vertices are *twins*, and a pair of twins is an arc of the graph.
+//!
+//! ```text
+//!        c                  half-edge 3t + 0: a → b      its twin: b → a in the face below
+//!       / \                 half-edge 3t + 1: b → c
+//!      /   \                half-edge 3t + 2: c → a
+//!     a ──▶ b   face t
+//!     a ◀── b   neighbour   Faces wound alike give the edge between them opposite directions.
+//! ```
+//!
+//! # Algorithm
+//! Half-edges are taken in order. Each waits in the list of its lower vertex until a half-edge of opposite direction over the
+//! same vertices comes, and is then paired and taken off. The list lives in the slots of the twins that are still unknown, so
+//! that only its heads need memory. Where an edge has more than two faces the rule is: a half-edge is paired with the
+//! most recent one that waits, of the last eight over that edge, whose face does not fold back onto its own (the same next
+//! corner seen from both sides: a face and its own reverse); faces that fold back are paired only when all else is done, in order. Half-edges of equal
+//! direction, that is neighbours with inconsistent winding, are never paired.
+//! Where a vertex has so many open edges that its list grows long, the pairing is done by sorting instead, with the same result.
+//!
+//! # Complexity
+//! O(n) time for meshes of bounded valence, O(n log n) at worst; 12 bytes a triangle, and 4 bytes a vertex while building.
+
+use crate::mesh::Faces;
+
+/// Marks a half-edge without a twin inside the packed arrays.
+const NONE: u32 = u32::MAX;
+/// How many open half-edges over one edge are looked at before a new one is left to wait.
+const CANDIDATES: usize = 8;
+/// Steps over waiting half-edges, for each half-edge on average, after which the pairing is done by sorting.
+const STEPS_PER_HALF_EDGE: usize = 32;
+
+/// A face of the graph, counted from 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct FaceId(pub u32);
+
+/// A directed edge of a face: the corner that it starts from, counted over all faces.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct HalfEdge(pub u32);
+
+/// Faces joined across shared edges.
+///
+/// ```
+/// use tristrip::{DualGraph, Faces, HalfEdge};
+/// let faces = Faces::from_triangles(vec![0, 1, 2, 2, 1, 3])?;
+/// let graph = DualGraph::new(&faces);
+/// assert_eq!(graph.twin(HalfEdge(1)), Some(HalfEdge(3)));
+/// assert_eq!(graph.twin(HalfEdge(0)), None);
+/// # Ok::<(), tristrip::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct DualGraph {
+    twins: Vec<u32>,
+    shape: Shape,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum Shape {
+    Triangles,
+    Polygons { offsets: Vec<u32>, face_of: Vec<u32> },
+}
+
+impl DualGraph {
+    /// Joins the faces across the edges that they share; see the module's head for the rule at edges of more than two faces.
+    pub fn new(faces: &Faces) -> Self {
+        let shape = match faces.as_triangles() {
+            Some(_) => Shape::Triangles,
+            None => polygon_shape(faces),
+        };
+        let twins = match &shape {
+            Shape::Triangles => pair(&TriangleCorners { corners: faces.corners() }),
+            Shape::Polygons { offsets, face_of } => {
+                pair(&PolygonCorners { corners: faces.corners(), offsets, face_of })
+            }
+        };
+        Self { twins, shape }
+    }
+
+    /// Makes the graph of triangles from twins that the caller has paired.
+    pub(crate) fn from_triangle_twins(twins: Vec<u32>) -> Self {
+        Self { twins, shape: Shape::Triangles }
+    }
+
+    /// Counts the faces, the nodes of the graph.
+    pub fn face_count(&self) -> usize {
+        match &self.shape {
+            Shape::Triangles => self.twins.len() / 3,
+            Shape::Polygons { offsets, .. } => offsets.len() - 1,
+        }
+    }
+
+    /// Counts the half-edges, which are as many as the corners.
+    pub fn half_edge_count(&self) -> usize {
+        self.twins.len()
+    }
+
+    /// Gives the half-edge on the other side, or `None` at a boundary.
+    ///
+    /// # Panics
+    /// The half-edge is not one of this graph.
+    #[inline]
+    pub fn twin(&self, half_edge: HalfEdge) -> Option<HalfEdge> {
+        let twin = self.twins[half_edge.0 as usize];
+        (twin != NONE).then_some(HalfEdge(twin))
+    }
+
+    /// Gives the face that a half-edge belongs to.
+    ///
+    /// # Panics
+    /// The graph is one of polygons and the half-edge is not one of it.
+    #[inline]
+    pub fn face_of(&self, half_edge: HalfEdge) -> FaceId {
+        match &self.shape {
+            Shape::Triangles => FaceId(half_edge.0 / 3),
+            Shape::Polygons { face_of, .. } => FaceId(face_of[half_edge.0 as usize]),
+        }
+    }
+
+    /// Walks over the half-edges of a face in its winding.
+    ///
+    /// # Panics
+    /// The face is not one of this graph.
+    pub fn half_edges(&self, face: FaceId) -> impl DoubleEndedIterator<Item = HalfEdge> + use<> {
+        let range = match &self.shape {
+            Shape::Triangles => 3 * face.0..3 * face.0 + 3,
+            Shape::Polygons { offsets, .. } => offsets[face.0 as usize]..offsets[face.0 as usize + 1],
+        };
+        range.map(HalfEdge)
+    }
+
+    /// Walks over the faces that share an edge with this one, in its winding; one that shares two edges comes twice.
+    ///
+    /// # Panics
+    /// The face is not one of this graph.
+    pub fn neighbours(&self, face: FaceId) -> impl Iterator<Item = FaceId> {
+        self.half_edges(face).filter_map(|h| self.twin(h)).map(|h| self.face_of(h))
+    }
+
+    /// Gives the packed twins for the inner loops: the other side of each half-edge, or `u32::MAX`.
+    pub(crate) fn twins(&self) -> &[u32] {
+        &self.twins
+    }
+
+    /// Numbers the connected components: the component of each face, counted in order of their first faces, and their number.
+    ///
+    /// ```
+    /// use tristrip::{DualGraph, Faces};
+    /// let graph = DualGraph::new(&Faces::from_triangles(vec![0, 1, 2, 3, 4, 5, 2, 1, 6])?);
+    /// assert_eq!(graph.components(), (vec![0, 1, 0], 2));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn components(&self) -> (Vec<u32>, usize) {
+        let mut component = vec![NONE; self.face_count()];
+        let mut count = 0;
+        let mut open = Vec::new();
+        for first in 0..component.len() {
+            if component[first] != NONE {
+                continue;
+            }
+            component[first] = count;
+            open.push(FaceId(first as u32));
+            while let Some(face) = open.pop() {
+                for next in self.neighbours(face) {
+                    if component[next.0 as usize] == NONE {
+                        component[next.0 as usize] = count;
+                        open.push(next);
+                    }
+                }
+            }
+            count += 1;
+        }
+        (component, count as usize)
+    }
+
+    /// Checks that twins name each other and never a half-edge of the same face.
+    ///
+    /// # Errors
+    /// The first half-edge at fault.
+    pub fn check(&self) -> Result<(), HalfEdge> {
+        for (h, &twin) in self.twins.iter().enumerate() {
+            let h = HalfEdge(h as u32);
+            if twin == NONE {
+                continue;
+            }
+            let back = self.twins.get(twin as usize).copied();
+            if back != Some(h.0) || self.face_of(h) == self.face_of(HalfEdge(twin)) {
+                return Err(h);
+            }
+        }
+        Ok(())
+    }
+}
+
+fn polygon_shape(faces: &Faces) -> Shape {
+    let mut offsets = Vec::with_capacity(faces.face_count() + 1);
+    let mut face_of = Vec::with_capacity(faces.corner_count());
+    offsets.push(0);
+    for (face, polygon) in faces.iter().enumerate() {
+        face_of.resize(face_of.len() + polygon.len(), face as u32);
+        offsets.push(face_of.len() as u32);
+    }
+    Shape::Polygons { offsets, face_of }
+}
+
+/// What the pairing asks of faces of one shape; the functions are called for every half-edge, so that they are inlined.
+trait Corners {
+    fn vertices(&self) -> &[u32];
+    /// The corner after this one in its face.
+    fn next(&self, corner: usize) -> usize;
+    /// The corner before this one in its face.
+    fn previous(&self, corner: usize) -> usize;
+    fn face(&self, corner: usize) -> usize;
+}
+
+struct TriangleCorners<'a> {
+    corners: &'a [u32],
+}
+
+impl Corners for TriangleCorners<'_> {
+    #[inline]
+    fn vertices(&self) -> &[u32] {
+        self.corners
+    }
+    #[inline]
+    fn next(&self, corner: usize) -> usize {
+        if corner % 3 == 2 { corner - 2 } else { corner + 1 }
+    }
+    #[inline]
+    fn previous(&self, corner: usize) -> usize {
+        if corner.is_multiple_of(3) { corner + 2 } else { corner - 1 }
+    }
+    #[inline]
+    fn face(&self, corner: usize) -> usize {
+        corner / 3
+    }
+}
+
+struct PolygonCorners<'a> {
+    corners: &'a [u32],
+    offsets: &'a [u32],
+    face_of: &'a [u32],
+}
+
+impl Corners for PolygonCorners<'_> {
+    #[inline]
+    fn vertices(&self) -> &[u32] {
+        self.corners
+    }
+    #[inline]
+    fn next(&self, corner: usize) -> usize {
+        let face = self.face_of[corner] as usize;
+        if corner + 1 == self.offsets[face + 1] as usize { self.offsets[face] as usize } else { corner + 1 }
+    }
+    #[inline]
+    fn previous(&self, corner: usize) -> usize {
+        let face = self.face_of[corner] as usize;
+        if corner == self.offsets[face] as usize { self.offsets[face + 1] as usize - 1 } else { corner - 1 }
+    }
+    #[inline]
+    fn face(&self, corner: usize) -> usize {
+        self.face_of[corner] as usize
+    }
+}
+
+/// Pairs all half-edges; gives the twin of each, or `NONE`.
+fn pair(corners: &impl Corners) -> Vec<u32> {
+    pair_by_lists(corners).unwrap_or_else(|| pair_by_sorting(corners))
+}
+
+/// Tells whether two half-edges over the same vertices may be twins: they run in opposite directions, in different faces.
+#[inline]
+fn opposite(corners: &impl Corners, h: usize, other: usize) -> bool {
+    corners.vertices()[h] != corners.vertices()[other] && corners.face(h) != corners.face(other)
+}
+
+/// Tells whether the two faces at twins fold back onto each other, as a face and its own reverse do.
+#[inline]
+fn folds_back(corners: &impl Corners, h: usize, other: usize) -> bool {
+    let v = corners.vertices();
+    v[corners.next(corners.next(h))] == v[corners.previous(other)]
+}
+
+/// The pairing by waiting lists; `None` where the lists of some vertices are too long for it.
+fn pair_by_lists(corners: &impl Corners) -> Option<Vec<u32>> {
+    let vertices = corners.vertices();
+    let vertex_count = vertices.iter().max().map_or(0, |&v| v as usize + 1);
+    let mut heads = vec![NONE; vertex_count];
+    // The twin where it is known, else the next half-edge that waits at the same vertex.
+    let mut twins = vec![NONE; vertices.len()];
+    let mut steps = 0;
+    let limit = STEPS_PER_HALF_EDGE * vertices.len() + 1024;
+    let mut folded = false;
+    for h in 0..vertices.len() {
+        let (from, to) = (vertices[h], vertices[corners.next(h)]);
+        let (low, high) = (from.min(to), from.max(to));
+        let head = &mut heads[low as usize];
+        let (mut before, mut waiting, mut seen) = (NONE, *head, 0);
+        let found = loop {
+            if waiting == NONE || seen == CANDIDATES {
+                break None;
+            }
+            steps += 1;
+            let w = waiting as usize;
+            let (a, b) = (vertices[w], vertices[corners.next(w)]);
+            if a.max(b) == high {
+                seen += 1;
+                if opposite(corners, h, w) {
+                    if folds_back(corners, h, w) {
+                        folded = true;
+                    } else {
+                        break Some(w);
+                    }
+                }
+            }
+            before = waiting;
+            waiting = twins[w];
+        };
+        if let Some(w) = found {
+            let after = twins[w];
+            if before == NONE {
+                *head = after
+            } else {
+                twins[before as usize] = after
+            }
+            twins[w] = h as u32;
+            twins[h] = w as u32;
+        } else {
+            twins[h] = *head;
+            *head = h as u32;
+        }
+        if steps > limit {
+            return None;
+        }
+    }
+    // What still waits has no twin, unless it was passed over because it folds back.
+    let mut left = Vec::new();
+    for head in heads {
+        let mut waiting = head;
+        while waiting != NONE {
+            let next = std::mem::replace(&mut twins[waiting as usize], NONE);
+            if folded {
+                left.push(waiting);
+            }
+            waiting = next;
+        }
+    }
+    pair_leftovers(corners, left, &mut twins);
+    Some(twins)
+}
+
+/// The pairing by sorting, with the same result: half-edges grouped by edge, in order, and the same rule in each group.
+fn pair_by_sorting(corners: &impl Corners) -> Vec<u32> {
+    let mut twins = vec![NONE; corners.vertices().len()];
+    let mut left = Vec::new();
+    let mut waiting: Vec<u32> = Vec::new();
+    for group in sorted_by_edge(corners, (0..twins.len() as u32).collect()).chunk_by(|a, b| a.0 == b.0) {
+        waiting.clear();
+        for &(_, h) in group {
+            let recent = waiting.len().saturating_sub(CANDIDATES)..waiting.len();
+            let found = recent.rev().find(|&i| {
+                let w = waiting[i] as usize;
+                opposite(corners, h as usize, w) && !folds_back(corners, h as usize, w)
+            });
+            if let Some(i) = found {
+                let w = waiting.remove(i);
+                twins[w as usize] = h;
+                twins[h as usize] = w;
+            } else {
+                waiting.push(h);
+            }
+        }
+        left.extend_from_slice(&waiting);
+    }
+    pair_leftovers(corners, left, &mut twins);
+    twins
+}
+
+/// Pairs what is left over each edge, forward half-edges with backward ones, in order.
+fn pair_leftovers(corners: &impl Corners, left: Vec<u32>, twins: &mut [u32]) {
+    let (mut forward, mut backward) = (Vec::new(), Vec::new());
+    for group in sorted_by_edge(corners, left).chunk_by(|a, b| a.0 == b.0) {
+        forward.clear();
+        backward.clear();
+        for &(edge, h) in group {
+            let list = if u64::from(corners.vertices()[h as usize]) == edge >> 32 {
+                &mut forward
+            } else {
+                &mut backward
+            };
+            list.push(h);
+        }
+        for (&a, &b) in forward.iter().zip(&backward) {
+            if corners.face(a as usize) != corners.face(b as usize) {
+                twins[a as usize] = b;
+                twins[b as usize] = a;
+            }
+        }
+    }
+}
+
+/// Sorts half-edges by their edge (lower vertex, then higher), in order within an edge; those of no length are left out.
+fn sorted_by_edge(corners: &impl Corners, half_edges: Vec<u32>) -> Vec<(u64, u32)> {
+    let vertices = corners.vertices();
+    let mut keyed: Vec<(u64, u32)> = half_edges
+        .into_iter()
+        .filter_map(|h| {
+            let (from, to) = (vertices[h as usize], vertices[corners.next(h as usize)]);
+            let edge = u64::from(from.min(to)) << 32 | u64::from(from.max(to));
+            (from != to).then_some((edge, h))
+        })
+        .collect();
+    keyed.sort_unstable();
+    keyed
+}
+
+/// Counts the half-edges over each edge of the faces: how many edges there are with (forward, backward) half-edges, called
+/// once for each edge, in order of their vertices.
+pub(crate) fn for_each_edge(faces: &Faces, mut edge: impl FnMut(usize, usize)) {
+    let Shape::Polygons { offsets, face_of } = polygon_shape(faces) else { return };
+    let corners = PolygonCorners { corners: faces.corners(), offsets: &offsets, face_of: &face_of };
+    let half_edges = (0..faces.corner_count() as u32).collect();
+    for group in sorted_by_edge(&corners, half_edges).chunk_by(|a, b| a.0 == b.0) {
+        let forward =
+            group.iter().filter(|&&(e, h)| u64::from(faces.corners()[h as usize]) == e >> 32).count();
+        edge(forward, group.len() - forward);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// The pairing rule as it reads: every half-edge in order, every earlier one looked at.
+    fn naive(corners: &impl Corners) -> Vec<u32> {
+        let vertices = corners.vertices();
+        let edge = |h: usize| {
+            let (a, b) = (vertices[h], vertices[corners.next(h)]);
+            (a.min(b), a.max(b))
+        };
+        let mut twins = vec![NONE; vertices.len()];
+        for h in 0..vertices.len() {
+            let waiting =
+                (0..h).rev().filter(|&w| twins[w] == NONE && edge(w) == edge(h) && edge(h).0 != edge(h).1);
+            let found =
+                waiting.take(CANDIDATES).find(|&w| opposite(corners, h, w) && !folds_back(corners, h, w));
+            if let Some(w) = found {
+                twins[w] = h as u32;
+                twins[h] = w as u32;
+            }
+        }
+        let left = (0..vertices.len() as u32).filter(|&h| twins[h as usize] == NONE).collect();
+        pair_leftovers(corners, left, &mut twins);
+        twins
+    }
+
+    fn compare(faces: &Faces) {
+        let graph = DualGraph::new(faces);
+        assert_eq!(graph.check(), Ok(()));
+        let Shape::Polygons { offsets, face_of } = polygon_shape(faces) else { unreachable!() };
+        let corners = PolygonCorners { corners: faces.corners(), offsets: &offsets, face_of: &face_of };
+        assert_eq!(graph.twins, naive(&corners));
+        assert_eq!(graph.twins, pair_by_sorting(&corners));
+    }
+
+    proptest! {
+        #[test]
+        fn agrees_with_the_naive_rule(corners in prop::collection::vec((0..9_u32, 0..9_u32, 0..9_u32), 0..60)) {
+            let corners: Vec<u32> = corners.into_iter().filter(|t| t.0 != t.1 && t.1 != t.2 && t.0 != t.2)
+                .flat_map(|t| [t.0, t.1, t.2]).collect();
+            compare(&Faces::from_triangles(corners).unwrap());
+        }
+
+        #[test]
+        fn agrees_with_the_naive_rule_on_polygons(seeds in prop::collection::vec((3..7_usize, 0..12_u32, 1..4_u32), 0..30)) {
+            let polygons = seeds.into_iter().map(|(n, first, step)| {
+                (0..n as u32).map(|i| (first + i * step) % 23).collect::<Vec<_>>()
+            });
+            compare(&Faces::from_polygons(polygons).unwrap());
+        }
+    }
+
+    #[test]
+    fn a_star_of_open_edges_is_paired_by_sorting() {
+        let corners: Vec<u32> = (0..5000).flat_map(|i| [0, 1 + 2 * i, 2 + 2 * i]).collect();
+        assert!(pair_by_lists(&TriangleCorners { corners: &corners }).is_none());
+        assert_eq!(DualGraph::new(&Faces::from_triangles(corners).unwrap()).components().1, 5000);
+    }
+
+    #[test]
+    fn doubled_faces_join_their_neighbours_first() {
+        // Two triangles that share an edge, each with its own reverse.
+        let faces = Faces::from_triangles(vec![0, 1, 2, 0, 2, 1, 2, 1, 3, 2, 3, 1]).unwrap();
+        let graph = DualGraph::new(&faces);
+        let over_shared_edge: Vec<_> = (0..12)
+            .filter(|&h| {
+                let face = h / 3;
+                graph.twin(HalfEdge(h)).is_some_and(|t| t.0 / 3 / 2 != face / 2)
+            })
+            .collect();
+        assert_eq!(over_shared_edge.len(), 4);
+    }
+}

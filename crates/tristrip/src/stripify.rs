@@ -1,0 +1,175 @@
+//! Strips from a mesh: the methods, their options, and the stages that they share.
+//!
+//! Every method only chooses: which diagonals a polygon gets, and over which edges the triangles are linked to paths. What a
+//! method chose is a [`Plan`]; one emitter makes the strips of it.
+
+pub mod input;
+
+use crate::cover::PathCover;
+use crate::dual::DualGraph;
+use crate::error::Error;
+use crate::mesh::{Mesh, Surface, Triangulation};
+use crate::strip::{Strips, emit};
+
+/// How strips are found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[non_exhaustive]
+pub enum Method {
+    /// The cheaper of `sequential` and `input`.
+    #[default]
+    Auto,
+    /// Ours: cheapest runs first, swaps only where they beat a restart, both ways, isolated triangles folded in.
+    Sequential,
+    /// The input's own order.
+    Input,
+    /// The SGI algorithm: least adjacency, one level of look-ahead.
+    Sgi,
+    /// STRIPE's local algorithms.
+    StripeLocal {
+        /// When polygons are cut into triangles.
+        triangulation: FaceTriangulation,
+        /// Which of several neighbours of least adjacency is taken.
+        ties: Ties,
+    },
+    /// STRIPE's global algorithms: patches of quadrilaterals first, the rest locally.
+    StripeGlobal {
+        /// How patches become strips.
+        patches: Patches,
+        /// The smallest patch, in quadrilaterals, that is treated as one.
+        cutoff: u32,
+    },
+}
+
+impl Method {
+    /// STRIPE as its authors recommend it: rows or columns of patches of at least 5 quadrilaterals.
+    pub const STRIPE: Self = Self::StripeGlobal { patches: Patches::Rows, cutoff: 5 };
+}
+
+/// When STRIPE cuts polygons into triangles (Evans et al. 1996, section 3.1).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum FaceTriangulation {
+    /// Before, by alternate left and right turns.
+    Static,
+    /// Wholly, when a strip enters the face.
+    #[default]
+    Whole,
+    /// Only as far as the strip needs to leave the face where it wants to.
+    Partial,
+}
+
+/// Which of several neighbours of least adjacency STRIPE takes (Evans et al. 1996, section 3.1).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Ties {
+    /// The first found.
+    Arbitrary,
+    /// The one whose neighbours have the least adjacency.
+    LookAhead,
+    /// The one on the other side than last time.
+    Alternate,
+    /// One at random, by the seed.
+    Random,
+    /// One that needs no swap, else one at random.
+    #[default]
+    Sequential,
+}
+
+/// How STRIPE's patches become strips (Evans et al. 1996, section 3.2).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Patches {
+    /// A strip for each row, or column, whichever makes longer strips.
+    #[default]
+    Rows,
+    /// A strip for each patch, extended backward and forward.
+    Full,
+}
+
+/// What a caller may choose.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub struct Options {
+    method: Method,
+    weld: bool,
+    seed: u64,
+}
+
+impl Options {
+    /// Chooses the method.
+    #[must_use]
+    pub fn with_method(mut self, method: Method) -> Self {
+        self.method = method;
+        self
+    }
+
+    /// Lets vertices with the same bits in position and all attributes stand for each other.
+    #[must_use]
+    pub fn with_weld(mut self, weld: bool) -> Self {
+        self.weld = weld;
+        self
+    }
+
+    /// Sets the seed of methods that choose at random.
+    #[must_use]
+    pub fn with_seed(mut self, seed: u64) -> Self {
+        self.seed = seed;
+        self
+    }
+
+    /// Gives the method.
+    pub fn method(&self) -> Method {
+        self.method
+    }
+
+    /// Tells whether vertices with the same bits stand for each other.
+    pub fn weld(&self) -> bool {
+        self.weld
+    }
+
+    /// Gives the seed.
+    pub fn seed(&self) -> u64 {
+        self.seed
+    }
+}
+
+/// What a method chose: a triangulation and a cover of it.
+#[derive(Debug, Clone)]
+pub struct Plan<'a> {
+    /// The triangles.
+    pub triangulation: Triangulation<'a>,
+    /// The paths over them.
+    pub cover: PathCover,
+}
+
+/// Finds triangle strips for a mesh: the whole way from faces to strips.
+///
+/// # Errors
+/// An option makes no sense for the method.
+///
+/// ```
+/// use tristrip::{Faces, Mesh, Options, stripify, strip::verify};
+/// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+/// let mesh = Mesh::new(corners, Faces::from_polygons([[0, 1, 2, 3]])?)?;
+/// let strips = stripify(&mesh, &Options::default())?;
+/// assert_eq!(strips.vertices_sent(), 4);
+/// assert!(verify(&mesh, &strips).is_ok());
+/// # Ok::<(), tristrip::Error>(())
+/// ```
+pub fn stripify(mesh: &Mesh, options: &Options) -> Result<Strips, Error> {
+    let surface = Surface::new(mesh, options.weld);
+    let graph = DualGraph::new(surface.faces());
+    let plan = plan(&surface, &graph, options)?;
+    Ok(emit(&plan.triangulation, &plan.cover))
+}
+
+/// Lets a method choose: the stage between the dual graph and the strips.
+///
+/// # Errors
+/// An option makes no sense for the method.
+pub fn plan<'a>(
+    surface: &'a Surface<'_>,
+    graph: &'a DualGraph,
+    options: &Options,
+) -> Result<Plan<'a>, Error> {
+    Ok(match options.method {
+        // The other methods land with their modules.
+        _ => input::plan(surface, graph),
+    })
+}

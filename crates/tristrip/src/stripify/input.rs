@@ -1,0 +1,63 @@
+//! The input's own order as strips, so that no method is ever worse than what the user had.
+//!
+//! # Algorithm
+//! Triangles are taken as they come, polygons as fans. Each is linked to the one before where the two share an edge. A triangle
+//! list that was unrolled from strips becomes those strips again, or longer ones.
+//!
+//! # Complexity
+//! O(n) time, 1 byte a triangle.
+
+use super::Plan;
+use crate::cover::PathCover;
+use crate::dual::{DualGraph, FaceId};
+use crate::mesh::{Surface, Triangulation};
+
+pub(super) fn plan<'a>(surface: &'a Surface<'_>, graph: &'a DualGraph) -> Plan<'a> {
+    let triangulation = Triangulation::fan(surface, graph);
+    let cover = cover(triangulation.graph());
+    Plan { triangulation, cover }
+}
+
+fn cover(graph: &DualGraph) -> PathCover {
+    let mut cover = PathCover::isolated(graph.face_count());
+    for face in (1..graph.face_count() as u32).map(FaceId) {
+        let before = FaceId(face.0 - 1);
+        let shared = |&h: &_| graph.twin(h).is_some_and(|twin| graph.face_of(twin) == before);
+        if let Some(half_edge) = graph.half_edges(face).find(|h| shared(h) && !cover.is_linked(*h)) {
+            cover.link(graph, half_edge);
+        }
+    }
+    cover
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{Faces, Mesh};
+    use crate::strip::{Strips, emit};
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn is_never_worse_than_the_strips_that_the_input_was(
+            lengths in prop::collection::vec(3..20_u32, 1..8),
+            seed in any::<u32>(),
+        ) {
+            let (mut strips, mut next) = (Strips::default(), 0);
+            for length in lengths {
+                let strip: Vec<u32> = (next..next + length).collect();
+                next += length - (seed >> (length % 8)) % 3;
+                strips.push(&strip);
+            }
+            let faces = Faces::from_triangles(strips.to_list()).unwrap();
+            let mesh = Mesh::new(vec![[0.0; 3]; next as usize + 3], faces).unwrap();
+            let surface = Surface::new(&mesh, false);
+            let graph = DualGraph::new(surface.faces());
+            let plan = plan(&surface, &graph);
+            prop_assert_eq!(plan.cover.check(plan.triangulation.graph()), Ok(()));
+            let again = emit(&plan.triangulation, &plan.cover);
+            let cost = |s: &Strips| s.vertices_sent() + s.len();
+            prop_assert!(cost(&again) <= cost(&strips));
+        }
+    }
+}
