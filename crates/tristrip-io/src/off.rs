@@ -52,9 +52,9 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Model, Error> {
     reader.read_vertices()?;
     check_room(&reader.text, face_count, 1, "faces")?;
     let polygons = reader.read_faces(face_count)?;
-    let Reader { mut text, columns, mut notes, .. } = reader;
+    let Reader { mut text, columns, notes, .. } = reader;
     if let Some(word) = text.word_below() {
-        notes.push(format!("{} bytes after the last face ignored", word.len() + text.bytes_left()));
+        return Err(Error::format(text.place(), quote(word), "the end of the file, by its counts"));
     }
     let mut mesh = Mesh::new(columns.positions, polygons.finish()?)?;
     if kind.normals {

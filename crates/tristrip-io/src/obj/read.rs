@@ -235,6 +235,8 @@ impl<'a> Parser<'a> {
         };
         let limit = self.limits[kind];
         let (resolved, expected) = match integer(index) {
+            Some(0) => (None, format!("a {name} index from 1, or from -1 backwards")),
+            Some(i @ ..=-1) if so_far == 0 => (None, format!("a {name} index from 1: none came before {i}")),
             Some(i @ ..=-1) => {
                 let resolved =
                     usize::try_from(i.unsigned_abs()).ok().and_then(|back| so_far.checked_sub(back));
