@@ -5,7 +5,7 @@
 use std::collections::HashSet;
 use std::path::PathBuf;
 
-use tristrip_io::read_path;
+use tristrip_io::{Format, read_path};
 
 #[test]
 fn real_models_have_the_counts_of_their_table() {
@@ -15,8 +15,8 @@ fn real_models_have_the_counts_of_their_table() {
     for row in table.lines() {
         let cells: Vec<&str> = row.split('|').map(str::trim).collect();
         let [_, file, vertices, welded, faces, _, triangles, ..] = cells[..] else { continue };
-        let is_ply = file.ends_with(".ply");
-        if !is_ply && !file.ends_with(".obj") {
+        let format = Format::from_path(file);
+        if !matches!(format, Some(Format::Ply | Format::Obj)) {
             continue;
         }
         let model = read_path(folder.join(file)).unwrap_or_else(|error| panic!("{file}: {error}"));
@@ -28,7 +28,7 @@ fn real_models_have_the_counts_of_their_table() {
             count(triangles),
             "{file}"
         );
-        if is_ply {
+        if format == Some(Format::Ply) {
             assert_eq!(meshes().map(tristrip::Mesh::vertex_count).sum::<usize>(), count(vertices), "{file}");
         }
         let distinct: HashSet<[u32; 3]> = meshes()

@@ -30,10 +30,10 @@ fn obj_without_seams_keeps_its_vertices() {
     assert_eq!(
         model.notes,
         [
-            "1 line elements dropped",
-            "1 point elements dropped",
-            "1 weights and further values of vertices dropped",
-            "1 texture coordinates that no face uses dropped",
+            "line elements dropped: 1",
+            "point elements dropped: 1",
+            "weights and further values of vertices dropped: 1",
+            "texture coordinates that no face uses dropped: 1",
         ]
     );
 }
@@ -52,9 +52,9 @@ fn obj_seams_make_vertices_in_order_of_first_use() {
     assert_eq!(
         model.notes,
         [
-            "1 values of texture coordinates and normals were not finite: 0 in their place",
-            "1 corners have no texture coordinate: 0 in its place",
-            "1 vertices that no face uses dropped",
+            "values of texture coordinates and normals not finite, 0 in their place: 1",
+            "corners without a texture coordinate, 0 in its place: 1",
+            "vertices that no face uses dropped: 1",
         ]
     );
 }
@@ -71,8 +71,8 @@ fn obj_materials_make_parts_in_order_of_first_use() {
     assert_eq!(
         model.notes,
         [
-            "1 material libraries not read: materials keep their names",
-            "2 objects and groups joined: faces are kept by material",
+            "material libraries not read, materials keep their names: 1",
+            "objects and groups joined, faces are kept by material: 2",
         ]
     );
 }
@@ -115,11 +115,11 @@ fn ply_strips_become_triangles_with_their_winding() {
     assert_eq!(
         model.notes,
         [
-            "1 strips of fewer than three vertices draw nothing",
-            "element `camera` dropped: 1 rows",
-            "element `nothing` dropped: 4000000000 rows",
-            "vertex property `near` dropped: a list",
-            "1 values in lists of vertices dropped",
+            "strips of fewer than three vertices, which draw nothing: 1",
+            "rows of element `camera` dropped: 1",
+            "rows of element `nothing` dropped: 4000000000",
+            "vertex property `near`, a list, dropped",
+            "values in lists of vertices dropped: 1",
         ]
     );
 }
@@ -135,7 +135,7 @@ fn ply_doubles_are_rounded_and_counted() {
     assert_eq!(mesh.attributes()[2].data, AttributeData::F64(vec![0.1, 0.1]));
     assert_eq!(
         model.notes,
-        ["1 vertices rounded to 32-bit floats", "1 values of TEXCOORD_0 were not finite: 0 in their place"]
+        ["vertices rounded to 32-bit floats: 1", "values of TEXCOORD_0 not finite, 0 in their place: 1"]
     );
 }
 
@@ -146,5 +146,8 @@ fn ply_rows_may_wrap_and_lists_may_be_anywhere() {
         end_header\n0 0 0\n1 0\n0\n0 1 0\n9 3 0 1\n2 2 .5 .5\n\n9 1 2 0\n";
     let model = model(text, Format::Ply);
     assert_eq!(faces(&model.parts[0].mesh), [vec![0, 1, 2], vec![2]]);
-    assert_eq!(model.notes, ["face property `red` dropped: 2 rows", "face property `uv` dropped: 2 rows"]);
+    assert_eq!(
+        model.notes,
+        ["values of face property `red` dropped: 2", "values of face property `uv` dropped: 2"]
+    );
 }

@@ -200,7 +200,7 @@ fn ply_joins_parts_and_says_so() {
     let drawings = [Drawing::Strips(&strips), Drawing::Strips(&strips), Drawing::Faces];
     for layout in [Layout::Restart, Layout::Degenerate, Layout::Separate, Layout::List] {
         let bytes = write(&before, &drawings, Format::Ply, layout).unwrap();
-        let comment = b"\ncomment 3 parts joined into one\n";
+        let comment = b"\ncomment parts joined into one: 3\n";
         assert!(bytes.windows(comment.len()).any(|window| window == comment));
         let mesh = &read(&bytes, Format::Ply).unwrap().parts[0].mesh;
         assert_eq!(mesh.vertex_count(), 8);
@@ -223,7 +223,7 @@ fn what_a_format_cannot_hold_is_named() {
         [
             "attribute _ID not written",
             "alpha of COLOR_0 not written",
-            "1 faces of fewer than three corners not written",
+            "faces of fewer than three corners not written: 1",
         ]
     );
     let bare = Part { mesh: Mesh::new(vec![[0.0; 3]], Faces::default()).unwrap(), ..Part::default() };
@@ -232,7 +232,7 @@ fn what_a_format_cannot_hold_is_named() {
     assert_eq!(
         losses(&two, Format::Ply),
         [
-            "2 parts joined into one",
+            "parts joined into one: 2",
             "attribute _ID not written: some parts lack it",
             "attribute COLOR_0 not written: some parts lack it",
         ]

@@ -287,24 +287,26 @@ impl<'a> Parser<'a> {
             .dropped
             .iter()
             .map(|(word, count)| match word.as_str() {
-                "l" => format!("{count} line elements dropped"),
-                "p" => format!("{count} point elements dropped"),
-                "s" => format!("{count} smoothing groups dropped"),
-                "mtllib" => format!("{count} material libraries not read: materials keep their names"),
-                _ => format!("{count} lines `{word}` ignored"),
+                "l" => format!("line elements dropped: {count}"),
+                "p" => format!("point elements dropped: {count}"),
+                "s" => format!("smoothing groups dropped: {count}"),
+                "mtllib" => format!("material libraries not read, materials keep their names: {count}"),
+                _ => format!("lines `{word}` ignored: {count}"),
             })
             .collect();
         let mut add = |count: u64, what: &str| {
             if count > 0 {
-                notes.push(format!("{count} {what}"));
+                notes.push(format!("{what}: {count}"));
             }
         };
         add(self.other_dropped, "lines of other keywords ignored");
         add(self.extra_values, "weights and further values of vertices dropped");
-        add(self.replaced, "values of texture coordinates and normals were not finite: 0 in their place");
+        add(self.replaced, "values of texture coordinates and normals not finite, 0 in their place");
         if self.object_lines > 1 {
-            notes
-                .push(format!("{} objects and groups joined: faces are kept by material", self.object_lines));
+            notes.push(format!(
+                "objects and groups joined, faces are kept by material: {}",
+                self.object_lines
+            ));
         }
         notes
     }

@@ -120,18 +120,18 @@ impl<B: Body> Reader<B> {
             }
         }
         if rounded > 0 {
-            self.notes.push(format!("{rounded} vertices rounded to 32-bit floats"));
+            self.notes.push(format!("vertices rounded to 32-bit floats: {rounded}"));
         }
         for property in element.properties.iter().filter(|property| property.count.is_some()) {
-            self.notes.push(format!("vertex property `{}` dropped: a list", property.name));
+            self.notes.push(format!("vertex property `{}`, a list, dropped", property.name));
         }
         if list_values > 0 {
-            self.notes.push(format!("{list_values} values in lists of vertices dropped"));
+            self.notes.push(format!("values in lists of vertices dropped: {list_values}"));
         }
         for column in columns {
             if column.replaced > 0 {
                 let (name, n) = (&column.attribute.name, column.replaced);
-                self.notes.push(format!("{n} values of {name} were not finite: 0 in their place"));
+                self.notes.push(format!("values of {name} not finite, 0 in their place: {n}"));
             }
             self.attributes.push(column.attribute);
         }
@@ -197,7 +197,7 @@ impl<B: Body> Reader<B> {
             self.body.end_row(element)?;
         }
         if short > 0 {
-            self.notes.push(format!("{short} strips of fewer than three vertices draw nothing"));
+            self.notes.push(format!("strips of fewer than three vertices, which draw nothing: {short}"));
         }
         self.note_dropped(element, index);
         Ok(())
@@ -214,7 +214,7 @@ impl<B: Body> Reader<B> {
             }
         }
         if element.row_count > 0 {
-            self.notes.push(format!("element `{}` dropped: {} rows", element.name, element.row_count));
+            self.notes.push(format!("rows of element `{}` dropped: {}", element.name, element.row_count));
         }
         Ok(())
     }
@@ -263,7 +263,7 @@ impl<B: Body> Reader<B> {
         for (i, property) in element.properties.iter().enumerate() {
             if i != index {
                 let (name, row) = (&property.name, &element.name);
-                self.notes.push(format!("{row} property `{name}` dropped: {} rows", element.row_count));
+                self.notes.push(format!("values of {row} property `{name}` dropped: {}", element.row_count));
             }
         }
     }
