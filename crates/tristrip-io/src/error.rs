@@ -39,3 +39,14 @@ pub enum Error {
     #[error("{0}")]
     Unsupported(String),
 }
+
+impl Error {
+    /// Says that the bytes at a place are not what the format asks for.
+    pub(crate) fn format(
+        at: impl Into<String>,
+        found: impl Into<String>,
+        expected: impl Into<String>,
+    ) -> Self {
+        Self::Format { at: at.into(), found: found.into(), expected: expected.into() }
+    }
+}

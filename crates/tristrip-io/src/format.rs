@@ -1,0 +1,124 @@
+//! Which format a file is in: by its extension, or by its first bytes where it comes without a name.
+
+use std::path::Path;
+
+use crate::stl;
+
+/// A mesh file format.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Format {
+    /// Wavefront OBJ.
+    Obj,
+    /// The Stanford polygon file format.
+    Ply,
+    /// The object file format of `Geomview`.
+    Off,
+    /// Stereolithography, as text or binary.
+    Stl,
+    /// glTF 2.0 as JSON.
+    Gltf,
+    /// glTF 2.0 in its binary container.
+    Glb,
+}
+
+impl Format {
+    /// Every format, in the order in which they are listed for users.
+    pub const ALL: [Self; 6] = [Self::Obj, Self::Ply, Self::Off, Self::Stl, Self::Gltf, Self::Glb];
+
+    /// Gives the file name extension, without the dot.
+    pub fn extension(self) -> &'static str {
+        match self {
+            Self::Obj => "obj",
+            Self::Ply => "ply",
+            Self::Off => "off",
+            Self::Stl => "stl",
+            Self::Gltf => "gltf",
+            Self::Glb => "glb",
+        }
+    }
+
+    /// Gives the name that people use.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Obj => "OBJ",
+            Self::Ply => "PLY",
+            Self::Off => "OFF",
+            Self::Stl => "STL",
+            Self::Gltf => "glTF",
+            Self::Glb => "GLB",
+        }
+    }
+
+    /// Tells the format by a file name's extension, in upper or lower case.
+    ///
+    /// ```
+    /// use tristrip_io::Format;
+    /// assert_eq!(Format::from_path("models/Bunny.PLY"), Some(Format::Ply));
+    /// assert_eq!(Format::from_path("bunny"), None);
+    /// ```
+    pub fn from_path(path: impl AsRef<Path>) -> Option<Self> {
+        let extension = path.as_ref().extension()?;
+        Self::ALL.into_iter().find(|format| extension.eq_ignore_ascii_case(format.extension()))
+    }
+
+    /// Tells the format by the file's content; what has no mark of its own is taken for OBJ.
+    ///
+    /// ```
+    /// use tristrip_io::Format;
+    /// assert_eq!(Format::from_bytes(b"ply\nformat ascii 1.0\n"), Format::Ply);
+    /// assert_eq!(Format::from_bytes(b"v 0 0 0\n"), Format::Obj);
+    /// ```
+    pub fn from_bytes(bytes: &[u8]) -> Self {
+        if bytes.starts_with(b"glTF") {
+            return Self::Glb;
+        }
+        if bytes.starts_with(b"ply") && bytes.get(3).is_none_or(u8::is_ascii_whitespace) {
+            return Self::Ply;
+        }
+        if stl::has_binary_size(bytes) {
+            return Self::Stl;
+        }
+        let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
+        if text.first() == Some(&b'{') {
+            return Self::Gltf;
+        }
+        let end = text.iter().position(u8::is_ascii_whitespace).unwrap_or(text.len());
+        match &text[..end] {
+            word if word.eq_ignore_ascii_case(b"solid") => Self::Stl,
+            word if word.len() <= 8 && word.ends_with(b"OFF") => Self::Off,
+            _ => Self::Obj,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn content_tells_the_format() {
+        let mut binary_stl = b"solid but binary".to_vec();
+        binary_stl.resize(84, 0);
+        let cases: [(&[u8], Format); 9] = [
+            (b"glTF\x02\0\0\0", Format::Glb),
+            (b"ply\r\nformat", Format::Ply),
+            (b"plywood 1", Format::Obj),
+            (&binary_stl, Format::Stl),
+            (b"solid cube\n", Format::Stl),
+            (b"\xef\xbb\xbf {\"asset\"", Format::Gltf),
+            (b"STCN4OFF BINARY\n", Format::Off),
+            (b"# comment\nv 0 0 0", Format::Obj),
+            (b"", Format::Obj),
+        ];
+        for (bytes, format) in cases {
+            assert_eq!(Format::from_bytes(bytes), format, "{:?}", String::from_utf8_lossy(bytes));
+        }
+    }
+
+    #[test]
+    fn every_extension_names_its_format() {
+        for format in Format::ALL {
+            assert_eq!(Format::from_path(format!("a.b.{}", format.extension())), Some(format));
+        }
+    }
+}

@@ -1,0 +1,178 @@
+//! Files by their names: read whole, and written beside and renamed, so that a failure leaves the old file as it was.
+
+use std::fs;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use tristrip::Layout;
+
+use crate::{Drawing, Error, Format, Model, read_beside, write};
+
+/// Reads a model from a file, in the format of its extension, or else of its content.
+///
+/// # Errors
+/// The file cannot be read, or as [`read`](crate::read).
+///
+/// ```
+/// let wrong = tristrip_io::read_path("no/such/model.ply").unwrap_err();
+/// assert!(wrong.to_string().starts_with("no/such/model.ply: "));
+/// ```
+pub fn read_path(path: impl AsRef<Path>) -> Result<Model, Error> {
+    let path = path.as_ref();
+    let io_error = |source| Error::Io { path: path.display().to_string(), source };
+    if fs::metadata(path).map_err(io_error)?.is_dir() {
+        return Err(io_error(io::Error::new(
+            io::ErrorKind::IsADirectory,
+            "found a directory, expected a file",
+        )));
+    }
+    let bytes = fs::read(path).map_err(io_error)?;
+    let format = Format::from_path(path).unwrap_or_else(|| Format::from_bytes(&bytes));
+    read_beside(&bytes, format, Some(path.parent().unwrap_or(Path::new(""))))
+}
+
+/// Writes a model to a file, in the format of its extension, as [`write`] and [`replace_file`] do.
+///
+/// # Errors
+/// The extension names no format, or as [`write`] and [`replace_file`].
+pub fn write_path(
+    path: impl AsRef<Path>,
+    model: &Model,
+    drawings: &[Drawing],
+    layout: Layout,
+) -> Result<(), Error> {
+    let path = path.as_ref();
+    let Some(format) = Format::from_path(path) else {
+        let message = format!("{}: the extension names no format; .obj, .ply and .glb do", path.display());
+        return Err(Error::Unsupported(message));
+    };
+    replace_file(path, &write(model, drawings, format, layout)?)
+}
+
+/// Writes bytes to a file: beside it under another name, then renamed, so that readers see the old file or the whole new
+/// one, and a failure leaves the old one as it was and nothing else behind. A link is followed; a device or pipe is
+/// written to as it is.
+///
+/// # Errors
+/// The place cannot be written to, or the file there is a directory or read-only.
+///
+/// ```
+/// # let dir = tempfile::tempdir().unwrap();
+/// # let path = dir.path().join("model.obj");
+/// tristrip_io::replace_file(&path, b"v 0 0 0\n")?;
+/// assert_eq!(std::fs::read(&path).unwrap(), b"v 0 0 0\n");
+/// # Ok::<(), tristrip_io::Error>(())
+/// ```
+pub fn replace_file(path: impl AsRef<Path>, bytes: &[u8]) -> Result<(), Error> {
+    let path = path.as_ref();
+    replace(path, bytes).map_err(|source| Error::Io { path: path.display().to_string(), source })
+}
+
+fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let old = match fs::metadata(path) {
+        Ok(old) => Some(old),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => None,
+        Err(error) => return Err(error),
+    };
+    if let Some(old) = &old {
+        if old.is_dir() {
+            return Err(io::Error::new(io::ErrorKind::IsADirectory, "found a directory, expected a file"));
+        }
+        if old.permissions().readonly() {
+            return Err(io::Error::new(io::ErrorKind::PermissionDenied, "the file is read-only"));
+        }
+        if !old.is_file() {
+            return fs::OpenOptions::new().write(true).open(path)?.write_all(bytes);
+        }
+    }
+    let target = if old.is_some() { fs::canonicalize(path)? } else { path.to_path_buf() };
+    let dir = match target.parent() {
+        Some(dir) if !dir.as_os_str().is_empty() => dir.to_path_buf(),
+        _ => PathBuf::from("."),
+    };
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".tristrip-").suffix(".tmp");
+    #[cfg(unix)]
+    let permissions = {
+        use std::os::unix::fs::PermissionsExt;
+        // A new file gets what the user's mask leaves of these, as from any other program.
+        old.as_ref().map_or_else(|| fs::Permissions::from_mode(0o666), fs::Metadata::permissions)
+    };
+    #[cfg(unix)]
+    builder.permissions(permissions.clone());
+    // The temporary file removes itself wherever this function returns early. The system's words are enough in the error:
+    // the name that the user gave is put before them.
+    let plain = |error: io::Error| io::Error::from(error.kind());
+    let mut file = builder.tempfile_in(&dir).map_err(plain)?;
+    file.write_all(bytes)?;
+    #[cfg(unix)]
+    if old.is_some() {
+        file.as_file().set_permissions(permissions)?;
+    }
+    file.persist(&target).map_err(|error| error.error)?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn entries(dir: &Path) -> usize {
+        fs::read_dir(dir).unwrap().count()
+    }
+
+    #[test]
+    fn reading_names_the_file() {
+        let dir = tempfile::tempdir().unwrap();
+        let say = |path: &Path| read_path(path).unwrap_err().to_string();
+        assert!(say(dir.path()).ends_with("found a directory, expected a file"));
+        assert!(say(&dir.path().join("none.ply")).contains("none.ply: "));
+        let empty = dir.path().join("empty.off");
+        fs::write(&empty, "").unwrap();
+        assert_eq!(say(&empty), "byte 0: found an empty file, expected a file in OFF");
+    }
+
+    #[test]
+    fn a_file_without_extension_is_read_by_its_content() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("model");
+        fs::write(&path, "OFF 3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n").unwrap();
+        assert_eq!(read_path(&path).unwrap().parts[0].mesh.faces().face_count(), 1);
+    }
+
+    #[test]
+    fn failures_leave_nothing_behind() {
+        let dir = tempfile::tempdir().unwrap();
+        let say = |path: &Path| replace_file(path, b"x").unwrap_err().to_string();
+        assert!(say(dir.path()).ends_with("found a directory, expected a file"));
+        assert!(say(&dir.path().join("no/where.ply")).contains("no/where.ply: "));
+        let locked = dir.path().join("locked.ply");
+        fs::write(&locked, "old").unwrap();
+        let mut permissions = fs::metadata(&locked).unwrap().permissions();
+        permissions.set_readonly(true);
+        fs::set_permissions(&locked, permissions).unwrap();
+        assert!(say(&locked).ends_with("the file is read-only"));
+        assert_eq!(fs::read(&locked).unwrap(), b"old");
+        let model = Model::default();
+        assert!(write_path(dir.path().join("a.stl"), &model, &[], Layout::List).is_err());
+        assert!(write_path(dir.path().join("a"), &model, &[], Layout::List).is_err());
+        assert_eq!(entries(dir.path()), 1);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_are_followed_and_permissions_kept() {
+        use std::os::unix::fs::PermissionsExt;
+        let dir = tempfile::tempdir().unwrap();
+        let (real, link) = (dir.path().join("real"), dir.path().join("link"));
+        fs::write(&real, "old").unwrap();
+        fs::set_permissions(&real, fs::Permissions::from_mode(0o640)).unwrap();
+        std::os::unix::fs::symlink(&real, &link).unwrap();
+        replace_file(&link, b"new").unwrap();
+        assert_eq!(fs::read(&real).unwrap(), b"new");
+        assert_eq!(fs::metadata(&real).unwrap().permissions().mode() & 0o777, 0o640);
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(entries(dir.path()), 2);
+        replace_file("/dev/null", b"x").unwrap();
+    }
+}

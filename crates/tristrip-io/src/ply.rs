@@ -1,0 +1,32 @@
+//! PLY, the polygon file format: a text header that names elements and their properties, then the rows of each element.
+//!
+//! The rows are text or binary of either byte order. An element's property is a number or a list of numbers with its count
+//! before it:
+//!
+//! ```text
+//! ply                                       vertex row   x y z            (any order, any types, more properties)
+//! format binary_little_endian 1.0           face row     3  0 1 2         (count, then corners)
+//! element vertex 4                          tristrips    8  0 1 2 3 -1 2 1 4   (−1 restarts)
+//! property float x   ...
+//! element face 2
+//! property list uchar int vertex_indices
+//! end_header
+//! ```
+//!
+//! The parser is our own: crates for PLY go through a map for each row, which is far from the speed that a binary file allows,
+//! and do not say where an error lies. Triangles of `tristrips` follow the faces, wound as they are drawn.
+//!
+//! # References
+//! Greg Turk: *The PLY Polygon File Format*, 1994. The `tristrips` element: Stanford 3D Scanning Repository, `ply2` tools, 1999.
+//!
+//! # Complexity
+//! One pass; beside the file's bytes only the arrays of the result are held.
+
+mod body;
+mod columns;
+mod header;
+mod read;
+mod write;
+
+pub(crate) use read::read;
+pub(crate) use write::{losses, write};

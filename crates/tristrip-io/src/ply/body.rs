@@ -1,0 +1,164 @@
+//! The rows as a stream of numbers, the same for text and for both byte orders.
+
+use super::header::{Element, Property, Scalar};
+use crate::Error;
+use crate::text::{Text, integer, quote};
+
+/// Gives numbers in the order of the file. Every type that PLY has fits 64-bit floats exactly.
+pub(super) trait Body {
+    /// Gives the next number.
+    fn value(&mut self, kind: Scalar, name: &str) -> Result<f64, Error>;
+    /// Says where the number given last stands.
+    fn place(&self) -> String;
+    /// Ends a row.
+    fn end_row(&mut self, element: &Element) -> Result<(), Error>;
+    /// Bounds the number of values that the bytes left can hold.
+    fn values_left(&self, kind: Scalar) -> u64;
+    /// Bounds the number of rows, of at least one property, that the bytes left can hold.
+    fn rows_left(&self, properties: &[Property]) -> u64;
+    /// Counts the bytes left, spaces at their end aside for text.
+    fn bytes_left(&self) -> usize;
+}
+
+/// Rows of text: each begins on a line of its own; a long one may go on over several.
+pub(super) struct Ascii<'a> {
+    text: Text<'a>,
+}
+
+impl<'a> Ascii<'a> {
+    pub(super) fn new(bytes: &'a [u8], line: u64) -> Self {
+        Self { text: Text::new(bytes).with_first_line(line) }
+    }
+}
+
+impl Body for Ascii<'_> {
+    fn value(&mut self, kind: Scalar, name: &str) -> Result<f64, Error> {
+        let Some(word) = self.text.word_below() else {
+            return Err(self.text.missing(&format!("a number for `{name}`")));
+        };
+        let range = match kind {
+            Scalar::F32 => return self.float(fast_float2::parse::<f32, _>(word).map(f64::from), word, name),
+            Scalar::F64 => return self.float(fast_float2::parse::<f64, _>(word), word, name),
+            Scalar::I8 => i64::from(i8::MIN)..=i64::from(i8::MAX),
+            Scalar::U8 => 0..=i64::from(u8::MAX),
+            Scalar::I16 => i64::from(i16::MIN)..=i64::from(i16::MAX),
+            Scalar::U16 => 0..=i64::from(u16::MAX),
+            Scalar::I32 => i64::from(i32::MIN)..=i64::from(i32::MAX),
+            Scalar::U32 => 0..=i64::from(u32::MAX),
+        };
+        match integer(word) {
+            Some(value) if range.contains(&value) => Ok(value as f64),
+            _ => {
+                let expected = format!("an integer from {} to {} for `{name}`", range.start(), range.end());
+                Err(Error::format(self.place(), quote(word), expected))
+            }
+        }
+    }
+
+    fn place(&self) -> String {
+        self.text.place()
+    }
+
+    fn end_row(&mut self, element: &Element) -> Result<(), Error> {
+        match self.text.word() {
+            None => Ok(()),
+            Some(word) => {
+                let expected = format!("the end of the row of element `{}`", element.name);
+                Err(Error::format(self.place(), quote(word), expected))
+            }
+        }
+    }
+
+    fn values_left(&self, _: Scalar) -> u64 {
+        self.text.words_left() as u64
+    }
+
+    fn rows_left(&self, properties: &[Property]) -> u64 {
+        self.text.words_left() as u64 / properties.len().max(1) as u64
+    }
+
+    fn bytes_left(&self) -> usize {
+        let mut ahead = self.text.clone();
+        ahead.word_below().map_or(0, |word| word.len() + ahead.bytes_left())
+    }
+}
+
+impl Ascii<'_> {
+    fn float<E>(&self, value: Result<f64, E>, word: &[u8], name: &str) -> Result<f64, Error> {
+        value.map_err(|_| Error::format(self.place(), quote(word), format!("a number for `{name}`")))
+    }
+}
+
+/// Binary rows.
+pub(super) struct Binary<'a, const BIG: bool> {
+    bytes: &'a [u8],
+    at: usize,
+    /// Offset of the number given last.
+    last: usize,
+}
+
+impl<'a, const BIG: bool> Binary<'a, BIG> {
+    pub(super) fn new(bytes: &'a [u8], at: usize) -> Self {
+        Self { bytes, at, last: at }
+    }
+
+    fn take<const N: usize>(&mut self, name: &str) -> Result<[u8; N], Error> {
+        self.last = self.at;
+        match self.bytes.get(self.at..).and_then(|left| left.first_chunk::<N>()) {
+            Some(&(mut chunk)) => {
+                if BIG {
+                    chunk.reverse();
+                }
+                self.at += N;
+                Ok(chunk)
+            }
+            None => Err(self.ends(N, name)),
+        }
+    }
+
+    #[cold]
+    fn ends(&self, size: usize, name: &str) -> Error {
+        let found = match self.bytes_left() {
+            0 => "the end of the file".to_owned(),
+            left => format!("the end of the file after {left} bytes"),
+        };
+        Error::format(self.place(), found, format!("{size} bytes for `{name}`"))
+    }
+}
+
+impl<const BIG: bool> Body for Binary<'_, BIG> {
+    #[inline]
+    fn value(&mut self, kind: Scalar, name: &str) -> Result<f64, Error> {
+        Ok(match kind {
+            Scalar::I8 => i8::from_le_bytes(self.take(name)?).into(),
+            Scalar::U8 => u8::from_le_bytes(self.take(name)?).into(),
+            Scalar::I16 => i16::from_le_bytes(self.take(name)?).into(),
+            Scalar::U16 => u16::from_le_bytes(self.take(name)?).into(),
+            Scalar::I32 => i32::from_le_bytes(self.take(name)?).into(),
+            Scalar::U32 => u32::from_le_bytes(self.take(name)?).into(),
+            Scalar::F32 => f32::from_le_bytes(self.take(name)?).into(),
+            Scalar::F64 => f64::from_le_bytes(self.take(name)?),
+        })
+    }
+
+    fn place(&self) -> String {
+        format!("byte {}", self.last)
+    }
+
+    fn end_row(&mut self, _: &Element) -> Result<(), Error> {
+        Ok(())
+    }
+
+    fn values_left(&self, kind: Scalar) -> u64 {
+        (self.bytes_left() / kind.size()) as u64
+    }
+
+    fn rows_left(&self, properties: &[Property]) -> u64 {
+        let row: usize = properties.iter().map(|p| p.count.unwrap_or(p.value).size()).sum();
+        self.bytes_left() as u64 / row.max(1) as u64
+    }
+
+    fn bytes_left(&self) -> usize {
+        self.bytes.len() - self.at
+    }
+}

@@ -1,0 +1,112 @@
+//! The properties of a vertex other than its position, gathered into attributes.
+
+use tristrip::{Attribute, AttributeData};
+
+use super::header::{Element, Scalar};
+
+/// One vertex attribute while it is read.
+pub(super) struct Column {
+    pub(super) attribute: Attribute,
+    /// The properties that make it, one for each component.
+    from: Vec<usize>,
+    /// Whether a value that is not finite becomes 0: in normals, texture coordinates and colours it has no meaning.
+    finite: bool,
+    /// How many values were not.
+    pub(super) replaced: u64,
+}
+
+impl Column {
+    /// Makes room; the caller has checked that the file can hold so many rows.
+    pub(super) fn reserve(&mut self, row_count: usize) {
+        let n = row_count * self.from.len();
+        match &mut self.attribute.data {
+            AttributeData::F32(v) => v.reserve_exact(n),
+            AttributeData::F64(v) => v.reserve_exact(n),
+            AttributeData::U8(v) => v.reserve_exact(n),
+            AttributeData::I8(v) => v.reserve_exact(n),
+            AttributeData::U16(v) => v.reserve_exact(n),
+            AttributeData::I16(v) => v.reserve_exact(n),
+            AttributeData::U32(v) => v.reserve_exact(n),
+            AttributeData::I32(v) => v.reserve_exact(n),
+        }
+    }
+
+    /// Takes the values of a row.
+    #[allow(clippy::cast_sign_loss, reason = "a property's values are in the range of its type")]
+    pub(super) fn push(&mut self, row: &[f64]) {
+        for &i in &self.from {
+            let mut value = row[i];
+            if self.finite && !(value as f32).is_finite() {
+                (value, self.replaced) = (0.0, self.replaced + 1);
+            }
+            match &mut self.attribute.data {
+                AttributeData::F32(v) => v.push(value as f32),
+                AttributeData::F64(v) => v.push(value),
+                AttributeData::U8(v) => v.push(value as u8),
+                AttributeData::I8(v) => v.push(value as i8),
+                AttributeData::U16(v) => v.push(value as u16),
+                AttributeData::I16(v) => v.push(value as i16),
+                AttributeData::U32(v) => v.push(value as u32),
+                AttributeData::I32(v) => v.push(value as i32),
+            }
+        }
+    }
+}
+
+/// Sorts the properties of a vertex into attributes: those that glTF knows under its names, all others under their own.
+pub(super) fn columns(element: &Element, position: [usize; 3]) -> Vec<Column> {
+    let mut taken = position.to_vec();
+    let mut columns: Vec<Column> = Vec::new();
+    let mut group = |name: &str, properties: &[&str], allowed: &[Scalar]| -> bool {
+        let found: Vec<usize> = properties.iter().filter_map(|name| element.find(name)).collect();
+        let kinds = || found.iter().map(|&i| &element.properties[i]);
+        let fits = found.len() == properties.len()
+            && kinds().all(|p| p.count.is_none() && allowed.contains(&p.value))
+            && kinds().all(|p| p.value == element.properties[found[0]].value)
+            && !columns.iter().any(|column| column.attribute.name == name);
+        if fits {
+            let kind = element.properties[found[0]].value;
+            // Floats are 32 bits wide here, as positions are.
+            let kind = if kind == Scalar::F64 { Scalar::F32 } else { kind };
+            taken.extend(&found);
+            columns.push(Column { finite: true, ..column(name, found, kind) });
+        }
+        fits
+    };
+    let floats = [Scalar::F32, Scalar::F64];
+    group("NORMAL", &["nx", "ny", "nz"], &floats);
+    for pair in [["s", "t"], ["u", "v"], ["texture_u", "texture_v"]] {
+        group("TEXCOORD_0", &pair, &floats);
+    }
+    let colours = [Scalar::U8, Scalar::U16, Scalar::F32, Scalar::F64];
+    for prefix in ["", "diffuse_"] {
+        let names = ["red", "green", "blue", "alpha"].map(|name| format!("{prefix}{name}"));
+        let [r, g, b, a] = [&names[0], &names[1], &names[2], &names[3]];
+        if !group("COLOR_0", &[r, g, b, a], &colours) {
+            group("COLOR_0", &[r, g, b], &colours);
+        }
+    }
+    for (i, property) in element.properties.iter().enumerate() {
+        if property.count.is_none() && !taken.contains(&i) {
+            columns.push(column(&property.name, vec![i], property.value));
+        }
+    }
+    columns
+}
+
+fn column(name: &str, from: Vec<usize>, kind: Scalar) -> Column {
+    let data = match kind {
+        Scalar::I8 => AttributeData::I8(Vec::new()),
+        Scalar::U8 => AttributeData::U8(Vec::new()),
+        Scalar::I16 => AttributeData::I16(Vec::new()),
+        Scalar::U16 => AttributeData::U16(Vec::new()),
+        Scalar::I32 => AttributeData::I32(Vec::new()),
+        Scalar::U32 => AttributeData::U32(Vec::new()),
+        Scalar::F32 => AttributeData::F32(Vec::new()),
+        Scalar::F64 => AttributeData::F64(Vec::new()),
+    };
+    let normalized = name == "COLOR_0" && from.len() > 1 && !kind.is_float();
+    let components = from.len() as u8;
+    let attribute = Attribute { name: name.to_owned(), components, normalized, data };
+    Column { attribute, from, finite: false, replaced: 0 }
+}

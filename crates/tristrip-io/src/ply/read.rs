@@ -1,0 +1,283 @@
+//! From rows to a mesh: vertices with their attributes, faces, and the triangles of strips.
+
+use tristrip::mesh::MAX_COUNT;
+use tristrip::{Attribute, Mesh};
+
+use super::body::{Ascii, Binary, Body};
+use super::columns::columns;
+use super::header::{self, Element, Encoding, Header, Property, Scalar};
+use crate::polygons::Polygons;
+use crate::{Error, Model, Part};
+
+/// Reads a PLY file.
+pub(crate) fn read(bytes: &[u8]) -> Result<Model, Error> {
+    let header = header::read(bytes)?;
+    match header.encoding {
+        Encoding::Ascii => Reader::new(Ascii::new(&bytes[header.body..], header.body_line)).run(&header),
+        Encoding::Little => Reader::new(Binary::<false>::new(bytes, header.body)).run(&header),
+        Encoding::Big => Reader::new(Binary::<true>::new(bytes, header.body)).run(&header),
+    }
+}
+
+struct Reader<B> {
+    body: B,
+    vertex_count: u32,
+    positions: Vec<[f32; 3]>,
+    attributes: Vec<Attribute>,
+    polygons: Polygons,
+    notes: Vec<String>,
+}
+
+impl<B: Body> Reader<B> {
+    fn new(body: B) -> Self {
+        Self {
+            body,
+            vertex_count: 0,
+            positions: Vec::new(),
+            attributes: Vec::new(),
+            polygons: Polygons::default(),
+            notes: Vec::new(),
+        }
+    }
+
+    fn run(mut self, header: &Header) -> Result<Model, Error> {
+        // Faces may come before the vertices, so the header gives the bound of their indices.
+        let Some(vertices) = header.elements.iter().find(|element| element.name == "vertex") else {
+            return Err(Error::format("header", "no element `vertex`", "one"));
+        };
+        if vertices.row_count > MAX_COUNT as u64 {
+            let (at, found) = (vertices.place(), vertices.row_count);
+            return Err(Error::LimitExceeded { at, found, limit: MAX_COUNT as u64 });
+        }
+        self.vertex_count = vertices.row_count as u32;
+        for element in &header.elements {
+            let most = self.body.rows_left(&element.properties);
+            if element.row_count > most && !element.properties.is_empty() {
+                let found = format!("{} rows of element `{}`", element.row_count, element.name);
+                let expected = format!("at most {most}, for the {} bytes left", self.body.bytes_left());
+                return Err(Error::format(element.place(), found, expected));
+            }
+            match element.name.as_str() {
+                "vertex" => self.read_vertices(element)?,
+                "face" => self.read_faces(element)?,
+                "tristrips" => self.read_strips(element)?,
+                _ => self.skip(element)?,
+            }
+        }
+        let left = self.body.bytes_left();
+        if left > 0 {
+            self.notes.push(format!("{left} bytes after the last element ignored"));
+        }
+        let mut mesh = Mesh::new(self.positions, self.polygons.finish()?)?;
+        for attribute in self.attributes {
+            mesh = mesh.with_attribute(attribute)?;
+        }
+        let part = Part { name: None, material: None, mesh };
+        Ok(Model { parts: vec![part], notes: self.notes, scene: None })
+    }
+
+    fn read_vertices(&mut self, element: &Element) -> Result<(), Error> {
+        let axes = ["x", "y", "z"].map(|axis| element.find(axis));
+        let [Some(x), Some(y), Some(z)] = axes else {
+            return Err(Error::format(element.place(), "an element `vertex` without x, y or z", "all three"));
+        };
+        if let Some(list) = [x, y, z].map(|axis| &element.properties[axis]).iter().find(|p| p.count.is_some())
+        {
+            let found = format!("a list for `{}`", list.name);
+            return Err(Error::format(element.place(), found, "a number"));
+        }
+        let row_count = element.row_count as usize;
+        let mut columns = columns(element, [x, y, z]);
+        for column in &mut columns {
+            column.reserve(row_count);
+        }
+        self.positions.reserve_exact(row_count);
+        let mut row = vec![0.0; element.properties.len()];
+        let (mut rounded, mut list_values) = (0u64, 0u64);
+        for _ in 0..row_count {
+            for (i, (property, value)) in element.properties.iter().zip(&mut row).enumerate() {
+                if property.count.is_some() {
+                    list_values += self.skip_list(property)?;
+                    continue;
+                }
+                *value = self.body.value(property.value, &property.name)?;
+                let is_position = i == x || i == y || i == z;
+                if is_position && !(*value as f32).is_finite() {
+                    let expected = format!("a finite 32-bit number for `{}`", property.name);
+                    return Err(Error::format(self.body.place(), value.to_string(), expected));
+                }
+            }
+            self.body.end_row(element)?;
+            let position = [row[x], row[y], row[z]];
+            let narrow = position.map(|value| value as f32);
+            rounded += u64::from(
+                narrow.iter().zip(position).any(|(&x, wide)| f64::from(x).to_bits() != wide.to_bits()),
+            );
+            self.positions.push(narrow);
+            for column in &mut columns {
+                column.push(&row);
+            }
+        }
+        if rounded > 0 {
+            self.notes.push(format!("{rounded} vertices rounded to 32-bit floats"));
+        }
+        for property in element.properties.iter().filter(|property| property.count.is_some()) {
+            self.notes.push(format!("vertex property `{}` dropped: a list", property.name));
+        }
+        if list_values > 0 {
+            self.notes.push(format!("{list_values} values in lists of vertices dropped"));
+        }
+        for column in columns {
+            if column.replaced > 0 {
+                let (name, n) = (&column.attribute.name, column.replaced);
+                self.notes.push(format!("{n} values of {name} were not finite: 0 in their place"));
+            }
+            self.attributes.push(column.attribute);
+        }
+        Ok(())
+    }
+
+    fn read_faces(&mut self, element: &Element) -> Result<(), Error> {
+        let index = index_list(element)?;
+        let Some(index) = index else { return Ok(()) };
+        // Triangles as a rule; the bytes left bound what a wrong count can ask for.
+        let most = self.body.values_left(element.properties[index].value);
+        let room = (3 * element.row_count).min(most) as usize;
+        if self.polygons.face_count() == 0 {
+            self.polygons = Polygons::with_capacity(room);
+        }
+        for _ in 0..element.row_count {
+            for (i, property) in element.properties.iter().enumerate() {
+                if i == index {
+                    for _ in 0..self.list_count(property)? {
+                        let value = self.body.value(property.value, &property.name)?;
+                        let vertex = self.vertex(value)?;
+                        self.polygons.push(vertex);
+                    }
+                    self.polygons.end_face();
+                } else {
+                    self.skip_property(property)?;
+                }
+            }
+            self.body.end_row(element)?;
+        }
+        self.note_dropped(element, index);
+        Ok(())
+    }
+
+    fn read_strips(&mut self, element: &Element) -> Result<(), Error> {
+        let index = index_list(element)?;
+        let Some(index) = index else { return Ok(()) };
+        let mut short = 0u64;
+        for _ in 0..element.row_count {
+            for (i, property) in element.properties.iter().enumerate() {
+                if i != index {
+                    self.skip_property(property)?;
+                    continue;
+                }
+                let (mut a, mut b, mut length) = (0, 0, 0u64);
+                for _ in 0..self.list_count(property)? {
+                    let value = self.body.value(property.value, &property.name)?;
+                    let restart = [-1, i64::from(u32::MAX)].contains(&(value as i64));
+                    if restart {
+                        short += u64::from(length == 1 || length == 2);
+                        length = 0;
+                        continue;
+                    }
+                    let c = self.vertex(value)?;
+                    if length >= 2 && a != b && b != c && a != c {
+                        let face = if length.is_multiple_of(2) { [a, b, c] } else { [b, a, c] };
+                        self.polygons.push_face(&face);
+                    }
+                    (a, b, length) = (b, c, length + 1);
+                }
+                short += u64::from(length == 1 || length == 2);
+            }
+            self.body.end_row(element)?;
+        }
+        if short > 0 {
+            self.notes.push(format!("{short} strips of fewer than three vertices draw nothing"));
+        }
+        self.note_dropped(element, index);
+        Ok(())
+    }
+
+    /// Reads past an element that a mesh has no place for.
+    fn skip(&mut self, element: &Element) -> Result<(), Error> {
+        if !element.properties.is_empty() {
+            for _ in 0..element.row_count {
+                for property in &element.properties {
+                    self.skip_property(property)?;
+                }
+                self.body.end_row(element)?;
+            }
+        }
+        if element.row_count > 0 {
+            self.notes.push(format!("element `{}` dropped: {} rows", element.name, element.row_count));
+        }
+        Ok(())
+    }
+
+    fn skip_property(&mut self, property: &Property) -> Result<(), Error> {
+        if property.count.is_some() {
+            self.skip_list(property)?;
+        } else {
+            self.body.value(property.value, &property.name)?;
+        }
+        Ok(())
+    }
+
+    fn skip_list(&mut self, property: &Property) -> Result<u64, Error> {
+        let count = self.list_count(property)?;
+        for _ in 0..count {
+            self.body.value(property.value, &property.name)?;
+        }
+        Ok(count)
+    }
+
+    /// Reads a list's count: an integer, as its type is; no count is larger than the bytes left can hold.
+    #[allow(clippy::cast_sign_loss, reason = "negative counts are refused above")]
+    fn list_count(&mut self, property: &Property) -> Result<u64, Error> {
+        let value = self.body.value(property.count.unwrap_or(Scalar::U8), &property.name)?;
+        let most = self.body.values_left(property.value);
+        if value < 0.0 || value > most as f64 {
+            let found = format!("a list `{}` of {value}", property.name);
+            let expected = format!("0 to {most} values, for the bytes left");
+            return Err(Error::format(self.body.place(), found, expected));
+        }
+        Ok(value as u64)
+    }
+
+    #[allow(clippy::cast_sign_loss, reason = "negative indices are refused above")]
+    fn vertex(&self, value: f64) -> Result<u32, Error> {
+        if value < 0.0 || value >= f64::from(self.vertex_count) {
+            let found = format!("vertex index {value}");
+            let expected = format!("0 or more, less than {}", self.vertex_count);
+            return Err(Error::format(self.body.place(), found, expected));
+        }
+        Ok(value as u32)
+    }
+
+    fn note_dropped(&mut self, element: &Element, index: usize) {
+        for (i, property) in element.properties.iter().enumerate() {
+            if i != index {
+                let (name, row) = (&property.name, &element.name);
+                self.notes.push(format!("{row} property `{name}` dropped: {} rows", element.row_count));
+            }
+        }
+    }
+}
+
+/// Finds the list of vertices in a row; `None` where there is no row to read.
+fn index_list(element: &Element) -> Result<Option<usize>, Error> {
+    let found = element.find("vertex_indices").or_else(|| element.find("vertex_index"));
+    let list = found.filter(|&i| {
+        let property = &element.properties[i];
+        property.count.is_some() && !property.value.is_float()
+    });
+    if list.is_none() && element.row_count > 0 {
+        let found = format!("an element `{}` without vertices", element.name);
+        return Err(Error::format(element.place(), found, "a list of integers `vertex_indices`"));
+    }
+    Ok(list.filter(|_| element.row_count > 0))
+}

@@ -1,0 +1,90 @@
+//! Faces as the readers meet them, corner by corner; triangles alone take no offsets.
+
+use tristrip::Faces;
+
+use crate::Error;
+
+/// Collects faces.
+#[derive(Debug, Default)]
+pub(crate) struct Polygons {
+    corners: Vec<u32>,
+    face_count: usize,
+    /// As in [`Faces`]; made when the first face that is no triangle ends.
+    offsets: Option<Vec<u32>>,
+}
+
+impl Polygons {
+    /// Makes room for corners; the caller has checked that the file can hold them.
+    pub(crate) fn with_capacity(corner_count: usize) -> Self {
+        Self { corners: Vec::with_capacity(corner_count), ..Self::default() }
+    }
+
+    /// Adds a corner to the face that is being made.
+    pub(crate) fn push(&mut self, vertex: u32) {
+        self.corners.push(vertex);
+    }
+
+    /// Ends the face that is being made.
+    pub(crate) fn end_face(&mut self) {
+        let end = self.corners.len();
+        self.face_count += 1;
+        if self.offsets.is_none() && end != 3 * self.face_count {
+            self.offsets = Some((0..self.face_count).map(|face| 3 * face as u32).collect());
+        }
+        if let Some(offsets) = &mut self.offsets {
+            offsets.push(end as u32);
+        }
+    }
+
+    /// Adds a face.
+    pub(crate) fn push_face(&mut self, face: &[u32]) {
+        self.corners.extend_from_slice(face);
+        self.end_face();
+    }
+
+    /// Counts the faces.
+    pub(crate) fn face_count(&self) -> usize {
+        self.face_count
+    }
+
+    /// Gives the range of a face's corners.
+    pub(crate) fn range(&self, face: usize) -> std::ops::Range<usize> {
+        match &self.offsets {
+            Some(offsets) => offsets[face] as usize..offsets[face + 1] as usize,
+            None => 3 * face..3 * face + 3,
+        }
+    }
+
+    /// Gives the vertex of every corner.
+    pub(crate) fn corners(&self) -> &[u32] {
+        &self.corners
+    }
+
+    /// Gives the faces.
+    pub(crate) fn finish(self) -> Result<Faces, Error> {
+        Ok(match self.offsets {
+            Some(offsets) => Faces::from_offsets(offsets, self.corners)?,
+            None => Faces::from_triangles(self.corners)?,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_first_polygon_makes_the_offsets() {
+        let mut polygons = Polygons::default();
+        polygons.push_face(&[0, 1, 2]);
+        polygons.push_face(&[2, 1, 3]);
+        assert!(polygons.offsets.is_none());
+        polygons.push_face(&[0, 1]);
+        polygons.push_face(&[0, 1, 2, 3]);
+        assert_eq!(polygons.range(2), 6..8);
+        let faces = polygons.finish().unwrap();
+        let sizes: Vec<usize> = faces.iter().map(<[u32]>::len).collect();
+        assert_eq!(sizes, [3, 3, 2, 4]);
+        assert_eq!(Polygons::default().finish().unwrap().face_count(), 0);
+    }
+}

@@ -1,0 +1,217 @@
+//! STL: triangles alone, each with its three positions; equal positions are welded into one vertex.
+//!
+//! ```text
+//! text    solid name                          binary   80 bytes  any text
+//!           facet normal x y z                          4 bytes  number of triangles
+//!             outer loop                               50 bytes  each: normal, three positions (12 floats),
+//!               vertex x y z     (three)                         2 bytes that some programs use for colours
+//!             endloop
+//!           endfacet
+//!         endsolid name
+//! ```
+//!
+//! A binary file may begin with `solid` too, so its size decides. Vertices stand in order of first use; −0 equals 0.
+//! Normals are dropped: they follow from the positions. Several solids of a text file make one mesh.
+//!
+//! # References
+//! 3D Systems: *`StereoLithography` Interface Specification*, 1989.
+//!
+//! # Complexity
+//! One pass with a hash table of the positions: 16 bytes a vertex beside the arrays of the result.
+
+use rustc_hash::FxHashMap;
+use tristrip::{Faces, Mesh};
+
+use crate::text::{Text, quote};
+use crate::{Error, Model, Part};
+
+const HEADER_BYTES: usize = 84;
+const FACET_BYTES: usize = 50;
+
+/// Tells whether the size is the one that a binary file's count asks for.
+pub(crate) fn has_binary_size(bytes: &[u8]) -> bool {
+    facet_count(bytes).is_some_and(|count| binary_bytes(count) == bytes.len() as u64)
+}
+
+fn facet_count(bytes: &[u8]) -> Option<u32> {
+    let count = bytes.get(HEADER_BYTES - 4..HEADER_BYTES)?;
+    Some(u32::from_le_bytes(count.try_into().ok()?))
+}
+
+fn binary_bytes(facet_count: u32) -> u64 {
+    HEADER_BYTES as u64 + FACET_BYTES as u64 * u64::from(facet_count)
+}
+
+/// Reads an STL file.
+pub(crate) fn read(bytes: &[u8]) -> Result<Model, Error> {
+    if has_binary_size(bytes) {
+        return read_binary(bytes);
+    }
+    let mut text = Text::new(bytes);
+    let is_text = text.word_below().is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
+    if is_text { read_text(bytes) } else { read_binary(bytes) }
+}
+
+/// Welds positions as they come.
+#[derive(Debug, Default)]
+struct Welder {
+    ids: FxHashMap<[u32; 3], u32>,
+    positions: Vec<[f32; 3]>,
+    corners: Vec<u32>,
+}
+
+impl Welder {
+    fn push(&mut self, position: [f32; 3]) {
+        // Adding 0 turns −0 into 0.
+        let bits = position.map(|x| (x + 0.0).to_bits());
+        let id = *self.ids.entry(bits).or_insert_with(|| {
+            self.positions.push(position);
+            self.positions.len() as u32 - 1
+        });
+        self.corners.push(id);
+    }
+
+    fn finish(self, name: Option<String>, mut notes: Vec<String>) -> Result<Model, Error> {
+        drop(self.ids);
+        let facet_count = self.corners.len() / 3;
+        if facet_count > 0 {
+            notes.insert(0, format!("{facet_count} face normals dropped"));
+        }
+        let mesh = Mesh::new(self.positions, Faces::from_triangles(self.corners)?)?;
+        Ok(Model { parts: vec![Part { name, material: None, mesh }], notes, scene: None })
+    }
+}
+
+fn read_binary(bytes: &[u8]) -> Result<Model, Error> {
+    let Some(count) = facet_count(bytes) else {
+        let found = format!("{} bytes", bytes.len());
+        return Err(Error::format("byte 0", found, "`solid`, or a binary file of 84 bytes or more"));
+    };
+    let expected = binary_bytes(count);
+    let size = bytes.len() as u64;
+    if expected > size {
+        let found = format!("{count} triangles in a file of {size} bytes");
+        return Err(Error::format("byte 80", found, format!("{expected} bytes")));
+    }
+    let mut notes = Vec::new();
+    if expected < size {
+        notes.push(format!("{} bytes after the last triangle ignored", size - expected));
+    }
+    let mut welder = Welder::default();
+    welder.corners.reserve_exact(3 * count as usize);
+    let mut marked = 0u64;
+    for (i, facet) in bytes[HEADER_BYTES..].chunks_exact(FACET_BYTES).take(count as usize).enumerate() {
+        for corner in 0..3 {
+            let mut position = [0.0; 3];
+            for (axis, x) in position.iter_mut().enumerate() {
+                let at = 12 + 12 * corner + 4 * axis;
+                *x = f32::from_le_bytes([facet[at], facet[at + 1], facet[at + 2], facet[at + 3]]);
+                if !x.is_finite() {
+                    let place = format!("byte {}", HEADER_BYTES + FACET_BYTES * i + at);
+                    return Err(Error::format(place, x.to_string(), "a finite number"));
+                }
+            }
+            welder.push(position);
+        }
+        marked += u64::from(facet[48..] != [0, 0]);
+    }
+    if marked > 0 {
+        notes.push(format!("attribute bytes of {marked} triangles dropped"));
+    }
+    welder.finish(None, notes)
+}
+
+fn read_text(bytes: &[u8]) -> Result<Model, Error> {
+    let mut text = Text::new(bytes);
+    let mut welder = Welder::default();
+    let mut name = None;
+    let mut solid_count = 0u64;
+    while let Some(word) = text.word_below() {
+        if !word.eq_ignore_ascii_case(b"solid") {
+            return Err(Error::format(text.place(), quote(word), "`solid`"));
+        }
+        let rest = String::from_utf8_lossy(text.rest()).into_owned();
+        if solid_count == 0 && !rest.is_empty() {
+            name = Some(rest);
+        }
+        solid_count += 1;
+        read_solid(&mut text, &mut welder)?;
+    }
+    let mut notes = Vec::new();
+    if solid_count > 1 {
+        notes.push(format!("{solid_count} solids joined into one mesh"));
+    }
+    welder.finish(name, notes)
+}
+
+/// Reads facets up to `endsolid`.
+fn read_solid(text: &mut Text, welder: &mut Welder) -> Result<(), Error> {
+    loop {
+        let expected = "`facet` or `endsolid`";
+        match text.word_below() {
+            Some(word) if word.eq_ignore_ascii_case(b"endsolid") => {
+                text.rest();
+                return Ok(());
+            }
+            Some(word) if word.eq_ignore_ascii_case(b"facet") => text.rest(),
+            Some(word) => return Err(Error::format(text.place(), quote(word), expected)),
+            None => return Err(text.missing(expected)),
+        };
+        expect(text, "outer")?;
+        expect(text, "loop")?;
+        for _ in 0..3 {
+            expect(text, "vertex")?;
+            welder.push([text.number("x")?, text.number("y")?, text.number("z")?]);
+        }
+        expect(text, "endloop")?;
+        expect(text, "endfacet")?;
+    }
+}
+
+fn expect(text: &mut Text, keyword: &str) -> Result<(), Error> {
+    let expected = format!("`{keyword}`");
+    match text.word_below() {
+        Some(word) if word.eq_ignore_ascii_case(keyword.as_bytes()) => Ok(()),
+        Some(word) => Err(Error::format(text.place(), quote(word), expected)),
+        None => Err(text.missing(&expected)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TWO: &str = "solid a b\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n\
+        endloop\nendfacet\nendsolid a b\nSOLID\nFACET NORMAL nan nan nan\nOUTER LOOP\nVERTEX 1 0 0\nVERTEX 1 1 0\n\
+        VERTEX -0 1 0\nENDLOOP\nENDFACET\nENDSOLID\n";
+
+    fn binary(triangles: &[[[f32; 3]; 3]]) -> Vec<u8> {
+        let mut out = b"solid in name only".to_vec();
+        out.resize(80, b' ');
+        out.extend((triangles.len() as u32).to_le_bytes());
+        for triangle in triangles {
+            out.extend([0; 12]);
+            triangle.as_flattened().iter().for_each(|x| out.extend(x.to_le_bytes()));
+            out.extend([0; 2]);
+        }
+        out
+    }
+
+    #[test]
+    fn solids_are_welded_into_one_mesh() {
+        let model = read(TWO.as_bytes()).unwrap();
+        let part = &model.parts[0];
+        assert_eq!(part.name.as_deref(), Some("a b"));
+        assert_eq!(part.mesh.faces().as_triangles(), Some(&[0, 1, 2, 1, 3, 2][..]));
+        assert_eq!(model.notes, ["2 face normals dropped", "2 solids joined into one mesh"]);
+    }
+
+    #[test]
+    fn binary_files_may_begin_with_solid() {
+        let p = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, -0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
+        let bytes = binary(&[[p[0], p[1], p[2]], [p[3], p[1], p[4]]]);
+        let mesh = &read(&bytes).unwrap().parts[0].mesh;
+        assert_eq!(mesh.faces().as_triangles(), Some(&[0, 1, 2, 2, 1, 3][..]));
+        assert_eq!(mesh.positions()[2][2].to_bits(), (-0.0f32).to_bits());
+    }
+}

@@ -1,0 +1,264 @@
+//! Lines and words of the text formats, with the line number at hand for errors.
+//!
+//! A line ends with LF, CR LF or CR. In OBJ a backslash before the line's end joins it to the next one; in OBJ and OFF `#`
+//! starts a comment.
+
+use memchr::memchr2;
+
+use crate::Error;
+
+/// Walks over the lines and words of a text.
+#[derive(Debug, Clone)]
+pub(crate) struct Text<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    line: u64,
+    comments: bool,
+    continued: bool,
+}
+
+impl<'a> Text<'a> {
+    /// Starts at the first line, behind a byte order mark if there is one.
+    pub(crate) fn new(bytes: &'a [u8]) -> Self {
+        let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+        Self { bytes, at: 0, line: 1, comments: false, continued: false }
+    }
+
+    /// Takes `#` for the start of a comment.
+    pub(crate) fn with_comments(self) -> Self {
+        Self { comments: true, ..self }
+    }
+
+    /// Joins a line that ends with a backslash to the next one.
+    pub(crate) fn with_continued_lines(self) -> Self {
+        Self { continued: true, ..self }
+    }
+
+    /// Counts the first line as line `line`.
+    pub(crate) fn with_first_line(self, line: u64) -> Self {
+        Self { line, ..self }
+    }
+
+    /// Says where the walk stands.
+    pub(crate) fn place(&self) -> String {
+        format!("line {}", self.line)
+    }
+
+    /// Gives the number of the line, from 1.
+    pub(crate) fn line(&self) -> u64 {
+        self.line
+    }
+
+    /// Gives the offset of the next byte; a byte order mark is not counted.
+    pub(crate) fn offset(&self) -> usize {
+        self.at
+    }
+
+    /// Counts the bytes that are left.
+    pub(crate) fn bytes_left(&self) -> usize {
+        self.bytes.len() - self.at
+    }
+
+    /// Counts the words that the bytes left can hold at most: a word is a byte and a space.
+    pub(crate) fn words_left(&self) -> usize {
+        self.bytes_left().div_ceil(2)
+    }
+
+    /// Gives the next word of this line.
+    pub(crate) fn word(&mut self) -> Option<&'a [u8]> {
+        loop {
+            match *self.bytes.get(self.at)? {
+                b' ' | b'\t' | 0x0b | 0x0c => self.at += 1,
+                b'\n' | b'\r' => return None,
+                b'#' if self.comments => {
+                    self.at = self.line_end();
+                    return None;
+                }
+                b'\\' if self.continued => match newline(self.bytes, self.at + 1) {
+                    Some(next) => (self.at, self.line) = (next, self.line + 1),
+                    None => break,
+                },
+                _ => break,
+            }
+        }
+        let start = self.at;
+        while let Some(&byte) = self.bytes.get(self.at) {
+            let joins = byte == b'\\' && self.continued && newline(self.bytes, self.at + 1).is_some();
+            if matches!(byte, b' ' | b'\t'..=b'\r') || joins {
+                break;
+            }
+            self.at += 1;
+        }
+        Some(&self.bytes[start..self.at])
+    }
+
+    /// Gives the next word, on this line or a later one.
+    pub(crate) fn word_below(&mut self) -> Option<&'a [u8]> {
+        loop {
+            if let Some(word) = self.word() {
+                return Some(word);
+            }
+            if !self.next_line() {
+                return None;
+            }
+        }
+    }
+
+    /// Goes to the next word, on this line or a later one; tells whether there is one.
+    pub(crate) fn skip_blank_lines(&mut self) -> bool {
+        let mut ahead = self.clone();
+        while ahead.word().is_none() {
+            if !ahead.next_line() {
+                *self = ahead;
+                return false;
+            }
+            *self = ahead.clone();
+        }
+        true
+    }
+
+    /// Gives what is left of this line, without the spaces around it.
+    pub(crate) fn rest(&mut self) -> &'a [u8] {
+        let start = self.at;
+        self.at = self.line_end();
+        self.bytes[start..self.at].trim_ascii()
+    }
+
+    /// Goes to the start of the next line; tells whether there is one.
+    pub(crate) fn next_line(&mut self) -> bool {
+        loop {
+            let end = self.line_end();
+            let joined = self.continued && end > self.at && self.bytes[end - 1] == b'\\';
+            match newline(self.bytes, end) {
+                Some(next) => (self.at, self.line) = (next, self.line + 1),
+                None => self.at = end,
+            }
+            if !joined || self.at >= self.bytes.len() {
+                return self.at < self.bytes.len();
+            }
+        }
+    }
+
+    /// Gives the next word of this line as a finite number.
+    pub(crate) fn number(&mut self, what: &str) -> Result<f32, Error> {
+        match self.word() {
+            Some(word) => self.parse_number(word, what),
+            None => Err(self.missing(what)),
+        }
+    }
+
+    /// Gives a word as a finite number.
+    pub(crate) fn parse_number(&self, word: &[u8], what: &str) -> Result<f32, Error> {
+        match fast_float2::parse::<f32, _>(word) {
+            Ok(value) if value.is_finite() => Ok(value),
+            Ok(_) => Err(Error::format(self.place(), quote(word), format!("a finite number for {what}"))),
+            Err(_) => Err(Error::format(self.place(), quote(word), format!("a number for {what}"))),
+        }
+    }
+
+    /// Says that something does not stand where this line, or the file, ends.
+    pub(crate) fn missing(&self, what: &str) -> Error {
+        let found = if self.bytes_left() == 0 { "the end of the file" } else { "the end of the line" };
+        Error::format(self.place(), found, what)
+    }
+
+    fn line_end(&self) -> usize {
+        memchr2(b'\n', b'\r', &self.bytes[self.at..]).map_or(self.bytes.len(), |i| self.at + i)
+    }
+}
+
+/// Gives the place after the line end that starts at `at`, if one does.
+fn newline(bytes: &[u8], at: usize) -> Option<usize> {
+    match bytes.get(at)? {
+        b'\r' if bytes.get(at + 1) == Some(&b'\n') => Some(at + 2),
+        b'\n' | b'\r' => Some(at + 1),
+        _ => None,
+    }
+}
+
+/// Reads a decimal integer that fits 64 bits.
+pub(crate) fn integer(word: &[u8]) -> Option<i64> {
+    let (negative, digits) = match word {
+        [b'-', digits @ ..] => (true, digits),
+        [b'+', digits @ ..] | digits => (false, digits),
+    };
+    if digits.is_empty() {
+        return None;
+    }
+    let value = digits.iter().try_fold(0i64, |value, digit| {
+        let digit = digit.wrapping_sub(b'0');
+        if digit > 9 { None } else { value.checked_mul(10)?.checked_add(i64::from(digit)) }
+    })?;
+    Some(if negative { -value } else { value })
+}
+
+/// Quotes a word of a file for an error: escaped, and cut where it is long.
+pub(crate) fn quote(word: &[u8]) -> String {
+    const LONGEST: usize = 32;
+    let cut = if word.len() > LONGEST { "…" } else { "" };
+    format!("`{}{cut}`", word[..word.len().min(LONGEST)].escape_ascii())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn lines(mut text: Text<'_>) -> Vec<(u64, Vec<String>)> {
+        let mut out = Vec::new();
+        loop {
+            let mut words = Vec::new();
+            while let Some(word) = text.word() {
+                words.push(String::from_utf8_lossy(word).into_owned());
+            }
+            out.push((text.line, words));
+            if !text.next_line() {
+                return out;
+            }
+        }
+    }
+
+    #[test]
+    fn every_line_end_counts_once() {
+        let words = |n: u64, w: &[&str]| (n, w.iter().map(|&w| w.to_owned()).collect::<Vec<_>>());
+        assert_eq!(
+            lines(Text::new(b"a b\nc\r\nd\re\n\nf")),
+            [
+                words(1, &["a", "b"]),
+                words(2, &["c"]),
+                words(3, &["d"]),
+                words(4, &["e"]),
+                words(5, &[]),
+                words(6, &["f"])
+            ]
+        );
+    }
+
+    #[test]
+    fn backslashes_join_lines_but_not_comments() {
+        let text = Text::new(b"f 1\\\r\n 2 \\\n3\n# c:\\\nv").with_comments().with_continued_lines();
+        let got: Vec<_> = lines(text).into_iter().map(|(n, w)| (n, w.join(" "))).collect();
+        assert_eq!(got, [(3, "f 1 2 3".into()), (4, String::new()), (5, "v".into())]);
+    }
+
+    #[test]
+    fn skipping_a_line_skips_what_it_is_joined_to() {
+        let mut text = Text::new(b"curv 1 \\\n 2\nv").with_continued_lines();
+        assert_eq!(text.word(), Some(&b"curv"[..]));
+        assert!(text.next_line());
+        assert_eq!((text.word(), text.line), (Some(&b"v"[..]), 3));
+    }
+
+    #[test]
+    fn integers_are_checked() {
+        assert_eq!(integer(b"-12"), Some(-12));
+        for bad in ["", "-", "1.0", "99999999999999999999", "0x1", "--1"] {
+            assert_eq!(integer(bad.as_bytes()), None, "{bad}");
+        }
+    }
+
+    #[test]
+    fn quoted_words_are_short_and_printable() {
+        assert_eq!(quote(b"a\xff\n"), "`a\\xff\\n`");
+        assert!(quote(&vec![b'x'; 1 << 20]).len() < 50);
+    }
+}
