@@ -1,0 +1,78 @@
+//! Writing results: the bytes are proven by reading them again before they reach a file.
+
+use std::fs;
+
+use tristrip::strip::verify_models;
+use tristrip_io::{Drawing, Model};
+
+use crate::args::{Output, layout_name};
+use crate::console::Console;
+use crate::failure::Failure;
+use crate::input::meshes;
+use crate::stages::timed;
+use crate::text;
+
+/// What was written.
+pub(crate) struct Written {
+    /// What the format could not hold.
+    pub(crate) losses: Vec<String>,
+    /// Time to prove what a reader will see.
+    pub(crate) verify_seconds: Option<f64>,
+    /// Time to lay out and write the bytes.
+    pub(crate) write_seconds: f64,
+}
+
+/// Writes a model's drawings: lays them out, proves the bytes if asked to, and puts them into their place.
+pub(crate) fn write(
+    output: &Output,
+    model: &Model,
+    drawings: &[Drawing<'_>],
+    verify: bool,
+    console: &mut Console,
+) -> Result<Written, Failure> {
+    console.doing("write");
+    let (encoded, encode_seconds) =
+        timed(|| tristrip_io::write(model, drawings, output.format, output.layout));
+    let bytes = encoded.map_err(|error| Failure::writing(&error))?;
+    let mut verify_seconds = None;
+    if verify {
+        console.doing("verify");
+        let (proof, seconds) = timed(|| prove(output, model, &bytes));
+        proof?;
+        verify_seconds = Some(seconds);
+    }
+    let (put, put_seconds) = timed(|| put(output, &bytes, console));
+    put?;
+    let write_seconds = encode_seconds + put_seconds;
+    if output.path.is_some() {
+        let strips = drawings.iter().any(|drawing| matches!(drawing, Drawing::Strips(_)));
+        let how = if strips { layout_name(output.layout) } else { "faces" };
+        let what = format!("{}, {}, {how}", output.name(), text::bytes(bytes.len()));
+        console.stage("write", &what, Some(write_seconds));
+    }
+    let losses = tristrip_io::losses(model, output.format);
+    losses.iter().for_each(|loss| console.note(loss));
+    Ok(Written { losses, verify_seconds, write_seconds })
+}
+
+/// Reads the bytes as anyone would, and holds what they draw to the source.
+fn prove(output: &Output, model: &Model, bytes: &[u8]) -> Result<(), Failure> {
+    let unproven = |why: String| Failure::Unproven(format!("{} was not written: {why}", output.name()));
+    let again = tristrip_io::read(bytes, output.format).map_err(|error| unproven(error.to_string()))?;
+    match verify_models(&meshes(model), &meshes(&again))? {
+        Ok(_) => Ok(()),
+        Err(difference) => Err(unproven(difference.to_string())),
+    }
+}
+
+fn put(output: &Output, bytes: &[u8], console: &mut Console) -> Result<(), Failure> {
+    let Some(path) = &output.path else {
+        console.write_stdout(bytes);
+        return Ok(());
+    };
+    if let Some(directory) = path.parent().filter(|d| !d.as_os_str().is_empty() && !d.exists()) {
+        // Only the directory that was named: a missing one above it is more likely a slip.
+        fs::create_dir(directory).map_err(|error| Failure::system(directory, &error))?;
+    }
+    tristrip_io::replace_file(path, bytes).map_err(|error| Failure::writing(&error))
+}
