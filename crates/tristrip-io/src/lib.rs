@@ -111,7 +111,7 @@ pub fn write(model: &Model, drawings: &[Drawing], format: Format, layout: Layout
 /// ```
 /// use tristrip_io::{Format, losses, read};
 /// let model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\nusemtl b\nf 1 3 2\n", Format::Obj)?;
-/// assert_eq!(losses(&model, Format::Ply), ["2 parts joined into one", "2 material names not written"]);
+/// assert_eq!(losses(&model, Format::Ply), ["parts joined into one: 2", "material names not written: 2"]);
 /// # Ok::<(), tristrip_io::Error>(())
 /// ```
 pub fn losses(model: &Model, format: Format) -> Vec<String> {

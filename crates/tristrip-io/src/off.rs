@@ -52,9 +52,9 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Model, Error> {
     reader.read_vertices()?;
     check_room(&reader.text, face_count, 1, "faces")?;
     let polygons = reader.read_faces(face_count)?;
-    let Reader { mut text, columns, mut notes, .. } = reader;
+    let Reader { mut text, columns, notes, .. } = reader;
     if let Some(word) = text.word_below() {
-        notes.push(format!("{} bytes after the last face ignored", word.len() + text.bytes_left()));
+        return Err(Error::format(text.place(), quote(word), "the end of the file, by its counts"));
     }
     let mut mesh = Mesh::new(columns.positions, polygons.finish()?)?;
     if kind.normals {
@@ -214,7 +214,7 @@ impl Reader<'_> {
             extra += left.len() as u64;
         }
         if extra > 0 {
-            self.notes.push(format!("{extra} further values of vertices dropped"));
+            self.notes.push(format!("further values of vertices dropped: {extra}"));
         }
         Ok(())
     }
@@ -243,7 +243,7 @@ impl Reader<'_> {
             coloured += u64::from(!text.rest().is_empty());
         }
         if coloured > 0 {
-            self.notes.push(format!("colours of {coloured} faces dropped"));
+            self.notes.push(format!("faces whose colours are dropped: {coloured}"));
         }
         Ok(polygons)
     }
@@ -270,7 +270,7 @@ mod tests {
         let got = read(model.as_bytes()).unwrap();
         let sizes: Vec<_> = got.parts[0].mesh.faces().iter().map(<[u32]>::len).collect();
         assert_eq!(sizes, [4, 2]);
-        assert_eq!(got.notes, ["colours of 1 faces dropped"]);
+        assert_eq!(got.notes, ["faces whose colours are dropped: 1"]);
         assert_eq!(mesh("3 1\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2").faces().face_count(), 1);
         assert_eq!(mesh("OFF 3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2").faces().face_count(), 1);
     }

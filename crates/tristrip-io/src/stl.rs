@@ -75,7 +75,7 @@ impl Welder {
         drop(self.ids);
         let facet_count = self.corners.len() / 3;
         if facet_count > 0 {
-            notes.insert(0, format!("{facet_count} face normals dropped"));
+            notes.insert(0, format!("face normals dropped: {facet_count}"));
         }
         let mesh = Mesh::new(self.positions, Faces::from_triangles(self.corners)?)?;
         Ok(Model { parts: vec![Part { name, material: None, mesh }], notes, scene: None })
@@ -95,7 +95,7 @@ fn read_binary(bytes: &[u8]) -> Result<Model, Error> {
     }
     let mut notes = Vec::new();
     if expected < size {
-        notes.push(format!("{} bytes after the last triangle ignored", size - expected));
+        notes.push(format!("bytes after the last triangle ignored: {}", size - expected));
     }
     let mut welder = Welder::default();
     welder.corners.reserve_exact(3 * count as usize);
@@ -116,7 +116,7 @@ fn read_binary(bytes: &[u8]) -> Result<Model, Error> {
         marked += u64::from(facet[48..] != [0, 0]);
     }
     if marked > 0 {
-        notes.push(format!("attribute bytes of {marked} triangles dropped"));
+        notes.push(format!("triangles whose attribute bytes are dropped: {marked}"));
     }
     welder.finish(None, notes)
 }
@@ -139,7 +139,7 @@ fn read_text(bytes: &[u8]) -> Result<Model, Error> {
     }
     let mut notes = Vec::new();
     if solid_count > 1 {
-        notes.push(format!("{solid_count} solids joined into one mesh"));
+        notes.push(format!("solids joined into one mesh: {solid_count}"));
     }
     welder.finish(name, notes)
 }
@@ -203,7 +203,7 @@ mod tests {
         let part = &model.parts[0];
         assert_eq!(part.name.as_deref(), Some("a b"));
         assert_eq!(part.mesh.faces().as_triangles(), Some(&[0, 1, 2, 1, 3, 2][..]));
-        assert_eq!(model.notes, ["2 face normals dropped", "2 solids joined into one mesh"]);
+        assert_eq!(model.notes, ["face normals dropped: 2", "solids joined into one mesh: 2"]);
     }
 
     #[test]

@@ -143,7 +143,7 @@ impl<'a> Text<'a> {
     pub(crate) fn number(&mut self, what: &str) -> Result<f32, Error> {
         match self.word() {
             Some(word) => self.parse_number(word, what),
-            None => Err(self.missing(what)),
+            None => Err(self.missing(&format!("a number for {what}"))),
         }
     }
 

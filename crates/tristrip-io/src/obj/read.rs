@@ -227,26 +227,37 @@ impl<'a> Parser<'a> {
 
     /// Resolves an index of a corner to one counted from 0.
     fn index(&self, index: &[u8], word: &[u8], kind: usize) -> Result<u32, Error> {
-        let tables = &self.tables;
-        let (name, so_far) = match kind {
-            0 => ("vertex", tables.positions.len()),
-            1 => ("texture coordinate", tables.texcoords.len()),
-            _ => ("normal", tables.normals.len()),
-        };
-        let limit = self.limits[kind];
-        let (resolved, expected) = match integer(index) {
+        let parsed = integer(index);
+        let resolved = match parsed {
+            Some(i @ 1..) => usize::try_from(i).ok().filter(|&i| i <= self.limits[kind]).map(|i| i - 1),
             Some(i @ ..=-1) => {
-                let resolved =
-                    usize::try_from(i.unsigned_abs()).ok().and_then(|back| so_far.checked_sub(back));
-                (resolved, format!("a {name} index of -{so_far} or more, for those so far"))
+                usize::try_from(i.unsigned_abs()).ok().and_then(|back| self.count(kind).checked_sub(back))
             }
-            Some(i) => {
-                let resolved = usize::try_from(i).ok().filter(|&i| i <= limit).and_then(|i| i.checked_sub(1));
-                (resolved, format!("a {name} index from 1 to {limit}"))
-            }
-            None => (None, format!("an integer as {name} index")),
+            Some(0) | None => None,
         };
-        resolved.map(|i| i as u32).ok_or_else(|| Error::format(self.text.place(), quote(word), expected))
+        resolved.map(|i| i as u32).ok_or_else(|| self.wrong_index(parsed, word, kind))
+    }
+
+    /// Counts the positions, texture coordinates or normals so far.
+    fn count(&self, kind: usize) -> usize {
+        match kind {
+            0 => self.tables.positions.len(),
+            1 => self.tables.texcoords.len(),
+            _ => self.tables.normals.len(),
+        }
+    }
+
+    #[cold]
+    fn wrong_index(&self, index: Option<i64>, word: &[u8], kind: usize) -> Error {
+        let name = ["vertex", "texture coordinate", "normal"][kind];
+        let expected = match (index, self.count(kind)) {
+            (None, _) => format!("an integer as {name} index"),
+            (Some(0), _) => format!("a {name} index from 1, or from -1 backwards"),
+            (Some(1..), _) => format!("a {name} index from 1 to {}", self.limits[kind]),
+            (Some(i), 0) => format!("a {name} index from 1: none came before {i}"),
+            (Some(_), count) => format!("a {name} index of -{count} or more, for those so far"),
+        };
+        Error::format(self.text.place(), quote(word), expected)
     }
 
     fn group(&mut self) -> &mut Group {
@@ -285,24 +296,26 @@ impl<'a> Parser<'a> {
             .dropped
             .iter()
             .map(|(word, count)| match word.as_str() {
-                "l" => format!("{count} line elements dropped"),
-                "p" => format!("{count} point elements dropped"),
-                "s" => format!("{count} smoothing groups dropped"),
-                "mtllib" => format!("{count} material libraries not read: materials keep their names"),
-                _ => format!("{count} lines `{word}` ignored"),
+                "l" => format!("line elements dropped: {count}"),
+                "p" => format!("point elements dropped: {count}"),
+                "s" => format!("smoothing groups dropped: {count}"),
+                "mtllib" => format!("material libraries not read, materials keep their names: {count}"),
+                _ => format!("lines `{word}` ignored: {count}"),
             })
             .collect();
         let mut add = |count: u64, what: &str| {
             if count > 0 {
-                notes.push(format!("{count} {what}"));
+                notes.push(format!("{what}: {count}"));
             }
         };
         add(self.other_dropped, "lines of other keywords ignored");
         add(self.extra_values, "weights and further values of vertices dropped");
-        add(self.replaced, "values of texture coordinates and normals were not finite: 0 in their place");
+        add(self.replaced, "values of texture coordinates and normals not finite, 0 in their place");
         if self.object_lines > 1 {
-            notes
-                .push(format!("{} objects and groups joined: faces are kept by material", self.object_lines));
+            notes.push(format!(
+                "objects and groups joined, faces are kept by material: {}",
+                self.object_lines
+            ));
         }
         notes
     }

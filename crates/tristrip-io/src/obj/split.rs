@@ -32,12 +32,12 @@ pub(super) fn split(mut tables: Tables, notes: &mut Vec<String>) -> Result<Vec<P
     let missing = |column: &[u32]| column.iter().filter(|&&i| i == NONE).count();
     for (column, what) in [(&tables.texcoord_of, "texture coordinate"), (&tables.normal_of, "normal")] {
         if missing(column) > 0 {
-            notes.push(format!("{} corners have no {what}: 0 in its place", missing(column)));
+            notes.push(format!("corners without a {what}, 0 in its place: {}", missing(column)));
         }
     }
     let used = used_positions(&tables).iter().filter(|&&used| used).count();
     if used < tables.positions.len() {
-        notes.push(format!("{} vertices that no face uses dropped", tables.positions.len() - used));
+        notes.push(format!("vertices that no face uses dropped: {}", tables.positions.len() - used));
     }
     groups.into_iter().map(|group| part(&tables, group)).collect()
 }
@@ -100,9 +100,9 @@ fn used_positions(tables: &Tables) -> Vec<bool> {
 /// Says which tables no face names, and so are not kept.
 fn note_unused(tables: &Tables, notes: &mut Vec<String>) {
     if tables.texcoord_of.is_empty() && !tables.texcoords.is_empty() {
-        notes.push(format!("{} texture coordinates that no face uses dropped", tables.texcoords.len()));
+        notes.push(format!("texture coordinates that no face uses dropped: {}", tables.texcoords.len()));
     }
     if tables.normal_of.is_empty() && !tables.normals.is_empty() {
-        notes.push(format!("{} normals that no face uses dropped", tables.normals.len()));
+        notes.push(format!("normals that no face uses dropped: {}", tables.normals.len()));
     }
 }

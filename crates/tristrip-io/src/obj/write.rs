@@ -69,7 +69,7 @@ pub(crate) fn losses(model: &Model) -> Vec<String> {
     let small = |part: &Part| part.mesh.faces().iter().filter(|face| face.len() < 3).count();
     let small: usize = model.parts.iter().map(small).sum();
     if small > 0 {
-        out.push(format!("{small} faces of fewer than three corners not written"));
+        out.push(format!("faces of fewer than three corners not written: {small}"));
     }
     out
 }

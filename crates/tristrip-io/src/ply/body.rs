@@ -16,8 +16,10 @@ pub(super) trait Body {
     fn values_left(&self, kind: Scalar) -> u64;
     /// Bounds the number of rows, of at least one property, that the bytes left can hold.
     fn rows_left(&self, properties: &[Property]) -> u64;
-    /// Counts the bytes left, spaces at their end aside for text.
+    /// Counts the bytes left.
     fn bytes_left(&self) -> usize;
+    /// Checks that nothing but padding follows: more says that a count is too small.
+    fn end(&mut self) -> Result<(), Error>;
 }
 
 /// Rows of text: each begins on a line of its own; a long one may go on over several.
@@ -78,8 +80,16 @@ impl Body for Ascii<'_> {
     }
 
     fn bytes_left(&self) -> usize {
-        let mut ahead = self.text.clone();
-        ahead.word_below().map_or(0, |word| word.len() + ahead.bytes_left())
+        self.text.bytes_left()
+    }
+
+    fn end(&mut self) -> Result<(), Error> {
+        match self.text.word_below() {
+            None => Ok(()),
+            Some(word) => {
+                Err(Error::format(self.place(), quote(word), "the end of the file, by the header's counts"))
+            }
+        }
     }
 }
 
@@ -160,5 +170,14 @@ impl<const BIG: bool> Body for Binary<'_, BIG> {
 
     fn bytes_left(&self) -> usize {
         self.bytes.len() - self.at
+    }
+
+    fn end(&mut self) -> Result<(), Error> {
+        let left = &self.bytes[self.at..];
+        if left.iter().all(|&byte| byte == 0 || byte.is_ascii_whitespace()) {
+            return Ok(());
+        }
+        let found = format!("{} bytes after the last row", left.len());
+        Err(Error::format(format!("byte {}", self.at), found, "the end of the file, by the header's counts"))
     }
 }

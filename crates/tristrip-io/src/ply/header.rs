@@ -102,6 +102,9 @@ pub(super) fn read(bytes: &[u8]) -> Result<Header, Error> {
     let mut text = Text::new(bytes);
     match text.word() {
         Some(b"ply") if bytes.starts_with(b"ply") => {}
+        Some(b"ply") => {
+            return Err(Error::format("byte 0", "something before `ply`", "`ply` as the first three bytes"));
+        }
         Some(word) => return Err(Error::format("line 1", quote(word), "`ply`")),
         None => return Err(text.missing("`ply`")),
     }

@@ -43,7 +43,11 @@ impl<B: Body> Reader<B> {
     fn run(mut self, header: &Header) -> Result<Model, Error> {
         // Faces may come before the vertices, so the header gives the bound of their indices.
         let Some(vertices) = header.elements.iter().find(|element| element.name == "vertex") else {
-            return Err(Error::format("header", "no element `vertex`", "one"));
+            return Err(Error::format(
+                format!("line {}", header.body_line - 1),
+                "no element `vertex`",
+                "one",
+            ));
         };
         if vertices.row_count > MAX_COUNT as u64 {
             let (at, found) = (vertices.place(), vertices.row_count);
@@ -64,10 +68,7 @@ impl<B: Body> Reader<B> {
                 _ => self.skip(element)?,
             }
         }
-        let left = self.body.bytes_left();
-        if left > 0 {
-            self.notes.push(format!("{left} bytes after the last element ignored"));
-        }
+        self.body.end()?;
         let mut mesh = Mesh::new(self.positions, self.polygons.finish()?)?;
         for attribute in self.attributes {
             mesh = mesh.with_attribute(attribute)?;
@@ -104,7 +105,7 @@ impl<B: Body> Reader<B> {
                 let is_position = i == x || i == y || i == z;
                 if is_position && !(*value as f32).is_finite() {
                     let expected = format!("a finite 32-bit number for `{}`", property.name);
-                    return Err(Error::format(self.body.place(), value.to_string(), expected));
+                    return Err(Error::format(self.body.place(), format!("{value:?}"), expected));
                 }
             }
             self.body.end_row(element)?;
@@ -119,18 +120,18 @@ impl<B: Body> Reader<B> {
             }
         }
         if rounded > 0 {
-            self.notes.push(format!("{rounded} vertices rounded to 32-bit floats"));
+            self.notes.push(format!("vertices rounded to 32-bit floats: {rounded}"));
         }
         for property in element.properties.iter().filter(|property| property.count.is_some()) {
-            self.notes.push(format!("vertex property `{}` dropped: a list", property.name));
+            self.notes.push(format!("vertex property `{}`, a list, dropped", property.name));
         }
         if list_values > 0 {
-            self.notes.push(format!("{list_values} values in lists of vertices dropped"));
+            self.notes.push(format!("values in lists of vertices dropped: {list_values}"));
         }
         for column in columns {
             if column.replaced > 0 {
                 let (name, n) = (&column.attribute.name, column.replaced);
-                self.notes.push(format!("{n} values of {name} were not finite: 0 in their place"));
+                self.notes.push(format!("values of {name} not finite, 0 in their place: {n}"));
             }
             self.attributes.push(column.attribute);
         }
@@ -196,7 +197,7 @@ impl<B: Body> Reader<B> {
             self.body.end_row(element)?;
         }
         if short > 0 {
-            self.notes.push(format!("{short} strips of fewer than three vertices draw nothing"));
+            self.notes.push(format!("strips of fewer than three vertices, which draw nothing: {short}"));
         }
         self.note_dropped(element, index);
         Ok(())
@@ -213,7 +214,7 @@ impl<B: Body> Reader<B> {
             }
         }
         if element.row_count > 0 {
-            self.notes.push(format!("element `{}` dropped: {} rows", element.name, element.row_count));
+            self.notes.push(format!("rows of element `{}` dropped: {}", element.name, element.row_count));
         }
         Ok(())
     }
@@ -262,7 +263,7 @@ impl<B: Body> Reader<B> {
         for (i, property) in element.properties.iter().enumerate() {
             if i != index {
                 let (name, row) = (&property.name, &element.name);
-                self.notes.push(format!("{row} property `{name}` dropped: {} rows", element.row_count));
+                self.notes.push(format!("values of {row} property `{name}` dropped: {}", element.row_count));
             }
         }
     }
@@ -276,7 +277,7 @@ fn index_list(element: &Element) -> Result<Option<usize>, Error> {
         property.count.is_some() && !property.value.is_float()
     });
     if list.is_none() && element.row_count > 0 {
-        let found = format!("an element `{}` without vertices", element.name);
+        let found = format!("no such list in element `{}`", element.name);
         return Err(Error::format(element.place(), found, "a list of integers `vertex_indices`"));
     }
     Ok(list.filter(|_| element.row_count > 0))

@@ -86,11 +86,11 @@ pub(crate) fn write(model: &Model, drawings: &[Drawing], layout: Layout) -> Resu
 pub(crate) fn losses(model: &Model) -> Vec<String> {
     let mut out = Vec::new();
     if model.parts.len() > 1 {
-        out.push(format!("{} parts joined into one", model.parts.len()));
+        out.push(format!("parts joined into one: {}", model.parts.len()));
     }
     let materials = model.parts.iter().filter(|part| part.material.is_some()).count();
     if materials > 0 {
-        out.push(format!("{materials} material names not written"));
+        out.push(format!("material names not written: {materials}"));
     }
     out.extend(columns(model).1);
     out

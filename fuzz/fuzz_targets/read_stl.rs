@@ -1,0 +1,8 @@
+//! Any bytes, read as STL: an answer or an error.
+#![no_main]
+
+use tristrip_io::Format;
+
+libfuzzer_sys::fuzz_target!(|data: &[u8]| {
+    let _ = tristrip_io::read(data, Format::Stl);
+});
