@@ -4,7 +4,7 @@ use serde_json::{Map, Value};
 use tristrip::AttributeData;
 
 use super::buffer::Bytes;
-use super::document::{Place, array, format_error, uses};
+use super::document::{Place, format_error, uses};
 use super::{DECODED_LIMIT, RESTART_EXTENSION};
 use crate::error::Error;
 
@@ -110,13 +110,12 @@ pub(super) struct Values<'a> {
 }
 
 impl<'a> Source<'a> {
-    /// Finds a buffer view.
-    fn view(&self, index: usize) -> Result<View<'a>, Error> {
-        let place = Place::entry(self.root, "bufferViews", index)?;
+    /// Looks at a buffer view.
+    fn view(&self, place: &Place<'a>) -> Result<View<'a>, Error> {
         let buffer_at = place.need("buffer")?;
         let buffer = buffer_at.size()?;
         let Some(bytes) = self.buffers.get(buffer) else {
-            return Err(buffer_at.wrong(format!("an index below {}", self.buffers.len())));
+            return Err(buffer_at.wrong(format!("less than {}, the number of buffers", self.buffers.len())));
         };
         let bytes = bytes.as_slice();
         let length_at = place.need("byteLength")?;
@@ -128,16 +127,16 @@ impl<'a> Source<'a> {
         match offset.checked_add(length).and_then(|end| bytes.get(offset..end)) {
             Some(bytes) => Ok(View { bytes, stride }),
             None => Err(format_error(
-                place.at,
+                place.at.clone(),
                 format!("{length} bytes from byte {offset}"),
                 format!("a range within the {} bytes of buffers[{buffer}]", bytes.len()),
             )),
         }
     }
 
-    /// Finds the values of an accessor.
-    pub(super) fn values(&self, index: usize) -> Result<Values<'a>, Error> {
-        let place = Place::entry(self.root, "accessors", index)?;
+    /// Finds the values of the accessor that a value names.
+    pub(super) fn values(&self, reference: &Place<'a>) -> Result<Values<'a>, Error> {
+        let place = reference.target(self.root, "accessors")?;
         let component = Component::from_code(&place.need("componentType")?)?;
         let kind = place.need("type")?;
         let (rows, columns) = match kind.text()? {
@@ -176,17 +175,17 @@ impl<'a> Source<'a> {
     fn strided(
         &self,
         accessor: &Place<'_>,
-        view: &Place<'_>,
+        view: &Place<'a>,
         offset: usize,
         element: usize,
         count: usize,
     ) -> Result<(&'a [u8], usize), Error> {
-        let index = view.size()?;
-        let view = self.view(index)?;
+        let view_at = view.target(self.root, "bufferViews")?;
+        let view = self.view(&view_at)?;
         let stride = view.stride.unwrap_or(element);
         if stride < element {
             return Err(format_error(
-                format!("bufferViews[{index}].byteStride"),
+                format!("{}.byteStride", view_at.at),
                 stride.to_string(),
                 format!("at least {element}, the size of the values of {}", accessor.at),
             ));
@@ -197,7 +196,7 @@ impl<'a> Source<'a> {
             _ => Err(format_error(
                 accessor.at.clone(),
                 format!("{count} values: {length} bytes from byte {offset}"),
-                format!("a range within the {} bytes of bufferViews[{index}]", view.bytes.len()),
+                format!("a range within the {} bytes of {}", view.bytes.len(), view_at.at),
             )),
         }
     }
@@ -388,8 +387,8 @@ impl Values<'_> {
 
 /// Looks at every buffer view, so that writing need not fail for one that reading did not touch.
 pub(super) fn check_views(source: &Source<'_>) -> Result<(), Error> {
-    for index in 0..array(source.root, "bufferViews")?.len() {
-        source.view(index)?;
+    for view in Place::entries(source.root, "bufferViews")? {
+        source.view(&view)?;
     }
     Ok(())
 }

@@ -11,7 +11,7 @@ use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use serde_json::{Map, Value};
 
-use super::document::{Place, array, format_error};
+use super::document::{Place, format_error};
 use crate::error::Error;
 
 const BASE64: GeneralPurpose = GeneralPurpose::new(
@@ -49,11 +49,9 @@ pub(super) fn load(
     bin: Option<&Range<usize>>,
     base_dir: Option<&Path>,
 ) -> Result<Vec<Bytes>, Error> {
-    let count = array(root, "buffers")?.len();
-    let mut buffers = Vec::with_capacity(count);
+    let mut buffers = Vec::new();
     let mut files: HashMap<PathBuf, Arc<Vec<u8>>> = HashMap::new();
-    for index in 0..count {
-        let buffer = Place::entry(root, "buffers", index)?;
+    for (index, buffer) in Place::entries(root, "buffers")?.enumerate() {
         let length_at = buffer.need("byteLength")?;
         let length = length_at.size()?;
         let (owner, range) = match buffer.field("uri") {
@@ -92,7 +90,9 @@ fn decode_data_uri(uri: &Place<'_>, data: &str) -> Result<Vec<u8>, Error> {
     let Some((_, text)) = data.split_once(";base64,") else {
         return Err(uri.wrong("a data URI in base64"));
     };
-    BASE64.decode(text).map_err(|e| format_error(uri.at.clone(), e.to_string(), "base64"))
+    BASE64
+        .decode(text)
+        .map_err(|e| format_error(uri.at.clone(), e.to_string().trim_end_matches('.'), "base64"))
 }
 
 /// Reads a file of the document's own folder, once for all buffers that name it.

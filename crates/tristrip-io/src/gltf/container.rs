@@ -36,8 +36,12 @@ pub(super) fn open(bytes: Vec<u8>, notes: &mut Vec<String>) -> Result<Container,
         return Err(format_error("byte 4", format!("GLB version {version}"), "2"));
     }
     let length = header(8, "the length of the file")? as usize;
-    if length > file.len() || length < HEADER_BYTES + CHUNK_HEADER_BYTES {
-        let expected = format!("{}, the length of the file", file.len());
+    let least = HEADER_BYTES + CHUNK_HEADER_BYTES;
+    if length > file.len() || length < least {
+        let expected = match file.len() {
+            n if n < least => format!("at least {least}, two headers, in a file of {n} bytes"),
+            n => format!("{least} to {n}, the length of the file"),
+        };
         return Err(format_error("byte 8", format!("length {length}"), expected));
     }
     if length < file.len() {
@@ -76,7 +80,7 @@ fn open_json(file: Arc<Vec<u8>>) -> Result<Container, Error> {
     if first != Some(&b'{') {
         let found = match file.len() {
             0 => "an empty file".to_owned(),
-            n => format!("{:02x?}", &file[..n.min(4)]),
+            n => format!("\"{}\"", file[..n.min(4)].escape_ascii()),
         };
         return Err(format_error("byte 0", found, "`glTF` of a GLB or `{` of JSON"));
     }

@@ -52,20 +52,25 @@ impl<'a> Place<'a> {
     pub(super) fn root(root: &'a Map<String, Value>, name: &str) -> Result<Self, Error> {
         match root.get(name) {
             Some(value) => Ok(Self { value, at: name.to_owned() }),
-            None => Err(format_error(name, "nothing", "the member")),
+            None => Err(format_error(name, "nothing", "an object")),
         }
     }
 
-    /// Finds an entry of one of the document's arrays.
-    pub(super) fn entry(root: &'a Map<String, Value>, list: &str, index: usize) -> Result<Self, Error> {
-        let entries = array(root, list)?;
+    /// Walks over the entries of one of the document's arrays.
+    pub(super) fn entries(
+        root: &'a Map<String, Value>,
+        list: &'static str,
+    ) -> Result<impl Iterator<Item = Self>, Error> {
+        let entries = array(root, list)?.iter().enumerate();
+        Ok(entries.map(move |(i, value)| Self { value, at: format!("{list}[{i}]") }))
+    }
+
+    /// Finds the entry of one of the document's arrays that the value is an index of.
+    pub(super) fn target(&self, root: &'a Map<String, Value>, list: &str) -> Result<Self, Error> {
+        let (index, entries) = (self.size()?, array(root, list)?);
         match entries.get(index) {
             Some(value) => Ok(Self { value, at: format!("{list}[{index}]") }),
-            None => Err(format_error(
-                format!("{list}[{index}]"),
-                "nothing",
-                format!("an index below {}", entries.len()),
-            )),
+            None => Err(self.wrong(format!("less than {}, the number of {list}", entries.len()))),
         }
     }
 
@@ -77,7 +82,7 @@ impl<'a> Place<'a> {
 
     /// Finds a member that must be there.
     pub(super) fn need(&self, name: &str) -> Result<Place<'a>, Error> {
-        self.field(name).ok_or_else(|| format_error(format!("{}.{name}", self.at), "nothing", "the member"))
+        self.field(name).ok_or_else(|| format_error(format!("{}.{name}", self.at), "nothing", "a value"))
     }
 
     /// Gives the entries of an array.

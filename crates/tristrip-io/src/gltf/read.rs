@@ -81,11 +81,10 @@ struct Tally {
     matrix_attributes: u64,
 }
 
-impl Reader<'_> {
+impl<'a> Reader<'a> {
     fn parts(&mut self) -> Result<Vec<Part>, Error> {
         let mut parts = Vec::new();
-        for mesh in 0..array(self.source.root, "meshes")?.len() {
-            let place = Place::entry(self.source.root, "meshes", mesh)?;
+        for (mesh, place) in Place::entries(self.source.root, "meshes")?.enumerate() {
             let name = place.field("name").and_then(|n| n.value.as_str()).map(str::to_owned);
             for (primitive, place) in place.need("primitives")?.items()?.enumerate() {
                 let mode = match place.field("mode") {
@@ -108,24 +107,24 @@ impl Reader<'_> {
         Ok(parts)
     }
 
-    fn material(&self, primitive: &Place<'_>) -> Result<Option<String>, Error> {
+    fn material(&self, primitive: &Place<'a>) -> Result<Option<String>, Error> {
         let Some(material) = primitive.field("material") else { return Ok(None) };
-        let place = Place::entry(self.source.root, "materials", material.size()?)?;
+        let place = material.target(self.source.root, "materials")?;
         Ok(place.field("name").and_then(|n| n.value.as_str()).map(str::to_owned))
     }
 
-    fn mesh(&mut self, primitive: &Place<'_>, mode: u64) -> Result<Mesh, Error> {
+    fn mesh(&mut self, primitive: &Place<'a>, mode: u64) -> Result<Mesh, Error> {
         let extensions = primitive.field("extensions");
         if extensions.and_then(|e| e.field(DRACO)).is_some() {
             return Err(Error::Unsupported(format!("{}: {DRACO} is not supported", primitive.at)));
         }
         // 1. Positions, shared between primitives.
         let attributes = primitive.need("attributes")?;
-        let position = attributes.need("POSITION")?.size()?;
-        let positions = match self.positions.entry(position) {
+        let position = attributes.need("POSITION")?;
+        let positions = match self.positions.entry(position.size()?) {
             Entry::Occupied(known) => Arc::clone(known.get()),
             Entry::Vacant(new) => {
-                let values = self.source.values(position)?;
+                let values = self.source.values(&position)?;
                 let decoded = values.positions(self.source.root, &mut self.geometry)?;
                 Arc::clone(new.insert(Arc::new(decoded)))
             }
@@ -133,7 +132,7 @@ impl Reader<'_> {
         // 2. Indices: those of the file, or every vertex in order.
         let vertex_count = positions.len();
         let indices = if let Some(indices) = primitive.field("indices") {
-            let values = self.source.values(indices.size()?)?;
+            let values = self.source.values(&indices)?;
             values.indices(vertex_count, mode != TRIANGLES, &mut self.geometry)?
         } else {
             self.afford(primitive, vertex_count, size_of::<u32>())?;
@@ -163,10 +162,10 @@ impl Reader<'_> {
     fn attribute(
         &mut self,
         name: &str,
-        place: &Place<'_>,
+        place: &Place<'a>,
         vertex_count: usize,
     ) -> Result<Option<Attribute>, Error> {
-        let values = self.source.values(place.size()?)?;
+        let values = self.source.values(place)?;
         if values.count != vertex_count {
             let expected = format!("{vertex_count}, one for each vertex");
             return Err(format_error(format!("{}.count", values.at), values.count.to_string(), expected));
@@ -261,12 +260,12 @@ fn check_nodes(root: &Map<String, Value>) -> Result<(), Error> {
     let count = array(root, "nodes")?.len();
     let mut children: Vec<Vec<usize>> = vec![Vec::new(); count];
     let mut parent_count = vec![0u32; count];
-    for (node, list) in children.iter_mut().enumerate() {
-        let Some(place) = Place::entry(root, "nodes", node)?.field("children") else { continue };
+    for (list, node) in children.iter_mut().zip(Place::entries(root, "nodes")?) {
+        let Some(place) = node.field("children") else { continue };
         for child in place.items()? {
             let index = child.size()?;
             let Some(parents) = parent_count.get_mut(index) else {
-                return Err(child.wrong(format!("an index below {count}")));
+                return Err(child.wrong(format!("less than {count}, the number of nodes")));
             };
             *parents += 1;
             list.push(index);
