@@ -76,6 +76,37 @@ pub struct Scene {
     primitives: Vec<PrimitiveAt>,
 }
 
+impl Scene {
+    /// Says in words what the document holds beside the parts, with counts: a format without scenes cannot keep it.
+    ///
+    /// ```
+    /// let json = br#"{"asset":{"version":"2.0"},"nodes":[{"scale":[2,2,2]}],"cameras":[{}]}"#;
+    /// let model = tristrip_io::gltf::read(json.to_vec(), None)?;
+    /// let scene = model.scene.unwrap_or_default();
+    /// assert_eq!(scene.beyond_parts(), ["1 nodes with a transform", "1 cameras"]);
+    /// # Ok::<(), tristrip_io::Error>(())
+    /// ```
+    pub fn beyond_parts(&self) -> Vec<String> {
+        let list = |name| document::array(&self.root, name).unwrap_or_default();
+        let placed = |node: &&Value| {
+            ["matrix", "translation", "rotation", "scale"].iter().any(|key| node.get(*key).is_some())
+        };
+        let primitives = || list("meshes").iter().flat_map(|mesh| document::items(mesh, "primitives"));
+        let of_triangles =
+            |p: &&Value| p.get("mode").and_then(document::whole).is_none_or(|mode| mode >= TRIANGLES);
+        let counts = [
+            (list("nodes").iter().filter(placed).count(), "nodes with a transform"),
+            (primitives().filter(|p| !of_triangles(p)).count(), "primitives of points or lines"),
+            (primitives().filter(|p| p.get("targets").is_some()).count(), "primitives with morph targets"),
+            (list("skins").len(), "skins"),
+            (list("animations").len(), "animations"),
+            (list("textures").len(), "textures"),
+            (list("cameras").len(), "cameras"),
+        ];
+        counts.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{count} {what}")).collect()
+    }
+}
+
 /// The place of a part in the document.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct PrimitiveAt {

@@ -254,6 +254,36 @@ fn old_bytes_leave_the_buffer() {
     validate("old_bytes_leave_the_buffer", &files);
 }
 
+#[test]
+fn index_accessors_of_one_view_become_views_of_their_own() {
+    let mut draft = Draft::new();
+    let positions = draft.positions(&bent(9));
+    let all = draft.indices(U16, &[0, 1, 2, 2, 1, 3, 4, 5, 6, 6, 5, 7]);
+    let view = draft.json["accessors"][all]["bufferView"].clone();
+    draft.json["accessors"][all]["count"] = 6.into();
+    let rest = push(
+        &mut draft.json["accessors"],
+        json!({ "bufferView": view, "byteOffset": 12, "componentType": U16, "count": 6, "type": "SCALAR" }),
+    );
+    draft.primitive(positions, Some(all), 4);
+    draft.primitive(positions, Some(rest), 4);
+    let files = check_scene("view", &draft.glb());
+    let after = json_of(&files[1].1);
+    assert_eq!(after["accessors"].as_array().unwrap().len(), 3);
+    assert_eq!(after["bufferViews"].as_array().unwrap().len(), 3);
+    validate("index_accessors_of_one_view", &files);
+    // A line list on one of the two keeps the view, and its accessor.
+    push(
+        &mut draft.json["meshes"][0]["primitives"],
+        json!({ "attributes": { "POSITION": 0 }, "indices": rest, "mode": 1 }),
+    );
+    let files = check_scene("kept", &draft.glb());
+    let after = json_of(&files[1].1);
+    assert_eq!(after["meshes"][0]["primitives"][2]["indices"], rest);
+    assert_eq!(after["bufferViews"][1], draft.json["bufferViews"][1]);
+    validate("index_accessors_of_one_view", &files);
+}
+
 fn model_with(draft: &Draft) -> Model {
     gltf::read(draft.glb(), None).unwrap()
 }

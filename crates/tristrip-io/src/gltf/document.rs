@@ -146,6 +146,32 @@ pub(super) fn whole(value: &Value) -> Option<u64> {
     })
 }
 
+/// Gives the entries of one of the document's arrays, which is made if it is missing.
+pub(super) fn list_mut<'a>(
+    root: &'a mut Map<String, Value>,
+    list: &str,
+) -> Result<&'a mut Vec<Value>, Error> {
+    match root.entry(list).or_insert_with(|| Value::Array(Vec::new())) {
+        Value::Array(entries) => Ok(entries),
+        _ => Err(format_error(list, "something else", "an array")),
+    }
+}
+
+/// Gives the entries of an array that is a member of a value; none where it is missing.
+pub(super) fn items<'a>(value: &'a Value, name: &str) -> &'a [Value] {
+    value.get(name).and_then(Value::as_array).map_or(&[], Vec::as_slice)
+}
+
+/// Walks over the members of an object.
+pub(super) fn values(object: &Value) -> impl Iterator<Item = &Value> {
+    object.as_object().into_iter().flat_map(Map::values)
+}
+
+/// Takes a value for an index.
+pub(super) fn index(value: &Value) -> Option<usize> {
+    usize::try_from(whole(value)?).ok()
+}
+
 /// Tells whether a document declares that it uses an extension.
 pub(super) fn uses(root: &Map<String, Value>, extension: &str) -> bool {
     ["extensionsUsed", "extensionsRequired"].iter().any(|list| {
