@@ -51,7 +51,7 @@ struct StripArgs {
     #[command(flatten)]
     method: MethodArgs,
     /// Skip the proof
-    #[arg(long)]
+    #[arg(long, help_heading = "Output")]
     no_verify: bool,
     #[command(flatten)]
     shared: SharedArgs,
@@ -121,7 +121,7 @@ struct ConvertArgs {
     #[command(flatten)]
     output: OutputArgs,
     /// Skip the proof
-    #[arg(long)]
+    #[arg(long, help_heading = "Output")]
     no_verify: bool,
     #[command(flatten)]
     shared: SharedArgs,
@@ -137,7 +137,7 @@ struct InputArgs {
     /// The format of standard input, or of files whose extension misleads
     ///
     /// Without it a file's extension tells, or its content where there is no known extension.
-    #[arg(long, value_enum, value_name = "FORMAT")]
+    #[arg(long, value_enum, value_name = "FORMAT", help_heading = "General")]
     from: Option<ReadFormat>,
 }
 
@@ -268,6 +268,8 @@ pub(crate) struct Input {
 pub(crate) struct Output {
     /// `None` for standard output.
     pub(crate) path: Option<PathBuf>,
+    /// Whether the file lies in an output directory, which is made where it is missing.
+    pub(crate) in_directory: bool,
     pub(crate) format: Format,
     pub(crate) layout: Layout,
 }
@@ -412,7 +414,7 @@ fn jobs(inputs: Vec<Input>, args: &OutputArgs) -> Result<Vec<Job>, String> {
         }
     };
     let layout = layout(args, format)?;
-    let output = |_: &Input| Output { path: Some(target.clone()), format, layout };
+    let output = |_: &Input| Output { path: Some(target.clone()), in_directory: false, format, layout };
     Ok(inputs.into_iter().map(|input| Job { output: Some(output(&input)), input }).collect())
 }
 
@@ -426,7 +428,7 @@ fn jobs_to_stdout(inputs: Vec<Input>, args: &OutputArgs) -> Result<Vec<Job>, Str
         return Err(format!("standard output is a terminal, and {} is binary; redirect it", format.name()));
     }
     let layout = layout(args, format)?;
-    let output = || Some(Output { path: None, format, layout });
+    let output = || Some(Output { path: None, in_directory: false, format, layout });
     Ok(inputs.into_iter().map(|input| Job { input, output: output() }).collect())
 }
 
@@ -459,7 +461,10 @@ fn jobs_to_directory(inputs: Vec<Input>, directory: &Path, args: &OutputArgs) ->
                 input.name()
             ));
         }
-        jobs.push(Job { input, output: Some(Output { path: Some(path), format, layout }) });
+        jobs.push(Job {
+            input,
+            output: Some(Output { path: Some(path), in_directory: true, format, layout }),
+        });
     }
     Ok(jobs)
 }

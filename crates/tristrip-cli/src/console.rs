@@ -91,7 +91,7 @@ impl Console {
     /// Prints the line of a finished stage: its name, what came of it, and its time.
     pub(crate) fn stage(&self, name: &str, what: &str, seconds: Option<f64>) {
         let time = seconds.map(text::duration).unwrap_or_default();
-        self.say(format!("  {name:<9} {what:<66} {time:>8}").trim_end());
+        self.say(format!("  {name:<9} {what:<62} {time:>8}").trim_end());
     }
 
     /// Prints something that a user should know of an input.

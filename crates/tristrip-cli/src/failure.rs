@@ -1,5 +1,6 @@
 //! Why one input could not be done: said with the file's name before it, while the other inputs go on.
 
+use std::io;
 use std::path::Path;
 
 /// What went wrong with one input.
@@ -34,7 +35,7 @@ impl Failure {
     }
 
     /// Takes over what the system said about a file or directory.
-    pub(crate) fn system(path: &Path, error: &std::io::Error) -> Self {
+    pub(crate) fn system(path: &Path, error: &io::Error) -> Self {
         Self::Output(format!("{}: {}", path.display(), plain(error)))
     }
 }
@@ -45,8 +46,11 @@ impl From<tristrip::Error> for Failure {
     }
 }
 
-/// Says what the system said without its number.
-fn plain(error: &std::io::Error) -> String {
+/// Says what the system said, in its words, without its number.
+fn plain(error: &io::Error) -> String {
+    if error.kind() == io::ErrorKind::NotFound {
+        return "no such file or directory".into();
+    }
     let message = error.to_string();
     match message.find(" (os error") {
         Some(end) => message[..end].to_lowercase(),

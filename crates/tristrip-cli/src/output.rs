@@ -3,7 +3,7 @@
 use std::fs;
 
 use tristrip::strip::verify_models;
-use tristrip_io::{Drawing, Model};
+use tristrip_io::{Drawing, Format, Model};
 
 use crate::args::{Output, layout_name};
 use crate::console::Console;
@@ -50,9 +50,20 @@ pub(crate) fn write(
         let what = format!("{}, {}, {how}", output.name(), text::bytes(bytes.len()));
         console.stage("write", &what, Some(write_seconds));
     }
-    let losses = tristrip_io::losses(model, output.format);
+    let losses = losses(output.format, model, drawings);
     losses.iter().for_each(|loss| console.note(loss));
     Ok(Written { losses, verify_seconds, write_seconds })
+}
+
+/// Says what the format cannot hold of the model.
+fn losses(format: Format, model: &Model, drawings: &[Drawing<'_>]) -> Vec<String> {
+    if format == Format::Glb {
+        return tristrip_io::gltf::left_out(model, drawings);
+    }
+    let mut losses = tristrip_io::losses(model, format);
+    let scene = model.scene.iter().flat_map(tristrip_io::gltf::Scene::beyond_parts);
+    losses.extend(scene.map(|what| format!("{what} not written: {} has no place for them", format.name())));
+    losses
 }
 
 /// Reads the bytes as anyone would, and holds what they draw to the source.
@@ -70,7 +81,7 @@ fn put(output: &Output, bytes: &[u8], console: &mut Console) -> Result<(), Failu
         console.write_stdout(bytes);
         return Ok(());
     };
-    if let Some(directory) = path.parent().filter(|d| !d.as_os_str().is_empty() && !d.exists()) {
+    if let Some(directory) = path.parent().filter(|directory| output.in_directory && !directory.exists()) {
         // Only the directory that was named: a missing one above it is more likely a slip.
         fs::create_dir(directory).map_err(|error| Failure::system(directory, &error))?;
     }

@@ -75,7 +75,7 @@ fn strip(
     report.notes.extend(mesh.remarks());
     console.stage(
         "dual",
-        &format!("{} joined across shared edges", counted(mesh.faces, "face")),
+        &format!("{} joined over shared edges", counted(mesh.faces, "face")),
         Some(dual_seconds),
     );
     let faces = mesh.faces;
@@ -120,6 +120,6 @@ pub(crate) fn proven(faces: usize) -> String {
     match faces {
         0 => "proven: draws nothing, as the source has no faces".into(),
         1 => "proven: draws exactly the one face, with its winding".into(),
-        _ => format!("proven: draws exactly the {}, each once, wound as they are", counted(faces, "face")),
+        _ => format!("proven: draws exactly the {}, each once, wound right", counted(faces, "face")),
     }
 }

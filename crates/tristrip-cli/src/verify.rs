@@ -32,7 +32,7 @@ pub(crate) fn run(task: &VerifyTask, console: &mut Console) -> bool {
             let faces = counted(faces, "face");
             let (source, result) = (&report.source, &report.result);
             console.result(&format!(
-                "proven: {result} draws exactly the {faces} of {source}, wound as they are\n"
+                "proven: {result} draws exactly the {faces} of {source}, each once, wound right\n"
             ));
         }
         Ok(Err(difference)) => {

@@ -13,6 +13,9 @@
 
 use super::Strips;
 
+/// Vertices for each one sent from which on the sent ones are renumbered: thousands of parts may share one list of vertices.
+const SPARSE: usize = 16;
+
 /// Which vertex leaves a full buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
@@ -95,10 +98,18 @@ impl BufferUse {
     /// assert_eq!((used.acmr(), used.atvr()), (5.0 / 3.0, 1.0));
     /// ```
     pub fn of(strips: &Strips, replacement: Replacement, places: usize, vertex_count: usize) -> Self {
-        let mut buffer = VertexBuffer::new(replacement, places, vertex_count);
-        strips.vertices().iter().for_each(|&v| {
-            buffer.send(v);
-        });
+        let mut used: Vec<u32> = Vec::new();
+        let few = strips.vertices_sent() < vertex_count / SPARSE;
+        if few {
+            used.extend_from_slice(strips.vertices());
+            used.sort_unstable();
+            used.dedup();
+        }
+        let mut buffer = VertexBuffer::new(replacement, places, if few { used.len() } else { vertex_count });
+        for &vertex in strips.vertices() {
+            let place = if few { used.partition_point(|&v| v < vertex) as u32 } else { vertex };
+            buffer.send(place);
+        }
         Self {
             misses: buffer.misses(),
             triangles: strips.triangles().count(),
@@ -167,6 +178,7 @@ mod tests {
         strips.push(&[0, 1, 2, 1, 3]);
         let used = BufferUse::of(&strips, Replacement::Fifo, 3, 9);
         assert_eq!(used, BufferUse { misses: 4, triangles: 2, vertices: 4 });
+        assert_eq!(used, BufferUse::of(&strips, Replacement::Fifo, 3, 9000));
         assert!(BufferUse::default().acmr() + BufferUse::default().atvr() < f64::MIN_POSITIVE);
     }
 }
