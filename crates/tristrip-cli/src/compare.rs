@@ -2,7 +2,6 @@
 
 use tristrip::{Method, Options};
 
-use crate::args::{CompareTask, Input};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::figures::{Figures, MeshFigures};
@@ -10,6 +9,7 @@ use crate::input::{load, meshes};
 use crate::method::{MethodReport, methods_to_compare};
 use crate::report::{CompareReport, MethodRow, Seconds};
 use crate::stages::{Pool, Prepared, find_strips, prepare, prove, timed};
+use crate::task::{CompareTask, Input};
 use crate::text::{counted, grouped, markdown, table};
 
 /// A column of the table: its head, how its figure is written, and the figure, where less is better.

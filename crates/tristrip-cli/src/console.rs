@@ -8,7 +8,7 @@ use std::time::Duration;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 
-use crate::args::Shared;
+use crate::task::Shared;
 use crate::text;
 
 /// The two streams, and what may be said on them.

@@ -3,7 +3,6 @@
 use tristrip::{Method, Options};
 use tristrip_io::Drawing;
 
-use crate::args::{ConvertTask, Job, layout_name};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::input::{load, meshes};
@@ -11,6 +10,7 @@ use crate::output;
 use crate::report::{ConvertReport, Seconds};
 use crate::stages::{Pool, find_strips, prepare, timed};
 use crate::strip::proven;
+use crate::task::{ConvertTask, Job, layout_name};
 use crate::text::counted;
 
 /// Converts all inputs, one after the other; tells whether all were done.

@@ -5,8 +5,8 @@ use std::io::Read;
 use tristrip::Mesh;
 use tristrip_io::{Format, Model};
 
-use crate::args::Input;
 use crate::failure::Failure;
+use crate::task::Input;
 
 /// Reads an input in the format that was asked for, or of its extension, or of its content.
 pub(crate) fn load(input: &Input) -> Result<Model, Failure> {

@@ -1,7 +1,7 @@
 //! The `tristrip` command: polygon meshes into proven triangle strips.
 //!
 //! ```text
-//! args ─▶ strip │ compare │ verify │ convert ─▶ input ─ stages ─ output ─▶ figures, report ─▶ console
+//! args ─▶ task ─▶ strip │ compare │ verify │ convert ─▶ input ─ stages ─ output ─▶ figures, report ─▶ console
 //! ```
 //! The exit code is 0 when everything was done and proven, 1 when something was not or an input was bad, 2 when the command was
 //! called wrongly.
@@ -20,13 +20,14 @@ mod output;
 mod report;
 mod stages;
 mod strip;
+mod task;
 mod text;
 mod verify;
 
 use std::process::ExitCode;
 
-use args::Task;
 use console::Console;
+use task::Task;
 
 fn main() -> ExitCode {
     let (task, shared) = args::parse();

@@ -5,11 +5,11 @@ use std::fs;
 use tristrip::strip::verify_models;
 use tristrip_io::{Drawing, Format, Model};
 
-use crate::args::{Output, layout_name};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::input::meshes;
 use crate::stages::timed;
+use crate::task::{Output, layout_name};
 use crate::text;
 
 /// What was written.

@@ -2,7 +2,6 @@
 
 use tristrip_io::Drawing;
 
-use crate::args::{Job, StripTask, layout_name};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::figures::{Figures, MeshFigures};
@@ -11,6 +10,7 @@ use crate::method::MethodReport;
 use crate::output;
 use crate::report::{Seconds, StripReport};
 use crate::stages::{Pool, find_strips, prepare, prove, timed};
+use crate::task::{Job, StripTask, layout_name};
 use crate::text::counted;
 
 /// Works on all inputs, one after the other; tells whether all were done.

@@ -2,12 +2,12 @@
 
 use tristrip::strip::{Difference, verify_models};
 
-use crate::args::VerifyTask;
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::input::{load, meshes};
 use crate::report::{DifferenceReport, Seconds, VerifyReport};
 use crate::stages::timed;
+use crate::task::VerifyTask;
 use crate::text::counted;
 
 /// Proves a result; tells whether it is proven.
