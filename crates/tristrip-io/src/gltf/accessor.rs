@@ -405,9 +405,7 @@ pub(super) fn check_views(source: &Source<'_>) -> Result<(), Error> {
 /// Tells in words that restarts stand in a file that does not declare them.
 pub(super) fn undeclared_restart(root: &Map<String, Value>, count: u64) -> Option<String> {
     (count > 0 && !uses(root, RESTART_EXTENSION)).then(|| {
-        format!(
-            "{count} restart indices taken as restarts, although the file does not use {RESTART_EXTENSION}"
-        )
+        format!("restart indices in a file that does not use {RESTART_EXTENSION}, taken as restarts: {count}")
     })
 }
 
