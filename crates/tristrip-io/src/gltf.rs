@@ -49,7 +49,7 @@ use tristrip::Layout;
 use crate::error::Error;
 use crate::model::{Drawing, Model};
 
-pub use build::left_out;
+pub use build::losses;
 pub use read::read;
 
 /// The bytes that positions and indices of any file may take when decoded; 16 for each byte of its buffers come on top.
@@ -83,7 +83,7 @@ impl Scene {
     /// let json = br#"{"asset":{"version":"2.0"},"nodes":[{"scale":[2,2,2]}],"cameras":[{}]}"#;
     /// let model = tristrip_io::gltf::read(json.to_vec(), None)?;
     /// let scene = model.scene.unwrap_or_default();
-    /// assert_eq!(scene.beyond_parts(), ["1 nodes with a transform", "1 cameras"]);
+    /// assert_eq!(scene.beyond_parts(), ["nodes with a transform: 1", "cameras: 1"]);
     /// # Ok::<(), tristrip_io::Error>(())
     /// ```
     pub fn beyond_parts(&self) -> Vec<String> {
@@ -103,7 +103,11 @@ impl Scene {
             (list("textures").len(), "textures"),
             (list("cameras").len(), "cameras"),
         ];
-        counts.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{count} {what}")).collect()
+        counts
+            .iter()
+            .filter(|(count, _)| *count > 0)
+            .map(|(count, what)| format!("{what}: {count}"))
+            .collect()
     }
 }
 
@@ -119,7 +123,7 @@ struct PrimitiveAt {
 ///
 /// With a scene, the document is the one that was read: only the indices and modes of its triangle primitives change
 /// ([`Drawing::Faces`] leaves a triangle list alone). Without one, a minimal document is made: a mesh and node for each
-/// run of parts of one name, a primitive a part, a material a name. [`left_out`] tells what such a document cannot hold.
+/// run of parts of one name, a primitive a part, a material a name. [`losses`] tells what such a document cannot hold.
 ///
 /// The index type is the smallest in which no index takes the highest value. Strips of fewer than three vertices are
 /// left out; a drawing without any triangle becomes one degenerate triangle, because glTF has no empty index buffers.

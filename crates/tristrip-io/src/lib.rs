@@ -8,8 +8,8 @@
 //! | STL | ascii, binary; welded | – |
 //! | glTF 2.0, GLB | all triangle modes, sparse accessors, restart | GLB, the scene kept |
 //!
-//! Every input is taken as hostile: a reader never panics, allocates no more than a small multiple of the bytes that it was
-//! given, and says where the file is wrong, what stands there and what was expected. What a reader drops, it counts in
+//! Every input is taken as hostile: a reader never panics, allocates in proportion to the bytes that it was given and never
+//! by what a count in them claims, and says where the file is wrong, what stands there and what was expected. What a reader drops, it counts in
 //! [`Model::notes`]; what a writer must drop, [`losses`] names.
 //!
 //! ```

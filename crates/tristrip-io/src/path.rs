@@ -31,10 +31,10 @@ pub fn read_path(path: impl AsRef<Path>) -> Result<Model, Error> {
     read_beside(&bytes, format, Some(path.parent().unwrap_or(Path::new(""))))
 }
 
-/// Writes a model to a file, in the format of its extension, as [`write`] and [`replace_file`] do.
+/// Writes a model to a file, in the format of its extension, as [`write()`] and [`replace_file`] do.
 ///
 /// # Errors
-/// The extension names no format, or as [`write`] and [`replace_file`].
+/// The extension names no format, or as [`write()`] and [`replace_file`].
 pub fn write_path(
     path: impl AsRef<Path>,
     model: &Model,

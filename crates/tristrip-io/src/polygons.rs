@@ -29,7 +29,7 @@ impl Polygons {
         let end = self.corners.len();
         self.face_count += 1;
         if self.offsets.is_none() && end != 3 * self.face_count {
-            self.offsets = Some((0..self.face_count).map(|face| 3 * face as u32).collect());
+            self.offsets = Some((0..self.face_count).map(|face| (3 * face) as u32).collect());
         }
         if let Some(offsets) = &mut self.offsets {
             offsets.push(end as u32);

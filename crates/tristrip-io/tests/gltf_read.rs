@@ -64,12 +64,12 @@ fn notes_what_it_leaves_out() {
     assert_eq!(
         model.notes,
         [
-            "5 bytes after the end of the GLB left out",
-            "1 primitives of points or lines passed by; a GLB written from this file keeps them",
-            "1 degenerate triangles of strips and fans left out: they draw nothing",
-            "1 indices at the end of triangle lists left out: they make no triangle",
-            "1 restart indices taken as restarts, although the file does not use KHR_mesh_primitive_restart",
-            "1 images in files of their own: a GLB written from this file names them as it does",
+            "bytes after the end of the GLB left out: 5",
+            "primitives of points or lines, kept in a GLB alone: 1",
+            "degenerate triangles of strips and fans left out, which draw nothing: 1",
+            "indices at the end of triangle lists left out, which make no triangle: 1",
+            "restart indices in a file that does not use KHR_mesh_primitive_restart, taken as restarts: 1",
+            "images in files of their own, which a GLB goes on naming: 1",
         ]
     );
     assert_eq!(model.parts.len(), 2);
@@ -218,6 +218,9 @@ fn reads_files_of_its_own_folder_and_no_others() {
         say("sub/a b.bin", None).ends_with("expected a data URI: the folder of the document is not known")
     );
     assert!(matches!(read("none.bin", Some(&inside)), Err(Error::Io { .. })));
+    // A document named without a folder lies in the current one, as this package's manifest does.
+    let here = read("Cargo.toml", Some(std::path::Path::new("")));
+    assert!(!matches!(here, Err(Error::Io { .. })), "{here:?}");
 }
 
 #[test]

@@ -458,20 +458,20 @@ fn writes_attributes_under_names_that_fit() {
     ]);
     let model = model_of([good, bad]);
     assert_eq!(
-        gltf::left_out(&model, &[Drawing::Faces; 2]),
+        gltf::losses(&model),
         [
-            "part 0: attribute `quality` written as `_quality`",
-            "part 0: attribute `flow` written as `_flow`",
-            "part 1: attribute `NORMAL` written as `_NORMAL`",
-            "part 1: attribute `TANGENT` written as `_TANGENT`",
-            "part 1: attribute `TEXCOORD_1` written as `_TEXCOORD_1`",
-            "part 1: attribute `COLOR_0` written as `_COLOR_0`",
-            "part 1: attribute `COLOR_01` written as `_COLOR_01`",
-            "part 1: attribute `JOINTS_0` written as `_JOINTS_0`",
-            "part 1: attribute `id` left out: glTF has no 64-bit floats or 32-bit integers for vertices",
-            "part 1: attribute `five` left out: it has 5 components, and glTF has 1 to 4",
-            "part 1: attribute `nan` left out: not all of its values are finite",
-            "part 1: attribute `_COLOR_0` left out: another attribute is written as `_COLOR_0`",
+            "attribute `COLOR_01` written as `_COLOR_01`: 1",
+            "attribute `COLOR_0` written as `_COLOR_0`: 1",
+            "attribute `JOINTS_0` written as `_JOINTS_0`: 1",
+            "attribute `NORMAL` written as `_NORMAL`: 1",
+            "attribute `TANGENT` written as `_TANGENT`: 1",
+            "attribute `TEXCOORD_1` written as `_TEXCOORD_1`: 1",
+            "attribute `_COLOR_0` not written, as another attribute is written as `_COLOR_0`: 1",
+            "attribute `five` not written, as it has 5 components, and glTF has 1 to 4: 1",
+            "attribute `flow` written as `_flow`: 1",
+            "attribute `id` not written, as glTF has no 64-bit floats or 32-bit integers for vertices: 1",
+            "attribute `nan` not written, as not all of its values are finite: 1",
+            "attribute `quality` written as `_quality`: 1",
         ]
     );
     let glb = gltf::write_glb(&model, &[Drawing::Faces; 2], Layout::Degenerate).unwrap();
@@ -505,10 +505,7 @@ fn parts_that_share_positions_share_them_in_the_file() {
     assert_eq!(json["meshes"][1]["primitives"][0]["material"], 0);
     assert_eq!(json["nodes"], json!([{ "name": "a", "mesh": 0 }, { "name": "b", "mesh": 1 }]));
     assert_eq!(json["materials"], json!([{ "name": "m" }, { "name": "n" }]));
-    assert_eq!(
-        gltf::left_out(&model, &[Drawing::Faces; 3]),
-        ["part 1: 1 polygons cut into fans around their first corner"]
-    );
+    assert_eq!(gltf::losses(&model), ["polygons, cut into fans where no strips draw them: 1"]);
     let back = gltf::read(glb.clone(), None).unwrap();
     assert_eq!(triangles(&back, 1), [[7, 9, 8], [6, 9, 7]]);
     validate("parts_that_share", &[("shared.glb".into(), glb)]);

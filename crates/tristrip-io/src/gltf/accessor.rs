@@ -11,6 +11,9 @@ use crate::error::Error;
 /// The extension that allows integer positions.
 const QUANTIZATION: &str = "KHR_mesh_quantization";
 
+/// The largest `byteStride` that the specification allows.
+const MAX_STRIDE: usize = 252;
+
 /// A type of numbers in a buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Component {
@@ -123,7 +126,13 @@ impl<'a> Source<'a> {
         if length == 0 {
             return Err(length_at.wrong("at least 1"));
         }
-        let stride = place.field("byteStride").map(|p| p.size()).transpose()?;
+        let stride = match place.field("byteStride") {
+            None => None,
+            Some(stride) => match stride.size()? {
+                allowed @ 0..=MAX_STRIDE => Some(allowed),
+                _ => return Err(stride.wrong(format!("at most {MAX_STRIDE}"))),
+            },
+        };
         match offset.checked_add(length).and_then(|end| bytes.get(offset..end)) {
             Some(bytes) => Ok(View { bytes, stride }),
             None => Err(format_error(
@@ -396,9 +405,7 @@ pub(super) fn check_views(source: &Source<'_>) -> Result<(), Error> {
 /// Tells in words that restarts stand in a file that does not declare them.
 pub(super) fn undeclared_restart(root: &Map<String, Value>, count: u64) -> Option<String> {
     (count > 0 && !uses(root, RESTART_EXTENSION)).then(|| {
-        format!(
-            "{count} restart indices taken as restarts, although the file does not use {RESTART_EXTENSION}"
-        )
+        format!("restart indices in a file that does not use {RESTART_EXTENSION}, taken as restarts: {count}")
     })
 }
 

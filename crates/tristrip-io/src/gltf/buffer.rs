@@ -108,6 +108,8 @@ fn load_file(
     let Some(base_dir) = base_dir else {
         return Err(uri.wrong("a data URI: the folder of the document is not known"));
     };
+    // The folder of a file that is named without one.
+    let base_dir = if base_dir.as_os_str().is_empty() { Path::new(".") } else { base_dir };
     let io_error = |source| Error::Io { path: base_dir.join(&relative).display().to_string(), source };
     let folder = base_dir.canonicalize().map_err(io_error)?;
     let path = folder.join(&relative).canonicalize().map_err(io_error)?;

@@ -4,7 +4,7 @@
 //! `NORMAL`, `TANGENT`, `TEXCOORD_n` and `COLOR_n` are written under these names where their values are what glTF asks for:
 //! normals and tangents of unit length, colours from 0 to 1, numbers without a gap. Others, and those whose values are
 //! not, become custom attributes with a leading underscore: their values are never changed. What has no type in glTF (64-bit
-//! floats, 32-bit integers, more than four components, values that are not finite) stays out; [`left_out`] says so.
+//! floats, 32-bit integers, more than four components, values that are not finite) stays out; [`losses`] says so.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
@@ -23,48 +23,52 @@ const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 /// How far the length of a normal may be from 1; the Khronos validator allows 0.00674.
 const UNIT_TOLERANCE: f64 = 0.006;
 
-/// Says in words what a GLB made of these parts cannot hold as it is; empty for a model with a scene, which keeps all.
+/// Names what a GLB cannot hold of a model as it is, in words, with counts; nothing for a model with a scene, which keeps
+/// all.
 ///
 /// ```
 /// use tristrip::{Attribute, AttributeData, Faces, Mesh};
-/// use tristrip_io::{Drawing, Model, Part, gltf};
+/// use tristrip_io::{Model, Part, gltf};
 /// let mesh = Mesh::new(vec![[0.0; 3]], Faces::default())?.with_attribute(Attribute {
 ///     name: "quality".into(), components: 1, normalized: false, data: AttributeData::F64(vec![1.0]),
 /// })?;
 /// let model = Model { parts: vec![Part { mesh, ..Part::default() }], ..Model::default() };
 /// assert_eq!(
-///     gltf::left_out(&model, &[Drawing::Faces]),
-///     ["part 0: attribute `quality` left out: glTF has no 64-bit floats or 32-bit integers for vertices"],
+///     gltf::losses(&model),
+///     ["attribute `quality` not written, as glTF has no 64-bit floats or 32-bit integers for vertices: 1"],
 /// );
 /// # Ok::<(), tristrip_io::Error>(())
 /// ```
-pub fn left_out(model: &Model, drawings: &[Drawing<'_>]) -> Vec<String> {
-    let mut notes = Vec::new();
+pub fn losses(model: &Model) -> Vec<String> {
     if model.scene.is_some() {
-        return notes;
+        return Vec::new();
     }
-    for (part, (contents, drawing)) in model.parts.iter().zip(drawings).enumerate() {
-        let mesh = &contents.mesh;
+    let (mut empty, mut polygons) = (0, 0);
+    let mut attributes: BTreeMap<String, usize> = BTreeMap::new();
+    for mesh in model.parts.iter().map(|part| &part.mesh) {
         if mesh.vertex_count() == 0 {
-            notes.push(format!("part {part}: left out: it has no vertex"));
+            empty += 1;
             continue;
         }
-        if matches!(drawing, Drawing::Faces) && mesh.faces().as_triangles().is_none() {
-            let polygons = mesh.faces().iter().filter(|face| face.len() > 3).count();
-            notes.push(format!("part {part}: {polygons} polygons cut into fans around their first corner"));
+        if mesh.faces().as_triangles().is_none() {
+            polygons += mesh.faces().iter().filter(|face| face.len() > 3).count();
         }
         for (attribute, plan) in mesh.attributes().iter().zip(plans(mesh)) {
             let name = &attribute.name;
-            match plan {
-                Err(why) => notes.push(format!("part {part}: attribute `{name}` left out: {why}")),
-                Ok(new) if new != *name => {
-                    notes.push(format!("part {part}: attribute `{name}` written as `{new}`"));
-                }
-                Ok(_) => {}
-            }
+            let words = match plan {
+                Err(why) => format!("attribute `{name}` not written, as {why}"),
+                Ok(new) if new != *name => format!("attribute `{name}` written as `{new}`"),
+                Ok(_) => continue,
+            };
+            *attributes.entry(words).or_default() += 1;
         }
     }
-    notes
+    let counts = [
+        ("parts without a vertex, not written".to_owned(), empty),
+        ("polygons, cut into fans where no strips draw them".to_owned(), polygons),
+    ];
+    let counted = counts.into_iter().filter(|(_, count)| *count > 0).chain(attributes);
+    counted.map(|(words, count)| format!("{words}: {count}")).collect()
 }
 
 /// Writes the minimal document.

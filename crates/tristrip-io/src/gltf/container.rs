@@ -45,7 +45,7 @@ pub(super) fn open(bytes: Vec<u8>, notes: &mut Vec<String>) -> Result<Container,
         return Err(format_error("byte 8", format!("length {length}"), expected));
     }
     if length < file.len() {
-        notes.push(format!("{} bytes after the end of the GLB left out", file.len() - length));
+        notes.push(format!("bytes after the end of the GLB left out: {}", file.len() - length));
     }
     let (kind, json) = chunk(&file, HEADER_BYTES, length)?;
     if kind != JSON_CHUNK {
@@ -69,7 +69,7 @@ pub(super) fn open(bytes: Vec<u8>, notes: &mut Vec<String>) -> Result<Container,
         }
     }
     if unknown_count > 0 {
-        notes.push(format!("{unknown_count} GLB chunks of unknown type left out"));
+        notes.push(format!("GLB chunks of unknown type left out: {unknown_count}"));
     }
     Ok(Container { file, json, bin })
 }

@@ -222,25 +222,19 @@ impl<'a> Reader<'a> {
 
 impl Tally {
     fn write(&self, root: &Map<String, Value>, notes: &mut Vec<String>) {
-        let mut note = |count: u64, text: &str| {
+        let mut note = |text: &str, count: u64| {
             if count > 0 {
-                notes.push(format!("{count} {text}"));
+                notes.push(format!("{text}: {count}"));
             }
         };
+        note("primitives of points or lines, kept in a GLB alone", self.other_modes);
+        note("degenerate triangles of strips and fans left out, which draw nothing", self.degenerate);
+        note("indices at the end of triangle lists left out, which make no triangle", self.loose_corners);
         note(
-            self.other_modes,
-            "primitives of points or lines passed by; a GLB written from this file keeps them",
-        );
-        note(self.degenerate, "degenerate triangles of strips and fans left out: they draw nothing");
-        note(self.loose_corners, "indices at the end of triangle lists left out: they make no triangle");
-        note(
+            "vertex attributes not decoded for their size, kept in a GLB alone",
             self.attributes_over_budget,
-            "vertex attributes not decoded, for their size; a GLB written from this file keeps them",
         );
-        note(
-            self.matrix_attributes,
-            "vertex attributes of matrices not decoded; a GLB written from this file keeps them",
-        );
+        note("vertex attributes of matrices not decoded, kept in a GLB alone", self.matrix_attributes);
         notes.extend(undeclared_restart(root, self.restarts));
     }
 }
@@ -294,7 +288,7 @@ fn check_nodes(root: &Map<String, Value>) -> Result<(), Error> {
 fn note_document(root: &Map<String, Value>, notes: &mut Vec<String>) -> Result<(), Error> {
     let buffer_count = array(root, "buffers")?.len();
     if buffer_count > 1 {
-        notes.push(format!("{buffer_count} buffers: a GLB written from this file joins them into one"));
+        notes.push(format!("buffers, joined into one in a GLB: {buffer_count}"));
     }
     let external = array(root, "images")?
         .iter()
@@ -302,14 +296,10 @@ fn note_document(root: &Map<String, Value>, notes: &mut Vec<String>) -> Result<(
         .filter(|uri| !uri.starts_with("data:"))
         .count();
     if external > 0 {
-        notes.push(format!(
-            "{external} images in files of their own: a GLB written from this file names them as it does"
-        ));
+        notes.push(format!("images in files of their own, which a GLB goes on naming: {external}"));
     }
     for name in ORDER_EXTENSIONS.iter().filter(|name| document::uses(root, name)) {
-        notes.push(format!(
-            "{name} describes the order of indices: a GLB written from this file has it only on meshes that stay"
-        ));
+        notes.push(format!("{name} describes the order of indices: dropped from meshes that get new ones"));
     }
     Ok(())
 }
