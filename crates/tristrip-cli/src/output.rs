@@ -50,19 +50,19 @@ pub(crate) fn write(
         let what = format!("{}, {}, {how}", output.name(), text::bytes(bytes.len()));
         console.stage("write", &what, Some(write_seconds));
     }
-    let losses = losses(output.format, model, drawings);
+    let losses = losses(output.format, model);
     losses.iter().for_each(|loss| console.note(loss));
     Ok(Written { losses, verify_seconds, write_seconds })
 }
 
 /// Says what the format cannot hold of the model.
-fn losses(format: Format, model: &Model, drawings: &[Drawing<'_>]) -> Vec<String> {
+fn losses(format: Format, model: &Model) -> Vec<String> {
     if format == Format::Glb {
-        return tristrip_io::gltf::left_out(model, drawings);
+        return tristrip_io::gltf::losses(model);
     }
     let mut losses = tristrip_io::losses(model, format);
     let scene = model.scene.iter().flat_map(tristrip_io::gltf::Scene::beyond_parts);
-    losses.extend(scene.map(|what| format!("{what} not written: {} has no place for them", format.name())));
+    losses.extend(scene.map(|what| format!("not written: {what}")));
     losses
 }
 

@@ -325,3 +325,14 @@ fn what_was_dropped_or_odd_is_said() {
         .success()
         .stderr(contains("verify    not asked for"));
 }
+
+#[test]
+fn malformed_files_have_a_message_and_never_a_panic() {
+    let bad = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../testdata/bad");
+    let files: Vec<_> = fs::read_dir(bad).unwrap().map(|entry| entry.unwrap().path()).collect();
+    assert!(files.len() >= 60);
+    for file in files {
+        let name = format!("tristrip: {}: ", file.display());
+        tristrip().args(["strip", "-q"]).arg(&file).assert().code(1).stdout("").stderr(contains(name));
+    }
+}
