@@ -4,6 +4,7 @@
 
 mod compare;
 mod convert;
+mod documents;
 mod strip;
 mod usage;
 mod verify;
