@@ -273,6 +273,29 @@ impl PathCover {
         }
     }
 
+    /// Links two triangles across twins that the caller knows to be free and to close no path.
+    #[inline]
+    pub(crate) fn link_unchecked(&mut self, half_edge: u32, twin: u32) {
+        self.set(HalfEdge(half_edge));
+        self.set(HalfEdge(twin));
+        self.link_count += 1;
+    }
+
+    /// Takes away the link across twins that the caller knows to be linked.
+    #[inline]
+    pub(crate) fn cut_unchecked(&mut self, half_edge: u32, twin: u32) {
+        self.clear(HalfEdge(half_edge));
+        self.clear(HalfEdge(twin));
+        self.link_count -= 1;
+    }
+
+    /// Gives the edges (0–2) over which a triangle is linked, 3 for none.
+    #[inline]
+    pub(crate) fn packed_edges(&self, triangle: u32) -> (u32, u32) {
+        let links = u32::from(self.links[triangle as usize]);
+        (links & 3, links >> 2)
+    }
+
     #[inline]
     fn set(&mut self, half_edge: HalfEdge) {
         let (links, edge) = (&mut self.links[half_edge.0 as usize / 3], (half_edge.0 % 3) as u8);

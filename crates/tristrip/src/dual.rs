@@ -291,11 +291,12 @@ fn pair_simple(corners: &impl Corners) -> Option<Vec<u32>> {
         by_vertex[*slot as usize] = corner as u32;
         *slot += 1;
     }
-    // For each vertex: the half-edge that leads to it from the vertex named with it.
-    let mut marks = vec![(NONE, NONE); vertex_count];
-    let mut twins = vec![NONE; vertices.len()];
+    // For each vertex: the half-edge that leads to it from the vertex named with it, counted from 1. Memory that is zero at
+    // first needs no pass of its own.
+    let mut marks = vec![(0, 0); vertex_count];
+    let mut twins = vec![0; vertices.len()];
     let mut start = 0;
-    for (v, &end) in (0_u32..).zip(&ends) {
+    for (v, &end) in (1_u32..).zip(&ends) {
         let here = &by_vertex[start..end as usize];
         for &corner in here {
             let mark = &mut marks[vertices[corners.next(corner as usize)] as usize];

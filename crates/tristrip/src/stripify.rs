@@ -4,6 +4,7 @@
 //! method chose is a [`Plan`]; one emitter makes the strips of it.
 
 pub mod input;
+pub mod sequential;
 
 use crate::cover::PathCover;
 use crate::dual::DualGraph;
@@ -169,6 +170,7 @@ pub fn plan<'a>(
     options: &Options,
 ) -> Result<Plan<'a>, Error> {
     Ok(match options.method {
+        Method::Sequential => sequential::plan(surface, graph),
         // The other methods land with their modules.
         _ => input::plan(surface, graph),
     })

@@ -22,6 +22,9 @@ use crate::cover::PathCover;
 use crate::dual::{DualGraph, FaceId, HalfEdge};
 use crate::mesh::Triangulation;
 
+/// No edge, where an edge of a triangle is named.
+const OPEN: u32 = 3;
+
 /// Turns each path of a cover into a strip, the strips in order of their lowest triangles.
 ///
 /// ```
@@ -37,100 +40,133 @@ use crate::mesh::Triangulation;
 /// # Ok::<(), tristrip::Error>(())
 /// ```
 pub fn emit(triangulation: &Triangulation<'_>, cover: &PathCover) -> Strips {
-    let (triangles, graph) = (triangulation.triangles(), triangulation.graph());
+    let (triangles, twins) = (triangulation.triangles(), triangulation.graph().twins());
     let mut strips = Strips {
         vertices: Vec::with_capacity(cover.len() + cover.len() / 3),
         ends: Vec::with_capacity(cover.path_count()),
     };
-    let mut path = Vec::new();
-    for start in cover.path_starts(graph) {
+    let mut seen = vec![false; cover.len()];
+    let (mut back, mut path) = (Vec::new(), Vec::new());
+    for lowest in 0..cover.len() as u32 {
+        if seen[lowest as usize] {
+            continue;
+        }
+        seen[lowest as usize] = true;
+        let (first, second) = cover.packed_edges(lowest);
+        back.clear();
         path.clear();
-        path.extend(cover.walk(graph, start).filter_map(|(_, _, exit)| exit));
-        if path.is_empty() {
-            let corner = 3 * start.0 as usize;
-            strips.vertices.extend_from_slice(&triangles[corner..corner + 3]);
+        walk(twins, cover, lowest, first, &mut seen, &mut back);
+        path.extend(back.iter().rev().map(Step::reversed));
+        path.push(Step { triangle: lowest, entry: first, exit: second });
+        walk(twins, cover, lowest, second, &mut seen, &mut path);
+        if swaps_at_start(&path) > swaps_at_start_reversed(&path) {
+            send(triangles, path.iter().rev().map(Step::reversed), &mut strips.vertices);
         } else {
-            if swap_count(graph, &path) > reversed_swap_count(graph, &path) {
-                reverse(graph, &mut path);
-            }
-            emit_path(triangles, graph, &path, &mut strips.vertices);
+            send(triangles, path.iter().copied(), &mut strips.vertices);
         }
         strips.ends.push(strips.vertices.len() as u32);
     }
     strips
 }
 
-/// Tells whether leaving a triangle is free at an even place of the strip; at an odd place the other side is.
+/// A triangle of a path and the edges (0–2) over which the path enters and leaves it, `OPEN` at its ends.
+#[derive(Debug, Clone, Copy)]
+struct Step {
+    triangle: u32,
+    entry: u32,
+    exit: u32,
+}
+
+impl Step {
+    fn reversed(&self) -> Self {
+        Self { triangle: self.triangle, entry: self.exit, exit: self.entry }
+    }
+
+    /// Tells whether leaving is free at an even place of the strip; at an odd place the other side is.
+    #[inline]
+    fn is_free_at_even(&self) -> bool {
+        self.exit == if self.entry == 2 { 0 } else { self.entry + 1 }
+    }
+}
+
+/// Collects the steps of a path from a triangle over one of its edges to the path's end.
 #[inline]
-fn free_at_even(entry: HalfEdge, exit: HalfEdge) -> bool {
-    // Edges of one triangle: the exit follows the entry in the winding.
-    let (entry, exit) = (entry.0 % 3, exit.0 % 3);
-    exit == if entry == 2 { 0 } else { entry + 1 }
-}
-
-/// Walks over the turns of a path of exits: each inner triangle's entry and exit.
-fn turns<'a>(
-    graph: &'a DualGraph,
-    exits: &'a [HalfEdge],
-) -> impl DoubleEndedIterator<Item = (HalfEdge, HalfEdge)> + 'a {
-    exits.windows(2).filter_map(|w| Some((graph.twin(w[0])?, w[1])))
-}
-
-/// Counts the swaps of a strip whose inner triangles turn this way.
-fn count_swaps(turns: impl Iterator<Item = (HalfEdge, HalfEdge)>) -> usize {
-    let (mut swaps, mut even) = (0, false);
-    for (entry, exit) in turns {
-        if free_at_even(entry, exit) == even {
-            even = !even;
-        } else {
-            swaps += 1; // the triangle moves to the next place, and its successor to this one's parity
+fn walk(
+    twins: &[u32],
+    cover: &PathCover,
+    mut triangle: u32,
+    mut exit: u32,
+    seen: &mut [bool],
+    steps: &mut Vec<Step>,
+) {
+    while exit != OPEN {
+        let twin = twins[(3 * triangle + exit) as usize];
+        triangle = twin / 3;
+        if std::mem::replace(&mut seen[triangle as usize], true) {
+            return; // a closed path, which a cover does not have
         }
-    }
-    swaps
-}
-
-fn swap_count(graph: &DualGraph, exits: &[HalfEdge]) -> usize {
-    count_swaps(turns(graph, exits))
-}
-
-fn reversed_swap_count(graph: &DualGraph, exits: &[HalfEdge]) -> usize {
-    count_swaps(turns(graph, exits).rev().map(|(entry, exit)| (exit, entry)))
-}
-
-/// Turns a path around: its exits become the twins of what they were, in reverse.
-fn reverse(graph: &DualGraph, exits: &mut [HalfEdge]) {
-    exits.reverse();
-    for exit in exits {
-        *exit = graph.twin(*exit).unwrap_or(*exit);
+        let entry = twin % 3;
+        let (first, second) = cover.packed_edges(triangle);
+        exit = if first == entry { second } else { first };
+        steps.push(Step { triangle, entry, exit });
     }
 }
 
-/// Sends the vertices of one path of at least two triangles.
-fn emit_path(triangles: &[u32], graph: &DualGraph, exits: &[HalfEdge], out: &mut Vec<u32>) {
-    let corner = |h: HalfEdge, offset: u32| {
-        let (base, edge) = (h.0 / 3 * 3, h.0 % 3 + offset);
-        triangles[(base + if edge >= 3 { edge - 3 } else { edge }) as usize]
+/// Counts the swap that the first turn takes: the triangle after the first stands at an odd place.
+fn swaps_at_start(path: &[Step]) -> usize {
+    let turns = path.len().saturating_sub(2);
+    path.get(1).map_or(0, |step| usize::from(turns > 0 && step.is_free_at_even()))
+}
+
+fn swaps_at_start_reversed(path: &[Step]) -> usize {
+    let turns = path.len().saturating_sub(2);
+    path.len().checked_sub(2).map_or(0, |i| usize::from(turns > 0 && path[i].reversed().is_free_at_even()))
+}
+
+/// Counts the swaps between neighbouring turns to the same side, which are the same in both directions.
+fn swaps_inside(path: &[Step]) -> usize {
+    let turns = path.get(1..path.len().saturating_sub(1)).unwrap_or_default();
+    turns.windows(2).filter(|w| w[0].is_free_at_even() == w[1].is_free_at_even()).count()
+}
+
+/// Sends the vertices of one path.
+#[inline]
+fn send(triangles: &[u32], path: impl Iterator<Item = Step>, out: &mut Vec<u32>) {
+    // The vertex across from an edge comes two corners after it begins.
+    let corner = |triangle: u32, edge: u32| {
+        triangles[(3 * triangle + if edge >= 3 { edge - 3 } else { edge }) as usize]
     };
-    let Some(&first) = exits.first() else { return };
-    out.extend([corner(first, 2), corner(first, 0), corner(first, 1)]);
-    let mut even = false;
-    for (i, &exit) in exits.iter().enumerate() {
-        let Some(entry) = graph.twin(exit) else { return };
-        if let Some(&next) = exits.get(i + 1) {
-            if free_at_even(entry, next) == even {
+    let mut even = true;
+    for step in path {
+        if step.entry == OPEN {
+            let exit = if step.exit == OPEN { 1 } else { step.exit };
+            out.extend([
+                corner(step.triangle, exit + 2),
+                corner(step.triangle, exit),
+                corner(step.triangle, exit + 1),
+            ]);
+            even = false;
+            continue;
+        }
+        if step.exit != OPEN {
+            if step.is_free_at_even() == even {
                 even = !even;
             } else {
                 out.push(out[out.len() - 2]);
             }
         }
-        out.push(corner(entry, 2));
+        out.push(corner(step.triangle, step.entry + 2));
     }
 }
 
 /// Counts the vertices that the path from `start` costs, as [`emit`] will send it: for methods that weigh alternatives.
 pub fn path_cost(graph: &DualGraph, cover: &PathCover, start: FaceId) -> usize {
-    let path: Vec<_> = cover.walk(graph, start).filter_map(|(_, _, exit)| exit).collect();
-    path.len() + 3 + swap_count(graph, &path).min(reversed_swap_count(graph, &path))
+    let edge = |h: Option<HalfEdge>| h.map_or(OPEN, |h| h.0 % 3);
+    let path: Vec<Step> = cover
+        .walk(graph, start)
+        .map(|(face, entry, exit)| Step { triangle: face.0, entry: edge(entry), exit: edge(exit) })
+        .collect();
+    path.len() + 2 + swaps_inside(&path) + swaps_at_start(&path).min(swaps_at_start_reversed(&path))
 }
 
 #[cfg(test)]
