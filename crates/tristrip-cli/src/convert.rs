@@ -9,7 +9,6 @@ use crate::input::{load, meshes};
 use crate::output;
 use crate::report::{ConvertReport, Seconds};
 use crate::stages::{Pool, find_strips, prepare, timed};
-use crate::strip::proven;
 use crate::task::{ConvertTask, Job, layout_name};
 use crate::text::counted;
 
@@ -93,9 +92,6 @@ fn convert(
     report.notes.extend(written.losses);
     report.output = Some(target.name());
     report.layout = task.as_strips.then(|| layout_name(target.layout));
-    if task.verify {
-        report.proven = Some(true);
-        console.stage("verify", &proven(faces), written.verify_seconds);
-    }
+    report.proven = task.verify.then_some(true);
     Ok(())
 }

@@ -10,7 +10,7 @@ use crate::failure::Failure;
 use crate::input::meshes;
 use crate::stages::timed;
 use crate::task::{Output, layout_name};
-use crate::text;
+use crate::text::{self, counted};
 
 /// What was written.
 pub(crate) struct Written {
@@ -38,7 +38,8 @@ pub(crate) fn write(
     if verify {
         console.doing("verify");
         let (proof, seconds) = timed(|| prove(output, model, &bytes));
-        proof?;
+        let what = format!("proven: read again, it draws the {}", counted(proof?, "face"));
+        console.stage("verify", &what, Some(seconds));
         verify_seconds = Some(seconds);
     }
     let (put, put_seconds) = timed(|| put(output, &bytes, console));
@@ -66,12 +67,12 @@ fn losses(format: Format, model: &Model) -> Vec<String> {
     losses
 }
 
-/// Reads the bytes as anyone would, and holds what they draw to the source.
-fn prove(output: &Output, model: &Model, bytes: &[u8]) -> Result<(), Failure> {
+/// Reads the bytes as anyone would, and holds what they draw to the source; gives the number of faces.
+fn prove(output: &Output, model: &Model, bytes: &[u8]) -> Result<usize, Failure> {
     let unproven = |why: String| Failure::Unproven(format!("{} was not written: {why}", output.name()));
     let again = tristrip_io::read(bytes, output.format).map_err(|error| unproven(error.to_string()))?;
     match verify_models(&meshes(model), &meshes(&again))? {
-        Ok(_) => Ok(()),
+        Ok(proof) => Ok(proof.faces),
         Err(difference) => Err(unproven(difference.to_string())),
     }
 }

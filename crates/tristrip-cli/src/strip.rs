@@ -116,7 +116,7 @@ fn strip(
 }
 
 /// Says what was proven.
-pub(crate) fn proven(faces: usize) -> String {
+fn proven(faces: usize) -> String {
     match faces {
         0 => "proven: draws nothing, as the source has no faces".into(),
         1 => "proven: draws exactly the one face, with its winding".into(),
