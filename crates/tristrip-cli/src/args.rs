@@ -166,7 +166,7 @@ pub(crate) struct SharedArgs {
     /// One object for one input, an array for many. The keys are described in FORMAT.md.
     #[arg(long)]
     pub(crate) json: bool,
-    /// Print errors only (and JSON, if asked for)
+    /// Print only errors and what was asked for: JSON, a table, a report without -o
     #[arg(short, long)]
     pub(crate) quiet: bool,
 }

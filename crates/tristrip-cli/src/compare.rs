@@ -54,7 +54,7 @@ pub(crate) fn run(task: &CompareTask, pool: &Pool, console: &mut Console) -> boo
         let done = compare(input, task, &methods, pool, console, &mut report);
         console.end();
         match done {
-            Ok(()) => console.result(&as_text(&report, task.markdown)),
+            Ok(()) => console.result(&as_text(&report, task.markdown), true),
             Err(failure) => {
                 console.error(&format!("{}: {failure}", report.file));
                 report.error = Some(failure.to_string());

@@ -105,9 +105,11 @@ impl Console {
     }
 
     /// Prints a result for people: to standard output, or beside it where a mesh goes there.
-    pub(crate) fn result(&mut self, text: &str) {
+    ///
+    /// When quiet, only results that were `asked_for` are printed: those that come with a file are not.
+    pub(crate) fn result(&mut self, text: &str, asked_for: bool) {
         match self.results {
-            _ if self.quiet => (),
+            _ if self.quiet && !asked_for => (),
             Results::Text => self.write_stdout(text.as_bytes()),
             Results::TextBesideMesh => self.write_stderr(text.trim_end()),
             Results::Json => (),

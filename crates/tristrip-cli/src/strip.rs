@@ -40,7 +40,7 @@ pub(crate) fn run(task: &StripTask, pool: &Pool, console: &mut Console) -> bool 
             console.error(&format!("{}: {failure}", report.file));
             report.error = Some(failure.to_string());
         } else if let Some(figures) = &report.figures {
-            console.result(&figures.summary());
+            console.result(&figures.summary(), job.output.is_none());
         }
         reports.push(report);
     }

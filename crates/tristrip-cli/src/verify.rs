@@ -31,9 +31,9 @@ pub(crate) fn run(task: &VerifyTask, console: &mut Console) -> bool {
             report.proven = Some(true);
             let faces = counted(faces, "face");
             let (source, result) = (&report.source, &report.result);
-            console.result(&format!(
-                "proven: {result} draws exactly the {faces} of {source}, each once, wound right\n"
-            ));
+            let verdict =
+                format!("proven: {result} draws exactly the {faces} of {source}, each once, wound right\n");
+            console.result(&verdict, false);
         }
         Ok(Err(difference)) => {
             report.proven = Some(false);

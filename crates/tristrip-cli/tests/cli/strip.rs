@@ -95,7 +95,14 @@ fn text_goes_to_stdout_and_stages_to_stderr() {
         .success()
         .stdout(contains("indices, restart").and(contains("% of the list")).and(contains("ATVR")))
         .stderr(stages.and(proven));
-    tristrip().args(["strip", "-q"]).arg(model("fish_control.ply")).assert().success().stdout("").stderr("");
+    let quiet = || {
+        let mut command = tristrip();
+        command.args(["strip", "-q"]).arg(model("fish_control.ply"));
+        command
+    };
+    quiet().assert().success().stdout(contains("indices, restart")).stderr("");
+    let dir = tempfile::tempdir().unwrap();
+    quiet().arg("-o").arg(dir.path().join("a.glb")).assert().success().stdout("").stderr("");
 }
 
 #[test]
