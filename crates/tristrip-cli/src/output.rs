@@ -88,3 +88,37 @@ fn put(output: &Output, bytes: &[u8], console: &mut Console) -> Result<(), Failu
     }
     tristrip_io::replace_file(path, bytes).map_err(|error| Failure::writing(&error))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::task::Shared;
+    use tristrip::{Layout, Strips};
+
+    #[test]
+    fn what_is_not_proven_is_not_written() {
+        let square = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
+        let model = tristrip_io::read(square, Format::Obj).unwrap();
+        let mut console = Console::new(&Shared { json: false, quiet: true, threads: Some(1) }, false);
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("square.ply");
+        fs::write(&path, "old").unwrap();
+        let output = Output {
+            path: Some(path.clone()),
+            in_directory: false,
+            format: Format::Ply,
+            layout: Layout::Restart,
+        };
+        let mut strips = Strips::default();
+        strips.push(&[1, 2, 0]);
+        let mut write = |strips: &Strips, verify| {
+            write(&output, &model, &[Drawing::Strips(strips)], verify, &mut console).map(drop)
+        };
+        let Err(Failure::Unproven(why)) = write(&strips, true) else { panic!("half a square was written") };
+        assert!(why.contains("square.ply was not written: triangles missing: 1, extra: 0"), "{why}");
+        assert_eq!(fs::read(&path).unwrap(), b"old");
+        strips.push(&[2, 3, 0]);
+        assert!(write(&strips, true).is_ok());
+        assert!(fs::read(&path).unwrap().starts_with(b"ply"));
+    }
+}

@@ -33,7 +33,7 @@ fn missing_extra_and_flipped_triangles_are_counted_and_placed() {
     fs::write(&source, SQUARE).unwrap();
     fs::write(&result, SQUARE.replace("f 1 2 3", "f 3 2 1")).unwrap();
     let assert = tristrip().args(["verify", "--json"]).arg(&source).arg(&result).assert().code(1);
-    let assert = assert.stderr(contains("not proven: 0 triangles are missing, 0 are extra, 1 are flipped"));
+    let assert = assert.stderr(contains("not proven: triangles missing: 0, extra: 0, flipped: 1"));
     let report: Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
     assert_eq!(report["proven"], false);
     let difference = &report["difference"];

@@ -21,7 +21,7 @@ use crate::mesh::{Faces, Mesh, PositionIds};
 pub enum Difference {
     /// Triangles differ.
     #[error(
-        "{missing} triangles are missing, {extra} are extra, {flipped} are flipped; the first is at {}",
+        "triangles missing: {missing}, extra: {extra}, flipped: {flipped}; the first is at {}",
         at(first)
     )]
     Triangles {
@@ -244,6 +244,8 @@ fn subtract(a: &[[u32; 3]], b: &[[u32; 3]]) -> (Vec<[u32; 3]>, Vec<[u32; 3]>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
+    use std::collections::BTreeMap;
 
     /// Points of a plane: vertex v stands at (v, v², 0), so that no two are one.
     fn mesh(polygons: &[&[u32]]) -> Mesh {
@@ -263,7 +265,7 @@ mod tests {
         assert_eq!(found, Err(Difference::Triangles { missing: 1, extra: 1, flipped: 1, first }));
         assert_eq!(
             found.unwrap_err().to_string(),
-            "1 triangles are missing, 1 are extra, 1 are flipped; the first is at (1, 1, 0) (2, 4, 0) (3, 9, 0)"
+            "triangles missing: 1, extra: 1, flipped: 1; the first is at (1, 1, 0) (2, 4, 0) (3, 9, 0)"
         );
         assert_eq!(verdict(source, source), Ok(Proof { faces: 4, triangles: 4 }));
     }
@@ -298,5 +300,40 @@ mod tests {
         let result =
             Mesh::new(welded.to_vec(), Faces::from_triangles(vec![3, 0, 1, 1, 0, 2]).unwrap()).unwrap();
         assert!(verify_models(&[&source], &[&result]).unwrap().is_ok());
+    }
+
+    /// How often each oriented triangle is drawn, by its corners' positions.
+    fn multiset(triangles: &[[u32; 3]]) -> BTreeMap<[u32; 3], usize> {
+        let mut all = BTreeMap::new();
+        let real = triangles.iter().filter(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]);
+        real.for_each(|&t| *all.entry(lowest_first(t)).or_default() += 1);
+        all
+    }
+
+    proptest! {
+        #[test]
+        fn triangles_are_equal_when_their_multisets_are(
+            source in prop::collection::vec([0..5_u32, 0..5, 0..5], 0..8),
+            change in prop::option::of((0..8_usize, [0..5_u32, 0..5, 0..5])),
+            cut in 0..8_usize,
+        ) {
+            let mut result: Vec<[u32; 3]> = source.iter().rev().map(|&[a, b, c]| [b, c, a]).collect();
+            if let (Some((at, other)), false) = (change, result.is_empty()) {
+                let at = at % result.len();
+                result[at] = other;
+            }
+            let polygons = |all: &[[u32; 3]]| mesh(&all.iter().map(<[u32; 3]>::as_slice).collect::<Vec<_>>());
+            let (first, second) = result.split_at(cut.min(result.len()));
+            let verdict = verify_models(&[&polygons(&source)], &[&polygons(first), &polygons(second)]).unwrap();
+            prop_assert_eq!(verdict.is_ok(), multiset(&source) == multiset(&result));
+            if let Err(Difference::Triangles { missing, extra, flipped, .. }) = verdict {
+                let (asked, found) = (multiset(&source), multiset(&result));
+                let lacks = |a: &BTreeMap<_, usize>, b: &BTreeMap<_, usize>| -> usize {
+                    a.iter().map(|(t, n)| n.saturating_sub(*b.get(t).unwrap_or(&0))).sum()
+                };
+                prop_assert_eq!(missing + flipped, lacks(&asked, &found));
+                prop_assert_eq!(extra + flipped, lacks(&found, &asked));
+            }
+        }
     }
 }
