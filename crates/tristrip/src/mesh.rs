@@ -9,11 +9,13 @@
 pub mod report;
 pub mod surface;
 pub mod triangulation;
+pub mod unify;
 
 pub use report::MeshReport;
 pub use surface::{Surface, SurfaceCounts};
 pub use triangulation::Triangulation;
 pub(crate) use triangulation::TriangulationBuilder;
+pub use unify::PositionIds;
 
 use std::sync::Arc;
 

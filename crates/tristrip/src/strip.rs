@@ -8,11 +8,15 @@ pub mod cost;
 pub mod emit;
 pub mod layout;
 pub mod verify;
+pub mod verify_models;
+pub mod vertex_buffer;
 
 pub use cost::Metrics;
 pub use emit::{emit, path_cost};
 pub use layout::Layout;
 pub use verify::{Proof, Unproven, verify, verify_drawing};
+pub use verify_models::{Difference, verify_models};
+pub use vertex_buffer::{BufferUse, Replacement, VertexBuffer};
 
 use crate::error::{Error, MeshProblem};
 

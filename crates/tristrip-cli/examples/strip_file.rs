@@ -1,0 +1,15 @@
+//! Reads a mesh, finds strips, proves them and writes a GLB: the five lines of the README.
+
+use tristrip::Layout;
+use tristrip_io::Drawing;
+
+#[expect(clippy::print_stdout, reason = "an example shows what came of it")]
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let model = tristrip_io::read_path("testdata/models/hand.ply")?;
+    let mesh = &model.parts[0].mesh;
+    let strips = tristrip::stripify(mesh, &tristrip::Options::default())?;
+    let proof = tristrip::strip::verify(mesh, &strips)?;
+    tristrip_io::write_path("hand.glb", &model, &[Drawing::Strips(&strips)], Layout::Degenerate)?;
+    println!("{} strips draw {} faces", strips.len(), proof.faces);
+    Ok(())
+}

@@ -1,0 +1,168 @@
+//! `tristrip compare`: every method on the same model, side by side, each proven.
+
+use tristrip::{Method, Options};
+
+use crate::console::Console;
+use crate::failure::Failure;
+use crate::figures::{Figures, MeshFigures};
+use crate::input::{load, meshes};
+use crate::method::{MethodReport, methods_to_compare};
+use crate::report::{CompareReport, MethodRow, Seconds};
+use crate::stages::{Pool, Prepared, find_strips, prepare, prove, timed};
+use crate::task::{CompareTask, Input};
+use crate::text::{counted, grouped, markdown, table};
+
+/// A column of the table: its head, how its figure is written, and the figure, where less is better.
+type Column = (&'static str, fn(f64) -> String, fn(&MethodRow, &Figures) -> Option<f64>);
+
+const COLUMNS: [Column; 10] = [
+    ("strips", whole, |_, f| Some(f.strips as f64)),
+    ("isolated", whole, |_, f| Some(f.isolated as f64)),
+    ("swaps", whole, |_, f| Some(f.swaps as f64)),
+    ("vertices/T", ratio, |_, f| Some(f.vertices_per_triangle)),
+    ("GL cost/T", ratio, |_, f| (f.triangles > 0).then(|| f.gl_cost as f64 / f.triangles as f64)),
+    ("restart/T", ratio, |_, f| Some(f.indices_restart_per_triangle)),
+    ("degenerate/T", ratio, |_, f| Some(f.indices_degenerate_per_triangle)),
+    ("ACMR 16", ratio, |_, f| Some(f.acmr_fifo_16)),
+    ("ACMR 32", ratio, |_, f| Some(f.acmr_fifo_32)),
+    ("ms", |ms| format!("{ms:.2}"), |row, _| row.seconds.stripify.map(|s| 1e3 * s)),
+];
+
+fn whole(n: f64) -> String {
+    grouped(&format!("{n:.0}"))
+}
+
+fn ratio(x: f64) -> String {
+    format!("{x:.3}")
+}
+
+/// Compares on all inputs, one after the other; tells whether all was done and proven.
+pub(crate) fn run(task: &CompareTask, pool: &Pool, console: &mut Console) -> bool {
+    let mut reports = Vec::with_capacity(task.inputs.len());
+    for input in &task.inputs {
+        let mut report = CompareReport {
+            file: input.name(),
+            seconds: Seconds::default(),
+            mesh: None,
+            parts: None,
+            notes: Vec::new(),
+            methods: Vec::new(),
+            error: None,
+        };
+        let methods = methods_to_compare(task.every_variant);
+        console.begin(&report.file, Some(methods.len()));
+        let done = compare(input, task, &methods, pool, console, &mut report);
+        console.end();
+        match done {
+            Ok(()) => console.result(&as_text(&report, task.markdown), true),
+            Err(failure) => {
+                console.error(&format!("{}: {failure}", report.file));
+                report.error = Some(failure.to_string());
+            }
+        }
+        for row in report.methods.iter().filter(|row| !row.proven) {
+            let why = row.error.as_deref().unwrap_or("not proven");
+            console.error(&format!("{}: {}: {why}", report.file, row.method.label()));
+        }
+        reports.push(report);
+    }
+    console.json(&reports, task.inputs.len() > 1);
+    reports.iter().all(|report| report.error.is_none() && report.methods.iter().all(|row| row.proven))
+}
+
+fn compare(
+    input: &Input,
+    task: &CompareTask,
+    methods: &[Method],
+    pool: &Pool,
+    console: &Console,
+    report: &mut CompareReport,
+) -> Result<(), Failure> {
+    console.doing("load");
+    let (model, seconds) = timed(|| load(input));
+    let model = model?;
+    let meshes = meshes(&model);
+    report.seconds.load = Some(seconds);
+    report.parts = Some(meshes.len());
+    report.notes.clone_from(&model.notes);
+    let (parts, dual_seconds) = timed(|| prepare(pool, &meshes, task.options.weld()));
+    report.seconds.dual = Some(dual_seconds);
+    let mesh = MeshFigures::of(pool, &parts);
+    let size = format!("{}, {}", counted(mesh.faces, "face"), counted(mesh.vertices, "vertex"));
+    console.stage("load", &size, Some(seconds));
+    console.stage("mesh", &mesh.line(meshes.len()), None);
+    report.notes.extend(mesh.remarks());
+    report.notes.iter().for_each(|note| console.note(note));
+    report.mesh = Some(mesh);
+    for &method in methods {
+        let options = task.options.with_method(method);
+        console.doing(&MethodReport::of(&options).label());
+        report.methods.push(row(&parts, &options, pool));
+        console.step();
+    }
+    Ok(())
+}
+
+/// Runs one method; its row holds the proof before the figures.
+fn row(parts: &[Prepared<'_>], options: &Options, pool: &Pool) -> MethodRow {
+    let mut row = MethodRow {
+        method: MethodReport::of(options),
+        proven: false,
+        seconds: Seconds::default(),
+        figures: None,
+        error: None,
+    };
+    let (strips, seconds) = timed(|| find_strips(pool, parts, options));
+    row.seconds.stripify = Some(seconds);
+    let proof = strips.and_then(|strips| {
+        let (proof, seconds) = timed(|| prove(pool, parts, &strips, options));
+        row.seconds.verify = Some(seconds);
+        proof.map(|()| strips)
+    });
+    match proof {
+        Ok(strips) => {
+            row.proven = true;
+            row.figures = Some(Figures::of(pool, parts, &strips));
+        }
+        Err(failure) => row.error = Some(failure.to_string()),
+    }
+    row
+}
+
+/// Writes the table of one model; the best figure of each column is marked.
+fn as_text(report: &CompareReport, as_markdown: bool) -> String {
+    let mut head = vec!["method".to_owned()];
+    head.extend(COLUMNS.iter().map(|(name, ..)| (*name).to_owned()));
+    let mut rows = vec![head];
+    let figure = |row: &MethodRow, column: &Column| row.figures.as_ref().and_then(|f| column.2(row, f));
+    let best = COLUMNS.map(|column| {
+        let figures = report.methods.iter().filter_map(|row| figure(row, &column));
+        figures.min_by(f64::total_cmp)
+    });
+    for row in &report.methods {
+        let mut cells = vec![row.method.label()];
+        for (column, best) in COLUMNS.iter().zip(best) {
+            let cell = figure(row, column).map(|x| (column.1(x), Some(column.1(x)) == best.map(column.1)));
+            cells.push(match cell {
+                None => "–".into(),
+                Some((text, true)) if as_markdown => format!("**{text}**"),
+                Some((text, true)) => format!("*{text}"),
+                Some((text, false)) => text,
+            });
+        }
+        if row.figures.is_none() {
+            cells.push("NOT PROVEN".into());
+        }
+        rows.push(cells);
+    }
+    let triangles = report.mesh.as_ref().map_or(0, |mesh| mesh.triangles);
+    let title = format!("{}: {}", report.file, counted(triangles, "triangle"));
+    let dual = report.seconds.dual.map_or(0.0, |s| 1e3 * s);
+    if as_markdown {
+        let table = markdown(&rows);
+        return format!("### {title}\n\n{table}\nms: without the dual graph, {dual:.2} ms for all.\n\n");
+    }
+    let legend =
+        format!("* best of its column; /T: a triangle; ms: without the dual graph, {dual:.2} ms for all");
+    format!("{title}\n{}{legend}\n\n", table(&rows, 1..1 + COLUMNS.len()))
+}

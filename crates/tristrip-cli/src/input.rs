@@ -1,0 +1,40 @@
+//! Reading inputs: files, and standard input.
+
+use std::io::Read;
+
+use tristrip::Mesh;
+use tristrip_io::{Format, Model};
+
+use crate::failure::Failure;
+use crate::task::Input;
+
+/// Reads an input in the format that was asked for, or of its extension, or of its content.
+pub(crate) fn load(input: &Input) -> Result<Model, Failure> {
+    let name = input.name();
+    let failure = |error| Failure::reading(&name, &error);
+    match (&input.path, input.format) {
+        (Some(path), None) => tristrip_io::read_path(path).map_err(failure),
+        (Some(path), Some(format)) if Format::from_path(path) == Some(format) => {
+            tristrip_io::read_path(path).map_err(failure)
+        }
+        (Some(path), Some(format)) => {
+            let bytes = std::fs::read(path).map_err(|source| {
+                Failure::reading(&name, &tristrip_io::Error::Io { path: name.clone(), source })
+            })?;
+            tristrip_io::read(&bytes, format).map_err(failure)
+        }
+        (None, format) => {
+            let mut bytes = Vec::new();
+            std::io::stdin().lock().read_to_end(&mut bytes).map_err(|source| {
+                Failure::reading(&name, &tristrip_io::Error::Io { path: name.clone(), source })
+            })?;
+            let format = format.unwrap_or_else(|| Format::from_bytes(&bytes));
+            tristrip_io::read(&bytes, format).map_err(failure)
+        }
+    }
+}
+
+/// Gives the meshes of a model's parts, in order.
+pub(crate) fn meshes(model: &Model) -> Vec<&Mesh> {
+    model.parts.iter().map(|part| &part.mesh).collect()
+}

@@ -1,0 +1,99 @@
+//! The stages of a model on its way to strips. Parts are worked on in parallel, stage after stage, so that each has one time; the
+//! results stand in the order of the parts, whatever the number of threads.
+
+use std::time::Instant;
+
+use rayon::prelude::*;
+use tristrip::strip::{self, verify_models};
+use tristrip::{DualGraph, Faces, Mesh, Options, Strips, Surface, stripify};
+
+use crate::failure::Failure;
+
+/// The threads that work on parts. One thread means the caller's own.
+pub(crate) struct Pool(rayon::ThreadPool);
+
+impl Pool {
+    pub(crate) fn new(threads: Option<usize>) -> Result<Self, Failure> {
+        let builder = rayon::ThreadPoolBuilder::new();
+        let builder = match threads {
+            Some(1) => builder.num_threads(1).use_current_thread(),
+            Some(n) => builder.num_threads(n),
+            None => builder,
+        };
+        builder.build().map(Self).map_err(|error| Failure::Input(format!("threads: {error}")))
+    }
+
+    /// Calls `work` for every item; the results are in the order of the items.
+    pub(crate) fn map<T: Sync, R: Send>(&self, items: &[T], work: impl Fn(&T) -> R + Sync + Send) -> Vec<R> {
+        self.0.install(|| items.par_iter().map(work).collect())
+    }
+}
+
+/// Runs something and gives its time in seconds.
+pub(crate) fn timed<R>(work: impl FnOnce() -> R) -> (R, f64) {
+    let start = Instant::now();
+    let result = work();
+    (result, start.elapsed().as_secs_f64())
+}
+
+/// A part with its surface and dual graph.
+pub(crate) struct Prepared<'a> {
+    pub(crate) mesh: &'a Mesh,
+    pub(crate) surface: Surface<'a>,
+    pub(crate) graph: DualGraph,
+}
+
+/// Makes surfaces and dual graphs.
+pub(crate) fn prepare<'a>(pool: &Pool, meshes: &[&'a Mesh], weld: bool) -> Vec<Prepared<'a>> {
+    pool.map(meshes, |&mesh| {
+        let surface = Surface::new(mesh, weld);
+        let graph = DualGraph::new(surface.faces());
+        Prepared { mesh, surface, graph }
+    })
+}
+
+/// Finds strips for every part.
+pub(crate) fn find_strips(
+    pool: &Pool,
+    parts: &[Prepared<'_>],
+    options: &Options,
+) -> Result<Vec<Strips>, Failure> {
+    let found = pool.map(parts, |part| {
+        let plan = stripify::plan(&part.surface, &part.graph, options)?;
+        Ok(strip::emit(&plan.triangulation, &plan.cover))
+    });
+    found.into_iter().collect()
+}
+
+/// Proves that every part's strips draw its mesh.
+pub(crate) fn prove(
+    pool: &Pool,
+    parts: &[Prepared<'_>],
+    strips: &[Strips],
+    options: &Options,
+) -> Result<(), Failure> {
+    let pairs: Vec<_> = parts.iter().zip(strips).collect();
+    let proofs = pool.map(&pairs, |(part, strips)| prove_part(part, strips, options.weld()));
+    for (number, proof) in proofs.into_iter().enumerate() {
+        proof.map_err(|why| match parts.len() {
+            1 => Failure::Unproven(why),
+            _ => Failure::Unproven(format!("part {number}: {why}")),
+        })?;
+    }
+    Ok(())
+}
+
+fn prove_part(part: &Prepared<'_>, strips: &Strips, weld: bool) -> Result<(), String> {
+    if !weld {
+        return strip::verify(part.mesh, strips).map(drop).map_err(|why| why.to_string());
+    }
+    // Welded vertices go by the first one's index, which stands at the same place.
+    let drawn = Faces::from_triangles(strips.to_list())
+        .and_then(|faces| Mesh::new(part.mesh.shared_positions(), faces))
+        .and_then(|drawn| verify_models(&[part.mesh], &[&drawn]));
+    match drawn {
+        Ok(Ok(_)) => Ok(()),
+        Ok(Err(difference)) => Err(difference.to_string()),
+        Err(error) => Err(error.to_string()),
+    }
+}

@@ -1,0 +1,125 @@
+//! `tristrip strip`: finds strips, proves them, writes them, and says what they cost.
+
+use tristrip_io::Drawing;
+
+use crate::console::Console;
+use crate::failure::Failure;
+use crate::figures::{Figures, MeshFigures};
+use crate::input::{load, meshes};
+use crate::method::MethodReport;
+use crate::output;
+use crate::report::{Seconds, StripReport};
+use crate::stages::{Pool, find_strips, prepare, prove, timed};
+use crate::task::{Job, StripTask, layout_name};
+use crate::text::counted;
+
+/// Works on all inputs, one after the other; tells whether all were done.
+pub(crate) fn run(task: &StripTask, pool: &Pool, console: &mut Console) -> bool {
+    let mut reports = Vec::with_capacity(task.jobs.len());
+    for job in &task.jobs {
+        let mut report = StripReport {
+            file: job.input.name(),
+            method: MethodReport::of(&task.options),
+            proven: None,
+            seconds: Seconds::default(),
+            figures: None,
+            mesh: None,
+            parts: None,
+            notes: Vec::new(),
+            output: None,
+            layout: None,
+            error: None,
+        };
+        console.begin(&report.file, None);
+        let done = strip(job, task, pool, console, &mut report);
+        console.end();
+        if let Err(failure) = done {
+            if matches!(failure, Failure::Unproven(_)) {
+                report.proven = Some(false);
+            }
+            console.error(&format!("{}: {failure}", report.file));
+            report.error = Some(failure.to_string());
+        } else if let Some(figures) = &report.figures {
+            console.result(&figures.summary(), job.output.is_none());
+        }
+        reports.push(report);
+    }
+    console.json(&reports, task.jobs.len() > 1);
+    reports.iter().all(|report| report.error.is_none())
+}
+
+/// Takes one input through all stages; the report holds what was reached.
+fn strip(
+    job: &Job,
+    task: &StripTask,
+    pool: &Pool,
+    console: &mut Console,
+    report: &mut StripReport,
+) -> Result<(), Failure> {
+    console.doing("load");
+    let (model, seconds) = timed(|| load(&job.input));
+    let model = model?;
+    let meshes = meshes(&model);
+    report.seconds.load = Some(seconds);
+    report.parts = Some(meshes.len());
+    report.notes.clone_from(&model.notes);
+
+    console.doing("dual graph");
+    let (parts, dual_seconds) = timed(|| prepare(pool, &meshes, task.options.weld()));
+    report.seconds.dual = Some(dual_seconds);
+    let mesh = MeshFigures::of(pool, &parts);
+    let size = format!("{}, {}", counted(mesh.faces, "face"), counted(mesh.vertices, "vertex"));
+    console.stage("load", &size, Some(seconds));
+    console.stage("mesh", &mesh.line(meshes.len()), None);
+    model.notes.iter().chain(&mesh.remarks()).for_each(|note| console.note(note));
+    report.notes.extend(mesh.remarks());
+    console.stage(
+        "dual",
+        &format!("{} joined over shared edges", counted(mesh.faces, "face")),
+        Some(dual_seconds),
+    );
+    let faces = mesh.faces;
+    report.mesh = Some(mesh);
+
+    console.doing("stripify");
+    let (strips, seconds) = timed(|| find_strips(pool, &parts, &task.options));
+    let strips = strips?;
+    report.seconds.stripify = Some(seconds);
+    let figures = Figures::of(pool, &parts, &strips);
+    let what = format!("{} by {}", counted(figures.strips, "strip"), report.method.label());
+    console.stage("stripify", &what, Some(seconds));
+    report.figures = Some(figures);
+
+    if task.verify {
+        console.doing("verify");
+        let (proof, seconds) = timed(|| prove(pool, &parts, &strips, &task.options));
+        proof?;
+        report.seconds.verify = Some(seconds);
+        report.proven = Some(true);
+        console.stage("verify", &proven(faces), Some(seconds));
+    } else {
+        console.stage("verify", "not asked for", None);
+    }
+    drop(parts);
+
+    let Some(target) = &job.output else { return Ok(()) };
+    let drawings: Vec<_> = strips.iter().map(Drawing::Strips).collect();
+    let written = output::write(target, &model, &drawings, task.verify, console)?;
+    report.seconds.write = Some(written.write_seconds);
+    if let (Some(strips), Some(file)) = (&mut report.seconds.verify, written.verify_seconds) {
+        *strips += file;
+    }
+    report.notes.extend(written.losses);
+    report.output = Some(target.name());
+    report.layout = Some(layout_name(target.layout));
+    Ok(())
+}
+
+/// Says what was proven.
+fn proven(faces: usize) -> String {
+    match faces {
+        0 => "proven: draws nothing, as the source has no faces".into(),
+        1 => "proven: draws exactly the one face, with its winding".into(),
+        _ => format!("proven: draws exactly the {}, each once, wound right", counted(faces, "face")),
+    }
+}

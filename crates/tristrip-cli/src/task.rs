@@ -1,0 +1,274 @@
+//! What was asked for: the one place where flags become a task that makes sense, or a message that says which of them do not fit.
+
+use std::collections::HashMap;
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+
+use tristrip::{Layout, Options};
+use tristrip_io::Format;
+
+use crate::args::{Command, InputArgs, LayoutName, OutputArgs, ReadFormat, SharedArgs, WriteFormat};
+
+/// What was asked for, with flags that fit each other.
+#[derive(Debug)]
+pub(crate) enum Task {
+    Strip(StripTask),
+    Compare(CompareTask),
+    Verify(VerifyTask),
+    Convert(ConvertTask),
+}
+
+#[derive(Debug)]
+pub(crate) struct StripTask {
+    pub(crate) jobs: Vec<Job>,
+    pub(crate) options: Options,
+    pub(crate) verify: bool,
+}
+
+#[derive(Debug)]
+pub(crate) struct CompareTask {
+    pub(crate) inputs: Vec<Input>,
+    pub(crate) every_variant: bool,
+    pub(crate) markdown: bool,
+    pub(crate) options: Options,
+}
+
+#[derive(Debug)]
+pub(crate) struct VerifyTask {
+    pub(crate) source: Input,
+    pub(crate) result: Input,
+}
+
+#[derive(Debug)]
+pub(crate) struct ConvertTask {
+    pub(crate) jobs: Vec<Job>,
+    /// Whether the faces are written as strips of their own order.
+    pub(crate) as_strips: bool,
+    pub(crate) verify: bool,
+}
+
+/// An input, and where its result goes.
+#[derive(Debug)]
+pub(crate) struct Job {
+    pub(crate) input: Input,
+    pub(crate) output: Option<Output>,
+}
+
+/// Where a mesh comes from.
+#[derive(Debug)]
+pub(crate) struct Input {
+    /// `None` for standard input.
+    pub(crate) path: Option<PathBuf>,
+    pub(crate) format: Option<Format>,
+}
+
+/// Where a result goes, and how.
+#[derive(Debug)]
+pub(crate) struct Output {
+    /// `None` for standard output.
+    pub(crate) path: Option<PathBuf>,
+    /// Whether the file lies in an output directory, which is made where it is missing.
+    pub(crate) in_directory: bool,
+    pub(crate) format: Format,
+    pub(crate) layout: Layout,
+}
+
+/// What all tasks have in common.
+#[derive(Debug)]
+pub(crate) struct Shared {
+    pub(crate) json: bool,
+    pub(crate) quiet: bool,
+    pub(crate) threads: Option<usize>,
+}
+
+impl Task {
+    /// Tells whether a mesh is written to standard output.
+    pub(crate) fn output_is_stdout(&self) -> bool {
+        let (Self::Strip(StripTask { jobs, .. }) | Self::Convert(ConvertTask { jobs, .. })) = self else {
+            return false;
+        };
+        jobs.iter().any(|job| job.output.as_ref().is_some_and(|output| output.path.is_none()))
+    }
+}
+
+impl Input {
+    /// Gives the name that messages and reports use.
+    pub(crate) fn name(&self) -> String {
+        self.path.as_ref().map_or_else(|| "-".into(), |path| path.display().to_string())
+    }
+}
+
+impl Output {
+    /// Gives the name that messages and reports use.
+    pub(crate) fn name(&self) -> String {
+        self.path.as_ref().map_or_else(|| "-".into(), |path| path.display().to_string())
+    }
+}
+
+/// Makes a task of the flags, or says which of them do not fit.
+pub(crate) fn validate(command: Command) -> Result<(Task, Shared), String> {
+    Ok(match command {
+        Command::Strip(args) => {
+            let options = args.method.validate()?;
+            let jobs = jobs(inputs(args.inputs)?, &args.output)?;
+            let shared = shared(&args.shared, args.threads.threads);
+            refuse_two_results(&jobs, &shared)?;
+            (Task::Strip(StripTask { jobs, options, verify: !args.no_verify }), shared)
+        }
+        Command::Compare(args) => {
+            let options = Options::default().with_seed(args.seed).with_weld(args.weld);
+            let inputs = inputs(args.inputs)?;
+            let task = CompareTask { inputs, every_variant: args.all, markdown: args.markdown, options };
+            (Task::Compare(task), shared(&args.shared, args.threads.threads))
+        }
+        Command::Verify(args) => {
+            let both = InputArgs { inputs: vec![args.source, args.result], from: args.from };
+            let mut both = inputs(both)?.into_iter();
+            let (Some(source), Some(result)) = (both.next(), both.next()) else {
+                return Err("two files are needed".into());
+            };
+            (Task::Verify(VerifyTask { source, result }), shared(&args.shared, Some(1)))
+        }
+        Command::Convert(args) => {
+            if args.output.output.is_none() {
+                return Err("-o is needed: where should the result go?".into());
+            }
+            let as_strips = args.output.layout.is_some();
+            let jobs = jobs(inputs(args.inputs)?, &args.output)?;
+            let shared = shared(&args.shared, args.threads.threads);
+            refuse_two_results(&jobs, &shared)?;
+            (Task::Convert(ConvertTask { jobs, as_strips, verify: !args.no_verify }), shared)
+        }
+    })
+}
+
+fn shared(args: &SharedArgs, threads: Option<u16>) -> Shared {
+    Shared { json: args.json, quiet: args.quiet, threads: threads.map(usize::from) }
+}
+
+fn inputs(args: InputArgs) -> Result<Vec<Input>, String> {
+    if args.inputs.iter().filter(|path| is_dash(path)).count() > 1 {
+        return Err("standard input (-) can be read only once".into());
+    }
+    let format = args.from.map(ReadFormat::format);
+    let input = |path: PathBuf| Input { path: (!is_dash(&path)).then_some(path), format };
+    Ok(args.inputs.into_iter().map(input).collect())
+}
+
+fn refuse_two_results(jobs: &[Job], shared: &Shared) -> Result<(), String> {
+    let to_stdout = jobs.iter().any(|job| job.output.as_ref().is_some_and(|output| output.path.is_none()));
+    if to_stdout && shared.json {
+        return Err("-o - and --json both write to standard output".into());
+    }
+    Ok(())
+}
+
+fn is_dash(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}
+
+/// Gives each input its output.
+fn jobs(inputs: Vec<Input>, args: &OutputArgs) -> Result<Vec<Job>, String> {
+    let Some(target) = &args.output else {
+        return Ok(inputs.into_iter().map(|input| Job { input, output: None }).collect());
+    };
+    if is_dash(target) {
+        return jobs_to_stdout(inputs, args);
+    }
+    let slash =
+        target.as_os_str().as_encoded_bytes().last().is_some_and(|&b| std::path::is_separator(b.into()));
+    if inputs.len() > 1 || slash || target.is_dir() {
+        return jobs_to_directory(inputs, target, args);
+    }
+    let format = match (args.to, Format::from_path(target)) {
+        (Some(to), _) => to.format(),
+        (None, Some(format @ (Format::Glb | Format::Ply | Format::Obj))) => format,
+        (None, Some(format)) => {
+            let hint =
+                if format == Format::Gltf { "glTF is written as .glb" } else { ".glb, .ply and .obj are" };
+            return Err(format!("{}: {} is not written; {hint}", target.display(), format.name()));
+        }
+        (None, None) => {
+            let target = target.display();
+            return Err(format!("{target}: the extension names no format; use .glb, .ply or .obj, or --to"));
+        }
+    };
+    let layout = layout(args, format)?;
+    let output = |_: &Input| Output { path: Some(target.clone()), in_directory: false, format, layout };
+    Ok(inputs.into_iter().map(|input| Job { output: Some(output(&input)), input }).collect())
+}
+
+fn jobs_to_stdout(inputs: Vec<Input>, args: &OutputArgs) -> Result<Vec<Job>, String> {
+    let Some(to) = args.to else { return Err("-o - needs --to: which format should be written?".into()) };
+    let format = to.format();
+    if inputs.len() > 1 {
+        return Err("-o - takes one input; give a directory for many".into());
+    }
+    if format != Format::Obj && std::io::stdout().is_terminal() {
+        return Err(format!("standard output is a terminal, and {} is binary; redirect it", format.name()));
+    }
+    let layout = layout(args, format)?;
+    let output = || Some(Output { path: None, in_directory: false, format, layout });
+    Ok(inputs.into_iter().map(|input| Job { input, output: output() }).collect())
+}
+
+fn jobs_to_directory(inputs: Vec<Input>, directory: &Path, args: &OutputArgs) -> Result<Vec<Job>, String> {
+    let format = args.to.unwrap_or(WriteFormat::Glb).format();
+    let layout = layout(args, format)?;
+    // Without a slash at its end, which would make a file look like nothing at all.
+    let directory: &Path = &directory.components().collect::<PathBuf>();
+    if directory.exists() && !directory.is_dir() {
+        return Err(format!("{}: many inputs need a directory, and this is a file", directory.display()));
+    }
+    let mut first: HashMap<PathBuf, String> = HashMap::new();
+    let mut jobs = Vec::with_capacity(inputs.len());
+    for input in inputs {
+        let stem = input.path.as_ref().and_then(|path| path.file_stem()).unwrap_or("stdin".as_ref());
+        let mut file = stem.to_owned();
+        file.push(".");
+        file.push(format.extension());
+        let path = directory.join(file);
+        let same =
+            |a: &Path, b: &Path| matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b);
+        if input.path.as_ref().is_some_and(|from| same(from, &path)) {
+            return Err(format!(
+                "{}: the output would replace the input; choose another directory",
+                path.display()
+            ));
+        }
+        if let Some(other) = first.insert(path.clone(), input.name()) {
+            return Err(format!(
+                "{}: both {other} and {} would be written here",
+                path.display(),
+                input.name()
+            ));
+        }
+        jobs.push(Job {
+            input,
+            output: Some(Output { path: Some(path), in_directory: true, format, layout }),
+        });
+    }
+    Ok(jobs)
+}
+
+/// Gives the layout that was asked for, or the format's usual one.
+fn layout(args: &OutputArgs, format: Format) -> Result<Layout, String> {
+    let asked = args.layout.map(LayoutName::layout);
+    match (format, asked) {
+        (Format::Obj, None | Some(Layout::List)) => Ok(Layout::List),
+        (Format::Obj, Some(_)) => Err("OBJ has no strips, only --layout list; write .glb or .ply".into()),
+        (_, Some(layout)) => Ok(layout),
+        (Format::Ply, None) => Ok(Layout::Restart),
+        (_, None) => Ok(Layout::Degenerate),
+    }
+}
+
+/// Gives the name of a layout as it is typed.
+pub(crate) fn layout_name(layout: Layout) -> &'static str {
+    match layout {
+        Layout::Restart => "restart",
+        Layout::Degenerate => "degenerate",
+        Layout::Separate => "separate",
+        Layout::List => "list",
+    }
+}

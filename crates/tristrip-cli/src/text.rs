@@ -1,0 +1,101 @@
+//! How figures are written for people: thousands separators, times, aligned tables.
+
+use std::ops::Range;
+
+/// Writes a count with thousands separators: `69,451`.
+pub(crate) fn count(n: usize) -> String {
+    grouped(&n.to_string())
+}
+
+/// Puts thousands separators into digits.
+pub(crate) fn grouped(digits: &str) -> String {
+    let mut out = String::with_capacity(digits.len() + digits.len() / 3);
+    for (i, digit) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            out.push(',');
+        }
+        out.push(digit);
+    }
+    out
+}
+
+/// Writes a count with its noun, which takes an s unless there is one: `1 strip`, `2 strips`.
+pub(crate) fn counted(n: usize, noun: &str) -> String {
+    let plural = match noun.strip_suffix("vertex") {
+        Some(start) => format!("{start}vertices"),
+        None => format!("{noun}s"),
+    };
+    if n == 1 { format!("1 {noun}") } else { format!("{} {plural}", count(n)) }
+}
+
+/// Writes a time in the unit that leaves three digits or so: `0.31 ms`, `45 ms`, `2.7 s`.
+pub(crate) fn duration(seconds: f64) -> String {
+    match seconds {
+        s if s < 0.001 => format!("{:.2} ms", s * 1e3),
+        s if s < 0.01 => format!("{:.1} ms", s * 1e3),
+        s if s < 1.0 => format!("{:.0} ms", s * 1e3),
+        s if s < 10.0 => format!("{s:.2} s"),
+        s => format!("{s:.0} s"),
+    }
+}
+
+/// Writes a number of bytes: `312 bytes`, `1.3 MB`.
+pub(crate) fn bytes(n: usize) -> String {
+    match n {
+        0..10_000 => counted(n, "byte"),
+        10_000..1_000_000 => format!("{:.0} kB", n as f64 / 1e3),
+        _ => format!("{:.1} MB", n as f64 / 1e6),
+    }
+}
+
+/// Aligns rows of cells, two spaces apart, the columns of a range to the right. No line ends in spaces.
+pub(crate) fn table(rows: &[Vec<String>], right: Range<usize>) -> String {
+    let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
+    let width = |c: usize| rows.iter().filter_map(|r| r.get(c)).map(|cell| cell.chars().count()).max();
+    let widths: Vec<usize> = (0..columns).map(|c| width(c).unwrap_or(0)).collect();
+    let mut out = String::new();
+    for row in rows {
+        let cells = row.iter().zip(&widths).enumerate().map(|(c, (cell, width))| {
+            if right.contains(&c) { format!("{cell:>width$}") } else { format!("{cell:<width$}") }
+        });
+        out.push_str(cells.collect::<Vec<_>>().join("  ").trim_end());
+        out.push('\n');
+    }
+    out
+}
+
+/// Writes rows as a Markdown table, the first row as its head, all columns but the first to the right.
+pub(crate) fn markdown(rows: &[Vec<String>]) -> String {
+    let columns = rows.first().map_or(0, Vec::len);
+    let rule = format!("|---{}|", "|---:".repeat(columns.saturating_sub(1)));
+    let mut lines = rows.iter().map(|row| {
+        let cells: Vec<String> = row.iter().map(|cell| cell.replace('|', "\\|")).collect();
+        format!("| {} |", cells.join(" | "))
+    });
+    let head = lines.next().unwrap_or_default();
+    let body = lines.collect::<Vec<_>>().join("\n");
+    format!("{head}\n{rule}\n{body}\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn figures_read_as_people_write_them() {
+        assert_eq!([0, 999, 1000, 1_234_567].map(count), ["0", "999", "1,000", "1,234,567"]);
+        assert_eq!(counted(1, "strip") + &counted(2, "vertex"), "1 strip2 vertices");
+        assert_eq!(
+            [0.000_314, 0.0045, 0.045, 2.719, 61.0].map(duration),
+            ["0.31 ms", "4.5 ms", "45 ms", "2.72 s", "61 s"]
+        );
+        assert_eq!([312, 31_200, 1_340_000].map(bytes), ["312 bytes", "31 kB", "1.3 MB"]);
+    }
+
+    #[test]
+    fn tables_are_aligned() {
+        let rows = [vec!["method".into(), "strips".into()], vec!["sgi".into(), "1,234,567".into()]];
+        assert_eq!(table(&rows, 1..2), "method     strips\nsgi     1,234,567\n");
+        assert_eq!(markdown(&rows), "| method | strips |\n|---|---:|\n| sgi | 1,234,567 |\n");
+    }
+}

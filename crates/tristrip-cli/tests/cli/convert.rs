@@ -1,0 +1,73 @@
+//! `tristrip convert`: formats and layouts, no new strips.
+
+use std::fs;
+
+use super::{SQUARE, json, keys, model, tristrip};
+use predicates::str::contains;
+use serde_json::Value;
+
+#[test]
+fn polygons_stay_polygons_where_the_format_has_them() {
+    let dir = tempfile::tempdir().unwrap();
+    let (obj, ply) = (dir.path().join("fish.obj"), dir.path().join("fish.ply"));
+    let report =
+        json(tristrip().args(["convert", "--json"]).arg(model("fish_control.ply")).arg("-o").arg(&obj));
+    let expected = [
+        "file",
+        "proven",
+        "seconds",
+        "faces",
+        "triangles",
+        "strips",
+        "parts",
+        "notes",
+        "output",
+        "layout",
+        "error",
+    ];
+    assert_eq!(keys(&report), expected);
+    assert_eq!((&report["faces"], &report["triangles"]), (&Value::from(112), &Value::from(220)));
+    assert_eq!((&report["proven"], &report["layout"]), (&Value::from(true), &Value::Null));
+    tristrip().arg("convert").arg(&obj).arg("-o").arg(&ply).assert().success();
+    let again = json(tristrip().args(["strip", "--json"]).arg(&ply));
+    assert_eq!(again["mesh"]["faces"], 112);
+}
+
+#[test]
+fn strips_keep_their_number_from_file_to_file() {
+    let dir = tempfile::tempdir().unwrap();
+    let (ply, glb) = (dir.path().join("a.ply"), dir.path().join("a.glb"));
+    let first = json(tristrip().args(["strip", "--json"]).arg(model("wingnut.ply")).arg("-o").arg(&ply));
+    let mut convert = tristrip();
+    let second =
+        json(convert.args(["convert", "--json", "--layout", "restart"]).arg(&ply).arg("-o").arg(&glb));
+    assert_eq!(second["layout"], "restart");
+    assert!(second["strips"].as_u64() <= first["strips"].as_u64());
+    tristrip().arg("verify").arg(model("wingnut.ply")).arg(&glb).assert().success();
+}
+
+#[test]
+fn streams_and_directories_work_as_for_strip() {
+    let dir = tempfile::tempdir().unwrap();
+    let piped =
+        tristrip().args(["convert", "-", "-o", "-", "--to", "ply"]).write_stdin(SQUARE).assert().success();
+    assert!(piped.get_output().stdout.starts_with(b"ply\n"));
+    tristrip()
+        .args(["convert", "--to", "obj", "-o"])
+        .arg(dir.path())
+        .arg(model("fish_control.ply"))
+        .arg(model("catmark_bishop.ply"))
+        .assert()
+        .success()
+        .stderr(contains("proven"));
+    assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 2);
+}
+
+#[test]
+fn what_a_format_cannot_hold_is_said() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut command = tristrip();
+    command.args(["convert", "--json"]).arg(model("milktruck.glb")).arg("-o").arg(dir.path().join("a.ply"));
+    let notes = json(&mut command)["notes"].to_string();
+    assert!(notes.contains("parts joined into one") && notes.contains("nodes with a transform"), "{notes}");
+}

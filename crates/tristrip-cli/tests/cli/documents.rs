@@ -1,0 +1,65 @@
+//! The documents say what the command does: its help, its JSON keys, and the code of the README.
+
+use std::fs;
+use std::path::PathBuf;
+
+use super::{json, keys, model, tristrip};
+
+fn document(name: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..").join(name)
+}
+
+/// `docs/cli.md` is written anew when `TRISTRIP_BLESS` is set.
+#[test]
+fn the_help_stands_in_the_docs() {
+    let mut expected = String::from(
+        "# The command\n\nGenerated from the help of each subcommand; `TRISTRIP_BLESS=1 cargo test -p tristrip-cli` writes it \
+         anew.\n",
+    );
+    for subcommand in ["", "strip", "compare", "verify", "convert"] {
+        let mut command = tristrip();
+        command.env_remove("COLUMNS").args(Some(subcommand).filter(|name| !name.is_empty())).arg("--help");
+        let help = command.assert().success().get_output().stdout.clone();
+        let help = String::from_utf8(help).unwrap();
+        let lines: Vec<&str> = help.lines().map(str::trim_end).collect();
+        let title = format!("tristrip {subcommand}");
+        let (title, help) = (title.trim_end(), lines.join("\n"));
+        for piece in ["\n## `", title, "`\n\n```text\n", &help, "\n```\n"] {
+            expected.push_str(piece);
+        }
+    }
+    let path = document("docs/cli.md");
+    if std::env::var_os("TRISTRIP_BLESS").is_some() {
+        fs::write(&path, &expected).unwrap();
+    }
+    assert!(fs::read_to_string(&path).unwrap() == expected, "docs/cli.md is not the help of the command");
+}
+
+#[test]
+fn every_json_key_is_described() {
+    let described = fs::read_to_string(document("FORMAT.md")).unwrap();
+    let fish = model("fish_control.ply");
+    let dir = tempfile::tempdir().unwrap();
+    let strip = json(tristrip().args(["strip", "--json", "-m", "stripe-local"]).arg(&fish));
+    let global = json(tristrip().args(["strip", "--json", "-m", "stripe"]).arg(&fish));
+    let compare = json(tristrip().args(["compare", "--json"]).arg(&fish));
+    let verify = json(tristrip().args(["verify", "--json"]).arg(&fish).arg(&fish));
+    let mut command = tristrip();
+    let convert =
+        json(command.args(["convert", "--json"]).arg(&fish).arg("-o").arg(dir.path().join("a.obj")));
+    let reports = [&strip, &global, &compare, &verify, &convert, &strip["mesh"], &strip["seconds"]];
+    for key in reports.into_iter().flat_map(keys) {
+        assert!(described.contains(&format!("`{key}`")), "FORMAT.md does not describe `{key}`");
+    }
+}
+
+#[test]
+fn the_five_lines_of_the_readme_are_those_of_the_example() {
+    let readme = fs::read_to_string(document("README.md")).unwrap();
+    let example = fs::read_to_string(document("crates/tristrip-cli/examples/strip_file.rs")).unwrap();
+    let code = readme.split("```rust\n").nth(1).and_then(|rest| rest.split("```").next()).unwrap();
+    assert_eq!(code.lines().count(), 5);
+    for line in code.lines() {
+        assert!(example.lines().any(|other| other.trim() == line), "not in the example: {line}");
+    }
+}

@@ -1,0 +1,39 @@
+//! The command as its users meet it: arguments, files and streams in; bytes, text, JSON and exit codes out.
+
+#![expect(clippy::panic, reason = "a test that panics fails")]
+
+mod compare;
+mod convert;
+mod documents;
+mod strip;
+mod usage;
+mod verify;
+
+use std::path::PathBuf;
+
+use assert_cmd::Command;
+use serde_json::Value;
+
+/// The command under test.
+fn tristrip() -> Command {
+    Command::new(assert_cmd::cargo::cargo_bin!("tristrip"))
+}
+
+/// A model of the project's own.
+fn model(name: &str) -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../testdata/models").join(name)
+}
+
+/// Runs a command that must succeed, and reads its standard output as JSON.
+fn json(command: &mut Command) -> Value {
+    let output = command.assert().success().get_output().stdout.clone();
+    serde_json::from_slice(&output).unwrap_or_else(|error| panic!("standard output is no JSON: {error}"))
+}
+
+/// The keys of an object, in the order in which they are printed.
+fn keys(value: &Value) -> Vec<&str> {
+    value.as_object().into_iter().flat_map(|object| object.keys()).map(String::as_str).collect()
+}
+
+/// A square of two triangles as OBJ.
+const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";

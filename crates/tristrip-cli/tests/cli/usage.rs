@@ -1,0 +1,82 @@
+//! Wrong usage: exit code 2, a message that names the flag, and nothing done. Help and version.
+
+use super::{model, tristrip};
+use predicates::prelude::*;
+use predicates::str::{contains, is_empty};
+
+fn refused(arguments: &[&str], message: &str) {
+    tristrip()
+        .args(arguments)
+        .assert()
+        .code(2)
+        .stdout(is_empty())
+        .stderr(contains("error: ").and(contains(message)));
+}
+
+#[test]
+fn options_belong_to_their_methods() {
+    refused(&["strip", "a.ply", "--ties", "random"], "--ties belongs to --method stripe-local, not to auto");
+    refused(&["strip", "a.ply", "-m", "sgi", "--triangulation", "static"], "--triangulation belongs to");
+    refused(&["strip", "a.ply", "-m", "stripe-local", "--patches", "rows"], "--patches belongs to");
+    refused(&["strip", "a.ply", "-m", "sequential", "--cutoff", "5"], "--cutoff belongs to");
+    refused(&["strip", "a.ply", "--seed", "1"], "--seed belongs to --method stripe-local or stripe-global");
+    refused(&["strip", "a.ply", "-m", "stripe", "--cutoff", "0"], "--cutoff");
+    refused(&["strip", "a.ply", "-m", "magic"], "possible values: auto");
+}
+
+#[test]
+fn outputs_fit_their_formats() {
+    refused(&["strip", "a.ply", "-o", "b.xyz"], "b.xyz: the extension names no format");
+    refused(&["strip", "a.ply", "-o", "b.stl"], "STL is not written; .glb, .ply and .obj are");
+    refused(&["strip", "a.ply", "-o", "b.gltf"], "glTF is written as .glb");
+    refused(&["strip", "a.ply", "-o", "b.obj", "--layout", "restart"], "OBJ has no strips");
+    refused(&["strip", "a.ply", "-o", "-"], "-o - needs --to");
+    refused(&["strip", "a.ply", "b.ply", "-o", "-", "--to", "glb"], "-o - takes one input");
+    refused(&["strip", "a.ply", "-o", "-", "--to", "glb", "--json"], "both write to standard output");
+    refused(&["strip", "a.ply", "--layout", "list"], "--output");
+    refused(&["strip", "a/x.ply", "b/x.obj", "-o", "out/"], "both a/x.ply and b/x.obj would be written here");
+    refused(&["convert", "a.ply"], "-o is needed");
+}
+
+#[test]
+fn an_output_directory_does_not_hold_the_inputs() {
+    let dir = tempfile::tempdir().unwrap();
+    let inside = dir.path().join("a.ply");
+    std::fs::copy(model("fish_control.ply"), &inside).unwrap();
+    let mut command = tristrip();
+    command.args(["strip", "--to", "ply", "-o"]).arg(dir.path()).arg(&inside);
+    command.assert().code(2).stderr(contains("the output would replace the input"));
+    let mut command = tristrip();
+    command.arg("strip").args([&inside, &inside]).arg("-o").arg(&inside);
+    command.assert().code(2).stderr(contains("many inputs need a directory"));
+}
+
+#[test]
+fn flags_are_checked() {
+    refused(&["strip"], "<INPUT>");
+    refused(&["strip", "-", "-"], "standard input (-) can be read only once");
+    refused(&["verify", "-", "-"], "standard input (-) can be read only once");
+    refused(&["verify", "a.ply"], "<RESULT>");
+    refused(&["strip", "a.ply", "--threads", "0"], "--threads");
+    refused(&["strip", "a.ply", "--from", "doc"], "possible values: obj");
+    refused(&["compare", "a.ply", "--json", "--markdown"], "cannot be used with");
+    refused(&["paint", "a.ply"], "unrecognized subcommand");
+}
+
+#[test]
+fn help_is_short_or_long_and_names_everything() {
+    for subcommand in ["strip", "compare", "verify", "convert"] {
+        let length = |flag: &str| {
+            let output = tristrip().args([subcommand, flag]).assert().success().get_output().stdout.clone();
+            output.len()
+        };
+        assert!(length("-h") < length("--help"), "{subcommand}");
+    }
+    tristrip().arg("--help").assert().success().stdout(contains("Exit codes: 0 done and proven"));
+    tristrip()
+        .arg("--version")
+        .assert()
+        .success()
+        .stdout(format!("tristrip {}\n", env!("CARGO_PKG_VERSION")));
+    tristrip().assert().code(2).stderr(contains("Usage: tristrip <COMMAND>"));
+}

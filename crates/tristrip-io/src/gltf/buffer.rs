@@ -1,0 +1,196 @@
+//! The buffers of a document: the GLB's own bytes, data URIs, and files beside the document, never outside of its folder.
+
+use std::collections::HashMap;
+use std::io::Read;
+use std::ops::Range;
+use std::path::{Component, Path, PathBuf};
+use std::sync::Arc;
+
+use base64::Engine;
+use base64::alphabet::STANDARD;
+use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
+use serde_json::{Map, Value};
+
+use super::document::{Place, format_error};
+use crate::error::Error;
+
+const BASE64: GeneralPurpose = GeneralPurpose::new(
+    &STANDARD,
+    GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
+);
+
+/// A part of some bytes that are shared, never copied.
+#[derive(Clone, Default)]
+pub(super) struct Bytes {
+    owner: Arc<Vec<u8>>,
+    range: Range<usize>,
+}
+
+impl Bytes {
+    pub(super) fn as_slice(&self) -> &[u8] {
+        &self.owner[self.range.clone()]
+    }
+
+    pub(super) fn len(&self) -> usize {
+        self.range.len()
+    }
+}
+
+impl std::fmt::Debug for Bytes {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "Bytes({})", self.len())
+    }
+}
+
+/// Loads every buffer, and takes the `uri` of each out of the document: the bytes are kept, not their text.
+pub(super) fn load(
+    root: &mut Map<String, Value>,
+    file: &Arc<Vec<u8>>,
+    bin: Option<&Range<usize>>,
+    base_dir: Option<&Path>,
+) -> Result<Vec<Bytes>, Error> {
+    let mut buffers = Vec::new();
+    let mut files: HashMap<PathBuf, Arc<Vec<u8>>> = HashMap::new();
+    for (index, buffer) in Place::entries(root, "buffers")?.enumerate() {
+        let length_at = buffer.need("byteLength")?;
+        let length = length_at.size()?;
+        let (owner, range) = match buffer.field("uri") {
+            None => match bin {
+                Some(bin) if index == 0 => (Arc::clone(file), bin.clone()),
+                _ => {
+                    let expected = "a URI, or the BIN chunk of a GLB for the first buffer";
+                    return Err(format_error(format!("{}.uri", buffer.at), "nothing", expected));
+                }
+            },
+            Some(uri) => whole_of(match uri.text()?.strip_prefix("data:") {
+                Some(data) => Arc::new(decode_data_uri(&uri, data)?),
+                None => load_file(&uri, base_dir, &mut files)?,
+            }),
+        };
+        if range.len() < length {
+            let expected = format!("at most {}, what the buffer has", range.len());
+            return Err(length_at.wrong(expected));
+        }
+        buffers.push(Bytes { owner, range: range.start..range.start + length });
+    }
+    if let Some(Value::Array(entries)) = root.get_mut("buffers") {
+        for entry in entries.iter_mut().filter_map(Value::as_object_mut) {
+            entry.shift_remove("uri");
+        }
+    }
+    Ok(buffers)
+}
+
+fn whole_of(owner: Arc<Vec<u8>>) -> (Arc<Vec<u8>>, Range<usize>) {
+    let range = 0..owner.len();
+    (owner, range)
+}
+
+fn decode_data_uri(uri: &Place<'_>, data: &str) -> Result<Vec<u8>, Error> {
+    let Some((_, text)) = data.split_once(";base64,") else {
+        return Err(uri.wrong("a data URI in base64"));
+    };
+    BASE64
+        .decode(text)
+        .map_err(|e| format_error(uri.at.clone(), e.to_string().trim_end_matches('.'), "base64"))
+}
+
+/// Reads a file of the document's own folder, once for all buffers that name it.
+fn load_file(
+    uri: &Place<'_>,
+    base_dir: Option<&Path>,
+    files: &mut HashMap<PathBuf, Arc<Vec<u8>>>,
+) -> Result<Arc<Vec<u8>>, Error> {
+    let text = uri.text()?;
+    let Some(relative) = relative_path(text) else {
+        return Err(uri.wrong("a data URI, or a file in the folder of the document"));
+    };
+    let Some(base_dir) = base_dir else {
+        return Err(uri.wrong("a data URI: the folder of the document is not known"));
+    };
+    // The folder of a file that is named without one.
+    let base_dir = if base_dir.as_os_str().is_empty() { Path::new(".") } else { base_dir };
+    let io_error = |source| Error::Io { path: base_dir.join(&relative).display().to_string(), source };
+    let folder = base_dir.canonicalize().map_err(io_error)?;
+    let path = folder.join(&relative).canonicalize().map_err(io_error)?;
+    // A link may lead out of the folder although the name does not.
+    if !path.starts_with(&folder) || !path.is_file() {
+        return Err(uri.wrong("a data URI, or a file in the folder of the document"));
+    }
+    if let Some(bytes) = files.get(&path) {
+        return Ok(Arc::clone(bytes));
+    }
+    let mut bytes = Vec::new();
+    std::fs::File::open(&path).and_then(|mut f| f.read_to_end(&mut bytes)).map_err(io_error)?;
+    let bytes = Arc::new(bytes);
+    files.insert(path, Arc::clone(&bytes));
+    Ok(bytes)
+}
+
+/// Gives the path of a relative URI, if it goes nowhere but down.
+fn relative_path(uri: &str) -> Option<PathBuf> {
+    let decoded = percent_decode(uri)?;
+    if decoded.contains(['\\', ':', '\0']) {
+        return None;
+    }
+    let path = PathBuf::from(decoded);
+    let mut named = false;
+    for component in path.components() {
+        match component {
+            Component::Normal(_) => named = true,
+            Component::CurDir => {}
+            _ => return None,
+        }
+    }
+    named.then_some(path)
+}
+
+fn percent_decode(text: &str) -> Option<String> {
+    let mut out = Vec::with_capacity(text.len());
+    let mut rest = text.as_bytes();
+    while let Some((&first, after)) = rest.split_first() {
+        if first == b'%' {
+            let digits = std::str::from_utf8(after.get(..2)?).ok()?;
+            if !digits.bytes().all(|b| b.is_ascii_hexdigit()) {
+                return None;
+            }
+            out.push(u8::from_str_radix(digits, 16).ok()?);
+            rest = &after[2..];
+        } else {
+            out.push(first);
+            rest = after;
+        }
+    }
+    String::from_utf8(out).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_only_go_down() {
+        let ok = |uri| relative_path(uri).map(|p| p.display().to_string());
+        assert_eq!(ok("a%20b/c.bin").as_deref(), Some("a b/c.bin"));
+        assert_eq!(ok("./c.bin").as_deref(), Some("./c.bin"));
+        for bad in [
+            "",
+            ".",
+            "../c.bin",
+            "a/../../c.bin",
+            "/etc/passwd",
+            "%2e%2e/c.bin",
+            "a\\b",
+            "c:b",
+            "http://x/y",
+            "file:///etc/passwd",
+            "%",
+            "%zz",
+            "%+1",
+            "a%00b",
+            "%ff",
+        ] {
+            assert_eq!(ok(bad), None, "{bad}");
+        }
+    }
+}

@@ -1,0 +1,389 @@
+//! Writing without a scene: a minimal document around the parts.
+//!
+//! # Attributes
+//! `NORMAL`, `TANGENT`, `TEXCOORD_n` and `COLOR_n` are written under these names where their values are what glTF asks for:
+//! normals and tangents of unit length, colours from 0 to 1, numbers without a gap. Others, and those whose values are
+//! not, become custom attributes with a leading underscore: their values are never changed. What has no type in glTF (64-bit
+//! floats, 32-bit integers, more than four components, values that are not finite) stays out; [`losses`] says so.
+
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::sync::Arc;
+
+use serde_json::{Value, json};
+use tristrip::{Attribute, AttributeData, Layout, Mesh};
+
+use super::accessor::Component;
+use super::index::{Run, runs};
+use super::{RESTART_EXTENSION, container};
+use crate::error::Error;
+use crate::model::{Drawing, Model};
+
+const ARRAY_BUFFER: u32 = 34962;
+const ELEMENT_ARRAY_BUFFER: u32 = 34963;
+/// How far the length of a normal may be from 1; the Khronos validator allows 0.00674.
+const UNIT_TOLERANCE: f64 = 0.006;
+
+/// Names what a GLB cannot hold of a model as it is, in words, with counts; nothing for a model with a scene, which keeps
+/// all.
+///
+/// ```
+/// use tristrip::{Attribute, AttributeData, Faces, Mesh};
+/// use tristrip_io::{Model, Part, gltf};
+/// let mesh = Mesh::new(vec![[0.0; 3]], Faces::default())?.with_attribute(Attribute {
+///     name: "quality".into(), components: 1, normalized: false, data: AttributeData::F64(vec![1.0]),
+/// })?;
+/// let model = Model { parts: vec![Part { mesh, ..Part::default() }], ..Model::default() };
+/// assert_eq!(
+///     gltf::losses(&model),
+///     ["attribute `quality` not written, as glTF has no 64-bit floats or 32-bit integers for vertices: 1"],
+/// );
+/// # Ok::<(), tristrip_io::Error>(())
+/// ```
+pub fn losses(model: &Model) -> Vec<String> {
+    if model.scene.is_some() {
+        return Vec::new();
+    }
+    let (mut empty, mut polygons) = (0, 0);
+    let mut attributes: BTreeMap<String, usize> = BTreeMap::new();
+    for mesh in model.parts.iter().map(|part| &part.mesh) {
+        if mesh.vertex_count() == 0 {
+            empty += 1;
+            continue;
+        }
+        if mesh.faces().as_triangles().is_none() {
+            polygons += mesh.faces().iter().filter(|face| face.len() > 3).count();
+        }
+        for (attribute, plan) in mesh.attributes().iter().zip(plans(mesh)) {
+            let name = &attribute.name;
+            let words = match plan {
+                Err(why) => format!("attribute `{name}` not written, as {why}"),
+                Ok(new) if new != *name => format!("attribute `{name}` written as `{new}`"),
+                Ok(_) => continue,
+            };
+            *attributes.entry(words).or_default() += 1;
+        }
+    }
+    let counts = [
+        ("parts without a vertex, not written".to_owned(), empty),
+        ("polygons, cut into fans where no strips draw them".to_owned(), polygons),
+    ];
+    let counted = counts.into_iter().filter(|(_, count)| *count > 0).chain(attributes);
+    counted.map(|(words, count)| format!("{words}: {count}")).collect()
+}
+
+/// Writes the minimal document.
+pub(super) fn write(model: &Model, drawings: &[Drawing<'_>], layout: Layout) -> Result<Vec<u8>, Error> {
+    let mut builder = Builder::default();
+    let mut meshes: Vec<Value> = Vec::new();
+    let mut names: Vec<Option<&str>> = Vec::new();
+    let mut materials: Vec<&str> = Vec::new();
+    let mut material_ids: HashMap<&str, usize> = HashMap::new();
+    let mut restarts = false;
+    for (part, (contents, drawing)) in model.parts.iter().zip(drawings).enumerate() {
+        let mesh = &contents.mesh;
+        if mesh.vertex_count() == 0 {
+            continue;
+        }
+        // 1. A mesh for each run of parts of one name.
+        let name = contents.name.as_deref();
+        if names.last() != Some(&name) {
+            names.push(name);
+            let mut object = json!({ "primitives": [] });
+            if let Some(name) = name {
+                object["name"] = name.into();
+            }
+            meshes.push(object);
+        }
+        // 2. What the primitives of the part have in common.
+        let mut common = json!({ "attributes": builder.attributes(mesh) });
+        if let Some(material) = contents.material.as_deref() {
+            let id = *material_ids.entry(material).or_insert_with(|| {
+                materials.push(material);
+                materials.len() - 1
+            });
+            common["material"] = id.into();
+        }
+        // 3. Indices.
+        let runs = runs(part, mesh, *drawing, layout)?;
+        restarts |= runs.iter().any(Run::restarts);
+        let accessors = builder.indices(&runs);
+        let Some(Value::Array(primitives)) = meshes.last_mut().and_then(|m| m.get_mut("primitives")) else {
+            continue;
+        };
+        for (run, accessor) in runs.iter().zip(accessors) {
+            let mut primitive = common.clone();
+            primitive["indices"] = accessor.into();
+            primitive["mode"] = run.mode.into();
+            primitives.push(primitive);
+        }
+    }
+    builder.finish(meshes, &names, &materials, restarts)
+}
+
+#[derive(Default)]
+struct Builder<'a> {
+    bytes: Vec<u8>,
+    views: Vec<Value>,
+    accessors: Vec<Value>,
+    /// Accessors by address of the array of positions, which the model keeps alive: parts that share one still do.
+    shared: HashMap<*const Vec<[f32; 3]>, Shared<'a>>,
+}
+
+struct Shared<'a> {
+    accessor: usize,
+    /// The last attribute of each name written for these positions.
+    attributes: BTreeMap<String, (&'a Attribute, usize)>,
+}
+
+impl<'a> Builder<'a> {
+    fn view(&mut self, start: usize, target: u32, stride: Option<usize>) -> usize {
+        let mut view = json!({
+            "buffer": 0, "byteOffset": start, "byteLength": self.bytes.len() - start, "target": target,
+        });
+        if let Some(stride) = stride {
+            view["byteStride"] = stride.into();
+        }
+        self.views.push(view);
+        self.align();
+        self.views.len() - 1
+    }
+
+    fn align(&mut self) {
+        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
+    }
+
+    fn accessor(&mut self, accessor: Value) -> usize {
+        self.accessors.push(accessor);
+        self.accessors.len() - 1
+    }
+
+    /// Writes positions and attributes, unless a part before had the same; gives accessors by name.
+    fn attributes(&mut self, mesh: &'a Mesh) -> Value {
+        let positions = mesh.shared_positions();
+        let key = Arc::as_ptr(&positions);
+        let accessor = match self.shared.get(&key) {
+            Some(shared) => shared.accessor,
+            None => self.positions(mesh.positions()),
+        };
+        let mut shared =
+            self.shared.remove(&key).unwrap_or_else(|| Shared { accessor, attributes: BTreeMap::new() });
+        let mut names = json!({ "POSITION": accessor });
+        for (attribute, plan) in mesh.attributes().iter().zip(plans(mesh)) {
+            let Ok(name) = plan else { continue };
+            let accessor = match shared.attributes.get(&name) {
+                Some((same, accessor)) if *same == attribute => *accessor,
+                _ => self.attribute(attribute, mesh.vertex_count()),
+            };
+            names[&name] = accessor.into();
+            shared.attributes.insert(name, (attribute, accessor));
+        }
+        self.shared.insert(key, shared);
+        names
+    }
+
+    fn positions(&mut self, positions: &[[f32; 3]]) -> usize {
+        let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+        let start = self.bytes.len();
+        self.bytes.reserve(12 * positions.len());
+        for p in positions {
+            for (axis, &x) in p.iter().enumerate() {
+                low[axis] = low[axis].min(x);
+                high[axis] = high[axis].max(x);
+                self.bytes.extend(x.to_le_bytes());
+            }
+        }
+        let view = self.view(start, ARRAY_BUFFER, None);
+        self.accessor(json!({
+            "bufferView": view,
+            "componentType": Component::F32.code(),
+            "count": positions.len(),
+            "type": "VEC3",
+            "min": low.map(f64::from),
+            "max": high.map(f64::from),
+        }))
+    }
+
+    fn attribute(&mut self, attribute: &Attribute, count: usize) -> usize {
+        let components = usize::from(attribute.components);
+        let start = self.bytes.len();
+        let component = match &attribute.data {
+            AttributeData::U8(v) => self.values(v, components, Component::U8, |x| [*x]),
+            AttributeData::I8(v) => self.values(v, components, Component::I8, |x| x.to_le_bytes()),
+            AttributeData::U16(v) => self.values(v, components, Component::U16, |x| x.to_le_bytes()),
+            AttributeData::I16(v) => self.values(v, components, Component::I16, |x| x.to_le_bytes()),
+            AttributeData::F32(v) => self.values(v, components, Component::F32, |x| x.to_le_bytes()),
+            // The plan has left these out.
+            AttributeData::F64(_) | AttributeData::U32(_) | AttributeData::I32(_) => Component::F32,
+        };
+        let element = components * component.bytes();
+        let stride = element.next_multiple_of(4);
+        let view = self.view(start, ARRAY_BUFFER, (stride != element).then_some(stride));
+        let kind = ["SCALAR", "VEC2", "VEC3", "VEC4"][components - 1];
+        let mut accessor = json!({
+            "bufferView": view,
+            "componentType": component.code(),
+            "count": count,
+            "type": kind,
+        });
+        if attribute.normalized && component.bytes() < 4 {
+            accessor["normalized"] = true.into();
+        }
+        self.accessor(accessor)
+    }
+
+    /// Adds values at the end, each vertex's from a multiple of four bytes on.
+    fn values<T, const N: usize>(
+        &mut self,
+        values: &[T],
+        components: usize,
+        component: Component,
+        bytes: impl Fn(&T) -> [u8; N],
+    ) -> Component {
+        for vertex in values.chunks(components) {
+            self.bytes.extend(vertex.iter().flat_map(&bytes));
+            self.align();
+        }
+        component
+    }
+
+    fn indices(&mut self, runs: &[Run]) -> Vec<usize> {
+        let start = self.bytes.len();
+        let mut offsets = Vec::with_capacity(runs.len());
+        for run in runs {
+            self.align();
+            offsets.push(self.bytes.len() - start);
+            run.pack(&mut self.bytes);
+        }
+        let view = self.view(start, ELEMENT_ARRAY_BUFFER, None);
+        let accessors = runs.iter().zip(offsets).map(|(run, offset)| {
+            let mut accessor = json!({
+                "bufferView": view,
+                "componentType": run.component().code(),
+                "count": run.count(),
+                "type": "SCALAR",
+            });
+            if offset > 0 {
+                accessor["byteOffset"] = offset.into();
+            }
+            self.accessors.push(accessor);
+            self.accessors.len() - 1
+        });
+        accessors.collect()
+    }
+
+    fn finish(
+        self,
+        meshes: Vec<Value>,
+        names: &[Option<&str>],
+        materials: &[&str],
+        restarts: bool,
+    ) -> Result<Vec<u8>, Error> {
+        let mut root = json!({ "asset": { "version": "2.0", "generator": "tristrip" } });
+        if restarts {
+            root["extensionsUsed"] = json!([RESTART_EXTENSION]);
+            root["extensionsRequired"] = json!([RESTART_EXTENSION]);
+        }
+        if !meshes.is_empty() {
+            let nodes = names.iter().enumerate().map(|(mesh, name)| match name {
+                Some(name) => json!({ "name": name, "mesh": mesh }),
+                None => json!({ "mesh": mesh }),
+            });
+            root["scene"] = 0.into();
+            root["scenes"] = json!([{ "nodes": (0..meshes.len()).collect::<Vec<_>>() }]);
+            root["nodes"] = nodes.collect();
+            root["meshes"] = meshes.into();
+            if !materials.is_empty() {
+                root["materials"] = materials.iter().map(|name| json!({ "name": name })).collect();
+            }
+            root["accessors"] = self.accessors.into();
+            root["bufferViews"] = self.views.into();
+            root["buffers"] = json!([{ "byteLength": self.bytes.len() }]);
+        }
+        let json = serde_json::to_vec(&root).map_err(|e| Error::Unsupported(e.to_string()))?;
+        container::write(&json, &[&self.bytes])
+    }
+}
+
+/// Chooses the name that each attribute of a mesh is written under, or says why it is not.
+fn plans(mesh: &Mesh) -> Vec<Result<String, String>> {
+    let attributes = mesh.attributes();
+    let mut core: Vec<bool> = attributes.iter().map(is_core).collect();
+    let named = |core: &[bool], name: &str| (attributes.iter().zip(core)).any(|(a, &c)| c && a.name == name);
+    // Numbered names must not have a gap, and tangents need normals.
+    for prefix in ["TEXCOORD_", "COLOR_"] {
+        let end = (0..attributes.len())
+            .find(|n| !named(&core, &format!("{prefix}{n}")))
+            .unwrap_or(attributes.len());
+        for (attribute, core) in attributes.iter().zip(&mut core) {
+            if let Some(number) = attribute.name.strip_prefix(prefix) {
+                *core &= number.parse::<usize>().is_ok_and(|n| n < end);
+            }
+        }
+    }
+    if !named(&core, "NORMAL") {
+        for (attribute, core) in attributes.iter().zip(&mut core) {
+            *core &= attribute.name != "TANGENT";
+        }
+    }
+    let mut taken: BTreeSet<String> = BTreeSet::from(["POSITION".to_owned()]);
+    let choose = |(attribute, core): (&Attribute, bool)| {
+        let name = match core {
+            true => attribute.name.clone(),
+            false if attribute.name.starts_with('_') => attribute.name.clone(),
+            false => format!("_{}", attribute.name),
+        };
+        writable(attribute)?;
+        if taken.insert(name.clone()) {
+            Ok(name)
+        } else {
+            Err(format!("another attribute is written as `{name}`"))
+        }
+    };
+    attributes.iter().zip(core).map(choose).collect()
+}
+
+/// Tells whether glTF has a type for an attribute.
+fn writable(attribute: &Attribute) -> Result<(), String> {
+    if !(1..=4).contains(&attribute.components) {
+        return Err(format!("it has {} components, and glTF has 1 to 4", attribute.components));
+    }
+    match &attribute.data {
+        AttributeData::F64(_) | AttributeData::U32(_) | AttributeData::I32(_) => {
+            Err("glTF has no 64-bit floats or 32-bit integers for vertices".into())
+        }
+        AttributeData::F32(values) if !values.iter().all(|x| x.is_finite()) => {
+            Err("not all of its values are finite".into())
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Tells whether an attribute is what glTF asks for under its name; gaps in numbers aside.
+fn is_core(attribute: &Attribute) -> bool {
+    let floats = match &attribute.data {
+        AttributeData::F32(values) => Some(values.as_slice()),
+        _ => None,
+    };
+    let fraction =
+        attribute.normalized && matches!(attribute.data, AttributeData::U8(_) | AttributeData::U16(_));
+    let unit = |v: &[f32]| {
+        let length = v.iter().map(|&x| f64::from(x) * f64::from(x)).sum::<f64>().sqrt();
+        (length - 1.0).abs() <= UNIT_TOLERANCE
+    };
+    #[allow(clippy::float_cmp, reason = "a sign is exact")]
+    let tangent = |v: &[f32]| unit(&v[..3]) && v[3].abs() == 1.0;
+    match (attribute.name.as_str(), attribute.components) {
+        ("NORMAL", 3) => floats.is_some_and(|v| v.chunks_exact(3).all(unit)),
+        ("TANGENT", 4) => floats.is_some_and(|v| v.chunks_exact(4).all(tangent)),
+        (name, 2) if numbered(name, "TEXCOORD_") => fraction || floats.is_some(),
+        (name, 3 | 4) if numbered(name, "COLOR_") => {
+            fraction || floats.is_some_and(|v| v.iter().all(|x| (0.0..=1.0).contains(x)))
+        }
+        _ => false,
+    }
+}
+
+/// Tells whether a name is a prefix and a number without leading zeros.
+fn numbered(name: &str, prefix: &str) -> bool {
+    name.strip_prefix(prefix).is_some_and(|n| n.parse::<u32>().is_ok_and(|number| number.to_string() == n))
+}

@@ -1,0 +1,139 @@
+//! The GLB container: a header, a JSON chunk, and a chunk of bytes. A `.gltf` file is taken as a JSON chunk alone.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use super::document::format_error;
+use crate::error::Error;
+
+const MAGIC: &[u8; 4] = b"glTF";
+const JSON_CHUNK: u32 = 0x4E4F_534A;
+const BIN_CHUNK: u32 = 0x004E_4942;
+const HEADER_BYTES: usize = 12;
+const CHUNK_HEADER_BYTES: usize = 8;
+
+/// A file and where its two chunks lie.
+pub(super) struct Container {
+    pub(super) file: Arc<Vec<u8>>,
+    pub(super) json: Range<usize>,
+    pub(super) bin: Option<Range<usize>>,
+}
+
+/// Finds the chunks of a GLB, or takes the whole of a `.gltf` for JSON.
+pub(super) fn open(bytes: Vec<u8>, notes: &mut Vec<String>) -> Result<Container, Error> {
+    let file = Arc::new(bytes);
+    if !file.starts_with(MAGIC) {
+        return open_json(file);
+    }
+    let header = |at: usize, what: &str| {
+        word(&file, at).ok_or_else(|| {
+            let found = format!("the end of the file after {} bytes", file.len());
+            format_error(format!("byte {at}"), found, what)
+        })
+    };
+    let version = header(4, "the GLB version")?;
+    if version != 2 {
+        return Err(format_error("byte 4", format!("GLB version {version}"), "2"));
+    }
+    let length = header(8, "the length of the file")? as usize;
+    let least = HEADER_BYTES + CHUNK_HEADER_BYTES;
+    if length > file.len() || length < least {
+        let expected = match file.len() {
+            n if n < least => format!("at least {least}, two headers, in a file of {n} bytes"),
+            n => format!("{least} to {n}, the length of the file"),
+        };
+        return Err(format_error("byte 8", format!("length {length}"), expected));
+    }
+    if length < file.len() {
+        notes.push(format!("bytes after the end of the GLB left out: {}", file.len() - length));
+    }
+    let (kind, json) = chunk(&file, HEADER_BYTES, length)?;
+    if kind != JSON_CHUNK {
+        let found = format!("chunk type {kind:#010x}");
+        return Err(format_error(format!("byte {}", HEADER_BYTES + 4), found, "0x4e4f534a (JSON)"));
+    }
+    let mut bin = None;
+    let mut at = json.end;
+    let mut unknown_count = 0;
+    while at < length {
+        // Padding that is shorter than a chunk header may follow the last chunk.
+        if length - at < CHUNK_HEADER_BYTES && file[at..length].iter().all(|&b| b == 0 || b == b' ') {
+            break;
+        }
+        let (kind, body) = chunk(&file, at, length)?;
+        at = body.end;
+        if kind == BIN_CHUNK && bin.is_none() {
+            bin = Some(body);
+        } else {
+            unknown_count += 1;
+        }
+    }
+    if unknown_count > 0 {
+        notes.push(format!("GLB chunks of unknown type left out: {unknown_count}"));
+    }
+    Ok(Container { file, json, bin })
+}
+
+fn open_json(file: Arc<Vec<u8>>) -> Result<Container, Error> {
+    let start = if file.starts_with(b"\xEF\xBB\xBF") { 3 } else { 0 };
+    let first = file[start..].iter().find(|b| !b.is_ascii_whitespace());
+    if first != Some(&b'{') {
+        let found = match file.len() {
+            0 => "an empty file".to_owned(),
+            n => format!("\"{}\"", file[..n.min(4)].escape_ascii()),
+        };
+        return Err(format_error("byte 0", found, "`glTF` of a GLB or `{` of JSON"));
+    }
+    let json = start..file.len();
+    Ok(Container { file, json, bin: None })
+}
+
+/// Gives the type and the place of the body of the chunk at a byte.
+fn chunk(file: &[u8], at: usize, end: usize) -> Result<(u32, Range<usize>), Error> {
+    let left = end - at;
+    let (Some(length), Some(kind), true) = (word(file, at), word(file, at + 4), left >= CHUNK_HEADER_BYTES)
+    else {
+        return Err(format_error(format!("byte {at}"), format!("{left} bytes"), "8 bytes of a chunk header"));
+    };
+    let body = at + CHUNK_HEADER_BYTES;
+    if length as usize > end - body {
+        let expected = format!("at most {}, what is left of the file", end - body);
+        return Err(format_error(format!("byte {at}"), format!("chunk length {length}"), expected));
+    }
+    Ok((kind, body..body + length as usize))
+}
+
+fn word(file: &[u8], at: usize) -> Option<u32> {
+    let bytes = file.get(at..at.checked_add(4)?)?;
+    Some(u32::from_le_bytes(bytes.try_into().ok()?))
+}
+
+/// Writes a GLB from JSON and from the pieces of its bytes, one after the other; each piece starts right after the last.
+pub(super) fn write(json: &[u8], pieces: &[&[u8]]) -> Result<Vec<u8>, Error> {
+    let json_bytes = json.len().next_multiple_of(4);
+    let bin: usize = pieces.iter().map(|p| p.len()).sum();
+    let bin_bytes = bin.next_multiple_of(4);
+    let chunk_bytes = if bin == 0 { 0 } else { CHUNK_HEADER_BYTES + bin_bytes };
+    let length = HEADER_BYTES + CHUNK_HEADER_BYTES + json_bytes + chunk_bytes;
+    let Ok(length_word) = u32::try_from(length) else {
+        let limit = u64::from(u32::MAX);
+        return Err(Error::LimitExceeded { at: "GLB length".into(), found: length as u64, limit });
+    };
+    let mut out = Vec::with_capacity(length);
+    out.extend_from_slice(MAGIC);
+    out.extend_from_slice(&2u32.to_le_bytes());
+    out.extend_from_slice(&length_word.to_le_bytes());
+    out.extend_from_slice(&(json_bytes as u32).to_le_bytes());
+    out.extend_from_slice(&JSON_CHUNK.to_le_bytes());
+    out.extend_from_slice(json);
+    out.resize(HEADER_BYTES + CHUNK_HEADER_BYTES + json_bytes, b' ');
+    if bin > 0 {
+        out.extend_from_slice(&(bin_bytes as u32).to_le_bytes());
+        out.extend_from_slice(&BIN_CHUNK.to_le_bytes());
+        for piece in pieces {
+            out.extend_from_slice(piece);
+        }
+        out.resize(length, 0);
+    }
+    Ok(out)
+}
