@@ -40,7 +40,9 @@ pub(crate) fn run(task: &StripTask, pool: &Pool, console: &mut Console) -> bool 
             console.error(&format!("{}: {failure}", report.file));
             report.error = Some(failure.to_string());
         } else if let Some(figures) = &report.figures {
-            console.result(&figures.summary(), job.output.is_none());
+            // One report follows the other where there are many, each under its name.
+            let title = if task.jobs.len() > 1 { format!("{}\n", report.file) } else { String::new() };
+            console.result(&format!("{title}{}", figures.summary()), job.output.is_none());
         }
         reports.push(report);
     }
