@@ -36,7 +36,7 @@ const OPEN: u32 = 3;
 /// let triangulation = Triangulation::fan(&surface, &graph);
 /// let mut cover = PathCover::isolated(2);
 /// cover.join(&graph, HalfEdge(1));
-/// assert_eq!(emit(&triangulation, &cover).vertices(), [0, 1, 2, 3]);
+/// assert_eq!(emit(&triangulation, &cover).vertices(), [3, 2, 1, 0]);
 /// # Ok::<(), tristrip::Error>(())
 /// ```
 pub fn emit(triangulation: &Triangulation<'_>, cover: &PathCover) -> Strips {

@@ -32,21 +32,31 @@ const WALK_LIMIT: u32 = 256;
 /// No edge, where the edge of a triangle is named.
 const OPEN: u32 = 3;
 
-/// Does exchanges until none at an end lowers the cost; `strip_of` gives the path of each triangle.
-pub(crate) fn improve(graph: &DualGraph, cover: &mut PathCover, strip_of: Vec<u32>) {
+/// Does exchanges until none at an end lowers the cost; `strip_of` gives the path of each triangle. After that it goes over
+/// the ends `drifts` times more, also doing exchanges that leave the cost as it is, of equals one at random. Returns by how
+/// much the cost fell.
+pub(crate) fn improve(graph: &DualGraph, cover: &mut PathCover, strip_of: Vec<u32>, drifts: u32) -> u64 {
     let strip_count = strip_of.iter().max().map_or(0, |&s| s + 1);
+    let parent = (0..strip_count).collect();
     let mut exchanger =
-        Exchanger { twins: graph.twins(), cover, strip_of, parent: (0..strip_count).collect() };
-    for t in 0..exchanger.cover.len() as u32 {
-        let mut end = t;
-        while exchanger.is_end(end) {
-            let Some(exchange) = exchanger.best_at(end) else { break };
-            match exchanger.apply(&exchange) {
-                Some(new_end) => end = new_end,
-                None => break,
+        Exchanger { twins: graph.twins(), cover, strip_of, parent, random: 0x9e37_79b9_7f4a_7c15 };
+    let mut saved = 0;
+    for drift in 0..=drifts {
+        for t in 0..exchanger.cover.len() as u32 {
+            let mut end = t;
+            let mut highest_price = if drift == 0 { -1 } else { 0 };
+            while exchanger.is_end(end) {
+                let Some(exchange) = exchanger.best_at(end, highest_price) else { break };
+                highest_price = -1;
+                saved += u64::from(exchange.price.unsigned_abs());
+                match exchanger.apply(&exchange) {
+                    Some(new_end) => end = new_end,
+                    None => break,
+                }
             }
         }
     }
+    saved
 }
 
 /// One change: link over `link`; before, cut over `cut`; after, link over `join`.
@@ -55,6 +65,8 @@ struct Exchange {
     link: u32,
     cut: Option<u32>,
     join: Option<u32>,
+    /// By how much the cost rises.
+    price: i32,
 }
 
 struct Exchanger<'a> {
@@ -64,6 +76,8 @@ struct Exchanger<'a> {
     strip_of: Vec<u32>,
     /// Strips that exchanges have mixed: triangles whose strips have different roots are on different paths.
     parent: Vec<u32>,
+    /// State of a xorshift generator.
+    random: u64,
 }
 
 impl Exchanger<'_> {
@@ -141,10 +155,12 @@ impl Exchanger<'_> {
     }
 
     /// The cheapest exchange at an end, of those that lower the cost and keep every path open.
-    fn best_at(&mut self, w: u32) -> Option<Exchange> {
+    fn best_at(&mut self, w: u32, highest_price: i32) -> Option<Exchange> {
         let inner_w = self.inner(w);
         let root_w = self.root(w);
-        let (mut best, mut best_price) = (None, 0);
+        let mut best: Option<Exchange> = None;
+        let mut best_price = highest_price + 1;
+        let mut equals = 0;
         for edge_w in (0..3).filter(|&e| e != inner_w) {
             let link = 3 * w + edge_w;
             let twin = self.twins[link as usize];
@@ -158,10 +174,11 @@ impl Exchanger<'_> {
                 let price = at_w + self.swap(link, inner_w, inner_v) + self.swap_with(v, inner_v, edge_v)
                     - STRIP as i32;
                 let apart = |this: &mut Self| this.root(v) != root_w;
-                if price < best_price
+                if self.beats(price, best_price, highest_price, &mut equals)
                     && (apart(self) || self.end_beyond(w, inner_w).is_some_and(|end| end != v))
                 {
-                    (best, best_price) = (Some(Exchange { link, cut: None, join: None }), price);
+                    best = Some(Exchange { link, cut: None, join: None, price });
+                    best_price = price;
                 }
                 continue;
             }
@@ -179,10 +196,11 @@ impl Exchanger<'_> {
                 if a == w {
                     continue;
                 }
-                if grafted < best_price
+                if self.beats(grafted, best_price, highest_price, &mut equals)
                     && (self.root(v) != root_w || self.end_beyond(v, kept).is_some_and(|end| end != w))
                 {
-                    (best, best_price) = (Some(Exchange { link, cut: Some(cut), join: None }), grafted);
+                    best = Some(Exchange { link, cut: Some(cut), join: None, price: grafted });
+                    best_price = grafted;
                 }
                 for edge_x in (0..3).filter(|&e| e != edge_a && e != beyond_a) {
                     let join = 3 * a + edge_x;
@@ -197,14 +215,33 @@ impl Exchanger<'_> {
                         + self.swap(join, beyond_a, inner_x)
                         + self.swap_with(x, inner_x, entry)
                         - STRIP as i32;
-                    if price < best_price && self.tunnel_is_open(w, (v, kept), (a, beyond_a), x) {
-                        (best, best_price) =
-                            (Some(Exchange { link, cut: Some(cut), join: Some(join) }), price);
+                    if self.beats(price, best_price, highest_price, &mut equals)
+                        && self.tunnel_is_open(w, (v, kept), (a, beyond_a), x)
+                    {
+                        best = Some(Exchange { link, cut: Some(cut), join: Some(join), price });
+                        best_price = price;
                     }
                 }
             }
         }
         best
+    }
+
+    /// Tells whether a price is lower than the best, or as low as it and drawn by lot where prices may be equal.
+    #[inline]
+    fn beats(&mut self, price: i32, best: i32, highest: i32, equals: &mut u64) -> bool {
+        if price < best || highest < 0 {
+            *equals = 1;
+            return price < best;
+        }
+        if price > best {
+            return false;
+        }
+        *equals += 1;
+        self.random ^= self.random << 13;
+        self.random ^= self.random >> 7;
+        self.random ^= self.random << 17;
+        self.random % *equals == 0
     }
 
     /// Tells whether a tunnel closes no path: v's piece and a's piece are what the cut between them leaves.
