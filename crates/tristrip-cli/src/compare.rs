@@ -87,10 +87,10 @@ fn compare(
     report.notes.clone_from(&model.notes);
     let (parts, dual_seconds) = timed(|| prepare(pool, &meshes, task.options.weld()));
     report.seconds.dual = Some(dual_seconds);
-    let mesh = MeshFigures::of(pool, &parts);
+    let (mesh, mesh_seconds) = timed(|| MeshFigures::of(pool, &parts));
     let size = format!("{}, {}", counted(mesh.faces, "face"), counted(mesh.vertices, "vertex"));
     console.stage("load", &size, Some(seconds));
-    console.stage("mesh", &mesh.line(meshes.len()), None);
+    console.stage("mesh", &mesh.line(meshes.len()), Some(mesh_seconds));
     report.notes.extend(mesh.remarks());
     report.notes.iter().for_each(|note| console.note(note));
     report.mesh = Some(mesh);

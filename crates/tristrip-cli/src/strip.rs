@@ -40,7 +40,9 @@ pub(crate) fn run(task: &StripTask, pool: &Pool, console: &mut Console) -> bool 
             console.error(&format!("{}: {failure}", report.file));
             report.error = Some(failure.to_string());
         } else if let Some(figures) = &report.figures {
-            console.result(&figures.summary(), job.output.is_none());
+            // One report follows the other where there are many, each under its name.
+            let title = if task.jobs.len() > 1 { format!("{}\n", report.file) } else { String::new() };
+            console.result(&format!("{title}{}", figures.summary()), job.output.is_none());
         }
         reports.push(report);
     }
@@ -67,10 +69,10 @@ fn strip(
     console.doing("dual graph");
     let (parts, dual_seconds) = timed(|| prepare(pool, &meshes, task.options.weld()));
     report.seconds.dual = Some(dual_seconds);
-    let mesh = MeshFigures::of(pool, &parts);
+    let (mesh, mesh_seconds) = timed(|| MeshFigures::of(pool, &parts));
     let size = format!("{}, {}", counted(mesh.faces, "face"), counted(mesh.vertices, "vertex"));
     console.stage("load", &size, Some(seconds));
-    console.stage("mesh", &mesh.line(meshes.len()), None);
+    console.stage("mesh", &mesh.line(meshes.len()), Some(mesh_seconds));
     model.notes.iter().chain(&mesh.remarks()).for_each(|note| console.note(note));
     report.notes.extend(mesh.remarks());
     console.stage(

@@ -289,6 +289,12 @@ impl PathCover {
         self.link_count -= 1;
     }
 
+    /// Sets both edges (0–2) over which an inner triangle of a path is linked; its neighbours' links must fit.
+    #[inline]
+    pub(crate) fn set_edges(&mut self, triangle: u32, first: u32, second: u32) {
+        self.links[triangle as usize] = (first | second << 2) as u8;
+    }
+
     /// Gives the edges (0–2) over which a triangle is linked, 3 for none.
     #[inline]
     pub(crate) fn packed_edges(&self, triangle: u32) -> (u32, u32) {

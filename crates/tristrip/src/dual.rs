@@ -144,6 +144,10 @@ impl DualGraph {
         &self.twins
     }
 
+    pub(crate) fn twins_mut(&mut self) -> &mut [u32] {
+        &mut self.twins
+    }
+
     /// Numbers the connected components: the component of each face, counted in order of their first faces, and their number.
     ///
     /// ```

@@ -100,6 +100,9 @@ fn text_goes_to_stdout_and_stages_to_stderr() {
         command.args(["strip", "-q"]).arg(model("fish_control.ply"));
         command
     };
+    let both =
+        tristrip().args(["strip", "-q"]).args([model("fish_control.ply"), model("milktruck.glb")]).assert();
+    both.success().stdout(contains("fish_control.ply\n").and(contains("milktruck.glb\n")));
     quiet().assert().success().stdout(contains("indices, restart")).stderr("");
     let dir = tempfile::tempdir().unwrap();
     quiet().arg("-o").arg(dir.path().join("a.glb")).assert().success().stdout("").stderr("");

@@ -27,6 +27,11 @@ impl<'a> Triangulation<'a> {
         Some(Self { triangles: Cow::Borrowed(triangles), graph: Cow::Borrowed(graph) })
     }
 
+    /// Takes triangles and their dual graph, which the caller knows to be a triangulation of the surface.
+    pub(crate) fn from_parts(triangles: Vec<u32>, graph: DualGraph) -> Self {
+        Self { triangles: Cow::Owned(triangles), graph: Cow::Owned(graph) }
+    }
+
     /// Cuts every face from its first corner.
     ///
     /// ```

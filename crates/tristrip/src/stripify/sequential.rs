@@ -30,6 +30,7 @@
 
 pub(crate) mod exchange;
 mod peel;
+mod sheet;
 
 use super::Plan;
 use crate::cover::PathCover;
@@ -37,12 +38,11 @@ use crate::dual::DualGraph;
 use crate::mesh::{Surface, Triangulation};
 use crate::strip::path_cost;
 use peel::{Peeled, Peeler};
+use sheet::{Polygons, Sheet};
 
 const NONE: u32 = u32::MAX;
 /// What a strip costs beyond one index a triangle: two vertices and the restart.
 const STRIP: u32 = 3;
-/// Meshes of at most so many triangles are stripped in every [`Manner`].
-const SMALL: usize = 8192;
 /// Meshes whose strips cost less than so many percent beyond one index a triangle are regular, and stripped likewise. Tuned on the
 /// test models: grids and lathed shapes have 0–5, fandisk 15.
 const REGULAR_PERCENT: u64 = 6;
@@ -72,58 +72,95 @@ enum Swaps {
     Never,
 }
 
+/// When polygons are cut into triangles.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Cuts {
+    /// Before.
+    Before,
+    /// When a strip enters.
+    Entering,
+}
+
 /// A way to peel strips off.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Manner {
     seeds: Seeds,
     swaps: Swaps,
+    cuts: Cuts,
+    /// Triangles after which a trial run has shown what it costs.
+    trial_limit: u32,
 }
 
-/// The manner that is best on irregular meshes.
-const USUAL: Manner = Manner { seeds: Seeds::Last, swaps: Swaps::Ahead };
+/// The manner that is best on irregular meshes. Longer trials gain nothing there, and cost time.
+const USUAL: Manner =
+    Manner { seeds: Seeds::Last, swaps: Swaps::Ahead, cuts: Cuts::Entering, trial_limit: 32 };
+/// A longer trial, for regular meshes; it bounds the time, too.
+const PATIENT: Manner = Manner { trial_limit: 512, ..USUAL };
 /// The others, each of which is the best on some regular or small mesh.
-const OTHERS: [Manner; 4] = [
-    Manner { seeds: Seeds::Input, swaps: Swaps::Ahead },
-    Manner { seeds: Seeds::Input, swaps: Swaps::Blocked },
-    Manner { seeds: Seeds::First, swaps: Swaps::Never },
-    Manner { seeds: Seeds::Input, swaps: Swaps::Never },
+const OTHERS: [Manner; 5] = [
+    PATIENT,
+    Manner { seeds: Seeds::Input, ..PATIENT },
+    Manner { seeds: Seeds::Input, swaps: Swaps::Blocked, ..PATIENT },
+    Manner { seeds: Seeds::First, swaps: Swaps::Never, ..PATIENT },
+    Manner { seeds: Seeds::Input, swaps: Swaps::Never, ..PATIENT },
 ];
+/// The others for polygons: cut beforehand some quadrilateral grids line up better.
+const OTHERS_FOR_POLYGONS: [Manner; 2] =
+    [Manner { cuts: Cuts::Before, ..PATIENT }, Manner { seeds: Seeds::Input, cuts: Cuts::Before, ..PATIENT }];
 
 pub(super) fn plan<'a>(surface: &'a Surface<'_>, graph: &'a DualGraph) -> Plan<'a> {
-    let triangulation = Triangulation::zigzag(surface, graph);
-    let cover = cover(triangulation.graph());
-    Plan { triangulation, cover }
+    match Triangulation::of_triangles(surface, graph) {
+        Some(triangulation) => Plan { triangulation, cover: cover(|| graph).1 },
+        None => {
+            let polygons = Polygons::new(surface.faces(), graph);
+            let (polygons, cover) = cover(|| polygons.clone());
+            Plan { triangulation: polygons.into_triangulation(), cover }
+        }
+    }
 }
 
-/// Covers a dual graph of triangles.
-fn cover(graph: &DualGraph) -> PathCover {
+/// Covers a sheet.
+fn cover<S: Sheet + Clone>(fresh: impl Fn() -> S) -> (S, PathCover) {
     let strip = |manner| {
-        let Peeled { mut cover, strip_of, cost } = Peeler::new(graph, manner).peel();
-        let saved = exchange::improve(graph, &mut cover, strip_of, 0);
-        (cover, cost - saved)
+        let Peeled { mut sheet, mut cover, strip_of, cost } = Peeler::new(fresh(), manner).peel();
+        let saved = exchange::improve(sheet.graph(), &mut cover, strip_of, 0);
+        sheet.settle(&mut cover);
+        ((sheet, cover), cost - saved)
     };
     let (usual, cost) = strip(USUAL);
-    let is_regular = 100 * cost < REGULAR_PERCENT * usual.len() as u64;
-    if usual.len() > SMALL && !is_regular {
+    let count = usual.1.len();
+    let is_regular = 100 * cost < REGULAR_PERCENT * count as u64;
+    if count > S::SMALL && !is_regular {
         return usual;
     }
-    let mut best = (extra_cost(graph, &usual), usual);
-    let mut keep_cheaper = |other: PathCover| {
-        let cost = extra_cost(graph, &other);
+    let mut best = (extra_cost(&usual), usual);
+    let mut keep_cheaper = |other: (S, PathCover)| {
+        let cost = extra_cost(&other);
         if cost < best.0 {
             best = (cost, other);
         }
     };
     OTHERS.into_iter().for_each(|manner| keep_cheaper(strip(manner).0));
-    let mut drifted = best.1.clone();
-    let strip_of = drifted.renumber(graph).path;
-    let drifts = (drifted.len() / 4).checked_div(drifted.path_count()).unwrap_or(0).clamp(DRIFTS.0, DRIFTS.1);
-    exchange::improve(graph, &mut drifted, strip_of, drifts as u32);
-    if extra_cost(graph, &drifted) < best.0 { drifted } else { best.1 }
+    if S::HAS_POLYGONS {
+        OTHERS_FOR_POLYGONS.into_iter().for_each(|manner| keep_cheaper(strip(manner).0));
+    }
+    let (mut sheet, mut drifted) = best.1.clone();
+    let drifts = (count / 4).checked_div(drifted.path_count()).unwrap_or(0).clamp(DRIFTS.0, DRIFTS.1);
+    for _ in 0..ROUNDS {
+        let strip_of = drifted.renumber(sheet.graph()).path;
+        exchange::improve(sheet.graph(), &mut drifted, strip_of, (drifts / ROUNDS) as u32);
+        sheet.settle(&mut drifted);
+    }
+    let drifted = (sheet, drifted);
+    if extra_cost(&drifted) < best.0 { drifted } else { best.1 }
 }
 
+/// Rounds in which exchanges and the choice of diagonals take turns.
+const ROUNDS: usize = 4;
+
 /// Counts what a cover costs beyond one index a triangle.
-fn extra_cost(graph: &DualGraph, cover: &PathCover) -> usize {
+fn extra_cost<S: Sheet>((sheet, cover): &(S, PathCover)) -> usize {
+    let graph = sheet.graph();
     let vertices: usize = cover.path_starts(graph).map(|start| path_cost(graph, cover, start)).sum();
     vertices + cover.path_count() - cover.len()
 }

@@ -1,17 +1,15 @@
 //! Peels strips off the free triangles, one after the other: steps 1 and 2 of [`super`].
 
-use super::{Manner, NONE, STRIP, Seeds, Swaps, next, previous};
+use super::sheet::Sheet;
+use super::{Cuts, Manner, NONE, STRIP, Seeds, Swaps, next, previous};
 use crate::cover::PathCover;
-use crate::dual::DualGraph;
 
 /// Marks a triangle that a strip has taken, in place of its number of free neighbours.
 const TAKEN: u8 = 0xff;
-/// Triangles after which a trial run has shown what it costs. It bounds the time; a tenth of it would do for irregular meshes.
-const TRIAL_LIMIT: u32 = 512;
 
-pub(super) struct Peeler<'a> {
+pub(super) struct Peeler<S> {
     manner: Manner,
-    twins: &'a [u32],
+    sheet: S,
     cover: PathCover,
     /// Free neighbours of each free triangle.
     free: Vec<u8>,
@@ -27,7 +25,8 @@ pub(super) struct Peeler<'a> {
 }
 
 /// What peeling makes.
-pub(super) struct Peeled {
+pub(super) struct Peeled<S> {
+    pub(super) sheet: S,
     pub(super) cover: PathCover,
     /// The strip of each triangle.
     pub(super) strip_of: Vec<u32>,
@@ -56,9 +55,9 @@ impl Run {
     }
 }
 
-impl<'a> Peeler<'a> {
-    pub(super) fn new(graph: &'a DualGraph, manner: Manner) -> Self {
-        let twins = graph.twins();
+impl<S: Sheet> Peeler<S> {
+    pub(super) fn new(sheet: S, manner: Manner) -> Self {
+        let twins = sheet.graph().twins();
         let free: Vec<u8> =
             twins.chunks_exact(3).map(|t| t.iter().filter(|&&h| h != NONE).count() as u8).collect();
         let mut waiting: [(Vec<u32>, usize); 3] = Default::default();
@@ -72,7 +71,7 @@ impl<'a> Peeler<'a> {
         }
         Self {
             manner,
-            twins,
+            sheet,
             cover: PathCover::isolated(free.len()),
             trial: vec![0; free.len()],
             free,
@@ -84,21 +83,21 @@ impl<'a> Peeler<'a> {
         }
     }
 
-    pub(super) fn peel(mut self) -> Peeled {
+    pub(super) fn peel(mut self) -> Peeled<S> {
         while let Some(seed) = self.seed() {
             let exit = self.best_exit(seed);
-            self.take(seed, exit.map_or(NONE, |exit| self.twins[exit as usize]));
+            self.take(seed, exit.map_or(NONE, |exit| self.twin(exit)));
             if let Some(exit) = exit {
                 self.run(exit, false);
                 let back = backward(exit);
-                if self.is_free(self.twins[back as usize]) {
+                if self.is_free(self.twin(back)) {
                     self.run(back, true);
                 }
             }
             self.strip_count += 1;
         }
         let cost = u64::from(STRIP) * u64::from(self.strip_count) + self.swap_count;
-        Peeled { cover: self.cover, strip_of: self.trial, cost }
+        Peeled { sheet: self.sheet, cover: self.cover, strip_of: self.trial, cost }
     }
 
     /// Gives a free triangle to begin a strip with.
@@ -133,7 +132,7 @@ impl<'a> Peeler<'a> {
     fn best_exit(&mut self, seed: u32) -> Option<u32> {
         let mut best: Option<(u32, Run)> = None;
         for exit in 3 * seed..3 * seed + 3 {
-            if !self.is_free(self.twins[exit as usize]) {
+            if !self.is_free(self.twin(exit)) {
                 continue;
             }
             if self.free[seed as usize] == 1 {
@@ -153,7 +152,7 @@ impl<'a> Peeler<'a> {
         self.free[t as usize] = TAKEN;
         self.trial[t as usize] = self.strip_count;
         for half_edge in 3 * t..3 * t + 3 {
-            let twin = self.twins[half_edge as usize];
+            let twin = self.twin(half_edge);
             if self.is_free(twin) {
                 let neighbour = twin / 3;
                 let free = &mut self.free[neighbour as usize];
@@ -168,7 +167,7 @@ impl<'a> Peeler<'a> {
     /// Runs from a taken triangle over its half-edge `exit`, taking and linking triangles, until none is free.
     fn run(&mut self, mut exit: u32, mut even: bool) {
         loop {
-            let entry = self.twins[exit as usize];
+            let entry = self.enter(exit, even);
             self.cover.link_unchecked(exit, entry);
             let fork = self.fork(entry, even);
             // The triangle itself still counts as a free neighbour of both.
@@ -195,7 +194,7 @@ impl<'a> Peeler<'a> {
         self.trial[seed as usize] = self.trial_count;
         let forward = self.try_run(exit, false);
         let back = backward(exit);
-        let backward = if self.is_untried(self.twins[back as usize]) {
+        let backward = if self.is_untried(self.twin(back)) {
             self.try_run(back, true)
         } else {
             Run { cost: 0, triangles: 0 }
@@ -209,14 +208,14 @@ impl<'a> Peeler<'a> {
     fn try_run(&mut self, mut exit: u32, mut even: bool) -> Run {
         let mut run = Run { cost: 0, triangles: 0 };
         loop {
-            let entry = self.twins[exit as usize];
+            let entry = self.enter(exit, even);
             self.trial[entry as usize / 3] = self.trial_count;
             run.cost += 1;
             run.triangles += 1;
             let fork = self.fork(entry, even);
             let left_with = |h: u32| self.untried(h / 3);
             let swaps = match (self.is_untried(fork.after_straight), self.is_untried(fork.after_swap)) {
-                _ if run.triangles == TRIAL_LIMIT => return run,
+                _ if run.triangles == self.manner.trial_limit => return run,
                 (true, true) => self.saves_an_end(left_with(fork.after_straight), left_with(fork.after_swap)),
                 (true, false) => false,
                 (false, true) if self.manner.swaps != Swaps::Never => true,
@@ -228,13 +227,38 @@ impl<'a> Peeler<'a> {
         }
     }
 
+    #[inline]
+    fn twin(&self, half_edge: u32) -> u32 {
+        self.sheet.graph().twins()[half_edge as usize]
+    }
+
+    /// Goes over a half-edge, and gives the one by which the next triangle is entered; a polygon is cut for it.
+    #[inline]
+    fn enter(&mut self, exit: u32, even: bool) -> u32 {
+        if self.manner.cuts == Cuts::Before {
+            return self.twin(exit);
+        }
+        let (free, trial, count) = (&self.free, &self.trial, self.trial_count);
+        let is_touched = |t: u32| free[t as usize] == TAKEN || trial[t as usize] == count;
+        if let Some(triangles) = self.sheet.enter(exit, even, is_touched) {
+            for t in triangles {
+                let free = (3 * t..3 * t + 3).filter(|&h| self.is_free(self.twin(h))).count();
+                self.free[t as usize] = free as u8;
+                if let Some((list, _)) = self.waiting.get_mut(free) {
+                    list.push(t);
+                }
+            }
+        }
+        self.twin(exit)
+    }
+
     /// Finds the ways out of the triangle that a run enters by a half-edge.
     #[inline]
     fn fork(&self, entry: u32, even: bool) -> Fork {
         let (base, edge) = (entry / 3 * 3, entry % 3);
         let (straight, swap) = if even { (next(edge), previous(edge)) } else { (previous(edge), next(edge)) };
         let (straight, swap) = (base + straight, base + swap);
-        let (after_straight, after_swap) = (self.twins[straight as usize], self.twins[swap as usize]);
+        let (after_straight, after_swap) = (self.twin(straight), self.twin(swap));
         Fork { straight, swap, after_straight, after_swap }
     }
 
@@ -257,7 +281,7 @@ impl<'a> Peeler<'a> {
     /// Counts the neighbours of a triangle that are free and not passed by the trial.
     #[inline]
     fn untried(&self, t: u32) -> u8 {
-        (3 * t..3 * t + 3).map(|h| u8::from(self.is_untried(self.twins[h as usize]))).sum()
+        (3 * t..3 * t + 3).map(|h| u8::from(self.is_untried(self.twin(h)))).sum()
     }
 }
 
