@@ -72,15 +72,16 @@ pub fn judge(outcomes: &[Outcome], scaling: Option<&Scaling>) -> Vec<Bar> {
 
 /// Meshoptimizer is deterministic: where it gives the strips that it gave among the peers, the index buffer is theirs.
 fn same_inputs(outcomes: &[Outcome]) -> Option<Bar> {
-    let strips = |o: &Outcome| Some((o.row(Pipeline::StripCache.name())?.strips, o.peers.as_ref()?));
-    let all: Vec<_> = outcomes.iter().filter_map(|o| Some((o, strips(o)?))).collect();
-    let other = all.iter().filter(|(_, (found, peers))| *found != peers.meshopt_strip_cache.strips);
-    let other: Vec<String> = other.map(|(o, _)| o.model.clone()).collect();
+    let is_same = |o: &Outcome| {
+        Some(o.row(Pipeline::StripCache.name())?.strips == o.peers.as_ref()?.meshopt_strip_cache.strips)
+    };
+    let all: Vec<_> = outcomes.iter().filter_map(|o| Some((o, is_same(o)?))).collect();
+    let other: Vec<String> = all.iter().filter(|pair| !pair.1).map(|pair| pair.0.model.clone()).collect();
     let met = other.is_empty();
     (!all.is_empty()).then(|| Bar {
         what: "models on which meshoptimizer gives other strips than among the peers".into(),
         bar: "none".into(),
-        found: listed(other, all.len()),
+        found: listed(&other, all.len()),
         met,
     })
 }
@@ -98,7 +99,7 @@ fn against_one_pass(outcomes: &[Outcome], method: &str) -> Option<Bar> {
     let mut worse: Vec<_> = all.iter().filter(|(_, ours, best)| *ours > best + ROUNDING).collect();
     worse.sort_by(|a, b| (b.1 / b.2).total_cmp(&(a.1 / a.2)));
     let names = worse.iter().map(|(o, ours, best)| format!("{} ({ours:.4} to {best:.4})", o.model));
-    let found = listed(names.collect(), all.len());
+    let found = listed(&names.collect::<Vec<_>>(), all.len());
     (!all.is_empty()).then(|| Bar {
         what: format!("{method}, models with more indices than the best one-pass peer"),
         bar: "none".into(),
@@ -108,7 +109,7 @@ fn against_one_pass(outcomes: &[Outcome], method: &str) -> Option<Bar> {
 }
 
 /// Says how many fall short, and names the first few.
-fn listed(names: Vec<String>, of: usize) -> String {
+fn listed(names: &[String], of: usize) -> String {
     let count = format!("{} of {of}", names.len());
     match names.len() {
         0 => count,
@@ -153,7 +154,7 @@ fn against_input(outcomes: &[Outcome]) -> Option<Bar> {
     (!pairs.is_empty()).then(|| Bar {
         what: "auto, models with more indices than the input's own order".into(),
         bar: "none".into(),
-        found: listed(worse, pairs.len()),
+        found: listed(&worse, pairs.len()),
         met,
     })
 }

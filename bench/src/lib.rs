@@ -13,6 +13,7 @@
 #![deny(unsafe_code)]
 
 pub mod bars;
+pub mod corpus;
 pub mod docs;
 pub mod measure;
 pub mod memory;
