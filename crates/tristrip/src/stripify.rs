@@ -4,6 +4,8 @@
 //! method chose is a [`Plan`]; one emitter makes the strips of it.
 
 pub mod input;
+pub mod sgi;
+pub mod stripe;
 
 use crate::cover::PathCover;
 use crate::dual::DualGraph;
@@ -169,6 +171,13 @@ pub fn plan<'a>(
     options: &Options,
 ) -> Result<Plan<'a>, Error> {
     Ok(match options.method {
+        Method::Sgi => sgi::plan(surface, graph),
+        Method::StripeLocal { triangulation, ties } => {
+            stripe::plan_local(surface, graph, triangulation, ties, options.seed)
+        }
+        Method::StripeGlobal { patches, cutoff } => {
+            stripe::plan_global(surface, graph, patches, cutoff, options.seed)
+        }
         // The other methods land with their modules.
         _ => input::plan(surface, graph),
     })
