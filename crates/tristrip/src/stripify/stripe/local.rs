@@ -5,9 +5,14 @@
 //! 2. It goes on to a free neighbour of the strip's end that has the fewest free neighbours; of several that have, the rule for
 //!    ties takes one. Where polygons are not cut beforehand, the choice is among all edges of the polygon.
 //! 3. When it is stuck it is turned around, and grows from its start.
+//! 4. Where polygons are cut, a part that would keep fewer than two free neighbours is not left behind: it goes into the strip.
+//!
+//! Two departures from the paper. Step 4 is ours: a triangle with one neighbour left ends a strip, with none it is one, and costs
+//! three vertices where a swap costs one. And whether a way needs a swap is asked of the best order of turns in all polygons
+//! passed so far, not of one that was settled at each of them; see [`super::letters`].
 //!
 //! # References
-//! See [`super`].
+//! Section 3.1 of the paper; see [`super`].
 //!
 //! # Complexity
 //! O(n) for triangles and for whole polygons, O(n log n) at worst where parts are cut out.
@@ -17,15 +22,29 @@ use super::pieces::{Pieces, REACH};
 use super::weave::{Sink, Step};
 use crate::stripify::Ties;
 
+/// How many neighbours more a way may lead to before one swap is preferred, where a strip is reluctant to swap. Any weight
+/// from 2 up gave the same or less on skyscraper, triceratops and power_lines than 1 or 1.5 did.
+const SWAP_WEIGHT: u32 = 2;
+
+/// Which way a strip goes on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Rule {
+    /// Least adjacency; the rule says what is done about ties.
+    Adjacency(Ties),
+    /// Least sum of adjacency and weighted swaps; of ties, the way after which there are the most.
+    Reluctant,
+}
+
 /// Makes strips by walking over pieces.
 #[derive(Debug)]
 pub(super) struct Walker<'a> {
     pieces: Pieces<'a>,
-    ties: Ties,
+    rule: Rule,
     random: SplitMix,
     strip: Vec<Step>,
+    /// The swaps up to the entry of the strip's last piece.
     swaps: Swaps,
-    /// The side to which the strip turned last, as the letter of which fewer were needed.
+    /// The side to which the strip turned last: the letter of which it needed fewer.
     side: Option<usize>,
     tied: Vec<Exit>,
 }
@@ -37,15 +56,16 @@ struct Exit {
     /// The corner's place after the entry in its piece.
     place: u32,
     counts: Counts,
+    rests: [bool; 2],
     entry: u32,
     piece: u32,
 }
 
 impl<'a> Walker<'a> {
-    pub(super) fn new(pieces: Pieces<'a>, ties: Ties, seed: u64) -> Self {
+    pub(super) fn new(pieces: Pieces<'a>, rule: Rule, seed: u64) -> Self {
         Self {
             pieces,
-            ties,
+            rule,
             random: SplitMix(seed),
             strip: Vec::new(),
             swaps: Swaps::FREE,
@@ -57,100 +77,58 @@ impl<'a> Walker<'a> {
     /// Makes strips of all that is left.
     pub(super) fn run(&mut self, sink: &mut impl Sink) {
         while let Some(piece) = self.pieces.fewest_neighbours() {
-            self.begin(piece);
-            self.grow();
-            self.turn_around();
-            self.grow();
-            self.end(sink);
+            self.strip.clear();
+            self.enter(piece, None);
+            self.turned();
+            self.finish_strip(sink);
         }
     }
 
-    /// Begins a strip.
-    pub(super) fn begin(&mut self, piece: u32) {
-        self.strip.clear();
-        self.swaps = Swaps::FREE;
-        self.side = None;
-        self.enter(piece, None);
-    }
-
-    /// Keeps the faces of these half-edges for strips that will follow given ways.
-    pub(super) fn reserve(&mut self, half_edges: impl Iterator<Item = u32>) {
-        half_edges.for_each(|h| self.pieces.take_of(h));
-    }
-
-    /// Begins a strip that leaves its pieces across these half-edges, and ends before the last of them. The pieces must
-    /// have been reserved.
-    pub(super) fn follow(&mut self, exits: impl Iterator<Item = u32>) {
-        self.strip.clear();
-        self.swaps = Swaps::FREE;
-        self.side = None;
-        let mut entry = None;
-        let mut exits = exits.peekable();
-        while let Some(exit) = exits.next() {
-            let piece = self.pieces.face(exit);
-            let going_on = exits.peek().is_some();
-            let mut step = Step { piece, entry, exit: going_on.then_some(exit), counts: [0; 2] };
-            if let Some(entry) = entry {
-                let mut place = 1;
-                let mut corner = self.pieces.next(entry);
-                while corner != exit { place += 1; corner = self.pieces.next(corner); if place > 4 { break } }
-                step.counts = [place - 1, self.pieces.size(piece) - 1 - place];
-                if going_on { self.swaps = self.swaps.through(step.counts); }
+    /// Makes strips along a way through whole pieces that are still free, each given by the half-edge that leads to the next.
+    /// What is taken already divides the way; parts of fewer than `shortest` pieces are left. The strips grow at both ends.
+    pub(super) fn follow(&mut self, way: &[u32], shortest: usize, sink: &mut impl Sink) {
+        let parts = way.chunk_by(|&a, &b| self.is_free_at(a) == self.is_free_at(b));
+        let parts: Vec<_> = parts.filter(|part| part.len() >= shortest && self.is_free_at(part[0])).collect();
+        // All parts are taken before the first of them grows.
+        for &exit in parts.iter().copied().flatten() {
+            self.pieces.take(self.pieces.face(exit));
+        }
+        for part in parts {
+            self.strip.clear();
+            let mut entry = None;
+            for (i, &exit) in part.iter().enumerate() {
+                let exit_or_end = (i + 1 < part.len()).then_some(exit);
+                let counts = entry.map_or([0; 2], |entry| self.counts_between(entry, exit));
+                let piece = self.pieces.face(exit);
+                self.strip.push(Step { piece, entry, exit: exit_or_end, counts, rests: [false; 2] });
+                entry = self.pieces.twin(exit);
             }
-            self.strip.push(step);
-            entry = self.pieces.twin(exit);
+            self.turned();
+            self.finish_strip(sink);
         }
     }
 
-    fn enter(&mut self, piece: u32, entry: Option<u32>) {
-        self.pieces.take(piece);
-        self.strip.push(Step { piece, entry, exit: None, counts: [0; 2] });
+    fn is_free_at(&self, half_edge: u32) -> bool {
+        self.pieces.is_free(self.pieces.face(half_edge))
     }
 
-    /// Lets the strip go on for as long as it can.
-    pub(super) fn grow(&mut self) {
-        while let Some(exit) = self.choose() {
-            self.leave(exit);
+    /// Counts the letters from an entry to an exit of a whole piece.
+    fn counts_between(&self, entry: u32, exit: u32) -> Counts {
+        let size = self.pieces.size(self.pieces.face(exit));
+        let mut corner = self.pieces.next(entry);
+        let mut place = 1;
+        while corner != exit && place + 1 < size {
+            corner = self.pieces.next(corner);
+            place += 1;
         }
+        [place - 1, size - 1 - place]
     }
 
-    /// Leaves the strip's last piece.
-    fn leave(&mut self, exit: Exit) {
-        let Some(step) = self.strip.last_mut() else { return };
-        (step.exit, step.counts) = (Some(exit.half_edge), exit.counts);
-        if let Some(entry) = step.entry {
-            self.swaps = self.swaps.through(exit.counts);
-            if self.pieces.partial() {
-                self.pieces.cut(step.piece, entry, exit.half_edge, exit.place);
-            }
-            if exit.counts[A] != exit.counts[B] {
-                self.side = Some(usize::from(exit.counts[B] < exit.counts[A]));
-            }
-        }
-        self.enter(exit.piece, Some(exit.entry));
-    }
-
-    /// Turns the strip around, so that it may grow from its start.
-    pub(super) fn turn_around(&mut self) {
-        self.strip.reverse();
-        for step in &mut self.strip {
-            (step.entry, step.exit) = (step.exit, step.entry);
-            step.counts.swap(A, B);
-        }
-        self.swaps = Swaps::FREE;
-        self.side = None;
-        if let [_, inner @ .., _] = self.strip.as_slice() {
-            for step in inner {
-                self.swaps = self.swaps.through(step.counts);
-                if step.counts[A] != step.counts[B] {
-                    self.side = Some(usize::from(step.counts[B] < step.counts[A]));
-                }
-            }
-        }
-    }
-
-    /// Ends the strip.
-    pub(super) fn end(&mut self, sink: &mut impl Sink) {
+    /// Lets the strip grow at both ends, and hands it on.
+    fn finish_strip(&mut self, sink: &mut impl Sink) {
+        self.grow();
+        self.turn_around();
+        self.grow();
         sink.take(&self.strip, &self.pieces);
         if self.pieces.partial() {
             let ends = [self.strip.first(), self.strip.last()];
@@ -158,17 +136,89 @@ impl<'a> Walker<'a> {
         }
     }
 
-    /// Chooses the way on, by adjacency first and the rule for ties next.
-    fn choose(&mut self) -> Option<Exit> {
-        let step = self.strip.last()?;
-        self.list_exits(step.piece, step.entry);
-        match self.tied.as_slice() {
-            [] | [_] => self.tied.first().copied(),
-            _ => self.break_tie(),
+    /// Lets the strip go on for as long as it can.
+    fn grow(&mut self) {
+        while let Some(exit) = self.choose() {
+            self.leave(exit);
+            self.enter(exit.piece, Some(exit.entry));
         }
     }
 
-    /// Lists the ways on to pieces of least adjacency, in order around the piece.
+    fn enter(&mut self, piece: u32, entry: Option<u32>) {
+        self.pieces.take(piece);
+        self.strip.push(Step { piece, entry, exit: None, counts: [0; 2], rests: [false; 2] });
+    }
+
+    /// Leaves the strip's last piece.
+    fn leave(&mut self, exit: Exit) {
+        let Some(step) = self.strip.last_mut() else { return };
+        step.exit = Some(exit.half_edge);
+        if let Some(entry) = step.entry {
+            (step.counts, step.rests) = (exit.counts, exit.rests);
+            if self.pieces.partial() {
+                self.pieces.cut(step.piece, [entry, exit.half_edge], exit.place, exit.rests);
+            }
+            self.pass(exit.counts);
+        }
+    }
+
+    /// Keeps account of a piece that the strip has passed.
+    fn pass(&mut self, counts: Counts) {
+        self.swaps = self.swaps.through(counts);
+        if counts[A] != counts[B] {
+            self.side = Some(usize::from(counts[B] < counts[A]));
+        }
+    }
+
+    /// Turns the strip around, so that it may grow from its start.
+    fn turn_around(&mut self) {
+        self.strip.reverse();
+        for step in &mut self.strip {
+            (step.entry, step.exit) = (step.exit, step.entry);
+            step.counts.swap(A, B);
+            step.rests.swap(A, B);
+        }
+        self.turned();
+    }
+
+    /// Takes account of all pieces of the strip, from the first on.
+    fn turned(&mut self) {
+        (self.swaps, self.side) = (Swaps::FREE, None);
+        for i in 1..self.strip.len().saturating_sub(1) {
+            self.pass(self.strip[i].counts);
+        }
+    }
+
+    /// Chooses the way on.
+    fn choose(&mut self) -> Option<Exit> {
+        let Step { piece, entry, .. } = *self.strip.last()?;
+        self.list_exits(piece, entry);
+        match self.rule {
+            _ if self.tied.len() < 2 => self.tied.first().copied(),
+            Rule::Reluctant => self.tied.iter().max_by_key(|exit| self.look_ahead(exit)).copied(),
+            Rule::Adjacency(Ties::Arbitrary) => self.tied.first().copied(),
+            // Of those that are still equal the last; with the first, sgi sends 1.5 % more vertices for power_lines.
+            Rule::Adjacency(Ties::LookAhead) => {
+                self.tied.iter().rev().min_by_key(|exit| self.look_ahead(exit)).copied()
+            }
+            Rule::Adjacency(Ties::Alternate) => {
+                self.tied.iter().min_by_key(|exit| self.same_side(exit)).copied()
+            }
+            Rule::Adjacency(Ties::Random) => self.pick(),
+            Rule::Adjacency(Ties::Sequential) => {
+                let swaps = |exit: &Exit| self.swaps.through(exit.counts).least();
+                if entry.is_some() {
+                    let least = self.tied.iter().map(swaps).min()?;
+                    let mut tied = std::mem::take(&mut self.tied);
+                    tied.retain(|exit| swaps(exit) == least);
+                    self.tied = tied;
+                }
+                self.pick()
+            }
+        }
+    }
+
+    /// Lists the best ways on, in order around the piece.
     fn list_exits(&mut self, piece: u32, entry: Option<u32>) {
         self.tied.clear();
         let size = self.pieces.size(piece);
@@ -176,58 +226,54 @@ impl<'a> Walker<'a> {
             Some(entry) => (self.pieces.next(entry), 1),
             None => (self.pieces.corner(piece), 0),
         };
-        let reach = if self.pieces.partial() { REACH } else { size };
+        let reach = if self.pieces.partial() { REACH.min(size) } else { size };
         let mut least = u32::MAX;
         for place in first..size.min(first + reach) {
-            self.consider(corner, place, size, &mut least);
+            self.consider(corner, place, (entry, size), &mut least);
             corner = self.pieces.next(corner);
         }
-        if size > first + reach {
-            let mut corner = entry.unwrap_or_else(|| self.pieces.corner(piece));
-            for place in (first + reach..size).rev().take(reach as usize) {
-                corner = self.pieces.previous(corner);
-                self.consider(corner, place, size, &mut least);
-            }
+        let mut corner = entry.unwrap_or_else(|| self.pieces.corner(piece));
+        for place in (first + reach..size).rev().take(reach as usize) {
+            corner = self.pieces.previous(corner);
+            self.consider(corner, place, (entry, size), &mut least);
         }
     }
 
+    /// Puts a way on the list, if no way seen so far is better.
     #[inline]
-    fn consider(&mut self, half_edge: u32, place: u32, size: u32, least: &mut u32) {
+    fn consider(&mut self, half_edge: u32, place: u32, (from, size): (Option<u32>, u32), least: &mut u32) {
         let Some((entry, piece)) = self.pieces.across(half_edge) else { return };
-        let adjacency = self.pieces.adjacency(piece);
-        if adjacency > *least {
+        let mut weight = self.pieces.adjacency(piece);
+        let mut exit = Exit { half_edge, place, counts: [0; 2], rests: [false; 2], entry, piece };
+        if weight > *least {
             return;
         }
-        if adjacency < *least {
-            *least = adjacency;
+        if let Some(from) = from {
+            self.divide(&mut exit, from, size);
+            if self.rule == Rule::Reluctant {
+                weight += SWAP_WEIGHT * (self.swaps.through(exit.counts).least() - self.swaps.least());
+            }
+        }
+        if weight < *least {
+            *least = weight;
             self.tied.clear();
         }
-        let (a, b) = (place.saturating_sub(1), size - 1 - place);
-        let counts = if self.pieces.partial() { [a.min(1), b.min(1)] } else { [a, b] };
-        self.tied.push(Exit { half_edge, place, counts, entry, piece });
+        if weight == *least {
+            self.tied.push(exit);
+        }
     }
 
-    fn break_tie(&mut self) -> Option<Exit> {
-        match self.ties {
-            Ties::Arbitrary => self.tied.first().copied(),
-            Ties::LookAhead => self.tied.iter().min_by_key(|exit| self.look_ahead(exit)).copied(),
-            Ties::Alternate => self.tied.iter().min_by_key(|exit| self.same_side(exit)).copied(),
-            Ties::Random => self.pick(),
-            Ties::Sequential => {
-                let swaps = |exit: &Exit| self.swaps.through(exit.counts).least();
-                if self.strip.len() == 1 {
-                    return self.pick();
+    /// Says what of a piece a strip takes on a way through it: step 4.
+    fn divide(&self, exit: &mut Exit, entry: u32, size: u32) {
+        exit.counts = [exit.place - 1, size - 1 - exit.place];
+        if self.pieces.partial() {
+            let firsts = [self.pieces.next(entry), self.pieces.next(exit.half_edge)];
+            for side in [A, B] {
+                let edges = exit.counts[side];
+                exit.rests[side] = edges > 1 && self.pieces.has_two_neighbours(firsts[side], edges);
+                if exit.rests[side] {
+                    exit.counts[side] = 1;
                 }
-                let least = self.tied.iter().map(swaps).min()?;
-                let mut i = 0;
-                while i < self.tied.len() {
-                    if swaps(&self.tied[i]) > least {
-                        self.tied.remove(i);
-                    } else {
-                        i += 1;
-                    }
-                }
-                self.pick()
             }
         }
     }
@@ -256,8 +302,8 @@ impl<'a> Walker<'a> {
         let [a, b] = exit.counts.map(i64::from);
         match self.side {
             Some(A) => b - a,
-            Some(B) => a - b,
-            _ => 0,
+            Some(_) => a - b,
+            None => 0,
         }
     }
 }

@@ -90,11 +90,10 @@ impl<'a> Patches<'a> {
         }
     }
 
-    /// The half-edge across from one of a quadrilateral, `turns` corners on.
+    /// The half-edge of the same quadrilateral, `turns` corners on.
     #[inline]
     fn around(&self, half_edge: u32, turns: u32) -> u32 {
-        let first = self.graph.half_edges(self.graph.face_of(HalfEdge(half_edge))).next().map_or(0, |h| h.0);
-        first + ((half_edge - first + turns) & 3)
+        around(self.graph, half_edge, turns)
     }
 
     /// The edge by which a heading enters the next quadrilateral, if there is one.
@@ -251,4 +250,28 @@ impl<'a> Patches<'a> {
     fn release(&mut self, row: &[u32]) {
         row.iter().for_each(|&h| self.free[self.graph.face_of(HalfEdge(h)).0 as usize] = true);
     }
+}
+
+/// The headings of a path through all rows of a patch, every other row from east to west.
+pub(super) fn winding(graph: &DualGraph, rows: &[Vec<u32>]) -> Vec<u32> {
+    let mut way = Vec::with_capacity(rows.iter().map(Vec::len).sum());
+    for (i, row) in rows.iter().enumerate() {
+        let northward = if i % 2 == 0 { 1 } else { 3 };
+        if i % 2 == 0 {
+            way.extend_from_slice(row);
+        } else {
+            way.extend(row.iter().rev().map(|&h| around(graph, h, 2)));
+        }
+        if let Some(last) = way.last_mut() {
+            *last = around(graph, *last, northward);
+        }
+    }
+    way
+}
+
+/// The half-edge of the same quadrilateral, `turns` corners on.
+#[inline]
+fn around(graph: &DualGraph, half_edge: u32, turns: u32) -> u32 {
+    let first = graph.half_edges(graph.face_of(HalfEdge(half_edge))).next().map_or(0, |h| h.0);
+    first + ((half_edge - first + turns) & 3)
 }

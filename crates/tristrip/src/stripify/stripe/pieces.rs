@@ -5,8 +5,8 @@
 //!
 //! ```text
 //!     k'────k           the strip enters across 0 → 1 and leaves across k → k'
-//!    ╱│    ╱│╲          0 1 k k' is cut out (one triangle where two of them are equal)
-//!   ╱ │  ╱  │ ╲         1 … k and k' … 0 are left, where they have three corners or more
+//!    ╱│    ╱│╲          0 1 k k' is cut out (one triangle where two of them are equal);
+//!   ╱ │  ╱  │ ╲         1 … k and k' … 0 may be left, where they have three corners or more
 //!   ╲ │╱    │ ╱
 //!    0────▶1
 //! ```
@@ -147,9 +147,29 @@ impl<'a> Pieces<'a> {
         }
     }
 
-    pub(super) fn face(&self, half_edge: u32) -> u32 { self.graph.face_of(HalfEdge(half_edge)).0 }
-    pub(super) fn twin(&self, half_edge: u32) -> Option<u32> { self.graph.twin(HalfEdge(half_edge)).map(|h| h.0) }
-    pub(super) fn take_of(&mut self, half_edge: u32) { let piece = self.face(half_edge); self.take(piece) }
+    /// Gives the face of a half-edge, which is its piece where polygons are not cut.
+    #[inline]
+    pub(super) fn face(&self, half_edge: u32) -> u32 {
+        self.graph.face_of(HalfEdge(half_edge)).0
+    }
+
+    /// Gives the half-edge on the other side.
+    #[inline]
+    pub(super) fn twin(&self, half_edge: u32) -> Option<u32> {
+        self.graph.twin(HalfEdge(half_edge)).map(|h| h.0)
+    }
+
+    /// Tells whether two of the next `edges` edges, from a corner on, have a free piece on the other side. Of many edges only
+    /// the first are looked at, and the answer is then yes.
+    pub(super) fn has_two_neighbours(&self, first: u32, edges: u32) -> bool {
+        let mut corner = first;
+        let mut found = 0;
+        for _ in 0..edges.min(2 * REACH) {
+            found += u32::from(self.across(corner).is_some());
+            corner = self.next(corner);
+        }
+        found > 1 || edges > 2 * REACH
+    }
 
     /// Puts a piece into the strip that is being made. Its neighbours lose it, unless parts of it may stay.
     pub(super) fn take(&mut self, piece: u32) {
@@ -193,33 +213,36 @@ impl<'a> Pieces<'a> {
         }
     }
 
-    /// Cuts what a strip needs out of a taken piece, which it enters across `entry` and leaves across `exit`, the `place`th
-    /// corner after the entry's. What is left becomes free.
-    pub(super) fn cut(&mut self, piece: u32, entry: u32, exit: u32, place: u32) {
+    /// Cuts what a strip needs out of a taken piece, which it enters across the first half-edge and leaves across the second,
+    /// the `place`th after it. `rests` says on which sides the rest is to be left, by the letter of the side's chain; it
+    /// becomes free.
+    pub(super) fn cut(&mut self, piece: u32, [entry, exit]: [u32; 2], place: u32, rests: [bool; 2]) {
         let size = self.size(piece);
         if size == 3 {
             return;
         }
-        let (head, after_exit) = (self.next(entry), self.next(exit));
+        let mut sides =
+            [(self.next(entry), exit, place, rests[0]), (self.next(exit), entry, size - place, rests[1])];
         self.consume(entry);
         self.consume(exit);
-        let mut rests = [(head, exit, place), (after_exit, entry, size - place)];
-        rests.sort_unstable_by_key(|&(_, _, corners)| corners);
-        let [smaller, larger] = rests;
-        for (first, last, corners) in rests {
-            if corners == 2 {
-                self.consume(first);
-            } else if corners > 2
-                && let Some(rings) = &mut self.rings
-            {
+        for (first, last, corners, stays) in sides {
+            if !stays {
+                let mut corner = first;
+                for _ in 1..corners {
+                    self.consume(corner);
+                    corner = self.next(corner);
+                }
+            } else if let Some(rings) = &mut self.rings {
                 rings.next[last as usize] = first;
                 rings.previous[first as usize] = last;
             }
         }
-        if smaller.2 > 2 {
+        sides.sort_unstable_by_key(|&(_, _, corners, stays)| (stays, corners));
+        let [smaller, larger] = sides;
+        if smaller.3 {
             self.split_off(piece, smaller.0, smaller.2);
         }
-        if larger.2 > 2
+        if larger.3
             && let Some(rings) = &mut self.rings
         {
             rings.heads[piece as usize] = larger.0;

@@ -24,6 +24,8 @@ pub(super) struct Step {
     pub(super) entry: Option<u32>,
     pub(super) exit: Option<u32>,
     pub(super) counts: Counts,
+    /// On which sides a rest of the piece is left, by the letter of the side's chain.
+    pub(super) rests: [bool; 2],
 }
 
 /// Takes strips, the pieces of the last of which must still be whole where it begins and ends.
@@ -162,12 +164,11 @@ impl<'a> Weaver<'a> {
     fn cut_from(&mut self, entry: u32, step: &Step, pieces: &Pieces<'_>, joined: bool) {
         let face = self.graph.face_of(HalfEdge(entry)).0 as usize;
         let base = self.faces.range(face).start as u32;
-        // The far corners of a part that is cut out.
-        let part = step.exit.filter(|_| pieces.partial() && step.entry.is_some());
-        let (mut b, mut a) = (entry, if part.is_some() { pieces.after(entry) } else { pieces.next(entry) });
+        // Only a face's own edges are passed; where no edge is passed the piece is whole.
+        let (mut b, mut a) = (entry, if step.entry.is_some() { pieces.after(entry) } else { pieces.next(entry) });
         let mut joined = joined;
         for &letter in &self.letters {
-            let apex = match (letter, part) {
+            let apex = match (letter, step.exit.filter(|_| step.rests[letter])) {
                 (A, None) => pieces.next(a),
                 (A, Some(exit)) => exit,
                 (_, None) => pieces.previous(b),
