@@ -176,7 +176,7 @@ pub fn plan<'a>(
             stripe::plan_local(surface, graph, triangulation, ties, options.seed)
         }
         Method::StripeGlobal { patches, cutoff } => {
-            stripe::plan_global(surface, graph, patches, cutoff, options.seed)
+            stripe::plan_global(surface, graph, patches, cutoff, options.seed)?
         }
         // The other methods land with their modules.
         _ => input::plan(surface, graph),

@@ -38,7 +38,13 @@ impl Swaps {
 
     /// Gives the swaps at the exit of a face, by its counts and the swaps at its entry.
     pub(super) fn through(self, counts: Counts) -> Self {
-        Self([A, B].map(|last| [A, B].map(|before| self.0[before] + least(counts, before, last)).into_iter().min().unwrap_or(NEVER)))
+        Self([A, B].map(|last| {
+            [A, B]
+                .map(|before| self.0[before] + least(counts, before, last))
+                .into_iter()
+                .min()
+                .unwrap_or(NEVER)
+        }))
     }
 
     /// Gives the lesser of the two numbers.
@@ -129,7 +135,8 @@ mod tests {
     #[test]
     fn spells_the_orders_with_the_fewest_swaps() {
         for case in 0..6 * 6 * 4 {
-            let (counts, before, last) = ([case / 4 % 6, case / 24], case as usize % 2, case as usize / 2 % 2);
+            let (counts, before, last) =
+                ([case / 4 % 6, case / 24], case as usize % 2, case as usize / 2 % 2);
             let expected = naive(counts, before, last);
             assert_eq!(least(counts, before, last), expected, "{counts:?} {before} {last}");
             let mut letters = vec![before];

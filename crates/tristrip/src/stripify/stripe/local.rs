@@ -23,7 +23,7 @@ use super::weave::{Sink, Step};
 use crate::stripify::Ties;
 
 /// How many neighbours more a way may lead to before one swap is preferred, where a strip is reluctant to swap. Any weight
-/// from 2 up gave the same or less on skyscraper, triceratops and power_lines than 1 or 1.5 did.
+/// from 2 up gave the same or less on skyscraper, triceratops and power lines than 1 or 1.5 did.
 const SWAP_WEIGHT: u32 = 2;
 
 /// Which way a strip goes on.
@@ -84,12 +84,15 @@ impl<'a> Walker<'a> {
         }
     }
 
-    /// Makes strips along a way through whole pieces that are still free, each given by the half-edge that leads to the next.
-    /// What is taken already divides the way; parts of fewer than `shortest` pieces are left. The strips grow at both ends.
-    pub(super) fn follow(&mut self, way: &[u32], shortest: usize, sink: &mut impl Sink) {
-        let parts = way.chunk_by(|&a, &b| self.is_free_at(a) == self.is_free_at(b));
-        let parts: Vec<_> = parts.filter(|part| part.len() >= shortest && self.is_free_at(part[0])).collect();
-        // All parts are taken before the first of them grows.
+    /// Makes strips along ways through whole pieces, each given by the half-edges that lead from one piece to the next and one
+    /// more. What is in a strip already divides a way; parts of fewer than `shortest` pieces are left. The strips grow at both
+    /// ends, when all parts have been taken.
+    pub(super) fn follow(&mut self, ways: &[Vec<u32>], shortest: usize, sink: &mut impl Sink) {
+        let mut parts = Vec::new();
+        for way in ways {
+            let free_or_not = way.chunk_by(|&a, &b| self.is_free_at(a) == self.is_free_at(b));
+            parts.extend(free_or_not.filter(|part| part.len() >= shortest && self.is_free_at(part[0])));
+        }
         for &exit in parts.iter().copied().flatten() {
             self.pieces.take(self.pieces.face(exit));
         }
@@ -197,7 +200,7 @@ impl<'a> Walker<'a> {
             _ if self.tied.len() < 2 => self.tied.first().copied(),
             Rule::Reluctant => self.tied.iter().max_by_key(|exit| self.look_ahead(exit)).copied(),
             Rule::Adjacency(Ties::Arbitrary) => self.tied.first().copied(),
-            // Of those that are still equal the last; with the first, sgi sends 1.5 % more vertices for power_lines.
+            // Of those that are still equal the last; with the first, sgi sends 1.5 % more vertices for power lines.
             Rule::Adjacency(Ties::LookAhead) => {
                 self.tied.iter().rev().min_by_key(|exit| self.look_ahead(exit)).copied()
             }

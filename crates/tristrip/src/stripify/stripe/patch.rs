@@ -153,10 +153,10 @@ impl Patches {
                 at = self.rung_above(h);
             }
             let around = at.is_some_and(|h| rung[h as usize] == NONE);
-            let mut height = at.filter(|_| !around).map_or(0, |h| rung[h as usize]);
-            for &h in column.iter().rev() {
-                height += 1;
-                rung[h as usize] = if around { column.len() as u32 } else { height };
+            let known = at.filter(|_| !around).map_or(0, |h| rung[h as usize]);
+            for (above, &h) in column.iter().rev().enumerate() {
+                let height = if around { column.len() } else { above + 1 };
+                rung[h as usize] = known + height as u32;
             }
         }
         self.rung = rung;

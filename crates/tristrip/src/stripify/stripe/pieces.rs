@@ -100,14 +100,12 @@ impl<'a> Pieces<'a> {
     /// Counts the corners of a piece.
     #[inline]
     pub(super) fn size(&self, piece: u32) -> u32 {
-        match &self.rings {
-            Some(rings) => rings.sizes[piece as usize],
-            None => {
-                let mut corners = self.graph.half_edges(FaceId(piece));
-                let (first, last) = (corners.next(), corners.next_back());
-                first.zip(last).map_or(0, |(first, last)| last.0 - first.0 + 1)
-            }
+        if let Some(rings) = &self.rings {
+            return rings.sizes[piece as usize];
         }
+        let mut corners = self.graph.half_edges(FaceId(piece));
+        let (first, last) = (corners.next(), corners.next_back());
+        first.zip(last).map_or(0, |(first, last)| last.0 - first.0 + 1)
     }
 
     /// Gives a corner of a piece.
@@ -169,6 +167,31 @@ impl<'a> Pieces<'a> {
             corner = self.next(corner);
         }
         found > 1 || edges > 2 * REACH
+    }
+
+    /// Checks what is kept of the free pieces' neighbours and rings.
+    #[cfg(test)]
+    pub(super) fn check(&self) -> Result<(), u32> {
+        for piece in (0..self.taken.len() as u32).filter(|&piece| self.is_free(piece)) {
+            let (mut corner, mut adjacency) = (self.corner(piece), 0);
+            for _ in 0..self.size(piece) {
+                let twin = self.graph.twin(HalfEdge(corner)).filter(|_| self.owner(corner) == Some(piece));
+                let neighbour = twin.and_then(|h| self.owner(h.0));
+                // Where pieces may be cut, one that is being passed still counts.
+                adjacency += u32::from(neighbour.is_some_and(|n| self.partial() || self.is_free(n)));
+                if self.previous(self.next(corner)) != corner {
+                    return Err(piece);
+                }
+                corner = self.next(corner);
+            }
+            if corner != self.corner(piece)
+                || adjacency != self.adjacency(piece)
+                || !self.queue.contains(piece)
+            {
+                return Err(piece);
+            }
+        }
+        Ok(())
     }
 
     /// Puts a piece into the strip that is being made. Its neighbours lose it, unless parts of it may stay.

@@ -106,7 +106,6 @@ impl Sink for Weaver<'_> {
             }
         }
     }
-
 }
 
 impl<'a> Weaver<'a> {
@@ -165,7 +164,8 @@ impl<'a> Weaver<'a> {
         let face = self.graph.face_of(HalfEdge(entry)).0 as usize;
         let base = self.faces.range(face).start as u32;
         // Only a face's own edges are passed; where no edge is passed the piece is whole.
-        let (mut b, mut a) = (entry, if step.entry.is_some() { pieces.after(entry) } else { pieces.next(entry) });
+        let (mut b, mut a) =
+            (entry, if step.entry.is_some() { pieces.after(entry) } else { pieces.next(entry) });
         let mut joined = joined;
         for &letter in &self.letters {
             let apex = match (letter, step.exit.filter(|_| step.rests[letter])) {
@@ -193,4 +193,44 @@ impl<'a> Weaver<'a> {
         });
         Plan { triangulation, cover }
     }
+}
+
+/// Counts the swaps of a strip of whole pieces by trying every order of the letters, and both ends.
+#[cfg(test)]
+pub(super) fn fewest_swaps(strip: &[Step], pieces: &Pieces<'_>) -> usize {
+    // The states are the first turn, if there was one, and the last letter.
+    let mut states: Vec<(Option<usize>, usize, usize)> = vec![(None, A, 0)];
+    let turn = |states: &[(Option<usize>, usize, usize)], letter: usize| -> Vec<_> {
+        let next = |&(first, last, swaps): &(Option<usize>, usize, usize)| {
+            let swap = first.is_some() && last == letter;
+            (first.or(Some(letter)), letter, swaps + usize::from(swap))
+        };
+        let mut all: Vec<_> = states.iter().map(next).collect();
+        all.sort_unstable();
+        all.dedup_by_key(|&mut (first, last, _)| (first, last));
+        all
+    };
+    for (i, step) in strip.iter().enumerate() {
+        let ends = usize::from(i == 0) + usize::from(i + 1 == strip.len());
+        if ends == 0 {
+            let length = step.counts[A] + step.counts[B];
+            let orders = (0..1_u32 << length).filter(|order| order.count_ones() == step.counts[B]);
+            let all: Vec<_> = orders
+                .flat_map(|order| {
+                    (0..length).fold(states.clone(), |s, i| turn(&s, (order >> i & 1) as usize))
+                })
+                .collect();
+            states = all;
+        } else {
+            for _ in 0..(pieces.size(step.piece) as usize - 2).saturating_sub(ends) {
+                states = [A, B].into_iter().flat_map(|letter| turn(&states, letter)).collect();
+            }
+        }
+        states.sort_unstable();
+        states.dedup_by_key(|&mut (first, last, _)| (first, last));
+    }
+    let pay = |&(first, last, swaps): &(Option<usize>, usize, usize)| {
+        swaps + usize::from(first == Some(B) && last == A)
+    };
+    states.iter().map(pay).min().unwrap_or(0)
 }
