@@ -152,7 +152,7 @@ mod tests {
                     graph,
                     cover: PathCover::isolated(n),
                     taken: vec![false; n],
-                    changed: (0..n as i64).map(|i| -i).collect(),
+                    changed: (0..n).map(|i| -i64::try_from(i).unwrap()).collect(),
                     clock: 0,
                 };
                 let naive = naive.run();
