@@ -89,10 +89,10 @@ impl<'a> Pieces<'a> {
         }
     }
 
-    /// Gives the half-edge and the free piece on the other side of a piece's edge.
+    /// Gives the half-edge and the free piece on the other side of a piece's edge. Where a strip has passed, and the edge is
+    /// inside the face now, the other side is not free.
     #[inline]
     pub(super) fn across(&self, half_edge: u32) -> Option<(u32, u32)> {
-        self.owner(half_edge)?;
         let twin = self.graph.twin(HalfEdge(half_edge))?.0;
         self.owner(twin).filter(|&piece| self.is_free(piece)).map(|piece| (twin, piece))
     }

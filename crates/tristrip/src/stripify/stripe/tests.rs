@@ -114,6 +114,24 @@ fn a_polygon_is_cut_for_the_way_through_it() {
 }
 
 #[test]
+fn triangles_and_quadrilaterals_in_a_row_are_one_strip() {
+    // Between 2i and 2i + 1 on the two sides: a quadrilateral for even i, two triangles for odd i.
+    let row: Vec<Vec<u32>> = (0..8)
+        .flat_map(|i| {
+            let [a, b, c, d] = [2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1];
+            if i % 2 == 0 { vec![vec![a, b, c, d]] } else { vec![vec![a, b, c], vec![a, c, d]] }
+        })
+        .collect();
+    let m = mesh(&row);
+    for triangulation in TRIANGULATIONS {
+        for ties in TIES {
+            let method = Method::StripeLocal { triangulation, ties };
+            assert_eq!(strips(&m, method, 0).len(), 1, "{method:?}");
+        }
+    }
+}
+
+#[test]
 fn random_ties_follow_the_seed() {
     let random = Method::StripeLocal { triangulation: FaceTriangulation::Whole, ties: Ties::Random };
     let m = mesh(&grid(12, 12));
