@@ -104,6 +104,11 @@ impl<'a> Walker<'a> {
                 let counts = entry.map_or([0; 2], |entry| self.counts_between(entry, exit));
                 let piece = self.pieces.face(exit);
                 self.strip.push(Step { piece, entry, exit: exit_or_end, counts, rests: [false; 2] });
+                if let (Some(entry), Some(exit)) = (entry, exit_or_end)
+                    && self.pieces.partial()
+                {
+                    self.pieces.cut(piece, [entry, exit], counts[A] + 1, [false; 2]);
+                }
                 entry = self.pieces.twin(exit);
             }
             self.turned();
@@ -111,8 +116,9 @@ impl<'a> Walker<'a> {
         }
     }
 
+    /// Tells whether a half-edge's face is whole and in no strip.
     fn is_free_at(&self, half_edge: u32) -> bool {
-        self.pieces.is_free(self.pieces.face(half_edge))
+        self.pieces.is_untouched(self.pieces.face(half_edge))
     }
 
     /// Counts the letters from an entry to an exit of a whole piece.

@@ -80,6 +80,13 @@ impl<'a> Pieces<'a> {
         !self.taken[piece as usize]
     }
 
+    /// Tells whether no strip has taken any part of a face.
+    pub(super) fn is_untouched(&self, face: u32) -> bool {
+        let size = || self.graph.half_edges(FaceId(face)).count();
+        self.is_free(face)
+            && self.rings.as_ref().is_none_or(|rings| rings.sizes[face as usize] as usize == size())
+    }
+
     /// Gives the piece that a half-edge belongs to, free or not.
     #[inline]
     fn owner(&self, half_edge: u32) -> Option<u32> {
