@@ -22,8 +22,8 @@ use super::pieces::{Pieces, REACH};
 use super::weave::{Sink, Step};
 use crate::stripify::Ties;
 
-/// How many neighbours more a way may lead to before one swap is preferred, where a strip is reluctant to swap. Any weight
-/// from 2 up gave the same or less on skyscraper, triceratops and power lines than 1 or 1.5 did.
+/// How many neighbours a way may lead to more, before a swap is preferred, where a strip is reluctant to swap. Over eight
+/// polygon models 2 and 3 send 0.4 % fewer vertices than 1.
 const SWAP_WEIGHT: u32 = 2;
 
 /// Which way a strip goes on.
