@@ -14,6 +14,7 @@ pub mod unify;
 pub use report::MeshReport;
 pub use surface::{Surface, SurfaceCounts};
 pub use triangulation::Triangulation;
+pub(crate) use triangulation::TriangulationBuilder;
 
 pub use unify::PositionIds;
 

@@ -5,12 +5,14 @@
 
 pub mod input;
 pub mod sequential;
+pub mod sgi;
+pub mod stripe;
 
 use crate::cover::PathCover;
 use crate::dual::DualGraph;
 use crate::error::Error;
 use crate::mesh::{Mesh, Surface, Triangulation};
-use crate::strip::{Strips, emit};
+use crate::strip::{Strips, cover_cost, emit};
 
 /// How strips are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -139,6 +141,30 @@ pub struct Plan<'a> {
     pub cover: PathCover,
 }
 
+impl Plan<'_> {
+    /// Counts the indices of the strips with restarts between them, as [`emit`] will send them.
+    ///
+    /// ```
+    /// use tristrip::{DualGraph, Faces, Mesh, Options, Surface, stripify::plan};
+    /// let mesh = Mesh::new(vec![[0.0; 3]; 4], Faces::from_triangles(vec![0, 1, 2, 2, 1, 3])?)?;
+    /// let surface = Surface::new(&mesh, false);
+    /// let graph = DualGraph::new(surface.faces());
+    /// assert_eq!(plan(&surface, &graph, &Options::default())?.indices_restart(), 4);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn indices_restart(&self) -> usize {
+        cover_cost(self.triangulation.graph(), &self.cover).saturating_sub(1)
+    }
+
+    /// Compares two plans of one surface by [`Plan::indices_restart`].
+    fn is_cheaper_than(&self, other: &Self) -> bool {
+        // Strips alone often tell: the other's swaps are at most one for each triangle inside a strip.
+        let (strips, triangles) = (self.cover.path_count(), other.cover.len());
+        let at_most = 3 * other.cover.path_count() + triangles.saturating_sub(2 * other.cover.path_count());
+        3 * strips < at_most && self.indices_restart() < other.indices_restart()
+    }
+}
+
 /// Finds triangle strips for a mesh: the whole way from faces to strips.
 ///
 /// # Errors
@@ -170,8 +196,18 @@ pub fn plan<'a>(
     options: &Options,
 ) -> Result<Plan<'a>, Error> {
     Ok(match options.method {
+        Method::Auto => {
+            let (ours, theirs) = (sequential::plan(surface, graph), input::plan(surface, graph));
+            if theirs.is_cheaper_than(&ours) { theirs } else { ours }
+        }
         Method::Sequential => sequential::plan(surface, graph),
-        // The other methods land with their modules.
-        _ => input::plan(surface, graph),
+        Method::Input => input::plan(surface, graph),
+        Method::Sgi => sgi::plan(surface, graph),
+        Method::StripeLocal { triangulation, ties } => {
+            stripe::plan_local(surface, graph, triangulation, ties, options.seed)
+        }
+        Method::StripeGlobal { patches, cutoff } => {
+            stripe::plan_global(surface, graph, patches, cutoff, options.seed)?
+        }
     })
 }

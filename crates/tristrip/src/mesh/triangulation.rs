@@ -196,7 +196,7 @@ mod tests {
     fn joins_triangles_as_the_faces_and_across_diagonals() {
         // A hexagon with a quad on each of two sides.
         let positions: Vec<[f32; 3]> = (0..6)
-            .map(|i| (i as f32 * 1.047_197_6).sin_cos())
+            .map(|i| (i as f32 * std::f32::consts::FRAC_PI_3).sin_cos())
             .chain([(3.0, 0.0), (3.0, 1.0), (-3.0, 0.0), (-3.0, 1.0)])
             .map(|(y, x)| [x, y, 0.0])
             .collect();

@@ -169,6 +169,11 @@ pub fn path_cost(graph: &DualGraph, cover: &PathCover, start: FaceId) -> usize {
     path.len() + 2 + swaps_inside(&path) + swaps_at_start(&path).min(swaps_at_start_reversed(&path))
 }
 
+/// Counts the vertices and restarts that a cover costs, one restart for each strip: for choosing between covers.
+pub(crate) fn cover_cost(graph: &DualGraph, cover: &PathCover) -> usize {
+    cover.path_starts(graph).map(|start| path_cost(graph, cover, start) + 1).sum()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

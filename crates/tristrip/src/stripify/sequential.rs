@@ -14,7 +14,7 @@
 //!    from its rim, next to the last strip; where no triangle has lost a neighbour yet, the first in the input's order.
 //! 2. *Run*: a strip's first turn is fixed by its winding, so that each exit of the seed makes one run, which goes on backward over
 //!    the edge that needs no swap. Each is tried, and the one of the least cost a triangle is kept.
-//! 3. *Exchange*: at every end of a strip, see [`exchange`]. This also folds isolated triangles into their neighbours.
+//! 3. *Exchange*: at every end of a strip, see the module `exchange`. This also folds isolated triangles into their neighbours.
 //!
 //! On regular meshes, grids above all, a swap at the end of a row saves a strip here to lose one elsewhere, and the order of the
 //! input is often the better guide. Such meshes show by their low cost. For them, and for small meshes, where it costs next to
@@ -36,7 +36,7 @@ use super::Plan;
 use crate::cover::PathCover;
 use crate::dual::DualGraph;
 use crate::mesh::{Surface, Triangulation};
-use crate::strip::path_cost;
+use crate::strip::cover_cost;
 use peel::{Peeled, Peeler};
 use sheet::{Polygons, Sheet};
 
@@ -109,14 +109,12 @@ const OTHERS_FOR_POLYGONS: [Manner; 2] =
     [Manner { cuts: Cuts::Before, ..PATIENT }, Manner { seeds: Seeds::Input, cuts: Cuts::Before, ..PATIENT }];
 
 pub(super) fn plan<'a>(surface: &'a Surface<'_>, graph: &'a DualGraph) -> Plan<'a> {
-    match Triangulation::of_triangles(surface, graph) {
-        Some(triangulation) => Plan { triangulation, cover: cover(|| graph).1 },
-        None => {
-            let polygons = Polygons::new(surface.faces(), graph);
-            let (polygons, cover) = cover(|| polygons.clone());
-            Plan { triangulation: polygons.into_triangulation(), cover }
-        }
+    if let Some(triangulation) = Triangulation::of_triangles(surface, graph) {
+        return Plan { triangulation, cover: cover(|| graph).1 };
     }
+    let polygons = Polygons::new(surface.faces(), graph);
+    let (polygons, cover) = cover(|| polygons.clone());
+    Plan { triangulation: polygons.into_triangulation(), cover }
 }
 
 /// Covers a sheet.
@@ -133,9 +131,9 @@ fn cover<S: Sheet + Clone>(fresh: impl Fn() -> S) -> (S, PathCover) {
     if count > S::SMALL && !is_regular {
         return usual;
     }
-    let mut best = (extra_cost(&usual), usual);
+    let mut best = (price(&usual), usual);
     let mut keep_cheaper = |other: (S, PathCover)| {
-        let cost = extra_cost(&other);
+        let cost = price(&other);
         if cost < best.0 {
             best = (cost, other);
         }
@@ -152,17 +150,15 @@ fn cover<S: Sheet + Clone>(fresh: impl Fn() -> S) -> (S, PathCover) {
         sheet.settle(&mut drifted);
     }
     let drifted = (sheet, drifted);
-    if extra_cost(&drifted) < best.0 { drifted } else { best.1 }
+    if price(&drifted) < best.0 { drifted } else { best.1 }
 }
 
 /// Rounds in which exchanges and the choice of diagonals take turns.
 const ROUNDS: usize = 4;
 
-/// Counts what a cover costs beyond one index a triangle.
-fn extra_cost<S: Sheet>((sheet, cover): &(S, PathCover)) -> usize {
-    let graph = sheet.graph();
-    let vertices: usize = cover.path_starts(graph).map(|start| path_cost(graph, cover, start)).sum();
-    vertices + cover.path_count() - cover.len()
+/// Counts what a cover costs in indices.
+fn price<S: Sheet>((sheet, cover): &(S, PathCover)) -> usize {
+    cover_cost(sheet.graph(), cover)
 }
 
 #[inline]

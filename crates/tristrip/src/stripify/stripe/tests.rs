@@ -1,0 +1,243 @@
+//! Tests of the local and global algorithms over whole meshes.
+
+use super::local::{Rule, Walker};
+use super::pieces::Pieces;
+use super::weave::{Sink, Step, Weaver};
+use crate::dual::DualGraph;
+use crate::mesh::{Faces, Mesh, Surface};
+use crate::strip::{Metrics, Strips, emit, verify};
+use crate::stripify::{FaceTriangulation, Method, Options, Patches, Ties, plan};
+use proptest::prelude::*;
+
+const TRIANGULATIONS: [FaceTriangulation; 3] =
+    [FaceTriangulation::Static, FaceTriangulation::Whole, FaceTriangulation::Partial];
+const TIES: [Ties; 5] = [Ties::Arbitrary, Ties::LookAhead, Ties::Alternate, Ties::Random, Ties::Sequential];
+
+fn methods() -> Vec<Method> {
+    let local = TRIANGULATIONS
+        .into_iter()
+        .flat_map(|triangulation| TIES.map(|ties| Method::StripeLocal { triangulation, ties }));
+    let global = [Patches::Rows, Patches::Full]
+        .into_iter()
+        .flat_map(|patches| [1, 5, 25].map(|cutoff| Method::StripeGlobal { patches, cutoff }));
+    [Method::Sgi].into_iter().chain(local).chain(global).collect()
+}
+
+/// Makes strips and proves them.
+fn strips(mesh: &Mesh, method: Method, seed: u64) -> Strips {
+    let surface = Surface::new(mesh, false);
+    let graph = DualGraph::new(surface.faces());
+    let options = Options::default().with_method(method).with_seed(seed);
+    let plan = plan(&surface, &graph, &options).unwrap();
+    assert_eq!(plan.cover.check(plan.triangulation.graph()), Ok(()), "{method:?}");
+    let strips = emit(&plan.triangulation, &plan.cover);
+    assert_eq!(strips.len(), plan.cover.path_count());
+    if let Err(error) = verify(mesh, &strips) {
+        panic!("{method:?}: {error}");
+    }
+    strips
+}
+
+/// A mesh of flat positions, where every polygon without a repeated corner is convex.
+fn mesh(polygons: &[Vec<u32>]) -> Mesh {
+    let count = polygons.iter().flatten().max().map_or(0, |&v| v as usize + 1);
+    Mesh::new(vec![[0.0; 3]; count], Faces::from_polygons(polygons).unwrap()).unwrap()
+}
+
+fn grid(width: u32, height: u32) -> Vec<Vec<u32>> {
+    let v = |x: u32, y: u32| y * (width + 1) + x;
+    (0..height)
+        .flat_map(|y| (0..width).map(move |x| (x, y)))
+        .map(|(x, y)| vec![v(x, y), v(x + 1, y), v(x + 1, y + 1), v(x, y + 1)])
+        .collect()
+}
+
+fn cube() -> Mesh {
+    mesh(&[[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]].map(Vec::from))
+}
+
+#[test]
+fn rows_of_a_grid_cost_two_vertices_each() {
+    for (width, height, rows) in [(5, 1, 1), (7, 4, 4), (3, 9, 3), (6, 6, 6)] {
+        let strips = strips(&mesh(&grid(width, height)), Method::STRIPE, 0);
+        let m = Metrics::of(&strips);
+        assert_eq!((m.strips, m.swaps), (rows, 0), "{width} x {height}");
+        assert_eq!(m.vertices_sent, 2 * (width * height) as usize + 2 * rows);
+    }
+}
+
+#[test]
+fn a_full_patch_costs_three_swaps_a_turn() {
+    // Where the two ends of the strip do not suit its winding, one vertex more.
+    for (width, height, repeat) in [(5, 1, 0), (7, 4, 0), (6, 6, 0), (20, 3, 1)] {
+        let full = Method::StripeGlobal { patches: Patches::Full, cutoff: 5 };
+        let m = Metrics::of(&strips(&mesh(&grid(width, height)), full, 0));
+        assert_eq!((m.strips, m.swaps), (1, 3 * (height as usize - 1) + repeat), "{width} x {height}");
+    }
+}
+
+#[test]
+fn the_cutoff_decides_what_is_a_patch() {
+    // A grid of twelve and a triangle.
+    let mut polygons = grid(4, 3);
+    polygons.push(vec![18, 17, 20]);
+    let rows = |cutoff| {
+        let method = Method::StripeGlobal { patches: Patches::Rows, cutoff };
+        strips(&mesh(&polygons), method, 0).len()
+    };
+    assert!(rows(12) > rows(13), "three rows where the grid is a patch: {} and {}", rows(12), rows(13));
+    let surface_mesh = mesh(&grid(2, 2));
+    let surface = Surface::new(&surface_mesh, false);
+    let graph = DualGraph::new(surface.faces());
+    let none = Options::default().with_method(Method::StripeGlobal { patches: Patches::Rows, cutoff: 0 });
+    assert!(plan(&surface, &graph, &none).is_err());
+}
+
+#[test]
+fn a_cube_is_one_strip_when_its_diagonals_are_free() {
+    for ties in TIES {
+        let whole = Method::StripeLocal { triangulation: FaceTriangulation::Whole, ties };
+        assert_eq!(strips(&cube(), whole, 0).len(), 1, "{ties:?}");
+    }
+}
+
+#[test]
+fn a_polygon_is_cut_for_the_way_through_it() {
+    // Quadrilaterals on opposite sides of an octagon: the five faces are one strip without a swap.
+    let octagon = vec![10, 11, 12, 13, 14, 15, 16, 17];
+    let (west, east) = (vec![15, 14, 20, 21], vec![11, 10, 30, 31]);
+    let further = (vec![20, 22, 23, 21], vec![31, 30, 32, 33]);
+    let m = mesh(&[octagon, west, east, further.0, further.1]);
+    let sequential = |triangulation| Method::StripeLocal { triangulation, ties: Ties::Sequential };
+    let whole = Metrics::of(&strips(&m, sequential(FaceTriangulation::Whole), 0));
+    assert_eq!((whole.strips, whole.swaps, whole.triangles), (1, 0, 14));
+}
+
+#[test]
+fn triangles_and_quadrilaterals_in_a_row_are_one_strip() {
+    // Between 2i and 2i + 1 on the two sides: a quadrilateral for even i, two triangles for odd i.
+    let row: Vec<Vec<u32>> = (0..8)
+        .flat_map(|i| {
+            let [a, b, c, d] = [2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1];
+            if i % 2 == 0 { vec![vec![a, b, c, d]] } else { vec![vec![a, b, c], vec![a, c, d]] }
+        })
+        .collect();
+    let m = mesh(&row);
+    for triangulation in TRIANGULATIONS {
+        for ties in TIES {
+            let method = Method::StripeLocal { triangulation, ties };
+            assert_eq!(strips(&m, method, 0).len(), 1, "{method:?}");
+        }
+    }
+}
+
+#[test]
+fn random_ties_follow_the_seed() {
+    let random = Method::StripeLocal { triangulation: FaceTriangulation::Whole, ties: Ties::Random };
+    let m = mesh(&grid(12, 12));
+    assert_eq!(strips(&m, random, 7), strips(&m, random, 7));
+    assert!((1..9).any(|seed| strips(&m, random, seed) != strips(&m, random, 0)));
+}
+
+/// Checks the pieces at the end of every strip.
+struct Checked<'a>(Weaver<'a>);
+
+impl Sink for Checked<'_> {
+    fn take(&mut self, strip: &[Step], pieces: &Pieces<'_>) {
+        assert_eq!(pieces.check(), Ok(()));
+        self.0.take(strip, pieces);
+    }
+}
+
+/// Quadrilaterals, triangles and larger faces: a grid some of whose neighbours are merged, cut, doubled, reversed or missing.
+fn any_polygons() -> impl Strategy<Value = Vec<Vec<u32>>> {
+    (1..7_u32, 1..7_u32, prop::collection::vec(0..12_u8, 36)).prop_map(|(width, height, changes)| {
+        let mut polygons: Vec<Vec<u32>> = Vec::new();
+        for (i, quad) in grid(width, height).into_iter().enumerate() {
+            let previous = polygons.last().filter(|p| p.len() % 2 == 0 && p[p.len() / 2] == quad[3]).cloned();
+            match (changes[i], previous) {
+                (0, _) => {}
+                (1, _) => polygons.extend([vec![quad[0], quad[1], quad[2]], vec![quad[0], quad[2], quad[3]]]),
+                (2, _) => polygons.extend([quad.clone(), quad]),
+                (3, _) => polygons.push(quad.into_iter().rev().collect()),
+                (4, _) => polygons.push(vec![quad[0], quad[1], quad[2]]),
+                _ => polygons.push(quad),
+            }
+        }
+        // Rows of quadrilaterals become one face where the first of them asks for it.
+        let mut merged: Vec<Vec<u32>> = Vec::new();
+        for (i, quad) in polygons.into_iter().enumerate() {
+            match merged.last_mut() {
+                Some(last) if changes[i % 36] > 8 && quad.len() == 4 && last.len() % 2 == 0 => {
+                    let half = last.len() / 2;
+                    let joins =
+                        last[half - 1] == quad[0] && last[half] == quad[3] && !last.contains(&quad[1]);
+                    if joins && !last.contains(&quad[2]) {
+                        last.splice(half..half, [quad[1], quad[2]]);
+                    } else {
+                        merged.push(quad);
+                    }
+                }
+                _ => merged.push(quad),
+            }
+        }
+        merged
+    })
+}
+
+/// Polygons with any corners at all, few enough of them that edges meet often.
+fn soup() -> impl Strategy<Value = Vec<Vec<u32>>> {
+    prop::collection::vec(prop::collection::vec(0..9_u32, 3..8), 1..30)
+}
+
+proptest! {
+    #[test]
+    fn every_variant_covers_every_mesh(polygons in prop_oneof![any_polygons(), soup()], seed in any::<u64>()) {
+        let mesh = mesh(&polygons);
+        for method in methods() {
+            let once = strips(&mesh, method, seed);
+            prop_assert_eq!(&once, &strips(&mesh, method, seed), "{:?}", method);
+        }
+    }
+
+    #[test]
+    fn triangles_alone_are_covered(triangles in prop::collection::vec([0..12_u32, 0..12, 0..12], 1..60)) {
+        let mesh = mesh(&triangles.into_iter().map(Vec::from).collect::<Vec<_>>());
+        for method in methods() {
+            strips(&mesh, method, 1);
+        }
+    }
+
+    #[test]
+    fn pieces_know_their_neighbours(
+        polygons in prop_oneof![any_polygons(), soup()], partial in any::<bool>(), ties in 0..5_usize,
+    ) {
+        let mesh = mesh(&polygons);
+        let surface = Surface::new(&mesh, false);
+        let graph = DualGraph::new(surface.faces());
+        let mut sink = Checked(Weaver::new(surface.faces(), &graph));
+        Walker::new(Pieces::new(&graph, partial), Rule::Adjacency(TIES[ties]), 3).run(&mut sink);
+        let plan = sink.0.finish();
+        prop_assert_eq!(plan.cover.check(plan.triangulation.graph()), Ok(()));
+    }
+
+    #[test]
+    fn letters_promise_the_swaps_that_the_emitter_pays(polygons in any_polygons(), ties in 0..5_usize) {
+        /// Counts what the strips should cost by their faces' counts alone, trying every order of turns.
+        struct Priced<'a>(Weaver<'a>, usize);
+        impl Sink for Priced<'_> {
+            fn take(&mut self, strip: &[Step], pieces: &Pieces<'_>) {
+                self.1 += super::weave::fewest_swaps(strip, pieces);
+                self.0.take(strip, pieces);
+            }
+        }
+        let mesh = mesh(&polygons);
+        let surface = Surface::new(&mesh, false);
+        let graph = DualGraph::new(surface.faces());
+        let mut sink = Priced(Weaver::new(surface.faces(), &graph), 0);
+        Walker::new(Pieces::new(&graph, false), Rule::Adjacency(TIES[ties]), 3).run(&mut sink);
+        let Priced(weaver, promised) = sink;
+        let plan = weaver.finish();
+        prop_assert_eq!(Metrics::of(&emit(&plan.triangulation, &plan.cover)).swaps, promised);
+    }
+}
