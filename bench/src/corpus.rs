@@ -18,6 +18,8 @@ use crate::models::Source;
 pub const THREADS: [usize; 3] = [1, 2, 7];
 /// Models of more triangles are checked with one method of each family only.
 pub const LARGE: usize = 300_000;
+/// Models of more triangles are written with one method of each family only, unless all files are asked for.
+pub const MEDIUM: usize = 30_000;
 /// Models of at most so many triangles are written in every kind of file.
 pub const SMALL: usize = 8_000;
 
@@ -60,41 +62,43 @@ impl Pools {
     }
 }
 
-/// Checks a model with every method, and writes files into a folder.
+/// Checks a model with every method, and writes files into a folder; `all_files` writes one for each method whatever the
+/// model's size.
 ///
 /// # Errors
 /// The model cannot be read, or a file not be written.
-pub fn check(source: &Source, pools: &Pools, folder: &Path) -> Result<Checked, Failure> {
+pub fn check(source: &Source, pools: &Pools, folder: &Path, all_files: bool) -> Result<Checked, Failure> {
     let model = read_path(&source.path).map_err(|error| format!("{}: {error}", source.path.display()))?;
     let triangles: usize = model.parts.iter().map(|part| part.mesh.faces().triangle_count()).sum();
     let methods = if triangles > LARGE { main_methods() } else { all_methods() };
-    let written_whole: HashSet<String> = main_methods().into_iter().map(|m| m.name).collect();
+    let families: HashSet<String> = main_methods().into_iter().map(|m| m.name).collect();
     let mut checked = Checked::default();
     for (turn, Named { name, method }) in methods.iter().enumerate() {
         let say = |what: &str| format!("{}, {name}: {what}", source.name);
         let options = Options::default().with_method(*method);
-        let kinds: Vec<Kind> = if triangles <= SMALL && written_whole.contains(name) {
-            KINDS.to_vec()
-        } else {
-            vec![KINDS[turn % COMPACT_KINDS]]
+        let is_main = families.contains(name);
+        let kinds: Vec<Kind> = match triangles {
+            0..=SMALL if is_main => KINDS.to_vec(),
+            0..=MEDIUM => vec![KINDS[turn % COMPACT_KINDS]],
+            _ if is_main || all_files => vec![KINDS[turn % COMPACT_KINDS]],
+            _ => Vec::new(),
         };
-        let mut first: Vec<Vec<u8>> = Vec::new();
-        for pool in &pools.0 {
+        let results = pools.0.iter().map(|pool| {
             let strips = pool.install(|| strip(&model, &options))?;
             let bytes = files(&model, &strips, &kinds)?;
-            if first.is_empty() {
-                match prove(&model, &strips) {
-                    Ok(()) => checked.proven += 1,
-                    Err(error) => checked.faults.push(say(&error)),
-                }
-                first = bytes;
-            } else if bytes != first {
-                checked.faults.push(say(&format!("other bytes with {} threads", pool.current_num_threads())));
-            } else if pool.current_num_threads() == THREADS[THREADS.len() - 1] {
-                checked.identical += 1;
-            }
+            Ok((strips, bytes))
+        });
+        let mut results = results.collect::<Result<Vec<_>, Failure>>()?;
+        match prove(&model, &results[0].0) {
+            Ok(()) => checked.proven += 1,
+            Err(error) => checked.faults.push(say(&error)),
         }
-        for ((_, _, kind), bytes) in kinds.iter().zip(first) {
+        if results.iter().all(|result| *result == results[0]) {
+            checked.identical += 1;
+        } else {
+            checked.faults.push(say(&format!("not the same with {THREADS:?} threads")));
+        }
+        for ((_, _, kind), bytes) in kinds.iter().zip(results.swap_remove(0).1) {
             let path = folder.join(format!("{}.{}.{kind}", source.name, name.replace(' ', "_")));
             fs::write(&path, bytes)?;
             checked.files.push(path);
@@ -131,7 +135,7 @@ mod tests {
         let folder = std::env::temp_dir().join(format!("tristrip-corpus-{}", std::process::id()));
         fs::create_dir_all(&folder).unwrap();
         let source = Source { name: "fish_control".into(), path };
-        let checked = check(&source, &Pools::new().unwrap(), &folder).unwrap();
+        let checked = check(&source, &Pools::new().unwrap(), &folder, false).unwrap();
         assert_eq!(checked.faults, Vec::<String>::new());
         assert_eq!((checked.proven, checked.identical), (all_methods().len(), all_methods().len()));
         let mains = main_methods().len();

@@ -26,6 +26,7 @@ const SCALED: &str = "hand";
 /// Measures every method on real models, next to meshoptimizer in the same run.
 #[derive(Debug, Parser)]
 #[command(version)]
+#[expect(clippy::struct_excessive_bools, reason = "flags of a command line")]
 struct Args {
     /// The folder of models [default: ../shared/models beside the checkout, else testdata/models]
     models: Option<PathBuf>,

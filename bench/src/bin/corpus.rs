@@ -6,6 +6,7 @@
 //! ```
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "a program that prints")]
 
+use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
@@ -30,6 +31,9 @@ struct Args {
     /// The checker of files, a Python program that needs numpy; without it files are not proven
     #[arg(long, value_name = "FILE")]
     checker: Option<PathBuf>,
+    /// Write a file for every method, also of large models: some ten minutes for the checker
+    #[arg(long)]
+    all_files: bool,
     /// The Python that runs it
     #[arg(long, default_value = "python3", value_name = "PROGRAM")]
     python: PathBuf,
@@ -49,7 +53,7 @@ fn main() -> Result<ExitCode, Failure> {
     fs::create_dir_all(&files)?;
 
     let start = Instant::now();
-    let results = check_all(&sources, &files)?;
+    let results = check_all(&sources, &files, args.all_files)?;
     let sum = |count: fn(&Checked) -> usize| results.iter().map(|(_, checked)| count(checked)).sum::<usize>();
     let mut faults: Vec<String> = results.iter().flat_map(|(_, checked)| checked.faults.clone()).collect();
     println!(
@@ -90,7 +94,11 @@ fn main() -> Result<ExitCode, Failure> {
 }
 
 /// Checks the models, the largest files first, a few at a time; the results are in the order of the names.
-fn check_all<'a>(sources: &'a [Source], files: &Path) -> Result<Vec<(&'a Source, Checked)>, Failure> {
+fn check_all<'a>(
+    sources: &'a [Source],
+    files: &Path,
+    all_files: bool,
+) -> Result<Vec<(&'a Source, Checked)>, Failure> {
     let pools = Pools::new()?;
     let mut order: Vec<&Source> = sources.iter().collect();
     order.sort_by_key(|source| std::cmp::Reverse(fs::metadata(&source.path).map_or(0, |m| m.len())));
@@ -99,7 +107,7 @@ fn check_all<'a>(sources: &'a [Source], files: &Path) -> Result<Vec<(&'a Source,
         for _ in 0..WORKERS {
             scope.spawn(|| {
                 while let Some(&source) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    let checked = check(source, &pools, files).unwrap_or_else(|error| Checked {
+                    let checked = check(source, &pools, files, all_files).unwrap_or_else(|error| Checked {
                         faults: vec![error.to_string()],
                         ..Checked::default()
                     });
@@ -164,7 +172,7 @@ fn prove_files(
     let mut list = String::new();
     for (source, checked) in results {
         for file in &checked.files {
-            list.push_str(&format!("{}\t{}\n", source.path.display(), file.display()));
+            writeln!(list, "{}\t{}", source.path.display(), file.display())?;
         }
     }
     let list_path = files.join("files.tsv");
