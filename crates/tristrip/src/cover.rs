@@ -289,6 +289,13 @@ impl PathCover {
         self.link_count -= 1;
     }
 
+    /// Takes over the links of triangles that were covered by themselves: those from `first` on, which must still be isolated here.
+    #[cfg(feature = "rayon")]
+    pub(crate) fn put_back(&mut self, first: usize, part: &Self) {
+        self.links[first..first + part.len()].copy_from_slice(&part.links);
+        self.link_count += part.link_count;
+    }
+
     /// Sets both edges (0–2) over which an inner triangle of a path is linked; its neighbours' links must fit.
     #[inline]
     pub(crate) fn set_edges(&mut self, triangle: u32, first: u32, second: u32) {

@@ -28,9 +28,13 @@
 //! O(n) time. Beyond the triangles, the dual graph and the cover: 9 bytes a triangle, and 4 for each triangle that loses a
 //! neighbour, while it waits.
 
+#[cfg(feature = "rayon")]
+mod components;
 pub(crate) mod exchange;
 mod peel;
 mod sheet;
+#[cfg(test)]
+mod tests;
 
 use super::Plan;
 use crate::cover::PathCover;
@@ -38,6 +42,8 @@ use crate::dual::DualGraph;
 use crate::mesh::{Surface, Triangulation};
 use crate::strip::cover_cost;
 use peel::{Peeled, Peeler};
+#[cfg(feature = "rayon")]
+use rayon::prelude::*;
 use sheet::{Polygons, Sheet};
 
 const NONE: u32 = u32::MAX;
@@ -45,10 +51,14 @@ const NONE: u32 = u32::MAX;
 const STRIP: u32 = 3;
 /// Meshes whose strips cost less than so many percent beyond one index a triangle are regular, and stripped likewise. Tuned on the
 /// test models: grids and lathed shapes have 0–5, fandisk 15.
-const REGULAR_PERCENT: u64 = 6;
+const REGULAR_PERCENT: i64 = 6;
 /// Least and greatest number of times that the ends of small and regular meshes are gone over again; between them, a quarter of
 /// the triangles of a strip on average, so that meshes of few ends get more. Tuned on the same.
 const DRIFTS: (usize, usize) = (8, 64);
+
+/// Meshes of fewer triangles are stripped by one thread: waking others takes as long.
+#[cfg(feature = "rayon")]
+const WORTH_THREADS: usize = 1024;
 
 /// Which free triangle seeds a strip.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -110,38 +120,44 @@ const OTHERS_FOR_POLYGONS: [Manner; 2] =
 
 pub(super) fn plan<'a>(surface: &'a Surface<'_>, graph: &'a DualGraph) -> Plan<'a> {
     if let Some(triangulation) = Triangulation::of_triangles(surface, graph) {
-        return Plan { triangulation, cover: cover(|| graph).1 };
+        let (_, cover) = cover(|| graph, strip_triangles(graph));
+        return Plan { triangulation, cover };
     }
     let polygons = Polygons::new(surface.faces(), graph);
-    let (polygons, cover) = cover(|| polygons.clone());
+    let (polygons, cover) = cover(|| polygons.clone(), strip(polygons.clone(), USUAL));
     Plan { triangulation: polygons.into_triangulation(), cover }
 }
 
-/// Covers a sheet.
-fn cover<S: Sheet + Clone>(fresh: impl Fn() -> S) -> (S, PathCover) {
-    let strip = |manner| {
-        let Peeled { mut sheet, mut cover, strip_of, cost } = Peeler::new(fresh(), manner).peel();
-        let saved = exchange::improve(sheet.graph(), &mut cover, strip_of, 0);
-        sheet.settle(&mut cover);
-        ((sheet, cover), cost - saved)
-    };
-    let (usual, cost) = strip(USUAL);
+/// Covers triangles in the usual manner, the components in parallel where that is worth it.
+fn strip_triangles(graph: &DualGraph) -> ((&DualGraph, PathCover), i64) {
+    #[cfg(feature = "rayon")]
+    if let Some((cover, cost)) = components::cover(graph) {
+        return ((graph, cover), cost);
+    }
+    strip(graph, USUAL)
+}
+
+/// Covers a sheet in one manner, and gives what the strips cost beyond one index a triangle, but for swaps at their starts.
+fn strip<S: Sheet>(sheet: S, manner: Manner) -> ((S, PathCover), i64) {
+    let Peeled { mut sheet, mut cover, strip_of, cost } = Peeler::new(sheet, manner).peel();
+    let saved = exchange::improve(sheet.graph(), &mut cover, strip_of, 0);
+    sheet.settle(&mut cover);
+    ((sheet, cover), cost.cast_signed() - saved.cast_signed())
+}
+
+/// Covers a sheet, given what the usual manner makes of it.
+fn cover<S: Sheet + Clone + Send>(
+    fresh: impl Fn() -> S + Sync,
+    (usual, cost): ((S, PathCover), i64),
+) -> (S, PathCover) {
     let count = usual.1.len();
-    let is_regular = 100 * cost < REGULAR_PERCENT * count as u64;
+    let is_regular = 100 * cost < REGULAR_PERCENT * (count as u64).cast_signed();
     if count > S::SMALL && !is_regular {
         return usual;
     }
-    let mut best = (price(&usual), usual);
-    let mut keep_cheaper = |other: (S, PathCover)| {
-        let cost = price(&other);
-        if cost < best.0 {
-            best = (cost, other);
-        }
-    };
-    OTHERS.into_iter().for_each(|manner| keep_cheaper(strip(manner).0));
-    if S::HAS_POLYGONS {
-        OTHERS_FOR_POLYGONS.into_iter().for_each(|manner| keep_cheaper(strip(manner).0));
-    }
+    let for_polygons: &[Manner] = if S::HAS_POLYGONS { &OTHERS_FOR_POLYGONS } else { &[] };
+    let others = [&OTHERS, for_polygons].concat();
+    let best = cheapest((price(&usual), usual), &others, |manner| strip(fresh(), manner).0);
     let (mut sheet, mut drifted) = best.1.clone();
     let drifts = (count / 4).checked_div(drifted.path_count()).unwrap_or(0).clamp(DRIFTS.0, DRIFTS.1);
     for _ in 0..ROUNDS {
@@ -151,6 +167,29 @@ fn cover<S: Sheet + Clone>(fresh: impl Fn() -> S) -> (S, PathCover) {
     }
     let drifted = (sheet, drifted);
     if price(&drifted) < best.0 { drifted } else { best.1 }
+}
+
+/// Strips in other manners, too, and gives the cheapest cover with its price, of equals the first.
+fn cheapest<S: Sheet + Send>(
+    first: (usize, (S, PathCover)),
+    manners: &[Manner],
+    strip: impl Fn(Manner) -> (S, PathCover) + Sync,
+) -> (usize, (S, PathCover)) {
+    let priced = |manner| {
+        let covered = strip(manner);
+        (price(&covered), covered)
+    };
+    let cheaper = |best: (usize, _), other: (usize, _)| if other.0 < best.0 { other } else { best };
+    #[cfg(feature = "rayon")]
+    if first.1.1.len() >= WORTH_THREADS && rayon::current_num_threads() > 1 {
+        // One manner a task, and of two neighbours the dearer is dropped at once, so that memory grows with the threads alone.
+        let others = manners.par_iter().with_max_len(1).map(|&manner| priced(manner)).reduce_with(cheaper);
+        return match others {
+            Some(other) => cheaper(first, other),
+            None => first,
+        };
+    }
+    manners.iter().map(|&manner| priced(manner)).fold(first, cheaper)
 }
 
 /// Rounds in which exchanges and the choice of diagonals take turns.

@@ -34,7 +34,8 @@ const OPEN: u32 = 3;
 
 /// Does exchanges until none at an end lowers the cost; `strip_of` gives the path of each triangle. After that it goes over
 /// the ends `drifts` times more, also doing exchanges that leave the cost as it is, of equals one at random. Returns by how
-/// much the cost fell.
+/// much the cost fell, as the exchanges were priced: where the pieces that a tunnel links are neighbours, one link is priced as it
+/// was before, so that the tunnel may save one less.
 pub(crate) fn improve(graph: &DualGraph, cover: &mut PathCover, strip_of: Vec<u32>, drifts: u32) -> u64 {
     let strip_count = strip_of.iter().max().map_or(0, |&s| s + 1);
     let parent = (0..strip_count).collect();

@@ -325,3 +325,58 @@ fn cheapest_turns(passages: &[Passage], from_start: bool) -> (u32, Vec<bool>) {
     }
     (least, turns)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Counts the swaps of a strip along a path's turns, the diagonals given, sent from the path's start or from its end.
+    fn swaps(turns: &[bool], from_start: bool) -> usize {
+        // Sent from the end, the turns come in opposite order, each to the other side.
+        let sent: Vec<bool> =
+            if from_start { turns.to_vec() } else { turns.iter().rev().map(|turn| !turn).collect() };
+        // The first turn is free to the previous edge, and each after it to the side opposite the one before.
+        let free = std::iter::once(false).chain(sent.iter().map(|turn| !turn));
+        sent.iter().zip(free).filter(|&(&turn, free)| turn != free).count()
+    }
+
+    /// The turns of a path, its passages entered with these first turns.
+    fn turns(passages: &[Passage], firsts: &[bool]) -> Vec<bool> {
+        let both = passages.iter().zip(firsts);
+        both.flat_map(|(passage, &first)| match passage {
+            Passage::Fixed(turn) => vec![*turn],
+            Passage::Free(_) => vec![first, !first],
+        })
+        .collect()
+    }
+
+    proptest! {
+        #[test]
+        fn turns_are_chosen_as_by_trying_all(kinds in prop::collection::vec(0..3_u8, 0..10)) {
+            let crossing = Crossing { face: 0, entry: 0, exit: 2 };
+            let passage = |&kind| if kind == 2 { Passage::Free(crossing) } else { Passage::Fixed(kind == 1) };
+            let passages: Vec<Passage> = kinds.iter().map(passage).collect();
+            let all = (0..1_usize << passages.len())
+                .map(|bits| turns(&passages, &(0..passages.len()).map(|i| bits >> i & 1 == 1).collect::<Vec<_>>()));
+            let (mut forward, mut backward) = (usize::MAX, usize::MAX);
+            for turns in all {
+                forward = forward.min(swaps(&turns, true));
+                backward = backward.min(swaps(&turns, false));
+            }
+            for (from_start, least) in [(true, forward), (false, backward)] {
+                let (cost, firsts) = cheapest_turns(&passages, from_start);
+                prop_assert_eq!(cost as usize, least);
+                prop_assert_eq!(swaps(&turns(&passages, &firsts), from_start), least);
+            }
+            let mut chosen = Vec::new();
+            choose_turns(&passages, &mut chosen);
+            let chosen = turns(&passages, &chosen);
+            prop_assert_eq!(swaps(&chosen, true).min(swaps(&chosen, false)), forward.min(backward));
+            // What is fixed stays.
+            for (passage, first) in passages.iter().zip(cheapest_turns(&passages, true).1) {
+                prop_assert!(!matches!(passage, Passage::Fixed(turn) if *turn != first));
+            }
+        }
+    }
+}
