@@ -56,7 +56,7 @@ const REGULAR_PERCENT: i64 = 6;
 /// the triangles of a strip on average, so that meshes of few ends get more. Tuned on the same.
 const DRIFTS: (usize, usize) = (8, 64);
 
-/// Meshes of fewer triangles are stripped by one thread: waking others takes as long.
+/// Meshes of fewer triangles are stripped by one thread: a manner takes less than a tenth of a millisecond there.
 #[cfg(feature = "rayon")]
 const WORTH_THREADS: usize = 1024;
 

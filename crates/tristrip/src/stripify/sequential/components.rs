@@ -14,7 +14,7 @@
 //! 3. *Put back* the links, which name a triangle's own edges and so need no renumbering, and add up the costs.
 //!
 //! Files of many parts have them one after the other, and what is mixed is mixed with its neighbours. To gather components from
-//! all over the mesh, they would have to be numbered by a search first, which takes a quarter of the time of peeling: too much
+//! all over the mesh, they would have to be numbered by a search first, which takes a fifth of the time of the whole method: too much
 //! for the meshes of one component, which most large ones are, as it is only known afterwards.
 //!
 //! The cover does not depend on the groups, nor on the number of threads, because no step lets one component see another:
@@ -46,7 +46,7 @@ use crate::dual::DualGraph;
 
 /// Meshes of at most so many triangles are left to one thread: they take a few milliseconds.
 const SMALL: usize = 65_536;
-/// Least triangles of a group. Smaller ones balance no better on a dozen threads, and larger ones leave the caches.
+/// Least triangles of a group: about a millisecond's work, long beside what a task costs, and still many tasks in a large mesh.
 const GROUP: usize = 16_384;
 /// Where one group holds more than so many percent of the triangles, the others are soon done beside it.
 const NEARLY_ALL_PERCENT: usize = 80;
