@@ -12,7 +12,7 @@
 //! ```
 //!
 //! # Algorithm
-//! Where no two half-edges have the same direction over the same vertices there is nothing to choose, and twins are found vertex
+//! Where no two half-edges have the same direction over the same vertices, and none is its own face's reverse, there is nothing to choose, and twins are found vertex
 //! by vertex through marks. Else half-edges are taken in order. Each waits in the list of its lower vertex until a half-edge of opposite direction over the
 //! same vertices comes, and is then paired and taken off. The list lives in the slots of the twins that are still unknown, so
 //! that only its heads need memory. Where an edge has more than two faces the rule is: a half-edge is paired with the
@@ -312,6 +312,9 @@ fn pair_simple(corners: &impl Corners) -> Option<Vec<u32>> {
         for &corner in here {
             let incoming = corners.previous(corner as usize);
             let (marked_by, outgoing) = marks[vertices[incoming] as usize];
+            if marked_by == v && corners.face(outgoing as usize) == corners.face(incoming) {
+                return None; // a face that passes an edge there and back
+            }
             twins[incoming] = if marked_by == v { outgoing } else { NONE };
         }
         start = end as usize;
@@ -530,6 +533,12 @@ mod tests {
             });
             compare(&Faces::from_polygons(polygons).unwrap());
         }
+    }
+
+    #[test]
+    fn faces_that_pass_an_edge_twice_are_not_joined_with_themselves() {
+        compare(&Faces::from_triangles(vec![0, 1, 0, 1, 0, 2, 3, 3, 3]).unwrap());
+        compare(&Faces::from_polygons([vec![0, 1, 2, 1], vec![2, 1, 3], vec![4, 4]]).unwrap());
     }
 
     #[test]

@@ -235,7 +235,7 @@ impl Exchanger<'_> {
             *equals = 1;
             return price < best;
         }
-        if price > best {
+        if price > best.min(highest) {
             return false;
         }
         *equals += 1;
