@@ -46,7 +46,7 @@ pub fn emit(triangulation: &Triangulation<'_>, cover: &PathCover) -> Strips {
         ends: Vec::with_capacity(cover.path_count()),
     };
     let mut seen = vec![false; cover.len()];
-    let (mut back, mut path) = (Vec::new(), Vec::new());
+    let (mut back, mut ahead, mut path) = (Vec::new(), Vec::new(), Vec::new());
     for lowest in 0..cover.len() as u32 {
         if seen[lowest as usize] {
             continue;
@@ -54,11 +54,18 @@ pub fn emit(triangulation: &Triangulation<'_>, cover: &PathCover) -> Strips {
         seen[lowest as usize] = true;
         let (first, second) = cover.packed_edges(lowest);
         back.clear();
+        ahead.clear();
+        // Both ways at once: a step waits for memory, and the two do not wait for each other.
+        let mut walks = [Walk { triangle: lowest, exit: first }, Walk { triangle: lowest, exit: second }];
+        while walks.iter().any(|walk| walk.exit != OPEN) {
+            let [backward, forward] = &mut walks;
+            back.extend(backward.step(twins, cover, &mut seen));
+            ahead.extend(forward.step(twins, cover, &mut seen));
+        }
         path.clear();
-        walk(twins, cover, lowest, first, &mut seen, &mut back);
         path.extend(back.iter().rev().map(Step::reversed));
         path.push(Step { triangle: lowest, entry: first, exit: second });
-        walk(twins, cover, lowest, second, &mut seen, &mut path);
+        path.extend_from_slice(&ahead);
         if swaps_at_start(&path) > swaps_at_start_reversed(&path) {
             send(triangles, path.iter().rev().map(Step::reversed), &mut strips.vertices);
         } else {
@@ -89,26 +96,29 @@ impl Step {
     }
 }
 
-/// Collects the steps of a path from a triangle over one of its edges to the path's end.
-#[inline]
-fn walk(
-    twins: &[u32],
-    cover: &PathCover,
-    mut triangle: u32,
-    mut exit: u32,
-    seen: &mut [bool],
-    steps: &mut Vec<Step>,
-) {
-    while exit != OPEN {
-        let twin = twins[(3 * triangle + exit) as usize];
-        triangle = twin / 3;
-        if std::mem::replace(&mut seen[triangle as usize], true) {
-            return; // a closed path, which a cover does not have
+/// A walk along a path: the triangle where it stands and the edge over which it goes on, `OPEN` at the path's end.
+struct Walk {
+    triangle: u32,
+    exit: u32,
+}
+
+impl Walk {
+    /// Goes on by one triangle, unless the path ends; ends it where it is closed, which a cover's paths are not.
+    #[inline]
+    fn step(&mut self, twins: &[u32], cover: &PathCover, seen: &mut [bool]) -> Option<Step> {
+        if self.exit == OPEN {
+            return None;
+        }
+        let twin = twins[(3 * self.triangle + self.exit) as usize];
+        self.triangle = twin / 3;
+        self.exit = OPEN;
+        if std::mem::replace(&mut seen[self.triangle as usize], true) {
+            return None;
         }
         let entry = twin % 3;
-        let (first, second) = cover.packed_edges(triangle);
-        exit = if first == entry { second } else { first };
-        steps.push(Step { triangle, entry, exit });
+        let (first, second) = cover.packed_edges(self.triangle);
+        self.exit = if first == entry { second } else { first };
+        Some(Step { triangle: self.triangle, entry, exit: self.exit })
     }
 }
 

@@ -6,7 +6,7 @@
 //!   a ─── b
 //! ```
 //! # Algorithm
-//! *Entering*: a polygon of which no triangle is taken is cut by alternate turns from the edge where a run enters it, the
+//! *Entering*: a polygon of at most 64 corners of which no triangle is taken is cut by alternate turns from the edge where a run enters it, the
 //! first turn the one that is free there.
 //!
 //! *Settling*: when the paths are known, each quadrilateral that a path crosses from one edge to the opposite one may still have
@@ -23,6 +23,9 @@ use super::{NONE, next};
 use crate::cover::PathCover;
 use crate::dual::{DualGraph, HalfEdge};
 use crate::mesh::{Faces, Triangulation};
+
+/// Polygons of more corners stay as they are cut at first: each trial that enters one would cut it again.
+const RECUT_LIMIT: usize = 64;
 
 /// What a peeler takes strips off.
 pub(super) trait Sheet {
@@ -236,7 +239,11 @@ impl Sheet for Polygons<'_> {
         let first = self.first_triangle[face];
         let triangles = first..first + range.len() as u32 - 2;
         let corner = self.corner_of[entry as usize];
-        if range.len() == 3 || corner == NONE || triangles.clone().any(is_touched) {
+        if range.len() == 3
+            || range.len() > RECUT_LIMIT
+            || corner == NONE
+            || triangles.clone().any(is_touched)
+        {
             return None;
         }
         self.cut(face, corner - range.start as u32, even);

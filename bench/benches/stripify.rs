@@ -1,0 +1,44 @@
+//! The stages of `sequential` one by one, on models of the repository: dual graph, plan, strips, proof. Each answer is proven first.
+#![allow(
+    missing_docs,
+    clippy::expect_used,
+    reason = "criterion's macros; a benchmark that cannot be set up stops"
+)]
+
+use std::hint::black_box;
+use std::path::Path;
+
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use tristrip::strip::{emit, verify};
+use tristrip::stripify::plan;
+use tristrip::{DualGraph, Method, Options, Surface};
+use tristrip_bench::models::{Source, load};
+
+const MODELS: [&str; 3] = ["wingnut", "self_intersect_a", "hand"];
+
+fn stages(criterion: &mut Criterion) {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../testdata/models");
+    let options = Options::default().with_method(Method::Sequential);
+    for name in MODELS {
+        let source = Source { name: name.into(), path: folder.join(format!("{name}.ply")) };
+        let mesh = load(&source).expect("a model of the repository").triangles;
+        let surface = Surface::new(&mesh, false);
+        let graph = DualGraph::new(surface.faces());
+        let chosen = plan(&surface, &graph, &options).expect("options that make sense");
+        let strips = emit(&chosen.triangulation, &chosen.cover);
+        assert_eq!(graph.check(), Ok(()));
+        assert_eq!(chosen.cover.check(chosen.triangulation.graph()), Ok(()));
+        assert!(verify(&mesh, &strips).is_ok());
+
+        let mut group = criterion.benchmark_group(name);
+        group.throughput(Throughput::Elements(mesh.faces().face_count() as u64));
+        group.bench_function("dual graph", |b| b.iter(|| DualGraph::new(black_box(surface.faces()))));
+        group.bench_function("plan", |b| b.iter(|| plan(black_box(&surface), &graph, &options)));
+        group.bench_function("strips", |b| b.iter(|| emit(black_box(&chosen.triangulation), &chosen.cover)));
+        group.bench_function("proof", |b| b.iter(|| verify(black_box(&mesh), &strips)));
+        group.finish();
+    }
+}
+
+criterion_group!(benches, stages);
+criterion_main!(benches);

@@ -1,0 +1,183 @@
+//! Checks a folder of real models: every model with every method is proven by `verify`, gives the same bytes with 1, 2 and 7
+//! threads, and is written to files that a checker of other make proves again (`tools/corpus/check_files.py`).
+//!
+//! ```sh
+//! cargo build --release && target/release/corpus ../shared/models --checker ../shared/check_strips.py
+//! ```
+#![allow(clippy::print_stdout, clippy::print_stderr, reason = "a program that prints")]
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, ExitCode};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+use clap::Parser;
+use tristrip_bench::Failure;
+use tristrip_bench::corpus::{Checked, Pools, THREADS, check};
+use tristrip_bench::models::{self, Source};
+
+/// Models that are checked at a time.
+const WORKERS: usize = 2;
+
+/// Proves every method on real models, and the files that come of them.
+#[derive(Debug, Parser)]
+#[command(version)]
+struct Args {
+    /// The folder of models [default: ../shared/models beside the checkout, else testdata/models]
+    models: Option<PathBuf>,
+    /// The checker of files, a Python program that needs numpy; without it files are not proven
+    #[arg(long, value_name = "FILE")]
+    checker: Option<PathBuf>,
+    /// Write a file for every method, also of large models: some ten minutes for the checker
+    #[arg(long)]
+    all_files: bool,
+    /// The Python that runs it
+    #[arg(long, default_value = "python3", value_name = "PROGRAM")]
+    python: PathBuf,
+    /// Only this model; may be given more than once
+    #[arg(long, value_name = "NAME")]
+    model: Vec<String>,
+}
+
+fn main() -> Result<ExitCode, Failure> {
+    let args = Args::parse();
+    let folder = args.models.clone().unwrap_or_else(models::default_folder);
+    let mut sources = models::find(&folder)?;
+    sources.retain(|source| args.model.is_empty() || args.model.contains(&source.name));
+    let program = std::env::current_exe()?;
+    let built = program.parent().ok_or("the program has no folder")?;
+    let files = built.join("corpus-files");
+    fs::create_dir_all(&files)?;
+
+    let start = Instant::now();
+    let results = check_all(&sources, &files, args.all_files)?;
+    let sum = |count: fn(&Checked) -> usize| results.iter().map(|(_, checked)| count(checked)).sum::<usize>();
+    let mut faults: Vec<String> = results.iter().flat_map(|(_, checked)| checked.faults.clone()).collect();
+    println!(
+        "corpus: {} models: {} results proven by verify, {} of them the same bytes with {THREADS:?} threads ({:.0} s)",
+        sources.len(),
+        sum(|c| c.proven),
+        sum(|c| c.identical),
+        start.elapsed().as_secs_f64()
+    );
+    let start = Instant::now();
+    let command = built.join(format!("tristrip{}", std::env::consts::EXE_SUFFIX));
+    if command.is_file() {
+        let same = threads_of_command(&command, &sources, &files, &mut faults)?;
+        println!(
+            "corpus: the command: {same} of {} models the same bytes with {THREADS:?} threads ({:.0} s)",
+            sources.len(),
+            start.elapsed().as_secs_f64()
+        );
+    } else {
+        faults.push("the command is not built: cargo build --release -p tristrip-cli".into());
+    }
+    let start = Instant::now();
+    let file_count = sum(|c| c.files.len());
+    match &args.checker {
+        Some(checker) if !prove_files(&args.python, checker, &results, &files)? => {
+            faults.push("the checker does not prove every file".into());
+        }
+        Some(_) => println!(
+            "corpus: {file_count} files proven by the checker ({:.0} s)",
+            start.elapsed().as_secs_f64()
+        ),
+        None => println!("corpus: {file_count} files written, not proven: no --checker is given"),
+    }
+    fs::remove_dir_all(&files)?;
+    faults.iter().for_each(|fault| eprintln!("corpus: FAULT: {fault}"));
+    println!("corpus: {} faults", faults.len());
+    Ok(if faults.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// Checks the models, the largest files first, a few at a time; the results are in the order of the names.
+fn check_all<'a>(
+    sources: &'a [Source],
+    files: &Path,
+    all_files: bool,
+) -> Result<Vec<(&'a Source, Checked)>, Failure> {
+    let pools = Pools::new()?;
+    let mut order: Vec<&Source> = sources.iter().collect();
+    order.sort_by_key(|source| std::cmp::Reverse(fs::metadata(&source.path).map_or(0, |m| m.len())));
+    let (next, results) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
+    std::thread::scope(|scope| {
+        for _ in 0..WORKERS {
+            scope.spawn(|| {
+                while let Some(&source) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
+                    let checked = check(source, &pools, files, all_files).unwrap_or_else(|error| Checked {
+                        faults: vec![error.to_string()],
+                        ..Checked::default()
+                    });
+                    if let Ok(mut results) = results.lock() {
+                        results.push((source, checked));
+                    }
+                }
+            });
+        }
+    });
+    let mut results = results.into_inner().map_err(|_| "a worker stopped")?;
+    results.sort_by(|a, b| a.0.name.cmp(&b.0.name));
+    Ok(results)
+}
+
+/// Strips every model by the command with each number of threads; counts the models on which all files are the same.
+fn threads_of_command(
+    command: &Path,
+    sources: &[Source],
+    files: &Path,
+    faults: &mut Vec<String>,
+) -> Result<usize, Failure> {
+    let mut same = 0;
+    for source in sources {
+        let mut first: Option<Vec<u8>> = None;
+        let mut is_same = true;
+        for threads in THREADS {
+            let out = files.join("threads.glb");
+            let run = Command::new(command)
+                .args(["strip", "--quiet", "--threads", &threads.to_string(), "-o"])
+                .arg(&out)
+                .arg(&source.path)
+                .output()?;
+            if !run.status.success() {
+                faults.push(format!(
+                    "{}: the command: {}",
+                    source.name,
+                    String::from_utf8_lossy(&run.stderr).trim()
+                ));
+                is_same = false;
+                break;
+            }
+            let bytes = fs::read(&out)?;
+            if first.get_or_insert_with(|| bytes.clone()) != &bytes {
+                faults
+                    .push(format!("{}: the command writes other bytes with {threads} threads", source.name));
+                is_same = false;
+            }
+        }
+        same += usize::from(is_same);
+    }
+    Ok(same)
+}
+
+/// Hands all files to the checker; tells whether it proved every one.
+fn prove_files(
+    python: &Path,
+    checker: &Path,
+    results: &[(&Source, Checked)],
+    files: &Path,
+) -> Result<bool, Failure> {
+    let mut list = String::new();
+    for (source, checked) in results {
+        for file in &checked.files {
+            writeln!(list, "{}\t{}", source.path.display(), file.display())?;
+        }
+    }
+    let list_path = files.join("files.tsv");
+    fs::write(&list_path, list)?;
+    let driver = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tools/corpus/check_files.py");
+    let status = Command::new(python).arg(driver).arg(checker).arg(&list_path).status();
+    Ok(status.map_err(|error| format!("{}: {error}", python.display()))?.success())
+}

@@ -1,0 +1,120 @@
+//! Runs the benchmarks: every model of a folder, every method and rival in the same run, each answer proven before its time is
+//! printed.
+#![allow(clippy::print_stdout, clippy::print_stderr, reason = "a program that prints")]
+
+use std::fs;
+use std::path::PathBuf;
+
+use clap::Parser;
+use serde::Serialize;
+use tristrip_bench::bars::{self, Bar};
+use tristrip_bench::measure::{Outcome, Plan, measure};
+use tristrip_bench::memory::Counting;
+use tristrip_bench::methods::{all_methods, main_methods};
+use tristrip_bench::models::{self, Source};
+use tristrip_bench::scaling::{Scaling, scale};
+use tristrip_bench::{Failure, docs, peers, text};
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// The models of a run that only shows that everything still works.
+const SMOKE: [&str; 5] = ["catmark_bishop", "fish_control", "wingnut", "milktruck", "hand"];
+/// The model that is subdivided: a scan with a free licence.
+const SCALED: &str = "hand";
+
+/// Measures every method on real models, next to meshoptimizer in the same run.
+#[derive(Debug, Parser)]
+#[command(version)]
+#[expect(clippy::struct_excessive_bools, reason = "flags of a command line")]
+struct Args {
+    /// The folder of models [default: ../shared/models beside the checkout, else testdata/models]
+    models: Option<PathBuf>,
+    /// Only this model; may be given more than once
+    #[arg(long, value_name = "NAME")]
+    model: Vec<String>,
+    /// Every variant of every method, not one of each family
+    #[arg(long)]
+    all: bool,
+    /// Rounds of timing
+    #[arg(long, default_value_t = 9, value_name = "N", value_parser = clap::value_parser!(u8).range(1..))]
+    rounds: u8,
+    /// A few small models and one round, to see that everything works
+    #[arg(long)]
+    smoke: bool,
+    /// Leave out the subdivided model of millions of triangles
+    #[arg(long)]
+    no_scaling: bool,
+    /// Print everything as JSON
+    #[arg(long)]
+    json: bool,
+    /// Write benchmarks.md into this folder
+    #[arg(long, value_name = "DIR")]
+    docs: Option<PathBuf>,
+}
+
+/// Everything that was measured.
+#[derive(Serialize)]
+struct Report {
+    models: Vec<Outcome>,
+    scaling: Option<Scaling>,
+    bars: Vec<Bar>,
+}
+
+fn main() -> Result<(), Failure> {
+    let args = Args::parse();
+    let peers = peers::load()?;
+    let sources = choose(&args)?;
+    let plan = Plan {
+        methods: if args.all { all_methods() } else { main_methods() },
+        rounds: if args.smoke { 1 } else { usize::from(args.rounds) },
+    };
+    let mut outcomes = Vec::new();
+    for source in &sources {
+        for outcome in measure(source, &plan, peers.get(&source.name))? {
+            if !args.json {
+                println!("{}", text::outcome(&outcome));
+            }
+            outcomes.push(outcome);
+        }
+    }
+    let scaled = sources.iter().find(|s| s.name == SCALED && !args.smoke && !args.no_scaling);
+    let scaling = match scaled {
+        Some(source) => Some(scale(SCALED, models::load(source)?.triangles, 3)?),
+        None => None,
+    };
+    let bars = bars::judge(&outcomes, scaling.as_ref());
+    if let Some(dir) = &args.docs {
+        fs::create_dir_all(dir)?;
+        fs::write(dir.join("benchmarks.md"), docs::page(&outcomes, scaling.as_ref(), &bars))?;
+    }
+    if args.json {
+        println!("{}", serde_json::to_string_pretty(&Report { models: outcomes, scaling, bars })?);
+        return Ok(());
+    }
+    if let Some(scaling) = &scaling {
+        println!("{SCALED}, subdivided\n{}", text::scaling(scaling).aligned());
+    }
+    println!("{}", text::bars(&bars).aligned());
+    println!(
+        "{} models, {} rows, all proven",
+        sources.len(),
+        outcomes.iter().map(|o| o.rows.len()).sum::<usize>()
+    );
+    Ok(())
+}
+
+/// Lists the models to measure.
+fn choose(args: &Args) -> Result<Vec<Source>, Failure> {
+    let folder = args.models.clone().unwrap_or_else(models::default_folder);
+    let mut sources = models::find(&folder)?;
+    if let Some(unknown) = args.model.iter().find(|name| sources.iter().all(|s| s.name != **name)) {
+        return Err(format!("{}: found no model `{unknown}`", folder.display()).into());
+    }
+    if !args.model.is_empty() {
+        sources.retain(|source| args.model.contains(&source.name));
+    } else if args.smoke {
+        sources.retain(|source| SMOKE.contains(&source.name.as_str()));
+    }
+    Ok(sources)
+}

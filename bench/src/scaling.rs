@@ -1,0 +1,133 @@
+//! Scaling: the time a triangle of `sequential` as a model is subdivided, from its own size to beyond eight million triangles.
+//!
+//! # Algorithm
+//! Each triangle becomes four over the midpoints of its edges, which neighbours share; the four stand together, so that the order
+//! in memory is as good at every level as it was at the first.
+//!
+//! ```text
+//!        c
+//!       / \
+//!     ca───bc     (a, ab, ca)  (ab, b, bc)  (ca, bc, c)  (ab, bc, ca)
+//!     / \ / \
+//!    a───ab──b
+//! ```
+
+use std::time::Instant;
+
+use serde::Serialize;
+use tristrip::strip::verify;
+use tristrip::{DualGraph, Faces, HalfEdge, Mesh, Method, Options, stripify};
+
+use crate::Failure;
+use crate::measure::median;
+
+/// Triangles at which the time a triangle is held to the bar.
+pub const LARGE: usize = 8_000_000;
+/// Triangles that it is compared with.
+pub const SMALL: usize = 100_000;
+
+/// One level of a subdivided model.
+#[derive(Debug, Clone, Serialize)]
+pub struct Level {
+    /// Triangles.
+    pub triangles: usize,
+    /// Indices with restarts, a triangle.
+    pub indices_restart_per_triangle: f64,
+    /// Median time a triangle, in nanoseconds.
+    pub nanoseconds_per_triangle: f64,
+}
+
+/// A model's levels and what they say.
+#[derive(Debug, Clone, Serialize)]
+pub struct Scaling {
+    /// The model.
+    pub model: String,
+    /// From the model itself to the first level of at least [`LARGE`] triangles.
+    pub levels: Vec<Level>,
+}
+
+impl Scaling {
+    /// Gives the time a triangle of the last level by that of the level nearest to [`SMALL`].
+    pub fn ratio(&self) -> Option<f64> {
+        let far = |level: &Level| (level.triangles as f64 / SMALL as f64).ln().abs();
+        let small = self.levels.iter().min_by(|a, b| far(a).total_cmp(&far(b)))?;
+        let large = self.levels.last().filter(|level| level.triangles >= LARGE)?;
+        Some(large.nanoseconds_per_triangle / small.nanoseconds_per_triangle)
+    }
+}
+
+/// Measures a model of triangles at every level.
+///
+/// # Errors
+/// A result is not proven, or a level has more vertices than ids can name.
+pub fn scale(model: &str, mesh: Mesh, rounds: usize) -> Result<Scaling, Failure> {
+    let options = Options::default().with_method(Method::Sequential);
+    let mut levels = Vec::new();
+    let mut mesh = mesh;
+    loop {
+        let triangles = mesh.faces().face_count();
+        let strips = stripify(&mesh, &options)?;
+        verify(&mesh, &strips).map_err(|error| format!("{model}, {triangles} triangles: {error}"))?;
+        let cost = strips.vertices_sent() + strips.len() - 1;
+        drop(strips);
+        let mut times = Vec::new();
+        for _ in 0..rounds {
+            let start = Instant::now();
+            stripify(&mesh, &options)?;
+            times.push(start.elapsed().as_secs_f64());
+        }
+        levels.push(Level {
+            triangles,
+            indices_restart_per_triangle: cost as f64 / triangles as f64,
+            nanoseconds_per_triangle: 1e9 * median(times) / triangles as f64,
+        });
+        if triangles >= LARGE {
+            return Ok(Scaling { model: model.into(), levels });
+        }
+        mesh = subdivide(&mesh)?;
+    }
+}
+
+/// Cuts every triangle into four.
+///
+/// # Errors
+/// The mesh has other faces than triangles, or the result more vertices than ids can name.
+pub fn subdivide(mesh: &Mesh) -> Result<Mesh, Failure> {
+    let corners = mesh.faces().as_triangles().ok_or("only triangles are subdivided")?;
+    let graph = DualGraph::new(mesh.faces());
+    let mut positions = mesh.positions().to_vec();
+    let mut midpoints = vec![0_u32; corners.len()];
+    for h in 0..corners.len() {
+        let twin = graph.twin(HalfEdge(h as u32)).map(|twin| twin.0 as usize);
+        midpoints[h] = match twin {
+            Some(twin) if twin < h => midpoints[twin],
+            _ => {
+                let to = if h % 3 == 2 { h - 2 } else { h + 1 };
+                let [a, b] = [corners[h], corners[to]].map(|v| mesh.positions()[v as usize]);
+                positions.push([0, 1, 2].map(|axis| 0.5 * a[axis] + 0.5 * b[axis]));
+                positions.len() as u32 - 1
+            }
+        };
+    }
+    let mut fine = Vec::with_capacity(4 * corners.len());
+    for (t, m) in corners.chunks_exact(3).zip(midpoints.chunks_exact(3)) {
+        fine.extend([t[0], m[0], m[2], m[0], t[1], m[1], m[2], m[1], t[2], m[0], m[1], m[2]]);
+    }
+    Ok(Mesh::new(positions, Faces::from_triangles(fine)?)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn neighbours_share_midpoints() {
+        let positions = vec![[0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [2.0, 2.0, 0.0]];
+        let mesh = Mesh::new(positions, Faces::from_triangles(vec![0, 1, 2, 2, 1, 3]).unwrap()).unwrap();
+        let fine = subdivide(&mesh).unwrap();
+        assert_eq!((fine.vertex_count(), fine.faces().face_count()), (9, 8));
+        let graph = DualGraph::new(fine.faces());
+        let open = (0..24).filter(|&h| graph.twin(HalfEdge(h)).is_none()).count();
+        assert_eq!(open, 8, "each of the four boundary edges is two now");
+    }
+}
