@@ -109,8 +109,8 @@ pub(crate) struct VerifyArgs {
 
 /// Changes the format or the strip layout, and finds no new strips
 ///
-/// Without --layout the faces are written as they are, polygons as polygons where the format has them. With --layout the triangles'
-/// own order becomes strips again: a file that was strips keeps them.
+/// Without --layout faces are written as they are, polygons as polygons where the format has them, and strips stay strips. With
+/// --layout the triangles' own order becomes strips whatever the input has.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip convert in.obj -o out.ply

@@ -6,9 +6,9 @@ use crate::console::Console;
 use crate::failure::Failure;
 use crate::figures::{Figures, MeshFigures};
 use crate::input::{load, meshes};
-use crate::method::{MethodReport, methods_to_compare};
+use crate::method::{Chosen, MethodReport, methods_to_compare};
 use crate::report::{CompareReport, MethodRow, Seconds};
-use crate::stages::{Pool, Prepared, find_strips, prepare, prove, timed};
+use crate::stages::{Found, Pool, Prepared, find_strips, prepare, prove, timed};
 use crate::task::{CompareTask, Input};
 use crate::text::{counted, grouped, markdown, table};
 
@@ -107,14 +107,16 @@ fn compare(
 fn row(parts: &[Prepared<'_>], options: &Options, pool: &Pool) -> MethodRow {
     let mut row = MethodRow {
         method: MethodReport::of(options),
+        chosen: None,
         proven: false,
         seconds: Seconds::default(),
         figures: None,
         error: None,
     };
-    let (strips, seconds) = timed(|| find_strips(pool, parts, options));
+    let (found, seconds) = timed(|| find_strips(pool, parts, options));
     row.seconds.stripify = Some(seconds);
-    let proof = strips.and_then(|strips| {
+    let proof = found.and_then(|Found { strips, chosen }| {
+        row.chosen = Some(Chosen::of(&chosen));
         let (proof, seconds) = timed(|| prove(pool, parts, &strips, options));
         row.seconds.verify = Some(seconds);
         proof.map(|()| strips)

@@ -1,7 +1,7 @@
 //! `tristrip convert`: other formats and strip layouts, no new strips.
 
-use tristrip::{Method, Options};
-use tristrip_io::Drawing;
+use tristrip::{Mesh, Method, Options};
+use tristrip_io::{Drawing, Format, Part};
 
 use crate::console::Console;
 use crate::failure::Failure;
@@ -66,13 +66,19 @@ fn convert(
     console.stage("load", &size, Some(seconds));
     model.notes.iter().for_each(|note| console.note(note));
 
+    // Strips of the input stay strips where the format has them; a layout that was asked for makes strips of every part.
+    let has_strips = job.output.as_ref().is_none_or(|output| output.format != Format::Obj);
+    let as_strips = |part: &Part| task.as_strips || (part.stripped && has_strips);
+    let stripped: Vec<&Mesh> =
+        model.parts.iter().filter(|&part| as_strips(part)).map(|part| &part.mesh).collect();
     let mut strips = Vec::new();
-    if task.as_strips {
+    let any = task.as_strips || !stripped.is_empty();
+    if any {
         console.doing("strips of the input's order");
-        let (parts, dual_seconds) = timed(|| prepare(pool, &meshes, false));
+        let (parts, dual_seconds) = timed(|| prepare(pool, &stripped, false));
         let options = Options::default().with_method(Method::Input);
         let (found, seconds) = timed(|| find_strips(pool, &parts, &options));
-        strips = found?;
+        strips = found?.strips;
         report.seconds.dual = Some(dual_seconds);
         report.seconds.stripify = Some(seconds);
         let strip_count = strips.iter().map(tristrip::Strips::len).sum();
@@ -80,18 +86,17 @@ fn convert(
         let what = format!("{} in the input's order", counted(strip_count, "strip"));
         console.stage("strips", &what, Some(dual_seconds + seconds));
     }
-    let drawings: Vec<_> = if task.as_strips {
-        strips.iter().map(Drawing::Strips).collect()
-    } else {
-        meshes.iter().map(|_| Drawing::Faces).collect()
-    };
+    let mut of_parts = strips.iter();
+    let next = |part| if as_strips(part) { of_parts.next() } else { None };
+    let drawings: Vec<_> =
+        model.parts.iter().map(next).map(|strips| strips.map_or(Drawing::Faces, Drawing::Strips)).collect();
     let Some(target) = &job.output else { return Ok(()) };
     let written = output::write(target, &model, &drawings, task.verify, console)?;
     report.seconds.write = Some(written.write_seconds);
     report.seconds.verify = written.verify_seconds;
     report.notes.extend(written.losses);
     report.output = Some(target.name());
-    report.layout = task.as_strips.then(|| layout_name(target.layout));
+    report.layout = any.then(|| layout_name(target.layout));
     report.proven = task.verify.then_some(true);
     Ok(())
 }

@@ -41,7 +41,7 @@ impl Figures {
             let buffer = |places| BufferUse::of(strips, Replacement::Fifo, places, part.mesh.vertex_count());
             (Metrics::of(strips), buffer(16), buffer(32))
         });
-        let metrics = measured.iter().fold(Metrics::default(), |sum, (part, ..)| joined(sum, part));
+        let metrics: Metrics = measured.iter().map(|m| m.0).sum();
         let fifo_16: BufferUse = measured.iter().map(|m| m.1).sum();
         let fifo_32: BufferUse = measured.iter().map(|m| m.2).sum();
         Self {
@@ -64,25 +64,6 @@ impl Figures {
             misses_fifo_32: fifo_32.misses,
         }
     }
-}
-
-/// Adds a part's figures to those of the parts before it, as if their strips stood in one list.
-fn joined(before: Metrics, part: &Metrics) -> Metrics {
-    let mut sum = before;
-    sum.triangles += part.triangles;
-    sum.strips += part.strips;
-    sum.isolated += part.isolated;
-    sum.swaps += part.swaps;
-    sum.vertices_sent += part.vertices_sent;
-    sum.gl_cost += part.gl_cost;
-    sum.indices_restart = sum.vertices_sent + sum.strips.saturating_sub(1);
-    // Two indices join two strips, a third keeps the winding where the first of them ends at an odd place.
-    let join = match (before.indices_degenerate, part.indices_degenerate) {
-        (0, _) | (_, 0) => 0,
-        (length, _) => 2 + length % 2,
-    };
-    sum.indices_degenerate += join + part.indices_degenerate;
-    sum
 }
 
 /// Rounds a ratio to six decimals: no more are meant.
@@ -143,26 +124,4 @@ fn count_vertices(parts: &[Prepared<'_>]) -> (usize, usize) {
     }
     let unused = used.values().map(|used| used.iter().filter(|&&u| !u).count()).sum();
     (used.values().map(Vec::len).sum(), unused)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn parts_add_up_to_the_figures_of_one_list() {
-        let strips = [&[0, 1, 2][..], &[3, 4, 5, 6], &[7, 8, 9, 8, 10], &[11, 12, 13], &[14, 15, 16, 17]];
-        for first in 0..=strips.len() {
-            for second in first..=strips.len() {
-                let list = |range: std::ops::Range<usize>| {
-                    let mut list = Strips::default();
-                    strips[range].iter().for_each(|strip| list.push(strip));
-                    Metrics::of(&list)
-                };
-                let parts = [list(0..first), list(first..second), list(second..strips.len())];
-                let sum = parts.iter().fold(Metrics::default(), joined);
-                assert_eq!(sum, list(0..strips.len()), "cut at {first} and {second}");
-            }
-        }
-    }
 }

@@ -4,6 +4,8 @@ use clap::{Args, ValueEnum};
 use serde::Serialize;
 use tristrip::{FaceTriangulation, Method, Options, Patches, Ties};
 
+use crate::text::counted;
+
 /// A method by its name on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum MethodName {
@@ -226,6 +228,45 @@ impl MethodReport {
     }
 }
 
+/// Which methods were taken, by name, with the number of parts of each, in the order of the command line's methods.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub(crate) struct Chosen(Vec<(String, usize)>);
+
+impl Chosen {
+    pub(crate) fn of(methods: &[Method]) -> Self {
+        let mut counts: Vec<(String, usize)> =
+            MethodName::value_variants().iter().map(|&method| (name(method), 0)).collect();
+        for &method in methods {
+            let name = MethodReport::of(&Options::default().with_method(method)).method;
+            if let Some((_, count)) = counts.iter_mut().find(|(known, _)| *known == name) {
+                *count += 1;
+            }
+        }
+        counts.retain(|(_, count)| *count > 0);
+        Self(counts)
+    }
+
+    /// Says it in one line: `sequential`, or `sequential for 2 parts, input for 1`.
+    pub(crate) fn label(&self) -> String {
+        match &self.0[..] {
+            [(name, _)] => name.clone(),
+            [] => String::new(),
+            [(name, count), rest @ ..] => {
+                let rest: Vec<String> =
+                    rest.iter().map(|(name, count)| format!(", {name} for {count}")).collect();
+                format!("{name} for {}{}", counted(*count, "part"), rest.concat())
+            }
+        }
+    }
+}
+
+/// An object of names and counts.
+impl Serialize for Chosen {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.0.iter().map(|(name, count)| (name, count)))
+    }
+}
+
 /// Lists the methods to compare: a few that stand for their families, or every variant.
 pub(crate) fn methods_to_compare(every_variant: bool) -> Vec<Method> {
     let mut methods = vec![Method::Auto, Method::Input, Method::Sequential, Method::Sgi];
@@ -266,5 +307,13 @@ mod tests {
             labels.contains("stripe-local partial look-ahead") && labels.contains("stripe-global full 25")
         );
         assert!(methods_to_compare(false).into_iter().all(|method| labels.contains(&label(method))));
+    }
+
+    #[test]
+    fn what_was_chosen_is_counted_by_name() {
+        let chosen = Chosen::of(&[Method::Input, Method::Sequential, Method::Input]);
+        assert_eq!(chosen.label(), "sequential for 1 part, input for 2");
+        assert_eq!(Chosen::of(&[Method::STRIPE; 2]).label(), "stripe-global");
+        assert_eq!(Chosen::of(&[]).label(), "");
     }
 }

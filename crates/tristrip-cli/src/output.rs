@@ -3,7 +3,7 @@
 use std::fs;
 
 use tristrip::strip::verify_models;
-use tristrip_io::{Drawing, Format, Model};
+use tristrip_io::{Drawing, Model};
 
 use crate::console::Console;
 use crate::failure::Failure;
@@ -51,20 +51,9 @@ pub(crate) fn write(
         let what = format!("{}, {}, {how}", output.name(), text::bytes(bytes.len()));
         console.stage("write", &what, Some(write_seconds));
     }
-    let losses = losses(output.format, model);
+    let losses = tristrip_io::losses(model, output.format);
     losses.iter().for_each(|loss| console.note(loss));
     Ok(Written { losses, verify_seconds, write_seconds })
-}
-
-/// Says what the format cannot hold of the model.
-fn losses(format: Format, model: &Model) -> Vec<String> {
-    if format == Format::Glb {
-        return tristrip_io::gltf::losses(model);
-    }
-    let mut losses = tristrip_io::losses(model, format);
-    let scene = model.scene.iter().flat_map(tristrip_io::gltf::Scene::beyond_parts);
-    losses.extend(scene.map(|what| format!("not written: {what}")));
-    losses
 }
 
 /// Reads the bytes as anyone would, and holds what they draw to the source; gives the number of faces.
@@ -94,6 +83,7 @@ mod tests {
     use super::*;
     use crate::task::Shared;
     use tristrip::{Layout, Strips};
+    use tristrip_io::Format;
 
     #[test]
     fn what_is_not_proven_is_not_written() {

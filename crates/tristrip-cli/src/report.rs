@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use crate::figures::{Figures, MeshFigures};
-use crate::method::MethodReport;
+use crate::method::{Chosen, MethodReport};
 use crate::text::{count, counted, table};
 
 /// Times in seconds; `null` for a stage that did not run.
@@ -22,6 +22,8 @@ pub(crate) struct StripReport {
     pub(crate) file: String,
     #[serde(flatten)]
     pub(crate) method: MethodReport,
+    /// The methods that were taken, and for how many parts; `null` where none was reached.
+    pub(crate) chosen: Option<Chosen>,
     /// `null` where the proof was not asked for, or not reached.
     pub(crate) proven: Option<bool>,
     pub(crate) seconds: Seconds,
@@ -52,6 +54,7 @@ pub(crate) struct CompareReport {
 pub(crate) struct MethodRow {
     #[serde(flatten)]
     pub(crate) method: MethodReport,
+    pub(crate) chosen: Option<Chosen>,
     pub(crate) proven: bool,
     pub(crate) seconds: Seconds,
     #[serde(flatten)]

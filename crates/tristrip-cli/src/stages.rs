@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 use tristrip::strip::{self, verify_models};
-use tristrip::{DualGraph, Faces, Mesh, Options, Strips, Surface, stripify};
+use tristrip::{DualGraph, Faces, Mesh, Method, Options, Strips, Surface, stripify};
 
 use crate::failure::Failure;
 
@@ -52,17 +52,20 @@ pub(crate) fn prepare<'a>(pool: &Pool, meshes: &[&'a Mesh], weld: bool) -> Vec<P
     })
 }
 
+/// What was found for every part, in order.
+pub(crate) struct Found {
+    pub(crate) strips: Vec<Strips>,
+    pub(crate) chosen: Vec<Method>,
+}
+
 /// Finds strips for every part.
-pub(crate) fn find_strips(
-    pool: &Pool,
-    parts: &[Prepared<'_>],
-    options: &Options,
-) -> Result<Vec<Strips>, Failure> {
+pub(crate) fn find_strips(pool: &Pool, parts: &[Prepared<'_>], options: &Options) -> Result<Found, Failure> {
     let found = pool.map(parts, |part| {
-        let plan = stripify::plan(&part.surface, &part.graph, options)?;
-        Ok(strip::emit(&plan.triangulation, &plan.cover))
+        let (method, plan) = stripify::choose(&part.surface, &part.graph, options)?;
+        Ok((strip::emit(&plan.triangulation, &plan.cover), method))
     });
-    found.into_iter().collect()
+    let (strips, chosen) = found.into_iter().collect::<Result<Vec<_>, Failure>>()?.into_iter().unzip();
+    Ok(Found { strips, chosen })
 }
 
 /// Proves that every part's strips draw its mesh.
@@ -89,7 +92,7 @@ fn prove_part(part: &Prepared<'_>, strips: &Strips, weld: bool) -> Result<(), St
     }
     // Welded vertices go by the first one's index, which stands at the same place.
     let drawn = Faces::from_triangles(strips.to_list())
-        .and_then(|faces| Mesh::new(part.mesh.shared_positions(), faces))
+        .and_then(|faces| part.mesh.with_faces(faces))
         .and_then(|drawn| verify_models(&[part.mesh], &[&drawn]));
     match drawn {
         Ok(Ok(_)) => Ok(()),

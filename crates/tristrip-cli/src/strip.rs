@@ -1,15 +1,16 @@
 //! `tristrip strip`: finds strips, proves them, writes them, and says what they cost.
 
+use tristrip::Method;
 use tristrip_io::Drawing;
 
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::figures::{Figures, MeshFigures};
 use crate::input::{load, meshes};
-use crate::method::MethodReport;
+use crate::method::{Chosen, MethodReport};
 use crate::output;
 use crate::report::{Seconds, StripReport};
-use crate::stages::{Pool, find_strips, prepare, prove, timed};
+use crate::stages::{Found, Pool, find_strips, prepare, prove, timed};
 use crate::task::{Job, StripTask, layout_name};
 use crate::text::counted;
 
@@ -20,6 +21,7 @@ pub(crate) fn run(task: &StripTask, pool: &Pool, console: &mut Console) -> bool 
         let mut report = StripReport {
             file: job.input.name(),
             method: MethodReport::of(&task.options),
+            chosen: None,
             proven: None,
             seconds: Seconds::default(),
             figures: None,
@@ -84,12 +86,17 @@ fn strip(
     report.mesh = Some(mesh);
 
     console.doing("stripify");
-    let (strips, seconds) = timed(|| find_strips(pool, &parts, &task.options));
-    let strips = strips?;
+    let (found, seconds) = timed(|| find_strips(pool, &parts, &task.options));
+    let Found { strips, chosen } = found?;
     report.seconds.stripify = Some(seconds);
     let figures = Figures::of(pool, &parts, &strips);
-    let what = format!("{} by {}", counted(figures.strips, "strip"), report.method.label());
+    let chosen = Chosen::of(&chosen);
+    let mut what = format!("{} by {}", counted(figures.strips, "strip"), report.method.label());
+    if task.options.method() == Method::Auto && !meshes.is_empty() {
+        what = format!("{what}: {}", chosen.label());
+    }
     console.stage("stripify", &what, Some(seconds));
+    report.chosen = Some(chosen);
     report.figures = Some(figures);
 
     if task.verify {

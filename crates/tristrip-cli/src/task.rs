@@ -42,7 +42,7 @@ pub(crate) struct VerifyTask {
 #[derive(Debug)]
 pub(crate) struct ConvertTask {
     pub(crate) jobs: Vec<Job>,
-    /// Whether the faces are written as strips of their own order.
+    /// Whether all faces are written as strips of their own order, not only those that the input has as strips.
     pub(crate) as_strips: bool,
     pub(crate) verify: bool,
 }

@@ -11,7 +11,8 @@
 //!
 //! # Algorithm
 //! Reading: every primitive of triangles, strips or fans becomes one part, in the order of meshes and primitives. Strips and
-//! fans are unpacked in order and wound as they are drawn. Primitives over one `POSITION` accessor share one array.
+//! fans are unpacked in order and wound as they are drawn. Primitives over one `POSITION` accessor share one array, which is
+//! checked once, and those that have all attributes in common share them all.
 //!
 //! Writing, where the model has a scene: only `indices` and `mode` of its primitives change. A new index accessor takes the
 //! place of the old one where nobody else refers to that, so that no number in the document changes its meaning, and the

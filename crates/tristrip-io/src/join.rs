@@ -48,7 +48,13 @@ pub(crate) fn blocks(model: &Model) -> Result<Blocks, Error> {
 }
 
 fn same_vertices(a: &Mesh, b: &Mesh) -> bool {
-    a.vertex_count() == b.vertex_count() && a.attributes() == b.attributes()
+    a.shares_vertices(b) || (a.vertex_count() == b.vertex_count() && a.attributes() == b.attributes())
+}
+
+/// Names what is around the parts, for formats that hold parts alone.
+pub(crate) fn scene_losses(model: &Model) -> impl Iterator<Item = String> {
+    let scene = model.scene.iter().flat_map(crate::gltf::Scene::beyond_parts);
+    scene.map(|what| format!("not written: {what}"))
 }
 
 /// Checks that there is one drawing for each part, over vertices that the part has.

@@ -105,8 +105,8 @@ pub fn write(model: &Model, drawings: &[Drawing], format: Format, layout: Layout
     }
 }
 
-/// Names what a format cannot hold of a model, in words, with counts; the writers of OBJ and PLY put the same words into
-/// the file as comments.
+/// Names what a format cannot hold of a model, in words, with counts, the scene around the parts included; the writers of
+/// OBJ and PLY put the same words into the file as comments.
 ///
 /// ```
 /// use tristrip_io::{Format, losses, read};
@@ -118,6 +118,7 @@ pub fn losses(model: &Model, format: Format) -> Vec<String> {
     match format {
         Format::Obj => obj::losses(model),
         Format::Ply => ply::losses(model),
-        Format::Off | Format::Stl | Format::Gltf | Format::Glb => Vec::new(),
+        Format::Glb => gltf::losses(model),
+        Format::Off | Format::Stl | Format::Gltf => Vec::new(),
     }
 }

@@ -22,6 +22,8 @@ pub struct Part {
     pub material: Option<String>,
     /// The geometry.
     pub mesh: Mesh,
+    /// Whether the file drew the part as strips or fans, of which the faces are the triangles in order.
+    pub stripped: bool,
 }
 
 /// What to write for a part.

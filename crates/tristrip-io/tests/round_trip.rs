@@ -173,6 +173,7 @@ fn three_parts() -> Model {
         name: None,
         material: material.map(str::to_owned),
         mesh: mesh.with_attribute(normals()).unwrap(),
+        stripped: false,
     };
     let parts = vec![part(first, Some("red\nf 1 1 1")), part(second, None), part(third, Some("blue"))];
     Model { parts, ..Model::default() }
@@ -237,6 +238,49 @@ fn what_a_format_cannot_hold_is_named() {
             "attribute COLOR_0 not written: some parts lack it",
         ]
     );
+}
+
+#[test]
+fn losses_are_those_of_the_format_scene_included() {
+    let json = br#"{"asset":{"version":"2.0"},"nodes":[{"scale":[2,2,2]}],"cameras":[{}]}"#;
+    let scene = read(json, Format::Gltf).unwrap();
+    let beyond = ["not written: nodes with a transform: 1", "not written: cameras: 1"];
+    assert_eq!(losses(&scene, Format::Ply), beyond);
+    assert_eq!(losses(&scene, Format::Obj), beyond);
+    assert!(losses(&scene, Format::Glb).is_empty());
+    let obj = write(&scene, &[], Format::Obj, Layout::List).unwrap();
+    assert!(obj.starts_with(b"# not written: nodes with a transform: 1\n"));
+    let quad = Faces::from_polygons([[0, 1, 2, 3]]).unwrap();
+    let polygons = model(Mesh::new(vec![[0.0; 3]; 4], quad).unwrap());
+    assert_eq!(losses(&polygons, Format::Glb), ["polygons, cut into fans where no strips draw them: 1"]);
+}
+
+#[test]
+fn parts_know_whether_they_were_strips() {
+    let faces = Faces::from_triangles(vec![0, 1, 2, 2, 1, 3]).unwrap();
+    let flat = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
+    let model = model(Mesh::new(flat, faces).unwrap());
+    let mut strips = Strips::default();
+    strips.push(&[0, 1, 2, 3]);
+    let stripped = |drawing: Drawing, format, layout| {
+        let bytes = write(&model, &[drawing], format, layout).unwrap();
+        read(&bytes, format).unwrap().parts.iter().map(|part| part.stripped).collect::<Vec<_>>()
+    };
+    for format in [Format::Ply, Format::Glb] {
+        for layout in [Layout::Restart, Layout::Degenerate, Layout::Separate] {
+            assert_eq!(stripped(Drawing::Strips(&strips), format, layout), [true], "{format:?} {layout:?}");
+        }
+        assert_eq!(stripped(Drawing::Strips(&strips), format, Layout::List), [false]);
+        assert_eq!(stripped(Drawing::Faces, format, Layout::List), [false]);
+    }
+    // Polygons beside strips are not given up for them.
+    let both =
+        b"ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
+        element face 1\nproperty list uchar int vertex_indices\n\
+        element tristrips 1\nproperty list int int vertex_indices\nend_header\n\
+        0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n3 0 1 2\n";
+    let both = read(both, Format::Ply).unwrap();
+    assert_eq!((both.parts[0].stripped, both.parts[0].mesh.faces().face_count()), (false, 2));
 }
 
 #[test]

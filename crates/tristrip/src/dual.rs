@@ -22,7 +22,8 @@
 //! Where a vertex has so many open edges that its list grows long, the pairing is done by sorting instead, with the same result.
 //!
 //! # Complexity
-//! O(n) time for meshes of bounded valence, O(n log n) at worst; 12 bytes a triangle, and 4 bytes a vertex while building.
+//! O(n) time for meshes of bounded valence, O(n log n) at worst; 12 bytes a triangle, and while building 12 bytes for each
+//! number up to the highest vertex in use, or for each vertex in use where those are few.
 
 use crate::mesh::Faces;
 
@@ -66,17 +67,14 @@ enum Shape {
 impl DualGraph {
     /// Joins the faces across the edges that they share; see the module's head for the rule at edges of more than two faces.
     pub fn new(faces: &Faces) -> Self {
-        let shape = match faces.as_triangles() {
-            Some(_) => Shape::Triangles,
-            None => polygon_shape(faces),
-        };
-        let twins = match &shape {
-            Shape::Triangles => pair(&TriangleCorners { corners: faces.corners() }),
-            Shape::Polygons { offsets, face_of } => {
-                pair(&PolygonCorners { corners: faces.corners(), offsets, face_of })
-            }
-        };
-        Self { twins, shape }
+        let faces = &*faces.compact();
+        if faces.as_triangles().is_some() {
+            let twins = pair(&TriangleCorners { corners: faces.corners() });
+            return Self { twins, shape: Shape::Triangles };
+        }
+        let (offsets, face_of) = polygon_shape(faces);
+        let corners = PolygonCorners { corners: faces.corners(), offsets: &offsets, face_of: &face_of };
+        Self { twins: pair(&corners), shape: Shape::Polygons { offsets, face_of } }
     }
 
     /// Makes the graph of triangles from twins that the caller has paired.
@@ -198,7 +196,8 @@ impl DualGraph {
     }
 }
 
-fn polygon_shape(faces: &Faces) -> Shape {
+/// Gives the first corner of each face, with the end of the last, and the face of each corner.
+fn polygon_shape(faces: &Faces) -> (Vec<u32>, Vec<u32>) {
     let mut offsets = Vec::with_capacity(faces.face_count() + 1);
     let mut face_of = Vec::with_capacity(faces.corner_count());
     offsets.push(0);
@@ -206,7 +205,7 @@ fn polygon_shape(faces: &Faces) -> Shape {
         face_of.resize(face_of.len() + polygon.len(), face as u32);
         offsets.push(face_of.len() as u32);
     }
-    Shape::Polygons { offsets, face_of }
+    (offsets, face_of)
 }
 
 /// What the pairing asks of faces of one shape; the functions are called for every half-edge, so that they are inlined.
@@ -280,21 +279,7 @@ fn pair(corners: &impl Corners) -> Vec<u32> {
 fn pair_simple(corners: &impl Corners) -> Option<Vec<u32>> {
     let vertices = corners.vertices();
     let vertex_count = vertices.iter().max().map_or(0, |&v| v as usize + 1);
-    // The corners by vertex, by a counting sort; `ends[v]` moves from the start of v's corners to their end.
-    let mut ends = vec![0_u32; vertex_count];
-    for &v in vertices {
-        ends[v as usize] += 1;
-    }
-    let mut total = 0;
-    for end in &mut ends {
-        total += std::mem::replace(end, total);
-    }
-    let mut by_vertex = vec![0_u32; vertices.len()];
-    for (corner, &v) in vertices.iter().enumerate() {
-        let slot = &mut ends[v as usize];
-        by_vertex[*slot as usize] = corner as u32;
-        *slot += 1;
-    }
+    let (ends, by_vertex) = sorted_by_vertex(vertices.iter().copied(), vertex_count);
     // For each vertex: the half-edge that leads to it from the vertex named with it, counted from 1. Memory that is zero at
     // first needs no pass of its own.
     let mut marks = vec![(0, 0); vertex_count];
@@ -468,16 +453,60 @@ fn sorted_by_edge(corners: &impl Corners, half_edges: Vec<u32>) -> Vec<(u64, u32
     keyed
 }
 
-/// Counts the half-edges over each edge of the faces: how many edges there are with (forward, backward) half-edges, called
-/// once for each edge, in order of their vertices.
-pub(crate) fn for_each_edge(faces: &Faces, mut edge: impl FnMut(usize, usize)) {
-    let Shape::Polygons { offsets, face_of } = polygon_shape(faces) else { return };
-    let corners = PolygonCorners { corners: faces.corners(), offsets: &offsets, face_of: &face_of };
-    let half_edges = (0..faces.corner_count() as u32).collect();
-    for group in sorted_by_edge(&corners, half_edges).chunk_by(|a, b| a.0 == b.0) {
-        let forward =
-            group.iter().filter(|&&(e, h)| u64::from(faces.corners()[h as usize]) == e >> 32).count();
-        edge(forward, group.len() - forward);
+/// Sorts the numbers 0, 1, 2 … of items by the items' vertices, by counting; gives the end of each vertex's range, and the
+/// numbers, in order within a vertex.
+pub(crate) fn sorted_by_vertex(
+    vertices: impl Iterator<Item = u32> + Clone,
+    vertex_count: usize,
+) -> (Vec<u32>, Vec<u32>) {
+    // `ends[v]` moves from the start of v's range to its end.
+    let mut ends = vec![0_u32; vertex_count];
+    vertices.clone().for_each(|v| ends[v as usize] += 1);
+    let mut total = 0;
+    for end in &mut ends {
+        total += std::mem::replace(end, total);
+    }
+    let mut sorted = vec![0_u32; total as usize];
+    for (item, v) in vertices.enumerate() {
+        let slot = &mut ends[v as usize];
+        sorted[*slot as usize] = item as u32;
+        *slot += 1;
+    }
+    (ends, sorted)
+}
+
+/// Counts the half-edges over each edge of the faces: `edge` is called with the number of forward half-edges, which run from
+/// the lower vertex to the higher, and of backward ones, once for each edge, in order of their vertices.
+///
+/// The half-edges are sorted by their lower vertex by counting, and those of each vertex, mostly a handful, by comparing.
+pub(crate) fn for_each_edge(faces: &Faces, edge: impl FnMut(usize, usize)) {
+    if faces.as_triangles().is_some() {
+        return count_edges(&TriangleCorners { corners: faces.corners() }, edge);
+    }
+    let (offsets, face_of) = polygon_shape(faces);
+    count_edges(&PolygonCorners { corners: faces.corners(), offsets: &offsets, face_of: &face_of }, edge);
+}
+
+fn count_edges(corners: &impl Corners, mut edge: impl FnMut(usize, usize)) {
+    let vertices = corners.vertices();
+    let vertex_count = vertices.iter().max().map_or(0, |&v| v as usize + 1);
+    let to = |h: usize| vertices[corners.next(h)];
+    let lows = vertices.iter().enumerate().map(|(h, &from)| from.min(to(h)));
+    let (ends, by_low) = sorted_by_vertex(lows, vertex_count);
+    let mut here: Vec<(u32, bool)> = Vec::new();
+    let mut start = 0;
+    for (low, &end) in (0_u32..).zip(&ends) {
+        here.clear();
+        here.extend(by_low[start..end as usize].iter().filter_map(|&h| {
+            let (from, to) = (vertices[h as usize], to(h as usize));
+            (from != to).then_some((from.max(to), from == low))
+        }));
+        here.sort_unstable();
+        for group in here.chunk_by(|a, b| a.0 == b.0) {
+            let forward = group.iter().filter(|&&(_, forward)| forward).count();
+            edge(forward, group.len() - forward);
+        }
+        start = end as usize;
     }
 }
 
@@ -509,13 +538,51 @@ mod tests {
         twins
     }
 
+    /// Holds every way of pairing to the rule wherever it gives an answer, and the count of edges to sorting.
+    fn compare_by(corners: &impl Corners, faces: &Faces) {
+        let expected = naive(corners);
+        assert_eq!(DualGraph::new(faces).twins, expected);
+        assert_eq!(pair_by_sorting(corners), expected);
+        if let Some(twins) = pair_by_lists(corners) {
+            assert_eq!(twins, expected);
+        }
+        let directed: Vec<(u32, u32)> = (0..faces.corner_count())
+            .map(|h| (corners.vertices()[h], corners.vertices()[corners.next(h)]))
+            .collect();
+        let mut sorted = directed.clone();
+        sorted.sort_unstable();
+        match pair_simple(corners) {
+            Some(twins) => assert_eq!(twins, expected),
+            None => assert!(sorted.windows(2).any(|w| w[0] == w[1]), "nothing to choose"),
+        }
+
+        let half_edges = (0..faces.corner_count() as u32).collect();
+        let by_sorting: Vec<(usize, usize)> = sorted_by_edge(corners, half_edges)
+            .chunk_by(|a, b| a.0 == b.0)
+            .map(|group| {
+                let forward =
+                    |&&(edge, h): &&(u64, u32)| u64::from(corners.vertices()[h as usize]) == edge >> 32;
+                let forward = group.iter().filter(forward).count();
+                (forward, group.len() - forward)
+            })
+            .collect();
+        let mut counted = Vec::new();
+        for_each_edge(faces, |forward, backward| counted.push((forward, backward)));
+        assert_eq!(counted, by_sorting);
+    }
+
     fn compare(faces: &Faces) {
-        let graph = DualGraph::new(faces);
-        assert_eq!(graph.check(), Ok(()));
-        let Shape::Polygons { offsets, face_of } = polygon_shape(faces) else { unreachable!() };
+        assert_eq!(DualGraph::new(faces).check(), Ok(()));
+        if faces.as_triangles().is_some() {
+            compare_by(&TriangleCorners { corners: faces.corners() }, faces);
+        }
+        let (offsets, face_of) = polygon_shape(faces);
         let corners = PolygonCorners { corners: faces.corners(), offsets: &offsets, face_of: &face_of };
-        assert_eq!(graph.twins, naive(&corners));
-        assert_eq!(graph.twins, pair_by_sorting(&corners));
+        compare_by(&corners, faces);
+        // The same vertices under numbers far apart, which are numbered anew.
+        let apart = faces.corners().iter().map(|v| 1000 * v).collect();
+        let apart = Faces::from_offsets(offsets.clone(), apart).unwrap();
+        assert_eq!(DualGraph::new(&apart).twins, naive(&corners));
     }
 
     proptest! {
@@ -539,6 +606,19 @@ mod tests {
     fn faces_that_pass_an_edge_twice_are_not_joined_with_themselves() {
         compare(&Faces::from_triangles(vec![0, 1, 0, 1, 0, 2, 3, 3, 3]).unwrap());
         compare(&Faces::from_polygons([vec![0, 1, 2, 1], vec![2, 1, 3], vec![4, 4]]).unwrap());
+    }
+
+    #[test]
+    fn every_way_of_pairing_is_reached() {
+        // A tetrahedron; with a face twice; a fan, whose open edges leave the lists long.
+        let closed = vec![0, 1, 2, 0, 2, 3, 0, 3, 1, 3, 2, 1];
+        let doubled = [&closed[..], &closed[..3]].concat();
+        let star: Vec<u32> = (0..300).flat_map(|i| [0, 1 + 2 * i, 2 + 2 * i]).collect();
+        assert!(pair_simple(&TriangleCorners { corners: &closed }).is_some());
+        assert!(pair_simple(&TriangleCorners { corners: &doubled }).is_none());
+        for corners in [closed, doubled, star] {
+            compare(&Faces::from_triangles(corners).unwrap());
+        }
     }
 
     #[test]

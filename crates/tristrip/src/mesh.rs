@@ -18,12 +18,17 @@ pub(crate) use triangulation::TriangulationBuilder;
 
 pub use unify::PositionIds;
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use crate::error::{Error, MeshProblem};
 
 /// The largest number of vertices, faces or corners: ids are 32 bits wide, and the highest one stays free.
 pub const MAX_COUNT: usize = (u32::MAX - 1) as usize;
+
+/// Vertices for each corner from which on the used ones are numbered anew before arrays are made for them: thousands of
+/// parts may share one long list of vertices.
+pub(crate) const SPARSE: usize = 16;
 
 /// Faces of any size, as corners in order; a face's winding is the order of its corners.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
@@ -137,13 +142,27 @@ impl Faces {
     }
 
     /// Walks over the faces in order.
-    pub fn iter(&self) -> impl ExactSizeIterator<Item = &[u32]> {
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = &[u32]> + Clone {
         (0..self.face_count()).map(|face| self.face(face))
     }
 
     /// Gives the index buffer where every face is a triangle.
     pub fn as_triangles(&self) -> Option<&[u32]> {
         self.offsets.is_none().then_some(&self.corners)
+    }
+
+    /// Gives the same faces over the vertices that they use, in the same order, where those are few among the numbers up
+    /// to the highest; else the faces as they are. So what takes memory by the highest vertex takes it by the corners.
+    pub(crate) fn compact(&self) -> Cow<'_, Self> {
+        let highest = self.corners.iter().max().map_or(0, |&v| v as usize);
+        if highest / SPARSE < self.corners.len() {
+            return Cow::Borrowed(self);
+        }
+        let mut used = self.corners.clone();
+        used.sort_unstable();
+        used.dedup();
+        let place = |&v: &u32| used.partition_point(|&u| u < v) as u32;
+        Cow::Owned(Self { corners: self.corners.iter().map(place).collect(), offsets: self.offsets.clone() })
     }
 
     /// Counts the triangles that the faces make: a face of k corners makes k − 2.
@@ -210,12 +229,12 @@ pub struct Attribute {
     pub data: AttributeData,
 }
 
-/// A polygon mesh whose indices are in range and whose positions are finite.
+/// A polygon mesh whose indices are in range and whose positions are finite. Clones share positions and attributes.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Mesh {
     positions: Arc<Vec<[f32; 3]>>,
     faces: Faces,
-    attributes: Vec<Attribute>,
+    attributes: Arc<Vec<Attribute>>,
 }
 
 impl Mesh {
@@ -240,11 +259,30 @@ impl Mesh {
             let found = p.iter().copied().find(|x| !x.is_finite()).unwrap_or(f32::NAN);
             return Err(MeshProblem::NotFinite { vertex: vertex as u32, found }.into());
         }
-        let vertex_count = positions.len() as u32;
+        Self { positions, faces: Faces::default(), attributes: Arc::default() }.with_faces(faces)
+    }
+
+    /// Makes a mesh of other faces over the same vertices, which are shared and not checked again.
+    ///
+    /// # Errors
+    /// An index is out of range.
+    ///
+    /// ```
+    /// use tristrip::{Faces, Mesh};
+    /// let positions = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    /// let front = Mesh::new(positions, Faces::from_triangles(vec![0, 1, 2])?)?;
+    /// let back = front.with_faces(Faces::from_triangles(vec![2, 1, 0])?)?;
+    /// assert!(back.shares_vertices(&front));
+    /// assert!(front.with_faces(Faces::from_triangles(vec![2, 1, 3])?).is_err());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn with_faces(&self, faces: Faces) -> Result<Self, Error> {
+        let vertex_count = self.positions.len() as u32;
         if faces.corners.iter().any(|&v| v >= vertex_count) {
             return Err(first_bad_index(&faces, vertex_count).into());
         }
-        Ok(Self { positions, faces, attributes: Vec::new() })
+        let (positions, attributes) = (Arc::clone(&self.positions), Arc::clone(&self.attributes));
+        Ok(Self { positions, faces, attributes })
     }
 
     /// Adds a vertex attribute.
@@ -262,7 +300,7 @@ impl Mesh {
             }
             .into());
         }
-        self.attributes.push(attribute);
+        Arc::make_mut(&mut self.attributes).push(attribute);
         Ok(self)
     }
 
@@ -274,6 +312,11 @@ impl Mesh {
     /// Gives the positions for sharing with another mesh.
     pub fn shared_positions(&self) -> Arc<Vec<[f32; 3]>> {
         Arc::clone(&self.positions)
+    }
+
+    /// Tells whether positions and attributes are the very ones of another mesh, not only equal to them.
+    pub fn shares_vertices(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.positions, &other.positions) && Arc::ptr_eq(&self.attributes, &other.attributes)
     }
 
     /// Counts the vertices, used by a face or not.
@@ -339,5 +382,37 @@ mod tests {
         assert_eq!(faces.as_triangles(), Some(&[0, 1, 2, 2, 1, 3][..]));
         let mixed = Faces::from_polygons([vec![0, 1], vec![0, 1, 2, 3, 4]]).unwrap();
         assert_eq!((mixed.triangle_count(), mixed.face_count()), (3, 2));
+    }
+
+    #[test]
+    fn other_faces_share_vertices_and_have_their_own_check() {
+        let attribute = |name: &str| Attribute {
+            name: name.into(),
+            components: 1,
+            normalized: false,
+            data: AttributeData::U8(vec![7; 3]),
+        };
+        let first = Mesh::new(vec![[0.0; 3]; 3], Faces::from_triangles(vec![0, 1, 2]).unwrap()).unwrap();
+        let first = first.with_attribute(attribute("a")).unwrap();
+        let second = first.with_faces(Faces::from_triangles(vec![2, 1, 0]).unwrap()).unwrap();
+        assert!(std::ptr::eq(first.positions(), second.positions()));
+        assert!(std::ptr::eq(first.attributes(), second.attributes()));
+        let wrong = first.with_faces(Faces::from_triangles(vec![0, 1, 3]).unwrap()).unwrap_err();
+        assert_eq!(wrong.to_string(), "face 0, corner 2: found vertex index 3, expected less than 3");
+        // An attribute more is this mesh's own.
+        let third = second.with_attribute(attribute("b")).unwrap();
+        assert!(!third.shares_vertices(&first));
+        assert_eq!((first.attributes().len(), third.attributes().len()), (1, 2));
+    }
+
+    #[test]
+    fn few_vertices_of_many_are_numbered_anew_in_order() {
+        let sparse = Faces::from_polygons([vec![1000, 7, 900_000, 8], vec![8, 7, 1000]]).unwrap();
+        let expected = Faces::from_polygons([vec![2, 0, 3, 1], vec![1, 0, 2]]).unwrap();
+        assert_eq!(*sparse.compact(), expected);
+        let dense = Faces::from_triangles(vec![0, 1, 47]).unwrap();
+        assert!(matches!(dense.compact(), Cow::Borrowed(_)));
+        assert!(matches!(Faces::from_triangles(vec![0, 1, 48]).unwrap().compact(), Cow::Owned(_)));
+        assert_eq!(*Faces::default().compact(), Faces::default());
     }
 }

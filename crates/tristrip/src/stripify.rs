@@ -195,10 +195,35 @@ pub fn plan<'a>(
     graph: &'a DualGraph,
     options: &Options,
 ) -> Result<Plan<'a>, Error> {
-    Ok(match options.method {
+    choose(surface, graph, options).map(|(_, plan)| plan)
+}
+
+/// Lets a method choose, and says which method it was: for [`Method::Auto`] the one whose plan is cheaper, else the one that
+/// was asked for.
+///
+/// # Errors
+/// An option makes no sense for the method.
+///
+/// ```
+/// use tristrip::{DualGraph, Faces, Mesh, Method, Options, Surface, stripify::choose};
+/// // A fan in an order that no strip takes.
+/// let mesh = Mesh::new(vec![[0.0; 3]; 5], Faces::from_triangles(vec![0, 1, 2, 4, 2, 3, 2, 1, 3])?)?;
+/// let surface = Surface::new(&mesh, false);
+/// let graph = DualGraph::new(surface.faces());
+/// let (method, plan) = choose(&surface, &graph, &Options::default())?;
+/// assert_eq!((method, plan.indices_restart()), (Method::Sequential, 5));
+/// # Ok::<(), tristrip::Error>(())
+/// ```
+pub fn choose<'a>(
+    surface: &'a Surface<'_>,
+    graph: &'a DualGraph,
+    options: &Options,
+) -> Result<(Method, Plan<'a>), Error> {
+    let plan = match options.method {
         Method::Auto => {
             let (ours, theirs) = (sequential::plan(surface, graph), input::plan(surface, graph));
-            if theirs.is_cheaper_than(&ours) { theirs } else { ours }
+            let input = theirs.is_cheaper_than(&ours);
+            return Ok(if input { (Method::Input, theirs) } else { (Method::Sequential, ours) });
         }
         Method::Sequential => sequential::plan(surface, graph),
         Method::Input => input::plan(surface, graph),
@@ -209,5 +234,6 @@ pub fn plan<'a>(
         Method::StripeGlobal { patches, cutoff } => {
             stripe::plan_global(surface, graph, patches, cutoff, options.seed)?
         }
-    })
+    };
+    Ok((options.method, plan))
 }

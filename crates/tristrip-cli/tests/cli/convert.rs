@@ -71,3 +71,24 @@ fn what_a_format_cannot_hold_is_said() {
     let notes = json(&mut command)["notes"].to_string();
     assert!(notes.contains("parts joined into one") && notes.contains("nodes with a transform"), "{notes}");
 }
+
+#[test]
+fn strips_stay_strips_without_a_layout() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = |name: &str| dir.path().join(name);
+    let first =
+        json(tristrip().args(["strip", "--json"]).arg(model("wingnut.ply")).arg("-o").arg(path("a.ply")));
+    for (from, to, layout) in [
+        ("a.ply", "b.glb", Value::from("degenerate")),
+        ("b.glb", "c.ply", Value::from("restart")),
+        ("c.ply", "d.glb", Value::from("degenerate")),
+        ("d.glb", "e.obj", Value::Null),
+        ("e.obj", "f.ply", Value::Null),
+    ] {
+        let report = json(tristrip().args(["convert", "--json"]).arg(path(from)).arg("-o").arg(path(to)));
+        assert_eq!(report["layout"], layout, "{from} to {to}");
+        assert_eq!(report["strips"].is_null(), layout.is_null());
+        assert!(report["strips"].is_null() || report["strips"].as_u64() <= first["strips"].as_u64());
+    }
+    tristrip().arg("verify").arg(model("wingnut.ply")).arg(path("f.ply")).assert().success();
+}

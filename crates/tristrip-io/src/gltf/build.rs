@@ -171,7 +171,7 @@ impl<'a> Builder<'a> {
         for (attribute, plan) in mesh.attributes().iter().zip(plans(mesh)) {
             let Ok(name) = plan else { continue };
             let accessor = match shared.attributes.get(&name) {
-                Some((same, accessor)) if *same == attribute => *accessor,
+                Some((same, accessor)) if std::ptr::eq(*same, attribute) || *same == attribute => *accessor,
                 _ => self.attribute(attribute, mesh.vertex_count()),
             };
             names[&name] = accessor.into();

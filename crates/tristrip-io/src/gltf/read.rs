@@ -3,7 +3,6 @@
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::path::Path;
-use std::sync::Arc;
 
 use serde_json::{Map, Value};
 use tristrip::{Attribute, Faces, Mesh};
@@ -48,6 +47,7 @@ pub fn read(bytes: impl Into<Vec<u8>>, base_dir: Option<&Path>) -> Result<Model,
     check_nodes(&root)?;
     let mut reader = Reader {
         positions: HashMap::new(),
+        vertices: HashMap::new(),
         geometry: Budget::new(&buffers, GEOMETRY_FACTOR),
         attributes: Budget::new(&buffers, ATTRIBUTE_FACTOR),
         tally: Tally::default(),
@@ -63,7 +63,10 @@ pub fn read(bytes: impl Into<Vec<u8>>, base_dir: Option<&Path>) -> Result<Model,
 
 struct Reader<'a> {
     source: Source<'a>,
-    positions: HashMap<usize, Arc<Vec<[f32; 3]>>>,
+    /// Meshes without faces, by the accessor of their positions.
+    positions: HashMap<usize, Mesh>,
+    /// The same with the other attributes, by name and accessor of them all: primitives that have the same share them.
+    vertices: HashMap<Vec<(&'a str, usize)>, Mesh>,
     geometry: Budget,
     attributes: Budget,
     tally: Tally,
@@ -101,7 +104,8 @@ impl<'a> Reader<'a> {
                 let mesh_of_part = self.mesh(&place, mode)?;
                 self.primitives.push(PrimitiveAt { mesh, primitive, mode });
                 let material = self.material(&place)?;
-                parts.push(Part { name: name.clone(), material, mesh: mesh_of_part });
+                let stripped = mode == TRIANGLE_STRIP || mode == TRIANGLE_FAN;
+                parts.push(Part { name: name.clone(), material, mesh: mesh_of_part, stripped });
             }
         }
         Ok(parts)
@@ -118,19 +122,10 @@ impl<'a> Reader<'a> {
         if extensions.and_then(|e| e.field(DRACO)).is_some() {
             return Err(Error::Unsupported(format!("{}: {DRACO} is not supported", primitive.at)));
         }
-        // 1. Positions, shared between primitives.
-        let attributes = primitive.need("attributes")?;
-        let position = attributes.need("POSITION")?;
-        let positions = match self.positions.entry(position.size()?) {
-            Entry::Occupied(known) => Arc::clone(known.get()),
-            Entry::Vacant(new) => {
-                let values = self.source.values(&position)?;
-                let decoded = values.positions(self.source.root, &mut self.geometry)?;
-                Arc::clone(new.insert(Arc::new(decoded)))
-            }
-        };
+        // 1. Vertices, shared between primitives and checked once.
+        let vertices = self.vertices(&primitive.need("attributes")?)?;
         // 2. Indices: those of the file, or every vertex in order.
-        let vertex_count = positions.len();
+        let vertex_count = vertices.vertex_count();
         let indices = if let Some(indices) = primitive.field("indices") {
             let values = self.source.values(&indices)?;
             values.indices(vertex_count, mode != TRIANGLES, &mut self.geometry)?
@@ -149,13 +144,32 @@ impl<'a> Reader<'a> {
             self.afford(primitive, indices.len(), 3 * size_of::<u32>())?;
             self.unpack(&indices, mode)
         };
-        let mut mesh = Mesh::new(positions, Faces::from_triangles(corners)?)?;
-        // 4. The other attributes.
+        Ok(vertices.with_faces(Faces::from_triangles(corners)?)?)
+    }
+
+    /// Decodes positions and attributes, unless a primitive before had the same.
+    fn vertices(&mut self, attributes: &Place<'a>) -> Result<Mesh, Error> {
+        let position = attributes.need("POSITION")?;
+        let key = attributes.members()?.map(|(name, place)| Ok((name, place.size()?)));
+        let key = key.collect::<Result<Vec<_>, Error>>()?;
+        if let Some(known) = self.vertices.get(&key) {
+            return Ok(known.clone());
+        }
+        let mut mesh = match self.positions.entry(position.size()?) {
+            Entry::Occupied(known) => known.get().clone(),
+            Entry::Vacant(new) => {
+                let values = self.source.values(&position)?;
+                let decoded = values.positions(self.source.root, &mut self.geometry)?;
+                new.insert(Mesh::new(decoded, Faces::default())?).clone()
+            }
+        };
+        let vertex_count = mesh.vertex_count();
         for (name, place) in attributes.members()?.filter(|(name, _)| *name != "POSITION") {
             if let Some(attribute) = self.attribute(name, &place, vertex_count)? {
                 mesh = mesh.with_attribute(attribute)?;
             }
         }
+        self.vertices.insert(key, mesh.clone());
         Ok(mesh)
     }
 

@@ -71,6 +71,7 @@ pub(crate) fn losses(model: &Model) -> Vec<String> {
     if small > 0 {
         out.push(format!("faces of fewer than three corners not written: {small}"));
     }
+    out.extend(join::scene_losses(model));
     out
 }
 

@@ -25,6 +25,8 @@ struct Reader<B> {
     positions: Vec<[f32; 3]>,
     attributes: Vec<Attribute>,
     polygons: Polygons,
+    /// Whether there were rows of strips.
+    strips: bool,
     notes: Vec<String>,
 }
 
@@ -36,6 +38,7 @@ impl<B: Body> Reader<B> {
             positions: Vec::new(),
             attributes: Vec::new(),
             polygons: Polygons::default(),
+            strips: false,
             notes: Vec::new(),
         }
     }
@@ -73,7 +76,9 @@ impl<B: Body> Reader<B> {
         for attribute in self.attributes {
             mesh = mesh.with_attribute(attribute)?;
         }
-        let part = Part { name: None, material: None, mesh };
+        // Polygons beside strips stay polygons.
+        let faces = header.elements.iter().any(|element| element.name == "face" && element.row_count > 0);
+        let part = Part { name: None, material: None, mesh, stripped: self.strips && !faces };
         Ok(Model { parts: vec![part], notes: self.notes, scene: None })
     }
 
@@ -169,6 +174,7 @@ impl<B: Body> Reader<B> {
     fn read_strips(&mut self, element: &Element) -> Result<(), Error> {
         let index = index_list(element)?;
         let Some(index) = index else { return Ok(()) };
+        self.strips = true;
         let mut short = 0u64;
         for _ in 0..element.row_count {
             for (i, property) in element.properties.iter().enumerate() {

@@ -93,6 +93,7 @@ pub(crate) fn losses(model: &Model) -> Vec<String> {
         out.push(format!("material names not written: {materials}"));
     }
     out.extend(columns(model).1);
+    out.extend(join::scene_losses(model));
     out
 }
 

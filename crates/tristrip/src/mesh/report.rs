@@ -1,7 +1,10 @@
 //! What a mesh is like: counts that decide how well it can be stripped, and defects that a user wants to know of.
+//!
+//! # Complexity
+//! O(n) time for meshes of bounded valence, O(n log n) at worst; 16 bytes a triangle and 4 a vertex in use meanwhile.
 
-use super::{Mesh, Surface, SurfaceCounts};
-use crate::dual::{DualGraph, for_each_edge};
+use super::{Faces, Mesh, Surface, SurfaceCounts};
+use crate::dual::{DualGraph, for_each_edge, sorted_by_vertex};
 
 /// The counts of a mesh. Edges are those of the surface's faces, between two vertices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -44,12 +47,13 @@ impl MeshReport {
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     pub fn of(mesh: &Mesh, surface: &Surface<'_>, graph: &DualGraph) -> Self {
-        let faces = surface.faces();
-        let mut used = vec![false; mesh.vertex_count()];
-        mesh.faces().corners().iter().for_each(|&v| used[v as usize] = true);
+        let faces = &*surface.faces().compact();
+        let corners = mesh.faces().compact();
+        let mut used = vec![false; corners.corners().iter().max().map_or(0, |&v| v as usize + 1)];
+        corners.corners().iter().for_each(|&v| used[v as usize] = true);
         let mut report = Self {
             vertices: mesh.vertex_count(),
-            unreferenced_vertices: used.iter().filter(|&&u| !u).count(),
+            unreferenced_vertices: mesh.vertex_count() - used.iter().filter(|&&u| u).count(),
             faces: mesh.faces().face_count(),
             triangles: faces.triangle_count(),
             components: graph.components().1,
@@ -70,23 +74,63 @@ impl MeshReport {
     }
 }
 
-/// Counts the faces that repeat an earlier one, whatever corner they begin with.
-fn duplicates(faces: &super::Faces) -> usize {
-    let rotated = |polygon: &[u32], i: usize| {
-        let lowest = (0..polygon.len()).min_by_key(|&k| polygon[k]).unwrap_or(0);
-        polygon[(lowest + i) % polygon.len()]
+/// Counts the faces that repeat an earlier one, whatever corner they begin with: the faces are sorted by their lowest vertex
+/// by counting, and those of each vertex by comparing.
+fn duplicates(faces: &Faces) -> usize {
+    let lowest = |polygon: &[u32]| (0..polygon.len()).min_by_key(|&k| polygon[k]).unwrap_or(0);
+    let whole = |face: u32| {
+        let polygon = faces.face(face as usize);
+        let (before, after) = polygon.split_at(lowest(polygon));
+        after.iter().chain(before)
     };
-    let mut keys: Vec<(usize, [u32; 3], u32)> = faces
-        .iter()
-        .enumerate()
-        .map(|(f, p)| (p.len(), [rotated(p, 0), rotated(p, 1), rotated(p, 2)], f as u32))
-        .collect();
-    keys.sort_unstable();
-    let whole = |f: u32| {
-        let polygon = faces.face(f as usize);
-        (0..polygon.len()).map(move |i| rotated(polygon, i))
-    };
-    keys.windows(2)
-        .filter(|w| (w[0].0, w[0].1) == (w[1].0, w[1].1) && whole(w[0].2).eq(whole(w[1].2)))
-        .count()
+    let vertex_count = faces.corners().iter().max().map_or(0, |&v| v as usize + 1);
+    let firsts = faces.iter().map(|polygon| polygon.get(lowest(polygon)).copied().unwrap_or(0));
+    let (ends, mut by_lowest) = sorted_by_vertex(firsts, vertex_count.max(1));
+    let mut start = 0;
+    let mut count = 0;
+    for end in ends {
+        let here = &mut by_lowest[start..end as usize];
+        here.sort_unstable_by(|&a, &b| whole(a).cmp(whole(b)));
+        count += here.windows(2).filter(|w| whole(w[0]).eq(whole(w[1]))).count();
+        start = end as usize;
+    }
+    count
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use std::collections::BTreeSet;
+
+    proptest! {
+        #[test]
+        fn duplicates_are_what_a_set_has_seen(polygons in prop::collection::vec((3..5_usize, 0..6_u32, 1..4_u32), 0..40)) {
+            let polygons = polygons.into_iter().map(|(n, first, step)| {
+                (0..n as u32).map(|i| (first + i * step) % 7).collect::<Vec<_>>()
+            });
+            let polygons: Vec<Vec<u32>> = polygons.collect();
+            let mut seen = BTreeSet::new();
+            let expected = polygons.iter().filter(|polygon| {
+                let rotations = (0..polygon.len()).map(|i| [&polygon[i..], &polygon[..i]].concat());
+                !seen.insert(rotations.min())
+            });
+            prop_assert_eq!(duplicates(&Faces::from_polygons(&polygons).unwrap()), expected.count());
+        }
+    }
+
+    #[test]
+    fn few_vertices_of_many_give_the_same_report() {
+        let report = |scale: u32, vertex_count: usize| {
+            let corners = [0, 1, 2, 2, 1, 3, 1, 2, 0, 4, 4, 1].map(|v| v * scale).to_vec();
+            let faces = Faces::from_triangles(corners).unwrap();
+            let mesh = Mesh::new(vec![[0.0; 3]; vertex_count], faces).unwrap();
+            let surface = Surface::new(&mesh, false);
+            MeshReport::of(&mesh, &surface, &DualGraph::new(surface.faces()))
+        };
+        let dense = report(1, 5);
+        assert_eq!((dense.duplicate_faces, dense.non_manifold_edges, dense.unreferenced_vertices), (1, 1, 0));
+        let sparse = MeshReport { vertices: 5, unreferenced_vertices: 0, ..report(1000, 4001) };
+        assert_eq!(sparse, dense);
+    }
 }

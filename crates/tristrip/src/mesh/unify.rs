@@ -3,10 +3,10 @@
 //! Vertices are one where their positions have the same bits; −0.0 counts as 0.0. Other attributes are not looked at.
 //!
 //! # Complexity
-//! O(n) time; about 40 bytes a vertex. Positions that several meshes share are looked at once.
+//! O(n) time over the corners; about 40 bytes for each position that a face uses, and 4 bytes a vertex unless the faces use few
+//! of them. Positions that several meshes share are looked at once.
 
 use std::collections::HashMap;
-use std::collections::hash_map::Entry;
 use std::sync::Arc;
 
 use super::{Faces, Mesh};
@@ -37,13 +37,25 @@ impl PositionIds {
     /// The meshes together have more corners, faces or positions than 32-bit ids can name.
     pub fn faces(&mut self, meshes: &[&Mesh]) -> Result<Faces, Error> {
         let mut known: HashMap<usize, Vec<u32>> = HashMap::new();
-        let mut corners = Vec::with_capacity(meshes.iter().map(|m| m.faces().corner_count()).sum());
+        let corner_count = meshes.iter().map(|m| m.faces().corner_count()).sum();
+        let mut corners = Vec::with_capacity(corner_count);
         for mesh in meshes {
-            let ids = match known.entry(Arc::as_ptr(&mesh.positions) as usize) {
-                Entry::Occupied(entry) => entry.into_mut(),
-                Entry::Vacant(entry) => entry.insert(self.number(mesh.positions())?),
-            };
-            corners.extend(mesh.faces().corners().iter().map(|&v| ids[v as usize]));
+            let all = mesh.faces().corners();
+            if mesh.vertex_count() / super::SPARSE > corner_count {
+                corners.extend(all.iter().map(|&v| self.number(mesh.positions[v as usize])));
+            } else {
+                // The number of each vertex, counted from 1; 0 for one that no face has named.
+                let known = known.entry(Arc::as_ptr(&mesh.positions) as usize);
+                let known = known.or_insert_with(|| vec![0; mesh.vertex_count()]);
+                corners.extend(all.iter().map(|&v| {
+                    let slot = &mut known[v as usize];
+                    if *slot == 0 {
+                        *slot = self.number(mesh.positions[v as usize]) + 1;
+                    }
+                    *slot - 1
+                }));
+            }
+            super::check_count("positions", self.positions.len())?;
         }
         if meshes.iter().all(|m| m.faces().as_triangles().is_some()) {
             return Faces::from_triangles(corners);
@@ -67,20 +79,15 @@ impl PositionIds {
         self.positions[id as usize]
     }
 
-    fn number(&mut self, positions: &[[f32; 3]]) -> Result<Vec<u32>, Error> {
-        let ids = positions.iter().map(|&position| {
-            // Adding 0.0 makes −0.0 into 0.0 and leaves every other finite number as it is.
-            let position = position.map(|x| x + 0.0);
-            let next = self.positions.len() as u32;
-            let id = *self.id_of.entry(position.map(f32::to_bits)).or_insert(next);
-            if id == next {
-                self.positions.push(position);
-            }
-            id
-        });
-        let ids = ids.collect();
-        super::check_count("positions", self.positions.len())?;
-        Ok(ids)
+    fn number(&mut self, position: [f32; 3]) -> u32 {
+        // Adding 0.0 makes −0.0 into 0.0 and leaves every other finite number as it is.
+        let position = position.map(|x| x + 0.0);
+        let next = self.positions.len() as u32;
+        let id = *self.id_of.entry(position.map(f32::to_bits)).or_insert(next);
+        if id == next {
+            self.positions.push(position);
+        }
+        id
     }
 }
 

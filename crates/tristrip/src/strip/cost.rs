@@ -70,6 +70,68 @@ impl Metrics {
     }
 }
 
+/// Adds the figures of a part to those of others. `indices_restart` is the length of one index buffer for all of them,
+/// `vertices_sent + strips − 1` still; `indices_degenerate` is the sum of an index buffer each.
+///
+/// ```
+/// use tristrip::{Strips, strip::Metrics};
+/// let mut strips = Strips::default();
+/// strips.push(&[0, 1, 2]);
+/// let part = Metrics::of(&strips);
+/// let both: Metrics = [part, part].into_iter().sum();
+/// assert_eq!((both.indices_restart, both.indices_degenerate), (7, 6));
+/// ```
+impl std::ops::Add for Metrics {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        let strips = self.strips + other.strips;
+        let vertices_sent = self.vertices_sent + other.vertices_sent;
+        Self {
+            triangles: self.triangles + other.triangles,
+            strips,
+            isolated: self.isolated + other.isolated,
+            swaps: self.swaps + other.swaps,
+            vertices_sent,
+            gl_cost: self.gl_cost + other.gl_cost,
+            indices_restart: vertices_sent + strips.saturating_sub(1),
+            indices_degenerate: self.indices_degenerate + other.indices_degenerate,
+        }
+    }
+}
+
+/// Sums the figures of a model's parts.
+impl std::iter::Sum for Metrics {
+    fn sum<I: Iterator<Item = Self>>(parts: I) -> Self {
+        parts.fold(Self::default(), |sum, part| sum + part)
+    }
+}
+
 fn per(count: usize, triangles: usize) -> f64 {
     if triangles == 0 { 0.0 } else { count as f64 / triangles as f64 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_add_up_to_one_list_but_for_degenerate_joins() {
+        let strips = [&[0, 1, 2][..], &[3, 4, 5, 6], &[7, 8, 9, 8, 10], &[11, 12, 13], &[14, 15, 16, 17]];
+        let list = |range: std::ops::Range<usize>| {
+            let mut list = Strips::default();
+            strips[range].iter().for_each(|strip| list.push(strip));
+            Metrics::of(&list)
+        };
+        for first in 0..=strips.len() {
+            for second in first..=strips.len() {
+                let parts = [list(0..first), list(first..second), list(second..strips.len())];
+                let sum: Metrics = parts.into_iter().sum();
+                let indices_degenerate = parts.iter().map(|part| part.indices_degenerate).sum();
+                let expected = Metrics { indices_degenerate, ..list(0..strips.len()) };
+                assert_eq!(sum, expected, "cut at {first} and {second}");
+            }
+        }
+        assert_eq!([Metrics::default(); 2].into_iter().sum::<Metrics>(), Metrics::default());
+    }
 }

@@ -12,9 +12,7 @@
 //! O(1) an index; 8 bytes a vertex.
 
 use super::Strips;
-
-/// Vertices for each one sent from which on the sent ones are renumbered: thousands of parts may share one list of vertices.
-const SPARSE: usize = 16;
+use crate::mesh::SPARSE;
 
 /// Which vertex leaves a full buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
