@@ -72,13 +72,13 @@ fn methods(cutoff: u32) -> Vec<Method> {
 fn mesh(bytes: &mut Bytes) -> Mesh {
     let vertex_count = match bytes.next() {
         small @ 0..=199 => u32::from(small) % 40 + 1,
-        large => u32::from(large) * 256 + u32::from(bytes.next()),
+        large => u32::from(large) * 4 + u32::from(bytes.next()),
     };
     let manner = bytes.next();
     let positions: Vec<[f32; 3]> = (0..vertex_count).map(|v| position(v, manner, bytes)).collect();
     let mut polygons: Vec<Vec<u32>> = Vec::new();
     let mut corners = 0;
-    while !bytes.0.is_empty() && corners < 5000 {
+    while !bytes.0.is_empty() && corners < 600 {
         let polygon = polygon(vertex_count, &polygons, bytes);
         corners += polygon.len();
         polygons.push(polygon);
@@ -113,8 +113,8 @@ fn polygon(vertex_count: u32, earlier: &[Vec<u32>], bytes: &mut Bytes) -> Vec<u3
             if size < 210 { square.to_vec() } else { square.into_iter().rev().collect() }
         }
         220..=239 => {
-            let (first, step, count) = (bytes.word(), u32::from(bytes.next()), bytes.word() % 700);
-            (0..count).map(|i| first.wrapping_add(i.wrapping_mul(step)) % vertex_count).collect()
+            let [first, step, count] = [0; 3].map(|_| u32::from(bytes.next()));
+            (0..count).map(|i| (first + i * step) % vertex_count).collect()
         }
         _ => {
             let mut copy = match earlier.len() {

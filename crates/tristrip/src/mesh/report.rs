@@ -72,21 +72,37 @@ impl MeshReport {
 
 /// Counts the faces that repeat an earlier one, whatever corner they begin with.
 fn duplicates(faces: &super::Faces) -> usize {
-    let rotated = |polygon: &[u32], i: usize| {
+    // Sorted by size and the first corners from the lowest on; the rest is read only where these are the same.
+    let key = |(face, polygon): (u32, &[u32])| {
         let lowest = (0..polygon.len()).min_by_key(|&k| polygon[k]).unwrap_or(0);
-        polygon[(lowest + i) % polygon.len()]
+        let corner = |i: usize| polygon[(lowest + i) % polygon.len()];
+        (polygon.len() as u32, [corner(0), corner(1), corner(2)], lowest as u32, face)
     };
-    let mut keys: Vec<(usize, [u32; 3], u32)> = faces
-        .iter()
-        .enumerate()
-        .map(|(f, p)| (p.len(), [rotated(p, 0), rotated(p, 1), rotated(p, 2)], f as u32))
-        .collect();
-    keys.sort_unstable();
-    let whole = |f: u32| {
-        let polygon = faces.face(f as usize);
-        (0..polygon.len()).map(move |i| rotated(polygon, i))
+    let mut keys: Vec<(u32, [u32; 3], u32, u32)> = (0..).zip(faces.iter()).map(key).collect();
+    let reading = |&(_, _, lowest, face): &(u32, [u32; 3], u32, u32)| {
+        let (before, from) = faces.face(face as usize).split_at(lowest as usize);
+        from.iter().chain(before)
     };
+    keys.sort_unstable_by(|a, b| {
+        (a.0, a.1).cmp(&(b.0, b.1)).then_with(|| reading(a).cmp(reading(b))).then(a.3.cmp(&b.3))
+    });
     keys.windows(2)
-        .filter(|w| (w[0].0, w[0].1) == (w[1].0, w[1].1) && whole(w[0].2).eq(whole(w[1].2)))
+        .filter(|w| (w[0].0, w[0].1) == (w[1].0, w[1].1) && reading(&w[0]).eq(reading(&w[1])))
         .count()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::Faces;
+
+    #[test]
+    fn counts_duplicates_whatever_stands_between_them() {
+        let fan = |last: u32| vec![0, 1, 2, last, 9];
+        let faces = Faces::from_polygons([fan(3), fan(4), vec![9, 0, 1, 2, 3], fan(4)]).unwrap();
+        assert_eq!(duplicates(&faces), 2);
+        assert_eq!(duplicates(&Faces::from_polygons([[0, 1, 2], [2, 1, 0], [1, 2, 0]]).unwrap()), 1);
+        let large: Vec<u32> = (0..200_000).collect();
+        assert_eq!(duplicates(&Faces::from_polygons([&large, &large]).unwrap()), 1);
+    }
 }
