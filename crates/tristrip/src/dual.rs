@@ -22,8 +22,7 @@
 //! Where a vertex has so many open edges that its list grows long, the pairing is done by sorting instead, with the same result.
 //!
 //! # Complexity
-//! O(n) time for meshes of bounded valence, O(n log n) at worst; 12 bytes a triangle, and while building 12 bytes a triangle and
-//! 12 a vertex more, up to the highest vertex that a face names.
+//! O(n) time for meshes of bounded valence, O(n log n) at worst; 12 bytes a triangle, and 4 bytes a vertex while building.
 
 use crate::mesh::Faces;
 
