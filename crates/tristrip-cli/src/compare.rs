@@ -5,7 +5,7 @@ use tristrip::{Method, Options};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::figures::{Figures, MeshFigures};
-use crate::input::{load, meshes};
+use crate::input::{fitted, load, meshes};
 use crate::method::{Chosen, MethodReport, methods_to_compare};
 use crate::report::{CompareReport, MethodRow, Seconds};
 use crate::stages::{Found, Pool, Prepared, find_strips, prepare, prove, timed};
@@ -80,12 +80,13 @@ fn compare(
 ) -> Result<(), Failure> {
     console.doing("load");
     let (model, seconds) = timed(|| load(input));
-    let model = model?;
+    let mut model = model?;
+    let options = fitted(task.options, &mut model);
     let meshes = meshes(&model);
     report.seconds.load = Some(seconds);
     report.parts = Some(meshes.len());
     report.notes.clone_from(&model.notes);
-    let (parts, dual_seconds) = timed(|| prepare(pool, &meshes, task.options.weld()));
+    let (parts, dual_seconds) = timed(|| prepare(pool, &meshes, options.weld()));
     report.seconds.dual = Some(dual_seconds);
     let (mesh, mesh_seconds) = timed(|| MeshFigures::of(pool, &parts));
     let size = format!("{}, {}", counted(mesh.faces, "face"), counted(mesh.vertices, "vertex"));
@@ -95,7 +96,7 @@ fn compare(
     report.notes.iter().for_each(|note| console.note(note));
     report.mesh = Some(mesh);
     for &method in methods {
-        let options = task.options.with_method(method);
+        let options = options.with_method(method);
         console.doing(&MethodReport::of(&options).label());
         report.methods.push(row(&parts, &options, pool));
         console.step();

@@ -22,6 +22,7 @@ impl Failure {
     pub(crate) fn reading(name: &str, error: &tristrip_io::Error) -> Self {
         Self::Input(match error {
             tristrip_io::Error::Io { path, source } if path == name => plain(source),
+            tristrip_io::Error::Io { path, source } => format!("{path}: {}", plain(source)),
             other => other.to_string(),
         })
     }

@@ -2,7 +2,7 @@
 
 use std::io::Read;
 
-use tristrip::Mesh;
+use tristrip::{Mesh, Options};
 use tristrip_io::{Format, Model};
 
 use crate::failure::Failure;
@@ -32,6 +32,16 @@ pub(crate) fn load(input: &Input) -> Result<Model, Failure> {
             tristrip_io::read(&bytes, format).map_err(failure)
         }
     }
+}
+
+/// Gives the options that fit a model: nothing is welded, and a note says so, where vertices may differ in what was not read.
+pub(crate) fn fitted(options: Options, model: &mut Model) -> Options {
+    if options.weld() && tristrip_io::gltf::has_unread_vertex_values(model) {
+        let why = "morph targets, or attributes that were not decoded, may tell vertices apart";
+        model.notes.push(format!("not welded: {why}"));
+        return options.with_weld(false);
+    }
+    options
 }
 
 /// Gives the meshes of a model's parts, in order.

@@ -6,7 +6,7 @@ use tristrip_io::Drawing;
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::figures::{Figures, MeshFigures};
-use crate::input::{load, meshes};
+use crate::input::{fitted, load, meshes};
 use crate::method::{Chosen, MethodReport};
 use crate::output;
 use crate::report::{Seconds, StripReport};
@@ -62,14 +62,15 @@ fn strip(
 ) -> Result<(), Failure> {
     console.doing("load");
     let (model, seconds) = timed(|| load(&job.input));
-    let model = model?;
+    let mut model = model?;
+    let options = fitted(task.options, &mut model);
     let meshes = meshes(&model);
     report.seconds.load = Some(seconds);
     report.parts = Some(meshes.len());
     report.notes.clone_from(&model.notes);
 
     console.doing("dual graph");
-    let (parts, dual_seconds) = timed(|| prepare(pool, &meshes, task.options.weld()));
+    let (parts, dual_seconds) = timed(|| prepare(pool, &meshes, options.weld()));
     report.seconds.dual = Some(dual_seconds);
     let (mesh, mesh_seconds) = timed(|| MeshFigures::of(pool, &parts));
     let size = format!("{}, {}", counted(mesh.faces, "face"), counted(mesh.vertices, "vertex"));
@@ -86,7 +87,7 @@ fn strip(
     report.mesh = Some(mesh);
 
     console.doing("stripify");
-    let (found, seconds) = timed(|| find_strips(pool, &parts, &task.options));
+    let (found, seconds) = timed(|| find_strips(pool, &parts, &options));
     let Found { strips, chosen } = found?;
     report.seconds.stripify = Some(seconds);
     let figures = Figures::of(pool, &parts, &strips);
@@ -101,7 +102,7 @@ fn strip(
 
     if task.verify {
         console.doing("verify");
-        let (proof, seconds) = timed(|| prove(pool, &parts, &strips, &task.options));
+        let (proof, seconds) = timed(|| prove(pool, &parts, &strips, &options));
         proof?;
         report.seconds.verify = Some(seconds);
         report.proven = Some(true);

@@ -220,6 +220,9 @@ fn jobs_to_directory(inputs: Vec<Input>, directory: &Path, args: &OutputArgs) ->
     if directory.exists() && !directory.is_dir() {
         return Err(format!("{}: many inputs need a directory, and this is a file", directory.display()));
     }
+    if !directory.exists() && Format::from_path(directory).is_some() {
+        return Err(format!("{}: many inputs need a directory, and this names a file", directory.display()));
+    }
     let mut first: HashMap<PathBuf, String> = HashMap::new();
     let mut jobs = Vec::with_capacity(inputs.len());
     for input in inputs {

@@ -112,6 +112,27 @@ impl Scene {
     }
 }
 
+/// Tells whether a model's document has values for vertices that the meshes of its parts do not hold: morph targets, and
+/// attributes that were not decoded. Vertices that look the same there need not be the same.
+///
+/// ```
+/// let json = br#"{"asset":{"version":"2.0"}}"#;
+/// assert!(!tristrip_io::gltf::has_unread_vertex_values(&tristrip_io::gltf::read(json.to_vec(), None)?));
+/// # Ok::<(), tristrip_io::Error>(())
+/// ```
+pub fn has_unread_vertex_values(model: &Model) -> bool {
+    let Some(scene) = &model.scene else { return false };
+    let meshes = document::array(&scene.root, "meshes").unwrap_or_default();
+    scene.primitives.iter().zip(&model.parts).any(|(at, part)| {
+        let Some(mesh) = meshes.get(at.mesh) else { return false };
+        document::items(mesh, "primitives").get(at.primitive).is_some_and(|primitive| {
+            let attributes = primitive.get("attributes").and_then(Value::as_object).map_or(0, Map::len);
+            // The position is an attribute of the primitive, and none of the mesh.
+            !document::items(primitive, "targets").is_empty() || attributes > part.mesh.attributes().len() + 1
+        })
+    })
+}
+
 /// The place of a part in the document.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct PrimitiveAt {

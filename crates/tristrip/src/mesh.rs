@@ -62,7 +62,7 @@ impl Faces {
     /// faces, starts at 0, never falls and ends at the number of corners. Faces may have any size, also 0.
     ///
     /// # Errors
-    /// The offsets do not describe the corners, or there are too many for 32-bit ids.
+    /// The offsets do not describe the corners, or these or those of the triangles that they make are too many for 32-bit ids.
     ///
     /// ```
     /// let quad_and_triangle = tristrip::Faces::from_offsets(vec![0, 4, 7], vec![0, 1, 2, 3, 3, 2, 4])?;
@@ -83,7 +83,13 @@ impl Faces {
             return Err(MeshProblem::CornerCount { found: corners.len() as u64, expected }.into());
         }
         let all_triangles = offsets.windows(2).all(|w| w[1] - w[0] == 3);
-        Ok(Self { corners, offsets: (!all_triangles).then_some(offsets) })
+        let faces = Self { corners, offsets: (!all_triangles).then_some(offsets) };
+        // Large polygons have up to three times their own corners once they are cut.
+        check_count(
+            "corners of the triangles that the faces make",
+            faces.triangle_count().saturating_mul(3),
+        )?;
+        Ok(faces)
     }
 
     /// Makes polygons from a list of them.

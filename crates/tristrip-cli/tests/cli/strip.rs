@@ -350,3 +350,30 @@ fn malformed_files_have_a_message_and_never_a_panic() {
         tristrip().args(["strip", "-q"]).arg(&file).assert().code(1).stdout("").stderr(contains(name));
     }
 }
+
+#[test]
+fn vertices_that_morph_targets_tell_apart_are_not_welded() {
+    let file = model("../issues/weld_morph_targets.glb");
+    for command in ["strip", "compare"] {
+        let report = json(tristrip().args([command, "--weld", "--json"]).arg(&file));
+        assert_eq!(report["mesh"]["welded_vertices"], 0);
+        assert_eq!(report["mesh"]["components"], 2);
+        assert!(report["notes"][0].as_str().unwrap().starts_with("not welded: "), "{}", report["notes"]);
+    }
+}
+
+#[test]
+fn many_inputs_make_no_directory_with_the_name_of_a_file() {
+    let dir = tempfile::tempdir().unwrap();
+    let out = dir.path().join("out.glb");
+    let inputs = [model("fish_control.ply"), model("hand.ply")];
+    tristrip()
+        .arg("strip")
+        .args(&inputs)
+        .arg("-o")
+        .arg(&out)
+        .assert()
+        .code(2)
+        .stderr(contains("names a file"));
+    assert!(!out.exists());
+}

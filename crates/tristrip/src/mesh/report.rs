@@ -133,4 +133,14 @@ mod tests {
         let sparse = MeshReport { vertices: 5, unreferenced_vertices: 0, ..report(1000, 4001) };
         assert_eq!(sparse, dense);
     }
+
+    #[test]
+    fn counts_duplicates_whatever_stands_between_them() {
+        let fan = |last: u32| vec![0, 1, 2, last, 9];
+        let faces = Faces::from_polygons([fan(3), fan(4), vec![9, 0, 1, 2, 3], fan(4)]).unwrap();
+        assert_eq!(duplicates(&faces), 2);
+        assert_eq!(duplicates(&Faces::from_polygons([[0, 1, 2], [2, 1, 0], [1, 2, 0]]).unwrap()), 1);
+        let large: Vec<u32> = (0..200_000).collect();
+        assert_eq!(duplicates(&Faces::from_polygons([&large, &large]).unwrap()), 1);
+    }
 }

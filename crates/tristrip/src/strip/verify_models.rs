@@ -10,6 +10,8 @@
 //! # Complexity
 //! O(n log n) time; about 70 bytes a vertex and 60 bytes a triangle, both models together.
 
+use std::cmp::Ordering;
+
 use super::verify::{Proof, Unproven, lowest_first, verify_drawing};
 use crate::error::Error;
 use crate::mesh::{Faces, Mesh, PositionIds};
@@ -163,11 +165,23 @@ fn uncommon(a: &Faces, b: &Faces) -> (Vec<u32>, Vec<u32>) {
     left
 }
 
-/// Gives the corners of a face from its lowest on; where that comes twice, the lowest of the readings.
+/// Gives the corners of a face from its lowest on; where that comes twice, the lowest of the readings. Two starts are compared
+/// at a time, and what lies between them and their first difference cannot be a better one (Shiloach 1981): O(n).
 fn rotated(face: &[u32]) -> Vec<u32> {
-    let lowest = face.iter().min();
-    let starts = (0..face.len()).filter(|&i| Some(&face[i]) == lowest);
-    starts.map(|i| [&face[i..], &face[..i]].concat()).min().unwrap_or_default()
+    let n = face.len();
+    let (mut best, mut other, mut same) = (0, 1, 0);
+    while best < n && other < n && same < n {
+        match face[(best + same) % n].cmp(&face[(other + same) % n]) {
+            Ordering::Equal => same += 1,
+            Ordering::Less => (other, same) = (other + same + 1, 0),
+            Ordering::Greater => (best, same) = (best + same + 1, 0),
+        }
+        if best == other {
+            other += 1;
+        }
+    }
+    let start = best.min(other);
+    [&face[start..], &face[..start]].concat()
 }
 
 /// Holds the triangles of one side, polygons as fans, to the faces of the other.
@@ -225,12 +239,12 @@ fn subtract(a: &[[u32; 3]], b: &[[u32; 3]]) -> (Vec<[u32; 3]>, Vec<[u32; 3]>) {
     let (mut i, mut j, mut only) = (0, 0, (Vec::new(), Vec::new()));
     while i < a.len() && j < b.len() {
         match a[i].cmp(&b[j]) {
-            std::cmp::Ordering::Equal => (i, j) = (i + 1, j + 1),
-            std::cmp::Ordering::Less => {
+            Ordering::Equal => (i, j) = (i + 1, j + 1),
+            Ordering::Less => {
                 only.0.push(a[i]);
                 i += 1;
             }
-            std::cmp::Ordering::Greater => {
+            Ordering::Greater => {
                 only.1.push(b[j]);
                 j += 1;
             }
@@ -310,7 +324,21 @@ mod tests {
         all
     }
 
+    #[test]
+    fn a_large_face_over_one_corner_takes_no_square_of_time() {
+        assert_eq!(rotated(&vec![7; 1_000_000]).len(), 1_000_000);
+        let mut face = vec![0; 100_000];
+        face.extend([1, 0]);
+        assert_eq!(rotated(&face)[100_000..], [0, 1]);
+    }
+
     proptest! {
+        #[test]
+        fn the_lowest_reading_is_that_of_all(face in prop::collection::vec(0..3_u32, 0..12)) {
+            let all = (0..face.len()).map(|i| [&face[i..], &face[..i]].concat());
+            prop_assert_eq!(rotated(&face), all.min().unwrap_or_default());
+        }
+
         #[test]
         fn triangles_are_equal_when_their_multisets_are(
             source in prop::collection::vec([0..5_u32, 0..5, 0..5], 0..8),
