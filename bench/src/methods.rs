@@ -26,6 +26,12 @@ pub struct Named {
     pub method: Method,
 }
 
+/// STRIPE's local algorithm as it is by default, by its name among the variants.
+const LOCAL: (&str, Method) = (
+    "stripe-local whole sequential",
+    Method::StripeLocal { triangulation: FaceTriangulation::Whole, ties: Ties::Sequential },
+);
+
 /// Lists one method for each family.
 pub fn main_methods() -> Vec<Named> {
     let named = |name: &str, method| Named { name: name.into(), method };
@@ -35,6 +41,7 @@ pub fn main_methods() -> Vec<Named> {
         named("input", Method::Input),
         named("sgi", Method::Sgi),
         named("stripe", Method::STRIPE),
+        named(LOCAL.0, LOCAL.1),
     ]
 }
 
@@ -44,7 +51,9 @@ pub fn all_methods() -> Vec<Named> {
     for (triangulation, when) in TRIANGULATIONS {
         for (ties, rule) in TIES {
             let method = Method::StripeLocal { triangulation, ties };
-            methods.push(Named { name: format!("stripe-local {when} {rule}"), method });
+            if method != LOCAL.1 {
+                methods.push(Named { name: format!("stripe-local {when} {rule}"), method });
+            }
         }
     }
     for (patches, how) in PATCHES {
