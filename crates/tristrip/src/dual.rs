@@ -210,6 +210,8 @@ fn polygon_shape(faces: &Faces) -> (Vec<u32>, Vec<u32>) {
 
 /// What the pairing asks of faces of one shape; the functions are called for every half-edge, so that they are inlined.
 trait Corners {
+    /// Whether faces may have more than three corners.
+    const LARGER: bool;
     fn vertices(&self) -> &[u32];
     /// The corner after this one in its face.
     fn next(&self, corner: usize) -> usize;
@@ -223,6 +225,7 @@ struct TriangleCorners<'a> {
 }
 
 impl Corners for TriangleCorners<'_> {
+    const LARGER: bool = false;
     #[inline]
     fn vertices(&self) -> &[u32] {
         self.corners
@@ -248,6 +251,7 @@ struct PolygonCorners<'a> {
 }
 
 impl Corners for PolygonCorners<'_> {
+    const LARGER: bool = true;
     #[inline]
     fn vertices(&self) -> &[u32] {
         self.corners
@@ -276,7 +280,7 @@ fn pair(corners: &impl Corners) -> Vec<u32> {
 /// The pairing where no two half-edges have the same direction over the same vertices, so that there is nothing to choose;
 /// `None` where two have. Goes over the vertices: each marks where its outgoing half-edges lead, and each incoming one reads
 /// the mark of where it comes from. Hardly a branch depends on the data, which is what makes it fast.
-fn pair_simple(corners: &impl Corners) -> Option<Vec<u32>> {
+fn pair_simple<C: Corners>(corners: &C) -> Option<Vec<u32>> {
     let vertices = corners.vertices();
     let vertex_count = vertices.iter().max().map_or(0, |&v| v as usize + 1);
     let (ends, by_vertex) = sorted_by_vertex(vertices.iter().copied(), vertex_count);
@@ -288,17 +292,18 @@ fn pair_simple(corners: &impl Corners) -> Option<Vec<u32>> {
     for (v, &end) in (1_u32..).zip(&ends) {
         let here = &by_vertex[start..end as usize];
         for &corner in here {
-            let mark = &mut marks[vertices[corners.next(corner as usize)] as usize];
-            if mark.0 == v {
-                return None;
+            let to = vertices[corners.next(corner as usize)];
+            let mark = &mut marks[to as usize];
+            if mark.0 == v || to + 1 == v {
+                return None; // two of one direction, or one of no length
             }
             *mark = (v, corner);
         }
         for &corner in here {
             let incoming = corners.previous(corner as usize);
             let (marked_by, outgoing) = marks[vertices[incoming] as usize];
-            if marked_by == v && corners.face(outgoing as usize) == corners.face(incoming) {
-                return None; // a face that passes an edge there and back
+            if C::LARGER && marked_by == v && corners.face(outgoing as usize) == corners.face(incoming) {
+                return None; // a face that passes an edge there and back; a triangle then has one of no length
             }
             twins[incoming] = if marked_by == v { outgoing } else { NONE };
         }

@@ -142,7 +142,7 @@ pub struct Plan<'a> {
 }
 
 impl Plan<'_> {
-    /// Counts the indices of the strips with restarts between them, as [`emit`] will send them.
+    /// Counts the indices of the strips with restarts between them, as [`emit()`] will send them.
     ///
     /// ```
     /// use tristrip::{DualGraph, Faces, Mesh, Options, Surface, stripify::plan};

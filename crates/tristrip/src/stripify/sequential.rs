@@ -49,12 +49,16 @@ use sheet::{Polygons, Sheet};
 const NONE: u32 = u32::MAX;
 /// What a strip costs beyond one index a triangle: two vertices and the restart.
 const STRIP: u32 = 3;
+/// Regular meshes of more triangles are stripped in the usual manner alone, so that the time for each triangle stays the same.
+const LARGE: usize = 1 << 20;
 /// Meshes whose strips cost less than so many percent beyond one index a triangle are regular, and stripped likewise. Tuned on the
 /// test models: grids and lathed shapes have 0–5, fandisk 15.
 const REGULAR_PERCENT: i64 = 6;
 /// Least and greatest number of times that the ends of small and regular meshes are gone over again; between them, a quarter of
-/// the triangles of a strip on average, so that meshes of few ends get more. Tuned on the same.
+/// the triangles of a strip on average, so that meshes of few ends get more. Tuned on the same. Past so many triangles it is the
+/// least number.
 const DRIFTS: (usize, usize) = (8, 64);
+const DRIFTS_LIMIT: usize = 1 << 17;
 
 /// Meshes of fewer triangles are stripped by one thread: a manner takes less than a tenth of a millisecond there.
 #[cfg(feature = "rayon")]
@@ -123,8 +127,8 @@ pub(super) fn plan<'a>(surface: &'a Surface<'_>, graph: &'a DualGraph) -> Plan<'
         let (_, cover) = cover(|| graph, strip_triangles(graph));
         return Plan { triangulation, cover };
     }
-    let polygons = Polygons::new(surface.faces(), graph);
-    let (polygons, cover) = cover(|| polygons.clone(), strip(polygons.clone(), USUAL));
+    let fresh = || Polygons::new(surface.faces(), graph);
+    let (polygons, cover) = cover(fresh, strip(fresh(), USUAL));
     Plan { triangulation: polygons.into_triangulation(), cover }
 }
 
@@ -152,14 +156,15 @@ fn cover<S: Sheet + Clone + Send>(
 ) -> (S, PathCover) {
     let count = usual.1.len();
     let is_regular = 100 * cost < REGULAR_PERCENT * (count as u64).cast_signed();
-    if count > S::SMALL && !is_regular {
+    if count > S::SMALL && (count > LARGE || !is_regular) {
         return usual;
     }
     let for_polygons: &[Manner] = if S::HAS_POLYGONS { &OTHERS_FOR_POLYGONS } else { &[] };
     let others = [&OTHERS, for_polygons].concat();
     let best = cheapest((price(&usual), usual), &others, |manner| strip(fresh(), manner).0);
     let (mut sheet, mut drifted) = best.1.clone();
-    let drifts = (count / 4).checked_div(drifted.path_count()).unwrap_or(0).clamp(DRIFTS.0, DRIFTS.1);
+    let most = if count > DRIFTS_LIMIT { DRIFTS.0 } else { DRIFTS.1 };
+    let drifts = (count / 4).checked_div(drifted.path_count()).unwrap_or(0).clamp(DRIFTS.0, most);
     for _ in 0..ROUNDS {
         let strip_of = drifted.renumber(sheet.graph()).path;
         exchange::improve(sheet.graph(), &mut drifted, strip_of, (drifts / ROUNDS) as u32);
