@@ -175,7 +175,13 @@ fn check_scene(name: &str, glb: &[u8]) -> Vec<(String, Vec<u8>)> {
             assert_eq!(back.parts.len(), drawn);
         } else {
             for (part, strips) in strips.iter().enumerate() {
-                assert_eq!(triangles(&back, part), turned(strips.triangles()), "{name} {layout:?} {part}");
+                // Strips that are joined are drawn in another order.
+                let sorted = |mut triangles: Vec<[u32; 3]>| {
+                    triangles.sort_unstable();
+                    triangles
+                };
+                let (drawn, wanted) = (sorted(triangles(&back, part)), sorted(turned(strips.triangles())));
+                assert!(drawn == wanted, "{name} {layout:?} {part}: other triangles are drawn");
             }
         }
         files.push((format!("{name}_{layout:?}.glb"), after));
