@@ -1,0 +1,136 @@
+//! Faces seen as corners, the same for triangles and polygons, and what is counted over them.
+
+use crate::mesh::Faces;
+
+/// Gives the first corner of each face, with the end of the last, and the face of each corner.
+pub(super) fn polygon_shape(faces: &Faces) -> (Vec<u32>, Vec<u32>) {
+    let mut offsets = Vec::with_capacity(faces.face_count() + 1);
+    let mut face_of = Vec::with_capacity(faces.corner_count());
+    offsets.push(0);
+    for (face, polygon) in faces.iter().enumerate() {
+        face_of.resize(face_of.len() + polygon.len(), face as u32);
+        offsets.push(face_of.len() as u32);
+    }
+    (offsets, face_of)
+}
+
+/// What the pairing asks of faces of one shape; the functions are called for every half-edge, so that they are inlined.
+pub(super) trait Corners {
+    /// Whether faces may have more than three corners.
+    const LARGER: bool;
+    fn vertices(&self) -> &[u32];
+    /// The corner after this one in its face.
+    fn next(&self, corner: usize) -> usize;
+    /// The corner before this one in its face.
+    fn previous(&self, corner: usize) -> usize;
+    fn face(&self, corner: usize) -> usize;
+}
+
+pub(super) struct TriangleCorners<'a> {
+    pub(super) corners: &'a [u32],
+}
+
+impl Corners for TriangleCorners<'_> {
+    const LARGER: bool = false;
+    #[inline]
+    fn vertices(&self) -> &[u32] {
+        self.corners
+    }
+    #[inline]
+    fn next(&self, corner: usize) -> usize {
+        if corner % 3 == 2 { corner - 2 } else { corner + 1 }
+    }
+    #[inline]
+    fn previous(&self, corner: usize) -> usize {
+        if corner.is_multiple_of(3) { corner + 2 } else { corner - 1 }
+    }
+    #[inline]
+    fn face(&self, corner: usize) -> usize {
+        corner / 3
+    }
+}
+
+pub(super) struct PolygonCorners<'a> {
+    pub(super) corners: &'a [u32],
+    pub(super) offsets: &'a [u32],
+    pub(super) face_of: &'a [u32],
+}
+
+impl Corners for PolygonCorners<'_> {
+    const LARGER: bool = true;
+    #[inline]
+    fn vertices(&self) -> &[u32] {
+        self.corners
+    }
+    #[inline]
+    fn next(&self, corner: usize) -> usize {
+        let face = self.face_of[corner] as usize;
+        if corner + 1 == self.offsets[face + 1] as usize { self.offsets[face] as usize } else { corner + 1 }
+    }
+    #[inline]
+    fn previous(&self, corner: usize) -> usize {
+        let face = self.face_of[corner] as usize;
+        if corner == self.offsets[face] as usize { self.offsets[face + 1] as usize - 1 } else { corner - 1 }
+    }
+    #[inline]
+    fn face(&self, corner: usize) -> usize {
+        self.face_of[corner] as usize
+    }
+}
+
+/// Sorts the numbers 0, 1, 2 … of items by the items' vertices, by counting; gives the end of each vertex's range, and the
+/// numbers, in order within a vertex.
+pub(crate) fn sorted_by_vertex(
+    vertices: impl Iterator<Item = u32> + Clone,
+    vertex_count: usize,
+) -> (Vec<u32>, Vec<u32>) {
+    // `ends[v]` moves from the start of v's range to its end.
+    let mut ends = vec![0_u32; vertex_count];
+    vertices.clone().for_each(|v| ends[v as usize] += 1);
+    let mut total = 0;
+    for end in &mut ends {
+        total += std::mem::replace(end, total);
+    }
+    let mut sorted = vec![0_u32; total as usize];
+    for (item, v) in vertices.enumerate() {
+        let slot = &mut ends[v as usize];
+        sorted[*slot as usize] = item as u32;
+        *slot += 1;
+    }
+    (ends, sorted)
+}
+
+/// Counts the half-edges over each edge of the faces: `edge` is called with the number of forward half-edges, which run from
+/// the lower vertex to the higher, and of backward ones, once for each edge, in order of their vertices.
+///
+/// The half-edges are sorted by their lower vertex by counting, and those of each vertex, mostly a handful, by comparing.
+pub(crate) fn for_each_edge(faces: &Faces, edge: impl FnMut(usize, usize)) {
+    if faces.as_triangles().is_some() {
+        return count_edges(&TriangleCorners { corners: faces.corners() }, edge);
+    }
+    let (offsets, face_of) = polygon_shape(faces);
+    count_edges(&PolygonCorners { corners: faces.corners(), offsets: &offsets, face_of: &face_of }, edge);
+}
+
+fn count_edges(corners: &impl Corners, mut edge: impl FnMut(usize, usize)) {
+    let vertices = corners.vertices();
+    let vertex_count = vertices.iter().max().map_or(0, |&v| v as usize + 1);
+    let to = |h: usize| vertices[corners.next(h)];
+    let lows = vertices.iter().enumerate().map(|(h, &from)| from.min(to(h)));
+    let (ends, by_low) = sorted_by_vertex(lows, vertex_count);
+    let mut here: Vec<(u32, bool)> = Vec::new();
+    let mut start = 0;
+    for (low, &end) in (0_u32..).zip(&ends) {
+        here.clear();
+        here.extend(by_low[start..end as usize].iter().filter_map(|&h| {
+            let (from, to) = (vertices[h as usize], to(h as usize));
+            (from != to).then_some((from.max(to), from == low))
+        }));
+        here.sort_unstable();
+        for group in here.chunk_by(|a, b| a.0 == b.0) {
+            let forward = group.iter().filter(|&&(_, forward)| forward).count();
+            edge(forward, group.len() - forward);
+        }
+        start = end as usize;
+    }
+}

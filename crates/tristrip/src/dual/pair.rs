@@ -1,0 +1,343 @@
+//! Pairs half-edges into twins, by the rule that [`super`] states.
+//!
+//! # Algorithm
+//! Where no two half-edges have the same direction over the same vertices, and none is its own face's reverse, there is nothing
+//! to choose, and twins are found vertex by vertex through marks.
+//!
+//! Else half-edges are taken in order. Each waits in the list of its lower vertex until a half-edge of opposite direction over the
+//! same vertices comes, and is then paired and taken off. The list lives in the slots of the twins that are still unknown,
+//! so that only its heads need memory. Where a vertex has so many open edges that its list grows long, the pairing is done by
+//! sorting instead, with the same result.
+//!
+//! # Complexity
+//! See [`super`].
+
+use super::NONE;
+use super::corners::{Corners, sorted_by_vertex};
+
+/// How many open half-edges over one edge are looked at before a new one is left to wait.
+const CANDIDATES: usize = 8;
+/// Steps over waiting half-edges, for each half-edge on average, after which the pairing is done by sorting.
+const STEPS_PER_HALF_EDGE: usize = 32;
+
+/// Pairs all half-edges; gives the twin of each, or `NONE`.
+pub(super) fn pair(corners: &impl Corners) -> Vec<u32> {
+    pair_simple(corners).or_else(|| pair_by_lists(corners)).unwrap_or_else(|| pair_by_sorting(corners))
+}
+
+/// The pairing where no two half-edges have the same direction over the same vertices, so that there is nothing to choose;
+/// `None` where two have. Goes over the vertices: each marks where its outgoing half-edges lead, and each incoming one reads
+/// the mark of where it comes from. Hardly a branch depends on the data, which is what makes it fast.
+fn pair_simple<C: Corners>(corners: &C) -> Option<Vec<u32>> {
+    let vertices = corners.vertices();
+    let vertex_count = vertices.iter().max().map_or(0, |&v| v as usize + 1);
+    let (ends, by_vertex) = sorted_by_vertex(vertices.iter().copied(), vertex_count);
+    // For each vertex: the half-edge that leads to it from the vertex named with it, counted from 1. Memory that is zero at
+    // first needs no pass of its own.
+    let mut marks = vec![(0, 0); vertex_count];
+    let mut twins = vec![0; vertices.len()];
+    let mut start = 0;
+    for (v, &end) in (1_u32..).zip(&ends) {
+        let here = &by_vertex[start..end as usize];
+        for &corner in here {
+            let to = vertices[corners.next(corner as usize)];
+            let mark = &mut marks[to as usize];
+            if mark.0 == v || to + 1 == v {
+                return None; // two of one direction, or one of no length
+            }
+            *mark = (v, corner);
+        }
+        for &corner in here {
+            let incoming = corners.previous(corner as usize);
+            let (marked_by, outgoing) = marks[vertices[incoming] as usize];
+            if C::LARGER && marked_by == v && corners.face(outgoing as usize) == corners.face(incoming) {
+                return None; // a face that passes an edge there and back; a triangle then has one of no length
+            }
+            twins[incoming] = if marked_by == v { outgoing } else { NONE };
+        }
+        start = end as usize;
+    }
+    Some(twins)
+}
+
+/// Tells whether two half-edges over the same vertices may be twins: they run in opposite directions, in different faces.
+#[inline]
+fn opposite(corners: &impl Corners, h: usize, other: usize) -> bool {
+    corners.vertices()[h] != corners.vertices()[other] && corners.face(h) != corners.face(other)
+}
+
+/// Tells whether the two faces at twins fold back onto each other, as a face and its own reverse do.
+#[inline]
+fn folds_back(corners: &impl Corners, h: usize, other: usize) -> bool {
+    let v = corners.vertices();
+    v[corners.next(corners.next(h))] == v[corners.previous(other)]
+}
+
+/// The pairing by waiting lists; `None` where the lists of some vertices are too long for it.
+fn pair_by_lists(corners: &impl Corners) -> Option<Vec<u32>> {
+    let vertices = corners.vertices();
+    let vertex_count = vertices.iter().max().map_or(0, |&v| v as usize + 1);
+    let mut heads = vec![NONE; vertex_count];
+    // The twin where it is known, else the next half-edge that waits at the same vertex.
+    let mut twins = vec![NONE; vertices.len()];
+    let mut steps = 0;
+    let limit = STEPS_PER_HALF_EDGE * vertices.len() + 1024;
+    let mut folded = false;
+    for h in 0..vertices.len() {
+        let (from, to) = (vertices[h], vertices[corners.next(h)]);
+        let (low, high) = (from.min(to), from.max(to));
+        let head = &mut heads[low as usize];
+        let (mut before, mut waiting, mut seen) = (NONE, *head, 0);
+        let found = loop {
+            if waiting == NONE || seen == CANDIDATES {
+                break None;
+            }
+            steps += 1;
+            let w = waiting as usize;
+            let (a, b) = (vertices[w], vertices[corners.next(w)]);
+            if a.max(b) == high {
+                seen += 1;
+                if opposite(corners, h, w) {
+                    if folds_back(corners, h, w) {
+                        folded = true;
+                    } else {
+                        break Some(w);
+                    }
+                }
+            }
+            before = waiting;
+            waiting = twins[w];
+        };
+        if let Some(w) = found {
+            let after = twins[w];
+            if before == NONE {
+                *head = after
+            } else {
+                twins[before as usize] = after
+            }
+            twins[w] = h as u32;
+            twins[h] = w as u32;
+        } else {
+            twins[h] = *head;
+            *head = h as u32;
+        }
+        if steps > limit {
+            return None;
+        }
+    }
+    // What still waits has no twin, unless it was passed over because it folds back.
+    let mut left = Vec::new();
+    for head in heads {
+        let mut waiting = head;
+        while waiting != NONE {
+            let next = std::mem::replace(&mut twins[waiting as usize], NONE);
+            if folded {
+                left.push(waiting);
+            }
+            waiting = next;
+        }
+    }
+    pair_leftovers(corners, left, &mut twins);
+    Some(twins)
+}
+
+/// The pairing by sorting, with the same result: half-edges grouped by edge, in order, and the same rule in each group.
+fn pair_by_sorting(corners: &impl Corners) -> Vec<u32> {
+    let mut twins = vec![NONE; corners.vertices().len()];
+    let mut left = Vec::new();
+    let mut waiting: Vec<u32> = Vec::new();
+    for group in sorted_by_edge(corners, (0..twins.len() as u32).collect()).chunk_by(|a, b| a.0 == b.0) {
+        waiting.clear();
+        for &(_, h) in group {
+            let recent = waiting.len().saturating_sub(CANDIDATES)..waiting.len();
+            let found = recent.rev().find(|&i| {
+                let w = waiting[i] as usize;
+                opposite(corners, h as usize, w) && !folds_back(corners, h as usize, w)
+            });
+            if let Some(i) = found {
+                let w = waiting.remove(i);
+                twins[w as usize] = h;
+                twins[h as usize] = w;
+            } else {
+                waiting.push(h);
+            }
+        }
+        left.extend_from_slice(&waiting);
+    }
+    pair_leftovers(corners, left, &mut twins);
+    twins
+}
+
+/// Pairs what is left over each edge, forward half-edges with backward ones, in order.
+fn pair_leftovers(corners: &impl Corners, left: Vec<u32>, twins: &mut [u32]) {
+    let (mut forward, mut backward) = (Vec::new(), Vec::new());
+    for group in sorted_by_edge(corners, left).chunk_by(|a, b| a.0 == b.0) {
+        forward.clear();
+        backward.clear();
+        for &(edge, h) in group {
+            let list = if u64::from(corners.vertices()[h as usize]) == edge >> 32 {
+                &mut forward
+            } else {
+                &mut backward
+            };
+            list.push(h);
+        }
+        for (&a, &b) in forward.iter().zip(&backward) {
+            if corners.face(a as usize) != corners.face(b as usize) {
+                twins[a as usize] = b;
+                twins[b as usize] = a;
+            }
+        }
+    }
+}
+
+/// Sorts half-edges by their edge (lower vertex, then higher), in order within an edge; those of no length are left out.
+fn sorted_by_edge(corners: &impl Corners, half_edges: Vec<u32>) -> Vec<(u64, u32)> {
+    let vertices = corners.vertices();
+    let mut keyed: Vec<(u64, u32)> = half_edges
+        .into_iter()
+        .filter_map(|h| {
+            let (from, to) = (vertices[h as usize], vertices[corners.next(h as usize)]);
+            let edge = u64::from(from.min(to)) << 32 | u64::from(from.max(to));
+            (from != to).then_some((edge, h))
+        })
+        .collect();
+    keyed.sort_unstable();
+    keyed
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::corners::{PolygonCorners, TriangleCorners, for_each_edge, polygon_shape};
+    use super::*;
+    use crate::dual::{DualGraph, HalfEdge};
+    use crate::mesh::Faces;
+    use proptest::prelude::*;
+
+    /// The pairing rule as it reads: every half-edge in order, every earlier one looked at.
+    fn naive(corners: &impl Corners) -> Vec<u32> {
+        let vertices = corners.vertices();
+        let edge = |h: usize| {
+            let (a, b) = (vertices[h], vertices[corners.next(h)]);
+            (a.min(b), a.max(b))
+        };
+        let mut twins = vec![NONE; vertices.len()];
+        for h in 0..vertices.len() {
+            let waiting =
+                (0..h).rev().filter(|&w| twins[w] == NONE && edge(w) == edge(h) && edge(h).0 != edge(h).1);
+            let found =
+                waiting.take(CANDIDATES).find(|&w| opposite(corners, h, w) && !folds_back(corners, h, w));
+            if let Some(w) = found {
+                twins[w] = h as u32;
+                twins[h] = w as u32;
+            }
+        }
+        let left = (0..vertices.len() as u32).filter(|&h| twins[h as usize] == NONE).collect();
+        pair_leftovers(corners, left, &mut twins);
+        twins
+    }
+
+    /// Holds every way of pairing to the rule wherever it gives an answer, and the count of edges to sorting.
+    fn compare_by(corners: &impl Corners, faces: &Faces) {
+        let expected = naive(corners);
+        assert_eq!(DualGraph::new(faces).twins, expected);
+        assert_eq!(pair_by_sorting(corners), expected);
+        if let Some(twins) = pair_by_lists(corners) {
+            assert_eq!(twins, expected);
+        }
+        let directed: Vec<(u32, u32)> = (0..faces.corner_count())
+            .map(|h| (corners.vertices()[h], corners.vertices()[corners.next(h)]))
+            .collect();
+        let mut sorted = directed.clone();
+        sorted.sort_unstable();
+        match pair_simple(corners) {
+            Some(twins) => assert_eq!(twins, expected),
+            None => assert!(sorted.windows(2).any(|w| w[0] == w[1]), "nothing to choose"),
+        }
+
+        let half_edges = (0..faces.corner_count() as u32).collect();
+        let by_sorting: Vec<(usize, usize)> = sorted_by_edge(corners, half_edges)
+            .chunk_by(|a, b| a.0 == b.0)
+            .map(|group| {
+                let forward =
+                    |&&(edge, h): &&(u64, u32)| u64::from(corners.vertices()[h as usize]) == edge >> 32;
+                let forward = group.iter().filter(forward).count();
+                (forward, group.len() - forward)
+            })
+            .collect();
+        let mut counted = Vec::new();
+        for_each_edge(faces, |forward, backward| counted.push((forward, backward)));
+        assert_eq!(counted, by_sorting);
+    }
+
+    fn compare(faces: &Faces) {
+        assert_eq!(DualGraph::new(faces).check(), Ok(()));
+        if faces.as_triangles().is_some() {
+            compare_by(&TriangleCorners { corners: faces.corners() }, faces);
+        }
+        let (offsets, face_of) = polygon_shape(faces);
+        let corners = PolygonCorners { corners: faces.corners(), offsets: &offsets, face_of: &face_of };
+        compare_by(&corners, faces);
+        // The same vertices under numbers far apart, which are numbered anew.
+        let apart = faces.corners().iter().map(|v| 1000 * v).collect();
+        let apart = Faces::from_offsets(offsets.clone(), apart).unwrap();
+        assert_eq!(DualGraph::new(&apart).twins, naive(&corners));
+    }
+
+    proptest! {
+        #[test]
+        fn agrees_with_the_naive_rule(corners in prop::collection::vec((0..9_u32, 0..9_u32, 0..9_u32), 0..60)) {
+            let corners: Vec<u32> = corners.into_iter().filter(|t| t.0 != t.1 && t.1 != t.2 && t.0 != t.2)
+                .flat_map(|t| [t.0, t.1, t.2]).collect();
+            compare(&Faces::from_triangles(corners).unwrap());
+        }
+
+        #[test]
+        fn agrees_with_the_naive_rule_on_polygons(seeds in prop::collection::vec((3..7_usize, 0..12_u32, 1..4_u32), 0..30)) {
+            let polygons = seeds.into_iter().map(|(n, first, step)| {
+                (0..n as u32).map(|i| (first + i * step) % 23).collect::<Vec<_>>()
+            });
+            compare(&Faces::from_polygons(polygons).unwrap());
+        }
+    }
+
+    #[test]
+    fn faces_that_pass_an_edge_twice_are_not_joined_with_themselves() {
+        compare(&Faces::from_triangles(vec![0, 1, 0, 1, 0, 2, 3, 3, 3]).unwrap());
+        compare(&Faces::from_polygons([vec![0, 1, 2, 1], vec![2, 1, 3], vec![4, 4]]).unwrap());
+    }
+
+    #[test]
+    fn every_way_of_pairing_is_reached() {
+        // A tetrahedron; with a face twice; a fan, whose open edges leave the lists long.
+        let closed = vec![0, 1, 2, 0, 2, 3, 0, 3, 1, 3, 2, 1];
+        let doubled = [&closed[..], &closed[..3]].concat();
+        let star: Vec<u32> = (0..300).flat_map(|i| [0, 1 + 2 * i, 2 + 2 * i]).collect();
+        assert!(pair_simple(&TriangleCorners { corners: &closed }).is_some());
+        assert!(pair_simple(&TriangleCorners { corners: &doubled }).is_none());
+        for corners in [closed, doubled, star] {
+            compare(&Faces::from_triangles(corners).unwrap());
+        }
+    }
+
+    #[test]
+    fn a_star_of_open_edges_is_paired_by_sorting() {
+        let corners: Vec<u32> = (0..5000).flat_map(|i| [0, 1 + 2 * i, 2 + 2 * i]).collect();
+        assert!(pair_by_lists(&TriangleCorners { corners: &corners }).is_none());
+        assert_eq!(DualGraph::new(&Faces::from_triangles(corners).unwrap()).components().1, 5000);
+    }
+
+    #[test]
+    fn doubled_faces_join_their_neighbours_first() {
+        // Two triangles that share an edge, each with its own reverse.
+        let faces = Faces::from_triangles(vec![0, 1, 2, 0, 2, 1, 2, 1, 3, 2, 3, 1]).unwrap();
+        let graph = DualGraph::new(&faces);
+        let over_shared_edge: Vec<_> = (0..12)
+            .filter(|&h| {
+                let face = h / 3;
+                graph.twin(HalfEdge(h)).is_some_and(|t| t.0 / 3 / 2 != face / 2)
+            })
+            .collect();
+        assert_eq!(over_shared_edge.len(), 4);
+    }
+}
