@@ -150,51 +150,49 @@ fn strip<S: Sheet>(sheet: S, manner: Manner) -> ((S, PathCover), i64) {
 }
 
 /// Covers a sheet, given what the usual manner makes of it.
-fn cover<S: Sheet + Clone + Send>(
-    fresh: impl Fn() -> S + Sync,
-    (usual, cost): ((S, PathCover), i64),
-) -> (S, PathCover) {
+fn cover<S: Sheet>(fresh: impl Fn() -> S + Sync, (usual, cost): ((S, PathCover), i64)) -> (S, PathCover) {
     let count = usual.1.len();
     let is_regular = 100 * cost < REGULAR_PERCENT * (count as u64).cast_signed();
     if count > S::SMALL && (count > LARGE || !is_regular) {
         return usual;
     }
+    // Of each manner the price alone is kept, and the best is done again: time is cheaper here than memory.
+    let first = (price(&usual), USUAL);
+    drop(usual);
     let for_polygons: &[Manner] = if S::HAS_POLYGONS { &OTHERS_FOR_POLYGONS } else { &[] };
     let others = [&OTHERS, for_polygons].concat();
-    let best = cheapest((price(&usual), usual), &others, |manner| strip(fresh(), manner).0);
-    let (mut sheet, mut drifted) = best.1.clone();
+    let (lowest, manner) = cheapest(first, count, &others, |manner| price(&strip(fresh(), manner).0));
+    let ((mut sheet, mut cover), _) = strip(fresh(), manner);
     let most = if count > DRIFTS_LIMIT { DRIFTS.0 } else { DRIFTS.1 };
-    let drifts = (count / 4).checked_div(drifted.path_count()).unwrap_or(0).clamp(DRIFTS.0, most);
+    let drifts = (count / 4).checked_div(cover.path_count()).unwrap_or(0).clamp(DRIFTS.0, most);
     for _ in 0..ROUNDS {
-        let strip_of = drifted.renumber(sheet.graph()).path;
-        exchange::improve(sheet.graph(), &mut drifted, strip_of, (drifts / ROUNDS) as u32);
-        sheet.settle(&mut drifted);
+        let strip_of = cover.renumber(sheet.graph()).path;
+        exchange::improve(sheet.graph(), &mut cover, strip_of, (drifts / ROUNDS) as u32);
+        sheet.settle(&mut cover);
     }
-    let drifted = (sheet, drifted);
-    if price(&drifted) < best.0 { drifted } else { best.1 }
+    let drifted = (sheet, cover);
+    if price(&drifted) <= lowest { drifted } else { strip(fresh(), manner).0 }
 }
 
-/// Strips in other manners, too, and gives the cheapest cover with its price, of equals the first.
-fn cheapest<S: Sheet + Send>(
-    first: (usize, (S, PathCover)),
+/// Finds the manner of the lowest price, of equals the first; `first` is what is known already.
+#[cfg_attr(
+    not(feature = "rayon"),
+    expect(unused_variables, reason = "the size tells whether threads are worth it")
+)]
+fn cheapest(
+    first: (usize, Manner),
+    triangle_count: usize,
     manners: &[Manner],
-    strip: impl Fn(Manner) -> (S, PathCover) + Sync,
-) -> (usize, (S, PathCover)) {
-    let priced = |manner| {
-        let covered = strip(manner);
-        (price(&covered), covered)
-    };
+    price: impl Fn(Manner) -> usize + Sync,
+) -> (usize, Manner) {
     let cheaper = |best: (usize, _), other: (usize, _)| if other.0 < best.0 { other } else { best };
     #[cfg(feature = "rayon")]
-    if first.1.1.len() >= WORTH_THREADS && rayon::current_num_threads() > 1 {
-        // One manner a task, and of two neighbours the dearer is dropped at once, so that memory grows with the threads alone.
-        let others = manners.par_iter().with_max_len(1).map(|&manner| priced(manner)).reduce_with(cheaper);
-        return match others {
-            Some(other) => cheaper(first, other),
-            None => first,
-        };
+    if triangle_count >= WORTH_THREADS && rayon::current_num_threads() > 1 {
+        // One manner a task.
+        let prices: Vec<usize> = manners.par_iter().with_max_len(1).map(|&manner| price(manner)).collect();
+        return prices.into_iter().zip(manners.iter().copied()).fold(first, cheaper);
     }
-    manners.iter().map(|&manner| priced(manner)).fold(first, cheaper)
+    manners.iter().map(|&manner| (price(manner), manner)).fold(first, cheaper)
 }
 
 /// Rounds in which exchanges and the choice of diagonals take turns.
