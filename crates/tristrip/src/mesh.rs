@@ -171,6 +171,23 @@ impl Faces {
         Cow::Owned(Self { corners: self.corners.iter().map(place).collect(), offsets: self.offsets.clone() })
     }
 
+    /// Gives the same faces with vertices numbered in the order in which the corners first use them: what is near in the faces
+    /// is then near in memory. Takes memory by the highest vertex.
+    pub(crate) fn in_order_of_use(&self) -> Self {
+        let highest = self.corners.iter().max().map_or(0, |&v| v as usize);
+        let mut number = vec![0_u32; highest + 1]; // counted from 1
+        let mut count = 0;
+        let renumber = |&v: &u32| {
+            let number = &mut number[v as usize];
+            if *number == 0 {
+                count += 1;
+                *number = count;
+            }
+            *number - 1
+        };
+        Self { corners: self.corners.iter().map(renumber).collect(), offsets: self.offsets.clone() }
+    }
+
     /// Counts the triangles that the faces make: a face of k corners makes k − 2.
     pub fn triangle_count(&self) -> usize {
         match &self.offsets {

@@ -301,6 +301,16 @@ mod tests {
         }
     }
 
+    proptest! {
+        #[test]
+        fn names_of_vertices_do_not_matter(corners in prop::collection::vec((0..9_u32, 0..9_u32, 0..9_u32), 0..60)) {
+            let corners: Vec<u32> = corners.into_iter().filter(|t| t.0 != t.1 && t.1 != t.2 && t.0 != t.2)
+                .flat_map(|t| [8 - t.0, 8 - t.1, 8 - t.2]).collect();
+            let faces = Faces::from_triangles(corners).unwrap();
+            prop_assert_eq!(DualGraph::new(&faces), DualGraph::new(&faces.in_order_of_use()));
+        }
+    }
+
     #[test]
     fn faces_that_pass_an_edge_twice_are_not_joined_with_themselves() {
         compare(&Faces::from_triangles(vec![0, 1, 0, 1, 0, 2, 3, 3, 3]).unwrap());
