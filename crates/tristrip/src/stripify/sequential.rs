@@ -107,7 +107,7 @@ struct Manner {
 
 /// The manner that is best on irregular meshes. Longer trials gain nothing there, and cost time.
 const USUAL: Manner =
-    Manner { seeds: Seeds::Last, swaps: Swaps::Ahead, cuts: Cuts::Entering, trial_limit: 32 };
+    Manner { seeds: Seeds::Last, swaps: Swaps::Ahead, cuts: Cuts::Entering, trial_limit: 16 };
 /// A longer trial, for regular meshes; it bounds the time, too.
 const PATIENT: Manner = Manner { trial_limit: 512, ..USUAL };
 /// The others, each of which is the best on some regular or small mesh.
