@@ -12,7 +12,7 @@ pub mod verify_models;
 pub mod vertex_buffer;
 
 pub use cost::Metrics;
-pub(crate) use emit::cover_cost;
+pub(crate) use emit::{Step, cover_cost};
 pub use emit::{emit, path_cost};
 pub use layout::Layout;
 pub use verify::{Proof, Unproven, verify, verify_drawing};

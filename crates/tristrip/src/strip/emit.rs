@@ -78,10 +78,10 @@ pub fn emit(triangulation: &Triangulation<'_>, cover: &PathCover) -> Strips {
 
 /// A triangle of a path and the edges (0–2) over which the path enters and leaves it, `OPEN` at its ends.
 #[derive(Debug, Clone, Copy)]
-struct Step {
-    triangle: u32,
-    entry: u32,
-    exit: u32,
+pub(crate) struct Step {
+    pub(crate) triangle: u32,
+    pub(crate) entry: u32,
+    pub(crate) exit: u32,
 }
 
 impl Step {
@@ -91,7 +91,7 @@ impl Step {
 
     /// Tells whether leaving is free at an even place of the strip; at an odd place the other side is.
     #[inline]
-    fn is_free_at_even(&self) -> bool {
+    pub(crate) fn is_free_at_even(&self) -> bool {
         self.exit == if self.entry == 2 { 0 } else { self.entry + 1 }
     }
 }

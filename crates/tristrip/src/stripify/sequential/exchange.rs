@@ -11,7 +11,8 @@
 //! Each end w is taken in the order of the triangles. All joins, grafts and tunnels of length three that begin there are priced
 //! by the swaps on the links around them and by the strips that they save; the cheapest that keeps all paths open is done if it
 //! lowers the cost, and the new end is taken next. A path stays open when the end that a piece leads to is not the one
-//! that it is linked with, which is found by walking there; ends farther than a limit count as unknown, and the exchange is left.
+//! that it is linked with. That is sure where the two were on strips that no exchange has mixed since; else it is found by walking
+//! there, and ends farther than a limit count as unknown, so that the exchange is left.
 //!
 //! The tunnel is that of Stewart (2001); a graft is a rotation of Pósa (1976), also between two paths.
 //!
@@ -20,7 +21,7 @@
 //! Porcu, Scateni: *An Iterative Stripification Algorithm Based on Dual Graph Operations*, 2003.
 //!
 //! # Complexity
-//! O(ends · walk limit) time; 1 byte a triangle at most.
+//! O(ends · walk limit) time; 4 bytes a triangle for the strip that it was on at first, and 4 a strip.
 
 use super::{NONE, STRIP, next};
 use crate::cover::PathCover;

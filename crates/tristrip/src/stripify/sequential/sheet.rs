@@ -19,10 +19,11 @@
 //! # Complexity
 //! O(corners) time; 28 bytes a triangle and 4 a corner.
 
-use super::{NONE, next};
+use super::NONE;
 use crate::cover::PathCover;
 use crate::dual::{DualGraph, HalfEdge};
 use crate::mesh::{Faces, Triangulation};
+use crate::strip::Step;
 
 /// Polygons of more corners stay as they are cut at first: each trial that enters one would cut it again.
 const RECUT_LIMIT: usize = 64;
@@ -192,21 +193,6 @@ impl<'a> Polygons<'a> {
     }
 }
 
-/// An inner triangle of a path and the edges over which the path passes it.
-#[derive(Debug, Clone, Copy)]
-struct Step {
-    triangle: u32,
-    entry: u32,
-    exit: u32,
-}
-
-impl Step {
-    /// The side to which the path turns.
-    fn turn(self) -> bool {
-        self.exit == next(self.entry)
-    }
-}
-
 /// A quadrilateral that a path crosses: the places of the two edges.
 #[derive(Debug, Clone, Copy)]
 struct Crossing {
@@ -262,7 +248,7 @@ impl Sheet for Polygons<'_> {
             let mut rest = &steps[..];
             while let [step, after @ ..] = rest {
                 let crossing = after.first().and_then(|&then| self.crossing(*step, then));
-                passages.push(crossing.map_or(Passage::Fixed(step.turn()), Passage::Free));
+                passages.push(crossing.map_or(Passage::Fixed(step.is_free_at_even()), Passage::Free));
                 rest = if crossing.is_some() { &after[1..] } else { after };
             }
             choose_turns(&passages, &mut chosen);
