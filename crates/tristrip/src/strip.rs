@@ -11,7 +11,7 @@ pub mod verify;
 pub mod verify_models;
 pub mod vertex_buffer;
 
-pub use cost::Metrics;
+pub use cost::{Cost, Metrics};
 pub(crate) use emit::{Step, cover_cost};
 pub use emit::{emit, path_cost};
 pub use layout::Layout;

@@ -7,12 +7,14 @@ pub mod input;
 pub mod sequential;
 pub mod sgi;
 pub mod stripe;
+pub mod watch;
 
 use crate::cover::PathCover;
 use crate::dual::DualGraph;
 use crate::error::Error;
 use crate::mesh::{Mesh, Surface, Triangulation};
-use crate::strip::{Strips, cover_cost, emit};
+use crate::strip::{Cost, Strips, cover_cost, emit};
+pub use watch::{Progress, Watch};
 
 /// How strips are found.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -92,6 +94,34 @@ pub struct Options {
     method: Method,
     weld: bool,
     seed: u64,
+    cost: Cost,
+    effort: Effort,
+}
+
+/// How long a search goes on, from 0 to 9. It counts steps, never seconds, so that the result is the same on any machine.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Effort(u8);
+
+impl Effort {
+    /// The longest search.
+    pub const MAX: Self = Self(9);
+
+    /// Takes a level from 0 to 9; `None` above.
+    pub fn new(level: u8) -> Option<Self> {
+        (level <= Self::MAX.0).then_some(Self(level))
+    }
+
+    /// Gives the level.
+    pub fn level(self) -> u8 {
+        self.0
+    }
+}
+
+/// Seconds for a mesh of some ten thousand triangles.
+impl Default for Effort {
+    fn default() -> Self {
+        Self(5)
+    }
 }
 
 impl Options {
@@ -116,6 +146,20 @@ impl Options {
         self
     }
 
+    /// Sets the cost that searches minimize.
+    #[must_use]
+    pub fn with_cost(mut self, cost: Cost) -> Self {
+        self.cost = cost;
+        self
+    }
+
+    /// Sets how long searches go on.
+    #[must_use]
+    pub fn with_effort(mut self, effort: Effort) -> Self {
+        self.effort = effort;
+        self
+    }
+
     /// Gives the method.
     pub fn method(&self) -> Method {
         self.method
@@ -129,6 +173,16 @@ impl Options {
     /// Gives the seed.
     pub fn seed(&self) -> u64 {
         self.seed
+    }
+
+    /// Gives the cost that searches minimize.
+    pub fn cost(&self) -> Cost {
+        self.cost
+    }
+
+    /// Gives how long searches go on.
+    pub fn effort(&self) -> Effort {
+        self.effort
     }
 }
 

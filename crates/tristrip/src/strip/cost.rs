@@ -2,6 +2,41 @@
 
 use super::Strips;
 
+/// A cost that a search can minimize, and a user name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[non_exhaustive]
+pub enum Cost {
+    /// The index buffer with a restart between strips: [`Metrics::indices_restart`].
+    #[default]
+    Restart,
+    /// The vertices sent, swaps and winding repeats included: [`Metrics::vertices_sent`].
+    OpenGl,
+    /// The index buffer of one strip joined by degenerate triangles: [`Metrics::indices_degenerate`].
+    Degenerate,
+    /// The vertices sent with swaps free, so that only strips count: [`Metrics::gl_cost`].
+    Gl,
+}
+
+impl Cost {
+    /// Picks this cost from the figures of strips.
+    ///
+    /// ```
+    /// use tristrip::{Strips, strip::{Cost, Metrics}};
+    /// let mut strips = Strips::default();
+    /// strips.push(&[0, 1, 2, 1, 3]);
+    /// let metrics = Metrics::of(&strips);
+    /// assert_eq!((Cost::Restart.of(&metrics), Cost::Gl.of(&metrics)), (5, 4));
+    /// ```
+    pub fn of(self, metrics: &Metrics) -> usize {
+        match self {
+            Self::Restart => metrics.indices_restart,
+            Self::OpenGl => metrics.vertices_sent,
+            Self::Degenerate => metrics.indices_degenerate,
+            Self::Gl => metrics.gl_cost,
+        }
+    }
+}
+
 /// The figures of a set of strips. Counts are of indices, triangles or strips, as their names say.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
