@@ -3,6 +3,7 @@
 //! Every method only chooses: which diagonals a polygon gets, and over which edges the triangles are linked to paths. What a
 //! method chose is a [`Plan`]; one emitter makes the strips of it.
 
+pub mod bound;
 pub mod input;
 pub mod sequential;
 pub mod sgi;

@@ -1,0 +1,146 @@
+use proptest::prelude::*;
+
+use super::*;
+use crate::mesh::Mesh;
+
+/// Draws a dual graph of up to so many triangles: half-edges paired at random, some of them not, and some triangles with two or
+/// three edges in common. It need not come from any mesh.
+pub(super) fn graph(triangles: std::ops::Range<usize>) -> impl Strategy<Value = DualGraph> {
+    let pairs = (triangles, 0..100_usize, any::<bool>());
+    pairs.prop_flat_map(|(n, open, near)| {
+        prop::collection::vec(any::<(prop::sample::Index, prop::sample::Index)>(), 3 * n / 2).prop_map(
+            move |draws| {
+                let mut twins = vec![NONE; 3 * n];
+                for (a, b) in draws {
+                    let free: Vec<usize> = (0..3 * n).filter(|&h| twins[h] == NONE).collect();
+                    if 100 * free.len() <= 3 * n * open {
+                        break;
+                    }
+                    let a = *a.get(&free);
+                    // Near ones make long graphs with bridges, others make round ones.
+                    let others: Vec<usize> = free
+                        .into_iter()
+                        .filter(|&h| h / 3 != a / 3 && (!near || (h / 3).abs_diff(a / 3) < 3))
+                        .collect();
+                    if !others.is_empty() {
+                        let b = *b.get(&others);
+                        (twins[a], twins[b]) = (b as u32, a as u32);
+                    }
+                }
+                DualGraph::from_triangle_twins(twins)
+            },
+        )
+    })
+}
+
+/// The arcs of a graph, each once.
+pub(super) fn arcs(graph: &DualGraph) -> Vec<(usize, usize)> {
+    let twins = graph.twins().iter().enumerate();
+    twins.filter(|&(h, &t)| t != NONE && h < t as usize).map(|(h, &t)| (h / 3, t as usize / 3)).collect()
+}
+
+/// The most arcs that leave no triangle more than two, found by trying all; without cycles where asked.
+fn most_links(arcs: &[(usize, usize)], free: &mut [u8], path: &mut [usize], cycles: bool) -> usize {
+    let Some((&(a, b), rest)) = arcs.split_first() else { return 0 };
+    let mut most = 0;
+    if free[a] > 0 && free[b] > 0 && (cycles || path[a] != path[b]) {
+        let before = path.to_vec();
+        path.iter_mut().filter(|p| **p == before[a]).for_each(|p| *p = before[b]);
+        free[a] -= 1;
+        free[b] -= 1;
+        most = 1 + most_links(rest, free, path, cycles);
+        free[a] += 1;
+        free[b] += 1;
+        path.copy_from_slice(&before);
+        if most == arcs.len() {
+            return most;
+        }
+    }
+    most.max(most_links(rest, free, path, cycles))
+}
+
+/// The least strips of each component, found by trying all covers, and the same if cycles were strips of nothing.
+pub(super) fn least_strips(graph: &DualGraph) -> Vec<(usize, usize)> {
+    let (component, count) = graph.components();
+    let mut simple = arcs(graph);
+    simple.sort_unstable_by_key(|&(a, b)| (a.min(b), a.max(b)));
+    simple.dedup_by_key(|&mut (a, b)| (a.min(b), a.max(b)));
+    (0..count as u32)
+        .map(|c| {
+            let here: Vec<_> = simple.iter().copied().filter(|&(a, _)| component[a] == c).collect();
+            let size = component.iter().filter(|&&other| other == c).count();
+            let most = |cycles| {
+                let n = component.len();
+                most_links(&here, &mut vec![2; n], &mut (0..n).collect::<Vec<_>>(), cycles)
+            };
+            (size - most(false), size - most(true))
+        })
+        .collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2000))]
+
+    #[test]
+    fn no_cover_has_fewer_strips(graph in graph(1..13)) {
+        let found = strips::bound(&graph);
+        let least = least_strips(&graph);
+        prop_assert_eq!(found.len(), least.len());
+        for (found, (paths, two_matching)) in found.iter().zip(least) {
+            prop_assert!(found.strips <= paths, "{} > {paths}", found.strips);
+            prop_assert!(found.strips >= two_matching.max(1));
+        }
+    }
+
+    #[test]
+    fn few_steps_give_a_lower_bound(graph in graph(1..40), steps in 0..100_u64) {
+        let all = strips::bound(&graph);
+        for (few, all) in strips::bound_in_steps(&graph, steps).iter().zip(all) {
+            prop_assert!((1..=all.strips).contains(&few.strips));
+        }
+    }
+
+    #[test]
+    fn trees_are_bounded_exactly(parents in prop::collection::vec(any::<prop::sample::Index>(), 0..18)) {
+        let mut twins = vec![NONE; 3 * parents.len() + 3];
+        for (i, parent) in parents.iter().enumerate() {
+            let free: Vec<usize> = (0..3 * i + 3).filter(|&h| twins[h] == NONE).collect();
+            let (a, b) = (*parent.get(&free), 3 * i + 3);
+            (twins[a], twins[b]) = (b as u32, a as u32);
+        }
+        let graph = DualGraph::from_triangle_twins(twins);
+        prop_assert_eq!(strips::bound(&graph)[0].strips, least_strips(&graph)[0].0);
+    }
+}
+
+fn bound_of(corners: Vec<u32>) -> Bound {
+    let vertex_count = corners.iter().max().map_or(0, |&v| v as usize + 1);
+    let mesh = Mesh::new(vec![[0.0; 3]; vertex_count], Faces::from_triangles(corners).unwrap()).unwrap();
+    let surface = Surface::new(&mesh, false);
+    Bound::of_surface(&surface, &DualGraph::new(surface.faces()))
+}
+
+#[test]
+fn nothing_needs_nothing() {
+    let bound = bound_of(Vec::new());
+    assert_eq!(bound, Bound::default());
+    assert_eq!(bound.of(Cost::Restart), 0);
+}
+
+#[test]
+fn components_that_share_a_vertex_may_be_joined_for_nothing() {
+    let apart = bound_of(vec![0, 1, 2, 3, 4, 5]);
+    assert_eq!((apart.strips, apart.of(Cost::OpenGl), apart.of(Cost::Degenerate)), (2, 6, 8));
+    let touching = bound_of(vec![0, 1, 2, 2, 3, 4]);
+    assert_eq!((touching.of(Cost::Restart), touching.of(Cost::Gl), touching.of(Cost::Degenerate)), (7, 6, 6));
+}
+
+#[test]
+fn a_cycle_behind_a_bridge_needs_an_end() {
+    // A fan of four triangles closed around vertex 0, with a triangle at each rim edge: two edges too many on the cycle, and
+    // four triangles at which a strip ends.
+    let fan = (0..4).flat_map(|i| [0, 1 + i, 1 + (i + 1) % 4]);
+    let outer = (0..4).flat_map(|i| [1 + (i + 1) % 4, 1 + i, 5 + i]);
+    let bound = bound_of(fan.chain(outer).collect());
+    assert_eq!((bound.strips, bound.components[0].proof), (2, Proof::Matching));
+}
