@@ -7,6 +7,7 @@ pub mod input;
 pub mod sequential;
 pub mod sgi;
 pub mod stripe;
+pub mod tunnel;
 pub mod watch;
 
 use crate::cover::PathCover;
@@ -42,6 +43,11 @@ pub enum Method {
         patches: Patches,
         /// The smallest patch, in quadrilaterals, that is treated as one.
         cutoff: u32,
+    },
+    /// The tunnelling operator, lengths 1, 3, 5 … in turn, from isolated triangles.
+    Tunnel {
+        /// The greatest length of a tunnel, in edges. The time grows as its exponential.
+        length: u32,
     },
 }
 
@@ -273,6 +279,7 @@ pub fn choose<'a>(
     graph: &'a DualGraph,
     options: &Options,
 ) -> Result<(Method, Plan<'a>), Error> {
+    let watch: &dyn Watch = &();
     let plan = match options.method {
         Method::Auto => {
             let (ours, theirs) = (sequential::plan(surface, graph), input::plan(surface, graph));
@@ -288,6 +295,7 @@ pub fn choose<'a>(
         Method::StripeGlobal { patches, cutoff } => {
             stripe::plan_global(surface, graph, patches, cutoff, options.seed)?
         }
+        Method::Tunnel { length } => tunnel::plan_tunnel(surface, graph, length, watch),
     };
     Ok((options.method, plan))
 }

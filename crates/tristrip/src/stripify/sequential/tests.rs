@@ -126,7 +126,7 @@ fn polygons(all_cut: bool, pieces: std::ops::Range<usize>) -> impl Strategy<Valu
 }
 
 /// Draws the dual graph of triangles in many components.
-pub(super) fn triangle_graph() -> impl Strategy<Value = DualGraph> {
+pub(in crate::stripify) fn triangle_graph() -> impl Strategy<Value = DualGraph> {
     polygons(true, 1..9).prop_map(|polygons| DualGraph::new(Surface::new(&mesh(&polygons), false).faces()))
 }
 
