@@ -4,6 +4,7 @@
 //! method chose is a [`Plan`]; one emitter makes the strips of it.
 
 pub mod input;
+pub(crate) mod random;
 pub mod sequential;
 pub mod sgi;
 pub mod stripe;
@@ -15,6 +16,7 @@ use crate::dual::DualGraph;
 use crate::error::Error;
 use crate::mesh::{Mesh, Surface, Triangulation};
 use crate::strip::{Cost, Strips, cover_cost, emit};
+pub use tunnel::{EtaOptions, Start};
 pub use watch::{Progress, Watch};
 
 /// How strips are found.
@@ -49,6 +51,8 @@ pub enum Method {
         /// The greatest length of a tunnel, in edges. The time grows as its exponential.
         length: u32,
     },
+    /// The enhanced tunnelling algorithm: long tunnels, and terminals that move toward each other.
+    Eta(EtaOptions),
 }
 
 impl Method {
@@ -296,6 +300,7 @@ pub fn choose<'a>(
             stripe::plan_global(surface, graph, patches, cutoff, options.seed)?
         }
         Method::Tunnel { length } => tunnel::plan_tunnel(surface, graph, length, watch),
+        Method::Eta(eta) => tunnel::plan_eta(surface, graph, eta, options.seed, watch),
     };
     Ok((options.method, plan))
 }

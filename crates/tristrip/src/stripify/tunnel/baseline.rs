@@ -43,6 +43,12 @@ pub(super) fn join(graph: &DualGraph, cover: &mut PathCover, length: u32, tally:
     }
 }
 
+/// Tells whether an edge leads to a triangle, over which no path passes.
+#[inline]
+pub(super) fn is_red(graph: &DualGraph, cover: &PathCover, half_edge: u32) -> bool {
+    graph.twins()[half_edge as usize] != NONE && !cover.is_linked(HalfEdge(half_edge))
+}
+
 /// A search from one terminal.
 #[derive(Debug, Default)]
 pub(super) struct Search {
@@ -97,9 +103,9 @@ impl Search {
     /// Notes the ways on from a triangle.
     fn push_ways(&mut self, graph: &DualGraph, cover: &PathCover, from: u32) {
         let depth = self.steps.len();
-        for red in (3 * from..3 * from + 3).filter(|&h| !cover.is_linked(HalfEdge(h))) {
+        for red in (3 * from..3 * from + 3).filter(|&h| is_red(graph, cover, h)) {
             let twin = graph.twins()[red as usize];
-            if twin == NONE || self.steps.iter().any(|step| step.red == red || step.red == twin) {
+            if self.steps.iter().any(|step| step.red == red || step.red == twin) {
                 continue;
             }
             let v = FaceId(twin / 3);

@@ -86,6 +86,8 @@ impl Ids {
             self.loose.extend(std::mem::replace(&mut self.ends[path as usize], [NONE; 2]));
         }
         self.write_tags(graph, cover);
+        #[cfg(test)]
+        assert!(cover.len() > 4096 || cover.check(graph).is_ok() && self.check(graph, cover));
     }
 
     /// Numbers the changed paths again, each from an end that is not yet known as the other end of one.
@@ -154,8 +156,9 @@ struct Piece {
 struct Change {
     /// Pieces before it.
     before: u32,
-    /// The tip before it.
+    /// The tip and the loops before it.
     tip: u32,
+    loops: u32,
     /// The piece that it has split.
     split: u32,
     /// The ends that it has linked.
@@ -169,6 +172,8 @@ pub(super) struct Pieces {
     changes: Vec<Change>,
     /// The end that the tunnel has come to.
     tip: u32,
+    /// Loops that are closed at present.
+    loops: u32,
 }
 
 impl Pieces {
@@ -176,6 +181,7 @@ impl Pieces {
     pub(super) fn begin(&mut self, ids: &Ids, terminal: u32) {
         self.all.clear();
         self.changes.clear();
+        self.loops = 0;
         let piece = self.piece_of(ids, terminal);
         self.tip = 2 * piece + u32::from(ids.position(terminal) != 0);
     }
@@ -194,7 +200,7 @@ impl Pieces {
     /// Links the tip to triangle `v`, which is then cut from its neighbour `b` on its path: the new tip. Returns whether they
     /// were still neighbours; otherwise nothing is done.
     pub(super) fn step(&mut self, ids: &Ids, v: u32, b: u32) -> bool {
-        let (before, tip) = (self.all.len() as u32, self.tip);
+        let (before, tip, loops) = (self.all.len() as u32, self.tip, self.loops);
         let split = self.piece_of(ids, v);
         let position = ids.position(v);
         let upward = ids.position(b) > position;
@@ -202,6 +208,9 @@ impl Pieces {
         if position == if upward { piece.last } else { piece.first } {
             self.all.truncate(before as usize);
             return false;
+        }
+        if loops > 0 && self.is_on_loop(split) {
+            self.loops -= 1;
         }
         // The upper part becomes a piece of its own, with what was the upper end.
         let last = if upward { position } else { position - 1 };
@@ -212,9 +221,12 @@ impl Pieces {
         let from = if tip == 2 * split + 1 { 2 * upper + 1 } else { tip };
         let cut = [2 * split + 1, 2 * upper];
         let [at_v, at_b] = if upward { cut } else { [cut[1], cut[0]] };
+        if self.other_end(from) == at_v {
+            self.loops += 1;
+        }
         self.set_link(from, at_v);
         self.set_link(at_v, from);
-        self.changes.push(Change { before, tip, split, linked: [from, at_v] });
+        self.changes.push(Change { before, tip, loops, split, linked: [from, at_v] });
         self.tip = at_b;
         true
     }
@@ -229,7 +241,7 @@ impl Pieces {
             self.set_link(upper.links[1], 2 * change.split + 1);
         }
         self.all.truncate(change.before as usize);
-        self.tip = change.tip;
+        (self.tip, self.loops) = (change.tip, change.loops);
     }
 
     /// Tells whether the tunnel may end at terminal `x`: whether nothing is closed when the tip is linked with it.
@@ -241,35 +253,37 @@ impl Pieces {
             let is_terminal = position == if side == 0 { 0 } else { ids.last(piece.path) };
             is_terminal && piece.links[side as usize] == NONE && self.tip != 2 * p + side
         };
-        let open = (0..2).find(|&side| is_free(side)).is_some_and(|side| {
-            let (tip, end) = (self.tip, 2 * p + side);
-            self.set_link(tip, end);
-            self.set_link(end, tip);
-            let open = self.is_open();
-            self.set_link(tip, NONE);
-            self.set_link(end, NONE);
-            open
-        });
+        let end = (0..2).find(|&side| is_free(side)).map(|side| 2 * p + side);
+        let may = self.loops == 0 && end.is_some_and(|end| self.other_end(self.tip) != end);
         self.all.truncate(before);
-        open
+        may
     }
 
-    /// Tells whether every piece is reached from a free end, so that none is on a loop.
-    fn is_open(&self) -> bool {
-        let mut reached = 0;
-        for end in (0..2 * self.all.len() as u32).filter(|&end| self.link(end) == NONE) {
-            let mut there = end;
-            loop {
-                reached += 1;
-                let next = self.link(there ^ 1);
-                if next == NONE {
-                    break;
-                }
-                there = next;
+    /// Counts the loops that are closed at present, each of which a later cut may open.
+    pub(super) fn loops(&self) -> u32 {
+        self.loops
+    }
+
+    /// Follows a path from a free end of it to the other one.
+    fn other_end(&self, mut end: u32) -> u32 {
+        loop {
+            end ^= 1;
+            let next = self.link(end);
+            if next == NONE {
+                return end;
+            }
+            end = next;
+        }
+    }
+
+    fn is_on_loop(&self, piece: u32) -> bool {
+        let mut end = 2 * piece;
+        loop {
+            end = self.link(end ^ 1);
+            if end == NONE || end / 2 == piece {
+                return end != NONE;
             }
         }
-        // Each is reached from both ends of its path.
-        reached == 2 * self.all.len()
     }
 
     fn link(&self, end: u32) -> u32 {

@@ -3,12 +3,15 @@
 use proptest::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use super::ids::{Ids, NONE, Step};
-use super::{Searched, Tally, baseline};
+use super::ids::{Ids, NONE, Pieces, Step};
+use super::{EtaOptions, Searched, Start, Tally, baseline, eta};
 use crate::cover::PathCover;
 use crate::dual::{DualGraph, FaceId, HalfEdge};
-use crate::stripify::sequential::tests::triangle_graph;
+use crate::mesh::Surface;
+use crate::strip::{emit, verify};
+use crate::stripify::sequential::tests::{mesh, polygons, triangle_graph};
 use crate::stripify::watch::{Progress, Watch};
+use crate::stripify::{Method, Options, plan};
 
 /// Finds the shortest tunnel up to a length by trying every alternating path on the cover itself.
 fn brute_force(graph: &DualGraph, cover: &PathCover, length: usize) -> Option<usize> {
@@ -61,7 +64,7 @@ fn brute_force(graph: &DualGraph, cover: &PathCover, length: usize) -> Option<us
 }
 
 /// Draws a graph, and paths over it.
-fn graph_and_cover() -> impl Strategy<Value = (DualGraph, PathCover)> {
+pub(super) fn graph_and_cover() -> impl Strategy<Value = (DualGraph, PathCover)> {
     (triangle_graph(), prop::collection::vec(any::<u32>(), 0..300)).prop_map(|(graph, tries)| {
         let mut cover = PathCover::isolated(graph.face_count());
         for h in tries.iter().filter_map(|t| t.checked_rem(graph.half_edge_count() as u32)) {
@@ -128,6 +131,94 @@ proptest! {
     }
 }
 
+/// Counts the closed paths of a cover.
+fn loops(graph: &DualGraph, cover: &PathCover) -> usize {
+    let mut seen = vec![false; cover.len()];
+    let mut see = |start: FaceId| {
+        let is_new = !seen[start.0 as usize];
+        let walk = cover.walk(graph, start).map(|(face, _, _)| face.0 as usize);
+        walk.for_each(|face| seen[face] = true);
+        is_new
+    };
+    let faces = || (0..cover.len() as u32).map(FaceId);
+    for end in faces().filter(|&face| cover.degree(face) < 2) {
+        see(end);
+    }
+    faces().filter(|&face| see(face)).count()
+}
+
+proptest! {
+    #[test]
+    fn pieces_know_the_loops((graph, cover) in graph_and_cover(), terminal in any::<u32>(), turns in prop::collection::vec(0..7_usize, 0..40)) {
+        prop_assume!(!cover.is_empty());
+        let terminal = terminal % cover.len() as u32;
+        prop_assume!(cover.degree(FaceId(terminal)) < 2);
+        let ids = Ids::new(&graph, &cover);
+        let mut pieces = Pieces::default();
+        pieces.begin(&ids, terminal);
+        // Steps as they come, some taken back; the same is done to covers.
+        let mut covers = vec![(cover.clone(), FaceId(terminal))];
+        for turn in turns {
+            let (mut now, tip) = covers[covers.len() - 1].clone();
+            if turn == 6 {
+                if covers.len() > 1 {
+                    covers.pop();
+                    pieces.undo();
+                }
+                prop_assert_eq!(pieces.loops() as usize, loops(&graph, &covers[covers.len() - 1].0));
+                continue;
+            }
+            let red = HalfEdge(3 * tip.0 + turn as u32 / 2);
+            let Some(twin) = graph.twin(red).filter(|_| !cover.is_linked(red) && !now.is_linked(red)) else { continue };
+            let v = graph.face_of(twin);
+            let Some(black) = cover.edges(v)[turn % 2] else { continue };
+            let b = graph.face_of(graph.twin(black).unwrap());
+            let can = now.cut(&graph, black);
+            prop_assert_eq!(pieces.step(&ids, v.0, b.0), can);
+            if can {
+                prop_assert!(now.link(&graph, red));
+                prop_assert_eq!(pieces.loops() as usize, loops(&graph, &now));
+                covers.push((now, b));
+            }
+        }
+    }
+
+    #[test]
+    fn strips_of_any_mesh_are_right(polygons in polygons(false, 1..5), length in 0..12_u32, seed in any::<u64>()) {
+        let mesh = mesh(&polygons);
+        let surface = Surface::new(&mesh, false);
+        let graph = DualGraph::new(surface.faces());
+        let eta = EtaOptions::default();
+        let starts = [Start::Isolated, Start::Sgi, Start::Sequential].map(|start| Method::Eta(eta.with_start(start)));
+        for method in starts.into_iter().chain([Method::Tunnel { length }]) {
+            let plan = plan(&surface, &graph, &Options::default().with_method(method).with_seed(seed)).unwrap();
+            let strips = emit(&plan.triangulation, &plan.cover);
+            prop_assert!(verify(&mesh, &strips).is_ok(), "{:?}", method);
+        }
+    }
+}
+
+#[test]
+fn eta_makes_one_strip_of_a_closed_grid() {
+    for seed in 0..4 {
+        let graph = torus(90, 60);
+        let mut cover = PathCover::isolated(graph.face_count());
+        eta::join(&graph, &mut cover, EtaOptions::default(), seed, &mut Tally::new(&()));
+        assert_eq!((cover.check(&graph), cover.path_count()), (Ok(()), 1), "{seed}");
+    }
+}
+
+#[test]
+fn the_seed_decides() {
+    let graph = torus(30, 20);
+    let covers = [1, 1, 2].map(|seed| {
+        let mut cover = PathCover::isolated(graph.face_count());
+        eta::join(&graph, &mut cover, EtaOptions::default(), seed, &mut Tally::new(&()));
+        cover
+    });
+    assert!(covers[0] == covers[1] && covers[0] != covers[2]);
+}
+
 /// Stops a search when it is asked for the n-th time.
 struct StopAt(usize, AtomicUsize);
 
@@ -153,13 +244,19 @@ fn torus(around: u32, through: u32) -> DualGraph {
 #[test]
 fn the_watch_stops_it() {
     let graph = torus(90, 60);
-    let strips = [1, 2, 100].map(|times| {
-        let mut cover = PathCover::isolated(graph.face_count());
-        let watch = StopAt(times, AtomicUsize::new(0));
-        baseline::join(&graph, &mut cover, 21, &mut Tally::new(&watch));
-        assert_eq!(cover.check(&graph), Ok(()));
-        assert!(watch.1.into_inner() <= times);
-        cover.path_count()
-    });
-    assert!(strips[0] > strips[2], "{strips:?}");
+    let searches: [fn(&DualGraph, &mut PathCover, &mut Tally<'_>); 2] = [
+        |graph, cover, tally| baseline::join(graph, cover, 21, tally),
+        |graph, cover, tally| eta::join(graph, cover, EtaOptions::default(), 0, tally),
+    ];
+    for search in searches {
+        let strips = [1, 2, 1000].map(|times| {
+            let mut cover = PathCover::isolated(graph.face_count());
+            let watch = StopAt(times, AtomicUsize::new(0));
+            search(&graph, &mut cover, &mut Tally::new(&watch));
+            assert_eq!(cover.check(&graph), Ok(()));
+            assert!(watch.1.into_inner() <= times);
+            cover.path_count()
+        });
+        assert!(strips[0] > strips[1] && strips[1] > strips[2], "{strips:?}");
+    }
 }
