@@ -5,9 +5,11 @@
 
 pub mod bound;
 pub mod input;
+pub(crate) mod random;
 pub mod sequential;
 pub mod sgi;
 pub mod stripe;
+pub mod tunnel;
 pub mod watch;
 
 use crate::cover::PathCover;
@@ -15,6 +17,7 @@ use crate::dual::DualGraph;
 use crate::error::Error;
 use crate::mesh::{Mesh, Surface, Triangulation};
 use crate::strip::{Cost, Strips, cover_cost, emit};
+pub use tunnel::{EtaOptions, Start};
 pub use watch::{Progress, Watch};
 
 /// How strips are found.
@@ -44,6 +47,13 @@ pub enum Method {
         /// The smallest patch, in quadrilaterals, that is treated as one.
         cutoff: u32,
     },
+    /// The tunnelling operator, lengths 1, 3, 5 … in turn, from isolated triangles.
+    Tunnel {
+        /// The greatest length of a tunnel, in edges. The time grows as its exponential.
+        length: u32,
+    },
+    /// The enhanced tunnelling algorithm: long tunnels, and terminals that move toward each other.
+    Eta(EtaOptions),
 }
 
 impl Method {
@@ -274,6 +284,7 @@ pub fn choose<'a>(
     graph: &'a DualGraph,
     options: &Options,
 ) -> Result<(Method, Plan<'a>), Error> {
+    let watch: &dyn Watch = &();
     let plan = match options.method {
         Method::Auto => {
             let (ours, theirs) = (sequential::plan(surface, graph), input::plan(surface, graph));
@@ -289,6 +300,8 @@ pub fn choose<'a>(
         Method::StripeGlobal { patches, cutoff } => {
             stripe::plan_global(surface, graph, patches, cutoff, options.seed)?
         }
+        Method::Tunnel { length } => tunnel::plan_tunnel(surface, graph, length, watch),
+        Method::Eta(eta) => tunnel::plan_eta(surface, graph, eta, options.seed, watch),
     };
     Ok((options.method, plan))
 }
