@@ -4,6 +4,7 @@
 //! method chose is a [`Plan`]; one emitter makes the strips of it.
 
 pub mod input;
+mod refine;
 pub mod sequential;
 pub mod sgi;
 pub mod stripe;
@@ -25,6 +26,8 @@ pub enum Method {
     Auto,
     /// Ours: cheapest runs first, swaps only where they beat a restart, both ways, isolated triangles folded in.
     Sequential,
+    /// Ours: annealing from `sequential`, for a cost and an effort.
+    Best,
     /// The input's own order.
     Input,
     /// The SGI algorithm: least adjacency, one level of look-ahead.
@@ -280,6 +283,7 @@ pub fn choose<'a>(
             return Ok(if input { (Method::Input, theirs) } else { (Method::Sequential, ours) });
         }
         Method::Sequential => sequential::plan(surface, graph),
+        Method::Best => refine::plan(surface, graph, options.cost, options.effort, options.seed, &()),
         Method::Input => input::plan(surface, graph),
         Method::Sgi => sgi::plan(surface, graph),
         Method::StripeLocal { triangulation, ties } => {

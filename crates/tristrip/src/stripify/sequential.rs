@@ -34,7 +34,7 @@ pub(crate) mod exchange;
 mod peel;
 mod sheet;
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;
 
 use super::Plan;
 use crate::cover::PathCover;

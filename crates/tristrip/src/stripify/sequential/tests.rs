@@ -96,7 +96,10 @@ fn piece(all_cut: bool) -> impl Strategy<Value = Piece> {
 }
 
 /// Draws polygons of several pieces; some faces come twice, some are wound the other way, and the order may be mixed.
-fn polygons(all_cut: bool, pieces: std::ops::Range<usize>) -> impl Strategy<Value = Vec<Vec<u32>>> {
+pub(in crate::stripify) fn polygons(
+    all_cut: bool,
+    pieces: std::ops::Range<usize>,
+) -> impl Strategy<Value = Vec<Vec<u32>>> {
     let whole = prop::collection::vec(piece(all_cut), pieces).prop_map(|pieces| {
         let mut first = 0;
         let mut all = Vec::new();
@@ -130,7 +133,7 @@ pub(super) fn triangle_graph() -> impl Strategy<Value = DualGraph> {
     polygons(true, 1..9).prop_map(|polygons| DualGraph::new(Surface::new(&mesh(&polygons), false).faces()))
 }
 
-fn mesh(polygons: &[Vec<u32>]) -> Mesh {
+pub(in crate::stripify) fn mesh(polygons: &[Vec<u32>]) -> Mesh {
     let count = polygons.iter().flatten().max().map_or(0, |&v| v as usize + 1);
     Mesh::new(vec![[0.0; 3]; count], Faces::from_polygons(polygons).unwrap()).unwrap()
 }
