@@ -11,9 +11,13 @@
 //! # Complexity
 //! 16 bytes and a bit a triangle. A join takes O(1); a cut as many steps as there are to the nearer end of its path.
 
+mod diagonals;
+
 use crate::cover::PathCover;
+use crate::dual::DualGraph;
 use crate::mesh::{Faces, Triangulation};
 use crate::stripify::Plan;
+use diagonals::{Diagonals, by_threes};
 
 /// No twin.
 pub(super) const NONE: u32 = u32::MAX;
@@ -41,6 +45,7 @@ pub(super) struct Prices {
 #[derive(Debug, Clone)]
 pub(super) struct Paths {
     nodes: Vec<Node>,
+    diagonals: Diagonals,
     /// A bit for each triangle that is linked over fewer than two edges.
     ends: Vec<u64>,
     prices: Prices,
@@ -79,7 +84,7 @@ pub(super) fn is_swap(here: u8, there: u8) -> i32 {
 impl Paths {
     /// Takes over a cover of a triangulation of faces.
     pub(super) fn new(
-        _faces: &Faces,
+        faces: &Faces,
         triangulation: &Triangulation<'_>,
         cover: &PathCover,
         prices: Prices,
@@ -90,8 +95,14 @@ impl Paths {
             .twins()
             .chunks_exact(3)
             .map(|t| Node { twins: [by_fours(&t[0]), by_fours(&t[1]), by_fours(&t[2])], state: 0 });
-        let mut paths =
-            Self { nodes: nodes.collect(), ends: vec![0; cover.len() / 64 + 1], prices, strips: 0, cost: 0 };
+        let mut paths = Self {
+            nodes: nodes.collect(),
+            diagonals: Diagonals::new(faces, triangulation),
+            ends: vec![0; cover.len() / 64 + 1],
+            prices,
+            strips: 0,
+            cost: 0,
+        };
         for t in 0..cover.len() as u32 {
             let (first, second) = cover.packed_edges(t);
             paths.nodes[t as usize].state = (1 << first | 1 << second) & EDGES;
@@ -320,9 +331,16 @@ impl Paths {
         }
     }
 
-    /// The paths as a plan.
+    /// The paths as a plan; the triangulation is the one that they were made from, which stays where there are no polygons.
     pub(super) fn to_plan<'a>(&self, triangulation: &Triangulation<'a>) -> Plan<'a> {
-        Plan { triangulation: triangulation.clone(), cover: self.to_cover() }
+        let triangulation = match self.diagonals.corners() {
+            None => triangulation.clone(),
+            Some(corners) => {
+                let twins = self.nodes.iter().flat_map(|node| node.twins).map(by_threes).collect();
+                Triangulation::from_parts(corners.to_vec(), DualGraph::from_triangle_twins(twins))
+            }
+        };
+        Plan { triangulation, cover: self.to_cover() }
     }
 
     /// The paths as a cover.
@@ -332,7 +350,7 @@ impl Paths {
             for e in 0..3 {
                 let twin = self.nodes[t as usize].twins[e as usize];
                 if self.mask(t) >> e & 1 == 1 && 4 * t + e < twin {
-                    cover.link_unchecked(3 * t + e, twin / 4 * 3 + twin % 4);
+                    cover.link_unchecked(3 * t + e, by_threes(twin));
                 }
             }
         }

@@ -7,7 +7,7 @@ use super::paths::{NONE, Paths, Prices};
 use super::{Annealer, Phase};
 use crate::cover::PathCover;
 use crate::dual::{DualGraph, HalfEdge};
-use crate::mesh::{Surface, Triangulation};
+use crate::mesh::{Faces, Surface, Triangulation};
 use crate::strip::{Cost, Metrics, cover_cost, emit, verify};
 use crate::stripify::sequential::tests::{mesh, polygons};
 use crate::stripify::{Effort, Method, Options, Progress, Watch, plan};
@@ -133,6 +133,9 @@ proptest! {
         let phase = Phase { sweeps: 20, hottest, coldest: 0.15 };
         Annealer::new(seed, &(), &[phase], cover.len()).run(&mut paths, phase);
         check_paths(&paths, &surface, &start)?;
+        let plan = paths.to_plan(&start);
+        let strips = emit(&plan.triangulation, &plan.cover);
+        prop_assert!(verify(&mesh, &strips).is_ok(), "{:?}", verify(&mesh, &strips));
     }
 
     #[test]
@@ -153,6 +156,36 @@ proptest! {
                 let (ours, theirs) = (Metrics::of(&best), Metrics::of(&found(start)));
                 prop_assert!(cost.of(&ours) <= cost.of(&theirs), "{:?} {:?}: {:?} {:?}", cost, start, ours, theirs);
             }
+        }
+    }
+}
+
+#[test]
+fn diagonals_turn_around_and_back() {
+    // A hexagon, a quad on each of two of its sides, and a triangle on a quad's.
+    let faces = [vec![0, 1, 2, 3, 4, 5], vec![1, 0, 6, 7], vec![4, 3, 8, 9], vec![7, 6, 10]];
+    let mesh = mesh(&faces);
+    let surface = Surface::new(&mesh, false);
+    let graph = DualGraph::new(surface.faces());
+    let start = Triangulation::zigzag(&surface, &graph);
+    let cover = PathCover::isolated(start.triangle_count());
+    let mut paths = Paths::new(surface.faces(), &start, &cover, Prices { strip: 3, swap: 1 });
+    let cut = |paths: &Paths| paths.to_plan(&start).triangulation.triangles().to_vec();
+    let diagonals: Vec<u32> = (0..4 * paths.len() as u32)
+        .filter(|h| h % 4 < 3 && paths.diagonals(h / 4) >> (h % 4) & 1 == 1)
+        .collect();
+    assert_eq!(diagonals.len(), 2 * (3 + 1 + 1));
+    for diagonal in diagonals {
+        let before = cut(&paths);
+        for turn in 1..=4 {
+            paths.turn_diagonal(diagonal);
+            check_paths(&paths, &surface, &start).unwrap();
+            let plan = paths.to_plan(&start);
+            assert!(verify(&mesh, &emit(&plan.triangulation, &plan.cover)).is_ok());
+            let again =
+                DualGraph::new(&Faces::from_triangles(plan.triangulation.triangles().to_vec()).unwrap());
+            assert_eq!(plan.triangulation.graph(), &again);
+            assert_eq!(cut(&paths) == before, turn == 4);
         }
     }
 }
