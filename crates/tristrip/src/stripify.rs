@@ -6,6 +6,7 @@
 pub mod bound;
 pub mod input;
 pub(crate) mod random;
+mod refine;
 pub mod sequential;
 pub mod sgi;
 pub mod stripe;
@@ -29,6 +30,8 @@ pub enum Method {
     Auto,
     /// Ours: cheapest runs first, swaps only where they beat a restart, both ways, isolated triangles folded in.
     Sequential,
+    /// Ours: annealing from `sequential`, for a cost and an effort.
+    Best,
     /// The input's own order.
     Input,
     /// The SGI algorithm: least adjacency, one level of look-ahead.
@@ -284,7 +287,41 @@ pub fn choose<'a>(
     graph: &'a DualGraph,
     options: &Options,
 ) -> Result<(Method, Plan<'a>), Error> {
-    let watch: &dyn Watch = &();
+    choose_watched(surface, graph, options, &())
+}
+
+/// Lets a method choose as [`choose`] does, under a watcher that takes notice of a long search's progress and may stop it. A search
+/// that is stopped gives the best that it has.
+///
+/// # Errors
+/// An option makes no sense for the method.
+///
+/// ```
+/// use std::sync::atomic::{AtomicU64, Ordering};
+/// use tristrip::{DualGraph, Faces, Mesh, Method, Options, Surface};
+/// use tristrip::stripify::{Progress, Watch, choose_watched};
+///
+/// struct Impatient(AtomicU64);
+/// impl Watch for Impatient {
+///     fn go_on(&self, progress: Progress) -> bool {
+///         self.0.fetch_max(progress.steps, Ordering::Relaxed) < 1000
+///     }
+/// }
+///
+/// let mesh = Mesh::new(vec![[0.0; 3]; 5], Faces::from_triangles(vec![0, 1, 2, 4, 2, 3, 2, 1, 3])?)?;
+/// let surface = Surface::new(&mesh, false);
+/// let graph = DualGraph::new(surface.faces());
+/// let options = Options::default().with_method(Method::Best);
+/// let (_, plan) = choose_watched(&surface, &graph, &options, &Impatient(AtomicU64::new(0)))?;
+/// assert_eq!(plan.indices_restart(), 5);
+/// # Ok::<(), tristrip::Error>(())
+/// ```
+pub fn choose_watched<'a>(
+    surface: &'a Surface<'_>,
+    graph: &'a DualGraph,
+    options: &Options,
+    watch: &dyn Watch,
+) -> Result<(Method, Plan<'a>), Error> {
     let plan = match options.method {
         Method::Auto => {
             let (ours, theirs) = (sequential::plan(surface, graph), input::plan(surface, graph));
@@ -292,6 +329,7 @@ pub fn choose<'a>(
             return Ok(if input { (Method::Input, theirs) } else { (Method::Sequential, ours) });
         }
         Method::Sequential => sequential::plan(surface, graph),
+        Method::Best => refine::plan(surface, graph, options.cost, options.effort, options.seed, watch),
         Method::Input => input::plan(surface, graph),
         Method::Sgi => sgi::plan(surface, graph),
         Method::StripeLocal { triangulation, ties } => {

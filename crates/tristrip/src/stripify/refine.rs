@@ -1,0 +1,125 @@
+//! `best`: our searching method. The cheapest cover that can be had for a cost that the user names and an effort.
+//!
+//! # Algorithm
+//! 1. *Start*: the cheapest of the covers of `sequential`, `input` and `stripe`.
+//! 2. *Cold*: annealing from a low temperature, which mends the start and keeps what is regular about it.
+//! 3. *Hot*: annealing from a temperature at which the start is forgotten, slowly. On irregular meshes this gains the most.
+//! 4. The cheapest of the three, by the cost as it is measured in the end, is the result, so that no effort makes it worse than
+//!    the start.
+//!
+//! The changes that the annealing tries are those of the module `anneal`, made of joins and cuts whose prices the module `paths`
+//! knows exactly. Polygons are cut anew on the way: to turn a diagonal is one more change.
+//!
+//! # References
+//! Kirkpatrick, Gelatt, Vecchi: *Optimization by Simulated Annealing*, 1983; Pósa: *Hamiltonian circuits in random graphs*, 1976
+//! (rotations); Stewart: *Tunneling for Triangle Strips in Continuous Level-of-Detail Meshes*, 2001.
+//!
+//! # Complexity
+//! O(sweeps · n) time, see [`SWEEPS`]; 16 bytes a triangle and those of the start; 13 more where there are polygons.
+
+mod anneal;
+mod paths;
+#[cfg(test)]
+mod tests;
+
+use super::{Effort, Patches, Plan, Watch, input, sequential, stripe};
+use crate::dual::DualGraph;
+use crate::mesh::Surface;
+use crate::strip::{Cost, Metrics, cover_cost, emit};
+use anneal::{Annealer, Phase};
+use paths::{Paths, Prices, TRIANGLE_LIMIT};
+
+/// Times that the annealing goes over the mesh, by effort.
+const SWEEPS: [u32; 10] = [0, 3, 12, 40, 100, 300, 600, 1200, 2400, 4800];
+/// Smaller meshes are gone over more often, up to so many times, so that a level's time is that of a mesh of this size.
+const SMALL: usize = 1 << 16;
+const MOST_ROUNDS: usize = 8;
+/// From this level on the start may also be `stripe`'s.
+const STRIPE_LEVEL: u8 = 2;
+
+pub(super) fn plan<'a>(
+    surface: &'a Surface<'_>,
+    graph: &'a DualGraph,
+    cost: Cost,
+    effort: Effort,
+    seed: u64,
+    watch: &dyn Watch,
+) -> Plan<'a> {
+    let (start, start_price) = cheapest_start(surface, graph, cost, effort, seed);
+    let phases = phases(cost, effort, start.cover.len());
+    if start.cover.is_empty() || start.cover.len() > TRIANGLE_LIMIT {
+        return start;
+    }
+    let mut paths = Paths::new(surface.faces(), &start.triangulation, &start.cover, prices(cost));
+    let mut annealer = Annealer::new(seed, watch, &phases, start.cover.len());
+    let mut best = (start, start_price);
+    for phase in phases {
+        let goes_on = annealer.run(&mut paths, phase);
+        let found = paths.to_plan(&best.0.triangulation);
+        let price = price(&found, cost);
+        if price < best.1 {
+            best = (found, price);
+        }
+        if !goes_on {
+            break;
+        }
+    }
+    best.0
+}
+
+/// Finds the cheapest of what the fast methods make.
+fn cheapest_start<'a>(
+    surface: &'a Surface<'_>,
+    graph: &'a DualGraph,
+    cost: Cost,
+    effort: Effort,
+    seed: u64,
+) -> (Plan<'a>, usize) {
+    let first = sequential::plan(surface, graph);
+    let mut best = (price(&first, cost), first);
+    let mut offer = |plan: Plan<'a>| {
+        let price = price(&plan, cost);
+        if price < best.0 {
+            best = (price, plan);
+        }
+    };
+    offer(input::plan(surface, graph));
+    if effort.level() >= STRIPE_LEVEL
+        && let Ok(plan) = stripe::plan_global(surface, graph, Patches::Rows, 5, seed)
+    {
+        offer(plan);
+    }
+    (best.1, best.0)
+}
+
+/// Counts what a plan costs in the end.
+fn price(plan: &Plan<'_>, cost: Cost) -> usize {
+    let strips = plan.cover.path_count();
+    match cost {
+        Cost::Restart => plan.indices_restart(),
+        Cost::OpenGl => cover_cost(plan.triangulation.graph(), &plan.cover) - strips,
+        Cost::Degenerate => cost.of(&Metrics::of(&emit(&plan.triangulation, &plan.cover))),
+        Cost::Gl => plan.cover.len() + 2 * strips,
+    }
+}
+
+/// What a strip and a swap cost beyond one index a triangle. Joining strips by degenerate triangles costs two indices, as
+/// measured: three where the next strip would begin at an odd place, less where strips share a vertex.
+fn prices(cost: Cost) -> Prices {
+    match cost {
+        Cost::Restart => Prices { strip: 3, swap: 1 },
+        Cost::OpenGl => Prices { strip: 2, swap: 1 },
+        Cost::Degenerate => Prices { strip: 4, swap: 1 },
+        Cost::Gl => Prices { strip: 1, swap: 0 },
+    }
+}
+
+/// Divides the sweeps of a level of effort.
+fn phases(cost: Cost, effort: Effort, triangle_count: usize) -> Vec<Phase> {
+    let rounds = (SMALL / triangle_count.max(1)).clamp(1, MOST_ROUNDS) as u32;
+    let sweeps = SWEEPS[usize::from(effort.level())] * rounds;
+    let scale = if cost == Cost::Gl { 0.4 } else { 1.0 };
+    let cold = Phase { sweeps: sweeps.min(10 + sweeps / 10), hottest: 0.3 * scale, coldest: 0.15 * scale };
+    let hot = Phase { sweeps: sweeps - cold.sweeps, hottest: 1.2 * scale, coldest: 0.15 * scale };
+    [cold, hot].into_iter().filter(|phase| phase.sweeps > 0).collect()
+}

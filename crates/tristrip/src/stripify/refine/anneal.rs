@@ -1,0 +1,322 @@
+//! Annealing of a path cover by changes at the ends of its paths.
+//!
+//! ```text
+//!   w ┄┄ v ━━ a        *join*: v is an end, too: w–v is linked
+//!        ┃             *graft*: v is inside a path: v–a is cut, w–v linked, and a is an end in the place of w
+//!        b             *cut*: v–a is cut, which pays where it does away with swaps
+//!                       *turn*: where v and a are of one polygon, the diagonal between them is turned
+//! ```
+//! # Algorithm
+//! A sweep goes over the triangles in order, so that it reads memory as it lies. At each end it tries a join or a graft, at random
+//! over one of the free edges; after a graft the new end goes on in its place for a hop. Then it tries to cut
+//! links, one for each triangle, and to turn diagonals. A change that raises the cost by r is done with odds e^(−r/T); the temperature T falls from
+//! sweep to sweep. The greatest rise to be accepted is drawn first, so that most changes are refused by what the swaps around
+//! them cost, before anything is changed.
+//!
+//! Two grafts in turn are a tunnel through two paths, and a graft with a join is Stewart's; the annealing finds longer ones by itself.
+//!
+//! # Complexity
+//! A sweep takes O(n) and, for each graft accepted, as many steps as there are to the nearer end of the path that it cuts.
+
+use super::paths::{NONE, Paths};
+use crate::stripify::{Progress, Watch};
+
+/// Triangles in a block: those of which the ends stand in one word.
+const BLOCK: u32 = 64;
+/// Changes tried at an end before the sweep goes on. Tuned on the bunny and the cow: 1 gives worse covers, 4 takes longer for the same.
+const HOPS: u32 = 2;
+/// Triangles of a block of which a diagonal is turned, where they have one. Tuned on skyscraper and triceratops: 4 gives worse covers,
+/// 64 takes twice the time for the same.
+const TURNS: u32 = 16;
+/// Blocks after which the watcher is asked.
+const WATCH_PERIOD: u64 = 1 << 10;
+/// Sweeps in which nothing is accepted that raises the cost, at the end.
+const LAST_SWEEPS: u32 = 2;
+/// Greatest rise that is ever accepted.
+const RISES: usize = 8;
+
+/// Sweeps while the temperature falls evenly; it is counted in indices.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Phase {
+    pub(super) sweeps: u32,
+    pub(super) hottest: f64,
+    pub(super) coldest: f64,
+}
+
+/// Draws the random numbers and asks the watcher.
+pub(super) struct Annealer<'a> {
+    random: Random,
+    watch: &'a dyn Watch,
+    /// Blocks gone over.
+    steps: u64,
+    step_limit: u64,
+    /// Cost of the best cover so far.
+    lowest: i64,
+    /// Of 2³² draws, those that accept a rise of at least 1, 2, ….
+    odds: [u32; RISES],
+}
+
+impl<'a> Annealer<'a> {
+    pub(super) fn new(seed: u64, watch: &'a dyn Watch, phases: &[Phase], triangle_count: usize) -> Self {
+        let sweeps: u64 = phases.iter().map(|phase| u64::from(phase.sweeps + LAST_SWEEPS)).sum();
+        let step_limit = sweeps * triangle_count.div_ceil(BLOCK as usize) as u64;
+        Self { random: Random(seed), watch, steps: 0, step_limit, lowest: i64::MAX, odds: [0; RISES] }
+    }
+
+    /// Anneals. Returns whether the watcher wants it to go on; if not, only the last sweeps are still done.
+    pub(super) fn run(&mut self, paths: &mut Paths, phase: Phase) -> bool {
+        self.lowest = self.lowest.min(paths.cost());
+        let mut goes_on = true;
+        for sweep in 0..phase.sweeps {
+            let part = f64::from(sweep) / f64::from(phase.sweeps);
+            self.odds = odds(phase.hottest + (phase.coldest - phase.hottest) * part);
+            goes_on = self.sweep(paths, true);
+            if !goes_on {
+                break;
+            }
+        }
+        self.odds = [0; RISES];
+        for _ in 0..LAST_SWEEPS {
+            self.sweep(paths, false);
+        }
+        self.lowest = self.lowest.min(paths.cost());
+        goes_on
+    }
+
+    /// Goes over all triangles once. Returns whether the watcher wants to go on.
+    fn sweep(&mut self, paths: &mut Paths, asks: bool) -> bool {
+        for block in 0..=paths.len() as u32 / BLOCK {
+            self.steps += 1;
+            if asks && self.steps.is_multiple_of(WATCH_PERIOD) && !self.watch.go_on(self.progress(paths)) {
+                return false;
+            }
+            self.change_ends(paths, block);
+            self.cut_links(paths, block);
+            if paths.has_diagonals() {
+                self.turn_diagonals(paths, block);
+            }
+        }
+        true
+    }
+
+    fn progress(&self, paths: &Paths) -> Progress {
+        Progress {
+            steps: self.steps,
+            step_limit: Some(self.step_limit),
+            strips: paths.strip_count(),
+            cost: paths.len() + usize::try_from(self.lowest.min(paths.cost())).unwrap_or(0),
+        }
+    }
+
+    /// Tries changes at each end of a block, also at those that come to be behind the one at hand.
+    #[inline]
+    fn change_ends(&mut self, paths: &mut Paths, block: u32) {
+        let mut left = u64::MAX;
+        loop {
+            let ends = paths.ends_of(block as usize) & left;
+            if ends == 0 {
+                break;
+            }
+            let bit = ends.trailing_zeros();
+            left = u64::MAX.checked_shl(bit + 1).unwrap_or(0);
+            let mut end = Some(block * BLOCK + bit);
+            for _ in 0..HOPS {
+                end = end.and_then(|end| self.change_end(paths, end));
+            }
+        }
+    }
+
+    /// Tries a join or a graft at an end. Returns the end that is there in its place.
+    #[inline]
+    fn change_end(&mut self, paths: &mut Paths, w: u32) -> Option<u32> {
+        let draw = self.random.next();
+        let link = 4 * w + free_edge(paths.mask(w), (draw >> 32) as u32 & 0xffff);
+        let twin = paths.twin(link);
+        if twin == NONE {
+            return Some(w);
+        }
+        let highest_rise = self.highest_rise(draw as u32);
+        let mask = paths.mask(twin / 4);
+        if mask.count_ones() < 2 {
+            return if join(paths, link, highest_rise) { None } else { Some(w) };
+        }
+        let lowest_edge = mask.trailing_zeros();
+        let cut_edge = if draw >> 63 == 1 { lowest_edge } else { mask.ilog2() };
+        graft(paths, link, twin & !3 | cut_edge, highest_rise).or(Some(w))
+    }
+
+    /// Tries to cut as many links of a block as there are triangles.
+    #[inline]
+    fn cut_links(&mut self, paths: &mut Paths, block: u32) {
+        for _ in 0..BLOCK {
+            let draw = self.random.next();
+            let t = block * BLOCK + (draw >> 58) as u32;
+            let link = 4 * t + (draw >> 32 & 0xffff) as u32 * 3 / 0x1_0000;
+            if (t as usize) < paths.len() && paths.mask(t) >> (link % 4) & 1 == 1 {
+                let highest_rise = self.highest_rise(draw as u32);
+                cut(paths, link, highest_rise);
+            }
+        }
+    }
+
+    /// Tries to turn diagonals of a block.
+    fn turn_diagonals(&mut self, paths: &mut Paths, block: u32) {
+        for _ in 0..TURNS {
+            let draw = self.random.next();
+            let t = block * BLOCK + (draw >> 58) as u32;
+            let edge = (draw >> 32 & 0xffff) as u32 * 3 / 0x1_0000;
+            if (t as usize) < paths.len() && paths.diagonals(t) >> edge & 1 == 1 {
+                let highest_rise = self.highest_rise(draw as u32);
+                turn(paths, 4 * t + edge, draw >> 57 & 1 == 1, highest_rise);
+            }
+        }
+    }
+
+    /// Turns a draw into the greatest rise that it accepts.
+    #[inline]
+    fn highest_rise(&self, draw: u32) -> i32 {
+        self.odds.iter().zip(1..).take_while(|&(&odds, _)| draw < odds).last().map_or(0, |(_, rise)| rise)
+    }
+}
+
+/// Picks one of the edges over which an end is not linked.
+#[inline]
+fn free_edge(mask: u32, draw: u32) -> u32 {
+    let inner = mask.trailing_zeros();
+    if inner > 2 { (draw * 3) >> 16 } else { (inner + 1 + (draw & 1)) % 3 }
+}
+
+/// Links two ends unless that raises the cost by more than a limit.
+#[inline]
+fn join(paths: &mut Paths, link: u32, highest_rise: i32) -> bool {
+    let Some(rise) = paths.join(link) else { return false };
+    if rise > highest_rise {
+        paths.cut(link);
+    }
+    rise <= highest_rise
+}
+
+/// Cuts a link unless that raises the cost by more than a limit.
+#[inline]
+fn cut(paths: &mut Paths, link: u32, highest_rise: i32) {
+    // The repeat at the start of the path may go, too.
+    if paths.cut_rise(link) > highest_rise + paths.prices().swap {
+        return;
+    }
+    if paths.cut(link) > highest_rise {
+        paths.join(link);
+    }
+}
+
+/// Cuts a link of the triangle across `link`, and links it over `link` instead, unless that raises the cost by more than a limit.
+/// Returns the new end.
+#[inline]
+fn graft(paths: &mut Paths, link: u32, cut: u32, highest_rise: i32) -> Option<u32> {
+    let released = paths.twin(cut) / 4;
+    // Repeats at starts are left out, so that a change is now and then refused that they would have paid for: walking to the ends
+    // for each change takes more than twice the time.
+    if released == link / 4 || paths.graft_rise(link, cut) > highest_rise {
+        return None;
+    }
+    let rise = paths.cut(cut);
+    if let Some(more) = paths.join(link) {
+        if rise + more <= highest_rise {
+            return Some(released);
+        }
+        paths.cut(link);
+    }
+    paths.join(cut);
+    None
+}
+
+/// Turns a diagonal, and links again what was linked there as far as it can be, unless that raises the cost by more than a limit.
+/// The diagonal is linked first or last.
+fn turn(paths: &mut Paths, diagonal: u32, diagonal_first: bool, highest_rise: i32) {
+    let before = paths.cost();
+    // Edges around are known by their other sides, which stay.
+    let around = paths.around(diagonal).map(|h| paths.twin(h));
+    let links = if diagonal_first {
+        [diagonal, around[0], around[1], around[2], around[3]]
+    } else {
+        [around[0], around[1], around[2], around[3], diagonal]
+    };
+    let cut = cut_all(paths, links);
+    paths.turn_diagonal(diagonal);
+    // What is linked now may go over the diagonal for the first time.
+    let mut wanted = cut;
+    wanted[if diagonal_first { 0 } else { 4 }] = Some(diagonal);
+    join_all(paths, wanted);
+    if paths.cost() - before > i64::from(highest_rise) {
+        cut_all(paths, links);
+        (0..3).for_each(|_| paths.turn_diagonal(diagonal));
+        join_all(paths, cut);
+    }
+}
+
+/// Cuts what is linked of some half-edges, and gives that.
+fn cut_all(paths: &mut Paths, links: [u32; 5]) -> [Option<u32>; 5] {
+    links.map(|h| {
+        let is_linked = h != NONE && paths.mask(h / 4) >> (h % 4) & 1 == 1;
+        is_linked.then(|| {
+            paths.cut(h);
+            h
+        })
+    })
+}
+
+/// Joins what can be joined of some half-edges.
+fn join_all(paths: &mut Paths, links: [Option<u32>; 5]) {
+    for link in links.into_iter().flatten() {
+        let twin = paths.twin(link);
+        if [link, twin].iter().all(|h| paths.mask(h / 4).count_ones() < 2) {
+            paths.join(link);
+        }
+    }
+}
+
+/// Gives the odds of accepting rises of 1, 2, … at a temperature, in 2³²ths. Made of multiplications alone, so that it is
+/// the same on every machine.
+#[expect(clippy::cast_sign_loss, reason = "odds are not negative")]
+fn odds(temperature: f64) -> [u32; RISES] {
+    let x = 1.0 / (1024.0 * temperature);
+    let mut once = 1.0 / (1.0 + x + x * x / 2.0);
+    for _ in 0..10 {
+        once *= once;
+    }
+    let mut odds = [0; RISES];
+    let mut power = 1.0;
+    for odds in &mut odds {
+        power *= once;
+        *odds = (power * f64::from(u32::MAX)) as u32;
+    }
+    odds
+}
+
+/// Draws random numbers: `SplitMix64` of Steele, Lea and Flood.
+struct Random(u64);
+
+impl Random {
+    #[inline]
+    fn next(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let z = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ z >> 31
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn odds_are_those_of_metropolis() {
+        for temperature in [0.06, 0.15, 0.5, 1.2, 9.0] {
+            for (i, odds) in odds(temperature).into_iter().enumerate() {
+                let exact = (-(i as f64 + 1.0) / temperature).exp();
+                let found = f64::from(odds) / f64::from(u32::MAX);
+                assert!((found - exact).abs() < 1e-4 * exact + 1e-9, "{temperature} {i}: {found} {exact}");
+            }
+        }
+    }
+}
