@@ -4,6 +4,7 @@
 //! method chose is a [`Plan`]; one emitter makes the strips of it.
 
 pub mod bound;
+mod fewest;
 pub mod input;
 pub(crate) mod random;
 mod refine;
@@ -32,6 +33,8 @@ pub enum Method {
     Sequential,
     /// Ours: annealing from `sequential`, for a cost and an effort.
     Best,
+    /// Ours: as few strips as can be found, whatever the swaps.
+    Fewest,
     /// The input's own order.
     Input,
     /// The SGI algorithm: least adjacency, one level of look-ahead.
@@ -330,6 +333,7 @@ pub fn choose_watched<'a>(
         }
         Method::Sequential => sequential::plan(surface, graph),
         Method::Best => refine::plan(surface, graph, options.cost, options.effort, options.seed, watch),
+        Method::Fewest => fewest::plan(surface, graph, options.effort, options.seed, watch),
         Method::Input => input::plan(surface, graph),
         Method::Sgi => sgi::plan(surface, graph),
         Method::StripeLocal { triangulation, ties } => {

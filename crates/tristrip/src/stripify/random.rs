@@ -24,4 +24,10 @@ impl Random {
     pub(crate) fn below(&mut self, n: usize) -> usize {
         (((self.next() >> 32) * n as u64) >> 32) as usize
     }
+
+    /// True or false, each half the time.
+    #[inline]
+    pub(crate) fn coin(&mut self) -> bool {
+        self.next() >> 63 == 0
+    }
 }
