@@ -56,7 +56,7 @@ use strands::{Step, Strands};
 const PATIENCE: u64 = 300;
 /// How far ahead an end is led at once, in triangles.
 const LEAP: usize = 8;
-/// Cuts that may fail in a row before an end is let go.
+/// Cuts that may bring an end no nearer than it was before, until it is let go.
 const ATTEMPTS: usize = 60;
 /// By how much an end may fall back, in triangles.
 const SLACK: u32 = 6;
@@ -237,24 +237,29 @@ impl<'a> Search<'a> {
         }
         let path_count = self.strands.path_count();
         let mut failures = 0;
+        let mut nearest = self.field.distance(end);
         self.strands.save();
-        while failures < ATTEMPTS && self.strands.segment_count() < segment_limit {
+        while failures < ATTEMPTS
+            && self.strands.segment_count() < segment_limit
+            && self.strands.touched_count() < 2 * TOUCHED_LIMIT
+        {
             let ends = self.shift(end);
             if self.strands.path_count() < path_count {
                 return;
             }
-            let distance = self.field.distance(end);
+            failures += 1;
+            let limit = self.field.distance(end) + SLACK;
             let left = ends.into_iter().flatten().filter(|&e| self.strands.is_end(e));
             match left.min_by_key(|&e| self.field.distance(e)) {
-                Some(e) if self.field.distance(e) <= distance + SLACK => {
-                    failures = if self.field.distance(e) < distance { 0 } else { failures + 1 };
+                Some(e) if self.field.distance(e) <= limit => {
+                    if self.field.distance(e) < nearest {
+                        nearest = self.field.distance(e);
+                        failures = 0;
+                    }
                     end = e;
                     self.strands.save();
                 }
-                _ => {
-                    failures += 1;
-                    self.strands.restore();
-                }
+                _ => self.strands.restore(),
             }
         }
     }
