@@ -111,7 +111,13 @@ impl Matching {
         Pairs { at_most: pairs + unsearched / 2, is_exact: unsearched == 0 }
     }
 
-    fn is_free(&self, node: u32) -> bool {
+    /// Tells whether a search that failed has reached a node.
+    pub(super) fn has_failed(&self, node: u32) -> bool {
+        matches!(self.label[node as usize], Label::Even | Label::Odd)
+    }
+
+    /// Tells whether a node of the subgraph is unmatched.
+    pub(super) fn is_free(&self, node: u32) -> bool {
         self.has(node) && self.mate[node as usize] == NONE
     }
 

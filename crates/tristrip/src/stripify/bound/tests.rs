@@ -1,5 +1,7 @@
 use proptest::prelude::*;
 
+use super::frontier::{Node, least_ends};
+use super::strips::{Limits, bound_within};
 use super::*;
 use crate::mesh::Mesh;
 
@@ -78,6 +80,26 @@ pub(super) fn least_strips(graph: &DualGraph) -> Vec<(usize, usize)> {
         .collect()
 }
 
+/// The least ends of paths in a piece, found by trying all links.
+fn least_ends_of_all(nodes: &[Node], arcs: &[(usize, usize)], free: &[u8], path: &[usize]) -> usize {
+    let Some((&(a, b), rest)) = arcs.split_first() else {
+        return nodes
+            .iter()
+            .zip(free)
+            .map(|(node, &free)| usize::from(free.saturating_sub(node.outward)))
+            .sum();
+    };
+    let without = least_ends_of_all(nodes, rest, free, path);
+    if free[a] == 0 || free[b] == 0 || path[a] == path[b] {
+        return without;
+    }
+    let mut free = free.to_vec();
+    free[a] -= 1;
+    free[b] -= 1;
+    let path: Vec<usize> = path.iter().map(|&p| if p == path[a] { path[b] } else { p }).collect();
+    without.min(least_ends_of_all(nodes, rest, &free, &path))
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
@@ -93,11 +115,43 @@ proptest! {
     }
 
     #[test]
-    fn few_steps_give_a_lower_bound(graph in graph(1..40), steps in 0..100_u64) {
-        let all = strips::bound(&graph);
-        for (few, all) in strips::bound_in_steps(&graph, steps).iter().zip(all) {
-            prop_assert!((1..=all.strips).contains(&few.strips));
+    fn no_limit_gives_a_bound_that_is_too_high(
+        graph in graph(1..14), steps in 0..100_u64, whole in prop_oneof![Just(0), 0..14_usize], at_once in 1..60_usize, states in 0..900_u64,
+    ) {
+        let limits = Limits { steps, whole, states_at_once: at_once, states };
+        let enough = Limits { steps: 10_000, states: 10_000, ..limits };
+        for ((few, more), (paths, two_matching)) in
+            bound_within(&graph, limits).iter().zip(bound_within(&graph, enough)).zip(least_strips(&graph))
+        {
+            prop_assert!((1..=paths).contains(&few.strips), "{few:?} > {paths}");
+            prop_assert!((two_matching.max(1)..=paths).contains(&more.strips), "{more:?} > {paths}");
+            prop_assert!(more.proof != Proof::Exact || more.strips == paths);
         }
+    }
+
+    #[test]
+    fn pieces_are_solved_exactly(
+        graph in graph(1..12),
+        nodes in prop::collection::vec((0..3_u8, any::<bool>()), 12),
+    ) {
+        let mut neighbours = vec![[NONE; 3]; graph.face_count()];
+        let mut arcs = arcs(&graph);
+        arcs.sort_unstable_by_key(|&(a, b)| (a.min(b), a.max(b)));
+        arcs.dedup_by_key(|&mut (a, b)| (a.min(b), a.max(b)));
+        for &(a, b) in &arcs {
+            for (a, b) in [(a, b), (b, a)] {
+                let place = neighbours[a].iter().position(|&n| n == NONE).unwrap();
+                neighbours[a][place] = b as u32;
+            }
+        }
+        let nodes: Vec<Node> = neighbours
+            .into_iter()
+            .zip(nodes)
+            .map(|(neighbours, (outward, is_taken))| Node { neighbours, outward, is_taken })
+            .collect();
+        let free: Vec<u8> = nodes.iter().map(|node| 2 - u8::from(node.is_taken)).collect();
+        let expected = least_ends_of_all(&nodes, &arcs, &free, &(0..nodes.len()).collect::<Vec<_>>());
+        prop_assert_eq!(least_ends(&nodes, usize::MAX, &mut u64::MAX.clone()), Some(expected));
     }
 
     #[test]
@@ -142,5 +196,5 @@ fn a_cycle_behind_a_bridge_needs_an_end() {
     let fan = (0..4).flat_map(|i| [0, 1 + i, 1 + (i + 1) % 4]);
     let outer = (0..4).flat_map(|i| [1 + (i + 1) % 4, 1 + i, 5 + i]);
     let bound = bound_of(fan.chain(outer).collect());
-    assert_eq!((bound.strips, bound.components[0].proof), (2, Proof::Matching));
+    assert_eq!((bound.strips, bound.components[0].proof), (2, Proof::Exact));
 }
