@@ -12,7 +12,8 @@
 //! 2. *Matching* (`matching`, `strips`): each block by itself.
 //! 3. *Pieces* (`pieces`, `frontier`): small blocks are solved exactly, and of larger ones the neighbourhoods where ends are forced.
 //!
-//! A strip of t triangles has at least t + 2 vertices, from which the other bounds follow.
+//! A strip of t triangles has at least t + 2 vertices, and one more where no strip without a swap passes through the component
+//! (`sequential`). From these the other bounds follow.
 //!
 //! Faces of more than three corners may be cut in many ways, and a bound must hold for all of them: see [`Bound::of_surface`].
 //!
@@ -28,11 +29,14 @@ mod blocks;
 mod frontier;
 mod matching;
 mod pieces;
+mod sequential;
 mod strips;
 
 use crate::dual::{DualGraph, FaceId};
 use crate::mesh::{Faces, Surface, Triangulation};
 use crate::strip::Cost;
+
+pub use sequential::{SequentialStrip, sequential_strip};
 
 /// Marks what is not there inside the packed arrays.
 const NONE: u32 = u32::MAX;
@@ -101,10 +105,15 @@ impl Bound {
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     pub fn of_triangulation(triangulation: &Triangulation<'_>) -> Self {
-        let components = strips::bound(triangulation.graph()).into_iter().map(|found| ComponentBound {
+        let found = strips::bound(triangulation.graph());
+        let sequential = are_sequential(triangulation.graph(), &found);
+        let components = found.into_iter().zip(sequential).map(|(found, is_sequential)| ComponentBound {
             triangles: found.triangles,
             strips: found.strips,
-            vertices_sent: found.triangles + 2 * found.strips,
+            // One strip with a swap or a repeat at least, or two strips.
+            vertices_sent: found.triangles
+                + 2 * found.strips
+                + usize::from(found.strips == 1 && !is_sequential),
             proof: found.proof,
         });
         Self::sum(components.collect(), vertex_groups(triangulation.triangles().chunks_exact(3)))
@@ -158,6 +167,13 @@ impl Bound {
             components,
         }
     }
+}
+
+/// Tells of each component whether one strip passes through it in two vertices more than it has triangles.
+fn are_sequential(graph: &DualGraph, found: &[strips::Component]) -> Vec<bool> {
+    let sizes: Vec<usize> = found.iter().map(|component| component.triangles).collect();
+    let runs = sequential::runs(graph.twins(), &graph.components().0, &sizes);
+    runs.into_iter().map(|run| run.is_some_and(|run| run.keeps_winding)).collect()
 }
 
 /// Bounds the components of a surface of polygons.

@@ -4,6 +4,8 @@ use super::frontier::{Node, least_ends};
 use super::strips::{Limits, bound_within};
 use super::*;
 use crate::mesh::Mesh;
+use crate::strip::{Metrics, emit};
+use crate::stripify::{Method, Options, plan};
 
 /// Draws a dual graph of up to so many triangles: half-edges paired at random, some of them not, and some triangles with two or
 /// three edges in common. It need not come from any mesh.
@@ -197,4 +199,59 @@ fn a_cycle_behind_a_bridge_needs_an_end() {
     let outer = (0..4).flat_map(|i| [1 + (i + 1) % 4, 1 + i, 5 + i]);
     let bound = bound_of(fan.chain(outer).collect());
     assert_eq!((bound.strips, bound.components[0].proof), (2, Proof::Exact));
+}
+
+#[test]
+fn a_fan_needs_a_vertex_more_than_a_row() {
+    let row = (0..5).flat_map(|i| if i % 2 == 0 { [i, i + 1, i + 2] } else { [i + 1, i, i + 2] });
+    assert_eq!(bound_of(row.collect()).vertices_sent, 7);
+    let fan = (1..6).flat_map(|i| [0, i, i + 1]);
+    let bound = bound_of(fan.collect());
+    assert_eq!((bound.strips, bound.vertices_sent, bound.gl_cost), (1, 8, 7));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(300))]
+
+    #[test]
+    fn no_method_does_better(corners in prop::collection::vec(prop::array::uniform3(0..9_u32), 0..30), shift in 0..3_u32) {
+        // Three sheets of a soup, apart or not.
+        let corners: Vec<u32> =
+            corners.iter().enumerate().flat_map(|(i, t)| t.map(|v| v + 5 * shift * (i as u32 % 3))).collect();
+        let mesh = Mesh::new(vec![[0.0; 3]; 40], Faces::from_triangles(corners).unwrap()).unwrap();
+        let surface = Surface::new(&mesh, false);
+        let graph = DualGraph::new(surface.faces());
+        let bound = Bound::of_surface(&surface, &graph);
+        for method in [Method::Auto, Method::Sequential, Method::Input, Method::Sgi, Method::STRIPE] {
+            let options = Options::default().with_method(method);
+            let plan = plan(&surface, &graph, &options).unwrap();
+            let metrics = Metrics::of(&emit(&plan.triangulation, &plan.cover));
+            prop_assert!(bound.strips <= metrics.strips);
+            for cost in [Cost::Restart, Cost::OpenGl, Cost::Degenerate, Cost::Gl] {
+                prop_assert!(bound.of(cost) <= cost.of(&metrics), "{method:?} {cost:?}: {bound:?} {metrics:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn no_method_does_better_on_polygons(polygons in prop::collection::vec((3..7_usize, 0..12_u32, 1..5_u32), 0..20)) {
+        let polygons = polygons.into_iter().map(|(n, first, step)| {
+            (0..n as u32).map(|i| (first + i * step) % 13).collect::<Vec<_>>()
+        });
+        let mesh = Mesh::new(vec![[0.0; 3]; 13], Faces::from_polygons(polygons).unwrap()).unwrap();
+        let surface = Surface::new(&mesh, false);
+        let graph = DualGraph::new(surface.faces());
+        let bound = Bound::of_surface(&surface, &graph);
+        for method in [Method::Auto, Method::Sequential, Method::Sgi, Method::STRIPE] {
+            let options = Options::default().with_method(method);
+            let plan = plan(&surface, &graph, &options).unwrap();
+            let metrics = Metrics::of(&emit(&plan.triangulation, &plan.cover));
+            prop_assert!(bound.strips <= metrics.strips);
+            for cost in [Cost::Restart, Cost::OpenGl, Cost::Degenerate, Cost::Gl] {
+                prop_assert!(bound.of(cost) <= cost.of(&metrics), "{method:?} {cost:?}: {bound:?} {metrics:?}");
+            }
+            let fixed = Bound::of_triangulation(&plan.triangulation);
+            prop_assert!(bound.strips <= fixed.strips && bound.vertices_sent <= fixed.vertices_sent);
+        }
+    }
 }
