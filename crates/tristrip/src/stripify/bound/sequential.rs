@@ -94,7 +94,7 @@ pub(super) struct Run {
     pub(super) keeps_winding: bool,
 }
 
-/// Finds for each component of so many triangles a run through all of it, one that keeps its winding if there is any.
+/// Finds for each component of so many triangles, or none where that is `usize::MAX`, a run through all of it, one that keeps its winding if there is any.
 pub(super) fn runs(twins: &[u32], component: &[u32], sizes: &[usize]) -> Vec<Option<Run>> {
     let mut search = Search {
         twins,
@@ -108,14 +108,16 @@ pub(super) fn runs(twins: &[u32], component: &[u32], sizes: &[usize]) -> Vec<Opt
     for entry in 0..twins.len() as u32 {
         for is_odd in [false, true] {
             // No state leads to an entry without a twin.
-            if twins[entry as usize] == NONE {
+            if twins[entry as usize] == NONE && search.size(entry) < usize::MAX {
                 search.follow((entry, is_odd), usize::MAX);
             }
         }
     }
     for entry in 0..twins.len() as u32 {
         for is_odd in [false, true] {
-            search.follow_closed((entry, is_odd));
+            if search.size(entry) < usize::MAX {
+                search.follow_closed((entry, is_odd));
+            }
         }
     }
     search.found
@@ -135,6 +137,11 @@ struct Search<'a> {
 }
 
 impl Search<'_> {
+    /// Gives the size of the component that an entry is in.
+    fn size(&self, entry: u32) -> usize {
+        self.sizes[self.component[entry as usize / 3] as usize]
+    }
+
     /// Marks a state, and tells whether it was marked already.
     fn visit(&mut self, (entry, is_odd): State) -> bool {
         let bit = 1 << (entry % 3 * 2 + u32::from(is_odd));
@@ -153,7 +160,7 @@ impl Search<'_> {
             let Some(after) = next(self.twins, state) else { return };
             state = after;
         }
-        let size = self.sizes[self.component[start.0 as usize / 3] as usize];
+        let size = self.size(start.0);
         if length >= size {
             self.follow(start, length + size - 1);
         }

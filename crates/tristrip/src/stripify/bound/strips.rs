@@ -15,7 +15,8 @@ use super::blocks::Blocks;
 use super::matching::Matching;
 use super::pieces::Pieces;
 use super::{NONE, Proof};
-use crate::dual::DualGraph;
+use crate::cover::PathCover;
+use crate::dual::{DualGraph, FaceId, HalfEdge};
 
 /// How much work a bound may take.
 #[derive(Debug, Clone, Copy)]
@@ -60,13 +61,12 @@ pub(super) fn bound(graph: &DualGraph) -> Vec<Component> {
 /// The same with so much work.
 pub(super) fn bound_within(graph: &DualGraph, limits: Limits) -> Vec<Component> {
     let blocks = Blocks::new(graph);
-    let mut settled = Settled {
-        matching: Matching::new(blocks.len(), limits.steps),
-        pieces: Pieces::new(blocks.len(), limits.states_at_once, limits.states),
-        used: vec![0; blocks.len()],
-        blocks: &blocks,
-        whole: limits.whole,
-    };
+    settle(&mut Settled::new(&blocks, limits))
+}
+
+/// Settles all blocks.
+fn settle(settled: &mut Settled<'_>) -> Vec<Component> {
+    let blocks = settled.blocks;
     let none = Component { triangles: 0, strips: 0, proof: Proof::Exact };
     let mut components = Vec::new();
     // Strips less bridges used, of the blocks of a component so far.
@@ -81,6 +81,7 @@ pub(super) fn bound_within(graph: &DualGraph, limits: Limits) -> Vec<Component> 
             components.push(std::mem::replace(&mut so_far, none));
         } else if block.spares_one {
             settled.used[above as usize] += 1;
+            settled.joined[root as usize] = true;
             so_far.strips -= 1;
         }
     }
@@ -95,6 +96,8 @@ struct Settled<'a> {
     pieces: Pieces,
     /// The bridges used at each node, of those that lead away from the root.
     used: Vec<u8>,
+    /// Whether the bridge is used that leads from the lowest node of a block toward the root.
+    joined: Vec<bool>,
     whole: usize,
 }
 
@@ -107,7 +110,19 @@ struct Block {
     proof: Proof,
 }
 
-impl Settled<'_> {
+impl<'a> Settled<'a> {
+    fn new(blocks: &'a Blocks, limits: Limits) -> Self {
+        let n = blocks.len();
+        Self {
+            matching: Matching::new(n, limits.steps),
+            pieces: Pieces::new(n, limits.states_at_once, limits.states),
+            used: vec![0; n],
+            joined: vec![false; n],
+            blocks,
+            whole: limits.whole,
+        }
+    }
+
     fn settle(&mut self, root: u32) -> Block {
         if self.blocks.next[root as usize] == NONE {
             // Two bridges pass through one strip; a third ends there, which is as good as not to use it.
@@ -156,5 +171,68 @@ impl Settled<'_> {
         let strips = matched.max((taken + ends).div_ceil(2)).max(1);
         let proof = if strips > matched { Proof::Pieces } else { Proof::Matching };
         Block { triangles: members.len(), strips, spares_one: matched + usize::from(rises) <= strips, proof }
+    }
+
+    /// Gives the neighbours to which a node stays linked when every node has two links at most.
+    fn kept(&self, node: u32) -> impl Iterator<Item = u32> {
+        let left_out = self.left_out(node);
+        let bridges = self.blocks.around(node).filter(move |&other| {
+            let (low, high) = (node.min(other), node.max(other));
+            self.blocks.root[low as usize] != self.blocks.root[high as usize] && self.joined[high as usize]
+        });
+        let inside = self
+            .blocks
+            .inside(node)
+            .filter(move |&other| Some(other) != left_out && self.left_out(other) != Some(node));
+        bridges.chain(inside)
+    }
+
+    /// Gives the neighbour in its block to which a node with an edge too many gives up its link.
+    fn left_out(&self, node: u32) -> Option<u32> {
+        if !self.matching.has(node) {
+            return None;
+        }
+        self.matching
+            .mate(node)
+            .or_else(|| self.blocks.inside(node).max_by_key(|&other| !self.matching.has(other)))
+    }
+}
+
+/// Links every triangle to two others at most, as many as can be; what closes is opened at one place.
+pub(super) fn relaxed_cover(graph: &DualGraph) -> PathCover {
+    let blocks = Blocks::new(graph);
+    let limits = Limits { whole: 0, states: 0, ..Limits::of(graph.face_count()) };
+    let mut settled = Settled::new(&blocks, limits);
+    settle(&mut settled);
+    let mut cover = PathCover::isolated(graph.face_count());
+    for node in 0..blocks.len() as u32 {
+        for other in settled.kept(node).filter(|&other| node < other) {
+            let to = FaceId(blocks.faces[other as usize]);
+            let leads_there = |h: &HalfEdge| graph.twin(*h).is_some_and(|twin| graph.face_of(twin) == to);
+            if let Some(half_edge) = graph.half_edges(FaceId(blocks.faces[node as usize])).find(leads_there) {
+                cover.link(graph, half_edge);
+            }
+        }
+    }
+    open_cycles(graph, &mut cover);
+    cover
+}
+
+/// Takes a link out of every closed path.
+fn open_cycles(graph: &DualGraph, cover: &mut PathCover) {
+    let faces = (0..cover.len() as u32).map(FaceId);
+    let mut seen = vec![false; cover.len()];
+    for face in faces.clone().filter(|&face| cover.degree(face) < 2) {
+        if !seen[face.0 as usize] {
+            cover.walk(graph, face).for_each(|(face, _, _)| seen[face.0 as usize] = true);
+        }
+    }
+    for face in faces {
+        if !seen[face.0 as usize] {
+            if let [Some(half_edge), _] = cover.edges(face) {
+                cover.cut(graph, half_edge);
+            }
+            cover.walk(graph, face).for_each(|(face, _, _)| seen[face.0 as usize] = true);
+        }
     }
 }

@@ -37,6 +37,17 @@ pub(super) fn graph(triangles: std::ops::Range<usize>) -> impl Strategy<Value = 
     })
 }
 
+/// Makes a tree of triangles, each joined to a free edge of those before.
+fn tree(parents: &[prop::sample::Index]) -> DualGraph {
+    let mut twins = vec![NONE; 3 * parents.len() + 3];
+    for (i, parent) in parents.iter().enumerate() {
+        let free: Vec<usize> = (0..3 * i + 3).filter(|&h| twins[h] == NONE).collect();
+        let (a, b) = (*parent.get(&free), 3 * i + 3);
+        (twins[a], twins[b]) = (b as u32, a as u32);
+    }
+    DualGraph::from_triangle_twins(twins)
+}
+
 /// The arcs of a graph, each once.
 pub(super) fn arcs(graph: &DualGraph) -> Vec<(usize, usize)> {
     let twins = graph.twins().iter().enumerate();
@@ -132,6 +143,20 @@ proptest! {
     }
 
     #[test]
+    fn relaxed_covers_are_covers(graph in graph(1..40)) {
+        let cover = relaxed_cover(&graph);
+        prop_assert_eq!(cover.check(&graph), Ok(()));
+        let least: usize = strips::bound(&graph).iter().map(|component| component.strips).sum();
+        prop_assert!(cover.path_count() >= least);
+    }
+
+    #[test]
+    fn relaxed_covers_of_trees_are_least(parents in prop::collection::vec(any::<prop::sample::Index>(), 0..40)) {
+        let graph = tree(&parents);
+        prop_assert_eq!(relaxed_cover(&graph).path_count(), strips::bound(&graph)[0].strips);
+    }
+
+    #[test]
     fn pieces_are_solved_exactly(
         graph in graph(1..12),
         nodes in prop::collection::vec((0..3_u8, any::<bool>()), 12),
@@ -158,13 +183,7 @@ proptest! {
 
     #[test]
     fn trees_are_bounded_exactly(parents in prop::collection::vec(any::<prop::sample::Index>(), 0..18)) {
-        let mut twins = vec![NONE; 3 * parents.len() + 3];
-        for (i, parent) in parents.iter().enumerate() {
-            let free: Vec<usize> = (0..3 * i + 3).filter(|&h| twins[h] == NONE).collect();
-            let (a, b) = (*parent.get(&free), 3 * i + 3);
-            (twins[a], twins[b]) = (b as u32, a as u32);
-        }
-        let graph = DualGraph::from_triangle_twins(twins);
+        let graph = tree(&parents);
         prop_assert_eq!(strips::bound(&graph)[0].strips, least_strips(&graph)[0].0);
     }
 }
