@@ -10,8 +10,10 @@
 //! 1. *Bridges* (`blocks`): the dual graph falls apart into blocks that bridges join to trees. From the leaves on it is settled
 //!    for each bridge whether the best cover uses it, and each block needs a strip or a bridge.
 //! 2. *Matching* (`matching`, `strips`): each block by itself.
+//! 3. *Pieces* (`pieces`, `frontier`): small blocks are solved exactly, and of larger ones the neighbourhoods where ends are forced.
 //!
-//! A strip of t triangles has at least t + 2 vertices, from which the other bounds follow.
+//! A strip of t triangles has at least t + 2 vertices, and one more where no strip without a swap passes through the component
+//! (`sequential`). From these the other bounds follow.
 //!
 //! Faces of more than three corners may be cut in many ways, and a bound must hold for all of them: see [`Bound::of_surface`].
 //!
@@ -20,15 +22,22 @@
 //! Varshney: *Efficiently Generating Triangle Strips for Fast Rendering*, 1996, section 1 (vertices of a strip).
 //!
 //! # Complexity
-//! About O(n) in practice (0.3 s for 870,000 triangles of a scan), O(n²) at worst; 60 bytes a triangle.
+//! O(n), as all searches are limited by a number of steps for each triangle: 0.5 s for 870,000 triangles of a scan, some 10 s at worst.
+//! 60 bytes a triangle.
 
 mod blocks;
+mod frontier;
 mod matching;
+mod pieces;
+mod sequential;
 mod strips;
 
+use crate::cover::PathCover;
 use crate::dual::{DualGraph, FaceId};
 use crate::mesh::{Faces, Surface, Triangulation};
 use crate::strip::Cost;
+
+pub use sequential::{SequentialStrip, sequential_strip};
 
 /// Marks what is not there inside the packed arrays.
 const NONE: u32 = u32::MAX;
@@ -65,8 +74,8 @@ pub struct ComponentBound {
     pub proof: Proof,
 }
 
-/// How a bound on strips was found.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+/// How a bound on strips was found, from the plainest means to the best.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 pub enum Proof {
     /// What is drawn at all takes a strip.
@@ -75,6 +84,10 @@ pub enum Proof {
     Leaves,
     /// A maximum matching in each block, and the best use of the bridges between them.
     Matching,
+    /// The same, and pieces of a block that were solved exactly show that it needs more.
+    Pieces,
+    /// Every block was solved exactly: there is a cover with so many strips.
+    Exact,
 }
 
 impl Bound {
@@ -93,11 +106,16 @@ impl Bound {
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     pub fn of_triangulation(triangulation: &Triangulation<'_>) -> Self {
-        let components = strips::bound(triangulation.graph()).into_iter().map(|found| ComponentBound {
+        let found = strips::bound(triangulation.graph());
+        let sequential = are_sequential(triangulation.graph(), &found);
+        let components = found.into_iter().zip(sequential).map(|(found, is_sequential)| ComponentBound {
             triangles: found.triangles,
             strips: found.strips,
-            vertices_sent: found.triangles + 2 * found.strips,
-            proof: if found.strips > 1 { Proof::Matching } else { Proof::OneStrip },
+            // One strip with a swap or a repeat at least, or two strips.
+            vertices_sent: found.triangles
+                + 2 * found.strips
+                + usize::from(found.strips == 1 && !is_sequential),
+            proof: found.proof,
         });
         Self::sum(components.collect(), vertex_groups(triangulation.triangles().chunks_exact(3)))
     }
@@ -150,6 +168,37 @@ impl Bound {
             components,
         }
     }
+}
+
+/// Covers a graph of triangles by a maximum 2-matching, each of its cycles opened at one place: a start for searches in which few ends
+/// are where none need be.
+///
+/// Its paths less the number of cycles bound the strips from below, but for the pieces that [`Bound`] solves exactly. Joining the
+/// cycles to other paths is left to the search. Over polygons every face is a path by itself.
+///
+/// ```
+/// use tristrip::{DualGraph, Faces, stripify::bound::relaxed_cover};
+/// // A fan closed around a vertex is a cycle.
+/// let fan = (0..5).flat_map(|i| [0, 1 + i, 1 + (i + 1) % 5]).collect();
+/// let graph = DualGraph::new(&Faces::from_triangles(fan)?);
+/// assert_eq!(relaxed_cover(&graph).path_count(), 1);
+/// # Ok::<(), tristrip::Error>(())
+/// ```
+pub fn relaxed_cover(graph: &DualGraph) -> PathCover {
+    if graph.half_edge_count() == 3 * graph.face_count() {
+        strips::relaxed_cover(graph)
+    } else {
+        PathCover::isolated(graph.face_count())
+    }
+}
+
+/// Tells of each component whether one strip passes through it in two vertices more than it has triangles.
+fn are_sequential(graph: &DualGraph, found: &[strips::Component]) -> Vec<bool> {
+    // Components that need several strips are not asked for.
+    let size = |of: &strips::Component| if of.strips > 1 { usize::MAX } else { of.triangles };
+    let sizes: Vec<usize> = found.iter().map(size).collect();
+    let runs = sequential::runs(graph.twins(), &graph.components().0, &sizes);
+    runs.into_iter().map(|run| run.is_some_and(|run| run.keeps_winding)).collect()
 }
 
 /// Bounds the components of a surface of polygons.

@@ -88,6 +88,11 @@ impl Matching {
         self.label[node as usize] != Label::Outside
     }
 
+    /// Gives the node that a node is matched with.
+    pub(super) fn mate(&self, node: u32) -> Option<u32> {
+        Some(self.mate[node as usize]).filter(|&mate| mate != NONE)
+    }
+
     /// Tells whether a node outside would be matched, too, if it were let in; for a block whose pairs are exact.
     pub(super) fn would_match(&self, blocks: &Blocks, node: u32) -> bool {
         blocks.inside(node).any(|other| self.label[other as usize] == Label::Even)
@@ -111,7 +116,13 @@ impl Matching {
         Pairs { at_most: pairs + unsearched / 2, is_exact: unsearched == 0 }
     }
 
-    fn is_free(&self, node: u32) -> bool {
+    /// Tells whether a search that failed has reached a node.
+    pub(super) fn has_failed(&self, node: u32) -> bool {
+        matches!(self.label[node as usize], Label::Even | Label::Odd)
+    }
+
+    /// Tells whether a node of the subgraph is unmatched.
+    pub(super) fn is_free(&self, node: u32) -> bool {
         self.has(node) && self.mate[node as usize] == NONE
     }
 

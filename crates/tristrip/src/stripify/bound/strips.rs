@@ -8,49 +8,81 @@
 //!
 //! A block of n triangles and E edges needs at least n − E + r strips, where r is the least number of edges to leave out so
 //! that each triangle keeps two at most, or one where a bridge is used: the triangles with an edge too many, less
-//! a maximum matching among them. That number may be reached by closed paths only, so that one strip is still the least.
+//! a maximum matching among them. That number may be reached by closed paths only, so that one strip is still the least, and pieces
+//! of the block that are solved exactly may show that it needs more.
 
-use super::NONE;
 use super::blocks::Blocks;
 use super::matching::Matching;
-use crate::dual::DualGraph;
+use super::pieces::Pieces;
+use super::{NONE, Proof};
+use crate::cover::PathCover;
+use crate::dual::{DualGraph, FaceId, HalfEdge};
 
-/// Steps of the matching's searches for each triangle, and for a mesh: scans and machine parts take two a triangle.
-const STEPS: u64 = 200;
-const LEAST_STEPS: u64 = 1 << 20;
+/// How much work a bound may take.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Limits {
+    /// Steps of the matching's searches.
+    pub(super) steps: u64,
+    /// Blocks of more triangles are not tried whole.
+    pub(super) whole: usize,
+    /// States of a piece at once.
+    pub(super) states_at_once: usize,
+    /// States in all.
+    pub(super) states: u64,
+}
+
+impl Limits {
+    /// Gives a graph 200 steps a triangle, of which scans and machine parts take two, and 8 states a triangle, that is a second for a
+    /// million triangles; and a small graph a tenth of a second.
+    fn of(triangle_count: usize) -> Self {
+        let count = triangle_count as u64;
+        Self {
+            steps: (1 << 20) + 200 * count,
+            whole: 2048,
+            states_at_once: 20_000,
+            states: (1 << 21) + 8 * count,
+        }
+    }
+}
 
 /// What was found for a component.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Component {
     pub(super) triangles: usize,
     pub(super) strips: usize,
+    pub(super) proof: Proof,
 }
 
 /// Bounds the strips of each component, in order of their lowest triangles.
 pub(super) fn bound(graph: &DualGraph) -> Vec<Component> {
-    bound_in_steps(graph, LEAST_STEPS + STEPS * graph.face_count() as u64)
+    bound_within(graph, Limits::of(graph.face_count()))
 }
 
-/// The same with so many steps for the matching.
-pub(super) fn bound_in_steps(graph: &DualGraph, steps: u64) -> Vec<Component> {
+/// The same with so much work.
+pub(super) fn bound_within(graph: &DualGraph, limits: Limits) -> Vec<Component> {
     let blocks = Blocks::new(graph);
-    let matching = Matching::new(blocks.len(), steps);
-    let mut settled = Settled { matching, used: vec![0; blocks.len()], blocks: &blocks };
+    settle(&mut Settled::new(&blocks, limits))
+}
+
+/// Settles all blocks.
+fn settle(settled: &mut Settled<'_>) -> Vec<Component> {
+    let blocks = settled.blocks;
+    let none = Component { triangles: 0, strips: 0, proof: Proof::Exact };
     let mut components = Vec::new();
-    let mut triangles = 0;
-    // Strips less bridges used, of the blocks of the component so far.
-    let mut strips = 0;
+    // Strips less bridges used, of the blocks of a component so far.
+    let mut so_far = none;
     for root in (0..blocks.len() as u32).rev().filter(|&node| blocks.root[node as usize] == node) {
         let block = settled.settle(root);
-        triangles += block.triangles;
-        strips += block.strips;
+        so_far.triangles += block.triangles;
+        so_far.strips += block.strips;
+        so_far.proof = so_far.proof.min(block.proof);
         let above = blocks.parent[root as usize];
         if above == NONE {
-            components.push(Component { triangles, strips });
-            (triangles, strips) = (0, 0);
+            components.push(std::mem::replace(&mut so_far, none));
         } else if block.spares_one {
             settled.used[above as usize] += 1;
-            strips -= 1;
+            settled.joined[root as usize] = true;
+            so_far.strips -= 1;
         }
     }
     components.reverse();
@@ -61,8 +93,12 @@ pub(super) fn bound_in_steps(graph: &DualGraph, steps: u64) -> Vec<Component> {
 struct Settled<'a> {
     blocks: &'a Blocks,
     matching: Matching,
+    pieces: Pieces,
     /// The bridges used at each node, of those that lead away from the root.
     used: Vec<u8>,
+    /// Whether the bridge is used that leads from the lowest node of a block toward the root.
+    joined: Vec<bool>,
+    whole: usize,
 }
 
 /// What a block needs.
@@ -71,28 +107,132 @@ struct Block {
     strips: usize,
     /// Whether it may need no more where the bridge toward the root is used.
     spares_one: bool,
+    proof: Proof,
 }
 
-impl Settled<'_> {
+impl<'a> Settled<'a> {
+    fn new(blocks: &'a Blocks, limits: Limits) -> Self {
+        let n = blocks.len();
+        Self {
+            matching: Matching::new(n, limits.steps),
+            pieces: Pieces::new(n, limits.states_at_once, limits.states),
+            used: vec![0; n],
+            joined: vec![false; n],
+            blocks,
+            whole: limits.whole,
+        }
+    }
+
     fn settle(&mut self, root: u32) -> Block {
         if self.blocks.next[root as usize] == NONE {
             // Two bridges pass through one strip; a third ends there, which is as good as not to use it.
             let used = self.used[root as usize];
-            return Block { triangles: 1, strips: if used == 3 { 2 } else { 1 }, spares_one: used < 2 };
+            let strips = if used == 3 { 2 } else { 1 };
+            return Block { triangles: 1, strips, spares_one: used < 2, proof: Proof::Exact };
         }
-        let (mut triangles, mut ends, mut demand) = (0, 0, 0);
-        for node in self.blocks.members(root) {
+        let members: Vec<u32> = self.blocks.members(root).collect();
+        self.settle_whole(root, &members).unwrap_or_else(|| self.settle_in_parts(root, &members))
+    }
+
+    /// Settles a small block exactly.
+    fn settle_whole(&mut self, root: u32, members: &[u32]) -> Option<Block> {
+        if members.len() > self.whole {
+            return None;
+        }
+        let taken: usize = members.iter().map(|&node| usize::from(self.used[node as usize])).sum();
+        let used = &self.used;
+        let apart = self.pieces.whole(self.blocks, members, |node| used[node as usize] > 0)?;
+        let joined =
+            self.pieces.whole(self.blocks, members, |node| node == root || used[node as usize] > 0)?;
+        // Every strip has two ends.
+        let strips = usize::midpoint(taken, apart);
+        let spares_one = usize::midpoint(taken + 1, joined) == strips;
+        Some(Block { triangles: members.len(), strips, spares_one, proof: Proof::Exact })
+    }
+
+    /// Settles a block by its matching, and by pieces of it.
+    fn settle_in_parts(&mut self, root: u32, members: &[u32]) -> Block {
+        let (mut degrees, mut demand, mut taken) = (0, 0, 0);
+        for &node in members {
             let degree = self.blocks.inside(node).count();
-            triangles += 1;
-            ends += degree;
-            if degree + usize::from(self.used[node as usize]) > 2 {
+            let used = usize::from(self.used[node as usize]);
+            degrees += degree;
+            taken += used;
+            if degree + used > 2 {
                 self.matching.admit(node);
                 demand += 1;
             }
         }
         let pairs = self.matching.match_block(self.blocks, root);
-        let strips = triangles + demand - pairs.at_most - ends / 2;
-        let spares_one = strips == 0 || !pairs.is_exact || self.matching.would_match(self.blocks, root);
-        Block { triangles, strips: strips.max(1), spares_one }
+        let matched = members.len() + demand - pairs.at_most - degrees / 2;
+        let rises = pairs.is_exact && !self.matching.would_match(self.blocks, root);
+        let used = &self.used;
+        let ends = self.pieces.around(self.blocks, members, &self.matching, |node| used[node as usize] > 0);
+        let strips = matched.max((taken + ends).div_ceil(2)).max(1);
+        let proof = if strips > matched { Proof::Pieces } else { Proof::Matching };
+        Block { triangles: members.len(), strips, spares_one: matched + usize::from(rises) <= strips, proof }
+    }
+
+    /// Gives the neighbours to which a node stays linked when every node has two links at most.
+    fn kept(&self, node: u32) -> impl Iterator<Item = u32> {
+        let left_out = self.left_out(node);
+        let bridges = self.blocks.around(node).filter(move |&other| {
+            let (low, high) = (node.min(other), node.max(other));
+            self.blocks.root[low as usize] != self.blocks.root[high as usize] && self.joined[high as usize]
+        });
+        let inside = self
+            .blocks
+            .inside(node)
+            .filter(move |&other| Some(other) != left_out && self.left_out(other) != Some(node));
+        bridges.chain(inside)
+    }
+
+    /// Gives the neighbour in its block to which a node with an edge too many gives up its link.
+    fn left_out(&self, node: u32) -> Option<u32> {
+        if !self.matching.has(node) {
+            return None;
+        }
+        self.matching
+            .mate(node)
+            .or_else(|| self.blocks.inside(node).max_by_key(|&other| !self.matching.has(other)))
+    }
+}
+
+/// Links every triangle to two others at most, as many as can be; what closes is opened at one place.
+pub(super) fn relaxed_cover(graph: &DualGraph) -> PathCover {
+    let blocks = Blocks::new(graph);
+    let limits = Limits { whole: 0, states: 0, ..Limits::of(graph.face_count()) };
+    let mut settled = Settled::new(&blocks, limits);
+    settle(&mut settled);
+    let mut cover = PathCover::isolated(graph.face_count());
+    for node in 0..blocks.len() as u32 {
+        for other in settled.kept(node).filter(|&other| node < other) {
+            let to = FaceId(blocks.faces[other as usize]);
+            let leads_there = |h: &HalfEdge| graph.twin(*h).is_some_and(|twin| graph.face_of(twin) == to);
+            if let Some(half_edge) = graph.half_edges(FaceId(blocks.faces[node as usize])).find(leads_there) {
+                cover.link(graph, half_edge);
+            }
+        }
+    }
+    open_cycles(graph, &mut cover);
+    cover
+}
+
+/// Takes a link out of every closed path.
+fn open_cycles(graph: &DualGraph, cover: &mut PathCover) {
+    let faces = (0..cover.len() as u32).map(FaceId);
+    let mut seen = vec![false; cover.len()];
+    for face in faces.clone().filter(|&face| cover.degree(face) < 2) {
+        if !seen[face.0 as usize] {
+            cover.walk(graph, face).for_each(|(face, _, _)| seen[face.0 as usize] = true);
+        }
+    }
+    for face in faces {
+        if !seen[face.0 as usize] {
+            if let [Some(half_edge), _] = cover.edges(face) {
+                cover.cut(graph, half_edge);
+            }
+            cover.walk(graph, face).for_each(|(face, _, _)| seen[face.0 as usize] = true);
+        }
     }
 }

@@ -1,7 +1,11 @@
 use proptest::prelude::*;
 
+use super::frontier::{Node, least_ends};
+use super::strips::{Limits, bound_within};
 use super::*;
 use crate::mesh::Mesh;
+use crate::strip::{Metrics, emit};
+use crate::stripify::{Method, Options, plan};
 
 /// Draws a dual graph of up to so many triangles: half-edges paired at random, some of them not, and some triangles with two or
 /// three edges in common. It need not come from any mesh.
@@ -31,6 +35,17 @@ pub(super) fn graph(triangles: std::ops::Range<usize>) -> impl Strategy<Value = 
             },
         )
     })
+}
+
+/// Makes a tree of triangles, each joined to a free edge of those before.
+fn tree(parents: &[prop::sample::Index]) -> DualGraph {
+    let mut twins = vec![NONE; 3 * parents.len() + 3];
+    for (i, parent) in parents.iter().enumerate() {
+        let free: Vec<usize> = (0..3 * i + 3).filter(|&h| twins[h] == NONE).collect();
+        let (a, b) = (*parent.get(&free), 3 * i + 3);
+        (twins[a], twins[b]) = (b as u32, a as u32);
+    }
+    DualGraph::from_triangle_twins(twins)
 }
 
 /// The arcs of a graph, each once.
@@ -78,6 +93,26 @@ pub(super) fn least_strips(graph: &DualGraph) -> Vec<(usize, usize)> {
         .collect()
 }
 
+/// The least ends of paths in a piece, found by trying all links.
+fn least_ends_of_all(nodes: &[Node], arcs: &[(usize, usize)], free: &[u8], path: &[usize]) -> usize {
+    let Some((&(a, b), rest)) = arcs.split_first() else {
+        return nodes
+            .iter()
+            .zip(free)
+            .map(|(node, &free)| usize::from(free.saturating_sub(node.outward)))
+            .sum();
+    };
+    let without = least_ends_of_all(nodes, rest, free, path);
+    if free[a] == 0 || free[b] == 0 || path[a] == path[b] {
+        return without;
+    }
+    let mut free = free.to_vec();
+    free[a] -= 1;
+    free[b] -= 1;
+    let path: Vec<usize> = path.iter().map(|&p| if p == path[a] { path[b] } else { p }).collect();
+    without.min(least_ends_of_all(nodes, rest, &free, &path))
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
@@ -93,22 +128,62 @@ proptest! {
     }
 
     #[test]
-    fn few_steps_give_a_lower_bound(graph in graph(1..40), steps in 0..100_u64) {
-        let all = strips::bound(&graph);
-        for (few, all) in strips::bound_in_steps(&graph, steps).iter().zip(all) {
-            prop_assert!((1..=all.strips).contains(&few.strips));
+    fn no_limit_gives_a_bound_that_is_too_high(
+        graph in graph(1..14), steps in 0..100_u64, whole in prop_oneof![Just(0), 0..14_usize], at_once in 1..60_usize, states in 0..900_u64,
+    ) {
+        let limits = Limits { steps, whole, states_at_once: at_once, states };
+        let enough = Limits { steps: 10_000, states: 10_000, ..limits };
+        for ((few, more), (paths, two_matching)) in
+            bound_within(&graph, limits).iter().zip(bound_within(&graph, enough)).zip(least_strips(&graph))
+        {
+            prop_assert!((1..=paths).contains(&few.strips), "{few:?} > {paths}");
+            prop_assert!((two_matching.max(1)..=paths).contains(&more.strips), "{more:?} > {paths}");
+            prop_assert!(more.proof != Proof::Exact || more.strips == paths);
         }
     }
 
     #[test]
-    fn trees_are_bounded_exactly(parents in prop::collection::vec(any::<prop::sample::Index>(), 0..18)) {
-        let mut twins = vec![NONE; 3 * parents.len() + 3];
-        for (i, parent) in parents.iter().enumerate() {
-            let free: Vec<usize> = (0..3 * i + 3).filter(|&h| twins[h] == NONE).collect();
-            let (a, b) = (*parent.get(&free), 3 * i + 3);
-            (twins[a], twins[b]) = (b as u32, a as u32);
+    fn relaxed_covers_are_covers(graph in graph(1..40)) {
+        let cover = relaxed_cover(&graph);
+        prop_assert_eq!(cover.check(&graph), Ok(()));
+        let least: usize = strips::bound(&graph).iter().map(|component| component.strips).sum();
+        prop_assert!(cover.path_count() >= least);
+    }
+
+    #[test]
+    fn relaxed_covers_of_trees_are_least(parents in prop::collection::vec(any::<prop::sample::Index>(), 0..40)) {
+        let graph = tree(&parents);
+        prop_assert_eq!(relaxed_cover(&graph).path_count(), strips::bound(&graph)[0].strips);
+    }
+
+    #[test]
+    fn pieces_are_solved_exactly(
+        graph in graph(1..12),
+        nodes in prop::collection::vec((0..3_u8, any::<bool>()), 12),
+    ) {
+        let mut neighbours = vec![[NONE; 3]; graph.face_count()];
+        let mut arcs = arcs(&graph);
+        arcs.sort_unstable_by_key(|&(a, b)| (a.min(b), a.max(b)));
+        arcs.dedup_by_key(|&mut (a, b)| (a.min(b), a.max(b)));
+        for &(a, b) in &arcs {
+            for (a, b) in [(a, b), (b, a)] {
+                let place = neighbours[a].iter().position(|&n| n == NONE).unwrap();
+                neighbours[a][place] = b as u32;
+            }
         }
-        let graph = DualGraph::from_triangle_twins(twins);
+        let nodes: Vec<Node> = neighbours
+            .into_iter()
+            .zip(nodes)
+            .map(|(neighbours, (outward, is_taken))| Node { neighbours, outward, is_taken })
+            .collect();
+        let free: Vec<u8> = nodes.iter().map(|node| 2 - u8::from(node.is_taken)).collect();
+        let expected = least_ends_of_all(&nodes, &arcs, &free, &(0..nodes.len()).collect::<Vec<_>>());
+        prop_assert_eq!(least_ends(&nodes, usize::MAX, &mut u64::MAX.clone()), Some(expected));
+    }
+
+    #[test]
+    fn trees_are_bounded_exactly(parents in prop::collection::vec(any::<prop::sample::Index>(), 0..18)) {
+        let graph = tree(&parents);
         prop_assert_eq!(strips::bound(&graph)[0].strips, least_strips(&graph)[0].0);
     }
 }
@@ -142,5 +217,60 @@ fn a_cycle_behind_a_bridge_needs_an_end() {
     let fan = (0..4).flat_map(|i| [0, 1 + i, 1 + (i + 1) % 4]);
     let outer = (0..4).flat_map(|i| [1 + (i + 1) % 4, 1 + i, 5 + i]);
     let bound = bound_of(fan.chain(outer).collect());
-    assert_eq!((bound.strips, bound.components[0].proof), (2, Proof::Matching));
+    assert_eq!((bound.strips, bound.components[0].proof), (2, Proof::Exact));
+}
+
+#[test]
+fn a_fan_needs_a_vertex_more_than_a_row() {
+    let row = (0..5).flat_map(|i| if i % 2 == 0 { [i, i + 1, i + 2] } else { [i + 1, i, i + 2] });
+    assert_eq!(bound_of(row.collect()).vertices_sent, 7);
+    let fan = (1..6).flat_map(|i| [0, i, i + 1]);
+    let bound = bound_of(fan.collect());
+    assert_eq!((bound.strips, bound.vertices_sent, bound.gl_cost), (1, 8, 7));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(300))]
+
+    #[test]
+    fn no_method_does_better(corners in prop::collection::vec(prop::array::uniform3(0..9_u32), 0..30), shift in 0..3_u32) {
+        // Three sheets of a soup, apart or not.
+        let corners: Vec<u32> =
+            corners.iter().enumerate().flat_map(|(i, t)| t.map(|v| v + 5 * shift * (i as u32 % 3))).collect();
+        let mesh = Mesh::new(vec![[0.0; 3]; 40], Faces::from_triangles(corners).unwrap()).unwrap();
+        let surface = Surface::new(&mesh, false);
+        let graph = DualGraph::new(surface.faces());
+        let bound = Bound::of_surface(&surface, &graph);
+        for method in [Method::Auto, Method::Sequential, Method::Input, Method::Sgi, Method::STRIPE] {
+            let options = Options::default().with_method(method);
+            let plan = plan(&surface, &graph, &options).unwrap();
+            let metrics = Metrics::of(&emit(&plan.triangulation, &plan.cover));
+            prop_assert!(bound.strips <= metrics.strips);
+            for cost in [Cost::Restart, Cost::OpenGl, Cost::Degenerate, Cost::Gl] {
+                prop_assert!(bound.of(cost) <= cost.of(&metrics), "{method:?} {cost:?}: {bound:?} {metrics:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn no_method_does_better_on_polygons(polygons in prop::collection::vec((3..7_usize, 0..12_u32, 1..5_u32), 0..20)) {
+        let polygons = polygons.into_iter().map(|(n, first, step)| {
+            (0..n as u32).map(|i| (first + i * step) % 13).collect::<Vec<_>>()
+        });
+        let mesh = Mesh::new(vec![[0.0; 3]; 13], Faces::from_polygons(polygons).unwrap()).unwrap();
+        let surface = Surface::new(&mesh, false);
+        let graph = DualGraph::new(surface.faces());
+        let bound = Bound::of_surface(&surface, &graph);
+        for method in [Method::Auto, Method::Sequential, Method::Sgi, Method::STRIPE] {
+            let options = Options::default().with_method(method);
+            let plan = plan(&surface, &graph, &options).unwrap();
+            let metrics = Metrics::of(&emit(&plan.triangulation, &plan.cover));
+            prop_assert!(bound.strips <= metrics.strips);
+            for cost in [Cost::Restart, Cost::OpenGl, Cost::Degenerate, Cost::Gl] {
+                prop_assert!(bound.of(cost) <= cost.of(&metrics), "{method:?} {cost:?}: {bound:?} {metrics:?}");
+            }
+            let fixed = Bound::of_triangulation(&plan.triangulation);
+            prop_assert!(bound.strips <= fixed.strips && bound.vertices_sent <= fixed.vertices_sent);
+        }
+    }
 }
