@@ -3,7 +3,7 @@
 //! # Algorithm
 //! The numbers are those of the paper's section 4.1.
 //!
-//! 1. *The length k.* It grows, 3, 7, 15 …, up to the limit; a length is gone over again while it joins many strips.
+//! 1. *The length k.* It grows, 3, 7, 15 …; a length is gone over again while it joins many strips.
 //! 2. *A terminal*, in an order drawn by lot.
 //! 3. *Its k-star*: the triangles that alternating paths of k edges from it come to, and of these the distances, along
 //!    alternating paths, to the terminals of other strips. No terminal, no search.
@@ -13,8 +13,9 @@
 //! 6. *Complement*, if a tunnel was found, and only then write identifiers.
 //! 7. *The next terminal.*
 //!
-//! When the greatest length finds nothing, strips are *moved*: of a search that fails, the part that came nearest to another
-//! terminal is complemented, which makes a triangle there the terminal in place of the first, with as many strips as before.
+//! When lengths of some dozens find few, the greatest is taken, and terminals *move*: of a search that fails, the part that came
+//! nearest to another terminal is complemented, which makes a triangle there the terminal in place of the first, with as many
+//! strips as before. It ends when that has led to nothing for a while, or when no star holds a terminal of another strip.
 //!
 //! ```text
 //!   w ┄┄ v ━━ b ┄ … ┄ x        w ━━ v    b ┄ … ┄ x        b is the new terminal, and nearer to x
@@ -25,7 +26,7 @@
 //! - The paper bridges what lies outside the star by temporary edges, so that tags need not be written there. Here no search writes
 //!   tags: a piece of a strip is an interval of positions, whether it lies in the star or not (see the module `ids`).
 //! - A loop may be closed if the path opens it again later, one at a time. Within one long strip the rule against loops leaves a
-//!   single way at each step, and nothing to search: without it horse stays at 2 to 7 strips, with it it comes to 1.
+//!   single way at each step, and nothing to search: by that rule horse stays at 2 to 7 strips, without it it comes to 1.
 //! - The order of the ways, which the paper leaves open; terminals that move.
 //!
 //! # References
@@ -44,9 +45,14 @@ use crate::stripify::random::Random;
 
 /// A length is gone over again if it has joined at least one in so many strips.
 const MANY: usize = 20;
-/// Passes that move terminals and join nothing, after which the search ends.
-const PATIENCE: u32 = 20;
-/// Loops that may be closed at a time while terminals move, and before. Tuned on bunny and horse: two lose the way.
+/// The length after which terminals move, and all lengths are tried at once. Tuned on bunny and dragon: more comes to more strips.
+const MOVE_FROM: u32 = 63;
+/// Passes that move terminals and join nothing, after which the search ends. Tuned on horse: 20 leave it at 3 strips for one seed
+/// in twelve.
+const PATIENCE: u32 = 40;
+/// Of these, every so many begins with all terminals, the others with those that had a terminal of another strip in their star.
+const FULL: u32 = 5;
+/// Loops that may be closed at a time while terminals move; before, none. Tuned on bunny and horse: two lose the way.
 const LOOPS: u32 = 1;
 
 /// Joins paths of a cover until no more are found or the watch says so.
@@ -67,18 +73,27 @@ pub(super) fn join(
         cover,
     };
     let mut limit = options.length.min(3);
-    let (mut moving, mut fruitless) = (false, 0);
+    let (mut is_moving, mut fruitless) = (false, 0);
+    let mut terminals = Vec::new();
     while eta.cover.path_count() > least && fruitless < PATIENCE {
         let before = eta.cover.path_count();
-        if !eta.pass(limit, options.threshold, moving, tally) {
+        let is_full = fruitless % FULL == 0;
+        if is_full {
+            eta.find_terminals(&mut terminals);
+        }
+        let limits = Limits { limit, threshold: options.threshold, loops: if is_moving { LOOPS } else { 0 } };
+        if !eta.pass(&mut terminals, limits, is_moving, tally) {
             return;
         }
         let found = before - eta.cover.path_count();
-        if moving {
-            fruitless = if found == 0 { fruitless + 1 } else { 0 };
+        if is_moving {
+            fruitless = if found == 0 { fruitless + 1 } else { 1 };
+            if is_full && terminals.is_empty() {
+                return;
+            }
         } else if MANY * found < before {
-            moving = limit == options.length;
-            limit = (2 * limit + 1).min(options.length);
+            is_moving = limit >= options.length.min(MOVE_FROM);
+            limit = if is_moving { options.length } else { (2 * limit + 1).min(options.length) };
         }
     }
 }
@@ -94,28 +109,44 @@ struct Eta<'a> {
 }
 
 impl Eta<'_> {
-    /// Searches from every terminal once, from those that find something again. Returns whether to go on.
-    fn pass(&mut self, limit: u32, threshold: u32, moving: bool, tally: &mut Tally<'_>) -> bool {
-        let all = 0..self.cover.len() as u32;
-        let mut terminals: Vec<u32> = all.filter(|&t| self.cover.degree(FaceId(t)) < 2).collect();
+    /// Finds the terminals.
+    fn find_terminals(&self, terminals: &mut Vec<u32>) {
+        terminals.clear();
+        terminals.extend((0..self.cover.len() as u32).filter(|&t| self.cover.degree(FaceId(t)) < 2));
+    }
+
+    /// Searches from terminals, from those that find something again, and leaves those that might find something another time.
+    /// Returns whether to go on.
+    fn pass(
+        &mut self,
+        terminals: &mut Vec<u32>,
+        limits: Limits,
+        is_moving: bool,
+        tally: &mut Tally<'_>,
+    ) -> bool {
         for i in (1..terminals.len()).rev() {
             terminals.swap(i, self.random.below(i + 1));
         }
-        for t in terminals {
+        let mut left = 0;
+        for i in 0..terminals.len() {
+            let mut t = terminals[i];
             while self.cover.degree(FaceId(t)) < 2 {
                 let place = Place { graph: self.graph, cover: self.cover, ids: &self.ids };
-                if !self.star.find(&place, t, limit, tally) {
+                if !self.star.find(&place, t, limits.limit, tally) {
                     break;
                 }
-                let (star, random) = (&self.star, &mut self.random);
-                let loops = if moving { LOOPS } else { 0 };
-                match self.search.tunnel(&place, star, t, Limits { limit, threshold, loops }, random, tally) {
+                match self.search.tunnel(&place, &self.star, t, limits, &mut self.random, tally) {
                     Searched::Stopped => return false,
                     Searched::Found => self.ids.complement(self.graph, self.cover, &self.search.steps),
                     Searched::Nothing => {
-                        if moving {
+                        if is_moving {
                             self.ids.complement(self.graph, self.cover, &self.search.nearest);
+                            if let Some(step) = self.search.nearest.last() {
+                                t = self.graph.twins()[step.black as usize] / 3;
+                            }
                         }
+                        terminals[left] = t;
+                        left += 1;
                         break;
                     }
                 }
@@ -124,6 +155,7 @@ impl Eta<'_> {
                 return false;
             }
         }
+        terminals.truncate(left);
         true
     }
 }

@@ -37,10 +37,16 @@ impl Order {
     pub(super) fn new(graph: &DualGraph, cover: &PathCover) -> Self {
         let mut order = Self::default();
         order.grow(cover.len());
+        if graph.half_edge_count() != 3 * cover.len() {
+            return order;
+        }
         let mut path = Vec::new();
+        let mut seen = vec![false; cover.len()];
         for start in cover.path_starts(graph) {
             path.clear();
-            path.extend(cover.walk(graph, start).map(|(face, _, _)| face.0));
+            // A loop, which is no path, is taken as one that is open.
+            let is_new = |t: &u32| !std::mem::replace(&mut seen[*t as usize], true);
+            path.extend(cover.walk(graph, start).map(|(face, _, _)| face.0).take_while(is_new));
             order.build(&path);
         }
         order
