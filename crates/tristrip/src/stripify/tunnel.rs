@@ -20,6 +20,9 @@
 mod baseline;
 mod eta;
 mod ids;
+mod order;
+mod repair;
+mod star;
 #[cfg(test)]
 mod tests;
 
@@ -28,6 +31,7 @@ use super::{Plan, sequential, sgi};
 use crate::cover::PathCover;
 use crate::dual::DualGraph;
 use crate::mesh::{Surface, Triangulation};
+pub use repair::{Repaired, Repairer};
 
 /// Plans strips by tunnels of at most `length` edges, from isolated triangles.
 pub(super) fn plan_tunnel<'a>(

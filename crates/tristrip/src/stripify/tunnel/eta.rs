@@ -3,7 +3,7 @@
 //! # Algorithm
 //! The numbers are those of the paper's section 4.1.
 //!
-//! 1. *The length k.* It grows, 3, 7, 15 …, up to the limit; a length is gone over again while it joins many strips.
+//! 1. *The length k.* It grows, 3, 7, 15 …; a length is gone over again while it joins many strips.
 //! 2. *A terminal*, in an order drawn by lot.
 //! 3. *Its k-star*: the triangles that alternating paths of k edges from it come to, and of these the distances, along
 //!    alternating paths, to the terminals of other strips. No terminal, no search.
@@ -13,8 +13,9 @@
 //! 6. *Complement*, if a tunnel was found, and only then write identifiers.
 //! 7. *The next terminal.*
 //!
-//! When the greatest length finds nothing, strips are *moved*: of a search that fails, the part that came nearest to another
-//! terminal is complemented, which makes a triangle there the terminal in place of the first, with as many strips as before.
+//! When lengths of some dozens find few, the greatest is taken, and terminals *move*: of a search that fails, the part that came
+//! nearest to another terminal is complemented, which makes a triangle there the terminal in place of the first, with as many
+//! strips as before. It ends when that has led to nothing for a while, or when no star holds a terminal of another strip.
 //!
 //! ```text
 //!   w ┄┄ v ━━ b ┄ … ┄ x        w ━━ v    b ┄ … ┄ x        b is the new terminal, and nearer to x
@@ -25,7 +26,7 @@
 //! - The paper bridges what lies outside the star by temporary edges, so that tags need not be written there. Here no search writes
 //!   tags: a piece of a strip is an interval of positions, whether it lies in the star or not (see the module `ids`).
 //! - A loop may be closed if the path opens it again later, one at a time. Within one long strip the rule against loops leaves a
-//!   single way at each step, and nothing to search: without it horse stays at 2 to 7 strips, with it it comes to 1.
+//!   single way at each step, and nothing to search: by that rule horse stays at 2 to 7 strips, without it it comes to 1.
 //! - The order of the ways, which the paper leaves open; terminals that move.
 //!
 //! # References
@@ -35,8 +36,8 @@
 //! # Complexity
 //! A search takes O(star + threshold · length) time. 28 bytes a triangle, beside the cover and the dual graph.
 
-use super::baseline::is_red;
 use super::ids::{Ids, NONE, Pieces, Step};
+use super::star::{Place, Star};
 use super::{EtaOptions, Searched, Tally};
 use crate::cover::PathCover;
 use crate::dual::{DualGraph, FaceId};
@@ -44,12 +45,14 @@ use crate::stripify::random::Random;
 
 /// A length is gone over again if it has joined at least one in so many strips.
 const MANY: usize = 20;
-/// Edges that the star goes on beyond the nearest terminal. Tuned on fandisk, cessna and bunny: 0 leaves half as many strips again,
-/// 20 takes a third more time and gains nothing.
-const BEYOND: u32 = 6;
-/// Passes that move terminals and join nothing, after which the search ends.
-const PATIENCE: u32 = 20;
-/// Loops that may be closed at a time while terminals move, and before. Tuned on bunny and horse: two lose the way.
+/// The length after which terminals move, and all lengths are tried at once. Tuned on bunny and dragon: more comes to more strips.
+const MOVE_FROM: u32 = 63;
+/// Passes that move terminals and join nothing, after which the search ends. Tuned on horse: 20 leave it at 3 strips for one seed
+/// in twelve.
+const PATIENCE: u32 = 40;
+/// Of these, every so many begins with all terminals, the others with those that had a terminal of another strip in their star.
+const FULL: u32 = 5;
+/// Loops that may be closed at a time while terminals move; before, none. Tuned on bunny and horse: two lose the way.
 const LOOPS: u32 = 1;
 
 /// Joins paths of a cover until no more are found or the watch says so.
@@ -63,25 +66,34 @@ pub(super) fn join(
     let least = graph.components().1;
     let mut eta = Eta {
         ids: Ids::new(graph, cover),
-        star: Star::new(cover.len()),
+        star: Star::default(),
         search: Search::default(),
         random: Random::new(seed),
         graph,
         cover,
     };
     let mut limit = options.length.min(3);
-    let (mut moving, mut fruitless) = (false, 0);
+    let (mut is_moving, mut fruitless) = (false, 0);
+    let mut terminals = Vec::new();
     while eta.cover.path_count() > least && fruitless < PATIENCE {
         let before = eta.cover.path_count();
-        if !eta.pass(limit, options.threshold, moving, tally) {
+        let is_full = fruitless % FULL == 0;
+        if is_full {
+            eta.find_terminals(&mut terminals);
+        }
+        let limits = Limits { limit, threshold: options.threshold, loops: if is_moving { LOOPS } else { 0 } };
+        if !eta.pass(&mut terminals, limits, is_moving, tally) {
             return;
         }
         let found = before - eta.cover.path_count();
-        if moving {
-            fruitless = if found == 0 { fruitless + 1 } else { 0 };
+        if is_moving {
+            fruitless = if found == 0 { fruitless + 1 } else { 1 };
+            if is_full && terminals.is_empty() {
+                return;
+            }
         } else if MANY * found < before {
-            moving = limit == options.length;
-            limit = (2 * limit + 1).min(options.length);
+            is_moving = limit >= options.length.min(MOVE_FROM);
+            limit = if is_moving { options.length } else { (2 * limit + 1).min(options.length) };
         }
     }
 }
@@ -97,28 +109,44 @@ struct Eta<'a> {
 }
 
 impl Eta<'_> {
-    /// Searches from every terminal once, from those that find something again. Returns whether to go on.
-    fn pass(&mut self, limit: u32, threshold: u32, moving: bool, tally: &mut Tally<'_>) -> bool {
-        let all = 0..self.cover.len() as u32;
-        let mut terminals: Vec<u32> = all.filter(|&t| self.cover.degree(FaceId(t)) < 2).collect();
+    /// Finds the terminals.
+    fn find_terminals(&self, terminals: &mut Vec<u32>) {
+        terminals.clear();
+        terminals.extend((0..self.cover.len() as u32).filter(|&t| self.cover.degree(FaceId(t)) < 2));
+    }
+
+    /// Searches from terminals, from those that find something again, and leaves those that might find something another time.
+    /// Returns whether to go on.
+    fn pass(
+        &mut self,
+        terminals: &mut Vec<u32>,
+        limits: Limits,
+        is_moving: bool,
+        tally: &mut Tally<'_>,
+    ) -> bool {
         for i in (1..terminals.len()).rev() {
             terminals.swap(i, self.random.below(i + 1));
         }
-        for t in terminals {
+        let mut left = 0;
+        for i in 0..terminals.len() {
+            let mut t = terminals[i];
             while self.cover.degree(FaceId(t)) < 2 {
                 let place = Place { graph: self.graph, cover: self.cover, ids: &self.ids };
-                if !self.star.find(&place, t, limit, tally) {
+                if !self.star.find(&place, t, limits.limit, tally) {
                     break;
                 }
-                let (star, random) = (&self.star, &mut self.random);
-                let loops = if moving { LOOPS } else { 0 };
-                match self.search.tunnel(&place, star, t, Limits { limit, threshold, loops }, random, tally) {
+                match self.search.tunnel(&place, &self.star, t, limits, &mut self.random, tally) {
                     Searched::Stopped => return false,
                     Searched::Found => self.ids.complement(self.graph, self.cover, &self.search.steps),
                     Searched::Nothing => {
-                        if moving {
+                        if is_moving {
                             self.ids.complement(self.graph, self.cover, &self.search.nearest);
+                            if let Some(step) = self.search.nearest.last() {
+                                t = self.graph.twins()[step.black as usize] / 3;
+                            }
                         }
+                        terminals[left] = t;
+                        left += 1;
                         break;
                     }
                 }
@@ -127,149 +155,28 @@ impl Eta<'_> {
                 return false;
             }
         }
+        terminals.truncate(left);
         true
-    }
-}
-
-/// What a search looks at.
-struct Place<'a> {
-    graph: &'a DualGraph,
-    cover: &'a PathCover,
-    ids: &'a Ids,
-}
-
-impl Place<'_> {
-    fn is_terminal(&self, t: u32) -> bool {
-        self.cover.degree(FaceId(t)) < 2
-    }
-
-    fn across(&self, half_edge: u32) -> u32 {
-        self.graph.twins()[half_edge as usize] / 3
-    }
-
-    /// Walks over the red edges of a triangle and where they lead.
-    fn reds(&self, t: u32) -> impl Iterator<Item = (u32, u32)> {
-        (3 * t..3 * t + 3).filter(|&h| is_red(self.graph, self.cover, h)).map(|h| (h, self.across(h)))
-    }
-
-    /// Walks over the black edges of a triangle and where they lead.
-    fn blacks(&self, t: u32) -> impl Iterator<Item = (u32, u32)> {
-        self.cover.edges(FaceId(t)).into_iter().flatten().map(|h| (h.0, self.across(h.0)))
-    }
-}
-
-/// The k-star of a terminal. What belongs to an earlier one is told by its stamp.
-#[derive(Debug)]
-struct Star {
-    stamp: u32,
-    /// The star that each triangle was last come to in, over a black edge or as the terminal.
-    reached: Vec<u32>,
-    /// The star that a triangle's distance to a terminal belongs to, and the distance in edges.
-    distance: Vec<(u32, u32)>,
-    queue: Vec<u32>,
-    terminals: Vec<u32>,
-}
-
-impl Star {
-    fn new(triangle_count: usize) -> Self {
-        let (queue, terminals) = (Vec::new(), Vec::new());
-        let (reached, distance) = (vec![0; triangle_count], vec![(0, 0); triangle_count]);
-        Self { stamp: 0, reached, distance, queue, terminals }
-    }
-
-    /// Finds the star of a terminal. Returns whether another strip has a terminal in it.
-    fn find(&mut self, place: &Place<'_>, terminal: u32, limit: u32, tally: &mut Tally<'_>) -> bool {
-        self.stamp = self.stamp.wrapping_add(1);
-        if self.stamp == 0 {
-            // The stamps come round again: forget the old ones.
-            self.reached.fill(0);
-            self.distance.fill((0, 0));
-            self.stamp = 1;
-        }
-        self.go_out(place, terminal, limit);
-        tally.accesses += self.queue.len() as u64;
-        self.come_back(place);
-        tally.accesses += self.queue.len() as u64;
-        !self.terminals.is_empty()
-    }
-
-    /// Follows alternating paths outward, ring by ring, and notes the terminals of other strips that they come to.
-    fn go_out(&mut self, place: &Place<'_>, terminal: u32, mut limit: u32) {
-        self.queue.clear();
-        self.terminals.clear();
-        self.reach(terminal);
-        let own = place.ids.path(terminal);
-        let (mut ring, mut length) = (0..1, 1);
-        while !ring.is_empty() && length <= limit {
-            for i in ring.clone() {
-                let tip = self.queue[i];
-                for (_, v) in place.reds(tip) {
-                    if place.is_terminal(v) && place.ids.path(v) != own {
-                        self.terminals.push(v);
-                        limit = limit.min(length + BEYOND);
-                    }
-                    place.blacks(v).for_each(|(_, b)| self.reach(b));
-                }
-            }
-            ring = ring.end..self.queue.len();
-            length += 2;
-        }
-    }
-
-    fn reach(&mut self, t: u32) {
-        if std::mem::replace(&mut self.reached[t as usize], self.stamp) != self.stamp {
-            self.queue.push(t);
-        }
-    }
-
-    /// Measures the distances from the terminals back.
-    fn come_back(&mut self, place: &Place<'_>) {
-        self.queue.clear();
-        for i in 0..self.terminals.len() {
-            place.reds(self.terminals[i]).for_each(|(_, a)| self.measure(a, 1));
-        }
-        let mut next = 0;
-        while next < self.queue.len() {
-            let tip = self.queue[next];
-            let distance = self.distance[tip as usize].1 + 2;
-            for (_, v) in place.blacks(tip) {
-                place.reds(v).for_each(|(_, a)| self.measure(a, distance));
-            }
-            next += 1;
-        }
-    }
-
-    fn measure(&mut self, t: u32, distance: u32) {
-        if self.reached[t as usize] == self.stamp && self.distance[t as usize].0 != self.stamp {
-            self.distance[t as usize] = (self.stamp, distance);
-            self.queue.push(t);
-        }
-    }
-
-    /// The length of the shortest alternating path on from a triangle that has just been cut off, were there no loops.
-    fn distance(&self, t: u32) -> Option<u32> {
-        let (stamp, distance) = self.distance[t as usize];
-        (stamp == self.stamp).then_some(distance)
     }
 }
 
 /// How far a search goes.
 #[derive(Debug, Clone, Copy)]
-struct Limits {
+pub(super) struct Limits {
     /// The longest tunnel.
-    limit: u32,
+    pub(super) limit: u32,
     /// Accesses to nodes.
-    threshold: u32,
+    pub(super) threshold: u32,
     /// Loops that may be closed at a time.
-    loops: u32,
+    pub(super) loops: u32,
 }
 
 /// A search from one terminal.
 #[derive(Debug, Default)]
-struct Search {
+pub(super) struct Search {
     pieces: Pieces,
     /// The tunnel so far; found, it ends with a red edge.
-    steps: Vec<Step>,
+    pub(super) steps: Vec<Step>,
     /// The part of a tunnel, without a loop, that came nearest to a terminal.
     nearest: Vec<Step>,
     /// The ways that are still to be tried, each with the steps before it.
@@ -280,7 +187,7 @@ struct Search {
 
 impl Search {
     /// Looks for a tunnel from a terminal.
-    fn tunnel(
+    pub(super) fn tunnel(
         &mut self,
         place: &Place<'_>,
         star: &Star,
@@ -358,70 +265,10 @@ impl Search {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dual::HalfEdge;
     use crate::stripify::tunnel::tests::graph_and_cover;
     use proptest::prelude::*;
 
-    /// Distances by going over all triangles again and again, and the ends that paths of at most `limit` edges come to.
-    fn naive_star(place: &Place<'_>, terminal: u32, limit: u32) -> (Vec<Option<u32>>, Vec<Option<u32>>) {
-        let n = place.cover.len() as u32;
-        let shorter = |old: Option<u32>, new: u32| old.is_none_or(|old| new < old);
-        // Edges from the terminal to each triangle over a black edge at last, and from such a triangle to a terminal.
-        let (mut out, mut back) = (vec![None; n as usize], vec![None; n as usize]);
-        out[terminal as usize] = Some(0);
-        for _ in 0..2 * n {
-            for (a, (red, v)) in (0..n).flat_map(|a| place.reds(a).map(move |edge| (a, edge))) {
-                assert!(!place.cover.is_linked(HalfEdge(red)));
-                for (_, b) in place.blacks(v) {
-                    if let Some(length) = out[a as usize]
-                        && shorter(out[b as usize], length + 2)
-                    {
-                        out[b as usize] = Some(length + 2);
-                    }
-                    if let Some(length) = back[b as usize]
-                        && shorter(back[a as usize], length + 2)
-                    {
-                        back[a as usize] = Some(length + 2);
-                    }
-                }
-                let reached = out[a as usize].is_some_and(|length: u32| length < limit);
-                if reached && place.is_terminal(v) && place.ids.path(v) != place.ids.path(terminal) {
-                    // Any red edge leads to it from there on.
-                    place.reds(v).for_each(|(_, a)| back[a as usize] = Some(1));
-                }
-            }
-        }
-        (out, back)
-    }
-
     proptest! {
-        #[test]
-        fn the_star_knows_the_distances((graph, cover) in graph_and_cover(), terminal in any::<u32>(), limit in 1..40_u32) {
-            prop_assume!(!cover.is_empty());
-            let terminal = terminal % cover.len() as u32;
-            let ids = Ids::new(&graph, &cover);
-            let place = Place { graph: &graph, cover: &cover, ids: &ids };
-            prop_assume!(place.is_terminal(terminal));
-            let mut star = Star::new(cover.len());
-            // The star ends a few edges beyond the nearest terminal.
-            let (_, back) = naive_star(&place, terminal, limit);
-            let nearest = back[terminal as usize].filter(|&nearest| nearest <= limit);
-            let found = star.find(&place, terminal, limit, &mut Tally::new(&()));
-            prop_assert_eq!(found, nearest.is_some());
-            prop_assert_eq!(star.distance(terminal), nearest);
-            let limit = limit.min(nearest.unwrap_or(limit).saturating_add(BEYOND));
-            let (out, back) = naive_star(&place, terminal, limit);
-            for t in 0..cover.len() {
-                let inside = out[t].is_some_and(|length| length <= limit + 1);
-                prop_assert_eq!(star.reached[t] == star.stamp, inside, "{}", t);
-                if let Some(distance) = star.distance(t as u32) {
-                    prop_assert!(inside && back[t].is_some_and(|back| back <= distance));
-                    let whole = out[t].is_some_and(|length| length + distance <= limit);
-                    prop_assert!(!whole || back[t] == Some(distance), "{} {:?} {}", t, back[t], distance);
-                }
-            }
-        }
-
         #[test]
         fn joins_any_cover((graph, cover) in graph_and_cover(), length in 0..60_u32, seed in any::<u64>()) {
             let join = |length| {

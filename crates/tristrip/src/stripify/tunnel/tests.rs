@@ -4,14 +4,16 @@ use proptest::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::ids::{Ids, NONE, Pieces, Step};
-use super::{EtaOptions, Searched, Start, Tally, baseline, eta};
+use super::order::Order;
+use super::repair::Reach;
+use super::{EtaOptions, Repairer, Searched, Start, Tally, baseline, eta};
 use crate::cover::PathCover;
 use crate::dual::{DualGraph, FaceId, HalfEdge};
 use crate::mesh::Surface;
 use crate::strip::{emit, verify};
 use crate::stripify::sequential::tests::{mesh, polygons, triangle_graph};
 use crate::stripify::watch::{Progress, Watch};
-use crate::stripify::{Method, Options, plan};
+use crate::stripify::{Effort, Method, Options, plan};
 
 /// Finds the shortest tunnel up to a length by trying every alternating path on the cover itself.
 fn brute_force(graph: &DualGraph, cover: &PathCover, length: usize) -> Option<usize> {
@@ -196,6 +198,180 @@ proptest! {
             prop_assert!(verify(&mesh, &strips).is_ok(), "{:?}", method);
         }
     }
+}
+
+/// Gives the triangles within some steps of others.
+fn around(graph: &DualGraph, faces: &[FaceId], steps: u32) -> Vec<bool> {
+    let mut inside = vec![false; graph.face_count()];
+    faces.iter().for_each(|face| inside[face.0 as usize] = true);
+    for _ in 0..steps {
+        let ring: Vec<FaceId> = (0..inside.len()).filter(|&t| inside[t]).map(|t| FaceId(t as u32)).collect();
+        ring.into_iter().flat_map(|t| graph.neighbours(t)).for_each(|t| inside[t.0 as usize] = true);
+    }
+    inside
+}
+
+/// Cuts all links of triangles.
+fn cut_off(graph: &DualGraph, cover: &mut PathCover, faces: &[FaceId]) {
+    for &face in faces {
+        for edge in cover.edges(face).into_iter().flatten() {
+            cover.cut(graph, edge);
+        }
+    }
+}
+
+proptest! {
+    #[test]
+    fn repair_joins_near_the_change_only(
+        (graph, mut cover) in graph_and_cover(),
+        changed in prop::collection::vec(any::<u32>(), 0..5),
+        (radius, threshold) in (1..5_u32, 1..100_u32),
+    ) {
+        prop_assume!(!cover.is_empty());
+        let changed: Vec<FaceId> = changed.iter().map(|t| FaceId(t % cover.len() as u32)).collect();
+        let mut repairer = Repairer::new(&graph, &cover);
+        let touched = around(&graph, &changed, 1);
+        let touched: Vec<FaceId> = (0..cover.len() as u32).map(FaceId).filter(|t| touched[t.0 as usize]).collect();
+        cut_off(&graph, &mut cover, &changed);
+        let before = cover.clone();
+        let reach = Reach { radius, threshold };
+        let repaired = repairer.repair_within(&graph, &mut cover, &touched, reach);
+        prop_assert_eq!(cover.check(&graph), Ok(()));
+        prop_assert_eq!(before.path_count() - cover.path_count(), repaired.joined);
+        let near = around(&graph, &touched, 1 + radius);
+        for t in (0..cover.len()).filter(|&t| !near[t]) {
+            prop_assert_eq!(cover.edges(FaceId(t as u32)), before.edges(FaceId(t as u32)));
+        }
+        // A worker that is used again does the same as a new one.
+        let mut again = cover.clone();
+        cut_off(&graph, &mut again, &changed);
+        let mut new = again.clone();
+        prop_assert_eq!(
+            repairer.repair_within(&graph, &mut again, &touched, reach),
+            Repairer::new(&graph, &new).repair_within(&graph, &mut new, &touched, reach)
+        );
+        prop_assert_eq!(again, new);
+    }
+
+    #[test]
+    fn the_order_follows((graph, mut cover) in graph_and_cover(), tries in prop::collection::vec(any::<u32>(), 0..200)) {
+        let mut order = Order::new(&graph, &cover);
+        prop_assert!(order.check(&graph, &cover));
+        let tries: Vec<HalfEdge> = tries.iter().filter_map(|t| t.checked_rem(graph.half_edge_count() as u32)).map(HalfEdge).collect();
+        for some in tries.chunks(3) {
+            for &h in some {
+                let _ = cover.cut(&graph, h) || cover.join(&graph, h);
+            }
+            let changed = some.iter().flat_map(|&h| [Some(h), graph.twin(h)]).flatten().map(|h| h.0 / 3);
+            order.follow(&graph, &cover, changed);
+            prop_assert!(order.check(&graph, &cover));
+        }
+    }
+}
+
+/// A graph in one strip, and triangles strewn over it.
+fn one_strip(around: u32, through: u32, changed_count: usize) -> (DualGraph, PathCover, Vec<FaceId>) {
+    let graph = torus(around, through);
+    let mut cover = PathCover::isolated(graph.face_count());
+    eta::join(&graph, &mut cover, EtaOptions::default(), 0, &mut Tally::new(&()));
+    assert_eq!(cover.path_count(), 1);
+    let changed = (0..changed_count).map(|i| FaceId((i * 7919 % cover.len()) as u32)).collect();
+    (graph, cover, changed)
+}
+
+#[test]
+fn repair_brings_the_strips_back() {
+    let (graph, mut cover, changed) = one_strip(90, 60, 100);
+    let near = around(&graph, &changed, 1);
+    let near: Vec<FaceId> = (0..near.len() as u32).map(FaceId).filter(|t| near[t.0 as usize]).collect();
+    let whole = cover.clone();
+    cut_off(&graph, &mut cover, &near);
+    let changed: Vec<FaceId> =
+        (0..cover.len() as u32).map(FaceId).filter(|&t| cover.edges(t) != whole.edges(t)).collect();
+    let broken = cover.path_count();
+    assert!(broken > 300);
+    let left = [0, 2, 5, 9].map(|level| {
+        let mut cover = cover.clone();
+        Repairer::new(&graph, &whole).repair(&graph, &mut cover, &changed, Effort::new(level).unwrap());
+        assert_eq!(cover.check(&graph), Ok(()));
+        cover.path_count()
+    });
+    assert!(
+        left[2] <= broken / 20 && left[3] <= left[2] && left[2] <= left[1] && left[1] <= left[0],
+        "{left:?}"
+    );
+}
+
+#[test]
+fn repair_takes_as_long_in_a_large_mesh() {
+    let accesses = [(30, 20), (90, 60), (180, 120)].map(|(around, through)| {
+        let (graph, mut cover, changed) = one_strip(around, through, 16);
+        let mut repairer = Repairer::new(&graph, &cover);
+        let touched = changed.iter().flat_map(|&t| graph.neighbours(t).chain([t])).collect::<Vec<_>>();
+        cut_off(&graph, &mut cover, &changed);
+        repairer.repair(&graph, &mut cover, &touched, Effort::default()).accesses
+    });
+    assert!(accesses[2] < 2 * accesses[1] && accesses[2] < 16 * 50_000, "{accesses:?}");
+}
+
+/// Makes the graph of those triangles that are in use; the others have no neighbours.
+fn graph_of(triangles: &[Option<[u32; 3]>]) -> DualGraph {
+    let used: Vec<u32> = (0..triangles.len() as u32).filter(|&t| triangles[t as usize].is_some()).collect();
+    let corners = triangles.iter().flatten().flatten().copied().collect();
+    let dense = DualGraph::new(&crate::mesh::Faces::from_triangles(corners).unwrap());
+    let mut twins = vec![NONE; 3 * triangles.len()];
+    for (h, twin) in (0..3 * used.len() as u32).filter_map(|h| Some((h, dense.twin(HalfEdge(h))?.0))) {
+        twins[(3 * used[h as usize / 3] + h % 3) as usize] = 3 * used[twin as usize / 3] + twin % 3;
+    }
+    DualGraph::from_triangle_twins(twins)
+}
+
+#[test]
+fn repair_keeps_up_with_collapses() {
+    let (around, through) = (40, 30);
+    let v = |x: u32, y: u32| y % through * around + x % around;
+    let quads = (0..through).flat_map(|y| (0..around).map(move |x| (x, y)));
+    let mut triangles: Vec<Option<[u32; 3]>> = quads
+        .flat_map(|(x, y)| [[v(x, y), v(x + 1, y), v(x + 1, y + 1)], [v(x, y), v(x + 1, y + 1), v(x, y + 1)]])
+        .map(Some)
+        .collect();
+    let mut graph = graph_of(&triangles);
+    let mut cover = PathCover::isolated(triangles.len());
+    eta::join(&graph, &mut cover, EtaOptions::default(), 0, &mut Tally::new(&()));
+    let mut repairer = Repairer::new(&graph, &cover);
+    let (mut gone, mut most, mut broken) = (0, 0, 0);
+    for i in 0..300 {
+        let Some([from, to, _]) = triangles[i * 7919 % triangles.len()] else { continue };
+        // Collapse `from` to `to`: the triangles of both are no more, the others of `from` are renamed.
+        let mut changed = Vec::new();
+        for (t, triangle) in triangles.iter_mut().enumerate() {
+            let Some(corners) = triangle else { continue };
+            if corners.contains(&from) || corners.contains(&to) {
+                changed.push(FaceId(t as u32));
+            }
+            if corners.contains(&from) && corners.contains(&to) {
+                *triangle = None;
+                gone += 1;
+            } else {
+                *corners = corners.map(|v| if v == from { to } else { v });
+            }
+        }
+        let new_graph = graph_of(&triangles);
+        let mut new_cover = PathCover::isolated(triangles.len());
+        for h in (0..cover.len() as u32).flat_map(|t| cover.edges(FaceId(t))).flatten() {
+            if new_graph.twin(h) == graph.twin(h) {
+                new_cover.link(&new_graph, h);
+            }
+        }
+        (graph, cover) = (new_graph, new_cover);
+        broken += cover.path_count() - gone;
+        repairer.repair(&graph, &mut cover, &changed, Effort::default());
+        assert_eq!(cover.check(&graph), Ok(()), "{i}");
+        most = most.max(cover.path_count() - gone);
+        broken -= cover.path_count() - gone;
+    }
+    // A strip in each hundred triangles: their ends are farther apart than the repair looks.
+    assert!(most <= 15 && broken > 300, "{most} {broken}");
 }
 
 #[test]
