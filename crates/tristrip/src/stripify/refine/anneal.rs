@@ -30,8 +30,8 @@ const HOPS: u32 = 2;
 const TURNS: u32 = 16;
 /// Blocks after which the watcher is asked.
 const WATCH_PERIOD: u64 = 1 << 10;
-/// Sweeps in which nothing is accepted that raises the cost, at the end.
-const LAST_SWEEPS: u32 = 2;
+/// Sweeps at the end in which nothing is accepted that raises the cost.
+const LAST_SWEEPS: u32 = 1;
 /// Greatest rise that is ever accepted.
 const RISES: usize = 8;
 
