@@ -56,7 +56,8 @@ pub(super) fn plan<'a>(
         Cost::Degenerate => joined(plan).cast_signed() as i64,
         _ => paths.cost(),
     };
-    let mut annealer = Annealer::new(seed, watch, &phases, start.cover.len());
+    let index_count = start.cover.len().saturating_sub(without_last(cost));
+    let mut annealer = Annealer::new(seed, watch, &phases, start.cover.len(), index_count);
     let mut best = (price(&paths, &start), start);
     for phase in phases {
         let goes_on = annealer.run(&mut paths, phase);
@@ -126,7 +127,16 @@ fn prices(cost: Cost) -> Prices {
         Cost::Restart => Prices { strip: 3, swap: 1 },
         Cost::OpenGl => Prices { strip: 2, swap: 1 },
         Cost::Degenerate => Prices { strip: 4, swap: 1 },
-        Cost::Gl => Prices { strip: 1, swap: 0 },
+        Cost::Gl => Prices { strip: 2, swap: 0 },
+    }
+}
+
+/// Indices that stand only between strips, so that after the last one there are none.
+fn without_last(cost: Cost) -> usize {
+    match cost {
+        Cost::Restart => 1,
+        Cost::Degenerate => 2,
+        Cost::OpenGl | Cost::Gl => 0,
     }
 }
 
@@ -134,7 +144,7 @@ fn prices(cost: Cost) -> Prices {
 fn phases(cost: Cost, effort: Effort, triangle_count: usize) -> Vec<Phase> {
     let rounds = (SMALL / triangle_count.max(1)).clamp(1, MOST_ROUNDS) as u32;
     let sweeps = SWEEPS[usize::from(effort.level())] * rounds;
-    let scale = if cost == Cost::Gl { 0.4 } else { 1.0 };
+    let scale = if cost == Cost::Gl { 0.8 } else { 1.0 };
     let cold = Phase { sweeps: sweeps.min(10 + sweeps / 10), hottest: 0.3 * scale, coldest: 0.15 * scale };
     let hot = Phase { sweeps: sweeps - cold.sweeps, hottest: 0.9 * scale, coldest: 0.15 * scale };
     [cold, hot].into_iter().filter(|phase| phase.sweeps > 0).collect()
