@@ -6,6 +6,7 @@
 
 pub mod cost;
 pub mod emit;
+mod joiner;
 pub mod layout;
 pub mod verify;
 pub mod verify_models;

@@ -4,7 +4,7 @@
 //! Evans, Skiena, Varshney: *Efficiently Generating Triangle Strips for Fast Rendering*, 1996, section 1 (swaps by repeated
 //! vertices); the draft glTF extension `KHR_mesh_primitive_restart`.
 
-use super::{Strips, strip_triangles};
+use super::{Strips, joiner, strip_triangles};
 
 /// How strips are laid out in an index buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -43,7 +43,7 @@ impl Strips {
     ///
     /// A join repeats the last vertex and the next strip's first one, and once more where the next strip would begin at an odd
     /// place; but nothing where the next strip begins with the vertex that was sent last. So the strips are taken in an order
-    /// in which many do, from their first vertex or from their last, and else in their own.
+    /// in which as many do as can be, from their first vertex or from their last.
     ///
     /// ```
     /// let mut strips = tristrip::Strips::default();
@@ -54,14 +54,8 @@ impl Strips {
     /// ```
     pub fn to_degenerate(&self) -> Vec<u32> {
         let mut out: Vec<u32> = Vec::with_capacity(self.vertices_sent() + 3 * self.len());
-        let mut joiner = Joiner::new(self);
-        while let Some(way) = joiner.next_after(&out) {
-            if let Some(&last) = out.last() {
-                let between = way.joining(last, out.len());
-                out.resize(out.len() + between.repeats, last);
-                out.extend(between.first);
-            }
-            out.extend(way.vertices());
+        for way in joiner::order(self) {
+            way.join_to(&mut out);
         }
         out
     }
@@ -75,94 +69,6 @@ impl Strips {
     /// ```
     pub fn to_list(&self) -> Vec<u32> {
         self.iter().flat_map(strip_triangles).flatten().collect()
-    }
-}
-
-/// Chooses the order of strips that are joined into one.
-struct Joiner<'a> {
-    strips: Vec<&'a [u32]>,
-    used: Vec<bool>,
-    /// Strips before this one are used.
-    first: usize,
-    /// The vertices that strips can begin with, each with its strip, sorted.
-    starts: Vec<(u32, u32)>,
-}
-
-/// A way to send a strip: from its first vertex or from its last; a triangle alone also from each of its vertices.
-#[derive(Debug, Clone, Copy)]
-struct Way<'a> {
-    strip: &'a [u32],
-    rotation: usize,
-    reversed: bool,
-}
-
-/// What stands between two strips: repeats of the last vertex, and the next strip's first one where it is another.
-struct Between {
-    repeats: usize,
-    first: Option<u32>,
-}
-
-impl<'a> Way<'a> {
-    fn all(strip: &'a [u32]) -> impl Iterator<Item = Self> {
-        let rotations = if strip.len() == 3 { 3 } else { 1 };
-        (0..rotations)
-            .flat_map(move |rotation| [false, true].map(|reversed| Self { strip, rotation, reversed }))
-    }
-
-    fn vertices(self) -> impl Iterator<Item = u32> {
-        let n = self.strip.len();
-        (0..n).map(move |i| self.strip[(if self.reversed { n - 1 - i } else { i } + self.rotation) % n])
-    }
-
-    /// Tells whether the strip keeps its winding at an odd place, rather than at an even one.
-    fn is_for_odd_place(self) -> bool {
-        self.reversed && self.strip.len() % 2 == 1
-    }
-
-    /// Finds what must stand between the vertex that was sent last and this strip; `sent` vertices stand before.
-    fn joining(self, last: u32, sent: usize) -> Between {
-        let first = self.vertices().next().filter(|&first| first != last);
-        let misplaced = usize::from((sent % 2 == 1) != self.is_for_odd_place());
-        Between { repeats: misplaced + usize::from(first.is_some()), first }
-    }
-}
-
-impl<'a> Joiner<'a> {
-    /// How many strips at a vertex are looked at.
-    const CANDIDATES: usize = 16;
-
-    fn new(strips: &'a Strips) -> Self {
-        let strips: Vec<&[u32]> = strips.iter().filter(|strip| strip.len() >= 3).collect();
-        let mut starts = Vec::with_capacity(2 * strips.len());
-        for (i, strip) in (0..).zip(&strips) {
-            match **strip {
-                [a, b, c] => starts.extend([(a, i), (b, i), (c, i)]),
-                [a, .., z] => starts.extend([(a, i), (z, i)]),
-                _ => (),
-            }
-        }
-        starts.sort_unstable();
-        Self { used: vec![false; strips.len()], strips, first: 0, starts }
-    }
-
-    /// Takes the strip, and the way of it, that follows most cheaply on what was sent.
-    fn next_after(&mut self, out: &[u32]) -> Option<Way<'a>> {
-        self.first += self.used.get(self.first..)?.iter().position(|used| !used)?;
-        let Some(&last) = out.last() else {
-            self.used[self.first] = true;
-            return Some(Way { strip: self.strips[self.first], rotation: 0, reversed: false });
-        };
-        let from = self.starts.partition_point(|&(vertex, _)| vertex < last);
-        let sharing =
-            self.starts[from..].iter().take_while(|&&(vertex, _)| vertex == last).take(Self::CANDIDATES);
-        let free = sharing.map(|&(_, i)| i as usize).filter(|&i| !self.used[i]);
-        let ways = free.chain([self.first]).flat_map(|i| Way::all(self.strips[i]).map(move |way| (i, way)));
-        let (i, way) = ways.min_by_key(|(_, way)| {
-            let between = way.joining(last, out.len());
-            between.repeats + usize::from(between.first.is_some())
-        })?;
-        self.used[i] = true;
-        Some(way)
     }
 }
 
@@ -185,6 +91,30 @@ mod tests {
         out
     }
 
+    /// The fewest indices over all orders of the strips from here on, each sent from either end.
+    fn fewest(out: &[u32], left: &[&[u32]]) -> usize {
+        let ways = (0..2 * left.len()).map(|i| {
+            let mut strip = left[i / 2].to_vec();
+            if i % 2 == 1 {
+                strip.reverse();
+            }
+            let for_odd_place = i % 2 == 1 && strip.len() % 2 == 1;
+            let mut out = out.to_vec();
+            let last = out.last().copied().unwrap_or(strip[0]);
+            let is_same = last == strip[0];
+            if !is_same {
+                out.extend([last, strip[0]]);
+            }
+            if (out.len() % 2 == 1) != for_odd_place {
+                out.push(strip[0]);
+            }
+            out.extend(strip);
+            let rest: Vec<&[u32]> = left[..i / 2].iter().chain(&left[i / 2 + 1..]).copied().collect();
+            fewest(&out, &rest)
+        });
+        ways.min().unwrap_or(out.len())
+    }
+
     proptest! {
         #[test]
         fn every_layout_draws_the_same(lengths in prop::collection::vec(3..9_usize, 0..12), seed in 1..60_u32) {
@@ -205,6 +135,24 @@ mod tests {
             let restart = strips.to_restart(99);
             let drawn: Vec<_> = restart.split(|&v| v == 99).flat_map(strip_triangles).collect();
             prop_assert!(verify_drawing(&faces, &drawn).is_ok());
+        }
+
+        #[test]
+        fn little_stands_between_strips(
+            lengths in prop::collection::vec(4..8_usize, 1..5),
+            vertices in prop::collection::vec(0..6_u32, 40),
+        ) {
+            // Strips of many vertices, but for their ends, which are a few.
+            let mut strips = Strips::default();
+            for (i, (length, ends)) in lengths.into_iter().zip(vertices.chunks_exact(2)).enumerate() {
+                let mut strip: Vec<u32> = (0..length as u32).map(|j| 10 * (i as u32 + 1) + j).collect();
+                strip[0] = ends[0];
+                strip[length - 1] = ends[1];
+                strips.push(&strip);
+            }
+            let list: Vec<&[u32]> = strips.iter().collect();
+            let (found, fewest) = (strips.to_degenerate().len(), fewest(&[], &list));
+            prop_assert!((fewest..=fewest + 1).contains(&found), "{} {}", found, fewest);
         }
     }
 }

@@ -25,12 +25,12 @@ mod tests;
 use super::{Effort, Patches, Plan, Watch, input, sequential, stripe};
 use crate::dual::DualGraph;
 use crate::mesh::Surface;
-use crate::strip::{Cost, Metrics, cover_cost, emit};
+use crate::strip::{Cost, cover_cost, emit};
 use anneal::{Annealer, Phase};
 use paths::{Paths, Prices, TRIANGLE_LIMIT};
 
 /// Times that the annealing goes over the mesh, by effort.
-const SWEEPS: [u32; 10] = [0, 3, 12, 40, 100, 300, 600, 1200, 2400, 4800];
+const SWEEPS: [u32; 10] = [0, 1, 8, 36, 100, 300, 600, 1200, 2400, 4800];
 /// Smaller meshes are gone over more often, up to so many times, so that a level's time is that of a mesh of this size.
 const SMALL: usize = 1 << 16;
 const MOST_ROUNDS: usize = 8;
@@ -45,26 +45,34 @@ pub(super) fn plan<'a>(
     seed: u64,
     watch: &dyn Watch,
 ) -> Plan<'a> {
-    let (start, start_price) = cheapest_start(surface, graph, cost, effort, seed);
+    let start = cheapest_start(surface, graph, cost, effort, seed);
     let phases = phases(cost, effort, start.cover.len());
-    if start.cover.is_empty() || start.cover.len() > TRIANGLE_LIMIT {
+    if phases.is_empty() || start.cover.is_empty() || start.cover.len() > TRIANGLE_LIMIT {
         return start;
     }
     let mut paths = Paths::new(surface.faces(), &start.triangulation, &start.cover, prices(cost));
-    let mut annealer = Annealer::new(seed, watch, &phases, start.cover.len());
-    let mut best = (start, start_price);
+    // The prices of the search are those of the result, but where strips are joined.
+    let price = |paths: &Paths, plan: &Plan<'_>| match cost {
+        Cost::Degenerate => joined(plan).cast_signed() as i64,
+        _ => paths.cost(),
+    };
+    let index_count = start.cover.len().saturating_sub(without_last(cost));
+    let mut annealer = Annealer::new(seed, watch, &phases, start.cover.len(), index_count);
+    let mut best = (price(&paths, &start), start);
     for phase in phases {
         let goes_on = annealer.run(&mut paths, phase);
-        let found = paths.to_plan(&best.0.triangulation);
-        let price = price(&found, cost);
-        if price < best.1 {
-            best = (found, price);
+        if cost == Cost::Degenerate || paths.cost() < best.0 {
+            let found = paths.to_plan(&best.1.triangulation);
+            let price = price(&paths, &found);
+            if price < best.0 {
+                best = (price, found);
+            }
         }
         if !goes_on {
             break;
         }
     }
-    best.0
+    best.1
 }
 
 /// Finds the cheapest of what the fast methods make.
@@ -74,13 +82,17 @@ fn cheapest_start<'a>(
     cost: Cost,
     effort: Effort,
     seed: u64,
-) -> (Plan<'a>, usize) {
-    let first = sequential::plan(surface, graph);
-    let mut best = (price(&first, cost), first);
+) -> Plan<'a> {
+    let mut best = sequential::plan(surface, graph);
     let mut offer = |plan: Plan<'a>| {
-        let price = price(&plan, cost);
-        if price < best.0 {
-            best = (price, plan);
+        // The strips alone often tell: swaps are at most one for each triangle inside a strip.
+        let [strips, most_strips] = [&plan, &best].map(|plan| plan.cover.path_count());
+        let [strip, swap] =
+            [prices(cost).strip, prices(cost).swap].map(|price| price.unsigned_abs() as usize);
+        let inside = best.cover.len().saturating_sub(2 * most_strips);
+        let is_dearer = cost != Cost::Degenerate && strip * strips > strip * most_strips + swap * inside;
+        if !is_dearer && price(&plan, cost) < price(&best, cost) {
+            best = plan;
         }
     };
     offer(input::plan(surface, graph));
@@ -89,7 +101,7 @@ fn cheapest_start<'a>(
     {
         offer(plan);
     }
-    (best.1, best.0)
+    best
 }
 
 /// Counts what a plan costs in the end.
@@ -98,9 +110,14 @@ fn price(plan: &Plan<'_>, cost: Cost) -> usize {
     match cost {
         Cost::Restart => plan.indices_restart(),
         Cost::OpenGl => cover_cost(plan.triangulation.graph(), &plan.cover) - strips,
-        Cost::Degenerate => cost.of(&Metrics::of(&emit(&plan.triangulation, &plan.cover))),
+        Cost::Degenerate => joined(plan),
         Cost::Gl => plan.cover.len() + 2 * strips,
     }
+}
+
+/// Counts the indices of a plan's strips joined by degenerate triangles.
+fn joined(plan: &Plan<'_>) -> usize {
+    emit(&plan.triangulation, &plan.cover).to_degenerate().len()
 }
 
 /// What a strip and a swap cost beyond one index a triangle. Joining strips by degenerate triangles costs two indices, as
@@ -110,7 +127,16 @@ fn prices(cost: Cost) -> Prices {
         Cost::Restart => Prices { strip: 3, swap: 1 },
         Cost::OpenGl => Prices { strip: 2, swap: 1 },
         Cost::Degenerate => Prices { strip: 4, swap: 1 },
-        Cost::Gl => Prices { strip: 1, swap: 0 },
+        Cost::Gl => Prices { strip: 2, swap: 0 },
+    }
+}
+
+/// Indices that stand only between strips, so that after the last one there are none.
+fn without_last(cost: Cost) -> usize {
+    match cost {
+        Cost::Restart => 1,
+        Cost::Degenerate => 2,
+        Cost::OpenGl | Cost::Gl => 0,
     }
 }
 
@@ -118,8 +144,8 @@ fn prices(cost: Cost) -> Prices {
 fn phases(cost: Cost, effort: Effort, triangle_count: usize) -> Vec<Phase> {
     let rounds = (SMALL / triangle_count.max(1)).clamp(1, MOST_ROUNDS) as u32;
     let sweeps = SWEEPS[usize::from(effort.level())] * rounds;
-    let scale = if cost == Cost::Gl { 0.4 } else { 1.0 };
+    let scale = if cost == Cost::Gl { 0.8 } else { 1.0 };
     let cold = Phase { sweeps: sweeps.min(10 + sweeps / 10), hottest: 0.3 * scale, coldest: 0.15 * scale };
-    let hot = Phase { sweeps: sweeps - cold.sweeps, hottest: 1.2 * scale, coldest: 0.15 * scale };
+    let hot = Phase { sweeps: sweeps - cold.sweeps, hottest: 0.9 * scale, coldest: 0.15 * scale };
     [cold, hot].into_iter().filter(|phase| phase.sweeps > 0).collect()
 }

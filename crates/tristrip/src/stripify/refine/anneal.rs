@@ -30,8 +30,8 @@ const HOPS: u32 = 2;
 const TURNS: u32 = 16;
 /// Blocks after which the watcher is asked.
 const WATCH_PERIOD: u64 = 1 << 10;
-/// Sweeps in which nothing is accepted that raises the cost, at the end.
-const LAST_SWEEPS: u32 = 2;
+/// Sweeps at the end in which nothing is accepted that raises the cost.
+const LAST_SWEEPS: u32 = 1;
 /// Greatest rise that is ever accepted.
 const RISES: usize = 8;
 
@@ -50,6 +50,7 @@ pub(super) struct Annealer<'a> {
     /// Blocks gone over.
     steps: u64,
     step_limit: u64,
+    index_count: usize,
     /// Cost of the best cover so far.
     lowest: i64,
     /// Of 2³² draws, those that accept a rise of at least 1, 2, ….
@@ -57,10 +58,25 @@ pub(super) struct Annealer<'a> {
 }
 
 impl<'a> Annealer<'a> {
-    pub(super) fn new(seed: u64, watch: &'a dyn Watch, phases: &[Phase], triangle_count: usize) -> Self {
+    /// `index_count` is what there is besides the cost that the paths know.
+    pub(super) fn new(
+        seed: u64,
+        watch: &'a dyn Watch,
+        phases: &[Phase],
+        triangle_count: usize,
+        index_count: usize,
+    ) -> Self {
         let sweeps: u64 = phases.iter().map(|phase| u64::from(phase.sweeps + LAST_SWEEPS)).sum();
         let step_limit = sweeps * triangle_count.div_ceil(BLOCK as usize) as u64;
-        Self { random: Random(seed), watch, steps: 0, step_limit, lowest: i64::MAX, odds: [0; RISES] }
+        Self {
+            random: Random(seed),
+            watch,
+            steps: 0,
+            step_limit,
+            index_count,
+            lowest: i64::MAX,
+            odds: [0; RISES],
+        }
     }
 
     /// Anneals. Returns whether the watcher wants it to go on; if not, only the last sweeps are still done.
@@ -85,7 +101,7 @@ impl<'a> Annealer<'a> {
 
     /// Goes over all triangles once. Returns whether the watcher wants to go on.
     fn sweep(&mut self, paths: &mut Paths, asks: bool) -> bool {
-        for block in 0..=paths.len() as u32 / BLOCK {
+        for block in 0..(paths.len() as u32).div_ceil(BLOCK) {
             self.steps += 1;
             if asks && self.steps.is_multiple_of(WATCH_PERIOD) && !self.watch.go_on(self.progress(paths)) {
                 return false;
@@ -104,7 +120,7 @@ impl<'a> Annealer<'a> {
             steps: self.steps,
             step_limit: Some(self.step_limit),
             strips: paths.strip_count(),
-            cost: paths.len() + usize::try_from(self.lowest.min(paths.cost())).unwrap_or(0),
+            cost: self.index_count + usize::try_from(self.lowest.min(paths.cost())).unwrap_or(0),
         }
     }
 

@@ -1,7 +1,7 @@
 //! Tests over generated meshes of many kinds: prices against whole paths priced anew, and the whole method against its starts.
 
 use proptest::prelude::*;
-use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering::Relaxed};
 
 use super::paths::{NONE, Paths, Prices};
 use super::{Annealer, Phase};
@@ -86,11 +86,13 @@ fn change(paths: &mut Paths, link: u32, kind: u8) -> Result<(), TestCaseError> {
 struct Stopper {
     stops_at: u64,
     asked: AtomicU64,
+    last_cost: AtomicUsize,
 }
 
 impl Watch for Stopper {
     fn go_on(&self, progress: Progress) -> bool {
         assert!(Some(progress.steps) <= progress.step_limit && progress.strips > 0);
+        self.last_cost.store(progress.cost, Relaxed);
         self.asked.fetch_add(1, Relaxed) + 1 < self.stops_at
     }
 }
@@ -131,7 +133,7 @@ proptest! {
         let cover = PathCover::isolated(start.triangle_count());
         let mut paths = Paths::new(surface.faces(), &start, &cover, prices);
         let phase = Phase { sweeps: 20, hottest, coldest: 0.15 };
-        Annealer::new(seed, &(), &[phase], cover.len()).run(&mut paths, phase);
+        Annealer::new(seed, &(), &[phase], cover.len(), cover.len()).run(&mut paths, phase);
         check_paths(&paths, &surface, &start)?;
         let plan = paths.to_plan(&start);
         let strips = emit(&plan.triangulation, &plan.cover);
@@ -209,10 +211,15 @@ fn stops_when_told_to_and_lowers_the_cost_when_not() {
     let surface = Surface::new(&mesh, false);
     let graph = DualGraph::new(surface.faces());
     let at = |stops_at, level| {
-        let watch = Stopper { stops_at, asked: AtomicU64::new(0) };
+        let watch = Stopper { stops_at, asked: AtomicU64::new(0), last_cost: AtomicUsize::new(usize::MAX) };
         let plan = super::plan(&surface, &graph, Cost::Restart, Effort::new(level).unwrap(), 0, &watch);
         assert_eq!(plan.cover.check(&graph), Ok(()));
-        (plan.indices_restart(), watch.asked.into_inner())
+        let (cost, asked) = (plan.indices_restart(), watch.asked.into_inner());
+        assert!(
+            asked < stops_at || cost <= watch.last_cost.into_inner(),
+            "at most what it told before it stopped"
+        );
+        (cost, asked)
     };
     let (stopped, asked) = at(3, 4);
     assert_eq!(asked, 3);
