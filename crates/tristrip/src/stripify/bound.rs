@@ -12,8 +12,8 @@
 //! 2. *Matching* (`matching`, `strips`): each block by itself.
 //! 3. *Pieces* (`pieces`, `frontier`): small blocks are solved exactly, and of larger ones the neighbourhoods where ends are forced.
 //!
-//! A strip of t triangles has at least t + 2 vertices, and one more where no strip without a swap passes through the component
-//! (`sequential`). From these the other bounds follow.
+//! A strip of t triangles has t + 2 vertices and one more for each swap, of which there are as many as it takes to cover the triangles by
+//! runs without a swap (`sequential`). From these the other bounds follow.
 //!
 //! Faces of more than three corners may be cut in many ways, and a bound must hold for all of them: see [`Bound::of_surface`].
 //!
@@ -22,7 +22,7 @@
 //! Varshney: *Efficiently Generating Triangle Strips for Fast Rendering*, 1996, section 1 (vertices of a strip).
 //!
 //! # Complexity
-//! O(n), as all searches are limited by a number of steps for each triangle: 0.5 s for 870,000 triangles of a scan, some 10 s at worst.
+//! O(n), as all searches are limited by a number of steps for each triangle: about a second for 870,000 triangles of a scan, some 10 s at worst.
 //! 60 bytes a triangle.
 
 mod blocks;
@@ -107,15 +107,17 @@ impl Bound {
     /// ```
     pub fn of_triangulation(triangulation: &Triangulation<'_>) -> Self {
         let found = strips::bound(triangulation.graph());
-        let sequential = are_sequential(triangulation.graph(), &found);
-        let components = found.into_iter().zip(sequential).map(|(found, is_sequential)| ComponentBound {
-            triangles: found.triangles,
-            strips: found.strips,
-            // One strip with a swap or a repeat at least, or two strips.
-            vertices_sent: found.triangles
-                + 2 * found.strips
-                + usize::from(found.strips == 1 && !is_sequential),
-            proof: found.proof,
+        let runs = runs(triangulation.graph(), &found);
+        let components = found.into_iter().zip(runs).map(|(found, runs)| {
+            // Each strip has two vertices before its first run and one for each more run, or repeat at its start.
+            let is_one_run = runs.whole.is_some_and(|run| run.keeps_winding);
+            let least_runs = runs.least.max(found.strips).max(if is_one_run { 1 } else { 2 });
+            ComponentBound {
+                triangles: found.triangles,
+                strips: found.strips,
+                vertices_sent: found.triangles + found.strips + least_runs,
+                proof: found.proof,
+            }
         });
         Self::sum(components.collect(), vertex_groups(triangulation.triangles().chunks_exact(3)))
     }
@@ -192,13 +194,10 @@ pub fn relaxed_cover(graph: &DualGraph) -> PathCover {
     }
 }
 
-/// Tells of each component whether one strip passes through it in two vertices more than it has triangles.
-fn are_sequential(graph: &DualGraph, found: &[strips::Component]) -> Vec<bool> {
-    // Components that need several strips are not asked for.
-    let size = |of: &strips::Component| if of.strips > 1 { usize::MAX } else { of.triangles };
-    let sizes: Vec<usize> = found.iter().map(size).collect();
-    let runs = sequential::runs(graph.twins(), &graph.components().0, &sizes);
-    runs.into_iter().map(|run| run.is_some_and(|run| run.keeps_winding)).collect()
+/// Looks at the runs without a swap of each component.
+fn runs(graph: &DualGraph, found: &[strips::Component]) -> Vec<sequential::Runs> {
+    let sizes: Vec<usize> = found.iter().map(|component| component.triangles).collect();
+    sequential::runs(graph.twins(), &graph.components().0, &sizes)
 }
 
 /// Bounds the components of a surface of polygons.

@@ -11,9 +11,12 @@
 //!        ▲ h
 //! ```
 //! # Algorithm
-//! 1. Follow each open chain from where no state leads in, then each closed one, twice around.
-//! 2. Keep the longest run of states up to here that has no triangle twice. If it ever has as many as there are triangles, it
-//!    is the strip. The first triangle's entry is not crossed, nor the last one's exit, so that both may be boundaries.
+//! 1. Go along each open chain from where no state leads in, then each closed one, twice around.
+//! 2. Find for each place the longest *run* up to there that has no triangle twice. If one ever has as many as there are triangles,
+//!    it is the strip. The first triangle's entry is not crossed, nor the last one's exit, so that both may be boundaries.
+//!
+//! The runs also bound the strips that have swaps. At each swap one run ends and the next begins, and each triangle is at least one part
+//! in m of a run, if the longest that it is in has m: these parts add up to the least number of runs.
 //!
 //! A strip begins with the winding of its first triangle, so that its second one stands at an odd place; where that does not fit,
 //! the strip has to repeat its first vertex. From the other end an odd number of triangles fits if it did not from this one,
@@ -25,7 +28,9 @@
 //! a path only, and [`SequentialStrip::is_closed`] tells whether it is a cycle.
 //!
 //! # Complexity
-//! O(n) time; 17 bytes a triangle.
+//! O(n) time; 13 bytes a triangle, and 16 for each state of the longest chain.
+
+use std::collections::VecDeque;
 
 use super::NONE;
 use crate::cover::PathCover;
@@ -57,7 +62,7 @@ pub struct SequentialStrip {
 pub fn sequential_strip(graph: &DualGraph) -> Option<SequentialStrip> {
     let n = graph.half_edge_count() / 3;
     let twins = triangle_twins(graph)?;
-    let run = runs(twins, &vec![0; n], &[n]).pop().flatten()?;
+    let run = runs(twins, &vec![0; n], &[n]).pop()?.whole?;
     let mut cover = PathCover::isolated(n);
     let mut state = run.first;
     for _ in 1..n {
@@ -94,102 +99,113 @@ pub(super) struct Run {
     pub(super) keeps_winding: bool,
 }
 
-/// Finds for each component of so many triangles, or none where that is `usize::MAX`, a run through all of it, one that keeps its winding if there is any.
-pub(super) fn runs(twins: &[u32], component: &[u32], sizes: &[usize]) -> Vec<Option<Run>> {
-    let mut search = Search {
-        twins,
-        component,
-        sizes,
-        found: vec![None; sizes.len()],
-        visited: vec![0; component.len()],
-        last: vec![0; component.len()],
-        position: 0,
-    };
-    for entry in 0..twins.len() as u32 {
-        for is_odd in [false, true] {
-            // No state leads to an entry without a twin.
-            if twins[entry as usize] == NONE && search.size(entry) < usize::MAX {
-                search.follow((entry, is_odd), usize::MAX);
-            }
-        }
-    }
-    for entry in 0..twins.len() as u32 {
-        for is_odd in [false, true] {
-            if search.size(entry) < usize::MAX {
-                search.follow_closed((entry, is_odd));
-            }
-        }
-    }
-    search.found
+/// What the runs of a component are like.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Runs {
+    /// One through all of it: one that keeps its winding, if there is any.
+    pub(super) whole: Option<Run>,
+    /// How many it takes at least to cover it.
+    pub(super) least: usize,
 }
 
-struct Search<'a> {
-    twins: &'a [u32],
-    component: &'a [u32],
-    sizes: &'a [usize],
-    found: Vec<Option<Run>>,
-    /// The states visited, a bit for each of six.
-    visited: Vec<u8>,
-    /// The position after the one where each triangle was met last.
-    last: Vec<u64>,
-    /// The states followed so far, over all chains.
-    position: u64,
-}
-
-impl Search<'_> {
-    /// Gives the size of the component that an entry is in.
-    fn size(&self, entry: u32) -> usize {
-        self.sizes[self.component[entry as usize / 3] as usize]
-    }
-
-    /// Marks a state, and tells whether it was marked already.
-    fn visit(&mut self, (entry, is_odd): State) -> bool {
-        let bit = 1 << (entry % 3 * 2 + u32::from(is_odd));
-        let visited = &mut self.visited[entry as usize / 3];
-        let before = *visited;
-        *visited |= bit;
-        before & bit != 0
-    }
-
-    /// Follows a closed chain that was not visited yet, far enough to begin anywhere on it.
-    fn follow_closed(&mut self, start: State) {
-        let mut length = 0;
-        let mut state = start;
-        while !self.visit(state) {
-            length += 1;
-            let Some(after) = next(self.twins, state) else { return };
-            state = after;
-        }
-        let size = self.size(start.0);
-        if length >= size {
-            self.follow(start, length + size - 1);
-        }
-    }
-
-    /// Follows a chain for at most so many states and notes a run through the whole component.
-    fn follow(&mut self, start: State, at_most: usize) {
-        let component = self.component[start.0 as usize / 3] as usize;
-        let size = self.sizes[component] as u64;
-        // The first state of the longest run without a triangle twice that ends here, and its position.
-        let (mut first, mut from) = (start, self.position);
-        let mut state = start;
-        for _ in 0..at_most {
-            self.visit(state);
-            let triangle = state.0 as usize / 3;
-            while from < self.last[triangle] {
-                from += 1;
-                first = next(self.twins, first).unwrap_or(first);
-            }
-            self.position += 1;
-            self.last[triangle] = self.position;
-            if self.position - from == size {
-                let keeps_winding = size < 3 || !first.1;
-                if keeps_winding || self.found[component].is_none() {
-                    self.found[component] = Some(Run { first, keeps_winding });
+/// Looks at the runs of each component, by the component of each triangle and the size of each component.
+pub(super) fn runs(twins: &[u32], component: &[u32], sizes: &[usize]) -> Vec<Runs> {
+    let mut runs = vec![Runs::default(); sizes.len()];
+    let mut last = vec![0; component.len()];
+    let mut longest = vec![0; component.len()];
+    let (mut from, mut position) = (Vec::new(), 0);
+    for_each_chain(twins, |chain, starts_odd| {
+        let here = component[chain[0] as usize / 3] as usize;
+        run_starts(chain, &mut last, &mut position, &mut from);
+        note_longest(chain, &from, &mut longest);
+        for (end, &start) in from.iter().enumerate() {
+            if end + 1 - start as usize == sizes[here] {
+                let first = (chain[start as usize], starts_odd ^ (start % 2 == 1));
+                let keeps_winding = sizes[here] < 3 || !first.1;
+                if keeps_winding || runs[here].whole.is_none() {
+                    runs[here].whole = Some(Run { first, keeps_winding });
                 }
             }
-            let Some(after) = next(self.twins, state) else { return };
-            state = after;
+        }
+    });
+    let mut parts = vec![0; sizes.len()];
+    for (&component, &longest) in component.iter().zip(&longest) {
+        parts[component as usize] += WHOLE / u64::from(longest.max(1));
+    }
+    for (runs, parts) in runs.iter_mut().zip(parts) {
+        runs.least = parts.div_ceil(WHOLE) as usize;
+    }
+    runs
+}
+
+/// A run, in the parts of it that are added up; they are rounded down, by less than a run for all triangles.
+const WHOLE: u64 = 1 << 32;
+
+/// Finds for each state of a chain where the longest run that ends there begins. `last` has the position after the one where each
+/// triangle was met last, over all chains, and `position` the position of this one.
+fn run_starts(chain: &[u32], last: &mut [u64], position: &mut u64, from: &mut Vec<u32>) {
+    let begin = *position;
+    let mut start = 0;
+    from.clear();
+    for &entry in chain {
+        let last = &mut last[entry as usize / 3];
+        start = start.max(last.saturating_sub(begin) as u32);
+        *position += 1;
+        *last = *position;
+        from.push(start);
+    }
+}
+
+/// Notes for each triangle the longest run that it is in.
+fn note_longest(chain: &[u32], from: &[u32], longest: &mut [u32]) {
+    // The runs that nothing can be added to and that have not ended, the longest first and none behind a longer later one.
+    let mut open: VecDeque<(u32, u32)> = VecDeque::new();
+    let is_last = |end: usize| from.get(end + 1).is_none_or(|&start| start > from[end]);
+    let mut ends = (0..chain.len()).filter(|&end| is_last(end)).map(|end| (from[end], end as u32)).peekable();
+    for (place, &entry) in (0..).zip(chain) {
+        while let Some((start, end)) = ends.next_if(|&(start, _)| start <= place) {
+            while open.back().is_some_and(|&(s, e)| e - s <= end - start) {
+                open.pop_back();
+            }
+            open.push_back((start, end));
+        }
+        while open.front().is_some_and(|&(_, end)| end < place) {
+            open.pop_front();
+        }
+        if let Some((start, end)) = open.front() {
+            let longest = &mut longest[entry as usize / 3];
+            *longest = (*longest).max(end - start + 1);
+        }
+    }
+}
+
+/// Goes over all chains: the entries of the states, a closed chain twice around, and whether the first is at an odd place.
+fn for_each_chain(twins: &[u32], mut go: impl FnMut(&[u32], bool)) {
+    let mut visited = vec![0_u8; twins.len() / 3];
+    let mut visit = |(entry, is_odd): State| {
+        let bit = 1 << (entry % 3 * 2 + u32::from(is_odd));
+        let visited = &mut visited[entry as usize / 3];
+        let is_new = *visited & bit == 0;
+        *visited |= bit;
+        is_new
+    };
+    let states = || (0..twins.len() as u32).flat_map(|entry| [(entry, false), (entry, true)]);
+    let mut chain = Vec::new();
+    // No state leads to an entry without a twin. What is left then is closed.
+    for open in [true, false] {
+        for start in states().filter(|&(entry, _)| !open || twins[entry as usize] == NONE) {
+            chain.clear();
+            let mut state = Some(start);
+            while let Some(here) = state.filter(|&here| visit(here)) {
+                chain.push(here.0);
+                state = next(twins, here);
+            }
+            if !open {
+                chain.extend_from_within(..);
+            }
+            if !chain.is_empty() {
+                go(&chain, start.1);
+            }
         }
     }
 }

@@ -40,7 +40,7 @@ impl Limits {
             steps: (1 << 20) + 200 * count,
             whole: 2048,
             states_at_once: 20_000,
-            states: (1 << 21) + 8 * count,
+            states: (1 << 20) + 8 * count,
         }
     }
 }
@@ -134,9 +134,10 @@ impl<'a> Settled<'a> {
         self.settle_whole(root, &members).unwrap_or_else(|| self.settle_in_parts(root, &members))
     }
 
-    /// Settles a small block exactly.
+    /// Settles a small block exactly. Where every triangle has three neighbours, there is hardly ever more to know than the matching.
     fn settle_whole(&mut self, root: u32, members: &[u32]) -> Option<Block> {
-        if members.len() > self.whole {
+        let has_boundary = members.iter().any(|&node| self.blocks.inside(node).count() == 2);
+        if members.len() > self.whole || !has_boundary {
             return None;
         }
         let taken: usize = members.iter().map(|&node| usize::from(self.used[node as usize])).sum();

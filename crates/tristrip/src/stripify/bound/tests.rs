@@ -233,6 +233,15 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(300))]
 
     #[test]
+    fn parts_of_a_block_bound_the_whole(graph in graph(10..70), at_once in 1..300_usize) {
+        let exact = Limits { steps: 100_000, whole: usize::MAX, states_at_once: 30_000, states: 1_000_000 };
+        let in_parts = Limits { whole: 0, states_at_once: at_once, ..exact };
+        for (least, found) in bound_within(&graph, exact).iter().zip(bound_within(&graph, in_parts)) {
+            prop_assert!(least.proof != Proof::Exact || found.strips <= least.strips, "{found:?} > {least:?}");
+        }
+    }
+
+    #[test]
     fn no_method_does_better(corners in prop::collection::vec(prop::array::uniform3(0..9_u32), 0..30), shift in 0..3_u32) {
         // Three sheets of a soup, apart or not.
         let corners: Vec<u32> =

@@ -76,6 +76,54 @@ proptest! {
     }
 }
 
+/// The least runs that cover the triangles, by trying which run begins at the first triangle that is left, in any set of runs.
+fn least_runs(all: &[u32], left: u32) -> usize {
+    if left == 0 {
+        return 0;
+    }
+    let first = 1 << left.trailing_zeros();
+    let taking = all.iter().filter(|&&run| run & first != 0 && run & !left == 0);
+    1 + taking.map(|&run| least_runs(all, left & !run)).min().unwrap_or(0)
+}
+
+proptest! {
+    #[test]
+    fn no_cover_has_fewer_runs(graph in graph(1..9)) {
+        let n = graph.face_count();
+        // All runs, as sets of triangles: from every entry, to either side, as far as one likes.
+        let mut all = Vec::new();
+        for start in 0..3 * n as u32 {
+            for is_odd in [false, true] {
+                let mut run = 0;
+                let mut state = Some((start, is_odd));
+                while let Some(here) = state.filter(|here| run >> (here.0 / 3) & 1 == 0) {
+                    run |= 1_u32 << (here.0 / 3);
+                    all.push(run);
+                    state = next(graph.twins(), here);
+                }
+            }
+        }
+        all.sort_unstable();
+        all.dedup();
+        let found = runs(graph.twins(), &vec![0; n], &[n])[0].least;
+        let least = least_runs(&all, (1 << n) - 1);
+        prop_assert!((1..=least).contains(&found), "{found} > {least}");
+    }
+}
+
+#[test]
+fn rows_of_a_grid_are_its_runs() {
+    // Four rows of six squares: the longest runs are rows, and steps along the diagonal that are shorter.
+    let corner = |x: u32, y: u32| 7 * y + x;
+    let squares = (0..4).flat_map(|y| (0..6).map(move |x| (x, y)));
+    let corners = squares.flat_map(|(x, y)| {
+        let [a, b, c, d] = [corner(x, y), corner(x + 1, y), corner(x + 1, y + 1), corner(x, y + 1)];
+        [a, b, c, a, c, d]
+    });
+    let graph = DualGraph::new(&Faces::from_triangles(corners.collect()).unwrap());
+    assert_eq!(runs(graph.twins(), &[0; 48], &[48])[0].least, 4);
+}
+
 #[test]
 fn closed_rows_may_begin_anywhere() {
     for n in 4..12_u32 {
