@@ -46,6 +46,18 @@ pub(super) fn plan_tunnel<'a>(
 }
 
 /// What a caller of `eta` may choose.
+///
+/// ```
+/// use tristrip::{Faces, Mesh, Method, Options, stripify};
+/// use tristrip::stripify::{EtaOptions, Start};
+/// // A closed fan of six triangles.
+/// let corners = (0..6).flat_map(|i| [0, 1 + i, 1 + (i + 1) % 6]).collect();
+/// let mesh = Mesh::new(vec![[0.0; 3]; 7], Faces::from_triangles(corners)?)?;
+/// let eta = EtaOptions::default().with_length(9).with_start(Start::Isolated);
+/// let strips = stripify(&mesh, &Options::default().with_method(Method::Eta(eta)))?;
+/// assert_eq!(strips.len(), 1);
+/// # Ok::<(), tristrip::Error>(())
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct EtaOptions {
     length: u32,
@@ -57,18 +69,19 @@ pub struct EtaOptions {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Start {
     /// Every triangle by itself.
-    #[default]
     Isolated,
     /// Those of [`Method::Sgi`](super::Method::Sgi).
     Sgi,
-    /// Those of [`Method::Sequential`](super::Method::Sequential).
+    /// Those of [`Method::Sequential`](super::Method::Sequential), which leave the fewest strips, soonest, and the fewest swaps: dragon
+    /// comes to 446, from isolated triangles to 461.
+    #[default]
     Sequential,
 }
 
-/// Tunnels of up to 1000 edges, 512 accesses to nodes a search, from isolated triangles.
+/// Tunnels of up to 1000 edges, 512 accesses to nodes a search, from the strips of `sequential`.
 impl Default for EtaOptions {
     fn default() -> Self {
-        Self { length: 1000, threshold: 512, start: Start::Isolated }
+        Self { length: 1000, threshold: 512, start: Start::default() }
     }
 }
 

@@ -34,7 +34,8 @@
 //! circuits in random graphs*, 1976 (moving an end).
 //!
 //! # Complexity
-//! A search takes O(star + threshold · length) time. 28 bytes a triangle, beside the cover and the dual graph.
+//! A search takes O(star + threshold · length) time. At most 36 bytes a
+//! triangle, beside the cover and the dual graph.
 
 use super::ids::{Ids, NONE, Pieces, Step};
 use super::star::{Place, Star};
