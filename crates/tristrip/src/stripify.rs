@@ -134,7 +134,7 @@ impl Effort {
     }
 }
 
-/// Seconds for a mesh of some ten thousand triangles.
+/// About a second for a mesh of a hundred thousand triangles.
 impl Default for Effort {
     fn default() -> Self {
         Self(5)

@@ -91,28 +91,25 @@ mod tests {
         out
     }
 
-    /// The fewest indices over all orders of the strips from here on, each sent from either end.
-    fn fewest(out: &[u32], left: &[&[u32]]) -> usize {
-        let ways = (0..2 * left.len()).map(|i| {
-            let mut strip = left[i / 2].to_vec();
-            if i % 2 == 1 {
-                strip.reverse();
-            }
-            let for_odd_place = i % 2 == 1 && strip.len() % 2 == 1;
-            let mut out = out.to_vec();
-            let last = out.last().copied().unwrap_or(strip[0]);
-            let is_same = last == strip[0];
-            if !is_same {
-                out.extend([last, strip[0]]);
-            }
-            if (out.len() % 2 == 1) != for_odd_place {
-                out.push(strip[0]);
-            }
-            out.extend(strip);
-            let rest: Vec<&[u32]> = left[..i / 2].iter().chain(&left[i / 2 + 1..]).copied().collect();
-            fewest(&out, &rest)
-        });
-        ways.min().unwrap_or(out.len())
+    /// The fewest trails over strips as edges between vertices with parities: in each component as many as pairs of nodes with an odd
+    /// number of edges, at least one.
+    fn fewest_trails(strips: &Strips) -> usize {
+        let node = |vertex: u32, odd: bool| vertex as usize * 2 + usize::from(odd);
+        let edges = strips.iter().map(|s| (node(s[0], false), node(s[s.len() - 1], s.len() % 2 == 1)));
+        let edges: Vec<(usize, usize)> = edges.collect();
+        let mut component: Vec<usize> = (0..200).collect();
+        let mut odd = [false; 200];
+        for &(a, b) in &edges {
+            odd[a] = !odd[a];
+            odd[b] = !odd[b];
+            let (from, to) = (component[a], component[b]);
+            component.iter_mut().filter(|c| **c == from).for_each(|c| *c = to);
+        }
+        let mut used: Vec<usize> = edges.iter().map(|&(a, _)| component[a]).collect();
+        used.sort_unstable();
+        used.dedup();
+        let ends = |c: usize| (0..200).filter(|&node| component[node] == c && odd[node]).count();
+        used.into_iter().map(|c| (ends(c) / 2).max(1)).sum()
     }
 
     proptest! {
@@ -139,20 +136,21 @@ mod tests {
 
         #[test]
         fn little_stands_between_strips(
-            lengths in prop::collection::vec(4..8_usize, 1..5),
-            vertices in prop::collection::vec(0..6_u32, 40),
+            lengths in prop::collection::vec(4..8_usize, 1..20),
+            vertices in prop::collection::vec(0..9_u32, 40),
         ) {
             // Strips of many vertices, but for their ends, which are a few.
             let mut strips = Strips::default();
-            for (i, (length, ends)) in lengths.into_iter().zip(vertices.chunks_exact(2)).enumerate() {
-                let mut strip: Vec<u32> = (0..length as u32).map(|j| 10 * (i as u32 + 1) + j).collect();
+            for (length, ends) in lengths.into_iter().zip(vertices.chunks_exact(2)) {
+                let mut strip: Vec<u32> = (90..90 + length as u32).collect();
                 strip[0] = ends[0];
                 strip[length - 1] = ends[1];
                 strips.push(&strip);
             }
-            let list: Vec<&[u32]> = strips.iter().collect();
-            let (found, fewest) = (strips.to_degenerate().len(), fewest(&[], &list));
-            prop_assert!((fewest..=fewest + 1).contains(&found), "{} {}", found, fewest);
+            // Two indices between trails, one at the beginning, and one where the parity is another.
+            let most = strips.vertices_sent() + 2 * (fewest_trails(&strips) - 1) + 2;
+            let found = strips.to_degenerate().len();
+            prop_assert!(found <= most, "{} {}", found, most);
         }
     }
 }

@@ -10,6 +10,19 @@
 //! The changes that the annealing tries are those of the module `anneal`, made of joins and cuts whose prices the module `paths`
 //! knows exactly. Polygons are cut anew on the way: to turn a diagonal is one more change.
 //!
+//! # Effort
+//! A level is so many sweeps over the mesh, about twice as many as the level below. On one core of 2.6 GHz or so, for the bunny of
+//! 69,451 triangles and restarts:
+//!
+//! | level | 0 | 1 | 2 | 3 | 4 | 5 | 6 | 7 |
+//! |---|---|---|---|---|---|---|---|---|
+//! | indices a triangle | 1.180 | 1.176 | 1.161 | 1.141 | 1.127 | 1.119 | 1.114 | 1.110 |
+//! | times meshoptimizer's strip pipeline | 0.5 | 1 | 3 | 7 | 20 | 55 | 95 | 180 |
+//! | seconds | 0.007 | 0.015 | 0.04 | 0.11 | 0.3 | 0.8 | 1.4 | 2.8 |
+//!
+//! Levels 8 and 9 take two and four times as long as 7. Larger meshes take longer in proportion, smaller ones as long, down to an
+//! eighth of the size.
+//!
 //! # References
 //! Kirkpatrick, Gelatt, Vecchi: *Optimization by Simulated Annealing*, 1983; Pósa: *Hamiltonian circuits in random graphs*, 1976
 //! (rotations); Stewart: *Tunneling for Triangle Strips in Continuous Level-of-Detail Meshes*, 2001.
@@ -29,12 +42,12 @@ use crate::strip::{Cost, cover_cost, emit};
 use anneal::{Annealer, Phase};
 use paths::{Paths, Prices, TRIANGLE_LIMIT};
 
-/// Times that the annealing goes over the mesh, by effort.
+/// Times that the annealing goes over the mesh, by effort. Tuned on the bunny; see the module's head.
 const SWEEPS: [u32; 10] = [0, 1, 8, 36, 100, 300, 600, 1200, 2400, 4800];
 /// Smaller meshes are gone over more often, up to so many times, so that a level's time is that of a mesh of this size.
 const SMALL: usize = 1 << 16;
 const MOST_ROUNDS: usize = 8;
-/// From this level on the start may also be `stripe`'s.
+/// From this level on the start may also be `stripe`'s, which takes longer than level 1 does.
 const STRIPE_LEVEL: u8 = 2;
 
 pub(super) fn plan<'a>(

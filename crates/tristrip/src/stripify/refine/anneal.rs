@@ -30,8 +30,6 @@ const HOPS: u32 = 2;
 const TURNS: u32 = 16;
 /// Blocks after which the watcher is asked.
 const WATCH_PERIOD: u64 = 1 << 10;
-/// Sweeps at the end in which nothing is accepted that raises the cost.
-const LAST_SWEEPS: u32 = 1;
 /// Greatest rise that is ever accepted.
 const RISES: usize = 8;
 
@@ -41,6 +39,13 @@ pub(super) struct Phase {
     pub(super) sweeps: u32,
     pub(super) hottest: f64,
     pub(super) coldest: f64,
+}
+
+impl Phase {
+    /// Sweeps at the end in which nothing is accepted that raises the cost. A single sweep is cold enough without.
+    fn last_sweeps(&self) -> u32 {
+        u32::from(self.sweeps > 1)
+    }
 }
 
 /// Draws the random numbers and asks the watcher.
@@ -66,7 +71,7 @@ impl<'a> Annealer<'a> {
         triangle_count: usize,
         index_count: usize,
     ) -> Self {
-        let sweeps: u64 = phases.iter().map(|phase| u64::from(phase.sweeps + LAST_SWEEPS)).sum();
+        let sweeps: u64 = phases.iter().map(|phase| u64::from(phase.sweeps + phase.last_sweeps())).sum();
         let step_limit = sweeps * triangle_count.div_ceil(BLOCK as usize) as u64;
         Self {
             random: Random(seed),
@@ -84,7 +89,7 @@ impl<'a> Annealer<'a> {
         self.lowest = self.lowest.min(paths.cost());
         let mut goes_on = true;
         for sweep in 0..phase.sweeps {
-            let part = f64::from(sweep) / f64::from(phase.sweeps);
+            let part = f64::from(sweep + 1) / f64::from(phase.sweeps);
             self.odds = odds(phase.hottest + (phase.coldest - phase.hottest) * part);
             goes_on = self.sweep(paths, true);
             if !goes_on {
@@ -92,7 +97,7 @@ impl<'a> Annealer<'a> {
             }
         }
         self.odds = [0; RISES];
-        for _ in 0..LAST_SWEEPS {
+        for _ in 0..phase.last_sweeps() {
             self.sweep(paths, false);
         }
         self.lowest = self.lowest.min(paths.cost());

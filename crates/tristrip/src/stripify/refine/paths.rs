@@ -114,31 +114,30 @@ impl Paths {
         paths
     }
 
-    /// Finds the partners and the cost anew.
+    /// Finds the partners and the cost.
     fn pair_ends(&mut self) {
+        (0..self.nodes.len() as u32).for_each(|t| self.set_partner(t, t));
         let mut swaps = 0;
-        self.strips = 0;
         for t in 0..self.nodes.len() as u32 {
-            if self.degree(t) == 2 {
+            if self.degree(t) == 2 || self.partner(t) != t {
                 continue;
             }
-            let mut at = t;
+            let mut end = t;
             let mut edge = self.mask(t).trailing_zeros();
             while edge < 3 {
-                let twin = self.nodes[at as usize].twins[edge as usize];
-                swaps += self.swap_at(4 * at + edge);
-                at = twin / 4;
-                edge = (self.mask(at) & !(1 << (twin % 4))).trailing_zeros();
+                let link = 4 * end + edge;
+                swaps += self.swap_at(link);
+                let twin = self.twin(link);
+                end = twin / 4;
+                edge = (self.mask(end) & !(1 << (twin % 4))).trailing_zeros();
             }
-            self.set_partner(t, at);
-            if at >= t {
-                self.strips += 1;
-                swaps += 2 * self.start_swap(t, at);
-            }
+            swaps += self.start_swap(t, end);
+            self.set_partner(t, end);
+            self.set_partner(end, t);
+            self.strips += 1;
         }
-        // Each swap inside was met from both ends.
         self.cost = self.strips.cast_signed() as i64 * i64::from(self.prices.strip)
-            + i64::from(swaps / 2) * i64::from(self.prices.swap);
+            + i64::from(swaps) * i64::from(self.prices.swap);
     }
 
     pub(super) fn len(&self) -> usize {
