@@ -2,13 +2,14 @@
 //! [`crate::task`].
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
 use tristrip::Layout;
 use tristrip_io::Format;
 
-use crate::method::MethodArgs;
+use crate::method::{CostName, MethodArgs};
 use crate::task::{Shared, Task, validate};
 
 /// Turns polygon meshes into triangle strips and proves them
@@ -29,6 +30,7 @@ struct Cli {
 pub(crate) enum Command {
     Strip(StripArgs),
     Compare(CompareArgs),
+    Bound(BoundArgs),
     Verify(VerifyArgs),
     Convert(ConvertArgs),
 }
@@ -41,6 +43,8 @@ pub(crate) enum Command {
   tristrip strip bunny.ply -o bunny.glb             strips that every glTF viewer draws
   tristrip strip scene.glb -o out.glb --layout restart
   tristrip strip models/*.obj -o stripped/ --to ply
+  tristrip strip bunny.ply --method best --effort 7 -o bunny.glb
+  tristrip strip horse.ply --method fewest --budget 5s
   tristrip strip bunny.ply --method stripe --json   no file: the report alone
   cat bunny.ply | tristrip strip - -o - --to glb > bunny.glb")]
 pub(crate) struct StripArgs {
@@ -69,15 +73,43 @@ pub(crate) struct StripArgs {
 pub(crate) struct CompareArgs {
     #[command(flatten)]
     pub(crate) inputs: InputArgs,
-    /// Compare all 15 stripe-local and 10 stripe-global variants
+    /// Compare also tunnel, eta and all 15 stripe-local and 10 stripe-global variants
     #[arg(long)]
     pub(crate) all: bool,
+    /// How long best and fewest search, from 0 to 9
+    #[arg(long, value_name = "LEVEL", default_value_t = 3, value_parser = clap::value_parser!(u8).range(0..=9))]
+    pub(crate) effort: u8,
+    /// What best minimizes
+    #[arg(long, value_enum, value_name = "COST", default_value_t = CostName::Restart)]
+    pub(crate) cost: CostName,
+    /// Stop each search after a time, such as 5s or 500ms
+    #[arg(long, value_name = "TIME", value_parser = humantime::parse_duration)]
+    pub(crate) budget: Option<Duration>,
     /// Print Markdown tables
     #[arg(long, conflicts_with = "json")]
     pub(crate) markdown: bool,
     /// The seed of the methods that break ties at random
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub(crate) seed: u64,
+    /// Let vertices with the same bits in position and all attributes count as one
+    #[arg(long)]
+    pub(crate) weld: bool,
+    #[command(flatten)]
+    pub(crate) shared: SharedArgs,
+    #[command(flatten)]
+    pub(crate) threads: ThreadArgs,
+}
+
+/// Shows how few strips, vertices and indices there can be at best
+///
+/// Lower bounds that hold for every way to strip a model, and how they were found. For polygons they hold whatever the triangulation; for
+/// triangles they are sharper.
+#[derive(Debug, Args)]
+#[command(after_long_help = "Example:
+  tristrip bound bunny.ply")]
+pub(crate) struct BoundArgs {
+    #[command(flatten)]
+    pub(crate) inputs: InputArgs,
     /// Let vertices with the same bits in position and all attributes count as one
     #[arg(long)]
     pub(crate) weld: bool,
@@ -216,6 +248,7 @@ pub(crate) fn parse() -> (Task, Shared) {
     let subcommand = match &cli.command {
         Command::Strip(_) => "strip",
         Command::Compare(_) => "compare",
+        Command::Bound(_) => "bound",
         Command::Verify(_) => "verify",
         Command::Convert(_) => "convert",
     };

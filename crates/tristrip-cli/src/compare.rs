@@ -8,6 +8,7 @@ use crate::figures::{Figures, MeshFigures};
 use crate::input::{fitted, load, meshes};
 use crate::method::{Chosen, MethodReport, methods_to_compare};
 use crate::report::{CompareReport, MethodRow, Seconds};
+use crate::search::{SearchWatch, interrupted};
 use crate::stages::{Found, Pool, Prepared, find_strips, prepare, prove, timed};
 use crate::task::{CompareTask, Input};
 use crate::text::{counted, grouped, markdown, table};
@@ -96,25 +97,30 @@ fn compare(
     report.notes.iter().for_each(|note| console.note(note));
     report.mesh = Some(mesh);
     for &method in methods {
+        if interrupted() {
+            return Err(Failure::Input("not done: interrupted".into()));
+        }
         let options = options.with_method(method);
         console.doing(&MethodReport::of(&options).label());
-        report.methods.push(row(&parts, &options, pool));
+        report.methods.push(row(&parts, &options, pool, &SearchWatch::new(console.progress(), task.budget)));
         console.step();
     }
     Ok(())
 }
 
 /// Runs one method; its row holds the proof before the figures.
-fn row(parts: &[Prepared<'_>], options: &Options, pool: &Pool) -> MethodRow {
+fn row(parts: &[Prepared<'_>], options: &Options, pool: &Pool, watch: &SearchWatch) -> MethodRow {
     let mut row = MethodRow {
         method: MethodReport::of(options),
         chosen: None,
         proven: false,
         seconds: Seconds::default(),
         figures: None,
+        stopped: None,
         error: None,
     };
-    let (found, seconds) = timed(|| find_strips(pool, parts, options));
+    let (found, seconds) = timed(|| find_strips(pool, parts, options, watch));
+    row.stopped = watch.stopped();
     row.seconds.stripify = Some(seconds);
     let proof = found.and_then(|Found { strips, chosen }| {
         row.chosen = Some(Chosen::of(&chosen));

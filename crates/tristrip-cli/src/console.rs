@@ -73,6 +73,11 @@ impl Console {
         }
     }
 
+    /// Gives a hold on the progress that is shown, for what runs on other threads.
+    pub(crate) fn progress(&self) -> ProgressBar {
+        self.bar.clone()
+    }
+
     /// Shows what is being done now.
     pub(crate) fn doing(&self, what: &str) {
         self.bar.set_message(what.to_owned());

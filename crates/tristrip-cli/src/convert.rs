@@ -77,7 +77,7 @@ fn convert(
         console.doing("strips of the input's order");
         let (parts, dual_seconds) = timed(|| prepare(pool, &stripped, false));
         let options = Options::default().with_method(Method::Input);
-        let (found, seconds) = timed(|| find_strips(pool, &parts, &options));
+        let (found, seconds) = timed(|| find_strips(pool, &parts, &options, &()));
         strips = found?.strips;
         report.seconds.dual = Some(dual_seconds);
         report.seconds.stripify = Some(seconds);

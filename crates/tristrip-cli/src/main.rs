@@ -1,7 +1,7 @@
 //! The `tristrip` command: polygon meshes into proven triangle strips.
 //!
 //! ```text
-//! args ─▶ task ─▶ strip │ compare │ verify │ convert ─▶ input ─ stages ─ output ─▶ figures, report ─▶ console
+//! args ─▶ task ─▶ strip │ compare │ bound │ verify │ convert ─▶ input ─ stages ─ output ─▶ figures, report ─▶ console
 //! ```
 //! The exit code is 0 when everything was done and proven, 1 when something was not or an input was bad, 2 when the command was
 //! called wrongly.
@@ -9,6 +9,7 @@
 #![forbid(unsafe_code)]
 
 mod args;
+mod bound;
 mod compare;
 mod console;
 mod convert;
@@ -18,6 +19,7 @@ mod input;
 mod method;
 mod output;
 mod report;
+mod search;
 mod stages;
 mod strip;
 mod task;
@@ -42,6 +44,7 @@ fn main() -> ExitCode {
     let all_done = match &task {
         Task::Strip(task) => strip::run(task, &pool, &mut console),
         Task::Compare(task) => compare::run(task, &pool, &mut console),
+        Task::Bound(task) => bound::run(task, &pool, &mut console),
         Task::Verify(task) => verify::run(task, &mut console),
         Task::Convert(task) => convert::run(task, &pool, &mut console),
     };

@@ -1,10 +1,17 @@
 //! The methods' names and options: what a user types, what the library takes, and what reports say.
 
+use std::time::Duration;
+
 use clap::{Args, ValueEnum};
 use serde::Serialize;
+use tristrip::strip::Cost;
+use tristrip::stripify::{Effort, EtaOptions, Start};
 use tristrip::{FaceTriangulation, Method, Options, Patches, Ties};
 
 use crate::text::counted;
+
+/// The longest tunnel that `tunnel` looks for unless told otherwise: beyond, each two edges more take several times as long.
+const TUNNEL_LENGTH: u32 = 9;
 
 /// A method by its name on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -13,6 +20,10 @@ pub(crate) enum MethodName {
     Auto,
     /// Fast, few indices: cheapest runs first, swaps only where they beat a restart.
     Sequential,
+    /// The cheapest that a search finds, by --cost and --effort.
+    Best,
+    /// As few strips as a search finds, by --effort.
+    Fewest,
     /// The input's own order as strips.
     Input,
     /// The SGI algorithm: least adjacency, one level of look-ahead.
@@ -23,6 +34,34 @@ pub(crate) enum MethodName {
     StripeLocal,
     /// STRIPE's global algorithms: patches of quadrilaterals first, the rest locally.
     StripeGlobal,
+    /// The tunnelling operator of Stewart, short tunnels first, from isolated triangles.
+    Tunnel,
+    /// The Enhanced Tunnelling Algorithm of Porcu and Scateni.
+    Eta,
+}
+
+/// What `best` minimizes, by its name on the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum CostName {
+    /// The index buffer with a restart between strips.
+    Restart,
+    /// The vertices sent, swaps and winding repeats included.
+    Opengl,
+    /// The index buffer of strips joined by degenerate triangles.
+    Degenerate,
+    /// The vertices sent with swaps free.
+    Gl,
+}
+
+/// The strips that `eta` starts from, by their name on the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum StartName {
+    /// Every triangle by itself.
+    Isolated,
+    /// Those of sgi.
+    Sgi,
+    /// Those of sequential.
+    Sequential,
 }
 
 /// When STRIPE cuts polygons, by its name on the command line.
@@ -82,7 +121,30 @@ pub(crate) struct MethodArgs {
     /// The smallest patch of stripe-global, in quadrilaterals [default: 5]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     cutoff: Option<u32>,
-    /// The seed of the stripe methods, which break ties at random [default: 0]
+    /// What best minimizes [default: restart]
+    #[arg(long, value_enum, value_name = "COST")]
+    cost: Option<CostName>,
+    /// How long best and fewest search, from 0 to 9 [default: 5]
+    ///
+    /// Effort is counted in steps, so that the result is the same on any machine. Each level takes two to three times as long as the one
+    /// before; docs/cli.md has typical times.
+    #[arg(long, value_name = "LEVEL", value_parser = clap::value_parser!(u8).range(0..=9))]
+    effort: Option<u8>,
+    /// Stop a search after a time, such as 5s or 500ms, with the best found by then
+    ///
+    /// Applies to tunnel, eta, fewest and best, for each input. What is found in a time differs from run to run; --effort does not.
+    #[arg(long, value_name = "TIME", value_parser = humantime::parse_duration)]
+    budget: Option<Duration>,
+    /// The longest tunnel of tunnel and eta, in edges of the dual graph [default: 9 for tunnel, 1000 for eta]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    tunnel_length: Option<u32>,
+    /// Triangles that eta looks at before it gives up a search [default: 512]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    threshold: Option<u32>,
+    /// The strips that eta starts from [default: isolated]
+    #[arg(long, value_enum, value_name = "STRIPS")]
+    start: Option<StartName>,
+    /// The seed of methods that choose at random: stripe, eta, fewest, best [default: 0]
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
     /// Let vertices with the same bits in position and all attributes count as one
@@ -99,7 +161,9 @@ impl MethodArgs {
     /// # Errors
     /// A flag belongs to another method.
     pub(crate) fn validate(&self) -> Result<Options, String> {
-        use MethodName::{Auto, Input, Sequential, Sgi, Stripe, StripeGlobal, StripeLocal};
+        use MethodName::{
+            Auto, Best, Eta, Fewest, Input, Sequential, Sgi, Stripe, StripeGlobal, StripeLocal, Tunnel,
+        };
         let local = self.method == StripeLocal;
         let global = matches!(self.method, Stripe | StripeGlobal);
         let belongs = |flag: &str, given: bool, fits: bool, home: &str| {
@@ -112,7 +176,16 @@ impl MethodArgs {
         belongs("--ties", self.ties.is_some(), local, "stripe-local")?;
         belongs("--patches", self.patches.is_some(), global, "stripe-global")?;
         belongs("--cutoff", self.cutoff.is_some(), global, "stripe-global")?;
-        belongs("--seed", self.seed.is_some(), local || global, "stripe-local or stripe-global")?;
+        let search = matches!(self.method, Best | Fewest);
+        let tunnels = matches!(self.method, Tunnel | Eta);
+        belongs("--cost", self.cost.is_some(), self.method == Best, "best")?;
+        belongs("--effort", self.effort.is_some(), search, "best or fewest")?;
+        belongs("--budget", self.budget.is_some(), search || tunnels, "best, fewest, tunnel or eta")?;
+        belongs("--tunnel-length", self.tunnel_length.is_some(), tunnels, "tunnel or eta")?;
+        belongs("--threshold", self.threshold.is_some(), self.method == Eta, "eta")?;
+        belongs("--start", self.start.is_some(), self.method == Eta, "eta")?;
+        let draws = local || global || search || self.method == Eta;
+        belongs("--seed", self.seed.is_some(), draws, "stripe-local, stripe-global, best, fewest or eta")?;
         let method = match self.method {
             Auto => Method::Auto,
             Sequential => Method::Sequential,
@@ -126,8 +199,58 @@ impl MethodArgs {
                 patches: self.patches.map(Into::into).unwrap_or_default(),
                 cutoff: self.cutoff.unwrap_or(5),
             },
+            Best => Method::Best,
+            Fewest => Method::Fewest,
+            Tunnel => Method::Tunnel { length: self.tunnel_length.unwrap_or(TUNNEL_LENGTH) },
+            Eta => Method::Eta(self.eta()),
         };
-        Ok(Options::default().with_method(method).with_weld(self.weld).with_seed(self.seed.unwrap_or(0)))
+        let effort = self.effort.and_then(Effort::new).unwrap_or_default();
+        Ok(Options::default()
+            .with_method(method)
+            .with_weld(self.weld)
+            .with_seed(self.seed.unwrap_or(0))
+            .with_cost(self.cost.map(Into::into).unwrap_or_default())
+            .with_effort(effort))
+    }
+
+    fn eta(&self) -> EtaOptions {
+        let mut eta = EtaOptions::default();
+        if let Some(length) = self.tunnel_length {
+            eta = eta.with_length(length);
+        }
+        if let Some(threshold) = self.threshold {
+            eta = eta.with_threshold(threshold);
+        }
+        if let Some(start) = self.start {
+            eta = eta.with_start(start.into());
+        }
+        eta
+    }
+
+    /// Gives the time after which a search shall stop.
+    pub(crate) fn budget(&self) -> Option<Duration> {
+        self.budget
+    }
+}
+
+impl From<CostName> for Cost {
+    fn from(name: CostName) -> Self {
+        match name {
+            CostName::Restart => Self::Restart,
+            CostName::Opengl => Self::OpenGl,
+            CostName::Degenerate => Self::Degenerate,
+            CostName::Gl => Self::Gl,
+        }
+    }
+}
+
+impl From<StartName> for Start {
+    fn from(name: StartName) -> Self {
+        match name {
+            StartName::Isolated => Self::Isolated,
+            StartName::Sgi => Self::Sgi,
+            StartName::Sequential => Self::Sequential,
+        }
     }
 }
 
@@ -168,7 +291,7 @@ fn name<E: ValueEnum + Copy>(value: E) -> String {
 }
 
 /// A method as reports name it: the words of the command line.
-#[derive(Debug, Clone, PartialEq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub(crate) struct MethodReport {
     method: String,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -180,19 +303,22 @@ pub(crate) struct MethodReport {
     #[serde(skip_serializing_if = "Option::is_none")]
     cutoff: Option<u32>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    cost: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    effort: Option<u8>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    tunnel_length: Option<u32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    threshold: Option<u32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    start: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     seed: Option<u64>,
 }
 
 impl MethodReport {
     pub(crate) fn of(options: &Options) -> Self {
-        let plain = |method| Self {
-            method: name(method),
-            triangulation: None,
-            ties: None,
-            patches: None,
-            cutoff: None,
-            seed: None,
-        };
+        let plain = |method| Self { method: name(method), ..Self::default() };
         match options.method() {
             Method::Sequential => plain(MethodName::Sequential),
             Method::Input => plain(MethodName::Input),
@@ -215,16 +341,42 @@ impl MethodReport {
                 seed: Some(options.seed()),
                 ..plain(MethodName::StripeGlobal)
             },
+            Method::Best => Self {
+                cost: CostName::value_variants()
+                    .iter()
+                    .find(|&&n| Cost::from(n) == options.cost())
+                    .map(|&n| name(n)),
+                effort: Some(options.effort().level()),
+                seed: Some(options.seed()),
+                ..plain(MethodName::Best)
+            },
+            Method::Fewest => Self {
+                effort: Some(options.effort().level()),
+                seed: Some(options.seed()),
+                ..plain(MethodName::Fewest)
+            },
+            Method::Tunnel { length } => Self { tunnel_length: Some(length), ..plain(MethodName::Tunnel) },
+            Method::Eta(eta) => Self {
+                tunnel_length: Some(eta.length()),
+                threshold: Some(eta.threshold()),
+                start: StartName::value_variants()
+                    .iter()
+                    .find(|&&n| Start::from(n) == eta.start())
+                    .map(|&n| name(n)),
+                seed: Some(options.seed()),
+                ..plain(MethodName::Eta)
+            },
             _ => plain(MethodName::Auto),
         }
     }
 
     /// Says the method and its options in one line: `stripe-local whole sequential`.
     pub(crate) fn label(&self) -> String {
-        let cutoff = self.cutoff.map(|n| n.to_string());
-        let words =
-            [Some(&self.method), self.triangulation.as_ref(), self.ties.as_ref(), self.patches.as_ref()];
-        words.into_iter().flatten().chain(cutoff.as_ref()).cloned().collect::<Vec<_>>().join(" ")
+        let words = [&self.triangulation, &self.ties, &self.patches, &self.cost, &self.start];
+        let numbers = [self.cutoff, self.effort.map(u32::from), self.tunnel_length];
+        let words = [Some(self.method.clone())].into_iter().chain(words.into_iter().cloned()).flatten();
+        let numbers = numbers.into_iter().flatten().map(|n| n.to_string());
+        words.chain(numbers).collect::<Vec<_>>().join(" ")
     }
 }
 
@@ -269,10 +421,12 @@ impl Serialize for Chosen {
 
 /// Lists the methods to compare: a few that stand for their families, or every variant.
 pub(crate) fn methods_to_compare(every_variant: bool) -> Vec<Method> {
-    let mut methods = vec![Method::Auto, Method::Input, Method::Sequential, Method::Sgi];
+    let mut methods =
+        vec![Method::Auto, Method::Best, Method::Fewest, Method::Input, Method::Sequential, Method::Sgi];
     let local = |triangulation, ties| Method::StripeLocal { triangulation, ties };
     let global = |patches, cutoff| Method::StripeGlobal { patches, cutoff };
     if every_variant {
+        methods.extend([Method::Tunnel { length: TUNNEL_LENGTH }, Method::Eta(EtaOptions::default())]);
         for &triangulation in TriangulationName::value_variants() {
             let ties = TiesName::value_variants().iter();
             methods.extend(ties.map(|&ties| local(triangulation.into(), ties.into())));
@@ -302,7 +456,7 @@ mod tests {
     fn all_variants_are_compared_under_names_of_their_own() {
         let label = |method| MethodReport::of(&Options::default().with_method(method)).label();
         let labels: HashSet<String> = methods_to_compare(true).into_iter().map(label).collect();
-        assert_eq!(labels.len(), 4 + 15 + 10);
+        assert_eq!(labels.len(), 8 + 15 + 10);
         assert!(
             labels.contains("stripe-local partial look-ahead") && labels.contains("stripe-global full 25")
         );

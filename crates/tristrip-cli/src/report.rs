@@ -2,8 +2,10 @@
 
 use serde::Serialize;
 
+use crate::bound::Reached;
 use crate::figures::{Figures, MeshFigures};
 use crate::method::{Chosen, MethodReport};
+use crate::search::Stopped;
 use crate::text::{count, counted, table};
 
 /// Times in seconds; `null` for a stage that did not run.
@@ -29,6 +31,10 @@ pub(crate) struct StripReport {
     pub(crate) seconds: Seconds,
     #[serde(flatten)]
     pub(crate) figures: Option<Figures>,
+    /// Why the search ended before its time, if it did.
+    pub(crate) stopped: Option<Stopped>,
+    /// How far the result of a search is from its bound; `null` for the methods that do not search.
+    pub(crate) bound: Option<Reached>,
     pub(crate) mesh: Option<MeshFigures>,
     pub(crate) parts: Option<usize>,
     pub(crate) notes: Vec<String>,
@@ -59,6 +65,7 @@ pub(crate) struct MethodRow {
     pub(crate) seconds: Seconds,
     #[serde(flatten)]
     pub(crate) figures: Option<Figures>,
+    pub(crate) stopped: Option<Stopped>,
     pub(crate) error: Option<String>,
 }
 

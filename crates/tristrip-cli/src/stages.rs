@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 use tristrip::strip::{self, verify_models};
+use tristrip::stripify::Watch;
 use tristrip::{DualGraph, Faces, Mesh, Method, Options, Strips, Surface, stripify};
 
 use crate::failure::Failure;
@@ -58,10 +59,15 @@ pub(crate) struct Found {
     pub(crate) chosen: Vec<Method>,
 }
 
-/// Finds strips for every part.
-pub(crate) fn find_strips(pool: &Pool, parts: &[Prepared<'_>], options: &Options) -> Result<Found, Failure> {
+/// Finds strips for every part; searches tell the watch what they have reached.
+pub(crate) fn find_strips(
+    pool: &Pool,
+    parts: &[Prepared<'_>],
+    options: &Options,
+    watch: &dyn Watch,
+) -> Result<Found, Failure> {
     let found = pool.map(parts, |part| {
-        let (method, plan) = stripify::choose(&part.surface, &part.graph, options)?;
+        let (method, plan) = stripify::choose_watched(&part.surface, &part.graph, options, watch)?;
         Ok((strip::emit(&plan.triangulation, &plan.cover), method))
     });
     let (strips, chosen) = found.into_iter().collect::<Result<Vec<_>, Failure>>()?.into_iter().unzip();

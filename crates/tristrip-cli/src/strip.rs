@@ -3,6 +3,7 @@
 use tristrip::Method;
 use tristrip_io::Drawing;
 
+use crate::bound::Bounds;
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::figures::{Figures, MeshFigures};
@@ -10,6 +11,7 @@ use crate::input::{fitted, load, meshes};
 use crate::method::{Chosen, MethodReport};
 use crate::output;
 use crate::report::{Seconds, StripReport};
+use crate::search::{SearchWatch, interrupted};
 use crate::stages::{Found, Pool, find_strips, prepare, prove, timed};
 use crate::task::{Job, StripTask, layout_name};
 use crate::text::counted;
@@ -25,6 +27,8 @@ pub(crate) fn run(task: &StripTask, pool: &Pool, console: &mut Console) -> bool 
             proven: None,
             seconds: Seconds::default(),
             figures: None,
+            stopped: None,
+            bound: None,
             mesh: None,
             parts: None,
             notes: Vec::new(),
@@ -60,6 +64,9 @@ fn strip(
     console: &mut Console,
     report: &mut StripReport,
 ) -> Result<(), Failure> {
+    if interrupted() {
+        return Err(Failure::Input("not done: interrupted".into()));
+    }
     console.doing("load");
     let (model, seconds) = timed(|| load(&job.input));
     let mut model = model?;
@@ -87,8 +94,11 @@ fn strip(
     report.mesh = Some(mesh);
 
     console.doing("stripify");
-    let (found, seconds) = timed(|| find_strips(pool, &parts, &options));
+    let watch = SearchWatch::new(console.progress(), task.budget);
+    let (found, seconds) = timed(|| find_strips(pool, &parts, &options, &watch));
     let Found { strips, chosen } = found?;
+    report.stopped = watch.stopped();
+    drop(watch);
     report.seconds.stripify = Some(seconds);
     let figures = Figures::of(pool, &parts, &strips);
     let chosen = Chosen::of(&chosen);
@@ -98,6 +108,18 @@ fn strip(
     }
     console.stage("stripify", &what, Some(seconds));
     report.chosen = Some(chosen);
+    if let Some(stopped) = report.stopped {
+        console.note(stopped.note());
+        report.notes.push(stopped.note().into());
+    }
+    if matches!(options.method(), Method::Best | Method::Fewest) {
+        console.doing("bound");
+        let (bounds, seconds) = timed(|| Bounds::of(pool, &parts));
+        report.bound = bounds.gap(&options, &figures);
+        if let Some(gap) = &report.bound {
+            console.stage("bound", &gap.line(), Some(seconds));
+        }
+    }
     report.figures = Some(figures);
 
     if task.verify {

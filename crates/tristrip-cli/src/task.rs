@@ -3,7 +3,9 @@
 use std::collections::HashMap;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
+use tristrip::stripify::Effort;
 use tristrip::{Layout, Options};
 use tristrip_io::Format;
 
@@ -14,6 +16,7 @@ use crate::args::{Command, InputArgs, LayoutName, OutputArgs, ReadFormat, Shared
 pub(crate) enum Task {
     Strip(StripTask),
     Compare(CompareTask),
+    Bound(BoundTask),
     Verify(VerifyTask),
     Convert(ConvertTask),
 }
@@ -22,6 +25,7 @@ pub(crate) enum Task {
 pub(crate) struct StripTask {
     pub(crate) jobs: Vec<Job>,
     pub(crate) options: Options,
+    pub(crate) budget: Option<Duration>,
     pub(crate) verify: bool,
 }
 
@@ -30,6 +34,13 @@ pub(crate) struct CompareTask {
     pub(crate) inputs: Vec<Input>,
     pub(crate) every_variant: bool,
     pub(crate) markdown: bool,
+    pub(crate) options: Options,
+    pub(crate) budget: Option<Duration>,
+}
+
+#[derive(Debug)]
+pub(crate) struct BoundTask {
+    pub(crate) inputs: Vec<Input>,
     pub(crate) options: Options,
 }
 
@@ -113,13 +124,24 @@ pub(crate) fn validate(command: Command) -> Result<(Task, Shared), String> {
             let jobs = jobs(inputs(args.inputs)?, &args.output)?;
             let shared = shared(&args.shared, args.threads.threads);
             refuse_two_results(&jobs, &shared)?;
-            (Task::Strip(StripTask { jobs, options, verify: !args.no_verify }), shared)
+            let budget = args.method.budget();
+            (Task::Strip(StripTask { jobs, options, budget, verify: !args.no_verify }), shared)
         }
         Command::Compare(args) => {
-            let options = Options::default().with_seed(args.seed).with_weld(args.weld);
+            let options = Options::default()
+                .with_seed(args.seed)
+                .with_weld(args.weld)
+                .with_cost(args.cost.into())
+                .with_effort(Effort::new(args.effort).unwrap_or_default());
             let inputs = inputs(args.inputs)?;
-            let task = CompareTask { inputs, every_variant: args.all, markdown: args.markdown, options };
+            let (every_variant, markdown, budget) = (args.all, args.markdown, args.budget);
+            let task = CompareTask { inputs, every_variant, markdown, options, budget };
             (Task::Compare(task), shared(&args.shared, args.threads.threads))
+        }
+        Command::Bound(args) => {
+            let options = Options::default().with_weld(args.weld);
+            let task = BoundTask { inputs: inputs(args.inputs)?, options };
+            (Task::Bound(task), shared(&args.shared, args.threads.threads))
         }
         Command::Verify(args) => {
             let both = InputArgs { inputs: vec![args.source, args.result], from: args.from };

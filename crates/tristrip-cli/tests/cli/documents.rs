@@ -42,12 +42,17 @@ fn every_json_key_is_described() {
     let dir = tempfile::tempdir().unwrap();
     let strip = json(tristrip().args(["strip", "--json", "-m", "stripe-local"]).arg(&fish));
     let global = json(tristrip().args(["strip", "--json", "-m", "stripe"]).arg(&fish));
+    let best = json(tristrip().args(["strip", "--json", "-m", "best", "--effort", "1"]).arg(&fish));
+    let eta = json(tristrip().args(["strip", "--json", "-m", "eta"]).arg(&fish));
+    let bound = json(tristrip().args(["bound", "--json"]).arg(&fish));
     let compare = json(tristrip().args(["compare", "--json"]).arg(&fish));
     let verify = json(tristrip().args(["verify", "--json"]).arg(&fish).arg(&fish));
     let mut command = tristrip();
     let convert =
         json(command.args(["convert", "--json"]).arg(&fish).arg("-o").arg(dir.path().join("a.obj")));
-    let reports = [&strip, &global, &compare, &verify, &convert, &strip["mesh"], &strip["seconds"]];
+    let whole = [&strip, &global, &best, &eta, &bound, &compare, &verify, &convert];
+    let inner = [&strip["mesh"], &strip["seconds"], &best["bound"], &bound["bound"], &bound["components"][0]];
+    let reports = [&whole[..], &inner[..]].concat();
     for key in reports.into_iter().flat_map(keys) {
         assert!(described.contains(&format!("`{key}`")), "FORMAT.md does not describe `{key}`");
     }

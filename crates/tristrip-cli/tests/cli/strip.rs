@@ -30,7 +30,7 @@ fn json_has_the_documented_keys_in_order() {
     let report = json(tristrip().args(["strip", "--json"]).arg(model("fish_control.ply")));
     let mut expected = vec!["file", "method", "chosen", "proven", "seconds"];
     expected.extend(FIGURES);
-    expected.extend(["mesh", "parts", "notes", "output", "layout", "error"]);
+    expected.extend(["stopped", "bound", "mesh", "parts", "notes", "output", "layout", "error"]);
     assert_eq!(keys(&report), expected);
     assert_eq!(keys(&report["seconds"]), ["load", "dual", "stripify", "verify", "write"]);
     let mesh = [
@@ -218,7 +218,7 @@ fn many_inputs_go_on_after_a_bad_one() {
     assert_eq!(proven, [Some(true), None, None, Some(true)]);
     assert_eq!(reports[1]["error"], "line 1: found `zero`, expected a number for z");
     assert_eq!(reports[0]["error"], Value::Null);
-    assert_eq!(keys(&reports[1]).len(), 11, "no figures for what could not be read");
+    assert_eq!(keys(&reports[1]).len(), 13, "no figures for what could not be read");
     let mut written: Vec<_> = fs::read_dir(&out).unwrap().map(|e| e.unwrap().file_name()).collect();
     written.sort();
     assert_eq!(written, ["fish_control.ply", "milktruck.ply"]);
@@ -376,4 +376,82 @@ fn many_inputs_make_no_directory_with_the_name_of_a_file() {
         .code(2)
         .stderr(contains("names a file"));
     assert!(!out.exists());
+}
+
+#[test]
+fn searches_say_how_far_they_are_from_their_bound() {
+    let report = json(tristrip().args(["strip", "--json", "-m", "fewest"]).arg(model("hand.ply")));
+    let bound = &report["bound"];
+    assert_eq!(keys(bound), ["figure", "found", "bound", "gap", "optimal"]);
+    assert_eq!((&bound["figure"], &bound["found"]), (&Value::from("strips"), &report["strips"]));
+    assert_eq!((&bound["bound"], &bound["gap"], &bound["optimal"]), (&1.into(), &0.into(), &true.into()));
+    assert_eq!(report["stopped"], Value::Null);
+    for (cost, figure) in [
+        ("restart", "indices_restart"),
+        ("opengl", "vertices_sent"),
+        ("degenerate", "indices_degenerate"),
+        ("gl", "gl_cost"),
+    ] {
+        let mut command = tristrip();
+        command.args(["strip", "--json", "-m", "best", "--effort", "2", "--cost", cost]);
+        let report = json(command.arg(model("fish_control.ply")));
+        assert_eq!((&report["cost"], &report["effort"]), (&cost.into(), &2.into()));
+        assert_eq!(
+            (&report["bound"]["figure"], &report["bound"]["found"]),
+            (&figure.into(), &report[figure])
+        );
+        assert!(report["bound"]["bound"].as_u64() <= report[figure].as_u64());
+    }
+}
+
+#[test]
+fn best_is_never_worse_than_the_fast_methods_and_repeatable() {
+    for name in ["fish_control.ply", "wingnut.ply", "catmark_bishop.ply"] {
+        let cost = |arguments: &[&str]| {
+            let report = json(tristrip().args(["strip", "--json"]).args(arguments).arg(model(name)));
+            assert_eq!(report["proven"], true);
+            report["indices_restart"].as_u64().unwrap()
+        };
+        let best = cost(&["-m", "best", "--effort", "2"]);
+        assert_eq!(best, cost(&["-m", "best", "--effort", "2", "--threads", "1"]));
+        for other in ["auto", "sequential", "input", "stripe"] {
+            assert!(best <= cost(&["-m", other]), "{name}: {other}");
+        }
+    }
+}
+
+#[test]
+fn a_budget_ends_a_search_with_a_proven_result() {
+    let report = json(
+        tristrip()
+            .args(["strip", "--json", "-m", "best", "--effort", "9", "--budget", "1ms"])
+            .arg(model("wingnut.ply")),
+    );
+    assert_eq!((&report["stopped"], &report["proven"]), (&"budget".into(), &true.into()));
+    assert!(report["notes"].as_array().unwrap().iter().any(|n| n.as_str().unwrap().contains("budget")));
+}
+
+/// Sends Ctrl-C in the midst of a search: the best so far is proven and written.
+#[cfg(unix)]
+#[test]
+fn an_interrupt_ends_a_search_with_a_proven_result() {
+    let dir = tempfile::tempdir().unwrap();
+    let out = dir.path().join("wingnut.glb");
+    // An effort that takes a minute at least; a slow machine may not be searching yet, so that Ctrl-C ends the command.
+    let child = std::process::Command::new(env!("CARGO_BIN_EXE_tristrip"))
+        .args(["strip", "--json", "-m", "best", "--effort", "9", "-o"])
+        .arg(&out)
+        .arg(model("wingnut.ply"))
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    std::thread::sleep(std::time::Duration::from_secs(1));
+    let killed = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(killed.success());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let report: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!((&report["stopped"], &report["proven"]), (&"interrupt".into(), &true.into()));
+    assert!(out.exists());
 }

@@ -19,7 +19,18 @@ fn options_belong_to_their_methods() {
     refused(&["strip", "a.ply", "-m", "sgi", "--triangulation", "static"], "--triangulation belongs to");
     refused(&["strip", "a.ply", "-m", "stripe-local", "--patches", "rows"], "--patches belongs to");
     refused(&["strip", "a.ply", "-m", "sequential", "--cutoff", "5"], "--cutoff belongs to");
-    refused(&["strip", "a.ply", "--seed", "1"], "--seed belongs to --method stripe-local or stripe-global");
+    refused(
+        &["strip", "a.ply", "--seed", "1"],
+        "--seed belongs to --method stripe-local, stripe-global, best",
+    );
+    refused(&["strip", "a.ply", "--effort", "3"], "--effort belongs to --method best or fewest, not to auto");
+    refused(&["strip", "a.ply", "-m", "best", "--effort", "10"], "10 is not in 0..=9");
+    refused(&["strip", "a.ply", "-m", "fewest", "--cost", "gl"], "--cost belongs to --method best");
+    refused(&["strip", "a.ply", "-m", "sgi", "--budget", "1s"], "--budget belongs to");
+    refused(&["strip", "a.ply", "-m", "best", "--budget", "soon"], "--budget");
+    refused(&["strip", "a.ply", "-m", "best", "--tunnel-length", "3"], "--tunnel-length belongs to");
+    refused(&["strip", "a.ply", "-m", "tunnel", "--threshold", "3"], "--threshold belongs to --method eta");
+    refused(&["strip", "a.ply", "-m", "tunnel", "--start", "sgi"], "--start belongs to --method eta");
     refused(&["strip", "a.ply", "-m", "stripe", "--cutoff", "0"], "--cutoff");
     refused(&["strip", "a.ply", "-m", "magic"], "possible values: auto");
 }

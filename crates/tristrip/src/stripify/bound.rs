@@ -221,6 +221,11 @@ fn of_polygons(faces: &Faces, graph: &DualGraph) -> Vec<ComponentBound> {
         .collect()
 }
 
+/// Finds the least number of strips of each component, in order of their first triangles.
+pub(super) fn least_strips(graph: &DualGraph) -> Vec<usize> {
+    strips::bound(graph).into_iter().map(|found| found.strips).collect()
+}
+
 /// Counts the sets of faces that no shared vertex joins.
 fn vertex_groups<'a>(faces: impl Iterator<Item = &'a [u32]> + Clone) -> usize {
     let vertex_count = faces.clone().flatten().max().map_or(0, |&vertex| vertex as usize + 1);

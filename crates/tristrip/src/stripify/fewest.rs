@@ -16,11 +16,13 @@
 //! may be as long as one likes. Each component is worked on by itself, from the cover of `sequential`, until it meets its lower bound
 //! or the steps of the effort are done.
 //!
-//! 1. *Walk* from random ends. In a triangle of three neighbours the way on is mostly forced; where it leads into another path, the
+//! 1. *Tunnel* (see [`super::tunnel`]): the long tunnels of `eta` make most of the joins in components that are not large, and are
+//!    better than walks at ends that are stuck at a boundary.
+//! 2. *Walk* from random ends. In a triangle of three neighbours the way on is mostly forced; where it leads into another path, the
 //!    side of the cut is drawn by lot. While there are many ends, two soon meet.
-//! 2. *Close* paths while there are few of them: their ends meet as often as those of different paths do, and it is all the same
+//! 3. *Close* paths while there are few of them: their ends meet as often as those of different paths do, and it is all the same
 //!    where a closed path is opened.
-//! 3. *Lead* when there was no join for a while. The orbits of the last few ends are often short, so that they never meet. A cut
+//! 4. *Lead* when there was no join for a while. The orbits of the last few ends are often short, so that they never meet. A cut
 //!    makes two more ends, which soon join again, but not in the way that they were joined; so an end moves
 //!    ahead on the shortest way to another one. That takes a few dozen cuts, each undone unless it leads nearer.
 //!
@@ -40,11 +42,12 @@ mod strands;
 #[cfg(test)]
 mod tests;
 
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 
-use super::bound::Bound;
+use super::bound::least_strips;
 use super::random::Random;
-use super::{Effort, Plan, Progress, Watch, sequential};
+use super::{Effort, EtaOptions, Plan, Progress, Watch, sequential, tunnel};
 use crate::cover::PathCover;
 use crate::mesh::Surface;
 use crate::{DualGraph, stripify::fewest::components::Component};
@@ -74,6 +77,8 @@ const SEGMENT_LIMITS: (usize, usize) = (32, 4096);
 /// Triangles that count as a step when distances are found.
 const REACHED_PER_STEP: u64 = 64;
 
+/// Components of at most so many triangles are tunnelled first. In larger ones tunnels take longer than walks for the same.
+const TUNNEL_LIMIT: usize = 1 << 18;
 /// Steps for each four triangles of a component at effort 0; each level doubles them.
 const STEPS_PER_FOUR_TRIANGLES: u64 = 5;
 /// Steps that even the smallest component gets.
@@ -87,8 +92,7 @@ pub(super) fn plan<'a>(
     watch: &dyn Watch,
 ) -> Plan<'a> {
     let Plan { triangulation, mut cover } = sequential::plan(surface, graph);
-    let floors: Vec<usize> =
-        Bound::of_triangulation(&triangulation).components.iter().map(|c| c.strips).collect();
+    let floors = least_strips(triangulation.graph());
     reduce(triangulation.graph(), &mut cover, &floors, effort, seed, watch);
     Plan { triangulation, cover }
 }
@@ -116,8 +120,13 @@ fn reduce(
     let search = |component: &mut Component| {
         let (first, floor) = (u64::from(component.first_triangle()), component.floor());
         let budget = budget(component.triangle_count());
-        let (twins, cover) = component.parts();
-        Search::new(twins, cover, Random::new(seed ^ first << 32)).run(floor, budget, &tally);
+        let (graph, cover) = component.parts();
+        if cover.len() <= TUNNEL_LIMIT {
+            let watch = UntilFloor { floor, tally: &tally, told: Mutex::new((0, cover.path_count())) };
+            tunnel::join(graph, cover, EtaOptions::default(), seed, &watch);
+            tally.go_on(0, watch.joins_untold(cover.path_count()));
+        }
+        Search::new(graph.twins(), cover, Random::new(seed ^ first << 32)).run(floor, budget, &tally);
     };
     let mut components = components;
     #[cfg(feature = "rayon")]
@@ -151,6 +160,30 @@ impl Tally<'_> {
             self.stopped.store(true, Ordering::Relaxed);
         }
         !self.stopped.load(Ordering::Relaxed)
+    }
+}
+
+/// Watches tunnelling in one component, which shall end at the floor.
+struct UntilFloor<'a> {
+    floor: usize,
+    tally: &'a Tally<'a>,
+    /// Steps and paths when the tally was told last.
+    told: Mutex<(u64, usize)>,
+}
+
+impl UntilFloor<'_> {
+    /// Counts the joins that the tally does not know of.
+    fn joins_untold(&self, path_count: usize) -> usize {
+        self.told.lock().map_or(0, |told| told.1.saturating_sub(path_count))
+    }
+}
+
+impl Watch for UntilFloor<'_> {
+    fn go_on(&self, progress: Progress) -> bool {
+        let Ok(mut told) = self.told.lock() else { return false };
+        let (steps, joins) = (progress.steps - told.0, told.1.saturating_sub(progress.strips));
+        *told = (progress.steps, progress.strips);
+        self.tally.go_on(steps, joins) && progress.strips > self.floor
     }
 }
 

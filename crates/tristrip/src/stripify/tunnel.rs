@@ -140,6 +140,17 @@ pub(super) fn plan_eta<'a>(
     plan
 }
 
+/// Joins the paths of a cover by the enhanced tunnelling algorithm; the watch may stop it.
+pub(super) fn join(
+    graph: &DualGraph,
+    cover: &mut PathCover,
+    options: EtaOptions,
+    seed: u64,
+    watch: &dyn Watch,
+) {
+    eta::join(graph, cover, options, seed, &mut Tally::new(watch));
+}
+
 /// Every triangle by itself.
 fn isolated<'a>(surface: &'a Surface<'_>, graph: &'a DualGraph) -> Plan<'a> {
     let triangulation = Triangulation::fan(surface, graph);

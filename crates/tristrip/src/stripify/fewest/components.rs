@@ -10,7 +10,7 @@ const NONE: u32 = u32::MAX;
 #[derive(Debug)]
 pub(super) struct Component {
     triangles: Vec<u32>,
-    twins: Vec<u32>,
+    graph: DualGraph,
     cover: PathCover,
     floor: usize,
 }
@@ -57,7 +57,7 @@ impl Component {
                 }
             }
         }
-        Self { triangles, twins, cover: own, floor }
+        Self { triangles, graph: DualGraph::from_triangle_twins(twins), cover: own, floor }
     }
 
     pub(super) fn triangle_count(&self) -> usize {
@@ -74,9 +74,9 @@ impl Component {
         self.floor
     }
 
-    /// The twins of the component's own half-edges, and its cover.
-    pub(super) fn parts(&mut self) -> (&[u32], &mut PathCover) {
-        (&self.twins, &mut self.cover)
+    /// The component's own graph and its cover.
+    pub(super) fn parts(&mut self) -> (&DualGraph, &mut PathCover) {
+        (&self.graph, &mut self.cover)
     }
 
     /// Puts the component's links in the place of those that the whole graph's cover has there.

@@ -1,8 +1,10 @@
 use proptest::prelude::*;
 
 use super::*;
+use crate::dual::HalfEdge;
 use crate::mesh::{Faces, Mesh};
 use crate::strip::{emit, verify};
+use crate::stripify::bound::Bound;
 use crate::stripify::sequential::tests::{mesh, polygons};
 
 /// Stops after so many calls.
@@ -29,6 +31,19 @@ fn torus(around: u32, through: u32) -> Mesh {
     Mesh::new(vec![[0.0; 3]; count], Faces::from_triangles(corners.collect()).unwrap()).unwrap()
 }
 
+/// Searches by walks alone, without tunnels.
+fn walk(graph: &DualGraph, cover: &mut PathCover, seed: u64, budget: u64) {
+    let tally = Tally {
+        watch: &(),
+        steps: AtomicU64::new(0),
+        step_limit: budget,
+        strips: AtomicUsize::new(cover.path_count()),
+        stopped: AtomicBool::new(false),
+    };
+    Search::new(graph.twins(), cover, Random::new(seed)).run(1, budget, &tally);
+    assert_eq!(tally.strips.into_inner(), cover.path_count());
+}
+
 /// Finds the least number of paths by trying all covers.
 fn fewest_by_force(graph: &DualGraph) -> usize {
     fn go(graph: &DualGraph, cover: &mut PathCover, arcs: &[HalfEdge], least: &mut usize) {
@@ -43,7 +58,6 @@ fn fewest_by_force(graph: &DualGraph) -> usize {
             go(graph, cover, rest, least);
         }
     }
-    use crate::dual::HalfEdge;
     let arcs: Vec<HalfEdge> = (0..graph.half_edge_count() as u32)
         .map(HalfEdge)
         .filter(|&h| graph.twin(h).is_some_and(|twin| twin.0 > h.0))
@@ -84,6 +98,17 @@ proptest! {
         prop_assert_eq!(cover.check(&graph), Ok(()));
         prop_assert_eq!(cover.path_count(), fewest_by_force(&graph));
     }
+
+    #[test]
+    fn walks_find_the_fewest_on_small_connected_graphs(polygons in polygons(true, 1..2), seed: u64) {
+        let mesh = mesh(&polygons[..polygons.len().min(13)]);
+        let surface = Surface::new(&mesh, false);
+        let graph = DualGraph::new(surface.faces());
+        let mut cover = PathCover::isolated(graph.face_count());
+        walk(&graph, &mut cover, seed, 30_000);
+        prop_assert_eq!(cover.check(&graph), Ok(()));
+        prop_assert_eq!(cover.path_count(), fewest_by_force(&graph));
+    }
 }
 
 #[test]
@@ -96,6 +121,10 @@ fn covers_closed_lattices_by_one_path() {
         reduce(&graph, &mut cover, &[1], effort(5), 1, &());
         assert_eq!(cover.check(&graph), Ok(()));
         assert_eq!(cover.path_count(), 1, "{around} x {through}");
+        let mut cover = PathCover::isolated(graph.face_count());
+        walk(&graph, &mut cover, 1, 1_000_000);
+        assert_eq!(cover.check(&graph), Ok(()));
+        assert_eq!(cover.path_count(), 1, "{around} x {through}, by walks");
     }
 }
 

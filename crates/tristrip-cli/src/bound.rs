@@ -1,0 +1,241 @@
+//! `tristrip bound`: how few strips, vertices and indices there can be at best, and how that was found.
+
+use serde::Serialize;
+use tristrip::strip::Cost;
+use tristrip::stripify::bound::{Bound, Proof, sequential_strip};
+use tristrip::{Method, Options};
+
+use crate::console::Console;
+use crate::failure::Failure;
+use crate::figures::{Figures, MeshFigures};
+use crate::input::{fitted, load, meshes};
+use crate::report::Seconds;
+use crate::stages::{Pool, Prepared, prepare, timed};
+use crate::task::{BoundTask, Input};
+use crate::text::{count, counted, table};
+
+/// Lower bounds for all parts together; the keys are those of the JSON report.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+pub(crate) struct Bounds {
+    pub(crate) strips: usize,
+    pub(crate) vertices_sent: usize,
+    pub(crate) gl_cost: usize,
+    pub(crate) indices_restart: usize,
+    pub(crate) indices_degenerate: usize,
+}
+
+/// How far a search's result is from its bound.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub(crate) struct Reached {
+    /// The figure that was minimized, by its key.
+    pub(crate) figure: &'static str,
+    pub(crate) found: usize,
+    /// No cover has less.
+    pub(crate) bound: usize,
+    pub(crate) gap: usize,
+    /// Whether the two meet.
+    pub(crate) optimal: bool,
+}
+
+/// What `tristrip bound` says of one input.
+#[derive(Debug, Serialize)]
+pub(crate) struct BoundReport {
+    file: String,
+    seconds: Seconds,
+    mesh: Option<MeshFigures>,
+    parts: Option<usize>,
+    bound: Option<Bounds>,
+    /// Whether one strip without a swap draws a part whole, for each part.
+    sequential: Vec<bool>,
+    components: Vec<ComponentReport>,
+    notes: Vec<String>,
+    error: Option<String>,
+}
+
+#[derive(Debug, Serialize)]
+struct ComponentReport {
+    part: usize,
+    triangles: usize,
+    strips: usize,
+    vertices_sent: usize,
+    proof: &'static str,
+}
+
+impl Bounds {
+    /// Adds the bounds of all parts, which share one index buffer with restarts, as figures are added.
+    pub(crate) fn of(pool: &Pool, parts: &[Prepared<'_>]) -> Self {
+        Self::sum(&pool.map(parts, |part| Bound::of_surface(&part.surface, &part.graph)))
+    }
+
+    fn sum(bounds: &[Bound]) -> Self {
+        let mut sum = Self::default();
+        for bound in bounds {
+            sum.strips += bound.strips;
+            sum.vertices_sent += bound.vertices_sent;
+            sum.gl_cost += bound.gl_cost;
+            sum.indices_degenerate += bound.indices_degenerate;
+        }
+        sum.indices_restart = sum.vertices_sent + sum.strips.saturating_sub(1);
+        sum
+    }
+
+    /// Compares figures with these bounds, in what a method minimizes; `None` for methods that do not search.
+    pub(crate) fn gap(&self, options: &Options, figures: &Figures) -> Option<Reached> {
+        let (figure, found, bound) = match (options.method(), options.cost()) {
+            (Method::Fewest, _) => ("strips", figures.strips, self.strips),
+            (Method::Best, Cost::Restart) => {
+                ("indices_restart", figures.indices_restart, self.indices_restart)
+            }
+            (Method::Best, Cost::OpenGl) => ("vertices_sent", figures.vertices_sent, self.vertices_sent),
+            (Method::Best, Cost::Degenerate) => {
+                ("indices_degenerate", figures.indices_degenerate, self.indices_degenerate)
+            }
+            (Method::Best, Cost::Gl) => ("gl_cost", figures.gl_cost, self.gl_cost),
+            _ => return None,
+        };
+        Some(Reached { figure, found, bound, gap: found.saturating_sub(bound), optimal: found <= bound })
+    }
+}
+
+impl Reached {
+    /// Says it in one line.
+    pub(crate) fn line(&self) -> String {
+        let (one, many) = match self.figure {
+            "strips" => ("strip", "strips"),
+            "vertices_sent" | "gl_cost" => ("vertex", "vertices"),
+            _ => ("index", "indices"),
+        };
+        let (found, bound) = (count(self.found), count(self.bound));
+        let what = if self.found == 1 { one } else { many };
+        if self.optimal {
+            return format!("optimal: {found} {what}, and there cannot be fewer");
+        }
+        let percent = 100.0 * self.gap as f64 / self.bound.max(1) as f64;
+        format!("{found} {what}, at least {bound} needed: gap {} ({percent:.1} %)", count(self.gap))
+    }
+}
+
+/// Bounds all inputs, one after the other; tells whether all was done.
+pub(crate) fn run(task: &BoundTask, pool: &Pool, console: &mut Console) -> bool {
+    let mut reports = Vec::with_capacity(task.inputs.len());
+    for input in &task.inputs {
+        let mut report = BoundReport {
+            file: input.name(),
+            seconds: Seconds::default(),
+            mesh: None,
+            parts: None,
+            bound: None,
+            sequential: Vec::new(),
+            components: Vec::new(),
+            notes: Vec::new(),
+            error: None,
+        };
+        console.begin(&report.file, None);
+        let done = bound(input, &task.options, pool, console, &mut report);
+        console.end();
+        match done {
+            Ok(()) => console.result(&report.as_text(), true),
+            Err(failure) => {
+                console.error(&format!("{}: {failure}", report.file));
+                report.error = Some(failure.to_string());
+            }
+        }
+        reports.push(report);
+    }
+    console.json(&reports, task.inputs.len() > 1);
+    reports.iter().all(|report| report.error.is_none())
+}
+
+fn bound(
+    input: &Input,
+    options: &Options,
+    pool: &Pool,
+    console: &Console,
+    report: &mut BoundReport,
+) -> Result<(), Failure> {
+    console.doing("load");
+    let (model, seconds) = timed(|| load(input));
+    let mut model = model?;
+    let options = fitted(*options, &mut model);
+    let meshes = meshes(&model);
+    report.seconds.load = Some(seconds);
+    report.parts = Some(meshes.len());
+    report.notes.clone_from(&model.notes);
+    let (parts, seconds) = timed(|| prepare(pool, &meshes, options.weld()));
+    report.seconds.dual = Some(seconds);
+    let mesh = MeshFigures::of(pool, &parts);
+    console.stage("mesh", &mesh.line(meshes.len()), report.seconds.load);
+    report.notes.extend(mesh.remarks());
+    report.notes.iter().for_each(|note| console.note(note));
+    report.mesh = Some(mesh);
+
+    console.doing("bound");
+    let (found, seconds) = timed(|| {
+        pool.map(&parts, |part| {
+            let triangles = part.surface.faces().as_triangles().is_some();
+            let sequential = triangles && sequential_strip(&part.graph).is_some();
+            (Bound::of_surface(&part.surface, &part.graph), sequential)
+        })
+    });
+    let (bounds, sequential): (Vec<Bound>, Vec<bool>) = found.into_iter().unzip();
+    report.seconds.stripify = Some(seconds);
+    for (part, bound) in bounds.iter().enumerate() {
+        report.components.extend(bound.components.iter().map(|component| ComponentReport {
+            part,
+            triangles: component.triangles,
+            strips: component.strips,
+            vertices_sent: component.vertices_sent,
+            proof: proof_name(component.proof),
+        }));
+    }
+    console.stage("bound", &counted(report.components.len(), "component"), Some(seconds));
+    report.bound = Some(Bounds::sum(&bounds));
+    report.sequential = sequential;
+    Ok(())
+}
+
+fn proof_name(proof: Proof) -> &'static str {
+    match proof {
+        Proof::Leaves => "leaves",
+        Proof::Matching => "matching",
+        Proof::Pieces => "pieces",
+        Proof::Exact => "exact",
+        _ => "one-strip",
+    }
+}
+
+/// Says for people how a bound was found.
+fn proof_text(proof: &str) -> &'static str {
+    match proof {
+        "leaves" => "faces with one neighbour or none hold ends of strips",
+        "matching" => "maximum matching in each block, and the bridges between them",
+        "pieces" => "the same, and small pieces solved exactly",
+        "exact" => "solved exactly: so few can be reached",
+        _ => "one strip at least",
+    }
+}
+
+impl BoundReport {
+    fn as_text(&self) -> String {
+        let Some(bound) = self.bound else { return String::new() };
+        let row = |name: &str, n: usize| vec![format!("  {name}"), count(n)];
+        let rows = [
+            vec![self.file.clone(), "at least".into()],
+            row("strips", bound.strips),
+            row("vertices sent (OpenGL)", bound.vertices_sent),
+            row("with free swaps (GL)", bound.gl_cost),
+            row("indices, restart", bound.indices_restart),
+            row("indices, degenerate", bound.indices_degenerate),
+        ];
+        let proofs = ["exact", "pieces", "matching", "leaves", "one-strip"].into_iter().filter_map(|proof| {
+            let of_it = || self.components.iter().filter(|component| component.proof == proof);
+            let components = of_it().count();
+            let strips = counted(of_it().map(|component| component.strips).sum(), "strip");
+            let components = (components > 0).then(|| counted(components, "component"))?;
+            Some(format!("  {components}, {strips}: {}\n", proof_text(proof)))
+        });
+        let sequential = !self.sequential.is_empty() && self.sequential.iter().all(|&sequential| sequential);
+        let sequential = sequential.then(|| "  sequential: one strip without a swap draws it\n".to_owned());
+        table(&rows, 1..2) + &proofs.chain(sequential).collect::<String>()
+    }
+}

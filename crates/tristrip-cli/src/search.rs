@@ -1,0 +1,118 @@
+//! Watching searches: their progress, a budget of time, and Ctrl-C.
+//!
+//! The first Ctrl-C during a search stops it with the best that it has, which is then proven and written; a second one, or one at
+//! any other time, ends the command as usual.
+
+use std::sync::Once;
+use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::time::{Duration, Instant};
+
+use indicatif::ProgressBar;
+use serde::Serialize;
+use tristrip::stripify::{Progress, Watch};
+
+use crate::text::{count, counted};
+
+/// What a shell takes for the end by Ctrl-C.
+const INTERRUPTED_CODE: i32 = 130;
+/// Time between two looks at the progress.
+const SHOW_EVERY: Duration = Duration::from_millis(100);
+
+static HANDLER: Once = Once::new();
+static SEARCHES: AtomicUsize = AtomicUsize::new(0);
+static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+
+/// Tells whether a search was stopped by Ctrl-C.
+pub(crate) fn interrupted() -> bool {
+    INTERRUPTED.load(Ordering::Relaxed)
+}
+
+/// Why a search ended before its time.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Stopped {
+    Budget,
+    Interrupt,
+}
+
+impl Stopped {
+    /// Says so for people.
+    pub(crate) fn note(self) -> &'static str {
+        match self {
+            Self::Budget => "the budget ended the search: another run may find something else",
+            Self::Interrupt => "interrupted: this is the best that was found by then",
+        }
+    }
+}
+
+/// Watches the searches of one input.
+pub(crate) struct SearchWatch {
+    bar: ProgressBar,
+    started: Instant,
+    budget: Option<Duration>,
+    over_budget: AtomicBool,
+    /// Milliseconds after the start at which the progress was shown last.
+    shown: AtomicU64,
+}
+
+impl SearchWatch {
+    pub(crate) fn new(bar: ProgressBar, budget: Option<Duration>) -> Self {
+        // Without a handler Ctrl-C ends the command as usual.
+        HANDLER.call_once(|| ctrlc::set_handler(on_interrupt).unwrap_or_default());
+        SEARCHES.fetch_add(1, Ordering::SeqCst);
+        Self {
+            bar,
+            started: Instant::now(),
+            budget,
+            over_budget: AtomicBool::new(false),
+            shown: AtomicU64::new(0),
+        }
+    }
+
+    /// Tells whether a search was stopped, and why.
+    pub(crate) fn stopped(&self) -> Option<Stopped> {
+        if interrupted() {
+            Some(Stopped::Interrupt)
+        } else {
+            self.over_budget.load(Ordering::Relaxed).then_some(Stopped::Budget)
+        }
+    }
+
+    fn show(&self, progress: &Progress, elapsed: Duration) {
+        let now = elapsed.as_millis() as u64;
+        let last = self.shown.load(Ordering::Relaxed);
+        if now < last + SHOW_EVERY.as_millis() as u64
+            || self.shown.compare_exchange(last, now, Ordering::Relaxed, Ordering::Relaxed).is_err()
+        {
+            return;
+        }
+        let share = progress.step_limit.map(|limit| 100 * progress.steps / limit.max(1));
+        let share = share.map(|percent| format!(", {percent} % of the effort")).unwrap_or_default();
+        let strips = counted(progress.strips, "strip");
+        self.bar.set_message(format!("stripify: {strips}, cost {}{share}", count(progress.cost)));
+    }
+}
+
+impl Watch for SearchWatch {
+    fn go_on(&self, progress: Progress) -> bool {
+        let elapsed = self.started.elapsed();
+        self.show(&progress, elapsed);
+        if self.budget.is_some_and(|budget| elapsed >= budget) {
+            self.over_budget.store(true, Ordering::Relaxed);
+        }
+        self.stopped().is_none()
+    }
+}
+
+impl Drop for SearchWatch {
+    fn drop(&mut self) {
+        SEARCHES.fetch_sub(1, Ordering::SeqCst);
+    }
+}
+
+fn on_interrupt() {
+    let searching = SEARCHES.load(Ordering::SeqCst) > 0;
+    if INTERRUPTED.swap(true, Ordering::SeqCst) || !searching {
+        std::process::exit(INTERRUPTED_CODE);
+    }
+}
