@@ -83,14 +83,16 @@ impl Bounds {
     pub(crate) fn gap(&self, options: &Options, figures: &Figures) -> Option<Reached> {
         let (figure, found, bound) = match (options.method(), options.cost()) {
             (Method::Fewest, _) => ("strips", figures.strips, self.strips),
-            (Method::Best, Cost::Restart) => {
+            (Method::Auto | Method::Best, Cost::Restart) => {
                 ("indices_restart", figures.indices_restart, self.indices_restart)
             }
-            (Method::Best, Cost::OpenGl) => ("vertices_sent", figures.vertices_sent, self.vertices_sent),
-            (Method::Best, Cost::Degenerate) => {
+            (Method::Auto | Method::Best, Cost::OpenGl) => {
+                ("vertices_sent", figures.vertices_sent, self.vertices_sent)
+            }
+            (Method::Auto | Method::Best, Cost::Degenerate) => {
                 ("indices_degenerate", figures.indices_degenerate, self.indices_degenerate)
             }
-            (Method::Best, Cost::Gl) => ("gl_cost", figures.gl_cost, self.gl_cost),
+            (Method::Auto | Method::Best, Cost::Gl) => ("gl_cost", figures.gl_cost, self.gl_cost),
             _ => return None,
         };
         Some(Reached { figure, found, bound, gap: found.saturating_sub(bound), optimal: found <= bound })

@@ -100,7 +100,10 @@ fn compare(
         if interrupted() {
             return Err(Failure::Input("not done: interrupted".into()));
         }
-        let options = options.with_method(method);
+        let mut options = options.with_method(method);
+        if method != Method::Auto {
+            options = options.with_effort(task.effort);
+        }
         console.doing(&MethodReport::of(&options).label());
         report.methods.push(row(&parts, &options, pool, &SearchWatch::new(console.progress(), task.budget)));
         console.step();

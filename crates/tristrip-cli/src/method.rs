@@ -6,9 +6,7 @@ use clap::{Args, ValueEnum};
 use serde::Serialize;
 use tristrip::strip::Cost;
 use tristrip::stripify::{Effort, EtaOptions, Start};
-use tristrip::{FaceTriangulation, Method, Options, Patches, Ties};
-
-use crate::text::counted;
+use tristrip::{FaceTriangulation, Layout, Method, Options, Patches, Ties};
 
 /// The longest tunnel that `tunnel` looks for unless told otherwise: beyond, each two edges more take several times as long.
 const TUNNEL_LENGTH: u32 = 9;
@@ -16,7 +14,7 @@ const TUNNEL_LENGTH: u32 = 9;
 /// A method by its name on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum MethodName {
-    /// The cheaper of sequential and input.
+    /// The same as best, at effort 2: less than a second for a million triangles.
     Auto,
     /// Fast, few indices: cheapest runs first, swaps only where they beat a restart.
     Sequential,
@@ -105,8 +103,9 @@ pub(crate) enum PatchesName {
 pub(crate) struct MethodArgs {
     /// How strips are found
     ///
-    /// The default takes the cheaper of `sequential` and `input` for each part, so that the result is never worse than what you
-    /// had. The others are published algorithms, mostly of interest for comparison; `tristrip compare` shows them side by side.
+    /// The default starts from the cheapest of `sequential`, `stripe` and `input`, so that the result is never worse than what you
+    /// had. More --effort gives fewer indices. Most others are published algorithms, of interest for comparison; `tristrip compare`
+    /// shows them side by side.
     #[arg(short, long, value_enum, default_value_t = MethodName::Auto, value_name = "METHOD")]
     method: MethodName,
     /// When stripe-local cuts polygons into triangles [default: whole]
@@ -121,10 +120,10 @@ pub(crate) struct MethodArgs {
     /// The smallest patch of stripe-global, in quadrilaterals [default: 5]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     cutoff: Option<u32>,
-    /// What best minimizes [default: restart]
+    /// What auto and best minimize [default: what --layout writes, else restart]
     #[arg(long, value_enum, value_name = "COST")]
     cost: Option<CostName>,
-    /// How long best and fewest search, from 0 to 9 [default: 5]
+    /// How long auto, best and fewest search, from 0 to 9 [default: 2 for auto, else 5]
     ///
     /// Effort is counted in steps, so that the result is the same on any machine. Each level takes two to three times as long as the one
     /// before; docs/cli.md has typical times.
@@ -132,7 +131,7 @@ pub(crate) struct MethodArgs {
     effort: Option<u8>,
     /// Stop a search after a time, such as 5s or 500ms, with the best found by then
     ///
-    /// Applies to tunnel, eta, fewest and best, for each input. What is found in a time differs from run to run; --effort does not.
+    /// Applies to auto, best, fewest, tunnel and eta, for each input. What is found in a time differs from run to run; --effort does not.
     #[arg(long, value_name = "TIME", value_parser = humantime::parse_duration)]
     budget: Option<Duration>,
     /// The longest tunnel of tunnel and eta, in edges of the dual graph [default: 9 for tunnel, 1000 for eta]
@@ -144,7 +143,7 @@ pub(crate) struct MethodArgs {
     /// The strips that eta starts from [default: isolated]
     #[arg(long, value_enum, value_name = "STRIPS")]
     start: Option<StartName>,
-    /// The seed of methods that choose at random: stripe, eta, fewest, best [default: 0]
+    /// The seed of methods that choose at random: auto, best, fewest, eta, stripe [default: 0]
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
     /// Let vertices with the same bits in position and all attributes count as one
@@ -156,11 +155,11 @@ pub(crate) struct MethodArgs {
 }
 
 impl MethodArgs {
-    /// Makes options of the flags.
+    /// Makes options of the flags, for strips that will be laid out so.
     ///
     /// # Errors
     /// A flag belongs to another method.
-    pub(crate) fn validate(&self) -> Result<Options, String> {
+    pub(crate) fn validate(&self, layout: Option<Layout>) -> Result<Options, String> {
         use MethodName::{
             Auto, Best, Eta, Fewest, Input, Sequential, Sgi, Stripe, StripeGlobal, StripeLocal, Tunnel,
         };
@@ -176,16 +175,17 @@ impl MethodArgs {
         belongs("--ties", self.ties.is_some(), local, "stripe-local")?;
         belongs("--patches", self.patches.is_some(), global, "stripe-global")?;
         belongs("--cutoff", self.cutoff.is_some(), global, "stripe-global")?;
-        let search = matches!(self.method, Best | Fewest);
+        let best = matches!(self.method, Auto | Best);
+        let search = best || self.method == Fewest;
         let tunnels = matches!(self.method, Tunnel | Eta);
-        belongs("--cost", self.cost.is_some(), self.method == Best, "best")?;
-        belongs("--effort", self.effort.is_some(), search, "best or fewest")?;
-        belongs("--budget", self.budget.is_some(), search || tunnels, "best, fewest, tunnel or eta")?;
+        belongs("--cost", self.cost.is_some(), best, "auto or best")?;
+        belongs("--effort", self.effort.is_some(), search, "auto, best or fewest")?;
+        belongs("--budget", self.budget.is_some(), search || tunnels, "auto, best, fewest, tunnel or eta")?;
         belongs("--tunnel-length", self.tunnel_length.is_some(), tunnels, "tunnel or eta")?;
         belongs("--threshold", self.threshold.is_some(), self.method == Eta, "eta")?;
         belongs("--start", self.start.is_some(), self.method == Eta, "eta")?;
         let draws = local || global || search || self.method == Eta;
-        belongs("--seed", self.seed.is_some(), draws, "stripe-local, stripe-global, best, fewest or eta")?;
+        belongs("--seed", self.seed.is_some(), draws, "auto, best, fewest, eta or one of stripe")?;
         let method = match self.method {
             Auto => Method::Auto,
             Sequential => Method::Sequential,
@@ -204,13 +204,20 @@ impl MethodArgs {
             Tunnel => Method::Tunnel { length: self.tunnel_length.unwrap_or(TUNNEL_LENGTH) },
             Eta => Method::Eta(self.eta()),
         };
-        let effort = self.effort.and_then(Effort::new).unwrap_or_default();
-        Ok(Options::default()
+        let by_layout = match layout {
+            Some(Layout::Degenerate) => Cost::Degenerate,
+            Some(Layout::Separate) => Cost::OpenGl,
+            _ => Cost::Restart,
+        };
+        let options = Options::default()
             .with_method(method)
             .with_weld(self.weld)
             .with_seed(self.seed.unwrap_or(0))
-            .with_cost(self.cost.map(Into::into).unwrap_or_default())
-            .with_effort(effort))
+            .with_cost(self.cost.map_or(by_layout, Into::into));
+        Ok(match self.effort.and_then(Effort::new) {
+            Some(effort) => options.with_effort(effort),
+            None => options,
+        })
     }
 
     fn eta(&self) -> EtaOptions {
@@ -319,6 +326,15 @@ pub(crate) struct MethodReport {
 impl MethodReport {
     pub(crate) fn of(options: &Options) -> Self {
         let plain = |method| Self { method: name(method), ..Self::default() };
+        let search = |method| Self {
+            cost: CostName::value_variants()
+                .iter()
+                .find(|&&n| Cost::from(n) == options.cost())
+                .map(|&n| name(n)),
+            effort: Some(options.effort().level()),
+            seed: Some(options.seed()),
+            ..plain(method)
+        };
         match options.method() {
             Method::Sequential => plain(MethodName::Sequential),
             Method::Input => plain(MethodName::Input),
@@ -341,20 +357,8 @@ impl MethodReport {
                 seed: Some(options.seed()),
                 ..plain(MethodName::StripeGlobal)
             },
-            Method::Best => Self {
-                cost: CostName::value_variants()
-                    .iter()
-                    .find(|&&n| Cost::from(n) == options.cost())
-                    .map(|&n| name(n)),
-                effort: Some(options.effort().level()),
-                seed: Some(options.seed()),
-                ..plain(MethodName::Best)
-            },
-            Method::Fewest => Self {
-                effort: Some(options.effort().level()),
-                seed: Some(options.seed()),
-                ..plain(MethodName::Fewest)
-            },
+            Method::Best => search(MethodName::Best),
+            Method::Fewest => Self { cost: None, ..search(MethodName::Fewest) },
             Method::Tunnel { length } => Self { tunnel_length: Some(length), ..plain(MethodName::Tunnel) },
             Method::Eta(eta) => Self {
                 tunnel_length: Some(eta.length()),
@@ -366,7 +370,7 @@ impl MethodReport {
                 seed: Some(options.seed()),
                 ..plain(MethodName::Eta)
             },
-            _ => plain(MethodName::Auto),
+            _ => search(MethodName::Auto),
         }
     }
 
@@ -396,19 +400,6 @@ impl Chosen {
         }
         counts.retain(|(_, count)| *count > 0);
         Self(counts)
-    }
-
-    /// Says it in one line: `sequential`, or `sequential for 2 parts, input for 1`.
-    pub(crate) fn label(&self) -> String {
-        match &self.0[..] {
-            [(name, _)] => name.clone(),
-            [] => String::new(),
-            [(name, count), rest @ ..] => {
-                let rest: Vec<String> =
-                    rest.iter().map(|(name, count)| format!(", {name} for {count}")).collect();
-                format!("{name} for {}{}", counted(*count, "part"), rest.concat())
-            }
-        }
     }
 }
 
@@ -465,9 +456,8 @@ mod tests {
 
     #[test]
     fn what_was_chosen_is_counted_by_name() {
-        let chosen = Chosen::of(&[Method::Input, Method::Sequential, Method::Input]);
-        assert_eq!(chosen.label(), "sequential for 1 part, input for 2");
-        assert_eq!(Chosen::of(&[Method::STRIPE; 2]).label(), "stripe-global");
-        assert_eq!(Chosen::of(&[]).label(), "");
+        let chosen = Chosen::of(&[Method::Input, Method::Best, Method::Input]);
+        assert_eq!(serde_json::to_string(&chosen).unwrap(), r#"{"best":1,"input":2}"#);
+        assert_eq!(Chosen::of(&[]), Chosen::default());
     }
 }

@@ -102,10 +102,7 @@ fn strip(
     report.seconds.stripify = Some(seconds);
     let figures = Figures::of(pool, &parts, &strips);
     let chosen = Chosen::of(&chosen);
-    let mut what = format!("{} by {}", counted(figures.strips, "strip"), report.method.label());
-    if task.options.method() == Method::Auto && !meshes.is_empty() {
-        what = format!("{what}: {}", chosen.label());
-    }
+    let what = format!("{} by {}", counted(figures.strips, "strip"), report.method.label());
     console.stage("stripify", &what, Some(seconds));
     report.chosen = Some(chosen);
     if let Some(stopped) = report.stopped {

@@ -35,6 +35,8 @@ pub(crate) struct CompareTask {
     pub(crate) every_variant: bool,
     pub(crate) markdown: bool,
     pub(crate) options: Options,
+    /// The effort of the methods that search, but for `auto`, which has its own.
+    pub(crate) effort: Effort,
     pub(crate) budget: Option<Duration>,
 }
 
@@ -120,22 +122,21 @@ impl Output {
 pub(crate) fn validate(command: Command) -> Result<(Task, Shared), String> {
     Ok(match command {
         Command::Strip(args) => {
-            let options = args.method.validate()?;
             let jobs = jobs(inputs(args.inputs)?, &args.output)?;
+            let layout = jobs.iter().find_map(|job| job.output.as_ref()).map(|output| output.layout);
+            let options = args.method.validate(layout)?;
             let shared = shared(&args.shared, args.threads.threads);
             refuse_two_results(&jobs, &shared)?;
             let budget = args.method.budget();
             (Task::Strip(StripTask { jobs, options, budget, verify: !args.no_verify }), shared)
         }
         Command::Compare(args) => {
-            let options = Options::default()
-                .with_seed(args.seed)
-                .with_weld(args.weld)
-                .with_cost(args.cost.into())
-                .with_effort(Effort::new(args.effort).unwrap_or_default());
+            let options =
+                Options::default().with_seed(args.seed).with_weld(args.weld).with_cost(args.cost.into());
             let inputs = inputs(args.inputs)?;
             let (every_variant, markdown, budget) = (args.all, args.markdown, args.budget);
-            let task = CompareTask { inputs, every_variant, markdown, options, budget };
+            let effort = Effort::new(args.effort).unwrap_or_default();
+            let task = CompareTask { inputs, every_variant, markdown, options, effort, budget };
             (Task::Compare(task), shared(&args.shared, args.threads.threads))
         }
         Command::Bound(args) => {

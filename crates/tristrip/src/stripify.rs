@@ -26,7 +26,7 @@ pub use watch::{Progress, Watch};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
 pub enum Method {
-    /// The cheaper of `sequential` and `input`.
+    /// `Best`, at an effort that takes less than a second for a million triangles unless told otherwise.
     #[default]
     Auto,
     /// Ours: cheapest runs first, swaps only where they beat a restart, both ways, isolated triangles folded in.
@@ -112,7 +112,7 @@ pub struct Options {
     weld: bool,
     seed: u64,
     cost: Cost,
-    effort: Effort,
+    effort: Option<Effort>,
 }
 
 /// How long a search goes on, from 0 to 9. It counts steps, never seconds, so that the result is the same on any machine.
@@ -134,12 +134,15 @@ impl Effort {
     }
 }
 
-/// About a second for a mesh of a hundred thousand triangles.
+/// About a second for 100,000 triangles.
 impl Default for Effort {
     fn default() -> Self {
         Self(5)
     }
 }
+
+/// What [`Method::Auto`] searches: the most that takes less than a second for a million triangles.
+const AUTO_EFFORT: Effort = Effort(2);
 
 impl Options {
     /// Chooses the method.
@@ -170,10 +173,10 @@ impl Options {
         self
     }
 
-    /// Sets how long searches go on.
+    /// Sets how long searches go on; the default depends on the method.
     #[must_use]
     pub fn with_effort(mut self, effort: Effort) -> Self {
-        self.effort = effort;
+        self.effort = Some(effort);
         self
     }
 
@@ -199,7 +202,8 @@ impl Options {
 
     /// Gives how long searches go on.
     pub fn effort(&self) -> Effort {
-        self.effort
+        let usual = if self.method == Method::Auto { AUTO_EFFORT } else { Effort::default() };
+        self.effort.unwrap_or(usual)
     }
 }
 
@@ -225,14 +229,6 @@ impl Plan<'_> {
     /// ```
     pub fn indices_restart(&self) -> usize {
         cover_cost(self.triangulation.graph(), &self.cover).saturating_sub(1)
-    }
-
-    /// Compares two plans of one surface by [`Plan::indices_restart`].
-    fn is_cheaper_than(&self, other: &Self) -> bool {
-        // Strips alone often tell: the other's swaps are at most one for each triangle inside a strip.
-        let (strips, triangles) = (self.cover.path_count(), other.cover.len());
-        let at_most = 3 * other.cover.path_count() + triangles.saturating_sub(2 * other.cover.path_count());
-        3 * strips < at_most && self.indices_restart() < other.indices_restart()
     }
 }
 
@@ -269,8 +265,8 @@ pub fn plan<'a>(
     choose(surface, graph, options).map(|(_, plan)| plan)
 }
 
-/// Lets a method choose, and says which method it was: for [`Method::Auto`] the one whose plan is cheaper, else the one that
-/// was asked for.
+/// Lets a method choose, and says which method it was: for [`Method::Auto`] the one that it stands for, else the one that was
+/// asked for.
 ///
 /// # Errors
 /// An option makes no sense for the method.
@@ -282,7 +278,7 @@ pub fn plan<'a>(
 /// let surface = Surface::new(&mesh, false);
 /// let graph = DualGraph::new(surface.faces());
 /// let (method, plan) = choose(&surface, &graph, &Options::default())?;
-/// assert_eq!((method, plan.indices_restart()), (Method::Sequential, 5));
+/// assert_eq!((method, plan.indices_restart()), (Method::Best, 5));
 /// # Ok::<(), tristrip::Error>(())
 /// ```
 pub fn choose<'a>(
@@ -326,14 +322,11 @@ pub fn choose_watched<'a>(
     watch: &dyn Watch,
 ) -> Result<(Method, Plan<'a>), Error> {
     let plan = match options.method {
-        Method::Auto => {
-            let (ours, theirs) = (sequential::plan(surface, graph), input::plan(surface, graph));
-            let input = theirs.is_cheaper_than(&ours);
-            return Ok(if input { (Method::Input, theirs) } else { (Method::Sequential, ours) });
-        }
         Method::Sequential => sequential::plan(surface, graph),
-        Method::Best => refine::plan(surface, graph, options.cost, options.effort, options.seed, watch),
-        Method::Fewest => fewest::plan(surface, graph, options.effort, options.seed, watch),
+        Method::Auto | Method::Best => {
+            refine::plan(surface, graph, options.cost, options.effort(), options.seed, watch)
+        }
+        Method::Fewest => fewest::plan(surface, graph, options.effort(), options.seed, watch),
         Method::Input => input::plan(surface, graph),
         Method::Sgi => sgi::plan(surface, graph),
         Method::StripeLocal { triangulation, ties } => {
@@ -345,5 +338,6 @@ pub fn choose_watched<'a>(
         Method::Tunnel { length } => tunnel::plan_tunnel(surface, graph, length, watch),
         Method::Eta(eta) => tunnel::plan_eta(surface, graph, eta, options.seed, watch),
     };
-    Ok((options.method, plan))
+    let taken = if options.method == Method::Auto { Method::Best } else { options.method };
+    Ok((taken, plan))
 }

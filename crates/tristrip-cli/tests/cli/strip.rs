@@ -28,7 +28,7 @@ const FIGURES: [&str; 15] = [
 #[test]
 fn json_has_the_documented_keys_in_order() {
     let report = json(tristrip().args(["strip", "--json"]).arg(model("fish_control.ply")));
-    let mut expected = vec!["file", "method", "chosen", "proven", "seconds"];
+    let mut expected = vec!["file", "method", "cost", "effort", "seed", "chosen", "proven", "seconds"];
     expected.extend(FIGURES);
     expected.extend(["stopped", "bound", "mesh", "parts", "notes", "output", "layout", "error"]);
     assert_eq!(keys(&report), expected);
@@ -60,7 +60,7 @@ fn figures_fit_each_other() {
         assert_eq!(report["proven"], true);
         assert_eq!(report["method"], "auto");
         let chosen = report["chosen"].as_object().unwrap();
-        assert!(chosen.keys().all(|name| name == "sequential" || name == "input"));
+        assert!(chosen.keys().all(|name| name == "best"));
         assert_eq!(chosen.values().filter_map(Value::as_u64).sum::<u64>(), figure("parts"));
         assert_eq!(figure("indices_restart"), figure("vertices_sent") + figure("strips") - 1);
         assert_eq!(figure("gl_cost"), figure("vertices_sent") - figure("swaps"));
@@ -218,7 +218,7 @@ fn many_inputs_go_on_after_a_bad_one() {
     assert_eq!(proven, [Some(true), None, None, Some(true)]);
     assert_eq!(reports[1]["error"], "line 1: found `zero`, expected a number for z");
     assert_eq!(reports[0]["error"], Value::Null);
-    assert_eq!(keys(&reports[1]).len(), 13, "no figures for what could not be read");
+    assert_eq!(keys(&reports[1]).len(), 16, "no figures for what could not be read");
     let mut written: Vec<_> = fs::read_dir(&out).unwrap().map(|e| e.unwrap().file_name()).collect();
     written.sort();
     assert_eq!(written, ["fish_control.ply", "milktruck.ply"]);
