@@ -11,7 +11,7 @@
 //! knows exactly. Polygons are cut anew on the way: to turn a diagonal is one more change.
 //!
 //! # Effort
-//! A level is so many sweeps over the mesh, about twice as many as the level below. On one core of 2.6 GHz or so, for the bunny of
+//! A level is so many sweeps over the mesh, about twice as many as the level below. On one core, for the bunny of
 //! 69,451 triangles and restarts:
 //!
 //! | level | 0 | 1 | 2 | 3 | 4 | 5 | 6 | 7 |
