@@ -11,14 +11,14 @@
 //! knows exactly. Polygons are cut anew on the way: to turn a diagonal is one more change.
 //!
 //! # Effort
-//! A level is so many sweeps over the mesh, about twice as many as the level below. On one core of 2.6 GHz or so, for the bunny of
+//! A level is so many sweeps over the mesh, about twice as many as the level below. On one core, for the bunny of
 //! 69,451 triangles and restarts:
 //!
 //! | level | 0 | 1 | 2 | 3 | 4 | 5 | 6 | 7 |
 //! |---|---|---|---|---|---|---|---|---|
-//! | indices a triangle | 1.180 | 1.176 | 1.161 | 1.141 | 1.127 | 1.119 | 1.114 | 1.110 |
-//! | times meshoptimizer's strip pipeline | 0.5 | 1 | 3 | 7 | 20 | 55 | 95 | 180 |
-//! | seconds | 0.007 | 0.015 | 0.04 | 0.11 | 0.3 | 0.8 | 1.4 | 2.8 |
+//! | indices a triangle | 1.180 | 1.178 | 1.162 | 1.141 | 1.129 | 1.120 | 1.114 | 1.110 |
+//! | times meshoptimizer's strip pipeline | 0.5 | 0.8 | 3 | 7 | 15 | 40 | 80 | 160 |
+//! | seconds | 0.007 | 0.013 | 0.045 | 0.12 | 0.28 | 0.8 | 1.5 | 2.9 |
 //!
 //! Levels 8 and 9 take two and four times as long as 7. Larger meshes take longer in proportion, smaller ones as long, down to an
 //! eighth of the size.
