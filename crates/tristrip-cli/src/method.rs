@@ -6,7 +6,7 @@ use clap::{Args, ValueEnum};
 use serde::Serialize;
 use tristrip::strip::Cost;
 use tristrip::stripify::{Effort, EtaOptions, Start};
-use tristrip::{FaceTriangulation, Layout, Method, Options, Patches, Ties};
+use tristrip::{FaceTriangulation, Method, Options, Patches, Ties};
 
 /// The longest tunnel that `tunnel` looks for unless told otherwise: beyond, each two edges more take several times as long.
 const TUNNEL_LENGTH: u32 = 9;
@@ -120,7 +120,9 @@ pub(crate) struct MethodArgs {
     /// The smallest patch of stripe-global, in quadrilaterals [default: 5]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     cutoff: Option<u32>,
-    /// What auto and best minimize [default: what --layout writes, else restart]
+    /// What auto and best minimize [default: restart]
+    ///
+    /// Strips that are cheap with restarts are nearly the cheapest joined by degenerate triangles, too.
     #[arg(long, value_enum, value_name = "COST")]
     cost: Option<CostName>,
     /// How long auto, best and fewest search, from 0 to 9 [default: 2 for auto, else 5]
@@ -155,11 +157,11 @@ pub(crate) struct MethodArgs {
 }
 
 impl MethodArgs {
-    /// Makes options of the flags, for strips that will be laid out so.
+    /// Makes options of the flags.
     ///
     /// # Errors
     /// A flag belongs to another method.
-    pub(crate) fn validate(&self, layout: Option<Layout>) -> Result<Options, String> {
+    pub(crate) fn validate(&self) -> Result<Options, String> {
         use MethodName::{
             Auto, Best, Eta, Fewest, Input, Sequential, Sgi, Stripe, StripeGlobal, StripeLocal, Tunnel,
         };
@@ -204,16 +206,11 @@ impl MethodArgs {
             Tunnel => Method::Tunnel { length: self.tunnel_length.unwrap_or(TUNNEL_LENGTH) },
             Eta => Method::Eta(self.eta()),
         };
-        let by_layout = match layout {
-            Some(Layout::Degenerate) => Cost::Degenerate,
-            Some(Layout::Separate) => Cost::OpenGl,
-            _ => Cost::Restart,
-        };
         let options = Options::default()
             .with_method(method)
             .with_weld(self.weld)
             .with_seed(self.seed.unwrap_or(0))
-            .with_cost(self.cost.map_or(by_layout, Into::into));
+            .with_cost(self.cost.map(Into::into).unwrap_or_default());
         Ok(match self.effort.and_then(Effort::new) {
             Some(effort) => options.with_effort(effort),
             None => options,

@@ -123,8 +123,7 @@ pub(crate) fn validate(command: Command) -> Result<(Task, Shared), String> {
     Ok(match command {
         Command::Strip(args) => {
             let jobs = jobs(inputs(args.inputs)?, &args.output)?;
-            let layout = jobs.iter().find_map(|job| job.output.as_ref()).map(|output| output.layout);
-            let options = args.method.validate(layout)?;
+            let options = args.method.validate()?;
             let shared = shared(&args.shared, args.threads.threads);
             refuse_two_results(&jobs, &shared)?;
             let budget = args.method.budget();
