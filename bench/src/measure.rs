@@ -21,7 +21,7 @@ use crate::peers::Peers;
 use crate::rivals::{Pipeline, strips_of};
 
 /// Seconds after which a contender runs no further rounds on a model.
-const SHARE: f64 = 3.0;
+const SHARE: f64 = 1.5;
 
 /// How much is measured.
 #[derive(Debug, Clone)]
