@@ -1,4 +1,5 @@
-//! The stages of `sequential` one by one, on models of the repository: dual graph, plan, strips, proof. Each answer is proven first.
+//! The stages of `sequential` one by one, on models of the repository: dual graph, plan, strips, proof; and the searches' plans on
+//! a small one. Each answer is proven first.
 #![allow(
     missing_docs,
     clippy::expect_used,
@@ -9,19 +10,26 @@ use std::hint::black_box;
 use std::path::Path;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use tristrip::strip::Cost;
 use tristrip::strip::{emit, verify};
 use tristrip::stripify::plan;
-use tristrip::{DualGraph, Method, Options, Surface};
+use tristrip::{DualGraph, Mesh, Method, Options, Surface};
+use tristrip_bench::methods::Named;
 use tristrip_bench::models::{Source, load};
 
 const MODELS: [&str; 3] = ["wingnut", "self_intersect_a", "hand"];
+const SEARCHED: &str = "wingnut";
+
+fn mesh_of(name: &str) -> Mesh {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../testdata/models");
+    let source = Source { name: name.into(), path: folder.join(format!("{name}.ply")) };
+    load(&source).expect("a model of the repository").triangles
+}
 
 fn stages(criterion: &mut Criterion) {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../testdata/models");
     let options = Options::default().with_method(Method::Sequential);
     for name in MODELS {
-        let source = Source { name: name.into(), path: folder.join(format!("{name}.ply")) };
-        let mesh = load(&source).expect("a model of the repository").triangles;
+        let mesh = mesh_of(name);
         let surface = Surface::new(&mesh, false);
         let graph = DualGraph::new(surface.faces());
         let chosen = plan(&surface, &graph, &options).expect("options that make sense");
@@ -40,5 +48,20 @@ fn stages(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, stages);
+fn searches(criterion: &mut Criterion) {
+    let mesh = mesh_of(SEARCHED);
+    let surface = Surface::new(&mesh, false);
+    let graph = DualGraph::new(surface.faces());
+    let mut group = criterion.benchmark_group(format!("{SEARCHED}, searches"));
+    group.throughput(Throughput::Elements(mesh.faces().face_count() as u64)).sample_size(10);
+    for (method, effort) in [(Method::Best, 1), (Method::Fewest, 0)] {
+        let Named { name, options } = Named::search(method, effort, Cost::Restart);
+        let chosen = plan(&surface, &graph, &options).expect("options that make sense");
+        assert!(verify(&mesh, &emit(&chosen.triangulation, &chosen.cover)).is_ok());
+        group.bench_function(name, |b| b.iter(|| plan(black_box(&surface), &graph, &options)));
+    }
+    group.finish();
+}
+
+criterion_group!(benches, stages, searches);
 criterion_main!(benches);

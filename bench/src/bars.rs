@@ -2,11 +2,15 @@
 //!
 //! Figures of peers are rounded to four digits, so that half of the last one is allowed for when they are compared.
 
+mod searches;
+
 use serde::Serialize;
 
 use crate::measure::{Outcome, Row};
 use crate::rivals::Pipeline;
 use crate::scaling::Scaling;
+use crate::searches::Searched;
+pub use searches::best_ratio;
 
 /// Half of the last digit of the peers' figures.
 const ROUNDING: f64 = 0.000_05;
@@ -45,7 +49,7 @@ impl Bar {
 }
 
 /// Lists the bars of which something was measured.
-pub fn judge(outcomes: &[Outcome], scaling: Option<&Scaling>) -> Vec<Bar> {
+pub fn judge(outcomes: &[Outcome], searched: &[Searched], scaling: Option<&Scaling>) -> Vec<Bar> {
     let rows: usize = outcomes.iter().map(|o| o.rows.len()).sum();
     let mut bars = vec![Bar {
         what: "answers proven before their times are shown".into(),
@@ -62,6 +66,7 @@ pub fn judge(outcomes: &[Outcome], scaling: Option<&Scaling>) -> Vec<Bar> {
     bars.extend(published(outcomes));
     bars.extend(stripe_strips(outcomes));
     bars.extend(times_and_memory(outcomes));
+    bars.extend(searches::judge(outcomes, searched));
     bars.extend(scaling.and_then(|scaling| {
         let what =
             format!("sequential, time a triangle of {} at 8 million by that at 100 thousand", scaling.model);
@@ -248,7 +253,7 @@ mod tests {
 
     #[test]
     fn bars_tell_met_from_not_met() {
-        let bars = judge(&[outcome("bunny", 1.1, 1.2), outcome("fandisk", 1.3, 1.2)], None);
+        let bars = judge(&[outcome("bunny", 1.1, 1.2), outcome("fandisk", 1.3, 1.2)], &[], None);
         let met = |start: &str| bars.iter().find(|bar| bar.what.starts_with(start)).map(|bar| bar.met);
         assert_eq!(met("sequential, models with more"), Some(false));
         assert_eq!(met("sequential, indices a triangle, bunny"), Some(true));

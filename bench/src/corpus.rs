@@ -73,9 +73,8 @@ pub fn check(source: &Source, pools: &Pools, folder: &Path, all_files: bool) -> 
     let methods = if triangles > LARGE { main_methods() } else { all_methods() };
     let families: HashSet<String> = main_methods().into_iter().map(|m| m.name).collect();
     let mut checked = Checked::default();
-    for (turn, Named { name, method }) in methods.iter().enumerate() {
+    for (turn, Named { name, options }) in methods.iter().enumerate() {
         let say = |what: &str| format!("{}, {name}: {what}", source.name);
-        let options = Options::default().with_method(*method);
         let is_main = families.contains(name);
         let kinds: Vec<Kind> = match triangles {
             0..=SMALL if is_main => KINDS.to_vec(),
@@ -84,7 +83,7 @@ pub fn check(source: &Source, pools: &Pools, folder: &Path, all_files: bool) -> 
             _ => Vec::new(),
         };
         let results = pools.0.iter().map(|pool| {
-            let strips = pool.install(|| strip(&model, &options))?;
+            let strips = pool.install(|| strip(&model, options))?;
             let bytes = files(&model, &strips, &kinds)?;
             Ok((strips, bytes))
         });

@@ -6,6 +6,7 @@
 //!  methods ─▶ │                 ├─▶ docs (tables to keep)
 //!  rivals ──▶ │ proof, then     └─▶ bars ─▶ met or not
 //!  memory ──▶ │ times
+//!          searches ─▶ Searched: the same of long searches, with bounds and what was published
 //! ```
 //!
 //! No time is shown of an answer that was not proven before.
@@ -22,6 +23,7 @@ pub mod models;
 pub mod peers;
 pub mod rivals;
 pub mod scaling;
+pub mod searches;
 pub mod text;
 
 /// Anything that stops a benchmark, with what it was about.

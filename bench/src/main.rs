@@ -13,6 +13,7 @@ use tristrip_bench::memory::Counting;
 use tristrip_bench::methods::{all_methods, main_methods};
 use tristrip_bench::models::{self, Source};
 use tristrip_bench::scaling::{Scaling, scale};
+use tristrip_bench::searches::{self, Depth, Searched};
 use tristrip_bench::{Failure, docs, peers, text};
 
 #[global_allocator]
@@ -45,6 +46,9 @@ struct Args {
     /// Leave out the subdivided model of millions of triangles
     #[arg(long)]
     no_scaling: bool,
+    /// Leave out the long searches: fewest strips and cheapest indices on every model
+    #[arg(long)]
+    no_searches: bool,
     /// Print everything as JSON
     #[arg(long)]
     json: bool,
@@ -57,12 +61,15 @@ struct Args {
 #[derive(Serialize)]
 struct Report {
     models: Vec<Outcome>,
+    searches: Vec<Searched>,
     scaling: Option<Scaling>,
     bars: Vec<Bar>,
 }
 
 fn main() -> Result<(), Failure> {
     let args = Args::parse();
+    // Times are those of one thread.
+    rayon::ThreadPoolBuilder::new().num_threads(1).build_global()?;
     let peers = peers::load()?;
     let sources = choose(&args)?;
     let plan = Plan {
@@ -78,18 +85,33 @@ fn main() -> Result<(), Failure> {
             outcomes.push(outcome);
         }
     }
+    let depth = if args.smoke { Depth::SMOKE } else { Depth::FULL };
+    let papers = searches::published()?;
+    let mut searched = Vec::new();
+    for source in sources.iter().filter(|_| !args.no_searches) {
+        let name = &source.name;
+        let found = searches::search(source, &depth, peers.get(name), papers.get(name))?;
+        if !args.json {
+            println!("{}", text::searched(&found));
+        }
+        searched.push(found);
+    }
     let scaled = sources.iter().find(|s| s.name == SCALED && !args.smoke && !args.no_scaling);
     let scaling = match scaled {
         Some(source) => Some(scale(SCALED, models::load(source)?.triangles, 3)?),
         None => None,
     };
-    let bars = bars::judge(&outcomes, scaling.as_ref());
+    let bars = bars::judge(&outcomes, &searched, scaling.as_ref());
     if let Some(dir) = &args.docs {
         fs::create_dir_all(dir)?;
-        fs::write(dir.join("benchmarks.md"), docs::page(&outcomes, scaling.as_ref(), &bars))?;
+        let page = docs::page(&outcomes, (&searched, &depth), scaling.as_ref(), &bars);
+        fs::write(dir.join("benchmarks.md"), page)?;
     }
     if args.json {
-        println!("{}", serde_json::to_string_pretty(&Report { models: outcomes, scaling, bars })?);
+        println!(
+            "{}",
+            serde_json::to_string_pretty(&Report { models: outcomes, searches: searched, scaling, bars })?
+        );
         return Ok(());
     }
     if let Some(scaling) = &scaling {

@@ -11,7 +11,7 @@ use std::time::Instant;
 
 use serde::Serialize;
 use tristrip::strip::{Metrics, verify};
-use tristrip::{Mesh, Options, Strips, stripify};
+use tristrip::{Mesh, Strips, stripify};
 
 use crate::Failure;
 use crate::memory::extra_bytes;
@@ -21,7 +21,7 @@ use crate::peers::Peers;
 use crate::rivals::{Pipeline, strips_of};
 
 /// Seconds after which a contender runs no further rounds on a model.
-const SHARE: f64 = 3.0;
+const SHARE: f64 = 1.5;
 
 /// How much is measured.
 #[derive(Debug, Clone)]
@@ -129,9 +129,8 @@ enum Answer {
 
 fn contend(mesh: &Mesh, plan: &Plan) -> Result<Vec<Row>, Failure> {
     let mut contenders = Vec::new();
-    for Named { name, method } in &plan.methods {
-        let options = Options::default().with_method(*method);
-        let run = move || Ok(Answer::Strips(stripify(mesh, &options)?));
+    for Named { name, options } in &plan.methods {
+        let run = move || Ok(Answer::Strips(stripify(mesh, options)?));
         contenders.push(prove(mesh, name, Box::new(run), true)?);
     }
     let is_triangles = mesh.faces().as_triangles().is_some();

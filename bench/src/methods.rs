@@ -1,6 +1,8 @@
 //! The methods by the names that the command gives them.
 
-use tristrip::{FaceTriangulation, Method, Patches, Ties};
+use tristrip::strip::Cost;
+use tristrip::stripify::{Effort, EtaOptions};
+use tristrip::{FaceTriangulation, Method, Options, Patches, Ties};
 
 const TRIANGULATIONS: [(FaceTriangulation, &str); 3] = [
     (FaceTriangulation::Static, "static"),
@@ -16,14 +18,51 @@ const TIES: [(Ties, &str); 5] = [
 ];
 const PATCHES: [(Patches, &str); 2] = [(Patches::Rows, "rows"), (Patches::Full, "full")];
 const CUTOFFS: [u32; 5] = [5, 10, 15, 20, 25];
+/// The costs by the names that the command gives them.
+pub const COSTS: [(Cost, &str); 4] = [
+    (Cost::Restart, "restart"),
+    (Cost::OpenGl, "opengl"),
+    (Cost::Degenerate, "degenerate"),
+    (Cost::Gl, "gl"),
+];
+/// The name of `best` among the main methods: for restarts, at an effort that a build of assets does not notice.
+pub const BEST: &str = "best 2";
+/// The name of `fewest` among the main methods: at the least effort, as it is tried on every model many times.
+pub const FEWEST: &str = "fewest 0";
+/// The name of `eta` among the main methods: with tunnels that end in seconds also where no tunnel is left on half a million triangles.
+pub const ETA: &str = "eta 20";
+const ETA_LENGTH: u32 = 20;
+/// The greatest length of the plain tunnels, whose time grows as its exponential.
+const TUNNEL_LENGTH: u32 = 5;
 
-/// A method with its name: `stripe-local whole sequential`.
+/// A method and what goes with it, by a name: `stripe-local whole sequential`, `best 1 opengl`.
 #[derive(Debug, Clone)]
 pub struct Named {
     /// As on the command line, options after it; `stripe` is the global algorithm as its authors recommend it.
     pub name: String,
-    /// The method.
-    pub method: Method,
+    /// The method with its cost and effort.
+    pub options: Options,
+}
+
+impl Named {
+    fn new(name: impl Into<String>, method: Method) -> Self {
+        Self { name: name.into(), options: Options::default().with_method(method) }
+    }
+
+    /// Names a search by its method's name, the effort, and the cost unless it is the usual one.
+    ///
+    /// # Panics
+    /// There is no such effort.
+    #[expect(clippy::expect_used, reason = "the levels are constants of the benchmarks")]
+    pub fn search(method: Method, effort: u8, cost: Cost) -> Self {
+        let name = if method == Method::Fewest { "fewest" } else { "best" };
+        let of_cost = COSTS.iter().find(|(each, _)| *each == cost && cost != Cost::default());
+        let of_cost = of_cost.map(|(_, cost)| format!(" {cost}")).unwrap_or_default();
+        let mut named = Self::new(format!("{name} {effort}{of_cost}"), method);
+        let effort = Effort::new(effort).expect("a level from 0 to 9");
+        named.options = named.options.with_effort(effort).with_cost(cost);
+        named
+    }
 }
 
 /// STRIPE's local algorithm as it is by default, by its name among the variants.
@@ -34,7 +73,7 @@ const LOCAL: (&str, Method) = (
 
 /// Lists one method for each family.
 pub fn main_methods() -> Vec<Named> {
-    let named = |name: &str, method| Named { name: name.into(), method };
+    let named = |name: &str, method| Named::new(name, method);
     vec![
         named("sequential", Method::Sequential),
         named("auto", Method::Auto),
@@ -42,17 +81,20 @@ pub fn main_methods() -> Vec<Named> {
         named("sgi", Method::Sgi),
         named("stripe", Method::STRIPE),
         named(LOCAL.0, LOCAL.1),
+        Named::search(Method::Best, 2, Cost::Restart),
+        Named::search(Method::Fewest, 0, Cost::Restart),
+        named(ETA, Method::Eta(EtaOptions::default().with_length(ETA_LENGTH))),
     ]
 }
 
-/// Lists every method with every option: 4 and the 15 and 10 of STRIPE.
+/// Lists every method with every option: those without any, the 15 and 10 of STRIPE, and `best` for each cost.
 pub fn all_methods() -> Vec<Named> {
     let mut methods = main_methods();
     for (triangulation, when) in TRIANGULATIONS {
         for (ties, rule) in TIES {
             let method = Method::StripeLocal { triangulation, ties };
             if method != LOCAL.1 {
-                methods.push(Named { name: format!("stripe-local {when} {rule}"), method });
+                methods.push(Named::new(format!("stripe-local {when} {rule}"), method));
             }
         }
     }
@@ -60,10 +102,13 @@ pub fn all_methods() -> Vec<Named> {
         for cutoff in CUTOFFS {
             let method = Method::StripeGlobal { patches, cutoff };
             if method != Method::STRIPE {
-                methods.push(Named { name: format!("stripe-global {how} {cutoff}"), method });
+                methods.push(Named::new(format!("stripe-global {how} {cutoff}"), method));
             }
         }
     }
+    methods.push(Named::new("eta", Method::Eta(EtaOptions::default())));
+    methods.push(Named::new(format!("tunnel {TUNNEL_LENGTH}"), Method::Tunnel { length: TUNNEL_LENGTH }));
+    methods.extend(COSTS.map(|(cost, _)| Named::search(Method::Best, 1, cost)));
     methods
 }
 
@@ -75,8 +120,9 @@ mod tests {
     #[test]
     fn every_variant_comes_once() {
         let methods = all_methods();
-        assert_eq!(methods.len(), 4 + 15 + 10);
-        assert_eq!(methods.iter().map(|m| m.method).collect::<HashSet<_>>().len(), methods.len());
+        assert_eq!(methods.len(), 4 + 15 + 10 + 4 + 1 + COSTS.len());
+        assert_eq!(methods.iter().map(|m| m.options).collect::<HashSet<_>>().len(), methods.len());
         assert_eq!(methods.iter().map(|m| &m.name).collect::<HashSet<_>>().len(), methods.len());
+        assert!([BEST, FEWEST, ETA].iter().all(|name| main_methods().iter().any(|m| m.name == *name)));
     }
 }

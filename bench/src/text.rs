@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use crate::bars::Bar;
 use crate::measure::{Outcome, Row};
 use crate::scaling::Scaling;
+use crate::searches::Searched;
 
 /// A table; the first column is text, the others are figures unless told otherwise.
 #[derive(Debug, Clone)]
@@ -99,6 +100,26 @@ pub fn outcome(outcome: &Outcome) -> String {
         }
     }
     out
+}
+
+/// Shows what was searched on a model.
+pub fn searched(searched: &Searched) -> String {
+    let mut table =
+        Table::new(1, &["search", "strips", "restart/T", "degenerate/T", "vertices_sent", "s", "bytes/T"]);
+    let all = [&searched.fewest].into_iter().chain(&searched.eta).chain(&searched.modest);
+    for search in all.chain(&searched.deep).chain(&searched.polygons).chain(&searched.ladder) {
+        let row = &search.row;
+        table.push(vec![
+            row.method.clone(),
+            row.strips.to_string(),
+            format!("{:.4}", row.indices_restart_per_triangle),
+            format!("{:.4}", row.indices_degenerate_per_triangle),
+            row.vertices_sent.to_string(),
+            format!("{:.3}", row.seconds),
+            optional(row.extra_bytes_per_triangle, 1),
+        ]);
+    }
+    format!("{}, searches; at least {} strips\n{}", searched.model, searched.bound, table.aligned())
 }
 
 fn cells(row: &Row) -> Vec<String> {

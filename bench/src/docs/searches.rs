@@ -1,0 +1,199 @@
+//! The page's section on the searches.
+
+use std::fmt::Write as _;
+
+use crate::bars::best_ratio;
+use crate::methods::COSTS;
+use crate::searches::{Depth, PEER_COSTS, Search, Searched, per_triangle};
+use crate::text::Table;
+
+/// Writes the section as Markdown; nothing where nothing was searched.
+pub(super) fn section(searched: &[Searched], depth: &Depth) -> String {
+    if searched.is_empty() {
+        return String::new();
+    }
+    let mut sorted: Vec<&Searched> = searched.iter().collect();
+    sorted.sort_by(|a, b| (a.triangles, &a.model).cmp(&(b.triangles, &b.model)));
+    let mut out = format!(
+        "## Fewest strips\n\n`fewest` at effort {} on one thread; *bound* is the least number of strips that may be possible, *gap* what is beyond it.\n\
+         Published figures of ETA are those of 2006, on a computer of that time.\n\n{}\n{}\n",
+        depth.fewest,
+        published(&sorted).markdown(),
+        fewest(&sorted).markdown()
+    );
+    let _ = writeln!(
+        out,
+        "## Cheapest indices\n\n`best` for each cost, a triangle, at effort {} ({} for more than 300,000 triangles), next to the best of all\n\
+         peers, also slow ones.\n\n{}",
+        depth.deep,
+        depth.deep_large,
+        deep(&sorted).markdown()
+    );
+    let _ = writeln!(out, "{}", ladder(&sorted).markdown());
+    let _ = writeln!(out, "{}", polygons(&sorted).markdown());
+    let means = PEER_COSTS.into_iter().enumerate().filter_map(|(at, cost)| {
+        let below = 100.0 * (1.0 - best_ratio(searched, at)?);
+        Some(format!("{} {below:.1} %", name(cost)))
+    });
+    let _ = writeln!(
+        out,
+        "At effort {}, below the best of all peers in the geometric mean: {}.\n\n{}",
+        depth.modest,
+        means.collect::<Vec<_>>().join(", "),
+        modest(&sorted).markdown()
+    );
+    out
+}
+
+fn name(cost: tristrip::strip::Cost) -> &'static str {
+    COSTS.iter().find(|(each, _)| *each == cost).map_or("", |(_, name)| name)
+}
+
+fn seconds(search: &Search) -> String {
+    format!("{:.3}", search.row.seconds)
+}
+
+fn published(searched: &[&Searched]) -> Table {
+    let heads = ["model", "by", "strips", "isolated", "ACMR 32", "vertices/T", "seconds", "bound", "gap"];
+    let mut table = Table::new(2, &heads);
+    for s in searched {
+        let (Some(paper), Some(eta)) = (&s.published, &s.eta) else { continue };
+        let model = format!("{} ({} T)", s.model, s.triangles);
+        table.push(vec![
+            model,
+            "ETA, published".into(),
+            paper.strips.to_string(),
+            paper.isolated.to_string(),
+            format!("{:.2}", paper.acmr_32),
+            format!("{:.2}", paper.vertices_per_triangle),
+            paper.seconds.to_string(),
+            String::new(),
+            String::new(),
+        ]);
+        for (by, search) in [("eta", eta), ("fewest", &s.fewest)] {
+            let row = &search.row;
+            let beyond = row.strips.saturating_sub(s.bound) as f64 / row.strips.max(1) as f64;
+            table.push(vec![
+                String::new(),
+                by.into(),
+                row.strips.to_string(),
+                row.isolated.to_string(),
+                format!("{:.2}", search.acmr_fifo_32),
+                format!("{:.2}", row.vertices_sent as f64 / s.triangles as f64),
+                seconds(search),
+                s.bound.to_string(),
+                format!("{:.1} %", 100.0 * beyond),
+            ]);
+        }
+    }
+    table
+}
+
+fn fewest(searched: &[&Searched]) -> Table {
+    let heads = [
+        "model",
+        "best of all peers by",
+        "triangles",
+        "its strips",
+        "fewest",
+        "bound",
+        "gap",
+        "seconds",
+        "isolated",
+        "vertices/T",
+        "ACMR 32",
+    ];
+    let mut table = Table::new(2, &heads);
+    for s in searched {
+        let row = &s.fewest.row;
+        let peer = s.peers.as_ref().map(|peers| &peers.strips);
+        table.push(vec![
+            s.model.clone(),
+            peer.map_or("–".into(), |best| best.by.clone()),
+            s.triangles.to_string(),
+            peer.map_or("–".into(), |best| best.best.to_string()),
+            row.strips.to_string(),
+            s.bound.to_string(),
+            format!("{:.1} %", 100.0 * s.gap()),
+            seconds(&s.fewest),
+            row.isolated.to_string(),
+            format!("{:.3}", row.vertices_sent as f64 / s.triangles as f64),
+            format!("{:.3}", s.fewest.acmr_fifo_32),
+        ]);
+    }
+    table
+}
+
+fn deep(searched: &[&Searched]) -> Table {
+    let heads =
+        ["model", "cost", "peer", "effort", "best of all peers", "best", "strips", "swaps", "seconds"];
+    let mut table = Table::new(3, &heads);
+    for s in searched {
+        for (cost, search) in PEER_COSTS.into_iter().zip(&s.deep) {
+            let peer = s.pair(search, cost).map(|(_, best)| best);
+            table.push(vec![
+                s.model.clone(),
+                name(cost).into(),
+                peer.map_or("–".into(), |best| best.by.clone()),
+                search.row.method.split(' ').nth(1).unwrap_or_default().into(),
+                peer.map_or("–".into(), |best| format!("{:.4}", best.best)),
+                format!("{:.4}", per_triangle(&search.row, s.triangles, cost)),
+                search.row.strips.to_string(),
+                search.row.swaps.to_string(),
+                seconds(search),
+            ]);
+        }
+    }
+    table
+}
+
+fn ladder(searched: &[&Searched]) -> Table {
+    let mut table =
+        Table::new(2, &["model", "method", "restart/T", "seconds", "times meshoptimizer's strip pipeline"]);
+    for s in searched {
+        for search in &s.ladder {
+            table.push(vec![
+                s.model.clone(),
+                search.row.method.clone(),
+                format!("{:.4}", search.row.indices_restart_per_triangle),
+                seconds(search),
+                crate::text::optional(search.row.time_ratio, 2),
+            ]);
+        }
+    }
+    table
+}
+
+fn polygons(searched: &[&Searched]) -> Table {
+    let mut table =
+        Table::new(1, &["model, as polygons", "strips", "vertices sent", "vertices/T", "seconds"]);
+    for s in searched {
+        if let Some(search) = &s.polygons {
+            table.push(vec![
+                s.model.clone(),
+                search.row.strips.to_string(),
+                search.row.vertices_sent.to_string(),
+                format!("{:.4}", search.row.vertices_sent as f64 / s.triangles as f64),
+                seconds(search),
+            ]);
+        }
+    }
+    table
+}
+
+fn modest(searched: &[&Searched]) -> Table {
+    let heads =
+        ["model", "triangles", "restart", "peer", "opengl", "peer", "degenerate", "peer", "seconds each"];
+    let mut table = Table::new(1, &heads);
+    for s in searched {
+        let mut cells = vec![s.model.clone(), s.triangles.to_string()];
+        for (cost, search) in PEER_COSTS.into_iter().zip(&s.modest) {
+            let peer = s.pair(search, cost).map_or("–".into(), |(_, best)| format!("{:.4}", best.best));
+            cells.extend([format!("{:.4}", per_triangle(&search.row, s.triangles, cost)), peer]);
+        }
+        let mean = s.modest.iter().map(|m| m.row.seconds).sum::<f64>() / s.modest.len().max(1) as f64;
+        cells.push(format!("{mean:.3}"));
+        table.push(cells);
+    }
+    table
+}
