@@ -1,9 +1,10 @@
 //! Any bytes, read as a mesh and options: every method gives a cover that holds, strips that are proven, and layouts that draw
-//! the same triangles.
+//! the same triangles; none is below a lower bound.
 #![no_main]
 
-use tristrip::strip::{Metrics, emit, strip_triangles, verify};
-use tristrip::stripify::plan;
+use tristrip::strip::{Cost, Metrics, emit, strip_triangles, verify};
+use tristrip::stripify::bound::Bound;
+use tristrip::stripify::{Effort, EtaOptions, Start, plan};
 use tristrip::{
     DualGraph, Error, FaceTriangulation, Faces, Mesh, Method, Options, Patches, Strips, Surface, Ties,
 };
@@ -20,8 +21,12 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     assert_eq!(graph.check(), Ok(()));
     // Welded vertices have the same bits, so that strips over them are held to the faces with the same names for them.
     let asked = Mesh::new(mesh.shared_positions(), surface.faces().clone()).expect("indices in range");
+    let bound = Bound::of_surface(&surface, &graph);
+    let cost = [Cost::Restart, Cost::OpenGl, Cost::Degenerate, Cost::Gl][cutoff as usize % 4];
     for method in methods(cutoff) {
+        let effort = Effort::new(u8::from(method == Method::Best)).expect("a level");
         let options = Options::default().with_method(method).with_weld(weld).with_seed(seed);
+        let options = options.with_cost(cost).with_effort(effort);
         let plan = match plan(&surface, &graph, &options) {
             Ok(plan) => plan,
             Err(Error::Parameter { .. }) => continue,
@@ -31,7 +36,12 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
         assert_eq!(triangles.check(), Ok(()), "{method:?}");
         assert_eq!(plan.cover.check(triangles), Ok(()), "{method:?}");
         let strips = emit(&plan.triangulation, &plan.cover);
-        assert_eq!(plan.indices_restart(), Metrics::of(&strips).indices_restart, "{method:?}");
+        let metrics = Metrics::of(&strips);
+        assert_eq!(plan.indices_restart(), metrics.indices_restart, "{method:?}");
+        assert!(bound.strips <= metrics.strips, "{method:?}: {} < {}", metrics.strips, bound.strips);
+        for cost in [Cost::Restart, Cost::OpenGl, Cost::Degenerate, Cost::Gl] {
+            assert!(bound.of(cost) <= cost.of(&metrics), "{method:?}: {cost:?} below its bound");
+        }
         verify(&asked, &strips).unwrap_or_else(|why| panic!("{method:?}: {why}"));
         if !weld {
             verify(&mesh, &strips).unwrap_or_else(|why| panic!("{method:?}: {why}"));
@@ -69,6 +79,11 @@ fn layouts_agree(strips: &Strips) {
 /// Every method, with every choice that it has.
 fn methods(cutoff: u32) -> Vec<Method> {
     let mut all = vec![Method::Auto, Method::Sequential, Method::Input, Method::Sgi, Method::STRIPE];
+    all.extend([Method::Best, Method::Fewest, Method::Tunnel { length: 5 }]);
+    all.extend(
+        [Start::Isolated, Start::Sgi, Start::Sequential]
+            .map(|start| Method::Eta(EtaOptions::default().with_start(start).with_length(2 * cutoff + 1))),
+    );
     for triangulation in [FaceTriangulation::Static, FaceTriangulation::Whole, FaceTriangulation::Partial] {
         for ties in [Ties::Arbitrary, Ties::LookAhead, Ties::Alternate, Ties::Random, Ties::Sequential] {
             all.push(Method::StripeLocal { triangulation, ties });
