@@ -17,7 +17,7 @@ pub const COMMAND: &str = "cargo run --release -p tristrip-bench -- --docs docs"
 /// Writes the page as Markdown.
 pub fn page(
     outcomes: &[Outcome],
-    searched: (&[Searched], &Depth),
+    searched: (&[Searched], Depth),
     scaling: Option<&Scaling>,
     bars: &[Bar],
 ) -> String {
@@ -171,7 +171,7 @@ mod tests {
 
     #[test]
     fn a_page_names_its_command_and_no_place() {
-        let page = page(&[], (&[], &Depth::SMOKE), None, &[]);
+        let page = page(&[], (&[], Depth::SMOKE), None, &[]);
         assert!(page.contains(COMMAND) && page.ends_with("|\n"));
         assert!(!page.contains(env!("CARGO_MANIFEST_DIR")));
     }

@@ -90,7 +90,7 @@ fn main() -> Result<(), Failure> {
     let mut searched = Vec::new();
     for source in sources.iter().filter(|_| !args.no_searches) {
         let name = &source.name;
-        let found = searches::search(source, &depth, peers.get(name), papers.get(name))?;
+        let found = searches::search(source, depth, peers.get(name), papers.get(name))?;
         if !args.json {
             println!("{}", text::searched(&found));
         }
@@ -104,7 +104,7 @@ fn main() -> Result<(), Failure> {
     let bars = bars::judge(&outcomes, &searched, scaling.as_ref());
     if let Some(dir) = &args.docs {
         fs::create_dir_all(dir)?;
-        let page = docs::page(&outcomes, (&searched, &depth), scaling.as_ref(), &bars);
+        let page = docs::page(&outcomes, (&searched, depth), scaling.as_ref(), &bars);
         fs::write(dir.join("benchmarks.md"), page)?;
     }
     if args.json {

@@ -161,7 +161,7 @@ fn best_of(peers: &Peers, cost: Cost) -> &Best {
 /// The model cannot be read, or a result is not proven.
 pub fn search(
     source: &Source,
-    depth: &Depth,
+    depth: Depth,
     peers: Option<&Peers>,
     published: Option<&Published>,
 ) -> Result<Searched, Failure> {
@@ -245,7 +245,7 @@ fn once(mesh: &Mesh, named: &Named) -> Result<Search, Failure> {
 }
 
 /// Runs `best` at rising efforts in turns with the reference, whose time is the unit.
-fn ladder(mesh: &Mesh, depth: &Depth) -> Result<Vec<Search>, Failure> {
+fn ladder(mesh: &Mesh, depth: Depth) -> Result<Vec<Search>, Failure> {
     verify(mesh, &strips_of(&Pipeline::StripCache.run(mesh)?)).map_err(|e| format!("the reference: {e}"))?;
     let (mut unit, mut times) = (Vec::new(), vec![Vec::new(); depth.ladder.len()]);
     let mut searches = Vec::new();
@@ -279,7 +279,7 @@ mod tests {
     fn a_search_is_proven_and_bounded() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../testdata/models/fish_control.ply");
         let source = Source { name: "fish_control".into(), path };
-        let searched = search(&source, &Depth::SMOKE, None, published().unwrap().get("goblet")).unwrap();
+        let searched = search(&source, Depth::SMOKE, None, published().unwrap().get("goblet")).unwrap();
         assert!(searched.bound >= 1 && searched.bound <= searched.fewest.row.strips);
         assert!(searched.eta.is_some_and(|eta| eta.row.strips >= searched.bound));
         assert_eq!(searched.modest.len(), PEER_COSTS.len());

@@ -57,7 +57,7 @@ fn cost_name(cost: Cost) -> &'static str {
 }
 
 /// A bar on a figure and on the time that it takes.
-fn timed(what: String, bar: (String, f64), found: String, is_reached: bool, seconds: f64) -> Bar {
+fn timed(what: String, bar: (String, f64), found: &str, is_reached: bool, seconds: f64) -> Bar {
     let (figure, most) = bar;
     let met = is_reached && seconds <= most;
     Bar { what, bar: format!("≤ {figure} in {most} s"), found: format!("{found} in {seconds:.3} s"), met }
@@ -68,7 +68,7 @@ fn fewest(searched: &[Searched]) -> Vec<Bar> {
         let row = &named(searched, model)?.fewest.row;
         let what = format!("fewest, strips, {model}");
         let found = row.strips.to_string();
-        Some(timed(what, (strips.to_string(), seconds), found, row.strips <= strips, row.seconds))
+        Some(timed(what, (strips.to_string(), seconds), &found, row.strips <= strips, row.seconds))
     };
     let mut bars: Vec<Bar> = FEWEST_BARS.into_iter().filter_map(bar).collect();
     if let Some(s) = named(searched, GAP.0) {
@@ -102,7 +102,7 @@ fn eta(searched: &[Searched]) -> Vec<Bar> {
         let (row, published) = (&s.eta.as_ref()?.row, s.published.as_ref()?);
         let what = format!("eta, strips as published in a hundredth of the time, {}", s.model);
         let most = (published.strips.to_string(), published.seconds / FASTER);
-        Some(timed(what, most, row.strips.to_string(), row.strips <= published.strips, row.seconds))
+        Some(timed(what, most, &row.strips.to_string(), row.strips <= published.strips, row.seconds))
     };
     searched.iter().filter_map(bar).collect()
 }
@@ -118,7 +118,7 @@ fn best(searched: &[Searched]) -> Vec<Bar> {
             bars.push(timed(
                 what,
                 (format!("{most:.3}"), seconds),
-                found_text,
+                &found_text,
                 found <= most,
                 search.row.seconds,
             ));

@@ -8,7 +8,7 @@ use crate::searches::{Depth, PEER_COSTS, Search, Searched, per_triangle};
 use crate::text::Table;
 
 /// Writes the section as Markdown; nothing where nothing was searched.
-pub(super) fn section(searched: &[Searched], depth: &Depth) -> String {
+pub(super) fn section(searched: &[Searched], depth: Depth) -> String {
     if searched.is_empty() {
         return String::new();
     }
