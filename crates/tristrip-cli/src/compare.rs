@@ -102,7 +102,8 @@ fn compare(
         }
         let options = options.with_method(method);
         console.doing(&MethodReport::of(&options).label());
-        report.methods.push(row(&parts, &options, pool, &SearchWatch::new(console.progress(), task.budget)));
+        let watch = SearchWatch::new(console.progress(), task.budget, method);
+        report.methods.push(row(&parts, &options, pool, &watch));
         console.step();
     }
     Ok(())
