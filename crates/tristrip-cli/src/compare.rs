@@ -105,7 +105,8 @@ fn compare(
             options = options.with_effort(task.effort);
         }
         console.doing(&MethodReport::of(&options).label());
-        report.methods.push(row(&parts, &options, pool, &SearchWatch::new(console.progress(), task.budget)));
+        let watch = SearchWatch::new(console.progress(), task.budget, method);
+        report.methods.push(row(&parts, &options, pool, &watch));
         console.step();
     }
     Ok(())

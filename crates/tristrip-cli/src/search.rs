@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::ProgressBar;
 use serde::Serialize;
+use tristrip::Method;
 use tristrip::stripify::{Progress, Watch};
 
 use crate::text::{count, counted};
@@ -48,6 +49,8 @@ impl Stopped {
 /// Watches the searches of one input.
 pub(crate) struct SearchWatch {
     bar: ProgressBar,
+    /// Whether the method searches at all; others cannot be stopped.
+    searches: bool,
     started: Instant,
     budget: Option<Duration>,
     over_budget: AtomicBool,
@@ -56,12 +59,17 @@ pub(crate) struct SearchWatch {
 }
 
 impl SearchWatch {
-    pub(crate) fn new(bar: ProgressBar, budget: Option<Duration>) -> Self {
-        // Without a handler Ctrl-C ends the command as usual.
-        HANDLER.call_once(|| ctrlc::set_handler(on_interrupt).unwrap_or_default());
-        SEARCHES.fetch_add(1, Ordering::SeqCst);
+    pub(crate) fn new(bar: ProgressBar, budget: Option<Duration>, method: Method) -> Self {
+        let searches =
+            matches!(method, Method::Best | Method::Fewest | Method::Tunnel { .. } | Method::Eta(_));
+        if searches {
+            // Without a handler Ctrl-C ends the command as usual.
+            HANDLER.call_once(|| ctrlc::set_handler(on_interrupt).unwrap_or_default());
+            SEARCHES.fetch_add(1, Ordering::SeqCst);
+        }
         Self {
             bar,
+            searches,
             started: Instant::now(),
             budget,
             over_budget: AtomicBool::new(false),
@@ -106,7 +114,9 @@ impl Watch for SearchWatch {
 
 impl Drop for SearchWatch {
     fn drop(&mut self) {
-        SEARCHES.fetch_sub(1, Ordering::SeqCst);
+        if self.searches {
+            SEARCHES.fetch_sub(1, Ordering::SeqCst);
+        }
     }
 }
 
@@ -114,5 +124,22 @@ fn on_interrupt() {
     let searching = SEARCHES.load(Ordering::SeqCst) > 0;
     if INTERRUPTED.swap(true, Ordering::SeqCst) || !searching {
         std::process::exit(INTERRUPTED_CODE);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The first Ctrl-C during any other method was taken for the end of a search, and did nothing but say so.
+    #[test]
+    fn only_a_search_takes_an_interrupt() {
+        let searches_with = |method| {
+            let _watch = SearchWatch::new(ProgressBar::hidden(), None, method);
+            SEARCHES.load(Ordering::SeqCst)
+        };
+        assert_eq!([Method::Auto, Method::Sequential, Method::STRIPE].map(searches_with), [0; 3]);
+        assert_eq!([Method::Best, Method::Fewest, Method::Tunnel { length: 9 }].map(searches_with), [1; 3]);
+        assert_eq!(SEARCHES.load(Ordering::SeqCst), 0);
     }
 }

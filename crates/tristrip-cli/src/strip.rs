@@ -94,7 +94,7 @@ fn strip(
     report.mesh = Some(mesh);
 
     console.doing("stripify");
-    let watch = SearchWatch::new(console.progress(), task.budget);
+    let watch = SearchWatch::new(console.progress(), task.budget, options.method());
     let (found, seconds) = timed(|| find_strips(pool, &parts, &options, &watch));
     let Found { strips, chosen } = found?;
     report.stopped = watch.stopped();

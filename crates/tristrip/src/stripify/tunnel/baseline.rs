@@ -5,7 +5,7 @@
 //! 2. From each terminal in turn, follow every alternating path of at most that length: over a red edge to a triangle `v`, then
 //!    over one of the black edges of `v`, and so on. No edge is taken twice.
 //! 3. Where a red edge leads to a terminal and no loop would be left, complement the path, and go on from that terminal.
-//! 4. When no terminal has a tunnel of that length, try the next odd one, up to the limit.
+//! 4. When no terminal has a tunnel of that length, try the next odd one, up to the limit, if some path is that long.
 //!
 //! When it ends there is no tunnel up to the limit: none of any kind, for a loop that a path closes and opens again later is no
 //! obstacle here. The rules of Stewart, and of Porcu and Scateni, forbid that; they are conditions on a path's every step, while
@@ -23,22 +23,28 @@ use crate::dual::{DualGraph, FaceId, HalfEdge};
 pub(super) fn join(graph: &DualGraph, cover: &mut PathCover, length: u32, tally: &mut Tally<'_>) {
     let mut ids = Ids::new(graph, cover);
     let mut search = Search::default();
-    let mut limit = 1;
+    let mut limit = 1_u32;
     while limit <= length {
-        let mut found = false;
+        let (mut found, mut cut_short) = (false, false);
         for t in 0..cover.len() as u32 {
             while cover.degree(FaceId(t)) < 2 {
-                match search.tunnel(graph, cover, &ids, t, limit, tally) {
+                let searched = search.tunnel(graph, cover, &ids, t, limit, tally);
+                cut_short |= search.was_cut_short;
+                match searched {
                     Searched::Stopped => return,
                     Searched::Nothing => break,
-                    Searched::Found => ids.complement(graph, cover, &search.steps),
+                    Searched::Found => tally.accesses += ids.complement(graph, cover, &search.steps),
                 }
                 found = true;
             }
         }
-        // A tunnel that was complemented may have opened a shorter one, which the next round at this limit finds.
+        // A tunnel that was complemented may have opened a shorter one, which the next round at this limit finds. Where no path
+        // came to the limit, a longer one finds nothing else.
         if !found {
-            limit += 2;
+            if !cut_short {
+                return;
+            }
+            limit = limit.saturating_add(2);
         }
     }
 }
@@ -57,6 +63,8 @@ pub(super) struct Search {
     pub(super) steps: Vec<Step>,
     /// The ways that are still to be tried, each with the steps before it.
     ways: Vec<(usize, Step)>,
+    /// Whether a path was not followed because of the limit.
+    was_cut_short: bool,
 }
 
 impl Search {
@@ -73,6 +81,7 @@ impl Search {
         self.pieces.begin(ids, terminal);
         self.steps.clear();
         self.ways.clear();
+        self.was_cut_short = false;
         self.push_ways(graph, cover, terminal);
         while let Some((depth, step)) = self.ways.pop() {
             if !tally.count(cover) {
@@ -92,7 +101,9 @@ impl Search {
             }
             let b = graph.twins()[step.black as usize] / 3;
             // A path of n steps has 2 n edges, and one more at its end.
-            if 2 * depth as u64 + 3 <= u64::from(limit) && self.pieces.step(ids, v, b) {
+            if 2 * depth as u64 + 3 > u64::from(limit) {
+                self.was_cut_short = true;
+            } else if self.pieces.step(ids, v, b) {
                 self.steps.push(step);
                 self.push_ways(graph, cover, b);
             }

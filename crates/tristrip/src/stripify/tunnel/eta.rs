@@ -138,7 +138,9 @@ impl Eta<'_> {
                 }
                 match self.search.tunnel(&place, &self.star, t, limits, &mut self.random, tally) {
                     Searched::Stopped => return false,
-                    Searched::Found => self.ids.complement(self.graph, self.cover, &self.search.steps),
+                    Searched::Found => {
+                        self.ids.complement(self.graph, self.cover, &self.search.steps);
+                    }
                     Searched::Nothing => {
                         if is_moving {
                             self.ids.complement(self.graph, self.cover, &self.search.nearest);

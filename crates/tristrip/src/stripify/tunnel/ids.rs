@@ -155,8 +155,9 @@ impl Ids {
         }
     }
 
-    /// Complements a tunnel: cuts its black edges, links its red ones, and writes the tags of the paths that it has changed.
-    pub(super) fn complement(&mut self, graph: &DualGraph, cover: &mut PathCover, steps: &[Step]) {
+    /// Complements a tunnel: cuts its black edges, links its red ones, and writes the tags of the paths that it has changed. Gives
+    /// the number of tags.
+    pub(super) fn complement(&mut self, graph: &DualGraph, cover: &mut PathCover, steps: &[Step]) -> u64 {
         let twins = graph.twins();
         self.touched.clear();
         self.loose.clear();
@@ -172,13 +173,15 @@ impl Ids {
         for &path in &self.touched {
             self.loose.extend(std::mem::replace(&mut self.ends[path as usize], [NONE; 2]));
         }
-        self.write_tags(graph, cover);
+        let written = self.write_tags(graph, cover);
         #[cfg(test)]
         assert!(cover.len() > 4096 || cover.check(graph).is_ok() && self.check(graph, cover));
+        written
     }
 
     /// Numbers the changed paths again, each from an end that is not yet known as the other end of one.
-    fn write_tags(&mut self, graph: &DualGraph, cover: &PathCover) {
+    fn write_tags(&mut self, graph: &DualGraph, cover: &PathCover) -> u64 {
+        let mut written = 0;
         let mut free = self.touched.iter();
         self.loose.retain(|&t| cover.degree(FaceId(t)) < 2);
         self.loose.sort_unstable();
@@ -193,9 +196,11 @@ impl Ids {
                 self.path[face.0 as usize] = path;
                 self.position[face.0 as usize] = position as u32;
                 last = face.0;
+                written += 1;
             }
             self.ends[path as usize] = [start, last];
         }
+        written
     }
 
     /// Checks that the tags are those of the cover, but for the paths' names and directions.

@@ -133,6 +133,20 @@ proptest! {
     }
 }
 
+/// It went through all odd lengths, two thousand million of them, and then from the first again.
+#[test]
+fn the_longest_path_ends_it_whatever_the_limit() {
+    // Two triangles side by side, one alone, and a closed fan of five.
+    let fan = (0..5).flat_map(|i| [7, 8 + i, 8 + (i + 1) % 5]);
+    let corners = [0, 1, 2, 2, 1, 3, 4, 5, 6].into_iter().chain(fan).collect();
+    let graph = DualGraph::new(&crate::Faces::from_triangles(corners).unwrap());
+    let mut cover = PathCover::isolated(8);
+    baseline::join(&graph, &mut cover, u32::MAX, &mut Tally::new(&()));
+    assert_eq!(cover.path_count(), 3);
+    let nothing = DualGraph::new(&crate::Faces::default());
+    baseline::join(&nothing, &mut PathCover::isolated(0), u32::MAX, &mut Tally::new(&()));
+}
+
 /// Counts the closed paths of a cover.
 fn loops(graph: &DualGraph, cover: &PathCover) -> usize {
     let mut seen = vec![false; cover.len()];
