@@ -35,6 +35,8 @@ const LADDER_ROUNDS: usize = 3;
 const SHORT: f64 = 0.3;
 /// Deep searches go less deep in models of more triangles.
 const LARGE: usize = 300_000;
+/// Above so many triangles by one level, which keeps them within the same seconds.
+const MEDIUM: usize = 80_000;
 
 /// The efforts of a run.
 #[derive(Debug, Clone, Copy, Serialize)]
@@ -175,7 +177,11 @@ pub fn search(
         let each = PEER_COSTS.map(|cost| run(&mesh, Named::search(Method::Best, effort, cost)));
         each.into_iter().collect::<Result<Vec<_>, _>>()
     };
-    let deep = if count > LARGE { depth.deep_large } else { depth.deep };
+    let deep = match count {
+        _ if count > LARGE => depth.deep_large,
+        _ if count > MEDIUM => depth.deep.saturating_sub(1),
+        _ => depth.deep,
+    };
     let eta = Options::default().with_method(Method::Eta(EtaOptions::default()));
     let eta = published.map(|_| run(&mesh, Named { name: "eta".into(), options: eta })).transpose()?;
     let vertices = Named::search(Method::Best, depth.deep, Cost::OpenGl);

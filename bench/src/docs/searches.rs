@@ -23,7 +23,7 @@ pub(super) fn section(searched: &[Searched], depth: Depth) -> String {
     );
     let _ = writeln!(
         out,
-        "## Cheapest indices\n\n`best` for each cost, a triangle, at effort {} ({} for more than 300,000 triangles), next to the best of all\n\
+        "## Cheapest indices\n\n`best` for each cost, a triangle, at effort {} (one less above 80,000 triangles, {} above 300,000), next to the best of all\n\
          peers, also slow ones.\n\n{}",
         depth.deep,
         depth.deep_large,
