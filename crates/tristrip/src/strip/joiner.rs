@@ -2,7 +2,7 @@
 //!
 //! A strip follows for nothing on one that ended with its first vertex, if it then begins at a place of the right parity: a strip
 //! of an even number of vertices at an even place from either end, one of an odd number at an even place forward, at an odd
-//! place backward.
+//! place backward. A strip that begins with a repeat goes without it at a place of the other parity.
 //!
 //! ```text
 //!   (a, even) ──────── (z, even)     a strip a … z of an even number of vertices, sent either way
@@ -33,6 +33,8 @@ pub(super) struct Way<'a> {
     strip: &'a [u32],
     rotation: usize,
     reversed: bool,
+    /// Whether the strip as it stands keeps its winding at an odd place: one that repeated its first vertex goes without.
+    is_odd: bool,
 }
 
 impl Way<'_> {
@@ -43,7 +45,7 @@ impl Way<'_> {
 
     /// Tells whether the strip keeps its winding at an odd place, rather than at an even one.
     fn is_for_odd_place(self) -> bool {
-        self.reversed && self.strip.len() % 2 == 1
+        self.is_odd != (self.reversed && self.strip.len() % 2 == 1)
     }
 
     /// Adds the strip to those sent before, and what must stand between: the last vertex and the first one again where they are
@@ -64,16 +66,26 @@ impl Way<'_> {
 
 /// Gives the strips of at least a triangle in an order, and ways of them, that need little between them.
 pub(super) fn order(strips: &Strips) -> Vec<Way<'_>> {
-    let mut ways: Vec<Way<'_>> = strips
-        .iter()
-        .filter(|strip| strip.len() >= 3)
-        .map(|strip| Way { strip, rotation: 0, reversed: false })
-        .collect();
+    let mut ways: Vec<Way<'_>> =
+        strips.iter().filter(|strip| strip.len() >= 3).map(without_repeats).collect();
     let mut edges = Edges::new(&mut ways);
     edges.add_bridges(ways.len());
     let trails = edges.trails(ways.len());
     let places = trails.into_iter().flatten();
     places.map(|end| Way { reversed: end % 2 == 1, ..ways[end as usize / 2] }).collect()
+}
+
+/// Leaves out the repeats at the start of a strip, of which a place of the other parity takes the place.
+fn without_repeats(mut strip: &[u32]) -> Way<'_> {
+    let mut is_odd = false;
+    while let [first, rest @ ..] = strip
+        && rest.len() >= 3
+        && rest[0] == *first
+    {
+        strip = rest;
+        is_odd = !is_odd;
+    }
+    Way { strip, rotation: 0, reversed: false, is_odd }
 }
 
 /// An end of an edge: twice its number, one more at the side of the strip's last vertex.
@@ -97,7 +109,8 @@ impl Edges {
     fn new(ways: &mut [Way<'_>]) -> Self {
         let ends_of = |way: Way<'_>| {
             let (n, rotation) = (way.strip.len(), way.rotation);
-            [node(way.strip[rotation], false), node(way.strip[(n - 1 + rotation) % n], n % 2 == 1)]
+            let (first, last) = (way.strip[rotation], way.strip[(n - 1 + rotation) % n]);
+            [node(first, way.is_odd), node(last, way.is_odd != (n % 2 == 1))]
         };
         let mut nodes: Vec<u64> = ways.iter().flat_map(|&way| ends_of(way)).collect();
         // Nodes with an odd number of edges of other strips.

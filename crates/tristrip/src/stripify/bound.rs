@@ -108,18 +108,21 @@ impl Bound {
     pub fn of_triangulation(triangulation: &Triangulation<'_>) -> Self {
         let found = strips::bound(triangulation.graph());
         let runs = runs(triangulation.graph(), &found);
+        let mut repeats = 0;
         let components = found.into_iter().zip(runs).map(|(found, runs)| {
             // Each strip has two vertices before its first run and one for each more run, or repeat at its start.
-            let is_one_run = runs.whole.is_some_and(|run| run.keeps_winding);
-            let least_runs = runs.least.max(found.strips).max(if is_one_run { 1 } else { 2 });
+            let least_runs = runs.least.max(found.strips).max(if runs.whole.is_some() { 1 } else { 2 });
+            let repeat = usize::from(least_runs == 1 && runs.whole.is_some_and(|run| !run.keeps_winding));
+            repeats += repeat;
             ComponentBound {
                 triangles: found.triangles,
                 strips: found.strips,
-                vertices_sent: found.triangles + found.strips + least_runs,
+                vertices_sent: found.triangles + found.strips + least_runs + repeat,
                 proof: found.proof,
             }
         });
-        Self::sum(components.collect(), vertex_groups(triangulation.triangles().chunks_exact(3)))
+        let components = components.collect();
+        Self::sum(components, repeats, vertex_groups(triangulation.triangles().chunks_exact(3)))
     }
 
     /// Bounds all covers of all triangulations of a surface.
@@ -141,7 +144,7 @@ impl Bound {
     pub fn of_surface(surface: &Surface<'_>, graph: &DualGraph) -> Self {
         match Triangulation::of_triangles(surface, graph) {
             Some(triangulation) => Self::of_triangulation(&triangulation),
-            None => Self::sum(of_polygons(surface.faces(), graph), vertex_groups(surface.faces().iter())),
+            None => Self::sum(of_polygons(surface.faces(), graph), 0, vertex_groups(surface.faces().iter())),
         }
     }
 
@@ -155,8 +158,9 @@ impl Bound {
         }
     }
 
-    /// Adds up what the components need; `groups` counts those sets of them that share no vertex.
-    fn sum(components: Vec<ComponentBound>, groups: usize) -> Self {
+    /// Adds up what the components need; `repeats` counts those of which the only strip must repeat its first vertex, and `groups`
+    /// those sets of them that share no vertex.
+    fn sum(components: Vec<ComponentBound>, repeats: usize, groups: usize) -> Self {
         let strips: usize = components.iter().map(|component| component.strips).sum();
         let triangles: usize = components.iter().map(|component| component.triangles).sum();
         let vertices_sent = components.iter().map(|component| component.vertices_sent).sum();
@@ -165,8 +169,10 @@ impl Bound {
             vertices_sent,
             gl_cost: triangles + 2 * strips,
             indices_restart: vertices_sent + strips.saturating_sub(1),
-            // A join sends nothing where the next strip begins with the vertex sent last, else two indices at least.
-            indices_degenerate: vertices_sent + 2 * groups.saturating_sub(1),
+            // A join sends nothing where the next strip begins with the vertex sent last, else two indices at least. A strip other
+            // than the first needs no repeat where it comes to an odd place.
+            indices_degenerate: vertices_sent + 2 * groups.saturating_sub(1)
+                - repeats.min(components.len().saturating_sub(1)),
             components,
         }
     }

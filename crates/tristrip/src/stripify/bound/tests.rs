@@ -210,6 +210,19 @@ fn components_that_share_a_vertex_may_be_joined_for_nothing() {
     assert_eq!((touching.of(Cost::Restart), touching.of(Cost::Gl), touching.of(Cost::Degenerate)), (7, 6, 6));
 }
 
+/// The bound was 10, and so many were sent, since the row of four was joined with the repeat that it needs by itself.
+#[test]
+fn a_repeat_is_for_nothing_at_an_odd_place() {
+    let corners = vec![1, 0, 2, 1, 2, 3, 3, 2, 4, 3, 4, 5, 7, 8, 0];
+    assert_eq!(bound_of(corners[..12].to_vec()).of(Cost::Degenerate), 7);
+    let bound = bound_of(corners);
+    assert_eq!((bound.of(Cost::OpenGl), bound.of(Cost::Degenerate)), (10, 9));
+    let mut strips = crate::Strips::default();
+    strips.push(&[0, 0, 1, 2, 3, 4, 5]);
+    strips.push(&[7, 8, 0]);
+    assert_eq!(strips.to_degenerate(), [7, 8, 0, 0, 1, 2, 3, 4, 5]);
+}
+
 #[test]
 fn a_cycle_behind_a_bridge_needs_an_end() {
     // A fan of four triangles closed around vertex 0, with a triangle at each rim edge: two edges too many on the cycle, and
