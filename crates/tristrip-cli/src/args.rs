@@ -102,8 +102,8 @@ pub(crate) struct CompareArgs {
 
 /// Shows how few strips, vertices and indices there can be at best
 ///
-/// Lower bounds that hold for every way to strip a model, and how they were found. For polygons they hold whatever the triangulation; for
-/// triangles they are sharper.
+/// Lower bounds for all covers of the dual graph by strips, and how they were found; where more than two faces meet at an edge, they hold
+/// for the pairs that the dual graph joins. For polygons they hold whatever the triangulation; for triangles they are sharper.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Example:
   tristrip bound bunny.ply")]

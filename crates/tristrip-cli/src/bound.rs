@@ -110,7 +110,7 @@ impl Reached {
         let (found, bound) = (count(self.found), count(self.bound));
         let what = if self.found == 1 { one } else { many };
         if self.optimal {
-            return format!("optimal: {found} {what}, and there cannot be fewer");
+            return format!("optimal: {found} {what}, and no cover of the dual graph has fewer");
         }
         let percent = 100.0 * self.gap as f64 / self.bound.max(1) as f64;
         format!("{found} {what}, at least {bound} needed: gap {} ({percent:.1} %)", count(self.gap))

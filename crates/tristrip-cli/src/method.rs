@@ -142,7 +142,7 @@ pub(crate) struct MethodArgs {
     /// Triangles that eta looks at before it gives up a search [default: 512]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     threshold: Option<u32>,
-    /// The strips that eta starts from [default: isolated]
+    /// The strips that eta starts from [default: sequential]
     #[arg(long, value_enum, value_name = "STRIPS")]
     start: Option<StartName>,
     /// The seed of methods that choose at random: auto, best, fewest, eta, stripe [default: 0]

@@ -16,7 +16,7 @@ fn the_help_stands_in_the_docs() {
         "# The command\n\nGenerated from the help of each subcommand; `TRISTRIP_BLESS=1 cargo test -p tristrip-cli` writes it \
          anew.\n",
     );
-    for subcommand in ["", "strip", "compare", "verify", "convert"] {
+    for subcommand in ["", "strip", "compare", "bound", "verify", "convert"] {
         let mut command = tristrip();
         command.env_remove("COLUMNS").args(Some(subcommand).filter(|name| !name.is_empty())).arg("--help");
         let help = command.assert().success().get_output().stdout.clone();

@@ -1,6 +1,7 @@
 //! `tristrip strip`: reports, files, streams, many inputs, and what goes wrong with them.
 
 use std::fs;
+use std::io::{BufRead, BufReader};
 
 use super::{SQUARE, json, keys, model, tristrip};
 use predicates::prelude::*;
@@ -437,8 +438,7 @@ fn a_budget_ends_a_search_with_a_proven_result() {
 fn an_interrupt_ends_a_search_with_a_proven_result() {
     let dir = tempfile::tempdir().unwrap();
     let out = dir.path().join("wingnut.glb");
-    // An effort that takes a minute at least; a slow machine may not be searching yet, so that Ctrl-C ends the command.
-    let child = std::process::Command::new(env!("CARGO_BIN_EXE_tristrip"))
+    let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_tristrip"))
         .args(["strip", "--json", "-m", "best", "--effort", "9", "-o"])
         .arg(&out)
         .arg(model("wingnut.ply"))
@@ -446,11 +446,14 @@ fn an_interrupt_ends_a_search_with_a_proven_result() {
         .stderr(std::process::Stdio::piped())
         .spawn()
         .unwrap();
-    std::thread::sleep(std::time::Duration::from_secs(1));
+    // The search begins after the line on the dual graph, and takes seconds.
+    let stages = BufReader::new(child.stderr.take().unwrap()).lines();
+    assert!(stages.map_while(Result::ok).any(|line| line.trim_start().starts_with("dual")));
+    std::thread::sleep(std::time::Duration::from_millis(500));
     let killed = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
     assert!(killed.success());
     let output = child.wait_with_output().unwrap();
-    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(output.status.code(), Some(0));
     let report: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!((&report["stopped"], &report["proven"]), (&"interrupt".into(), &true.into()));
     assert!(out.exists());

@@ -32,7 +32,6 @@ mod pieces;
 mod sequential;
 mod strips;
 
-use crate::cover::PathCover;
 use crate::dual::{DualGraph, FaceId};
 use crate::mesh::{Faces, Surface, Triangulation};
 use crate::strip::Cost;
@@ -175,28 +174,6 @@ impl Bound {
                 - repeats.min(components.len().saturating_sub(1)),
             components,
         }
-    }
-}
-
-/// Covers a graph of triangles by a maximum 2-matching, each of its cycles opened at one place: a start for searches in which few ends
-/// are where none need be.
-///
-/// Its paths less the number of cycles bound the strips from below, but for the pieces that [`Bound`] solves exactly. Joining the
-/// cycles to other paths is left to the search. Over polygons every face is a path by itself.
-///
-/// ```
-/// use tristrip::{DualGraph, Faces, stripify::bound::relaxed_cover};
-/// // A fan closed around a vertex is a cycle.
-/// let fan = (0..5).flat_map(|i| [0, 1 + i, 1 + (i + 1) % 5]).collect();
-/// let graph = DualGraph::new(&Faces::from_triangles(fan)?);
-/// assert_eq!(relaxed_cover(&graph).path_count(), 1);
-/// # Ok::<(), tristrip::Error>(())
-/// ```
-pub fn relaxed_cover(graph: &DualGraph) -> PathCover {
-    if graph.half_edge_count() == 3 * graph.face_count() {
-        strips::relaxed_cover(graph)
-    } else {
-        PathCover::isolated(graph.face_count())
     }
 }
 

@@ -97,6 +97,7 @@ fn cheapest_start<'a>(
     seed: u64,
 ) -> Plan<'a> {
     let mut best = sequential::plan(surface, graph);
+    let mut best_price = price(&best, cost);
     let mut offer = |plan: Plan<'a>| {
         // The strips alone often tell: swaps are at most one for each triangle inside a strip.
         let [strips, most_strips] = [&plan, &best].map(|plan| plan.cover.path_count());
@@ -104,8 +105,9 @@ fn cheapest_start<'a>(
             [prices(cost).strip, prices(cost).swap].map(|price| price.unsigned_abs() as usize);
         let inside = best.cover.len().saturating_sub(2 * most_strips);
         let is_dearer = cost != Cost::Degenerate && strip * strips > strip * most_strips + swap * inside;
-        if !is_dearer && price(&plan, cost) < price(&best, cost) {
-            best = plan;
+        let price = if is_dearer { best_price } else { price(&plan, cost) };
+        if price < best_price {
+            (best_price, best) = (price, plan);
         }
     };
     offer(input::plan(surface, graph));

@@ -21,8 +21,6 @@ use crate::dual::DualGraph;
 /// A dual graph in the order of a depth-first search, with its blocks.
 #[derive(Debug)]
 pub(super) struct Blocks {
-    /// The triangle of each node.
-    pub(super) faces: Vec<u32>,
     /// The neighbours of each node, each once, `NONE` behind the last.
     pub(super) neighbours: Vec<[u32; 3]>,
     /// The node from which the search came; `NONE` for the first of a component.
@@ -86,7 +84,7 @@ impl Blocks {
         for node in (0..n).rev() {
             next[node] = std::mem::replace(&mut lowest[root[node] as usize], node as u32);
         }
-        Self { faces, neighbours, parent, root, next }
+        Self { neighbours, parent, root, next }
     }
 
     /// Counts the nodes.

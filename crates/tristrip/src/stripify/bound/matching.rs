@@ -88,11 +88,6 @@ impl Matching {
         self.label[node as usize] != Label::Outside
     }
 
-    /// Gives the node that a node is matched with.
-    pub(super) fn mate(&self, node: u32) -> Option<u32> {
-        Some(self.mate[node as usize]).filter(|&mate| mate != NONE)
-    }
-
     /// Tells whether a node outside would be matched, too, if it were let in; for a block whose pairs are exact.
     pub(super) fn would_match(&self, blocks: &Blocks, node: u32) -> bool {
         blocks.inside(node).any(|other| self.label[other as usize] == Label::Even)

@@ -15,8 +15,7 @@ use super::blocks::Blocks;
 use super::matching::Matching;
 use super::pieces::Pieces;
 use super::{NONE, Proof};
-use crate::cover::PathCover;
-use crate::dual::{DualGraph, FaceId, HalfEdge};
+use crate::dual::DualGraph;
 
 /// How much work a bound may take.
 #[derive(Debug, Clone, Copy)]
@@ -172,68 +171,5 @@ impl<'a> Settled<'a> {
         let strips = matched.max((taken + ends).div_ceil(2)).max(1);
         let proof = if strips > matched { Proof::Pieces } else { Proof::Matching };
         Block { triangles: members.len(), strips, spares_one: matched + usize::from(rises) <= strips, proof }
-    }
-
-    /// Gives the neighbours to which a node stays linked when every node has two links at most.
-    fn kept(&self, node: u32) -> impl Iterator<Item = u32> {
-        let left_out = self.left_out(node);
-        let bridges = self.blocks.around(node).filter(move |&other| {
-            let (low, high) = (node.min(other), node.max(other));
-            self.blocks.root[low as usize] != self.blocks.root[high as usize] && self.joined[high as usize]
-        });
-        let inside = self
-            .blocks
-            .inside(node)
-            .filter(move |&other| Some(other) != left_out && self.left_out(other) != Some(node));
-        bridges.chain(inside)
-    }
-
-    /// Gives the neighbour in its block to which a node with an edge too many gives up its link.
-    fn left_out(&self, node: u32) -> Option<u32> {
-        if !self.matching.has(node) {
-            return None;
-        }
-        self.matching
-            .mate(node)
-            .or_else(|| self.blocks.inside(node).max_by_key(|&other| !self.matching.has(other)))
-    }
-}
-
-/// Links every triangle to two others at most, as many as can be; what closes is opened at one place.
-pub(super) fn relaxed_cover(graph: &DualGraph) -> PathCover {
-    let blocks = Blocks::new(graph);
-    let limits = Limits { whole: 0, states: 0, ..Limits::of(graph.face_count()) };
-    let mut settled = Settled::new(&blocks, limits);
-    settle(&mut settled);
-    let mut cover = PathCover::isolated(graph.face_count());
-    for node in 0..blocks.len() as u32 {
-        for other in settled.kept(node).filter(|&other| node < other) {
-            let to = FaceId(blocks.faces[other as usize]);
-            let leads_there = |h: &HalfEdge| graph.twin(*h).is_some_and(|twin| graph.face_of(twin) == to);
-            if let Some(half_edge) = graph.half_edges(FaceId(blocks.faces[node as usize])).find(leads_there) {
-                cover.link(graph, half_edge);
-            }
-        }
-    }
-    open_cycles(graph, &mut cover);
-    cover
-}
-
-/// Takes a link out of every closed path.
-fn open_cycles(graph: &DualGraph, cover: &mut PathCover) {
-    let faces = (0..cover.len() as u32).map(FaceId);
-    let mut seen = vec![false; cover.len()];
-    for face in faces.clone().filter(|&face| cover.degree(face) < 2) {
-        if !seen[face.0 as usize] {
-            cover.walk(graph, face).for_each(|(face, _, _)| seen[face.0 as usize] = true);
-        }
-    }
-    for face in faces {
-        if !seen[face.0 as usize] {
-            if let [Some(half_edge), _] = cover.edges(face) {
-                cover.cut(graph, half_edge);
-            }
-            cover.walk(graph, face).for_each(|(face, _, _)| seen[face.0 as usize] = true);
-        }
     }
 }

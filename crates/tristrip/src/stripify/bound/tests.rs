@@ -143,20 +143,6 @@ proptest! {
     }
 
     #[test]
-    fn relaxed_covers_are_covers(graph in graph(1..40)) {
-        let cover = relaxed_cover(&graph);
-        prop_assert_eq!(cover.check(&graph), Ok(()));
-        let least: usize = strips::bound(&graph).iter().map(|component| component.strips).sum();
-        prop_assert!(cover.path_count() >= least);
-    }
-
-    #[test]
-    fn relaxed_covers_of_trees_are_least(parents in prop::collection::vec(any::<prop::sample::Index>(), 0..40)) {
-        let graph = tree(&parents);
-        prop_assert_eq!(relaxed_cover(&graph).path_count(), strips::bound(&graph)[0].strips);
-    }
-
-    #[test]
     fn pieces_are_solved_exactly(
         graph in graph(1..12),
         nodes in prop::collection::vec((0..3_u8, any::<bool>()), 12),

@@ -19,6 +19,7 @@
 //! A sweep takes O(n) and, for each graft accepted, as many steps as there are to the nearer end of the path that it cuts.
 
 use super::paths::{NONE, Paths};
+use crate::stripify::random::Random;
 use crate::stripify::{Progress, Watch};
 
 /// Triangles in a block: those of which the ends stand in one word.
@@ -74,7 +75,7 @@ impl<'a> Annealer<'a> {
         let sweeps: u64 = phases.iter().map(|phase| u64::from(phase.sweeps + phase.last_sweeps())).sum();
         let step_limit = sweeps * triangle_count.div_ceil(BLOCK as usize) as u64;
         Self {
-            random: Random(seed),
+            random: Random::new(seed),
             watch,
             steps: 0,
             step_limit,
@@ -311,19 +312,6 @@ fn odds(temperature: f64) -> [u32; RISES] {
         *odds = (power * f64::from(u32::MAX)) as u32;
     }
     odds
-}
-
-/// Draws random numbers: `SplitMix64` of Steele, Lea and Flood.
-struct Random(u64);
-
-impl Random {
-    #[inline]
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ self.0 >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ z >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ z >> 31
-    }
 }
 
 #[cfg(test)]
