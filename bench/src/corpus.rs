@@ -19,7 +19,7 @@ pub const THREADS: [usize; 3] = [1, 2, 7];
 /// Models of more triangles are checked with one method of each family only.
 pub const LARGE: usize = 300_000;
 /// Models of more triangles are written with one method of each family only, unless all files are asked for.
-pub const MEDIUM: usize = 30_000;
+pub const MEDIUM: usize = 16_000;
 /// Models of at most so many triangles are written in every kind of file.
 pub const SMALL: usize = 8_000;
 
