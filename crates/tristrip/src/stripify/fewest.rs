@@ -77,6 +77,8 @@ const SEGMENT_LIMITS: (usize, usize) = (32, 4096);
 /// Triangles that count as a step when distances are found.
 const REACHED_PER_STEP: u64 = 64;
 
+/// Accesses to triangles in tunnels that take about as long as a step of a walk.
+const ACCESSES_PER_STEP: u64 = 64;
 /// Components of at most so many triangles are tunnelled first. In larger ones tunnels take longer than walks for the same.
 const TUNNEL_LIMIT: usize = 1 << 18;
 /// Steps for each four triangles of a component at effort 0; each level doubles them.
@@ -106,7 +108,7 @@ fn reduce(
     seed: u64,
     watch: &dyn Watch,
 ) {
-    let components = components::unfinished(graph, cover, floors);
+    let mut components = components::unfinished(graph, cover, floors);
     let budget = |triangle_count: usize| {
         LEAST_STEPS + ((STEPS_PER_FOUR_TRIANGLES * triangle_count as u64) << effort.level()) / 4
     };
@@ -119,16 +121,16 @@ fn reduce(
     };
     let search = |component: &mut Component| {
         let (first, floor) = (u64::from(component.first_triangle()), component.floor());
-        let budget = budget(component.triangle_count());
+        let mut budget = budget(component.triangle_count());
         let (graph, cover) = component.parts();
         if cover.len() <= TUNNEL_LIMIT {
-            let watch = UntilFloor { floor, tally: &tally, told: Mutex::new((0, cover.path_count())) };
+            let told = Mutex::new((0, cover.path_count()));
+            let watch = TunnelWatch { floor, budget, tally: &tally, told };
             tunnel::join(graph, cover, EtaOptions::default(), seed, &watch);
-            tally.go_on(0, watch.joins_untold(cover.path_count()));
+            budget -= watch.tell(None, cover.path_count()).0.min(budget);
         }
         Search::new(graph.twins(), cover, Random::new(seed ^ first << 32)).run(floor, budget, &tally);
     };
-    let mut components = components;
     #[cfg(feature = "rayon")]
     {
         use rayon::prelude::*;
@@ -163,27 +165,30 @@ impl Tally<'_> {
     }
 }
 
-/// Watches tunnelling in one component, which shall end at the floor.
-struct UntilFloor<'a> {
+/// Watches tunnelling in one component, which shall end at the floor, or when the budget is spent.
+struct TunnelWatch<'a> {
     floor: usize,
+    budget: u64,
     tally: &'a Tally<'a>,
     /// Steps and paths when the tally was told last.
     told: Mutex<(u64, usize)>,
 }
 
-impl UntilFloor<'_> {
-    /// Counts the joins that the tally does not know of.
-    fn joins_untold(&self, path_count: usize) -> usize {
-        self.told.lock().map_or(0, |told| told.1.saturating_sub(path_count))
+impl TunnelWatch<'_> {
+    /// Tells the tally what there is since last time. Gives the steps so far, and whether the search shall go on.
+    fn tell(&self, steps: Option<u64>, path_count: usize) -> (u64, bool) {
+        let Ok(mut told) = self.told.lock() else { return (0, false) };
+        let steps = steps.unwrap_or(told.0);
+        let goes_on = self.tally.go_on(steps - told.0, told.1.saturating_sub(path_count));
+        *told = (steps, path_count);
+        (steps, goes_on)
     }
 }
 
-impl Watch for UntilFloor<'_> {
+impl Watch for TunnelWatch<'_> {
     fn go_on(&self, progress: Progress) -> bool {
-        let Ok(mut told) = self.told.lock() else { return false };
-        let (steps, joins) = (progress.steps - told.0, told.1.saturating_sub(progress.strips));
-        *told = (progress.steps, progress.strips);
-        self.tally.go_on(steps, joins) && progress.strips > self.floor
+        let (steps, goes_on) = self.tell(Some(progress.steps / ACCESSES_PER_STEP), progress.strips);
+        goes_on && progress.strips > self.floor && steps < self.budget
     }
 }
 

@@ -156,6 +156,30 @@ fn stops_with_a_whole_cover_when_told_to() {
 }
 
 #[test]
+fn ends_when_the_effort_is_spent() {
+    struct Furthest(AtomicU64, AtomicU64);
+    impl Watch for Furthest {
+        fn go_on(&self, progress: Progress) -> bool {
+            self.0.fetch_max(progress.steps, Ordering::Relaxed);
+            self.1.store(progress.step_limit.unwrap(), Ordering::Relaxed);
+            true
+        }
+    }
+    let mesh = torus(40, 50);
+    let graph = DualGraph::new(mesh.faces());
+    let mut steps = Vec::new();
+    for level in [0, 4] {
+        let furthest = Furthest(AtomicU64::new(0), AtomicU64::new(0));
+        // No cover has no path, so that only the effort ends the search.
+        reduce(&graph, &mut PathCover::isolated(graph.face_count()), &[0], effort(level), 1, &furthest);
+        let (found, limit) = (furthest.0.into_inner(), furthest.1.into_inner());
+        assert!(found <= limit + limit / 4, "{found} of {limit} steps at level {level}");
+        steps.push(found);
+    }
+    assert!(steps[1] > 2 * steps[0], "{steps:?}");
+}
+
+#[test]
 fn is_the_same_for_any_number_of_components_beside() {
     // Two lattices in one mesh are covered as each of them alone, but for the seed, which the first triangle gives.
     let one = torus(12, 9);
