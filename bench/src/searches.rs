@@ -23,9 +23,7 @@ use crate::rivals::{Pipeline, strips_of};
 
 /// The costs that peers were measured by.
 pub const PEER_COSTS: [Cost; 3] = [Cost::Restart, Cost::OpenGl, Cost::Degenerate];
-/// Models on which `best` goes deep, each with its cost.
-pub const DEEP: [&str; 5] = ["cow_2904", "fandisk", "bunny", "horse", "dragon"];
-/// Models of polygons on which `best` goes deep for vertices.
+/// Models of polygons on which `best` also searches for vertices.
 pub const POLYGONS: [&str; 3] = ["skyscraper", "triceratops", "power_lines"];
 /// The model on which efforts are compared.
 pub const LADDER: &str = "bunny";
@@ -33,31 +31,33 @@ pub const LADDER: &str = "bunny";
 const LADDER_ROUNDS: usize = 3;
 /// Runs of less time than this are repeated.
 const SHORT: f64 = 0.3;
-/// Deep searches go less deep in models of more triangles.
-const LARGE: usize = 300_000;
-/// Above so many triangles by one level, which keeps them within the same seconds.
+/// Above so many triangles the effort of `best` is one level less, which keeps it within the same seconds,
 const MEDIUM: usize = 80_000;
+/// and above so many it is two.
+const LARGE: usize = 300_000;
 
 /// The efforts of a run.
 #[derive(Debug, Clone, Copy, Serialize)]
 pub struct Depth {
     /// Of `fewest`.
     pub fewest: u8,
-    /// Of `best` on every model.
-    pub modest: u8,
-    /// Of `best` on a few models.
-    pub deep: u8,
-    /// The same on large ones.
-    pub deep_large: u8,
+    /// Of `best` on models that are not large.
+    pub best: u8,
     /// Efforts that are compared.
     pub ladder: [u8; 4],
 }
 
 impl Depth {
-    /// For the tables: seconds for a model, a minute for the largest.
-    pub const FULL: Self = Self { fewest: 5, modest: 4, deep: 7, deep_large: 5, ladder: [1, 3, 5, 7] };
+    /// For the tables: seconds for a model, a quarter of a minute for the largest.
+    pub const FULL: Self = Self { fewest: 5, best: 7, ladder: [1, 3, 5, 7] };
     /// To see that everything works.
-    pub const SMOKE: Self = Self { fewest: 0, modest: 1, deep: 1, deep_large: 1, ladder: [0, 1, 1, 2] };
+    pub const SMOKE: Self = Self { fewest: 0, best: 1, ladder: [0, 1, 1, 2] };
+
+    /// The effort of `best` by the number of triangles.
+    fn best(self, triangles: usize) -> u8 {
+        let less = u8::from(triangles > MEDIUM) + u8::from(triangles > LARGE);
+        self.best.saturating_sub(less)
+    }
 }
 
 /// What a paper reports of a model.
@@ -114,10 +114,8 @@ pub struct Searched {
     pub eta: Option<Search>,
     /// What the paper says.
     pub published: Option<Published>,
-    /// `best` for each of [`PEER_COSTS`], at a modest effort.
-    pub modest: Vec<Search>,
-    /// The same at a higher effort, on [`DEEP`] models.
-    pub deep: Vec<Search>,
+    /// `best` for each of [`PEER_COSTS`].
+    pub best: Vec<Search>,
     /// `best` for vertices on polygons, on models of [`POLYGONS`].
     pub polygons: Option<Search>,
     /// `best` at rising efforts, on the model [`LADDER`].
@@ -173,18 +171,10 @@ pub fn search(
     };
     let count = mesh.faces().face_count();
     let name = source.name.as_str();
-    let best = |effort| {
-        let each = PEER_COSTS.map(|cost| run(&mesh, Named::search(Method::Best, effort, cost)));
-        each.into_iter().collect::<Result<Vec<_>, _>>()
-    };
-    let deep = match count {
-        _ if count > LARGE => depth.deep_large,
-        _ if count > MEDIUM => depth.deep.saturating_sub(1),
-        _ => depth.deep,
-    };
+    let best = PEER_COSTS.map(|cost| run(&mesh, Named::search(Method::Best, depth.best(count), cost)));
     let eta = Options::default().with_method(Method::Eta(EtaOptions::default()));
     let eta = published.map(|_| run(&mesh, Named { name: "eta".into(), options: eta })).transpose()?;
-    let vertices = Named::search(Method::Best, depth.deep, Cost::OpenGl);
+    let vertices = Named::search(Method::Best, depth.best(count), Cost::OpenGl);
     let polygons = polygons.filter(|_| POLYGONS.contains(&name));
     let surface = Surface::new(&mesh, false);
     let graph = DualGraph::new(surface.faces());
@@ -196,8 +186,7 @@ pub fn search(
         fewest: run(&mesh, Named::search(Method::Fewest, depth.fewest, Cost::Restart))?,
         eta,
         published: published.cloned(),
-        modest: best(depth.modest)?,
-        deep: if DEEP.contains(&name) { best(deep)? } else { Vec::new() },
+        best: best.into_iter().collect::<Result<Vec<_>, _>>()?,
         polygons: polygons.map(|mesh| run(&mesh, vertices)).transpose()?,
         ladder: if name == LADDER { ladder(&mesh, depth)? } else { Vec::new() },
         peers: peers.cloned(),
@@ -288,7 +277,7 @@ mod tests {
         let searched = search(&source, Depth::SMOKE, None, published().unwrap().get("goblet")).unwrap();
         assert!(searched.bound >= 1 && searched.bound <= searched.fewest.row.strips);
         assert!(searched.eta.is_some_and(|eta| eta.row.strips >= searched.bound));
-        assert_eq!(searched.modest.len(), PEER_COSTS.len());
-        assert!(searched.modest.iter().all(|s| s.row.proven && s.row.seconds > 0.0 && s.acmr_fifo_32 > 0.0));
+        assert_eq!(searched.best.len(), PEER_COSTS.len());
+        assert!(searched.best.iter().all(|s| s.row.proven && s.row.seconds > 0.0 && s.acmr_fifo_32 > 0.0));
     }
 }

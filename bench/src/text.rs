@@ -106,8 +106,8 @@ pub fn outcome(outcome: &Outcome) -> String {
 pub fn searched(searched: &Searched) -> String {
     let mut table =
         Table::new(1, &["search", "strips", "restart/T", "degenerate/T", "vertices_sent", "s", "bytes/T"]);
-    let all = [&searched.fewest].into_iter().chain(&searched.eta).chain(&searched.modest);
-    for search in all.chain(&searched.deep).chain(&searched.polygons).chain(&searched.ladder) {
+    let all = [&searched.fewest].into_iter().chain(&searched.eta).chain(&searched.best);
+    for search in all.chain(&searched.polygons).chain(&searched.ladder) {
         let row = &search.row;
         table.push(vec![
             row.method.clone(),

@@ -5,7 +5,7 @@ use tristrip::strip::Cost;
 use super::{Bar, ROUNDING, listed};
 use crate::measure::{Outcome, Row};
 use crate::methods::{BEST, COSTS, ETA, FEWEST};
-use crate::searches::{PEER_COSTS, Search, Searched, per_triangle};
+use crate::searches::{PEER_COSTS, Searched, per_triangle};
 
 /// Strips and seconds of `fewest`.
 const FEWEST_BARS: [(&str, usize, f64); 6] = [
@@ -111,7 +111,7 @@ fn best(searched: &[Searched]) -> Vec<Bar> {
     let mut bars = Vec::new();
     for (model, costs, seconds) in BEST_BARS {
         let Some(s) = named(searched, model) else { continue };
-        for ((cost, most), search) in PEER_COSTS.into_iter().zip(costs).zip(&s.deep) {
+        for ((cost, most), search) in PEER_COSTS.into_iter().zip(costs).zip(&s.best) {
             let found = per_triangle(&search.row, s.triangles, cost);
             let what = format!("best, {} a triangle, {model}", cost_name(cost));
             let found_text = format!("{found:.4}");
@@ -151,10 +151,10 @@ fn best(searched: &[Searched]) -> Vec<Bar> {
     bars
 }
 
-/// The geometric mean over the models of a cost of `best` at a modest effort by that of the best of all peers.
+/// The geometric mean over the models of a cost of `best` by that of the best of all peers.
 pub fn best_ratio(searched: &[Searched], at: usize) -> Option<f64> {
     let logarithm = |s: &Searched| {
-        let (ours, best) = s.pair(s.modest.get(at)?, PEER_COSTS[at])?;
+        let (ours, best) = s.pair(s.best.get(at)?, PEER_COSTS[at])?;
         Some((ours / best.best).ln())
     };
     let all: Vec<f64> = searched.iter().filter_map(logarithm).collect();
@@ -165,9 +165,7 @@ fn against_peers(searched: &[Searched]) -> Vec<Bar> {
     let mut bars = Vec::new();
     for (at, cost) in PEER_COSTS.into_iter().enumerate() {
         let of = |s: &Searched| {
-            // Where it went deeper, that counts.
-            let search: &Search = s.deep.get(at).or(s.modest.get(at))?;
-            let (ours, best) = s.pair(search, cost)?;
+            let (ours, best) = s.pair(s.best.get(at)?, cost)?;
             Some((s.model.clone(), ours, best.best))
         };
         let pairs: Vec<_> = searched.iter().filter_map(of).collect();
@@ -180,11 +178,7 @@ fn against_peers(searched: &[Searched]) -> Vec<Bar> {
             pairs.len(),
         ));
         if let Some(mean) = best_ratio(searched, at) {
-            let effort = searched.iter().find_map(|s| Some(s.modest.get(at)?.row.method.clone()));
-            let what = format!(
-                "{}, {name} cost by that of the best of all peers, geometric mean",
-                effort.unwrap_or_default()
-            );
+            let what = format!("best, {name} cost by that of the best of all peers, geometric mean");
             bars.push(Bar::at_most(what, MEAN, mean, 2));
         }
     }
@@ -214,10 +208,10 @@ fn memory(outcomes: &[Outcome], searched: &[Searched]) -> Vec<Bar> {
         let mut all = outcomes.iter().filter_map(|o| bytes(o.row(method)?, &o.model));
         bars.extend(bar(method, &mut all));
     }
-    let mut deep = searched.iter().flat_map(|s| {
-        let all = s.deep.iter().chain(&s.modest).chain(&s.eta).chain([&s.fewest]);
+    let mut longer = searched.iter().flat_map(|s| {
+        let all = s.best.iter().chain(&s.eta).chain([&s.fewest]);
         all.filter_map(|search| bytes(&search.row, &s.model)).collect::<Vec<_>>()
     });
-    bars.extend(bar("every longer search", &mut deep));
+    bars.extend(bar("every longer search", &mut longer));
     bars
 }

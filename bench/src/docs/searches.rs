@@ -21,27 +21,20 @@ pub(super) fn section(searched: &[Searched], depth: Depth) -> String {
         published(&sorted).markdown(),
         fewest(&sorted).markdown()
     );
-    let _ = writeln!(
-        out,
-        "## Cheapest indices\n\n`best` for each cost, a triangle, at effort {} (one less above 80,000 triangles, {} above 300,000), next to the best of all\n\
-         peers, also slow ones.\n\n{}",
-        depth.deep,
-        depth.deep_large,
-        deep(&sorted).markdown()
-    );
-    let _ = writeln!(out, "{}", ladder(&sorted).markdown());
-    let _ = writeln!(out, "{}", polygons(&sorted).markdown());
     let means = PEER_COSTS.into_iter().enumerate().filter_map(|(at, cost)| {
         let below = 100.0 * (1.0 - best_ratio(searched, at)?);
         Some(format!("{} {below:.1} %", name(cost)))
     });
     let _ = writeln!(
         out,
-        "At effort {}, below the best of all peers in the geometric mean: {}.\n\n{}",
-        depth.modest,
+        "## Cheapest indices\n\n`best` for each cost, indices or vertices a triangle, at effort {} (one less above 80,000 triangles, two above 300,000),\n\
+         next to the best of all peers, also slow ones. Below these in the geometric mean: {}.\n\n{}",
+        depth.best,
         means.collect::<Vec<_>>().join(", "),
-        modest(&sorted).markdown()
+        best(&sorted).markdown()
     );
+    let _ = writeln!(out, "{}", ladder(&sorted).markdown());
+    let _ = writeln!(out, "{}", polygons(&sorted).markdown());
     out
 }
 
@@ -124,29 +117,6 @@ fn fewest(searched: &[&Searched]) -> Table {
     table
 }
 
-fn deep(searched: &[&Searched]) -> Table {
-    let heads =
-        ["model", "cost", "peer", "effort", "best of all peers", "best", "strips", "swaps", "seconds"];
-    let mut table = Table::new(3, &heads);
-    for s in searched {
-        for (cost, search) in PEER_COSTS.into_iter().zip(&s.deep) {
-            let peer = s.pair(search, cost).map(|(_, best)| best);
-            table.push(vec![
-                s.model.clone(),
-                name(cost).into(),
-                peer.map_or("–".into(), |best| best.by.clone()),
-                search.row.method.split(' ').nth(1).unwrap_or_default().into(),
-                peer.map_or("–".into(), |best| format!("{:.4}", best.best)),
-                format!("{:.4}", per_triangle(&search.row, s.triangles, cost)),
-                search.row.strips.to_string(),
-                search.row.swaps.to_string(),
-                seconds(search),
-            ]);
-        }
-    }
-    table
-}
-
 fn ladder(searched: &[&Searched]) -> Table {
     let mut table =
         Table::new(2, &["model", "method", "restart/T", "seconds", "times meshoptimizer's strip pipeline"]);
@@ -181,18 +151,17 @@ fn polygons(searched: &[&Searched]) -> Table {
     table
 }
 
-fn modest(searched: &[&Searched]) -> Table {
+fn best(searched: &[&Searched]) -> Table {
     let heads =
-        ["model", "triangles", "restart", "peer", "opengl", "peer", "degenerate", "peer", "seconds each"];
+        ["model", "triangles", "restart", "peer", "s", "opengl", "peer", "s", "degenerate", "peer", "s"];
     let mut table = Table::new(1, &heads);
     for s in searched {
         let mut cells = vec![s.model.clone(), s.triangles.to_string()];
-        for (cost, search) in PEER_COSTS.into_iter().zip(&s.modest) {
+        for (cost, search) in PEER_COSTS.into_iter().zip(&s.best) {
             let peer = s.pair(search, cost).map_or("–".into(), |(_, best)| format!("{:.4}", best.best));
-            cells.extend([format!("{:.4}", per_triangle(&search.row, s.triangles, cost)), peer]);
+            let ours = per_triangle(&search.row, s.triangles, cost);
+            cells.extend([format!("{ours:.4}"), peer, format!("{:.2}", search.row.seconds)]);
         }
-        let mean = s.modest.iter().map(|m| m.row.seconds).sum::<f64>() / s.modest.len().max(1) as f64;
-        cells.push(format!("{mean:.3}"));
         table.push(cells);
     }
     table
