@@ -33,7 +33,7 @@ fn stages(criterion: &mut Criterion) {
         let surface = Surface::new(&mesh, false);
         let graph = DualGraph::new(surface.faces());
         let chosen = plan(&surface, &graph, &options).expect("options that make sense");
-        let strips = emit(&chosen.triangulation, &chosen.cover);
+        let strips = chosen.strips();
         assert_eq!(graph.check(), Ok(()));
         assert_eq!(chosen.cover.check(chosen.triangulation.graph()), Ok(()));
         assert!(verify(&mesh, &strips).is_ok());
@@ -57,7 +57,7 @@ fn searches(criterion: &mut Criterion) {
     for (method, effort) in [(Method::Best, 1), (Method::Fewest, 0)] {
         let Named { name, options } = Named::search(method, effort, Cost::Restart);
         let chosen = plan(&surface, &graph, &options).expect("options that make sense");
-        assert!(verify(&mesh, &emit(&chosen.triangulation, &chosen.cover)).is_ok());
+        assert!(verify(&mesh, &chosen.strips()).is_ok());
         group.bench_function(name, |b| b.iter(|| plan(black_box(&surface), &graph, &options)));
     }
     group.finish();

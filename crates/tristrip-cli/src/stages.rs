@@ -68,7 +68,7 @@ pub(crate) fn find_strips(
 ) -> Result<Found, Failure> {
     let found = pool.map(parts, |part| {
         let (method, plan) = stripify::choose_watched(&part.surface, &part.graph, options, watch)?;
-        Ok((strip::emit(&plan.triangulation, &plan.cover), method))
+        Ok((plan.strips(), method))
     });
     let (strips, chosen) = found.into_iter().collect::<Result<Vec<_>, Failure>>()?.into_iter().unzip();
     Ok(Found { strips, chosen })

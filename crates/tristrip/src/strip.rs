@@ -14,7 +14,7 @@ pub mod vertex_buffer;
 
 pub use cost::{Cost, Metrics};
 pub(crate) use emit::{Step, cover_cost};
-pub use emit::{emit, path_cost};
+pub use emit::{emit, emit_in_order, path_cost};
 pub use layout::Layout;
 pub use verify::{Proof, Unproven, verify, verify_drawing};
 pub use verify_models::{Difference, verify_models};
@@ -36,6 +36,8 @@ pub struct Strips {
     vertices: Vec<u32>,
     /// End of each strip within `vertices`.
     ends: Vec<u32>,
+    /// Whether the strips are worth something in this order: see [`Strips::with_kept_order`].
+    keeps_order: bool,
 }
 
 impl Strips {
@@ -52,7 +54,32 @@ impl Strips {
             }
             .into());
         }
-        Ok(Self { vertices, ends })
+        Ok(Self { vertices, ends, keeps_order: false })
+    }
+
+    /// Says that order and direction of the strips are chosen, as for a vertex buffer, so that joining them keeps both.
+    ///
+    /// ```
+    /// let mut strips = tristrip::Strips::default();
+    /// strips.push(&[0, 1, 2, 3]);
+    /// strips.push(&[4, 5, 6]);
+    /// strips.push(&[7, 8, 4, 3]);
+    /// let joined = strips.with_kept_order().to_degenerate();
+    /// assert_eq!(joined, [0, 1, 2, 3, 3, 4, 4, 5, 6, 6, 7, 7, 8, 4, 3]);
+    /// ```
+    #[must_use]
+    pub fn with_kept_order(mut self) -> Self {
+        self.keeps_order = true;
+        self
+    }
+
+    /// Makes room for vertices and strips.
+    pub(crate) fn with_capacity(vertex_count: usize, strip_count: usize) -> Self {
+        Self {
+            vertices: Vec::with_capacity(vertex_count),
+            ends: Vec::with_capacity(strip_count),
+            keeps_order: false,
+        }
     }
 
     /// Adds a strip at the end.

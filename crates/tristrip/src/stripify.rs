@@ -4,6 +4,7 @@
 //! method chose is a [`Plan`]; one emitter makes the strips of it.
 
 pub mod bound;
+mod cache;
 mod fewest;
 pub mod input;
 pub(crate) mod random;
@@ -15,10 +16,11 @@ pub mod tunnel;
 pub mod watch;
 
 use crate::cover::PathCover;
-use crate::dual::DualGraph;
+use crate::dual::{DualGraph, FaceId};
 use crate::error::Error;
 use crate::mesh::{Mesh, Surface, Triangulation};
-use crate::strip::{Cost, Strips, cover_cost, emit};
+use crate::strip::{Buffer, Cost, Metrics, Strips, cover_cost, emit, emit_in_order};
+pub use cache::Prefer;
 pub use tunnel::{EtaOptions, Start};
 pub use watch::{Progress, Watch};
 
@@ -35,6 +37,8 @@ pub enum Method {
     Best,
     /// Ours: as few strips as can be found, whatever the swaps.
     Fewest,
+    /// Ours: strips in an order that respects a vertex buffer, grown along the border of what is drawn.
+    Cache,
     /// The input's own order.
     Input,
     /// The SGI algorithm: least adjacency, one level of look-ahead.
@@ -113,6 +117,8 @@ pub struct Options {
     seed: u64,
     cost: Cost,
     effort: Option<Effort>,
+    buffer: Buffer,
+    prefer: Prefer,
 }
 
 /// How long a search goes on, from 0 to 9. It counts steps, never seconds, so that the result is the same on any machine.
@@ -180,6 +186,20 @@ impl Options {
         self
     }
 
+    /// Sets the vertex buffer that [`Method::Cache`] respects.
+    #[must_use]
+    pub fn with_buffer(mut self, buffer: Buffer) -> Self {
+        self.buffer = buffer;
+        self
+    }
+
+    /// Sets what [`Method::Cache`] prefers where indices and misses are at odds.
+    #[must_use]
+    pub fn with_prefer(mut self, prefer: Prefer) -> Self {
+        self.prefer = prefer;
+        self
+    }
+
     /// Gives the method.
     pub fn method(&self) -> Method {
         self.method
@@ -200,9 +220,20 @@ impl Options {
         self.cost
     }
 
+    /// Gives the vertex buffer that strips shall respect.
+    pub fn buffer(&self) -> Buffer {
+        self.buffer
+    }
+
+    /// Gives what is preferred where indices and misses are at odds.
+    pub fn prefer(&self) -> Prefer {
+        self.prefer
+    }
+
     /// Gives how long searches go on.
     pub fn effort(&self) -> Effort {
-        let usual = if self.method == Method::Auto { AUTO_EFFORT } else { Effort::default() };
+        let usual =
+            if matches!(self.method, Method::Auto | Method::Cache) { AUTO_EFFORT } else { Effort::default() };
         self.effort.unwrap_or(usual)
     }
 }
@@ -214,10 +245,25 @@ pub struct Plan<'a> {
     pub triangulation: Triangulation<'a>,
     /// The paths over them.
     pub cover: PathCover,
+    /// The triangle with which each path begins, the paths as they are drawn; `None` leaves order and direction to the emitter.
+    pub order: Option<Vec<FaceId>>,
 }
 
-impl Plan<'_> {
-    /// Counts the indices of the strips with restarts between them, as [`emit()`] will send them.
+impl<'a> Plan<'a> {
+    /// Leaves the paths' order and direction to the emitter.
+    pub fn new(triangulation: Triangulation<'a>, cover: PathCover) -> Self {
+        Self { triangulation, cover, order: None }
+    }
+
+    /// Makes the strips.
+    pub fn strips(&self) -> Strips {
+        match &self.order {
+            Some(order) => emit_in_order(&self.triangulation, &self.cover, order),
+            None => emit(&self.triangulation, &self.cover),
+        }
+    }
+
+    /// Counts the indices of the strips with restarts between them, as [`Plan::strips`] sends them.
     ///
     /// ```
     /// use tristrip::{DualGraph, Faces, Mesh, Options, Surface, stripify::plan};
@@ -228,7 +274,10 @@ impl Plan<'_> {
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     pub fn indices_restart(&self) -> usize {
-        cover_cost(self.triangulation.graph(), &self.cover).saturating_sub(1)
+        match &self.order {
+            Some(_) => Metrics::of(&self.strips()).indices_restart,
+            None => cover_cost(self.triangulation.graph(), &self.cover).saturating_sub(1),
+        }
     }
 }
 
@@ -250,7 +299,7 @@ pub fn stripify(mesh: &Mesh, options: &Options) -> Result<Strips, Error> {
     let surface = Surface::new(mesh, options.weld);
     let graph = DualGraph::new(surface.faces());
     let plan = plan(&surface, &graph, options)?;
-    Ok(emit(&plan.triangulation, &plan.cover))
+    Ok(plan.strips())
 }
 
 /// Lets a method choose: the stage between the dual graph and the strips.
@@ -327,6 +376,7 @@ pub fn choose_watched<'a>(
             refine::plan(surface, graph, options.cost, options.effort(), options.seed, watch)
         }
         Method::Fewest => fewest::plan(surface, graph, options.effort(), options.seed, watch),
+        Method::Cache => cache::plan(surface, graph, options, watch),
         Method::Input => input::plan(surface, graph),
         Method::Sgi => sgi::plan(surface, graph),
         Method::StripeLocal { triangulation, ties } => {

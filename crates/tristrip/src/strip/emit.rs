@@ -41,10 +41,7 @@ const OPEN: u32 = 3;
 /// ```
 pub fn emit(triangulation: &Triangulation<'_>, cover: &PathCover) -> Strips {
     let (triangles, twins) = (triangulation.triangles(), triangulation.graph().twins());
-    let mut strips = Strips {
-        vertices: Vec::with_capacity(cover.len() + cover.len() / 3),
-        ends: Vec::with_capacity(cover.path_count()),
-    };
+    let mut strips = Strips::with_capacity(cover.len() + cover.len() / 3, cover.path_count());
     let mut seen = vec![false; cover.len()];
     let (mut back, mut ahead, mut path) = (Vec::new(), Vec::new(), Vec::new());
     for lowest in 0..cover.len() as u32 {
@@ -74,6 +71,43 @@ pub fn emit(triangulation: &Triangulation<'_>, cover: &PathCover) -> Strips {
         strips.ends.push(strips.vertices.len() as u32);
     }
     strips
+}
+
+/// Turns paths into strips in an order that the caller chose: each path from the end `order` names, the paths as they come there.
+///
+/// Their order is [kept](Strips::with_kept_order). Paths that `order` does not name are not drawn. A path whose first turn is dear in that direction pays for it.
+///
+/// ```
+/// use tristrip::{DualGraph, FaceId, Faces, HalfEdge, Mesh, PathCover, Surface, mesh::Triangulation, strip::emit_in_order};
+/// let faces = Faces::from_triangles(vec![0, 1, 2, 2, 1, 3, 4, 5, 6])?;
+/// let mesh = Mesh::new(vec![[0.0; 3]; 7], faces)?;
+/// let surface = Surface::new(&mesh, false);
+/// let graph = DualGraph::new(surface.faces());
+/// let triangulation = Triangulation::fan(&surface, &graph);
+/// let mut cover = PathCover::isolated(3);
+/// cover.join(&graph, HalfEdge(1));
+/// let strips = emit_in_order(&triangulation, &cover, &[FaceId(2), FaceId(1)]);
+/// assert_eq!(strips.vertices(), [6, 4, 5, 3, 2, 1, 0]);
+/// # Ok::<(), tristrip::Error>(())
+/// ```
+pub fn emit_in_order(triangulation: &Triangulation<'_>, cover: &PathCover, order: &[FaceId]) -> Strips {
+    let (triangles, graph) = (triangulation.triangles(), triangulation.graph());
+    let mut strips = Strips::with_capacity(cover.len() + cover.len() / 3, order.len());
+    for &start in order {
+        send(triangles, steps(graph, cover, start), &mut strips.vertices);
+        strips.ends.push(strips.vertices.len() as u32);
+    }
+    strips.with_kept_order()
+}
+
+/// Walks along a path from one of its ends.
+fn steps<'a>(graph: &'a DualGraph, cover: &'a PathCover, start: FaceId) -> impl Iterator<Item = Step> + 'a {
+    let edge = |h: Option<HalfEdge>| h.map_or(OPEN, |h| h.0 % 3);
+    cover.walk(graph, start).map(move |(face, entry, exit)| Step {
+        triangle: face.0,
+        entry: edge(entry),
+        exit: edge(exit),
+    })
 }
 
 /// A triangle of a path and the edges (0–2) over which the path enters and leaves it, `OPEN` at its ends.
@@ -171,11 +205,7 @@ fn send(triangles: &[u32], path: impl Iterator<Item = Step>, out: &mut Vec<u32>)
 
 /// Counts the vertices that the path from `start` costs, as [`emit`] will send it: for methods that weigh alternatives.
 pub fn path_cost(graph: &DualGraph, cover: &PathCover, start: FaceId) -> usize {
-    let edge = |h: Option<HalfEdge>| h.map_or(OPEN, |h| h.0 % 3);
-    let path: Vec<Step> = cover
-        .walk(graph, start)
-        .map(|(face, entry, exit)| Step { triangle: face.0, entry: edge(entry), exit: edge(exit) })
-        .collect();
+    let path: Vec<Step> = steps(graph, cover, start).collect();
     path.len() + 2 + swaps_inside(&path) + swaps_at_start(&path).min(swaps_at_start_reversed(&path))
 }
 

@@ -66,13 +66,17 @@ impl Way<'_> {
 
 /// Gives the strips of at least a triangle in an order, and ways of them, that need little between them.
 pub(super) fn order(strips: &Strips) -> Vec<Way<'_>> {
-    let mut ways: Vec<Way<'_>> =
-        strips.iter().filter(|strip| strip.len() >= 3).map(without_repeats).collect();
+    let mut ways: Vec<Way<'_>> = in_order(strips).collect();
     let mut edges = Edges::new(&mut ways);
     edges.add_bridges(ways.len());
     let trails = edges.trails(ways.len());
     let places = trails.into_iter().flatten();
     places.map(|end| Way { reversed: end % 2 == 1, ..ways[end as usize / 2] }).collect()
+}
+
+/// Gives the strips of at least a triangle as they stand.
+pub(super) fn in_order(strips: &Strips) -> impl Iterator<Item = Way<'_>> {
+    strips.iter().filter(|strip| strip.len() >= 3).map(without_repeats)
 }
 
 /// Leaves out the repeats at the start of a strip, of which a place of the other parity takes the place.

@@ -43,7 +43,8 @@ impl Strips {
     ///
     /// A join repeats the last vertex and the next strip's first one, and once more where the next strip would begin at an odd
     /// place; but nothing where the next strip begins with the vertex that was sent last. So the strips are taken in an order
-    /// in which as many do as can be, from their first vertex or from their last.
+    /// in which as many do as can be, from their first vertex or from their last; but as they stand where their order is
+    /// [kept](Strips::with_kept_order).
     ///
     /// ```
     /// let mut strips = tristrip::Strips::default();
@@ -54,9 +55,8 @@ impl Strips {
     /// ```
     pub fn to_degenerate(&self) -> Vec<u32> {
         let mut out: Vec<u32> = Vec::with_capacity(self.vertices_sent() + 3 * self.len());
-        for way in joiner::order(self) {
-            way.join_to(&mut out);
-        }
+        let ways = if self.keeps_order { joiner::in_order(self).collect() } else { joiner::order(self) };
+        ways.into_iter().for_each(|way| way.join_to(&mut out));
         out
     }
 

@@ -93,10 +93,10 @@ pub(super) fn plan<'a>(
     seed: u64,
     watch: &dyn Watch,
 ) -> Plan<'a> {
-    let Plan { triangulation, mut cover } = sequential::plan(surface, graph);
+    let Plan { triangulation, mut cover, .. } = sequential::plan(surface, graph);
     let floors = least_strips(triangulation.graph());
     reduce(triangulation.graph(), &mut cover, &floors, effort, seed, watch);
-    Plan { triangulation, cover }
+    Plan::new(triangulation, cover)
 }
 
 /// Joins paths until no component has more than its floor, or the effort is spent.

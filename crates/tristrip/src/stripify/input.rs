@@ -15,7 +15,7 @@ use crate::mesh::{Surface, Triangulation};
 pub(super) fn plan<'a>(surface: &'a Surface<'_>, graph: &'a DualGraph) -> Plan<'a> {
     let triangulation = Triangulation::fan(surface, graph);
     let cover = cover(triangulation.graph());
-    Plan { triangulation, cover }
+    Plan::new(triangulation, cover)
 }
 
 fn cover(graph: &DualGraph) -> PathCover {
@@ -34,7 +34,7 @@ fn cover(graph: &DualGraph) -> PathCover {
 mod tests {
     use super::*;
     use crate::mesh::{Faces, Mesh};
-    use crate::strip::{Strips, emit};
+    use crate::strip::Strips;
     use proptest::prelude::*;
 
     proptest! {
@@ -55,7 +55,7 @@ mod tests {
             let graph = DualGraph::new(surface.faces());
             let plan = plan(&surface, &graph);
             prop_assert_eq!(plan.cover.check(plan.triangulation.graph()), Ok(()));
-            let again = emit(&plan.triangulation, &plan.cover);
+            let again = plan.strips();
             let cost = |s: &Strips| s.vertices_sent() + s.len();
             prop_assert!(cost(&again) <= cost(&strips));
         }

@@ -38,7 +38,7 @@ mod tests;
 use super::{Effort, Patches, Plan, Watch, input, sequential, stripe};
 use crate::dual::DualGraph;
 use crate::mesh::Surface;
-use crate::strip::{Cost, cover_cost, emit};
+use crate::strip::{Cost, cover_cost};
 use anneal::{Annealer, Phase};
 use paths::{Paths, Prices, TRIANGLE_LIMIT};
 
@@ -132,7 +132,7 @@ fn price(plan: &Plan<'_>, cost: Cost) -> usize {
 
 /// Counts the indices of a plan's strips joined by degenerate triangles.
 fn joined(plan: &Plan<'_>) -> usize {
-    emit(&plan.triangulation, &plan.cover).to_degenerate().len()
+    plan.strips().to_degenerate().len()
 }
 
 /// What a strip and a swap cost beyond one index a triangle. Joining strips by degenerate triangles costs one index or two, as

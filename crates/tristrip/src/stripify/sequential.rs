@@ -125,11 +125,11 @@ const OTHERS_FOR_POLYGONS: [Manner; 2] =
 pub(super) fn plan<'a>(surface: &'a Surface<'_>, graph: &'a DualGraph) -> Plan<'a> {
     if let Some(triangulation) = Triangulation::of_triangles(surface, graph) {
         let (_, cover) = cover(|| graph, strip_triangles(graph));
-        return Plan { triangulation, cover };
+        return Plan::new(triangulation, cover);
     }
     let fresh = || Polygons::new(surface.faces(), graph);
     let (polygons, cover) = cover(fresh, strip(fresh(), USUAL));
-    Plan { triangulation: polygons.into_triangulation(), cover }
+    Plan::new(polygons.into_triangulation(), cover)
 }
 
 /// Covers triangles in the usual manner, the components in parallel where that is worth it.

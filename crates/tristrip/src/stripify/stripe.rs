@@ -76,7 +76,7 @@ pub(super) fn plan_local<'a>(
     if triangulation == FaceTriangulation::Static || faces.as_triangles().is_some() {
         let triangulation = Triangulation::zigzag(surface, graph);
         let cover = cover(triangulation.graph(), rule, seed);
-        return Plan { triangulation, cover };
+        return Plan::new(triangulation, cover);
     }
     let mut weaver = Weaver::new(faces, graph);
     let pieces = Pieces::new(graph, triangulation == FaceTriangulation::Partial);
@@ -103,7 +103,7 @@ pub(super) fn plan_global<'a>(
     if faces.as_triangles().is_some() {
         let triangulation = Triangulation::zigzag(surface, graph);
         let cover = cover(graph, Rule::Reluctant, seed);
-        return Ok(Plan { triangulation, cover });
+        return Ok(Plan::new(triangulation, cover));
     }
     let mut weaver = Weaver::new(faces, graph);
     let mut walker = Walker::new(Pieces::new(graph, true), Rule::Reluctant, seed);

@@ -155,7 +155,7 @@ pub(super) fn join(
 fn isolated<'a>(surface: &'a Surface<'_>, graph: &'a DualGraph) -> Plan<'a> {
     let triangulation = Triangulation::fan(surface, graph);
     let cover = PathCover::isolated(triangulation.triangle_count());
-    Plan { triangulation, cover }
+    Plan::new(triangulation, cover)
 }
 
 /// How a search from a terminal ended.

@@ -4,7 +4,7 @@ use super::frontier::{Node, least_ends};
 use super::strips::{Limits, bound_within};
 use super::*;
 use crate::mesh::Mesh;
-use crate::strip::{Metrics, emit};
+use crate::strip::Metrics;
 use crate::stripify::{Method, Options, plan};
 
 /// Draws a dual graph of up to so many triangles: half-edges paired at random, some of them not, and some triangles with two or
@@ -252,7 +252,7 @@ proptest! {
         for method in [Method::Auto, Method::Sequential, Method::Input, Method::Sgi, Method::STRIPE] {
             let options = Options::default().with_method(method);
             let plan = plan(&surface, &graph, &options).unwrap();
-            let metrics = Metrics::of(&emit(&plan.triangulation, &plan.cover));
+            let metrics = Metrics::of(&plan.strips());
             prop_assert!(bound.strips <= metrics.strips);
             for cost in [Cost::Restart, Cost::OpenGl, Cost::Degenerate, Cost::Gl] {
                 prop_assert!(bound.of(cost) <= cost.of(&metrics), "{method:?} {cost:?}: {bound:?} {metrics:?}");
@@ -272,7 +272,7 @@ proptest! {
         for method in [Method::Auto, Method::Sequential, Method::Sgi, Method::STRIPE] {
             let options = Options::default().with_method(method);
             let plan = plan(&surface, &graph, &options).unwrap();
-            let metrics = Metrics::of(&emit(&plan.triangulation, &plan.cover));
+            let metrics = Metrics::of(&plan.strips());
             prop_assert!(bound.strips <= metrics.strips);
             for cost in [Cost::Restart, Cost::OpenGl, Cost::Degenerate, Cost::Gl] {
                 prop_assert!(bound.of(cost) <= cost.of(&metrics), "{method:?} {cost:?}: {bound:?} {metrics:?}");

@@ -339,7 +339,7 @@ impl Paths {
                 Triangulation::from_parts(corners.to_vec(), DualGraph::from_triangle_twins(twins))
             }
         };
-        Plan { triangulation, cover: self.to_cover() }
+        Plan::new(triangulation, self.to_cover())
     }
 
     /// The paths as a cover.

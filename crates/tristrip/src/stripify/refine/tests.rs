@@ -8,7 +8,7 @@ use super::{Annealer, Phase};
 use crate::cover::PathCover;
 use crate::dual::{DualGraph, HalfEdge};
 use crate::mesh::{Faces, Surface, Triangulation};
-use crate::strip::{Cost, Metrics, cover_cost, emit, verify};
+use crate::strip::{Cost, Metrics, cover_cost, verify};
 use crate::stripify::sequential::tests::{mesh, polygons};
 use crate::stripify::{Effort, Method, Options, Progress, Watch, plan};
 
@@ -136,7 +136,7 @@ proptest! {
         Annealer::new(seed, &(), &[phase], cover.len(), cover.len()).run(&mut paths, phase);
         check_paths(&paths, &surface, &start)?;
         let plan = paths.to_plan(&start);
-        let strips = emit(&plan.triangulation, &plan.cover);
+        let strips = plan.strips();
         prop_assert!(verify(&mesh, &strips).is_ok(), "{:?}", verify(&mesh, &strips));
     }
 
@@ -149,7 +149,7 @@ proptest! {
             let options = Options::default().with_cost(cost).with_seed(seed).with_effort(Effort::new(2).unwrap());
             let found = |method| {
                 let plan = plan(&surface, &graph, &options.with_method(method)).unwrap();
-                emit(&plan.triangulation, &plan.cover)
+                plan.strips()
             };
             let best = found(Method::Best);
             prop_assert!(verify(&mesh, &best).is_ok(), "{:?}", verify(&mesh, &best));
@@ -183,7 +183,7 @@ fn diagonals_turn_around_and_back() {
             paths.turn_diagonal(diagonal);
             check_paths(&paths, &surface, &start).unwrap();
             let plan = paths.to_plan(&start);
-            assert!(verify(&mesh, &emit(&plan.triangulation, &plan.cover)).is_ok());
+            assert!(verify(&mesh, &plan.strips()).is_ok());
             let again =
                 DualGraph::new(&Faces::from_triangles(plan.triangulation.triangles().to_vec()).unwrap());
             assert_eq!(plan.triangulation.graph(), &again);

@@ -7,7 +7,7 @@ use super::{Peeled, Peeler, STRIP, USUAL, exchange};
 use crate::cover::PathCover;
 use crate::dual::{DualGraph, FaceId};
 use crate::mesh::{Faces, Mesh, Surface};
-use crate::strip::{cover_cost, emit, path_cost, verify};
+use crate::strip::{cover_cost, path_cost, verify};
 
 /// A component of a generated mesh.
 #[derive(Debug, Clone)]
@@ -221,7 +221,7 @@ fn check_whole(polygons: &[Vec<u32>]) -> Result<(), TestCaseError> {
     let plan = super::plan(&surface, &graph);
     prop_assert_eq!(plan.triangulation.graph().check(), Ok(()));
     prop_assert_eq!(plan.cover.check(plan.triangulation.graph()), Ok(()));
-    let strips = emit(&plan.triangulation, &plan.cover);
+    let strips = plan.strips();
     prop_assert!(verify(&mesh, &strips).is_ok(), "{:?}", verify(&mesh, &strips));
     prop_assert_eq!(
         strips.vertices_sent() + strips.len(),

@@ -5,7 +5,7 @@ use super::pieces::Pieces;
 use super::weave::{Sink, Step, Weaver};
 use crate::dual::DualGraph;
 use crate::mesh::{Faces, Mesh, Surface};
-use crate::strip::{Metrics, Strips, emit, verify};
+use crate::strip::{Metrics, Strips, verify};
 use crate::stripify::{FaceTriangulation, Method, Options, Patches, Ties, plan};
 use proptest::prelude::*;
 
@@ -30,7 +30,7 @@ fn strips(mesh: &Mesh, method: Method, seed: u64) -> Strips {
     let options = Options::default().with_method(method).with_seed(seed);
     let plan = plan(&surface, &graph, &options).unwrap();
     assert_eq!(plan.cover.check(plan.triangulation.graph()), Ok(()), "{method:?}");
-    let strips = emit(&plan.triangulation, &plan.cover);
+    let strips = plan.strips();
     assert_eq!(strips.len(), plan.cover.path_count());
     if let Err(error) = verify(mesh, &strips) {
         panic!("{method:?}: {error}");
@@ -238,6 +238,6 @@ proptest! {
         Walker::new(Pieces::new(&graph, false), Rule::Adjacency(TIES[ties]), 3).run(&mut sink);
         let Priced(weaver, promised) = sink;
         let plan = weaver.finish();
-        prop_assert_eq!(Metrics::of(&emit(&plan.triangulation, &plan.cover)).swaps, promised);
+        prop_assert_eq!(Metrics::of(&plan.strips()).swaps, promised);
     }
 }

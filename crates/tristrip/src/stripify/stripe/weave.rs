@@ -191,7 +191,7 @@ impl<'a> Weaver<'a> {
         self.linked.into_iter().for_each(|half_edge| {
             cover.link(graph, HalfEdge(half_edge));
         });
-        Plan { triangulation, cover }
+        Plan::new(triangulation, cover)
     }
 }
 

@@ -10,7 +10,7 @@ use super::{EtaOptions, Repairer, Searched, Start, Tally, baseline, eta};
 use crate::cover::PathCover;
 use crate::dual::{DualGraph, FaceId, HalfEdge};
 use crate::mesh::Surface;
-use crate::strip::{emit, verify};
+use crate::strip::verify;
 use crate::stripify::sequential::tests::{mesh, polygons, triangle_graph};
 use crate::stripify::watch::{Progress, Watch};
 use crate::stripify::{Effort, Method, Options, plan};
@@ -208,7 +208,7 @@ proptest! {
         let starts = [Start::Isolated, Start::Sgi, Start::Sequential].map(|start| Method::Eta(eta.with_start(start)));
         for method in starts.into_iter().chain([Method::Tunnel { length }]) {
             let plan = plan(&surface, &graph, &Options::default().with_method(method).with_seed(seed)).unwrap();
-            let strips = emit(&plan.triangulation, &plan.cover);
+            let strips = plan.strips();
             prop_assert!(verify(&mesh, &strips).is_ok(), "{:?}", method);
         }
     }

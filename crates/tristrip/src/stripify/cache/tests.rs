@@ -1,0 +1,169 @@
+//! Tests over generated meshes of many kinds: what is grown, what trials leave behind, and what a person can check by hand.
+
+use proptest::prelude::*;
+
+use super::border::Border;
+use super::buffers::FifoTrial;
+use super::{BALANCED, FEW_MISSES, Growth, Guide, Prefer, Weights};
+use crate::dual::DualGraph;
+use crate::mesh::{Faces, Mesh, Surface, Triangulation};
+use crate::strip::Strips;
+use crate::strip::{Between, Buffer, BufferUse, Metrics, verify};
+use crate::stripify::sequential::tests::{mesh, polygons};
+use crate::stripify::{Effort, Method, Options, Progress, Watch, plan, sequential};
+
+const PREFERENCES: [Prefer; 3] = [Prefer::Indices, Prefer::Balanced, Prefer::Misses];
+
+fn options(prefer: Prefer, buffer: Buffer) -> Options {
+    Options::default().with_method(Method::Cache).with_prefer(prefer).with_buffer(buffer)
+}
+
+/// A sheet of `columns` × `rows` squares, each cut in two the same way, its triangles in scattered order.
+fn sheet(columns: u32, rows: u32) -> Mesh {
+    let vertex = |x: u32, y: u32| y * (columns + 1) + x;
+    let squares = (0..rows).flat_map(|y| (0..columns).map(move |x| (x, y)));
+    let mut triangles: Vec<[u32; 3]> = squares
+        .flat_map(|(x, y)| {
+            let [a, b, c, d] = [(x, y), (x + 1, y), (x + 1, y + 1), (x, y + 1)].map(|(x, y)| vertex(x, y));
+            [[a, b, c], [a, c, d]]
+        })
+        .collect();
+    triangles.sort_by_key(|t| u64::from(t[0] + 7 * t[2]) * 0x9E37_79B9 % 65_521);
+    let count = (columns + 1) * (rows + 1);
+    Mesh::new(vec![[0.0; 3]; count as usize], Faces::from_triangles(triangles.concat()).unwrap()).unwrap()
+}
+
+fn strips(mesh: &Mesh, options: &Options) -> Strips {
+    let surface = Surface::new(mesh, false);
+    let graph = DualGraph::new(surface.faces());
+    plan(&surface, &graph, options).unwrap().strips()
+}
+
+/// Strips as the border prices them: a swap's vertex sent again after the vertex before which it stands.
+fn priced(strips: &Strips) -> Strips {
+    let mut priced = Strips::default();
+    for strip in strips.iter() {
+        let mut strip = strip.to_vec();
+        let swaps: Vec<usize> = (2..strip.len()).filter(|&i| strip[i] == strip[i - 2]).collect();
+        swaps.into_iter().for_each(|i| strip.swap(i, i + 1));
+        priced.push(&strip);
+    }
+    priced
+}
+
+proptest! {
+    #[test]
+    fn every_preference_covers_every_mesh(
+        polygons in polygons(false, 1..8),
+        places in 1..40_u32,
+        is_lru in any::<bool>(),
+        effort in 0..5_u8,
+    ) {
+        let mesh = mesh(&polygons);
+        let surface = Surface::new(&mesh, false);
+        let graph = DualGraph::new(surface.faces());
+        let buffer = if is_lru { Buffer::lru(places) } else { Buffer::fifo(places) };
+        for prefer in PREFERENCES {
+            let options = options(prefer, buffer).with_effort(Effort::new(effort).unwrap());
+            let plan = plan(&surface, &graph, &options).unwrap();
+            prop_assert_eq!(plan.cover.check(plan.triangulation.graph()), Ok(()));
+            prop_assert_eq!(plan.order.as_ref().map(Vec::len), Some(plan.cover.path_count()));
+            let strips = plan.strips();
+            prop_assert!(verify(&mesh, &strips).is_ok());
+            prop_assert_eq!(plan.indices_restart(), Metrics::of(&strips).indices_restart);
+        }
+    }
+
+    #[test]
+    fn the_border_pays_what_the_strips_cost_and_undoes_what_it_tried(polygons in polygons(false, 1..8), places in 3..20_u32) {
+        let mesh = mesh(&polygons);
+        let surface = Surface::new(&mesh, false);
+        let graph = DualGraph::new(surface.faces());
+        let guide = sequential::plan(&surface, &graph);
+        for (growth, weights) in [(BALANCED[0], [1, 0]), (BALANCED[1], [1, 0]), (FEW_MISSES[0], [0, 1])] {
+            let weights = Weights { index: weights[0], miss: weights[1] };
+            let growth = Growth { weights, ..growth };
+            let triangulation = &guide.triangulation;
+            let buffer = Buffer::fifo(places);
+            let border = Border::new(triangulation, FifoTrial::new(places, surface.vertex_count()), weights);
+            let due = border.due();
+            let cover = (growth.guide != Guide::None).then_some(&guide.cover);
+            let mut grower = super::Grower::new(border, growth, cover);
+            let (cover, order) = grower.run();
+            let plan = super::Plan { triangulation: triangulation.clone(), cover, order: Some(order) };
+            let strips = plan.strips();
+            let paid = grower.border().cost() + due;
+            if weights.index > 0 {
+                prop_assert_eq!(paid, (strips.vertices_sent() + strips.len()) as i64);
+            } else {
+                let misses = BufferUse::of(&priced(&strips), buffer, Between::Keep, surface.vertex_count()).misses;
+                prop_assert_eq!(paid, misses as i64);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_sheet_is_drawn_row_by_row_at_few_misses() {
+    let mesh = sheet(60, 60);
+    let sizes = [(Buffer::fifo(16), 0.60, 1.35), (Buffer::fifo(32), 0.56, 1.2), (Buffer::lru(16), 0.68, 1.6)];
+    for (buffer, most_misses, most_indices) in sizes {
+        let strips = strips(&mesh, &options(Prefer::Misses, buffer));
+        let used = BufferUse::of(&strips, buffer, Between::Keep, mesh.vertex_count());
+        let indices = Metrics::of(&strips).indices_restart_per_triangle();
+        assert!(used.acmr() < most_misses && indices < most_indices, "{buffer}: {} {indices}", used.acmr());
+    }
+}
+
+#[test]
+fn preferences_trade_indices_for_misses() {
+    let mesh = sheet(40, 40);
+    let [indices, balanced, misses] = PREFERENCES.map(|prefer| {
+        let strips = strips(&mesh, &options(prefer, Buffer::default()));
+        let used = BufferUse::of(&strips, Buffer::default(), Between::Keep, mesh.vertex_count());
+        (Metrics::of(&strips).indices_restart, used.misses)
+    });
+    assert!(indices.0 < balanced.0 && balanced.0 <= misses.0, "{indices:?} {balanced:?} {misses:?}");
+    assert!(indices.1 > balanced.1 && balanced.1 >= misses.1, "{indices:?} {balanced:?} {misses:?}");
+}
+
+#[test]
+fn joining_by_degenerate_triangles_keeps_the_order() {
+    let mesh = sheet(40, 40);
+    let strips = strips(&mesh, &options(Prefer::Misses, Buffer::default()));
+    let mut joined = Strips::default();
+    joined.push(&strips.to_degenerate());
+    let misses =
+        |strips: &Strips| BufferUse::of(strips, Buffer::default(), Between::Keep, mesh.vertex_count()).misses;
+    assert!(misses(&joined) <= misses(&strips) + strips.len() / 8);
+    assert!(verify(&mesh, &joined).is_ok());
+}
+
+#[test]
+fn a_watcher_ends_the_search_with_what_there_is() {
+    struct Never;
+    impl Watch for Never {
+        fn go_on(&self, _: Progress) -> bool {
+            false
+        }
+    }
+    let mesh = sheet(20, 20);
+    let surface = Surface::new(&mesh, false);
+    let graph = DualGraph::new(surface.faces());
+    let most = options(Prefer::Balanced, Buffer::default()).with_effort(Effort::MAX);
+    let stopped = super::plan(&surface, &graph, &most, &Never).strips();
+    let least =
+        strips(&mesh, &options(Prefer::Balanced, Buffer::default()).with_effort(Effort::new(0).unwrap()));
+    assert_eq!(stopped, least);
+}
+
+#[test]
+fn nothing_makes_no_strip() {
+    let mesh = Mesh::new(vec![], Faces::from_triangles(vec![]).unwrap()).unwrap();
+    for prefer in PREFERENCES {
+        assert!(strips(&mesh, &options(prefer, Buffer::fifo(1))).is_empty());
+    }
+    let surface = Surface::new(&mesh, false);
+    let graph = DualGraph::new(surface.faces());
+    assert!(Triangulation::of_triangles(&surface, &graph).is_some());
+}
