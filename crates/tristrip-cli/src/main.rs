@@ -22,6 +22,7 @@ mod report;
 mod search;
 mod stages;
 mod strip;
+mod survey;
 mod task;
 mod text;
 mod verify;

@@ -6,13 +6,13 @@ use tristrip_io::Drawing;
 use crate::bound::Bounds;
 use crate::console::Console;
 use crate::failure::Failure;
-use crate::figures::{Figures, MeshFigures};
-use crate::input::{fitted, load, meshes};
+use crate::figures::Figures;
 use crate::method::{Chosen, MethodReport};
 use crate::output;
 use crate::report::{Seconds, StripReport};
 use crate::search::{SearchWatch, interrupted};
-use crate::stages::{Found, Pool, find_strips, prepare, prove, timed};
+use crate::stages::{Found, Pool, find_strips, prove, timed};
+use crate::survey::{Loaded, Surveyed};
 use crate::task::{Job, StripTask, layout_name};
 use crate::text::counted;
 
@@ -67,31 +67,12 @@ fn strip(
     if interrupted() {
         return Err(Failure::Input("not done: interrupted".into()));
     }
-    console.doing("load");
-    let (model, seconds) = timed(|| load(&job.input));
-    let mut model = model?;
-    let options = fitted(task.options, &mut model);
-    let meshes = meshes(&model);
-    report.seconds.load = Some(seconds);
-    report.parts = Some(meshes.len());
-    report.notes.clone_from(&model.notes);
-
-    console.doing("dual graph");
-    let (parts, dual_seconds) = timed(|| prepare(pool, &meshes, options.weld()));
-    report.seconds.dual = Some(dual_seconds);
-    let (mesh, mesh_seconds) = timed(|| MeshFigures::of(pool, &parts));
-    let size = format!("{}, {}", counted(mesh.faces, "face"), counted(mesh.vertices, "vertex"));
-    console.stage("load", &size, Some(seconds));
-    console.stage("mesh", &mesh.line(meshes.len()), Some(mesh_seconds));
-    model.notes.iter().chain(&mesh.remarks()).for_each(|note| console.note(note));
-    report.notes.extend(mesh.remarks());
-    console.stage(
-        "dual",
-        &format!("{} joined over shared edges", counted(mesh.faces, "face")),
-        Some(dual_seconds),
-    );
+    let loaded = Loaded::new(&job.input, task.options, console)?;
+    let (model, options) = (&loaded.model, loaded.options);
+    let Surveyed { parts, mesh, notes, seconds } = loaded.survey(pool, console);
     let faces = mesh.faces;
-    report.mesh = Some(mesh);
+    (report.seconds, report.notes) = (seconds, notes);
+    (report.parts, report.mesh) = (Some(parts.len()), Some(mesh));
 
     console.doing("stripify");
     let watch = SearchWatch::new(console.progress(), task.budget, options.method());
@@ -133,7 +114,7 @@ fn strip(
 
     let Some(target) = &job.output else { return Ok(()) };
     let drawings: Vec<_> = strips.iter().map(Drawing::Strips).collect();
-    let written = output::write(target, &model, &drawings, task.verify, console)?;
+    let written = output::write(target, model, &drawings, task.verify, console)?;
     report.seconds.write = Some(written.write_seconds);
     if let (Some(strips), Some(file)) = (&mut report.seconds.verify, written.verify_seconds) {
         *strips += file;
