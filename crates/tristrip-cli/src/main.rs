@@ -18,6 +18,7 @@ mod figures;
 mod input;
 mod method;
 mod output;
+mod reorder;
 mod report;
 mod search;
 mod stages;

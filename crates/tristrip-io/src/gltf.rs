@@ -43,6 +43,7 @@ mod document;
 mod index;
 mod keep;
 mod read;
+pub(crate) mod reorder;
 
 use serde_json::{Map, Value};
 use tristrip::Layout;
