@@ -19,7 +19,7 @@ use serde_json::{Map, Value, json};
 use tristrip::Layout;
 
 use self::extensions::{declare, drop_order_extensions, other_strips, undeclare};
-use self::free::Free;
+use self::free::{Free, Loose};
 use self::moves::{ALIGNMENT, Moves, set_buffer};
 use super::document::{array, index, items, list_mut, whole};
 use super::index::{Run, runs};
@@ -28,6 +28,11 @@ use crate::error::Error;
 use crate::model::{Drawing, Model};
 
 const ELEMENT_ARRAY_BUFFER: u32 = 34963;
+
+/// Tells whether an extension may name bytes of a buffer.
+pub(super) fn names_bytes(root: &Map<String, Value>) -> bool {
+    Loose::of(root).bytes_named
+}
 
 /// Writes the scene with new drawings.
 pub(super) fn write(

@@ -23,6 +23,7 @@ use super::Scene;
 use super::accessor::{Budget, Source};
 use super::buffer::Bytes;
 use super::document::{Place, array, index, items, values};
+use super::keep::names_bytes;
 use super::read::ORDER_EXTENSIONS;
 use crate::error::Error;
 use crate::reorder::VertexGroup;
@@ -60,6 +61,7 @@ pub(crate) fn groups(scene: &Scene) -> Result<Vec<SceneGroup>, Error> {
         }
     }
     let others = other_uses(root)?;
+    let bytes_named = names_bytes(root);
     let mut by_number: HashMap<usize, usize> = HashMap::new();
     let mut groups: Vec<SceneGroup> = Vec::new();
     for (number, part, ..) in &primitives {
@@ -73,6 +75,9 @@ pub(crate) fn groups(scene: &Scene) -> Result<Vec<SceneGroup>, Error> {
     for (number, part, accessors, counts) in primitives {
         let Some(&group) = by_number.get(&joined.root(number)) else { continue };
         let group = &mut groups[group];
+        if bytes_named {
+            group.keep("an extension names bytes of a buffer");
+        }
         if part.is_none() {
             group.keep("points or lines use the same vertices");
         }
