@@ -113,6 +113,18 @@ impl Scene {
     }
 }
 
+impl Scene {
+    /// Checks that there are as many parts as the scene had when it was read.
+    fn check_part_count(&self, found: usize) -> Result<(), Error> {
+        let expected = self.primitives.len();
+        if found == expected {
+            return Ok(());
+        }
+        let message = format!("parts: found {found}, expected {expected} as in the scene that was read");
+        Err(Error::Unsupported(message))
+    }
+}
+
 /// Tells whether a model's document has values for vertices that the meshes of its parts do not hold: morph targets, and
 /// attributes that were not decoded. Vertices that look the same there need not be the same.
 ///

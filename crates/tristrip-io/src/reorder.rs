@@ -63,7 +63,7 @@ impl VertexGroup {
 /// and [`VertexGroup::kept`] says why.
 ///
 /// # Errors
-/// There are not strips for each part, or they name a vertex that their part does not have.
+/// There are not strips for each part, the scene is that of other parts, or strips name a vertex that their part does not have.
 ///
 /// ```
 /// use tristrip_io::{Drawing, Format, read, reorder, write};
@@ -93,7 +93,7 @@ pub fn reorder(model: &Model, strips: &[Strips], format: Format, layout: Layout)
         Ok(VertexGroup { order: VertexOrder::of_indices(vertex_count, indices)?, parts, kept })
     };
     let scene = model.scene.as_ref().filter(|_| format == Format::Glb);
-    let found = scene.map(gltf::reorder::groups).transpose()?;
+    let found = scene.map(|scene| gltf::reorder::groups(scene, strips.len())).transpose()?;
     let by_parts: Vec<(Vec<usize>, Option<String>)> = match &found {
         Some(found) => found.iter().map(|group| (group.parts.clone(), group.kept.clone())).collect(),
         None => parts_by_vertices(model, format)?.into_iter().map(|parts| (parts, None)).collect(),

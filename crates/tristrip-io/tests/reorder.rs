@@ -218,6 +218,17 @@ fn nothing_to_draw_and_nothing_in_disorder_stay() {
     let mut strips = vec![Strips::default(); 4];
     strips[2].push(&[0, 1, 3]);
     assert!(reorder(&model, &strips, Format::Glb, Layout::Restart).is_err());
+    let mut other = gltf::read(shared_scene(2).glb(), None).unwrap();
+    other.parts.pop();
+    let wrong = reorder(&other, &[Strips::default(), Strips::default()], Format::Glb, Layout::Restart);
+    assert!(wrong.unwrap_err().to_string().contains("expected 3 as in the scene"));
+    // The parts of a scene may have got other meshes.
+    other.parts.push(Part {
+        mesh: Mesh::new(bent(4), Faces::from_triangles(vec![3, 2, 1]).unwrap()).unwrap(),
+        ..Part::default()
+    });
+    let reordered = reorder(&other, &strips_of(&other), Format::Glb, Layout::Restart).unwrap();
+    assert!(reordered.groups[1].kept.as_ref().unwrap().contains("a value for each vertex"));
 }
 
 /// Adds a view of rows of `stride` bytes, interleaved; gives accessors of the parts of a row at offsets.
@@ -472,8 +483,17 @@ fn materials_variants_and_extras_without_numbers_are_no_hindrance() {
     draft.json["meshes"][0]["extras"] = json!({ "targetNames": ["a", "b"], "scale": 0.5 });
     draft.json["meshes"][0]["primitives"][0]["extensions"] =
         json!({ "KHR_materials_variants": { "mappings": [{ "material": 0, "variants": [0] }] } });
+    let features = |ids: Value| json!({ "EXT_mesh_features": { "featureIds": [ids] } });
+    let primitive = |draft: &mut Draft, extensions| {
+        draft.json["meshes"][2]["primitives"][0]["extensions"] = extensions;
+    };
+    primitive(&mut draft, features(json!({ "featureCount": 9, "attribute": 0 })));
     let (reordered, _) = check_scene(&draft.glb(), Layout::Restart);
     assert!(reordered.groups.iter().all(|group| group.kept.is_none()));
+    // Without an attribute or texture, the vertices' numbers are the ids.
+    primitive(&mut draft, features(json!({ "featureCount": 9 })));
+    let (reordered, _) = check_scene(&draft.glb(), Layout::Restart);
+    assert_eq!(reordered.groups.iter().map(|group| group.kept.is_some()).collect::<Vec<_>>(), [false, true]);
 }
 
 #[test]
@@ -544,6 +564,42 @@ fn sparse_indices_must_hold_the_new_numbers() {
     };
     assert!(scene(U8).unwrap().contains("index type of a sparse accessor"));
     assert_eq!((scene(U16), scene(U32)), (None, None));
+}
+
+/// Documents with a few bytes changed: what can be read can be re-ordered and written, and draws the same.
+#[test]
+fn mutations_never_panic() {
+    let glb = shared_scene(3).glb();
+    let mut state = 0x2545_f491_4f6c_dd1d_u64;
+    let mut random = move |below: usize| {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        (state >> 32) as usize % below
+    };
+    let digits: Vec<usize> = (20..glb.len()).filter(|&at| glb[at].is_ascii_digit()).collect();
+    let mut done = 0;
+    for _ in 0..4000 {
+        let mut changed = glb.clone();
+        for _ in 0..=random(3) {
+            let at = digits[random(digits.len())];
+            changed[at] = b'0' + random(10) as u8;
+        }
+        let Ok(model) = gltf::read(changed, None) else { continue };
+        let strips = strips_of(&model);
+        let reordered = reorder(&model, &strips, Format::Glb, Layout::Restart).unwrap();
+        let drawings: Vec<_> = reordered.strips.iter().map(Drawing::Strips).collect();
+        let bytes = write(&reordered.model, &drawings, Format::Glb, reordered.layout).unwrap();
+        let back = gltf::read(bytes, None).unwrap();
+        assert!(verify_models(&meshes(&model), &meshes(&back)).unwrap().is_ok());
+        for (ordered, back) in reordered.model.parts.iter().zip(&back.parts) {
+            let bits =
+                |mesh: &Mesh| mesh.positions().iter().flatten().map(|x| x.to_bits()).collect::<Vec<_>>();
+            assert_eq!(bits(&ordered.mesh), bits(&back.mesh));
+        }
+        done += 1;
+    }
+    assert!(done > 500, "{done}");
 }
 
 /// Real scenes, where `TRISTRIP_MODELS` names their folder.

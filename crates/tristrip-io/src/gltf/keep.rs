@@ -41,13 +41,7 @@ pub(super) fn write(
     drawings: &[Drawing<'_>],
     layout: Layout,
 ) -> Result<Vec<u8>, Error> {
-    if scene.primitives.len() != model.parts.len() {
-        return Err(Error::Unsupported(format!(
-            "parts: found {}, expected {} as in the scene that was read",
-            model.parts.len(),
-            scene.primitives.len()
-        )));
-    }
+    scene.check_part_count(model.parts.len())?;
     let mut root = scene.root.clone();
     let rewritten: HashSet<(usize, usize)> = (scene.primitives.iter().zip(drawings))
         .filter(|(at, drawing)| !(at.mode == TRIANGLES && matches!(drawing, Drawing::Faces)))

@@ -28,9 +28,11 @@ use super::read::ORDER_EXTENSIONS;
 use crate::error::Error;
 use crate::reorder::VertexGroup;
 
-/// Extensions of primitives that say nothing of the numbers of vertices, or go with the old indices.
-const HARMLESS_EXTENSIONS: [&str; 3] =
-    ["KHR_materials_variants", "EXT_mesh_features", "EXT_structural_metadata"];
+/// Extensions of primitives that say nothing of the numbers of vertices.
+const HARMLESS_EXTENSIONS: [&str; 2] = ["KHR_materials_variants", "EXT_structural_metadata"];
+
+/// Features by vertex: by an attribute or texture, or else by the numbers of the vertices.
+const FEATURES: &str = "EXT_mesh_features";
 
 /// Bytes of accessors that may be looked at for each byte of the buffers, beside the constant.
 const FACTOR: u64 = 16;
@@ -47,7 +49,11 @@ pub(crate) struct SceneGroup {
 }
 
 /// Finds the groups of a scene's parts, in the order of their first ones.
-pub(crate) fn groups(scene: &Scene) -> Result<Vec<SceneGroup>, Error> {
+///
+/// # Errors
+/// The scene is that of another number of parts.
+pub(crate) fn groups(scene: &Scene, part_count: usize) -> Result<Vec<SceneGroup>, Error> {
+    scene.check_part_count(part_count)?;
     let root = &scene.root;
     let parts: HashMap<(usize, usize), usize> =
         scene.primitives.iter().enumerate().map(|(part, at)| ((at.mesh, at.primitive), part)).collect();
@@ -148,10 +154,20 @@ fn vertex_values(primitive: &Value) -> impl Iterator<Item = usize> {
 fn may_count(mesh: &Value, primitive: &Value) -> bool {
     [mesh, primitive].into_iter().any(|object| {
         let extensions = object.get("extensions").and_then(Value::as_object).into_iter().flatten();
-        let unknown = |name: &str| !HARMLESS_EXTENSIONS.contains(&name) && !ORDER_EXTENSIONS.contains(&name);
-        object.get("extras").is_some_and(has_number)
-            || extensions.filter(|(name, _)| unknown(name)).any(|(_, value)| has_number(value))
+        let counts = |(name, value): (&String, &Value)| match name.as_str() {
+            FEATURES => !items(value, "featureIds").iter().all(are_stored),
+            // The latter go with the old indices.
+            name => {
+                !HARMLESS_EXTENSIONS.contains(&name) && !ORDER_EXTENSIONS.contains(&name) && has_number(value)
+            }
+        };
+        object.get("extras").is_some_and(has_number) || extensions.into_iter().any(counts)
     })
+}
+
+/// Tells whether the ids of a set of features stand in an attribute or texture.
+fn are_stored(features: &Value) -> bool {
+    ["attribute", "texture"].iter().any(|key| features.get(*key).is_some())
 }
 
 /// Tells whether there is a whole number in a value.

@@ -206,6 +206,15 @@ impl VertexOrder {
     ///
     /// # Errors
     /// The attribute has not one value for each vertex.
+    ///
+    /// ```
+    /// use tristrip::{Attribute, AttributeData, strip::VertexOrder};
+    /// let data = AttributeData::U8(vec![10, 11, 20, 21]);
+    /// let uv = Attribute { name: "TEXCOORD_0".into(), components: 2, normalized: true, data };
+    /// let moved = VertexOrder::of_indices(2, [1])?.attribute(&uv)?;
+    /// assert_eq!(moved.data, AttributeData::U8(vec![20, 21, 10, 11]));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn attribute(&self, attribute: &Attribute) -> Result<Attribute, Error> {
         let n = usize::from(attribute.components.max(1));
         let data = match &attribute.data {
@@ -258,6 +267,14 @@ impl VertexOrder {
     ///
     /// # Errors
     /// A face has a vertex that is not less than the number of vertices.
+    ///
+    /// ```
+    /// use tristrip::{Faces, strip::VertexOrder};
+    /// let square = Faces::from_polygons([[3, 0, 1, 2]])?;
+    /// let order = VertexOrder::of_indices(4, [3, 0])?;
+    /// assert_eq!(order.faces(&square)?.face(0), [0, 1, 2, 3]);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn faces(&self, faces: &Faces) -> Result<Faces, Error> {
         faces.with_corners(self.indices(faces.corners())?)
     }
