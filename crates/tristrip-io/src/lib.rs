@@ -31,7 +31,7 @@ mod off;
 mod path;
 mod ply;
 mod polygons;
-pub mod reorder;
+mod reorder;
 mod stl;
 mod text;
 

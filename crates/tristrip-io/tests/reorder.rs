@@ -146,6 +146,10 @@ fn obj_seams_and_normals_go_with_their_vertices() {
     }
     let model = read(text.as_bytes(), Format::Obj).unwrap();
     assert_eq!((model.parts.len(), model.parts[0].mesh.attributes().len()), (2, 3));
+    for layout in LAYOUTS {
+        check(&model, Format::Ply, layout);
+        check(&model, Format::Glb, layout);
+    }
     for format in [Format::Obj, Format::Ply, Format::Glb] {
         let (reordered, bytes) = check(&model, format, Layout::List);
         assert_eq!(reordered.groups.len(), 2);
