@@ -54,6 +54,13 @@ pub(crate) struct StripArgs {
     pub(crate) output: OutputArgs,
     #[command(flatten)]
     pub(crate) method: MethodArgs,
+    /// Number the vertices in the order in which the strips first use them
+    ///
+    /// Fetches from the vertex buffer are then sequential. Vertices that no strip uses come last. Whatever belongs to a vertex
+    /// moves with it; parts of a scene that share vertices share one order, and vertices whose numbers may be named elsewhere keep
+    /// them, with a note. With --json the report tells which vertex came to which place.
+    #[arg(long, requires = "output", help_heading = "Output")]
+    pub(crate) reorder_vertices: bool,
     /// Skip the proof
     #[arg(long, help_heading = "Output")]
     pub(crate) no_verify: bool,

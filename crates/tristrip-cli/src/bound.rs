@@ -8,9 +8,9 @@ use tristrip::{Method, Options};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::figures::{Figures, MeshFigures};
-use crate::input::{fitted, load, meshes};
 use crate::report::Seconds;
-use crate::stages::{Pool, Prepared, prepare, timed};
+use crate::stages::{Pool, Prepared, timed};
+use crate::survey::{Loaded, Surveyed};
 use crate::task::{BoundTask, Input};
 use crate::text::{count, counted, table};
 
@@ -155,21 +155,10 @@ fn bound(
     console: &Console,
     report: &mut BoundReport,
 ) -> Result<(), Failure> {
-    console.doing("load");
-    let (model, seconds) = timed(|| load(input));
-    let mut model = model?;
-    let options = fitted(*options, &mut model);
-    let meshes = meshes(&model);
-    report.seconds.load = Some(seconds);
-    report.parts = Some(meshes.len());
-    report.notes.clone_from(&model.notes);
-    let (parts, seconds) = timed(|| prepare(pool, &meshes, options.weld()));
-    report.seconds.dual = Some(seconds);
-    let mesh = MeshFigures::of(pool, &parts);
-    console.stage("mesh", &mesh.line(meshes.len()), report.seconds.load);
-    report.notes.extend(mesh.remarks());
-    report.notes.iter().for_each(|note| console.note(note));
-    report.mesh = Some(mesh);
+    let loaded = Loaded::new(input, *options, console)?;
+    let Surveyed { parts, mesh, notes, seconds } = loaded.survey(pool, console);
+    (report.seconds, report.notes) = (seconds, notes);
+    (report.parts, report.mesh) = (Some(parts.len()), Some(mesh));
 
     console.doing("bound");
     let (found, seconds) = timed(|| {

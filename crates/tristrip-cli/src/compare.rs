@@ -4,12 +4,12 @@ use tristrip::{Method, Options};
 
 use crate::console::Console;
 use crate::failure::Failure;
-use crate::figures::{Figures, MeshFigures};
-use crate::input::{fitted, load, meshes};
+use crate::figures::Figures;
 use crate::method::{Chosen, MethodReport, methods_to_compare};
 use crate::report::{CompareReport, MethodRow, Seconds};
 use crate::search::{SearchWatch, interrupted};
-use crate::stages::{Found, Pool, Prepared, find_strips, prepare, prove, timed};
+use crate::stages::{Found, Pool, Prepared, find_strips, prove, timed};
+use crate::survey::{Loaded, Surveyed};
 use crate::task::{CompareTask, Input};
 use crate::text::{counted, grouped, markdown, table};
 
@@ -79,23 +79,11 @@ fn compare(
     console: &Console,
     report: &mut CompareReport,
 ) -> Result<(), Failure> {
-    console.doing("load");
-    let (model, seconds) = timed(|| load(input));
-    let mut model = model?;
-    let options = fitted(task.options, &mut model);
-    let meshes = meshes(&model);
-    report.seconds.load = Some(seconds);
-    report.parts = Some(meshes.len());
-    report.notes.clone_from(&model.notes);
-    let (parts, dual_seconds) = timed(|| prepare(pool, &meshes, options.weld()));
-    report.seconds.dual = Some(dual_seconds);
-    let (mesh, mesh_seconds) = timed(|| MeshFigures::of(pool, &parts));
-    let size = format!("{}, {}", counted(mesh.faces, "face"), counted(mesh.vertices, "vertex"));
-    console.stage("load", &size, Some(seconds));
-    console.stage("mesh", &mesh.line(meshes.len()), Some(mesh_seconds));
-    report.notes.extend(mesh.remarks());
-    report.notes.iter().for_each(|note| console.note(note));
-    report.mesh = Some(mesh);
+    let loaded = Loaded::new(input, task.options, console)?;
+    let options = loaded.options;
+    let Surveyed { parts, mesh, notes, seconds } = loaded.survey(pool, console);
+    (report.seconds, report.notes) = (seconds, notes);
+    (report.parts, report.mesh) = (Some(parts.len()), Some(mesh));
     for &method in methods {
         if interrupted() {
             return Err(Failure::Input("not done: interrupted".into()));

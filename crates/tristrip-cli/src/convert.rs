@@ -6,7 +6,7 @@ use tristrip_io::{Drawing, Format, Part};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::input::{load, meshes};
-use crate::output;
+use crate::output::{self, Drawn};
 use crate::report::{ConvertReport, Seconds};
 use crate::stages::{Pool, find_strips, prepare, timed};
 use crate::task::{ConvertTask, Job, layout_name};
@@ -91,7 +91,8 @@ fn convert(
     let drawings: Vec<_> =
         model.parts.iter().map(next).map(|strips| strips.map_or(Drawing::Faces, Drawing::Strips)).collect();
     let Some(target) = &job.output else { return Ok(()) };
-    let written = output::write(target, &model, &drawings, task.verify, console)?;
+    let drawn = Drawn { model: &model, drawings: &drawings, layout: target.layout };
+    let written = output::write(target, &model, drawn, task.verify, console)?;
     report.seconds.write = Some(written.write_seconds);
     report.seconds.verify = written.verify_seconds;
     report.notes.extend(written.losses);

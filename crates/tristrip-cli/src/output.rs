@@ -2,6 +2,7 @@
 
 use std::fs;
 
+use tristrip::Layout;
 use tristrip::strip::verify_models;
 use tristrip_io::{Drawing, Model};
 
@@ -22,22 +23,29 @@ pub(crate) struct Written {
     pub(crate) write_seconds: f64,
 }
 
-/// Writes a model's drawings: lays them out, proves the bytes if asked to, and puts them into their place.
+/// What is to be written.
+#[derive(Clone, Copy)]
+pub(crate) struct Drawn<'a> {
+    pub(crate) model: &'a Model,
+    pub(crate) drawings: &'a [Drawing<'a>],
+    pub(crate) layout: Layout,
+}
+
+/// Writes a model's drawings: lays them out, proves of the bytes that they draw the source, if asked to, and puts them into their place.
 pub(crate) fn write(
     output: &Output,
-    model: &Model,
-    drawings: &[Drawing<'_>],
+    source: &Model,
+    Drawn { model, drawings, layout }: Drawn<'_>,
     verify: bool,
     console: &mut Console,
 ) -> Result<Written, Failure> {
     console.doing("write");
-    let (encoded, encode_seconds) =
-        timed(|| tristrip_io::write(model, drawings, output.format, output.layout));
+    let (encoded, encode_seconds) = timed(|| tristrip_io::write(model, drawings, output.format, layout));
     let bytes = encoded.map_err(|error| Failure::writing(&error))?;
     let mut verify_seconds = None;
     if verify {
         console.doing("verify");
-        let (proof, seconds) = timed(|| prove(output, model, &bytes));
+        let (proof, seconds) = timed(|| prove(output, source, &bytes));
         let what = format!("proven: read again, it draws the {}", counted(proof?, "face"));
         console.stage("verify", &what, Some(seconds));
         verify_seconds = Some(seconds);
@@ -57,10 +65,10 @@ pub(crate) fn write(
 }
 
 /// Reads the bytes as anyone would, and holds what they draw to the source; gives the number of faces.
-fn prove(output: &Output, model: &Model, bytes: &[u8]) -> Result<usize, Failure> {
+fn prove(output: &Output, source: &Model, bytes: &[u8]) -> Result<usize, Failure> {
     let unproven = |why: String| Failure::Unproven(format!("{} was not written: {why}", output.name()));
     let again = tristrip_io::read(bytes, output.format).map_err(|error| unproven(error.to_string()))?;
-    match verify_models(&meshes(model), &meshes(&again))? {
+    match verify_models(&meshes(source), &meshes(&again))? {
         Ok(proof) => Ok(proof.faces),
         Err(difference) => Err(unproven(difference.to_string())),
     }
@@ -82,7 +90,7 @@ fn put(output: &Output, bytes: &[u8], console: &mut Console) -> Result<(), Failu
 mod tests {
     use super::*;
     use crate::task::Shared;
-    use tristrip::{Layout, Strips};
+    use tristrip::Strips;
     use tristrip_io::Format;
 
     #[test]
@@ -102,7 +110,9 @@ mod tests {
         let mut strips = Strips::default();
         strips.push(&[1, 2, 0]);
         let mut write = |strips: &Strips, verify| {
-            write(&output, &model, &[Drawing::Strips(strips)], verify, &mut console).map(drop)
+            let drawings = [Drawing::Strips(strips)];
+            let drawn = Drawn { model: &model, drawings: &drawings, layout: output.layout };
+            write(&output, &model, drawn, verify, &mut console).map(drop)
         };
         let Err(Failure::Unproven(why)) = write(&strips, true) else { panic!("half a square was written") };
         assert!(why.contains("square.ply was not written: triangles missing: 1, extra: 0"), "{why}");

@@ -5,6 +5,7 @@ use serde::Serialize;
 use crate::bound::Reached;
 use crate::figures::{Figures, MeshFigures};
 use crate::method::{Chosen, MethodReport};
+use crate::reorder::GroupReport;
 use crate::search::Stopped;
 use crate::text::{count, counted, table};
 
@@ -40,6 +41,8 @@ pub(crate) struct StripReport {
     pub(crate) notes: Vec<String>,
     pub(crate) output: Option<String>,
     pub(crate) layout: Option<&'static str>,
+    /// Where each vertex went; `null` unless that was asked for.
+    pub(crate) vertex_order: Option<Vec<GroupReport>>,
     pub(crate) error: Option<String>,
 }
 

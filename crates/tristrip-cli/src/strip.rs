@@ -1,19 +1,20 @@
 //! `tristrip strip`: finds strips, proves them, writes them, and says what they cost.
 
-use tristrip::Method;
-use tristrip_io::Drawing;
+use tristrip::{Method, Strips};
+use tristrip_io::{Drawing, Model, Reordered};
 
 use crate::bound::Bounds;
 use crate::console::Console;
 use crate::failure::Failure;
-use crate::figures::{Figures, MeshFigures};
-use crate::input::{fitted, load, meshes};
+use crate::figures::Figures;
 use crate::method::{Chosen, MethodReport};
-use crate::output;
+use crate::output::{self, Drawn};
+use crate::reorder::{self, GroupReport};
 use crate::report::{Seconds, StripReport};
 use crate::search::{SearchWatch, interrupted};
-use crate::stages::{Found, Pool, find_strips, prepare, prove, timed};
-use crate::task::{Job, StripTask, layout_name};
+use crate::stages::{Found, Pool, find_strips, prove, timed};
+use crate::survey::{Loaded, Surveyed};
+use crate::task::{Job, Output, StripTask, layout_name};
 use crate::text::counted;
 
 /// Works on all inputs, one after the other; tells whether all were done.
@@ -34,6 +35,7 @@ pub(crate) fn run(task: &StripTask, pool: &Pool, console: &mut Console) -> bool 
             notes: Vec::new(),
             output: None,
             layout: None,
+            vertex_order: None,
             error: None,
         };
         console.begin(&report.file, None);
@@ -67,31 +69,12 @@ fn strip(
     if interrupted() {
         return Err(Failure::Input("not done: interrupted".into()));
     }
-    console.doing("load");
-    let (model, seconds) = timed(|| load(&job.input));
-    let mut model = model?;
-    let options = fitted(task.options, &mut model);
-    let meshes = meshes(&model);
-    report.seconds.load = Some(seconds);
-    report.parts = Some(meshes.len());
-    report.notes.clone_from(&model.notes);
-
-    console.doing("dual graph");
-    let (parts, dual_seconds) = timed(|| prepare(pool, &meshes, options.weld()));
-    report.seconds.dual = Some(dual_seconds);
-    let (mesh, mesh_seconds) = timed(|| MeshFigures::of(pool, &parts));
-    let size = format!("{}, {}", counted(mesh.faces, "face"), counted(mesh.vertices, "vertex"));
-    console.stage("load", &size, Some(seconds));
-    console.stage("mesh", &mesh.line(meshes.len()), Some(mesh_seconds));
-    model.notes.iter().chain(&mesh.remarks()).for_each(|note| console.note(note));
-    report.notes.extend(mesh.remarks());
-    console.stage(
-        "dual",
-        &format!("{} joined over shared edges", counted(mesh.faces, "face")),
-        Some(dual_seconds),
-    );
+    let loaded = Loaded::new(&job.input, task.options, console)?;
+    let (model, options) = (&loaded.model, loaded.options);
+    let Surveyed { parts, mesh, notes, seconds } = loaded.survey(pool, console);
     let faces = mesh.faces;
-    report.mesh = Some(mesh);
+    (report.seconds, report.notes) = (seconds, notes);
+    (report.parts, report.mesh) = (Some(parts.len()), Some(mesh));
 
     console.doing("stripify");
     let watch = SearchWatch::new(console.progress(), task.budget, options.method());
@@ -132,9 +115,37 @@ fn strip(
     drop(parts);
 
     let Some(target) = &job.output else { return Ok(()) };
+    write(target, task, model, strips, console, report)
+}
+
+/// Writes the strips, and the vertices in their order if that was asked for.
+fn write(
+    target: &Output,
+    task: &StripTask,
+    source: &Model,
+    strips: Vec<Strips>,
+    console: &mut Console,
+    report: &mut StripReport,
+) -> Result<(), Failure> {
+    let (mut model, mut strips, mut layout, mut reorder_seconds) = (source, strips, target.layout, 0.0);
+    let reordered;
+    if task.reorder {
+        console.doing("reorder");
+        let (found, seconds) = timed(|| tristrip_io::reorder(source, &strips, target.format, layout));
+        let Reordered { model: moved, strips: renamed, layout: fitting, groups } =
+            found.map_err(|error| Failure::writing(&error))?;
+        console.stage("reorder", &reorder::line(&groups), Some(seconds));
+        let kept = reorder::kept(&groups);
+        kept.iter().for_each(|note| console.note(note));
+        report.notes.extend(kept);
+        report.vertex_order = Some(groups.iter().map(GroupReport::of).collect());
+        reordered = moved;
+        (model, strips, layout, reorder_seconds) = (&reordered, renamed, fitting, seconds);
+    }
     let drawings: Vec<_> = strips.iter().map(Drawing::Strips).collect();
-    let written = output::write(target, &model, &drawings, task.verify, console)?;
-    report.seconds.write = Some(written.write_seconds);
+    let drawn = Drawn { model, drawings: &drawings, layout };
+    let written = output::write(target, source, drawn, task.verify, console)?;
+    report.seconds.write = Some(reorder_seconds + written.write_seconds);
     if let (Some(strips), Some(file)) = (&mut report.seconds.verify, written.verify_seconds) {
         *strips += file;
     }

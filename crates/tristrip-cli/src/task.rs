@@ -26,6 +26,8 @@ pub(crate) struct StripTask {
     pub(crate) jobs: Vec<Job>,
     pub(crate) options: Options,
     pub(crate) budget: Option<Duration>,
+    /// Whether vertices are written in the order of their first use.
+    pub(crate) reorder: bool,
     pub(crate) verify: bool,
 }
 
@@ -127,7 +129,8 @@ pub(crate) fn validate(command: Command) -> Result<(Task, Shared), String> {
             let shared = shared(&args.shared, args.threads.threads);
             refuse_two_results(&jobs, &shared)?;
             let budget = args.method.budget();
-            (Task::Strip(StripTask { jobs, options, budget, verify: !args.no_verify }), shared)
+            let (reorder, verify) = (args.reorder_vertices, !args.no_verify);
+            (Task::Strip(StripTask { jobs, options, budget, reorder, verify }), shared)
         }
         Command::Compare(args) => {
             let options =

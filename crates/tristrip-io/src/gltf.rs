@@ -43,6 +43,7 @@ mod document;
 mod index;
 mod keep;
 mod read;
+pub(crate) mod reorder;
 
 use serde_json::{Map, Value};
 use tristrip::Layout;
@@ -109,6 +110,18 @@ impl Scene {
             .filter(|(count, _)| *count > 0)
             .map(|(count, what)| format!("{what}: {count}"))
             .collect()
+    }
+}
+
+impl Scene {
+    /// Checks that there are as many parts as the scene had when it was read.
+    fn check_part_count(&self, found: usize) -> Result<(), Error> {
+        let expected = self.primitives.len();
+        if found == expected {
+            return Ok(());
+        }
+        let message = format!("parts: found {found}, expected {expected} as in the scene that was read");
+        Err(Error::Unsupported(message))
     }
 }
 

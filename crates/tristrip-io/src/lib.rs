@@ -31,6 +31,7 @@ mod off;
 mod path;
 mod ply;
 mod polygons;
+mod reorder;
 mod stl;
 mod text;
 
@@ -38,6 +39,7 @@ pub use error::Error;
 pub use format::Format;
 pub use model::{Drawing, Model, Part};
 pub use path::{read_path, replace_file, write_path};
+pub use reorder::{Reordered, VertexGroup, reorder};
 
 use tristrip::Layout;
 

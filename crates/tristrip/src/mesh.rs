@@ -157,6 +157,25 @@ impl Faces {
         self.offsets.is_none().then_some(&self.corners)
     }
 
+    /// Gives faces of the same sizes with other corners.
+    ///
+    /// # Errors
+    /// There is not the same number of corners.
+    ///
+    /// ```
+    /// let faces = tristrip::Faces::from_polygons([vec![0, 1, 2, 3], vec![3, 2, 4]])?;
+    /// let turned = faces.with_corners(vec![4, 3, 2, 1, 1, 2, 0])?;
+    /// assert_eq!(turned.face(1), [1, 2, 0]);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn with_corners(&self, corners: Vec<u32>) -> Result<Self, Error> {
+        if corners.len() != self.corners.len() {
+            let (found, expected) = (corners.len() as u64, self.corners.len().to_string());
+            return Err(MeshProblem::CornerCount { found, expected }.into());
+        }
+        Ok(Self { corners, offsets: self.offsets.clone() })
+    }
+
     /// Gives the same faces over the vertices that they use, in the same order, where those are few among the numbers up
     /// to the highest; else the faces as they are. So what takes memory by the highest vertex takes it by the corners.
     pub(crate) fn compact(&self) -> Cow<'_, Self> {

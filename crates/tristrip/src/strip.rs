@@ -11,6 +11,7 @@ pub mod layout;
 pub mod verify;
 pub mod verify_models;
 pub mod vertex_buffer;
+pub mod vertex_order;
 
 pub use cost::{Cost, Metrics};
 pub(crate) use emit::{Step, cover_cost};
@@ -19,6 +20,7 @@ pub use layout::Layout;
 pub use verify::{Proof, Unproven, verify, verify_drawing};
 pub use verify_models::{Difference, verify_models};
 pub use vertex_buffer::{Between, Buffer, BufferUse, Replacement, VertexBuffer};
+pub use vertex_order::VertexOrder;
 
 use crate::error::{Error, MeshProblem};
 

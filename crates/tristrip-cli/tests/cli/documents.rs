@@ -50,8 +50,16 @@ fn every_json_key_is_described() {
     let mut command = tristrip();
     let convert =
         json(command.args(["convert", "--json"]).arg(&fish).arg("-o").arg(dir.path().join("a.obj")));
+    let mut command = tristrip();
+    command
+        .args(["strip", "--json", "--reorder-vertices"])
+        .arg(&fish)
+        .arg("-o")
+        .arg(dir.path().join("a.ply"));
+    let ordered = json(&mut command);
     let whole = [&strip, &global, &best, &eta, &bound, &compare, &verify, &convert];
     let inner = [&strip["mesh"], &strip["seconds"], &best["bound"], &bound["bound"], &bound["components"][0]];
+    let inner = [&inner[..], &[&ordered["vertex_order"][0]]].concat();
     let reports = [&whole[..], &inner[..]].concat();
     for key in reports.into_iter().flat_map(keys) {
         assert!(described.contains(&format!("`{key}`")), "FORMAT.md does not describe `{key}`");

@@ -5,6 +5,7 @@
 mod compare;
 mod convert;
 mod documents;
+mod reorder;
 mod strip;
 mod usage;
 mod verify;

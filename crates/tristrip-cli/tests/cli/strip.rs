@@ -31,7 +31,17 @@ fn json_has_the_documented_keys_in_order() {
     let report = json(tristrip().args(["strip", "--json"]).arg(model("fish_control.ply")));
     let mut expected = vec!["file", "method", "cost", "effort", "seed", "chosen", "proven", "seconds"];
     expected.extend(FIGURES);
-    expected.extend(["stopped", "bound", "mesh", "parts", "notes", "output", "layout", "error"]);
+    expected.extend([
+        "stopped",
+        "bound",
+        "mesh",
+        "parts",
+        "notes",
+        "output",
+        "layout",
+        "vertex_order",
+        "error",
+    ]);
     assert_eq!(keys(&report), expected);
     assert_eq!(keys(&report["seconds"]), ["load", "dual", "stripify", "verify", "write"]);
     let mesh = [
@@ -219,7 +229,7 @@ fn many_inputs_go_on_after_a_bad_one() {
     assert_eq!(proven, [Some(true), None, None, Some(true)]);
     assert_eq!(reports[1]["error"], "line 1: found `zero`, expected a number for z");
     assert_eq!(reports[0]["error"], Value::Null);
-    assert_eq!(keys(&reports[1]).len(), 16, "no figures for what could not be read");
+    assert_eq!(keys(&reports[1]).len(), 17, "no figures for what could not be read");
     let mut written: Vec<_> = fs::read_dir(&out).unwrap().map(|e| e.unwrap().file_name()).collect();
     written.sort();
     assert_eq!(written, ["fish_control.ply", "milktruck.ply"]);

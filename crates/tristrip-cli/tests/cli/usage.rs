@@ -45,6 +45,7 @@ fn outputs_fit_their_formats() {
     refused(&["strip", "a.ply", "b.ply", "-o", "-", "--to", "glb"], "-o - takes one input");
     refused(&["strip", "a.ply", "-o", "-", "--to", "glb", "--json"], "both write to standard output");
     refused(&["strip", "a.ply", "--layout", "list"], "--output");
+    refused(&["strip", "a.ply", "--reorder-vertices"], "--output");
     refused(&["strip", "a/x.ply", "b/x.obj", "-o", "out/"], "both a/x.ply and b/x.obj would be written here");
     refused(&["convert", "a.ply"], "-o is needed");
 }

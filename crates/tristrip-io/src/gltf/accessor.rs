@@ -103,7 +103,7 @@ pub(super) struct Values<'a> {
     /// Whether columns may be padded.
     pub(super) matrix: bool,
     /// Bytes of a value.
-    element: usize,
+    pub(super) element: usize,
     pub(super) count: usize,
     pub(super) normalized: bool,
     /// `None` for zeros.

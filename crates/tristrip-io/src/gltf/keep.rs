@@ -19,7 +19,7 @@ use serde_json::{Map, Value, json};
 use tristrip::Layout;
 
 use self::extensions::{declare, drop_order_extensions, other_strips, undeclare};
-use self::free::Free;
+use self::free::{Free, Loose};
 use self::moves::{ALIGNMENT, Moves, set_buffer};
 use super::document::{array, index, items, list_mut, whole};
 use super::index::{Run, runs};
@@ -29,6 +29,11 @@ use crate::model::{Drawing, Model};
 
 const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 
+/// Tells whether an extension may name bytes of a buffer.
+pub(super) fn names_bytes(root: &Map<String, Value>) -> bool {
+    Loose::of(root).bytes_named
+}
+
 /// Writes the scene with new drawings.
 pub(super) fn write(
     scene: &Scene,
@@ -36,13 +41,7 @@ pub(super) fn write(
     drawings: &[Drawing<'_>],
     layout: Layout,
 ) -> Result<Vec<u8>, Error> {
-    if scene.primitives.len() != model.parts.len() {
-        return Err(Error::Unsupported(format!(
-            "parts: found {}, expected {} as in the scene that was read",
-            model.parts.len(),
-            scene.primitives.len()
-        )));
-    }
+    scene.check_part_count(model.parts.len())?;
     let mut root = scene.root.clone();
     let rewritten: HashSet<(usize, usize)> = (scene.primitives.iter().zip(drawings))
         .filter(|(at, drawing)| !(at.mode == TRIANGLES && matches!(drawing, Drawing::Faces)))

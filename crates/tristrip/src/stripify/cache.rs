@@ -193,7 +193,8 @@ fn price(plan: &Plan<'_>, buffer: Buffer, weights: Weights, vertex_count: usize)
     let strips = plan.strips();
     let misses = BufferUse::of(&strips, buffer, Between::Keep, vertex_count).misses;
     let indices = strips.vertices_sent() + strips.len();
-    weights.index as usize * indices + weights.miss as usize * misses
+    let [index, miss] = [weights.index, weights.miss].map(|weight| weight.unsigned_abs() as usize);
+    index * indices + miss * misses
 }
 
 /// Lays strips down.

@@ -20,8 +20,7 @@ impl Free {
         root: &Map<String, Value>,
         rewritten: &HashSet<(usize, usize)>,
     ) -> Result<Self, Error> {
-        let mut loose = Loose::default();
-        root.iter().for_each(|(key, value)| loose.member(key, value, false));
+        let loose = Loose::of(root);
 
         // Accessors: old indices, less everything else that is referred to.
         let mut pinned = loose.numbers.clone();
@@ -67,12 +66,18 @@ impl Free {
 
 /// Numbers inside of extensions and extras.
 #[derive(Default)]
-struct Loose {
+pub(super) struct Loose {
     numbers: HashSet<usize>,
-    bytes_named: bool,
+    pub(super) bytes_named: bool,
 }
 
 impl Loose {
+    pub(super) fn of(root: &Map<String, Value>) -> Self {
+        let mut loose = Self::default();
+        root.iter().for_each(|(key, value)| loose.member(key, value, false));
+        loose
+    }
+
     fn member(&mut self, key: &str, value: &Value, inside: bool) {
         let inside_now = inside || key == "extensions" || key == "extras";
         self.bytes_named |= inside && matches!(key, "buffer" | "byteOffset" | "byteLength");

@@ -1,0 +1,665 @@
+//! Re-ordered vertices: whatever belongs to a vertex goes with it, indices rise by first use, and what cannot move stays.
+#![allow(clippy::unwrap_used, clippy::print_stderr, reason = "a test may stop, and says what it skips")]
+#![allow(clippy::format_push_string, reason = "a test may take its time")]
+
+mod gltf_common;
+
+use std::path::PathBuf;
+
+use gltf_common::*;
+use proptest::prelude::*;
+use serde_json::{Value, json};
+use tristrip::strip::{VertexOrder, strip_triangles, verify_models};
+use tristrip::{Attribute, AttributeData, Faces, Layout, Mesh, Strips};
+use tristrip_io::{Drawing, Format, Model, Part, Reordered, gltf, read, reorder, write};
+
+const LAYOUTS: [Layout; 4] = [Layout::Restart, Layout::Degenerate, Layout::Separate, Layout::List];
+
+fn strips_of(model: &Model) -> Vec<Strips> {
+    let of = |part: &Part| {
+        let list = part.mesh.faces().iter().flat_map(|face| {
+            let fan = |i: usize| [face[0], face[i - 1], face[i]];
+            (2..face.len()).map(fan).collect::<Vec<_>>()
+        });
+        greedy(&list.filter(|t| t[0] != t[1] && t[1] != t[2] && t[0] != t[2]).collect::<Vec<_>>())
+    };
+    model.parts.iter().map(of).collect()
+}
+
+fn meshes(model: &Model) -> Vec<&Mesh> {
+    model.parts.iter().map(|part| &part.mesh).collect()
+}
+
+/// The first uses in a list of indices are 0, 1, 2 and so on, from `next` on; gives how many there were.
+fn rises(indices: impl IntoIterator<Item = u32>, mut next: u32) -> u32 {
+    for index in indices {
+        assert!(index <= next, "{index} comes before {next}");
+        next = next.max(index + 1);
+    }
+    next
+}
+
+/// Re-orders a model for a format, and checks the result by its orders, and the file by its source.
+fn check(model: &Model, format: Format, layout: Layout) -> (Reordered, Vec<u8>) {
+    let strips = strips_of(model);
+    let reordered = reorder(model, &strips, format, layout).unwrap();
+    let drawings: Vec<_> = reordered.strips.iter().map(Drawing::Strips).collect();
+    let bytes = write(&reordered.model, &drawings, format, reordered.layout).unwrap();
+    // Each part is in one group, and its vertices are the old ones in the group's order.
+    let mut parts: Vec<usize> = reordered.groups.iter().flat_map(|group| group.parts.clone()).collect();
+    parts.sort_unstable();
+    assert_eq!(parts, (0..model.parts.len()).collect::<Vec<_>>());
+    for group in &reordered.groups {
+        assert!(group.order.check());
+        assert!(group.kept.is_none() || group.order.moved_count() == 0);
+        let mut next = 0;
+        for &part in &group.parts {
+            let (old, new) = (&model.parts[part].mesh, &reordered.model.parts[part].mesh);
+            assert_eq!(group.order.mesh(old).unwrap(), *new);
+            let strips = &reordered.strips[part];
+            if group.kept.is_none() {
+                let listed =
+                    if layout == Layout::List { strips.to_list() } else { strips.vertices().to_vec() };
+                next = rises(listed, next);
+            }
+        }
+    }
+    let back = read(&bytes, format).unwrap();
+    assert!(verify_models(&meshes(model), &meshes(&back)).unwrap().is_ok());
+    (reordered, bytes)
+}
+
+/// A grid of triangles whose vertices have numbers in disorder; some are in no triangle.
+fn grid(side: u32) -> (Vec<[f32; 3]>, Vec<u32>) {
+    let count = (side + 1) * (side + 1) + 3;
+    let name = |v: u32| (v * 7919 + 5) % count;
+    let mut positions = vec![[0.0; 3]; count as usize];
+    (0..count)
+        .for_each(|v| positions[name(v) as usize] = [(v % (side + 1)) as f32, (v / (side + 1)) as f32, 0.5]);
+    let corner = |x: u32, y: u32| name(y * (side + 1) + x);
+    let cells = (0..side * side).map(|cell| (cell % side, cell / side));
+    let faces = cells.flat_map(|(x, y)| {
+        let [a, b, c, d] = [corner(x, y), corner(x + 1, y), corner(x, y + 1), corner(x + 1, y + 1)];
+        [a, b, c, c, b, d]
+    });
+    (positions, faces.collect())
+}
+
+#[test]
+fn ply_columns_go_with_their_vertices() {
+    let (positions, corners) = grid(5);
+    let mut text = format!(
+        "ply\nformat ascii 1.0\nelement vertex {}\nproperty double quality\nproperty float x\nproperty float y\n\
+         property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\nproperty short label\n\
+         element face {}\nproperty list uchar int vertex_indices\nend_header\n",
+        positions.len(),
+        corners.len() / 3
+    );
+    for (i, [x, y, z]) in positions.iter().enumerate() {
+        text += &format!(
+            "{}.25 {x} {y} {z} {} {} 7 {}\n",
+            i * 3,
+            i,
+            255 - i,
+            1000 - i64::try_from(i).unwrap() * 40
+        );
+    }
+    corners.chunks(3).for_each(|t| text += &format!("3 {} {} {}\n", t[0], t[1], t[2]));
+    let model = read(text.as_bytes(), Format::Ply).unwrap();
+    assert_eq!(model.parts[0].mesh.attributes().len(), 3);
+    for layout in LAYOUTS {
+        let (reordered, bytes) = check(&model, Format::Ply, layout);
+        let back = read(&bytes, Format::Ply).unwrap();
+        let order = &reordered.groups[0].order;
+        assert!(order.moved_count() > 30);
+        assert_eq!(back.parts[0].mesh.positions(), order.values(&positions, 1).unwrap());
+        for (old, new) in model.parts[0].mesh.attributes().iter().zip(back.parts[0].mesh.attributes()) {
+            assert_eq!(order.attribute(old).unwrap(), *new, "{}", old.name);
+        }
+        // The file is as long as without the new order.
+        let strips = strips_of(&model);
+        let plain = write(&model, &[Drawing::Strips(&strips[0])], Format::Ply, layout).unwrap();
+        assert_eq!(plain.len(), bytes.len());
+        if layout == Layout::Restart || layout == Layout::Degenerate {
+            // The last thing in the file is the row of strips.
+            let strips = &reordered.strips[0];
+            let length = strips.vertices_sent() + strips.len() - 1;
+            let (row, _) = bytes[bytes.len() - 4 * length..].as_chunks::<4>();
+            rises(row.iter().map(|b| u32::from_le_bytes(*b)).filter(|&v| v != u32::MAX), 0);
+        }
+    }
+}
+
+#[test]
+fn obj_seams_and_normals_go_with_their_vertices() {
+    let mut text = String::new();
+    let (positions, corners) = grid(4);
+    positions.iter().for_each(|[x, y, z]| text += &format!("v {x} {y} {z} 0.5 {} 0.25\n", x / 8.0));
+    (0..positions.len())
+        .for_each(|i| text += &format!("vt {} 0.5\nvn {} 0 1\n", i as f32 / 64.0, i as f32 / 8.0));
+    for (face, t) in corners.chunks(3).enumerate() {
+        let material = if face % 5 == 0 { "usemtl a\n" } else { "usemtl b\n" };
+        text += material;
+        let other = |v: u32| (v as usize + face / 9) % positions.len() + 1;
+        let corner = |v: u32| format!(" {}/{}/{}", v + 1, other(v), other(v + 2));
+        text += &format!("f{}{}{}\n", corner(t[0]), corner(t[1]), corner(t[2]));
+    }
+    let model = read(text.as_bytes(), Format::Obj).unwrap();
+    assert_eq!((model.parts.len(), model.parts[0].mesh.attributes().len()), (2, 3));
+    for layout in LAYOUTS {
+        check(&model, Format::Ply, layout);
+        check(&model, Format::Glb, layout);
+    }
+    for format in [Format::Obj, Format::Ply, Format::Glb] {
+        let (reordered, bytes) = check(&model, format, Layout::List);
+        assert_eq!(reordered.groups.len(), 2);
+        let corner_values = |model: &Model| {
+            let mut all = Vec::new();
+            for part in &model.parts {
+                let value = |v: u32, a: &Attribute| {
+                    let AttributeData::F32(values) = &a.data else { return Vec::new() };
+                    let n = usize::from(a.components);
+                    values[v as usize * n..][..n].iter().map(|x| x.to_bits()).collect()
+                };
+                let mut names: Vec<&Attribute> = part.mesh.attributes().iter().collect();
+                names.sort_by_key(|a| a.name.trim_start_matches('_'));
+                for face in part.mesh.faces().iter() {
+                    let corner = |&v: &u32| {
+                        let position = part.mesh.positions()[v as usize].map(f32::to_bits);
+                        (position, names.iter().map(|a| value(v, a)).collect::<Vec<_>>())
+                    };
+                    let mut face: Vec<_> = face.iter().map(corner).collect();
+                    let lowest = (0..3).min_by_key(|&i| face[i].clone()).unwrap();
+                    face.rotate_left(lowest);
+                    all.push(face);
+                }
+            }
+            all.sort_unstable();
+            all
+        };
+        // Every corner of every face has the values that it had.
+        assert_eq!(corner_values(&read(&bytes, format).unwrap()), corner_values(&model), "{}", format.name());
+    }
+}
+
+#[test]
+fn parts_that_share_vertices_share_an_order() {
+    let (positions, corners) = grid(4);
+    let count = positions.len();
+    let (first, second) = corners.split_at(30);
+    let mesh = Mesh::new(positions, Faces::from_triangles(second.to_vec()).unwrap()).unwrap();
+    let ids = AttributeData::U16((0..count as u16).collect());
+    let id = Attribute { name: "_ID".into(), components: 1, normalized: false, data: ids };
+    let other = mesh.clone().with_attribute(id).unwrap();
+    let third = other.with_faces(Faces::from_triangles(first.to_vec()).unwrap()).unwrap();
+    let part = |mesh: &Mesh| Part { mesh: mesh.clone(), ..Part::default() };
+    let model = Model { parts: vec![part(&mesh), part(&other), part(&third)], ..Model::default() };
+    let (reordered, glb) = check(&model, Format::Glb, Layout::Degenerate);
+    assert_eq!(reordered.groups.iter().map(|g| g.parts.clone()).collect::<Vec<_>>(), [[0, 1, 2]]);
+    let [a, b, c] = [0, 1, 2].map(|i| &reordered.model.parts[i].mesh);
+    assert!(std::ptr::eq(a.positions(), b.positions()) && b.shares_vertices(c));
+    assert_eq!(json_of(&glb)["accessors"].as_array().unwrap().len(), 2 + 3);
+    // PLY writes the vertices of each part that differs from the first one by themselves.
+    let (reordered, _) = check(&model, Format::Ply, Layout::Restart);
+    let parts: Vec<_> = reordered.groups.iter().map(|g| g.parts.clone()).collect();
+    assert_eq!(parts, [[0], [1], [2]]);
+    validate("parts_share_an_order", &[("built.glb".into(), glb)]);
+}
+
+#[test]
+fn nothing_to_draw_and_nothing_in_disorder_stay() {
+    let part = |mesh| Part { mesh, ..Part::default() };
+    let points = Mesh::new(bent(4), Faces::default()).unwrap();
+    let sorted = Mesh::new(bent(3), Faces::from_triangles(vec![0, 1, 2]).unwrap()).unwrap();
+    let parts = vec![part(Mesh::default()), part(points), part(sorted), part(Mesh::default())];
+    let model = Model { parts, ..Model::default() };
+    for (format, layout) in [Format::Ply, Format::Glb, Format::Obj].into_iter().zip(LAYOUTS) {
+        let (reordered, _) = check(&model, format, layout);
+        assert!(reordered.groups.iter().all(|group| group.order.moved_count() == 0 && group.kept.is_none()));
+    }
+    assert!(reorder(&Model::default(), &[], Format::Glb, Layout::Restart).unwrap().groups.is_empty());
+    assert!(reorder(&model, &[], Format::Glb, Layout::Restart).is_err());
+    let mut strips = vec![Strips::default(); 4];
+    strips[2].push(&[0, 1, 3]);
+    assert!(reorder(&model, &strips, Format::Glb, Layout::Restart).is_err());
+    let mut other = gltf::read(shared_scene(2).glb(), None).unwrap();
+    other.parts.pop();
+    let wrong = reorder(&other, &[Strips::default(), Strips::default()], Format::Glb, Layout::Restart);
+    assert!(wrong.unwrap_err().to_string().contains("expected 3 as in the scene"));
+    // The parts of a scene may have got other meshes.
+    other.parts.push(Part {
+        mesh: Mesh::new(bent(4), Faces::from_triangles(vec![3, 2, 1]).unwrap()).unwrap(),
+        ..Part::default()
+    });
+    let reordered = reorder(&other, &strips_of(&other), Format::Glb, Layout::Restart).unwrap();
+    assert!(reordered.groups[1].kept.as_ref().unwrap().contains("a value for each vertex"));
+}
+
+/// Adds a view of rows of `stride` bytes, interleaved; gives accessors of the parts of a row at offsets.
+fn interleaved(draft: &mut Draft, stride: usize, bytes: &[u8], parts: &[(usize, u32, &str)]) -> Vec<usize> {
+    let view = draft.view(bytes);
+    draft.json["bufferViews"][view]["byteStride"] = stride.into();
+    draft.json["bufferViews"][view]["target"] = 34962.into();
+    let count = bytes.len() / stride;
+    let add = |&(offset, component, kind): &(usize, u32, &str)| {
+        let accessor = draft.accessor(view, component, count, kind);
+        draft.json["accessors"][accessor]["byteOffset"] = offset.into();
+        accessor
+    };
+    parts.iter().map(add).collect()
+}
+
+/// A scene over one vertex list: positions and normals interleaved, colours of three bytes, joints and weights, a matrix for each
+/// vertex, a dense and a sparse morph target, and another list whose indices are shared.
+fn shared_scene(side: u32) -> Draft {
+    let mut draft = Draft::new();
+    let (positions, corners) = grid(side);
+    let count = positions.len();
+    let mut rows = Vec::new();
+    for (i, p) in positions.iter().enumerate() {
+        rows.extend(floats(p));
+        let angle = i as f32;
+        rows.extend(floats(&[angle.cos(), angle.sin(), 0.0]));
+        rows.extend([i as u8, (i >> 8) as u8, 9, 0]);
+    }
+    let parts = interleaved(&mut draft, 28, &rows, &[(0, F32, "VEC3"), (12, F32, "VEC3"), (24, U8, "VEC3")]);
+    let [position, normal, colour] = parts[..] else { return draft };
+    draft.json["accessors"][position]["min"] = json!([0, 0, 0.5]);
+    draft.json["accessors"][position]["max"] = json!([side, side + 1, 0.5]);
+    draft.json["accessors"][colour]["normalized"] = true.into();
+    let bytes: Vec<u8> = (0..4 * count).map(|i| u8::from(i % 4 == 1)).collect();
+    let joints = draft.view(&bytes);
+    let joints = draft.accessor(joints, U8, count, "VEC4");
+    let weights: Vec<f32> =
+        (0..count).flat_map(|i| [i as f32 / count as f32, 1.0 - i as f32 / count as f32, 0.0, 0.0]).collect();
+    let weights = draft.view(&floats(&weights));
+    let weights = draft.accessor(weights, F32, count, "VEC4");
+    let matrix: Vec<f32> = (0..4 * count).map(|i| i as f32).collect();
+    let matrix = draft.view(&floats(&matrix));
+    let matrix = draft.accessor(matrix, F32, count, "MAT2");
+    for accessor in [joints, weights, matrix] {
+        let view = draft.json["accessors"][accessor]["bufferView"].as_u64().unwrap() as usize;
+        draft.json["bufferViews"][view]["target"] = 34962.into();
+    }
+    // The targets: one with all values, one with four of them, and none of them in order.
+    let dense: Vec<[f32; 3]> = (0..count).map(|i| [0.0, i as f32, 0.0]).collect();
+    let dense = draft.positions(&dense);
+    let places = draft.view(&packed(U16, &[1, 4, 8, count as u32 - 1]));
+    let moved = draft.view(&floats(&[1.0, 0.0, 0.0, 2.0, 0.0, 0.0, 3.0, 0.0, 0.0, 4.0, 0.0, 0.0]));
+    let sparse = push(
+        &mut draft.json["accessors"],
+        json!({
+            "componentType": F32, "count": count, "type": "VEC3", "min": [0, 0, 0], "max": [4, 0, 0],
+            "sparse": {
+                "count": 4, "indices": { "bufferView": places, "componentType": U16 }, "values": { "bufferView": moved },
+            },
+        }),
+    );
+    let identity: Vec<f32> = (0..16).map(|i| f32::from(u8::from(i % 5 == 0))).collect();
+    let matrices = draft.view(&floats(&[&identity[..], &identity].concat()));
+    let matrices = draft.accessor(matrices, F32, 2, "MAT4");
+    let half = corners.len() / 6 * 3;
+    let first = draft.indices(U16, &corners[half..]);
+    let second = draft.indices(U16, &corners[..half]);
+    let attributes = json!({
+        "POSITION": position, "NORMAL": normal, "COLOR_0": colour, "JOINTS_0": joints, "WEIGHTS_0": weights, "_MATRIX": matrix,
+    });
+    let targets = json!([{ "POSITION": dense }, { "POSITION": sparse }]);
+    let own: Vec<[f32; 3]> = (0..count).map(|i| [i as f32, 1.0, 2.0]).collect();
+    let own = draft.positions(&own);
+    draft.json["meshes"] = json!([
+        { "primitives": [{ "attributes": attributes, "indices": first, "targets": targets }] },
+        { "primitives": [{ "attributes": { "POSITION": position }, "indices": second }] },
+        { "primitives": [{ "attributes": { "POSITION": own }, "indices": first }] },
+    ]);
+    draft.json["nodes"] = json!([{ "mesh": 0, "skin": 0 }, { "mesh": 1 }, { "mesh": 2 }, { "name": "bone", "children": [4] }, {}]);
+    draft.json["scenes"] = json!([{ "nodes": [0, 1, 2, 3] }]);
+    draft.json["skins"] = json!([{ "joints": [3, 4], "inverseBindMatrices": matrices }]);
+    draft
+}
+
+/// The bytes of each value of an accessor, sparse ones in their places.
+fn raw(glb: &[u8], accessor: usize) -> Vec<Vec<u8>> {
+    let (json, bin) = (json_of(glb), bin_of(glb));
+    let accessor = &json["accessors"][accessor];
+    let number = |value: &Value| value.as_u64().unwrap_or(0) as usize;
+    let width = |code: &Value| [1, 1, 2, 2, 0, 4, 4][number(code) - 5120];
+    let names = ["SCALAR", "VEC2", "VEC3", "VEC4", "MAT2", "MAT3", "MAT4"];
+    let kind = names.iter().position(|name| *name == accessor["type"]).unwrap();
+    let element = [1, 2, 3, 4, 4, 9, 16][kind] * width(&accessor["componentType"]);
+    let list = |holder: &Value, element: usize, count: usize| -> Vec<Vec<u8>> {
+        let view = &json["bufferViews"][number(&holder["bufferView"])];
+        let start = number(&view["byteOffset"]) + number(&holder["byteOffset"]);
+        let stride = number(&view["byteStride"]).max(element);
+        (0..count).map(|i| bin[start + i * stride..][..element].to_vec()).collect()
+    };
+    let count = number(&accessor["count"]);
+    let mut out = match &accessor["bufferView"] {
+        Value::Null => vec![vec![0; element]; count],
+        _ => list(accessor, element, count),
+    };
+    if let Some(sparse) = accessor.get("sparse") {
+        let count = number(&sparse["count"]);
+        let places = list(&sparse["indices"], width(&sparse["indices"]["componentType"]), count);
+        let places: Vec<usize> =
+            places.iter().map(|b| b.iter().rev().fold(0, |n, &b| n << 8 | usize::from(b))).collect();
+        assert!(places.is_sorted_by(|a, b| a < b));
+        for (place, value) in places.into_iter().zip(list(&sparse["values"], element, count)) {
+            out[place] = value;
+        }
+    }
+    out
+}
+
+/// Checks a scene: the accessors of a group are in its order, and the others as they were; JSON aside from indices is the same.
+fn check_scene(glb: &[u8], layout: Layout) -> (Reordered, Vec<u8>) {
+    let model = gltf::read(glb, None).unwrap();
+    let (reordered, after) = check(&model, Format::Glb, layout);
+    let (old, new) = (json_of(glb), json_of(&after));
+    let mut index_accessors = Vec::new();
+    let mut orders: Vec<(u64, VertexOrder)> = Vec::new();
+    let mut part = 0;
+    for mesh in old["meshes"].as_array().unwrap() {
+        for primitive in mesh["primitives"].as_array().unwrap() {
+            if primitive["mode"].as_u64().is_some_and(|mode| mode < 4) {
+                continue;
+            }
+            index_accessors.extend(primitive["indices"].as_u64());
+            let group = reordered.groups.iter().find(|group| group.parts.contains(&part)).unwrap();
+            let objects =
+                primitive["targets"].as_array().into_iter().flatten().chain([&primitive["attributes"]]);
+            for accessor in objects.flat_map(|o| o.as_object().unwrap().values()).filter_map(Value::as_u64) {
+                orders.push((accessor, group.order.clone()));
+            }
+            part += 1;
+        }
+    }
+    for number in 0..old["accessors"].as_array().unwrap().len() {
+        if index_accessors.contains(&(number as u64)) {
+            continue;
+        }
+        assert_eq!(old["accessors"][number], new["accessors"][number]);
+        let (before, after) = (raw(glb, number), raw(&after, number));
+        let order = orders.iter().find(|(accessor, _)| *accessor == number as u64);
+        let expected = match order {
+            Some((_, order)) if order.moved_count() > 0 => {
+                order.new_to_old().iter().map(|&v| before[v as usize].clone()).collect()
+            }
+            _ => before,
+        };
+        assert_eq!(after, expected, "accessor {number}");
+    }
+    (reordered, after)
+}
+
+#[test]
+fn accessors_of_a_scene_go_with_their_vertices() {
+    let glb = shared_scene(6).glb();
+    let mut files = vec![("source.glb".to_owned(), glb.clone())];
+    for layout in LAYOUTS {
+        let (reordered, after) = check_scene(&glb, layout);
+        let parts: Vec<_> = reordered.groups.iter().map(|group| group.parts.clone()).collect();
+        assert_eq!(parts, [vec![0, 1], vec![2]]);
+        assert!(reordered.groups.iter().all(|group| group.kept.is_none() && group.order.moved_count() > 40));
+        let once = gltf::read(after.clone(), None).unwrap();
+        if layout != Layout::Separate {
+            // In the file, too, first uses rise, over both primitives of a group.
+            let json = json_of(&after);
+            let indices = |mesh: usize| {
+                let accessor = json["meshes"][mesh]["primitives"][0]["indices"].as_u64().unwrap() as usize;
+                let values = raw(&after, accessor).into_iter();
+                let value = |b: Vec<u8>| b.iter().rev().fold(0, |n, &b| n << 8 | u32::from(b));
+                values.map(value).filter(|&v| v != 255 && v != 65535).collect::<Vec<_>>()
+            };
+            rises(indices(1), rises(indices(0), 0));
+            rises(indices(2), 0);
+            assert_eq!(once.parts.len(), 3);
+        }
+        files.push((format!("{layout:?}.glb"), after));
+    }
+    validate("accessors_of_a_scene", &files);
+}
+
+#[test]
+fn a_document_with_its_bytes_elsewhere_is_reordered_too() {
+    let draft = shared_scene(4);
+    let model = gltf::read(draft.gltf(), None).unwrap();
+    let (reordered, after) = check(&model, Format::Glb, Layout::Degenerate);
+    let (again, plain) = check_scene(&draft.glb(), Layout::Degenerate);
+    assert!(reordered.groups == again.groups && after == plain);
+}
+
+#[test]
+fn vertices_stay_where_something_counts_on_them() {
+    let kept = |draft: &Draft, group: usize, why: &str| {
+        let (reordered, _) = check_scene(&draft.glb(), Layout::Degenerate);
+        let reasons: Vec<_> = reordered.groups.iter().map(|group| group.kept.clone()).collect();
+        let found = reasons[group].clone().unwrap_or_default();
+        assert!(found.contains(why), "{reasons:?}");
+        assert_eq!(reasons.iter().flatten().count(), 1, "{reasons:?}");
+    };
+    let primitives = |draft: &mut Draft, mesh: usize, value: Value| {
+        push(&mut draft.json["meshes"][mesh]["primitives"], value);
+    };
+    let mut draft = shared_scene(4);
+    primitives(&mut draft, 1, json!({ "attributes": { "POSITION": 0 }, "mode": 0 }));
+    kept(&draft, 0, "points or lines");
+    for extras in [json!({ "order": [3, 1, 2] }), json!(7)] {
+        let mut draft = shared_scene(4);
+        draft.json["meshes"][2]["primitives"][0]["extras"] = extras;
+        kept(&draft, 1, "may name vertices by their numbers");
+    }
+    let mut draft = shared_scene(4);
+    draft.json["meshes"][0]["extensions"] = json!({ "EXT_unknown_thing": { "indices": 4 } });
+    kept(&draft, 0, "may name vertices by their numbers");
+    let mut draft = shared_scene(4);
+    draft.json["bufferViews"][0]["extensions"] = json!({ "EXT_unknown_thing": { "stripes": 4 } });
+    kept(&draft, 0, "may name vertices by their numbers");
+    let mut draft = shared_scene(4);
+    let own = draft.json["meshes"][2]["primitives"][0]["attributes"]["POSITION"].clone();
+    draft.json["nodes"][2]["extensions"] =
+        json!({ "EXT_mesh_gpu_instancing": { "attributes": { "TRANSLATION": own } } });
+    kept(&draft, 1, "another use");
+    // A morph target with fewer values than there are vertices.
+    let mut draft = shared_scene(4);
+    let short = draft.positions(&bent(5));
+    draft.json["meshes"][2]["primitives"][0]["targets"] = json!([{ "POSITION": short }]);
+    kept(&draft, 1, "has not a value for each vertex");
+    // An image in the midst of the vertices, which nobody wants to change.
+    let mut draft = shared_scene(4);
+    let view =
+        push(&mut draft.json["bufferViews"], json!({ "buffer": 0, "byteOffset": 16, "byteLength": 40 }));
+    draft.json["images"] = json!([{ "bufferView": view, "mimeType": "image/png" }]);
+    kept(&draft, 0, "belong to other data");
+    // So may be bytes that no accessor has.
+    let mut draft = shared_scene(4);
+    push(&mut draft.json["bufferViews"], json!({ "buffer": 0, "byteOffset": 28, "byteLength": 4 }));
+    kept(&draft, 0, "belong to other data");
+    let mut draft = shared_scene(4);
+    draft.json["extensions"] = json!({ "EXT_unknown_thing": { "buffer": 0, "byteOffset": 144 } });
+    let (reordered, _) = check_scene(&draft.glb(), Layout::Degenerate);
+    assert!(reordered.groups.iter().all(|group| group.kept.as_ref().unwrap().contains("names bytes")));
+}
+
+#[test]
+fn materials_variants_and_extras_without_numbers_are_no_hindrance() {
+    let mut draft = shared_scene(4);
+    draft.json["meshes"][0]["extras"] = json!({ "targetNames": ["a", "b"], "scale": 0.5 });
+    draft.json["meshes"][0]["primitives"][0]["extensions"] =
+        json!({ "KHR_materials_variants": { "mappings": [{ "material": 0, "variants": [0] }] } });
+    let features = |ids: Value| json!({ "EXT_mesh_features": { "featureIds": [ids] } });
+    let primitive = |draft: &mut Draft, extensions| {
+        draft.json["meshes"][2]["primitives"][0]["extensions"] = extensions;
+    };
+    primitive(&mut draft, features(json!({ "featureCount": 9, "attribute": 0 })));
+    let (reordered, _) = check_scene(&draft.glb(), Layout::Restart);
+    assert!(reordered.groups.iter().all(|group| group.kept.is_none()));
+    // Without an attribute or texture, the vertices' numbers are the ids.
+    primitive(&mut draft, features(json!({ "featureCount": 9 })));
+    let (reordered, _) = check_scene(&draft.glb(), Layout::Restart);
+    assert_eq!(reordered.groups.iter().map(|group| group.kept.is_some()).collect::<Vec<_>>(), [false, true]);
+}
+
+#[test]
+fn accessors_over_the_same_bytes() {
+    let scene = |second_offset: usize, share: bool| {
+        let mut draft = Draft::new();
+        let (positions, corners) = grid(3);
+        let count = positions.len();
+        let position = draft.positions(&positions);
+        let view = draft.json["accessors"][position]["bufferView"].clone();
+        draft.bin.resize(draft.bin.len() + 64, 0);
+        draft.json["bufferViews"][0]["byteLength"] = (12 * count + 24).into();
+        let twin = push(
+            &mut draft.json["accessors"],
+            json!({ "bufferView": view, "byteOffset": second_offset, "componentType": F32, "count": count, "type": "VEC3" }),
+        );
+        let indices = draft.indices(U16, &corners);
+        let other: Vec<u32> = corners.iter().rev().copied().collect();
+        let reversed = draft.indices(U16, &other);
+        if share {
+            let attributes = json!({ "POSITION": position, "_TWIN": twin });
+            draft.json["meshes"][0]["primitives"] = json!([{ "attributes": attributes, "indices": indices }]);
+        } else {
+            draft.primitive(position, Some(indices), 4);
+            draft.primitive(twin, Some(reversed), 4);
+        }
+        check_scene(&draft.glb(), Layout::Restart).0
+    };
+    // The same values under two names move once.
+    let same = scene(0, true);
+    assert!(same.groups[0].kept.is_none() && same.groups[0].order.moved_count() > 10);
+    // One that is a vertex behind the other cannot move with it.
+    assert!(scene(12, true).groups[0].kept.as_ref().unwrap().contains("overlap"));
+    // Nor can bytes move in two orders.
+    for offset in [0, 12, 24] {
+        let two = scene(offset, false);
+        assert_eq!(two.groups.len(), 2);
+        assert!(two.groups.iter().all(|group| group.kept.as_ref().unwrap().contains("other data")));
+    }
+}
+
+#[test]
+fn sparse_indices_must_hold_the_new_numbers() {
+    let scene = |component: u32| {
+        let mut draft = Draft::new();
+        let (positions, mut corners) = grid(18);
+        let count = positions.len();
+        corners.retain(|&v| v != 0);
+        corners.truncate(corners.len() / 3 * 3);
+        let position = draft.positions(&positions);
+        // Vertex 0 is in no triangle any more, and comes after 255 others.
+        let places = draft.view(&packed(component, &[0, 3]));
+        let values = draft.view(&floats(&[1.0; 6]));
+        let sparse = push(
+            &mut draft.json["accessors"],
+            json!({
+                "componentType": F32, "count": count, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 1],
+                "sparse": {
+                    "count": 2, "indices": { "bufferView": places, "componentType": component },
+                    "values": { "bufferView": values },
+                },
+            }),
+        );
+        let indices = draft.indices(U16, &corners);
+        draft.primitive(position, Some(indices), 4);
+        draft.json["meshes"][0]["primitives"][0]["targets"] = json!([{ "POSITION": sparse }]);
+        check_scene(&draft.glb(), Layout::Restart).0.groups.remove(0).kept
+    };
+    assert!(scene(U8).unwrap().contains("index type of a sparse accessor"));
+    assert_eq!((scene(U16), scene(U32)), (None, None));
+}
+
+/// Documents with a few bytes changed: what can be read can be re-ordered and written, and draws the same.
+#[test]
+fn mutations_never_panic() {
+    let glb = shared_scene(3).glb();
+    let mut state = 0x2545_f491_4f6c_dd1d_u64;
+    let mut random = move |below: usize| {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        (state >> 32) as usize % below
+    };
+    let digits: Vec<usize> = (20..glb.len()).filter(|&at| glb[at].is_ascii_digit()).collect();
+    let mut done = 0;
+    for _ in 0..4000 {
+        let mut changed = glb.clone();
+        for _ in 0..=random(3) {
+            let at = digits[random(digits.len())];
+            changed[at] = b'0' + random(10) as u8;
+        }
+        let Ok(model) = gltf::read(changed, None) else { continue };
+        let strips = strips_of(&model);
+        let reordered = reorder(&model, &strips, Format::Glb, Layout::Restart).unwrap();
+        let drawings: Vec<_> = reordered.strips.iter().map(Drawing::Strips).collect();
+        let bytes = write(&reordered.model, &drawings, Format::Glb, reordered.layout).unwrap();
+        let back = gltf::read(bytes, None).unwrap();
+        assert!(verify_models(&meshes(&model), &meshes(&back)).unwrap().is_ok());
+        for (ordered, back) in reordered.model.parts.iter().zip(&back.parts) {
+            let bits =
+                |mesh: &Mesh| mesh.positions().iter().flatten().map(|x| x.to_bits()).collect::<Vec<_>>();
+            assert_eq!(bits(&ordered.mesh), bits(&back.mesh));
+        }
+        done += 1;
+    }
+    assert!(done > 500, "{done}");
+}
+
+/// Real scenes, where `TRISTRIP_MODELS` names their folder.
+#[test]
+fn real_scenes() {
+    let Some(folder) = std::env::var_os("TRISTRIP_MODELS").map(PathBuf::from) else {
+        eprintln!("real_scenes: SKIPPED: TRISTRIP_MODELS is not set");
+        return;
+    };
+    let mut files = Vec::new();
+    for name in ["milktruck", "engine_2cylinder", "sheencloth"] {
+        let glb = std::fs::read(folder.join(format!("{name}.glb"))).unwrap();
+        for layout in [Layout::Restart, Layout::Degenerate, Layout::List] {
+            let (reordered, after) = check_scene(&glb, layout);
+            assert!(reordered.groups.iter().all(|group| group.kept.is_none()));
+            files.push((format!("{name}_{layout:?}.glb"), after));
+        }
+    }
+    validate("reorder_real_scenes", &files);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 48, ..ProptestConfig::default() })]
+    /// Primitives over vertex lists, some of them shared, interleaved in one view or apart.
+    #[test]
+    fn every_scene_is_reordered_or_kept(
+        primitives in prop::collection::vec((0..3_usize, prop::collection::vec(0..12_u32, 3..30)), 1..5),
+        apart in any::<bool>(),
+        overlap in any::<bool>(),
+        layout in prop::sample::select(LAYOUTS.to_vec()),
+    ) {
+        let mut draft = Draft::new();
+        let mut rows = Vec::new();
+        for i in 0..12_u8 {
+            for list in 0..3_u8 {
+                rows.extend(floats(&[f32::from(i), f32::from(list), f32::from(i * i % 5)]));
+            }
+        }
+        let at = if overlap { [0, 4, 24] } else { [0, 12, 24] };
+        let accessors = if apart {
+            (0..3_u8).map(|list| {
+                let all: Vec<_> = (0..12_u8).map(|i| [f32::from(i), f32::from(list), 0.0]).collect();
+                draft.positions(&all)
+            }).collect()
+        } else {
+            interleaved(&mut draft, 36, &rows, &at.map(|offset| (offset, F32, "VEC3")))
+        };
+        for (list, corners) in &primitives {
+            let indices = draft.indices(U8, &corners[..corners.len() / 3 * 3]);
+            draft.primitive(accessors[*list], Some(indices), 4);
+        }
+        let (reordered, glb) = check_scene(&draft.glb(), layout);
+        let clash = overlap && !apart && reordered.groups.len() > 1;
+        prop_assert!(clash || reordered.groups.iter().all(|group| group.kept.is_none() || overlap));
+        let drawn: usize = strips_of(&gltf::read(glb, None).unwrap()).iter().map(|s| s.iter().flat_map(strip_triangles).count()).sum();
+        let asked: usize = strips_of(&gltf::read(draft.glb(), None).unwrap()).iter().map(|s| s.triangles().count()).sum();
+        prop_assert_eq!(drawn, asked);
+    }
+}
