@@ -10,6 +10,8 @@
 
 mod args;
 mod bound;
+#[allow(dead_code, unused_imports)]
+mod chart;
 mod compare;
 mod console;
 mod convert;
