@@ -65,6 +65,10 @@ impl Lru {
         }
     }
 
+    pub(super) fn has(&self, vertex: u32) -> bool {
+        self.last[vertex as usize] > self.base + self.tail as u32
+    }
+
     pub(super) fn flush(&mut self) {
         self.tail = self.log.len();
         self.inside = 0;
