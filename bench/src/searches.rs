@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
-use tristrip::strip::{BufferUse, Cost, Metrics, Replacement, verify};
+use tristrip::strip::{Between, Buffer, BufferUse, Cost, Metrics, verify};
 use tristrip::stripify::EtaOptions;
 use tristrip::stripify::bound::Bound;
 use tristrip::{DualGraph, Mesh, Method, Options, Surface, stripify};
@@ -221,7 +221,7 @@ fn once(mesh: &Mesh, named: &Named) -> Result<Search, Failure> {
         }
     }
     let metrics = Metrics::of(&strips);
-    let buffer = BufferUse::of(&strips, Replacement::Fifo, 32, mesh.vertex_count());
+    let buffer = BufferUse::of(&strips, Buffer::fifo(32), Between::Keep, mesh.vertex_count());
     let row = Row {
         method: named.name.clone(),
         proven: true,

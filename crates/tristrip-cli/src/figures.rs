@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use serde::Serialize;
 use tristrip::Strips;
 use tristrip::mesh::MeshReport;
-use tristrip::strip::{BufferUse, Metrics, Replacement};
+use tristrip::strip::{Between, Buffer, BufferUse, Metrics};
 
 use crate::stages::{Pool, Prepared};
 
@@ -38,7 +38,8 @@ impl Figures {
     pub(crate) fn of(pool: &Pool, parts: &[Prepared<'_>], strips: &[Strips]) -> Self {
         let pairs: Vec<_> = parts.iter().zip(strips).collect();
         let measured = pool.map(&pairs, |(part, strips)| {
-            let buffer = |places| BufferUse::of(strips, Replacement::Fifo, places, part.mesh.vertex_count());
+            let vertices = part.mesh.vertex_count();
+            let buffer = |places| BufferUse::of(strips, Buffer::fifo(places), Between::Keep, vertices);
             (Metrics::of(strips), buffer(16), buffer(32))
         });
         let metrics: Metrics = measured.iter().map(|m| m.0).sum();

@@ -18,7 +18,9 @@ pub use emit::{emit, path_cost};
 pub use layout::Layout;
 pub use verify::{Proof, Unproven, verify, verify_drawing};
 pub use verify_models::{Difference, verify_models};
-pub use vertex_buffer::{BufferUse, Replacement, VertexBuffer};
+pub use vertex_buffer::{
+    Between, Buffer, BufferUse, GeneralizedCost, Replacement, StripUse, VertexBuffer, lru_profile,
+};
 
 use crate::error::{Error, MeshProblem};
 

@@ -1,50 +1,198 @@
-//! A simulated vertex buffer of a graphics processor: how many vertices it must transform while strips are drawn.
+//! Simulated vertex buffers of a graphics processor: how many vertices it must transform while strips or a list are drawn.
 //!
 //! A vertex that is in the buffer when it is sent is a hit and costs nothing; another is a miss and enters the buffer. Misses per
 //! real triangle are the ACMR, at best near 0.5 and 3 at worst; misses per vertex in use are the ATVR, at best 1.
 //!
+//! ```text
+//! sent          0  1  2  1  3  0        a strip with a swap, then its first vertex again
+//! fifo:3        0  01 012 ·  123 230    the second 1 is a hit; 3 drives out 0; 0 drives out 1
+//! lru:3         0  01 012 021 213 130   the hit makes 1 the youngest, so that 2 leaves before it
+//! ```
+//!
+//! Strips are sent in order, swaps and winding repeats included; restarts and the degenerate triangles between strips send
+//! nothing here. A processor keeps its buffer from one strip of an index buffer to the next ([`Between::Keep`]); published
+//! studies of strips flush it ([`Between::Flush`]).
+//!
+//! [`BufferUse`] prices strips or a list, with one buffer or many; [`StripUse`] tells it strip by strip, [`lru_profile`] for all
+//! sizes; [`VertexBuffer`] takes one vertex after the other. [`GeneralizedCost`] is another machine, that of the first studies:
+//! it is sent vertices and references to its buffer.
+//!
 //! # Algorithm
-//! First in, first out: each vertex remembers which miss brought it in. It has left again when as many misses as the buffer has
-//! places came after that one. Strips are sent in order, swaps and winding repeats included, and the buffer is kept from one strip
-//! to the next. Restarts and the degenerate triangles between strips send nothing here.
+//! *First in, first out:* each vertex remembers which miss brought it in. It has left again when as many misses as the buffer has
+//! places came after that one.
+//!
+//! *Least recently used:* each vertex remembers when it was sent last, in a log of what was sent. A vertex is in the buffer when
+//! that was not before the log's oldest place that counts; this place moves on until as many vertices as the buffer has places
+//! were sent last at it or later. The log is written anew without what was sent again since, before it outgrows a few times
+//! the buffer.
+//!
+//! Many buffers are not simulated one by one: FIFO ones stand side by side, the LRU ones are read from one pass by stack
+//! distances.
+//!
+//! # References
+//! Evans, Skiena, Varshney: *Efficiently Generating Triangle Strips for Fast Rendering*, 1996, section 6. Mattson, Gecsei, Slutz,
+//! Traiger: *Evaluation techniques for storage hierarchies*, IBM Systems Journal, 1970 (stack distances).
 //!
 //! # Complexity
-//! O(1) an index; 8 bytes a vertex.
+//! O(1) an index, whatever the size of the buffer; 4 bytes a vertex in use, for LRU up to 12 bytes a place more. Many buffers:
+//! 32 bytes a vertex for eight FIFO ones, O(log k) an index for all LRU ones up to k places.
+
+mod distances;
+mod fifo;
+mod generalized;
+mod lru;
+mod profile;
+mod sent;
+
+pub use generalized::GeneralizedCost;
+pub use profile::{StripUse, lru_profile};
 
 use super::Strips;
-use crate::mesh::SPARSE;
+use crate::error::Error;
+use fifo::Fifo;
+use lru::Lru;
+use sent::Sent;
 
 /// Which vertex leaves a full buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-#[non_exhaustive]
 pub enum Replacement {
     /// The one that came in first.
     #[default]
     Fifo,
+    /// The one that was not sent for the longest time.
+    Lru,
 }
 
-/// A vertex buffer with a number of places.
+impl std::fmt::Display for Replacement {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Fifo => "fifo",
+            Self::Lru => "lru",
+        })
+    }
+}
+
+impl std::str::FromStr for Replacement {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<Self, Error> {
+        match name {
+            "fifo" => Ok(Self::Fifo),
+            "lru" => Ok(Self::Lru),
+            _ => {
+                Err(Error::Parameter { name: "replacement", found: name.into(), expected: "`fifo` or `lru`" })
+            }
+        }
+    }
+}
+
+/// A vertex buffer: its rule and its number of places. Written and parsed as `fifo:16`.
 ///
 /// ```
-/// use tristrip::strip::{Replacement, VertexBuffer};
-/// let mut buffer = VertexBuffer::new(Replacement::Fifo, 2, 3);
+/// use tristrip::strip::{Buffer, Replacement};
+/// let buffer: Buffer = "lru:32".parse()?;
+/// assert_eq!(buffer, Buffer { replacement: Replacement::Lru, places: 32 });
+/// assert_eq!(Buffer::default().to_string(), "fifo:16");
+/// assert!("lru:0".parse::<Buffer>().is_err());
+/// # Ok::<(), tristrip::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Buffer {
+    /// Which vertex leaves when it is full.
+    pub replacement: Replacement,
+    /// How many vertices it holds; one of no places never hits.
+    pub places: u32,
+}
+
+impl Buffer {
+    /// The most places that a buffer is parsed with.
+    pub const MAX_PLACES: u32 = 1 << 16;
+
+    /// Makes a buffer in which the vertex that came in first leaves first.
+    pub const fn fifo(places: u32) -> Self {
+        Self { replacement: Replacement::Fifo, places }
+    }
+
+    /// Makes a buffer in which the vertex that was not sent for the longest time leaves first.
+    pub const fn lru(places: u32) -> Self {
+        Self { replacement: Replacement::Lru, places }
+    }
+}
+
+/// The buffer of 16 places that strips are mostly measured with, first in, first out.
+impl Default for Buffer {
+    fn default() -> Self {
+        Self::fifo(16)
+    }
+}
+
+impl std::fmt::Display for Buffer {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}:{}", self.replacement, self.places)
+    }
+}
+
+impl std::str::FromStr for Buffer {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self, Error> {
+        let wrong = || Error::Parameter {
+            name: "buffer",
+            found: format!("`{text}`"),
+            expected: "`fifo:N` or `lru:N`, N from 1 to 65536",
+        };
+        let (name, places) = text.split_once(':').ok_or_else(wrong)?;
+        let replacement = name.parse().map_err(|_| wrong())?;
+        let digits = places.bytes().all(|b| b.is_ascii_digit());
+        match places.parse() {
+            Ok(places @ 1..=Self::MAX_PLACES) if digits => Ok(Self { replacement, places }),
+            _ => Err(wrong()),
+        }
+    }
+}
+
+/// What happens to the buffer between two strips.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Between {
+    /// It keeps its vertices, as a graphics processor does within one draw call.
+    #[default]
+    Keep,
+    /// It is emptied, as before each draw call, or in studies that look at one strip at a time.
+    Flush,
+}
+
+/// A vertex buffer in use, for vertices that come one by one.
+///
+/// ```
+/// use tristrip::strip::{Buffer, VertexBuffer};
+/// let mut buffer = VertexBuffer::new(Buffer::fifo(2), 3);
 /// let hits: Vec<bool> = [0, 1, 0, 2, 0].into_iter().map(|v| buffer.send(v)).collect();
 /// assert_eq!(hits, [false, false, true, false, false]);
 /// assert_eq!(buffer.misses(), 4);
+///
+/// let mut buffer = VertexBuffer::new(Buffer::lru(2), 3);
+/// let hits: Vec<bool> = [0, 1, 0, 2, 0].into_iter().map(|v| buffer.send(v)).collect();
+/// assert_eq!(hits, [false, false, true, false, true]);
 /// ```
 #[derive(Debug, Clone)]
 pub struct VertexBuffer {
-    replacement: Replacement,
-    places: u64,
-    /// For each vertex the number of the miss that brought it in, counted from 1; 0 for one that was never in.
-    entered: Vec<u64>,
-    misses: u64,
+    queue: Queue,
+}
+
+#[derive(Debug, Clone)]
+enum Queue {
+    Fifo(Fifo<1>),
+    Lru(Lru),
 }
 
 impl VertexBuffer {
-    /// Makes an empty buffer of some `places` for vertices 0 to `vertex_count` − 1.
-    pub fn new(replacement: Replacement, places: usize, vertex_count: usize) -> Self {
-        Self { replacement, places: places as u64, entered: vec![0; vertex_count], misses: 0 }
+    /// Makes an empty buffer for vertices 0 to `vertex_count` − 1. More than 2²⁸ places count as so many.
+    pub fn new(buffer: Buffer, vertex_count: usize) -> Self {
+        let queue = match buffer.replacement {
+            Replacement::Fifo => Queue::Fifo(Fifo::new([buffer.places], vertex_count)),
+            Replacement::Lru => Queue::Lru(Lru::new(buffer.places, vertex_count)),
+        };
+        Self { queue }
     }
 
     /// Sends a vertex; tells whether it was in the buffer.
@@ -52,24 +200,53 @@ impl VertexBuffer {
     /// # Panics
     /// The vertex is not less than the number of vertices.
     pub fn send(&mut self, vertex: u32) -> bool {
-        let entered = &mut self.entered[vertex as usize];
-        let hit = match self.replacement {
-            Replacement::Fifo => *entered > 0 && self.misses - *entered < self.places,
-        };
-        if !hit {
-            self.misses += 1;
-            *entered = self.misses;
+        match &mut self.queue {
+            Queue::Fifo(queue) => queue.send(vertex),
+            Queue::Lru(queue) => queue.send(vertex),
         }
-        hit
+    }
+
+    /// Sends vertices in order; the same as [`send`](Self::send) for each, but faster.
+    ///
+    /// # Panics
+    /// A vertex is not less than the number of vertices.
+    pub fn send_all(&mut self, vertices: &[u32]) {
+        match &mut self.queue {
+            Queue::Fifo(queue) => queue.send_all(vertices),
+            Queue::Lru(queue) => queue.send_all(vertices),
+        }
+    }
+
+    /// Empties the buffer.
+    pub fn flush(&mut self) {
+        match &mut self.queue {
+            Queue::Fifo(queue) => queue.flush(),
+            Queue::Lru(queue) => queue.flush(),
+        }
+    }
+
+    /// Swaps the two vertices of an edge that a strip goes on over: the older one takes the other's turn.
+    fn swap(&mut self, older: u32, newer: u32) {
+        match &mut self.queue {
+            Queue::Fifo(queue) => queue.exchange(older, newer),
+            Queue::Lru(queue) => {
+                if queue.has(older) {
+                    queue.send(older);
+                }
+            }
+        }
     }
 
     /// Counts the vertices that were not in the buffer when they were sent.
     pub fn misses(&self) -> usize {
-        self.misses as usize
+        match &self.queue {
+            Queue::Fifo(queue) => queue.misses()[0],
+            Queue::Lru(queue) => queue.misses(),
+        }
     }
 }
 
-/// What drawing strips costs with one vertex buffer.
+/// What drawing strips or a list costs with one vertex buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct BufferUse {
     /// Vertices that were not in the buffer when they were sent.
@@ -81,38 +258,38 @@ pub struct BufferUse {
 }
 
 impl BufferUse {
-    /// Draws strips over vertices 0 to `vertex_count` − 1 with an empty buffer, kept from one strip to the next.
+    /// Draws strips over vertices 0 to `vertex_count` − 1 with a buffer that is empty at first.
     ///
     /// # Panics
     /// A strip has a vertex that is not less than `vertex_count`.
     ///
     /// ```
-    /// use tristrip::{Strips, strip::{BufferUse, Replacement}};
+    /// use tristrip::{Strips, strip::{Between, Buffer, BufferUse}};
     /// let mut strips = Strips::default();
     /// strips.push(&[0, 1, 2, 3]);
     /// strips.push(&[2, 3, 4]);
-    /// let used = BufferUse::of(&strips, Replacement::Fifo, 16, 5);
+    /// let used = BufferUse::of(&strips, Buffer::fifo(16), Between::Keep, 5);
     /// assert_eq!((used.misses, used.triangles, used.vertices), (5, 3, 5));
     /// assert_eq!((used.acmr(), used.atvr()), (5.0 / 3.0, 1.0));
+    /// assert_eq!(BufferUse::of(&strips, Buffer::fifo(16), Between::Flush, 5).misses, 7);
     /// ```
-    pub fn of(strips: &Strips, replacement: Replacement, places: usize, vertex_count: usize) -> Self {
-        let mut used: Vec<u32> = Vec::new();
-        let few = strips.vertices_sent() < vertex_count / SPARSE;
-        if few {
-            used.extend_from_slice(strips.vertices());
-            used.sort_unstable();
-            used.dedup();
-        }
-        let mut buffer = VertexBuffer::new(replacement, places, if few { used.len() } else { vertex_count });
-        for &vertex in strips.vertices() {
-            let place = if few { used.partition_point(|&v| v < vertex) as u32 } else { vertex };
-            buffer.send(place);
-        }
-        Self {
-            misses: buffer.misses(),
-            triangles: strips.triangles().count(),
-            vertices: buffer.entered.iter().filter(|&&entered| entered > 0).count(),
-        }
+    pub fn of(strips: &Strips, buffer: Buffer, between: Between, vertex_count: usize) -> Self {
+        Sent::strips(strips, vertex_count).with(buffer, between)
+    }
+
+    /// Draws a triangle list, three indices a triangle, over vertices 0 to `vertex_count` − 1 with a buffer that is empty at
+    /// first. All indices are sent; triangles with two equal ones do not count as real.
+    ///
+    /// # Panics
+    /// An index is not less than `vertex_count`.
+    ///
+    /// ```
+    /// use tristrip::strip::{Buffer, BufferUse};
+    /// let used = BufferUse::of_list(&[0, 1, 2, 2, 1, 3], Buffer::fifo(16), 4);
+    /// assert_eq!((used.misses, used.triangles, used.vertices), (4, 2, 4));
+    /// ```
+    pub fn of_list(indices: &[u32], buffer: Buffer, vertex_count: usize) -> Self {
+        Sent::list(indices, vertex_count).with(buffer, Between::Keep)
     }
 
     /// Divides the misses by the real triangles (the ACMR); 0 where there is none.
@@ -138,45 +315,4 @@ impl std::iter::Sum for BufferUse {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-    use std::collections::VecDeque;
-
-    /// The buffer as a queue of its vertices, searched from end to end.
-    fn misses_of_a_queue(indices: &[u32], places: usize) -> usize {
-        let (mut queue, mut misses) = (VecDeque::new(), 0);
-        for v in indices {
-            if !queue.contains(v) {
-                misses += 1;
-                queue.push_back(*v);
-                if queue.len() > places {
-                    queue.pop_front();
-                }
-            }
-        }
-        misses
-    }
-
-    proptest! {
-        #[test]
-        fn misses_are_those_of_a_queue(
-            indices in prop::collection::vec(0..40_u32, 0..300),
-            places in 0..50_usize,
-        ) {
-            let mut buffer = VertexBuffer::new(Replacement::Fifo, places, 40);
-            indices.iter().for_each(|&v| { buffer.send(v); });
-            prop_assert_eq!(buffer.misses(), misses_of_a_queue(&indices, places));
-        }
-    }
-
-    #[test]
-    fn a_swap_is_a_hit_and_no_triangle() {
-        let mut strips = Strips::default();
-        strips.push(&[0, 1, 2, 1, 3]);
-        let used = BufferUse::of(&strips, Replacement::Fifo, 3, 9);
-        assert_eq!(used, BufferUse { misses: 4, triangles: 2, vertices: 4 });
-        assert_eq!(used, BufferUse::of(&strips, Replacement::Fifo, 3, 9000));
-        assert!(BufferUse::default().acmr() + BufferUse::default().atvr() < f64::MIN_POSITIVE);
-    }
-}
+mod tests;
