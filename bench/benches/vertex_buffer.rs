@@ -1,4 +1,4 @@
-//! Simulated vertex buffers on the strips of `sequential`, in indices a second: one buffer, eight FIFO ones side by side, all LRU
+//! Simulated vertex buffers on the strips of `sequential`, in indices a second: one buffer, eight FIFO ones, all LRU
 //! ones in one pass, the generalized mesh. The misses of all ways are compared first.
 #![allow(
     missing_docs,

@@ -35,7 +35,7 @@
 //!
 //! # Complexity
 //! O(1) an index, whatever the size of the buffer; 4 bytes a vertex in use, for LRU up to 12 bytes a place more. Many buffers:
-//! 32 bytes a vertex for eight FIFO ones, O(log k) an index for all LRU ones up to k places.
+//! 16 bytes a vertex for four FIFO ones, O(log k) an index for all LRU ones up to k places.
 
 mod distances;
 mod fifo;

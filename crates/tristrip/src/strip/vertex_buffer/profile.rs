@@ -6,11 +6,12 @@ use super::sent::{Sent, real_triangles};
 use super::{Between, Buffer, BufferUse, Replacement, VertexBuffer};
 use crate::strip::Strips;
 
-/// Buffers, first in, first out, that are simulated side by side: two vector registers of stamps.
-const LANES: usize = 8;
+/// Buffers, first in, first out, that are simulated side by side: a vector register of stamps. Eight are no faster on bunny, and
+/// slower on dragon, whose stamps leave the caches then.
+const LANES: usize = 4;
 
-/// Sizes asked for from which on one pass over distances is faster than one pass each.
-const SIZES: usize = 3;
+/// Sizes asked for from which on one pass over distances is faster than one pass each, on bunny and dragon.
+const SIZES: usize = 4;
 
 /// What one strip costs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -73,7 +74,7 @@ pub fn lru_profile(strips: &Strips, most: u32, between: Between, vertex_count: u
 impl BufferUse {
     /// Draws strips with each of several buffers, as [`BufferUse::of`] does but faster; gives them in the buffers' order.
     ///
-    /// Sizes of LRU come from one pass by stack distances. FIFO buffers are simulated eight at a time.
+    /// Sizes of LRU come from one pass by stack distances. FIFO buffers are simulated four at a time.
     ///
     /// # Panics
     /// A strip has a vertex that is not less than `vertex_count`.
