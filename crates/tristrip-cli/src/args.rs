@@ -9,6 +9,7 @@ use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
 use tristrip::Layout;
 use tristrip_io::Format;
 
+use crate::analyze::BufferList;
 use crate::method::{CostName, MethodArgs};
 use crate::task::{Shared, Task, validate};
 
@@ -31,6 +32,7 @@ pub(crate) enum Command {
     Strip(StripArgs),
     Compare(CompareArgs),
     Bound(BoundArgs),
+    Analyze(AnalyzeArgs),
     Verify(VerifyArgs),
     Convert(ConvertArgs),
 }
@@ -120,6 +122,39 @@ pub(crate) struct BoundArgs {
     /// Let vertices with the same bits in position and all attributes count as one
     #[arg(long)]
     pub(crate) weld: bool,
+    #[command(flatten)]
+    pub(crate) shared: SharedArgs,
+    #[command(flatten)]
+    pub(crate) threads: ThreadArgs,
+}
+
+/// Shows what a file makes a graphics processor do, as it stands
+///
+/// Counts triangles, strips, indices, restarts and degenerate triangles as they are stored, and simulates vertex buffers: a miss is a vertex
+/// that must be transformed again; ACMR is misses a triangle, ATVR misses a vertex in use. No strips are looked for; polygons count as
+/// fans of triangles. Each part of a file (a material of OBJ, a primitive of glTF) begins with an empty buffer.
+#[derive(Debug, Args)]
+#[command(after_long_help = "Examples:
+  tristrip analyze bunny.ply bunny.glb              before and after
+  tristrip analyze bunny.glb --buffers fifo:8..32,lru:16 --flush
+  tristrip analyze bunny.ply bunny.glb --plot buffers.svg")]
+pub(crate) struct AnalyzeArgs {
+    #[command(flatten)]
+    pub(crate) inputs: InputArgs,
+    /// Which vertex buffers to simulate [default: fifo and lru of 8, 16, 24, 32 and 64]
+    ///
+    /// A list of KIND:N or KIND:N..M: KIND is fifo (the vertex that came in first leaves first) or lru (the one that was not sent for the
+    /// longest time), N and M are places.
+    #[arg(long, value_name = "LIST")]
+    pub(crate) buffers: Option<BufferList>,
+    /// Empty the buffer between strips, as if each had a draw call of its own
+    #[arg(long)]
+    pub(crate) flush: bool,
+    /// Draw misses against places, and the lengths of strips, into an SVG file
+    ///
+    /// The curves go through the buffers of --buffers, or 2 to 64 places. Up to three inputs.
+    #[arg(long, value_name = "FILE")]
+    pub(crate) plot: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) shared: SharedArgs,
     #[command(flatten)]
@@ -256,6 +291,7 @@ pub(crate) fn parse() -> (Task, Shared) {
         Command::Strip(_) => "strip",
         Command::Compare(_) => "compare",
         Command::Bound(_) => "bound",
+        Command::Analyze(_) => "analyze",
         Command::Verify(_) => "verify",
         Command::Convert(_) => "convert",
     };

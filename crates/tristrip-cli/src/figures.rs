@@ -68,7 +68,7 @@ impl Figures {
 }
 
 /// Rounds a ratio to six decimals: no more are meant.
-fn rounded(x: f64) -> f64 {
+pub(crate) fn rounded(x: f64) -> f64 {
     (x * 1e6).round() / 1e6
 }
 

@@ -1,15 +1,18 @@
 //! The `tristrip` command: polygon meshes into proven triangle strips.
 //!
 //! ```text
-//! args ─▶ task ─▶ strip │ compare │ bound │ verify │ convert ─▶ input ─ stages ─ output ─▶ figures, report ─▶ console
+//! args ─▶ task ─▶ strip │ compare │ bound │ analyze │ verify │ convert ─▶ input ─ stages ─ output ─▶ figures, report ─▶ console
 //! ```
 //! The exit code is 0 when everything was done and proven, 1 when something was not or an input was bad, 2 when the command was
 //! called wrongly.
 
 #![forbid(unsafe_code)]
 
+mod analyze;
 mod args;
 mod bound;
+#[allow(dead_code, unused_imports)]
+mod chart;
 mod compare;
 mod console;
 mod convert;
@@ -47,6 +50,7 @@ fn main() -> ExitCode {
         Task::Strip(task) => strip::run(task, &pool, &mut console),
         Task::Compare(task) => compare::run(task, &pool, &mut console),
         Task::Bound(task) => bound::run(task, &pool, &mut console),
+        Task::Analyze(task) => analyze::run(task, &pool, &mut console),
         Task::Verify(task) => verify::run(task, &mut console),
         Task::Convert(task) => convert::run(task, &pool, &mut console),
     };

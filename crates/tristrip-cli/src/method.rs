@@ -56,6 +56,8 @@ pub(crate) enum CostName {
 pub(crate) enum StartName {
     /// Every triangle by itself.
     Isolated,
+    /// Those of input.
+    Input,
     /// Those of sgi.
     Sgi,
     /// Those of sequential.
@@ -253,6 +255,7 @@ impl From<StartName> for Start {
     fn from(name: StartName) -> Self {
         match name {
             StartName::Isolated => Self::Isolated,
+            StartName::Input => Self::Input,
             StartName::Sgi => Self::Sgi,
             StartName::Sequential => Self::Sequential,
         }

@@ -5,11 +5,18 @@ use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use tristrip::strip::Between;
 use tristrip::stripify::Effort;
 use tristrip::{Layout, Options};
 use tristrip_io::Format;
 
-use crate::args::{Command, InputArgs, LayoutName, OutputArgs, ReadFormat, SharedArgs, WriteFormat};
+use crate::analyze::BufferList;
+use crate::args::{
+    AnalyzeArgs, Command, InputArgs, LayoutName, OutputArgs, ReadFormat, SharedArgs, WriteFormat,
+};
+
+/// Inputs whose curves can be told apart in one picture.
+const PLOTTED_INPUTS: usize = 3;
 
 /// What was asked for, with flags that fit each other.
 #[derive(Debug)]
@@ -17,6 +24,7 @@ pub(crate) enum Task {
     Strip(StripTask),
     Compare(CompareTask),
     Bound(BoundTask),
+    Analyze(AnalyzeTask),
     Verify(VerifyTask),
     Convert(ConvertTask),
 }
@@ -46,6 +54,17 @@ pub(crate) struct CompareTask {
 pub(crate) struct BoundTask {
     pub(crate) inputs: Vec<Input>,
     pub(crate) options: Options,
+}
+
+#[derive(Debug)]
+pub(crate) struct AnalyzeTask {
+    pub(crate) inputs: Vec<Input>,
+    pub(crate) buffers: BufferList,
+    pub(crate) between: Between,
+    /// The SVG file to write.
+    pub(crate) plot: Option<PathBuf>,
+    /// The buffers that its curves go through.
+    pub(crate) curve: Option<BufferList>,
 }
 
 #[derive(Debug)]
@@ -146,6 +165,10 @@ pub(crate) fn validate(command: Command) -> Result<(Task, Shared), String> {
             let task = BoundTask { inputs: inputs(args.inputs)?, options };
             (Task::Bound(task), shared(&args.shared, args.threads.threads))
         }
+        Command::Analyze(args) => {
+            let shared = shared(&args.shared, args.threads.threads);
+            (Task::Analyze(analyze_task(args)?), shared)
+        }
         Command::Verify(args) => {
             let both = InputArgs { inputs: vec![args.source, args.result], from: args.from };
             let mut both = inputs(both)?.into_iter();
@@ -165,6 +188,23 @@ pub(crate) fn validate(command: Command) -> Result<(Task, Shared), String> {
             (Task::Convert(ConvertTask { jobs, as_strips, verify: !args.no_verify }), shared)
         }
     })
+}
+
+fn analyze_task(args: AnalyzeArgs) -> Result<AnalyzeTask, String> {
+    let inputs = inputs(args.inputs)?;
+    if let Some(path) = &args.plot {
+        if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("svg")) {
+            return Err(format!("{}: --plot writes SVG; name a file .svg", path.display()));
+        }
+        if inputs.len() > PLOTTED_INPUTS {
+            return Err(format!(
+                "--plot takes at most {PLOTTED_INPUTS} inputs, or nobody can tell them apart"
+            ));
+        }
+    }
+    let curve = args.plot.as_ref().map(|_| args.buffers.clone().unwrap_or_else(BufferList::curve));
+    let between = if args.flush { Between::Flush } else { Between::Keep };
+    Ok(AnalyzeTask { inputs, buffers: args.buffers.unwrap_or_default(), between, plot: args.plot, curve })
 }
 
 fn shared(args: &SharedArgs, threads: Option<u16>) -> Shared {

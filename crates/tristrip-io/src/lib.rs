@@ -37,7 +37,7 @@ mod text;
 
 pub use error::Error;
 pub use format::Format;
-pub use model::{Drawing, Model, Part};
+pub use model::{Drawing, Model, Part, Stored};
 pub use path::{read_path, replace_file, write_path};
 pub use reorder::{Reordered, VertexGroup, reorder};
 

@@ -67,7 +67,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Model, Error> {
     if kind.texcoords {
         mesh = mesh.with_attribute(attribute("TEXCOORD_0", 2, AttributeData::F32(columns.texcoords)))?;
     }
-    let part = Part { name: None, material: None, mesh, stripped: false };
+    let part = Part { name: None, material: None, mesh, stripped: false, stored: None };
     Ok(Model { parts: vec![part], notes, scene: None })
 }
 

@@ -188,6 +188,8 @@ fn reordered_parts(model: &Model, groups: &[VertexGroup]) -> Result<Vec<Part>, E
         material: part.material.clone(),
         mesh,
         stripped: part.stripped,
+        // The indices of the file name the old vertices, and what is drawn is another drawing.
+        stored: None,
     };
     Ok(model.parts.iter().zip(meshes).map(named).collect())
 }

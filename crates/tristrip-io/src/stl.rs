@@ -78,7 +78,11 @@ impl Welder {
             notes.insert(0, format!("face normals dropped: {facet_count}"));
         }
         let mesh = Mesh::new(self.positions, Faces::from_triangles(self.corners)?)?;
-        Ok(Model { parts: vec![Part { name, material: None, mesh, stripped: false }], notes, scene: None })
+        Ok(Model {
+            parts: vec![Part { name, material: None, mesh, stripped: false, stored: None }],
+            notes,
+            scene: None,
+        })
     }
 }
 

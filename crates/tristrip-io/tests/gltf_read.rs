@@ -40,6 +40,14 @@ fn reads_every_mode_in_every_width() {
             for bytes in [draft.glb(), draft.gltf()] {
                 let model = gltf::read(bytes, None).unwrap();
                 assert_eq!(triangles(&model, 0), expected, "{component} {mode} {indices:?}");
+                let runs: Vec<&[u32]> =
+                    indices.split(|&i| i == restart).filter(|run| !run.is_empty()).collect();
+                let stored = model.parts[0].stored.as_ref();
+                assert_eq!(stored.is_some(), mode != LIST);
+                if let Some(stored) = stored {
+                    assert_eq!(stored.runs.iter().collect::<Vec<_>>(), runs);
+                    assert_eq!((stored.indices(), stored.fans), (indices.len(), mode == FAN));
+                }
             }
         }
     }

@@ -184,7 +184,7 @@ fn three_parts() -> Model {
         name: None,
         material: material.map(str::to_owned),
         mesh: mesh.with_attribute(normals()).unwrap(),
-        stripped: false,
+        ..Part::default()
     };
     let parts = vec![part(first, Some("red\nf 1 1 1")), part(second, None), part(third, Some("blue"))];
     Model { parts, ..Model::default() }
@@ -267,6 +267,33 @@ fn losses_are_those_of_the_format_scene_included() {
 }
 
 #[test]
+fn parts_know_the_indices_that_they_were_drawn_with() {
+    let mut strips = Strips::default();
+    strips.push(&[0, 1, 2, 1, 3]);
+    strips.push(&[4, 5, 6]);
+    let faces = Faces::from_triangles(strips.to_list()).unwrap();
+    let corners: Vec<_> = (0..7_u8).map(|i| [f32::from(i), f32::from(i * i), 0.0]).collect();
+    let model = model(Mesh::new(corners, faces).unwrap());
+    for format in [Format::Ply, Format::Glb] {
+        let stored = |layout| {
+            let bytes = write(&model, &[Drawing::Strips(&strips)], format, layout).unwrap();
+            let parts = read(&bytes, format).unwrap().parts;
+            parts.into_iter().map(|part| part.stored).collect::<Option<Vec<_>>>()
+        };
+        let restart = stored(Layout::Restart).unwrap().remove(0);
+        assert_eq!((&restart.runs, restart.restarts, restart.fans), (&strips, 1, false));
+        assert_eq!(restart.indices(), strips.to_restart(u32::MAX).len());
+        let joined = stored(Layout::Degenerate).unwrap().remove(0);
+        assert_eq!((joined.runs.vertices(), joined.runs.len()), (&strips.to_degenerate()[..], 1));
+        let separate = stored(Layout::Separate).unwrap();
+        let runs: Vec<&[u32]> = separate.iter().flat_map(|stored| stored.runs.iter()).collect();
+        assert_eq!(runs, strips.iter().collect::<Vec<_>>());
+        assert!(separate.iter().all(|stored| stored.restarts == 0));
+        assert_eq!(stored(Layout::List), None);
+    }
+}
+
+#[test]
 fn parts_know_whether_they_were_strips() {
     let faces = Faces::from_triangles(vec![0, 1, 2, 2, 1, 3]).unwrap();
     let flat = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
@@ -292,6 +319,7 @@ fn parts_know_whether_they_were_strips() {
         0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n3 0 1 2\n";
     let both = read(both, Format::Ply).unwrap();
     assert_eq!((both.parts[0].stripped, both.parts[0].mesh.faces().face_count()), (false, 2));
+    assert_eq!(both.parts[0].stored, None);
 }
 
 #[test]

@@ -19,7 +19,9 @@ pub use emit::{emit, emit_in_order, path_cost};
 pub use layout::Layout;
 pub use verify::{Proof, Unproven, verify, verify_drawing};
 pub use verify_models::{Difference, verify_models};
-pub use vertex_buffer::{Between, Buffer, BufferUse, Replacement, VertexBuffer};
+pub use vertex_buffer::{
+    Between, Buffer, BufferUse, GeneralizedCost, Replacement, StripUse, VertexBuffer, lru_profile,
+};
 pub use vertex_order::VertexOrder;
 
 use crate::error::{Error, MeshProblem};

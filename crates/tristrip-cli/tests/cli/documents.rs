@@ -16,7 +16,7 @@ fn the_help_stands_in_the_docs() {
         "# The command\n\nGenerated from the help of each subcommand; `TRISTRIP_BLESS=1 cargo test -p tristrip-cli` writes it \
          anew.\n",
     );
-    for subcommand in ["", "strip", "compare", "bound", "verify", "convert"] {
+    for subcommand in ["", "strip", "compare", "bound", "analyze", "verify", "convert"] {
         let mut command = tristrip();
         command.env_remove("COLUMNS").args(Some(subcommand).filter(|name| !name.is_empty())).arg("--help");
         let help = command.assert().success().get_output().stdout.clone();
@@ -45,6 +45,7 @@ fn every_json_key_is_described() {
     let best = json(tristrip().args(["strip", "--json", "-m", "best", "--effort", "1"]).arg(&fish));
     let eta = json(tristrip().args(["strip", "--json", "-m", "eta"]).arg(&fish));
     let bound = json(tristrip().args(["bound", "--json"]).arg(&fish));
+    let analyze = json(tristrip().args(["analyze", "--json"]).arg(&fish));
     let compare = json(tristrip().args(["compare", "--json"]).arg(&fish));
     let verify = json(tristrip().args(["verify", "--json"]).arg(&fish).arg(&fish));
     let mut command = tristrip();
@@ -57,10 +58,11 @@ fn every_json_key_is_described() {
         .arg("-o")
         .arg(dir.path().join("a.ply"));
     let ordered = json(&mut command);
-    let whole = [&strip, &global, &best, &eta, &bound, &compare, &verify, &convert];
+    let whole = [&strip, &global, &best, &eta, &bound, &analyze, &compare, &verify, &convert];
     let inner = [&strip["mesh"], &strip["seconds"], &best["bound"], &bound["bound"], &bound["components"][0]];
-    let inner = [&inner[..], &[&ordered["vertex_order"][0]]].concat();
-    let reports = [&whole[..], &inner[..]].concat();
+    let analyzed = [&analyze["seconds"], &analyze["buffers"][0], &analyze["by_part"][0]];
+    let ordered = [&ordered["vertex_order"][0]];
+    let reports = [&whole[..], &inner[..], &analyzed[..], &ordered[..]].concat();
     for key in reports.into_iter().flat_map(keys) {
         assert!(described.contains(&format!("`{key}`")), "FORMAT.md does not describe `{key}`");
     }

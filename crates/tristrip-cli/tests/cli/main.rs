@@ -2,6 +2,7 @@
 
 #![expect(clippy::panic, reason = "a test that panics fails")]
 
+mod analyze;
 mod compare;
 mod convert;
 mod documents;

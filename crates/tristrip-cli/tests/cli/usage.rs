@@ -72,12 +72,17 @@ fn flags_are_checked() {
     refused(&["strip", "a.ply", "--threads", "0"], "--threads");
     refused(&["strip", "a.ply", "--from", "doc"], "possible values: obj");
     refused(&["compare", "a.ply", "--json", "--markdown"], "cannot be used with");
+    refused(&["analyze", "a.ply", "--buffers", "fifo:0"], "found `fifo:0`, expected KIND:N or KIND:N..M");
+    refused(&["analyze", "a.ply", "--buffers", "fifo:4,mru:8"], "found `mru:8`");
+    refused(&["analyze", "a.ply", "--buffers", "fifo:1..65536"], "more than 1024 buffers");
+    refused(&["analyze", "a.ply", "--plot", "a.png"], "--plot writes SVG");
+    refused(&["analyze", "a", "b", "c", "d", "--plot", "a.svg"], "--plot takes at most 3 inputs");
     refused(&["paint", "a.ply"], "unrecognized subcommand");
 }
 
 #[test]
 fn help_is_short_or_long_and_names_everything() {
-    for subcommand in ["strip", "compare", "verify", "convert"] {
+    for subcommand in ["strip", "compare", "analyze", "verify", "convert"] {
         let length = |flag: &str| {
             let output = tristrip().args([subcommand, flag]).assert().success().get_output().stdout.clone();
             output.len()

@@ -11,7 +11,7 @@ use super::accessor::{Budget, Source, check_views, undeclared_restart};
 use super::document::{self, Place, array, format_error};
 use super::{PrimitiveAt, Scene, TRIANGLE_FAN, TRIANGLE_STRIP, TRIANGLES, buffer, container};
 use crate::error::Error;
-use crate::model::{Model, Part};
+use crate::model::{Model, Part, Stored};
 
 /// Decoded bytes allowed for each byte of the buffers: strips of byte indices take twelve.
 const GEOMETRY_FACTOR: u64 = 16;
@@ -101,11 +101,11 @@ impl<'a> Reader<'a> {
                     self.tally.other_modes += 1;
                     continue;
                 }
-                let mesh_of_part = self.mesh(&place, mode)?;
+                let (mesh_of_part, stored) = self.mesh(&place, mode)?;
                 self.primitives.push(PrimitiveAt { mesh, primitive, mode });
                 let material = self.material(&place)?;
                 let stripped = mode == TRIANGLE_STRIP || mode == TRIANGLE_FAN;
-                parts.push(Part { name: name.clone(), material, mesh: mesh_of_part, stripped });
+                parts.push(Part { name: name.clone(), material, mesh: mesh_of_part, stripped, stored });
             }
         }
         Ok(parts)
@@ -117,7 +117,7 @@ impl<'a> Reader<'a> {
         Ok(place.field("name").and_then(|n| n.value.as_str()).map(str::to_owned))
     }
 
-    fn mesh(&mut self, primitive: &Place<'a>, mode: u64) -> Result<Mesh, Error> {
+    fn mesh(&mut self, primitive: &Place<'a>, mode: u64) -> Result<(Mesh, Option<Stored>), Error> {
         let extensions = primitive.field("extensions");
         if extensions.and_then(|e| e.field(DRACO)).is_some() {
             return Err(Error::Unsupported(format!("{}: {DRACO} is not supported", primitive.at)));
@@ -134,17 +134,18 @@ impl<'a> Reader<'a> {
             (0..vertex_count as u32).collect()
         };
         // 3. Triangles.
-        let corners = if mode == TRIANGLES {
+        let (corners, stored) = if mode == TRIANGLES {
             let mut corners = indices;
             let loose = corners.len() % 3;
             self.tally.loose_corners += loose as u64;
             corners.truncate(corners.len() - loose);
-            corners
+            (corners, None)
         } else {
             self.afford(primitive, indices.len(), 3 * size_of::<u32>())?;
-            self.unpack(&indices, mode)
+            let stored = Stored::new(&indices, u32::MAX, mode == TRIANGLE_FAN);
+            (self.unpack(&indices, mode), Some(stored))
         };
-        Ok(vertices.with_faces(Faces::from_triangles(corners)?)?)
+        Ok((vertices.with_faces(Faces::from_triangles(corners)?)?, stored))
     }
 
     /// Decodes positions and attributes, unless a primitive before had the same.

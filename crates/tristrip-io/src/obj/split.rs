@@ -27,7 +27,13 @@ pub(super) fn split(mut tables: Tables, notes: &mut Vec<String>) -> Result<Vec<P
             let colours = AttributeData::F32(tables.colours.into_flattened());
             mesh = mesh.with_attribute(floats("COLOR_0", 3, colours))?;
         }
-        return Ok(vec![Part { name: group.name, material: group.material, mesh, stripped: false }]);
+        return Ok(vec![Part {
+            name: group.name,
+            material: group.material,
+            mesh,
+            stripped: false,
+            stored: None,
+        }]);
     }
     let missing = |column: &[u32]| column.iter().filter(|&&i| i == NONE).count();
     for (column, what) in [(&tables.texcoord_of, "texture coordinate"), (&tables.normal_of, "normal")] {
@@ -78,7 +84,7 @@ fn part(tables: &Tables, group: Group) -> Result<Part, Error> {
         let colours = vertices.iter().flat_map(|v| tables.colours[v[0] as usize]).collect();
         mesh = mesh.with_attribute(floats("COLOR_0", 3, AttributeData::F32(colours)))?;
     }
-    Ok(Part { name: group.name, material: group.material, mesh, stripped: false })
+    Ok(Part { name: group.name, material: group.material, mesh, stripped: false, stored: None })
 }
 
 fn row<const N: usize>(rows: &[[f32; N]], index: u32) -> [f32; N] {

@@ -1,13 +1,14 @@
 //! From rows to a mesh: vertices with their attributes, faces, and the triangles of strips.
 
 use tristrip::mesh::MAX_COUNT;
+use tristrip::strip::strip_triangles;
 use tristrip::{Attribute, Mesh};
 
 use super::body::{Ascii, Binary, Body};
 use super::columns::columns;
 use super::header::{self, Element, Encoding, Header, Property, Scalar};
 use crate::polygons::Polygons;
-use crate::{Error, Model, Part};
+use crate::{Error, Model, Part, Stored};
 
 /// Reads a PLY file.
 pub(crate) fn read(bytes: &[u8]) -> Result<Model, Error> {
@@ -25,8 +26,8 @@ struct Reader<B> {
     positions: Vec<[f32; 3]>,
     attributes: Vec<Attribute>,
     polygons: Polygons,
-    /// Whether there were rows of strips.
-    strips: bool,
+    /// The rows of strips, where there are any.
+    strips: Option<Stored>,
     notes: Vec<String>,
 }
 
@@ -38,7 +39,7 @@ impl<B: Body> Reader<B> {
             positions: Vec::new(),
             attributes: Vec::new(),
             polygons: Polygons::default(),
-            strips: false,
+            strips: None,
             notes: Vec::new(),
         }
     }
@@ -78,7 +79,8 @@ impl<B: Body> Reader<B> {
         }
         // Polygons beside strips stay polygons.
         let faces = header.elements.iter().any(|element| element.name == "face" && element.row_count > 0);
-        let part = Part { name: None, material: None, mesh, stripped: self.strips && !faces };
+        let stored = self.strips.filter(|_| !faces);
+        let part = Part { name: None, material: None, mesh, stripped: stored.is_some(), stored };
         Ok(Model { parts: vec![part], notes: self.notes, scene: None })
     }
 
@@ -174,39 +176,50 @@ impl<B: Body> Reader<B> {
     fn read_strips(&mut self, element: &Element) -> Result<(), Error> {
         let index = index_list(element)?;
         let Some(index) = index else { return Ok(()) };
-        self.strips = true;
-        let mut short = 0u64;
+        let mut stored = Stored::default();
+        let (mut run, mut short) = (Vec::new(), 0u64);
         for _ in 0..element.row_count {
             for (i, property) in element.properties.iter().enumerate() {
                 if i != index {
                     self.skip_property(property)?;
                     continue;
                 }
-                let (mut a, mut b, mut length) = (0, 0, 0u64);
                 for _ in 0..self.list_count(property)? {
                     let value = self.body.value(property.value, &property.name)?;
                     let restart = [-1, i64::from(u32::MAX)].contains(&(value as i64));
                     if restart {
-                        short += u64::from(length == 1 || length == 2);
-                        length = 0;
-                        continue;
+                        stored.restarts += 1;
+                        short += u64::from(self.end_strip(&mut run, &mut stored));
+                    } else {
+                        run.push(self.vertex(value)?);
                     }
-                    let c = self.vertex(value)?;
-                    if length >= 2 && a != b && b != c && a != c {
-                        let face = if length.is_multiple_of(2) { [a, b, c] } else { [b, a, c] };
-                        self.polygons.push_face(&face);
-                    }
-                    (a, b, length) = (b, c, length + 1);
                 }
-                short += u64::from(length == 1 || length == 2);
+                short += u64::from(self.end_strip(&mut run, &mut stored));
+                if stored.indices() > MAX_COUNT {
+                    let (at, found) = (element.place(), stored.indices() as u64);
+                    return Err(Error::LimitExceeded { at, found, limit: MAX_COUNT as u64 });
+                }
             }
             self.body.end_row(element)?;
         }
+        self.strips = Some(stored);
         if short > 0 {
             self.notes.push(format!("strips of fewer than three vertices, which draw nothing: {short}"));
         }
         self.note_dropped(element, index);
         Ok(())
+    }
+
+    /// Takes over a strip and its triangles; tells whether it is too short to draw one.
+    fn end_strip(&mut self, run: &mut Vec<u32>, stored: &mut Stored) -> bool {
+        strip_triangles(run).for_each(|triangle| self.polygons.push_face(&triangle));
+        let short = run.len() < 3;
+        if run.is_empty() {
+            return false;
+        }
+        stored.runs.push(run);
+        run.clear();
+        short
     }
 
     /// Reads past an element that a mesh has no place for.

@@ -1,4 +1,4 @@
-//! Index buffers from strips, in the four layouts that files and graphics interfaces know.
+//! Index buffers from strips, in the four layouts that files and graphics interfaces know; and back from the joined one.
 //!
 //! # References
 //! Evans, Skiena, Varshney: *Efficiently Generating Triangle Strips for Fast Rendering*, 1996, section 1 (swaps by repeated
@@ -72,6 +72,26 @@ impl Strips {
     }
 }
 
+/// Walks over the strips that degenerate triangles join: an index buffer is cut where a vertex follows itself, and pieces that draw
+/// nothing are left out. A vertex that is repeated at the very start, for the winding, stays with its strip.
+///
+/// Later strips may have begun at an odd place, so that their winding is the other one when they stand alone.
+///
+/// ```
+/// use tristrip::strip::layout::pieces;
+/// let strips: Vec<&[u32]> = pieces(&[0, 1, 2, 3, 3, 4, 4, 5, 6, 5, 7]).collect();
+/// assert_eq!(strips, [&[0, 1, 2, 3][..], &[4, 5, 6, 5, 7]]);
+/// ```
+pub fn pieces(indices: &[u32]) -> impl Iterator<Item = &[u32]> {
+    let mut end = 0;
+    let cut = indices.chunk_by(|a, b| a != b).map(move |piece| {
+        let start = end;
+        end += piece.len();
+        if start == 1 { &indices[..end] } else { piece }
+    });
+    cut.filter(|piece| strip_triangles(piece).next().is_some())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -132,6 +152,21 @@ mod tests {
             let restart = strips.to_restart(99);
             let drawn: Vec<_> = restart.split(|&v| v == 99).flat_map(strip_triangles).collect();
             prop_assert!(verify_drawing(&faces, &drawn).is_ok());
+        }
+
+        #[test]
+        fn what_was_joined_comes_apart(indices in prop::collection::vec(0..5_u32, 0..40)) {
+            let count = |strip: &[u32]| strip_triangles(strip).count();
+            let pieces: Vec<&[u32]> = pieces(&indices).collect();
+            prop_assert_eq!(pieces.iter().map(|piece| count(piece)).sum::<usize>(), count(&indices));
+            for (i, piece) in pieces.iter().enumerate() {
+                prop_assert!(count(piece) > 0);
+                let repeat = piece[0] == piece[1];
+                prop_assert!(piece[1..].windows(2).all(|w| w[0] != w[1]) && (i == 0 || !repeat));
+            }
+            let mut strips = Strips::default();
+            pieces.iter().for_each(|piece| strips.push(piece));
+            prop_assert_eq!(super::pieces(&strips.to_degenerate()).count(), strips.len());
         }
 
         #[test]

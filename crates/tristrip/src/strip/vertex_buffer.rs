@@ -13,7 +13,9 @@
 //! nothing here. A processor keeps its buffer from one strip of an index buffer to the next ([`Between::Keep`]); published
 //! studies of strips flush it ([`Between::Flush`]).
 //!
-//! [`BufferUse`] prices strips or a list, [`VertexBuffer`] takes one vertex after the other.
+//! [`BufferUse`] prices strips or a list, with one buffer or many; [`StripUse`] tells it strip by strip, [`lru_profile`] for all
+//! sizes; [`VertexBuffer`] takes one vertex after the other. [`GeneralizedCost`] is another machine, that of the first studies:
+//! it is sent vertices and references to its buffer.
 //!
 //! # Algorithm
 //! *First in, first out:* each vertex remembers which miss brought it in. It has left again when as many misses as the buffer has
@@ -24,16 +26,26 @@
 //! were sent last at it or later. The log is written anew without what was sent again since, before it outgrows a few times
 //! the buffer.
 //!
+//! Many buffers are not simulated one by one: FIFO ones stand side by side, the LRU ones are read from one pass by stack
+//! distances.
+//!
 //! # References
 //! Evans, Skiena, Varshney: *Efficiently Generating Triangle Strips for Fast Rendering*, 1996, section 6. Mattson, Gecsei, Slutz,
 //! Traiger: *Evaluation techniques for storage hierarchies*, IBM Systems Journal, 1970 (stack distances).
 //!
 //! # Complexity
-//! O(1) an index, whatever the size of the buffer; 4 bytes a vertex in use, for LRU up to 16 bytes a place more.
+//! O(1) an index, whatever the size of the buffer; 4 bytes a vertex in use, for LRU up to 12 bytes a place more. Many buffers:
+//! 16 bytes a vertex for four FIFO ones, O(log k) an index for all LRU ones up to k places.
 
+mod distances;
 mod fifo;
+mod generalized;
 mod lru;
+mod profile;
 mod sent;
+
+pub use generalized::GeneralizedCost;
+pub use profile::{StripUse, lru_profile};
 
 use super::Strips;
 use crate::error::Error;
@@ -169,7 +181,7 @@ pub struct VertexBuffer {
 
 #[derive(Debug, Clone)]
 enum Queue {
-    Fifo(Fifo),
+    Fifo(Fifo<1>),
     Lru(Lru),
 }
 
@@ -177,7 +189,7 @@ impl VertexBuffer {
     /// Makes an empty buffer for vertices 0 to `vertex_count` − 1. More than 2²⁸ places count as so many.
     pub fn new(buffer: Buffer, vertex_count: usize) -> Self {
         let queue = match buffer.replacement {
-            Replacement::Fifo => Queue::Fifo(Fifo::new(buffer.places, vertex_count)),
+            Replacement::Fifo => Queue::Fifo(Fifo::new([buffer.places], vertex_count)),
             Replacement::Lru => Queue::Lru(Lru::new(buffer.places, vertex_count)),
         };
         Self { queue }
@@ -213,10 +225,22 @@ impl VertexBuffer {
         }
     }
 
+    /// Swaps the two vertices of an edge that a strip goes on over: the older one takes the other's turn.
+    fn swap(&mut self, older: u32, newer: u32) {
+        match &mut self.queue {
+            Queue::Fifo(queue) => queue.exchange(older, newer),
+            Queue::Lru(queue) => {
+                if queue.has(older) {
+                    queue.send(older);
+                }
+            }
+        }
+    }
+
     /// Counts the vertices that were not in the buffer when they were sent.
     pub fn misses(&self) -> usize {
         match &self.queue {
-            Queue::Fifo(queue) => queue.misses(),
+            Queue::Fifo(queue) => queue.misses()[0],
             Queue::Lru(queue) => queue.misses(),
         }
     }

@@ -42,27 +42,38 @@ impl Lru {
     }
 
     pub(super) fn send(&mut self, vertex: u32) -> bool {
-        if self.log.len() >= self.longest_log() {
-            self.rewrite();
-        }
-        self.log.push(vertex);
-        let last = &mut self.last[vertex as usize];
-        let hit = *last > self.base + self.tail as u32;
-        *last = self.base + self.log.len() as u32;
-        if !hit {
-            self.misses += 1;
-            self.inside += 1;
-            if self.inside > self.places {
-                self.drive_out();
-            }
-        }
-        hit
+        let before = self.misses;
+        self.send_all(&[vertex]);
+        self.misses == before
     }
 
-    pub(super) fn send_all(&mut self, vertices: &[u32]) {
-        for &vertex in vertices {
-            self.send(vertex);
+    /// Sends vertices; as many as the log has room for enter it together, and are looked at afterwards.
+    pub(super) fn send_all(&mut self, mut vertices: &[u32]) {
+        while !vertices.is_empty() {
+            if self.log.len() >= self.longest_log() {
+                self.rewrite();
+            }
+            let room = self.longest_log() - self.log.len();
+            let (block, later) = vertices.split_at(room.min(vertices.len()));
+            let mut now = self.base + self.log.len() as u32;
+            self.log.extend_from_slice(block);
+            for &vertex in block {
+                now += 1;
+                let last = std::mem::replace(&mut self.last[vertex as usize], now);
+                if last <= self.base + self.tail as u32 {
+                    self.misses += 1;
+                    self.inside += 1;
+                    if self.inside > self.places {
+                        self.drive_out();
+                    }
+                }
+            }
+            vertices = later;
         }
+    }
+
+    pub(super) fn has(&self, vertex: u32) -> bool {
+        self.last[vertex as usize] > self.base + self.tail as u32
     }
 
     pub(super) fn flush(&mut self) {

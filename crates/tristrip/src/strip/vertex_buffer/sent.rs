@@ -54,12 +54,17 @@ impl<'a> Sent<'a> {
 
     /// Draws with one buffer.
     pub(super) fn with(&self, buffer: Buffer, between: Between) -> BufferUse {
+        let misses = self.misses(buffer, between);
+        BufferUse { misses, triangles: self.triangles, vertices: self.vertices() }
+    }
+
+    pub(super) fn misses(&self, buffer: Buffer, between: Between) -> usize {
         let mut queue = VertexBuffer::new(buffer, self.vertex_count);
         self.runs(between, |run| {
             queue.flush();
             queue.send_all(run);
         });
-        BufferUse { misses: queue.misses(), triangles: self.triangles, vertices: self.vertices() }
+        queue.misses()
     }
 }
 

@@ -1,3 +1,4 @@
+use super::distances::Distances;
 use super::*;
 use proptest::prelude::*;
 use std::collections::VecDeque;
@@ -45,6 +46,74 @@ fn any_strips() -> impl Strategy<Value = Strips> {
     })
 }
 
+/// Strips that turn often, in which no vertex follows itself but the first one.
+fn any_turning_strips() -> impl Strategy<Value = Strips> {
+    prop::collection::vec((any::<bool>(), prop::collection::vec(0..9_u32, 2..30)), 0..20).prop_map(|all| {
+        let mut strips = Strips::default();
+        for (repeat, mut strip) in all {
+            strip.dedup();
+            if repeat && strip.len() > 1 {
+                strip.insert(0, strip[0]);
+            }
+            if strip.len() > 1 {
+                strips.push(&strip);
+            }
+        }
+        strips
+    })
+}
+
+/// The machine with its buffer as a queue, the oldest first, and the vertices at hand as a list.
+fn cost_by_a_queue(strips: &Strips, buffer: Buffer, between: Between) -> GeneralizedCost {
+    let mut cost = GeneralizedCost { triangles: strips.triangles().count(), ..GeneralizedCost::default() };
+    let mut queue: Vec<u32> = Vec::new();
+    for strip in strips.iter() {
+        if between == Between::Flush {
+            queue.clear();
+        }
+        let mut hand: Vec<u32> = Vec::new();
+        for &v in strip {
+            let inside = queue.iter().position(|&u| u == v);
+            if hand.last() == Some(&v) {
+                continue;
+            }
+            if hand.contains(&v) {
+                cost.swaps += 1;
+                let other = queue.iter().position(|u| hand.last() == Some(u));
+                match (buffer.replacement, inside, other) {
+                    (Replacement::Fifo, Some(a), Some(b)) => queue.swap(a, b),
+                    (Replacement::Lru, Some(a), _) => queue[a..].rotate_left(1),
+                    _ => {}
+                }
+                hand.reverse();
+                continue;
+            }
+            match inside {
+                None => {
+                    cost.transmitted += 1;
+                    queue.push(v);
+                    if queue.len() > buffer.places as usize {
+                        queue.remove(0);
+                    }
+                }
+                Some(a) => {
+                    cost.references += 1;
+                    cost.reference_bits +=
+                        (0..32).find(|bits| 1_u64 << bits >= u64::from(buffer.places)).unwrap();
+                    if buffer.replacement == Replacement::Lru {
+                        queue[a..].rotate_left(1);
+                    }
+                }
+            }
+            hand.push(v);
+            if hand.len() > 2 {
+                hand.remove(0);
+            }
+        }
+    }
+    cost
+}
+
 const BOTH: [Between; 2] = [Between::Keep, Between::Flush];
 
 proptest! {
@@ -83,20 +152,81 @@ proptest! {
     }
 
     #[test]
+    fn many_buffers_cost_what_each_does(
+        strips in any_strips(),
+        buffers in prop::collection::vec(any_buffer(), 0..20),
+    ) {
+        for between in BOTH {
+            let each = BufferUse::of_each(&strips, &buffers, between, 40);
+            let one_by_one: Vec<_> = buffers.iter().map(|&b| BufferUse::of(&strips, b, between, 40)).collect();
+            prop_assert_eq!(each, one_by_one);
+        }
+        let each = BufferUse::of_list_each(strips.vertices(), &buffers, 40);
+        let one_by_one: Vec<_> = buffers.iter().map(|&b| BufferUse::of_list(strips.vertices(), b, 40)).collect();
+        prop_assert_eq!(each, one_by_one);
+    }
+
+    #[test]
+    fn a_profile_has_the_misses_of_every_size(strips in any_strips(), most in 0..50_u32) {
+        for between in BOTH {
+            let profile = lru_profile(&strips, most, between, 40);
+            let expected: Vec<_> =
+                (1..=most).map(|places| misses_of_a_queue(&strips, Buffer::lru(places), between)).collect();
+            prop_assert_eq!(profile, expected);
+        }
+    }
+
+    #[test]
+    fn strips_one_by_one_add_up(strips in any_strips(), buffer in any_buffer()) {
+        for between in BOTH {
+            let each = StripUse::of(&strips, buffer, between, 40);
+            prop_assert!(each.iter().map(|one| one.length).eq(strips.iter().map(<[u32]>::len)));
+            let used = BufferUse::of(&strips, buffer, between, 40);
+            prop_assert_eq!(each.iter().map(|one| one.misses).sum::<usize>(), used.misses);
+            prop_assert_eq!(each.iter().map(|one| one.triangles).sum::<usize>(), used.triangles);
+        }
+    }
+
+    #[test]
+    fn a_generalized_mesh_costs_what_a_queue_says(strips in any_turning_strips(), buffer in any_buffer()) {
+        for between in BOTH {
+            let cost = GeneralizedCost::of(&strips, buffer, between, 9);
+            prop_assert_eq!(cost, cost_by_a_queue(&strips, buffer, between));
+        }
+    }
+
+    #[test]
+    fn two_places_transmit_the_gl_cost(strips in any_turning_strips()) {
+        for buffer in [Buffer::fifo(2), Buffer::lru(2)] {
+            let cost = GeneralizedCost::of(&strips, buffer, Between::Flush, 9);
+            let metrics = crate::strip::Metrics::of(&strips);
+            prop_assert_eq!((cost.transmitted, cost.references), (metrics.gl_cost, 0));
+            prop_assert_eq!(cost.triangles, metrics.triangles);
+            prop_assert!(cost.swaps <= metrics.swaps);
+        }
+        let lru: Vec<_> = (2..12)
+            .map(|places| GeneralizedCost::of(&strips, Buffer::lru(places), Between::Flush, 9).transmitted)
+            .collect();
+        prop_assert!(lru.is_sorted_by(|small, large| small >= large), "{:?}", lru);
+    }
+
+    #[test]
     fn a_clock_that_runs_over_changes_nothing(
         indices in prop::collection::vec(0..40_u32, 0..300),
         places in 1..50_u32,
-        left in 0..100_u32,
+        left in 0..100_i32,
         flush in 0..300_usize,
     ) {
-        let mut late = Fifo::new(places, 40).with_late_clock(left + 1);
-        let mut usual = Fifo::new(places, 40);
+        let mut late = Fifo::new([places, 3], 40).with_late_clocks(left + 50);
+        let mut usual = Fifo::new([places, 3], 40);
         for (i, &v) in indices.iter().enumerate() {
             if i == flush {
                 late.flush();
                 usual.flush();
             }
-            prop_assert_eq!(late.send(v), usual.send(v), "index {}", i);
+            late.send_all(&[v]);
+            usual.send_all(&[v]);
+            prop_assert_eq!(late.misses(), usual.misses(), "index {}", i);
         }
     }
 }
@@ -114,6 +244,15 @@ fn a_long_run_rewrites_the_log_and_winds_times_back() {
         for mut buffer in [Lru::new(places, 3000), Lru::new(places, 3000).with_late_times(9000)] {
             let hits: Vec<bool> = indices.iter().map(|&v| buffer.send(v)).collect();
             assert_eq!(hits, expected, "{places} places");
+        }
+        let misses = expected.iter().filter(|hit| !*hit).count();
+        for most in [places, 2500] {
+            let usual = Distances::new(most as usize, 3000);
+            let late = Distances::new(most as usize, 3000).with_late_times(9000);
+            for mut distances in [usual, late] {
+                distances.send_all(&indices);
+                assert_eq!(distances.misses()[places as usize - 1], misses, "{places} of {most} places");
+            }
         }
     }
 }

@@ -205,7 +205,8 @@ proptest! {
         let surface = Surface::new(&mesh, false);
         let graph = DualGraph::new(surface.faces());
         let eta = EtaOptions::default();
-        let starts = [Start::Isolated, Start::Sgi, Start::Sequential].map(|start| Method::Eta(eta.with_start(start)));
+        let starts = [Start::Isolated, Start::Input, Start::Sgi, Start::Sequential];
+        let starts = starts.map(|start| Method::Eta(eta.with_start(start)));
         for method in starts.into_iter().chain([Method::Tunnel { length }]) {
             let plan = plan(&surface, &graph, &Options::default().with_method(method).with_seed(seed)).unwrap();
             let strips = plan.strips();

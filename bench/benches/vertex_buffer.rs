@@ -1,0 +1,66 @@
+//! Simulated vertex buffers on the strips of `sequential`, in indices a second: one buffer, eight FIFO ones, all LRU
+//! ones in one pass, the generalized mesh. The misses of all ways are compared first.
+#![allow(
+    missing_docs,
+    clippy::expect_used,
+    reason = "criterion's macros; a benchmark that cannot be set up stops"
+)]
+
+use std::hint::black_box;
+
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use tristrip::strip::{Between, Buffer, BufferUse, GeneralizedCost, Metrics, VertexBuffer, lru_profile};
+use tristrip::{Method, Options, Strips, stripify};
+use tristrip_bench::models::{default_folder, find, load};
+
+/// Those of the folder that there are.
+const MODELS: [&str; 3] = ["hand", "bunny", "dragon"];
+
+fn misses(strips: &Strips, buffer: Buffer, vertex_count: usize) -> usize {
+    let mut queue = VertexBuffer::new(buffer, vertex_count);
+    queue.send_all(black_box(strips.vertices()));
+    queue.misses()
+}
+
+fn buffers(criterion: &mut Criterion) {
+    let sources = find(&default_folder()).expect("a folder of models");
+    for source in sources.iter().filter(|source| MODELS.contains(&source.name.as_str())) {
+        let mesh = load(source).expect("a readable model").triangles;
+        let options = Options::default().with_method(Method::Sequential);
+        let strips = stripify(&mesh, &options).expect("options that make sense");
+        let count = mesh.vertex_count();
+        let eight = [4, 6, 8, 12, 16, 24, 32, 64];
+        let fifo = eight.map(Buffer::fifo);
+        let each = BufferUse::of_each(&strips, &fifo, Between::Keep, count);
+        let profile = lru_profile(&strips, 64, Between::Keep, count);
+        for (i, &places) in eight.iter().enumerate() {
+            assert_eq!(each[i].misses, misses(&strips, fifo[i], count));
+            assert_eq!(profile[places as usize - 1], misses(&strips, Buffer::lru(places), count));
+        }
+        let two = GeneralizedCost::of(&strips, Buffer::fifo(2), Between::Flush, count);
+        assert_eq!(two.transmitted, Metrics::of(&strips).gl_cost);
+
+        let mut group = criterion.benchmark_group(format!("{}, buffers", source.name));
+        group.throughput(Throughput::Elements(strips.vertices_sent() as u64)).sample_size(20);
+        for buffer in
+            [Buffer::fifo(16), Buffer::fifo(64), Buffer::lru(16), Buffer::lru(64), Buffer::lru(4096)]
+        {
+            group.bench_function(buffer.to_string(), |b| b.iter(|| misses(&strips, buffer, count)));
+        }
+        let all = |buffer| BufferUse::of(&strips, buffer, Between::Keep, count);
+        group.bench_function("fifo:16 with triangles", |b| b.iter(|| all(Buffer::fifo(16))));
+        group.bench_function("8 fifo", |b| {
+            b.iter(|| BufferUse::of_each(&strips, &fifo, Between::Keep, count))
+        });
+        for most in [64, 4096] {
+            let name = format!("lru:1..{most}");
+            group.bench_function(name, |b| b.iter(|| lru_profile(&strips, most, Between::Keep, count)));
+        }
+        let generalized = || GeneralizedCost::of(&strips, Buffer::fifo(16), Between::Flush, count);
+        group.bench_function("generalized fifo:16", |b| b.iter(generalized));
+        group.finish();
+    }
+}
+
+criterion_group!(benches, buffers);
+criterion_main!(benches);

@@ -1,0 +1,242 @@
+//! `tristrip analyze`: lists, every layout of strips, fans, scenes, buffers, the picture, and bad inputs.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::{SQUARE, json, keys, model, tristrip};
+use predicates::prelude::*;
+use predicates::str::{contains, is_empty};
+use serde_json::Value;
+
+const KEYS: [&str; 21] = [
+    "file",
+    "seconds",
+    "drawn",
+    "triangles",
+    "vertices",
+    "indices",
+    "restarts",
+    "degenerate",
+    "strips",
+    "isolated",
+    "swaps",
+    "vertices_sent",
+    "indices_per_triangle",
+    "lengths",
+    "flushed",
+    "buffers",
+    "parts",
+    "by_part",
+    "notes",
+    "plot",
+    "error",
+];
+
+fn analyze(file: &Path, flags: &[&str]) -> Value {
+    json(tristrip().args(["analyze", "--json"]).args(flags).arg(file))
+}
+
+fn figure(report: &Value, key: &str) -> u64 {
+    report[key].as_u64().unwrap_or_else(|| panic!("{key}: {}", report[key]))
+}
+
+fn misses(report: &Value, buffer: &str) -> u64 {
+    let row = report["buffers"].as_array().into_iter().flatten().find(|row| row["buffer"] == buffer);
+    figure(row.unwrap_or_else(|| panic!("no {buffer}: {report}")), "misses")
+}
+
+/// Writes strips of the hand in a layout, and gives what `strip` said of them.
+fn hand(dir: &Path, layout: &str, extension: &str) -> (PathBuf, Value) {
+    let path = dir.join(format!("{layout}.{extension}"));
+    let mut command = tristrip();
+    command.args(["strip", "--json", "-m", "sequential", "--layout", layout, "-o"]).arg(&path);
+    let report = json(command.arg(model("hand.ply")));
+    (path, report)
+}
+
+#[test]
+fn json_has_the_documented_keys_in_order() {
+    let report = analyze(&model("milktruck.glb"), &[]);
+    assert_eq!(keys(&report), KEYS);
+    assert_eq!(keys(&report["seconds"]), ["load", "analyze"]);
+    assert_eq!(keys(&report["buffers"][0]), ["buffer", "misses", "acmr", "atvr"]);
+    let part = [&["name", "material"], &KEYS[2..12], &["misses"]].concat();
+    assert_eq!(keys(&report["by_part"][0]), part);
+}
+
+#[test]
+fn a_list_is_a_list() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("square.obj");
+    fs::write(&path, SQUARE).unwrap();
+    let report = analyze(&path, &["--buffers", "fifo:1,lru:2..3"]);
+    assert_eq!((&report["drawn"], &report["strips"]), (&Value::from("list"), &Value::Null));
+    assert_eq!(["triangles", "vertices", "indices"].map(|key| figure(&report, key)), [2, 4, 6]);
+    // 0 1 2 0 2 3
+    assert_eq!(["fifo:1", "lru:2", "lru:3"].map(|buffer| misses(&report, buffer)), [6, 5, 4]);
+    assert_eq!((&report["buffers"][2]["acmr"], &report["buffers"][2]["atvr"]), (&2.0.into(), &1.0.into()));
+    assert_eq!(report["lengths"], Value::Array(Vec::new()));
+    fs::write(&path, SQUARE.replace("f 1 2 3\nf 1 3 4", "f 1 2 3 4\nf 1 1 2")).unwrap();
+    let polygons = analyze(&path, &[]);
+    assert_eq!(["triangles", "indices", "degenerate"].map(|key| figure(&polygons, key)), [2, 9, 1]);
+    let assert = tristrip().arg("analyze").arg(&path).assert().success();
+    assert.stdout(contains("drawn as a list").and(contains("fifo:16")).and(contains("strips by").not()));
+}
+
+#[test]
+fn every_layout_is_seen_as_it_was_written() {
+    let dir = tempfile::tempdir().unwrap();
+    for extension in ["glb", "ply"] {
+        let (path, written) = hand(dir.path(), "restart", extension);
+        let restart = analyze(&path, &[]);
+        for key in ["triangles", "strips", "isolated", "swaps", "vertices_sent"] {
+            assert_eq!(restart[key], written[key], "{extension} {key}");
+        }
+        assert_eq!(restart["indices"], written["indices_restart"]);
+        assert_eq!(figure(&restart, "restarts"), figure(&written, "strips") - 1);
+        assert_eq!(figure(&restart, "degenerate"), figure(&written, "swaps"));
+        assert_eq!(restart["buffers"][1]["acmr"], written["acmr_fifo_16"]);
+        assert_eq!(restart["buffers"][3]["atvr"], written["atvr_fifo_32"]);
+        let bins = restart["lengths"].as_array().unwrap();
+        let sum = |key| bins.iter().map(|bin| figure(bin, key)).sum::<u64>();
+        assert_eq!(
+            (sum("strips"), sum("triangles")),
+            (figure(&restart, "strips"), figure(&restart, "triangles"))
+        );
+        assert_eq!(keys(&bins[0]), ["from", "to", "strips", "triangles"]);
+
+        let (path, written) = hand(dir.path(), "degenerate", extension);
+        let joined = analyze(&path, &[]);
+        assert_eq!(
+            (&joined["strips"], &joined["indices"]),
+            (&written["strips"], &written["indices_degenerate"])
+        );
+        assert_eq!((figure(&joined, "restarts"), &joined["lengths"]), (0, &restart["lengths"]));
+
+        let (path, _) = hand(dir.path(), "separate", extension);
+        let separate = analyze(&path, &["--flush"]);
+        for key in ["triangles", "strips", "swaps", "vertices_sent", "lengths"] {
+            assert_eq!(separate[key], restart[key], "{extension} {key}");
+        }
+        let flushed = analyze(&dir.path().join(format!("restart.{extension}")), &["--flush"]);
+        assert_eq!(flushed["buffers"], separate["buffers"]);
+        assert!(misses(&flushed, "fifo:16") > misses(&restart, "fifo:16"));
+        assert_eq!((&flushed["flushed"], &restart["flushed"]), (&true.into(), &false.into()));
+
+        let (path, _) = hand(dir.path(), "list", extension);
+        assert_eq!(analyze(&path, &[])["drawn"], "list");
+    }
+}
+
+#[test]
+fn primitives_add_up() {
+    let report = analyze(&model("milktruck.glb"), &["--buffers", "lru:4..9"]);
+    let parts = report["by_part"].as_array().unwrap();
+    assert_eq!(figure(&report, "parts"), parts.len() as u64);
+    assert!(parts.len() > 1);
+    for key in ["triangles", "indices"] {
+        assert_eq!(figure(&report, key), parts.iter().map(|part| figure(part, key)).sum::<u64>());
+    }
+    for (i, row) in report["buffers"].as_array().unwrap().iter().enumerate() {
+        let of_parts = parts.iter().map(|part| part["misses"][i].as_u64().unwrap());
+        assert_eq!(figure(row, "misses"), of_parts.sum::<u64>());
+    }
+    let assert = tristrip().arg("analyze").arg(model("milktruck.glb")).assert().success();
+    assert.stdout(contains("Wheels / wheels").and(contains("drawn as")));
+}
+
+#[test]
+fn a_picture_is_drawn_for_people() {
+    let dir = tempfile::tempdir().unwrap();
+    let (path, _) = hand(dir.path(), "restart", "glb");
+    let picture = dir.path().join("buffers.svg");
+    let mut command = tristrip();
+    command.args(["analyze", "--json", "--plot"]).arg(&picture).arg(&path).arg(model("hand.ply"));
+    let reports = json(&mut command);
+    assert_eq!(reports[1]["plot"], picture.display().to_string());
+    let text = fs::read_to_string(&picture).unwrap();
+    assert!(text.starts_with("<svg width=\"900\""));
+    for words in ["hand.ply, FIFO", "restart.glb, LRU", "each vertex once", "Lengths of strips: restart.glb"]
+    {
+        assert!(text.contains(words), "{words}");
+    }
+    command.assert().success();
+    assert_eq!(fs::read_to_string(&picture).unwrap(), text);
+    // A list alone has no lengths.
+    let mut command = tristrip();
+    command.args(["analyze", "--buffers", "fifo:4..9", "--plot"]).arg(&picture).arg(model("hand.ply"));
+    command.assert().success();
+    let text = fs::read_to_string(&picture).unwrap();
+    assert!(text.contains("FIFO") && !text.contains("LRU") && !text.contains("Lengths"));
+}
+
+#[test]
+fn a_picture_that_cannot_be_written_is_an_error() {
+    let dir = tempfile::tempdir().unwrap();
+    let picture = dir.path().join("none/buffers.svg");
+    let mut command = tristrip();
+    command.args(["analyze", "--json", "-q", "--plot"]).arg(&picture).arg(model("fish_control.ply"));
+    let assert = command.assert().code(1).stderr(contains("buffers.svg: no such file or directory"));
+    let report: Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
+    assert!(report["error"].as_str().unwrap().contains("buffers.svg"));
+    assert_eq!(report["plot"], Value::Null);
+    assert!(figure(&report, "triangles") > 0);
+}
+
+#[test]
+fn bad_inputs_are_named_and_the_others_done() {
+    let dir = tempfile::tempdir().unwrap();
+    let file = |name: &str, bytes: &[u8]| {
+        let path = dir.path().join(name);
+        fs::write(&path, bytes).unwrap();
+        path
+    };
+    let whole = fs::read(model("milktruck.glb")).unwrap();
+    let bad = [
+        file("empty.ply", b""),
+        file("cut.glb", &whole[..whole.len() / 2]),
+        file("nan.obj", SQUARE.replacen("0 0 0", "nan 0 0", 1).as_bytes()),
+        file("outside.obj", SQUARE.replace("f 1 3 4", "f 1 3 9").as_bytes()),
+        dir.path().to_owned(),
+        dir.path().join("none.ply"),
+    ];
+    let picture = dir.path().join("a.svg");
+    for path in &bad {
+        let mut command = tristrip();
+        command.args(["analyze", "--json", "--plot"]).arg(&picture).arg(path).arg(model("fish_control.ply"));
+        let assert = command.assert().code(1).stderr(contains("tristrip: "));
+        let reports: Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
+        assert_eq!(
+            keys(&reports[0]),
+            [
+                "file",
+                "seconds",
+                "indices_per_triangle",
+                "lengths",
+                "flushed",
+                "buffers",
+                "parts",
+                "by_part",
+                "notes",
+                "plot",
+                "error"
+            ]
+        );
+        assert!(reports[0]["error"].is_string() && reports[0]["buffers"] == Value::Array(Vec::new()));
+        assert!(reports[1]["error"].is_null() && reports[1]["plot"].is_string());
+        let assert = tristrip().args(["analyze", "-q"]).arg(path).assert().code(1);
+        assert.stdout(is_empty());
+    }
+}
+
+#[test]
+fn a_file_that_draws_nothing_has_no_figures_but_zero() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("points.obj");
+    fs::write(&path, "v 0 0 0\nv 1 0 0\n").unwrap();
+    let picture = dir.path().join("a.svg");
+    let report = json(tristrip().args(["analyze", "--json", "--plot"]).arg(&picture).arg(&path));
+    assert_eq!(["triangles", "vertices", "indices"].map(|key| figure(&report, key)), [0; 3]);
+    assert!(report["buffers"].as_array().unwrap().iter().all(|row| row["acmr"] == 0.0));
+    tristrip().args(["analyze", "-"]).write_stdin(SQUARE).assert().success().stdout(contains("fifo:16"));
+}
