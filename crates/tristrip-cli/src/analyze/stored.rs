@@ -117,6 +117,7 @@ impl<'a> Stored<'a> {
     pub(super) fn of(part: &'a Part) -> Self {
         let mut strips = Strips::default();
         let mut list = Cow::default();
+        let vertex_count = part.mesh.vertex_count();
         let mut figures = Figures {
             drawn: Drawn::List,
             triangles: 0,
@@ -133,6 +134,7 @@ impl<'a> Stored<'a> {
             figures.indices = stored.indices();
             figures.restarts = stored.restarts;
             figures.triangles = part.mesh.faces().face_count();
+            figures.vertices = BufferUse::of(&stored.runs, NONE, Between::Keep, vertex_count).vertices;
             let drawn: usize = stored.runs.iter().map(|run| run.len().saturating_sub(2)).sum();
             figures.degenerate = drawn.saturating_sub(figures.triangles);
             figures.drawn = if stored.fans { Drawn::Fans } else { Drawn::Strips };
@@ -147,13 +149,12 @@ impl<'a> Stored<'a> {
         } else {
             list = triangle_list(&part.mesh);
             figures.indices = list.len();
-            figures.triangles = BufferUse::of_list(&list, NONE, part.mesh.vertex_count()).triangles;
+            let used = BufferUse::of_list(&list, NONE, vertex_count);
+            (figures.triangles, figures.vertices) = (used.triangles, used.vertices);
             figures.degenerate = list.len() / 3 - figures.triangles;
         }
         let lengths = Lengths::of(&strips);
-        let mut stored = Self { part, list, strips, figures, lengths };
-        stored.figures.vertices = stored.with_each(&[NONE], Between::Keep)[0].vertices;
-        stored
+        Self { part, list, strips, figures, lengths }
     }
 
     /// Gives the vertices of the indices, in their order.

@@ -146,6 +146,38 @@ fn primitives_add_up() {
 }
 
 #[test]
+fn fans_are_seen_as_fans() {
+    // Five vertices; indices 0 1 2 3, a restart, 0 3 4.
+    let data = "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAACAPwAAgD8AAAAAAAAAAAAAgD8AAAAAAACAvwAAgD8AAAAAAAECA/8AAwQ=";
+    let scene = format!(
+        r#"{{"asset": {{"version": "2.0"}},
+        "buffers": [{{"byteLength": 68, "uri": "data:application/octet-stream;base64,{data}"}}],
+        "bufferViews": [{{"buffer": 0, "byteLength": 60}}, {{"buffer": 0, "byteOffset": 60, "byteLength": 8}}],
+        "accessors": [{{"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 5,
+                       "min": [-1, 0, 0], "max": [1, 1, 0]}},
+                      {{"bufferView": 1, "componentType": 5121, "type": "SCALAR", "count": 8}}],
+        "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}, "indices": 1, "mode": 6}},
+                                   {{"attributes": {{"POSITION": 0}}, "mode": 5}}]}}]}}"#
+    );
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("fan.gltf");
+    fs::write(&path, scene).unwrap();
+    let report = analyze(&path, &["--buffers", "fifo:2"]);
+    assert_eq!((&report["drawn"], &report["vertices"]), (&"mixed".into(), &5.into()));
+    let [fan, strip] = [0, 1].map(|i| &report["by_part"][i]);
+    assert_eq!(
+        (&fan["drawn"], &fan["strips"], &strip["drawn"]),
+        (&"fans".into(), &Value::Null, &"strips".into())
+    );
+    let keys = ["triangles", "indices", "restarts", "degenerate"];
+    assert_eq!(keys.map(|key| figure(fan, key)), [3, 8, 1, 0]);
+    assert_eq!(keys.map(|key| figure(strip, key)), [3, 5, 0, 0]);
+    // 0 1 2 3, then 0, which has left, 3, which has not, and 4.
+    assert_eq!((&fan["misses"], &strip["misses"]), (&vec![6].into(), &vec![5].into()));
+    assert_eq!(report["buffers"][0]["acmr"], 1.833_333);
+}
+
+#[test]
 fn a_picture_is_drawn_for_people() {
     let dir = tempfile::tempdir().unwrap();
     let (path, _) = hand(dir.path(), "restart", "glb");

@@ -23,7 +23,9 @@ pub(super) struct Fifo<const LANES: usize> {
 
 impl<const LANES: usize> Fifo<LANES> {
     pub(super) fn new(places: [u32; LANES], vertex_count: usize) -> Self {
-        let places = places.map(|places| places.min(MOST_PLACES).cast_signed());
+        // No vertex leaves a buffer that has a place for each; small steps of a flush spare the clocks.
+        let most = vertex_count.min(MOST_PLACES as usize) as u32;
+        let places = places.map(|places| places.min(most).cast_signed());
         Self { places, clocks: places, misses: [0; LANES], entered: vec![[0; LANES]; vertex_count] }
     }
 
