@@ -1,7 +1,7 @@
 //! The `tristrip` command: polygon meshes into proven triangle strips.
 //!
 //! ```text
-//! args ─▶ task ─▶ strip │ compare │ bound │ verify │ convert ─▶ input ─ stages ─ output ─▶ figures, report ─▶ console
+//! args ─▶ task ─▶ strip │ compare │ bound │ verify │ convert │ repro ─▶ input ─ stages ─ output ─▶ figures, report ─▶ console
 //! ```
 //! The exit code is 0 when everything was done and proven, 1 when something was not or an input was bad, 2 when the command was
 //! called wrongly.
@@ -10,7 +10,7 @@
 
 mod args;
 mod bound;
-#[allow(dead_code, unused_imports)]
+#[allow(dead_code)]
 mod chart;
 mod compare;
 mod console;
@@ -21,6 +21,7 @@ mod input;
 mod method;
 mod output;
 mod report;
+mod repro;
 mod search;
 mod stages;
 mod strip;
@@ -49,6 +50,7 @@ fn main() -> ExitCode {
         Task::Bound(task) => bound::run(task, &pool, &mut console),
         Task::Verify(task) => verify::run(task, &mut console),
         Task::Convert(task) => convert::run(task, &pool, &mut console),
+        Task::Repro(task) => repro::run(task, &pool, &mut console),
     };
     if all_done && console.finish() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }

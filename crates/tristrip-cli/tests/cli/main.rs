@@ -5,6 +5,7 @@
 mod compare;
 mod convert;
 mod documents;
+mod repro;
 mod strip;
 mod usage;
 mod verify;
