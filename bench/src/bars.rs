@@ -221,6 +221,7 @@ fn times_and_memory(outcomes: &[Outcome]) -> Vec<Bar> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::papers::{self, column};
     use crate::peers::{Best, Peers, Reference};
 
     fn outcome(model: &str, sequential: f64, peer: f64) -> Outcome {
@@ -267,5 +268,15 @@ mod tests {
     fn the_mean_is_geometric() {
         let mean = mean_ratio(&[outcome("a", 1.0, 2.0), outcome("b", 2.0, 1.0)]);
         assert!(mean.is_some_and(|mean| (mean - 1.0).abs() < 1e-12));
+    }
+
+    #[test]
+    fn published_vertices_are_those_of_the_papers() {
+        let [sgi, first, second] =
+            [(papers::STRIPE_1996, "SGI"), (papers::STRIPE_1996, "STRIPE"), (papers::STRIPE_2000, "STRIPE")]
+                .map(|(paper, name)| column(paper, "table 1", name).unwrap());
+        for (model, by_sgi, by_stripe) in PUBLISHED {
+            assert_eq!((sgi[model], first[model].min(second[model])), (by_sgi, by_stripe), "{model}");
+        }
     }
 }

@@ -20,6 +20,7 @@ pub mod measure;
 pub mod memory;
 pub mod methods;
 pub mod models;
+pub mod papers;
 pub mod peers;
 pub mod rivals;
 pub mod scaling;

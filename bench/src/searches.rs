@@ -7,7 +7,7 @@
 use std::collections::BTreeMap;
 use std::time::Instant;
 
-use serde::{Deserialize, Serialize};
+use serde::Serialize;
 use tristrip::strip::{Between, Buffer, BufferUse, Cost, Metrics, verify};
 use tristrip::stripify::EtaOptions;
 use tristrip::stripify::bound::Bound;
@@ -18,6 +18,7 @@ use crate::measure::{Row, median};
 use crate::memory::extra_bytes;
 use crate::methods::Named;
 use crate::models::{Fed, Source, load};
+use crate::papers;
 use crate::peers::{Best, Peers};
 use crate::rivals::{Pipeline, strips_of};
 
@@ -61,31 +62,41 @@ impl Depth {
 }
 
 /// What a paper reports of a model.
-#[derive(Debug, Clone, Serialize, Deserialize)]
+#[derive(Debug, Clone, Serialize)]
 pub struct Published {
     /// Time.
     pub seconds: f64,
     /// Strips.
-    pub strips: usize,
+    pub strips: f64,
     /// Strips of one triangle.
-    pub isolated: usize,
+    pub isolated: f64,
     /// Misses per triangle of a buffer of 32 vertices.
     pub acmr_32: f64,
     /// Vertices sent, a triangle.
     pub vertices_per_triangle: f64,
 }
 
-#[derive(Deserialize)]
-struct Paper {
-    models: BTreeMap<String, Published>,
-}
-
-/// Reads what was published of ETA.
+/// Reads what was published of ETA, by model.
 ///
 /// # Errors
-/// The table in `bench/data` is broken.
+/// The data of the paper are broken.
 pub fn published() -> Result<BTreeMap<String, Published>, Failure> {
-    Ok(serde_json::from_str::<Paper>(include_str!("../data/eta_2006.json"))?.models)
+    let table = |name| move |column| papers::column(papers::ETA_2006, name, column);
+    let (quality, times) = (table("table 3"), table("table 2"));
+    let (isolated, acmr) = (quality("isolated")?, quality("ACMR 32")?);
+    let (vertices, seconds) = (quality("vertices/T")?, times("seconds")?);
+    let strips = quality("strips")?;
+    let published = strips.iter().filter_map(|(model, &strips)| {
+        let published = Published {
+            seconds: *seconds.get(model)?,
+            strips,
+            isolated: *isolated.get(model)?,
+            acmr_32: *acmr.get(model)?,
+            vertices_per_triangle: *vertices.get(model)?,
+        };
+        Some((model.clone(), published))
+    });
+    Ok(published.collect())
 }
 
 /// A search on a model.

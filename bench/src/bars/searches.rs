@@ -102,7 +102,7 @@ fn eta(searched: &[Searched]) -> Vec<Bar> {
         let (row, published) = (&s.eta.as_ref()?.row, s.published.as_ref()?);
         let what = format!("eta, strips as published in a hundredth of the time, {}", s.model);
         let most = (published.strips.to_string(), published.seconds / FASTER);
-        Some(timed(what, most, &row.strips.to_string(), row.strips <= published.strips, row.seconds))
+        Some(timed(what, most, &row.strips.to_string(), row.strips as f64 <= published.strips, row.seconds))
     };
     searched.iter().filter_map(bar).collect()
 }

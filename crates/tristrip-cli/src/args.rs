@@ -35,6 +35,7 @@ pub(crate) enum Command {
     Analyze(AnalyzeArgs),
     Verify(VerifyArgs),
     Convert(ConvertArgs),
+    Repro(ReproArgs),
 }
 
 /// Finds triangle strips, proves them, and writes them
@@ -203,6 +204,34 @@ pub(crate) struct ConvertArgs {
     pub(crate) threads: ThreadArgs,
 }
 
+/// Shows the tables and figures of papers again, published beside measured
+///
+/// Writes a page for each paper and its figures as SVG into the folder `reproduction` of a directory. Every result is proven before its
+/// figures are shown. Pages hold no times, so that they are the same on every machine. Rows whose models are missing say so.
+#[derive(Debug, Args)]
+#[command(after_long_help = "Papers:
+  000  El-Sana et al., Efficiently Computing and Updating Triangle Strips, 2000
+  003  Porcu, Scateni, Partitioning Meshes into Strips (ETA), 2006
+  004  Evans, Skiena, Varshney, Efficiently Generating Triangle Strips, 1996
+
+Example:
+  tristrip repro -o docs")]
+pub(crate) struct ReproArgs {
+    /// The papers, by their numbers, separated by commas [default: all]
+    #[arg(long, value_name = "PAPERS", value_delimiter = ',')]
+    pub(crate) papers: Vec<String>,
+    /// The folder of the models [default: ../shared/models, or else testdata/models]
+    #[arg(long, value_name = "DIRECTORY")]
+    pub(crate) models: Option<PathBuf>,
+    /// The directory into whose folder `reproduction` the pages are written
+    #[arg(short, long, value_name = "DIRECTORY", help_heading = "Output")]
+    pub(crate) output: PathBuf,
+    #[command(flatten)]
+    pub(crate) shared: SharedArgs,
+    #[command(flatten)]
+    pub(crate) threads: ThreadArgs,
+}
+
 #[derive(Debug, Args)]
 pub(crate) struct InputArgs {
     /// Mesh files, or - for standard input
@@ -294,6 +323,7 @@ pub(crate) fn parse() -> (Task, Shared) {
         Command::Analyze(_) => "analyze",
         Command::Verify(_) => "verify",
         Command::Convert(_) => "convert",
+        Command::Repro(_) => "repro",
     };
     validate(cli.command).unwrap_or_else(|message| {
         let mut command = Cli::command();

@@ -75,7 +75,7 @@ impl Series {
         Self { name: name.into(), mark, points, labels: Vec::new() }
     }
 
-    /// Writes a label beside each point that has the room.
+    /// Writes a label beside each point that has one, and the room.
     #[must_use]
     pub(crate) fn with_labels(mut self, labels: Vec<String>) -> Self {
         self.labels = labels;
@@ -219,12 +219,15 @@ impl Panel {
         for series in &self.series {
             for (number, place) in self.places(series) {
                 let Some(label) = series.labels.get(number).map(|label| printable(label)) else { break };
+                if label.is_empty() {
+                    continue;
+                }
                 let (px, py) = plot.backend_coord(&place);
                 let width = text_width(&label, 11);
                 let beside = [
                     (px + 7, py),
-                    (px - 7 - width, py),
                     (px - width / 2, py - 12),
+                    (px - 7 - width, py),
                     (px - width / 2, py + 12),
                 ];
                 let frames = beside.map(|(left, middle)| [left, middle - 6, left + width, middle + 6]);
@@ -344,7 +347,7 @@ mod tests {
         assert!(text.starts_with("<svg width=\"900\" height=\"680\"") && text.trim_end().ends_with("</svg>"));
         assert!(text.contains("Cost &lt;by&gt; \u{fffd} size &amp; &quot;kind&quot;"), "texts are escaped");
         assert!(
-            ["places", "ACMR", "2–3", "100,000", "FIFO, kept from strip to strip"]
+            ["places", "ACMR", "2–3", "100k", "FIFO, kept from strip to strip"]
                 .iter()
                 .all(|t| text.contains(t))
         );

@@ -160,7 +160,7 @@ fn as_text(report: &CompareReport, as_markdown: bool) -> String {
     let title = format!("{}: {}", report.file, counted(triangles, "triangle"));
     let dual = report.seconds.dual.map_or(0.0, |s| 1e3 * s);
     if as_markdown {
-        let table = markdown(&rows);
+        let table = markdown(&rows, 1..1 + COLUMNS.len());
         return format!("### {title}\n\n{table}\nms: without the dual graph, {dual:.2} ms for all.\n\n");
     }
     let legend =

@@ -1,7 +1,7 @@
 //! The `tristrip` command: polygon meshes into proven triangle strips.
 //!
 //! ```text
-//! args ─▶ task ─▶ strip │ compare │ bound │ analyze │ verify │ convert ─▶ input ─ stages ─ output ─▶ figures, report ─▶ console
+//! args ─▶ task ─▶ strip │ compare │ bound │ analyze │ verify │ convert │ repro ─▶ input ─ stages ─ output ─▶ figures, report ─▶ console
 //! ```
 //! The exit code is 0 when everything was done and proven, 1 when something was not or an input was bad, 2 when the command was
 //! called wrongly.
@@ -11,7 +11,7 @@
 mod analyze;
 mod args;
 mod bound;
-#[allow(dead_code, unused_imports)]
+#[allow(dead_code)]
 mod chart;
 mod compare;
 mod console;
@@ -23,6 +23,7 @@ mod method;
 mod output;
 mod reorder;
 mod report;
+mod repro;
 mod search;
 mod stages;
 mod strip;
@@ -53,6 +54,7 @@ fn main() -> ExitCode {
         Task::Analyze(task) => analyze::run(task, &pool, &mut console),
         Task::Verify(task) => verify::run(task, &mut console),
         Task::Convert(task) => convert::run(task, &pool, &mut console),
+        Task::Repro(task) => repro::run(task, &pool, &mut console),
     };
     if all_done && console.finish() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }

@@ -1,6 +1,6 @@
 //! What was asked for: the one place where flags become a task that makes sense, or a message that says which of them do not fit.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -14,6 +14,7 @@ use crate::analyze::BufferList;
 use crate::args::{
     AnalyzeArgs, Command, InputArgs, LayoutName, OutputArgs, ReadFormat, SharedArgs, WriteFormat,
 };
+use crate::repro;
 
 /// Inputs whose curves can be told apart in one picture.
 const PLOTTED_INPUTS: usize = 3;
@@ -27,6 +28,7 @@ pub(crate) enum Task {
     Analyze(AnalyzeTask),
     Verify(VerifyTask),
     Convert(ConvertTask),
+    Repro(ReproTask),
 }
 
 #[derive(Debug)]
@@ -79,6 +81,14 @@ pub(crate) struct ConvertTask {
     /// Whether all faces are written as strips of their own order, not only those that the input has as strips.
     pub(crate) as_strips: bool,
     pub(crate) verify: bool,
+}
+
+#[derive(Debug)]
+pub(crate) struct ReproTask {
+    /// Keys of papers.
+    pub(crate) papers: BTreeSet<String>,
+    pub(crate) models: PathBuf,
+    pub(crate) output: PathBuf,
 }
 
 /// An input, and where its result goes.
@@ -187,6 +197,12 @@ pub(crate) fn validate(command: Command) -> Result<(Task, Shared), String> {
             refuse_two_results(&jobs, &shared)?;
             (Task::Convert(ConvertTask { jobs, as_strips, verify: !args.no_verify }), shared)
         }
+        Command::Repro(args) => {
+            let papers = papers(args.papers)?;
+            let models = args.models.unwrap_or_else(default_models);
+            let task = ReproTask { papers, models, output: args.output };
+            (Task::Repro(task), shared(&args.shared, args.threads.threads))
+        }
     })
 }
 
@@ -209,6 +225,21 @@ fn analyze_task(args: AnalyzeArgs) -> Result<AnalyzeTask, String> {
 
 fn shared(args: &SharedArgs, threads: Option<u16>) -> Shared {
     Shared { json: args.json, quiet: args.quiet, threads: threads.map(usize::from) }
+}
+
+/// Takes the papers that were named, or all.
+fn papers(named: Vec<String>) -> Result<BTreeSet<String>, String> {
+    let known = || repro::keys().map(String::from);
+    if let Some(unknown) = named.iter().find(|name| !known().any(|key| key == **name)) {
+        return Err(format!("no paper {unknown:?}; there are {}", known().collect::<Vec<_>>().join(", ")));
+    }
+    Ok(if named.is_empty() { known().collect() } else { named.into_iter().collect() })
+}
+
+/// Gives the folder of models beside the checkout, else the project's own, for one who stands in the checkout.
+fn default_models() -> PathBuf {
+    let shared = PathBuf::from("../shared/models");
+    if shared.is_dir() { shared } else { "testdata/models".into() }
 }
 
 fn inputs(args: InputArgs) -> Result<Vec<Input>, String> {

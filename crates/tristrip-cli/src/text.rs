@@ -64,10 +64,11 @@ pub(crate) fn table(rows: &[Vec<String>], right: Range<usize>) -> String {
     out
 }
 
-/// Writes rows as a Markdown table, the first row as its head, all columns but the first to the right.
-pub(crate) fn markdown(rows: &[Vec<String>]) -> String {
+/// Writes rows as a Markdown table, the first row as its head, the columns of a range to the right.
+pub(crate) fn markdown(rows: &[Vec<String>], right: Range<usize>) -> String {
     let columns = rows.first().map_or(0, Vec::len);
-    let rule = format!("|---{}|", "|---:".repeat(columns.saturating_sub(1)));
+    let rule = |column| if right.contains(&column) { "---:|" } else { "---|" };
+    let rule = format!("|{}", (0..columns).map(rule).collect::<String>());
     let mut lines = rows.iter().map(|row| {
         let cells: Vec<String> = row.iter().map(|cell| cell.replace('|', "\\|")).collect();
         format!("| {} |", cells.join(" | "))
@@ -96,6 +97,6 @@ mod tests {
     fn tables_are_aligned() {
         let rows = [vec!["method".into(), "strips".into()], vec!["sgi".into(), "1,234,567".into()]];
         assert_eq!(table(&rows, 1..2), "method     strips\nsgi     1,234,567\n");
-        assert_eq!(markdown(&rows), "| method | strips |\n|---|---:|\n| sgi | 1,234,567 |\n");
+        assert_eq!(markdown(&rows, 1..2), "| method | strips |\n|---|---:|\n| sgi | 1,234,567 |\n");
     }
 }

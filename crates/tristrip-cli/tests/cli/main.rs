@@ -7,6 +7,7 @@ mod compare;
 mod convert;
 mod documents;
 mod reorder;
+mod repro;
 mod strip;
 mod usage;
 mod verify;

@@ -177,8 +177,8 @@ fn misses_and_strips_are_the_same_in_any_order() {
     }
     let misses = tristrip::strip::BufferUse::of(
         &found,
-        tristrip::strip::Replacement::Fifo,
-        16,
+        tristrip::strip::Buffer::fifo(16),
+        tristrip::strip::Between::Keep,
         usize::try_from(next).unwrap(),
     );
     let close = |key: &str, found: f64| (report[key].as_f64().unwrap() - found).abs() < 1e-6;

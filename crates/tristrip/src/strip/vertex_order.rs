@@ -313,7 +313,7 @@ fn out_of_range(at: usize, vertex: u32, vertex_count: usize) -> Error {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::strip::{BufferUse, Metrics, Replacement, verify};
+    use crate::strip::{Between, Buffer, BufferUse, Metrics, verify};
     use proptest::prelude::*;
     use std::collections::BTreeMap;
 
@@ -385,13 +385,13 @@ mod tests {
         }
 
         #[test]
-        fn what_is_drawn_and_what_it_costs_stay(strips in some_strips(20), places in 3..20_usize) {
+        fn what_is_drawn_and_what_it_costs_stay(strips in some_strips(20), places in 3..20_u32) {
             let positions = vec![[0.0; 3]; 20];
             let mesh = Mesh::new(positions, Faces::from_triangles(strips.to_list()).unwrap()).unwrap();
             let order = VertexOrder::of_strips(20, [&strips]).unwrap();
             let (there, ordered) = (order.mesh(&mesh).unwrap(), order.strips(&strips).unwrap());
             prop_assert!(verify(&there, &ordered).is_ok());
-            let misses = |strips| BufferUse::of(strips, Replacement::Fifo, places, 20);
+            let misses = |strips| BufferUse::of(strips, Buffer::fifo(places), Between::Keep, 20);
             prop_assert_eq!(misses(&ordered), misses(&strips));
             let (a, b) = (Metrics::of(&strips), Metrics::of(&ordered));
             prop_assert_eq!((a.vertices_sent, a.swaps, a.indices_restart), (b.vertices_sent, b.swaps, b.indices_restart));

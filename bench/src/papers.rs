@@ -1,0 +1,70 @@
+//! Published figures: the tables of papers, which `tristrip repro` shows beside its own, read from the same data.
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+
+use crate::Failure;
+
+/// Porcu, Scateni: *Partitioning Meshes into Strips using the Enhanced Tunnelling Algorithm (ETA)*, 2006.
+pub const ETA_2006: &str = include_str!("../../crates/tristrip-cli/src/repro/papers/003.json");
+/// Evans, Skiena, Varshney: *Efficiently Generating Triangle Strips for Fast Rendering*, 1996.
+pub const STRIPE_1996: &str = include_str!("../../crates/tristrip-cli/src/repro/papers/004.json");
+/// El-Sana et al.: *Efficiently Computing and Updating Triangle Strips for Real-Time Rendering*, 2000.
+pub const STRIPE_2000: &str = include_str!("../../crates/tristrip-cli/src/repro/papers/000.json");
+
+#[derive(Deserialize)]
+struct Paper {
+    tables: Vec<Table>,
+}
+
+#[derive(Deserialize)]
+struct Table {
+    name: String,
+    columns: Vec<Column>,
+    rows: Vec<Row>,
+}
+
+#[derive(Deserialize)]
+struct Column {
+    name: String,
+    #[serde(default)]
+    ours: bool,
+}
+
+#[derive(Deserialize)]
+struct Row {
+    file: Option<String>,
+    #[serde(default)]
+    stand_in: bool,
+    published: Vec<f64>,
+}
+
+/// Gives a column of a paper's table by model; models that others stand in for are left out.
+///
+/// # Errors
+/// The data are broken, or have no such table or column.
+pub fn column(paper: &str, table: &str, column: &str) -> Result<BTreeMap<String, f64>, Failure> {
+    let paper: Paper = serde_json::from_str(paper)?;
+    let found = paper.tables.iter().find(|known| known.name == table).ok_or_else(|| format!("no {table}"))?;
+    let mut published = found.columns.iter().filter(|column| !column.ours);
+    let at = published.position(|known| known.name == column).ok_or_else(|| format!("no column {column}"))?;
+    let rows = found.rows.iter().filter(|row| !row.stand_in);
+    Ok(rows.filter_map(|row| Some((row.file.clone()?, *row.published.get(at)?))).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn models_stand_for_themselves_alone() {
+        let strips = column(ETA_2006, "table 3", "strips").unwrap();
+        let models: Vec<&str> = strips.keys().map(String::as_str).collect();
+        assert_eq!(models, ["bunny", "cessna", "dragon", "fandisk", "goblet", "horse"]);
+        assert_eq!(strips.get("dragon"), Some(&477.0));
+        assert!(
+            column(ETA_2006, "table 9", "strips").is_err() && column(ETA_2006, "table 3", "best").is_err()
+        );
+    }
+}

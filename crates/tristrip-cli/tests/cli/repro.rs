@@ -1,0 +1,99 @@
+//! `tristrip repro`: pages, pictures and JSON of papers, on the models that there are.
+
+use std::fs;
+use std::path::Path;
+
+use super::{json, keys, model, tristrip};
+use assert_cmd::Command;
+use predicates::prelude::*;
+use predicates::str::contains;
+
+/// Reproduces papers on a folder of models into another.
+fn repro(papers: &str, models: &Path, output: &Path) -> Command {
+    let mut command = tristrip();
+    command.args(["repro", "--papers", papers, "--models"]).arg(models).arg("-o").arg(output);
+    command
+}
+
+/// Makes a folder of a small model under names that papers know.
+fn models() -> tempfile::TempDir {
+    let dir = tempfile::tempdir().unwrap();
+    for name in ["goblet", "hand", "triceratops"] {
+        fs::copy(model("fish_control.ply"), dir.path().join(format!("{name}.ply"))).unwrap();
+    }
+    fs::write(dir.path().join("porsche.ply"), "ply\nnonsense\n").unwrap();
+    dir
+}
+
+#[test]
+fn what_is_there_is_measured_and_what_is_not_says_so() {
+    let (models, output) = (models(), tempfile::tempdir().unwrap());
+    let report = json(repro("003,004", models.path(), output.path()).arg("--json"));
+    assert_eq!(keys(&report), ["models", "papers", "notes", "outputs", "error"]);
+    let papers = report["papers"].as_array().unwrap();
+    let paper_keys = ["key", "authors", "title", "year", "page", "tables", "charts", "claims", "left_out"];
+    assert_eq!(keys(&papers[0]), paper_keys);
+    let rows = papers[0]["tables"][2]["rows"].as_array().unwrap();
+    let verdict = |name: &str| rows.iter().find(|row| row["model"] == name).unwrap()["verdict"].clone();
+    // The counts are those of neither model.
+    assert_eq!(verdict("Goblet"), "stand-in: goblet");
+    assert_eq!(verdict("Hand"), "stand-in: hand");
+    assert_eq!(verdict("Heart"), "model not available");
+    assert_eq!(verdict("Bunny"), "model not available");
+    let cell = &rows[0]["columns"][2];
+    assert_eq!(keys(cell), ["column", "flags", "published", "measured", "verdict"]);
+    assert!(cell["published"] == 0.91 && cell["measured"].as_f64().unwrap() > 0.5);
+    // A file that is no model is noted and fails nothing.
+    assert_eq!(report["notes"].as_array().unwrap().len(), 1);
+    assert!(report["notes"][0].as_str().unwrap().starts_with("porsche: "));
+    for file in ["003.md", "003-figure-7.svg", "004.md", "004-figure-9.svg", "004-figure-27.svg"] {
+        assert!(output.path().join("reproduction").join(file).is_file(), "{file}");
+    }
+    assert!(!output.path().join("reproduction/000.md").exists());
+}
+
+#[test]
+fn pages_are_the_same_every_time() {
+    let (models, output) = (models(), tempfile::tempdir().unwrap());
+    let read = |name: &str| fs::read(output.path().join("docs/reproduction").join(name)).unwrap();
+    let all = || ["000.md", "000-figure-16.svg", "000-figure-20.svg"].map(read);
+    let docs = output.path().join("docs");
+    repro("000", models.path(), &docs).args(["--threads", "1"]).assert().success();
+    let first = all();
+    repro("000", models.path(), &docs)
+        .args(["--threads", "3"])
+        .assert()
+        .success()
+        .stdout(contains("paper 000"))
+        .stderr(contains("triceratops (").and(contains("note")));
+    assert_eq!(first, all());
+    let page = String::from_utf8(first[0].clone()).unwrap();
+    assert!(page.contains("stand-in: triceratops") && page.contains("model not available"));
+    assert!(!page.contains(&*models.path().to_string_lossy()), "no place is named");
+}
+
+#[test]
+fn nothing_is_measured_for_what_cannot_be_written_or_read() {
+    let (models, output) = (models(), tempfile::tempdir().unwrap());
+    let file = output.path().join("file");
+    fs::write(&file, "old").unwrap();
+    repro("004", models.path(), &file).assert().code(1).stderr(contains("file: "));
+    assert_eq!(fs::read(&file).unwrap(), b"old");
+    let deep = output.path().join("a/b");
+    repro("004", models.path(), &deep).assert().code(1).stderr(contains("no such file or directory"));
+    let missing = output.path().join("nowhere");
+    let report =
+        repro("004", &missing, output.path()).arg("--json").assert().code(1).get_output().stdout.clone();
+    let report: serde_json::Value = serde_json::from_slice(&report).unwrap();
+    assert!(report["error"].as_str().unwrap().contains("nowhere: no such file or directory"));
+}
+
+#[test]
+fn papers_are_known_by_their_numbers() {
+    for (arguments, message) in [
+        (&["repro", "--papers", "004,999", "-o", "docs"][..], "no paper \"999\"; there are 000, 003, 004"),
+        (&["repro", "--papers", "004"][..], "--output"),
+    ] {
+        tristrip().args(arguments).assert().code(2).stderr(contains("error: ").and(contains(message)));
+    }
+}
