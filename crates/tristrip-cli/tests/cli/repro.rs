@@ -22,12 +22,16 @@ fn models() -> std::io::Result<tempfile::TempDir> {
         fs::copy(model("fish_control.ply"), dir.path().join(format!("{name}.ply")))?;
     }
     fs::write(dir.path().join("porsche.ply"), "ply\nnonsense\n")?;
+    for name in ["dodge", "dragon", "empty"] {
+        fs::write(dir.path().join(format!("{name}.obj")), "v 0 0 0\n")?;
+    }
     Ok(dir)
 }
 
 #[test]
 fn what_is_there_is_measured_and_what_is_not_says_so() {
     let (models, output) = (models().unwrap(), tempfile::tempdir().unwrap());
+    // Meshes without a face are among them.
     let report = json(repro("003,004", models.path(), output.path()).arg("--json"));
     assert_eq!(keys(&report), ["models", "papers", "notes", "outputs", "error"]);
     let papers = report["papers"].as_array().unwrap();
@@ -50,6 +54,10 @@ fn what_is_there_is_measured_and_what_is_not_says_so() {
         assert!(output.path().join("reproduction").join(file).is_file(), "{file}");
     }
     assert!(!output.path().join("reproduction/000.md").exists());
+    for page in ["003.md", "004.md"] {
+        let page = fs::read_to_string(output.path().join("reproduction").join(page)).unwrap();
+        assert!(!page.contains("NaN") && !page.contains("inf |"), "{page}");
+    }
 }
 
 #[test]
