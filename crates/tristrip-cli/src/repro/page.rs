@@ -72,7 +72,7 @@ fn rows(table: &Table, judged: &TableReport) -> String {
 }
 
 fn cells(table: &Table, row: &RowReport) -> Vec<String> {
-    let mut cells = vec![row.model.clone(), measured_on(row)];
+    let mut cells = vec![row.model.clone(), measured_on(table, row)];
     for (column, cell) in table.columns.iter().zip(&row.columns) {
         if !column.ours {
             cells.push(figure(cell.published, column.digits));
@@ -86,13 +86,13 @@ fn cells(table: &Table, row: &RowReport) -> Vec<String> {
 }
 
 /// Names the file, and its counts where they are not the published ones.
-fn measured_on(row: &RowReport) -> String {
+fn measured_on(table: &Table, row: &RowReport) -> String {
     let (Some(file), Some(counts)) = (&row.file, row.measured) else { return "–".into() };
     let size = |counts: Counts| {
         let [v, t] = [counts.vertices, counts.triangles].map(|n| grouped(&n.to_string()));
         format!("{v} V, {t} T")
     };
-    let kind = if row.polygons == Some(false) { ", triangles only" } else { "" };
+    let kind = if table.polygons && row.polygons == Some(false) { ", triangles only" } else { "" };
     if counts == row.published {
         format!("{file}: {}{kind}", size(counts))
     } else {

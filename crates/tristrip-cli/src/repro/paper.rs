@@ -37,6 +37,9 @@ pub(crate) struct Paper {
 pub(crate) struct Table {
     pub(crate) name: String,
     pub(crate) shows: String,
+    /// Whether the published models have polygons, so that it matters where a file has only triangles.
+    #[serde(default)]
+    pub(crate) polygons: bool,
     pub(crate) columns: Vec<Column>,
     pub(crate) rows: Vec<Row>,
 }

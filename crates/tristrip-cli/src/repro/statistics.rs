@@ -45,7 +45,8 @@ fn models<'a>(set: ModelSet, paper: &Paper, lab: &'a Lab) -> Vec<&'a Measured> {
         ModelSet::Polygons => measured.has_polygons,
         ModelSet::All => true,
     });
-    chosen.map(|(_, measured)| measured).collect()
+    // Nothing divides by the triangles of an empty mesh.
+    chosen.map(|(_, measured)| measured).filter(|measured| measured.triangles > 0).collect()
 }
 
 /// Computes a statistic, and how many models it is over; none where no model is here.
@@ -108,7 +109,7 @@ fn buffers(chart: &str, between: Strips, paper: &Paper, lab: &Lab) -> Vec<(Vec<f
     for data in charts {
         if let Kind::Buffers { flags, models, .. } = &data.kind {
             let recipe = Recipe::from(flags.as_str());
-            let here = models.iter().filter_map(|name| lab.model(name));
+            let here = models.iter().filter_map(|name| lab.model(name)).filter(|model| model.triangles > 0);
             let both = |model: &Measured| {
                 let of = |rule| model.transmitted(&recipe, rule, between);
                 (of(Replacement::Lru), of(Replacement::Fifo))

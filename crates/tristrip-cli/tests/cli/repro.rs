@@ -16,18 +16,22 @@ fn repro(papers: &str, models: &Path, output: &Path) -> Command {
 }
 
 /// Makes a folder of a small model under names that papers know.
-fn models() -> tempfile::TempDir {
-    let dir = tempfile::tempdir().unwrap();
+fn models() -> std::io::Result<tempfile::TempDir> {
+    let dir = tempfile::tempdir()?;
     for name in ["goblet", "hand", "triceratops"] {
-        fs::copy(model("fish_control.ply"), dir.path().join(format!("{name}.ply"))).unwrap();
+        fs::copy(model("fish_control.ply"), dir.path().join(format!("{name}.ply")))?;
     }
-    fs::write(dir.path().join("porsche.ply"), "ply\nnonsense\n").unwrap();
-    dir
+    fs::write(dir.path().join("porsche.ply"), "ply\nnonsense\n")?;
+    for name in ["dodge", "dragon", "empty"] {
+        fs::write(dir.path().join(format!("{name}.obj")), "v 0 0 0\n")?;
+    }
+    Ok(dir)
 }
 
 #[test]
 fn what_is_there_is_measured_and_what_is_not_says_so() {
-    let (models, output) = (models(), tempfile::tempdir().unwrap());
+    let (models, output) = (models().unwrap(), tempfile::tempdir().unwrap());
+    // Meshes without a face are among them.
     let report = json(repro("003,004", models.path(), output.path()).arg("--json"));
     assert_eq!(keys(&report), ["models", "papers", "notes", "outputs", "error"]);
     let papers = report["papers"].as_array().unwrap();
@@ -50,11 +54,15 @@ fn what_is_there_is_measured_and_what_is_not_says_so() {
         assert!(output.path().join("reproduction").join(file).is_file(), "{file}");
     }
     assert!(!output.path().join("reproduction/000.md").exists());
+    for page in ["003.md", "004.md"] {
+        let page = fs::read_to_string(output.path().join("reproduction").join(page)).unwrap();
+        assert!(!page.contains("NaN") && !page.contains("inf |"), "{page}");
+    }
 }
 
 #[test]
 fn pages_are_the_same_every_time() {
-    let (models, output) = (models(), tempfile::tempdir().unwrap());
+    let (models, output) = (models().unwrap(), tempfile::tempdir().unwrap());
     let read = |name: &str| fs::read(output.path().join("docs/reproduction").join(name)).unwrap();
     let all = || ["000.md", "000-figure-16.svg", "000-figure-20.svg"].map(read);
     let docs = output.path().join("docs");
@@ -74,7 +82,7 @@ fn pages_are_the_same_every_time() {
 
 #[test]
 fn nothing_is_measured_for_what_cannot_be_written_or_read() {
-    let (models, output) = (models(), tempfile::tempdir().unwrap());
+    let (models, output) = (models().unwrap(), tempfile::tempdir().unwrap());
     let file = output.path().join("file");
     fs::write(&file, "old").unwrap();
     repro("004", models.path(), &file).assert().code(1).stderr(contains("file: "));
