@@ -1,7 +1,7 @@
 //! The methods by the names that the command gives them.
 
-use tristrip::strip::Cost;
-use tristrip::stripify::{Effort, EtaOptions};
+use tristrip::strip::{Buffer, Cost};
+use tristrip::stripify::{Effort, EtaOptions, Prefer};
 use tristrip::{FaceTriangulation, Method, Options, Patches, Ties};
 
 const TRIANGULATIONS: [(FaceTriangulation, &str); 3] = [
@@ -25,6 +25,9 @@ pub const COSTS: [(Cost, &str); 4] = [
     (Cost::Degenerate, "degenerate"),
     (Cost::Gl, "gl"),
 ];
+/// What `cache` prefers, by the names that the command gives it.
+pub const PREFERENCES: [(Prefer, &str); 3] =
+    [(Prefer::Indices, "indices"), (Prefer::Balanced, "balanced"), (Prefer::Misses, "misses")];
 /// The name of `best` among the main methods: for restarts, at an effort that a build of assets does not notice.
 pub const BEST: &str = "best 2";
 /// The name of `fewest` among the main methods: at the least effort, as it is tried on every model many times.
@@ -63,6 +66,14 @@ impl Named {
         named.options = named.options.with_effort(effort).with_cost(cost);
         named
     }
+
+    /// Names `cache` by its buffer and what it prefers.
+    pub fn cache(buffer: Buffer, prefer: Prefer) -> Self {
+        let preferred = PREFERENCES.iter().find(|(each, _)| *each == prefer).map_or("", |(_, name)| *name);
+        let mut named = Self::new(format!("cache {buffer} {preferred}"), Method::Cache);
+        named.options = named.options.with_buffer(buffer).with_prefer(prefer);
+        named
+    }
 }
 
 /// STRIPE's local algorithm as it is by default, by its name among the variants.
@@ -84,6 +95,7 @@ pub fn main_methods() -> Vec<Named> {
         Named::search(Method::Best, 2, Cost::Restart),
         Named::search(Method::Fewest, 0, Cost::Restart),
         named(ETA, Method::Eta(EtaOptions::default().with_length(ETA_LENGTH))),
+        Named::cache(Buffer::default(), Prefer::default()),
     ]
 }
 
@@ -106,6 +118,13 @@ pub fn all_methods() -> Vec<Named> {
             }
         }
     }
+    let buffers = [Buffer::fifo(16), Buffer::lru(8)];
+    for (buffer, (prefer, _)) in buffers.into_iter().flat_map(|buffer| PREFERENCES.map(|each| (buffer, each)))
+    {
+        if (buffer, prefer) != (Buffer::default(), Prefer::default()) {
+            methods.push(Named::cache(buffer, prefer));
+        }
+    }
     methods.push(Named::new("eta", Method::Eta(EtaOptions::default())));
     methods.push(Named::new(format!("tunnel {TUNNEL_LENGTH}"), Method::Tunnel { length: TUNNEL_LENGTH }));
     methods.extend(COSTS.map(|(cost, _)| Named::search(Method::Best, 1, cost)));
@@ -120,7 +139,7 @@ mod tests {
     #[test]
     fn every_variant_comes_once() {
         let methods = all_methods();
-        assert_eq!(methods.len(), 4 + 15 + 10 + 4 + 1 + COSTS.len());
+        assert_eq!(methods.len(), 4 + 15 + 10 + 4 + 1 + 6 + COSTS.len());
         assert_eq!(methods.iter().map(|m| m.options).collect::<HashSet<_>>().len(), methods.len());
         assert_eq!(methods.iter().map(|m| &m.name).collect::<HashSet<_>>().len(), methods.len());
         assert!([BEST, FEWEST, ETA].iter().all(|name| main_methods().iter().any(|m| m.name == *name)));

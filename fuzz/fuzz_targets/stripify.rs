@@ -2,9 +2,9 @@
 //! the same triangles; none is below a lower bound.
 #![no_main]
 
-use tristrip::strip::{Cost, Metrics, strip_triangles, verify};
+use tristrip::strip::{Buffer, Cost, Metrics, strip_triangles, verify};
 use tristrip::stripify::bound::Bound;
-use tristrip::stripify::{Effort, EtaOptions, Start, plan};
+use tristrip::stripify::{Effort, EtaOptions, Prefer, Start, plan};
 use tristrip::{
     DualGraph, Error, FaceTriangulation, Faces, Mesh, Method, Options, Patches, Strips, Surface, Ties,
 };
@@ -24,9 +24,12 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     let bound = Bound::of_surface(&surface, &graph);
     let cost = [Cost::Restart, Cost::OpenGl, Cost::Degenerate, Cost::Gl][cutoff as usize % 4];
     for method in methods(cutoff) {
-        let effort = Effort::new(u8::from(method == Method::Best)).expect("a level");
+        let level = if method == Method::Cache { 5 } else { u8::from(method == Method::Best) };
+        let effort = Effort::new(level).expect("a level");
         let options = Options::default().with_method(method).with_weld(weld).with_seed(seed);
-        let options = options.with_cost(cost).with_effort(effort);
+        let buffer = if cutoff.is_multiple_of(2) { Buffer::fifo(cutoff) } else { Buffer::lru(cutoff) };
+        let prefer = [Prefer::Indices, Prefer::Balanced, Prefer::Misses][cutoff as usize % 3];
+        let options = options.with_cost(cost).with_effort(effort).with_buffer(buffer).with_prefer(prefer);
         let plan = match plan(&surface, &graph, &options) {
             Ok(plan) => plan,
             Err(Error::Parameter { .. }) => continue,
@@ -79,7 +82,7 @@ fn layouts_agree(strips: &Strips) {
 /// Every method, with every choice that it has.
 fn methods(cutoff: u32) -> Vec<Method> {
     let mut all = vec![Method::Auto, Method::Sequential, Method::Input, Method::Sgi, Method::STRIPE];
-    all.extend([Method::Best, Method::Fewest, Method::Tunnel { length: 5 }]);
+    all.extend([Method::Best, Method::Fewest, Method::Cache, Method::Tunnel { length: 5 }]);
     all.extend(
         [Start::Isolated, Start::Sgi, Start::Sequential]
             .map(|start| Method::Eta(EtaOptions::default().with_start(start).with_length(2 * cutoff + 1))),

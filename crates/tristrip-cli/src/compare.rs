@@ -123,7 +123,7 @@ fn row(parts: &[Prepared<'_>], options: &Options, pool: &Pool, watch: &SearchWat
     match proof {
         Ok(strips) => {
             row.proven = true;
-            row.figures = Some(Figures::of(pool, parts, &strips));
+            row.figures = Some(Figures::of(pool, parts, &strips, options));
         }
         Err(failure) => row.error = Some(failure.to_string()),
     }

@@ -3,9 +3,9 @@
 use std::collections::HashMap;
 
 use serde::Serialize;
-use tristrip::Strips;
 use tristrip::mesh::MeshReport;
 use tristrip::strip::{Between, Buffer, BufferUse, Metrics};
+use tristrip::{Method, Options, Strips};
 
 use crate::stages::{Pool, Prepared};
 
@@ -27,6 +27,13 @@ pub(crate) struct Figures {
     pub(crate) acmr_fifo_32: f64,
     pub(crate) atvr_fifo_16: f64,
     pub(crate) atvr_fifo_32: f64,
+    /// With the buffer that the method respects.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) acmr: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) atvr: Option<f64>,
+    #[serde(skip)]
+    pub(crate) respected: Option<(Buffer, usize)>,
     #[serde(skip)]
     pub(crate) misses_fifo_16: usize,
     #[serde(skip)]
@@ -35,16 +42,18 @@ pub(crate) struct Figures {
 
 impl Figures {
     /// Measures the strips of all parts, as if they were drawn one part after the other.
-    pub(crate) fn of(pool: &Pool, parts: &[Prepared<'_>], strips: &[Strips]) -> Self {
+    pub(crate) fn of(pool: &Pool, parts: &[Prepared<'_>], strips: &[Strips], options: &Options) -> Self {
+        let respected = (options.method() == Method::Cache).then(|| options.buffer());
         let pairs: Vec<_> = parts.iter().zip(strips).collect();
         let measured = pool.map(&pairs, |(part, strips)| {
             let vertices = part.mesh.vertex_count();
-            let buffer = |places| BufferUse::of(strips, Buffer::fifo(places), Between::Keep, vertices);
-            (Metrics::of(strips), buffer(16), buffer(32))
+            let used = |buffer| BufferUse::of(strips, buffer, Between::Keep, vertices);
+            (Metrics::of(strips), used(Buffer::fifo(16)), used(Buffer::fifo(32)), respected.map(used))
         });
         let metrics: Metrics = measured.iter().map(|m| m.0).sum();
         let fifo_16: BufferUse = measured.iter().map(|m| m.1).sum();
         let fifo_32: BufferUse = measured.iter().map(|m| m.2).sum();
+        let used: BufferUse = measured.iter().filter_map(|m| m.3).sum();
         Self {
             triangles: metrics.triangles,
             strips: metrics.strips,
@@ -61,6 +70,9 @@ impl Figures {
             acmr_fifo_32: rounded(fifo_32.acmr()),
             atvr_fifo_16: rounded(fifo_16.atvr()),
             atvr_fifo_32: rounded(fifo_32.atvr()),
+            acmr: respected.map(|_| rounded(used.acmr())),
+            atvr: respected.map(|_| rounded(used.atvr())),
+            respected: respected.map(|buffer| (buffer, used.misses)),
             misses_fifo_16: fifo_16.misses,
             misses_fifo_32: fifo_32.misses,
         }

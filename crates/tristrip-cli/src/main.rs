@@ -11,7 +11,6 @@
 mod analyze;
 mod args;
 mod bound;
-#[allow(dead_code)]
 mod chart;
 mod compare;
 mod console;

@@ -4,8 +4,8 @@ use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 use serde::Serialize;
-use tristrip::strip::Cost;
-use tristrip::stripify::{Effort, EtaOptions, Start};
+use tristrip::strip::{Buffer, Cost};
+use tristrip::stripify::{Effort, EtaOptions, Prefer, Start};
 use tristrip::{FaceTriangulation, Method, Options, Patches, Ties};
 
 /// The longest tunnel that `tunnel` looks for unless told otherwise: beyond, each two edges more take several times as long.
@@ -22,6 +22,8 @@ pub(crate) enum MethodName {
     Best,
     /// As few strips as a search finds, by --effort.
     Fewest,
+    /// Strips in an order that respects a vertex buffer, by --buffer and --prefer.
+    Cache,
     /// The input's own order as strips.
     Input,
     /// The SGI algorithm: least adjacency, one level of look-ahead.
@@ -49,6 +51,17 @@ pub(crate) enum CostName {
     Degenerate,
     /// The vertices sent with swaps free.
     Gl,
+}
+
+/// What `cache` prefers, by its name on the command line.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum PreferName {
+    /// The indices of best, in an order that saves misses.
+    Indices,
+    /// Fewer misses as long as they take few indices.
+    Balanced,
+    /// The fewest misses.
+    Misses,
 }
 
 /// The strips that `eta` starts from, by their name on the command line.
@@ -127,16 +140,25 @@ pub(crate) struct MethodArgs {
     /// Strips that are cheap with restarts are nearly the cheapest joined by degenerate triangles, too.
     #[arg(long, value_enum, value_name = "COST")]
     cost: Option<CostName>,
-    /// How long auto, best and fewest search, from 0 to 9 [default: 2 for auto, else 5]
+    /// The vertex buffer that cache respects: fifo:N or lru:N, N places [default: fifo:16]
+    ///
+    /// It is kept from one strip to the next, as processors do. Desktop processors behave like some 16 to 32 places.
+    #[arg(long, value_name = "BUFFER")]
+    buffer: Option<Buffer>,
+    /// What cache prefers where indices and misses are at odds [default: balanced]
+    #[arg(long, value_enum, value_name = "WHAT")]
+    prefer: Option<PreferName>,
+    /// How long auto, best, fewest and cache search, from 0 to 9 [default: 2 for auto and cache, else 5]
     ///
     /// Effort is counted in steps, so that the result is the same on any machine. On one core, best takes for 70,000 triangles about
     /// 0.01 s at level 1, 0.04 s at 2, 0.1 s at 3, 0.3 s at 4, 0.6 s at 5, 1.3 s at 6, 2.5 s at 7, 5 s at 8 and 10 s at 9; for more triangles in
     /// proportion, for fewer the same down to 8,000. fewest ends when it meets its bound, and else takes twice as long for each level.
+    /// cache takes a second for a million triangles up to level 2, and then tries 3, 5 and 8 ways, some after best of that level.
     #[arg(long, value_name = "LEVEL", value_parser = clap::value_parser!(u8).range(0..=9))]
     effort: Option<u8>,
     /// Stop a search after a time, such as 5s or 500ms, with the best found by then
     ///
-    /// Applies to auto, best, fewest, tunnel and eta, for each input. What is found in a time differs from run to run; --effort does not.
+    /// Applies to auto, best, fewest, cache, tunnel and eta, for each input. What is found in a time differs from run to run; --effort does not.
     #[arg(long, value_name = "TIME", value_parser = humantime::parse_duration)]
     budget: Option<Duration>,
     /// The longest tunnel of tunnel and eta, in edges of the dual graph [default: 9 for tunnel, 1000 for eta]
@@ -148,7 +170,7 @@ pub(crate) struct MethodArgs {
     /// The strips that eta starts from [default: sequential]
     #[arg(long, value_enum, value_name = "STRIPS")]
     start: Option<StartName>,
-    /// The seed of methods that choose at random: auto, best, fewest, eta, stripe [default: 0]
+    /// The seed of methods that choose at random: auto, best, fewest, cache, eta, stripe [default: 0]
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
     /// Let vertices with the same bits in position and all attributes count as one
@@ -166,7 +188,7 @@ impl MethodArgs {
     /// A flag belongs to another method.
     pub(crate) fn validate(&self) -> Result<Options, String> {
         use MethodName::{
-            Auto, Best, Eta, Fewest, Input, Sequential, Sgi, Stripe, StripeGlobal, StripeLocal, Tunnel,
+            Auto, Best, Cache, Eta, Fewest, Input, Sequential, Sgi, Stripe, StripeGlobal, StripeLocal, Tunnel,
         };
         let local = self.method == StripeLocal;
         let global = matches!(self.method, Stripe | StripeGlobal);
@@ -181,16 +203,20 @@ impl MethodArgs {
         belongs("--patches", self.patches.is_some(), global, "stripe-global")?;
         belongs("--cutoff", self.cutoff.is_some(), global, "stripe-global")?;
         let best = matches!(self.method, Auto | Best);
-        let search = best || self.method == Fewest;
+        let cache = self.method == Cache;
+        let search = best || cache || self.method == Fewest;
         let tunnels = matches!(self.method, Tunnel | Eta);
         belongs("--cost", self.cost.is_some(), best, "auto or best")?;
-        belongs("--effort", self.effort.is_some(), search, "auto, best or fewest")?;
-        belongs("--budget", self.budget.is_some(), search || tunnels, "auto, best, fewest, tunnel or eta")?;
+        belongs("--effort", self.effort.is_some(), search, "auto, best, fewest or cache")?;
+        belongs("--buffer", self.buffer.is_some(), cache, "cache")?;
+        belongs("--prefer", self.prefer.is_some(), cache, "cache")?;
+        let long = "auto, best, fewest, cache, tunnel or eta";
+        belongs("--budget", self.budget.is_some(), search || tunnels, long)?;
         belongs("--tunnel-length", self.tunnel_length.is_some(), tunnels, "tunnel or eta")?;
         belongs("--threshold", self.threshold.is_some(), self.method == Eta, "eta")?;
         belongs("--start", self.start.is_some(), self.method == Eta, "eta")?;
         let draws = local || global || search || self.method == Eta;
-        belongs("--seed", self.seed.is_some(), draws, "auto, best, fewest, eta or one of stripe")?;
+        belongs("--seed", self.seed.is_some(), draws, "auto, best, fewest, cache, eta or one of stripe")?;
         let method = match self.method {
             Auto => Method::Auto,
             Sequential => Method::Sequential,
@@ -206,6 +232,7 @@ impl MethodArgs {
             },
             Best => Method::Best,
             Fewest => Method::Fewest,
+            Cache => Method::Cache,
             Tunnel => Method::Tunnel { length: self.tunnel_length.unwrap_or(TUNNEL_LENGTH) },
             Eta => Method::Eta(self.eta()),
         };
@@ -213,7 +240,9 @@ impl MethodArgs {
             .with_method(method)
             .with_weld(self.weld)
             .with_seed(self.seed.unwrap_or(0))
-            .with_cost(self.cost.map(Into::into).unwrap_or_default());
+            .with_cost(self.cost.map(Into::into).unwrap_or_default())
+            .with_buffer(self.buffer.unwrap_or_default())
+            .with_prefer(self.prefer.map(Into::into).unwrap_or_default());
         Ok(match self.effort.and_then(Effort::new) {
             Some(effort) => options.with_effort(effort),
             None => options,
@@ -247,6 +276,16 @@ impl From<CostName> for Cost {
             CostName::Opengl => Self::OpenGl,
             CostName::Degenerate => Self::Degenerate,
             CostName::Gl => Self::Gl,
+        }
+    }
+}
+
+impl From<PreferName> for Prefer {
+    fn from(name: PreferName) -> Self {
+        match name {
+            PreferName::Indices => Self::Indices,
+            PreferName::Balanced => Self::Balanced,
+            PreferName::Misses => Self::Misses,
         }
     }
 }
@@ -313,6 +352,10 @@ pub(crate) struct MethodReport {
     #[serde(skip_serializing_if = "Option::is_none")]
     cost: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    buffer: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    prefer: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     effort: Option<u8>,
     #[serde(skip_serializing_if = "Option::is_none")]
     tunnel_length: Option<u32>,
@@ -360,6 +403,15 @@ impl MethodReport {
             },
             Method::Best => search(MethodName::Best),
             Method::Fewest => Self { cost: None, ..search(MethodName::Fewest) },
+            Method::Cache => Self {
+                cost: None,
+                buffer: Some(options.buffer().to_string()),
+                prefer: PreferName::value_variants()
+                    .iter()
+                    .find(|&&n| Prefer::from(n) == options.prefer())
+                    .map(|&n| name(n)),
+                ..search(MethodName::Cache)
+            },
             Method::Tunnel { length } => Self { tunnel_length: Some(length), ..plain(MethodName::Tunnel) },
             Method::Eta(eta) => Self {
                 tunnel_length: Some(eta.length()),
@@ -377,7 +429,15 @@ impl MethodReport {
 
     /// Says the method and its options in one line: `stripe-local whole sequential`.
     pub(crate) fn label(&self) -> String {
-        let words = [&self.triangulation, &self.ties, &self.patches, &self.cost, &self.start];
+        let words = [
+            &self.triangulation,
+            &self.ties,
+            &self.patches,
+            &self.cost,
+            &self.buffer,
+            &self.prefer,
+            &self.start,
+        ];
         let numbers = [self.cutoff, self.effort.map(u32::from), self.tunnel_length];
         let words = [Some(self.method.clone())].into_iter().chain(words.into_iter().cloned()).flatten();
         let numbers = numbers.into_iter().flatten().map(|n| n.to_string());
@@ -413,8 +473,15 @@ impl Serialize for Chosen {
 
 /// Lists the methods to compare: a few that stand for their families, or every variant.
 pub(crate) fn methods_to_compare(every_variant: bool) -> Vec<Method> {
-    let mut methods =
-        vec![Method::Auto, Method::Best, Method::Fewest, Method::Input, Method::Sequential, Method::Sgi];
+    let mut methods = vec![
+        Method::Auto,
+        Method::Best,
+        Method::Fewest,
+        Method::Cache,
+        Method::Input,
+        Method::Sequential,
+        Method::Sgi,
+    ];
     let local = |triangulation, ties| Method::StripeLocal { triangulation, ties };
     let global = |patches, cutoff| Method::StripeGlobal { patches, cutoff };
     if every_variant {
@@ -448,7 +515,7 @@ mod tests {
     fn all_variants_are_compared_under_names_of_their_own() {
         let label = |method| MethodReport::of(&Options::default().with_method(method)).label();
         let labels: HashSet<String> = methods_to_compare(true).into_iter().map(label).collect();
-        assert_eq!(labels.len(), 8 + 15 + 10);
+        assert_eq!(labels.len(), 9 + 15 + 10);
         assert!(
             labels.contains("stripe-local partial look-ahead") && labels.contains("stripe-global full 25")
         );

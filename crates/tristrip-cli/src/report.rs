@@ -1,6 +1,7 @@
 //! What is said of one input: as JSON, whose keys are kept from version to version (FORMAT.md), and as text.
 
 use serde::Serialize;
+use tristrip::strip::Buffer;
 
 use crate::bound::Reached;
 use crate::figures::{Figures, MeshFigures};
@@ -131,7 +132,7 @@ impl Figures {
         let list = 3 * self.triangles;
         let of_list = |n: usize| format!("{:.1} % of the list", 100.0 * n as f64 / list.max(1) as f64);
         let triangles_each = self.triangles as f64 / self.strips.max(1) as f64;
-        let rows = [
+        let mut rows = vec![
             vec![String::new(), "total".into(), "a triangle".into(), String::new()],
             row("triangles", self.triangles, String::new()),
             ratio("indices, plain list", list, String::new()),
@@ -145,6 +146,11 @@ impl Figures {
             ratio("misses, FIFO 16 (ACMR)", self.misses_fifo_16, format!("ATVR {:.3}", self.atvr_fifo_16)),
             ratio("misses, FIFO 32 (ACMR)", self.misses_fifo_32, format!("ATVR {:.3}", self.atvr_fifo_32)),
         ];
+        if let (Some((buffer, misses)), Some(atvr)) = (self.respected, self.atvr)
+            && ![Buffer::fifo(16), Buffer::fifo(32)].contains(&buffer)
+        {
+            rows.push(ratio(&format!("misses, {buffer} (ACMR)"), misses, format!("ATVR {atvr:.3}")));
+        }
         table(&rows, 1..3)
     }
 }

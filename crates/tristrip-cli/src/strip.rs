@@ -83,7 +83,7 @@ fn strip(
     report.stopped = watch.stopped();
     drop(watch);
     report.seconds.stripify = Some(seconds);
-    let figures = Figures::of(pool, &parts, &strips);
+    let figures = Figures::of(pool, &parts, &strips, &options);
     let chosen = Chosen::of(&chosen);
     let what = format!("{} by {}", counted(figures.strips, "strip"), report.method.label());
     console.stage("stripify", &what, Some(seconds));

@@ -280,14 +280,19 @@ fn find(
     }
     prove(pool, parts, &strips, &options)?;
     Ok(Found {
-        figures: strip_figures(parts, &strips, pool),
+        figures: strip_figures(parts, &strips, &options, pool),
         progress: watch.seen.into_inner().unwrap_or_default(),
         buffers: if with_buffers { transmitted(parts, &strips) } else { Vec::new() },
     })
 }
 
-fn strip_figures(parts: &[Prepared<'_>], strips: &[Strips], pool: &Pool) -> BTreeMap<String, f64> {
-    let mut figures = figures_of(&Figures::of(pool, parts, strips));
+fn strip_figures(
+    parts: &[Prepared<'_>],
+    strips: &[Strips],
+    options: &Options,
+    pool: &Pool,
+) -> BTreeMap<String, f64> {
+    let mut figures = figures_of(&Figures::of(pool, parts, strips, options));
     let pairs: Vec<_> = parts.iter().zip(strips).collect();
     for buffer in BUFFERS {
         let used: BufferUse = pairs

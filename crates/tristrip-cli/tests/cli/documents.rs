@@ -58,7 +58,8 @@ fn every_json_key_is_described() {
         .arg("-o")
         .arg(dir.path().join("a.ply"));
     let ordered = json(&mut command);
-    let whole = [&strip, &global, &best, &eta, &bound, &analyze, &compare, &verify, &convert];
+    let cached = json(tristrip().args(["strip", "--json", "-m", "cache"]).arg(&fish));
+    let whole = [&strip, &global, &best, &cached, &eta, &bound, &analyze, &compare, &verify, &convert];
     let inner = [&strip["mesh"], &strip["seconds"], &best["bound"], &bound["bound"], &bound["components"][0]];
     let analyzed = [&analyze["seconds"], &analyze["buffers"][0], &analyze["by_part"][0]];
     let ordered = [&ordered["vertex_order"][0]];

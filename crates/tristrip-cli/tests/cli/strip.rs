@@ -27,6 +27,29 @@ const FIGURES: [&str; 15] = [
 ];
 
 #[test]
+fn cache_respects_its_buffer_and_says_what_it_misses() {
+    let run = |prefer: &str, buffer: &str| {
+        let mut command = tristrip();
+        command.args(["strip", "--json", "-m", "cache", "--prefer", prefer, "--buffer", buffer]);
+        let report = json(command.arg(model("wingnut.ply")));
+        assert_eq!(report["proven"], true);
+        assert_eq!((report["prefer"].as_str(), report["buffer"].as_str()), (Some(prefer), Some(buffer)));
+        (report["indices_restart"].as_u64().unwrap(), report["acmr"].as_f64().unwrap(), report)
+    };
+    let [indices, balanced, misses] = ["indices", "balanced", "misses"].map(|prefer| run(prefer, "fifo:16"));
+    assert!(indices.0 < balanced.0 && balanced.0 < misses.0);
+    assert!(indices.1 > balanced.1 && balanced.1 > misses.1);
+    assert_eq!(misses.2["acmr"], misses.2["acmr_fifo_16"]);
+    let larger = run("misses", "fifo:24");
+    assert!(larger.1 < misses.1 && larger.2["atvr"].as_f64().unwrap() >= 1.0);
+    let report = json(tristrip().args(["strip", "--json"]).arg(model("wingnut.ply")));
+    assert!(report.get("acmr").is_none() && report.get("buffer").is_none());
+    let mut command = tristrip();
+    command.args(["strip", "-m", "cache", "--buffer", "lru:8"]).arg(model("wingnut.ply"));
+    command.assert().success().stdout(contains("misses, lru:8 (ACMR)"));
+}
+
+#[test]
 fn json_has_the_documented_keys_in_order() {
     let report = json(tristrip().args(["strip", "--json"]).arg(model("fish_control.ply")));
     let mut expected = vec!["file", "method", "cost", "effort", "seed", "chosen", "proven", "seconds"];

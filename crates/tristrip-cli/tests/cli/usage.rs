@@ -22,7 +22,7 @@ fn options_belong_to_their_methods() {
     refused(&["strip", "a.ply", "-m", "sgi", "--seed", "1"], "--seed belongs to --method auto, best, fewest");
     refused(
         &["strip", "a.ply", "-m", "eta", "--effort", "3"],
-        "--effort belongs to --method auto, best or fewest",
+        "--effort belongs to --method auto, best, fewest or cache",
     );
     refused(&["strip", "a.ply", "-m", "best", "--effort", "10"], "10 is not in 0..=9");
     refused(&["strip", "a.ply", "-m", "fewest", "--cost", "gl"], "--cost belongs to --method auto or best");
@@ -32,6 +32,12 @@ fn options_belong_to_their_methods() {
     refused(&["strip", "a.ply", "-m", "tunnel", "--threshold", "3"], "--threshold belongs to --method eta");
     refused(&["strip", "a.ply", "-m", "tunnel", "--start", "sgi"], "--start belongs to --method eta");
     refused(&["strip", "a.ply", "-m", "stripe", "--cutoff", "0"], "--cutoff");
+    refused(&["strip", "a.ply", "-m", "best", "--buffer", "fifo:8"], "--buffer belongs to --method cache");
+    refused(&["strip", "a.ply", "--prefer", "misses"], "--prefer belongs to --method cache, not to auto");
+    refused(
+        &["strip", "a.ply", "-m", "cache", "--buffer", "fifo:0"],
+        "`fifo:N` or `lru:N`, N from 1 to 65536",
+    );
     refused(&["strip", "a.ply", "-m", "magic"], "possible values: auto");
 }
 
