@@ -14,7 +14,7 @@ pub mod vertex_buffer;
 pub mod vertex_order;
 
 pub use cost::{Cost, Metrics};
-pub(crate) use emit::{Step, cover_cost};
+pub(crate) use emit::{OPEN, Step, cover_cost, path_steps, send_path};
 pub use emit::{emit, emit_in_order, path_cost};
 pub use layout::Layout;
 pub use verify::{Proof, Unproven, verify, verify_drawing};

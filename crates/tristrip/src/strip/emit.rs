@@ -23,7 +23,7 @@ use crate::dual::{DualGraph, FaceId, HalfEdge};
 use crate::mesh::Triangulation;
 
 /// No edge, where an edge of a triangle is named.
-const OPEN: u32 = 3;
+pub(crate) const OPEN: u32 = 3;
 
 /// Turns each path of a cover into a strip, the strips in order of their lowest triangles.
 ///
@@ -64,9 +64,9 @@ pub fn emit(triangulation: &Triangulation<'_>, cover: &PathCover) -> Strips {
         path.push(Step { triangle: lowest, entry: first, exit: second });
         path.extend_from_slice(&ahead);
         if swaps_at_start(&path) > swaps_at_start_reversed(&path) {
-            send(triangles, path.iter().rev().map(Step::reversed), &mut strips.vertices);
+            send_path(triangles, path.iter().rev().map(Step::reversed), &mut strips.vertices);
         } else {
-            send(triangles, path.iter().copied(), &mut strips.vertices);
+            send_path(triangles, path.iter().copied(), &mut strips.vertices);
         }
         strips.ends.push(strips.vertices.len() as u32);
     }
@@ -94,14 +94,18 @@ pub fn emit_in_order(triangulation: &Triangulation<'_>, cover: &PathCover, order
     let (triangles, graph) = (triangulation.triangles(), triangulation.graph());
     let mut strips = Strips::with_capacity(cover.len() + cover.len() / 3, order.len());
     for &start in order {
-        send(triangles, steps(graph, cover, start), &mut strips.vertices);
+        send_path(triangles, path_steps(graph, cover, start), &mut strips.vertices);
         strips.ends.push(strips.vertices.len() as u32);
     }
     strips.with_kept_order()
 }
 
 /// Walks along a path from one of its ends.
-fn steps<'a>(graph: &'a DualGraph, cover: &'a PathCover, start: FaceId) -> impl Iterator<Item = Step> + 'a {
+pub(crate) fn path_steps<'a>(
+    graph: &'a DualGraph,
+    cover: &'a PathCover,
+    start: FaceId,
+) -> impl Iterator<Item = Step> + 'a {
     let edge = |h: Option<HalfEdge>| h.map_or(OPEN, |h| h.0 % 3);
     cover.walk(graph, start).map(move |(face, entry, exit)| Step {
         triangle: face.0,
@@ -119,7 +123,7 @@ pub(crate) struct Step {
 }
 
 impl Step {
-    fn reversed(&self) -> Self {
+    pub(crate) fn reversed(&self) -> Self {
         Self { triangle: self.triangle, entry: self.exit, exit: self.entry }
     }
 
@@ -175,7 +179,7 @@ fn swaps_inside(path: &[Step]) -> usize {
 
 /// Sends the vertices of one path.
 #[inline]
-fn send(triangles: &[u32], path: impl Iterator<Item = Step>, out: &mut Vec<u32>) {
+pub(crate) fn send_path(triangles: &[u32], path: impl Iterator<Item = Step>, out: &mut Vec<u32>) {
     // The vertex across from an edge comes two corners after it begins.
     let corner = |triangle: u32, edge: u32| {
         triangles[(3 * triangle + if edge >= 3 { edge - 3 } else { edge }) as usize]
@@ -205,7 +209,7 @@ fn send(triangles: &[u32], path: impl Iterator<Item = Step>, out: &mut Vec<u32>)
 
 /// Counts the vertices that the path from `start` costs, as [`emit`] will send it: for methods that weigh alternatives.
 pub fn path_cost(graph: &DualGraph, cover: &PathCover, start: FaceId) -> usize {
-    let path: Vec<Step> = steps(graph, cover, start).collect();
+    let path: Vec<Step> = path_steps(graph, cover, start).collect();
     path.len() + 2 + swaps_inside(&path) + swaps_at_start(&path).min(swaps_at_start_reversed(&path))
 }
 

@@ -4,13 +4,15 @@ use proptest::prelude::*;
 
 use super::border::Border;
 use super::buffers::FifoTrial;
+use super::polish::Sequence;
 use super::{BALANCED, FEW_MISSES, Growth, Guide, Prefer, Weights};
 use crate::dual::DualGraph;
 use crate::mesh::{Faces, Mesh, Surface, Triangulation};
 use crate::strip::Strips;
 use crate::strip::{Between, Buffer, BufferUse, Metrics, verify};
+use crate::stripify::random::Random;
 use crate::stripify::sequential::tests::{mesh, polygons};
-use crate::stripify::{Effort, Method, Options, Progress, Watch, plan, sequential};
+use crate::stripify::{Effort, Method, Options, Plan, Progress, Watch, plan, sequential};
 
 const PREFERENCES: [Prefer; 3] = [Prefer::Indices, Prefer::Balanced, Prefer::Misses];
 
@@ -90,7 +92,7 @@ proptest! {
             let cover = (growth.guide != Guide::None).then_some(&guide.cover);
             let mut grower = super::Grower::new(border, growth, cover);
             let (cover, order) = grower.run();
-            let plan = super::Plan { triangulation: triangulation.clone(), cover, order: Some(order) };
+            let plan = Plan { triangulation: triangulation.clone(), cover, order: Some(order) };
             let strips = plan.strips();
             let paid = grower.border().cost() + due;
             if weights.index > 0 {
@@ -99,6 +101,46 @@ proptest! {
                 let misses = BufferUse::of(&priced(&strips), buffer, Between::Keep, surface.vertex_count()).misses;
                 prop_assert_eq!(paid.unsigned_abs() as usize, misses);
             }
+        }
+    }
+}
+
+proptest! {
+    #[test]
+    fn exchanges_save_what_they_say_they_save(
+        polygons in polygons(false, 1..8),
+        places in 1..20_u32,
+        seed in any::<u64>(),
+        weights in prop::sample::select(vec![[1, 0], [0, 1], [3, 2]]),
+        hottest in 0.2..9.0_f64,
+    ) {
+        let mesh = mesh(&polygons);
+        let surface = Surface::new(&mesh, false);
+        let graph = DualGraph::new(surface.faces());
+        let buffer = Buffer::fifo(places);
+        let start = plan(&surface, &graph, &options(Prefer::Balanced, buffer)).unwrap();
+        let order = start.order.as_ref().unwrap();
+        let weights = Weights { index: weights[0], miss: weights[1] };
+        let price = |plan: &Plan<'_>| super::price(plan, buffer, weights, surface.vertex_count());
+        let mut sequence = Sequence::new(&start.triangulation, &start.cover, order, places, weights);
+        let mut reported = (0, 0);
+        for run in 0..3 {
+            let mut random = Random::new(seed ^ run);
+            sequence.anneal(&mut random, 400, [hottest, 0.1], |_, strips, saved| {
+                reported = (strips, saved);
+                true
+            });
+            let (cover, order) = sequence.finish();
+            let found = Plan { triangulation: start.triangulation.clone(), cover, order: Some(order) };
+            prop_assert_eq!(found.cover.check(found.triangulation.graph()), Ok(()));
+            prop_assert!(verify(&mesh, &found.strips()).is_ok());
+            // What is told before the next run is what all before it saved.
+            sequence.anneal(&mut random, 0, [0.1, 0.1], |_, strips, saved| {
+                reported = (strips, saved);
+                true
+            });
+            prop_assert_eq!(reported.0, found.cover.path_count());
+            prop_assert_eq!(price(&start).cast_signed() as i64 - price(&found).cast_signed() as i64, reported.1);
         }
     }
 }

@@ -20,6 +20,7 @@
 
 use super::paths::{NONE, Paths};
 use crate::stripify::random::Random;
+use crate::stripify::random::metropolis;
 use crate::stripify::{Progress, Watch};
 
 /// Triangles in a block: those of which the ends stand in one word.
@@ -91,7 +92,7 @@ impl<'a> Annealer<'a> {
         let mut goes_on = true;
         for sweep in 0..phase.sweeps {
             let part = f64::from(sweep + 1) / f64::from(phase.sweeps);
-            self.odds = odds(phase.hottest + (phase.coldest - phase.hottest) * part);
+            self.odds = metropolis(phase.hottest + (phase.coldest - phase.hottest) * part);
             goes_on = self.sweep(paths, true);
             if !goes_on {
                 break;
@@ -292,40 +293,6 @@ fn join_all(paths: &mut Paths, links: [Option<u32>; 5]) {
         let twin = paths.twin(link);
         if [link, twin].iter().all(|h| paths.mask(h / 4).count_ones() < 2) {
             paths.join(link);
-        }
-    }
-}
-
-/// Gives the odds of accepting rises of 1, 2, … at a temperature, in 2³²ths. Made of multiplications alone, so that it is
-/// the same on every machine.
-#[expect(clippy::cast_sign_loss, reason = "odds are not negative")]
-fn odds(temperature: f64) -> [u32; RISES] {
-    let x = 1.0 / (1024.0 * temperature);
-    let mut once = 1.0 / (1.0 + x + x * x / 2.0);
-    for _ in 0..10 {
-        once *= once;
-    }
-    let mut odds = [0; RISES];
-    let mut power = 1.0;
-    for odds in &mut odds {
-        power *= once;
-        *odds = (power * f64::from(u32::MAX)) as u32;
-    }
-    odds
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn odds_are_those_of_metropolis() {
-        for temperature in [0.06, 0.15, 0.5, 1.2, 9.0] {
-            for (i, odds) in odds(temperature).into_iter().enumerate() {
-                let exact = (-(i as f64 + 1.0) / temperature).exp();
-                let found = f64::from(odds) / f64::from(u32::MAX);
-                assert!((found - exact).abs() < 1e-4 * exact + 1e-9, "{temperature} {i}: {found} {exact}");
-            }
         }
     }
 }
