@@ -145,8 +145,8 @@ const FEW_MISSES: [Growth; 8] = [
 ];
 /// Changes that the search tries for each triangle, by effort.
 const CHANGES: [u64; 10] = [0, 0, 0, 2, 5, 12, 24, 48, 96, 192];
-/// What a buffer holds is kept for each strip: larger ones are not searched over.
-const MOST_PLACES: u32 = 256;
+/// Places of buffers that are searched over: what one holds is kept for each strip.
+const SEARCHED: std::ops::RangeInclusive<u32> = 1..=256;
 /// How many of them are tried, by effort.
 const GROWTHS: [usize; 10] = [1, 1, 1, 3, 5, 8, 8, 8, 8, 8];
 
@@ -177,7 +177,9 @@ pub(super) fn plan<'a>(
 ) -> Plan<'a> {
     let start = start(surface, graph, options, watch);
     let changes = CHANGES[usize::from(options.effort().level())] * start.cover.len() as u64;
-    if changes == 0 || options.buffer.replacement == Replacement::Lru || options.buffer.places > MOST_PLACES {
+    let is_searched =
+        options.buffer.replacement == Replacement::Fifo && SEARCHED.contains(&options.buffer.places);
+    if changes == 0 || !is_searched {
         return start;
     }
     polished(start, changes, surface.vertex_count(), options, watch)

@@ -57,7 +57,7 @@ proptest! {
     #[test]
     fn every_preference_covers_every_mesh(
         polygons in polygons(false, 1..8),
-        places in 1..40_u32,
+        places in 0..40_u32,
         is_lru in any::<bool>(),
         effort in 0..5_u8,
     ) {
