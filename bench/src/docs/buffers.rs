@@ -32,7 +32,7 @@ pub(super) fn section(outcomes: &[Outcome], buffered: &[Buffered]) -> String {
     let _ = writeln!(
         out,
         "A point of meshoptimizer is beaten where one of these settings has fewer indices at no more misses, and one fewer misses\n\
-         at no more indices. So it is on\n\n{}\nmodels. The most of its indices, and of its misses, that is saved so; a dash where nothing is:\n\n{}",
+         at no more indices. Models on which it is:\n\n{}\nThe most of its indices, and of its misses, that is saved so; a dash where nothing is:\n\n{}",
         counts.collect::<String>(),
         savings(&sorted).markdown()
     );
@@ -109,7 +109,7 @@ fn remark(buffered: &[Buffered]) -> String {
     let Some(found) = buffered.iter().find(|found| found.model == REMARKED) else {
         return String::new();
     };
-    let mut table = Table::new(1, &["ACMR of meshoptimizer, bunny", "fifo:16", "fifo:15"]);
+    let mut table = Table::new(1, &["ACMR of meshoptimizer", "fifo:16", "fifo:15"]);
     for rival in &found.rivals {
         let both = [rival.misses, rival.misses_fifo_15];
         let mut cells = vec![rival.by.clone()];
@@ -118,7 +118,7 @@ fn remark(buffered: &[Buffered]) -> String {
     }
     format!(
         "What the peers' table calls a FIFO buffer of 16 has 15 places by the definition used here. The bars are judged by 16, with\n\
-         which meshoptimizer misses less.\n\n{}\n",
+         which meshoptimizer misses less. On {REMARKED}:\n\n{}\n",
         table.markdown()
     )
 }
