@@ -2,10 +2,12 @@
 //!
 //! Figures of peers are rounded to four digits, so that half of the last one is allowed for when they are compared.
 
+mod buffers;
 mod searches;
 
 use serde::Serialize;
 
+use crate::buffers::Buffered;
 use crate::measure::{Outcome, Row};
 use crate::rivals::Pipeline;
 use crate::scaling::Scaling;
@@ -46,10 +48,20 @@ impl Bar {
         let (bar_text, found_text) = (format!("≤ {bar:.digits$}"), format!("{found:.*}", digits + 1));
         Self { what, bar: bar_text, found: found_text, met: found <= bar }
     }
+
+    fn at_least(what: String, bar: f64, found: f64, digits: usize) -> Self {
+        let (bar_text, found_text) = (format!("≥ {bar:.digits$}"), format!("{found:.*}", digits + 1));
+        Self { what, bar: bar_text, found: found_text, met: found >= bar }
+    }
 }
 
 /// Lists the bars of which something was measured.
-pub fn judge(outcomes: &[Outcome], searched: &[Searched], scaling: Option<&Scaling>) -> Vec<Bar> {
+pub fn judge(
+    outcomes: &[Outcome],
+    searched: &[Searched],
+    buffered: &[Buffered],
+    scaling: Option<&Scaling>,
+) -> Vec<Bar> {
     let rows: usize = outcomes.iter().map(|o| o.rows.len()).sum();
     let mut bars = vec![Bar {
         what: "answers proven before their times are shown".into(),
@@ -67,6 +79,7 @@ pub fn judge(outcomes: &[Outcome], searched: &[Searched], scaling: Option<&Scali
     bars.extend(stripe_strips(outcomes));
     bars.extend(times_and_memory(outcomes));
     bars.extend(searches::judge(outcomes, searched));
+    bars.extend(buffers::judge(outcomes, buffered));
     bars.extend(scaling.and_then(|scaling| {
         let what =
             format!("sequential, time a triangle of {} at 8 million by that at 100 thousand", scaling.model);
@@ -121,6 +134,13 @@ fn listed(names: &[String], of: usize) -> String {
         n if n <= NAMED => format!("{count}: {}", names.join(", ")),
         _ => format!("{count}: {}, …", names[..NAMED].join(", ")),
     }
+}
+
+/// A bar that nothing is to miss.
+fn none(what: &str, missed: impl Iterator<Item = String>, of: usize) -> Option<Bar> {
+    let missed: Vec<String> = missed.collect();
+    let (found, met) = (listed(&missed, of), missed.is_empty());
+    (of > 0).then(|| Bar { what: what.into(), bar: "none".into(), found, met })
 }
 
 /// Gives the geometric mean over the models of the cost of `sequential` by that of the best one-pass peer.
@@ -254,7 +274,7 @@ mod tests {
 
     #[test]
     fn bars_tell_met_from_not_met() {
-        let bars = judge(&[outcome("bunny", 1.1, 1.2), outcome("fandisk", 1.3, 1.2)], &[], None);
+        let bars = judge(&[outcome("bunny", 1.1, 1.2), outcome("fandisk", 1.3, 1.2)], &[], &[], None);
         let met = |start: &str| bars.iter().find(|bar| bar.what.starts_with(start)).map(|bar| bar.met);
         assert_eq!(met("sequential, models with more"), Some(false));
         assert_eq!(met("sequential, indices a triangle, bunny"), Some(true));

@@ -1,10 +1,12 @@
 //! The page of tables that is kept in `docs/`, written anew by a command that stands on it.
 
+mod buffers;
 mod searches;
 
 use std::fmt::Write as _;
 
 use crate::bars::{Bar, mean_ratio, pairs};
+use crate::buffers::Buffered;
 use crate::measure::Outcome;
 use crate::rivals::Pipeline;
 use crate::scaling::Scaling;
@@ -18,6 +20,7 @@ pub const COMMAND: &str = "cargo run --release -p tristrip-bench -- --docs docs"
 pub fn page(
     outcomes: &[Outcome],
     searched: (&[Searched], Depth),
+    buffered: &[Buffered],
     scaling: Option<&Scaling>,
     bars: &[Bar],
 ) -> String {
@@ -34,6 +37,7 @@ pub fn page(
     let _ = writeln!(out, "## Time and memory\n\n{}", times(outcomes));
     let _ = writeln!(out, "## Polygons fed as polygons\n\n{}", polygons(outcomes));
     out.push_str(&searches::section(searched.0, searched.1));
+    out.push_str(&buffers::section(outcomes, buffered));
     if let Some(levels) = scaling {
         let _ = writeln!(
             out,
@@ -171,7 +175,7 @@ mod tests {
 
     #[test]
     fn a_page_names_its_command_and_no_place() {
-        let page = page(&[], (&[], Depth::SMOKE), None, &[]);
+        let page = page(&[], (&[], Depth::SMOKE), &[], None, &[]);
         assert!(page.contains(COMMAND) && page.ends_with("|\n"));
         assert!(!page.contains(env!("CARGO_MANIFEST_DIR")));
     }

@@ -7,6 +7,7 @@
 //!  rivals ──▶ │ proof, then     └─▶ bars ─▶ met or not
 //!  memory ──▶ │ times
 //!          searches ─▶ Searched: the same of long searches, with bounds and what was published
+//!          buffers ──▶ Buffered: indices and misses of a vertex buffer, ours and meshoptimizer's
 //! ```
 //!
 //! No time is shown of an answer that was not proven before.
@@ -14,6 +15,7 @@
 #![deny(unsafe_code)]
 
 pub mod bars;
+pub mod buffers;
 pub mod corpus;
 pub mod docs;
 pub mod measure;

@@ -8,6 +8,7 @@ use std::path::PathBuf;
 use clap::Parser;
 use serde::Serialize;
 use tristrip_bench::bars::{self, Bar};
+use tristrip_bench::buffers::{self, Buffered};
 use tristrip_bench::measure::{Outcome, Plan, measure};
 use tristrip_bench::memory::Counting;
 use tristrip_bench::methods::{all_methods, main_methods};
@@ -46,7 +47,7 @@ struct Args {
     /// Leave out the subdivided model of millions of triangles
     #[arg(long)]
     no_scaling: bool,
-    /// Leave out the long searches: fewest strips and cheapest indices on every model
+    /// Leave out the long searches: fewest strips, cheapest indices, and indices beside misses of a vertex buffer on every model
     #[arg(long)]
     no_searches: bool,
     /// Print everything as JSON
@@ -62,6 +63,7 @@ struct Args {
 struct Report {
     models: Vec<Outcome>,
     searches: Vec<Searched>,
+    buffers: Vec<Buffered>,
     scaling: Option<Scaling>,
     bars: Vec<Bar>,
 }
@@ -87,7 +89,7 @@ fn main() -> Result<(), Failure> {
     }
     let depth = if args.smoke { Depth::SMOKE } else { Depth::FULL };
     let papers = searches::published()?;
-    let mut searched = Vec::new();
+    let (mut searched, mut buffered) = (Vec::new(), Vec::new());
     for source in sources.iter().filter(|_| !args.no_searches) {
         let name = &source.name;
         let found = searches::search(source, depth, peers.get(name), papers.get(name))?;
@@ -95,23 +97,26 @@ fn main() -> Result<(), Failure> {
             println!("{}", text::searched(&found));
         }
         searched.push(found);
+        let found = buffers::search(source)?;
+        if !args.json {
+            println!("{}", text::buffered(&found));
+        }
+        buffered.push(found);
     }
     let scaled = sources.iter().find(|s| s.name == SCALED && !args.smoke && !args.no_scaling);
     let scaling = match scaled {
         Some(source) => Some(scale(SCALED, models::load(source)?.triangles, 3)?),
         None => None,
     };
-    let bars = bars::judge(&outcomes, &searched, scaling.as_ref());
+    let bars = bars::judge(&outcomes, &searched, &buffered, scaling.as_ref());
     if let Some(dir) = &args.docs {
         fs::create_dir_all(dir)?;
-        let page = docs::page(&outcomes, (&searched, depth), scaling.as_ref(), &bars);
+        let page = docs::page(&outcomes, (&searched, depth), &buffered, scaling.as_ref(), &bars);
         fs::write(dir.join("benchmarks.md"), page)?;
     }
     if args.json {
-        println!(
-            "{}",
-            serde_json::to_string_pretty(&Report { models: outcomes, searches: searched, scaling, bars })?
-        );
+        let report = Report { models: outcomes, searches: searched, buffers: buffered, scaling, bars };
+        println!("{}", serde_json::to_string_pretty(&report)?);
         return Ok(());
     }
     if let Some(scaling) = &scaling {

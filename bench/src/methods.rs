@@ -34,6 +34,8 @@ pub const BEST: &str = "best 2";
 pub const FEWEST: &str = "fewest 0";
 /// The name of `eta` among the main methods: with tunnels that end in seconds also where no tunnel is left on half a million triangles.
 pub const ETA: &str = "eta 20";
+/// The name of `cache` among the main methods: for the usual buffer, at the usual effort.
+pub const CACHE: &str = "cache fifo:16 balanced";
 const ETA_LENGTH: u32 = 20;
 /// The greatest length of the plain tunnels, whose time grows as its exponential.
 const TUNNEL_LENGTH: u32 = 5;
@@ -73,6 +75,17 @@ impl Named {
         let mut named = Self::new(format!("cache {buffer} {preferred}"), Method::Cache);
         named.options = named.options.with_buffer(buffer).with_prefer(prefer);
         named
+    }
+
+    /// Takes another effort than the usual one, and says so in the name.
+    ///
+    /// # Panics
+    /// There is no such effort.
+    #[must_use]
+    #[expect(clippy::expect_used, reason = "the levels are constants of the benchmarks")]
+    pub fn at(self, effort: u8) -> Self {
+        let level = Effort::new(effort).expect("a level from 0 to 9");
+        Self { name: format!("{} {effort}", self.name), options: self.options.with_effort(level) }
     }
 }
 
@@ -142,6 +155,6 @@ mod tests {
         assert_eq!(methods.len(), 4 + 15 + 10 + 4 + 1 + 6 + COSTS.len());
         assert_eq!(methods.iter().map(|m| m.options).collect::<HashSet<_>>().len(), methods.len());
         assert_eq!(methods.iter().map(|m| &m.name).collect::<HashSet<_>>().len(), methods.len());
-        assert!([BEST, FEWEST, ETA].iter().all(|name| main_methods().iter().any(|m| m.name == *name)));
+        assert!([BEST, FEWEST, ETA, CACHE].iter().all(|name| main_methods().iter().any(|m| m.name == *name)));
     }
 }

@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use crate::bars::Bar;
+use crate::buffers::{Buffered, Point};
 use crate::measure::{Outcome, Row};
 use crate::scaling::Scaling;
 use crate::searches::Searched;
@@ -120,6 +121,31 @@ pub fn searched(searched: &Searched) -> String {
         ]);
     }
     format!("{}, searches; at least {} strips\n{}", searched.model, searched.bound, table.aligned())
+}
+
+/// Shows indices and misses of a model, meshoptimizer's points with what beats them.
+pub fn buffered(buffered: &Buffered) -> String {
+    let mut table =
+        Table::new(1, &["vertex buffer", "restart/T", "ACMR", "s", "fewer indices", "fewer misses"]);
+    let rivals = buffered.rivals.iter().map(|rival| {
+        let by = |point: Option<&Point>| point.map_or("–".into(), |point| point.by.clone());
+        (rival, [by(buffered.fewer_indices(rival)), by(buffered.fewer_misses(rival))])
+    });
+    for (point, beaten_by) in
+        rivals.chain(buffered.ours.iter().map(|point| (point, <[String; 2]>::default())))
+    {
+        let mut cells = vec![point.by.clone()];
+        cells.extend([point.indices, point.misses].map(|n| format!("{:.4}", buffered.per_triangle(n))));
+        cells.push(format!("{:.3}", point.seconds));
+        cells.extend(beaten_by);
+        table.push(cells);
+    }
+    let mut out = format!("{}, {}\n{}", buffered.model, crate::buffers::BUFFER, table.aligned());
+    for simulator in &buffered.simulators {
+        let millions = simulator.indices_per_second / 1e6;
+        let _ = writeln!(out, "  {} simulated, million indices a second: {millions:.0}", simulator.buffer);
+    }
+    out
 }
 
 fn cells(row: &Row) -> Vec<String> {

@@ -2,7 +2,7 @@
 
 use tristrip::strip::Cost;
 
-use super::{Bar, ROUNDING, listed};
+use super::{Bar, ROUNDING, none};
 use crate::measure::{Outcome, Row};
 use crate::methods::{BEST, COSTS, ETA, FEWEST};
 use crate::searches::{PEER_COSTS, Searched, per_triangle};
@@ -88,13 +88,6 @@ fn fewest(searched: &[Searched]) -> Vec<Bar> {
     let names = worse.map(|(s, (ours, best))| format!("{} ({ours} to {best})", s.model));
     bars.extend(none("fewest, models with more strips than the best of all peers", names, pairs.len()));
     bars
-}
-
-/// A bar that nothing is to miss.
-fn none(what: &str, missed: impl Iterator<Item = String>, of: usize) -> Option<Bar> {
-    let missed: Vec<String> = missed.collect();
-    let (found, met) = (listed(&missed, of), missed.is_empty());
-    (of > 0).then(|| Bar { what: what.into(), bar: "none".into(), found, met })
 }
 
 fn eta(searched: &[Searched]) -> Vec<Bar> {
