@@ -153,7 +153,7 @@ pub(crate) struct MethodArgs {
     /// Effort is counted in steps, so that the result is the same on any machine. On one core, best takes for 70,000 triangles about
     /// 0.01 s at level 1, 0.04 s at 2, 0.1 s at 3, 0.3 s at 4, 0.6 s at 5, 1.3 s at 6, 2.5 s at 7, 5 s at 8 and 10 s at 9; for more triangles in
     /// proportion, for fewer the same down to 8,000. fewest ends when it meets its bound, and else takes twice as long for each level.
-    /// cache takes a second for a million triangles up to level 2, and then tries 3, 5 and 8 ways, some after best of that level.
+    /// cache takes a second for a million triangles up to level 2; from 3 on it grows strips in several ways and searches on by exchanges.
     #[arg(long, value_name = "LEVEL", value_parser = clap::value_parser!(u8).range(0..=9))]
     effort: Option<u8>,
     /// Stop a search after a time, such as 5s or 500ms, with the best found by then

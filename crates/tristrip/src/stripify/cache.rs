@@ -33,10 +33,10 @@
 //!
 //! | level | 0 to 2 | 3 | 4 | 5 | 6 |
 //! |---|---|---|---|---|---|
-//! | indices | 1.162, 0.989 | 1.141, 0.987 | 1.129, 0.979 | 1.120, 0.969 | 1.114, 0.967 |
-//! | balanced | 1.329, 0.796 | 1.245, 0.828 | 1.236, 0.805 | 1.226, 0.785 | 1.214, 0.787 |
-//! | misses | 1.426, 0.608 | 1.397, 0.598 | 1.386, 0.594 | 1.375, 0.592 | 1.368, 0.591 |
-//! | seconds, balanced | 0.05 | 0.3 | 0.7 | 1.5 | 3 |
+//! | indices | 1.162, 0.989 | 1.140, 0.975 | 1.128, 0.973 | 1.120, 0.971 | 1.114, 0.967 |
+//! | balanced | 1.329, 0.796 | 1.239, 0.829 | 1.232, 0.805 | 1.227, 0.786 | 1.217, 0.786 |
+//! | misses | 1.426, 0.608 | 1.401, 0.599 | 1.390, 0.596 | 1.380, 0.593 | 1.373, 0.592 |
+//! | seconds, balanced | 0.05 | 0.4 | 0.8 | 2 | 3.5 |
 //!
 //! meshoptimizer's two orders give 1.334, 0.890 and 1.741, 0.706 there.
 //!
@@ -143,8 +143,8 @@ const FEW_MISSES: [Growth; 8] = [
     growth(Guide::None, 1, 4, 36, 3),
     growth(Guide::None, 1, 2, 32, 4),
 ];
-/// Changes that the search tries for each triangle, by effort.
-const CHANGES: [u64; 10] = [0, 0, 0, 2, 5, 12, 24, 48, 96, 192];
+/// Vertices that the search sends for trial for each triangle, by effort: a change takes some 150.
+const SENT: [u64; 10] = [0, 0, 0, 300, 750, 1800, 3600, 7200, 14400, 28800];
 /// Places of buffers that are searched over: what one holds is kept for each strip.
 const SEARCHED: std::ops::RangeInclusive<u32> = 1..=256;
 /// How many of them are tried, by effort.
@@ -176,13 +176,13 @@ pub(super) fn plan<'a>(
     watch: &dyn Watch,
 ) -> Plan<'a> {
     let start = start(surface, graph, options, watch);
-    let changes = CHANGES[usize::from(options.effort().level())] * start.cover.len() as u64;
+    let limit = SENT[usize::from(options.effort().level())] * start.cover.len() as u64;
     let is_searched =
         options.buffer.replacement == Replacement::Fifo && SEARCHED.contains(&options.buffer.places);
-    if changes == 0 || !is_searched {
+    if limit == 0 || !is_searched {
         return start;
     }
-    polished(start, changes, surface.vertex_count(), options, watch)
+    polished(start, limit, surface.vertex_count(), options, watch)
 }
 
 /// Grows strips in one way or in several.
@@ -237,7 +237,7 @@ fn start<'a>(
 /// Searches on from a plan by exchanges; gives what was found where that is cheaper.
 fn polished<'a>(
     start: Plan<'a>,
-    changes: u64,
+    limit: u64,
     vertex_count: usize,
     options: &Options,
     watch: &dyn Watch,
@@ -247,10 +247,10 @@ fn polished<'a>(
     let before = price(&start, buffer, prefer.weights(), vertex_count);
     let mut sequence =
         Sequence::new(&start.triangulation, &start.cover, order, buffer.places, prefer.weights());
-    sequence.anneal(&mut Random::new(seed), changes, prefer.heat(), |steps, strips, saved| {
+    sequence.anneal(&mut Random::new(seed), limit, prefer.heat(), |steps, strips, saved| {
         watch.go_on(Progress {
             steps,
-            step_limit: Some(changes),
+            step_limit: Some(limit),
             strips,
             cost: before.saturating_add_signed(-saved as isize),
         })

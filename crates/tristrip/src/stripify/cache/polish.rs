@@ -15,7 +15,7 @@
 //! after [`WINDOW`] strips is not made.
 //!
 //! # Complexity
-//! O(places + vertices of the strips between) time a change; 60 bytes a triangle, and 4 bytes a strip and place.
+//! O(places + vertices of the strips between) time a change, which is what the effort counts; 60 bytes a triangle, and 4 bytes a strip and place.
 
 use super::Weights;
 use crate::cover::PathCover;
@@ -28,6 +28,8 @@ use crate::stripify::random::{Random, metropolis};
 const NONE: u32 = u32::MAX;
 /// Strips after a change within which the buffer must hold again what it held.
 const WINDOW: usize = 48;
+/// A change that is not even tried counts as so many vertices sent.
+const LEAST_SENT: u64 = 8;
 /// Steps in which a search cools.
 const STAGES: u64 = 64;
 /// Greater rises in cost are never accepted.
@@ -50,6 +52,8 @@ pub(super) struct Sequence<'a> {
     free: Vec<u32>,
     first: u32,
     buffer: Buffer,
+    /// Vertices that were sent for trial.
+    sent: u64,
     /// What was saved so far.
     saved: i64,
     /// What the last trial found: strips with their misses, and what the buffer held before each.
@@ -152,6 +156,7 @@ impl<'a> Sequence<'a> {
             free: Vec::new(),
             first: if order.is_empty() { NONE } else { 0 },
             buffer,
+            sent: 0,
             saved: 0,
             found: Vec::new(),
             found_before: Vec::new(),
@@ -175,24 +180,26 @@ impl<'a> Sequence<'a> {
         sequence
     }
 
-    /// Tries so many changes, from the hottest to the coldest, in units of an index; `go_on` is asked before each of the [`STAGES`].
+    /// Tries changes, from the hottest to the coldest in units of an index, until so many vertices were sent for trial: long strips
+    /// take longer to try. `go_on` is asked before each of the [`STAGES`], with that number, the strips, and what was saved.
     pub(super) fn anneal(
         &mut self,
         random: &mut Random,
-        changes: u64,
+        limit: u64,
         [hottest, coldest]: [f64; 2],
         mut go_on: impl FnMut(u64, usize, i64) -> bool,
     ) {
+        self.sent = 0;
         for stage in 0..STAGES {
-            let done = changes * stage / STAGES;
-            if !go_on(done, self.strips.len() - self.free.len(), self.saved) {
+            if !go_on(self.sent, self.strips.len() - self.free.len(), self.saved) {
                 return;
             }
             let cooled = stage as f64 / (STAGES - 1) as f64;
             let heat = (hottest + (coldest - hottest) * cooled) * self.weights.index as f64;
             let odds = metropolis::<RISES>(heat);
-            for _ in done..changes * (stage + 1) / STAGES {
+            while self.sent < limit * (stage + 1) / STAGES {
                 let dare = (random.next() >> 32) as u32;
+                self.sent += LEAST_SENT;
                 let Some(edits) = self.propose(random) else { continue };
                 let Some(rise) = self.price(&edits) else { continue };
                 let is_taken = match usize::try_from(rise) {
@@ -331,6 +338,7 @@ impl<'a> Sequence<'a> {
                 for (part, vertices) in parts.iter().enumerate() {
                     self.found_before.extend_from_slice(self.buffer.state());
                     let missed = self.buffer.send(vertices);
+                    self.sent += vertices.len() as u64;
                     self.found.push((Place { strip: at, part: part as u32 }, missed));
                     misses += i64::from(missed);
                 }

@@ -126,7 +126,7 @@ proptest! {
         let mut reported = (0, 0);
         for run in 0..3 {
             let mut random = Random::new(seed ^ run);
-            sequence.anneal(&mut random, 400, [hottest, 0.1], |_, strips, saved| {
+            sequence.anneal(&mut random, 20_000, [hottest, 0.1], |_, strips, saved| {
                 reported = (strips, saved);
                 true
             });
