@@ -13,7 +13,7 @@ use tristrip_io::Part;
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::figures::rounded;
-use crate::input::load;
+use crate::input::{load, short_name};
 use crate::stages::{Pool, timed};
 use crate::task::{AnalyzeTask, Input};
 use crate::text::{count, counted, table};
@@ -170,11 +170,6 @@ fn analyze(
 fn draw(curves: &[Curve], between: Between, path: &Path) -> Result<(), Failure> {
     let text = picture::draw(curves, between == Between::Flush)?;
     tristrip_io::replace_file(path, text.as_bytes()).map_err(|error| Failure::writing(&error))
-}
-
-/// Gives a file's name without its folders, as a picture has no room for them.
-fn short_name(file: &str) -> String {
-    Path::new(file).file_name().map_or_else(|| file.to_owned(), |name| name.to_string_lossy().into_owned())
 }
 
 impl BufferRow {

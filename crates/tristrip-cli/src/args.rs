@@ -49,6 +49,7 @@ pub(crate) enum Command {
   tristrip strip bunny.ply --method best --effort 7 -o bunny.glb
   tristrip strip horse.ply --method fewest --budget 5s
   tristrip strip bunny.ply --method stripe --json   no file: the report alone
+  tristrip strip bunny.ply --pareto bunny.svg       every method in one picture
   cat bunny.ply | tristrip strip - -o - --to glb > bunny.glb")]
 pub(crate) struct StripArgs {
     #[command(flatten)]
@@ -67,6 +68,14 @@ pub(crate) struct StripArgs {
     /// Skip the proof
     #[arg(long, help_heading = "Output")]
     pub(crate) no_verify: bool,
+    /// Draw what every method makes of the model into an SVG file: indices a triangle against misses a triangle
+    ///
+    /// Indices are those of layout restart, misses those of the vertex buffer of --buffer, kept across strips. A line joins the
+    /// optimal ones: no other method has fewer of one and no more of the other. Each result is proven, also with --no-verify. The
+    /// plain triangle list is shown for comparison. best and cache search at efforts 2 and 5, fewest at 5, or all at --effort;
+    /// --budget is for each search by itself; --seed and --weld are for all. Up to three inputs.
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    pub(crate) pareto: Option<PathBuf>,
     #[command(flatten)]
     pub(crate) shared: SharedArgs,
     #[command(flatten)]

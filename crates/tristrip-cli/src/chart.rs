@@ -13,6 +13,7 @@
 //! by eyes of every kind; marks differ in shape as well.
 
 mod axis;
+mod labels;
 mod legend;
 
 use plotters::coord::Shift;
@@ -22,6 +23,7 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use crate::failure::Failure;
 use axis::Span;
 pub(crate) use axis::{Axis, Scale};
+use labels::{Label, Obstacles, place};
 
 /// The width of a picture in pixels: that of a page's text.
 const WIDTH: u32 = 900;
@@ -40,6 +42,9 @@ const COLOURS: [RGBColor; 7] = [
     RGBColor(0, 0, 0),
 ];
 const INK: RGBColor = RGBColor(40, 40, 40);
+/// Of what stands back behind the rest: marks, and texts beside them.
+const FAINT: RGBColor = RGBColor(158, 158, 158);
+const FAINT_INK: RGBColor = RGBColor(112, 112, 112);
 const GRID: RGBColor = RGBColor(222, 222, 222);
 
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
@@ -54,6 +59,8 @@ type Frame = [i32; 4];
 pub(crate) enum Mark {
     /// A line through the points in their order; each has a mark where they are few.
     Line,
+    /// A line that goes level from each point to below the next one's place, then up or down to it; each point has a mark.
+    Steps,
     /// Marks alone.
     Points,
     /// Bars from the axis up; those of several series stand side by side.
@@ -67,12 +74,13 @@ pub(crate) struct Series {
     mark: Mark,
     points: Vec<(f64, f64)>,
     labels: Vec<String>,
+    faint: bool,
 }
 
 impl Series {
     /// Makes a series; points that are not finite, or not positive on a logarithmic axis, are not drawn.
     pub(crate) fn new(name: &str, mark: Mark, points: Vec<(f64, f64)>) -> Self {
-        Self { name: name.into(), mark, points, labels: Vec::new() }
+        Self { name: name.into(), mark, points, labels: Vec::new(), faint: false }
     }
 
     /// Writes a label beside each point that has one, and the room.
@@ -80,6 +88,17 @@ impl Series {
     pub(crate) fn with_labels(mut self, labels: Vec<String>) -> Self {
         self.labels = labels;
         self
+    }
+
+    /// Lets the series stand back behind the others, in grey.
+    #[must_use]
+    pub(crate) fn faint(mut self) -> Self {
+        self.faint = true;
+        self
+    }
+
+    fn colour(&self, number: usize) -> RGBColor {
+        if self.faint { FAINT } else { COLOURS[number % COLOURS.len()] }
     }
 
     /// Makes bars at 0, 1, 2 … for an axis of names.
@@ -95,12 +114,28 @@ pub(crate) struct Panel {
     x: Axis,
     y: Axis,
     series: Vec<Series>,
+    note: String,
+    every_label: bool,
 }
 
 impl Panel {
     /// Makes a panel; a legend is drawn where it has more than one series.
     pub(crate) fn new(title: &str, x: Axis, y: Axis, series: Vec<Series>) -> Self {
-        Self { title: title.into(), x, y, series }
+        Self { title: title.into(), x, y, series, note: String::new(), every_label: false }
+    }
+
+    /// Writes a line below the title.
+    #[must_use]
+    pub(crate) fn with_note(mut self, note: String) -> Self {
+        self.note = note;
+        self
+    }
+
+    /// Writes labels also where there is no room beside their points: further off, at the end of a thin line. They cover no marks.
+    #[must_use]
+    pub(crate) fn with_every_label(mut self) -> Self {
+        self.every_label = true;
+        self
     }
 }
 
@@ -141,6 +176,10 @@ impl Panel {
         let (width, _) = area.dim_in_pixel();
         area.draw_text(&printable(&self.title), &heading(), (14, 12))?;
         let mut top = 38;
+        if !self.note.is_empty() {
+            area.draw_text(&printable(&self.note), &style(12, INK, HPos::Left, VPos::Top), (14, top - 2))?;
+            top += 20;
+        }
         if self.series.len() > 1 {
             top += legend::draw(area, &self.series, (14, top), width.cast_signed() - 28)?;
         }
@@ -191,7 +230,7 @@ impl Panel {
         (number, bar, bars): (usize, usize, usize),
         y: &Span,
     ) -> Drawn {
-        let colour = COLOURS[number % COLOURS.len()];
+        let colour = series.colour(number);
         let places = || self.places(series).map(|(_, place)| place);
         if series.mark == Mark::Bars {
             let width = 0.84 / bars as f64;
@@ -203,7 +242,10 @@ impl Panel {
         if series.mark == Mark::Line {
             plot.draw_series(LineSeries::new(places(), colour.stroke_width(2)))?;
         }
-        if series.mark == Mark::Points || series.points.len() <= MARKED_POINTS {
+        if series.mark == Mark::Steps {
+            plot.draw_series(LineSeries::new(steps(places()), colour.stroke_width(2)))?;
+        }
+        if matches!(series.mark, Mark::Points | Mark::Steps) || series.points.len() <= MARKED_POINTS {
             for (x, y) in places() {
                 let at = plot.backend_coord(&(x, y));
                 mark(root, at, number, colour)?;
@@ -212,41 +254,56 @@ impl Panel {
         Ok(())
     }
 
-    /// Writes labels beside their points, where they cover neither a label nor the border.
+    /// Writes labels beside their points, or further off, where they cover neither a label nor the border.
     fn draw_labels(&self, (root, plot): (&Area<'_>, &Plot<'_, '_>), x: &Span, y: &Span) -> Drawn {
         let (low, high) = (plot.backend_coord(&(x.low, y.low)), plot.backend_coord(&(x.high, y.high)));
-        let mut taken: Vec<Frame> = Vec::new();
+        let bounds = [low.0, high.1 - 6, high.0 + 18, low.1];
+        let (mut labels, mut inks) = (Vec::new(), Vec::new());
         for series in &self.series {
             for (number, place) in self.places(series) {
-                let Some(label) = series.labels.get(number).map(|label| printable(label)) else { break };
-                if label.is_empty() {
-                    continue;
-                }
-                let (px, py) = plot.backend_coord(&place);
-                let width = text_width(&label, 11);
-                let beside = [
-                    (px + 7, py),
-                    (px - width / 2, py - 12),
-                    (px - 7 - width, py),
-                    (px - width / 2, py + 12),
-                ];
-                let frames = beside.map(|(left, middle)| [left, middle - 6, left + width, middle + 6]);
-                let inside =
-                    |f: &Frame| f[0] >= low.0 && f[1] >= high.1 - 6 && f[2] <= high.0 + 18 && f[3] <= low.1;
-                let free = |f: &Frame| taken.iter().all(|other| !overlap(f, other));
-                if let Some(frame) = frames.into_iter().find(|frame| inside(frame) && free(frame)) {
-                    taken.push(frame);
-                    let style = style(11, INK, HPos::Left, VPos::Center);
-                    root.draw_text(&label, &style, (frame[0], frame[1] + 6))?;
+                let Some(text) = series.labels.get(number).map(|label| printable(label)) else { break };
+                if !text.is_empty() {
+                    let width = text_width(&text, 11);
+                    labels.push(Label { at: plot.backend_coord(&place), text, width });
+                    inks.push(if series.faint { FAINT_INK } else { INK });
                 }
             }
         }
+        let obstacles = self.every_label.then(|| self.obstacles(plot));
+        for ((label, ink), spot) in labels.iter().zip(inks).zip(place(&labels, bounds, obstacles)) {
+            let Some(spot) = spot else { continue };
+            if let Some((from, to)) = spot.leader {
+                root.draw(&PathElement::new(vec![from, to], FAINT.stroke_width(1)))?;
+            }
+            let style = style(11, ink, HPos::Left, VPos::Center);
+            root.draw_text(&label.text, &style, (spot.frame[0], spot.frame[1] + 6))?;
+        }
         Ok(())
+    }
+
+    /// Gives what labels keep away from: all marks, and lines.
+    fn obstacles(&self, plot: &Plot<'_, '_>) -> Obstacles {
+        let mut obstacles = Obstacles::default();
+        for series in self.series.iter().filter(|series| series.mark != Mark::Bars) {
+            let places = || self.places(series).map(|(_, place)| place);
+            places().for_each(|place| obstacles.mark(plot.backend_coord(&place)));
+            match series.mark {
+                Mark::Line => obstacles.line(places().map(|place| plot.backend_coord(&place))),
+                Mark::Steps => obstacles.line(steps(places()).map(|place| plot.backend_coord(&place))),
+                Mark::Points | Mark::Bars => (),
+            }
+        }
+        obstacles
     }
 }
 
-fn overlap(a: &Frame, b: &Frame) -> bool {
-    a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3]
+/// Puts a corner between each two points: at the place of the later, as high as the earlier.
+fn steps(points: impl Iterator<Item = (f64, f64)>) -> impl Iterator<Item = (f64, f64)> {
+    let mut height = None;
+    points.flat_map(move |(x, y)| {
+        let corner = height.replace(y).map(|before| (x, before));
+        corner.into_iter().chain([(x, y)])
+    })
 }
 
 /// Draws the mark of a series: a disc, a square, a triangle or a cross by its number.
@@ -316,8 +373,9 @@ mod tests {
                 Axis::new("vertices a triangle", Scale::Linear { from_zero: false }),
                 vec![
                     Series::new("sgi", Mark::Points, models.clone()).with_labels(names),
-                    Series::new("stripe", Mark::Points, models.iter().map(|p| (p.0, p.1 - 0.05)).collect()),
-                    Series::new("best", Mark::Points, models.iter().map(|p| (p.0, p.1 - 0.08)).collect()),
+                    Series::new("stripe", Mark::Points, models.iter().map(|p| (p.0, p.1 - 0.05)).collect())
+                        .faint(),
+                    Series::new("best", Mark::Steps, models.iter().map(|p| (p.0, p.1 - 0.08)).collect()),
                     Series::new("fewest", Mark::Points, models.iter().map(|p| (p.0, p.1 + 0.08)).collect()),
                 ],
             ),
@@ -351,6 +409,32 @@ mod tests {
                 .iter()
                 .all(|t| text.contains(t))
         );
+    }
+
+    #[test]
+    fn steps_go_level_and_then_down() {
+        let points = [(1.0, 9.0), (2.0, 5.0), (4.0, 4.0)];
+        let corners: Vec<_> = steps(points.into_iter()).collect();
+        assert_eq!(corners, [(1.0, 9.0), (2.0, 9.0), (2.0, 5.0), (4.0, 5.0), (4.0, 4.0)]);
+    }
+
+    #[test]
+    fn a_crowd_of_points_has_all_its_labels() {
+        let points: Vec<(f64, f64)> =
+            (0..14).map(|i| (1.0 + 0.01 * f64::from(i % 5), 1.0 + 0.005 * f64::from(i))).collect();
+        let names: Vec<String> = (0..14).map(|i| format!("a method {i}")).collect();
+        let far = Series::new("far", Mark::Points, vec![(1.5, 1.4)]);
+        let crowd = Series::new("crowd", Mark::Points, points).with_labels(names.clone());
+        let axis = |title| Axis::new(title, Scale::Linear { from_zero: false });
+        let panel = Panel::new("Crowd", axis("x"), axis("y"), vec![crowd, far]).with_note("below".into());
+        let written = |panel| {
+            let text = svg(&[panel], 1).unwrap();
+            assert!(text.contains("below"));
+            // The library writes a text between line breaks.
+            names.iter().filter(|name| text.contains(&format!("\n{name}\n"))).count()
+        };
+        assert!(written(panel.clone()) < 14);
+        assert_eq!(written(panel.with_every_label()), 14);
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Reading inputs: files, and standard input.
 
 use std::io::Read;
+use std::path::Path;
 
 use tristrip::{Mesh, Options};
 use tristrip_io::{Format, Model};
@@ -42,6 +43,11 @@ pub(crate) fn fitted(options: Options, model: &mut Model) -> Options {
         return options.with_weld(false);
     }
     options
+}
+
+/// Gives a file's name without its folders, as a picture has no room for them.
+pub(crate) fn short_name(file: &str) -> String {
+    Path::new(file).file_name().map_or_else(|| file.to_owned(), |name| name.to_string_lossy().into_owned())
 }
 
 /// Gives the meshes of a model's parts, in order.

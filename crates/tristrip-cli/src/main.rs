@@ -20,6 +20,7 @@ mod figures;
 mod input;
 mod method;
 mod output;
+mod pareto;
 mod reorder;
 mod report;
 mod repro;

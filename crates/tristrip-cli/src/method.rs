@@ -140,7 +140,7 @@ pub(crate) struct MethodArgs {
     /// Strips that are cheap with restarts are nearly the cheapest joined by degenerate triangles, too.
     #[arg(long, value_enum, value_name = "COST")]
     cost: Option<CostName>,
-    /// The vertex buffer that cache respects: fifo:N or lru:N, N places [default: fifo:16]
+    /// The vertex buffer that cache respects, and --pareto measures with: fifo:N or lru:N, N places [default: fifo:16]
     ///
     /// It is kept from one strip to the next, as processors do. Desktop processors behave like some 16 to 32 places.
     #[arg(long, value_name = "BUFFER")]
@@ -182,11 +182,11 @@ pub(crate) struct MethodArgs {
 }
 
 impl MethodArgs {
-    /// Makes options of the flags.
+    /// Makes options of the flags. Those of searches are for any method where all methods are drawn.
     ///
     /// # Errors
     /// A flag belongs to another method.
-    pub(crate) fn validate(&self) -> Result<Options, String> {
+    pub(crate) fn validate(&self, all_drawn: bool) -> Result<Options, String> {
         use MethodName::{
             Auto, Best, Cache, Eta, Fewest, Input, Sequential, Sgi, Stripe, StripeGlobal, StripeLocal, Tunnel,
         };
@@ -204,11 +204,11 @@ impl MethodArgs {
         belongs("--cutoff", self.cutoff.is_some(), global, "stripe-global")?;
         let best = matches!(self.method, Auto | Best);
         let cache = self.method == Cache;
-        let search = best || cache || self.method == Fewest;
+        let search = best || cache || self.method == Fewest || all_drawn;
         let tunnels = matches!(self.method, Tunnel | Eta);
         belongs("--cost", self.cost.is_some(), best, "auto or best")?;
         belongs("--effort", self.effort.is_some(), search, "auto, best, fewest or cache")?;
-        belongs("--buffer", self.buffer.is_some(), cache, "cache")?;
+        belongs("--buffer", self.buffer.is_some(), cache || all_drawn, "cache")?;
         belongs("--prefer", self.prefer.is_some(), cache, "cache")?;
         let long = "auto, best, fewest, cache, tunnel or eta";
         belongs("--budget", self.budget.is_some(), search || tunnels, long)?;
@@ -243,7 +243,7 @@ impl MethodArgs {
             .with_cost(self.cost.map(Into::into).unwrap_or_default())
             .with_buffer(self.buffer.unwrap_or_default())
             .with_prefer(self.prefer.map(Into::into).unwrap_or_default());
-        Ok(match self.effort.and_then(Effort::new) {
+        Ok(match self.effort() {
             Some(effort) => options.with_effort(effort),
             None => options,
         })
@@ -261,6 +261,11 @@ impl MethodArgs {
             eta = eta.with_start(start.into());
         }
         eta
+    }
+
+    /// Gives the effort that was asked for.
+    pub(crate) fn effort(&self) -> Option<Effort> {
+        self.effort.and_then(Effort::new)
     }
 
     /// Gives the time after which a search shall stop.
@@ -425,6 +430,21 @@ impl MethodReport {
             },
             _ => search(MethodName::Auto),
         }
+    }
+
+    /// Gives the method's name.
+    pub(crate) fn method(&self) -> &str {
+        &self.method
+    }
+
+    /// Gives what the method prefers, if it prefers anything.
+    pub(crate) fn prefer(&self) -> Option<&str> {
+        self.prefer.as_deref()
+    }
+
+    /// Gives the effort of a method that searches.
+    pub(crate) fn effort(&self) -> Option<u8> {
+        self.effort
     }
 
     /// Says the method and its options in one line: `stripe-local whole sequential`.

@@ -6,6 +6,7 @@ use tristrip::strip::Buffer;
 use crate::bound::Reached;
 use crate::figures::{Figures, MeshFigures};
 use crate::method::{Chosen, MethodReport};
+use crate::pareto::Point;
 use crate::reorder::GroupReport;
 use crate::search::Stopped;
 use crate::text::{count, counted, table};
@@ -44,6 +45,8 @@ pub(crate) struct StripReport {
     pub(crate) layout: Option<&'static str>,
     /// Where each vertex went; `null` unless that was asked for.
     pub(crate) vertex_order: Option<Vec<GroupReport>>,
+    /// What every method makes of the model; `null` unless that was asked for.
+    pub(crate) pareto: Option<Vec<Point>>,
     pub(crate) error: Option<String>,
 }
 

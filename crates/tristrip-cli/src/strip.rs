@@ -1,5 +1,7 @@
 //! `tristrip strip`: finds strips, proves them, writes them, and says what they cost.
 
+use std::path::Path;
+
 use tristrip::{Method, Strips};
 use tristrip_io::{Drawing, Model, Reordered};
 
@@ -7,14 +9,16 @@ use crate::bound::Bounds;
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::figures::Figures;
+use crate::input::short_name;
 use crate::method::{Chosen, MethodReport};
 use crate::output::{self, Drawn};
+use crate::pareto::{self, Searches};
 use crate::reorder::{self, GroupReport};
 use crate::report::{Seconds, StripReport};
 use crate::search::{SearchWatch, interrupted};
 use crate::stages::{Found, Pool, find_strips, prove, timed};
 use crate::survey::{Loaded, Surveyed};
-use crate::task::{Job, Output, StripTask, layout_name};
+use crate::task::{Job, Output, ParetoTask, StripTask, layout_name};
 use crate::text::counted;
 
 /// Works on all inputs, one after the other; tells whether all were done.
@@ -36,6 +40,7 @@ pub(crate) fn run(task: &StripTask, pool: &Pool, console: &mut Console) -> bool 
             output: None,
             layout: None,
             vertex_order: None,
+            pareto: None,
             error: None,
         };
         console.begin(&report.file, None);
@@ -50,9 +55,13 @@ pub(crate) fn run(task: &StripTask, pool: &Pool, console: &mut Console) -> bool 
         } else if let Some(figures) = &report.figures {
             // One report follows the other where there are many, each under its name.
             let title = if task.jobs.len() > 1 { format!("{}\n", report.file) } else { String::new() };
-            console.result(&format!("{title}{}", figures.summary()), job.output.is_none());
+            let methods = report.pareto.as_deref().map(pareto::as_text).unwrap_or_default();
+            console.result(&format!("{title}{}{methods}", figures.summary()), job.output.is_none());
         }
         reports.push(report);
+    }
+    if let Some(ParetoTask { path, .. }) = &task.pareto {
+        draw(&mut reports, path, console);
     }
     console.json(&reports, task.jobs.len() > 1);
     reports.iter().all(|report| report.error.is_none())
@@ -112,10 +121,38 @@ fn strip(
     } else {
         console.stage("verify", "not asked for", None);
     }
-    drop(parts);
+    // Nothing but the picture of all methods needs the parts any more.
+    let parts = task.pareto.as_ref().map(|wanted| (wanted, parts));
+    if let Some(target) = &job.output {
+        write(target, task, model, strips, console, report)?;
+    }
+    let Some((wanted, parts)) = parts else { return Ok(()) };
+    let searches = Searches { effort: wanted.effort, budget: task.budget };
+    let (points, seconds) = timed(|| pareto::measure(pool, &parts, &options, searches, console));
+    let (points, notes) = points?;
+    console.stage("pareto", &pareto::line(&points), Some(seconds));
+    notes.iter().for_each(|note| console.note(note));
+    report.notes.extend(notes);
+    report.pareto = Some(points);
+    Ok(())
+}
 
-    let Some(target) = &job.output else { return Ok(()) };
-    write(target, task, model, strips, console, report)
+/// Draws the points of all inputs that were done into one picture.
+fn draw(reports: &mut [StripReport], path: &Path, console: &Console) {
+    let name = |report: &StripReport| short_name(&report.file);
+    let measured = reports.iter().filter_map(|report| Some((name(report), report.pareto.as_deref()?)));
+    let measured: Vec<_> = measured.collect();
+    if measured.is_empty() {
+        return;
+    }
+    let drawn = pareto::draw(&measured).and_then(|text| {
+        tristrip_io::replace_file(path, text.as_bytes()).map_err(|error| Failure::writing(&error))
+    });
+    let Err(failure) = drawn else { return };
+    console.error(&failure.to_string());
+    for report in reports.iter_mut().filter(|report| report.error.is_none()) {
+        report.error = Some(failure.to_string());
+    }
 }
 
 /// Writes the strips, and the vertices in their order if that was asked for.

@@ -39,6 +39,16 @@ pub(crate) struct StripTask {
     /// Whether vertices are written in the order of their first use.
     pub(crate) reorder: bool,
     pub(crate) verify: bool,
+    pub(crate) pareto: Option<ParetoTask>,
+}
+
+/// A picture of all methods.
+#[derive(Debug)]
+pub(crate) struct ParetoTask {
+    /// The SVG file to write.
+    pub(crate) path: PathBuf,
+    /// The effort of all searches, where it was asked for.
+    pub(crate) effort: Option<Effort>,
 }
 
 #[derive(Debug)]
@@ -154,12 +164,14 @@ pub(crate) fn validate(command: Command) -> Result<(Task, Shared), String> {
     Ok(match command {
         Command::Strip(args) => {
             let jobs = jobs(inputs(args.inputs)?, &args.output)?;
-            let options = args.method.validate()?;
+            let options = args.method.validate(args.pareto.is_some())?;
+            let pareto =
+                args.pareto.map(|path| pareto_task(path, args.method.effort(), &jobs)).transpose()?;
             let shared = shared(&args.shared, args.threads.threads);
             refuse_two_results(&jobs, &shared)?;
             let budget = args.method.budget();
             let (reorder, verify) = (args.reorder_vertices, !args.no_verify);
-            (Task::Strip(StripTask { jobs, options, budget, reorder, verify }), shared)
+            (Task::Strip(StripTask { jobs, options, budget, reorder, verify, pareto }), shared)
         }
         Command::Compare(args) => {
             let options =
@@ -209,18 +221,30 @@ pub(crate) fn validate(command: Command) -> Result<(Task, Shared), String> {
 fn analyze_task(args: AnalyzeArgs) -> Result<AnalyzeTask, String> {
     let inputs = inputs(args.inputs)?;
     if let Some(path) = &args.plot {
-        if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("svg")) {
-            return Err(format!("{}: --plot writes SVG; name a file .svg", path.display()));
-        }
-        if inputs.len() > PLOTTED_INPUTS {
-            return Err(format!(
-                "--plot takes at most {PLOTTED_INPUTS} inputs, or nobody can tell them apart"
-            ));
-        }
+        check_picture("--plot", path, inputs.len())?;
     }
     let curve = args.plot.as_ref().map(|_| args.buffers.clone().unwrap_or_else(BufferList::curve));
     let between = if args.flush { Between::Flush } else { Between::Keep };
     Ok(AnalyzeTask { inputs, buffers: args.buffers.unwrap_or_default(), between, plot: args.plot, curve })
+}
+
+fn pareto_task(path: PathBuf, effort: Option<Effort>, jobs: &[Job]) -> Result<ParetoTask, String> {
+    check_picture("--pareto", &path, jobs.len())?;
+    if jobs.iter().filter_map(|job| job.output.as_ref()).any(|output| output.path.as_ref() == Some(&path)) {
+        return Err(format!("{}: -o and --pareto name the same file", path.display()));
+    }
+    Ok(ParetoTask { path, effort })
+}
+
+/// Tells whether a picture of inputs can be drawn into a file of this name.
+fn check_picture(flag: &str, path: &Path, input_count: usize) -> Result<(), String> {
+    if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("svg")) {
+        return Err(format!("{}: {flag} writes SVG; name a file .svg", path.display()));
+    }
+    if input_count > PLOTTED_INPUTS {
+        return Err(format!("{flag} takes at most {PLOTTED_INPUTS} inputs, or nobody can tell them apart"));
+    }
+    Ok(())
 }
 
 fn shared(args: &SharedArgs, threads: Option<u16>) -> Shared {

@@ -3,7 +3,7 @@
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, VPos};
 
-use super::{Area, COLOURS, INK, Mark, Series, mark, printable, style, text_width};
+use super::{Area, INK, Mark, Series, mark, printable, style, text_width};
 
 /// The height of a row in pixels.
 const ROW: i32 = 18;
@@ -26,13 +26,13 @@ pub(super) fn draw(
         if x > left && x + needed > left + width {
             (x, y) = (left, y + ROW);
         }
-        let (colour, middle) = (COLOURS[number % COLOURS.len()], y + ROW / 2 - 2);
+        let (colour, middle) = (series.colour(number), y + ROW / 2 - 2);
         match series.mark {
             Mark::Bars => {
                 area.draw(&Rectangle::new([(x + 6, middle - 5), (x + 18, middle + 5)], colour.filled()))?;
             }
             kind => {
-                if kind == Mark::Line {
+                if matches!(kind, Mark::Line | Mark::Steps) {
                     let line = vec![(x, middle), (x + SAMPLE - 6, middle)];
                     area.draw(&PathElement::new(line, colour.stroke_width(2)))?;
                 }

@@ -53,7 +53,7 @@ struct Flags {
 pub(crate) fn parse_flags(flags: &str) -> Result<Options, Failure> {
     let words = std::iter::once("tristrip").chain(flags.split_whitespace());
     let flags = Flags::try_parse_from(words).map_err(|error| Failure::Input(error.to_string()))?;
-    flags.method.validate().map_err(Failure::Input)
+    flags.method.validate(false).map_err(Failure::Input)
 }
 
 /// Which models something is measured on.

@@ -59,10 +59,13 @@ fn every_json_key_is_described() {
         .arg(dir.path().join("a.ply"));
     let ordered = json(&mut command);
     let cached = json(tristrip().args(["strip", "--json", "-m", "cache"]).arg(&fish));
+    let mut command = tristrip();
+    command.args(["strip", "--json", "--effort", "0", "--pareto"]).arg(dir.path().join("a.svg"));
+    let drawn = json(command.arg(&fish));
     let whole = [&strip, &global, &best, &cached, &eta, &bound, &analyze, &compare, &verify, &convert];
     let inner = [&strip["mesh"], &strip["seconds"], &best["bound"], &bound["bound"], &bound["components"][0]];
     let analyzed = [&analyze["seconds"], &analyze["buffers"][0], &analyze["by_part"][0]];
-    let ordered = [&ordered["vertex_order"][0]];
+    let ordered = [&ordered["vertex_order"][0], &drawn["pareto"][0]];
     let reports = [&whole[..], &inner[..], &analyzed[..], &ordered[..]].concat();
     for key in reports.into_iter().flat_map(keys) {
         assert!(described.contains(&format!("`{key}`")), "FORMAT.md does not describe `{key}`");

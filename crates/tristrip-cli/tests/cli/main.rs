@@ -6,6 +6,7 @@ mod analyze;
 mod compare;
 mod convert;
 mod documents;
+mod pareto;
 mod reorder;
 mod repro;
 mod strip;

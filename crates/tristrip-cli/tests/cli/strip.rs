@@ -63,6 +63,7 @@ fn json_has_the_documented_keys_in_order() {
         "output",
         "layout",
         "vertex_order",
+        "pareto",
         "error",
     ]);
     assert_eq!(keys(&report), expected);
@@ -252,7 +253,7 @@ fn many_inputs_go_on_after_a_bad_one() {
     assert_eq!(proven, [Some(true), None, None, Some(true)]);
     assert_eq!(reports[1]["error"], "line 1: found `zero`, expected a number for z");
     assert_eq!(reports[0]["error"], Value::Null);
-    assert_eq!(keys(&reports[1]).len(), 17, "no figures for what could not be read");
+    assert_eq!(keys(&reports[1]).len(), 18, "no figures for what could not be read");
     let mut written: Vec<_> = fs::read_dir(&out).unwrap().map(|e| e.unwrap().file_name()).collect();
     written.sort();
     assert_eq!(written, ["fish_control.ply", "milktruck.ply"]);

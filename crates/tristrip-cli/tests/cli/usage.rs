@@ -83,6 +83,11 @@ fn flags_are_checked() {
     refused(&["analyze", "a.ply", "--buffers", "fifo:1..65536"], "more than 1024 buffers");
     refused(&["analyze", "a.ply", "--plot", "a.png"], "--plot writes SVG");
     refused(&["analyze", "a", "b", "c", "d", "--plot", "a.svg"], "--plot takes at most 3 inputs");
+    refused(&["strip", "a.ply", "--pareto", "a.png"], "--pareto writes SVG");
+    refused(&["strip", "a", "b", "c", "d", "--pareto", "a.svg"], "--pareto takes at most 3 inputs");
+    let both = ["strip", "a.ply", "--pareto", "a.svg", "--to", "ply", "-o", "a.svg"];
+    refused(&both, "-o and --pareto name the same file");
+    refused(&["strip", "a.ply", "--pareto", "a.svg", "--prefer", "misses"], "--prefer belongs to");
     refused(&["paint", "a.ply"], "unrecognized subcommand");
 }
 
