@@ -93,7 +93,7 @@ fn compare(
             options = options.with_effort(task.effort);
         }
         console.doing(&MethodReport::of(&options).label());
-        let watch = SearchWatch::new(console.progress(), task.budget, method);
+        let watch = SearchWatch::new(console.progress(), task.budget, &options);
         report.methods.push(row(&parts, &options, pool, &watch));
         console.step();
     }

@@ -99,7 +99,7 @@ pub(crate) fn measure(
             return Err(Failure::Output("pareto: not done: interrupted".into()));
         }
         console.doing(&candidate.label);
-        let watch = SearchWatch::new(console.progress(), searches.budget, candidate.options.method());
+        let watch = SearchWatch::new(console.progress(), searches.budget, &candidate.options);
         let point = candidate
             .measure(pool, parts, &watch)
             .map_err(|failure| Failure::Output(format!("pareto: {}: {failure}", candidate.label)))?;

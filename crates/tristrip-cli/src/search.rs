@@ -9,8 +9,8 @@ use std::time::{Duration, Instant};
 
 use indicatif::ProgressBar;
 use serde::Serialize;
-use tristrip::Method;
 use tristrip::stripify::{Progress, Watch};
+use tristrip::{Method, Options};
 
 use crate::text::{count, counted};
 
@@ -46,6 +46,9 @@ impl Stopped {
     }
 }
 
+/// The effort from which on `cache` searches; below it is done in a second, and asks nobody.
+const CACHE_SEARCHES: u8 = 3;
+
 /// Watches the searches of one input.
 pub(crate) struct SearchWatch {
     bar: ProgressBar,
@@ -59,9 +62,12 @@ pub(crate) struct SearchWatch {
 }
 
 impl SearchWatch {
-    pub(crate) fn new(bar: ProgressBar, budget: Option<Duration>, method: Method) -> Self {
-        let searches =
-            matches!(method, Method::Best | Method::Fewest | Method::Tunnel { .. } | Method::Eta(_));
+    pub(crate) fn new(bar: ProgressBar, budget: Option<Duration>, options: &Options) -> Self {
+        let searches = match options.method() {
+            Method::Best | Method::Fewest | Method::Tunnel { .. } | Method::Eta(_) => true,
+            Method::Cache => options.effort().level() >= CACHE_SEARCHES,
+            _ => false,
+        };
         if searches {
             // Without a handler Ctrl-C ends the command as usual.
             HANDLER.call_once(|| ctrlc::set_handler(on_interrupt).unwrap_or_default());
@@ -130,14 +136,19 @@ fn on_interrupt() {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use tristrip::stripify::Effort;
 
     /// The first Ctrl-C during any other method was taken for the end of a search, and did nothing but say so.
     #[test]
     fn only_a_search_takes_an_interrupt() {
-        let searches_with = |method| {
-            let _watch = SearchWatch::new(ProgressBar::hidden(), None, method);
+        let searches_of = |options: Options| {
+            let _watch = SearchWatch::new(ProgressBar::hidden(), None, &options);
             SEARCHES.load(Ordering::SeqCst)
         };
+        let searches_with = |method| searches_of(Options::default().with_method(method));
+        let cache = Options::default().with_method(Method::Cache);
+        let efforts = [2, 3].map(|level| cache.with_effort(Effort::new(level).unwrap()));
+        assert_eq!(efforts.map(searches_of), [0, 1]);
         assert_eq!([Method::Auto, Method::Sequential, Method::STRIPE].map(searches_with), [0; 3]);
         assert_eq!([Method::Best, Method::Fewest, Method::Tunnel { length: 9 }].map(searches_with), [1; 3]);
         assert_eq!(SEARCHES.load(Ordering::SeqCst), 0);

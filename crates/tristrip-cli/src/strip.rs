@@ -86,7 +86,7 @@ fn strip(
     (report.parts, report.mesh) = (Some(parts.len()), Some(mesh));
 
     console.doing("stripify");
-    let watch = SearchWatch::new(console.progress(), task.budget, options.method());
+    let watch = SearchWatch::new(console.progress(), task.budget, &options);
     let (found, seconds) = timed(|| find_strips(pool, &parts, &options, &watch));
     let Found { strips, chosen } = found?;
     report.stopped = watch.stopped();

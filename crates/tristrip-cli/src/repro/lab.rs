@@ -272,7 +272,7 @@ fn find(
         return Err(Failure::Input("not done: interrupted".into()));
     }
     let options = parse_flags(&recipe.flags)?;
-    let outer = SearchWatch::new(bar.clone(), None, options.method());
+    let outer = SearchWatch::new(bar.clone(), None, &options);
     let watch = Recorder { outer, steps: recipe.steps, seen: Mutex::default() };
     let strips = find_strips(pool, parts, &options, &watch)?.strips;
     if watch.outer.stopped().is_some() {
@@ -382,7 +382,7 @@ mod tests {
 
     #[test]
     fn a_recorder_keeps_what_is_new_and_stops_in_time() {
-        let outer = SearchWatch::new(ProgressBar::hidden(), None, tristrip::Method::Sgi);
+        let outer = SearchWatch::new(ProgressBar::hidden(), None, &Options::default());
         let recorder = Recorder { outer, steps: Some(30), seen: Mutex::default() };
         let reaches = |steps, strips| {
             let mut progress = Progress::default();
