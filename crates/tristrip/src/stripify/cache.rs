@@ -143,12 +143,13 @@ const FEW_MISSES: [Growth; 8] = [
     growth(Guide::None, 1, 4, 36, 3),
     growth(Guide::None, 1, 2, 32, 4),
 ];
-/// Vertices that the search sends for trial for each triangle, by effort: a change takes some 150.
+/// How many of them are tried, by effort.
+const GROWTHS: [usize; 10] = [1, 1, 1, 3, 5, 8, 8, 8, 8, 8];
+
+/// Vertices that the search by exchanges sends for trial for each triangle, by effort: a change takes some 150.
 const SENT: [u64; 10] = [0, 0, 0, 300, 750, 1800, 3600, 7200, 14400, 28800];
 /// Places of buffers that are searched over: what one holds is kept for each strip.
 const SEARCHED: std::ops::RangeInclusive<u32> = 1..=256;
-/// How many of them are tried, by effort.
-const GROWTHS: [usize; 10] = [1, 1, 1, 3, 5, 8, 8, 8, 8, 8];
 
 impl Prefer {
     fn weights(self) -> Weights {
