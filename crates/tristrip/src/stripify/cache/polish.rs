@@ -244,7 +244,7 @@ impl<'a> Sequence<'a> {
 
     /// Draws a change at random; `None` where what was drawn makes none.
     fn propose(&self, random: &mut Random) -> Option<Vec<Edit>> {
-        let a = self.strip_of[random.below(self.strip_of.len())];
+        let a = *self.strip_of.get(random.below(self.strip_of.len()))?;
         let strip = &self.strips[a as usize].steps;
         let last = strip.len() - 1;
         match random.below(16) {
