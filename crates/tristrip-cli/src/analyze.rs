@@ -156,7 +156,10 @@ fn analyze(
     let total = |misses| BufferUse { misses, triangles, vertices };
     let sum = |i: usize| total(report.by_part.iter().map(|part| part.misses[i]).sum());
     report.buffers = buffers.iter().enumerate().map(|(i, &buffer)| BufferRow::of(buffer, sum(i))).collect();
-    report.indices_per_triangle = Some(rounded(figures.indices as f64 / figures.triangles.max(1) as f64));
+    report.indices_per_triangle = Some(match figures.triangles {
+        0 => 0.0,
+        triangles => rounded(figures.indices as f64 / triangles as f64),
+    });
     let lengths: Lengths = stored.into_iter().map(|one| one.lengths).sum();
     report.lengths = lengths.bins().to_vec();
     report.figures = Some(figures);

@@ -56,7 +56,7 @@ pub(crate) enum CostName {
 /// What `cache` prefers, by its name on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum PreferName {
-    /// The indices of best, in an order that saves misses.
+    /// About the indices of best, in an order that saves misses.
     Indices,
     /// Fewer misses as long as they take few indices.
     Balanced,
@@ -153,12 +153,14 @@ pub(crate) struct MethodArgs {
     /// Effort is counted in steps, so that the result is the same on any machine. On one core, best takes for 70,000 triangles about
     /// 0.01 s at level 1, 0.04 s at 2, 0.1 s at 3, 0.3 s at 4, 0.6 s at 5, 1.3 s at 6, 2.5 s at 7, 5 s at 8 and 10 s at 9; for more triangles in
     /// proportion, for fewer the same down to 8,000. fewest ends when it meets its bound, and else takes twice as long for each level.
-    /// cache takes a second for a million triangles up to level 2; from 3 on it grows strips in several ways and searches on by exchanges.
+    /// cache takes a second for a million triangles up to level 2; from 3 on it grows strips in several ways, and for fifo buffers of up
+    /// to 256 places searches on by exchanges. The indices of cache are searched as those of best.
     #[arg(long, value_name = "LEVEL", value_parser = clap::value_parser!(u8).range(0..=9))]
     effort: Option<u8>,
     /// Stop a search after a time, such as 5s or 500ms, with the best found by then
     ///
-    /// Applies to auto, best, fewest, cache, tunnel and eta, for each input. What is found in a time differs from run to run; --effort does not.
+    /// Applies to auto, best, fewest, cache, tunnel and eta, for each input; the first growth of cache always ends. What is found in a time
+    /// differs from run to run; --effort does not.
     #[arg(long, value_name = "TIME", value_parser = humantime::parse_duration)]
     budget: Option<Duration>,
     /// The longest tunnel of tunnel and eta, in edges of the dual graph [default: 9 for tunnel, 1000 for eta]

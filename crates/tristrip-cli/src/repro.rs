@@ -93,6 +93,12 @@ fn reproduce(
 fn make_folder(output: &Path) -> Result<PathBuf, Failure> {
     let folder = output.join(FOLDER);
     for directory in [output, &folder] {
+        if directory.exists() && !directory.is_dir() {
+            return Err(Failure::Output(format!(
+                "{}: found a file, expected a directory",
+                directory.display()
+            )));
+        }
         if !directory.is_dir() {
             std::fs::create_dir(directory).map_err(|error| Failure::system(directory, &error))?;
         }

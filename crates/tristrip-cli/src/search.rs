@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::ProgressBar;
 use serde::Serialize;
-use tristrip::stripify::{Progress, Watch};
+use tristrip::stripify::{Prefer, Progress, Watch};
 use tristrip::{Method, Options};
 
 use crate::text::{count, counted};
@@ -46,7 +46,7 @@ impl Stopped {
     }
 }
 
-/// The effort from which on `cache` searches; below it is done in a second, and asks nobody.
+/// The effort from which on `cache` searches, whatever is preferred.
 const CACHE_SEARCHES: u8 = 3;
 
 /// Watches the searches of one input.
@@ -65,7 +65,9 @@ impl SearchWatch {
     pub(crate) fn new(bar: ProgressBar, budget: Option<Duration>, options: &Options) -> Self {
         let searches = match options.method() {
             Method::Best | Method::Fewest | Method::Tunnel { .. } | Method::Eta(_) => true,
-            Method::Cache => options.effort().level() >= CACHE_SEARCHES,
+            Method::Cache => {
+                options.prefer() == Prefer::Indices || options.effort().level() >= CACHE_SEARCHES
+            }
             _ => false,
         };
         if searches {

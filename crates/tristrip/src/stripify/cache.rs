@@ -74,7 +74,7 @@ use polish::Sequence;
 /// What is weighed more where indices and misses are at odds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Prefer {
-    /// Few indices: those of [`Best`](super::Method::Best), in an order that saves misses.
+    /// Few indices: about those of [`Best`](super::Method::Best), in an order that saves misses.
     Indices,
     /// Both: misses are saved as long as each takes less than about two thirds of an index.
     #[default]
@@ -112,6 +112,8 @@ struct Growth {
 /// Trials of more triangles cost time and gain nothing.
 const MOST_HORIZON: u32 = 64;
 const LEAST_HORIZON: u32 = 12;
+/// Buffers of fewer places hardly help, whatever the strips.
+const LEAST_HELP: u32 = 8;
 /// Larger LRU buffers are planned as if they had so many places: no trial reaches further.
 const MOST_LRU_PLACES: u32 = 128;
 
@@ -215,7 +217,10 @@ fn start<'a>(
     }
     let mut lowest = price(&best, buffer, prefer.weights(), vertex_count);
     let mut guides: [Option<Plan<'a>>; 3] = [const { None }; 3];
-    for (i, &growth) in growths.iter().enumerate().skip(1) {
+    // Where a buffer is too small to help, nothing is cheaper than `best` in order. A balance does not begin there: it would stay.
+    let with_best = prefer == Prefer::Misses || buffer.places < LEAST_HELP;
+    let candidates = growths[1..].iter().map(Some).chain(with_best.then_some(None));
+    for (i, growth) in candidates.enumerate() {
         let progress = Progress {
             steps: i as u64,
             step_limit: Some(growths.len() as u64),
@@ -225,8 +230,12 @@ fn start<'a>(
         if !watch.go_on(progress) {
             break;
         }
-        let guide = guides[growth.guide as usize].get_or_insert_with(|| guide(growth.guide));
-        let plan = grown(guide, growth, buffer, vertex_count);
+        let kind = growth.map_or(Guide::Best, |growth| growth.guide);
+        let guide = guides[kind as usize].get_or_insert_with(|| guide(kind));
+        let plan = match growth {
+            Some(&growth) => grown(guide, growth, buffer, vertex_count),
+            None => arranged(guide.clone(), buffer, vertex_count),
+        };
         let price = price(&plan, buffer, prefer.weights(), vertex_count);
         if price < lowest {
             (lowest, best) = (price, plan);

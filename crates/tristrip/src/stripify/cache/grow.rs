@@ -105,6 +105,8 @@ impl<'a, B: Trial> Grower<'a, B> {
     /// Tries after how many triangles more a restart is cheapest; 0 for one at once.
     fn best_length(&mut self, head: Option<Head>) -> u32 {
         let Some(mut head) = head.filter(|&head| self.way(head).is_some()) else { return 0 };
+        // For good, so that no trial passes again over what was drawn since the last restart.
+        self.border.oldest_edge(self.slack);
         let base = self.border.mark();
         let paid = self.border.cost();
         let mut best = (0, self.trial(0, paid));
