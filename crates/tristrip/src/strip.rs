@@ -69,7 +69,7 @@ impl Strips {
     /// strips.push(&[4, 5, 6]);
     /// strips.push(&[7, 8, 4, 3]);
     /// let joined = strips.with_kept_order().to_degenerate();
-    /// assert_eq!(joined, [0, 1, 2, 3, 3, 4, 4, 5, 6, 6, 7, 7, 8, 4, 3]);
+    /// assert_eq!(joined, [0, 1, 2, 3, 3, 4, 4, 5, 6, 6, 7, 7, 7, 8, 4, 3]);
     /// ```
     #[must_use]
     pub fn with_kept_order(mut self) -> Self {

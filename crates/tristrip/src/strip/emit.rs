@@ -87,7 +87,7 @@ pub fn emit(triangulation: &Triangulation<'_>, cover: &PathCover) -> Strips {
 /// let mut cover = PathCover::isolated(3);
 /// cover.join(&graph, HalfEdge(1));
 /// let strips = emit_in_order(&triangulation, &cover, &[FaceId(2), FaceId(1)]);
-/// assert_eq!(strips.vertices(), [6, 4, 5, 3, 2, 1, 0]);
+/// assert_eq!(strips.vertices(), [4, 5, 6, 3, 2, 1, 0]);
 /// # Ok::<(), tristrip::Error>(())
 /// ```
 pub fn emit_in_order(triangulation: &Triangulation<'_>, cover: &PathCover, order: &[FaceId]) -> Strips {
