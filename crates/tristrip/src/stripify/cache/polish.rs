@@ -1,5 +1,5 @@
-//! A search over strips in their order: exchanges at their ends, cuts, turns and moves in the order, each priced exactly in indices and
-//! in misses of a FIFO buffer.
+//! A search over strips in their order: exchanges at their ends, cuts, turns and moves in the order, each priced exactly in indices
+//! and in misses of a FIFO buffer.
 //!
 //! # Algorithm
 //! Annealing. A change replaces the strips at one or two places of the order by none, one or two others:
@@ -8,14 +8,15 @@
 //!   join      A ━━t  ┄ u━━B        the same where nothing of B is left
 //!   cut       A ━━━━┊━━━━          two strips, one after the other
 //!   turn      A from its other end
-//!   move      A drawn after the strip of a neighbour
+//!   move      A drawn before or after the strip of a neighbour, from either end
 //! ```
-//! Indices change at those places only. Misses change until the buffer holds what it held before at the beginning of a strip, since all
-//! after that is as it was; each strip keeps what the buffer holds when it begins. This takes a few strips; a change that has not settled
-//! after [`WINDOW`] strips is not made.
+//! Indices change at those places only. Misses change until the buffer holds what it held before at the beginning of a strip, since
+//! all after that is as it was; each strip keeps what the buffer holds when it begins. This takes a few strips; a change that has not
+//! settled after [`WINDOW`] strips is not made.
 //!
 //! # Complexity
-//! O(places + vertices of the strips between) time a change, which is what the effort counts; 60 bytes a triangle, and 4 bytes a strip and place.
+//! O(places + vertices of the strips between) time a change, which is what the effort counts; 60 bytes a triangle, and 4 bytes a
+//! strip and place.
 
 use super::Weights;
 use crate::cover::PathCover;
@@ -278,10 +279,8 @@ impl<'a> Sequence<'a> {
     /// Draws an end of a strip and a neighbour that it takes over.
     fn propose_graft(&self, a: u32, random: &mut Random) -> Option<Vec<Edit>> {
         let strip = &self.strips[a as usize].steps;
-        // The strip such that the end that grows is its last.
         let at_end = random.coin();
-        let mut grown = if at_end { strip.clone() } else { reversed(strip) };
-        let end = *grown.last()?;
+        let end = if at_end { strip.last() } else { strip.first() }?;
         let exit = random.below(3) as u32;
         let twin = self.graph.twin(HalfEdge(3 * end.triangle + exit))?;
         let (taken, entry) = (twin.0 / 3, twin.0 % 3);
@@ -291,6 +290,8 @@ impl<'a> Sequence<'a> {
         }
         let other = &self.strips[b as usize].steps;
         let at = other.iter().position(|step| step.triangle == taken)?;
+        // The strip such that the end that grows is its last.
+        let mut grown = if at_end { strip.clone() } else { reversed(strip) };
         grown.last_mut()?.exit = exit;
         // What follows on one side of it comes along, the other side is left.
         let backward = random.coin();
