@@ -15,7 +15,9 @@
 pub mod cover;
 pub mod dual;
 pub mod error;
+pub mod lod;
 pub mod mesh;
+pub mod simplify;
 pub mod strip;
 pub mod stripify;
 
@@ -23,5 +25,6 @@ pub use cover::PathCover;
 pub use dual::{DualGraph, FaceId, HalfEdge};
 pub use error::{Error, MeshProblem};
 pub use mesh::{Attribute, AttributeData, Faces, Mesh, Surface};
+pub use simplify::CollapseSequence;
 pub use strip::{Layout, Strips};
 pub use stripify::{FaceTriangulation, Method, Options, Patches, Ties, stripify};
