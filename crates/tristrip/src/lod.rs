@@ -8,8 +8,12 @@
 //! ```
 
 pub mod filter;
+pub mod progressive;
+#[cfg(test)]
+mod samples;
 
 pub use filter::{Filter, Sent};
+pub use progressive::{ProgressiveMesh, ProgressiveStrips};
 
 /// Separates strips in an index map; no vertex has this number.
 pub const RESTART: u32 = u32::MAX;
