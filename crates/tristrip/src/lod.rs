@@ -11,6 +11,7 @@ pub mod filter;
 pub mod progressive;
 #[cfg(test)]
 mod samples;
+pub mod traffic;
 
 pub use filter::{Filter, Sent};
 pub use progressive::{ProgressiveMesh, ProgressiveStrips};

@@ -110,6 +110,13 @@ impl Strips {
         self.vertices.push(vertex);
     }
 
+    /// Adds vertices, and ends strips at these places among them.
+    pub(crate) fn send_block_of(&mut self, vertices: &[u32], ends: impl IntoIterator<Item = u32>) {
+        let sent = self.vertices.len() as u32;
+        self.vertices.extend_from_slice(vertices);
+        self.ends.extend(ends.into_iter().map(|end| sent + end));
+    }
+
     /// Takes back the vertex sent last.
     pub(crate) fn drop_last_vertex(&mut self) {
         self.vertices.pop();

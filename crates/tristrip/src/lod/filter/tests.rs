@@ -173,7 +173,7 @@ fn simplified() -> impl Strategy<Value = Vec<u32>> {
 
 proptest! {
     #[test]
-    fn display_strips_draw_the_same(strip in prop::collection::vec(0..5_u32, 0..60), other in simplified()) {
+    fn display_strips_draw_the_same(strip in prop::collection::vec(0..5_u32, 0..200), other in simplified()) {
         for (is_surface, strip) in [(false, strip), (true, other)] {
             for filter in Filter::ALL {
                 let display = filtered(filter, &strip);
@@ -203,7 +203,7 @@ proptest! {
     }
 
     #[test]
-    fn a_map_is_filtered_strip_by_strip(strips in prop::collection::vec(prop::collection::vec(0..5_u32, 0..9), 0..9)) {
+    fn a_map_is_filtered_strip_by_strip(strips in prop::collection::vec(prop::collection::vec(0..5_u32, 0..9), 0..40)) {
         let mut all = Strips::default();
         strips.iter().for_each(|strip| all.push(strip));
         let map = strips.join(&RESTART);
