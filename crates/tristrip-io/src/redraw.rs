@@ -2,7 +2,8 @@
 //!
 //! # Algorithm
 //! 1. Parts whose vertices the file holds once are one group, as in [`crate::reorder`]; a vertex stays where a part of its group uses it.
-//! 2. Positions, attributes and triangles take the new numbers, which are in the order of the old ones.
+//! 2. Positions, attributes and triangles take the new numbers, which are in the order of the old ones. Where nothing is drawn
+//!    at all, vertices stay, since not every format has files without any.
 //! 3. In a scene that is written as a GLB vertices stay: skins, morph targets and whatever else has a value for each of them count on
 //!    their number.
 //!
@@ -13,7 +14,7 @@ use std::sync::Arc;
 
 use rustc_hash::FxHashMap;
 use tristrip::strip::VertexOrder;
-use tristrip::{Attribute, AttributeData, Faces, Mesh};
+use tristrip::{Attribute, AttributeData, Faces, Mesh, Strips};
 
 use crate::reorder::parts_by_vertices;
 use crate::{Error, Format, Model, Part};
@@ -23,10 +24,30 @@ use crate::{Error, Format, Model, Part};
 pub struct Redrawn {
     /// The parts in their order, each with its new triangles as faces.
     pub model: Model,
+    /// Vertices that triangles use.
+    pub used: usize,
     /// Vertices that no triangle uses and that are gone.
     pub dropped: usize,
-    /// Vertices that no triangle uses and that are still there, as a scene counts on them.
+    /// Vertices that no triangle uses and that are still there, as a scene counts on them, or as nothing is drawn at all.
     pub kept: usize,
+    /// The new numbers of groups of parts whose vertices are not all in use.
+    orders: Vec<VertexOrder>,
+    /// For each part its group's, if it has new numbers.
+    order_of: Vec<Option<usize>>,
+}
+
+impl Redrawn {
+    /// Gives strips over the old vertices of a part, of those that are in use, over its new ones.
+    ///
+    /// # Errors
+    /// The strips have a vertex that the part does not have.
+    ///
+    /// # Panics
+    /// There is no such part.
+    pub fn strips(&self, part: usize, strips: &Strips) -> Result<Strips, Error> {
+        let order = self.order_of[part].map(|order| &self.orders[order]);
+        Ok(order.map_or_else(|| Ok(strips.clone()), |order| order.strips(strips))?)
+    }
 }
 
 /// Gives the parts of a model other triangles, three vertices each, and drops the vertices that no part uses any more, where they
@@ -49,19 +70,24 @@ pub fn with_triangles(model: &Model, triangles: Vec<Vec<u32>>, format: Format) -
         let message = format!("lists of triangles: found {found}, expected {expected} (one for each part)");
         return Err(Error::Unsupported(message));
     }
-    let stays = format == Format::Glb && model.scene.is_some();
     let mut meshes = Vec::with_capacity(model.parts.len());
     for (part, corners) in model.parts.iter().zip(triangles) {
         meshes.push(part.mesh.with_faces(Faces::from_triangles(corners)?)?);
     }
-    let (mut dropped, mut kept) = (0, 0);
+    // An OBJ without any vertex would be an empty file.
+    let is_empty = meshes.iter().all(|mesh| mesh.faces().corner_count() == 0);
+    let stays = is_empty || (format == Format::Glb && model.scene.is_some());
+    let (mut in_use, mut dropped, mut kept) = (0, 0, 0);
+    let (mut orders, mut order_of) = (Vec::new(), vec![None; meshes.len()]);
     for group in parts_by_vertices(model, format)? {
         let used = Used::of(&meshes, &group);
+        in_use += used.count;
         if stays {
             kept += used.unused_count();
         } else if used.unused_count() > 0 {
             dropped += used.unused_count();
-            used.keep_only(&mut meshes, &group)?;
+            group.iter().for_each(|&part| order_of[part] = Some(orders.len()));
+            orders.push(used.keep_only(&mut meshes, &group)?);
         }
     }
     let redrawn = |(part, mesh): (&Part, Mesh)| Part {
@@ -72,11 +98,8 @@ pub fn with_triangles(model: &Model, triangles: Vec<Vec<u32>>, format: Format) -
         stored: None,
     };
     let parts = model.parts.iter().zip(meshes).map(redrawn).collect();
-    Ok(Redrawn {
-        model: Model { parts, notes: model.notes.clone(), scene: model.scene.clone() },
-        dropped,
-        kept,
-    })
+    let model = Model { parts, notes: model.notes.clone(), scene: model.scene.clone() };
+    Ok(Redrawn { model, used: in_use, dropped, kept, orders, order_of })
 }
 
 /// The vertices of a group that its parts use.
@@ -104,8 +127,9 @@ impl Used {
         self.order.len() - self.count
     }
 
-    /// Leaves the parts of the group only the vertices in use; what shared its arrays shares them again.
-    fn keep_only(&self, meshes: &mut [Mesh], group: &[usize]) -> Result<(), Error> {
+    /// Leaves the parts of the group only the vertices in use; what shared its arrays shares them again. Gives the new
+    /// numbers.
+    fn keep_only(&self, meshes: &mut [Mesh], group: &[usize]) -> Result<VertexOrder, Error> {
         let order = VertexOrder::from_new_to_old(&self.order)?;
         let mut positions = FxHashMap::default();
         let mut vertices: FxHashMap<_, Mesh> = FxHashMap::default();
@@ -118,13 +142,12 @@ impl Used {
                 meshes[part] = known.with_faces(faces)?;
                 continue;
             }
-            let fewer = match positions.get(&at) {
-                Some(known) => Arc::clone(known),
-                None => {
-                    let mut all = order.values(mesh.positions(), 1)?;
-                    all.truncate(self.count);
-                    Arc::new(all)
-                }
+            let fewer = if let Some(known) = positions.get(&at) {
+                Arc::clone(known)
+            } else {
+                let mut all = order.values(mesh.positions(), 1)?;
+                all.truncate(self.count);
+                Arc::new(all)
             };
             positions.insert(at, Arc::clone(&fewer));
             let mut bare = Mesh::new(fewer, Faces::default())?;
@@ -134,7 +157,7 @@ impl Used {
             meshes[part] = bare.with_faces(faces)?;
             vertices.insert(key, bare);
         }
-        Ok(())
+        Ok(order)
     }
 }
 
@@ -183,7 +206,10 @@ mod tests {
         );
         assert_eq!(meshes[0].positions(), [[1.0, 0.0, 1.0], [3.0, 0.0, 1.0]]);
         assert_eq!(meshes[0].attributes()[0].data, AttributeData::U8(vec![2, 3, 6, 7]));
-        assert_eq!((of.dropped, of.kept), (2, 0));
+        assert_eq!((of.used, of.dropped, of.kept), (2, 2, 0));
+        let mut strips = Strips::default();
+        strips.push(&[1, 3, 3]);
+        assert_eq!(of.strips(1, &strips).unwrap().vertices(), [0, 1, 1]);
     }
 
     #[test]
@@ -201,6 +227,12 @@ mod tests {
         let of = |format| with_triangles(&with_scene, vec![vec![0, 1, 2]], format).unwrap();
         assert_eq!((of(Format::Glb).dropped, of(Format::Glb).kept), (0, 1));
         assert_eq!((of(Format::Ply).dropped, of(Format::Ply).kept), (1, 0));
+    }
+
+    #[test]
+    fn what_draws_nothing_keeps_its_vertices() {
+        let of = with_triangles(&model(&[&square("uv")]), vec![vec![]], Format::Obj).unwrap();
+        assert_eq!((of.model.parts[0].mesh.vertex_count(), of.dropped, of.kept), (4, 0, 4));
     }
 
     #[test]
