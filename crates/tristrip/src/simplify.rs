@@ -32,6 +32,7 @@ use std::fmt;
 
 pub use collapse::{Collapse, CollapseSequence, Rename};
 use decimate::Decimation;
+use topology::MOST_TRIANGLES;
 
 use crate::error::Error;
 use crate::mesh::Mesh;
@@ -141,7 +142,11 @@ pub fn simplify(mesh: &Mesh, triangles: Vec<u32>, options: &Options) -> Result<S
     if let Some(error) = options.error.filter(|error| error.is_nan() || *error < 0.0) {
         return Err(Error::Parameter { name: "error", found: error.to_string(), expected: "0 or more" });
     }
-    let mut sequence = CollapseSequence::from_collapses(mesh.vertex_count(), triangles, [])?;
+    if triangles.len() / 3 > MOST_TRIANGLES {
+        let (found, limit) = (triangles.len() as u64 / 3, MOST_TRIANGLES as u64);
+        return Err(Error::LimitExceeded { what: "triangles to simplify", found, limit });
+    }
+    let mut sequence = CollapseSequence::new(mesh.vertex_count(), triangles)?;
     let mut decimation =
         Decimation::new(mesh.positions(), sequence.triangles(), &options.locked, options.error);
     decimation.run(options.triangle_count, &mut sequence);

@@ -29,7 +29,7 @@ use super::Stopped;
 use super::collapse::{CollapseSequence, Rename};
 use super::quadric::Quadric;
 use super::queue::Queue;
-use super::topology::{Kind, Topology};
+use super::topology::{Corner, Kind, Topology};
 use super::vector::{Point, cross, dot, normal_of, sub, to_segment, to_triangle};
 
 const NONE: u32 = u32::MAX;
@@ -320,11 +320,11 @@ impl Decimation {
     fn leaves_something(&self, point: u32, to: u32) -> bool {
         let ring = self.topology.ring(point);
         // The triangle that comes to lie on the side opposite to the point, or the edge.
-        let opposite = |corner: u32| {
+        let opposite = |corner: Corner| {
             let [u, w] = self.topology.others(corner);
             self.topology.ring(to).iter().any(|&other| {
                 let others = self.topology.others(other);
-                other / 3 != corner / 3
+                other.triangle() != corner.triangle()
                     && !others.contains(&point)
                     && others.contains(&u)
                     && others.contains(&w)
@@ -336,7 +336,7 @@ impl Decimation {
             (Kind::Border, None) => {
                 let third = ring.iter().flat_map(|&corner| self.topology.others(corner)).find(|&p| p != to);
                 let has_third =
-                    |&&other: &&u32| third.is_some_and(|p| self.topology.others(other).contains(&p));
+                    |&&other: &&Corner| third.is_some_and(|p| self.topology.others(other).contains(&p));
                 self.topology.ring(to).iter().filter(has_third).count() > 1
             }
             (Kind::Border, Some(_)) => true,
@@ -433,20 +433,19 @@ fn frame(positions: impl Iterator<Item = [f32; 3]> + Clone) -> (Vec<Point>, f64)
 /// Gives each point the planes of its triangles, weighted by area, and planes that stand on borders and seams.
 fn quadrics(topology: &Topology, positions: &[Point]) -> Vec<Quadric> {
     let mut quadrics = vec![Quadric::default(); positions.len()];
-    let unit_normal = |t: u32| {
-        let normal = normal_of(topology.triangles[t as usize].map(|p| positions[p as usize]));
+    let unit_normal = |t: usize| {
+        let normal = normal_of(topology.triangles[t].map(|p| positions[p as usize]));
         let length = dot(normal, normal).sqrt();
         (length > 0.0).then(|| (normal.map(|x| x / length), length))
     };
     for (t, triangle) in topology.triangles.iter().enumerate() {
-        let Some((normal, weight)) = unit_normal(t as u32) else { continue };
+        let Some((normal, weight)) = unit_normal(t) else { continue };
         let plane = Quadric::plane(normal, positions[triangle[0] as usize], weight).of_faces(weight);
         triangle.iter().for_each(|&p| quadrics[p as usize].add(&plane));
     }
     for (corner, is_border) in topology.open_edges() {
-        let [from, to] =
-            [topology.triangles[corner as usize / 3][corner as usize % 3], topology.others(corner)[0]];
-        let Some((normal, _)) = unit_normal(corner / 3) else { continue };
+        let [from, to] = [topology.point(corner), topology.others(corner)[0]];
+        let Some((normal, _)) = unit_normal(corner.triangle()) else { continue };
         let edge = sub(positions[to as usize], positions[from as usize]);
         let across = cross(edge, normal);
         let length = dot(across, across).sqrt();

@@ -7,98 +7,107 @@
 const NONE: u32 = u32::MAX;
 const CHILDREN: usize = 4;
 
+#[derive(Debug, Clone, Copy)]
+struct Entry {
+    cost: f32,
+    thing: u32,
+}
+
+impl Entry {
+    fn is_before(self, other: Self) -> bool {
+        self.cost < other.cost || self.cost.total_cmp(&other.cost).is_eq() && self.thing < other.thing
+    }
+}
+
 #[derive(Debug)]
 pub(super) struct Queue {
-    costs: Vec<f32>,
     /// Where each thing stands in the heap.
     places: Vec<u32>,
-    heap: Vec<u32>,
+    heap: Vec<Entry>,
 }
 
 impl Queue {
     /// Makes an empty queue for things numbered below a count.
     pub(super) fn new(count: usize) -> Self {
-        Self { costs: vec![0.0; count], places: vec![NONE; count], heap: Vec::with_capacity(count) }
+        Self { places: vec![NONE; count], heap: Vec::with_capacity(count) }
     }
 
     /// Gives the cheapest.
     pub(super) fn first(&self) -> Option<u32> {
-        self.heap.first().copied()
+        self.heap.first().map(|entry| entry.thing)
     }
 
     /// Gives the cost of one that waits.
     pub(super) fn cost(&self, thing: u32) -> Option<f32> {
-        (self.places[thing as usize] != NONE).then(|| self.costs[thing as usize])
+        self.heap.get(self.places[thing as usize] as usize).map(|entry| entry.cost)
     }
 
     /// Puts one in, or changes its cost.
     pub(super) fn set(&mut self, thing: u32, cost: f32) {
-        let place = self.places[thing as usize];
-        let was = std::mem::replace(&mut self.costs[thing as usize], cost);
-        if place == NONE {
-            self.heap.push(thing);
-            self.rise(self.heap.len() - 1, thing);
-        } else if cost < was {
-            self.rise(place as usize, thing);
-        } else {
-            self.sink(place as usize, thing);
+        let (place, entry) = (self.places[thing as usize] as usize, Entry { cost, thing });
+        match self.heap.get(place) {
+            None => {
+                self.heap.push(entry);
+                self.rise(self.heap.len() - 1, entry);
+            }
+            Some(was) if entry.is_before(*was) => self.rise(place, entry),
+            Some(_) => self.sink(place, entry),
         }
     }
 
     /// Takes one out, if it waits.
     pub(super) fn remove(&mut self, thing: u32) {
-        let place = std::mem::replace(&mut self.places[thing as usize], NONE);
-        if place == NONE {
+        let place = std::mem::replace(&mut self.places[thing as usize], NONE) as usize;
+        if place >= self.heap.len() {
             return;
         }
-        let last = self.heap.pop().unwrap_or(thing);
-        if last != thing {
-            self.rise(place as usize, last);
-            self.sink(self.places[last as usize] as usize, last);
+        let gone = self.heap.swap_remove(place);
+        if let Some(&moved) = self.heap.get(place) {
+            if moved.is_before(gone) {
+                self.rise(place, moved);
+            } else {
+                self.sink(place, moved);
+            }
         }
     }
 
-    fn is_before(&self, a: u32, b: u32) -> bool {
-        let (x, y) = (self.costs[a as usize], self.costs[b as usize]);
-        x < y || x.total_cmp(&y).is_eq() && a < b
+    fn put(&mut self, place: usize, entry: Entry) {
+        self.heap[place] = entry;
+        self.places[entry.thing as usize] = place as u32;
     }
 
-    fn put(&mut self, place: usize, thing: u32) {
-        self.heap[place] = thing;
-        self.places[thing as usize] = place as u32;
-    }
-
-    fn rise(&mut self, mut place: usize, thing: u32) {
+    fn rise(&mut self, mut place: usize, entry: Entry) {
         while place > 0 {
             let parent = (place - 1) / CHILDREN;
-            if !self.is_before(thing, self.heap[parent]) {
+            if !entry.is_before(self.heap[parent]) {
                 break;
             }
             self.put(place, self.heap[parent]);
             place = parent;
         }
-        self.put(place, thing);
+        self.put(place, entry);
     }
 
-    fn sink(&mut self, mut place: usize, thing: u32) {
+    fn sink(&mut self, mut place: usize, entry: Entry) {
         loop {
             let first = CHILDREN * place + 1;
-            if first >= self.heap.len() {
+            let end = (first + CHILDREN).min(self.heap.len());
+            let Some(children) = self.heap.get(first..end).filter(|children| !children.is_empty()) else {
                 break;
-            }
-            let mut least = first;
-            for child in first + 1..(first + CHILDREN).min(self.heap.len()) {
-                if self.is_before(self.heap[child], self.heap[least]) {
+            };
+            let mut least = 0;
+            for child in 1..children.len() {
+                if children[child].is_before(children[least]) {
                     least = child;
                 }
             }
-            if !self.is_before(self.heap[least], thing) {
+            if !children[least].is_before(entry) {
                 break;
             }
-            self.put(place, self.heap[least]);
-            place = least;
+            self.put(place, children[least]);
+            place = first + least;
         }
-        self.put(place, thing);
+        self.put(place, entry);
     }
 }
 

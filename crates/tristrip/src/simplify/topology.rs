@@ -32,6 +32,51 @@ pub(super) enum Kind {
     Complex,
 }
 
+/// A corner of a triangle: the triangle in the upper bits, the place in the lowest two, so that both come without a division.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Corner(u32);
+
+/// As many triangles as there can be corners of.
+pub(super) const MOST_TRIANGLES: usize = 1 << 30;
+
+/// Places one and two further on.
+const NEXT: [usize; 4] = [1, 2, 0, 0];
+const LAST: [usize; 4] = [2, 0, 1, 0];
+
+impl Corner {
+    pub(super) fn new(triangle: usize, place: usize) -> Self {
+        Self((triangle << 2 | place) as u32)
+    }
+
+    #[inline]
+    pub(super) fn triangle(self) -> usize {
+        (self.0 >> 2) as usize
+    }
+
+    #[inline]
+    pub(super) fn place(self) -> usize {
+        (self.0 & 3) as usize
+    }
+
+    fn next(self) -> Self {
+        Self::new(self.triangle(), NEXT[self.place()])
+    }
+
+    fn last(self) -> Self {
+        Self::new(self.triangle(), LAST[self.place()])
+    }
+
+    /// Where this corner stands among all, counted triangle by triangle.
+    fn index(self) -> usize {
+        3 * self.triangle() + self.place()
+    }
+}
+
+/// Gives all corners of so many triangles.
+fn corners(triangle_count: usize) -> impl Iterator<Item = Corner> {
+    (0..triangle_count).flat_map(|t| (0..3).map(move |k| Corner::new(t, k)))
+}
+
 /// Triangles that can be taken away and whose corners can move to other points.
 #[derive(Debug)]
 pub(super) struct Topology {
@@ -48,7 +93,7 @@ pub(super) struct Topology {
 /// The corners around each point, all in one array. What grows too large for its place moves to the end.
 #[derive(Debug)]
 struct Rings {
-    corners: Vec<u32>,
+    corners: Vec<Corner>,
     starts: Vec<u32>,
     lengths: Vec<u32>,
     places: Vec<u32>,
@@ -65,15 +110,15 @@ impl Rings {
             end += length;
         }
         let mut next = starts.clone();
-        let mut corners = vec![0; 3 * triangles.len()];
-        for (corner, &p) in triangles.iter().flatten().enumerate() {
-            corners[next[p as usize] as usize] = corner as u32;
+        let mut ordered = vec![Corner(0); 3 * triangles.len()];
+        for (corner, &p) in corners(triangles.len()).zip(triangles.iter().flatten()) {
+            ordered[next[p as usize] as usize] = corner;
             next[p as usize] += 1;
         }
-        Self { corners, starts, places: lengths.clone(), lengths }
+        Self { corners: ordered, starts, places: lengths.clone(), lengths }
     }
 
-    fn of(&self, point: u32) -> &[u32] {
+    fn of(&self, point: u32) -> &[Corner] {
         let start = self.starts[point as usize] as usize;
         &self.corners[start..start + self.lengths[point as usize] as usize]
     }
@@ -83,7 +128,7 @@ impl Rings {
         let start = self.starts[point as usize] as usize;
         let length = self.lengths[point as usize] as usize;
         let ring = &mut self.corners[start..start + length];
-        if let Some(i) = ring.iter().position(|&corner| corner / 3 == triangle) {
+        if let Some(i) = ring.iter().position(|&corner| corner.triangle() == triangle as usize) {
             ring[i] = ring[length - 1];
             self.lengths[point as usize] -= 1;
         }
@@ -101,7 +146,7 @@ impl Rings {
             self.corners.extend_from_within(start..start + have);
             self.corners.extend_from_within(source);
             let spare = (have + more) / 4 + 1;
-            self.corners.resize(self.corners.len() + spare, NONE);
+            self.corners.resize(self.corners.len() + spare, Corner(0));
             self.starts[to as usize] = moved as u32;
             self.places[to as usize] = (have + more + spare) as u32;
         }
@@ -144,11 +189,11 @@ impl Topology {
     }
 
     /// Gives the vertex at a corner.
-    pub(super) fn wedge(&self, corner: u32) -> u32 {
+    pub(super) fn wedge(&self, corner: Corner) -> u32 {
         if self.wedges.is_empty() {
-            self.vertex_of[self.triangles[corner as usize / 3][corner as usize % 3] as usize]
+            self.vertex_of[self.point(corner) as usize]
         } else {
-            self.wedges[corner as usize]
+            self.wedges[corner.index()]
         }
     }
 
@@ -157,19 +202,21 @@ impl Topology {
     }
 
     /// Gives the corners of a point.
-    pub(super) fn ring(&self, point: u32) -> &[u32] {
+    pub(super) fn ring(&self, point: u32) -> &[Corner] {
         self.rings.of(point)
+    }
+
+    /// Gives the point of a corner.
+    #[inline]
+    pub(super) fn point(&self, corner: Corner) -> u32 {
+        self.triangles[corner.triangle()][corner.place()]
     }
 
     /// Gives the two other points of a corner's triangle, in its winding.
     #[inline]
-    pub(super) fn others(&self, corner: u32) -> [u32; 2] {
-        let [a, b, c] = self.triangles[corner as usize / 3];
-        match corner % 3 {
-            0 => [b, c],
-            1 => [c, a],
-            _ => [a, b],
-        }
+    pub(super) fn others(&self, corner: Corner) -> [u32; 2] {
+        let triangle = &self.triangles[corner.triangle()];
+        [triangle[NEXT[corner.place()]], triangle[LAST[corner.place()]]]
     }
 
     /// Collects the neighbours of a point that is not complex, each once; those along a border last, two of them.
@@ -197,18 +244,17 @@ impl Topology {
             return Some(());
         }
         for &corner in self.ring(removed) {
-            let first = corner - corner % 3;
-            let Some(k) = self.triangles[corner as usize / 3].iter().position(|&p| p == kept) else {
-                continue;
-            };
-            let rename = Rename { removed: self.wedge(corner), kept: self.wedge(first + k as u32) };
+            let with_kept =
+                [corner.next(), corner.last()].into_iter().find(|&other| self.point(other) == kept);
+            let Some(with_kept) = with_kept else { continue };
+            let rename = Rename { removed: self.wedge(corner), kept: self.wedge(with_kept) };
             match found.iter().find(|known| known.removed == rename.removed) {
                 Some(known) if known.kept != rename.kept => return None,
                 Some(_) => {}
                 None => found.push(rename),
             }
         }
-        let is_known = |&corner: &u32| found.iter().any(|known| known.removed == self.wedge(corner));
+        let is_known = |&corner: &Corner| found.iter().any(|known| known.removed == self.wedge(corner));
         self.ring(removed).iter().all(is_known).then_some(())
     }
 
@@ -217,14 +263,14 @@ impl Topology {
         dropped.clear();
         for i in 0..self.ring(removed).len() {
             let corner = self.ring(removed)[i];
-            let (t, k) = (corner as usize / 3, corner as usize % 3);
+            let (t, k) = (corner.triangle(), corner.place());
             if self.triangles[t].contains(&kept) {
                 dropped.push(t as u32);
                 continue;
             }
             self.triangles[t][k] = kept;
             if !self.wedges.is_empty() {
-                let wedge = &mut self.wedges[corner as usize];
+                let wedge = &mut self.wedges[corner.index()];
                 *wedge = renames
                     .iter()
                     .find(|rename| rename.removed == *wedge)
@@ -238,22 +284,19 @@ impl Topology {
         dropped.sort_unstable();
     }
 
-    /// Walks over the edges of triangles at which vertices of one point differ: a triangle and the corner that the edge starts from.
-    /// Border edges are among them.
-    pub(super) fn open_edges(&self) -> impl Iterator<Item = (u32, bool)> {
-        (0..3 * self.triangles.len() as u32).filter_map(|corner| {
-            let (from, [to, _]) =
-                (self.triangles[corner as usize / 3][corner as usize % 3], self.others(corner));
-            if self.kind(from) == Kind::Inner && self.wedges.is_empty() {
+    /// Walks over the sides of triangles at borders and seams: the corner that each starts from, and whether there is nothing beyond.
+    pub(super) fn open_edges(&self) -> impl Iterator<Item = (Corner, bool)> {
+        corners(self.triangles.len()).filter_map(|corner| {
+            let (from, [to, _]) = (self.point(corner), self.others(corner));
+            if self.wedges.is_empty() && self.kind(from) == Kind::Inner {
                 return None;
             }
-            let ring = self.ring(from).iter();
-            let mut opposite = ring.filter(|&&other| self.others(other)[1] == to);
-            let Some(&other) = opposite.next() else { return Some((corner, true)) };
-            let before = |corner: u32| if corner.is_multiple_of(3) { corner + 2 } else { corner - 1 };
-            let after = |corner: u32| if corner % 3 == 2 { corner - 2 } else { corner + 1 };
-            let torn = self.wedge(corner) != self.wedge(other)
-                || self.wedge(after(corner)) != self.wedge(before(other));
+            let Some(&other) = self.ring(from).iter().find(|&&other| self.others(other)[1] == to) else {
+                return Some((corner, true));
+            };
+            let torn = [(corner, other), (corner.next(), other.last())]
+                .iter()
+                .any(|&(a, b)| self.wedge(a) != self.wedge(b));
             torn.then_some((corner, false))
         })
     }
@@ -305,7 +348,7 @@ struct Fans {
     /// For each neighbour of the point looked at: corners that it is the u of, and the w of, counted up to two.
     ins: Vec<u8>,
     outs: Vec<u8>,
-    /// The corner that goes on from a neighbour.
+    /// The neighbour that comes after each, around the point.
     next: Vec<u32>,
 }
 
@@ -320,7 +363,7 @@ impl Fans {
             let [u, w] = topology.others(corner);
             self.outs[u as usize] = (self.outs[u as usize] + 1).min(2);
             self.ins[w as usize] = (self.ins[w as usize] + 1).min(2);
-            self.next[u as usize] = corner;
+            self.next[u as usize] = w;
         }
         let kind = self.classify(topology, point);
         for &corner in ring {
@@ -334,8 +377,7 @@ impl Fans {
     fn classify(&self, topology: &Topology, point: u32) -> Kind {
         let ring = topology.ring(point);
         let others = || ring.iter().flat_map(|&corner| topology.others(corner));
-        if ring.is_empty()
-            || ring.iter().any(|&corner| is_degenerate(&topology.triangles[corner as usize / 3]))
+        if ring.is_empty() || ring.iter().any(|&corner| is_degenerate(&topology.triangles[corner.triangle()]))
         {
             return Kind::Complex;
         }
@@ -347,7 +389,7 @@ impl Fans {
         let first = opening.unwrap_or_else(|| topology.others(ring[0])[0]);
         let (mut at, mut count) = (first, 0);
         while self.next[at as usize] != NONE {
-            at = topology.others(self.next[at as usize])[1];
+            at = self.next[at as usize];
             count += 1;
             if at == first || count > ring.len() {
                 break;
@@ -399,8 +441,12 @@ mod tests {
         positions[5] = [2.0, -0.0, 0.0];
         let topology = topology(&positions, &[0, 1, 2, 5, 4, 3]);
         assert_eq!(topology.triangles, [[0, 1, 2], [2, 1, 3]]);
-        assert_eq!([0, 1, 2, 3].map(|corner| topology.wedge(corner)), [0, 1, 2, 5]);
-        let open: Vec<(u32, bool)> = topology.open_edges().collect();
+        assert_eq!(
+            [0, 1, 2, 3].map(|corner| topology.wedge(Corner::new(corner / 3, corner % 3))),
+            [0, 1, 2, 5]
+        );
+        let open: Vec<(usize, bool)> =
+            topology.open_edges().map(|(corner, is_border)| (corner.index(), is_border)).collect();
         assert_eq!(open, [(0, true), (1, false), (2, true), (3, false), (4, true), (5, true)]);
     }
 
@@ -429,7 +475,7 @@ mod tests {
         assert_eq!(dropped, [0, 5]);
         assert_eq!(topology.ring(rim).len(), 4);
         assert!(topology.ring(center).is_empty());
-        let mut ring = topology.ring(rim).to_vec();
+        let mut ring: Vec<usize> = topology.ring(rim).iter().map(|corner| corner.index()).collect();
         ring.sort_unstable();
         assert_eq!(ring, [3, 6, 9, 12]);
     }
