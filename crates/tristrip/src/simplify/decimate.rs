@@ -10,8 +10,8 @@
 //! 1. Take the cheapest point. Where its neighbourhood has changed since it was priced, price it: its neighbours by rising estimate,
 //!    until the estimate alone is above the best price; those that are refused are left out. Put it back and start over.
 //! 2. Else collapse it: its corners move to the kept point, its triangles with that are dropped, its quadric is added to the kept one's.
-//! 3. Estimate the kept point anew, and those neighbours whose estimate was for the point that is gone; the others only learn of the kept
-//!    point as a new neighbour.
+//! 3. Estimate the kept point anew. Its new neighbours only learn of it: they wait at the least of what they knew and the estimate for it,
+//!    and are priced when their turn comes.
 //!
 //! A collapse is refused if it would
 //! - turn a remaining triangle by more than about 75 degrees ([`LEAST_COSINE`]);
@@ -63,6 +63,19 @@ struct Price {
     error: f64,
 }
 
+/// A triangle at the point looked at, without the point.
+#[derive(Debug, Clone, Copy)]
+struct Side {
+    points: [u32; 2],
+    positions: [Point; 2],
+}
+
+impl Side {
+    fn has(&self, point: u32) -> bool {
+        self.points[0] == point || self.points[1] == point
+    }
+}
+
 pub(super) struct Decimation {
     topology: Topology,
     positions: Vec<Point>,
@@ -84,6 +97,8 @@ pub(super) struct Decimation {
     triangle_count: usize,
     /// The greatest error allowed, as a share of the frame.
     error_limit: f64,
+    /// The triangles at the point that was looked at last.
+    sides: Vec<Side>,
     neighbours: Vec<u32>,
     candidates: Vec<(f64, u32)>,
     renames: Vec<Rename>,
@@ -125,6 +140,7 @@ impl Decimation {
             marks: vec![0; count],
             mark: 0,
             error_limit: error_limit.map_or(f64::INFINITY, |error| f64::from(error) / unit),
+            sides: Vec::new(),
             neighbours: Vec::new(),
             candidates: Vec::new(),
             renames: Vec::new(),
@@ -161,6 +177,7 @@ impl Decimation {
                 &mut stopped.topology
             } else {
                 self.collect_candidates(point);
+                self.look_at(point);
                 let candidates = std::mem::take(&mut self.candidates);
                 let refusals: Vec<_> = candidates.iter().map(|&(_, to)| self.refusal(point, to)).collect();
                 self.candidates = candidates;
@@ -184,6 +201,16 @@ impl Decimation {
             && self.topology.kind(point) != Kind::Complex
             && !ring.is_empty()
             && ring.len() <= MOST_CORNERS
+    }
+
+    /// Looks at the triangles of a point.
+    fn look_at(&mut self, point: u32) {
+        let (topology, positions) = (&self.topology, &self.positions);
+        self.sides.clear();
+        self.sides.extend(topology.ring(point).iter().map(|&corner| {
+            let points = topology.others(corner);
+            Side { points, positions: points.map(|p| positions[p as usize]) }
+        }));
     }
 
     /// Collects the neighbours that a point may go to, with their estimates; of a border point those along the border.
@@ -217,6 +244,7 @@ impl Decimation {
     /// Prices the collapses of a point, and puts it into the queue by the best, or takes it out where none can be done.
     fn price(&mut self, point: u32) {
         self.collect_candidates(point);
+        self.look_at(point);
         let mut candidates = std::mem::take(&mut self.candidates);
         candidates.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let mut best: Option<(Price, u32)> = None;
@@ -242,17 +270,16 @@ impl Decimation {
         }
     }
 
-    /// Adds to an estimate the distance to the triangles that would stand around the kept point.
+    /// Adds to an estimate for the point looked at the distance to the triangles that would stand around the kept point.
     fn price_of(&self, point: u32, to: u32, estimate: f64) -> Price {
         let (from, kept) = (self.positions[point as usize], self.positions[to as usize]);
         let (mut least, mut least_edge) = (f64::INFINITY, f64::INFINITY);
-        for &corner in self.topology.ring(point) {
-            let [u, w] = self.topology.others(corner);
-            let edge = [u, w].map(|p| self.positions[p as usize]);
-            if u == to || w == to {
-                least_edge = least_edge.min(to_segment(from, edge));
+        for side in &self.sides {
+            let [u, w] = side.positions;
+            if side.has(to) {
+                least_edge = least_edge.min(to_segment(from, [u, w]));
             } else {
-                least = least.min(to_triangle(from, [kept, edge[0], edge[1]]));
+                least = least.min(to_triangle(from, [kept, u, w]));
             }
         }
         // Without other triangles, what is left is the edge that the point was opposite to.
@@ -285,20 +312,17 @@ impl Decimation {
         None
     }
 
-    /// Tells whether a triangle that stays would turn too far. One without area may turn as it likes.
+    /// Tells whether a triangle at the point looked at, that stays, would turn too far. One without area may turn as it likes.
     fn folds_over(&self, point: u32, to: u32) -> bool {
         let (from, kept) = (self.positions[point as usize], self.positions[to as usize]);
-        self.topology.ring(point).iter().any(|&corner| {
-            let [u, w] = self.topology.others(corner);
-            if u == to || w == to {
-                return false;
-            }
-            let [u, w] = [u, w].map(|p| self.positions[p as usize]);
+        self.sides.iter().filter(|side| !side.has(to)).any(|side| {
+            let [u, w] = side.positions;
             let edge = sub(w, u);
             let (before, after) = (cross(edge, sub(from, u)), cross(edge, sub(kept, u)));
-            let (cosine, squares) = (dot(before, after), dot(before, before) * dot(after, after));
-            dot(before, before) > 0.0
-                && (cosine <= 0.0 || cosine * cosine < LEAST_COSINE * LEAST_COSINE * squares)
+            let (cosine, square) = (dot(before, after), dot(before, before));
+            square > 0.0
+                && (cosine <= 0.0
+                    || cosine * cosine < LEAST_COSINE * LEAST_COSINE * square * dot(after, after))
         })
     }
 
@@ -395,16 +419,15 @@ impl Decimation {
         self.estimate(to);
         for &p in &around {
             if p != to {
-                self.meet(p, point, to);
+                self.meet(p, to);
             }
         }
         self.neighbours = around;
     }
 
-    /// Lets a point know that a neighbour is gone and another stands in its place.
-    fn meet(&mut self, point: u32, gone: u32, kept: u32) {
-        let waits = self.queue.cost(point).filter(|_| self.targets[point as usize] != gone);
-        let Some(cost) = waits else { return self.estimate(point) };
+    /// Lets a point know of a neighbour that stands in the place of one that is gone.
+    fn meet(&mut self, point: u32, kept: u32) {
+        let Some(cost) = self.queue.cost(point) else { return self.estimate(point) };
         if self.topology.kind(point) == Kind::Border && self.topology.kind(kept) != Kind::Border {
             return;
         }
