@@ -1,6 +1,8 @@
 //! The command line as it is typed: every flag with its short and long help. What flags mean together is said in
 //! [`crate::task`].
 
+mod detail;
+
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -12,6 +14,7 @@ use tristrip_io::Format;
 use crate::analyze::BufferList;
 use crate::method::{CostName, MethodArgs};
 use crate::task::{Shared, Task, validate};
+pub(crate) use detail::SimplifyArgs;
 
 /// Turns polygon meshes into triangle strips and proves them
 ///
@@ -35,6 +38,7 @@ pub(crate) enum Command {
     Analyze(AnalyzeArgs),
     Verify(VerifyArgs),
     Convert(ConvertArgs),
+    Simplify(SimplifyArgs),
     Repro(ReproArgs),
 }
 
@@ -256,6 +260,16 @@ pub(crate) struct InputArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Output")]
 pub(crate) struct OutputArgs {
+    #[command(flatten)]
+    pub(crate) target: TargetArgs,
+    /// How strips are laid out [default: degenerate for GLB, restart for PLY, list for OBJ]
+    #[arg(long, value_enum, value_name = "LAYOUT", requires = "output")]
+    pub(crate) layout: Option<LayoutName>,
+}
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Output")]
+pub(crate) struct TargetArgs {
     /// The file to write, a directory for many inputs, or - for standard output
     ///
     /// The extension tells the format: .glb, .ply or .obj. Files are written beside the old one and renamed. In a directory each
@@ -265,9 +279,6 @@ pub(crate) struct OutputArgs {
     /// The format to write [default: by the extension; glb in a directory]
     #[arg(long, value_enum, value_name = "FORMAT", requires = "output")]
     pub(crate) to: Option<WriteFormat>,
-    /// How strips are laid out [default: degenerate for GLB, restart for PLY, list for OBJ]
-    #[arg(long, value_enum, value_name = "LAYOUT", requires = "output")]
-    pub(crate) layout: Option<LayoutName>,
 }
 
 #[derive(Debug, Args)]
@@ -332,6 +343,7 @@ pub(crate) fn parse() -> (Task, Shared) {
         Command::Analyze(_) => "analyze",
         Command::Verify(_) => "verify",
         Command::Convert(_) => "convert",
+        Command::Simplify(_) => "simplify",
         Command::Repro(_) => "repro",
     };
     validate(cli.command).unwrap_or_else(|message| {

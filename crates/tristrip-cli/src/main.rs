@@ -1,7 +1,7 @@
 //! The `tristrip` command: polygon meshes into proven triangle strips.
 //!
 //! ```text
-//! args ─▶ task ─▶ strip │ compare │ bound │ analyze │ verify │ convert │ repro ─▶ input ─ stages ─ output ─▶ figures, report ─▶ console
+//! args ─▶ task ─▶ strip │ compare │ bound │ analyze │ verify │ convert │ simplify │ repro ─▶ input ─ stages ─ output ─▶ figures, report ─▶ console
 //! ```
 //! The exit code is 0 when everything was done and proven, 1 when something was not or an input was bad, 2 when the command was
 //! called wrongly.
@@ -25,6 +25,7 @@ mod reorder;
 mod report;
 mod repro;
 mod search;
+mod simplify;
 mod stages;
 mod strip;
 mod survey;
@@ -54,6 +55,7 @@ fn main() -> ExitCode {
         Task::Analyze(task) => analyze::run(task, &pool, &mut console),
         Task::Verify(task) => verify::run(task, &mut console),
         Task::Convert(task) => convert::run(task, &pool, &mut console),
+        Task::Simplify(task) => simplify::run(task, &pool, &mut console),
         Task::Repro(task) => repro::run(task, &pool, &mut console),
     };
     if all_done && console.finish() { ExitCode::SUCCESS } else { ExitCode::FAILURE }

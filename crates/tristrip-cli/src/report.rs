@@ -123,6 +123,46 @@ pub(crate) struct ConvertReport {
     pub(crate) error: Option<String>,
 }
 
+/// Times of `tristrip simplify` in seconds; `null` for a stage that did not run.
+#[derive(Debug, Clone, Copy, Default, Serialize)]
+pub(crate) struct SimplifySeconds {
+    pub(crate) load: Option<f64>,
+    pub(crate) dual: Option<f64>,
+    pub(crate) simplify: Option<f64>,
+    pub(crate) verify: Option<f64>,
+    pub(crate) write: Option<f64>,
+}
+
+/// What `tristrip simplify` says of one input.
+#[derive(Debug, Default, Serialize)]
+pub(crate) struct SimplifyReport {
+    pub(crate) file: String,
+    pub(crate) proven: Option<bool>,
+    pub(crate) seconds: SimplifySeconds,
+    /// What was asked for; `null` for no limit.
+    pub(crate) target_triangles: Option<usize>,
+    /// In mesh units.
+    pub(crate) target_error: Option<f32>,
+    /// Whether each part has as few triangles as it should have.
+    pub(crate) reached: Option<bool>,
+    pub(crate) triangles_before: Option<usize>,
+    pub(crate) triangles_after: Option<usize>,
+    /// Vertices in use.
+    pub(crate) vertices_before: Option<usize>,
+    pub(crate) vertices_after: Option<usize>,
+    pub(crate) collapses: Option<usize>,
+    /// The greatest error of a collapse, in mesh units.
+    pub(crate) surface_error: Option<f32>,
+    pub(crate) surface_error_percent: Option<f64>,
+    /// Of the model's bounding box, in mesh units.
+    pub(crate) diagonal: Option<f64>,
+    pub(crate) locked_vertices: Option<usize>,
+    pub(crate) parts: Option<usize>,
+    pub(crate) notes: Vec<String>,
+    pub(crate) output: Option<String>,
+    pub(crate) error: Option<String>,
+}
+
 impl Figures {
     /// Says what strips cost, next to the plain triangle list.
     pub(crate) fn summary(&self) -> String {

@@ -15,6 +15,7 @@ use crate::args::{
     AnalyzeArgs, Command, InputArgs, LayoutName, OutputArgs, ReadFormat, SharedArgs, WriteFormat,
 };
 use crate::repro;
+use crate::simplify::{Amount, Goal};
 
 /// Inputs whose curves can be told apart in one picture.
 const PLOTTED_INPUTS: usize = 3;
@@ -28,6 +29,7 @@ pub(crate) enum Task {
     Analyze(AnalyzeTask),
     Verify(VerifyTask),
     Convert(ConvertTask),
+    Simplify(SimplifyTask),
     Repro(ReproTask),
 }
 
@@ -94,6 +96,13 @@ pub(crate) struct ConvertTask {
 }
 
 #[derive(Debug)]
+pub(crate) struct SimplifyTask {
+    pub(crate) jobs: Vec<Job>,
+    pub(crate) goal: Goal,
+    pub(crate) verify: bool,
+}
+
+#[derive(Debug)]
 pub(crate) struct ReproTask {
     /// Keys of papers.
     pub(crate) papers: BTreeSet<String>,
@@ -138,7 +147,10 @@ pub(crate) struct Shared {
 impl Task {
     /// Tells whether a mesh is written to standard output.
     pub(crate) fn output_is_stdout(&self) -> bool {
-        let (Self::Strip(StripTask { jobs, .. }) | Self::Convert(ConvertTask { jobs, .. })) = self else {
+        let (Self::Strip(StripTask { jobs, .. })
+        | Self::Convert(ConvertTask { jobs, .. })
+        | Self::Simplify(SimplifyTask { jobs, .. })) = self
+        else {
             return false;
         };
         jobs.iter().any(|job| job.output.as_ref().is_some_and(|output| output.path.is_none()))
@@ -200,7 +212,7 @@ pub(crate) fn validate(command: Command) -> Result<(Task, Shared), String> {
             (Task::Verify(VerifyTask { source, result }), shared(&args.shared, Some(1)))
         }
         Command::Convert(args) => {
-            if args.output.output.is_none() {
+            if args.output.target.output.is_none() {
                 return Err("-o is needed: where should the result go?".into());
             }
             let as_strips = args.output.layout.is_some();
@@ -208,6 +220,18 @@ pub(crate) fn validate(command: Command) -> Result<(Task, Shared), String> {
             let shared = shared(&args.shared, args.threads.threads);
             refuse_two_results(&jobs, &shared)?;
             (Task::Convert(ConvertTask { jobs, as_strips, verify: !args.no_verify }), shared)
+        }
+        Command::Simplify(args) => {
+            let amount = args.ratio.map(Amount::Ratio).or(args.triangles.map(Amount::Triangles));
+            let goal = Goal { amount, deviation: args.error };
+            if goal.amount.is_none() && goal.deviation.is_none() {
+                return Err("how far? --ratio, --triangles or --error is needed".into());
+            }
+            let output = OutputArgs { target: args.target, layout: Some(LayoutName::List) };
+            let jobs = jobs(inputs(args.inputs)?, &output)?;
+            let shared = shared(&args.shared, args.threads.threads);
+            refuse_two_results(&jobs, &shared)?;
+            (Task::Simplify(SimplifyTask { jobs, goal, verify: !args.no_verify }), shared)
         }
         Command::Repro(args) => {
             let papers = papers(args.papers)?;
@@ -230,10 +254,16 @@ fn analyze_task(args: AnalyzeArgs) -> Result<AnalyzeTask, String> {
 
 fn pareto_task(path: PathBuf, effort: Option<Effort>, jobs: &[Job]) -> Result<ParetoTask, String> {
     check_picture("--pareto", &path, jobs.len())?;
-    if jobs.iter().filter_map(|job| job.output.as_ref()).any(|output| output.path.as_ref() == Some(&path)) {
-        return Err(format!("{}: -o and --pareto name the same file", path.display()));
-    }
+    check_other_file("--pareto", &path, jobs)?;
     Ok(ParetoTask { path, effort })
+}
+
+/// Tells whether a picture goes into a file of its own.
+fn check_other_file(flag: &str, path: &PathBuf, jobs: &[Job]) -> Result<(), String> {
+    if jobs.iter().filter_map(|job| job.output.as_ref()).any(|output| output.path.as_ref() == Some(path)) {
+        return Err(format!("{}: -o and {flag} name the same file", path.display()));
+    }
+    Ok(())
 }
 
 /// Tells whether a picture of inputs can be drawn into a file of this name.
@@ -289,7 +319,7 @@ fn is_dash(path: &Path) -> bool {
 
 /// Gives each input its output.
 fn jobs(inputs: Vec<Input>, args: &OutputArgs) -> Result<Vec<Job>, String> {
-    let Some(target) = &args.output else {
+    let Some(target) = &args.target.output else {
         return Ok(inputs.into_iter().map(|input| Job { input, output: None }).collect());
     };
     if is_dash(target) {
@@ -300,7 +330,7 @@ fn jobs(inputs: Vec<Input>, args: &OutputArgs) -> Result<Vec<Job>, String> {
     if inputs.len() > 1 || slash || target.is_dir() {
         return jobs_to_directory(inputs, target, args);
     }
-    let format = match (args.to, Format::from_path(target)) {
+    let format = match (args.target.to, Format::from_path(target)) {
         (Some(to), _) => to.format(),
         (None, Some(format @ (Format::Glb | Format::Ply | Format::Obj))) => format,
         (None, Some(format)) => {
@@ -319,7 +349,9 @@ fn jobs(inputs: Vec<Input>, args: &OutputArgs) -> Result<Vec<Job>, String> {
 }
 
 fn jobs_to_stdout(inputs: Vec<Input>, args: &OutputArgs) -> Result<Vec<Job>, String> {
-    let Some(to) = args.to else { return Err("-o - needs --to: which format should be written?".into()) };
+    let Some(to) = args.target.to else {
+        return Err("-o - needs --to: which format should be written?".into());
+    };
     let format = to.format();
     if inputs.len() > 1 {
         return Err("-o - takes one input; give a directory for many".into());
@@ -333,7 +365,7 @@ fn jobs_to_stdout(inputs: Vec<Input>, args: &OutputArgs) -> Result<Vec<Job>, Str
 }
 
 fn jobs_to_directory(inputs: Vec<Input>, directory: &Path, args: &OutputArgs) -> Result<Vec<Job>, String> {
-    let format = args.to.unwrap_or(WriteFormat::Glb).format();
+    let format = args.target.to.unwrap_or(WriteFormat::Glb).format();
     let layout = layout(args, format)?;
     // Without a slash at its end, which would make a file look like nothing at all.
     let directory: &Path = &directory.components().collect::<PathBuf>();

@@ -31,6 +31,7 @@ mod off;
 mod path;
 mod ply;
 mod polygons;
+mod redraw;
 mod reorder;
 mod stl;
 mod text;
@@ -39,6 +40,7 @@ pub use error::Error;
 pub use format::Format;
 pub use model::{Drawing, Model, Part, Stored};
 pub use path::{read_path, replace_file, write_path};
+pub use redraw::{Redrawn, with_triangles};
 pub use reorder::{Reordered, VertexGroup, reorder};
 
 use tristrip::Layout;

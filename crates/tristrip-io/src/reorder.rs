@@ -133,7 +133,7 @@ fn drawn(strips: &Strips, layout: Layout) -> Vec<u32> {
 }
 
 /// Gives the parts whose vertices are written once, as the writers of a format without a scene see it.
-fn parts_by_vertices(model: &Model, format: Format) -> Result<Vec<Vec<usize>>, Error> {
+pub(crate) fn parts_by_vertices(model: &Model, format: Format) -> Result<Vec<Vec<usize>>, Error> {
     let first: Vec<usize> = if format == Format::Glb {
         let mut first = FxHashMap::default();
         let of =

@@ -92,6 +92,47 @@ impl Strips {
         self.ends.push(self.vertices.len() as u32);
     }
 
+    /// Drops all strips and keeps the memory that they took.
+    ///
+    /// ```
+    /// let mut strips = tristrip::Strips::default();
+    /// strips.push(&[0, 1, 2]);
+    /// strips.clear();
+    /// assert!(strips.is_empty() && strips.vertices().is_empty());
+    /// ```
+    pub fn clear(&mut self) {
+        self.vertices.clear();
+        self.ends.clear();
+    }
+
+    /// Adds a vertex to the strip that is not ended yet.
+    pub(crate) fn send_vertex(&mut self, vertex: u32) {
+        self.vertices.push(vertex);
+    }
+
+    /// Adds vertices, and ends strips at these places among them.
+    pub(crate) fn send_block_of(&mut self, vertices: &[u32], ends: impl IntoIterator<Item = u32>) {
+        let sent = self.vertices.len() as u32;
+        self.vertices.extend_from_slice(vertices);
+        self.ends.extend(ends.into_iter().map(|end| sent + end));
+    }
+
+    /// Takes back the vertex sent last.
+    pub(crate) fn drop_last_vertex(&mut self) {
+        self.vertices.pop();
+    }
+
+    /// Gives the vertices sent since a strip was last ended.
+    pub(crate) fn open_strip(&mut self) -> &mut [u32] {
+        let start = self.ends.last().copied().unwrap_or(0);
+        &mut self.vertices[start as usize..]
+    }
+
+    /// Ends the strip of the vertices sent since the last one.
+    pub(crate) fn end_strip(&mut self) {
+        self.ends.push(self.vertices.len() as u32);
+    }
+
     /// Counts the strips.
     pub fn len(&self) -> usize {
         self.ends.len()

@@ -16,7 +16,7 @@ fn the_help_stands_in_the_docs() {
         "# The command\n\nGenerated from the help of each subcommand; `TRISTRIP_BLESS=1 cargo test -p tristrip-cli` writes it \
          anew.\n",
     );
-    for subcommand in ["", "strip", "compare", "bound", "analyze", "verify", "convert"] {
+    for subcommand in ["", "strip", "compare", "bound", "analyze", "verify", "convert", "simplify"] {
         let mut command = tristrip();
         command.env_remove("COLUMNS").args(Some(subcommand).filter(|name| !name.is_empty())).arg("--help");
         let help = command.assert().success().get_output().stdout.clone();
@@ -62,7 +62,21 @@ fn every_json_key_is_described() {
     let mut command = tristrip();
     command.args(["strip", "--json", "--effort", "0", "--pareto"]).arg(dir.path().join("a.svg"));
     let drawn = json(command.arg(&fish));
-    let whole = [&strip, &global, &best, &cached, &eta, &bound, &analyze, &compare, &verify, &convert];
+    let simplified = json(tristrip().args(["simplify", "--json", "--ratio", "50%"]).arg(&fish));
+    let whole = [
+        &simplified,
+        &simplified["seconds"],
+        &strip,
+        &global,
+        &best,
+        &cached,
+        &eta,
+        &bound,
+        &analyze,
+        &compare,
+        &verify,
+        &convert,
+    ];
     let inner = [&strip["mesh"], &strip["seconds"], &best["bound"], &bound["bound"], &bound["components"][0]];
     let analyzed = [&analyze["seconds"], &analyze["buffers"][0], &analyze["by_part"][0]];
     let ordered = [&ordered["vertex_order"][0], &drawn["pareto"][0]];

@@ -9,6 +9,7 @@ mod documents;
 mod pareto;
 mod reorder;
 mod repro;
+mod simplify;
 mod strip;
 mod usage;
 mod verify;

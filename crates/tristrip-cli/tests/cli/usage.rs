@@ -88,12 +88,23 @@ fn flags_are_checked() {
     let both = ["strip", "a.ply", "--pareto", "a.svg", "--to", "ply", "-o", "a.svg"];
     refused(&both, "-o and --pareto name the same file");
     refused(&["strip", "a.ply", "--pareto", "a.svg", "--prefer", "misses"], "--prefer belongs to");
+    refused(&["simplify", "a.ply"], "--ratio, --triangles or --error is needed");
+    refused(&["simplify", "a.ply", "--ratio", "1.5"], "found `1.5`, expected a share from 0 to 1");
+    refused(&["simplify", "a.ply", "--ratio", "5%", "--triangles", "9"], "cannot be used with");
+    refused(&["simplify", "a.ply", "--triangles", "few"], "--triangles");
+    refused(&["simplify", "a.ply", "--error=-1%"], "found `-1%`, expected a distance");
+    refused(&["simplify", "a.ply", "--ratio", "5%", "-o", "b.stl"], "STL is not written");
+    refused(&["simplify", "a.ply", "--ratio", "5%", "--layout", "list"], "--layout");
+    refused(
+        &["simplify", "a.ply", "--ratio", "5%", "-o", "-", "--to", "glb", "--json"],
+        "both write to standard output",
+    );
     refused(&["paint", "a.ply"], "unrecognized subcommand");
 }
 
 #[test]
 fn help_is_short_or_long_and_names_everything() {
-    for subcommand in ["strip", "compare", "analyze", "verify", "convert"] {
+    for subcommand in ["strip", "compare", "analyze", "verify", "convert", "simplify"] {
         let length = |flag: &str| {
             let output = tristrip().args([subcommand, flag]).assert().success().get_output().stdout.clone();
             output.len()

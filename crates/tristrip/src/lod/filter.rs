@@ -1,5 +1,261 @@
-//! Filters: how the strips of the full mesh become display strips for a level of detail, which draw its triangles and little else.
+//! Filters: a strip in which collapses have renamed vertices becomes *display strips*, which draw the same with fewer vertices.
+//!
+//! A collapse makes two vertices of a strip one, and the triangles between them degenerate. They draw nothing, but they are sent; toward
+//! the base mesh most of a strip is such waste. A filter reads a simplified strip once, from front to back, and sends what
+//! is needed. What it sends draws exactly the oriented triangles that the simplified strip draws, whatever the filter.
+//!
+//! ```text
+//! the strip          0 1 2 3 4 5 6        draws 012 213 234 435 456
+//! 3 becomes 2        0 1 2 2 4 5 6        draws 012 425 456; 1 2 2 and 2 2 4 draw nothing
+//! None, Stss         0 1 2 2 4 5 6
+//! Dtfs               0 1 2 │ 2 2 4 5 6    a strip that begins at an odd place repeats its first vertex
+//! Linked             0 1 2 │ 2 5 4 6      the same without the repeat: a first triangle may be rotated
+//! ```
+//! # References
+//! [`stss`] is El-Sana, Evans, Kalaiah, Varshney, Skiena, Azanli: *Efficiently Computing and Updating Triangle Strips for Real-Time
+//! Rendering*, 2000, section 5.4; [`dtfs`] is Kim, Park, Yang, Neelamkavil: *A Rendering-Efficient Progressive Transmission of 3D
+//! Meshes*, 2005, section 4. [`linked`] is ours. So is [`repair`], which reads no strips: it follows the collapses, and mends strips beside them.
+//!
+//! # Complexity
+//! O(n) time, and no memory but the result, at most four vertices a triangle. Of the strips of the bunny at 21 levels, `Dtfs` reads 360
+//! million entries a second, `Stss` and `Linked` 260 million, on one core of 2024.
 
+pub mod dtfs;
+pub mod linked;
 pub mod repair;
+pub mod stss;
+mod valid;
 
+#[cfg(test)]
+mod tests;
+
+use super::RESTART;
+use crate::strip::Strips;
 pub use repair::Repair;
+
+/// How simplified strips become display strips.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[non_exhaustive]
+pub enum Filter {
+    /// Strips are sent as they are, with all that draws nothing.
+    None,
+    /// The simple triangle strip scanner: pairs of vertices that repeat at once are sent once.
+    Stss,
+    /// The degenerate triangle-free scanner: valid triangles only, a new strip where two of them do not follow on each other.
+    Dtfs,
+    /// Ours: valid triangles only, in the same order, at the least cost that this order has.
+    #[default]
+    Linked,
+}
+
+/// What display strips cost.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub struct Sent {
+    /// Vertices sent, swaps and winding repeats included.
+    pub vertices: usize,
+    /// Display strips.
+    pub strips: usize,
+    /// Vertices among those sent that a strip repeats at its start only for its winding.
+    pub winding_repeats: usize,
+}
+
+impl Filter {
+    /// All filters, from the least to the most that they take out.
+    pub const ALL: [Self; 4] = [Self::None, Self::Stss, Self::Dtfs, Self::Linked];
+
+    /// Filters one simplified strip and adds its display strips to others.
+    ///
+    /// ```
+    /// use tristrip::{Strips, lod::Filter};
+    /// let mut strips = Strips::default();
+    /// Filter::Dtfs.strip_to(&[0, 1, 2, 2, 4, 5, 6], &mut strips);
+    /// assert_eq!(strips.iter().collect::<Vec<_>>(), [&[0, 1, 2][..], &[2, 2, 4, 5, 6]]);
+    /// ```
+    pub fn strip_to(self, strip: &[u32], display: &mut Strips) {
+        self.scan(strip, display);
+    }
+
+    /// Filters all strips between the restarts of an index map, and adds their display strips to others. A buffer that is
+    /// [cleared](Strips::clear) and filled again at the next level allocates nothing.
+    ///
+    /// ```
+    /// use tristrip::{Strips, lod::{Filter, RESTART}};
+    /// let mut strips = Strips::default();
+    /// Filter::Linked.map_to(&[0, 1, 2, 2, 4, 5, 6, RESTART, 7, 7, 7], &mut strips);
+    /// assert_eq!(strips.iter().collect::<Vec<_>>(), [&[0, 1, 2][..], &[2, 5, 4, 6]]);
+    /// ```
+    pub fn map_to(self, map: &[u32], display: &mut Strips) {
+        self.scan(map, display);
+    }
+
+    /// Filters simplified strips.
+    pub fn strips(self, strips: &Strips) -> Strips {
+        let mut display = Strips::default();
+        strips.iter().for_each(|strip| self.scan(strip, &mut display));
+        display
+    }
+
+    /// Counts what [`Filter::strip_to`] would send, and stores nothing.
+    ///
+    /// ```
+    /// use tristrip::lod::{Filter, Sent};
+    /// let strip = [0, 1, 2, 2, 4, 5, 6];
+    /// assert_eq!(Filter::Dtfs.sent(&strip), Sent { vertices: 8, strips: 2, winding_repeats: 1 });
+    /// assert_eq!(Filter::Linked.sent(&strip), Sent { vertices: 7, strips: 2, winding_repeats: 0 });
+    /// ```
+    pub fn sent(self, strip: &[u32]) -> Sent {
+        let mut sent = Sent::default();
+        self.scan(strip, &mut sent);
+        sent
+    }
+
+    /// Counts what [`Filter::map_to`] would send, and stores nothing.
+    pub fn sent_by_map(self, map: &[u32]) -> Sent {
+        let mut sent = Sent::default();
+        self.scan(map, &mut sent);
+        sent
+    }
+
+    fn scan(self, map: &[u32], sink: &mut impl Sink) {
+        match self {
+            Self::None => map.split(|&v| v == RESTART).filter(|strip| !strip.is_empty()).for_each(|strip| {
+                sink.send_all(strip);
+                sink.end();
+            }),
+            Self::Stss => map.split(|&v| v == RESTART).for_each(|strip| stss::scan(strip, sink)),
+            Self::Dtfs => dtfs::scan(map, sink),
+            Self::Linked => linked::scan(map, sink),
+        }
+    }
+}
+
+/// Where display strips go: to be stored, or only to be counted.
+pub(crate) trait Sink {
+    /// Sends a vertex.
+    fn send(&mut self, vertex: u32);
+    /// Sends vertices.
+    fn send_all(&mut self, vertices: &[u32]);
+    /// Sends vertices in which display strips begin at `starts`, the first of all that are sent unless some `is_begun`.
+    fn send_block(
+        &mut self,
+        vertices: &[u32],
+        starts: impl ExactSizeIterator<Item = u32>,
+        winding_repeats: usize,
+        is_begun: bool,
+    );
+    /// Sends a vertex before the one sent last.
+    fn send_before_last(&mut self, vertex: u32);
+    /// Takes other vertices for the three sent last.
+    fn replace_last(&mut self, vertices: [u32; 3]);
+    /// Reads the strip that is not ended yet from its other end, without the swap of its second triangle.
+    fn turn_round(&mut self);
+    /// Ends a display strip.
+    fn end(&mut self);
+}
+
+impl Sink for Sent {
+    fn send(&mut self, _: u32) {
+        self.vertices += 1;
+    }
+
+    fn send_all(&mut self, vertices: &[u32]) {
+        self.vertices += vertices.len();
+    }
+
+    fn send_block(
+        &mut self,
+        vertices: &[u32],
+        starts: impl ExactSizeIterator<Item = u32>,
+        winding_repeats: usize,
+        is_begun: bool,
+    ) {
+        self.vertices += vertices.len();
+        self.strips += starts.len() - usize::from(!is_begun);
+        self.winding_repeats += winding_repeats;
+    }
+
+    fn send_before_last(&mut self, _: u32) {
+        self.vertices += 1;
+    }
+
+    fn replace_last(&mut self, _: [u32; 3]) {}
+
+    fn turn_round(&mut self) {
+        self.vertices -= 1;
+    }
+
+    fn end(&mut self) {
+        self.strips += 1;
+    }
+}
+
+impl Sink for Strips {
+    fn send(&mut self, vertex: u32) {
+        self.send_vertex(vertex);
+    }
+
+    fn send_all(&mut self, vertices: &[u32]) {
+        self.send_block_of(vertices, []);
+    }
+
+    fn send_block(
+        &mut self,
+        vertices: &[u32],
+        starts: impl ExactSizeIterator<Item = u32>,
+        _: usize,
+        is_begun: bool,
+    ) {
+        self.send_block_of(vertices, starts.skip(usize::from(!is_begun)));
+    }
+
+    fn send_before_last(&mut self, vertex: u32) {
+        if let [.., last] = self.open_strip() {
+            let last = std::mem::replace(last, vertex);
+            self.send_vertex(last);
+        }
+    }
+
+    fn replace_last(&mut self, vertices: [u32; 3]) {
+        if let [.., a, b, c] = self.open_strip() {
+            [*a, *b, *c] = vertices;
+        }
+    }
+
+    fn turn_round(&mut self) {
+        // v0 v1 v2 v1 w … ends as … w v1 v2 v0.
+        let strip = self.open_strip();
+        strip.reverse();
+        if let [.., _, second, first] = strip {
+            *second = std::mem::replace(first, *second);
+            // … w v1 v2 v0 v1 by now, where the last is one too many.
+        }
+        self.drop_last_vertex();
+    }
+
+    fn end(&mut self) {
+        self.end_strip();
+    }
+}
+
+impl std::ops::AddAssign for Sent {
+    fn add_assign(&mut self, other: Self) {
+        self.vertices += other.vertices;
+        self.strips += other.strips;
+        self.winding_repeats += other.winding_repeats;
+    }
+}
+
+impl std::ops::Add for Sent {
+    type Output = Self;
+
+    fn add(mut self, other: Self) -> Self {
+        self += other;
+        self
+    }
+}
+
+impl std::iter::Sum for Sent {
+    fn sum<I: Iterator<Item = Self>>(counts: I) -> Self {
+        counts.fold(Self::default(), |sum, count| sum + count)
+    }
+}

@@ -69,21 +69,11 @@ pub struct CollapseSequence {
 }
 
 impl CollapseSequence {
-    /// Starts a sequence without collapses over triangles whose vertices are known to be below the count.
-    pub(crate) fn new(vertex_count: usize, triangles: Vec<u32>) -> Self {
-        Self { vertex_count, triangles, ..Self::default() }
-    }
-
-    /// Makes a sequence from the triangles of the full mesh and the collapses, the first from the full mesh on, each with its error.
+    /// Starts a sequence without collapses.
     ///
     /// # Errors
-    /// The corners are not a multiple of three, or a vertex does not exist; a collapse renames a vertex that no
-    /// triangle has any more, or renames to one that is renamed itself.
-    pub fn from_collapses<'a>(
-        vertex_count: usize,
-        triangles: Vec<u32>,
-        collapses: impl IntoIterator<Item = (&'a [Rename], f32)>,
-    ) -> Result<Self, Error> {
+    /// The corners are not a multiple of three, or a vertex does not exist.
+    pub(crate) fn new(vertex_count: usize, triangles: Vec<u32>) -> Result<Self, Error> {
         if !triangles.len().is_multiple_of(3) {
             let found = triangles.len() as u64;
             return Err(MeshProblem::CornerCount { found, expected: "a multiple of 3".into() }.into());
@@ -98,13 +88,26 @@ impl CollapseSequence {
             };
             return Err(problem.into());
         }
-        let mut now = triangles.clone();
+        Ok(Self { vertex_count, triangles, ..Self::default() })
+    }
+
+    /// Makes a sequence from the triangles of the full mesh and the collapses, the first from the full mesh on, each with its error.
+    ///
+    /// # Errors
+    /// The corners are not a multiple of three, or a vertex does not exist; a collapse renames a vertex that no
+    /// triangle has any more, or renames to one that is renamed itself.
+    pub fn from_collapses<'a>(
+        vertex_count: usize,
+        triangles: Vec<u32>,
+        collapses: impl IntoIterator<Item = (&'a [Rename], f32)>,
+    ) -> Result<Self, Error> {
+        let mut sequence = Self::new(vertex_count, triangles)?;
+        let mut now = sequence.triangles.clone();
         let mut corners_of = vec![Vec::new(); vertex_count];
-        for (corner, &v) in triangles.iter().enumerate() {
+        for (corner, &v) in now.iter().enumerate() {
             corners_of[v as usize].push(corner as u32);
         }
         let mut is_drawn: Vec<bool> = now.chunks_exact(3).map(|t| !is_degenerate(t)).collect();
-        let mut sequence = Self::new(vertex_count, triangles);
         for (renames, error) in collapses {
             let (mut touched, mut dropped) = (Vec::new(), Vec::new());
             for &Rename { removed, kept } in renames {

@@ -1,8 +1,8 @@
 //! `repair`: our filter. Display strips for every level that cost about what strips made anew for that level would.
 //!
-//! The published filters take the vertices of the full mesh's strips as they come out of the renaming, and leave out what draws nothing. So
+//! The other filters take the vertices of the full mesh's strips as the renaming leaves them, and take out what draws nothing. So
 //! their strips fall to pieces as the mesh gets coarser: where a strip is cut, its ends stay where they are. This one keeps the
-//! strips as paths over the triangles of the level that is drawn, follows each collapse and each split, and mends the paths beside it.
+//! strips as paths over the triangles that a level draws, follows each collapse and each split, and mends the paths beside it.
 //!
 //! ```text
 //!        x                    x            A path that ran through a dropped triangle d is linked where d was. The path on the
@@ -22,7 +22,7 @@
 //! comes, if they were linked.
 //!
 //! *At a level* at once: drop all that the level does not draw, link triangles of one strip with nothing drawn between them that share an edge,
-//! which is what the best filter of the papers does, then dive from all triangles.
+//! as the filters do, then dive from all triangles.
 //!
 //! An edge with more than two sides, or with two of one direction, is never linked over.
 //!

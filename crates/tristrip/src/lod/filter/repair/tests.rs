@@ -5,68 +5,23 @@ use proptest::prelude::*;
 use super::{NONE, Options, Repair};
 use crate::cover::PathCover;
 use crate::dual::{DualGraph, HalfEdge};
+use crate::lod::samples::{Sample, samples};
 use crate::mesh::{Faces, Mesh};
-use crate::simplify::{CollapseSequence, Rename};
+use crate::simplify::{self, CollapseSequence, Rename, simplify};
 use crate::strip::{Cost, Strips, path_cost, verify_drawing};
-use crate::stripify::random::Random;
 use crate::stripify::{Effort, Method, stripify};
 
-/// A grid, closed or not, as triangles, some with their diagonal the other way.
-fn grid(width: u32, height: u32, is_closed: bool, cut: u64) -> Vec<u32> {
-    let (columns, rows) = if is_closed { (width, height) } else { (width + 1, height + 1) };
-    let v = |x, y| y % rows * columns + x % columns;
-    let cells = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-    cells
-        .flat_map(|(x, y)| {
-            let [a, b, c, d] = [v(x, y), v(x + 1, y), v(x + 1, y + 1), v(x, y + 1)];
-            if cut >> ((x + 5 * y) % 64) & 1 == 1 { [a, b, c, a, c, d] } else { [a, b, d, b, c, d] }
-        })
-        .collect()
-}
-
-/// Triangles of a grid or of no order, some with two equal corners.
-fn triangles() -> impl Strategy<Value = Vec<u32>> {
-    let corner = prop::collection::vec(prop::array::uniform3(0..12_u32), 0..40);
-    prop_oneof![
-        (1..7_u32, 1..7_u32, any::<bool>(), any::<u64>())
-            .prop_map(|(w, h, closed, cut)| grid(w, h, closed, cut)),
-        corner.prop_map(|corners| corners.into_iter().flatten().collect()),
-    ]
-}
-
-/// Collapses edges at random, mostly one at a time, as long as there are some: also those that make edges of many sides.
-fn sequence(triangles: &[u32], seed: u64) -> CollapseSequence {
-    let vertex_count = triangles.iter().max().map_or(0, |&v| v as usize + 1);
-    let (mut random, mut now) = (Random::new(seed), triangles.to_vec());
-    let mut collapses: Vec<Vec<Rename>> = Vec::new();
-    for _ in 0..vertex_count {
-        let mut renames: Vec<Rename> = Vec::new();
-        for _ in 0..=random.below(4) / 3 {
-            let edges: Vec<[u32; 2]> = now
-                .chunks_exact(3)
-                .flat_map(|t| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]])
-                .filter(|[a, b]| a != b)
-                .filter(|edge| edge.iter().all(|v| renames.iter().all(|r| r.removed != *v && r.kept != *v)))
-                .collect();
-            if !edges.is_empty() {
-                let [removed, kept] = edges[random.below(edges.len())];
-                renames.push(Rename { removed, kept });
-                now.iter_mut().filter(|v| **v == removed).for_each(|v| *v = kept);
-            }
-        }
-        if renames.is_empty() {
-            break;
-        }
-        collapses.push(renames);
-    }
-    let collapses = collapses.iter().map(|renames| (&renames[..], 0.0));
-    CollapseSequence::from_collapses(vertex_count, triangles.to_vec(), collapses).unwrap()
-}
-
-fn strips_of(sequence: &CollapseSequence) -> Strips {
-    let faces = Faces::from_triangles(sequence.triangles().to_vec()).unwrap();
-    let mesh = Mesh::new(vec![[0.0; 3]; sequence.vertex_count()], faces).unwrap();
-    stripify(&mesh, &crate::Options::default().with_method(Method::Sequential)).unwrap()
+/// A wavy grid of triangles, simplified to a tenth.
+fn waves(side: u32) -> Sample {
+    let at = |i: u32| [(i % side) as f32, (i / side) as f32, ((i * i) % 7) as f32 / 9.0];
+    let cells = (0..side - 1).flat_map(|y| (0..side - 1).map(move |x| y * side + x));
+    let quad = |i: u32| [i, i + 1, i + side, i + side, i + 1, i + side + 1];
+    let faces = Faces::from_triangles(cells.flat_map(quad).collect()).unwrap();
+    let mesh = Mesh::new((0..side * side).map(at).collect::<Vec<_>>(), faces).unwrap();
+    let strips = stripify(&mesh, &crate::Options::default().with_method(Method::Sequential)).unwrap();
+    let triangles: Vec<u32> = strips.triangles().flatten().collect();
+    let options = simplify::Options::default().with_triangles(triangles.len() / 30);
+    Sample { sequence: simplify(&mesh, triangles, &options).unwrap().sequence, strips }
 }
 
 /// The other side of each half-edge of a level, by looking at all pairs, numbered by fours; dropped triangles have none.
@@ -147,13 +102,12 @@ fn options(effort: u8) -> Options {
 
 proptest! {
     #[test]
-    fn every_level_is_drawn(corners in triangles(), seed in any::<u64>(), effort in 0..5_u8, restarts in any::<bool>()) {
-        let sequence = sequence(&corners, seed);
-        let strips = strips_of(&sequence);
+    fn every_level_is_drawn(sample in samples(), seed in any::<u64>(), effort in 0..5_u8, restarts in any::<bool>()) {
+        let Sample { strips, sequence } = sample;
         let cost = if restarts { Cost::Restart } else { Cost::OpenGl };
         let options = options(effort).with_seed(seed).with_cost(cost);
         let mut repair = Repair::new(&sequence, &strips, options).unwrap();
-        if !has_fins(&corners) {
+        if !has_fins(sequence.triangles()) {
             prop_assert_eq!(repair.vertices_sent(), strips.vertices_sent());
         }
         check(&repair)?;
@@ -168,9 +122,8 @@ proptest! {
     }
 
     #[test]
-    fn any_way_to_a_level_draws_it(corners in triangles(), seed in any::<u64>(), ways in prop::collection::vec(0..40_usize, 0..12)) {
-        let sequence = sequence(&corners, seed);
-        let strips = strips_of(&sequence);
+    fn any_way_to_a_level_draws_it(sample in samples(), ways in prop::collection::vec(0..40_usize, 0..12)) {
+        let Sample { strips, sequence } = sample;
         let mut repair = Repair::at(&sequence, &strips, sequence.len() / 2, options(1)).unwrap();
         check(&repair)?;
         for level in ways {
@@ -181,9 +134,8 @@ proptest! {
     }
 
     #[test]
-    fn a_level_at_once_is_drawn_and_no_effort_makes_it_dearer(corners in triangles(), seed in any::<u64>()) {
-        let sequence = sequence(&corners, seed);
-        let strips = strips_of(&sequence);
+    fn a_level_at_once_is_drawn_and_no_effort_makes_it_dearer(sample in samples()) {
+        let Sample { strips, sequence } = sample;
         for level in 0..=sequence.len() {
             let dearest = Repair::at(&sequence, &strips, level, options(0)).unwrap();
             check(&dearest)?;
@@ -198,12 +150,10 @@ proptest! {
 
 #[test]
 fn the_same_steps_give_the_same_strips() {
-    let sequence = sequence(&grid(12, 12, true, 0x1234_5678_9abc), 7);
-    let strips = strips_of(&sequence);
-    let half = sequence.len() / 2;
+    let Sample { strips, sequence } = waves(20);
     let run = |seed| {
         let mut repair = Repair::new(&sequence, &strips, options(5).with_seed(seed)).unwrap();
-        [half, 0, half].map(|level| {
+        [sequence.len() / 2, 0, sequence.len() / 2].map(|level| {
             repair.go_to(level);
             repair.strips()
         })
@@ -214,8 +164,7 @@ fn the_same_steps_give_the_same_strips() {
 
 #[test]
 fn strips_of_another_mesh_are_refused() {
-    let sequence = sequence(&grid(3, 3, false, 0), 1);
-    let mut strips = strips_of(&sequence);
+    let Sample { mut strips, sequence } = waves(4);
     assert!(Repair::at(&sequence, &strips, sequence.len() + 1, options(5)).is_err());
     strips.push(&[0, 1, 2]);
     let error = Repair::new(&sequence, &strips, options(5)).unwrap_err().to_string();
@@ -228,7 +177,7 @@ fn strips_of_another_mesh_are_refused() {
 
 #[test]
 fn a_path_is_led_over_what_is_dropped_and_back() {
-    // A strip over two rows; 3 collapses to 1, which drops two triangles inside it.
+    // A strip over two rows; 3 collapses to 1, which drops the second triangle.
     let mut strips = Strips::default();
     strips.push(&[0, 1, 2, 3, 4, 5, 6, 7]);
     let rename = [Rename { removed: 3, kept: 1 }];
@@ -243,15 +192,16 @@ fn a_path_is_led_over_what_is_dropped_and_back() {
 }
 
 #[test]
-fn a_search_near_changes_holds_the_cost_down() {
-    let sequence = sequence(&grid(40, 40, true, 0), 3);
-    let strips = strips_of(&sequence);
-    let mut sent = [0, 5].map(|effort| {
+fn the_search_holds_the_cost_down_at_every_level() {
+    let Sample { strips, sequence } = waves(60);
+    let mut share = |effort| {
         let mut repair = Repair::new(&sequence, &strips, options(effort)).unwrap();
-        repair.work.near *= usize::from(effort > 0);
-        repair.go_to(sequence.len() / 2);
-        repair.vertices_sent()
-    });
-    sent[1] += sent[1] / 8;
-    assert!(sent[1] < sent[0], "{sent:?}");
+        let mut sum = [0, 0];
+        while repair.coarsen() {
+            sum = [sum[0] + repair.vertices_sent(), sum[1] + 3 * repair.triangle_count()];
+        }
+        sum[0] as f64 / sum[1] as f64
+    };
+    let shares = [0, 3, 5].map(&mut share);
+    assert!(shares[0] < 0.45 && shares[1] < 0.41 && shares[2] < shares[1], "{shares:?}");
 }

@@ -1,0 +1,136 @@
+//! What a simplification shall reach: as it is typed, and for each part of a model.
+
+use std::str::FromStr;
+
+/// A share of the triangles or collapses, from 0 to 1: `0.05` or `5%`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Ratio(f64);
+
+impl Ratio {
+    /// Gives so many of a number, rounded to the nearest.
+    #[allow(clippy::cast_sign_loss, reason = "a share is not negative")]
+    pub(crate) fn of(self, count: usize) -> usize {
+        (self.0 * count as f64).round() as usize
+    }
+}
+
+impl FromStr for Ratio {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (number, unit) = text.strip_suffix('%').map_or((text, 1.0), |number| (number, 100.0));
+        let share = number.parse::<f64>().ok().map(|number| number / unit);
+        share.filter(|share| (0.0..=1.0).contains(share)).map(Self).ok_or_else(|| {
+            format!("found `{text}`, expected a share from 0 to 1 such as 0.05, or a percentage such as 5%")
+        })
+    }
+}
+
+/// A distance: `0.01` in mesh units, or `0.1%` of the diagonal of the bounding box.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Deviation {
+    Units(f64),
+    Percent(f64),
+}
+
+impl Deviation {
+    /// Gives the distance in mesh units, for a model with a bounding box of this diagonal.
+    pub(crate) fn units(self, diagonal: f64) -> f32 {
+        (match self {
+            Self::Units(units) => units,
+            Self::Percent(percent) => percent / 100.0 * diagonal,
+        }) as f32
+    }
+}
+
+impl FromStr for Deviation {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let parsed = match text.strip_suffix('%') {
+            Some(number) => number.parse().map(Self::Percent),
+            None => text.parse().map(Self::Units),
+        };
+        let is_distance = |&(Self::Units(x) | Self::Percent(x)): &Self| x.is_finite() && x >= 0.0;
+        parsed.ok().filter(is_distance).ok_or_else(|| {
+            format!("found `{text}`, expected a distance such as 0.01, or a percentage such as 0.1%")
+        })
+    }
+}
+
+/// How many triangles shall be left.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Amount {
+    /// Of each part the same share.
+    Ratio(Ratio),
+    /// Of all parts together.
+    Triangles(usize),
+}
+
+impl Amount {
+    /// Gives each part of so many triangles what it shall have left. A sum is shared out in proportion, what is over to the parts that
+    /// are furthest below their share, the first of equals first; so the parts have it together.
+    pub(crate) fn shares(self, triangles: &[usize]) -> Vec<usize> {
+        let wanted = match self {
+            Self::Ratio(ratio) => return triangles.iter().map(|&count| ratio.of(count)).collect(),
+            Self::Triangles(wanted) => wanted as u128,
+        };
+        let all = triangles.iter().sum::<usize>() as u128;
+        if wanted >= all {
+            return triangles.to_vec();
+        }
+        let exact = |&count: &usize| count as u128 * wanted;
+        let mut shares: Vec<usize> = triangles.iter().map(|count| (exact(count) / all) as usize).collect();
+        let mut by_rest: Vec<usize> = (0..triangles.len()).collect();
+        by_rest.sort_by_key(|&part| std::cmp::Reverse(exact(&triangles[part]) % all));
+        let over = wanted as usize - shares.iter().sum::<usize>();
+        by_rest.iter().take(over).for_each(|&part| shares[part] += 1);
+        shares
+    }
+}
+
+/// What a simplification shall reach, one of the two at least.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Goal {
+    pub(crate) amount: Option<Amount>,
+    pub(crate) deviation: Option<Deviation>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_are_read_as_fractions_and_percentages() {
+        let read = |text: &str| text.parse::<Ratio>().map(|ratio| ratio.of(1000));
+        assert_eq!(
+            ["0.05", "5%", "0", "100%", "1"].map(|text| read(text).ok()),
+            [50, 50, 0, 1000, 1000].map(Some)
+        );
+        for wrong in ["1.1", "-0.1", "101%", "", "%", "nan", "five", "5 %x"] {
+            assert!(read(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn distances_are_read_in_units_and_percentages() {
+        let read = |text: &str| text.parse::<Deviation>().ok().map(|distance| distance.units(50.0));
+        assert_eq!(["2", "2%", "0", "1e-3"].map(read), [2.0, 1.0, 0.0, 1e-3].map(Some));
+        assert_eq!(["-1", "inf", "nan%", "x", ""].map(read), [None; 5]);
+    }
+
+    #[test]
+    fn a_sum_is_shared_out_to_the_last_triangle() {
+        let shares = |wanted, triangles: &[usize]| Amount::Triangles(wanted).shares(triangles);
+        assert_eq!(shares(10, &[100, 100, 100]), [4, 3, 3]);
+        assert_eq!(shares(7, &[10, 0, 90]), [1, 0, 6]);
+        assert_eq!(shares(500, &[10, 20]), [10, 20]);
+        assert_eq!(shares(0, &[10, 20]), [0, 0]);
+        assert_eq!(shares(0, &[]), [0; 0]);
+        let all = [17, 3, 999, 51];
+        assert!((0..=1070).all(|wanted| {
+            let given = shares(wanted, &all);
+            given.iter().sum::<usize>() == wanted && given.iter().zip(&all).all(|(g, a)| g <= a)
+        }));
+    }
+}

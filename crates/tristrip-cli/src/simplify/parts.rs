@@ -1,0 +1,192 @@
+//! The parts of a model on their way to a base mesh: each by itself, with what it has in common with others locked.
+
+use std::borrow::Cow;
+
+use tristrip::mesh::PositionIds;
+use tristrip::simplify::{self, Simplification};
+use tristrip::{Error, Faces, Mesh};
+
+use crate::stages::Pool;
+
+/// Vertices for each corner from which on a part is simplified over the ones that it uses: thousands of parts may share one long list.
+const SPARSE: usize = 16;
+
+/// A part over the vertices that it uses, where it uses few of many; else as it is.
+pub(crate) struct Compact<'a> {
+    pub(crate) mesh: Cow<'a, Mesh>,
+    /// The vertex of the part for each of `mesh`, rising; `None` where they are the same.
+    used: Option<Vec<u32>>,
+}
+
+impl<'a> Compact<'a> {
+    /// Takes a part and the triangles that are to be simplified.
+    pub(crate) fn new(mesh: &'a Mesh, triangles: &[u32]) -> Result<Self, Error> {
+        if mesh.vertex_count() / SPARSE <= triangles.len() {
+            return Ok(Self { mesh: Cow::Borrowed(mesh), used: None });
+        }
+        let mut used = triangles.to_vec();
+        used.sort_unstable();
+        used.dedup();
+        let positions: Vec<[f32; 3]> = used.iter().map(|&v| mesh.positions()[v as usize]).collect();
+        Ok(Self { mesh: Cow::Owned(Mesh::new(positions, Faces::default())?), used: Some(used) })
+    }
+
+    /// Gives vertices of the part their numbers here.
+    pub(crate) fn inward(&self, vertices: &mut [u32]) {
+        if let Some(used) = &self.used {
+            vertices.iter_mut().for_each(|v| *v = used.partition_point(|&u| u < *v) as u32);
+        }
+    }
+
+    /// Gives vertices that are named here their numbers of the part.
+    pub(crate) fn outward(&self, vertices: &mut [u32]) {
+        if let Some(used) = &self.used {
+            vertices.iter_mut().for_each(|v| *v = used[*v as usize]);
+        }
+    }
+}
+
+/// A part to be simplified.
+pub(crate) struct Part<'a> {
+    pub(crate) compact: Compact<'a>,
+    /// Over the vertices of `compact`.
+    triangles: Vec<u32>,
+    /// Vertices that stay, as other parts use their positions; empty where there are none.
+    locked: Vec<bool>,
+}
+
+impl<'a> Part<'a> {
+    /// Takes the meshes of a model's parts with their triangles, and finds what parts have in common.
+    pub(crate) fn of_all(parts: Vec<(&'a Mesh, Vec<u32>)>) -> Result<Vec<Self>, Error> {
+        let compacted = parts.into_iter().map(|(mesh, mut triangles)| {
+            let compact = Compact::new(mesh, &triangles)?;
+            compact.inward(&mut triangles);
+            Ok(Self { compact, triangles, locked: Vec::new() })
+        });
+        let mut parts: Vec<Self> = compacted.collect::<Result<_, Error>>()?;
+        if parts.len() > 1 {
+            lock(&mut parts)?;
+        }
+        Ok(parts)
+    }
+
+    /// Counts the triangles.
+    pub(crate) fn triangle_count(&self) -> usize {
+        self.triangles.len() / 3
+    }
+
+    /// Counts the vertices that stay, as other parts use their positions.
+    pub(crate) fn locked_count(&self) -> usize {
+        self.locked.iter().filter(|&&locked| locked).count()
+    }
+}
+
+/// Locks the vertices whose position a triangle of another part uses.
+fn lock(parts: &mut [Part<'_>]) -> Result<(), Error> {
+    let drawn: Vec<Mesh> = parts
+        .iter()
+        .map(|part| part.compact.mesh.with_faces(Faces::from_triangles(part.triangles.clone())?))
+        .collect::<Result<_, Error>>()?;
+    let ids = PositionIds::default().faces(&drawn.iter().collect::<Vec<_>>())?;
+    let id_count = ids.corners().iter().max().map_or(0, |&id| id as usize + 1);
+    // The part that uses a position, counted from 1, or one that cannot be where there are several.
+    let mut users = vec![0_usize; id_count];
+    let several = parts.len() + 1;
+    let mut corners = ids.corners();
+    for (part, mesh) in drawn.iter().enumerate() {
+        let (own, rest) = corners.split_at(mesh.faces().corner_count());
+        for &id in own {
+            let user = &mut users[id as usize];
+            *user = if *user == 0 || *user == part + 1 { part + 1 } else { several };
+        }
+        corners = rest;
+    }
+    let mut corners = ids.corners();
+    for part in parts {
+        let (own, rest) = corners.split_at(part.triangles.len());
+        if own.iter().any(|&id| users[id as usize] == several) {
+            part.locked = vec![false; part.compact.mesh.vertex_count()];
+            for (&id, &vertex) in own.iter().zip(&part.triangles) {
+                part.locked[vertex as usize] |= users[id as usize] == several;
+            }
+        }
+        corners = rest;
+    }
+    Ok(())
+}
+
+/// Simplifies every part to its own number of triangles, or until the error would be greater than allowed, in mesh units; the order is
+/// that of the parts.
+pub(crate) fn simplify_all(
+    pool: &Pool,
+    parts: &[Part<'_>],
+    shares: &[usize],
+    error: Option<f32>,
+) -> Result<Vec<Simplification>, Error> {
+    let with_shares: Vec<_> = parts.iter().zip(shares).collect();
+    let done = pool.map(&with_shares, |(part, share)| {
+        let mut options = simplify::Options::default().with_triangles(**share);
+        if let Some(error) = error {
+            options = options.with_error(error);
+        }
+        if !part.locked.is_empty() {
+            options = options.with_locked(part.locked.clone());
+        }
+        simplify::simplify(&part.compact.mesh, part.triangles.clone(), &options)
+    });
+    done.into_iter().collect()
+}
+
+/// Gives the diagonal of the box around all triangles of a model, in mesh units.
+pub(crate) fn diagonal(parts: &[Part<'_>]) -> f64 {
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for part in parts {
+        for &vertex in &part.triangles {
+            for (axis, &x) in part.compact.mesh.positions()[vertex as usize].iter().enumerate() {
+                low[axis] = low[axis].min(x.into());
+                high[axis] = high[axis].max(x.into());
+            }
+        }
+    }
+    let squares = (0..3).map(|axis| (high[axis] - low[axis]).max(0.0).powi(2));
+    squares.sum::<f64>().sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn strip_of(length: usize, y: f32) -> (Mesh, Vec<u32>) {
+        let positions: Vec<[f32; 3]> =
+            (0..2 * length as u32).map(|i| [(i / 2) as f32, y + (i % 2) as f32, 0.0]).collect();
+        let triangles = (0..length as u32 - 1)
+            .flat_map(|i| [2 * i, 2 * i + 2, 2 * i + 1, 2 * i + 1, 2 * i + 2, 2 * i + 3]);
+        (Mesh::new(positions, Faces::default()).unwrap(), triangles.collect())
+    }
+
+    #[test]
+    fn what_parts_have_in_common_is_locked() {
+        let (lower, upper, far) = (strip_of(4, 0.0), strip_of(4, 1.0), strip_of(3, 7.0));
+        let parts = [&lower, &upper, &far].map(|(mesh, triangles)| (mesh, triangles.clone()));
+        let parts = Part::of_all(parts.to_vec()).unwrap();
+        assert_eq!(parts.iter().map(Part::locked_count).collect::<Vec<_>>(), [4, 4, 0]);
+        assert!(parts[0].locked.iter().enumerate().all(|(v, &locked)| locked == (v % 2 == 1)));
+        assert!((diagonal(&parts) - (3.0_f64 * 3.0 + 8.0 * 8.0).sqrt()).abs() < 1e-9);
+        assert_eq!(diagonal(&[]).to_bits(), 0);
+    }
+
+    #[test]
+    fn few_of_many_vertices_are_named_anew_and_back() {
+        let positions: Vec<[f32; 3]> = (0..1000).map(|i| [i as f32, 0.0, 0.0]).collect();
+        let mesh = Mesh::new(positions, Faces::default()).unwrap();
+        let parts = Part::of_all(vec![(&mesh, vec![900, 5, 77])]).unwrap();
+        assert_eq!(parts[0].triangles, [2, 0, 1]);
+        assert_eq!(
+            parts[0].compact.mesh.positions()[2].map(f32::to_bits),
+            [900.0_f32, 0.0, 0.0].map(f32::to_bits)
+        );
+        let mut back = parts[0].triangles.clone();
+        parts[0].compact.outward(&mut back);
+        assert_eq!(back, [900, 5, 77]);
+    }
+}

@@ -1,0 +1,173 @@
+//! `tristrip simplify`: fewer triangles.
+
+use std::fs;
+use std::path::Path;
+
+use super::{SQUARE, json, keys, model, tristrip};
+use predicates::prelude::*;
+use predicates::str::contains;
+use serde_json::Value;
+
+/// Simplifies a model of the project's own into a file, and gives the report.
+fn simplify(name: &str, arguments: &[&str], output: &Path) -> Value {
+    json(tristrip().args(["simplify", "--json"]).args(arguments).arg(model(name)).arg("-o").arg(output))
+}
+
+fn number(report: &Value, key: &str) -> u64 {
+    report[key].as_u64().unwrap_or_else(|| panic!("{key} is no number"))
+}
+
+#[test]
+fn the_report_has_its_keys_and_the_file_what_it_says() {
+    let dir = tempfile::tempdir().unwrap();
+    for extension in ["ply", "obj", "glb"] {
+        let path = dir.path().join("small").with_extension(extension);
+        let report = simplify("hand.ply", &["--ratio", "5%"], &path);
+        let expected = [
+            "file",
+            "proven",
+            "seconds",
+            "target_triangles",
+            "target_error",
+            "reached",
+            "triangles_before",
+            "triangles_after",
+            "vertices_before",
+            "vertices_after",
+            "collapses",
+            "surface_error",
+            "surface_error_percent",
+            "diagonal",
+            "locked_vertices",
+            "parts",
+            "notes",
+            "output",
+            "error",
+        ];
+        assert_eq!(keys(&report), expected);
+        assert_eq!(keys(&report["seconds"]), ["load", "dual", "simplify", "verify", "write"]);
+        assert_eq!((&report["proven"], &report["reached"]), (&Value::from(true), &Value::from(true)));
+        assert_eq!((number(&report, "triangles_before"), number(&report, "target_triangles")), (15_982, 799));
+        let (left, collapses) = (number(&report, "triangles_after"), number(&report, "collapses"));
+        assert!(left <= 799 && left > 700, "{left}");
+        // The hand is closed: a collapse takes two triangles and a vertex.
+        assert_eq!(15_982 - left, 2 * collapses);
+        assert_eq!(number(&report, "vertices_after"), 7993 - collapses);
+        let stored = json(tristrip().args(["analyze", "--json"]).arg(&path));
+        assert_eq!(
+            (&stored["triangles"], &stored["vertices"]),
+            (&Value::from(left), &report["vertices_after"])
+        );
+        let again = json(tristrip().args(["strip", "--json", "-m", "input"]).arg(&path));
+        assert_eq!(again["mesh"]["unreferenced_vertices"], 0);
+        assert_eq!((&again["mesh"]["components"], &again["mesh"]["boundary_edges"]), (&1.into(), &0.into()));
+    }
+}
+
+#[test]
+fn an_error_is_kept_alone_and_beside_a_number() {
+    let run = |arguments: &[&str]| {
+        json(tristrip().args(["simplify", "--json"]).args(arguments).arg(model("hand.ply")))
+    };
+    let by_error = run(&["--error", "0.05%"]);
+    assert!(by_error["target_triangles"].is_null() && by_error["reached"] == true);
+    assert!(by_error["surface_error"].as_f64() <= by_error["target_error"].as_f64());
+    assert!(by_error["surface_error_percent"].as_f64() <= Some(0.0501));
+    let left = number(&by_error, "triangles_after");
+    assert!(left > 10 && left < 15_982, "{left}");
+    // The same in mesh units, and as the end before a number is reached.
+    let units = by_error["target_error"].to_string();
+    assert_eq!(number(&run(&["--error", &units]), "triangles_after"), left);
+    let both = run(&["--error", "0.05%", "--triangles", "10"]);
+    assert_eq!((number(&both, "triangles_after"), &both["reached"]), (left, &Value::from(false)));
+    assert!(both["notes"].to_string().contains("wanted 10, stopped at"), "{}", both["notes"]);
+    let none = run(&["--ratio", "1"]);
+    assert_eq!((number(&none, "collapses"), &none["surface_error"]), (0, &Value::from(0.0)));
+}
+
+#[test]
+fn a_goal_out_of_reach_is_no_fault() {
+    let mut command = tristrip();
+    command.args(["simplify", "-", "--triangles", "0"]).write_stdin(SQUARE);
+    command
+        .assert()
+        .success()
+        .stderr(contains("note").and(contains("wanted 0, stopped at")))
+        .stdout(contains("triangles"));
+}
+
+#[test]
+fn parts_do_not_come_apart_and_a_scene_stays() {
+    let dir = tempfile::tempdir().unwrap();
+    let (glb, ply) = (dir.path().join("truck.glb"), dir.path().join("truck.ply"));
+    let report = simplify("milktruck.glb", &["--ratio", "50%"], &glb);
+    assert_eq!(report["parts"], 4);
+    assert!(number(&report, "locked_vertices") > 0);
+    let notes = report["notes"].to_string();
+    assert!(notes.contains("of positions that several parts use stayed"), "{notes}");
+    assert!(notes.contains("drawn by nothing: the scene may count on their number"), "{notes}");
+    let stored = json(tristrip().args(["analyze", "--json"]).arg(&glb));
+    assert_eq!(stored["triangles"], report["triangles_after"]);
+    let bytes = fs::read(&glb).unwrap();
+    let has = |word: &[u8]| bytes.windows(word.len()).any(|window| window == word);
+    assert!(has(b"\"materials\"") && has(b"\"matrix\""));
+    // The other formats have no scene, and no vertex that nothing draws.
+    let report = simplify("milktruck.glb", &["--triangles", "1500"], &ply);
+    assert_eq!(number(&report, "target_triangles"), 1500);
+    let again = json(tristrip().args(["strip", "--json", "-m", "input"]).arg(&ply));
+    assert_eq!(again["mesh"]["unreferenced_vertices"], 0);
+}
+
+#[test]
+fn any_mesh_is_simplified_to_the_same_bytes() {
+    let dir = tempfile::tempdir().unwrap();
+    for name in ["fish_control.ply", "wingnut.ply", "chair_nonmanifold.ply", "milktruck.glb"] {
+        if !model(name).exists() {
+            continue;
+        }
+        let bytes = ["1", "2", "7"].map(|threads| {
+            let path = dir.path().join(threads).with_extension("ply");
+            simplify(name, &["--ratio", "20%", "--threads", threads], &path);
+            fs::read(path).unwrap()
+        });
+        assert!(bytes[0] == bytes[1] && bytes[1] == bytes[2], "{name}");
+    }
+}
+
+#[test]
+fn what_has_no_faces_or_no_shape_is_fine() {
+    let dir = tempfile::tempdir().unwrap();
+    let soup = (0..20).map(|i| format!("v {i} 0 0\nv {i} 1 0\nv {i} 0 1\n")).collect::<Vec<_>>().concat();
+    let faces = (0..20)
+        .map(|i| format!("f {} {} {}\n", 3 * i + 1, 3 * i + 2, 3 * i + 3))
+        .collect::<Vec<_>>()
+        .concat();
+    let flat = "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\nf 1 1 2\n";
+    for (number, text) in ["v 1 2 3\n", flat, &[soup, faces].concat()].iter().enumerate() {
+        for extension in ["ply", "obj", "glb"] {
+            let path = dir.path().join(number.to_string()).with_extension(extension);
+            let mut command = tristrip();
+            command.args(["simplify", "-", "--ratio", "10%", "-o"]).arg(&path).write_stdin(*text);
+            command.assert().success();
+            assert!(path.exists());
+        }
+    }
+}
+
+#[test]
+fn bad_inputs_and_outputs_are_said_and_the_others_done() {
+    let dir = tempfile::tempdir().unwrap();
+    let bad = dir.path().join("bad.ply");
+    fs::write(&bad, "ply\nnonsense\n").unwrap();
+    let mut command = tristrip();
+    command.args(["simplify", "--json", "--ratio", "50%"]).arg(&bad).arg(model("wingnut.ply"));
+    let output = command.assert().code(1).get_output().stdout.clone();
+    let reports: Value = serde_json::from_slice(&output).unwrap();
+    assert!(reports[0]["error"].is_string() && reports[0]["triangles_after"].is_null());
+    assert!(reports[1]["error"].is_null() && reports[1]["reached"] == true);
+    let nowhere = dir.path().join("no/such/folder/a.ply");
+    let mut command = tristrip();
+    command.args(["simplify", "--ratio", "50%"]).arg(model("wingnut.ply")).arg("-o").arg(nowhere);
+    command.assert().code(1).stderr(contains("no such file or directory"));
+    tristrip().args(["simplify", "missing.ply", "--ratio", "5%"]).assert().code(1);
+}

@@ -1,0 +1,97 @@
+//! The degenerate triangle-free scanner: only valid triangles are sent, with a new strip where two of them do not follow on each other.
+//!
+//! # Algorithm
+//! Three vertices are read at a time, and passed over unless all are different. A valid triangle (d e f) after a valid one (a b c) is
+//!
+//! ```text
+//! regular   b = d and c = e, at a place of the other parity   sends f        a b c f
+//! swap      b = e and c = d, at a place of the same parity    sends b f      a b c b f
+//! split     else                                              a new strip    a b c │ d e f, or d d e f at an odd place
+//! ```
+//! The paper does not ask for the parities: on a surface of one orientation they are as they should be where the vertices are; where
+//! they are not, as may be where more than two triangles meet at an edge, the scanner splits. The repeated vertex of a new strip at an
+//! odd place is what the paper calls overridden for a consistent orientation, and counts in its results, but not in its figure 8
+//! (`502 615 206 620 │ 620 580 66 761`, of which the second begins at an odd place): [`Sent`](super::Sent) has both counts.
+//!
+//! Most of a scanner's time would go into branches that no processor foresees. Here valid triangles are gathered without a branch, and
+//! what each sends is the end of one word, d d e f, of which only the length depends on the case:
+//!
+//! ```text
+//! d d e f     new strip at an odd place
+//!   d e f     new strip at an even place
+//!     e f     swap, where e is b
+//!       f     regular
+//! ```
+//! So a block is written from its end to its beginning: what stands too much before one triangle is written over by the one before it.
+//!
+//! # References
+//! Kim et al. 2005, section 4.
+//!
+//! # Complexity
+//! O(n); at most four vertices a triangle.
+
+use super::Sink;
+use super::valid::{BLOCK, Gatherer, Valid, blocks};
+
+/// Scans the strips of an index map.
+pub(super) fn scan(map: &[u32], sink: &mut impl Sink) {
+    let mut gatherer = Gatherer::new();
+    let mut words = [0; 4 * BLOCK];
+    // Where display strips begin among them, the last first.
+    let mut starts = [0; BLOCK];
+    let mut before = Triangle::NONE;
+    let mut is_begun = false;
+    for block in blocks(map) {
+        let valid = gatherer.gather(block);
+        let (mut at, mut begun, mut repeats) = (words.len(), 0, 0);
+        let Some(last) = valid.last() else { continue };
+        let last = Triangle::of(block, last);
+        let mut now = last;
+        for i in (0..valid.len()).rev() {
+            let previous = if i == 0 { before } else { Triangle::of(block, &valid[i - 1]) };
+            let (is_regular, is_new) = now.follows(&previous);
+            let is_repeat = is_new & (now.key % 2 == 1);
+            let [d, e, f] = now.vertices;
+            if let Some(word) = words[..at].last_chunk_mut() {
+                *word = [d, d, e, f];
+            }
+            at -= 1 + usize::from(!is_regular) + usize::from(is_new) + usize::from(is_repeat);
+            starts[begun % BLOCK] = at as u32;
+            begun += usize::from(is_new);
+            repeats += usize::from(is_repeat);
+            now = previous;
+        }
+        before = last;
+        let starts = starts[..begun].iter().rev().map(|start| start - at as u32);
+        sink.send_block(&words[at..], starts, repeats, is_begun);
+        is_begun = true;
+    }
+    if is_begun {
+        sink.end();
+    }
+}
+
+/// A valid triangle.
+#[derive(Clone, Copy)]
+struct Triangle {
+    vertices: [u32; 3],
+    key: u32,
+}
+
+impl Triangle {
+    /// What no triangle follows: no strip has its key.
+    const NONE: Self = Self { vertices: [0; 3], key: 0 };
+
+    fn of(block: &[u32], valid: &Valid) -> Self {
+        let w = &block[valid.place as usize..][..3];
+        Self { vertices: [w[0], w[1], w[2]], key: valid.key }
+    }
+
+    /// Tells whether this is the regular case after another triangle, and whether it is the split case.
+    fn follows(&self, previous: &Self) -> (bool, bool) {
+        let ([_, b, c], [d, e, _]) = (previous.vertices, self.vertices);
+        let is_regular = (b == d) & (c == e) & (self.key == previous.key ^ 1);
+        let is_swap = (b == e) & (c == d) & (self.key == previous.key);
+        (is_regular, !(is_regular | is_swap))
+    }
+}

@@ -1,0 +1,217 @@
+use proptest::prelude::*;
+
+use super::{Filter, RESTART, Sent};
+use crate::strip::{Strips, strip_triangles};
+
+/// The figures' strips, and how they simplify.
+const FIGURE_2E: [u32; 8] = [2, 3, 2, 3, 2, 5, 2, 5];
+const FIGURE_8: [u32; 26] = [
+    615, 615, 502, 615, 502, 615, 206, 620, 206, 620, 620, 620, 620, 620, 580, 66, 580, 66, 580, 66, 761,
+    761, 761, 761, 258, 761,
+];
+
+fn filtered(filter: Filter, strip: &[u32]) -> Strips {
+    let mut display = Strips::default();
+    filter.strip_to(strip, &mut display);
+    display
+}
+
+/// The triangles drawn, each from its lowest vertex, sorted.
+fn drawn(triangles: impl Iterator<Item = [u32; 3]>) -> Vec<[u32; 3]> {
+    let mut drawn: Vec<_> = triangles
+        .map(|[a, b, c]| match a.min(b).min(c) {
+            low if low == a => [a, b, c],
+            low if low == b => [b, c, a],
+            _ => [c, a, b],
+        })
+        .collect();
+    drawn.sort_unstable();
+    drawn
+}
+
+fn draws_the_same(display: &Strips, strip: &[u32]) -> bool {
+    drawn(display.triangles()) == drawn(strip_triangles(strip))
+}
+
+#[test]
+fn figure_2e() {
+    assert_eq!(filtered(Filter::None, &FIGURE_2E).vertices(), FIGURE_2E);
+    assert_eq!(filtered(Filter::Stss, &FIGURE_2E).vertices(), [2, 3, 2, 5]);
+    // One triangle, at an odd place: {d, c, f}.
+    assert_eq!(filtered(Filter::Dtfs, &FIGURE_2E).vertices(), [3, 3, 2, 5]);
+    assert_eq!(filtered(Filter::Linked, &FIGURE_2E).vertices(), [2, 3, 5]);
+}
+
+#[test]
+fn figure_8() {
+    let stss = filtered(Filter::Stss, &FIGURE_8);
+    assert_eq!(stss.vertices(), [615, 615, 502, 615, 206, 620, 620, 620, 580, 66, 761, 761, 258, 761]);
+    let dtfs = filtered(Filter::Dtfs, &FIGURE_8);
+    let strips: Vec<&[u32]> = dtfs.iter().collect();
+    assert_eq!(strips, [&[502, 615, 206, 620][..], &[620, 620, 580, 66, 761]]);
+    let sent = Filter::Dtfs.sent(&FIGURE_8);
+    // The figure shows the strips without the repeat.
+    assert_eq!(sent.vertices - sent.winding_repeats, 8);
+    let linked = filtered(Filter::Linked, &FIGURE_8);
+    let strips: Vec<&[u32]> = linked.iter().collect();
+    assert_eq!(strips, [&[502, 615, 206, 620][..], &[620, 66, 580, 761]]);
+    // What the figure prints for STSS draws a triangle that the strip does not have.
+    let printed = [615, 615, 502, 615, 206, 620, 620, 580, 66, 761, 258];
+    assert!(strip_triangles(&printed).any(|t| t == [66, 761, 258]));
+    assert!(!strip_triangles(&FIGURE_8).any(|t| t.contains(&258)));
+}
+
+#[test]
+fn cases_of_figure_7() {
+    assert_eq!(filtered(Filter::Dtfs, &[0, 1, 2, 1, 2, 3]).vertices(), [0, 1, 2, 3]);
+    assert_eq!(filtered(Filter::Dtfs, &[0, 1, 2, 1, 3]).vertices(), [0, 1, 2, 1, 3]);
+    let split = filtered(Filter::Dtfs, &[0, 1, 2, 2, 3, 4]);
+    assert_eq!(split.iter().collect::<Vec<_>>(), [&[0, 1, 2][..], &[2, 2, 3, 4]]);
+}
+
+#[test]
+fn triangles_of_one_sense_at_an_edge_are_not_linked() {
+    // 0 1 2 and 1 2 3 both run from 1 to 2: no strip can draw both without a break.
+    let strip = [0, 1, 2, 2, 1, 1, 1, 2, 3];
+    for filter in [Filter::Dtfs, Filter::Linked] {
+        let display = filtered(filter, &strip);
+        assert_eq!(display.iter().collect::<Vec<_>>(), [[0, 1, 2], [1, 2, 3]]);
+    }
+}
+
+#[test]
+fn what_has_no_triangle_sends_nothing() {
+    for strip in [&[][..], &[1], &[1, 2], &[1, 1, 1], &[1, 2, 1, 2]] {
+        for filter in [Filter::Dtfs, Filter::Linked] {
+            assert_eq!(filter.sent(strip), Sent::default());
+        }
+    }
+    assert_eq!(Filter::Stss.sent(&[4; 9]), Sent { vertices: 3, strips: 1, winding_repeats: 0 });
+    assert_eq!(Filter::None.sent(&[]), Sent::default());
+}
+
+#[test]
+fn a_swap_at_the_start_is_saved_from_the_other_end() {
+    // 1 2 3 is left across 1 3: a swap, or the strip from its other end.
+    let strip = [0, 1, 2, 1, 3, 4];
+    assert_eq!(filtered(Filter::Linked, &strip).vertices(), [4, 3, 1, 2, 0]);
+    assert_eq!(filtered(Filter::Dtfs, &strip).vertices(), strip);
+}
+
+/// Tells whether two triangles have an edge in opposite senses.
+fn share_an_edge(a: [u32; 3], b: [u32; 3]) -> bool {
+    let edges = |[a, b, c]: [u32; 3]| [[a, b], [b, c], [c, a]];
+    edges(a).into_iter().any(|[from, to]| edges(b).contains(&[to, from]))
+}
+
+/// The fewest vertices that draw triangles in this order as one strip: breadth first over triangles drawn, parity and last two vertices.
+fn cheapest_strip(triangles: &[[u32; 3]]) -> usize {
+    let same = |t: &[u32; 3], u: [u32; 3]| *t == u || *t == [u[1], u[2], u[0]] || *t == [u[2], u[0], u[1]];
+    let vertices: Vec<u32> = triangles.iter().flatten().copied().collect();
+    let pairs = vertices.iter().flat_map(|&a| vertices.iter().map(move |&b| (0, 0, a, b)));
+    let mut states: Vec<(usize, usize, u32, u32)> = pairs.collect();
+    for sent in 3.. {
+        let mut next = Vec::new();
+        for &(drawn, parity, a, b) in &states {
+            for &c in &vertices {
+                let oriented = if parity == 0 { [a, b, c] } else { [b, a, c] };
+                let drawn = match () {
+                    () if a == b || b == c || a == c => drawn,
+                    () if same(&triangles[drawn], oriented) => drawn + 1,
+                    () => continue,
+                };
+                if drawn == triangles.len() {
+                    return sent;
+                }
+                next.push((drawn, 1 - parity, b, c));
+            }
+        }
+        next.sort_unstable();
+        next.dedup();
+        states = next;
+    }
+    unreachable!()
+}
+
+/// The fewest vertices that draw triangles in this order as any number of strips, each from either end.
+fn cheapest(triangles: &[[u32; 3]]) -> usize {
+    let mut best = vec![0];
+    for end in 1..=triangles.len() {
+        // Strips that join others by degenerate triangles alone are those of a layout, not of a filter.
+        let is_linked = |start: &usize| triangles[*start..end].windows(2).all(|t| share_an_edge(t[0], t[1]));
+        let from = |start: usize| {
+            let strip = &triangles[start..end];
+            let back: Vec<_> = strip.iter().rev().copied().collect();
+            best[start] + cheapest_strip(strip).min(cheapest_strip(&back))
+        };
+        best.push((0..end).filter(is_linked).map(from).min().unwrap());
+    }
+    best[triangles.len()]
+}
+
+/// A strip over a triangulated surface of one orientation, with vertices renamed as collapses along its edges would.
+fn simplified() -> impl Strategy<Value = Vec<u32>> {
+    let strip = prop::collection::vec((0..4_u32, 0..3_usize), 3..30).prop_map(|steps| {
+        let mut strip = vec![0, 1, 2];
+        for (i, (turn, _)) in steps.iter().enumerate() {
+            if *turn == 0 {
+                strip.push(strip[strip.len() - 2]);
+            }
+            strip.push(3 + i as u32);
+        }
+        strip
+    });
+    (strip, prop::collection::vec((0..30_usize, 1..3_usize), 0..20)).prop_map(|(mut strip, collapses)| {
+        for (place, offset) in collapses {
+            if let (Some(&from), Some(&to)) = (strip.get(place), strip.get(place + offset)) {
+                strip.iter_mut().filter(|v| **v == from).for_each(|v| *v = to);
+            }
+        }
+        strip
+    })
+}
+
+proptest! {
+    #[test]
+    fn display_strips_draw_the_same(strip in prop::collection::vec(0..5_u32, 0..200), other in simplified()) {
+        for (is_surface, strip) in [(false, strip), (true, other)] {
+            for filter in Filter::ALL {
+                let display = filtered(filter, &strip);
+                prop_assert!(draws_the_same(&display, &strip), "{:?} {:?}", filter, display);
+                let sent = filter.sent(&strip);
+                prop_assert_eq!((sent.vertices, sent.strips), (display.vertices_sent(), display.len()));
+                let triangles = strip_triangles(&strip).count();
+                if matches!(filter, Filter::Dtfs | Filter::Linked) {
+                    let most = if filter == Filter::Dtfs { 4 } else { 3 };
+                    prop_assert!(sent.vertices <= most * triangles);
+                    prop_assert!(display.iter().all(|strip| strip.len() >= 3));
+                }
+            }
+            let [none, stss, dtfs, linked] = Filter::ALL.map(|filter| filter.sent(&strip));
+            prop_assert!(stss.vertices <= none.vertices);
+            // Elsewhere a triangle may be drawn twice in a row, and the edge that links two be the one that is needed later.
+            prop_assert!(!is_surface || linked.vertices <= dtfs.vertices && linked.strips <= dtfs.strips);
+            prop_assert_eq!(none.winding_repeats + stss.winding_repeats + linked.winding_repeats, 0);
+        }
+    }
+
+    #[test]
+    fn linked_is_the_cheapest_in_its_order(strip in simplified()) {
+        let strip = &strip[..strip.len().min(9)];
+        let triangles: Vec<[u32; 3]> = strip_triangles(strip).collect();
+        prop_assert_eq!(Filter::Linked.sent(strip).vertices, cheapest(&triangles));
+    }
+
+    #[test]
+    fn a_map_is_filtered_strip_by_strip(strips in prop::collection::vec(prop::collection::vec(0..5_u32, 0..9), 0..40)) {
+        let mut all = Strips::default();
+        strips.iter().for_each(|strip| all.push(strip));
+        let map = strips.join(&RESTART);
+        for filter in Filter::ALL {
+            let mut display = Strips::default();
+            filter.map_to(&map, &mut display);
+            prop_assert_eq!(&display, &filter.strips(&all));
+            prop_assert_eq!(filter.sent_by_map(&map), strips.iter().map(|strip| filter.sent(strip)).sum());
+        }
+    }
+}

@@ -1,0 +1,482 @@
+//! Triangles over points, and around each point the triangles that meet there.
+//!
+//! A *point* is a position; vertices of one position are one point, so that a mesh whose attributes have seams is whole where it looks
+//! whole. Which vertex a corner has is kept beside it, where that is not always the same one.
+//!
+//! ```text
+//!        u ───── w        A corner of the point b, in the triangle (b, u, w). The ring of b holds its corners, in any order.
+//!       ╱ ╲     ╱ ╲       Around an inner point every neighbour is the u of one corner and the w of another; around a border
+//!      ╱   ╲   ╱   ╲      point two are but one of both: the neighbours along the border.
+//!     ╱     ╲ ╱     ╲
+//!    ·────── b ──────·
+//! ```
+//!
+//! # Complexity
+//! 12 bytes a triangle, 12 more where there are seams, some 16 for the rings; 13 bytes a point.
+
+use std::collections::HashMap;
+
+use super::collapse::{Rename, is_degenerate};
+use crate::mesh::SPARSE;
+
+const NONE: u32 = u32::MAX;
+
+/// How the triangles lie around a point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// All around.
+    Inner,
+    /// From one border edge to another.
+    Border,
+    /// In more than one fan, or more than two at an edge, or wound against each other, or twice at the point.
+    Complex,
+}
+
+/// A corner of a triangle: the triangle in the upper bits, the place in the lowest two, so that both come without a division.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Corner(u32);
+
+/// As many triangles as there can be corners of.
+pub(super) const MOST_TRIANGLES: usize = 1 << 30;
+
+/// Places one and two further on.
+const NEXT: [usize; 4] = [1, 2, 0, 0];
+const LAST: [usize; 4] = [2, 0, 1, 0];
+
+impl Corner {
+    pub(super) fn new(triangle: usize, place: usize) -> Self {
+        Self((triangle << 2 | place) as u32)
+    }
+
+    #[inline]
+    pub(super) fn triangle(self) -> usize {
+        (self.0 >> 2) as usize
+    }
+
+    #[inline]
+    pub(super) fn place(self) -> usize {
+        (self.0 & 3) as usize
+    }
+
+    fn next(self) -> Self {
+        Self::new(self.triangle(), NEXT[self.place()])
+    }
+
+    fn last(self) -> Self {
+        Self::new(self.triangle(), LAST[self.place()])
+    }
+
+    /// Where this corner stands among all, counted triangle by triangle.
+    fn index(self) -> usize {
+        3 * self.triangle() + self.place()
+    }
+}
+
+/// Gives all corners of so many triangles.
+fn corners(triangle_count: usize) -> impl Iterator<Item = Corner> {
+    (0..triangle_count).flat_map(|t| (0..3).map(move |k| Corner::new(t, k)))
+}
+
+/// Triangles that can be taken away and whose corners can move to other points.
+#[derive(Debug)]
+pub(super) struct Topology {
+    /// The points of each triangle; of one that is gone, those that it had last.
+    pub(super) triangles: Vec<[u32; 3]>,
+    /// The vertex at each corner; empty where each point is one vertex.
+    wedges: Vec<u32>,
+    /// A vertex of each point.
+    vertex_of: Vec<u32>,
+    kinds: Vec<Kind>,
+    rings: Rings,
+}
+
+/// The corners around each point, all in one array. What grows too large for its place moves to the end.
+#[derive(Debug)]
+struct Rings {
+    corners: Vec<Corner>,
+    starts: Vec<u32>,
+    lengths: Vec<u32>,
+    places: Vec<u32>,
+}
+
+impl Rings {
+    fn new(triangles: &[[u32; 3]], point_count: usize) -> Self {
+        let mut lengths = vec![0_u32; point_count];
+        triangles.iter().flatten().for_each(|&p| lengths[p as usize] += 1);
+        let mut starts = Vec::with_capacity(point_count);
+        let mut end = 0;
+        for &length in &lengths {
+            starts.push(end);
+            end += length;
+        }
+        let mut next = starts.clone();
+        let mut ordered = vec![Corner(0); 3 * triangles.len()];
+        for (corner, &p) in corners(triangles.len()).zip(triangles.iter().flatten()) {
+            ordered[next[p as usize] as usize] = corner;
+            next[p as usize] += 1;
+        }
+        Self { corners: ordered, starts, places: lengths.clone(), lengths }
+    }
+
+    fn of(&self, point: u32) -> &[Corner] {
+        let start = self.starts[point as usize] as usize;
+        &self.corners[start..start + self.lengths[point as usize] as usize]
+    }
+
+    /// Takes away the corners of a triangle.
+    fn remove(&mut self, point: u32, triangle: u32) {
+        let start = self.starts[point as usize] as usize;
+        let length = self.lengths[point as usize] as usize;
+        let ring = &mut self.corners[start..start + length];
+        if let Some(i) = ring.iter().position(|&corner| corner.triangle() == triangle as usize) {
+            ring[i] = ring[length - 1];
+            self.lengths[point as usize] -= 1;
+        }
+    }
+
+    /// Adds all corners of one point to those of another.
+    fn append(&mut self, from: u32, to: u32) {
+        let (have, more) = (self.lengths[to as usize] as usize, self.lengths[from as usize] as usize);
+        let source = self.starts[from as usize] as usize..self.starts[from as usize] as usize + more;
+        let start = self.starts[to as usize] as usize;
+        if have + more <= self.places[to as usize] as usize {
+            self.corners.copy_within(source, start + have);
+        } else {
+            let moved = self.corners.len();
+            self.corners.extend_from_within(start..start + have);
+            self.corners.extend_from_within(source);
+            let spare = (have + more) / 4 + 1;
+            self.corners.resize(self.corners.len() + spare, Corner(0));
+            self.starts[to as usize] = moved as u32;
+            self.places[to as usize] = (have + more + spare) as u32;
+        }
+        self.lengths[to as usize] += more as u32;
+        self.lengths[from as usize] = 0;
+    }
+}
+
+impl Topology {
+    /// Joins triangles of vertices at points of equal position.
+    pub(super) fn new(positions: &[[f32; 3]], vertices: &[u32]) -> Self {
+        let numbering = Numbering::new(positions, vertices);
+        let point = |corner: usize| numbering.points[corner];
+        let triangles: Vec<[u32; 3]> =
+            (0..vertices.len() / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2].map(point)).collect();
+        let one_each =
+            vertices.iter().zip(&numbering.points).all(|(&v, &p)| numbering.vertex_of[p as usize] == v);
+        let rings = Rings::new(&triangles, numbering.vertex_of.len());
+        let mut topology = Self {
+            triangles,
+            wedges: if one_each { Vec::new() } else { vertices.to_vec() },
+            kinds: vec![Kind::Complex; numbering.vertex_of.len()],
+            vertex_of: numbering.vertex_of,
+            rings,
+        };
+        let mut fans = Fans::new(topology.point_count());
+        for point in 0..topology.point_count() as u32 {
+            topology.kinds[point as usize] = fans.kind(&topology, point);
+        }
+        topology
+    }
+
+    pub(super) fn point_count(&self) -> usize {
+        self.vertex_of.len()
+    }
+
+    /// Gives the lowest vertex of a point.
+    pub(super) fn vertex_of(&self, point: u32) -> u32 {
+        self.vertex_of[point as usize]
+    }
+
+    /// Gives the vertex at a corner.
+    pub(super) fn wedge(&self, corner: Corner) -> u32 {
+        if self.wedges.is_empty() {
+            self.vertex_of[self.point(corner) as usize]
+        } else {
+            self.wedges[corner.index()]
+        }
+    }
+
+    pub(super) fn kind(&self, point: u32) -> Kind {
+        self.kinds[point as usize]
+    }
+
+    /// Gives the corners of a point.
+    pub(super) fn ring(&self, point: u32) -> &[Corner] {
+        self.rings.of(point)
+    }
+
+    /// Gives the point of a corner.
+    #[inline]
+    pub(super) fn point(&self, corner: Corner) -> u32 {
+        self.triangles[corner.triangle()][corner.place()]
+    }
+
+    /// Gives the two other points of a corner's triangle, in its winding.
+    #[inline]
+    pub(super) fn others(&self, corner: Corner) -> [u32; 2] {
+        let triangle = &self.triangles[corner.triangle()];
+        [triangle[NEXT[corner.place()]], triangle[LAST[corner.place()]]]
+    }
+
+    /// Collects the neighbours of a point that is not complex, each once; those along a border last, two of them.
+    pub(super) fn neighbours(&self, point: u32, found: &mut Vec<u32>) {
+        found.clear();
+        found.extend(self.ring(point).iter().map(|&corner| self.others(corner)[0]));
+        if self.kind(point) == Kind::Border {
+            let ring = self.ring(point);
+            let is_w = |u: u32| ring.iter().any(|&corner| self.others(corner)[1] == u);
+            if let Some(first) = found.iter().position(|&u| !is_w(u)) {
+                let end = found.len() - 1;
+                found.swap(first, end);
+            }
+            let last = ring.iter().map(|&corner| self.others(corner)[1]).find(|w| !found.contains(w));
+            found.extend(last);
+        }
+    }
+
+    /// Gives the vertex that each vertex at `removed` becomes where it is joined to `kept`: `None` where one of them has no triangle
+    /// with `kept`, or triangles with different vertices there.
+    pub(super) fn renames(&self, removed: u32, kept: u32, found: &mut Vec<Rename>) -> Option<()> {
+        found.clear();
+        if self.wedges.is_empty() {
+            found.push(Rename { removed: self.vertex_of(removed), kept: self.vertex_of(kept) });
+            return Some(());
+        }
+        for &corner in self.ring(removed) {
+            let with_kept =
+                [corner.next(), corner.last()].into_iter().find(|&other| self.point(other) == kept);
+            let Some(with_kept) = with_kept else { continue };
+            let rename = Rename { removed: self.wedge(corner), kept: self.wedge(with_kept) };
+            match found.iter().find(|known| known.removed == rename.removed) {
+                Some(known) if known.kept != rename.kept => return None,
+                Some(_) => {}
+                None => found.push(rename),
+            }
+        }
+        let is_known = |&corner: &Corner| found.iter().any(|known| known.removed == self.wedge(corner));
+        self.ring(removed).iter().all(is_known).then_some(())
+    }
+
+    /// Moves all corners of one point to another, and takes away the triangles that had both, whose numbers it gives, rising.
+    pub(super) fn collapse(&mut self, removed: u32, kept: u32, renames: &[Rename], dropped: &mut Vec<u32>) {
+        dropped.clear();
+        for i in 0..self.ring(removed).len() {
+            let corner = self.ring(removed)[i];
+            let (t, k) = (corner.triangle(), corner.place());
+            if self.triangles[t].contains(&kept) {
+                dropped.push(t as u32);
+                continue;
+            }
+            self.triangles[t][k] = kept;
+            if !self.wedges.is_empty() {
+                let wedge = &mut self.wedges[corner.index()];
+                *wedge = renames
+                    .iter()
+                    .find(|rename| rename.removed == *wedge)
+                    .map_or(*wedge, |rename| rename.kept);
+            }
+        }
+        for &t in &*dropped {
+            self.triangles[t as usize].iter().for_each(|&p| self.rings.remove(p, t));
+        }
+        self.rings.append(removed, kept);
+        dropped.sort_unstable();
+    }
+
+    /// Walks over the sides of triangles at borders and seams: the corner that each starts from, and whether there is nothing beyond.
+    pub(super) fn open_edges(&self) -> impl Iterator<Item = (Corner, bool)> {
+        corners(self.triangles.len()).filter_map(|corner| {
+            let (from, [to, _]) = (self.point(corner), self.others(corner));
+            if self.wedges.is_empty() && self.kind(from) == Kind::Inner {
+                return None;
+            }
+            let Some(&other) = self.ring(from).iter().find(|&&other| self.others(other)[1] == to) else {
+                return Some((corner, true));
+            };
+            let torn = [(corner, other), (corner.next(), other.last())]
+                .iter()
+                .any(|&(a, b)| self.wedge(a) != self.wedge(b));
+            torn.then_some((corner, false))
+        })
+    }
+}
+
+/// Points numbered in the order in which corners first use them.
+struct Numbering {
+    /// The point of each corner.
+    points: Vec<u32>,
+    /// A vertex of each point.
+    vertex_of: Vec<u32>,
+}
+
+impl Numbering {
+    fn new(positions: &[[f32; 3]], vertices: &[u32]) -> Self {
+        let mut used = HashMap::new();
+        let mut point_of =
+            vec![NONE; if positions.len() / SPARSE > vertices.len() { 0 } else { positions.len() }];
+        let mut vertex_of: Vec<u32> = Vec::new();
+        let mut number = |v: u32| {
+            // −0.0 is where 0.0 is.
+            let bits = positions[v as usize].map(|x| (x + 0.0).to_bits());
+            let point = *used.entry(bits).or_insert(vertex_of.len() as u32);
+            match vertex_of.get_mut(point as usize) {
+                Some(vertex) => *vertex = v.min(*vertex),
+                None => vertex_of.push(v),
+            }
+            point
+        };
+        let mut points = Vec::with_capacity(vertices.len());
+        for &v in vertices {
+            let point = match point_of.get_mut(v as usize) {
+                Some(known) => {
+                    if *known == NONE {
+                        *known = number(v);
+                    }
+                    *known
+                }
+                None => number(v),
+            };
+            points.push(point);
+        }
+        Self { points, vertex_of }
+    }
+}
+
+/// Tells how the triangles lie around points.
+struct Fans {
+    /// For each neighbour of the point looked at: corners that it is the u of, and the w of, counted up to two.
+    ins: Vec<u8>,
+    outs: Vec<u8>,
+    /// The neighbour that comes after each, around the point.
+    next: Vec<u32>,
+}
+
+impl Fans {
+    fn new(point_count: usize) -> Self {
+        Self { ins: vec![0; point_count], outs: vec![0; point_count], next: vec![NONE; point_count] }
+    }
+
+    fn kind(&mut self, topology: &Topology, point: u32) -> Kind {
+        let ring = topology.ring(point);
+        for &corner in ring {
+            let [u, w] = topology.others(corner);
+            self.outs[u as usize] = (self.outs[u as usize] + 1).min(2);
+            self.ins[w as usize] = (self.ins[w as usize] + 1).min(2);
+            self.next[u as usize] = w;
+        }
+        let kind = self.classify(topology, point);
+        for &corner in ring {
+            for p in topology.others(corner) {
+                (self.ins[p as usize], self.outs[p as usize], self.next[p as usize]) = (0, 0, NONE);
+            }
+        }
+        kind
+    }
+
+    fn classify(&self, topology: &Topology, point: u32) -> Kind {
+        let ring = topology.ring(point);
+        let others = || ring.iter().flat_map(|&corner| topology.others(corner));
+        if ring.is_empty() || ring.iter().any(|&corner| is_degenerate(&topology.triangles[corner.triangle()]))
+        {
+            return Kind::Complex;
+        }
+        if others().any(|p| self.ins[p as usize] > 1 || self.outs[p as usize] > 1) {
+            return Kind::Complex;
+        }
+        // The fan from where it opens, or from anywhere, must take in all corners.
+        let opening = others().find(|&p| self.ins[p as usize] == 0);
+        let first = opening.unwrap_or_else(|| topology.others(ring[0])[0]);
+        let (mut at, mut count) = (first, 0);
+        while self.next[at as usize] != NONE {
+            at = self.next[at as usize];
+            count += 1;
+            if at == first || count > ring.len() {
+                break;
+            }
+        }
+        match (count == ring.len(), opening) {
+            (false, _) => Kind::Complex,
+            (true, None) => Kind::Inner,
+            (true, Some(_)) => Kind::Border,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn topology(positions: &[[f32; 3]], vertices: &[u32]) -> Topology {
+        Topology::new(positions, vertices)
+    }
+
+    fn line(n: usize) -> Vec<[f32; 3]> {
+        (0..n).map(|i| [i as f32, 0.0, 0.0]).collect()
+    }
+
+    #[test]
+    fn kinds_of_points() {
+        // A fan around 0 that is closed, then one that is open, then two of them.
+        let fan = |n: u32, closed: bool| {
+            (1..=n).filter(move |&i| closed || i < n).flat_map(move |i| [0, i, i % n + 1])
+        };
+        let kind = |vertices: Vec<u32>| topology(&line(12), &vertices).kind(0);
+        assert_eq!(kind(fan(5, true).collect()), Kind::Inner);
+        assert_eq!(kind(fan(5, false).collect()), Kind::Border);
+        assert_eq!(kind(vec![0, 1, 2, 0, 3, 4]), Kind::Complex);
+        assert_eq!(kind(vec![0, 1, 2, 0, 1, 3]), Kind::Complex, "wound against each other");
+        assert_eq!(kind(vec![0, 1, 2, 2, 1, 3, 0, 2, 1]), Kind::Inner, "two faces back to back");
+        assert_eq!(
+            kind(fan(3, true).chain([0, 4, 5, 0, 5, 6, 0, 6, 4]).collect()),
+            Kind::Complex,
+            "two closed fans"
+        );
+    }
+
+    #[test]
+    fn points_of_one_position_are_joined() {
+        let mut positions = line(6);
+        positions[4] = positions[1];
+        positions[5] = [2.0, -0.0, 0.0];
+        let topology = topology(&positions, &[0, 1, 2, 5, 4, 3]);
+        assert_eq!(topology.triangles, [[0, 1, 2], [2, 1, 3]]);
+        assert_eq!(
+            [0, 1, 2, 3].map(|corner| topology.wedge(Corner::new(corner / 3, corner % 3))),
+            [0, 1, 2, 5]
+        );
+        let open: Vec<(usize, bool)> =
+            topology.open_edges().map(|(corner, is_border)| (corner.index(), is_border)).collect();
+        assert_eq!(open, [(0, true), (1, false), (2, true), (3, false), (4, true), (5, true)]);
+    }
+
+    #[test]
+    fn both_vertices_of_a_seam_are_renamed_along_it_only() {
+        // 1 and 4, 2 and 5 are pairs; the seam goes from point 1 to point 2.
+        let mut positions = line(8);
+        positions[4] = positions[1];
+        positions[5] = positions[2];
+        let topology = topology(&positions, &[0, 1, 2, 5, 4, 3]);
+        let mut found = Vec::new();
+        assert!(topology.renames(1, 2, &mut found).is_some());
+        assert_eq!(found, [Rename { removed: 1, kept: 2 }, Rename { removed: 4, kept: 5 }]);
+        assert!(topology.renames(1, 0, &mut found).is_none());
+        assert!(topology.renames(0, 1, &mut found).is_some());
+    }
+
+    #[test]
+    fn a_collapse_moves_corners_and_takes_triangles_away() {
+        let fan: Vec<u32> = (1..=6).flat_map(|i| [0, i, i % 6 + 1]).collect();
+        let mut topology = topology(&line(7), &fan);
+        let at = |v: u32| (0..7).find(|&p| topology.vertex_of(p) == v).unwrap();
+        let (center, rim) = (at(0), at(1));
+        let mut dropped = Vec::new();
+        topology.collapse(center, rim, &[], &mut dropped);
+        assert_eq!(dropped, [0, 5]);
+        assert_eq!(topology.ring(rim).len(), 4);
+        assert!(topology.ring(center).is_empty());
+        let mut ring: Vec<usize> = topology.ring(rim).iter().map(|corner| corner.index()).collect();
+        ring.sort_unstable();
+        assert_eq!(ring, [3, 6, 9, 12]);
+    }
+}
