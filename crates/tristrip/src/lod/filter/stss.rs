@@ -20,21 +20,44 @@
 //! # Complexity
 //! O(n).
 
-use super::Sink;
+use super::valid::{BLOCK, Gatherer};
+use super::{Scanner, Sink};
+use crate::lod::RESTART;
 
-/// Scans one strip.
-pub(super) fn scan(strip: &[u32], sink: &mut impl Sink) {
-    let mut rest = strip;
-    while let &[a, b, c, d, ..] = rest {
-        if a == c && b == d {
-            rest = &rest[2..];
-        } else {
-            sink.send(a);
-            rest = &rest[1..];
+/// A scan that has come to the end of a block.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(crate) struct Stss {
+    /// Places of the next block that are done.
+    done: usize,
+    /// Whether something of the strip was sent.
+    is_begun: bool,
+}
+
+impl Scanner for Stss {
+    fn scan(&mut self, rest: &[u32], _: &mut Gatherer, sink: &mut impl Sink) {
+        let mut place = self.done;
+        while place < BLOCK {
+            match rest[place..] {
+                [RESTART, ..] => {
+                    self.end(sink);
+                    self.is_begun = false;
+                    place += 1;
+                }
+                [a, b, c, d, ..] if a == c && b == d && b != RESTART => place += 2,
+                [a, ..] => {
+                    sink.send(a);
+                    self.is_begun = true;
+                    place += 1;
+                }
+                [] => return,
+            }
         }
+        self.done = place - BLOCK;
     }
-    if !rest.is_empty() {
-        sink.send_all(rest);
-        sink.end();
+
+    fn end(&self, sink: &mut impl Sink) {
+        if self.is_begun {
+            sink.end();
+        }
     }
 }
