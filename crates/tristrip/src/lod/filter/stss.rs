@@ -9,10 +9,10 @@
 //!
 //! # The published example
 //! Figure 8 of Kim et al. prints, for a strip of 26 vertices, 11 that the scanner sends:
-//! `615 615 502 615 206 620 620 580 66 761 258`. They do not follow from its rules, under any reading: from `620 620 620 620 620`, an
-//! odd number, the rules leave one or three, and of `761 761 761 761 258 761` at least `761 258 761`. Nor would they do: the
-//! printed strip draws a triangle `66 761 258` that is not in the mesh, and two others with the wrong winding. The rules
-//! give 14 vertices.
+//! `615 615 502 615 206 620 620 580 66 761 258`. The rules give 14: pairs leave three of five equal vertices, and at the end
+//! `761 761 258 761`. A pass that first shortens runs of equal vertices to two would give the printed list up to `66`; nothing gives
+//! its end. Nor would it do: two triangles of the printed strip have the wrong winding, since a run of five lost three, and a third,
+//! `66 761 258`, is not in the mesh.
 //!
 //! # References
 //! El-Sana et al. 2000, section 5.4; Kim et al. 2005, section 2.3, and 5, where it reads four vertices at a time.
