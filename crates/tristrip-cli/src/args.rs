@@ -14,7 +14,7 @@ use tristrip_io::Format;
 use crate::analyze::BufferList;
 use crate::method::{CostName, MethodArgs};
 use crate::task::{Shared, Task, validate};
-pub(crate) use detail::SimplifyArgs;
+pub(crate) use detail::{LodArgs, SimplifyArgs};
 
 /// Turns polygon meshes into triangle strips and proves them
 ///
@@ -39,6 +39,7 @@ pub(crate) enum Command {
     Verify(VerifyArgs),
     Convert(ConvertArgs),
     Simplify(SimplifyArgs),
+    Lod(Box<LodArgs>),
     Repro(ReproArgs),
 }
 
@@ -224,6 +225,7 @@ pub(crate) struct ConvertArgs {
 #[derive(Debug, Args)]
 #[command(after_long_help = "Papers:
   000  El-Sana et al., Efficiently Computing and Updating Triangle Strips, 2000
+  001  Kim et al., A Rendering-Efficient Progressive Transmission of 3D Meshes, 2005
   003  Porcu, Scateni, Partitioning Meshes into Strips (ETA), 2006
   004  Evans, Skiena, Varshney, Efficiently Generating Triangle Strips, 1996
 
@@ -344,6 +346,7 @@ pub(crate) fn parse() -> (Task, Shared) {
         Command::Verify(_) => "verify",
         Command::Convert(_) => "convert",
         Command::Simplify(_) => "simplify",
+        Command::Lod(_) => "lod",
         Command::Repro(_) => "repro",
     };
     validate(cli.command).unwrap_or_else(|message| {

@@ -1,7 +1,7 @@
 //! The `tristrip` command: polygon meshes into proven triangle strips.
 //!
 //! ```text
-//! args ─▶ task ─▶ strip │ compare │ bound │ analyze │ verify │ convert │ simplify │ repro ─▶ input ─ stages ─ output ─▶ figures, report ─▶ console
+//! args ─▶ task ─▶ strip │ compare │ bound │ analyze │ verify │ convert │ simplify │ lod │ repro ─▶ input ─ stages ─ output ─▶ figures, report ─▶ console
 //! ```
 //! The exit code is 0 when everything was done and proven, 1 when something was not or an input was bad, 2 when the command was
 //! called wrongly.
@@ -18,6 +18,7 @@ mod convert;
 mod failure;
 mod figures;
 mod input;
+mod lod;
 mod method;
 mod output;
 mod pareto;
@@ -56,6 +57,7 @@ fn main() -> ExitCode {
         Task::Verify(task) => verify::run(task, &mut console),
         Task::Convert(task) => convert::run(task, &pool, &mut console),
         Task::Simplify(task) => simplify::run(task, &pool, &mut console),
+        Task::Lod(task) => lod::run(task, &pool, &mut console),
         Task::Repro(task) => repro::run(task, &pool, &mut console),
     };
     if all_done && console.finish() { ExitCode::SUCCESS } else { ExitCode::FAILURE }

@@ -5,10 +5,12 @@ use tristrip::strip::Buffer;
 
 use crate::bound::Reached;
 use crate::figures::{Figures, MeshFigures};
+use crate::lod::{Row, Total};
 use crate::method::{Chosen, MethodReport};
 use crate::pareto::Point;
 use crate::reorder::GroupReport;
 use crate::search::Stopped;
+use crate::task::LodTask;
 use crate::text::{count, counted, table};
 
 /// Times in seconds; `null` for a stage that did not run.
@@ -161,6 +163,89 @@ pub(crate) struct SimplifyReport {
     pub(crate) notes: Vec<String>,
     pub(crate) output: Option<String>,
     pub(crate) error: Option<String>,
+}
+
+/// Times of `tristrip lod` in seconds; `null` for a stage that did not run.
+#[derive(Debug, Clone, Copy, Default, Serialize)]
+pub(crate) struct LodSeconds {
+    pub(crate) load: Option<f64>,
+    pub(crate) dual: Option<f64>,
+    pub(crate) stripify: Option<f64>,
+    pub(crate) simplify: Option<f64>,
+    pub(crate) filter: Option<f64>,
+    pub(crate) verify: Option<f64>,
+    pub(crate) write: Option<f64>,
+}
+
+/// What `tristrip lod` says of one input.
+#[derive(Debug, Serialize)]
+pub(crate) struct LodReport {
+    pub(crate) file: String,
+    #[serde(flatten)]
+    pub(crate) method: MethodReport,
+    pub(crate) chosen: Option<Chosen>,
+    pub(crate) model: String,
+    pub(crate) filter: String,
+    pub(crate) proven: Option<bool>,
+    pub(crate) seconds: LodSeconds,
+    /// The collapses, which is the highest level.
+    pub(crate) levels: Option<usize>,
+    pub(crate) triangles_base: Option<usize>,
+    pub(crate) triangles_full: Option<usize>,
+    /// The level that was drawn.
+    pub(crate) level: Option<usize>,
+    pub(crate) surface_error: Option<f32>,
+    pub(crate) surface_error_percent: Option<f64>,
+    pub(crate) diagonal: Option<f64>,
+    /// Of the display strips.
+    #[serde(flatten)]
+    pub(crate) figures: Option<Figures>,
+    pub(crate) table: Option<Vec<Row>>,
+    /// Sums over all levels.
+    pub(crate) compare: Option<Vec<Total>>,
+    /// What the picture shows.
+    #[serde(skip)]
+    pub(crate) rows: Vec<Row>,
+    pub(crate) plot: Option<String>,
+    pub(crate) stopped: Option<Stopped>,
+    pub(crate) parts: Option<usize>,
+    pub(crate) notes: Vec<String>,
+    pub(crate) output: Option<String>,
+    pub(crate) layout: Option<&'static str>,
+    pub(crate) error: Option<String>,
+}
+
+impl LodReport {
+    /// Begins the report of an input.
+    pub(crate) fn new(file: String, method: MethodReport, task: &LodTask) -> Self {
+        Self {
+            file,
+            method,
+            chosen: None,
+            model: task.model.name(),
+            filter: task.filter.name(),
+            proven: None,
+            seconds: LodSeconds::default(),
+            levels: None,
+            triangles_base: None,
+            triangles_full: None,
+            level: None,
+            surface_error: None,
+            surface_error_percent: None,
+            diagonal: None,
+            figures: None,
+            table: None,
+            compare: None,
+            rows: Vec::new(),
+            plot: None,
+            stopped: None,
+            parts: None,
+            notes: Vec::new(),
+            output: None,
+            layout: None,
+            error: None,
+        }
+    }
 }
 
 impl Figures {

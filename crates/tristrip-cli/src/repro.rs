@@ -10,6 +10,7 @@
 mod draw;
 mod judge;
 mod lab;
+mod levels;
 mod page;
 mod paper;
 mod statistics;

@@ -23,7 +23,7 @@ use crate::survey::{Loaded, Surveyed};
 use crate::task::{Job, Output, SimplifyTask};
 use crate::text::{count, counted, table};
 pub(crate) use goal::{Amount, Deviation, Goal, Ratio};
-pub(crate) use parts::{Part, diagonal, simplify_all};
+pub(crate) use parts::{Compact, Part, diagonal, simplify_all};
 
 /// Parts whose end is told one by one.
 const NAMED_PARTS: usize = 8;

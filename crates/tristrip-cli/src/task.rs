@@ -14,8 +14,9 @@ use crate::analyze::BufferList;
 use crate::args::{
     AnalyzeArgs, Command, InputArgs, LayoutName, OutputArgs, ReadFormat, SharedArgs, WriteFormat,
 };
+use crate::lod::{FilterName, Level, ModelName};
 use crate::repro;
-use crate::simplify::{Amount, Goal};
+use crate::simplify::{Amount, Goal, Ratio};
 
 /// Inputs whose curves can be told apart in one picture.
 const PLOTTED_INPUTS: usize = 3;
@@ -30,6 +31,7 @@ pub(crate) enum Task {
     Verify(VerifyTask),
     Convert(ConvertTask),
     Simplify(SimplifyTask),
+    Lod(LodTask),
     Repro(ReproTask),
 }
 
@@ -103,6 +105,23 @@ pub(crate) struct SimplifyTask {
 }
 
 #[derive(Debug)]
+pub(crate) struct LodTask {
+    pub(crate) jobs: Vec<Job>,
+    pub(crate) options: Options,
+    pub(crate) budget: Option<Duration>,
+    pub(crate) model: ModelName,
+    /// The share of the triangles that the base mesh keeps.
+    pub(crate) base: Ratio,
+    pub(crate) level: Level,
+    pub(crate) filter: FilterName,
+    pub(crate) table: bool,
+    pub(crate) compare: bool,
+    /// The SVG file to write.
+    pub(crate) plot: Option<PathBuf>,
+    pub(crate) verify: bool,
+}
+
+#[derive(Debug)]
 pub(crate) struct ReproTask {
     /// Keys of papers.
     pub(crate) papers: BTreeSet<String>,
@@ -149,7 +168,8 @@ impl Task {
     pub(crate) fn output_is_stdout(&self) -> bool {
         let (Self::Strip(StripTask { jobs, .. })
         | Self::Convert(ConvertTask { jobs, .. })
-        | Self::Simplify(SimplifyTask { jobs, .. })) = self
+        | Self::Simplify(SimplifyTask { jobs, .. })
+        | Self::Lod(LodTask { jobs, .. })) = self
         else {
             return false;
         };
@@ -232,6 +252,29 @@ pub(crate) fn validate(command: Command) -> Result<(Task, Shared), String> {
             let shared = shared(&args.shared, args.threads.threads);
             refuse_two_results(&jobs, &shared)?;
             (Task::Simplify(SimplifyTask { jobs, goal, verify: !args.no_verify }), shared)
+        }
+        Command::Lod(args) => {
+            let jobs = jobs(inputs(args.inputs)?, &args.output)?;
+            let shared = shared(&args.shared, args.threads.threads);
+            refuse_two_results(&jobs, &shared)?;
+            if let Some(path) = &args.plot {
+                check_picture("--plot", path, jobs.len())?;
+                check_other_file("--plot", path, &jobs)?;
+            }
+            let task = LodTask {
+                jobs,
+                options: args.method.validate(false)?,
+                budget: args.method.budget(),
+                model: args.model,
+                base: args.base,
+                level: args.level,
+                filter: args.filter,
+                table: args.table,
+                compare: args.compare,
+                plot: args.plot,
+                verify: !args.no_verify,
+            };
+            (Task::Lod(task), shared)
         }
         Command::Repro(args) => {
             let papers = papers(args.papers)?;

@@ -1,8 +1,12 @@
 //! The flags of simplification and levels of detail.
 
+use std::path::PathBuf;
+
 use clap::Args;
 
-use super::{InputArgs, SharedArgs, TargetArgs, ThreadArgs};
+use super::{InputArgs, OutputArgs, SharedArgs, TargetArgs, ThreadArgs};
+use crate::lod::{FilterName, Level, ModelName};
+use crate::method::MethodArgs;
 use crate::simplify::{Deviation, Ratio};
 
 /// Gives a mesh fewer triangles by half-edge collapses, the cheapest first
@@ -35,6 +39,59 @@ pub(crate) struct SimplifyArgs {
     pub(crate) error: Option<Deviation>,
     #[command(flatten)]
     pub(crate) target: TargetArgs,
+    /// Skip the proof
+    #[arg(long, help_heading = "Output")]
+    pub(crate) no_verify: bool,
+    #[command(flatten)]
+    pub(crate) shared: SharedArgs,
+    #[command(flatten)]
+    pub(crate) threads: ThreadArgs,
+}
+
+/// Draws any level of detail with the strips of the full mesh
+///
+/// Strips are found once, of the full mesh. Half-edge collapses, the cheapest first, rename vertices in them down to a base mesh; level 0
+/// is the base mesh, the highest level is the full one, and a level more is a vertex more. What collapses leave degenerate a filter takes
+/// out before it is drawn. Every level is proven to draw exactly the triangles that the collapses leave. Without -o it only reports.
+#[derive(Debug, Args)]
+#[command(after_long_help = "Examples:
+  tristrip lod bunny.ply --level 40% -o level.glb     strips at any level
+  tristrip lod bunny.ply --table                      what every filter sends, level by level
+  tristrip lod bunny.ply --method stripe --base 1% --filter dtfs --level 120
+  tristrip lod bunny.ply --compare --plot lod.svg     filters against the mesh drawn as triangles")]
+pub(crate) struct LodArgs {
+    #[command(flatten)]
+    pub(crate) inputs: InputArgs,
+    /// How levels are stored and replayed
+    #[arg(long, value_enum, value_name = "MODEL", default_value_t = ModelName::Progressive, help_heading = "Levels")]
+    pub(crate) model: ModelName,
+    /// The share of the triangles of each part that the base mesh keeps: 0.05 or 5%
+    ///
+    /// Where the surface cannot be simplified so far without tearing or folding, the base mesh has more, and a note says so.
+    #[arg(long, value_name = "RATIO", default_value = "5%", help_heading = "Levels")]
+    pub(crate) base: Ratio,
+    /// The level to draw: a number of collapses undone, or a share of them such as 40%
+    ///
+    /// P% of n collapses is the level P n / 100, rounded to the nearest. The levels of a model of several parts undo the collapses of all parts,
+    /// those of the greatest error first.
+    #[arg(long, value_name = "LEVEL", default_value = "100%", help_heading = "Levels")]
+    pub(crate) level: Level,
+    /// How strips are read before they are drawn
+    #[arg(long, value_enum, value_name = "FILTER", default_value_t = FilterName::DEFAULT, help_heading = "Levels")]
+    pub(crate) filter: FilterName,
+    /// Show what every filter sends, at levels 5 % apart
+    #[arg(long, help_heading = "Levels")]
+    pub(crate) table: bool,
+    /// Show what every filter sends from the base mesh to the full one, each level drawn once
+    #[arg(long, help_heading = "Levels")]
+    pub(crate) compare: bool,
+    /// Draw what every filter sends over the levels into an SVG file; up to three inputs
+    #[arg(long, value_name = "FILE", help_heading = "Levels")]
+    pub(crate) plot: Option<PathBuf>,
+    #[command(flatten)]
+    pub(crate) output: OutputArgs,
+    #[command(flatten)]
+    pub(crate) method: MethodArgs,
     /// Skip the proof
     #[arg(long, help_heading = "Output")]
     pub(crate) no_verify: bool,

@@ -4,7 +4,7 @@ use tristrip::strip::Replacement;
 
 use super::judge::{ChartReport, PanelReport, SeriesReport};
 use super::lab::{Lab, PLACES, Recipe};
-use super::paper::{ChartData, CorpusPanel, Kind, ModelSet, Strips, Variant};
+use super::paper::{ChartData, CorpusPanel, Kind, LevelsPanel, LevelsSeries, ModelSet, Strips, Variant};
 use crate::chart::{Axis, Mark, Panel, Scale, Series, svg};
 use crate::failure::Failure;
 
@@ -16,6 +16,9 @@ pub(super) fn want(chart: &ChartData, lab: &mut Lab) {
         }
         Kind::Buffers { flags, models, .. } => {
             models.iter().for_each(|model| lab.want_buffers(flags.as_str().into(), model));
+        }
+        Kind::Levels { model, panels, .. } => {
+            panels.iter().for_each(|panel| lab.want_levels(panel.flags.as_str().into(), model));
         }
         Kind::Convergence { models, steps, series } => {
             for model in models {
@@ -49,6 +52,10 @@ pub(super) fn draw(chart: &ChartData, lab: &Lab) -> Result<ChartReport, Failure>
         Kind::Buffers { flags, models, columns } => {
             let sketches: Vec<_> = models.iter().filter_map(|name| buffers(name, flags, lab)).collect();
             (sketches, *columns)
+        }
+        Kind::Levels { model, panels, axis, series } => {
+            let sketches = panels.iter().filter_map(|panel| by_level(model, panel, axis, series, lab));
+            (sketches.collect(), 1)
         }
         Kind::Convergence { models, steps, series } => {
             let sketches = models.iter().filter_map(|name| convergence(name, *steps, series, lab));
@@ -138,6 +145,31 @@ fn buffers(name: &str, flags: &str, lab: &Lab) -> Option<Sketch> {
             series("LRU, kept", of(Replacement::Lru, Strips::Keep)),
             SeriesReport { name: "vertices".into(), flags: None, points: least.to_vec() },
         ],
+    })
+}
+
+/// Figures of levels, from the base mesh to the full one.
+fn by_level(
+    name: &str,
+    panel: &LevelsPanel,
+    axis: &str,
+    series: &[LevelsSeries],
+    lab: &Lab,
+) -> Option<Sketch> {
+    let model = lab.model(name)?;
+    let recipe = Recipe::from(panel.flags.as_str());
+    let series = series.iter().map(|s| SeriesReport {
+        name: s.name.clone(),
+        flags: Some(panel.flags.clone()),
+        points: model.curve(&recipe, &s.figure),
+    });
+    Some(Sketch {
+        title: panel.title.clone(),
+        x: Axis::new("level: collapses undone, percent", Scale::Linear { from_zero: true }),
+        y: Axis::new(axis, Scale::Linear { from_zero: true }),
+        mark: Mark::Line,
+        ends: false,
+        series: series.collect(),
     })
 }
 

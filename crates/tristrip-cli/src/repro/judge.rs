@@ -54,7 +54,7 @@ pub(crate) struct Counts {
 #[derive(Debug, Serialize)]
 pub(crate) struct Cell {
     pub(crate) column: String,
-    /// The flags of `tristrip strip`, where strips were measured.
+    /// The flags of `tristrip strip` or `tristrip lod`, where strips were measured.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) flags: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -137,8 +137,10 @@ pub(super) fn want(paper: &Paper, lab: &mut Lab) {
         for file in table.rows.iter().filter_map(|row| row.file.as_ref()) {
             lab.want_mesh(file);
             for column in &table.columns {
-                if let Some(recipe) = recipe(&column.quantity) {
-                    lab.want(recipe, file);
+                match (&column.quantity, recipe(&column.quantity)) {
+                    (Quantity::Levels { .. }, Some(recipe)) => lab.want_levels(recipe, file),
+                    (_, Some(recipe)) => lab.want(recipe, file),
+                    (_, None) => {}
                 }
             }
         }
@@ -149,6 +151,7 @@ pub(super) fn want(paper: &Paper, lab: &mut Lab) {
 fn recipe(quantity: &Quantity) -> Option<Recipe> {
     match quantity {
         Quantity::Strips { flags, steps, .. } => Some(Recipe { flags: flags.clone(), steps: *steps }),
+        Quantity::Levels { flags, .. } => Some(flags.as_str().into()),
         _ => None,
     }
 }
@@ -225,6 +228,7 @@ fn measured(row: &Row, columns: &[Column], lab: &Lab) -> Vec<Option<f64>> {
     let model = row.file.as_ref().and_then(|name| lab.model(name));
     let figure = |quantity: &Quantity| match quantity {
         Quantity::Strips { figure, .. } => model?.strips(&recipe(quantity)?, figure),
+        Quantity::Levels { figure, .. } => model?.levels(&recipe(quantity)?, figure),
         Quantity::Mesh(figure) => model?.mesh(figure),
         Quantity::Saving { .. } | Quantity::Unmeasured => None,
     };

@@ -15,6 +15,7 @@ use tristrip::stripify::{Progress, Watch};
 use tristrip::{Options, Strips};
 use tristrip_io::Format;
 
+use super::levels::{self, LevelsFound};
 use super::paper::{self, ModelSet};
 use crate::console::Console;
 use crate::failure::Failure;
@@ -64,6 +65,8 @@ struct Scope {
     names: BTreeSet<String>,
     /// Models for which generalized triangle meshes are measured as well.
     buffers: BTreeSet<String>,
+    /// Models for which levels of detail are measured as well.
+    levels: BTreeSet<String>,
 }
 
 impl Scope {
@@ -90,6 +93,7 @@ struct Found {
     progress: Vec<(u64, usize)>,
     /// For each of [`PLACES`] the vertices transmitted: LRU and FIFO, flushed between strips, and kept.
     buffers: Vec<[usize; 4]>,
+    levels: LevelsFound,
 }
 
 /// The models and what is measured of them.
@@ -135,6 +139,12 @@ impl Lab {
     /// Asks for strips of a model as generalized triangle meshes, for buffers of all sizes.
     pub(super) fn want_buffers(&mut self, recipe: Recipe, model: &str) {
         self.wanted.entry(recipe.clone()).or_default().buffers.insert(model.into());
+        self.want(recipe, model);
+    }
+
+    /// Asks for the levels of detail of a model, whose strips a recipe finds.
+    pub(super) fn want_levels(&mut self, recipe: Recipe, model: &str) {
+        self.wanted.entry(recipe.clone()).or_default().levels.insert(model.into());
         self.want(recipe, model);
     }
 
@@ -208,6 +218,17 @@ impl Measured {
         self.found.get(recipe)?.figures.get(figure).copied()
     }
 
+    /// Gives a figure of levels of detail.
+    pub(super) fn levels(&self, recipe: &Recipe, figure: &str) -> Option<f64> {
+        self.found.get(recipe)?.levels.figures.get(figure).copied()
+    }
+
+    /// Gives a figure of levels of detail by level, in percent of the collapses.
+    pub(super) fn curve(&self, recipe: &Recipe, figure: &str) -> Vec<(f64, f64)> {
+        let curves = self.found.get(recipe).map(|found| &found.levels.curves);
+        curves.and_then(|curves| curves.get(figure)).cloned().unwrap_or_default()
+    }
+
     /// Gives the strips that were left after so many accesses.
     pub(super) fn progress(&self, recipe: &Recipe) -> &[(u64, usize)] {
         self.found.get(recipe).map_or(&[], |found| &found.progress)
@@ -248,7 +269,7 @@ fn measure(
     let bar = console.progress();
     let found = pool.map(&recipes, |(recipe, scope)| {
         bar.set_message(recipe.flags.clone());
-        find(&parts, recipe, scope.buffers.contains(name), pool, &bar)
+        find(&parts, recipe, (scope.buffers.contains(name), scope.levels.contains(name)), pool, &bar)
     });
     for ((recipe, _), found) in recipes.into_iter().zip(found) {
         let named = |failure| match failure {
@@ -264,7 +285,7 @@ fn measure(
 fn find(
     parts: &[Prepared<'_>],
     recipe: &Recipe,
-    with_buffers: bool,
+    (with_buffers, with_levels): (bool, bool),
     pool: &Pool,
     bar: &ProgressBar,
 ) -> Result<Found, Failure> {
@@ -283,6 +304,7 @@ fn find(
         figures: strip_figures(parts, &strips, &options, pool),
         progress: watch.seen.into_inner().unwrap_or_default(),
         buffers: if with_buffers { transmitted(parts, &strips) } else { Vec::new() },
+        levels: if with_levels { levels::measure(parts, &strips, pool)? } else { LevelsFound::default() },
     })
 }
 

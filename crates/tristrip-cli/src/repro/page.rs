@@ -141,6 +141,7 @@ fn how(column: &Column, table: &Table) -> Option<String> {
                 steps.map(|n| format!(", stopped after {} accesses to nodes", grouped(&n.to_string())));
             Some(format!("`{figure}` of `tristrip strip {flags}`{}", steps.unwrap_or_default()))
         }
+        Quantity::Levels { flags, figure } => Some(format!("`{figure}` of `tristrip lod {flags} --compare`")),
         Quantity::Mesh(figure) => Some(format!("`{figure}` of the mesh")),
         Quantity::Saving { of, than } => Some(format!("how far {} is below {}", name(*of), name(*than))),
         Quantity::Unmeasured => None,

@@ -11,8 +11,9 @@ use serde::{Deserialize, Serialize};
 use crate::failure::Failure;
 
 /// The papers by their keys.
-const PAPERS: [(&str, &str); 3] = [
+const PAPERS: [(&str, &str); 4] = [
     ("000", include_str!("papers/000.json")),
+    ("001", include_str!("papers/001.json")),
     ("003", include_str!("papers/003.json")),
     ("004", include_str!("papers/004.json")),
 ];
@@ -70,6 +71,8 @@ pub(crate) enum Quantity {
         /// Accesses to nodes after which a search is stopped.
         steps: Option<u64>,
     },
+    /// A figure of levels of detail, whose strips these flags find: see [`crate::repro::levels`].
+    Levels { flags: String, figure: String },
     /// A figure of the mesh: a key of `mesh` in that report.
     Mesh(String),
     /// How many percent one column is below another, by their numbers.
@@ -132,6 +135,8 @@ pub(crate) enum Kind {
     Corpus { panels: Vec<CorpusPanel>, series: Vec<Variant> },
     /// The cost of generalized triangle meshes by the size of the buffer, a panel a model.
     Buffers { flags: String, models: Vec<String>, columns: usize },
+    /// A figure of levels of detail by level, a panel for each of the flags that find strips, a series a figure.
+    Levels { model: String, panels: Vec<LevelsPanel>, axis: String, series: Vec<LevelsSeries> },
     /// Strips left by accesses to nodes, a panel a model, a series a method.
     Convergence { models: Vec<String>, steps: u64, series: Vec<Variant> },
 }
@@ -143,6 +148,22 @@ pub(crate) struct CorpusPanel {
     pub(crate) axis: String,
     pub(crate) figure: String,
     pub(crate) per_triangle: bool,
+}
+
+/// A way to find the strips of the full mesh, with the panel's title.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct LevelsPanel {
+    pub(crate) title: String,
+    pub(crate) flags: String,
+}
+
+/// A figure of a level, with its name in a legend.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct LevelsSeries {
+    pub(crate) name: String,
+    pub(crate) figure: String,
 }
 
 /// A method with its name in a legend.
@@ -199,6 +220,10 @@ pub(crate) enum Statistic {
     Exponent { figure: String, flags: String, models: ModelSet },
     /// The place among variants by the sum of a figure a triangle, from 1.
     Rank { figure: String, flags: String, among: Among, models: ModelSet },
+    /// A figure of levels of detail, on average.
+    Levels { figure: String, flags: String, models: ModelSet },
+    /// A figure of the levels of detail of a model.
+    LevelsOf { figure: String, flags: String, model: String },
     /// A figure of a mesh.
     Mesh { figure: String, model: String },
     /// How many percent LRU transmits less than FIFO, on average over buffers from so many places to so many and a chart's models.
@@ -311,7 +336,8 @@ mod tests {
                     assert_eq!(row.published.len(), published, "{key}, {}, {}", table.name, row.model);
                 }
                 for column in &table.columns {
-                    if let Quantity::Strips { flags, .. } = &column.quantity {
+                    if let Quantity::Strips { flags, .. } | Quantity::Levels { flags, .. } = &column.quantity
+                    {
                         assert!(parse_flags(flags).is_ok(), "{flags}");
                     }
                 }

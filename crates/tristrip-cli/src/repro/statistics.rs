@@ -18,6 +18,8 @@ pub(super) fn want(statistic: &Statistic, paper: &Paper, lab: &mut Lab) {
         Statistic::Rank { among, models, .. } => {
             among.flags().iter().for_each(|flags| want_set(flags, *models, paper, lab));
         }
+        Statistic::Levels { flags, models, .. } => want_levels(flags, *models, paper, lab),
+        Statistic::LevelsOf { flags, model, .. } => lab.want_levels(flags.as_str().into(), model),
         Statistic::Mesh { model, .. } => lab.want_mesh(model),
         // What charts need is asked for by them.
         Statistic::LruSaving { .. } | Statistic::SavedBy { .. } | Statistic::Speed { .. } => (),
@@ -31,6 +33,12 @@ fn want_set(flags: &str, set: ModelSet, paper: &Paper, lab: &mut Lab) {
     } else {
         lab.want_set(flags.into(), set);
     }
+}
+
+/// Asks for levels of detail of the models of the paper's tables; they take too long for all.
+fn want_levels(flags: &str, set: ModelSet, paper: &Paper, lab: &mut Lab) {
+    let rows = paper.tables.iter().flat_map(|table| &table.rows).filter(|_| set == ModelSet::Table);
+    rows.filter_map(|row| row.file.as_ref()).for_each(|file| lab.want_levels(flags.into(), file));
 }
 
 /// Lists the models of a set that are here.
@@ -80,6 +88,13 @@ pub(super) fn compute(statistic: &Statistic, paper: &Paper, lab: &Lab) -> Option
             let own = total(flags);
             let before = among.flags().iter().filter(|other| total(other) < own).count();
             (count > 0).then_some((1.0 + before as f64, count))
+        }
+        Statistic::Levels { figure, flags, models: set } => {
+            let recipe = Recipe::from(flags.as_str());
+            mean(models(*set, paper, lab).into_iter().filter_map(|model| model.levels(&recipe, figure)))
+        }
+        Statistic::LevelsOf { figure, flags, model } => {
+            Some((lab.model(model)?.levels(&flags.as_str().into(), figure)?, 1))
         }
         Statistic::Mesh { figure, model } => Some((lab.model(model)?.mesh(figure)?, 1)),
         Statistic::LruSaving { chart, places, between } => {

@@ -16,7 +16,7 @@ fn the_help_stands_in_the_docs() {
         "# The command\n\nGenerated from the help of each subcommand; `TRISTRIP_BLESS=1 cargo test -p tristrip-cli` writes it \
          anew.\n",
     );
-    for subcommand in ["", "strip", "compare", "bound", "analyze", "verify", "convert", "simplify"] {
+    for subcommand in ["", "strip", "compare", "bound", "analyze", "verify", "convert", "simplify", "lod"] {
         let mut command = tristrip();
         command.env_remove("COLUMNS").args(Some(subcommand).filter(|name| !name.is_empty())).arg("--help");
         let help = command.assert().success().get_output().stdout.clone();
@@ -62,6 +62,9 @@ fn every_json_key_is_described() {
     let mut command = tristrip();
     command.args(["strip", "--json", "--effort", "0", "--pareto"]).arg(dir.path().join("a.svg"));
     let drawn = json(command.arg(&fish));
+    let lod = json(tristrip().args(["lod", "--json", "--table", "--compare"]).arg(&fish));
+    let row = &lod["table"][0];
+    let levels = [&lod, &lod["seconds"], row, &row["vertices_sent"], &row["refinement"], &lod["compare"][0]];
     let simplified = json(tristrip().args(["simplify", "--json", "--ratio", "50%"]).arg(&fish));
     let whole = [
         &simplified,
@@ -80,7 +83,7 @@ fn every_json_key_is_described() {
     let inner = [&strip["mesh"], &strip["seconds"], &best["bound"], &bound["bound"], &bound["components"][0]];
     let analyzed = [&analyze["seconds"], &analyze["buffers"][0], &analyze["by_part"][0]];
     let ordered = [&ordered["vertex_order"][0], &drawn["pareto"][0]];
-    let reports = [&whole[..], &inner[..], &analyzed[..], &ordered[..]].concat();
+    let reports = [&levels[..], &whole[..], &inner[..], &analyzed[..], &ordered[..]].concat();
     for key in reports.into_iter().flat_map(keys) {
         assert!(described.contains(&format!("`{key}`")), "FORMAT.md does not describe `{key}`");
     }

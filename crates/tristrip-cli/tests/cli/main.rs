@@ -6,6 +6,7 @@ mod analyze;
 mod compare;
 mod convert;
 mod documents;
+mod lod;
 mod pareto;
 mod reorder;
 mod repro;

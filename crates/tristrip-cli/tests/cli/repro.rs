@@ -97,9 +97,33 @@ fn nothing_is_measured_for_what_cannot_be_written_or_read() {
 }
 
 #[test]
+fn levels_of_detail_are_measured() {
+    let (models, output) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    fs::copy(model("wingnut.ply"), models.path().join("bunny.ply")).unwrap();
+    fs::write(models.path().join("cow.obj"), "v 0 0 0\n").unwrap();
+    let report = json(repro("001", models.path(), output.path()).arg("--json"));
+    let paper = &report["papers"][0];
+    let rows = paper["tables"][2]["rows"].as_array().unwrap();
+    let bunny = rows.iter().find(|row| row["model"] == "Bunny").unwrap();
+    assert_eq!(bunny["verdict"], "stand-in: bunny");
+    let measured = |column: usize| bunny["columns"][column]["measured"].as_f64().unwrap_or(f64::NAN);
+    // No filter, STSS, DTFS and ours, in percent of single triangles.
+    assert!((1..4).all(|column| measured(column) < measured(column - 1)), "{bunny}");
+    let series = paper["charts"][0]["panels"][0]["series"].as_array().unwrap();
+    assert!(series.iter().all(|series| series["points"].as_array().is_some_and(|points| points.len() > 50)));
+    for file in ["001.md", "001-figure-9.svg", "001-figure-11.svg"] {
+        let text = fs::read_to_string(output.path().join("reproduction").join(file)).unwrap();
+        assert!(!text.contains("NaN"), "{file}");
+    }
+}
+
+#[test]
 fn papers_are_known_by_their_numbers() {
     for (arguments, message) in [
-        (&["repro", "--papers", "004,999", "-o", "docs"][..], "no paper \"999\"; there are 000, 003, 004"),
+        (
+            &["repro", "--papers", "004,999", "-o", "docs"][..],
+            "no paper \"999\"; there are 000, 001, 003, 004",
+        ),
         (&["repro", "--papers", "004"][..], "--output"),
     ] {
         tristrip().args(arguments).assert().code(2).stderr(contains("error: ").and(contains(message)));

@@ -99,12 +99,24 @@ fn flags_are_checked() {
         &["simplify", "a.ply", "--ratio", "5%", "-o", "-", "--to", "glb", "--json"],
         "both write to standard output",
     );
+    refused(&["lod", "a.ply", "--level", "140%"], "found `140%`, expected a number such as 120");
+    refused(&["lod", "a.ply", "--base", "0..1"], "found `0..1`, expected a share from 0 to 1");
+    refused(&["lod", "a.ply", "--filter", "fog"], "possible values: none, stss, dtfs");
+    refused(&["lod", "a.ply", "--model", "magic"], "possible values: progressive");
+    refused(&["lod", "a.ply", "--plot", "a.png"], "--plot writes SVG");
+    refused(&["lod", "a", "b", "c", "d", "--plot", "a.svg"], "--plot takes at most 3 inputs");
+    refused(
+        &["lod", "a.ply", "--to", "ply", "-o", "a.svg", "--plot", "a.svg"],
+        "-o and --plot name the same file",
+    );
+    refused(&["lod", "a.ply", "-m", "sgi", "--effort", "3"], "--effort belongs to");
+    refused(&["lod", "a.ply", "-o", "b.obj", "--layout", "restart"], "OBJ has no strips");
     refused(&["paint", "a.ply"], "unrecognized subcommand");
 }
 
 #[test]
 fn help_is_short_or_long_and_names_everything() {
-    for subcommand in ["strip", "compare", "analyze", "verify", "convert", "simplify"] {
+    for subcommand in ["strip", "compare", "analyze", "verify", "convert", "simplify", "lod"] {
         let length = |flag: &str| {
             let output = tristrip().args([subcommand, flag]).assert().success().get_output().stdout.clone();
             output.len()

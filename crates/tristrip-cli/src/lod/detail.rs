@@ -1,0 +1,190 @@
+//! A part at any level: its strips with renamed vertices, filtered, and the proof that they draw what the collapses leave.
+
+use std::iter::Sum;
+use std::ops::Range;
+
+use clap::ValueEnum;
+use tristrip::lod::Filter;
+use tristrip::lod::progressive::{Encoding, ProgressiveStrips};
+use tristrip::simplify::Simplification;
+use tristrip::strip::verify_drawing;
+use tristrip::{CollapseSequence, Error, Faces, Strips};
+
+use crate::failure::Failure;
+use crate::simplify::Compact;
+
+/// How strips are read before they are drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub(crate) enum FilterName {
+    /// As they are, with all that draws nothing
+    None,
+    /// The simple triangle strip scanner: pairs of vertices that repeat at once are sent once (El-Sana et al. 2000)
+    Stss,
+    /// The degenerate triangle-free scanner: valid triangles only (Kim et al. 2005)
+    Dtfs,
+    /// Valid triangles only, in the same order, at the least cost of this order
+    Linked,
+}
+
+impl FilterName {
+    pub(crate) const DEFAULT: Self = Self::Linked;
+
+    /// Gives the name as it is typed.
+    pub(crate) fn name(self) -> String {
+        self.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
+    }
+
+    /// Gives the library's filter.
+    pub(crate) fn filter(self) -> Filter {
+        match self {
+            Self::None => Filter::None,
+            Self::Stss => Filter::Stss,
+            Self::Dtfs => Filter::Dtfs,
+            Self::Linked => Filter::Linked,
+        }
+    }
+}
+
+/// A part with the strips of its full mesh and its collapses.
+pub(crate) struct Detail<'a> {
+    compact: Compact<'a>,
+    sequence: CollapseSequence,
+    /// Over the vertices of `compact`, as the collapses are.
+    strips: Strips,
+    /// At the level of the full mesh.
+    encoded: ProgressiveStrips,
+    naive: ProgressiveStrips,
+}
+
+impl<'a> Detail<'a> {
+    /// Takes a part, the strips of its full mesh over its own vertices, and its simplification.
+    pub(crate) fn new(
+        compact: Compact<'a>,
+        strips: &Strips,
+        simplification: Simplification,
+    ) -> Result<Self, Error> {
+        let strips = mapped(strips, |strip| compact.inward(strip));
+        let sequence = simplification.sequence;
+        let model = |encoding| ProgressiveStrips::new(&strips, &sequence, encoding);
+        let (encoded, naive) = (model(Encoding::Offsets)?, model(Encoding::Naive)?);
+        Ok(Self { compact, sequence, strips, encoded, naive })
+    }
+
+    /// Gives the strips of the full mesh, over the vertices of the collapses.
+    pub(crate) fn strips(&self) -> &Strips {
+        &self.strips
+    }
+
+    pub(crate) fn sequence(&self) -> &CollapseSequence {
+        &self.sequence
+    }
+
+    /// Gives the index map at a level: the strips with the vertices that stand in them, and restarts between them.
+    pub(crate) fn map(&self, level: usize) -> Vec<u32> {
+        let (mut model, mut map) = (self.encoded.clone(), Vec::new());
+        model.go_to(level);
+        model.decode_to(&mut map);
+        map
+    }
+
+    /// Gives the display strips of an index map.
+    pub(crate) fn display(map: &[u32], filter: FilterName) -> Strips {
+        let mut display = Strips::default();
+        filter.filter().map_to(map, &mut display);
+        display
+    }
+
+    /// Counts the places that vertex splits write from one level to another, without symbols and with them.
+    pub(crate) fn updates(&self, levels: Range<usize>) -> Updates {
+        let of = |model: &ProgressiveStrips| levels.clone().map(|level| model.place_count(level)).sum();
+        let vertices = levels.clone().map(|level| self.encoded.split(level).len()).sum();
+        Updates { splits: levels.len(), vertices, naive: of(&self.naive), encoded: of(&self.encoded) }
+    }
+
+    /// Gives strips over the part's own vertices.
+    pub(crate) fn outward(&self, strips: &Strips) -> Strips {
+        mapped(strips, |strip| self.compact.outward(strip))
+    }
+
+    /// Gives the triangles that the collapses leave at a level, over the part's own vertices.
+    pub(crate) fn left(&self, level: usize) -> Vec<u32> {
+        let mut corners = self.sequence.drawn(level).into_flattened();
+        self.compact.outward(&mut corners);
+        corners
+    }
+
+    /// Proves that each of some display strips draws what the collapses leave at a level.
+    pub(crate) fn prove(&self, level: usize, displays: &[&Strips]) -> Result<(), Failure> {
+        let left = Faces::from_triangles(self.sequence.drawn(level).into_flattened())?;
+        for display in displays {
+            let drawn: Vec<[u32; 3]> = display.triangles().collect();
+            verify_drawing(&left, &drawn)
+                .map_err(|why| Failure::Unproven(format!("level {level}: {why}")))?;
+        }
+        Ok(())
+    }
+}
+
+/// What vertex splits write into the index map.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) struct Updates {
+    pub(crate) splits: usize,
+    /// Vertices that come back: one for each split, and more on attribute seams.
+    pub(crate) vertices: usize,
+    /// Places written where collapses write the kept vertex.
+    pub(crate) naive: usize,
+    /// Places written where collapses write symbols that refer to a place nearby.
+    pub(crate) encoded: usize,
+}
+
+impl Sum for Updates {
+    fn sum<I: Iterator<Item = Self>>(counts: I) -> Self {
+        counts.fold(Self::default(), |a, b| Self {
+            splits: a.splits + b.splits,
+            vertices: a.vertices + b.vertices,
+            naive: a.naive + b.naive,
+            encoded: a.encoded + b.encoded,
+        })
+    }
+}
+
+/// Gives strips with other vertices.
+fn mapped(strips: &Strips, map: impl Fn(&mut [u32])) -> Strips {
+    let (mut out, mut other) = (Strips::default(), Vec::new());
+    for strip in strips.iter() {
+        other.clear();
+        other.extend_from_slice(strip);
+        map(&mut other);
+        out.push(&other);
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tristrip::Mesh;
+    use tristrip::simplify::Rename;
+
+    #[test]
+    fn every_filter_draws_what_is_left_and_nothing_else_is_proven() {
+        let mesh =
+            Mesh::new((0..6).map(|i| [i as f32, 0.0, 0.0]).collect::<Vec<_>>(), Faces::default()).unwrap();
+        let mut strips = Strips::default();
+        strips.push(&[0, 1, 2, 3, 4, 5]);
+        let rename = [Rename { removed: 3, kept: 2 }];
+        let sequence = CollapseSequence::from_collapses(6, strips.to_list(), [(&rename[..], 1.0)]).unwrap();
+        let compact = Compact::new(&mesh, &strips.to_list()).unwrap();
+        let detail = Detail::new(compact, &strips, Simplification { sequence, stopped: None }).unwrap();
+        assert_eq!(detail.map(1), strips.vertices());
+        let map = detail.map(0);
+        assert_eq!(map, [0, 1, 2, 2, 4, 5]);
+        assert_eq!(detail.updates(0..1), Updates { splits: 1, vertices: 1, naive: 1, encoded: 1 });
+        for &filter in FilterName::value_variants() {
+            let display = Detail::display(&map, filter);
+            detail.prove(0, &[&display]).unwrap();
+            assert!(matches!(detail.prove(1, &[&display]), Err(Failure::Unproven(_))));
+        }
+        assert_eq!(detail.left(0), [0, 1, 2, 4, 2, 5]);
+    }
+}

@@ -1,0 +1,148 @@
+//! The levels of a model: those of its only part, or the collapses of all parts in one order.
+
+use std::str::FromStr;
+
+use tristrip::CollapseSequence;
+
+use crate::failure::Failure;
+use crate::text::count;
+
+/// A level as it is typed: `120` or `40%`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Level {
+    Number(usize),
+    Percent(f64),
+}
+
+impl Level {
+    /// Gives the level, of so many collapses.
+    ///
+    /// # Errors
+    /// There is no such level.
+    #[allow(clippy::cast_sign_loss, reason = "a percentage is not negative")]
+    pub(crate) fn of(self, collapses: usize) -> Result<usize, Failure> {
+        match self {
+            Self::Percent(percent) => Ok((percent / 100.0 * collapses as f64).round() as usize),
+            Self::Number(level) if level <= collapses => Ok(level),
+            Self::Number(level) => {
+                let (found, last) = (count(level), count(collapses));
+                Err(Failure::Input(format!("level: found {found}, expected at most {last}, the full mesh")))
+            }
+        }
+    }
+}
+
+impl FromStr for Level {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let parsed = match text.strip_suffix('%') {
+            Some(number) => number.parse().ok().filter(|p| (0.0..=100.0).contains(p)).map(Self::Percent),
+            None => text.parse().ok().map(Self::Number),
+        };
+        parsed.ok_or_else(|| {
+            format!("found `{text}`, expected a number such as 120, or a percentage such as 40%")
+        })
+    }
+}
+
+/// The levels of a model of any number of parts. Its collapses are those of all parts, in the order of their errors, so that at every
+/// level all parts are about as far from their full meshes.
+pub(crate) struct Levels<'a> {
+    sequences: Vec<&'a CollapseSequence>,
+    /// The part of each collapse, from the full meshes on.
+    order: Vec<u32>,
+}
+
+impl<'a> Levels<'a> {
+    pub(crate) fn new(sequences: Vec<&'a CollapseSequence>) -> Self {
+        let mut collapses: Vec<(f32, u32)> = Vec::new();
+        for (part, sequence) in (0..).zip(&sequences) {
+            // The greatest error so far, so that the collapses of a part keep their order.
+            let mut most = 0.0_f32;
+            collapses.extend(sequence.iter().map(|collapse| {
+                most = most.max(collapse.error);
+                (most, part)
+            }));
+        }
+        collapses.sort_by(|a, b| a.0.total_cmp(&b.0));
+        Self { sequences, order: collapses.into_iter().map(|(_, part)| part).collect() }
+    }
+
+    /// Counts the collapses, which is the level of the full model.
+    pub(crate) fn len(&self) -> usize {
+        self.order.len()
+    }
+
+    /// Gives the level of each part at a level of the model.
+    pub(crate) fn of_parts(&self, level: usize) -> Vec<usize> {
+        let mut levels: Vec<usize> = self.sequences.iter().map(|sequence| sequence.len()).collect();
+        self.order[..self.len() - level].iter().for_each(|&part| levels[part as usize] -= 1);
+        levels
+    }
+
+    /// Lists the parts of the collapses, from the full model to the base meshes.
+    pub(crate) fn parts_from_full(&self) -> impl Iterator<Item = usize> {
+        self.order.iter().map(|&part| part as usize)
+    }
+
+    /// Counts the triangles at levels of the parts.
+    pub(crate) fn triangle_count(&self, of_parts: &[usize]) -> usize {
+        self.sequences.iter().zip(of_parts).map(|(sequence, &level)| sequence.triangle_count(level)).sum()
+    }
+
+    /// Gives the greatest error of the collapses that lead to levels of the parts, in mesh units.
+    pub(crate) fn error(&self, of_parts: &[usize]) -> f32 {
+        self.sequences
+            .iter()
+            .zip(of_parts)
+            .map(|(sequence, &level)| sequence.error(level))
+            .fold(0.0, f32::max)
+    }
+
+    /// Lists levels so many steps apart, from the base mesh to the full one.
+    pub(crate) fn evenly(&self, steps: usize) -> Vec<usize> {
+        let mut levels: Vec<usize> =
+            (0..=steps).map(|step| (self.len() * step + steps / 2) / steps).collect();
+        levels.dedup();
+        levels
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tristrip::simplify::Rename;
+
+    /// A fan whose rim goes in order, with these errors.
+    fn fan(errors: &[f32]) -> CollapseSequence {
+        let corners = errors.len() as u32 + 3;
+        let triangles = (0..corners - 1).flat_map(|i| [i, i + 1, corners]).collect();
+        let renames: Vec<[Rename; 1]> =
+            (0..errors.len() as u32).map(|i| [Rename { removed: i, kept: i + 1 }]).collect();
+        let collapses = renames.iter().zip(errors).map(|(rename, &error)| (&rename[..], error));
+        CollapseSequence::from_collapses(corners as usize + 1, triangles, collapses).unwrap()
+    }
+
+    #[test]
+    fn levels_are_read_as_numbers_and_percentages() {
+        let level = |text: &str| text.parse::<Level>().ok().and_then(|level| level.of(201).ok());
+        assert_eq!(
+            ["0", "201", "202", "0%", "50%", "100%", "101%", "-1", "half", "0.4"].map(level),
+            [Some(0), Some(201), None, Some(0), Some(101), Some(201), None, None, None, None]
+        );
+    }
+
+    #[test]
+    fn collapses_of_all_parts_come_in_the_order_of_their_errors() {
+        let (a, b) = (fan(&[1.0, 4.0, 2.0]), fan(&[2.0, 3.0, 5.0]));
+        let levels = Levels::new(vec![&a, &b]);
+        let all: Vec<_> = (0..=levels.len()).rev().map(|level| levels.of_parts(level)).collect();
+        assert_eq!(all, [[3, 3], [2, 3], [2, 2], [2, 1], [1, 1], [0, 1], [0, 0]]);
+        assert_eq!(levels.triangle_count(&[2, 1]), 4 + 3);
+        assert_eq!(levels.error(&[2, 1]).to_bits(), 3.0_f32.to_bits());
+        assert_eq!(levels.evenly(3), [0, 2, 4, 6]);
+        assert_eq!(levels.evenly(20), [0, 1, 2, 3, 4, 5, 6]);
+        assert_eq!(Levels::new(vec![]).evenly(20), [0]);
+    }
+}

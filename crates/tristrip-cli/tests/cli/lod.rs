@@ -1,0 +1,227 @@
+//! `tristrip lod`: any level, with the strips of the full mesh.
+
+use std::fs;
+use std::path::Path;
+
+use super::{SQUARE, json, keys, model, tristrip};
+use predicates::str::contains;
+use serde_json::Value;
+
+const FILTERS: [&str; 4] = ["none", "stss", "dtfs", "linked"];
+
+/// Gives the report of a fast method on a model of the project's own.
+fn lod(name: &str, arguments: &[&str]) -> Value {
+    json(tristrip().args(["lod", "--json", "-m", "stripe"]).args(arguments).arg(model(name)))
+}
+
+fn number(report: &Value, key: &str) -> u64 {
+    report[key].as_u64().unwrap_or_else(|| panic!("{key} is no number"))
+}
+
+fn path(path: &Path) -> &str {
+    path.to_str().unwrap_or_else(|| panic!("no text: {path:?}"))
+}
+
+#[test]
+fn levels_go_from_the_base_mesh_to_the_full_one() {
+    let of = |level: &str| lod("hand.ply", &["--level", level]);
+    let (base, some, full) = (of("0"), of("40%"), of("100%"));
+    let levels = number(&full, "levels");
+    assert_eq!((number(&base, "level"), number(&full, "level")), (0, levels));
+    assert_eq!(number(&some, "level"), (4 * levels + 5) / 10);
+    assert_eq!(number(&full, "triangles"), number(&full, "triangles_full"));
+    assert_eq!(number(&base, "triangles"), number(&base, "triangles_base"));
+    // The hand is closed: a vertex more is two triangles more.
+    for report in [&base, &some, &full] {
+        assert_eq!(number(report, "triangles"), number(&base, "triangles") + 2 * number(report, "level"));
+        assert_eq!(report["proven"], true);
+    }
+    assert!(
+        number(&base, "triangles") <= 799 && base["surface_error"].as_f64() > some["surface_error"].as_f64()
+    );
+    assert_eq!(full["surface_error"], 0.0);
+    // The full mesh is drawn by the strips that were found.
+    let strip = json(tristrip().args(["strip", "--json", "-m", "stripe"]).arg(model("hand.ply")));
+    assert!(number(&full, "vertices_sent") <= number(&strip, "vertices_sent"));
+    let unfiltered = lod("hand.ply", &["--filter", "none"]);
+    assert_eq!(
+        (&unfiltered["vertices_sent"], &unfiltered["strips"]),
+        (&strip["vertices_sent"], &strip["strips"])
+    );
+}
+
+#[test]
+fn the_report_has_its_keys() {
+    let report = lod("fish_control.ply", &["--level", "50%", "--table"]);
+    let found = keys(&report);
+    let expected = [
+        "file",
+        "method",
+        "patches",
+        "cutoff",
+        "seed",
+        "chosen",
+        "model",
+        "filter",
+        "proven",
+        "seconds",
+        "levels",
+        "triangles_base",
+        "triangles_full",
+        "level",
+        "surface_error",
+        "surface_error_percent",
+        "diagonal",
+        "triangles",
+        "strips",
+    ];
+    assert_eq!(found[..expected.len()], expected);
+    assert_eq!(
+        found[found.len() - 9..],
+        ["table", "compare", "plot", "stopped", "parts", "notes", "output", "layout", "error"]
+    );
+    let row = &report["table"][0];
+    assert_eq!(keys(row), ["level", "percent", "triangles", "vertices_sent", "refinement"]);
+    assert_eq!(keys(&row["vertices_sent"]), [&["triangles"][..], &FILTERS].concat());
+    assert_eq!((&report["model"], &report["filter"]), (&"progressive".into(), &"linked".into()));
+}
+
+#[test]
+fn a_table_has_every_filter_from_the_base_to_the_full_mesh() {
+    let report = lod("wingnut.ply", &["--table", "--base", "10%"]);
+    let rows = report["table"].as_array().unwrap();
+    assert_eq!((rows.len(), &rows[20]["level"]), (21, &report["levels"]));
+    let sent = |row: &Value, filter: &str| number(&row["vertices_sent"], filter);
+    for row in rows {
+        assert_eq!(sent(row, "triangles"), 3 * number(row, "triangles"));
+        assert_eq!(sent(row, "none"), sent(&rows[20], "none"), "strips keep their length");
+        assert!(sent(row, "linked") <= sent(row, "dtfs"));
+        assert!(sent(row, "stss") <= sent(row, "none"));
+    }
+    let text = tristrip().args(["lod", "--table", "-m", "sgi"]).arg(model("wingnut.ply")).assert().success();
+    let text = String::from_utf8(text.get_output().stdout.clone()).unwrap();
+    assert!(text.contains("Vertices sent") && text.contains("linked") && text.contains("100 %"), "{text}");
+}
+
+#[test]
+fn a_comparison_adds_up_all_levels() {
+    let report = lod("fish_control.ply", &["--compare", "--base", "40%"]);
+    let totals = report["compare"].as_array().unwrap();
+    let names: Vec<&str> = totals.iter().filter_map(|total| total["filter"].as_str()).collect();
+    assert_eq!(names, [&["triangles"][..], &FILTERS].concat());
+    assert!(totals.iter().all(|total| number(total, "vertices_sent") > 0));
+    assert_eq!((&totals[0]["percent"], &totals[0]["vertices_per_triangle"]), (&100.0.into(), &3.0.into()));
+    let text =
+        tristrip().args(["lod", "--compare", "-m", "sgi"]).arg(model("wingnut.ply")).assert().success();
+    let text = String::from_utf8(text.get_output().stdout.clone()).unwrap();
+    assert!(text.contains("all levels, each once") && text.contains("100.0 %"), "{text}");
+}
+
+#[test]
+fn a_level_is_written_and_draws_what_the_collapses_leave() {
+    let dir = tempfile::tempdir().unwrap();
+    for (file, layout) in
+        [("a.ply", "restart"), ("a.glb", "degenerate"), ("b.glb", "separate"), ("a.obj", "list")]
+    {
+        let output = dir.path().join(file);
+        for filter in FILTERS {
+            let flags = ["--level", "30%", "--filter", filter, "--layout", layout, "-o", path(&output)];
+            let report = lod("hand.ply", &flags);
+            assert_eq!((&report["proven"], &report["layout"]), (&true.into(), &layout.into()));
+            let stored = json(tristrip().args(["analyze", "--json"]).arg(&output));
+            assert_eq!(stored["triangles"], report["triangles"]);
+            let again = json(tristrip().args(["strip", "--json", "-m", "input"]).arg(&output));
+            assert_eq!(again["mesh"]["unreferenced_vertices"], 0);
+        }
+    }
+}
+
+#[test]
+fn the_base_mesh_is_as_that_of_simplify() {
+    let base = lod("hand.ply", &["--level", "0", "--base", "10%"]);
+    let mut command = tristrip();
+    let simple = json(command.args(["simplify", "--json", "--ratio", "10%"]).arg(model("hand.ply")));
+    // Triangles in another order decide otherwise between equal errors.
+    assert_eq!(base["triangles"], simple["triangles_after"]);
+    let errors = [&base, &simple].map(|report| report["surface_error"].as_f64().unwrap_or(f64::NAN));
+    assert!((errors[0] / errors[1] - 1.0).abs() < 0.2, "{errors:?}");
+}
+
+#[test]
+fn parts_share_their_levels_and_a_scene_stays() {
+    let dir = tempfile::tempdir().unwrap();
+    let output = dir.path().join("truck.glb");
+    let report = lod("milktruck.glb", &["--level", "25%", "--base", "50%", "-o", path(&output)]);
+    assert_eq!((&report["parts"], &report["proven"]), (&4.into(), &true.into()));
+    assert!(report["notes"].to_string().contains("of positions that several parts use stayed"));
+    let stored = json(tristrip().args(["analyze", "--json"]).arg(&output));
+    assert_eq!(stored["triangles"], report["triangles"]);
+    let ply = dir.path().join("truck.ply");
+    lod("milktruck.glb", &["--level", "25%", "--base", "50%", "-o", path(&ply)]);
+    let stored = json(tristrip().args(["analyze", "--json"]).arg(&ply));
+    assert_eq!(stored["triangles"], report["triangles"]);
+}
+
+#[test]
+fn a_picture_shows_every_model() {
+    let dir = tempfile::tempdir().unwrap();
+    let plot = dir.path().join("lod.svg");
+    let mut command = tristrip();
+    command.args(["lod", "-m", "sgi", "--plot"]).arg(&plot).arg(model("hand.ply")).arg(model("wingnut.ply"));
+    command.assert().success();
+    let svg = fs::read_to_string(&plot).unwrap();
+    for words in ["hand.ply", "wingnut.ply", "as triangles", "dtfs", "linked", "vertices sent"] {
+        assert!(svg.contains(words), "{words}");
+    }
+    let again = dir.path().join("again.svg");
+    let mut command = tristrip();
+    command.args(["lod", "-m", "sgi", "--threads", "1", "--plot"]).arg(&again);
+    command.arg(model("hand.ply")).arg(model("wingnut.ply")).assert().success();
+    assert_eq!(svg, fs::read_to_string(&again).unwrap());
+    let nowhere = dir.path().join("no/such/folder/a.svg");
+    let mut command = tristrip();
+    command.args(["lod", "-m", "sgi", "--plot"]).arg(nowhere).arg(model("fish_control.ply"));
+    command.assert().code(1).stderr(contains("no such file or directory"));
+}
+
+#[test]
+fn levels_are_the_same_for_any_number_of_threads() {
+    let dir = tempfile::tempdir().unwrap();
+    let bytes = ["1", "2", "7"].map(|threads| {
+        let output = dir.path().join(threads).with_extension("glb");
+        let flags = ["--level", "60%", "--threads", threads, "-o", path(&output)];
+        lod("milktruck.glb", &flags);
+        fs::read(output).unwrap()
+    });
+    assert!(bytes[0] == bytes[1] && bytes[1] == bytes[2]);
+}
+
+#[test]
+fn what_has_no_faces_or_no_shape_is_fine() {
+    let soup = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 0 0\nv 6 0 0\nv 5 1 0\nf 1 2 3\nf 4 5 6\nf 1 1 2\n";
+    for text in ["v 1 2 3\n", SQUARE, soup] {
+        for level in ["0", "50%", "100%"] {
+            let mut command = tristrip();
+            command.args(["lod", "-", "--json", "--table", "--level", level]).write_stdin(text);
+            let report = json(&mut command);
+            assert_eq!(report["proven"], true);
+        }
+    }
+}
+
+#[test]
+fn what_is_not_there_is_said() {
+    let mut command = tristrip();
+    command.args(["lod", "-m", "sgi", "--level", "999999"]).arg(model("hand.ply"));
+    command.assert().code(1).stderr(contains("level: found 999,999, expected at most 7,"));
+    tristrip().args(["lod", "missing.ply"]).assert().code(1).stderr(contains("no such file or directory"));
+    let dir = tempfile::tempdir().unwrap();
+    let bad = dir.path().join("bad.obj");
+    fs::write(&bad, "v 0 0 zero\n").unwrap();
+    let mut command = tristrip();
+    command.args(["lod", "--json", "-m", "sgi"]).arg(&bad).arg(model("fish_control.ply"));
+    let output = command.assert().code(1).get_output().stdout.clone();
+    let reports: Value = serde_json::from_slice(&output).unwrap();
+    assert!(reports[0]["error"].is_string() && reports[0]["levels"].is_null());
+    assert!(reports[1]["error"].is_null() && reports[1]["proven"] == true);
+}
