@@ -13,7 +13,7 @@ pub mod progressive;
 mod samples;
 pub mod traffic;
 
-pub use filter::{Filter, Sent};
+pub use filter::{Filter, Repair, Sent};
 pub use progressive::{ProgressiveMesh, ProgressiveStrips};
 
 /// Separates strips in an index map; no vertex has this number.

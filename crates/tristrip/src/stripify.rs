@@ -8,7 +8,7 @@ mod cache;
 mod fewest;
 pub mod input;
 pub(crate) mod random;
-mod refine;
+pub(crate) mod refine;
 pub mod sequential;
 pub mod sgi;
 pub mod stripe;

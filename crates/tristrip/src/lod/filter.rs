@@ -14,7 +14,7 @@
 //! # References
 //! [`stss`] is El-Sana, Evans, Kalaiah, Varshney, Skiena, Azanli: *Efficiently Computing and Updating Triangle Strips for Real-Time
 //! Rendering*, 2000, section 5.4; [`dtfs`] is Kim, Park, Yang, Neelamkavil: *A Rendering-Efficient Progressive Transmission of 3D
-//! Meshes*, 2005, section 4. [`linked`] is ours.
+//! Meshes*, 2005, section 4. [`linked`] is ours. So is [`repair`], which reads no strips: it follows the collapses, and mends strips beside them.
 //!
 //! # Complexity
 //! O(n) time, and no memory but the result, at most four vertices a triangle. Of the strips of the bunny at 21 levels, `Dtfs` reads 360
@@ -22,6 +22,7 @@
 
 pub mod dtfs;
 pub mod linked;
+pub mod repair;
 pub mod stss;
 mod valid;
 
@@ -30,6 +31,7 @@ mod tests;
 
 use super::RESTART;
 use crate::strip::Strips;
+pub use repair::Repair;
 
 /// How simplified strips become display strips.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]

@@ -63,6 +63,19 @@ struct Price {
     error: f64,
 }
 
+/// What is known of a point's best collapse. Times are counted in collapses.
+#[derive(Debug, Clone, Copy)]
+struct Plan {
+    /// Where the point would go to.
+    target: u32,
+    /// The error of that, in mesh units, once it is priced.
+    error: f32,
+    /// When it was priced.
+    priced: u32,
+    /// When its neighbourhood changed.
+    changed: u32,
+}
+
 /// A triangle at the point looked at, without the point.
 #[derive(Debug, Clone, Copy)]
 struct Side {
@@ -84,13 +97,7 @@ pub(super) struct Decimation {
     quadrics: Vec<Quadric>,
     locked: Vec<bool>,
     queue: Queue,
-    /// Where each point would go to.
-    targets: Vec<u32>,
-    /// The error of that, once it is priced.
-    errors: Vec<f32>,
-    /// When each point was priced, and when its neighbourhood changed, in collapses.
-    priced: Vec<u32>,
-    changed: Vec<u32>,
+    plans: Vec<Plan>,
     now: u32,
     marks: Vec<u32>,
     mark: u32,
@@ -132,10 +139,7 @@ impl Decimation {
             quadrics,
             locked: is_locked,
             queue: Queue::new(count),
-            targets: vec![NONE; count],
-            errors: vec![0.0; count],
-            priced: vec![0; count],
-            changed: vec![1; count],
+            plans: vec![Plan { target: NONE, error: 0.0, priced: 0, changed: 1 }; count],
             now: 1,
             marks: vec![0; count],
             mark: 0,
@@ -229,14 +233,14 @@ impl Decimation {
     /// Puts a point into the queue by the estimate of its best collapse.
     fn estimate(&mut self, point: u32) {
         if !self.may_go(point) {
-            self.targets[point as usize] = NONE;
+            self.plans[point as usize].target = NONE;
             self.queue.remove(point);
             return;
         }
         self.collect_candidates(point);
         let least = self.candidates.iter().copied().min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         if let Some((cost, to)) = least {
-            self.targets[point as usize] = to;
+            self.plans[point as usize].target = to;
             self.queue.set(point, cost as f32);
         }
     }
@@ -260,12 +264,11 @@ impl Decimation {
         }
         self.candidates = candidates;
         if let Some((price, to)) = best {
-            self.targets[point as usize] = to;
-            self.errors[point as usize] = (price.error * self.unit) as f32;
-            self.priced[point as usize] = self.now;
+            let plan = &mut self.plans[point as usize];
+            (plan.target, plan.error, plan.priced) = (to, (price.error * self.unit) as f32, self.now);
             self.queue.set(point, price.cost as f32);
         } else {
-            self.targets[point as usize] = NONE;
+            self.plans[point as usize].target = NONE;
             self.queue.remove(point);
         }
     }
@@ -291,9 +294,9 @@ impl Decimation {
 
     /// Tells whether the price of a point still holds.
     fn is_priced(&mut self, point: u32) -> bool {
-        let (priced, to) = (self.priced[point as usize], self.targets[point as usize]);
-        priced >= self.changed[point as usize]
-            && (priced >= self.changed[to as usize] || self.keeps_topology(point, to))
+        let Plan { target, priced, changed, .. } = self.plans[point as usize];
+        priced >= changed
+            && (priced >= self.plans[target as usize].changed || self.keeps_topology(point, target))
     }
 
     fn refusal(&mut self, point: u32, to: u32) -> Option<Refusal> {
@@ -397,7 +400,7 @@ impl Decimation {
     }
 
     fn collapse(&mut self, point: u32, sequence: &mut CollapseSequence) {
-        let to = self.targets[point as usize];
+        let to = self.plans[point as usize].target;
         let (mut renames, mut dropped) =
             (std::mem::take(&mut self.renames), std::mem::take(&mut self.dropped));
         let mut around = std::mem::take(&mut self.neighbours);
@@ -405,7 +408,7 @@ impl Decimation {
         let renamed = self.topology.renames(point, to, &mut renames);
         debug_assert!(renamed.is_some());
         self.topology.collapse(point, to, &renames, &mut dropped);
-        sequence.push(&renames, &dropped, self.errors[point as usize]);
+        sequence.push(&renames, &dropped, self.plans[point as usize].error);
         self.triangle_count -= dropped.len();
         self.queue.remove(point);
         let quadric = self.quadrics[point as usize];
@@ -414,7 +417,7 @@ impl Decimation {
 
         self.now += 1;
         for &p in &around {
-            self.changed[p as usize] = self.now;
+            self.plans[p as usize].changed = self.now;
         }
         self.estimate(to);
         for &p in &around {
@@ -433,7 +436,7 @@ impl Decimation {
         }
         let other = self.quadrics[point as usize].at(self.positions[kept as usize]) as f32;
         if other < cost {
-            self.targets[point as usize] = kept;
+            self.plans[point as usize].target = kept;
             self.queue.set(point, other);
         }
     }

@@ -15,6 +15,7 @@
 //! 12 bytes a triangle, 12 more where there are seams, some 16 for the rings; 13 bytes a point.
 
 use std::collections::HashMap;
+use std::ops::Range;
 
 use super::collapse::{Rename, is_degenerate};
 use crate::mesh::SPARSE;
@@ -86,6 +87,8 @@ pub(super) struct Topology {
     wedges: Vec<u32>,
     /// A vertex of each point.
     vertex_of: Vec<u32>,
+    /// Whether a point is more than one vertex; empty where none is.
+    on_seam: Vec<bool>,
     kinds: Vec<Kind>,
     rings: Rings,
 }
@@ -94,64 +97,71 @@ pub(super) struct Topology {
 #[derive(Debug)]
 struct Rings {
     corners: Vec<Corner>,
-    starts: Vec<u32>,
-    lengths: Vec<u32>,
-    places: Vec<u32>,
+    rings: Vec<Ring>,
+}
+
+/// Where the corners of a point stand, how many there are, and for how many there is room.
+#[derive(Debug, Clone, Copy, Default)]
+struct Ring {
+    start: u32,
+    length: u32,
+    room: u32,
+}
+
+impl Ring {
+    fn range(self) -> Range<usize> {
+        self.start as usize..(self.start + self.length) as usize
+    }
 }
 
 impl Rings {
     fn new(triangles: &[[u32; 3]], point_count: usize) -> Self {
-        let mut lengths = vec![0_u32; point_count];
-        triangles.iter().flatten().for_each(|&p| lengths[p as usize] += 1);
-        let mut starts = Vec::with_capacity(point_count);
+        let mut rings = vec![Ring::default(); point_count];
+        triangles.iter().flatten().for_each(|&p| rings[p as usize].room += 1);
         let mut end = 0;
-        for &length in &lengths {
-            starts.push(end);
-            end += length;
+        for ring in &mut rings {
+            ring.start = end;
+            end += ring.room;
         }
-        let mut next = starts.clone();
         let mut ordered = vec![Corner(0); 3 * triangles.len()];
         for (corner, &p) in corners(triangles.len()).zip(triangles.iter().flatten()) {
-            ordered[next[p as usize] as usize] = corner;
-            next[p as usize] += 1;
+            let ring = &mut rings[p as usize];
+            ordered[ring.range().end] = corner;
+            ring.length += 1;
         }
-        Self { corners: ordered, starts, places: lengths.clone(), lengths }
+        Self { corners: ordered, rings }
     }
 
     fn of(&self, point: u32) -> &[Corner] {
-        let start = self.starts[point as usize] as usize;
-        &self.corners[start..start + self.lengths[point as usize] as usize]
+        &self.corners[self.rings[point as usize].range()]
     }
 
     /// Takes away the corners of a triangle.
     fn remove(&mut self, point: u32, triangle: u32) {
-        let start = self.starts[point as usize] as usize;
-        let length = self.lengths[point as usize] as usize;
-        let ring = &mut self.corners[start..start + length];
-        if let Some(i) = ring.iter().position(|&corner| corner.triangle() == triangle as usize) {
-            ring[i] = ring[length - 1];
-            self.lengths[point as usize] -= 1;
+        let ring = &mut self.rings[point as usize];
+        let corners = &mut self.corners[ring.range()];
+        if let Some(i) = corners.iter().position(|&corner| corner.triangle() == triangle as usize) {
+            corners[i] = corners[corners.len() - 1];
+            ring.length -= 1;
         }
     }
 
     /// Adds all corners of one point to those of another.
     fn append(&mut self, from: u32, to: u32) {
-        let (have, more) = (self.lengths[to as usize] as usize, self.lengths[from as usize] as usize);
-        let source = self.starts[from as usize] as usize..self.starts[from as usize] as usize + more;
-        let start = self.starts[to as usize] as usize;
-        if have + more <= self.places[to as usize] as usize {
-            self.corners.copy_within(source, start + have);
+        let source = std::mem::take(&mut self.rings[from as usize]);
+        let ring = &mut self.rings[to as usize];
+        let length = ring.length + source.length;
+        if length <= ring.room {
+            self.corners.copy_within(source.range(), ring.range().end);
         } else {
-            let moved = self.corners.len();
-            self.corners.extend_from_within(start..start + have);
-            self.corners.extend_from_within(source);
-            let spare = (have + more) / 4 + 1;
-            self.corners.resize(self.corners.len() + spare, Corner(0));
-            self.starts[to as usize] = moved as u32;
-            self.places[to as usize] = (have + more + spare) as u32;
+            let start = self.corners.len() as u32;
+            self.corners.extend_from_within(ring.range());
+            self.corners.extend_from_within(source.range());
+            let spare = length / 4 + 1;
+            self.corners.resize(self.corners.len() + spare as usize, Corner(0));
+            (ring.start, ring.room) = (start, length + spare);
         }
-        self.lengths[to as usize] += more as u32;
-        self.lengths[from as usize] = 0;
+        ring.length = length;
     }
 }
 
@@ -162,12 +172,17 @@ impl Topology {
         let point = |corner: usize| numbering.points[corner];
         let triangles: Vec<[u32; 3]> =
             (0..vertices.len() / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2].map(point)).collect();
-        let one_each =
-            vertices.iter().zip(&numbering.points).all(|(&v, &p)| numbering.vertex_of[p as usize] == v);
+        let is_other = |(&v, &p): (&u32, &u32)| (numbering.vertex_of[p as usize] != v).then_some(p);
+        let mut on_seam = Vec::new();
+        for point in vertices.iter().zip(&numbering.points).filter_map(is_other) {
+            on_seam.resize(numbering.vertex_of.len(), false);
+            on_seam[point as usize] = true;
+        }
         let rings = Rings::new(&triangles, numbering.vertex_of.len());
         let mut topology = Self {
             triangles,
-            wedges: if one_each { Vec::new() } else { vertices.to_vec() },
+            wedges: if on_seam.is_empty() { Vec::new() } else { vertices.to_vec() },
+            on_seam,
             kinds: vec![Kind::Complex; numbering.vertex_of.len()],
             vertex_of: numbering.vertex_of,
             rings,
@@ -239,7 +254,7 @@ impl Topology {
     /// with `kept`, or triangles with different vertices there.
     pub(super) fn renames(&self, removed: u32, kept: u32, found: &mut Vec<Rename>) -> Option<()> {
         found.clear();
-        if self.wedges.is_empty() {
+        if self.on_seam.is_empty() || !self.on_seam[removed as usize] && !self.on_seam[kept as usize] {
             found.push(Rename { removed: self.vertex_of(removed), kept: self.vertex_of(kept) });
             return Some(());
         }

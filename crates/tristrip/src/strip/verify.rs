@@ -112,7 +112,7 @@ pub fn verify_drawing(faces: &Faces, triangles: &[[u32; 3]]) -> Result<Proof, Un
 }
 
 /// Rotates a triangle to begin with its lowest vertex.
-pub(super) fn lowest_first(t: [u32; 3]) -> [u32; 3] {
+pub(crate) fn lowest_first(t: [u32; 3]) -> [u32; 3] {
     match t {
         [a, b, c] if b < a && b < c => [b, c, a],
         [a, b, c] if c < a && c < b => [c, a, b],

@@ -31,6 +31,7 @@
 //! O(sweeps · n) time, see [`SWEEPS`]; 16 bytes a triangle and those of the start; 13 more where there are polygons.
 
 mod anneal;
+mod dive;
 mod paths;
 #[cfg(test)]
 mod tests;
@@ -40,7 +41,8 @@ use crate::dual::DualGraph;
 use crate::mesh::Surface;
 use crate::strip::{Cost, cover_cost};
 use anneal::{Annealer, Phase};
-use paths::{Paths, Prices, TRIANGLE_LIMIT};
+pub(crate) use dive::Diver;
+pub(crate) use paths::{NONE, Paths, Prices, TRIANGLE_LIMIT};
 
 /// Times that the annealing goes over the mesh, by effort. Tuned on the bunny; see the module's head.
 const SWEEPS: [u32; 10] = [0, 1, 8, 36, 100, 300, 600, 1200, 2400, 4800];
@@ -137,7 +139,7 @@ fn joined(plan: &Plan<'_>) -> usize {
 
 /// What a strip and a swap cost beyond one index a triangle. Joining strips by degenerate triangles costs one index or two, as
 /// measured: the joined strips share many vertices. Tuned on cow, fandisk, bunny and horse.
-fn prices(cost: Cost) -> Prices {
+pub(crate) fn prices(cost: Cost) -> Prices {
     match cost {
         Cost::Restart | Cost::Degenerate => Prices { strip: 3, swap: 1 },
         Cost::OpenGl => Prices { strip: 2, swap: 1 },

@@ -30,6 +30,8 @@
 //! # Complexity
 //! O(n); at most four vertices a triangle.
 
+#![allow(clippy::needless_bitwise_bool, reason = "a lazy operator would be a branch")]
+
 use super::Sink;
 use super::valid::{BLOCK, Gatherer, Valid, blocks};
 
@@ -45,10 +47,10 @@ pub(super) fn scan(map: &[u32], sink: &mut impl Sink) {
         let valid = gatherer.gather(block);
         let (mut at, mut begun, mut repeats) = (words.len(), 0, 0);
         let Some(last) = valid.last() else { continue };
-        let last = Triangle::of(block, last);
+        let last = Triangle::of(block, *last);
         let mut now = last;
         for i in (0..valid.len()).rev() {
-            let previous = if i == 0 { before } else { Triangle::of(block, &valid[i - 1]) };
+            let previous = if i == 0 { before } else { Triangle::of(block, valid[i - 1]) };
             let (is_regular, is_new) = now.follows(&previous);
             let is_repeat = is_new & (now.key % 2 == 1);
             let [d, e, f] = now.vertices;
@@ -82,7 +84,7 @@ impl Triangle {
     /// What no triangle follows: no strip has its key.
     const NONE: Self = Self { vertices: [0; 3], key: 0 };
 
-    fn of(block: &[u32], valid: &Valid) -> Self {
+    fn of(block: &[u32], valid: Valid) -> Self {
         let w = &block[valid.place as usize..][..3];
         Self { vertices: [w[0], w[1], w[2]], key: valid.key }
     }

@@ -3,6 +3,8 @@
 //! Which they are follows no pattern that a processor could foresee, so that a test for each place would cost more than all the rest.
 //! The places are therefore gathered without a branch, a block at a time.
 
+#![allow(clippy::needless_bitwise_bool, reason = "a lazy operator would be a branch")]
+
 use crate::lod::RESTART;
 
 /// Places in a block.

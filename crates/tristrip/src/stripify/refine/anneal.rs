@@ -153,19 +153,11 @@ impl<'a> Annealer<'a> {
     #[inline]
     fn change_end(&mut self, paths: &mut Paths, w: u32) -> Option<u32> {
         let draw = self.random.next();
-        let link = 4 * w + free_edge(paths.mask(w), (draw >> 32) as u32 & 0xffff);
-        let twin = paths.twin(link);
-        if twin == NONE {
-            return Some(w);
+        match change_end(paths, w, draw, self.highest_rise(draw as u32)) {
+            Change::Refused => Some(w),
+            Change::Joined(_) => None,
+            Change::Grafted { end, .. } => Some(end),
         }
-        let highest_rise = self.highest_rise(draw as u32);
-        let mask = paths.mask(twin / 4);
-        if mask.count_ones() < 2 {
-            return if join(paths, link, highest_rise) { None } else { Some(w) };
-        }
-        let lowest_edge = mask.trailing_zeros();
-        let cut_edge = if draw >> 63 == 1 { lowest_edge } else { mask.ilog2() };
-        graft(paths, link, twin & !3 | cut_edge, highest_rise).or(Some(w))
     }
 
     /// Tries to cut as many links of a block as there are triangles.
@@ -200,6 +192,35 @@ impl<'a> Annealer<'a> {
     fn highest_rise(&self, draw: u32) -> i32 {
         self.odds.iter().zip(1..).take_while(|&(&odds, _)| draw < odds).last().map_or(0, |(_, rise)| rise)
     }
+}
+
+/// What became of an end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Change {
+    /// Nothing.
+    Refused,
+    /// It was linked to another end over this half-edge.
+    Joined(u32),
+    /// It was linked over a half-edge to a triangle that was cut off over another, and `end` is an end in its place.
+    Grafted { link: u32, cut: u32, end: u32 },
+}
+
+/// Tries a join or a graft at an end, as a draw says, unless that raises the cost by more than a limit. The draw's lowest half is not
+/// used.
+#[inline]
+pub(super) fn change_end(paths: &mut Paths, w: u32, draw: u64, highest_rise: i32) -> Change {
+    let link = 4 * w + free_edge(paths.mask(w), (draw >> 32) as u32 & 0xffff);
+    let twin = paths.twin(link);
+    if twin == NONE {
+        return Change::Refused;
+    }
+    let mask = paths.mask(twin / 4);
+    if mask.count_ones() < 2 {
+        return if join(paths, link, highest_rise) { Change::Joined(link) } else { Change::Refused };
+    }
+    let lowest_edge = mask.trailing_zeros();
+    let cut = twin & !3 | if draw >> 63 == 1 { lowest_edge } else { mask.ilog2() };
+    graft(paths, link, cut, highest_rise).map_or(Change::Refused, |end| Change::Grafted { link, cut, end })
 }
 
 /// Picks one of the edges over which an end is not linked.

@@ -12,6 +12,7 @@
 //! 16 bytes and a bit a triangle. A join takes O(1); a cut as many steps as there are to the nearer end of its path.
 
 mod diagonals;
+mod live;
 
 use crate::cover::PathCover;
 use crate::dual::DualGraph;
@@ -20,11 +21,11 @@ use crate::stripify::Plan;
 use diagonals::{Diagonals, by_threes};
 
 /// No twin.
-pub(super) const NONE: u32 = u32::MAX;
+pub(crate) const NONE: u32 = u32::MAX;
 /// Bits of a node's state that say over which of its edges it is linked; the others are its partner.
 const EDGES: u32 = 7;
 /// More triangles than this cannot be numbered beside the edges.
-pub(super) const TRIANGLE_LIMIT: usize = 1 << 29;
+pub(crate) const TRIANGLE_LIMIT: usize = 1 << 29;
 
 /// A triangle. Half-edges are numbered by fours here: edge e of triangle t is 4 t + e.
 #[derive(Debug, Clone, Copy)]
@@ -36,14 +37,14 @@ struct Node {
 
 /// Prices, in indices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Prices {
-    pub(super) strip: i32,
-    pub(super) swap: i32,
+pub(crate) struct Prices {
+    pub(crate) strip: i32,
+    pub(crate) swap: i32,
 }
 
 /// Paths over triangles, and what they cost.
 #[derive(Debug, Clone)]
-pub(super) struct Paths {
+pub(crate) struct Paths {
     nodes: Vec<Node>,
     diagonals: Diagonals,
     /// A bit for each triangle that is linked over fewer than two edges.
@@ -71,19 +72,19 @@ const TURNS: [u8; 32] = {
 
 /// Gives the turn of a triangle linked over a mask of edges and entered over one of them.
 #[inline]
-pub(super) fn turn(mask: u32, edge: u32) -> u8 {
+pub(crate) fn turn(mask: u32, edge: u32) -> u8 {
     TURNS[((mask & EDGES) << 2 | edge & 3) as usize]
 }
 
 /// Tells whether the turns on the two sides of a link, each seen from the link, make a swap: a walk over it turns to one side twice.
 #[inline]
-pub(super) fn is_swap(here: u8, there: u8) -> i32 {
+pub(crate) fn is_swap(here: u8, there: u8) -> i32 {
     i32::from(here ^ there == 3)
 }
 
 impl Paths {
     /// Takes over a cover of a triangulation of faces.
-    pub(super) fn new(
+    pub(crate) fn new(
         faces: &Faces,
         triangulation: &Triangulation<'_>,
         cover: &PathCover,
@@ -140,48 +141,48 @@ impl Paths {
             + i64::from(swaps) * i64::from(self.prices.swap);
     }
 
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.nodes.len()
     }
 
     /// What the strips cost beyond one index a triangle.
-    pub(super) fn cost(&self) -> i64 {
+    pub(crate) fn cost(&self) -> i64 {
         self.cost
     }
 
-    pub(super) fn strip_count(&self) -> usize {
+    pub(crate) fn strip_count(&self) -> usize {
         self.strips
     }
 
-    pub(super) fn prices(&self) -> Prices {
+    pub(crate) fn prices(&self) -> Prices {
         self.prices
     }
 
     /// Ends among 64 triangles, a bit each.
     #[inline]
-    pub(super) fn ends_of(&self, block: usize) -> u64 {
+    pub(crate) fn ends_of(&self, block: usize) -> u64 {
         self.ends[block]
     }
 
     /// The edges over which a triangle is linked, a bit each.
     #[inline]
-    pub(super) fn mask(&self, t: u32) -> u32 {
+    pub(crate) fn mask(&self, t: u32) -> u32 {
         self.nodes[t as usize].state & EDGES
     }
 
     #[inline]
-    pub(super) fn degree(&self, t: u32) -> u32 {
+    pub(crate) fn degree(&self, t: u32) -> u32 {
         self.mask(t).count_ones()
     }
 
     /// The other end of the path that ends at a triangle.
     #[inline]
-    pub(super) fn partner(&self, end: u32) -> u32 {
+    pub(crate) fn partner(&self, end: u32) -> u32 {
         self.nodes[end as usize].state >> 3
     }
 
     #[inline]
-    pub(super) fn twin(&self, half_edge: u32) -> u32 {
+    pub(crate) fn twin(&self, half_edge: u32) -> u32 {
         self.nodes[half_edge as usize / 4].twins[half_edge as usize % 4]
     }
 
@@ -218,13 +219,13 @@ impl Paths {
 
     /// The swap at the start of the path between two ends.
     #[inline]
-    pub(super) fn start_swap(&self, end: u32, other: u32) -> i32 {
+    pub(crate) fn start_swap(&self, end: u32, other: u32) -> i32 {
         i32::from(self.begins_wrong(end) && self.begins_wrong(other))
     }
 
     /// Links two ends of different paths. Returns by how much the cost rises; `None` where it would close a path.
     #[inline]
-    pub(super) fn join(&mut self, link: u32) -> Option<i32> {
+    pub(crate) fn join(&mut self, link: u32) -> Option<i32> {
         let twin = self.twin(link);
         let (t, u) = (link / 4, twin / 4);
         let (e, f) = (self.partner(t), self.partner(u));
@@ -246,7 +247,7 @@ impl Paths {
 
     /// Takes a link away. Returns by how much the cost rises.
     #[inline]
-    pub(super) fn cut(&mut self, link: u32) -> i32 {
+    pub(crate) fn cut(&mut self, link: u32) -> i32 {
         let twin = self.twin(link);
         let (t, u) = (link / 4, twin / 4);
         debug_assert!(self.mask(t) >> (link % 4) & 1 == 1);
@@ -267,7 +268,7 @@ impl Paths {
 
     /// By how much a cut raises the cost, but for the repeats at the starts of paths.
     #[inline]
-    pub(super) fn cut_rise(&self, link: u32) -> i32 {
+    pub(crate) fn cut_rise(&self, link: u32) -> i32 {
         let swaps = self.swap_at(link) + self.swap_behind(link) + self.swap_behind(self.twin(link));
         self.prices.strip - swaps * self.prices.swap
     }
@@ -275,7 +276,7 @@ impl Paths {
     /// By how much it raises the cost to cut a triangle's link and to link it over `link`'s twin instead, but for the repeats at the
     /// starts of paths. The link begins at an end, and the cut at the triangle across.
     #[inline]
-    pub(super) fn graft_rise(&self, link: u32, cut: u32) -> i32 {
+    pub(crate) fn graft_rise(&self, link: u32, cut: u32) -> i32 {
         let (twin, cut_twin) = (self.twin(link), self.twin(cut));
         let (w, v, a) = (link / 4, cut / 4, cut_twin / 4);
         let mask_v = self.mask(v);
@@ -331,7 +332,7 @@ impl Paths {
     }
 
     /// The paths as a plan; the triangulation is the one that they were made from, which stays where there are no polygons.
-    pub(super) fn to_plan<'a>(&self, triangulation: &Triangulation<'a>) -> Plan<'a> {
+    pub(crate) fn to_plan<'a>(&self, triangulation: &Triangulation<'a>) -> Plan<'a> {
         let triangulation = match self.diagonals.corners() {
             None => triangulation.clone(),
             Some(corners) => {

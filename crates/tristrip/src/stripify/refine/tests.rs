@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering::Relaxed};
 
 use super::paths::{NONE, Paths, Prices};
-use super::{Annealer, Phase};
+use super::{Annealer, Diver, Phase};
 use crate::cover::PathCover;
 use crate::dual::{DualGraph, HalfEdge};
 use crate::mesh::{Faces, Surface, Triangulation};
@@ -138,6 +138,28 @@ proptest! {
         let plan = paths.to_plan(&start);
         let strips = plan.strips();
         prop_assert!(verify(&mesh, &strips).is_ok(), "{:?}", verify(&mesh, &strips));
+    }
+
+    #[test]
+    fn dives_keep_paths_right_and_never_raise_the_cost(
+        polygons in polygons(false, 1..5),
+        seed in any::<u64>(),
+        prices in (1..4, 0..2),
+    ) {
+        let mesh = mesh(&polygons);
+        let surface = Surface::new(&mesh, false);
+        let graph = DualGraph::new(surface.faces());
+        let start = Triangulation::zigzag(&surface, &graph);
+        let prices = Prices { strip: prices.0, swap: prices.1 };
+        let cover = PathCover::isolated(start.triangle_count());
+        let mut paths = Paths::new(surface.faces(), &start, &cover, prices);
+        let mut diver = Diver::new(seed);
+        for t in (0..paths.len() as u32).chain(0..paths.len() as u32) {
+            let before = paths.cost();
+            diver.dive(&mut paths, t);
+            prop_assert!(paths.cost() <= before);
+            check_paths(&paths, &surface, &start)?;
+        }
     }
 
     #[test]

@@ -1,0 +1,96 @@
+//! Levels of detail over the strips of STRIPE, with a base mesh of 5 % of the triangles: filters in entries a second over 21
+//! levels, vertex splits a second from the base mesh to the full one, and the traffic of all levels. Each level's
+//! triangles are compared with the oracle's first.
+#![allow(
+    missing_docs,
+    clippy::expect_used,
+    reason = "criterion's macros; a benchmark that cannot be set up stops"
+)]
+
+use std::hint::black_box;
+
+use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
+use tristrip::lod::progressive::{Encoding, ProgressiveStrips};
+use tristrip::lod::{Filter, traffic};
+use tristrip::simplify::{self, simplify};
+use tristrip::strip::verify_drawing;
+use tristrip::{CollapseSequence, Faces, Method, Options, Strips, stripify};
+use tristrip_bench::models::{default_folder, find, load};
+
+/// Those of the folder that there are.
+const MODELS: [&str; 3] = ["cow", "hand", "bunny"];
+
+const LEVELS: usize = 20;
+
+/// The decoded maps of levels over the whole sequence, of which every filter draws what the oracle draws.
+fn proven_maps(strips: &Strips, sequence: &CollapseSequence) -> Vec<Vec<u32>> {
+    let mut model = ProgressiveStrips::new(strips, sequence, Encoding::Offsets).expect("a model of strips");
+    let map_of = |step: usize| {
+        model.go_to(sequence.len() * step / LEVELS);
+        let drawn = Faces::from_triangles(sequence.drawn(model.level()).concat()).expect("triangles");
+        let (mut map, mut display) = (Vec::new(), Strips::default());
+        model.decode_to(&mut map);
+        for filter in Filter::ALL {
+            display.clear();
+            filter.map_to(&map, &mut display);
+            let triangles: Vec<_> = display.triangles().collect();
+            assert!(verify_drawing(&drawn, &triangles).is_ok());
+        }
+        map
+    };
+    (0..=LEVELS).map(map_of).collect()
+}
+
+fn levels(criterion: &mut Criterion) {
+    let sources = find(&default_folder()).expect("a folder of models");
+    for source in sources.iter().filter(|source| MODELS.contains(&source.name.as_str())) {
+        let fed = load(source).expect("a readable model");
+        let mesh = fed.polygons.unwrap_or(fed.triangles);
+        let options = Options::default().with_method(Method::STRIPE);
+        let strips = stripify(&mesh, &options).expect("options that make sense");
+        let list = strips.to_list();
+        let goal = simplify::Options::default().with_triangles(list.len() / 60);
+        let sequence = simplify(&mesh, list, &goal).expect("a mesh that can be simplified").sequence;
+        let maps = proven_maps(&strips, &sequence);
+
+        let mut group = criterion.benchmark_group(format!("{}, filters", source.name));
+        let entries: usize = maps.iter().map(Vec::len).sum();
+        group.throughput(Throughput::Elements(entries as u64)).sample_size(20);
+        let mut display = Strips::default();
+        for filter in Filter::ALL {
+            group.bench_function(format!("{filter:?}"), |b| {
+                b.iter(|| {
+                    for map in &maps {
+                        display.clear();
+                        filter.map_to(black_box(map), &mut display);
+                    }
+                });
+            });
+            group.bench_function(format!("{filter:?}, counted"), |b| {
+                b.iter(|| maps.iter().map(|map| filter.sent_by_map(black_box(map)).vertices).sum::<usize>());
+            });
+        }
+        group.finish();
+
+        let mut group = criterion.benchmark_group(format!("{}, splits", source.name));
+        group.throughput(Throughput::Elements(sequence.len() as u64)).sample_size(20);
+        for encoding in [Encoding::Naive, Encoding::Offsets] {
+            let mut base = ProgressiveStrips::new(&strips, &sequence, encoding).expect("a model of strips");
+            base.go_to(0);
+            group.bench_function(format!("{encoding:?}"), |b| {
+                let refine = |mut model: ProgressiveStrips| {
+                    model.go_to(model.len());
+                    model
+                };
+                b.iter_batched(|| base.clone(), refine, BatchSize::LargeInput);
+            });
+        }
+        group.bench_function("traffic of all levels", |b| {
+            b.iter(|| traffic::walk(&strips, &sequence, |_| ()).expect("a model of strips"));
+        });
+        group.finish();
+    }
+}
+
+criterion_group!(benches, levels);
+criterion_main!(benches);

@@ -1,0 +1,83 @@
+//! Progressive strips of the small free models: at levels over the whole sequence each model of a level of detail draws what the
+//! oracle draws, through each filter; and what was refined again is what it was.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "tests fail by panicking")]
+
+use std::path::Path;
+
+use tristrip::lod::progressive::{Encoding, ProgressiveMesh, ProgressiveStrips};
+use tristrip::lod::{Filter, traffic};
+use tristrip::simplify::{self, simplify};
+use tristrip::{CollapseSequence, Mesh, Method, Strips, stripify};
+
+const MODELS: [&str; 6] = [
+    "catmark_bishop.ply",
+    "fish_control.ply",
+    "hand.ply",
+    "milktruck.glb",
+    "self_intersect_a.ply",
+    "wingnut.ply",
+];
+
+/// Levels that are looked at, of each part.
+const LEVELS: usize = 24;
+
+fn meshes() -> Vec<(String, Mesh)> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../testdata/models");
+    let parts = MODELS.iter().flat_map(|name| {
+        let model = tristrip_io::read_path(folder.join(name)).unwrap();
+        model.parts.into_iter().enumerate().map(move |(i, part)| (format!("{name}, part {i}"), part.mesh))
+    });
+    parts.collect()
+}
+
+fn sorted(triangles: impl Iterator<Item = [u32; 3]>) -> Vec<[u32; 3]> {
+    let rotations = |[a, b, c]: [u32; 3]| [[a, b, c], [b, c, a], [c, a, b]].into_iter().min().unwrap();
+    let mut sorted: Vec<_> = triangles.map(rotations).collect();
+    sorted.sort_unstable();
+    sorted
+}
+
+fn check(name: &str, strips: &Strips, sequence: &CollapseSequence) {
+    let mut mesh = ProgressiveMesh::new(sequence).unwrap();
+    let encodings = [Encoding::Naive, Encoding::Offsets];
+    let mut models = encodings.map(|encoding| ProgressiveStrips::new(strips, sequence, encoding).unwrap());
+    let full = models.clone();
+    let (mut map, mut display) = (Vec::new(), Strips::default());
+    for step in (0..=LEVELS).rev() {
+        let level = sequence.len() * step / LEVELS;
+        let drawn = sorted(sequence.drawn(level).into_iter());
+        mesh.go_to(level);
+        let corners = mesh.corners().chunks_exact(3).map(|t| [t[0], t[1], t[2]]);
+        assert_eq!(sorted(corners), drawn, "{name}, level {level}");
+        for model in &mut models {
+            model.go_to(level);
+            model.decode_to(&mut map);
+            for filter in Filter::ALL {
+                display.clear();
+                filter.map_to(&map, &mut display);
+                assert_eq!(sorted(display.triangles()), drawn, "{name}, level {level}, {filter:?}");
+            }
+        }
+    }
+    for (model, full) in models.iter_mut().zip(full) {
+        model.go_to(sequence.len());
+        assert_eq!(*model, full, "{name}");
+    }
+}
+
+#[test]
+fn models_draw_what_the_oracle_draws() {
+    for (name, mesh) in meshes() {
+        for method in [Method::STRIPE, Method::Sequential] {
+            let strips = stripify(&mesh, &tristrip::Options::default().with_method(method)).unwrap();
+            let options = simplify::Options::default();
+            let sequence = simplify(&mesh, strips.to_list(), &options).unwrap().sequence;
+            check(&name, &strips, &sequence);
+            let totals = traffic::walk(&strips, &sequence, |_| ()).unwrap();
+            let [none, stss, dtfs, linked] = Filter::ALL.map(|filter| totals.vertices(filter));
+            assert!(none >= stss && stss >= dtfs && dtfs >= linked, "{name}");
+            let splits = totals.splits();
+            assert!(splits.encoded_places <= splits.naive_places, "{name}");
+        }
+    }
+}
