@@ -44,12 +44,14 @@ pub struct Bar {
 }
 
 impl Bar {
-    fn at_most(what: String, bar: f64, found: f64, digits: usize) -> Self {
+    /// Makes a bar that is met by a figure of at most so much.
+    pub fn at_most(what: String, bar: f64, found: f64, digits: usize) -> Self {
         let (bar_text, found_text) = (format!("≤ {bar:.digits$}"), format!("{found:.*}", digits + 1));
         Self { what, bar: bar_text, found: found_text, met: found <= bar }
     }
 
-    fn at_least(what: String, bar: f64, found: f64, digits: usize) -> Self {
+    /// Makes a bar that is met by a figure of at least so much.
+    pub fn at_least(what: String, bar: f64, found: f64, digits: usize) -> Self {
         let (bar_text, found_text) = (format!("≥ {bar:.digits$}"), format!("{found:.*}", digits + 1));
         Self { what, bar: bar_text, found: found_text, met: found >= bar }
     }

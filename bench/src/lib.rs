@@ -17,6 +17,7 @@
 pub mod bars;
 pub mod buffers;
 pub mod corpus;
+pub mod distance;
 pub mod docs;
 pub mod levels;
 pub mod measure;

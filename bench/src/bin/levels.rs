@@ -1,0 +1,396 @@
+//! Measures simplification beside meshoptimizer's, and levels of detail: filters, vertex splits, traffic, repaired strips.
+//!
+//! ```sh
+//! cargo run --release -p tristrip-bench --bin levels -- --docs docs
+//! ```
+//!
+//! Every level-of-detail model is compared with the oracle before anything of it is timed. Times are medians on one thread, meshoptimizer's
+//! in turn with ours.
+#![allow(clippy::print_stdout, reason = "a program that prints")]
+
+use std::fmt::Write as _;
+use std::fs;
+use std::hint::black_box;
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::Parser;
+use tristrip::lod::filter::{Repair, repair};
+use tristrip::lod::progressive::{Encoding, ProgressiveStrips};
+use tristrip::lod::{Filter, traffic};
+use tristrip::simplify::{self, Simplification, simplify};
+use tristrip::stripify::Effort;
+use tristrip::{CollapseSequence, Mesh, Method, Options, Strips, stripify};
+use tristrip_bench::bars::Bar;
+use tristrip_bench::distance::two_sided_rms;
+use tristrip_bench::measure::median;
+use tristrip_bench::memory::{Counting, extra_bytes};
+use tristrip_bench::models::{self, Source, load};
+use tristrip_bench::text::{self, Table};
+use tristrip_bench::{Failure, levels};
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+/// The command that writes the page.
+const COMMAND: &str = "cargo run --release -p tristrip-bench --bin levels -- --docs docs";
+/// Points each way by which surfaces are compared.
+const POINTS: usize = 40_000;
+/// Models whose quality is held to meshoptimizer's.
+const QUALITY: [&str; 3] = ["bunny", "horse", "armadillo_43k"];
+const QUALITY_BAR: f64 = 0.95;
+/// Models whose levels of detail are measured, with the published fractions of vertices sent over all levels by NF, STSS and DTFS, and the
+/// places renamed a split, naive and encoded.
+const PUBLISHED: [(&str, [f64; 3], [f64; 2]); 2] =
+    [("cow", [0.885, 0.731, 0.577], [6.6, 3.0]), ("bunny", [0.809, 0.691, 0.544], [5.9, 3.0])];
+
+/// Measures simplification and levels of detail.
+#[derive(Debug, Parser)]
+#[command(version)]
+struct Args {
+    /// The folder of models [default: ../shared/models beside the checkout, else testdata/models]
+    models: Option<PathBuf>,
+    /// Only this model; may be given more than once
+    #[arg(long, value_name = "NAME")]
+    model: Vec<String>,
+    /// Rounds of timing
+    #[arg(long, default_value_t = 9, value_name = "N", value_parser = clap::value_parser!(u8).range(1..))]
+    rounds: u8,
+    /// Write levels.md into this folder
+    #[arg(long, value_name = "DIR")]
+    docs: Option<PathBuf>,
+}
+
+/// A model simplified by both programs to the same number of triangles.
+struct Simplified {
+    model: String,
+    before: usize,
+    /// Triangles that ours and meshoptimizer's stop at.
+    after: [usize; 2],
+    /// Seconds.
+    times: [f64; 2],
+    /// Distances from the full mesh, as shares of the diagonal.
+    distances: [f64; 2],
+    bytes_per_triangle: f64,
+}
+
+/// A model at all levels, with one method's strips.
+struct Level {
+    model: String,
+    strips: &'static str,
+    /// Vertices sent over all levels by each filter and by repaired strips, as shares of three a triangle.
+    fractions: Vec<f64>,
+    /// The same at the base mesh.
+    base: Vec<f64>,
+    /// Places renamed a split, naive and encoded.
+    places: [f64; 2],
+    /// Indices a second by STSS and DTFS.
+    filter_speeds: [f64; 2],
+    /// Splits a second, naive and encoded.
+    split_speeds: [f64; 2],
+    /// Microseconds a collapse that repairing takes.
+    repair_microseconds: f64,
+}
+
+fn main() -> Result<(), Failure> {
+    let args = Args::parse();
+    rayon::ThreadPoolBuilder::new().num_threads(1).build_global()?;
+    let folder = args.models.clone().unwrap_or_else(models::default_folder);
+    let mut sources = models::find(&folder)?;
+    sources.retain(|source| args.model.is_empty() || args.model.contains(&source.name));
+    let rounds = usize::from(args.rounds);
+
+    let mut simplified = Vec::new();
+    for source in &sources {
+        let mesh = load(source)?.triangles;
+        simplified.push(measure(&source.name, &mesh, 20, rounds)?);
+        if source.name == "dragon" {
+            simplified.push(measure("dragon to 1 %", &mesh, 100, rounds.min(3))?);
+        }
+    }
+    let mut all_levels = Vec::new();
+    for source in sources.iter().filter(|source| PUBLISHED.iter().any(|(name, ..)| *name == source.name)) {
+        for (name, method) in [("stripe", Method::STRIPE), ("best", Method::Best)] {
+            all_levels.push(follow(source, name, method, rounds)?);
+        }
+    }
+    let bars = judge(&simplified, &all_levels);
+    let (table, of_levels) = (simplification_table(&simplified), levels_table(&all_levels));
+    println!("{}\n{}\n{}", table.aligned(), of_levels.aligned(), text::bars(&bars).aligned());
+    if let Some(docs) = &args.docs {
+        fs::create_dir_all(docs)?;
+        let mut page = format!(
+            "# Simplification and levels of detail\n\n\
+             Generated by `{COMMAND}`; change the program, not this page. Times are medians on one thread, meshoptimizer's in turn\n\
+             with ours; every model of a level of detail drew what the oracle draws before it was timed.\n\n## Bars\n\n{}\n",
+            text::bars(&bars).markdown()
+        );
+        write!(
+            page,
+            "## Simplification to 5 % of the triangles\n\n\
+             `tristrip simplify` beside meshoptimizer's `simplify`, both by half-edge collapses, ours with all collapses recorded. RMS is the two-sided\n\
+             distance from the full mesh in percent of its diagonal, by {POINTS} points each way. Bytes are the most in use beyond\n\
+             input and result. Where the topology does not allow 5 %, both columns of triangles say what was reached.\n\n{}\n",
+            table.markdown()
+        )?;
+        write!(
+            page,
+            "## Levels of detail\n\n\
+             Progressive strips (Kim et al. 2005), base mesh of 5 %: vertices sent over all levels, each drawn once, as a share of three a\n\
+             triangle, and in brackets at the base mesh; *linked* and *repair* are ours. u is the number of places renamed a vertex split.\n\
+             Speeds are in million indices or vertex splits a second.\n\n{}",
+            of_levels.markdown()
+        )?;
+        fs::write(docs.join("levels.md"), page)?;
+    }
+    Ok(())
+}
+
+/// Simplifies to a share of the triangles, one in so many, by both programs in turn.
+fn measure(name: &str, mesh: &Mesh, share: usize, rounds: usize) -> Result<Simplified, Failure> {
+    let triangles = mesh.faces().as_triangles().ok_or("a model of triangles was expected")?;
+    let target = triangles.len() / 3 / share;
+    let bytes: Vec<u8> = mesh.positions().iter().flatten().flat_map(|x| x.to_ne_bytes()).collect();
+    let adapter = meshopt::VertexDataAdapter::new(&bytes, 12, 0)?;
+    let options = simplify::Options::default().with_triangles(target);
+    let (mut times, mut theirs, mut ours) = ([Vec::new(), Vec::new()], Vec::new(), None);
+    for _ in 0..rounds {
+        let input = triangles.to_vec();
+        let start = Instant::now();
+        let done = simplify(mesh, black_box(input), &options)?;
+        times[0].push(start.elapsed().as_secs_f64());
+        ours = Some(done);
+        let start = Instant::now();
+        theirs = meshopt::simplify(
+            black_box(triangles),
+            &adapter,
+            3 * target,
+            f32::MAX,
+            meshopt::SimplifyOptions::empty(),
+            None,
+        );
+        times[1].push(start.elapsed().as_secs_f64());
+    }
+    let input = triangles.to_vec();
+    let (result, extra) = extra_bytes(|| simplify(mesh, input, &options));
+    result?;
+    let Simplification { sequence, .. } = ours.ok_or("no round was asked for")?;
+    sequence.check()?;
+    let drawn = sequence.drawn(0).concat();
+    let distance = |indices: &[u32]| two_sided_rms(triangles, indices, mesh.positions(), POINTS);
+    Ok(Simplified {
+        model: name.into(),
+        before: triangles.len() / 3,
+        after: [drawn.len() / 3, theirs.len() / 3],
+        times: times.map(median),
+        distances: [distance(&drawn), distance(&theirs)],
+        bytes_per_triangle: extra
+            .map_or(f64::NAN, |extra| extra as f64 / (triangles.len() / 3).max(1) as f64),
+    })
+}
+
+/// Measures all levels of a model, down to 5 % of its triangles.
+fn follow(source: &Source, name: &'static str, method: Method, rounds: usize) -> Result<Level, Failure> {
+    let fed = load(source)?;
+    let mesh = fed.polygons.unwrap_or(fed.triangles);
+    let faults = levels::check(&mesh)?.faults;
+    if let Some(fault) = faults.first() {
+        return Err(format!("{}: {fault}", source.name).into());
+    }
+    let strips = stripify(&mesh, &Options::default().with_method(method))?;
+    let list = strips.to_list();
+    let options = simplify::Options::default().with_triangles(list.len() / 60);
+    let sequence = simplify(&mesh, list, &options)?.sequence;
+    let mut base = Vec::new();
+    let totals = traffic::walk(&strips, &sequence, |level| {
+        if level.level == 0 {
+            base = Filter::ALL.map(|filter| level.sent(filter).vertices as f64).to_vec();
+        }
+    })?;
+    let mut fractions: Vec<f64> = Filter::ALL.iter().map(|&filter| totals.fraction(filter)).collect();
+
+    let start = Instant::now();
+    let mut repair =
+        Repair::new(&sequence, &strips, repair::Options::default().with_effort(Effort::default()))?;
+    let mut sent = repair.vertices_sent() as u64;
+    while repair.coarsen() {
+        sent += repair.vertices_sent() as u64;
+    }
+    let repair_microseconds = start.elapsed().as_secs_f64() * 1e6 / sequence.len().max(1) as f64;
+    fractions.push(sent as f64 / totals.progressive_mesh_vertices() as f64);
+    base.push(repair.vertices_sent() as f64);
+    let base_triangles = sequence.triangle_count(0) as f64;
+    let splits = totals.splits();
+    Ok(Level {
+        model: source.name.clone(),
+        strips: name,
+        fractions,
+        base: base.into_iter().map(|vertices| vertices / (3.0 * base_triangles)).collect(),
+        places: [Encoding::Naive, Encoding::Offsets].map(|encoding| splits.places_per_split(encoding)),
+        filter_speeds: filter_speeds(&strips, &sequence, rounds)?,
+        split_speeds: split_speeds(&strips, &sequence, rounds)?,
+        repair_microseconds,
+    })
+}
+
+/// Times STSS and DTFS in turn over maps of 21 levels.
+fn filter_speeds(strips: &Strips, sequence: &CollapseSequence, rounds: usize) -> Result<[f64; 2], Failure> {
+    let mut model = ProgressiveStrips::new(strips, sequence, Encoding::Naive)?;
+    let maps: Vec<Vec<u32>> = (0..=20)
+        .map(|step| {
+            let mut map = Vec::new();
+            model.go_to(sequence.len() * step / 20);
+            model.decode_to(&mut map);
+            map
+        })
+        .collect();
+    let entries: usize = maps.iter().map(Vec::len).sum();
+    let (mut times, mut display) = ([Vec::new(), Vec::new()], Strips::default());
+    for _ in 0..3 * rounds {
+        for (filter, times) in [Filter::Stss, Filter::Dtfs].into_iter().zip(&mut times) {
+            let start = Instant::now();
+            for map in &maps {
+                display.clear();
+                filter.map_to(black_box(map), &mut display);
+            }
+            times.push(start.elapsed().as_secs_f64());
+        }
+    }
+    Ok(times.map(|times| entries as f64 / median(times)))
+}
+
+/// Times the way from the base mesh to the full one, step by step.
+fn split_speeds(strips: &Strips, sequence: &CollapseSequence, rounds: usize) -> Result<[f64; 2], Failure> {
+    let mut speeds = [0.0; 2];
+    for (encoding, speed) in [Encoding::Naive, Encoding::Offsets].into_iter().zip(&mut speeds) {
+        let mut model = ProgressiveStrips::new(strips, sequence, encoding)?;
+        let mut times = Vec::new();
+        for _ in 0..rounds {
+            model.go_to(0);
+            let start = Instant::now();
+            while model.refine() {}
+            times.push(start.elapsed().as_secs_f64());
+        }
+        *speed = sequence.len() as f64 / median(times);
+    }
+    Ok(speeds)
+}
+
+fn judge(simplified: &[Simplified], all_levels: &[Level]) -> Vec<Bar> {
+    let mut bars = Vec::new();
+    let named = |name: &str| simplified.iter().find(|s| s.model == name);
+    for model in QUALITY.iter().filter_map(|name| named(name)) {
+        let what = format!("RMS distance at 5 % by meshoptimizer's, {}", model.model);
+        bars.push(Bar::at_most(what, QUALITY_BAR, model.distances[0] / model.distances[1], 2));
+    }
+    if let Some(bunny) = named("bunny") {
+        bars.push(Bar::at_most("simplification to 5 %, ms, bunny".into(), 80.0, 1e3 * bunny.times[0], 0));
+    }
+    if let Some(dragon) = named("dragon to 1 %") {
+        bars.push(Bar::at_most("simplification to 1 %, seconds, dragon".into(), 3.0, dragon.times[0], 1));
+        let what = "simplification to 1 %, bytes a triangle, dragon".into();
+        bars.push(Bar::at_most(what, 400.0, dragon.bytes_per_triangle, 0));
+    }
+    for level in all_levels {
+        let Some((_, fractions, places)) = PUBLISHED.iter().find(|(name, ..)| *name == level.model) else {
+            continue;
+        };
+        let of = |what: &str| format!("{what}, {} strips of {}", level.strips, level.model);
+        let near = |what: &str, published: f64, found: f64, within: f64| Bar {
+            what: of(what),
+            bar: format!("{published} ± {within:.2}"),
+            found: format!("{found:.3}"),
+            met: (found - published).abs() <= within,
+        };
+        if level.strips == "stripe" {
+            for (k, name) in ["unfiltered", "STSS", "DTFS"].iter().enumerate() {
+                bars.push(near(&format!("{name} over all levels"), fractions[k], level.fractions[k], 0.05));
+            }
+            for (k, name) in ["naive", "encoded"].iter().enumerate() {
+                bars.push(near(&format!("u, {name}"), places[k], level.places[k], 0.1 * places[k]));
+            }
+        } else {
+            bars.push(Bar::at_most(of("DTFS over all levels"), 0.50, level.fractions[2], 2));
+            bars.push(Bar::at_most(of("repair over all levels"), 0.45, level.fractions[4], 2));
+        }
+        if level.model == "bunny" {
+            bars.push(Bar::at_most(of("DTFS at the base mesh"), 1.02, level.base[2], 2));
+            bars.push(Bar::at_most(of("repair at the base mesh"), 0.60, level.base[4], 2));
+        }
+        let [stss, dtfs] = level.filter_speeds;
+        bars.push(Bar::at_most(of("time of DTFS by that of STSS"), 1.0, stss / dtfs, 2));
+        bars.push(Bar::at_least(of("DTFS, million indices a second"), 200.0, dtfs / 1e6, 0));
+        let slower = level.split_speeds[0].min(level.split_speeds[1]);
+        bars.push(Bar::at_least(of("million vertex splits a second"), 5.0, slower / 1e6, 1));
+    }
+    bars
+}
+
+fn simplification_table(simplified: &[Simplified]) -> Table {
+    let heads = [
+        "model",
+        "triangles",
+        "ours",
+        "meshoptimizer",
+        "ms",
+        "meshoptimizer ms",
+        "ratio",
+        "RMS %",
+        "meshoptimizer RMS %",
+        "ratio",
+        "bytes/T",
+    ];
+    let mut table = Table::new(1, &heads);
+    for s in simplified {
+        let same = s.after[0].abs_diff(s.after[1]) <= 2 + s.after[0] / 100;
+        let ratio = |[ours, theirs]: [f64; 2]| {
+            if theirs > 0.0 { format!("{:.2}", ours / theirs) } else { "–".into() }
+        };
+        table.push(vec![
+            s.model.clone(),
+            s.before.to_string(),
+            s.after[0].to_string(),
+            s.after[1].to_string(),
+            format!("{:.1}", 1e3 * s.times[0]),
+            format!("{:.1}", 1e3 * s.times[1]),
+            if same { ratio(s.times) } else { "–".into() },
+            format!("{:.4}", 100.0 * s.distances[0]),
+            format!("{:.4}", 100.0 * s.distances[1]),
+            if same { ratio(s.distances) } else { "–".into() },
+            format!("{:.0}", s.bytes_per_triangle),
+        ]);
+    }
+    table
+}
+
+fn levels_table(all_levels: &[Level]) -> Table {
+    let heads = [
+        "model",
+        "strips",
+        "none",
+        "STSS",
+        "DTFS",
+        "linked",
+        "repair",
+        "u naive",
+        "u encoded",
+        "STSS M/s",
+        "DTFS M/s",
+        "splits naive M/s",
+        "splits encoded M/s",
+        "repair µs",
+    ];
+    let mut table = Table::new(2, &heads);
+    for level in all_levels {
+        let mut cells = vec![level.model.clone(), level.strips.to_owned()];
+        cells.extend(
+            level.fractions.iter().zip(&level.base).map(|(all, base)| format!("{all:.3} ({base:.3})")),
+        );
+        cells.extend(level.places.iter().map(|places| format!("{places:.2}")));
+        cells.extend(level.filter_speeds.iter().map(|speed| format!("{:.0}", speed / 1e6)));
+        cells.extend(level.split_speeds.iter().map(|speed| format!("{:.1}", speed / 1e6)));
+        cells.push(format!("{:.1}", level.repair_microseconds));
+        table.push(cells);
+    }
+    table
+}
