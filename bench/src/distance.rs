@@ -204,8 +204,9 @@ mod tests {
         let found = two_sided_rms(&low, &high, &positions, 1000) * 2.0_f64.sqrt();
         assert!((found - 0.1).abs() < 1e-6, "{found}");
         assert!(two_sided_rms(&low, &low, &positions, 1000) < 1e-9);
-        // Half of the other is missing: the points over it are up to 1 / √2 from its edge.
+        // Half of the other is missing: over it the squared distance to the edge is 1/12 in the mean.
         let half = two_sided_rms(&low, &high[..3], &positions, 4000) * 2.0_f64.sqrt();
-        assert!(half > 0.2 && half < 0.25, "{half}");
+        let expected = f64::midpoint(0.01 + 1.0 / 24.0, 0.01).sqrt();
+        assert!((half - expected).abs() < 0.01, "{half} of {expected}");
     }
 }
