@@ -117,8 +117,11 @@ fn detail(
     console.doing("filter");
     let (displays, seconds) = timed(|| {
         let pairs: Vec<_> = details.iter().zip(&of_parts).collect();
-        pool.map(&pairs, |(detail, level)| Detail::display(&detail.map(**level), task.filter))
+        pool.map(&pairs, |(detail, level)| {
+            detail.display(**level, &detail.map(**level), task.filter, task.repair())
+        })
     });
+    let displays = displays.into_iter().collect::<Result<Vec<_>, _>>()?;
     report.seconds.filter = Some(seconds);
     report.level = Some(level);
     let error = levels.error(&of_parts);
@@ -147,7 +150,7 @@ fn detail(
         console.doing("table");
         let steps = if task.plot.is_some() { CURVE_STEPS } else { TABLE_STEPS };
         let at = levels.evenly(steps);
-        let (measured, seconds) = timed(|| rows(pool, &details, &levels, &at, task.verify));
+        let (measured, seconds) = timed(|| rows(pool, &details, &levels, &at, task.repair(), task.verify));
         report.rows = measured?;
         console.stage("table", &format!("{}, every filter", counted(at.len(), "level")), Some(seconds));
         if task.table {
@@ -159,7 +162,7 @@ fn detail(
 
     if task.compare {
         console.doing("all levels");
-        let (all, seconds) = timed(|| totals(pool, &details, &levels));
+        let (all, seconds) = timed(|| totals(pool, &details, &levels, task.repair()));
         console.stage(
             "compare",
             &format!("{}, every filter", counted(levels.len() + 1, "level")),
@@ -238,7 +241,7 @@ fn collapse<'a>(
 /// Proves the display strips of every part.
 fn prove(pool: &Pool, details: &[Detail<'_>], levels: &[usize], displays: &[Strips]) -> Result<(), Failure> {
     let all: Vec<_> = details.iter().zip(levels).zip(displays).collect();
-    let proofs = pool.map(&all, |((detail, level), display)| detail.prove(**level, &[display]));
+    let proofs = pool.map(&all, |((detail, level), display)| detail.prove(**level, display));
     proofs.into_iter().collect()
 }
 

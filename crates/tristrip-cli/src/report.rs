@@ -186,6 +186,8 @@ pub(crate) struct LodReport {
     pub(crate) chosen: Option<Chosen>,
     pub(crate) model: String,
     pub(crate) filter: String,
+    /// Of the filter that searches.
+    pub(crate) filter_effort: u8,
     pub(crate) proven: Option<bool>,
     pub(crate) seconds: LodSeconds,
     /// The collapses, which is the highest level.
@@ -224,6 +226,7 @@ impl LodReport {
             chosen: None,
             model: task.model.name(),
             filter: task.filter.name(),
+            filter_effort: task.filter_effort.level(),
             proven: None,
             seconds: LodSeconds::default(),
             levels: None,

@@ -5,6 +5,7 @@ use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use tristrip::lod::filter::repair;
 use tristrip::strip::Between;
 use tristrip::stripify::Effort;
 use tristrip::{Layout, Options};
@@ -12,7 +13,7 @@ use tristrip_io::Format;
 
 use crate::analyze::BufferList;
 use crate::args::{
-    AnalyzeArgs, Command, InputArgs, LayoutName, OutputArgs, ReadFormat, SharedArgs, WriteFormat,
+    AnalyzeArgs, Command, InputArgs, LayoutName, LodArgs, OutputArgs, ReadFormat, SharedArgs, WriteFormat,
 };
 use crate::lod::{FilterName, Level, ModelName};
 use crate::repro;
@@ -114,6 +115,8 @@ pub(crate) struct LodTask {
     pub(crate) base: Ratio,
     pub(crate) level: Level,
     pub(crate) filter: FilterName,
+    /// Of the filter that searches.
+    pub(crate) filter_effort: Effort,
     pub(crate) table: bool,
     pub(crate) compare: bool,
     /// The SVG file to write.
@@ -254,6 +257,7 @@ pub(crate) fn validate(command: Command) -> Result<(Task, Shared), String> {
             (Task::Simplify(SimplifyTask { jobs, goal, verify: !args.no_verify }), shared)
         }
         Command::Lod(args) => {
+            let filter_effort = filter_effort(&args)?;
             let jobs = jobs(inputs(args.inputs)?, &args.output)?;
             let shared = shared(&args.shared, args.threads.threads);
             refuse_two_results(&jobs, &shared)?;
@@ -269,6 +273,7 @@ pub(crate) fn validate(command: Command) -> Result<(Task, Shared), String> {
                 base: args.base,
                 level: args.level,
                 filter: args.filter,
+                filter_effort,
                 table: args.table,
                 compare: args.compare,
                 plot: args.plot,
@@ -283,6 +288,24 @@ pub(crate) fn validate(command: Command) -> Result<(Task, Shared), String> {
             (Task::Repro(task), shared(&args.shared, args.threads.threads))
         }
     })
+}
+
+impl LodTask {
+    /// Gives the options of the filter that searches.
+    pub(crate) fn repair(&self) -> repair::Options {
+        repair::Options::default().with_effort(self.filter_effort)
+    }
+}
+
+/// Takes the effort of the filter that searches.
+fn filter_effort(args: &LodArgs) -> Result<Effort, String> {
+    let is_used = args.filter == FilterName::Repair || args.table || args.compare || args.plot.is_some();
+    match args.filter_effort {
+        Some(_) if !is_used => {
+            Err(format!("--filter-effort belongs to --filter repair, not to {}", args.filter.name()))
+        }
+        effort => Ok(effort.and_then(Effort::new).unwrap_or_default()),
+    }
 }
 
 fn analyze_task(args: AnalyzeArgs) -> Result<AnalyzeTask, String> {

@@ -79,6 +79,9 @@ pub(crate) struct LodArgs {
     /// How strips are read before they are drawn
     #[arg(long, value_enum, value_name = "FILTER", default_value_t = FilterName::DEFAULT, help_heading = "Levels")]
     pub(crate) filter: FilterName,
+    /// How long --filter repair searches, from 0 to 9 [default: 5]
+    #[arg(long, value_name = "LEVEL", value_parser = clap::value_parser!(u8).range(0..=9), help_heading = "Levels")]
+    pub(crate) filter_effort: Option<u8>,
     /// Show what every filter sends, at levels 5 % apart
     #[arg(long, help_heading = "Levels")]
     pub(crate) table: bool,

@@ -4,7 +4,7 @@ use std::iter::Sum;
 use std::ops::Range;
 
 use clap::ValueEnum;
-use tristrip::lod::Filter;
+use tristrip::lod::filter::{Filter, Repair, repair};
 use tristrip::lod::progressive::{Encoding, ProgressiveStrips};
 use tristrip::simplify::Simplification;
 use tristrip::strip::verify_drawing;
@@ -24,23 +24,26 @@ pub(crate) enum FilterName {
     Dtfs,
     /// Valid triangles only, in the same order, at the least cost of this order
     Linked,
+    /// Paths over the triangles of the level, which are mended by a search where collapses have cut them
+    Repair,
 }
 
 impl FilterName {
-    pub(crate) const DEFAULT: Self = Self::Linked;
+    pub(crate) const DEFAULT: Self = Self::Repair;
 
     /// Gives the name as it is typed.
     pub(crate) fn name(self) -> String {
         self.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
     }
 
-    /// Gives the library's filter.
-    pub(crate) fn filter(self) -> Filter {
+    /// Gives the filter that reads strips by themselves; `None` for the one that searches.
+    pub(crate) fn scanner(self) -> Option<Filter> {
         match self {
-            Self::None => Filter::None,
-            Self::Stss => Filter::Stss,
-            Self::Dtfs => Filter::Dtfs,
-            Self::Linked => Filter::Linked,
+            Self::None => Some(Filter::None),
+            Self::Stss => Some(Filter::Stss),
+            Self::Dtfs => Some(Filter::Dtfs),
+            Self::Linked => Some(Filter::Linked),
+            Self::Repair => None,
         }
     }
 }
@@ -87,11 +90,20 @@ impl<'a> Detail<'a> {
         map
     }
 
-    /// Gives the display strips of an index map.
-    pub(crate) fn display(map: &[u32], filter: FilterName) -> Strips {
+    /// Gives the display strips of a level, whose index map this is.
+    pub(crate) fn display(
+        &self,
+        level: usize,
+        map: &[u32],
+        filter: FilterName,
+        repair: repair::Options,
+    ) -> Result<Strips, Error> {
+        let Some(scanner) = filter.scanner() else {
+            return Ok(Repair::at(&self.sequence, &self.strips, level, repair)?.strips());
+        };
         let mut display = Strips::default();
-        filter.filter().map_to(map, &mut display);
-        display
+        scanner.map_to(map, &mut display);
+        Ok(display)
     }
 
     /// Counts the places that vertex splits write from one level to another, without symbols and with them.
@@ -113,14 +125,31 @@ impl<'a> Detail<'a> {
         corners
     }
 
-    /// Proves that each of some display strips draws what the collapses leave at a level.
-    pub(crate) fn prove(&self, level: usize, displays: &[&Strips]) -> Result<(), Failure> {
-        let left = Faces::from_triangles(self.sequence.drawn(level).into_flattened())?;
-        for display in displays {
-            let drawn: Vec<[u32; 3]> = display.triangles().collect();
-            verify_drawing(&left, &drawn)
-                .map_err(|why| Failure::Unproven(format!("level {level}: {why}")))?;
+    /// Counts the vertices that `repair` sends at rising levels, where it follows the collapses from the full mesh down.
+    pub(crate) fn repaired(
+        &self,
+        levels: &[usize],
+        options: repair::Options,
+        verify: bool,
+    ) -> Result<Vec<usize>, Failure> {
+        let mut repair = Repair::new(&self.sequence, &self.strips, options)?;
+        let mut sent = Vec::with_capacity(levels.len());
+        for &level in levels.iter().rev() {
+            repair.go_to(level);
+            if verify {
+                self.prove(level, &repair.strips())?;
+            }
+            sent.push(repair.vertices_sent());
         }
+        sent.reverse();
+        Ok(sent)
+    }
+
+    /// Proves that display strips draw what the collapses leave at a level.
+    pub(crate) fn prove(&self, level: usize, display: &Strips) -> Result<(), Failure> {
+        let left = Faces::from_triangles(self.sequence.drawn(level).into_flattened())?;
+        let drawn: Vec<[u32; 3]> = display.triangles().collect();
+        verify_drawing(&left, &drawn).map_err(|why| Failure::Unproven(format!("level {level}: {why}")))?;
         Ok(())
     }
 }
@@ -181,9 +210,9 @@ mod tests {
         assert_eq!(map, [0, 1, 2, 2, 4, 5]);
         assert_eq!(detail.updates(0..1), Updates { splits: 1, vertices: 1, naive: 1, encoded: 1 });
         for &filter in FilterName::value_variants() {
-            let display = Detail::display(&map, filter);
-            detail.prove(0, &[&display]).unwrap();
-            assert!(matches!(detail.prove(1, &[&display]), Err(Failure::Unproven(_))));
+            let display = detail.display(0, &map, filter, repair::Options::default()).unwrap();
+            detail.prove(0, &display).unwrap();
+            assert!(matches!(detail.prove(1, &display), Err(Failure::Unproven(_))));
         }
         assert_eq!(detail.left(0), [0, 1, 2, 4, 2, 5]);
     }

@@ -2,6 +2,8 @@
 
 use clap::ValueEnum;
 use serde::{Serialize, Serializer};
+use tristrip::Strips;
+use tristrip::lod::filter::{Filter, repair};
 
 use super::detail::{Detail, FilterName, Updates};
 use super::levels::Levels;
@@ -89,27 +91,49 @@ pub(crate) fn rows(
     details: &[Detail<'_>],
     levels: &Levels<'_>,
     at: &[usize],
+    repair: repair::Options,
     verify: bool,
 ) -> Result<Vec<Row>, Failure> {
-    let before = std::iter::once(0).chain(at.iter().copied());
-    let steps: Vec<(usize, usize)> = before.zip(at.iter().copied()).collect();
-    let measured = pool.map(&steps, |&(before, level)| {
-        let of_parts = levels.of_parts(level);
-        let refinement = Refinement::between(details, levels, before, level);
-        let mut by_filter = vec![0; FilterName::value_variants().len()];
-        for (detail, &level) in details.iter().zip(&of_parts) {
+    // 1. The filter that searches follows the collapses, part by part.
+    let of_parts: Vec<Vec<usize>> = at.iter().map(|&level| levels.of_parts(level)).collect();
+    let numbered: Vec<_> = details.iter().enumerate().collect();
+    let repaired = pool.map(&numbered, |(part, detail)| {
+        let own: Vec<usize> = of_parts.iter().map(|levels| levels[*part]).collect();
+        detail.repaired(&own, repair, verify)
+    });
+    let repaired = repaired.into_iter().collect::<Result<Vec<_>, Failure>>()?;
+    // 2. The others read the strips of each level by themselves.
+    let scanners: Vec<Option<Filter>> =
+        FilterName::value_variants().iter().map(|filter| filter.scanner()).collect();
+    let numbers: Vec<usize> = (0..at.len()).collect();
+    let measured = pool.map(&numbers, |&number| {
+        let level = at[number];
+        let mut by_filter = vec![0; scanners.len()];
+        for (part, detail) in details.iter().enumerate() {
+            let level = of_parts[number][part];
             let map = detail.map(level);
-            let displays: Vec<_> =
-                FilterName::value_variants().iter().map(|&f| Detail::display(&map, f)).collect();
-            if verify {
-                detail.prove(level, &displays.iter().collect::<Vec<_>>())?;
+            for (sum, scanner) in by_filter.iter_mut().zip(&scanners) {
+                let Some(scanner) = scanner else {
+                    *sum += repaired[part][number];
+                    continue;
+                };
+                let mut display = Strips::default();
+                scanner.map_to(&map, &mut display);
+                if verify {
+                    detail.prove(level, &display)?;
+                }
+                *sum += display.vertices_sent();
             }
-            by_filter.iter_mut().zip(&displays).for_each(|(sum, display)| *sum += display.vertices_sent());
         }
-        let triangles = levels.triangle_count(&of_parts);
-        let percent = rounded(100.0 * level as f64 / levels.len().max(1) as f64);
-        let vertices_sent = Sent { triangles: 3 * triangles, by_filter };
-        Ok(Row { level, percent, triangles, vertices_sent, refinement })
+        let before = if number == 0 { level } else { at[number - 1] };
+        let triangles = levels.triangle_count(&of_parts[number]);
+        Ok(Row {
+            level,
+            percent: rounded(100.0 * level as f64 / levels.len().max(1) as f64),
+            triangles,
+            vertices_sent: Sent { triangles: 3 * triangles, by_filter },
+            refinement: Refinement::between(details, levels, before, level),
+        })
     });
     measured.into_iter().collect()
 }

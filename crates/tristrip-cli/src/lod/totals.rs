@@ -1,10 +1,12 @@
 //! What every filter sends from the base mesh to the full one, where each level is drawn once.
 //!
+//! `repair` follows the collapses from the full mesh down; the others read the strips of each level by themselves.
 //! A model of several parts has the collapses of all of them in one order; a part stays as it is at the levels of the others.
 
 use clap::ValueEnum;
 use serde::Serialize;
 use tristrip::Error;
+use tristrip::lod::filter::{Filter, Repair, repair};
 use tristrip::lod::traffic;
 
 use super::detail::{Detail, FilterName};
@@ -31,11 +33,21 @@ pub(crate) struct Total {
 type Counts = Vec<usize>;
 
 /// Counts what every filter sends of a part at each of its levels, from the full mesh down.
-fn by_level(detail: &Detail<'_>) -> Result<Vec<Counts>, Error> {
-    let mut counts = Vec::with_capacity(detail.sequence().len() + 1);
-    traffic::walk(detail.strips(), detail.sequence(), |level| {
-        counts.push(FilterName::value_variants().iter().map(|f| level.sent(f.filter()).vertices).collect());
+fn by_level(detail: &Detail<'_>, options: repair::Options) -> Result<Vec<Counts>, Error> {
+    let (strips, sequence) = (detail.strips(), detail.sequence());
+    let mut counts: Vec<Counts> = Vec::with_capacity(sequence.len() + 1);
+    let scanners = || FilterName::value_variants().iter().map(|filter| filter.scanner());
+    traffic::walk(strips, sequence, |level| {
+        let sent = |filter: Option<Filter>| filter.map_or(0, |filter| level.sent(filter).vertices);
+        counts.push(scanners().map(sent).collect());
     })?;
+    // The one that searches follows the collapses by itself.
+    let mut repair = Repair::new(sequence, strips, options)?;
+    for counts in &mut counts {
+        let own = counts.iter_mut().zip(scanners()).filter(|(_, scanner)| scanner.is_none());
+        own.for_each(|(sent, _)| *sent = repair.vertices_sent());
+        repair.coarsen();
+    }
     Ok(counts)
 }
 
@@ -44,8 +56,10 @@ pub(crate) fn totals(
     pool: &Pool,
     details: &[Detail<'_>],
     levels: &Levels<'_>,
+    repair: repair::Options,
 ) -> Result<Vec<Total>, Failure> {
-    let parts = pool.map(details, by_level).into_iter().collect::<Result<Vec<_>, _>>()?;
+    let parts =
+        pool.map(details, |detail| by_level(detail, repair)).into_iter().collect::<Result<Vec<_>, _>>()?;
     let mut done = vec![0; details.len()];
     let mut now = vec![0; FilterName::value_variants().len()];
     let mut triangles = levels.triangle_count(&levels.of_parts(levels.len())) as u64;
@@ -130,8 +144,8 @@ mod tests {
         let levels = Levels::new(details.iter().map(Detail::sequence).collect());
         assert!(levels.len() > 50, "{}", levels.len());
         let at: Vec<usize> = (0..=levels.len()).collect();
-        let rows = rows(&pool, &details, &levels, &at, true).unwrap();
-        let totals = totals(&pool, &details, &levels).unwrap();
+        let rows = rows(&pool, &details, &levels, &at, repair::Options::default(), true).unwrap();
+        let totals = totals(&pool, &details, &levels, repair::Options::default()).unwrap();
         let sum =
             |sent: &dyn Fn(&crate::lod::Row) -> usize| rows.iter().map(|row| sent(row) as u64).sum::<u64>();
         assert_eq!(totals[0].vertices_sent, sum(&|row| row.vertices_sent.triangles));

@@ -15,6 +15,7 @@ use std::collections::BTreeMap;
 
 use clap::ValueEnum;
 use tristrip::Strips;
+use tristrip::lod::filter::repair;
 use tristrip::lod::traffic::gigabits;
 
 use crate::failure::Failure;
@@ -56,8 +57,8 @@ pub(super) fn measure(
     let levels = Levels::new(details.iter().map(Detail::sequence).collect());
 
     // 2. What is sent.
-    let curve = rows(pool, &details, &levels, &levels.evenly(CURVE_STEPS), true)?;
-    let bins = rows(pool, &details, &levels, &levels.evenly(BIN_STEPS), true)?;
+    let repair = repair::Options::default();
+    let curve = rows(pool, &details, &levels, &levels.evenly(CURVE_STEPS), repair, true)?;
     let mut found = LevelsFound::default();
     found.add("collapses", levels.len() as f64);
     found.add("triangles_base", levels.triangle_count(&levels.of_parts(0)) as f64);
@@ -68,7 +69,7 @@ pub(super) fn measure(
         used.len()
     };
     found.add("vertices_base", details.iter().map(used).sum::<usize>() as f64);
-    for total in totals(pool, &details, &levels)? {
+    for total in totals(pool, &details, &levels, repair)? {
         found.add(&format!("gbits_{}", total.filter), gigabits(total.vertices_sent));
         found.add(&format!("percent_{}", total.filter), total.percent);
     }
@@ -87,7 +88,8 @@ pub(super) fn measure(
     found.add_saving("saving_updates", "updates_encoded", "updates_naive");
     let saved = 100.0 * (1.0 - all.bytes_encoded as f64 / all.bytes_naive.max(1) as f64);
     found.add("saving_bytes", saved);
-    found.add_curves(&curve, &bins);
+    found.add_curve(&curve);
+    found.add_bins(&details, &levels);
     Ok(found)
 }
 
@@ -121,16 +123,27 @@ impl LevelsFound {
         }
     }
 
-    fn add_curves(&mut self, curve: &[Row], bins: &[Row]) {
-        let mut add = |name: &str, point: (f64, f64)| self.curves.entry(name.into()).or_default().push(point);
-        for row in curve {
-            add("triangles", (row.percent, row.vertices_sent.triangles as f64));
-            filters(&row.vertices_sent).iter().for_each(|(name, &sent)| add(name, (row.percent, sent)));
+    fn point(&mut self, name: &str, point: (f64, f64)) {
+        self.curves.entry(name.into()).or_default().push(point);
+    }
+
+    /// Adds what is sent at each level.
+    fn add_curve(&mut self, rows: &[Row]) {
+        for row in rows {
+            self.point("triangles", (row.percent, row.vertices_sent.triangles as f64));
+            for (name, sent) in filters(&row.vertices_sent) {
+                self.point(&name, (row.percent, sent));
+            }
         }
-        for pair in bins.windows(2) {
-            let middle = f64::midpoint(pair[0].percent, pair[1].percent);
-            add("updates_naive", (middle, pair[1].refinement.updates_naive));
-            add("updates_encoded", (middle, pair[1].refinement.updates_encoded));
+    }
+
+    /// Adds what is written on the average over so many levels each.
+    fn add_bins(&mut self, details: &[Detail<'_>], levels: &Levels<'_>) {
+        for pair in levels.evenly(BIN_STEPS).windows(2) {
+            let all = Refinement::between(details, levels, pair[0], pair[1]);
+            let middle = 50.0 * (pair[0] + pair[1]) as f64 / levels.len() as f64;
+            self.point("updates_naive", (middle, all.updates_naive));
+            self.point("updates_encoded", (middle, all.updates_encoded));
         }
     }
 }

@@ -7,7 +7,7 @@ use super::{SQUARE, json, keys, model, tristrip};
 use predicates::str::contains;
 use serde_json::Value;
 
-const FILTERS: [&str; 4] = ["none", "stss", "dtfs", "linked"];
+const FILTERS: [&str; 5] = ["none", "stss", "dtfs", "linked", "repair"];
 
 /// Gives the report of a fast method on a model of the project's own.
 fn lod(name: &str, arguments: &[&str]) -> Value {
@@ -19,7 +19,7 @@ fn number(report: &Value, key: &str) -> u64 {
 }
 
 fn path(path: &Path) -> &str {
-    path.to_str().unwrap_or_else(|| panic!("no text: {path:?}"))
+    path.to_str().unwrap_or_else(|| panic!("no text: {}", path.display()))
 }
 
 #[test]
@@ -63,6 +63,7 @@ fn the_report_has_its_keys() {
         "chosen",
         "model",
         "filter",
+        "filter_effort",
         "proven",
         "seconds",
         "levels",
@@ -83,7 +84,7 @@ fn the_report_has_its_keys() {
     let row = &report["table"][0];
     assert_eq!(keys(row), ["level", "percent", "triangles", "vertices_sent", "refinement"]);
     assert_eq!(keys(&row["vertices_sent"]), [&["triangles"][..], &FILTERS].concat());
-    assert_eq!((&report["model"], &report["filter"]), (&"progressive".into(), &"linked".into()));
+    assert_eq!((&report["model"], &report["filter"]), (&"progressive".into(), &"repair".into()));
 }
 
 #[test]
@@ -98,6 +99,8 @@ fn a_table_has_every_filter_from_the_base_to_the_full_mesh() {
         assert!(sent(row, "linked") <= sent(row, "dtfs"));
         assert!(sent(row, "stss") <= sent(row, "none"));
     }
+    let all = |filter: &str| rows.iter().map(|row| sent(row, filter)).sum::<u64>();
+    assert!(all("repair") < all("linked"));
     let text = tristrip().args(["lod", "--table", "-m", "sgi"]).arg(model("wingnut.ply")).assert().success();
     let text = String::from_utf8(text.get_output().stdout.clone()).unwrap();
     assert!(text.contains("Vertices sent") && text.contains("linked") && text.contains("100 %"), "{text}");

@@ -102,6 +102,9 @@ fn flags_are_checked() {
     refused(&["lod", "a.ply", "--level", "140%"], "found `140%`, expected a number such as 120");
     refused(&["lod", "a.ply", "--base", "0..1"], "found `0..1`, expected a share from 0 to 1");
     refused(&["lod", "a.ply", "--filter", "fog"], "possible values: none, stss, dtfs");
+    let effort = ["lod", "a.ply", "--filter", "dtfs", "--filter-effort", "3"];
+    refused(&effort, "--filter-effort belongs to --filter repair, not to dtfs");
+    refused(&["lod", "a.ply", "--filter-effort", "10"], "10 is not in 0..=9");
     refused(&["lod", "a.ply", "--model", "magic"], "possible values: progressive");
     refused(&["lod", "a.ply", "--plot", "a.png"], "--plot writes SVG");
     refused(&["lod", "a", "b", "c", "d", "--plot", "a.svg"], "--plot takes at most 3 inputs");
