@@ -169,7 +169,7 @@ pub struct Repair<'a> {
 }
 
 impl<'a> Repair<'a> {
-    /// Takes over the strips of the full mesh, as they are; over an edge of more than two triangles they may be cut.
+    /// Takes over the strips of the full mesh, as they are.
     ///
     /// # Errors
     /// The strips do not draw the triangles of the full mesh, each once with its winding, or these are too many.
@@ -244,30 +244,30 @@ impl<'a> Repair<'a> {
                 repair.paths.put_in(t);
             }
         }
+        repair.link_neighbours(&order);
         let mut is_named = vec![true; sequence.vertex_count()];
         let renames = (level..sequence.len()).flat_map(|level| sequence.collapse(level).renames);
         renames.for_each(|rename| is_named[rename.removed as usize] = false);
         for v in (0..).zip(is_named).filter_map(|(v, is_named)| is_named.then_some(v)) {
             repair.pair_around([v]);
         }
-        repair.link_neighbours(&order);
         Ok(repair)
     }
 
     /// Links triangles that follow each other in a strip, those not drawn left out, where they share an edge.
-    fn link_neighbours(&mut self, order: &[(u32, u32)]) {
-        let mut last = None;
-        for &(strip, t) in order.iter().filter(|&&(_, t)| self.surface.is_drawn(t)) {
-            if let Some((_, u)) = last.filter(|&(last_strip, _)| last_strip == strip) {
-                let leads_on = |h: &u32| {
-                    let twin = self.paths.twin(*h);
-                    twin != NONE && twin / 4 == t
-                };
-                if let Some(link) = (4 * u..4 * u + 3).find(leads_on) {
-                    self.paths.join(link);
+    fn link_neighbours(&mut self, order: &[Place]) {
+        let mut last: Option<Place> = None;
+        for &place in order.iter().filter(|place| self.surface.is_drawn(place.triangle)) {
+            if let Some(before) = last.filter(|last| last.strip == place.strip) {
+                let shared = self.surface.shared(before.triangle, place.triangle);
+                let free = shared.filter(|sides| sides.iter().all(|&h| self.paths.twin(h) == NONE));
+                if let Some([a, b]) = free.min_by_key(|&[_, side]| side != place.entry) {
+                    self.paths.set_twin(a, b);
+                    self.paths.set_twin(b, a);
+                    self.paths.join(a);
                 }
             }
-            last = Some((strip, t));
+            last = Some(place);
         }
     }
 
@@ -365,11 +365,12 @@ impl<'a> Repair<'a> {
         let (paths, changes) = (&mut self.paths, &mut self.changes);
         changes.clear();
         for v in vertices {
-            self.surface.sides_around(v, |h, twin| {
+            let note = |h, twin| {
                 if paths.twin(h) != twin {
                     changes.push([h, twin]);
                 }
-            });
+            };
+            self.surface.sides_around(v, |h| paths.twin(h), note);
         }
         for &[h, _] in &*changes {
             if paths.mask(h / 4) >> (h % 4) & 1 == 1 {
@@ -467,16 +468,25 @@ fn check_size(sequence: &CollapseSequence) -> Result<(), Error> {
     over("corners and vertices", 3 * triangles + vertices, NONE as usize - 1)
 }
 
-/// Gives the triangles of the full mesh in the order in which strips draw them, each with its strip.
-fn order_of(strips: &Strips, surface: &Surface) -> Result<Vec<(u32, u32)>, Error> {
+/// A triangle of the full mesh in a strip.
+#[derive(Debug, Clone, Copy, Default)]
+struct Place {
+    strip: u32,
+    triangle: u32,
+    /// The half-edge over which the strip comes, by fours.
+    entry: u32,
+}
+
+/// Gives the triangles of the full mesh in the order in which strips draw them.
+fn order_of(strips: &Strips, surface: &Surface) -> Result<Vec<Place>, Error> {
     let mut known: Vec<([u32; 3], u32)> = (0..surface.triangle_count() as u32)
         .filter(|&t| surface.is_drawn(t))
         .map(|t| (lowest_first(surface.triangle(t)), t))
         .collect();
     known.sort_unstable();
     let drawn = strips.iter().zip(0..).flat_map(|(strip, s)| strip_triangles(strip).map(move |t| (t, s)));
-    let mut drawn: Vec<([u32; 3], usize, u32)> =
-        drawn.enumerate().map(|(i, (triangle, s))| (lowest_first(triangle), i, s)).collect();
+    let mut drawn: Vec<([u32; 3], usize, u32, u32)> =
+        drawn.enumerate().map(|(i, (triangle, s))| (lowest_first(triangle), i, s, triangle[0])).collect();
     drawn.sort_unstable();
     if !known.iter().map(|known| known.0).eq(drawn.iter().map(|drawn| drawn.0)) {
         return Err(Error::Parameter {
@@ -485,9 +495,10 @@ fn order_of(strips: &Strips, surface: &Surface) -> Result<Vec<(u32, u32)>, Error
             expected: "strips that draw the full mesh",
         });
     }
-    let mut order = vec![(0, 0); known.len()];
-    for (&(_, i, strip), &(_, t)) in drawn.iter().zip(&known) {
-        order[i] = (strip, t);
+    let mut order = vec![Place::default(); known.len()];
+    for (&(_, i, strip, first), &(_, t)) in drawn.iter().zip(&known) {
+        let entry = (4 * t..).zip(surface.triangle(t)).find(|&(_, v)| v == first).map_or(4 * t, |(h, _)| h);
+        order[i] = Place { strip, triangle: t, entry };
     }
     Ok(order)
 }

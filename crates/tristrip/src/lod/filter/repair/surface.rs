@@ -6,10 +6,9 @@
 //!    ╱ d │ d ╲       ─▶      ╱     ╲      kept one's. What is taken out of a linked ring still knows its neighbours, so that
 //!  kept──removed──         kept────────   the split puts it back in O(1), as long as splits undo the last collapse first.
 //! ```
-//! The two sides of an edge are each other's twins where they have opposite directions. Of more sides, each in order of the triangles takes
-//! the last one of the other direction that has none yet. Sides change only around the kept vertex of a collapse, and around both
-//! vertices of a split, and are found there anew. (The dual graph of a whole mesh also looks at where the triangles of such an edge lead,
-//! which may change from farther away.)
+//! The two sides of an edge are each other's twins where they have opposite directions. Of more sides, those that
+//! were twins stay so, and each other one, in order of the triangles, takes the last of the other direction that has none yet. Sides change only around the kept vertex of a collapse, and around both
+//! vertices of a split, and are found there anew.
 //!
 //! # References
 //! Knuth: *Dancing links*, 2000.
@@ -119,9 +118,20 @@ impl Surface {
         }
     }
 
-    /// Tells of each half-edge at a vertex that is not removed, on either side of an edge there, what its other side is. They are numbered by fours, as paths
-    /// have them: edge e of triangle t is 4 t + e.
-    pub(super) fn sides_around(&mut self, v: u32, mut tell: impl FnMut(u32, u32)) {
+    /// Gives the edges that two triangles share, by the half-edges of the two sides, numbered as in [`Surface::sides_around`].
+    pub(super) fn shared(&self, t: u32, u: u32) -> impl Iterator<Item = [u32; 2]> {
+        let [from, to] = [t, u].map(|t| self.triangle(t));
+        let edges = (0..3_u32).flat_map(|e| (0..3_u32).map(move |f| (e, f)));
+        edges.filter_map(move |(e, f)| {
+            let [a, b] = [from[e as usize], from[(e as usize + 1) % 3]];
+            let is_shared = [b, a] == [to[f as usize], to[(f as usize + 1) % 3]];
+            is_shared.then_some([4 * t + e, 4 * u + f])
+        })
+    }
+
+    /// Tells of each half-edge at a vertex that is not removed, on either side of an edge there, what its other side is, knowing what it
+    /// was. They are numbered by fours, as paths have them: edge e of triangle t is 4 t + e.
+    pub(super) fn sides_around(&mut self, v: u32, was: impl Fn(u32) -> u32, mut tell: impl FnMut(u32, u32)) {
         let [mut sides, mut waiting] = [&mut self.sides, &mut self.waiting].map(std::mem::take);
         sides.clear();
         for corner in self.around(v) {
@@ -146,9 +156,15 @@ impl Surface {
                 tell(half_edge(other), half_edge(one));
                 continue;
             }
-            // All that wait have one direction.
+            let place = |h: u32| edge.binary_search_by_key(&h, |&side| half_edge(side)).ok();
+            let keeps = |side: u64| place(was(half_edge(side))).filter(|&i| (edge[i] ^ side) & 1 == 1);
             waiting.clear();
             for &side in edge {
+                if let Some(other) = keeps(side) {
+                    tell(half_edge(side), half_edge(edge[other]));
+                    continue;
+                }
+                // All that wait have one direction.
                 match waiting.pop_if(|last| (*last ^ side) & 1 == 1) {
                     Some(last) => {
                         tell(half_edge(last), half_edge(side));
