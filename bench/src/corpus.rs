@@ -10,9 +10,9 @@ use tristrip::strip::verify;
 use tristrip::{Layout, Options, Strips, stripify};
 use tristrip_io::{Drawing, Format, Model, read_path, write};
 
-use crate::Failure;
 use crate::methods::{Named, all_methods, main_methods};
 use crate::models::Source;
+use crate::{Failure, levels};
 
 /// Thread counts that must give the same bytes.
 pub const THREADS: [usize; 3] = [1, 2, 7];
@@ -22,6 +22,9 @@ pub const LARGE: usize = 300_000;
 pub const MEDIUM: usize = 16_000;
 /// Models of at most so many triangles are written in every kind of file.
 pub const SMALL: usize = 8_000;
+
+/// Faults of a part's levels that are told.
+const MOST_FAULTS: usize = 3;
 
 /// A kind of file: format, layout, and its part of the file name.
 type Kind = (Format, Layout, &'static str);
@@ -42,6 +45,8 @@ pub struct Checked {
     pub proven: usize,
     /// Results of which all thread counts gave the same bytes.
     pub identical: usize,
+    /// Levels of detail at which all drawings were the oracle's.
+    pub levels: usize,
     /// Files for the checker.
     pub files: Vec<PathBuf>,
     /// What went wrong, in words.
@@ -102,6 +107,12 @@ pub fn check(source: &Source, pools: &Pools, folder: &Path, all_files: bool) -> 
             fs::write(&path, bytes)?;
             checked.files.push(path);
         }
+    }
+    for (number, part) in model.parts.iter().enumerate() {
+        let of_part = levels::check(&part.mesh)?;
+        checked.levels += of_part.levels;
+        let say = |fault| format!("{}, part {number}: {fault}", source.name);
+        checked.faults.extend(of_part.faults.into_iter().take(MOST_FAULTS).map(say));
     }
     Ok(checked)
 }

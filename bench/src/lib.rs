@@ -18,6 +18,7 @@ pub mod bars;
 pub mod buffers;
 pub mod corpus;
 pub mod docs;
+pub mod levels;
 pub mod measure;
 pub mod memory;
 pub mod methods;

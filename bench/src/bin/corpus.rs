@@ -57,10 +57,12 @@ fn main() -> Result<ExitCode, Failure> {
     let sum = |count: fn(&Checked) -> usize| results.iter().map(|(_, checked)| count(checked)).sum::<usize>();
     let mut faults: Vec<String> = results.iter().flat_map(|(_, checked)| checked.faults.clone()).collect();
     println!(
-        "corpus: {} models: {} results proven by verify, {} of them the same bytes with {THREADS:?} threads ({:.0} s)",
+        "corpus: {} models: {} results proven by verify, {} of them the same bytes with {THREADS:?} threads, \
+         all models of levels of detail the oracle's drawings at {} levels ({:.0} s)",
         sources.len(),
         sum(|c| c.proven),
         sum(|c| c.identical),
+        sum(|c| c.levels),
         start.elapsed().as_secs_f64()
     );
     let start = Instant::now();
