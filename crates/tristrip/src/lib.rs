@@ -5,6 +5,8 @@
 //!
 //! ```text
 //! Mesh ─▶ Surface ─▶ DualGraph ─▶ Plan (triangulation + PathCover) ─▶ Strips ─▶ layout
+//!   └──── triangles ────▶ simplify ─▶ CollapseSequence ─┬──────────────┘
+//!                                                       └▶ lod ─▶ Strips of any level
 //! ```
 //!
 //! The library computes only: it reads no file, prints nothing, starts no thread (outside the `rayon` feature), and does not

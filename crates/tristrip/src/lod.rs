@@ -6,6 +6,30 @@
 //! ```text
 //! Strips of the full mesh ─ renamed for a level ─▶ simplified strips ─ filter ─▶ display strips
 //! ```
+//! The whole way:
+//!
+//! ```
+//! use tristrip::lod::{Filter, ProgressiveStrips, progressive::Encoding};
+//! use tristrip::simplify::{self, simplify};
+//! use tristrip::{Faces, Mesh, Strips, stripify};
+//! // A flat grid of 8 × 8 quadrilaterals.
+//! let quad = |i: u32| [i, i + 1, i + 10, i + 9];
+//! let faces = Faces::from_polygons((0..8).flat_map(|y| (0..8).map(move |x| quad(9 * y + x))))?;
+//! let mesh = Mesh::new((0..81).map(|i| [(i % 9) as f32, (i / 9) as f32, 0.0]).collect::<Vec<_>>(), faces)?;
+//! let strips = stripify(&mesh, &tristrip::Options::default())?;
+//! let sequence = simplify(&mesh, strips.to_list(), &simplify::Options::default())?.sequence;
+//!
+//! let mut model = ProgressiveStrips::new(&strips, &sequence, Encoding::Offsets)?;
+//! let (mut map, mut display) = (Vec::new(), Strips::default());
+//! for triangles in [2, 20, 100] {
+//!     model.go_to(sequence.level_of_triangles(triangles));
+//!     model.decode_to(&mut map);
+//!     display.clear();
+//!     Filter::Linked.map_to(&map, &mut display);
+//!     assert_eq!(display.triangles().count(), sequence.triangle_count(model.level()));
+//! }
+//! # Ok::<(), tristrip::Error>(())
+//! ```
 
 pub mod filter;
 pub mod progressive;

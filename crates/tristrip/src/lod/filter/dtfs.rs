@@ -32,25 +32,35 @@
 
 #![allow(clippy::needless_bitwise_bool, reason = "a lazy operator would be a branch")]
 
-use super::Sink;
-use super::valid::{BLOCK, Gatherer, Valid, blocks};
+use super::valid::{BLOCK, FIRST_KEY, Gatherer, Valid};
+use super::{Scanner, Sink};
 
-/// Scans the strips of an index map.
-pub(super) fn scan(map: &[u32], sink: &mut impl Sink) {
-    let mut gatherer = Gatherer::new();
-    let mut words = [0; 4 * BLOCK];
-    // Where display strips begin among them, the last first.
-    let mut starts = [0; BLOCK];
-    let mut before = Triangle::NONE;
-    let mut is_begun = false;
-    for block in blocks(map) {
-        let valid = gatherer.gather(block);
+/// A scan that has come to the end of a block.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Dtfs {
+    key: u32,
+    before: Triangle,
+    is_begun: bool,
+}
+
+impl Default for Dtfs {
+    fn default() -> Self {
+        Self { key: FIRST_KEY, before: Triangle::NONE, is_begun: false }
+    }
+}
+
+impl Scanner for Dtfs {
+    fn scan(&mut self, rest: &[u32], gatherer: &mut Gatherer, sink: &mut impl Sink) {
+        let valid = gatherer.gather(rest, &mut self.key);
+        let Some(last) = valid.last() else { return };
+        let mut words = [0; 4 * BLOCK];
+        // Where display strips begin among them, the last first.
+        let mut starts = [0; BLOCK];
         let (mut at, mut begun, mut repeats) = (words.len(), 0, 0);
-        let Some(last) = valid.last() else { continue };
-        let last = Triangle::of(block, *last);
+        let last = Triangle::of(rest, *last);
         let mut now = last;
         for i in (0..valid.len()).rev() {
-            let previous = if i == 0 { before } else { Triangle::of(block, valid[i - 1]) };
+            let previous = if i == 0 { self.before } else { Triangle::of(rest, valid[i - 1]) };
             let (is_regular, is_new) = now.follows(&previous);
             let is_repeat = is_new & (now.key % 2 == 1);
             let [d, e, f] = now.vertices;
@@ -63,18 +73,21 @@ pub(super) fn scan(map: &[u32], sink: &mut impl Sink) {
             repeats += usize::from(is_repeat);
             now = previous;
         }
-        before = last;
         let starts = starts[..begun].iter().rev().map(|start| start - at as u32);
-        sink.send_block(&words[at..], starts, repeats, is_begun);
-        is_begun = true;
+        sink.send_block(&words[at..], starts, repeats, self.is_begun);
+        self.before = last;
+        self.is_begun = true;
     }
-    if is_begun {
-        sink.end();
+
+    fn end(&self, sink: &mut impl Sink) {
+        if self.is_begun {
+            sink.end();
+        }
     }
 }
 
 /// A valid triangle.
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 struct Triangle {
     vertices: [u32; 3],
     key: u32,
@@ -84,8 +97,8 @@ impl Triangle {
     /// What no triangle follows: no strip has its key.
     const NONE: Self = Self { vertices: [0; 3], key: 0 };
 
-    fn of(block: &[u32], valid: Valid) -> Self {
-        let w = &block[valid.place as usize..][..3];
+    fn of(rest: &[u32], valid: Valid) -> Self {
+        let w = &rest[valid.place as usize..][..3];
         Self { vertices: [w[0], w[1], w[2]], key: valid.key }
     }
 

@@ -27,47 +27,74 @@
 //! # Complexity
 //! O(n); at most three vertices a triangle.
 
-use super::Sink;
-use super::valid::{Gatherer, blocks};
+use super::valid::{FIRST_KEY, Gatherer};
+use super::{Scanner, Sink};
 
-/// Scans the strips of an index map.
-pub(super) fn scan(map: &[u32], sink: &mut impl Sink) {
-    let mut run = Run { last: [0; 3], length: 0, triangles: 0, is_swapped_at_start: false };
-    let (mut gatherer, mut strip) = (Gatherer::new(), 0);
-    for block in blocks(map) {
-        for triangle in gatherer.gather(block) {
-            let Some(&[a, b, c]) = block[triangle.place as usize..].first_chunk() else { break };
+/// A scan that has come to the end of a block.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Linked {
+    key: u32,
+    /// The strip of the triangle sent last.
+    strip: u32,
+    run: Run,
+}
+
+impl Default for Linked {
+    fn default() -> Self {
+        let run = Run { last: [0; 3], is_even: true, count: Count::None, is_swapped_at_start: false };
+        Self { key: FIRST_KEY, strip: 0, run }
+    }
+}
+
+impl Scanner for Linked {
+    fn scan(&mut self, rest: &[u32], gatherer: &mut Gatherer, sink: &mut impl Sink) {
+        for triangle in gatherer.gather(rest, &mut self.key) {
+            let Some(&[a, b, c]) = rest[triangle.place as usize..].first_chunk() else { break };
             let oriented = if triangle.key % 2 == 0 { [a, b, c] } else { [b, a, c] };
-            let is_new = std::mem::replace(&mut strip, triangle.key / 2) != strip;
-            if is_new || !run.link(oriented, sink) {
-                run.end(sink);
-                run.begin(oriented, sink);
+            let strip = triangle.key / 2;
+            if strip != self.strip || !self.run.link(oriented, sink) {
+                self.run.end(sink);
+                self.run.begin(oriented, sink);
             }
+            self.strip = strip;
         }
     }
-    run.end(sink);
+
+    fn end(&self, sink: &mut impl Sink) {
+        self.run.end(sink);
+    }
 }
 
 /// The display strip that is being sent.
+#[derive(Debug, Clone, PartialEq)]
 struct Run {
     /// The vertices sent last, a triangle; entered across the first two unless it is the only one.
     last: [u32; 3],
-    /// Vertices sent.
-    length: usize,
-    triangles: usize,
+    /// Whether an even number of vertices was sent.
+    is_even: bool,
+    count: Count,
     is_swapped_at_start: bool,
+}
+
+/// How many triangles were sent.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Count {
+    None,
+    One,
+    Two,
+    More,
 }
 
 impl Run {
     fn begin(&mut self, triangle: [u32; 3], sink: &mut impl Sink) {
         triangle.into_iter().for_each(|vertex| sink.send(vertex));
-        *self = Self { last: triangle, length: 3, triangles: 1, is_swapped_at_start: false };
+        *self = Self { last: triangle, is_even: false, count: Count::One, is_swapped_at_start: false };
     }
 
     /// Sends a triangle after the last one, if they share an edge by which it can be left.
     fn link(&mut self, triangle: [u32; 3], sink: &mut impl Sink) -> bool {
         let [z, x, y] = self.last;
-        if self.triangles == 1 {
+        if self.count == Count::One {
             // It stands at an even place, wound as it is sent.
             for [z, x, y] in [[z, x, y], [x, y, z], [y, z, x]] {
                 if let Some(w) = across(triangle, y, x) {
@@ -78,15 +105,16 @@ impl Run {
             }
             return false;
         }
-        let is_odd = self.length.is_multiple_of(2);
-        let turned = |from, to| if is_odd { across(triangle, to, from) } else { across(triangle, from, to) };
+        // The triangle sent last stands at an odd place after an even number of vertices.
+        let turned =
+            |from, to| if self.is_even { across(triangle, to, from) } else { across(triangle, from, to) };
         if let Some(w) = turned(y, x) {
             self.send([x, y, w], sink);
             true
         } else if let Some(w) = turned(z, y) {
             sink.send_before_last(z);
-            self.length += 1;
-            self.is_swapped_at_start |= self.triangles == 2;
+            self.is_even = !self.is_even;
+            self.is_swapped_at_start |= self.count == Count::Two;
             self.send([z, y, w], sink);
             true
         } else {
@@ -97,15 +125,15 @@ impl Run {
     fn send(&mut self, triangle: [u32; 3], sink: &mut impl Sink) {
         sink.send(triangle[2]);
         self.last = triangle;
-        self.length += 1;
-        self.triangles += 1;
+        self.is_even = !self.is_even;
+        self.count = if self.count == Count::One { Count::Two } else { Count::More };
     }
 
-    fn end(&mut self, sink: &mut impl Sink) {
-        if self.triangles == 0 {
+    fn end(&self, sink: &mut impl Sink) {
+        if self.count == Count::None {
             return;
         }
-        if self.is_swapped_at_start && self.length.is_multiple_of(2) {
+        if self.is_swapped_at_start && self.is_even {
             sink.turn_round();
         }
         sink.end();

@@ -5,11 +5,10 @@
 //! strips as paths over the triangles that a level draws, follows each collapse and each split, and mends the paths beside it.
 //!
 //! ```text
-//!        x                    x            A path that ran through a dropped triangle d is linked where d was. The path on the
-//!   ━ u╱│╲                ━ u╱ ╲           other side came over the collapsed edge and is cut; dives beside it find its ends
-//!   ━━╱━━━━╲       ─▶     ━━╱━━━╲━ v ━     another way. A split puts d back into the path over the edge that it opens.
-//!    ╱ d │ d ╲━ v ━        ╱     ╲
-//!  kept ─── removed        kept
+//!          x                    x
+//!   ━ u ━╱━━━╲━ v ━      ━ u ━╱━ v ━       a path through a dropped triangle d is linked where d was
+//!      ╱   d   ╲             ╱
+//!   kept ──── removed     kept             a path over the edge of the two is cut; dives near it find its ends another way
 //! ```
 //! # Algorithm
 //! *Coarsen*:
@@ -24,25 +23,26 @@
 //! *At a level* at once: drop all that the level does not draw, link triangles of one strip with nothing drawn between them that share an edge,
 //! as the filters do, then dive from all triangles.
 //!
-//! An edge with more than two sides, or with two of one direction, is never linked over.
+//! Who shares an edge with whom where more than two triangles meet is told in the module `surface`.
 //!
 //! # What it depends on
 //! The strips of a level depend on the levels passed on the way and on nothing else: the same steps give the same strips, but
 //! coarsening and refining again does not give the strips that were there before. Both draw the same triangles.
 //!
 //! # Effort
-//! The bunny of 69,451 triangles down to a twentieth of them, in 33,042 collapses, the strips of the full mesh by `best` (36.7 % of
-//! three vertices a triangle); vertices sent at all levels in percent of three a triangle, the same at the base mesh, and the time a collapse
-//! on one core. Strips made anew by `best` at its usual effort come to 38.9 %.
+//! The bunny of 69,451 triangles, simplified to a twentieth of them in 33,042 collapses, with strips of the full mesh by `best` (36.7 % of
+//! three vertices a triangle): what all levels send, and what the base mesh does, in percent of three vertices a triangle; the time of a
+//! collapse on one core. Strips made anew for each level by `best` at its usual effort send 39.2 %; at the base mesh, `Dtfs` sends 99.6 % and
+//! `Linked` 82.5 %.
 //!
 //! | level | 0 | 1 | 2 | 3 | 4 | 5 | 6 | 7 |
 //! |---|---|---|---|---|---|---|---|---|
-//! | all levels, % | 41.2 | 40.7 | 40.3 | 39.8 | 39.6 | 39.4 | 39.3 | 39.2 |
-//! | base mesh, % | 45.6 | 44.2 | 43.1 | 42.0 | 41.6 | 41.5 | 41.3 | 41.2 |
-//! | microseconds a collapse | 2 | 3 | 5 | 12 | 21 | 42 | 85 | 170 |
+//! | all levels, % | 41.4 | 40.8 | 40.4 | 39.9 | 39.7 | 39.5 | 39.5 | 39.3 |
+//! | base mesh, % | 45.6 | 44.0 | 43.3 | 42.1 | 41.6 | 41.2 | 41.1 | 40.9 |
+//! | microseconds | 2 | 3 | 5 | 12 | 21 | 42 | 70 | 150 |
 //!
-//! Made at once, 40 % of the triangles take 44.1, 40.8 and 40.4 % at levels 1, 3 and 5, in 0.03, 0.1 and 0.5 s; level 0 does not search, and
-//! takes 54.6 %. Levels 8 and 9 take two and four times as long as 7.
+//! Levels 8 and 9 take about twice and five times as long as 7. Made at once, 40 % of the triangles take 44.2, 40.9 and 40.5 % at levels 1, 3 and 5,
+//! in 0.03, 0.1 and 0.5 s; level 0 searches nothing then, and sends what `Linked` does, 55.0 %.
 //!
 //! # References
 //! Stewart: *Tunneling for Triangle Strips in Continuous Level-of-Detail Meshes*, 2001; Porcu, Sanna, Scateni: *Efficiently Keeping an
@@ -169,7 +169,7 @@ pub struct Repair<'a> {
 }
 
 impl<'a> Repair<'a> {
-    /// Takes over the strips of the full mesh, as they are.
+    /// Takes over the strips of the full mesh, as they are; over an edge of more than two triangles they may be cut.
     ///
     /// # Errors
     /// The strips do not draw the triangles of the full mesh, each once with its winding, or these are too many.

@@ -7,8 +7,11 @@
 
 use crate::lod::RESTART;
 
+/// The key of the first place of a map.
+pub(super) const FIRST_KEY: u32 = 2;
+
 /// Places in a block.
-pub(super) const BLOCK: usize = 64;
+pub(crate) const BLOCK: usize = 64;
 
 /// A valid triangle of an index map.
 #[derive(Debug, Clone, Copy, Default)]
@@ -19,19 +22,21 @@ pub(super) struct Valid {
     pub(super) place: u32,
 }
 
-/// What is gathered of one block, and the key of the place after it.
-pub(super) struct Gatherer {
+/// What is gathered of one block.
+pub(crate) struct Gatherer {
     valid: [Valid; BLOCK],
-    key: u32,
 }
 
 impl Gatherer {
-    pub(super) fn new() -> Self {
-        Self { valid: [Valid::default(); BLOCK], key: 2 }
+    pub(crate) fn new() -> Self {
+        Self { valid: [Valid::default(); BLOCK] }
     }
 
-    /// Gathers the valid triangles of the next block.
-    pub(super) fn gather(&mut self, block: &[u32]) -> &[Valid] {
+    /// Gathers the valid triangles of the block with which the rest of a map begins. `key` is that of its first place, and becomes that of
+    /// the place after it.
+    pub(super) fn gather(&mut self, rest: &[u32], key: &mut u32) -> &[Valid] {
+        let Some(places) = rest.len().checked_sub(2) else { return &[] };
+        let block = &rest[..places.min(BLOCK) + 2];
         let mut count = 0;
         let mut is_valid = [false; BLOCK];
         let corners = block.iter().zip(&block[1..]).zip(&block[2..]);
@@ -39,20 +44,14 @@ impl Gatherer {
             let is_inside = (a != RESTART) & (b != RESTART) & (c != RESTART);
             *is_valid = (a != b) & (b != c) & (a != c) & is_inside;
         }
-        let mut key = self.key;
+        let mut now = *key;
         for (place, (&vertex, &is_valid)) in block[..block.len() - 2].iter().zip(&is_valid).enumerate() {
             // Never beyond the block: `count` is at most `place`.
-            self.valid[count % BLOCK] = Valid { key, place: place as u32 };
+            self.valid[count % BLOCK] = Valid { key: now, place: place as u32 };
             count += usize::from(is_valid);
-            key = if vertex == RESTART { (key | 1).wrapping_add(1) } else { key ^ 1 };
+            now = if vertex == RESTART { (now | 1).wrapping_add(1) } else { now ^ 1 };
         }
-        self.key = key;
+        *key = now;
         &self.valid[..count]
     }
-}
-
-/// Walks over the blocks of a map, each with the two entries that follow it.
-pub(super) fn blocks(map: &[u32]) -> impl Iterator<Item = &[u32]> {
-    let last = map.len().saturating_sub(2);
-    (0..last).step_by(BLOCK).map(|start| &map[start..map.len().min(start + BLOCK + 2)])
 }
