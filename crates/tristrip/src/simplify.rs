@@ -3,7 +3,7 @@
 //! What comes out is not a mesh but all of them: a [`CollapseSequence`], whose level 0 is the mesh asked for and whose highest level is the mesh
 //! given. No vertex is made or moved, so that every level draws from the vertices of the full mesh.
 //!
-//! Vertices of one position are one point. Where their attributes differ they lie on a seam, and go together or not at all. Where triangles
+//! Vertices of one position are one point. Where their attributes differ they lie on a seam, and go together or not at all, along it. Where triangles
 //! do not lie around a point like a disk or half of one, the point stays: non-manifold edges are as they were. Holes do not close, parts
 //! do not join or vanish: a mesh that allows no more stops above the number of triangles asked for, and [`Stopped`] says why.
 //!
@@ -147,8 +147,7 @@ pub fn simplify(mesh: &Mesh, triangles: Vec<u32>, options: &Options) -> Result<S
         return Err(Error::LimitExceeded { what: "triangles to simplify", found, limit });
     }
     let mut sequence = CollapseSequence::new(mesh.vertex_count(), triangles)?;
-    let mut decimation =
-        Decimation::new(mesh.positions(), sequence.triangles(), &options.locked, options.error);
+    let mut decimation = Decimation::new(mesh, sequence.triangles(), &options.locked, options.error);
     decimation.run(options.triangle_count, &mut sequence);
     let reached = sequence.triangle_count(0);
     let stopped = (reached > options.triangle_count).then(|| decimation.stopped());

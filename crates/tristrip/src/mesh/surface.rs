@@ -130,7 +130,7 @@ fn weld_corners(mesh: &Mesh) -> Welded {
 }
 
 /// Gives the bits of a vertex: its position and all attributes.
-fn bits(mesh: &Mesh, v: usize) -> Vec<u8> {
+pub(crate) fn bits(mesh: &Mesh, v: usize) -> Vec<u8> {
     let mut key = Vec::new();
     mesh.positions()[v].iter().for_each(|x| key.extend(x.to_bits().to_le_bytes()));
     for attribute in mesh.attributes() {

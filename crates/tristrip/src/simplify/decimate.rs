@@ -32,6 +32,8 @@ use super::queue::Queue;
 use super::topology::{Corner, Kind, Topology};
 use super::vector::{Point, cross, dot, normal_of, sub, to_segment, to_triangle};
 
+use crate::mesh::Mesh;
+
 const NONE: u32 = u32::MAX;
 /// What a plane along a border weighs next to a face of the same size. As Garland and Heckbert, section 6, have it: a large penalty.
 const BORDER_WEIGHT: f64 = 10.0;
@@ -114,13 +116,8 @@ pub(super) struct Decimation {
 
 impl Decimation {
     /// Makes ready: joins vertices, weighs planes, estimates all points.
-    pub(super) fn new(
-        positions: &[[f32; 3]],
-        vertices: &[u32],
-        locked: &[bool],
-        error_limit: Option<f32>,
-    ) -> Self {
-        let topology = Topology::new(positions, vertices);
+    pub(super) fn new(mesh: &Mesh, vertices: &[u32], locked: &[bool], error_limit: Option<f32>) -> Self {
+        let (topology, positions) = (Topology::new(mesh, vertices), mesh.positions());
         let count = topology.point_count();
         let mut is_locked = vec![false; count];
         if !locked.is_empty() {

@@ -18,7 +18,8 @@ use std::collections::HashMap;
 use std::ops::Range;
 
 use super::collapse::{Rename, is_degenerate};
-use crate::mesh::SPARSE;
+use crate::mesh::surface::bits;
+use crate::mesh::{Mesh, SPARSE};
 
 const NONE: u32 = u32::MAX;
 
@@ -85,6 +86,8 @@ pub(super) struct Topology {
     pub(super) triangles: Vec<[u32; 3]>,
     /// The vertex at each corner; empty where each point is one vertex.
     wedges: Vec<u32>,
+    /// For each vertex the first one that has the same bits in position and all attributes; empty where each point is one vertex.
+    alike: Vec<u32>,
     /// A vertex of each point.
     vertex_of: Vec<u32>,
     /// Whether a point is more than one vertex; empty where none is.
@@ -167,8 +170,8 @@ impl Rings {
 
 impl Topology {
     /// Joins triangles of vertices at points of equal position.
-    pub(super) fn new(positions: &[[f32; 3]], vertices: &[u32]) -> Self {
-        let numbering = Numbering::new(positions, vertices);
+    pub(super) fn new(mesh: &Mesh, vertices: &[u32]) -> Self {
+        let numbering = Numbering::new(mesh.positions(), vertices);
         let point = |corner: usize| numbering.points[corner];
         let triangles: Vec<[u32; 3]> =
             (0..vertices.len() / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2].map(point)).collect();
@@ -178,10 +181,18 @@ impl Topology {
             on_seam.resize(numbering.vertex_of.len(), false);
             on_seam[point as usize] = true;
         }
+        let alike = if on_seam.is_empty() {
+            Vec::new()
+        } else {
+            let is_on_seam = |&(_, &p): &(&u32, &u32)| on_seam[p as usize];
+            let of_seams = vertices.iter().zip(&numbering.points).filter(is_on_seam).map(|(&v, _)| v);
+            alike(mesh, of_seams)
+        };
         let rings = Rings::new(&triangles, numbering.vertex_of.len());
         let mut topology = Self {
             triangles,
             wedges: if on_seam.is_empty() { Vec::new() } else { vertices.to_vec() },
+            alike,
             on_seam,
             kinds: vec![Kind::Complex; numbering.vertex_of.len()],
             vertex_of: numbering.vertex_of,
@@ -250,8 +261,13 @@ impl Topology {
         }
     }
 
-    /// Gives the vertex that each vertex at `removed` becomes where it is joined to `kept`: `None` where one of them has no triangle
-    /// with `kept`, or triangles with different vertices there.
+    /// Tells whether two vertices of one position have the same attributes.
+    fn are_alike(&self, a: u32, b: u32) -> bool {
+        a == b || self.alike[a as usize] == self.alike[b as usize]
+    }
+
+    /// Gives the vertex that each vertex at `removed` becomes where it is joined to `kept`: `None` where neither it nor one like it has a
+    /// triangle with `kept`, or such triangles have different vertices there.
     pub(super) fn renames(&self, removed: u32, kept: u32, found: &mut Vec<Rename>) -> Option<()> {
         found.clear();
         if self.on_seam.is_empty() || !self.on_seam[removed as usize] && !self.on_seam[kept as usize] {
@@ -263,14 +279,26 @@ impl Topology {
                 [corner.next(), corner.last()].into_iter().find(|&other| self.point(other) == kept);
             let Some(with_kept) = with_kept else { continue };
             let rename = Rename { removed: self.wedge(corner), kept: self.wedge(with_kept) };
-            match found.iter().find(|known| known.removed == rename.removed) {
-                Some(known) if known.kept != rename.kept => return None,
-                Some(_) => {}
-                None => found.push(rename),
+            let differs = |known: &&Rename| {
+                known.removed == rename.removed && known.kept != rename.kept
+                    || self.are_alike(known.removed, rename.removed)
+                        && !self.are_alike(known.kept, rename.kept)
+            };
+            if found.iter().any(|known| differs(&known)) {
+                return None;
+            }
+            if !found.contains(&rename) {
+                found.push(rename);
             }
         }
-        let is_known = |&corner: &Corner| found.iter().any(|known| known.removed == self.wedge(corner));
-        self.ring(removed).iter().all(is_known).then_some(())
+        for &corner in self.ring(removed) {
+            let vertex = self.wedge(corner);
+            if found.iter().all(|known| known.removed != vertex) {
+                let kept = found.iter().find(|known| self.are_alike(known.removed, vertex))?.kept;
+                found.push(Rename { removed: vertex, kept });
+            }
+        }
+        Some(())
     }
 
     /// Moves all corners of one point to another, and takes away the triangles that had both, whose numbers it gives, rising.
@@ -311,10 +339,23 @@ impl Topology {
             };
             let torn = [(corner, other), (corner.next(), other.last())]
                 .iter()
-                .any(|&(a, b)| self.wedge(a) != self.wedge(b));
+                .any(|&(a, b)| !self.are_alike(self.wedge(a), self.wedge(b)));
             torn.then_some((corner, false))
         })
     }
+}
+
+/// Gives for each vertex the first of those listed that has the same bits, if it is listed itself.
+fn alike(mesh: &Mesh, vertices: impl Iterator<Item = u32>) -> Vec<u32> {
+    let mut alike: Vec<u32> = (0..mesh.vertex_count() as u32).collect();
+    let mut is_known = vec![false; mesh.vertex_count()];
+    let mut first = HashMap::new();
+    for v in vertices {
+        if !std::mem::replace(&mut is_known[v as usize], true) {
+            alike[v as usize] = *first.entry(bits(mesh, v as usize)).or_insert(v);
+        }
+    }
+    alike
 }
 
 /// Points numbered in the order in which corners first use them.
@@ -421,9 +462,21 @@ impl Fans {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::{Attribute, AttributeData, Faces};
+
+    fn mesh(positions: &[[f32; 3]], vertices: &[u32]) -> Mesh {
+        Mesh::new(positions.to_vec(), Faces::from_triangles(vertices.to_vec()).unwrap()).unwrap()
+    }
 
     fn topology(positions: &[[f32; 3]], vertices: &[u32]) -> Topology {
-        Topology::new(positions, vertices)
+        Topology::new(&mesh(positions, vertices), vertices)
+    }
+
+    /// The same where no two vertices have the same attributes.
+    fn seamed(positions: &[[f32; 3]], vertices: &[u32]) -> Topology {
+        let data = AttributeData::U32((0..positions.len() as u32).collect());
+        let number = Attribute { name: "number".into(), components: 1, normalized: false, data };
+        Topology::new(&mesh(positions, vertices).with_attribute(number).unwrap(), vertices)
     }
 
     fn line(n: usize) -> Vec<[f32; 3]> {
@@ -454,7 +507,7 @@ mod tests {
         let mut positions = line(6);
         positions[4] = positions[1];
         positions[5] = [2.0, -0.0, 0.0];
-        let topology = topology(&positions, &[0, 1, 2, 5, 4, 3]);
+        let topology = seamed(&positions, &[0, 1, 2, 5, 4, 3]);
         assert_eq!(topology.triangles, [[0, 1, 2], [2, 1, 3]]);
         assert_eq!(
             [0, 1, 2, 3].map(|corner| topology.wedge(Corner::new(corner / 3, corner % 3))),
@@ -471,12 +524,18 @@ mod tests {
         let mut positions = line(8);
         positions[4] = positions[1];
         positions[5] = positions[2];
-        let topology = topology(&positions, &[0, 1, 2, 5, 4, 3]);
+        let faces = [0, 1, 2, 5, 4, 3];
+        let seam = seamed(&positions, &faces);
         let mut found = Vec::new();
-        assert!(topology.renames(1, 2, &mut found).is_some());
+        assert!(seam.renames(1, 2, &mut found).is_some());
         assert_eq!(found, [Rename { removed: 1, kept: 2 }, Rename { removed: 4, kept: 5 }]);
-        assert!(topology.renames(1, 0, &mut found).is_none());
-        assert!(topology.renames(0, 1, &mut found).is_some());
+        assert!(seam.renames(1, 0, &mut found).is_none());
+        assert!(seam.renames(0, 1, &mut found).is_some());
+        // Vertices that differ in nothing are no seam: both go anywhere.
+        let whole = topology(&positions, &faces);
+        assert!(whole.open_edges().all(|(_, is_border)| is_border));
+        assert!(whole.renames(1, 0, &mut found).is_some());
+        assert_eq!(found, [Rename { removed: 1, kept: 0 }, Rename { removed: 4, kept: 0 }]);
     }
 
     #[test]
