@@ -13,7 +13,7 @@ type Point = [f64; 3];
 const CELLS: usize = 64;
 
 /// Gives the two-sided distance of `other` from `surface`, index buffers over the same vertices, as a share of the diagonal of
-/// the first one's box, by so many points each way.
+/// the first one's box, by so many points each way; no number where one of them has no area.
 ///
 /// # Panics
 /// An index is of no position.

@@ -50,7 +50,7 @@ pub fn check(mesh: &Mesh) -> Result<Checked, Failure> {
     Ok(checked)
 }
 
-/// Gives levels from the full mesh to the base mesh, so many and one, without repeats.
+/// Gives levels from the full mesh to the base mesh, so many and one.
 fn levels(sequence: &CollapseSequence, count: usize) -> impl Iterator<Item = usize> {
     let (len, count) = (sequence.len(), count.clamp(1, sequence.len().max(1)));
     (0..=count).rev().map(move |step| len * step / count)

@@ -271,6 +271,41 @@ pub struct Attribute {
     pub data: AttributeData,
 }
 
+impl Attribute {
+    /// Gives the values of some vertices, in their order.
+    ///
+    /// # Panics
+    /// There is no such vertex.
+    ///
+    /// ```
+    /// use tristrip::{Attribute, AttributeData};
+    /// let data = AttributeData::U8(vec![0, 1, 10, 11, 20, 21]);
+    /// let pairs = Attribute { name: "pairs".into(), components: 2, normalized: false, data };
+    /// assert_eq!(pairs.of_vertices(&[2, 0]).data, AttributeData::U8(vec![20, 21, 0, 1]));
+    /// ```
+    #[must_use]
+    pub fn of_vertices(&self, vertices: &[u32]) -> Self {
+        let n = usize::from(self.components.max(1));
+        let data = match &self.data {
+            AttributeData::F32(values) => AttributeData::F32(taken(values, n, vertices)),
+            AttributeData::F64(values) => AttributeData::F64(taken(values, n, vertices)),
+            AttributeData::U8(values) => AttributeData::U8(taken(values, n, vertices)),
+            AttributeData::I8(values) => AttributeData::I8(taken(values, n, vertices)),
+            AttributeData::U16(values) => AttributeData::U16(taken(values, n, vertices)),
+            AttributeData::I16(values) => AttributeData::I16(taken(values, n, vertices)),
+            AttributeData::U32(values) => AttributeData::U32(taken(values, n, vertices)),
+            AttributeData::I32(values) => AttributeData::I32(taken(values, n, vertices)),
+        };
+        Self { name: self.name.clone(), data, ..*self }
+    }
+}
+
+/// Gives the values of some vertices, `components` each.
+fn taken<T: Copy>(values: &[T], components: usize, vertices: &[u32]) -> Vec<T> {
+    let of = |&v: &u32| values[v as usize * components..][..components].iter().copied();
+    vertices.iter().flat_map(of).collect()
+}
+
 /// A polygon mesh whose indices are in range and whose positions are finite. Clones share positions and attributes.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Mesh {

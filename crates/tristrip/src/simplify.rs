@@ -5,7 +5,8 @@
 //!
 //! Vertices of one position are one point. Where their attributes differ they lie on a seam, and go together or not at all, along it. Where triangles
 //! do not lie around a point like a disk or half of one, the point stays: non-manifold edges are as they were. Holes do not close, parts
-//! do not join or vanish: a mesh that allows no more stops above the number of triangles asked for, and [`Stopped`] says why.
+//! do not join or vanish: a mesh that allows no more stops above the number of triangles asked for, and [`Stopped`] says why. The one thing that
+//! may go from a non-manifold edge is a face that hangs on it alone.
 //!
 //! # Algorithm
 //! See the module `decimate`: quadrics in a local frame for a first order of the collapses, the distance to the new triangles for
@@ -46,7 +47,7 @@ pub struct Options {
 }
 
 impl Options {
-    /// Stops at so many triangles, or one or two fewer: a collapse drops two.
+    /// Stops at so many triangles, or one fewer: a collapse drops up to two.
     #[must_use]
     pub fn with_triangles(mut self, triangle_count: usize) -> Self {
         self.triangle_count = triangle_count;
@@ -120,10 +121,11 @@ impl fmt::Display for Stopped {
 /// Simplifies triangles over the vertices of a mesh, by half-edge collapses. The mesh's own faces are not looked at, so that polygons may
 /// be cut in any way.
 ///
-/// Triangles with a vertex twice stay to the end, as do those between vertices of one position.
+/// Triangles with a vertex twice draw nothing and do not count; those between vertices of one position stay to the end.
 ///
 /// # Errors
-/// The indices are not a multiple of three, or one is of no vertex; an error allowed is not a number, or negative.
+/// The indices are not a multiple of three, or one is of no vertex; there are more than 2²⁷ triangles; an error allowed is not a number, or
+/// negative.
 ///
 /// ```
 /// use tristrip::{Faces, Mesh, simplify};

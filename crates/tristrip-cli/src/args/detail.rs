@@ -33,7 +33,7 @@ pub(crate) struct SimplifyArgs {
     pub(crate) triangles: Option<usize>,
     /// How far the surface may come away: 0.01 in units of the mesh, or 0.1% of the diagonal of the model's bounding box
     ///
-    /// Measured as the root of a mean of squared distances to the planes of the faces that went. Alone it gives as few triangles as
+    /// The error of a collapse is the distance of the vertex that goes from the triangles in its place, or the root of the mean of its squared distances to the planes that it stood for, if that is greater. Alone it gives as few triangles as
     /// this error allows; beside --ratio or --triangles, whatever comes first is the end.
     #[arg(long, value_name = "ERROR")]
     pub(crate) error: Option<Deviation>,

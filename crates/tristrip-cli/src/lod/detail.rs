@@ -2,8 +2,10 @@
 
 use std::iter::Sum;
 use std::ops::Range;
+use std::sync::OnceLock;
 
 use clap::ValueEnum;
+use tristrip::lod::RESTART;
 use tristrip::lod::filter::{Filter, Repair, repair};
 use tristrip::lod::progressive::{Encoding, ProgressiveStrips};
 use tristrip::simplify::Simplification;
@@ -54,9 +56,8 @@ pub(crate) struct Detail<'a> {
     sequence: CollapseSequence,
     /// Over the vertices of `compact`, as the collapses are.
     strips: Strips,
-    /// At the level of the full mesh.
-    encoded: ProgressiveStrips,
-    naive: ProgressiveStrips,
+    /// Naive and encoded, made where places are counted.
+    models: OnceLock<[ProgressiveStrips; 2]>,
 }
 
 impl<'a> Detail<'a> {
@@ -68,9 +69,7 @@ impl<'a> Detail<'a> {
     ) -> Result<Self, Error> {
         let strips = mapped(strips, |strip| compact.inward(strip));
         let sequence = simplification.sequence;
-        let model = |encoding| ProgressiveStrips::new(&strips, &sequence, encoding);
-        let (encoded, naive) = (model(Encoding::Offsets)?, model(Encoding::Naive)?);
-        Ok(Self { compact, sequence, strips, encoded, naive })
+        Ok(Self { compact, sequence, strips, models: OnceLock::new() })
     }
 
     /// Gives the strips of the full mesh, over the vertices of the collapses.
@@ -84,10 +83,9 @@ impl<'a> Detail<'a> {
 
     /// Gives the index map at a level: the strips with the vertices that stand in them, and restarts between them.
     pub(crate) fn map(&self, level: usize) -> Vec<u32> {
-        let (mut model, mut map) = (self.encoded.clone(), Vec::new());
-        model.go_to(level);
-        model.decode_to(&mut map);
-        map
+        let now = self.sequence.renaming(level);
+        let renamed = |v: u32| if v == RESTART { RESTART } else { now[v as usize] };
+        self.strips.to_restart(RESTART).into_iter().map(renamed).collect()
     }
 
     /// Gives the display strips of a level, whose index map this is.
@@ -107,10 +105,19 @@ impl<'a> Detail<'a> {
     }
 
     /// Counts the places that vertex splits write from one level to another, without symbols and with them.
-    pub(crate) fn updates(&self, levels: Range<usize>) -> Updates {
-        let of = |model: &ProgressiveStrips| levels.clone().map(|level| model.place_count(level)).sum();
-        let vertices = levels.clone().map(|level| self.encoded.split(level).len()).sum();
-        Updates { splits: levels.len(), vertices, naive: of(&self.naive), encoded: of(&self.encoded) }
+    pub(crate) fn updates(&self, levels: Range<usize>) -> Result<Updates, Error> {
+        let model = |encoding| ProgressiveStrips::new(&self.strips, &self.sequence, encoding);
+        if self.models.get().is_none() {
+            // Whoever was faster has made the same.
+            let _ = self.models.set([model(Encoding::Naive)?, model(Encoding::Offsets)?]);
+        }
+        let places = |level: usize| {
+            self.models.get().map(|both| both.each_ref().map(|model| model.place_count(level)))
+        };
+        let [naive, encoded] =
+            levels.clone().filter_map(places).fold([0; 2], |[a, b], [c, d]| [a + c, b + d]);
+        let vertices = levels.clone().map(|level| self.sequence.collapse(level).renames.len()).sum();
+        Ok(Updates { splits: levels.len(), vertices, naive, encoded })
     }
 
     /// Gives strips over the part's own vertices.
@@ -208,7 +215,7 @@ mod tests {
         assert_eq!(detail.map(1), strips.vertices());
         let map = detail.map(0);
         assert_eq!(map, [0, 1, 2, 2, 4, 5]);
-        assert_eq!(detail.updates(0..1), Updates { splits: 1, vertices: 1, naive: 1, encoded: 1 });
+        assert_eq!(detail.updates(0..1).unwrap(), Updates { splits: 1, vertices: 1, naive: 1, encoded: 1 });
         for &filter in FilterName::value_variants() {
             let display = detail.display(0, &map, filter, repair::Options::default()).unwrap();
             detail.prove(0, &display).unwrap();

@@ -2,8 +2,8 @@
 
 use clap::ValueEnum;
 use serde::{Serialize, Serializer};
-use tristrip::Strips;
 use tristrip::lod::filter::{Filter, repair};
+use tristrip::{Error, Strips};
 
 use super::detail::{Detail, FilterName, Updates};
 use super::levels::Levels;
@@ -45,10 +45,16 @@ const SPLIT_INDICES: usize = 4;
 
 impl Refinement {
     /// Counts what leads from one level of a model to a higher one.
-    pub(crate) fn between(details: &[Detail<'_>], levels: &Levels<'_>, from: usize, to: usize) -> Self {
+    pub(crate) fn between(
+        details: &[Detail<'_>],
+        levels: &Levels<'_>,
+        from: usize,
+        to: usize,
+    ) -> Result<Self, Error> {
         let (from, to) = (levels.of_parts(from), levels.of_parts(to));
         let ranges = from.into_iter().zip(to).map(|(from, to)| from..to);
-        Self::of(details.iter().zip(ranges).map(|(detail, range)| detail.updates(range)).sum())
+        let updates = details.iter().zip(ranges).map(|(detail, range)| detail.updates(range));
+        Ok(Self::of(updates.collect::<Result<Vec<_>, _>>()?.into_iter().sum()))
     }
 
     fn of(updates: Updates) -> Self {
@@ -132,7 +138,7 @@ pub(crate) fn rows(
             percent: rounded(100.0 * level as f64 / levels.len().max(1) as f64),
             triangles,
             vertices_sent: Sent { triangles: 3 * triangles, by_filter },
-            refinement: Refinement::between(details, levels, before, level),
+            refinement: Refinement::between(details, levels, before, level)?,
         })
     });
     measured.into_iter().collect()

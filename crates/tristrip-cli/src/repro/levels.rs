@@ -82,14 +82,14 @@ pub(super) fn measure(
     found.add("crossing_stss", above.map(|row| row.percent).fold(0.0, f64::max));
 
     // 3. What is written.
-    let all = Refinement::between(&details, &levels, 0, levels.len());
+    let all = Refinement::between(&details, &levels, 0, levels.len())?;
     found.add("updates_naive", all.updates_naive);
     found.add("updates_encoded", all.updates_encoded);
     found.add_saving("saving_updates", "updates_encoded", "updates_naive");
     let saved = 100.0 * (1.0 - all.bytes_encoded as f64 / all.bytes_naive.max(1) as f64);
     found.add("saving_bytes", saved);
     found.add_curve(&curve);
-    found.add_bins(&details, &levels);
+    found.add_bins(&details, &levels)?;
     Ok(found)
 }
 
@@ -138,12 +138,13 @@ impl LevelsFound {
     }
 
     /// Adds what is written on the average over so many levels each.
-    fn add_bins(&mut self, details: &[Detail<'_>], levels: &Levels<'_>) {
+    fn add_bins(&mut self, details: &[Detail<'_>], levels: &Levels<'_>) -> Result<(), Failure> {
         for pair in levels.evenly(BIN_STEPS).windows(2) {
-            let all = Refinement::between(details, levels, pair[0], pair[1]);
+            let all = Refinement::between(details, levels, pair[0], pair[1])?;
             let middle = 50.0 * (pair[0] + pair[1]) as f64 / levels.len() as f64;
             self.point("updates_naive", (middle, all.updates_naive));
             self.point("updates_encoded", (middle, all.updates_encoded));
         }
+        Ok(())
     }
 }

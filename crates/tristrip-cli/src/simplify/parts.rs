@@ -11,7 +11,7 @@ use crate::stages::Pool;
 /// Vertices for each corner from which on a part is simplified over the ones that it uses: thousands of parts may share one long list.
 const SPARSE: usize = 16;
 
-/// A part over the vertices that it uses, where it uses few of many; else as it is.
+/// A part over the vertices that it uses, with their attributes, where it uses few of many; else as it is.
 pub(crate) struct Compact<'a> {
     pub(crate) mesh: Cow<'a, Mesh>,
     /// The vertex of the part for each of `mesh`, rising; `None` where they are the same.
@@ -28,7 +28,10 @@ impl<'a> Compact<'a> {
         used.sort_unstable();
         used.dedup();
         let positions: Vec<[f32; 3]> = used.iter().map(|&v| mesh.positions()[v as usize]).collect();
-        Ok(Self { mesh: Cow::Owned(Mesh::new(positions, Faces::default())?), used: Some(used) })
+        let bare = Mesh::new(positions, Faces::default())?;
+        let attributes = mesh.attributes().iter().map(|attribute| attribute.of_vertices(&used));
+        let fewer = attributes.fold(Ok(bare), |mesh, attribute| mesh?.with_attribute(attribute))?;
+        Ok(Self { mesh: Cow::Owned(fewer), used: Some(used) })
     }
 
     /// Gives vertices of the part their numbers here.
@@ -155,6 +158,7 @@ pub(crate) fn diagonal(parts: &[Part<'_>]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use tristrip::{Attribute, AttributeData};
 
     fn strip_of(length: usize, y: f32) -> (Mesh, Vec<u32>) {
         let positions: Vec<[f32; 3]> =
@@ -179,7 +183,13 @@ mod tests {
     fn few_of_many_vertices_are_named_anew_and_back() {
         let positions: Vec<[f32; 3]> = (0..1000).map(|i| [i as f32, 0.0, 0.0]).collect();
         let mesh = Mesh::new(positions, Faces::default()).unwrap();
+        let data = AttributeData::U16((0..1000).collect());
+        let number = Attribute { name: "number".into(), components: 1, normalized: false, data };
+        let mesh = mesh.with_attribute(number).unwrap();
         let parts = Part::of_all(vec![(&mesh, vec![900, 5, 77])]).unwrap();
+        let kept = &parts[0].compact.mesh.attributes()[0].data;
+        assert_eq!(*kept, AttributeData::U16(vec![5, 77, 900]), "seams are told by attributes");
+
         assert_eq!(parts[0].triangles, [2, 0, 1]);
         assert_eq!(
             parts[0].compact.mesh.positions()[2].map(f32::to_bits),

@@ -25,7 +25,6 @@ use super::filter::{BLOCK, Dtfs, Filter, Gatherer, Linked, Scanner, Sent, Stss, 
 use super::progressive::{Encoding, ProgressiveStrips};
 use crate::error::Error;
 use crate::simplify::CollapseSequence;
-use crate::simplify::collapse::is_degenerate;
 use crate::strip::Strips;
 
 /// Bits of a vertex that is sent, as published totals have them: a position of three 32-bit numbers and an index of 16 bits.
@@ -208,11 +207,10 @@ pub fn walk(
     let mut model = ProgressiveStrips::new(strips, sequence, Encoding::Naive)?;
     let encoded = ProgressiveStrips::new(strips, sequence, Encoding::Offsets)?;
     let mut counts = Counts::new(model.entries());
-    let never_drawn = sequence.triangles().chunks_exact(3).filter(|t| is_degenerate(t)).count();
     let (mut totals, mut split) = (Totals::default(), None);
     loop {
         let level = model.level();
-        let triangles = sequence.triangle_count(level) - never_drawn;
+        let triangles = sequence.triangle_count(level);
         let now = Level { level, triangles, sent: counts.sent(), split };
         show(&now);
         totals.add(&now, sequence.len());

@@ -39,7 +39,8 @@ pub struct Collapse<'a> {
     pub renames: &'a [Rename],
     /// The triangles dropped, by their number in the full mesh, rising.
     pub dropped: &'a [u32],
-    /// How far the surface is from the full one here, in mesh units: a root of a mean of squared distances to planes.
+    /// How far the surface is from the full one here, in mesh units: the greater of the distance of the removed vertex from the triangles
+    /// that took the place of its own, and the root of the mean of its squared distances to the planes of the full mesh that it stood for.
     pub error: f32,
 }
 
@@ -60,6 +61,8 @@ pub struct Collapse<'a> {
 pub struct CollapseSequence {
     vertex_count: usize,
     triangles: Vec<u32>,
+    /// Triangles of the full mesh that draw nothing.
+    degenerate_count: usize,
     /// What follows is in the order in which the collapses were done, from the full mesh on.
     errors: Vec<f32>,
     renames: Vec<Rename>,
@@ -88,14 +91,16 @@ impl CollapseSequence {
             };
             return Err(problem.into());
         }
-        Ok(Self { vertex_count, triangles, ..Self::default() })
+        let degenerate_count = triangles.chunks_exact(3).filter(|t| is_degenerate(t)).count();
+        Ok(Self { vertex_count, triangles, degenerate_count, ..Self::default() })
     }
 
-    /// Makes a sequence from the triangles of the full mesh and the collapses, the first from the full mesh on, each with its error.
+    /// Makes a sequence from the triangles of the full mesh and the collapses, the first from the full mesh on, each with its error. Takes
+    /// memory by the number of vertices.
     ///
     /// # Errors
     /// The corners are not a multiple of three, or a vertex does not exist; a collapse renames a vertex that no
-    /// triangle has any more, or renames to one that is renamed itself.
+    /// triangle has any more, or renames to one that is renamed itself, or has an error that is negative or not a number.
     pub fn from_collapses<'a>(
         vertex_count: usize,
         triangles: Vec<u32>,
@@ -109,6 +114,10 @@ impl CollapseSequence {
         }
         let mut is_drawn: Vec<bool> = now.chunks_exact(3).map(|t| !is_degenerate(t)).collect();
         for (renames, error) in collapses {
+            if error.is_nan() || error < 0.0 {
+                let found = format!("{error} of collapse {} from the full mesh", sequence.len());
+                return Err(Error::Parameter { name: "error", found, expected: "0 or more" });
+            }
             let (mut touched, mut dropped) = (Vec::new(), Vec::new());
             for &Rename { removed, kept } in renames {
                 let (from, to) = (removed as usize, kept as usize);
@@ -190,14 +199,14 @@ impl CollapseSequence {
         (0..self.len()).rev().map(|level| self.collapse(level))
     }
 
-    /// Counts the triangles at a level: those of the full mesh less those that are dropped on the way.
+    /// Counts the triangles drawn at a level: those of the full mesh less those that are dropped on the way.
     ///
     /// # Panics
     /// `level` is greater than [`CollapseSequence::len`].
     pub fn triangle_count(&self, level: usize) -> usize {
         let done = self.len() - level;
         let dropped = if done == 0 { 0 } else { self.dropped_ends[done - 1] as usize };
-        self.triangles.len() / 3 - dropped
+        self.triangles.len() / 3 - self.degenerate_count - dropped
     }
 
     /// Gives the greatest error of the collapses that lead to a level, in mesh units; 0 for the full mesh.
@@ -210,8 +219,7 @@ impl CollapseSequence {
 
     /// Gives the highest level that has at most so many triangles; 0 where none has so few.
     pub fn level_of_triangles(&self, triangle_count: usize) -> usize {
-        let full = self.triangles.len() / 3;
-        let to_drop = full.saturating_sub(triangle_count);
+        let to_drop = self.triangle_count(self.len()).saturating_sub(triangle_count);
         if to_drop == 0 {
             return self.len();
         }
@@ -324,6 +332,11 @@ mod tests {
         for (removed, kept) in [(3, 0), (0, 3), (0, 0), (0, 5), (7, 0), (4, 0), (0, 4)] {
             let error = collapse(removed, kept).unwrap_err().to_string();
             assert!(error.contains(&format!("{removed} renamed to {kept} by collapse 1")), "{error}");
+        }
+        for error in [f32::NAN, -1.0] {
+            let rename = [Rename { removed: 3, kept: 2 }];
+            let collapses = [(&rename[..], error)];
+            assert!(CollapseSequence::from_collapses(4, vec![0, 1, 2, 2, 1, 3], collapses).is_err());
         }
         assert!(CollapseSequence::from_collapses(2, vec![0, 1], []).is_err());
         assert!(CollapseSequence::from_collapses(2, vec![0, 1, 2], []).is_err());

@@ -26,10 +26,10 @@
 //! the triangles from 0.95 of meshoptimizer's to 0.83 on the bunny.
 
 use super::Stopped;
-use super::collapse::{CollapseSequence, Rename};
+use super::collapse::{CollapseSequence, Rename, is_degenerate};
 use super::quadric::Quadric;
 use super::queue::Queue;
-use super::topology::{Corner, Kind, Topology};
+use super::topology::{Corner, Kind, LONG_RING, Topology};
 use super::vector::{Point, cross, dot, normal_of, sub, to_segment, to_triangle};
 
 use crate::mesh::Mesh;
@@ -42,12 +42,13 @@ const SEAM_WEIGHT: f64 = 1.0;
 /// What the squared distance to the new triangles counts next to the quadric. From 1 to 3 made little difference on bunny, horse and
 /// armadillo; 0.3 and 10 were worse.
 const DISTANCE_WEIGHT: f64 = 2.0;
+/// What the squared way to the neighbour counts, weighted as the quadric is. Where all neighbours cost the same, as on a plane, light points go
+/// to near ones, and no point is handed on along a chain, which would rename the same places again and again.
+const WAY_WEIGHT: f64 = 1e-6;
 /// The cosine of the angle that a triangle may turn by.
 const LEAST_COSINE: f64 = 0.25;
-/// A point with more triangles does not go, so that no step takes time by the size of the mesh.
+/// A point with more triangles does not go, so that pricing one takes no time by the size of the mesh.
 const MOST_CORNERS: usize = 256;
-/// From so many corners on a ring is not walked along to find common neighbours.
-const LONG_RING: usize = 64;
 
 /// Why a collapse is not done.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -103,6 +104,7 @@ pub(super) struct Decimation {
     now: u32,
     marks: Vec<u32>,
     mark: u32,
+    /// Triangles that are drawn.
     triangle_count: usize,
     /// The greatest error allowed, as a share of the frame.
     error_limit: f64,
@@ -129,7 +131,7 @@ impl Decimation {
         let (framed, unit) = frame((0..count as u32).map(|p| positions[topology.vertex_of(p) as usize]));
         let quadrics = quadrics(&topology, &framed);
         let mut decimation = Self {
-            triangle_count: topology.triangles.len(),
+            triangle_count: vertices.chunks_exact(3).filter(|t| !is_degenerate(t)).count(),
             topology,
             positions: framed,
             unit,
@@ -221,8 +223,8 @@ impl Decimation {
             Kind::Border => self.neighbours.len().saturating_sub(2),
             _ => 0,
         };
-        let quadric = &self.quadrics[point as usize];
-        let estimate = |&to: &u32| (quadric.at(self.positions[to as usize]), to);
+        let (quadric, from) = (&self.quadrics[point as usize], self.positions[point as usize]);
+        let estimate = |&to: &u32| (estimate_of(quadric, from, self.positions[to as usize]), to);
         self.candidates.clear();
         self.candidates.extend(self.neighbours[first..].iter().map(estimate));
     }
@@ -262,7 +264,8 @@ impl Decimation {
         self.candidates = candidates;
         if let Some((price, to)) = best {
             let plan = &mut self.plans[point as usize];
-            (plan.target, plan.error, plan.priced) = (to, (price.error * self.unit) as f32, self.now);
+            (plan.target, plan.error, plan.priced) =
+                (to, (price.error * self.unit).min(f64::from(f32::MAX)) as f32, self.now);
             self.queue.set(point, price.cost as f32);
         } else {
             self.plans[point as usize].target = NONE;
@@ -285,7 +288,8 @@ impl Decimation {
         // Without other triangles, what is left is the edge that the point was opposite to.
         let square = if least.is_finite() { least } else { least_edge };
         let weight = self.quadrics[point as usize].weight;
-        let mean = if weight > 0.0 { estimate / weight } else { 0.0 };
+        let quadric = &self.quadrics[point as usize];
+        let mean = if quadric.whole_weight > 0.0 { quadric.at(kept) / quadric.whole_weight } else { 0.0 };
         Price { cost: estimate + DISTANCE_WEIGHT * weight * square, error: mean.max(square).sqrt() }
     }
 
@@ -312,17 +316,27 @@ impl Decimation {
         None
     }
 
-    /// Tells whether a triangle at the point looked at, that stays, would turn too far. One without area may turn as it likes.
+    /// Tells whether a triangle at the point looked at, that stays, would turn too far; one without area must not come
+    /// to lie upside down.
     fn folds_over(&self, point: u32, to: u32) -> bool {
         let (from, kept) = (self.positions[point as usize], self.positions[to as usize]);
-        self.sides.iter().filter(|side| !side.has(to)).any(|side| {
+        let normals = |side: &Side, at: Point| {
             let [u, w] = side.positions;
-            let edge = sub(w, u);
-            let (before, after) = (cross(edge, sub(from, u)), cross(edge, sub(kept, u)));
-            let (cosine, square) = (dot(before, after), dot(before, before));
-            square > 0.0
-                && (cosine <= 0.0
-                    || cosine * cosine < LEAST_COSINE * LEAST_COSINE * square * dot(after, after))
+            cross(sub(w, u), sub(at, u))
+        };
+        // The triangles of the point together say what is up where one of them does not.
+        let all = || {
+            let sum = |sum: Point, normal: Point| [0, 1, 2].map(|k| sum[k] + normal[k]);
+            self.sides.iter().map(|side| normals(side, from)).fold([0.0; 3], sum)
+        };
+        self.sides.iter().filter(|side| !side.has(to)).any(|side| {
+            let (before, after) = (normals(side, from), normals(side, kept));
+            let square = dot(before, before);
+            if square == 0.0 {
+                return dot(after, all()) < 0.0;
+            }
+            let cosine = dot(before, after);
+            cosine <= 0.0 || cosine * cosine < LEAST_COSINE * LEAST_COSINE * square * dot(after, after)
         })
     }
 
@@ -343,25 +357,17 @@ impl Decimation {
     /// Tells whether more is left of a component than one triangle, or two back to back, once a point with few triangles is gone.
     fn leaves_something(&self, point: u32, to: u32) -> bool {
         let ring = self.topology.ring(point);
-        // The triangle that comes to lie on the side opposite to the point, or the edge.
+        // Whether there is a triangle already where the one opposite to the point comes to lie.
         let opposite = |corner: Corner| {
             let [u, w] = self.topology.others(corner);
-            self.topology.ring(to).iter().any(|&other| {
-                let others = self.topology.others(other);
-                other.triangle() != corner.triangle()
-                    && !others.contains(&point)
-                    && others.contains(&u)
-                    && others.contains(&w)
-            })
+            self.topology.triangles_with([to, u, w]) > 0
         };
         let side = ring.iter().find(|&&corner| !self.topology.others(corner).contains(&to));
         match (self.topology.kind(point), side) {
             (Kind::Inner, Some(&corner)) => ring.len() != 3 || !opposite(corner),
             (Kind::Border, None) => {
                 let third = ring.iter().flat_map(|&corner| self.topology.others(corner)).find(|&p| p != to);
-                let has_third =
-                    |&&other: &&Corner| third.is_some_and(|p| self.topology.others(other).contains(&p));
-                self.topology.ring(to).iter().filter(has_third).count() > 1
+                third.is_some_and(|third| self.topology.triangles_with([to, third]) > 1)
             }
             (Kind::Border, Some(_)) => true,
             _ => false,
@@ -431,12 +437,20 @@ impl Decimation {
         if self.topology.kind(point) == Kind::Border && self.topology.kind(kept) != Kind::Border {
             return;
         }
-        let other = self.quadrics[point as usize].at(self.positions[kept as usize]) as f32;
+        let [from, to] = [point, kept].map(|p| self.positions[p as usize]);
+        let other = estimate_of(&self.quadrics[point as usize], from, to) as f32;
         if other < cost {
             self.plans[point as usize].target = kept;
             self.queue.set(point, other);
         }
     }
+}
+
+/// Gives the lower bound of what it costs to go from one place to another.
+#[inline]
+fn estimate_of(quadric: &Quadric, from: Point, to: Point) -> f64 {
+    let way = sub(to, from);
+    quadric.at(to) + WAY_WEIGHT * quadric.weight * dot(way, way)
 }
 
 /// Gives positions in a frame around them in which the longest side of their box is 1, and the length of that side.

@@ -20,6 +20,8 @@ pub(super) struct Quadric {
     constant: f64,
     /// The weight of the faces' planes; those of borders do not count.
     pub(super) weight: f64,
+    /// The weight of all planes.
+    pub(super) whole_weight: f64,
 }
 
 impl Quadric {
@@ -33,6 +35,7 @@ impl Quadric {
             lines: [a, b, c].map(|x| 2.0 * weight * d * x),
             constant: weight * d * d,
             weight: 0.0,
+            whole_weight: weight,
         }
     }
 
@@ -50,6 +53,7 @@ impl Quadric {
         }
         self.constant += other.constant;
         self.weight += other.weight;
+        self.whole_weight += other.whole_weight;
     }
 
     /// Gives the sum at a point; what rounding takes below zero counts as zero.
@@ -93,6 +97,7 @@ mod tests {
             }
             prop_assert!((quadric.at(at) - sum).abs() < 1e-12 * (1.0 + sum));
             prop_assert!((quadric.weight - weights).abs() < 1e-12);
+            prop_assert!((quadric.whole_weight - weights).abs() < 1e-12);
         }
     }
 }

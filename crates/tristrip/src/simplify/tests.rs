@@ -149,7 +149,7 @@ fn an_octahedron_becomes_a_tetrahedron() {
         [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]].concat();
     let simplification = simplified(&positions, &triangles, &Options::default());
     let drawn = simplification.sequence.drawn(0);
-    assert!(drawn.len() == 4 || drawn.len() == 6, "{drawn:?}");
+    assert_eq!(drawn.len(), 4, "{drawn:?}");
     assert_eq!(shape(&drawn), (2, 1, 0));
 }
 
@@ -219,8 +219,9 @@ fn a_seam_stays_closed() {
 fn where_three_faces_meet_at_an_edge_all_stays() {
     let positions = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0]];
     let simplification = simplified(&positions, &[0, 1, 2, 1, 0, 3, 0, 1, 4], &Options::default());
-    assert!(simplification.sequence.triangle_count(0) >= 1);
-    assert!(simplification.stopped.unwrap().non_manifold >= 2);
+    let left: HashSet<u32> = simplification.sequence.drawn(0).into_iter().flatten().collect();
+    assert!(left.contains(&0) && left.contains(&1));
+    assert_eq!(simplification.stopped.unwrap().non_manifold, 2);
 }
 
 /// A cone whose tip has more triangles than a point that goes may have: time must not go by their square.
@@ -237,6 +238,34 @@ fn a_point_of_many_triangles_does_no_harm() {
     assert!(simplification.sequence.triangle_count(0) <= 10);
 }
 
+/// A plane in which triangles without area lie, as where edges of one face meet two of another: none comes to lie upside down.
+#[test]
+fn triangles_without_area_do_not_unfold_upside_down() {
+    let n = 20_u32;
+    let mut positions: Vec<[f32; 3]> =
+        (0..(n + 1) * (n + 1)).map(|v| [(v % (n + 1)) as f32, (v / (n + 1)) as f32, 0.0]).collect();
+    let mut triangles = Vec::new();
+    for quad in 0..n * n {
+        let a = quad / n * (n + 1) + quad % n;
+        let [b, c, d] = [a + 1, a + n + 1, a + n + 2];
+        // The diagonal has a vertex in the middle that one side knows of, and a cap closes the gap.
+        let middle = positions.len() as u32;
+        let [p, q] = [positions[b as usize], positions[c as usize]];
+        positions.push([0, 1, 2].map(|k| f32::midpoint(p[k], q[k])));
+        triangles.extend([a, b, c, c, b, middle, c, middle, d, middle, b, d]);
+    }
+    let options = Options::default().with_triangles(triangles.len() / 30);
+    let sequence = simplified(&positions, &triangles, &options).sequence;
+    for level in (0..=sequence.len()).step_by(10) {
+        let up = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(|v| positions[v as usize]);
+            (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+        };
+        assert!(sequence.drawn(level).iter().all(|t| up(t) > -1e-3), "level {level}");
+    }
+    assert!(sequence.error(0) < 1.0, "{}", sequence.error(0));
+}
+
 #[test]
 fn nothing_and_what_is_flat_are_no_trouble() {
     let nothing = simplified(&[], &[], &Options::default());
@@ -246,7 +275,7 @@ fn nothing_and_what_is_flat_are_no_trouble() {
     assert_eq!(twice.sequence.triangle_count(0), 2);
     let line: Vec<[f32; 3]> = (0..6).map(|i| [i as f32, 0.0, 0.0]).collect();
     let flat = simplified(&line, &[0, 1, 2, 2, 1, 3, 2, 3, 4, 4, 3, 5], &Options::default());
-    assert!(flat.sequence.triangle_count(0) <= 4);
+    assert!(flat.sequence.triangle_count(0) < 4);
     let huge = [[-3e38, 0.0, 0.0], [3e38, 0.0, 0.0], [0.0, 3e38, 0.0], [3e38, 3e38, 3e38]];
     simplified(&huge, &[0, 1, 2, 2, 1, 3], &Options::default());
     assert!(simplify(&mesh(&line, &[]), vec![0, 1], &Options::default()).is_err());
@@ -263,8 +292,7 @@ proptest! {
     ) {
         let positions: Vec<[f32; 3]> = places.iter().map(|p| p.map(f32::from)).collect();
         let whole = corners.len() / 3 * 3;
-        let triangles: Vec<u32> = corners[..whole].chunks_exact(3)
-            .filter(|t| !collapse::is_degenerate(t)).flatten().copied().collect();
+        let triangles = corners[..whole].to_vec();
         let options = Options::default().with_triangles(target);
         let simplification = simplified(&positions, &triangles, &options);
         let sequence = &simplification.sequence;

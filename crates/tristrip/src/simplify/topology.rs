@@ -12,7 +12,7 @@
 //! ```
 //!
 //! # Complexity
-//! 12 bytes a triangle, 12 more where there are seams, some 16 for the rings; 13 bytes a point.
+//! 12 bytes a triangle, 12 more where there are seams, some 30 for the rings; 18 bytes a point, and about 60 a vertex on a seam.
 
 use std::collections::HashMap;
 use std::ops::Range;
@@ -38,8 +38,11 @@ pub(super) enum Kind {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Corner(u32);
 
-/// As many triangles as there can be corners of.
-pub(super) const MOST_TRIANGLES: usize = 1 << 30;
+/// As many triangles as are taken: rings that grow move to the end of their array, which some ten corners a triangle do not fill.
+pub(super) const MOST_TRIANGLES: usize = 1 << 27;
+
+/// From so many corners on a ring is not walked along where that can be done without.
+pub(super) const LONG_RING: usize = 64;
 
 /// Places one and two further on.
 const NEXT: [usize; 4] = [1, 2, 0, 0];
@@ -86,8 +89,8 @@ pub(super) struct Topology {
     pub(super) triangles: Vec<[u32; 3]>,
     /// The vertex at each corner; empty where each point is one vertex.
     wedges: Vec<u32>,
-    /// For each vertex the first one that has the same bits in position and all attributes; empty where each point is one vertex.
-    alike: Vec<u32>,
+    /// For each vertex of a point that is several the first one of it with the same attributes, bit for bit.
+    alike: HashMap<u32, u32>,
     /// A vertex of each point.
     vertex_of: Vec<u32>,
     /// Whether a point is more than one vertex; empty where none is.
@@ -101,6 +104,8 @@ pub(super) struct Topology {
 struct Rings {
     corners: Vec<Corner>,
     rings: Vec<Ring>,
+    /// Where in its ring each corner stands, so that none is looked for.
+    places: Vec<u32>,
 }
 
 /// Where the corners of a point stand, how many there are, and for how many there is room.
@@ -118,35 +123,43 @@ impl Ring {
 }
 
 impl Rings {
-    fn new(triangles: &[[u32; 3]], point_count: usize) -> Self {
+    /// Puts the corners of triangles in order; those of triangles with a vertex twice, which draw nothing, are left out.
+    fn new(triangles: &[[u32; 3]], vertices: &[u32], point_count: usize) -> Self {
         let mut rings = vec![Ring::default(); point_count];
-        triangles.iter().flatten().for_each(|&p| rings[p as usize].room += 1);
+        let drawn = || {
+            let all = corners(triangles.len()).zip(triangles.iter().flatten());
+            all.filter(|(corner, _)| !is_degenerate(&vertices[3 * corner.triangle()..]))
+        };
+        drawn().for_each(|(_, &p)| rings[p as usize].room += 1);
         let mut end = 0;
         for ring in &mut rings {
             ring.start = end;
             end += ring.room;
         }
-        let mut ordered = vec![Corner(0); 3 * triangles.len()];
-        for (corner, &p) in corners(triangles.len()).zip(triangles.iter().flatten()) {
+        let mut ordered = vec![Corner(0); end as usize];
+        let mut places = vec![0; 3 * triangles.len()];
+        for (corner, &p) in drawn() {
             let ring = &mut rings[p as usize];
             ordered[ring.range().end] = corner;
+            places[corner.index()] = ring.length;
             ring.length += 1;
         }
-        Self { corners: ordered, rings }
+        Self { corners: ordered, rings, places }
     }
 
     fn of(&self, point: u32) -> &[Corner] {
         &self.corners[self.rings[point as usize].range()]
     }
 
-    /// Takes away the corners of a triangle.
-    fn remove(&mut self, point: u32, triangle: u32) {
+    /// Takes a corner away from those of a point.
+    fn remove(&mut self, point: u32, corner: Corner) {
         let ring = &mut self.rings[point as usize];
         let corners = &mut self.corners[ring.range()];
-        if let Some(i) = corners.iter().position(|&corner| corner.triangle() == triangle as usize) {
-            corners[i] = corners[corners.len() - 1];
-            ring.length -= 1;
-        }
+        let place = self.places[corner.index()];
+        let last = corners[corners.len() - 1];
+        corners[place as usize] = last;
+        self.places[last.index()] = place;
+        ring.length -= 1;
     }
 
     /// Adds all corners of one point to those of another.
@@ -154,6 +167,9 @@ impl Rings {
         let source = std::mem::take(&mut self.rings[from as usize]);
         let ring = &mut self.rings[to as usize];
         let length = ring.length + source.length;
+        for (place, corner) in (ring.length..).zip(&self.corners[source.range()]) {
+            self.places[corner.index()] = place;
+        }
         if length <= ring.room {
             self.corners.copy_within(source.range(), ring.range().end);
         } else {
@@ -181,14 +197,8 @@ impl Topology {
             on_seam.resize(numbering.vertex_of.len(), false);
             on_seam[point as usize] = true;
         }
-        let alike = if on_seam.is_empty() {
-            Vec::new()
-        } else {
-            let is_on_seam = |&(_, &p): &(&u32, &u32)| on_seam[p as usize];
-            let of_seams = vertices.iter().zip(&numbering.points).filter(is_on_seam).map(|(&v, _)| v);
-            alike(mesh, of_seams)
-        };
-        let rings = Rings::new(&triangles, numbering.vertex_of.len());
+        let alike = alike(mesh, vertices, &numbering.points, &on_seam);
+        let rings = Rings::new(&triangles, vertices, numbering.vertex_of.len());
         let mut topology = Self {
             triangles,
             wedges: if on_seam.is_empty() { Vec::new() } else { vertices.to_vec() },
@@ -261,9 +271,16 @@ impl Topology {
         }
     }
 
+    /// Counts the triangles that have all of some points, up to two, looked for around the point with the fewest.
+    pub(super) fn triangles_with<const N: usize>(&self, points: [u32; N]) -> usize {
+        let around = points.into_iter().min_by_key(|&p| self.ring(p).len());
+        let has_all = |corner: &&Corner| points.iter().all(|p| self.triangles[corner.triangle()].contains(p));
+        around.map_or(0, |p| self.ring(p).iter().filter(has_all).take(2).count())
+    }
+
     /// Tells whether two vertices of one position have the same attributes.
     fn are_alike(&self, a: u32, b: u32) -> bool {
-        a == b || self.alike[a as usize] == self.alike[b as usize]
+        a == b || self.alike.get(&a).is_some_and(|of_a| self.alike.get(&b) == Some(of_a))
     }
 
     /// Gives the vertex that each vertex at `removed` becomes where it is joined to `kept`: `None` where neither it nor one like it has a
@@ -321,7 +338,9 @@ impl Topology {
             }
         }
         for &t in &*dropped {
-            self.triangles[t as usize].iter().for_each(|&p| self.rings.remove(p, t));
+            for (k, &p) in self.triangles[t as usize].iter().enumerate() {
+                self.rings.remove(p, Corner::new(t as usize, k));
+            }
         }
         self.rings.append(removed, kept);
         dropped.sort_unstable();
@@ -329,14 +348,26 @@ impl Topology {
 
     /// Walks over the sides of triangles at borders and seams: the corner that each starts from, and whether there is nothing beyond.
     pub(super) fn open_edges(&self) -> impl Iterator<Item = (Corner, bool)> {
-        corners(self.triangles.len()).filter_map(|corner| {
+        // Between two points of many triangles each, sides are looked up.
+        let is_long = |p: u32| self.ring(p).len() > LONG_RING;
+        let sides = corners(self.triangles.len())
+            .map(|corner| ([self.point(corner), self.others(corner)[1]], corner));
+        let long: HashMap<[u32; 2], Corner> =
+            sides.filter(|(side, _)| side.iter().all(|&p| is_long(p))).collect();
+        corners(self.triangles.len()).filter_map(move |corner| {
             let (from, [to, _]) = (self.point(corner), self.others(corner));
             if self.wedges.is_empty() && self.kind(from) == Kind::Inner {
                 return None;
             }
-            let Some(&other) = self.ring(from).iter().find(|&&other| self.others(other)[1] == to) else {
-                return Some((corner, true));
+            // The corner at the same point of the triangle beyond, looked for where there is less to look through.
+            let other = if is_long(from) && is_long(to) {
+                long.get(&[from, to]).copied()
+            } else if self.ring(from).len() <= self.ring(to).len() {
+                self.ring(from).iter().copied().find(|&other| self.others(other)[1] == to)
+            } else {
+                self.ring(to).iter().find(|&&other| self.others(other)[0] == from).map(|other| other.next())
             };
+            let Some(other) = other else { return Some((corner, true)) };
             let torn = [(corner, other), (corner.next(), other.last())]
                 .iter()
                 .any(|&(a, b)| !self.are_alike(self.wedge(a), self.wedge(b)));
@@ -345,15 +376,16 @@ impl Topology {
     }
 }
 
-/// Gives for each vertex the first of those listed that has the same bits, if it is listed itself.
-fn alike(mesh: &Mesh, vertices: impl Iterator<Item = u32>) -> Vec<u32> {
-    let mut alike: Vec<u32> = (0..mesh.vertex_count() as u32).collect();
-    let mut is_known = vec![false; mesh.vertex_count()];
-    let mut first = HashMap::new();
-    for v in vertices {
-        if !std::mem::replace(&mut is_known[v as usize], true) {
-            alike[v as usize] = *first.entry(bits(mesh, v as usize)).or_insert(v);
-        }
+/// Gives for each vertex on a seam the first one of its point with the same attributes.
+fn alike(mesh: &Mesh, vertices: &[u32], points: &[u32], on_seam: &[bool]) -> HashMap<u32, u32> {
+    let (mut alike, mut first) = (HashMap::new(), HashMap::new());
+    let is_on_seam = |&(_, &p): &(&u32, &u32)| on_seam.get(p as usize) == Some(&true);
+    for (&v, &p) in vertices.iter().zip(points).filter(is_on_seam) {
+        alike.entry(v).or_insert_with(|| {
+            let mut attributes = bits(mesh, v as usize);
+            attributes.drain(..size_of::<[f32; 3]>());
+            *first.entry((p, attributes)).or_insert(v)
+        });
     }
     alike
 }

@@ -111,7 +111,8 @@ impl Default for Options {
 }
 
 impl Options {
-    /// Sets how much is done beside each change. Level 0 searches nothing.
+    /// Sets how much is done beside each change. At level 0 least is done, and strips made for a level
+    /// at once are not searched.
     #[must_use]
     pub fn with_effort(mut self, effort: Effort) -> Self {
         self.effort = effort;
