@@ -235,7 +235,7 @@ fn collapse<'a>(
     }
     let details = parts.into_iter().zip(strips).zip(done);
     let details = details.map(|((part, strips), done)| Detail::new(part.compact, strips, done));
-    Ok(details.collect::<Result<_, _>>()?)
+    Ok(details.collect())
 }
 
 /// Proves the display strips of every part.

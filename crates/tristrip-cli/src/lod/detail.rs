@@ -62,14 +62,10 @@ pub(crate) struct Detail<'a> {
 
 impl<'a> Detail<'a> {
     /// Takes a part, the strips of its full mesh over its own vertices, and its simplification.
-    pub(crate) fn new(
-        compact: Compact<'a>,
-        strips: &Strips,
-        simplification: Simplification,
-    ) -> Result<Self, Error> {
+    pub(crate) fn new(compact: Compact<'a>, strips: &Strips, simplification: Simplification) -> Self {
         let strips = mapped(strips, |strip| compact.inward(strip));
         let sequence = simplification.sequence;
-        Ok(Self { compact, sequence, strips, models: OnceLock::new() })
+        Self { compact, sequence, strips, models: OnceLock::new() }
     }
 
     /// Gives the strips of the full mesh, over the vertices of the collapses.
@@ -211,7 +207,7 @@ mod tests {
         let rename = [Rename { removed: 3, kept: 2 }];
         let sequence = CollapseSequence::from_collapses(6, strips.to_list(), [(&rename[..], 1.0)]).unwrap();
         let compact = Compact::new(&mesh, &strips.to_list()).unwrap();
-        let detail = Detail::new(compact, &strips, Simplification { sequence, stopped: None }).unwrap();
+        let detail = Detail::new(compact, &strips, Simplification { sequence, stopped: None });
         assert_eq!(detail.map(1), strips.vertices());
         let map = detail.map(0);
         assert_eq!(map, [0, 1, 2, 2, 4, 5]);

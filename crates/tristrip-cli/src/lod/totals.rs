@@ -140,7 +140,7 @@ mod tests {
         let done = simplify_all(&pool, &parts, &[20, 20], None).unwrap();
         let details = parts.into_iter().zip(&strips as &[Strips]).zip(done);
         let details: Vec<Detail<'_>> =
-            details.map(|((part, strips), done)| Detail::new(part.compact, strips, done).unwrap()).collect();
+            details.map(|((part, strips), done)| Detail::new(part.compact, strips, done)).collect();
         let levels = Levels::new(details.iter().map(Detail::sequence).collect());
         assert!(levels.len() > 50, "{}", levels.len());
         let at: Vec<usize> = (0..=levels.len()).collect();

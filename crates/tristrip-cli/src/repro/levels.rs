@@ -53,7 +53,7 @@ pub(super) fn measure(
     let done = simplify_all(pool, &parts, &Amount::Ratio(base).shares(&triangles), None)?;
     let details = parts.into_iter().zip(strips).zip(done);
     let details = details.map(|((part, strips), done)| Detail::new(part.compact, strips, done));
-    let details: Vec<Detail<'_>> = details.collect::<Result<_, _>>()?;
+    let details: Vec<Detail<'_>> = details.collect();
     let levels = Levels::new(details.iter().map(Detail::sequence).collect());
 
     // 2. What is sent.

@@ -29,8 +29,8 @@ impl<'a> Compact<'a> {
         used.dedup();
         let positions: Vec<[f32; 3]> = used.iter().map(|&v| mesh.positions()[v as usize]).collect();
         let bare = Mesh::new(positions, Faces::default())?;
-        let attributes = mesh.attributes().iter().map(|attribute| attribute.of_vertices(&used));
-        let fewer = attributes.fold(Ok(bare), |mesh, attribute| mesh?.with_attribute(attribute))?;
+        let mut attributes = mesh.attributes().iter().map(|attribute| attribute.of_vertices(&used));
+        let fewer = attributes.try_fold(bare, Mesh::with_attribute)?;
         Ok(Self { mesh: Cow::Owned(fewer), used: Some(used) })
     }
 

@@ -103,7 +103,7 @@ pub(super) struct Topology {
 #[derive(Debug)]
 struct Rings {
     corners: Vec<Corner>,
-    rings: Vec<Ring>,
+    of_points: Vec<Ring>,
     /// Where in its ring each corner stands, so that none is looked for.
     places: Vec<u32>,
 }
@@ -125,35 +125,35 @@ impl Ring {
 impl Rings {
     /// Puts the corners of triangles in order; those of triangles with a vertex twice, which draw nothing, are left out.
     fn new(triangles: &[[u32; 3]], vertices: &[u32], point_count: usize) -> Self {
-        let mut rings = vec![Ring::default(); point_count];
+        let mut of_points = vec![Ring::default(); point_count];
         let drawn = || {
             let all = corners(triangles.len()).zip(triangles.iter().flatten());
             all.filter(|(corner, _)| !is_degenerate(&vertices[3 * corner.triangle()..]))
         };
-        drawn().for_each(|(_, &p)| rings[p as usize].room += 1);
+        drawn().for_each(|(_, &p)| of_points[p as usize].room += 1);
         let mut end = 0;
-        for ring in &mut rings {
+        for ring in &mut of_points {
             ring.start = end;
             end += ring.room;
         }
         let mut ordered = vec![Corner(0); end as usize];
         let mut places = vec![0; 3 * triangles.len()];
         for (corner, &p) in drawn() {
-            let ring = &mut rings[p as usize];
+            let ring = &mut of_points[p as usize];
             ordered[ring.range().end] = corner;
             places[corner.index()] = ring.length;
             ring.length += 1;
         }
-        Self { corners: ordered, rings, places }
+        Self { corners: ordered, of_points, places }
     }
 
     fn of(&self, point: u32) -> &[Corner] {
-        &self.corners[self.rings[point as usize].range()]
+        &self.corners[self.of_points[point as usize].range()]
     }
 
     /// Takes a corner away from those of a point.
     fn remove(&mut self, point: u32, corner: Corner) {
-        let ring = &mut self.rings[point as usize];
+        let ring = &mut self.of_points[point as usize];
         let corners = &mut self.corners[ring.range()];
         let place = self.places[corner.index()];
         let last = corners[corners.len() - 1];
@@ -164,8 +164,8 @@ impl Rings {
 
     /// Adds all corners of one point to those of another.
     fn append(&mut self, from: u32, to: u32) {
-        let source = std::mem::take(&mut self.rings[from as usize]);
-        let ring = &mut self.rings[to as usize];
+        let source = std::mem::take(&mut self.of_points[from as usize]);
+        let ring = &mut self.of_points[to as usize];
         let length = ring.length + source.length;
         for (place, corner) in (ring.length..).zip(&self.corners[source.range()]) {
             self.places[corner.index()] = place;
