@@ -111,6 +111,8 @@ pub(super) struct Decimation {
     /// The triangles at the point that was looked at last.
     sides: Vec<Side>,
     neighbours: Vec<u32>,
+    /// The neighbours of a point that has just gone.
+    around: Vec<u32>,
     candidates: Vec<(f64, u32)>,
     renames: Vec<Rename>,
     dropped: Vec<u32>,
@@ -145,6 +147,7 @@ impl Decimation {
             error_limit: error_limit.map_or(f64::INFINITY, |error| f64::from(error) / unit),
             sides: Vec::new(),
             neighbours: Vec::new(),
+            around: Vec::new(),
             candidates: Vec::new(),
             renames: Vec::new(),
             dropped: Vec::new(),
@@ -282,7 +285,7 @@ impl Decimation {
             if side.has(to) {
                 least_edge = least_edge.min(to_segment(from, [u, w]));
             } else {
-                least = least.min(to_triangle(from, [kept, u, w]));
+                least = to_triangle(from, [kept, u, w], least);
             }
         }
         // Without other triangles, what is left is the edge that the point was opposite to.
@@ -406,7 +409,7 @@ impl Decimation {
         let to = self.plans[point as usize].target;
         let (mut renames, mut dropped) =
             (std::mem::take(&mut self.renames), std::mem::take(&mut self.dropped));
-        let mut around = std::mem::take(&mut self.neighbours);
+        let mut around = std::mem::take(&mut self.around);
         self.topology.neighbours(point, &mut around);
         let renamed = self.topology.renames(point, to, &mut renames);
         debug_assert!(renamed.is_some());
@@ -416,7 +419,7 @@ impl Decimation {
         self.queue.remove(point);
         let quadric = self.quadrics[point as usize];
         self.quadrics[to as usize].add(&quadric);
-        (self.renames, self.dropped, self.neighbours) = (renames, dropped, Vec::new());
+        (self.renames, self.dropped) = (renames, dropped);
 
         self.now += 1;
         for &p in &around {
@@ -428,7 +431,7 @@ impl Decimation {
                 self.meet(p, to);
             }
         }
-        self.neighbours = around;
+        self.around = around;
     }
 
     /// Lets a point know of a neighbour that stands in the place of one that is gone.

@@ -350,10 +350,12 @@ impl Topology {
     pub(super) fn open_edges(&self) -> impl Iterator<Item = (Corner, bool)> {
         // Between two points of many triangles each, sides are looked up.
         let is_long = |p: u32| self.ring(p).len() > LONG_RING;
-        let sides = corners(self.triangles.len())
-            .map(|corner| ([self.point(corner), self.others(corner)[1]], corner));
-        let long: HashMap<[u32; 2], Corner> =
-            sides.filter(|(side, _)| side.iter().all(|&p| is_long(p))).collect();
+        let mut long = HashMap::new();
+        if (0..self.point_count() as u32).any(is_long) {
+            let side = |corner: Corner| [self.point(corner), self.others(corner)[1]];
+            let between = |corner: &Corner| side(*corner).into_iter().all(is_long);
+            long.extend(corners(self.triangles.len()).filter(between).map(|corner| (side(corner), corner)));
+        }
         corners(self.triangles.len()).filter_map(move |corner| {
             let (from, [to, _]) = (self.point(corner), self.others(corner));
             if self.wedges.is_empty() && self.kind(from) == Kind::Inner {

@@ -34,26 +34,30 @@ pub(super) fn to_segment(p: Point, [a, b]: [Point; 2]) -> f64 {
     dot(rest, rest)
 }
 
-/// Gives the squared distance from a point to a triangle; one without area is its edges.
+/// Gives the squared distance from a point to a triangle if it is less than one that is known, else that; a triangle without area is its
+/// edges.
 ///
 /// Where the foot of the perpendicular lies inside, that is the distance to the plane; else the least of those to the edges that
 /// the foot lies beyond.
 #[inline]
-pub(super) fn to_triangle(p: Point, [a, b, c]: [Point; 3]) -> f64 {
+pub(super) fn to_triangle(p: Point, [a, b, c]: [Point; 3], known: f64) -> f64 {
     let normal = normal_of([a, b, c]);
     let to = sub(p, a);
+    let (square, height) = (dot(normal, normal), dot(normal, to));
+    // No point of a triangle is nearer than its plane.
+    if height * height > known * square {
+        return known;
+    }
     let beyond = |from: Point, edge: [Point; 2]| dot(cross(normal, sub(edge[1], edge[0])), from) <= 0.0;
     let (ab, bc, ca) = (beyond(to, [a, b]), beyond(sub(p, b), [b, c]), beyond(sub(p, c), [c, a]));
-    let square = dot(normal, normal);
     if !(ab || bc || ca) && square > 0.0 {
-        let height = dot(normal, to);
-        return height * height / square;
+        return known.min(height * height / square);
     }
     let edges = [(ab, [a, b]), (bc, [b, c]), (ca, [c, a])];
     edges
         .into_iter()
         .filter(|&(beyond, _)| beyond)
-        .fold(f64::INFINITY, |least, (_, edge)| least.min(to_segment(p, edge)))
+        .fold(known, |least, (_, edge)| least.min(to_segment(p, edge)))
 }
 
 #[cfg(test)]
@@ -69,7 +73,7 @@ mod tests {
         /// The oracle looks at many points of the triangle.
         #[test]
         fn no_point_of_the_triangle_is_nearer(p in point(), t in [point(), point(), point()]) {
-            let found = to_triangle(p, t).sqrt();
+            let found = to_triangle(p, t, f64::INFINITY).sqrt();
             let mut least = f64::INFINITY;
             let n = 60;
             for i in 0..=n {
@@ -79,6 +83,9 @@ mod tests {
                     least = least.min(dot(sub(p, q), sub(p, q)).sqrt());
                 }
             }
+            for known in [0.5 * found, 2.0 * found] {
+                prop_assert!((to_triangle(p, t, known * known).sqrt() - known.min(found)).abs() < 1e-9);
+            }
             prop_assert!(found <= least + 1e-9, "{} and {}", found, least);
             prop_assert!(found >= least - 4.0 / n as f64, "{} and {}", found, least);
         }
@@ -87,8 +94,8 @@ mod tests {
     #[test]
     fn a_triangle_without_area_is_its_edges() {
         let line = [[0.0; 3], [1.0, 0.0, 0.0], [3.0, 0.0, 0.0]];
-        let square = to_triangle([2.0, 2.0, 0.0], line);
+        let square = to_triangle([2.0, 2.0, 0.0], line, f64::INFINITY);
         assert!((square - 4.0).abs() < 1e-12);
-        assert!((to_triangle([0.0, 3.0, 4.0], [[0.0; 3]; 3]) - 25.0).abs() < 1e-12);
+        assert!((to_triangle([0.0, 3.0, 4.0], [[0.0; 3]; 3], f64::INFINITY) - 25.0).abs() < 1e-12);
     }
 }
