@@ -3,12 +3,13 @@
 
 use std::collections::HashSet;
 use std::fs;
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
-use tristrip::strip::verify;
+use tristrip::strip::{Between, Buffer, BufferUse, verify};
 use tristrip::{Layout, Options, Strips, stripify};
-use tristrip_io::{Drawing, Format, Model, read_path, write};
+use tristrip_io::{Drawing, Format, Model, Part, read_path, write};
 
 use crate::methods::{Named, all_methods, main_methods};
 use crate::models::Source;
@@ -49,6 +50,8 @@ pub struct Checked {
     pub levels: usize,
     /// Files for the checker.
     pub files: Vec<PathBuf>,
+    /// One line per result: model, method or part, what of it, and a hash; empty unless asked for.
+    pub hashes: Vec<String>,
     /// What went wrong, in words.
     pub faults: Vec<String>,
 }
@@ -67,12 +70,27 @@ impl Pools {
     }
 }
 
-/// Checks a model with every method, and writes files into a folder; `all_files` writes one for each method whatever the
-/// model's size.
+/// What a check does beyond proving the results.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Extra {
+    /// Writes one file per method, whatever the model's size.
+    pub all_files: bool,
+    /// Hashes every index buffer, file and level of detail, so that two versions of the program can be compared.
+    pub hashes: bool,
+}
+
+/// Returns the hash of a value; the same for every build with one version of Rust.
+pub fn hash_of(value: impl Hash) -> String {
+    let mut hasher = DefaultHasher::new();
+    value.hash(&mut hasher);
+    format!("{:016x}", hasher.finish())
+}
+
+/// Checks a model with every method, and writes files into a folder.
 ///
 /// # Errors
 /// The model cannot be read, or a file not be written.
-pub fn check(source: &Source, pools: &Pools, folder: &Path, all_files: bool) -> Result<Checked, Failure> {
+pub fn check(source: &Source, pools: &Pools, folder: &Path, extra: Extra) -> Result<Checked, Failure> {
     let model = read_path(&source.path).map_err(|error| format!("{}: {error}", source.path.display()))?;
     let triangles: usize = model.parts.iter().map(|part| part.mesh.faces().triangle_count()).sum();
     let methods = if triangles > LARGE { main_methods() } else { all_methods() };
@@ -84,7 +102,7 @@ pub fn check(source: &Source, pools: &Pools, folder: &Path, all_files: bool) -> 
         let kinds: Vec<Kind> = match triangles {
             0..=SMALL if is_main => KINDS.to_vec(),
             0..=MEDIUM => vec![KINDS[turn % COMPACT_KINDS]],
-            _ if is_main || all_files => vec![KINDS[turn % COMPACT_KINDS]],
+            _ if is_main || extra.all_files => vec![KINDS[turn % COMPACT_KINDS]],
             _ => Vec::new(),
         };
         let results = pools.0.iter().map(|pool| {
@@ -102,19 +120,45 @@ pub fn check(source: &Source, pools: &Pools, folder: &Path, all_files: bool) -> 
         } else {
             checked.faults.push(say(&format!("not the same with {THREADS:?} threads")));
         }
-        for ((_, _, kind), bytes) in kinds.iter().zip(results.swap_remove(0).1) {
+        let (strips, written) = results.swap_remove(0);
+        if extra.hashes {
+            let line = |(what, hash): (&str, String)| format!("{}\t{name}\t{what}\t{hash}", source.name);
+            checked.hashes.extend(index_buffers(&model, &strips).into_iter().map(line));
+            let files = kinds.iter().zip(&written).map(|((_, _, kind), bytes)| line((kind, hash_of(bytes))));
+            checked.hashes.extend(files);
+        }
+        for ((_, _, kind), bytes) in kinds.iter().zip(written) {
             let path = folder.join(format!("{}.{}.{kind}", source.name, name.replace(' ', "_")));
             fs::write(&path, bytes)?;
             checked.files.push(path);
         }
     }
     for (number, part) in model.parts.iter().enumerate() {
-        let of_part = levels::check(&part.mesh)?;
+        let of_part = levels::check(&part.mesh, extra.hashes)?;
+        let line = |hash| format!("{}\tpart {number}\t{hash}", source.name);
+        checked.hashes.extend(of_part.hashes.into_iter().map(line));
         checked.levels += of_part.levels;
         let say = |fault| format!("{}, part {number}: {fault}", source.name);
         checked.faults.extend(of_part.faults.into_iter().take(MOST_FAULTS).map(say));
     }
     Ok(checked)
+}
+
+/// Hashes what all parts' strips come to in each layout, and in simulated vertex caches.
+fn index_buffers(model: &Model, strips: &[Strips]) -> [(&'static str, String); 5] {
+    let of = |layout: fn(&Strips) -> Vec<u32>| hash_of(strips.iter().map(layout).collect::<Vec<_>>());
+    let misses = |(part, strips): (&Part, &Strips)| {
+        let count = part.mesh.vertex_count();
+        [Buffer::fifo(16), Buffer::lru(16)]
+            .map(|b| BufferUse::of(strips, b, Between::default(), count).misses)
+    };
+    [
+        ("restart", of(|strips| strips.to_restart(u32::MAX))),
+        ("degenerate", of(Strips::to_degenerate)),
+        ("list", of(Strips::to_list)),
+        ("lengths", of(|strips| strips.iter().map(|strip| strip.len() as u32).collect())),
+        ("misses", hash_of(model.parts.iter().zip(strips).map(misses).collect::<Vec<_>>())),
+    ]
 }
 
 /// Strips every part, the parts in parallel and in order, as the command does.
@@ -145,7 +189,7 @@ mod tests {
         let folder = std::env::temp_dir().join(format!("tristrip-corpus-{}", std::process::id()));
         fs::create_dir_all(&folder).unwrap();
         let source = Source { name: "fish_control".into(), path };
-        let checked = check(&source, &Pools::new().unwrap(), &folder, false).unwrap();
+        let checked = check(&source, &Pools::new().unwrap(), &folder, Extra::default()).unwrap();
         assert_eq!(checked.faults, Vec::<String>::new());
         assert_eq!((checked.proven, checked.identical), (all_methods().len(), all_methods().len()));
         let mains = main_methods().len();

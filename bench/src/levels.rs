@@ -5,6 +5,8 @@
 //! number of their triangles and two sums of hashes over them, each triangle rotated to begin with its lowest vertex: a winding or a triangle
 //! that differs changes both sums.
 
+use std::hash::{DefaultHasher, Hash, Hasher};
+
 use tristrip::lod::Filter;
 use tristrip::lod::filter::{Repair, repair};
 use tristrip::lod::progressive::{Encoding, ProgressiveMesh, ProgressiveStrips};
@@ -30,13 +32,36 @@ pub struct Checked {
     pub drawings: usize,
     /// What went wrong, in words.
     pub faults: Vec<String>,
+    /// One line per kind of drawing: what it is, and a hash over all levels; empty unless asked for.
+    pub hashes: Vec<String>,
+}
+
+/// Hashes drawings of one kind over all levels, one after the other.
+#[derive(Default)]
+struct Hashes(Option<Vec<(String, DefaultHasher)>>);
+
+impl Hashes {
+    fn add(&mut self, kind: &str, value: impl Hash) {
+        let Some(kinds) = &mut self.0 else { return };
+        if !kinds.iter().any(|(each, _)| each == kind) {
+            kinds.push((kind.into(), DefaultHasher::new()));
+        }
+        kinds.iter_mut().filter(|(each, _)| each == kind).for_each(|(_, hasher)| value.hash(hasher));
+    }
+
+    fn lines(self) -> impl Iterator<Item = String> {
+        let line = |(kind, hasher): (String, DefaultHasher)| format!("{kind}\t{:016x}", hasher.finish());
+        self.0.into_iter().flatten().map(line)
+    }
 }
 
 /// Simplifies the triangles that STRIPE's strips draw as far as the topology allows, and compares all drawings at the levels.
 ///
+/// With `hashes` all drawings are hashed, too.
+///
 /// # Errors
 /// The mesh has too many triangles.
-pub fn check(mesh: &Mesh) -> Result<Checked, Failure> {
+pub fn check(mesh: &Mesh, hashes: bool) -> Result<Checked, Failure> {
     let strips = stripify(mesh, &Options::default().with_method(Method::STRIPE))?;
     let sequence = simplify(mesh, strips.to_list(), &simplify::Options::default())?.sequence;
     let mut checked = Checked::default();
@@ -44,9 +69,20 @@ pub fn check(mesh: &Mesh) -> Result<Checked, Failure> {
         checked.faults.push(format!("the collapses are not what they say: {error}"));
         return Ok(checked);
     }
+    let mut hashes = Hashes(hashes.then(Vec::new));
+    for collapse in sequence.iter() {
+        hashes.add("collapses", (collapse.renames, collapse.error.to_bits()));
+    }
     let small = strips.triangles().count() <= SMALL;
-    drawings(&strips, &sequence, if small { sequence.len() } else { LEVELS }, &mut checked)?;
-    repaired(&strips, &sequence, if small { sequence.len() } else { REPAIRED_LEVELS }, &mut checked)?;
+    drawings(&strips, &sequence, if small { sequence.len() } else { LEVELS }, &mut checked, &mut hashes)?;
+    repaired(
+        &strips,
+        &sequence,
+        if small { sequence.len() } else { REPAIRED_LEVELS },
+        &mut checked,
+        &mut hashes,
+    )?;
+    checked.hashes = hashes.lines().collect();
     Ok(checked)
 }
 
@@ -62,6 +98,7 @@ fn drawings(
     sequence: &CollapseSequence,
     count: usize,
     checked: &mut Checked,
+    hashes: &mut Hashes,
 ) -> Result<(), Failure> {
     let mut mesh = ProgressiveMesh::new(sequence)?;
     let naive = ProgressiveStrips::new(strips, sequence, Encoding::Naive)?;
@@ -85,10 +122,13 @@ fn drawings(
             model.go_to(level);
             model.decode_to(map);
         }
-        for filter in Filter::ALL {
+        hashes.add("progressive mesh", mesh.corners());
+        hashes.add("index map", &maps[0]);
+        for (number, filter) in Filter::ALL.into_iter().enumerate() {
             display.clear();
             filter.map_to(&maps[0], &mut display);
             compare(Drawing::of(display.triangles()), &format!("{filter:?}"));
+            hashes.add(&format!("filter {number}"), display.to_restart(u32::MAX));
         }
         if maps[0] != maps[1] {
             checked.faults.push(format!("level {level}: the encoded strips are not the naive ones"));
@@ -110,6 +150,7 @@ fn repaired(
     sequence: &CollapseSequence,
     count: usize,
     checked: &mut Checked,
+    hashes: &mut Hashes,
 ) -> Result<(), Failure> {
     let options = repair::Options::default().with_effort(Effort::new(1).unwrap_or_default());
     let mut repair = Repair::new(sequence, strips, options)?;
@@ -118,6 +159,7 @@ fn repaired(
     for &level in there.iter().chain(back) {
         repair.go_to(level);
         checked.drawings += 1;
+        hashes.add("repair", repair.strips().to_restart(u32::MAX));
         if Drawing::of(repair.strips().triangles()) != Drawing::of(sequence.drawn(level).into_iter()) {
             checked
                 .faults
@@ -168,7 +210,7 @@ mod tests {
     fn a_small_model_passes_at_every_level() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../testdata/models/fish_control.ply");
         let model = tristrip_io::read_path(path).unwrap();
-        let checked = check(&model.parts[0].mesh).unwrap();
+        let checked = check(&model.parts[0].mesh, false).unwrap();
         assert_eq!(checked.faults, Vec::<String>::new());
         assert!(checked.levels > 100 && checked.drawings > 6 * checked.levels);
     }

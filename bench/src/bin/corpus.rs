@@ -16,7 +16,7 @@ use std::time::Instant;
 
 use clap::Parser;
 use tristrip_bench::Failure;
-use tristrip_bench::corpus::{Checked, Pools, THREADS, check};
+use tristrip_bench::corpus::{Checked, Extra, Pools, THREADS, check};
 use tristrip_bench::models::{self, Source};
 
 /// Models that are checked at a time.
@@ -34,6 +34,9 @@ struct Args {
     /// Write a file for every method, also of large models: some ten minutes for the checker
     #[arg(long)]
     all_files: bool,
+    /// Write a hash of every index buffer, file and level of detail, a line each, to compare two versions of the program
+    #[arg(long, value_name = "FILE")]
+    hashes: Option<PathBuf>,
     /// The Python that runs it
     #[arg(long, default_value = "python3", value_name = "PROGRAM")]
     python: PathBuf,
@@ -53,7 +56,8 @@ fn main() -> Result<ExitCode, Failure> {
     fs::create_dir_all(&files)?;
 
     let start = Instant::now();
-    let results = check_all(&sources, &files, args.all_files)?;
+    let results =
+        check_all(&sources, &files, Extra { all_files: args.all_files, hashes: args.hashes.is_some() })?;
     let sum = |count: fn(&Checked) -> usize| results.iter().map(|(_, checked)| count(checked)).sum::<usize>();
     let mut faults: Vec<String> = results.iter().flat_map(|(_, checked)| checked.faults.clone()).collect();
     println!(
@@ -65,6 +69,10 @@ fn main() -> Result<ExitCode, Failure> {
         sum(|c| c.levels),
         start.elapsed().as_secs_f64()
     );
+    if let Some(path) = &args.hashes {
+        let lines = results.iter().flat_map(|(_, checked)| &checked.hashes);
+        fs::write(path, lines.fold(String::new(), |text, line| text + line + "\n"))?;
+    }
     let start = Instant::now();
     let command = built.join(format!("tristrip{}", std::env::consts::EXE_SUFFIX));
     if command.is_file() {
@@ -99,7 +107,7 @@ fn main() -> Result<ExitCode, Failure> {
 fn check_all<'a>(
     sources: &'a [Source],
     files: &Path,
-    all_files: bool,
+    extra: Extra,
 ) -> Result<Vec<(&'a Source, Checked)>, Failure> {
     let pools = Pools::new()?;
     let mut order: Vec<&Source> = sources.iter().collect();
@@ -109,7 +117,7 @@ fn check_all<'a>(
         for _ in 0..WORKERS {
             scope.spawn(|| {
                 while let Some(&source) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    let checked = check(source, &pools, files, all_files).unwrap_or_else(|error| Checked {
+                    let checked = check(source, &pools, files, extra).unwrap_or_else(|error| Checked {
                         faults: vec![error.to_string()],
                         ..Checked::default()
                     });
