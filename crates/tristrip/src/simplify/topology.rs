@@ -14,74 +14,28 @@
 //! # Complexity
 //! 12 bytes a triangle, 12 more where there are seams, some 30 for the rings; 18 bytes a point, and about 60 a vertex on a seam.
 
+mod corner;
+mod fans;
+mod points;
+mod rings;
+
 use std::collections::HashMap;
-use std::ops::Range;
 
-use super::collapse::{Rename, is_degenerate};
-use crate::mesh::surface::bits;
-use crate::mesh::{Mesh, SPARSE};
+pub(super) use corner::Corner;
+use corner::{LAST, NEXT, corners};
+use fans::Fans;
+pub(super) use fans::Kind;
+use points::{Numbering, alike};
+use rings::Rings;
 
-const NONE: u32 = u32::MAX;
-
-/// How the triangles lie around a point.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
-    /// All around.
-    Inner,
-    /// From one border edge to another.
-    Border,
-    /// In more than one fan, or more than two at an edge, or wound against each other, or twice at the point.
-    Complex,
-}
-
-/// A corner of a triangle: the triangle in the upper bits, the place in the lowest two, so that both come without a division.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub(super) struct Corner(u32);
+use super::collapse::Rename;
+use crate::mesh::Mesh;
 
 /// As many triangles as are taken: rings that grow move to the end of their array, which some ten corners a triangle do not fill.
 pub(super) const MOST_TRIANGLES: usize = 1 << 27;
 
 /// From so many corners on a ring is not walked along where that can be done without.
 pub(super) const LONG_RING: usize = 64;
-
-/// Places one and two further on.
-const NEXT: [usize; 4] = [1, 2, 0, 0];
-const LAST: [usize; 4] = [2, 0, 1, 0];
-
-impl Corner {
-    pub(super) fn new(triangle: usize, place: usize) -> Self {
-        Self((triangle << 2 | place) as u32)
-    }
-
-    #[inline]
-    pub(super) fn triangle(self) -> usize {
-        (self.0 >> 2) as usize
-    }
-
-    #[inline]
-    pub(super) fn place(self) -> usize {
-        (self.0 & 3) as usize
-    }
-
-    fn next(self) -> Self {
-        Self::new(self.triangle(), NEXT[self.place()])
-    }
-
-    fn last(self) -> Self {
-        Self::new(self.triangle(), LAST[self.place()])
-    }
-
-    /// Where this corner stands among all, counted triangle by triangle.
-    fn index(self) -> usize {
-        3 * self.triangle() + self.place()
-    }
-}
-
-/// Gives all corners of so many triangles.
-fn corners(triangle_count: usize) -> impl Iterator<Item = Corner> {
-    (0..triangle_count).flat_map(|t| (0..3).map(move |k| Corner::new(t, k)))
-}
-
 /// Triangles that can be taken away and whose corners can move to other points.
 #[derive(Debug)]
 pub(super) struct Topology {
@@ -97,91 +51,6 @@ pub(super) struct Topology {
     on_seam: Vec<bool>,
     kinds: Vec<Kind>,
     rings: Rings,
-}
-
-/// The corners around each point, all in one array. What grows too large for its place moves to the end.
-#[derive(Debug)]
-struct Rings {
-    corners: Vec<Corner>,
-    of_points: Vec<Ring>,
-    /// Where in its ring each corner stands, so that none is looked for.
-    places: Vec<u32>,
-}
-
-/// Where the corners of a point stand, how many there are, and for how many there is room.
-#[derive(Debug, Clone, Copy, Default)]
-struct Ring {
-    start: u32,
-    length: u32,
-    room: u32,
-}
-
-impl Ring {
-    fn range(self) -> Range<usize> {
-        self.start as usize..(self.start + self.length) as usize
-    }
-}
-
-impl Rings {
-    /// Puts the corners of triangles in order; those of triangles with a vertex twice, which draw nothing, are left out.
-    fn new(triangles: &[[u32; 3]], vertices: &[u32], point_count: usize) -> Self {
-        let mut of_points = vec![Ring::default(); point_count];
-        let drawn = || {
-            let all = corners(triangles.len()).zip(triangles.iter().flatten());
-            all.filter(|(corner, _)| !is_degenerate(&vertices[3 * corner.triangle()..]))
-        };
-        drawn().for_each(|(_, &p)| of_points[p as usize].room += 1);
-        let mut end = 0;
-        for ring in &mut of_points {
-            ring.start = end;
-            end += ring.room;
-        }
-        let mut ordered = vec![Corner(0); end as usize];
-        let mut places = vec![0; 3 * triangles.len()];
-        for (corner, &p) in drawn() {
-            let ring = &mut of_points[p as usize];
-            ordered[ring.range().end] = corner;
-            places[corner.index()] = ring.length;
-            ring.length += 1;
-        }
-        Self { corners: ordered, of_points, places }
-    }
-
-    fn of(&self, point: u32) -> &[Corner] {
-        &self.corners[self.of_points[point as usize].range()]
-    }
-
-    /// Takes a corner away from those of a point.
-    fn remove(&mut self, point: u32, corner: Corner) {
-        let ring = &mut self.of_points[point as usize];
-        let corners = &mut self.corners[ring.range()];
-        let place = self.places[corner.index()];
-        let last = corners[corners.len() - 1];
-        corners[place as usize] = last;
-        self.places[last.index()] = place;
-        ring.length -= 1;
-    }
-
-    /// Adds all corners of one point to those of another.
-    fn append(&mut self, from: u32, to: u32) {
-        let source = std::mem::take(&mut self.of_points[from as usize]);
-        let ring = &mut self.of_points[to as usize];
-        let length = ring.length + source.length;
-        for (place, corner) in (ring.length..).zip(&self.corners[source.range()]) {
-            self.places[corner.index()] = place;
-        }
-        if length <= ring.room {
-            self.corners.copy_within(source.range(), ring.range().end);
-        } else {
-            let start = self.corners.len() as u32;
-            self.corners.extend_from_within(ring.range());
-            self.corners.extend_from_within(source.range());
-            let spare = length / 4 + 1;
-            self.corners.resize(self.corners.len() + spare as usize, Corner(0));
-            (ring.start, ring.room) = (start, length + spare);
-        }
-        ring.length = length;
-    }
 }
 
 impl Topology {
@@ -375,121 +244,6 @@ impl Topology {
                 .any(|&(a, b)| !self.are_alike(self.wedge(a), self.wedge(b)));
             torn.then_some((corner, false))
         })
-    }
-}
-
-/// Gives for each vertex on a seam the first one of its point with the same attributes.
-fn alike(mesh: &Mesh, vertices: &[u32], points: &[u32], on_seam: &[bool]) -> HashMap<u32, u32> {
-    let (mut alike, mut first) = (HashMap::new(), HashMap::new());
-    let is_on_seam = |&(_, &p): &(&u32, &u32)| on_seam.get(p as usize) == Some(&true);
-    for (&v, &p) in vertices.iter().zip(points).filter(is_on_seam) {
-        alike.entry(v).or_insert_with(|| {
-            let mut attributes = bits(mesh, v as usize);
-            attributes.drain(..size_of::<[f32; 3]>());
-            *first.entry((p, attributes)).or_insert(v)
-        });
-    }
-    alike
-}
-
-/// Points numbered in the order in which corners first use them.
-struct Numbering {
-    /// The point of each corner.
-    points: Vec<u32>,
-    /// A vertex of each point.
-    vertex_of: Vec<u32>,
-}
-
-impl Numbering {
-    fn new(positions: &[[f32; 3]], vertices: &[u32]) -> Self {
-        let mut used = HashMap::new();
-        let mut point_of =
-            vec![NONE; if positions.len() / SPARSE > vertices.len() { 0 } else { positions.len() }];
-        let mut vertex_of: Vec<u32> = Vec::new();
-        let mut number = |v: u32| {
-            // −0.0 is where 0.0 is.
-            let bits = positions[v as usize].map(|x| (x + 0.0).to_bits());
-            let point = *used.entry(bits).or_insert(vertex_of.len() as u32);
-            match vertex_of.get_mut(point as usize) {
-                Some(vertex) => *vertex = v.min(*vertex),
-                None => vertex_of.push(v),
-            }
-            point
-        };
-        let mut points = Vec::with_capacity(vertices.len());
-        for &v in vertices {
-            let point = match point_of.get_mut(v as usize) {
-                Some(known) => {
-                    if *known == NONE {
-                        *known = number(v);
-                    }
-                    *known
-                }
-                None => number(v),
-            };
-            points.push(point);
-        }
-        Self { points, vertex_of }
-    }
-}
-
-/// Tells how the triangles lie around points.
-struct Fans {
-    /// For each neighbour of the point looked at: corners that it is the u of, and the w of, counted up to two.
-    ins: Vec<u8>,
-    outs: Vec<u8>,
-    /// The neighbour that comes after each, around the point.
-    next: Vec<u32>,
-}
-
-impl Fans {
-    fn new(point_count: usize) -> Self {
-        Self { ins: vec![0; point_count], outs: vec![0; point_count], next: vec![NONE; point_count] }
-    }
-
-    fn kind(&mut self, topology: &Topology, point: u32) -> Kind {
-        let ring = topology.ring(point);
-        for &corner in ring {
-            let [u, w] = topology.others(corner);
-            self.outs[u as usize] = (self.outs[u as usize] + 1).min(2);
-            self.ins[w as usize] = (self.ins[w as usize] + 1).min(2);
-            self.next[u as usize] = w;
-        }
-        let kind = self.classify(topology, point);
-        for &corner in ring {
-            for p in topology.others(corner) {
-                (self.ins[p as usize], self.outs[p as usize], self.next[p as usize]) = (0, 0, NONE);
-            }
-        }
-        kind
-    }
-
-    fn classify(&self, topology: &Topology, point: u32) -> Kind {
-        let ring = topology.ring(point);
-        let others = || ring.iter().flat_map(|&corner| topology.others(corner));
-        if ring.is_empty() || ring.iter().any(|&corner| is_degenerate(&topology.triangles[corner.triangle()]))
-        {
-            return Kind::Complex;
-        }
-        if others().any(|p| self.ins[p as usize] > 1 || self.outs[p as usize] > 1) {
-            return Kind::Complex;
-        }
-        // The fan from where it opens, or from anywhere, must take in all corners.
-        let opening = others().find(|&p| self.ins[p as usize] == 0);
-        let first = opening.unwrap_or_else(|| topology.others(ring[0])[0]);
-        let (mut at, mut count) = (first, 0);
-        while self.next[at as usize] != NONE {
-            at = self.next[at as usize];
-            count += 1;
-            if at == first || count > ring.len() {
-                break;
-            }
-        }
-        match (count == ring.len(), opening) {
-            (false, _) => Kind::Complex,
-            (true, None) => Kind::Inner,
-            (true, Some(_)) => Kind::Border,
-        }
     }
 }
 
