@@ -15,7 +15,13 @@
 //! 1 byte a triangle. Linking and cutting take O(1), joining and rotating O(length of the paths that they touch),
 //! renumbering O(n) and 8 bytes a triangle.
 
-use crate::dual::{DualGraph, FaceId, HalfEdge};
+mod diagonals;
+pub(crate) mod local_search;
+pub(crate) mod moves;
+pub(crate) mod priced;
+
+use crate::dual::DualGraph;
+use crate::ids::{FaceId, HalfEdge};
 
 /// No link, in the two bits of one.
 const FREE: u8 = 3;

@@ -22,12 +22,18 @@
 
 mod corners;
 mod pair;
+mod report;
+mod triangulation;
 
-pub(crate) use corners::{for_each_edge, sorted_by_vertex};
+pub(crate) use corners::for_each_edge;
+pub use report::MeshReport;
+pub use triangulation::Triangulation;
+pub(crate) use triangulation::TriangulationBuilder;
 
 use corners::{PolygonCorners, TriangleCorners, polygon_shape};
 use pair::pair;
 
+use crate::ids::{FaceId, HalfEdge};
 use crate::mesh::Faces;
 
 /// Marks a half-edge without a twin inside the packed arrays.
@@ -35,14 +41,6 @@ const NONE: u32 = u32::MAX;
 /// Faces of more corners have their vertices renumbered for the pairing, which does not ask for their names: the caches no longer
 /// hold a vertex until it comes again, unless the numbers follow the faces.
 const SCATTERED: usize = 3 << 20;
-
-/// A face of the graph, counted from 0.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct FaceId(pub u32);
-
-/// A directed edge of a face: the corner that it starts from, counted over all faces.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct HalfEdge(pub u32);
 
 /// Faces joined across shared edges.
 ///
@@ -144,6 +142,13 @@ impl DualGraph {
     /// The face is not one of this graph.
     pub fn neighbours(&self, face: FaceId) -> impl Iterator<Item = FaceId> {
         self.half_edges(face).filter_map(|h| self.twin(h)).map(|h| self.face_of(h))
+    }
+
+    /// Returns the half-edge on the other side by number, or `None` at a boundary, for inner loops.
+    #[inline]
+    pub(crate) fn twin_of(&self, half_edge: u32) -> Option<u32> {
+        let twin = self.twins[half_edge as usize];
+        (twin != NONE).then_some(twin)
     }
 
     /// Gives the packed twins for the inner loops: the other side of each half-edge, or `u32::MAX`.

@@ -4,7 +4,7 @@
 //! each strip is a simple path. The stages follow the data, and each imports only those before it:
 //!
 //! ```text
-//! Mesh ─▶ Surface ─▶ DualGraph ─▶ Plan (triangulation + PathCover) ─▶ Strips ─▶ layout
+//! Mesh ─▶ PreparedFaces ─▶ DualGraph ─▶ Plan (triangulation + PathCover) ─▶ Strips ─▶ layout
 //!   └──── triangles ────▶ simplify ─▶ CollapseSequence ─┬──────────────┘
 //!                                                       └▶ lod ─▶ Strips of any level
 //! ```
@@ -14,19 +14,32 @@
 
 #![forbid(unsafe_code)]
 
+mod csr;
+mod effort;
+mod ids;
+mod union_find;
+mod vector;
+
+pub mod collapse;
 pub mod cover;
 pub mod dual;
 pub mod error;
 pub mod lod;
 pub mod mesh;
+pub mod prepare;
+pub mod random;
 pub mod simplify;
 pub mod strip;
 pub mod stripify;
+pub mod verify;
+pub mod vertex_cache;
 
+pub use collapse::CollapseSequence;
 pub use cover::PathCover;
-pub use dual::{DualGraph, FaceId, HalfEdge};
+pub use dual::DualGraph;
 pub use error::{Error, MeshProblem};
-pub use mesh::{Attribute, AttributeData, Faces, Mesh, Surface};
-pub use simplify::CollapseSequence;
+pub use ids::{FaceId, HalfEdge};
+pub use mesh::{Attribute, AttributeData, Faces, Mesh};
+pub use prepare::PreparedFaces;
 pub use strip::{Layout, Strips};
-pub use stripify::{FaceTriangulation, Method, Options, Patches, Ties, stripify};
+pub use stripify::{FaceTriangulation, Method, Patches, StripifyOptions, Ties, stripify};

@@ -10,14 +10,14 @@
 //!
 //! ```
 //! use tristrip::lod::{Filter, ProgressiveStrips, progressive::Encoding};
-//! use tristrip::simplify::{self, simplify};
+//! use tristrip::simplify::{SimplifyOptions, simplify};
 //! use tristrip::{Faces, Mesh, Strips, stripify};
 //! // A flat grid of 8 × 8 quadrilaterals.
 //! let quad = |i: u32| [i, i + 1, i + 10, i + 9];
 //! let faces = Faces::from_polygons((0..8).flat_map(|y| (0..8).map(move |x| quad(9 * y + x))))?;
 //! let mesh = Mesh::new((0..81).map(|i| [(i % 9) as f32, (i / 9) as f32, 0.0]).collect::<Vec<_>>(), faces)?;
-//! let strips = stripify(&mesh, &tristrip::Options::default())?;
-//! let sequence = simplify(&mesh, strips.to_list(), &simplify::Options::default())?.sequence;
+//! let strips = stripify(&mesh, &tristrip::StripifyOptions::default())?;
+//! let sequence = simplify(&mesh, strips.to_list(), &SimplifyOptions::default())?.sequence;
 //!
 //! let mut model = ProgressiveStrips::new(&strips, &sequence, Encoding::Offsets)?;
 //! let (mut map, mut display) = (Vec::new(), Strips::default());
@@ -32,13 +32,16 @@
 //! ```
 
 pub mod filter;
+mod level_mesh;
 pub mod progressive;
+pub mod repair;
 #[cfg(test)]
 mod samples;
 pub mod traffic;
 
-pub use filter::{Filter, Repair, Sent};
+pub use filter::{DrawCost, Filter};
 pub use progressive::{ProgressiveMesh, ProgressiveStrips};
+pub use repair::{Repair, RepairOptions};
 
 /// Separates strips in an index map; no vertex has this number.
 pub const RESTART: u32 = u32::MAX;

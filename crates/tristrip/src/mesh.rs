@@ -6,17 +6,12 @@
 //! # Complexity
 //! 12 bytes a vertex and 12 bytes a triangle; polygons take 4 bytes a corner and 4 a face.
 
-pub mod report;
-pub mod surface;
-pub mod triangulation;
-pub mod unify;
+mod position_ids;
+mod triangle;
 
-pub use report::MeshReport;
-pub use surface::{Surface, SurfaceCounts};
-pub use triangulation::Triangulation;
-pub(crate) use triangulation::TriangulationBuilder;
-
-pub use unify::PositionIds;
+pub use position_ids::PositionIds;
+pub use triangle::{canonical_triangle, is_degenerate};
+pub(crate) use triangle::{triangle_at, triangles_of};
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -173,7 +168,13 @@ impl Faces {
             let (found, expected) = (corners.len() as u64, self.corners.len().to_string());
             return Err(MeshProblem::CornerCount { found, expected }.into());
         }
-        Ok(Self { corners, offsets: self.offsets.clone() })
+        Ok(self.renamed(corners))
+    }
+
+    /// Returns faces of the same sizes with as many other corners.
+    pub(crate) fn renamed(&self, corners: Vec<u32>) -> Self {
+        debug_assert_eq!(corners.len(), self.corners.len());
+        Self { corners, offsets: self.offsets.clone() }
     }
 
     /// Gives the same faces over the vertices that they use, in the same order, where those are few among the numbers up
@@ -304,6 +305,27 @@ impl Attribute {
 fn taken<T: Copy>(values: &[T], components: usize, vertices: &[u32]) -> Vec<T> {
     let of = |&v: &u32| values[v as usize * components..][..components].iter().copied();
     vertices.iter().flat_map(of).collect()
+}
+
+/// Gives the bits of a vertex: its position and all attributes.
+pub(crate) fn vertex_bits(mesh: &Mesh, v: usize) -> Vec<u8> {
+    let mut key = Vec::new();
+    mesh.positions()[v].iter().for_each(|x| key.extend(x.to_bits().to_le_bytes()));
+    for attribute in mesh.attributes() {
+        let n = usize::from(attribute.components.max(1));
+        let range = v * n..(v + 1) * n;
+        match &attribute.data {
+            AttributeData::F32(d) => d[range].iter().for_each(|x| key.extend(x.to_bits().to_le_bytes())),
+            AttributeData::F64(d) => d[range].iter().for_each(|x| key.extend(x.to_bits().to_le_bytes())),
+            AttributeData::U8(d) => key.extend(&d[range]),
+            AttributeData::I8(d) => d[range].iter().for_each(|x| key.extend(x.to_le_bytes())),
+            AttributeData::U16(d) => d[range].iter().for_each(|x| key.extend(x.to_le_bytes())),
+            AttributeData::I16(d) => d[range].iter().for_each(|x| key.extend(x.to_le_bytes())),
+            AttributeData::U32(d) => d[range].iter().for_each(|x| key.extend(x.to_le_bytes())),
+            AttributeData::I32(d) => d[range].iter().for_each(|x| key.extend(x.to_le_bytes())),
+        }
+    }
+    key
 }
 
 /// A polygon mesh whose indices are in range and whose positions are finite. Clones share positions and attributes.

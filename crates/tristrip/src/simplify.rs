@@ -20,18 +20,16 @@
 //! # Complexity
 //! O(n log n) time; 260 bytes a triangle while it runs, of which 30 stay.
 
-pub mod collapse;
 mod decimate;
 mod quadric;
 mod queue;
 #[cfg(test)]
 mod tests;
 mod topology;
-mod vector;
 
 use std::fmt;
 
-pub use collapse::{Collapse, CollapseSequence, Rename};
+use crate::collapse::CollapseSequence;
 use decimate::Decimation;
 use topology::MOST_TRIANGLES;
 
@@ -40,13 +38,13 @@ use crate::mesh::Mesh;
 
 /// How far a mesh is simplified. Without a limit: as far as its topology allows.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct Options {
+pub struct SimplifyOptions {
     triangle_count: usize,
     error: Option<f32>,
     locked: Vec<bool>,
 }
 
-impl Options {
+impl SimplifyOptions {
     /// Stops at so many triangles, or one fewer: a collapse drops up to two.
     #[must_use]
     pub fn with_triangles(mut self, triangle_count: usize) -> Self {
@@ -128,19 +126,23 @@ impl fmt::Display for Stopped {
 /// negative.
 ///
 /// ```
-/// use tristrip::{Faces, Mesh, simplify};
+/// use tristrip::{Faces, Mesh, simplify, simplify::SimplifyOptions};
 /// // A flat grid of 4 × 4 quadrilaterals, each cut in two.
 /// let at = |i: u32| [(i % 5) as f32, (i / 5) as f32, 0.0];
 /// let quad = |i: u32| [i, i + 1, i + 5, i + 5, i + 1, i + 6];
 /// let triangles: Vec<u32> = (0..4).flat_map(|y| (0..4).flat_map(move |x| quad(5 * y + x))).collect();
 /// let mesh = Mesh::new((0..25).map(at).collect::<Vec<_>>(), Faces::from_triangles(triangles.clone())?)?;
-/// let simple = simplify::simplify(&mesh, triangles, &simplify::Options::default().with_triangles(2))?;
+/// let simple = simplify::simplify(&mesh, triangles, &SimplifyOptions::default().with_triangles(2))?;
 /// assert!(simple.stopped.is_none());
 /// assert_eq!(simple.sequence.triangle_count(0), 2);
 /// assert!(simple.sequence.error(0) < 1e-6);
 /// # Ok::<(), tristrip::Error>(())
 /// ```
-pub fn simplify(mesh: &Mesh, triangles: Vec<u32>, options: &Options) -> Result<Simplification, Error> {
+pub fn simplify(
+    mesh: &Mesh,
+    triangles: Vec<u32>,
+    options: &SimplifyOptions,
+) -> Result<Simplification, Error> {
     if let Some(error) = options.error.filter(|error| error.is_nan() || *error < 0.0) {
         return Err(Error::Parameter { name: "error", found: error.to_string(), expected: "0 or more" });
     }

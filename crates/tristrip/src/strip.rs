@@ -4,24 +4,16 @@
 //! one in which two vertices are equal draws nothing. A *swap* repeats one vertex inside a strip; a winding repeat does so at
 //! its start.
 
-pub mod cost;
 pub mod emit;
-mod joiner;
+mod join;
 pub mod layout;
-pub mod verify;
-pub mod verify_models;
-pub mod vertex_buffer;
+pub mod metrics;
 pub mod vertex_order;
 
-pub use cost::{Cost, Metrics};
 pub(crate) use emit::{OPEN, Step, cover_cost, path_steps, send_path};
 pub use emit::{emit, emit_in_order, path_cost};
 pub use layout::Layout;
-pub use verify::{Proof, Unproven, verify, verify_drawing};
-pub use verify_models::{Difference, verify_models};
-pub use vertex_buffer::{
-    Between, Buffer, BufferUse, GeneralizedCost, Replacement, StripUse, VertexBuffer, lru_profile,
-};
+pub use metrics::{Cost, Metrics};
 pub use vertex_order::VertexOrder;
 
 use crate::error::{Error, MeshProblem};

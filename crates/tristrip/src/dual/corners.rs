@@ -1,5 +1,6 @@
 //! Faces seen as corners, the same for triangles and polygons, and what is counted over them.
 
+use crate::csr::Csr;
 use crate::mesh::Faces;
 
 /// Gives the first corner of each face, with the end of the last, and the face of each corner.
@@ -78,28 +79,6 @@ impl Corners for PolygonCorners<'_> {
     }
 }
 
-/// Sorts the numbers 0, 1, 2 … of items by the items' vertices, by counting; gives the end of each vertex's range, and the
-/// numbers, in order within a vertex.
-pub(crate) fn sorted_by_vertex(
-    vertices: impl Iterator<Item = u32> + Clone,
-    vertex_count: usize,
-) -> (Vec<u32>, Vec<u32>) {
-    // `ends[v]` moves from the start of v's range to its end.
-    let mut ends = vec![0_u32; vertex_count];
-    vertices.clone().for_each(|v| ends[v as usize] += 1);
-    let mut total = 0;
-    for end in &mut ends {
-        total += std::mem::replace(end, total);
-    }
-    let mut sorted = vec![0_u32; total as usize];
-    for (item, v) in vertices.enumerate() {
-        let slot = &mut ends[v as usize];
-        sorted[*slot as usize] = item as u32;
-        *slot += 1;
-    }
-    (ends, sorted)
-}
-
 /// Counts the half-edges over each edge of the faces: `edge` is called with the number of forward half-edges, which run from
 /// the lower vertex to the higher, and of backward ones, once for each edge, in order of their vertices.
 ///
@@ -117,12 +96,11 @@ fn count_edges(corners: &impl Corners, mut edge: impl FnMut(usize, usize)) {
     let vertex_count = vertices.iter().max().map_or(0, |&v| v as usize + 1);
     let to = |h: usize| vertices[corners.next(h)];
     let lows = vertices.iter().enumerate().map(|(h, &from)| from.min(to(h)));
-    let (ends, by_low) = sorted_by_vertex(lows, vertex_count);
+    let by_low = Csr::group(lows, vertex_count);
     let mut here: Vec<(u32, bool)> = Vec::new();
-    let mut start = 0;
-    for (low, &end) in (0_u32..).zip(&ends) {
+    for (low, half_edges) in (0_u32..).zip(by_low.rows()) {
         here.clear();
-        here.extend(by_low[start..end as usize].iter().filter_map(|&h| {
+        here.extend(half_edges.iter().filter_map(|&h| {
             let (from, to) = (vertices[h as usize], to(h as usize));
             (from != to).then_some((from.max(to), from == low))
         }));
@@ -131,6 +109,5 @@ fn count_edges(corners: &impl Corners, mut edge: impl FnMut(usize, usize)) {
             let forward = group.iter().filter(|&&(_, forward)| forward).count();
             edge(forward, group.len() - forward);
         }
-        start = end as usize;
     }
 }

@@ -13,7 +13,8 @@
 //! See [`super`].
 
 use super::NONE;
-use super::corners::{Corners, sorted_by_vertex};
+use super::corners::Corners;
+use crate::csr::Csr;
 
 /// How many open half-edges over one edge are looked at before a new one is left to wait.
 const CANDIDATES: usize = 8;
@@ -31,14 +32,12 @@ pub(super) fn pair(corners: &impl Corners) -> Vec<u32> {
 fn pair_simple<C: Corners>(corners: &C) -> Option<Vec<u32>> {
     let vertices = corners.vertices();
     let vertex_count = vertices.iter().max().map_or(0, |&v| v as usize + 1);
-    let (ends, by_vertex) = sorted_by_vertex(vertices.iter().copied(), vertex_count);
+    let by_vertex = Csr::group(vertices.iter().copied(), vertex_count);
     // For each vertex: the half-edge that leads to it from the vertex named with it, counted from 1. Memory that is zero at
     // first needs no pass of its own.
     let mut marks = vec![(0, 0); vertex_count];
     let mut twins = vec![0; vertices.len()];
-    let mut start = 0;
-    for (v, &end) in (1_u32..).zip(&ends) {
-        let here = &by_vertex[start..end as usize];
+    for (v, here) in (1_u32..).zip(by_vertex.rows()) {
         for &corner in here {
             let to = vertices[corners.next(corner as usize)];
             let mark = &mut marks[to as usize];
@@ -55,7 +54,6 @@ fn pair_simple<C: Corners>(corners: &C) -> Option<Vec<u32>> {
             }
             twins[incoming] = if marked_by == v { outgoing } else { NONE };
         }
-        start = end as usize;
     }
     Some(twins)
 }
@@ -210,7 +208,8 @@ fn sorted_by_edge(corners: &impl Corners, half_edges: Vec<u32>) -> Vec<(u64, u32
 mod tests {
     use super::super::corners::{PolygonCorners, TriangleCorners, for_each_edge, polygon_shape};
     use super::*;
-    use crate::dual::{DualGraph, HalfEdge};
+    use crate::dual::DualGraph;
+    use crate::ids::HalfEdge;
     use crate::mesh::Faces;
     use proptest::prelude::*;
 

@@ -14,7 +14,7 @@
 //! # References
 //! [`stss`] is El-Sana, Evans, Kalaiah, Varshney, Skiena, Azanli: *Efficiently Computing and Updating Triangle Strips for Real-Time
 //! Rendering*, 2000, section 5.4; [`dtfs`] is Kim, Park, Yang, Neelamkavil: *A Rendering-Efficient Progressive Transmission of 3D
-//! Meshes*, 2005, section 4. [`linked`] is ours. So is [`repair`], which reads no strips: it follows the collapses, and mends strips beside them.
+//! Meshes*, 2005, section 4. [`linked`] is ours. So is [`repair`](super::repair), which reads no strips: it follows the collapses, and mends strips beside them.
 //!
 //! # Complexity
 //! O(n) time, and no memory but the result, at most four vertices a triangle. Of the strips of the bunny at 21 levels, `Dtfs` reads 360
@@ -22,7 +22,6 @@
 
 pub mod dtfs;
 pub mod linked;
-pub mod repair;
 pub mod stss;
 mod valid;
 
@@ -33,7 +32,6 @@ use super::RESTART;
 use crate::strip::Strips;
 pub(crate) use dtfs::Dtfs;
 pub(crate) use linked::Linked;
-pub use repair::Repair;
 pub(crate) use stss::Stss;
 pub(crate) use valid::{BLOCK, Gatherer};
 
@@ -54,7 +52,7 @@ pub enum Filter {
 
 /// What display strips cost.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub struct Sent {
+pub struct DrawCost {
     /// Vertices sent, swaps and winding repeats included.
     pub vertices: usize,
     /// Display strips.
@@ -102,17 +100,17 @@ impl Filter {
     /// Counts what [`Filter::strip_to`] would send, and stores nothing.
     ///
     /// ```
-    /// use tristrip::lod::{Filter, Sent};
+    /// use tristrip::lod::{DrawCost, Filter};
     /// let strip = [0, 1, 2, 2, 4, 5, 6];
-    /// assert_eq!(Filter::Dtfs.sent(&strip), Sent { vertices: 8, strips: 2, winding_repeats: 1 });
-    /// assert_eq!(Filter::Linked.sent(&strip), Sent { vertices: 7, strips: 2, winding_repeats: 0 });
+    /// assert_eq!(Filter::Dtfs.sent(&strip), DrawCost { vertices: 8, strips: 2, winding_repeats: 1 });
+    /// assert_eq!(Filter::Linked.sent(&strip), DrawCost { vertices: 7, strips: 2, winding_repeats: 0 });
     /// ```
-    pub fn sent(self, strip: &[u32]) -> Sent {
+    pub fn sent(self, strip: &[u32]) -> DrawCost {
         self.sent_by_map(strip)
     }
 
     /// Counts what [`Filter::map_to`] would send, and stores nothing.
-    pub fn sent_by_map(self, map: &[u32]) -> Sent {
+    pub fn sent_by_map(self, map: &[u32]) -> DrawCost {
         let mut tally = Tally::default();
         self.scan(map, &mut tally);
         tally.into()
@@ -179,7 +177,7 @@ pub(crate) struct Tally {
     pub(crate) winding_repeats: isize,
 }
 
-impl From<Tally> for Sent {
+impl From<Tally> for DrawCost {
     fn from(tally: Tally) -> Self {
         let count = |count: isize| usize::try_from(count).unwrap_or(0);
         Self {
@@ -274,7 +272,7 @@ impl Sink for Strips {
     }
 }
 
-impl std::ops::AddAssign for Sent {
+impl std::ops::AddAssign for DrawCost {
     fn add_assign(&mut self, other: Self) {
         self.vertices += other.vertices;
         self.strips += other.strips;
@@ -282,7 +280,7 @@ impl std::ops::AddAssign for Sent {
     }
 }
 
-impl std::ops::Add for Sent {
+impl std::ops::Add for DrawCost {
     type Output = Self;
 
     fn add(mut self, other: Self) -> Self {
@@ -291,7 +289,7 @@ impl std::ops::Add for Sent {
     }
 }
 
-impl std::iter::Sum for Sent {
+impl std::iter::Sum for DrawCost {
     fn sum<I: Iterator<Item = Self>>(counts: I) -> Self {
         counts.fold(Self::default(), |sum, count| sum + count)
     }

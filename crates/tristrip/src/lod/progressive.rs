@@ -29,8 +29,8 @@ mod tests;
 pub use pm::ProgressiveMesh;
 
 use super::RESTART;
+use crate::collapse::CollapseSequence;
 use crate::error::{Error, MeshProblem};
-use crate::simplify::CollapseSequence;
 use crate::strip::Strips;
 
 /// The most places that a model may have for each entry of its map, on the average over all collapses: meshes have about
@@ -51,7 +51,7 @@ pub enum Encoding {
 ///
 /// ```
 /// use tristrip::lod::{Filter, progressive::{Encoding, ProgressiveStrips}};
-/// use tristrip::{CollapseSequence, Strips, simplify::Rename};
+/// use tristrip::{CollapseSequence, Strips, collapse::Rename};
 /// let mut strips = Strips::default();
 /// strips.push(&[0, 1, 2, 3]);
 /// let rename = [Rename { removed: 3, kept: 2 }];

@@ -2,9 +2,9 @@
 
 use proptest::prelude::*;
 
-use crate::simplify::{CollapseSequence, Rename};
+use crate::collapse::{CollapseSequence, Rename};
 use crate::strip::Strips;
-use crate::stripify::{Method, Options, stripify};
+use crate::stripify::{Method, StripifyOptions, stripify};
 use crate::{Faces, Mesh};
 
 /// Strips of a mesh, and collapses over the triangles that they draw.
@@ -16,12 +16,12 @@ pub(super) struct Sample {
 
 /// Triangles in order of their corners, each from its lowest vertex: drawings that are equal have equal ones.
 pub(super) fn sorted(triangles: impl IntoIterator<Item = [u32; 3]>) -> Vec<[u32; 3]> {
-    let lowest_first = |[a, b, c]: [u32; 3]| match a.min(b).min(c) {
+    let canonical_triangle = |[a, b, c]: [u32; 3]| match a.min(b).min(c) {
         low if low == a => [a, b, c],
         low if low == b => [b, c, a],
         _ => [c, a, b],
     };
-    let mut sorted: Vec<_> = triangles.into_iter().map(lowest_first).collect();
+    let mut sorted: Vec<_> = triangles.into_iter().map(canonical_triangle).collect();
     sorted.sort_unstable();
     sorted
 }
@@ -73,7 +73,7 @@ fn strips_of(triangles: &[[u32; 3]], method: usize) -> Strips {
     let faces = Faces::from_triangles(triangles.concat()).unwrap();
     let mesh = Mesh::new(vec![[0.0; 3]; 64], faces).unwrap();
     let method = [Method::STRIPE, Method::Sequential, Method::Input, Method::Fewest][method];
-    stripify(&mesh, &Options::default().with_method(method)).unwrap()
+    stripify(&mesh, &StripifyOptions::default().with_method(method)).unwrap()
 }
 
 /// Does what collapses chance names, as far as there are such.

@@ -21,10 +21,10 @@
 //! A collapse takes a few blocks for each place that it changes, however long the strips: the bunny's 33,000 levels take a quarter
 //! of a second, 0.35 as two strips in all. 3 bytes an entry, beside the models.
 
-use super::filter::{BLOCK, Dtfs, Filter, Gatherer, Linked, Scanner, Sent, Stss, Tally};
+use super::filter::{BLOCK, DrawCost, Dtfs, Filter, Gatherer, Linked, Scanner, Stss, Tally};
 use super::progressive::{Encoding, ProgressiveStrips};
+use crate::collapse::CollapseSequence;
 use crate::error::Error;
-use crate::simplify::CollapseSequence;
 use crate::strip::Strips;
 
 /// Bits of a vertex that is sent, as published totals have them: a position of three 32-bit numbers and an index of 16 bits.
@@ -41,7 +41,7 @@ pub struct Level {
     /// Triangles drawn.
     pub triangles: usize,
     /// What each filter sends, in the order of [`Filter::ALL`].
-    sent: [Sent; 4],
+    sent: [DrawCost; 4],
     /// Vertices and places that the split to the next level writes; `None` for the full mesh.
     pub split: Option<Split>,
 }
@@ -61,9 +61,9 @@ impl Level {
     /// Gives what a filter sends at this level.
     ///
     /// Filters that are not in [`Filter::ALL`] have no count here.
-    pub fn sent(&self, filter: Filter) -> Sent {
+    pub fn sent(&self, filter: Filter) -> DrawCost {
         let of_filter = Filter::ALL.iter().zip(self.sent).find(|(other, _)| **other == filter);
-        of_filter.map_or_else(Sent::default, |(_, sent)| sent)
+        of_filter.map_or_else(DrawCost::default, |(_, sent)| sent)
     }
 
     /// Counts the vertices of a progressive mesh: three a triangle.
@@ -188,7 +188,7 @@ pub fn gigabits(vertices: u64) -> f64 {
 ///
 /// ```
 /// use tristrip::lod::{Filter, traffic};
-/// use tristrip::{CollapseSequence, Strips, simplify::Rename};
+/// use tristrip::{CollapseSequence, Strips, collapse::Rename};
 /// let mut strips = Strips::default();
 /// strips.push(&[0, 1, 2, 3]);
 /// let rename = [Rename { removed: 3, kept: 2 }];
@@ -230,7 +230,7 @@ pub fn walk(
 
 /// What the blocks of an index map cost through each filter.
 struct Counts {
-    none: Sent,
+    none: DrawCost,
     stss: Blocks<Stss>,
     dtfs: Blocks<Dtfs>,
     linked: Blocks<Linked>,
@@ -270,7 +270,7 @@ impl Counts {
     }
 
     /// Gives what each filter sends, in the order of [`Filter::ALL`].
-    fn sent(&self) -> [Sent; 4] {
+    fn sent(&self) -> [DrawCost; 4] {
         [self.none, self.stss.sum.into(), self.dtfs.sum.into(), self.linked.sum.into()]
     }
 }

@@ -26,11 +26,12 @@
 //! the triangles from 0.95 of meshoptimizer's to 0.83 on the bunny.
 
 use super::Stopped;
-use super::collapse::{CollapseSequence, Rename, is_degenerate};
 use super::quadric::Quadric;
 use super::queue::Queue;
 use super::topology::{Corner, Kind, LONG_RING, Topology};
-use super::vector::{Point, cross, dot, normal_of, sub, to_segment, to_triangle};
+use crate::collapse::{CollapseSequence, Rename};
+use crate::mesh::{is_degenerate, triangles_of};
+use crate::vector::{Point, cross, dot, normal_of, sub, to_segment, to_triangle};
 
 use crate::mesh::Mesh;
 
@@ -133,7 +134,7 @@ impl Decimation {
         let (framed, unit) = frame((0..count as u32).map(|p| positions[topology.vertex_of(p) as usize]));
         let quadrics = quadrics(&topology, &framed);
         let mut decimation = Self {
-            triangle_count: vertices.chunks_exact(3).filter(|t| !is_degenerate(t)).count(),
+            triangle_count: triangles_of(vertices).filter(|&t| !is_degenerate(t)).count(),
             topology,
             positions: framed,
             unit,

@@ -6,7 +6,7 @@
 //! # References
 //! Garland, Heckbert: *Surface Simplification Using Quadric Error Metrics*, 1997, section 4.
 
-use super::vector::{Point, dot};
+use crate::vector::{Point, dot};
 
 /// The sum of weighted squared distances to planes, and the weight of those that faces gave.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

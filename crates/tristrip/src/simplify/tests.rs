@@ -37,7 +37,7 @@ fn mesh(positions: &[[f32; 3]], triangles: &[u32]) -> Mesh {
     Mesh::new(positions.to_vec(), Faces::from_triangles(triangles.to_vec()).unwrap()).unwrap()
 }
 
-fn simplified(positions: &[[f32; 3]], triangles: &[u32], options: &Options) -> Simplification {
+fn simplified(positions: &[[f32; 3]], triangles: &[u32], options: &SimplifyOptions) -> Simplification {
     let simplification = simplify(&mesh(positions, triangles), triangles.to_vec(), options).unwrap();
     simplification.sequence.check().unwrap();
     simplification
@@ -86,7 +86,8 @@ fn shape(triangles: &[[u32; 3]]) -> (i64, usize, usize) {
 fn every_level_has_the_shape_of_the_full_mesh() {
     for (around, least) in [([false, false], 1), ([true, false], 6), ([true, true], 14)] {
         let (positions, triangles) = grid(9, 8, around);
-        let Simplification { sequence, stopped } = simplified(&positions, &triangles, &Options::default());
+        let Simplification { sequence, stopped } =
+            simplified(&positions, &triangles, &SimplifyOptions::default());
         let full = shape(&sequence.drawn(sequence.len()));
         for level in 0..sequence.len() {
             let drawn = sequence.drawn(level);
@@ -105,7 +106,7 @@ fn every_level_has_the_shape_of_the_full_mesh() {
 fn the_target_is_reached_and_not_passed_by_more_than_a_collapse() {
     let (positions, triangles) = grid(12, 12, [true, true]);
     for target in [288, 287, 150, 41] {
-        let options = Options::default().with_triangles(target);
+        let options = SimplifyOptions::default().with_triangles(target);
         let simplification = simplified(&positions, &triangles, &options);
         let reached = simplification.sequence.triangle_count(0);
         assert!(reached <= target && reached + 2 > target, "{reached} of {target}");
@@ -125,7 +126,7 @@ fn a_tetrahedron_and_a_triangle_stay() {
         [5.0, 1.0, 0.0],
     ];
     let triangles = [0, 2, 1, 0, 1, 3, 1, 2, 3, 0, 3, 2, 4, 5, 6];
-    let simplification = simplified(&positions, &triangles, &Options::default());
+    let simplification = simplified(&positions, &triangles, &SimplifyOptions::default());
     assert!(simplification.sequence.is_empty());
     let stopped = simplification.stopped.unwrap();
     assert_eq!((stopped.triangle_count, stopped.topology + stopped.fold_over), (5, 7));
@@ -147,7 +148,7 @@ fn an_octahedron_becomes_a_tetrahedron() {
     ];
     let triangles: Vec<u32> =
         [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]].concat();
-    let simplification = simplified(&positions, &triangles, &Options::default());
+    let simplification = simplified(&positions, &triangles, &SimplifyOptions::default());
     let drawn = simplification.sequence.drawn(0);
     assert_eq!(drawn.len(), 4, "{drawn:?}");
     assert_eq!(shape(&drawn), (2, 1, 0));
@@ -157,7 +158,7 @@ fn an_octahedron_becomes_a_tetrahedron() {
 fn locked_vertices_stay() {
     let (positions, triangles) = grid(6, 6, [false, false]);
     let locked: Vec<bool> = (0..49).map(|v| v % 5 == 0).collect();
-    let options = Options::default().with_locked(locked.clone());
+    let options = SimplifyOptions::default().with_locked(locked.clone());
     let simplification = simplified(&positions, &triangles, &options);
     let left: HashSet<u32> = simplification.sequence.drawn(0).into_iter().flatten().collect();
     assert!(locked.iter().enumerate().all(|(v, &locked)| !locked || left.contains(&(v as u32))));
@@ -170,14 +171,15 @@ fn no_collapse_exceeds_the_error_allowed() {
     let (positions, triangles) = grid(20, 10, [true, true]);
     let mut counts = Vec::new();
     for error in [0.02, 0.1, 0.2, 0.4] {
-        let simplification = simplified(&positions, &triangles, &Options::default().with_error(error));
+        let simplification =
+            simplified(&positions, &triangles, &SimplifyOptions::default().with_error(error));
         assert!(simplification.sequence.error(0) <= error);
         assert!(simplification.stopped.unwrap().error > 0);
         counts.push(simplification.sequence.triangle_count(0));
     }
     assert!(counts.is_sorted_by(|a, b| a > b), "{counts:?}");
     for error in [f32::NAN, -1.0] {
-        let (options, mesh) = (Options::default().with_error(error), mesh(&positions, &triangles));
+        let (options, mesh) = (SimplifyOptions::default().with_error(error), mesh(&positions, &triangles));
         assert!(simplify(&mesh, triangles.clone(), &options).is_err());
     }
 }
@@ -194,11 +196,11 @@ fn a_seam_stays_closed() {
             triangle.iter_mut().filter(|v| **v % 12 == 0).for_each(|v| *v = count + *v / 12);
         }
     }
-    let plain = simplified(&positions, &triangles, &Options::default()).sequence;
+    let plain = simplified(&positions, &triangles, &SimplifyOptions::default()).sequence;
     let sides = AttributeData::U8((0..positions.len()).map(|v| u8::from(v >= count as usize)).collect());
     let side = Attribute { name: "side".into(), components: 1, normalized: false, data: sides };
     let mesh = mesh(&positions, &triangles).with_attribute(side).unwrap();
-    let Simplification { sequence, .. } = simplify(&mesh, triangles, &Options::default()).unwrap();
+    let Simplification { sequence, .. } = simplify(&mesh, triangles, &SimplifyOptions::default()).unwrap();
     sequence.check().unwrap();
     // Where the vertices of both sides are the same but for their number, the seam is none.
     assert!(plain.triangle_count(0) <= sequence.triangle_count(0));
@@ -218,7 +220,7 @@ fn a_seam_stays_closed() {
 #[test]
 fn where_three_faces_meet_at_an_edge_all_stays() {
     let positions = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0]];
-    let simplification = simplified(&positions, &[0, 1, 2, 1, 0, 3, 0, 1, 4], &Options::default());
+    let simplification = simplified(&positions, &[0, 1, 2, 1, 0, 3, 0, 1, 4], &SimplifyOptions::default());
     let left: HashSet<u32> = simplification.sequence.drawn(0).into_iter().flatten().collect();
     assert!(left.contains(&0) && left.contains(&1));
     assert_eq!(simplification.stopped.unwrap().non_manifold, 2);
@@ -234,7 +236,7 @@ fn a_point_of_many_triangles_does_no_harm() {
     };
     let positions: Vec<[f32; 3]> = std::iter::once([0.0, 0.0, 1.0]).chain((0..n).map(rim)).collect();
     let triangles: Vec<u32> = (0..n).flat_map(|i| [0, i + 1, (i + 1) % n + 1]).collect();
-    let simplification = simplified(&positions, &triangles, &Options::default().with_triangles(10));
+    let simplification = simplified(&positions, &triangles, &SimplifyOptions::default().with_triangles(10));
     assert!(simplification.sequence.triangle_count(0) <= 10);
 }
 
@@ -254,7 +256,7 @@ fn triangles_without_area_do_not_unfold_upside_down() {
         positions.push([0, 1, 2].map(|k| f32::midpoint(p[k], q[k])));
         triangles.extend([a, b, c, c, b, middle, c, middle, d, middle, b, d]);
     }
-    let options = Options::default().with_triangles(triangles.len() / 30);
+    let options = SimplifyOptions::default().with_triangles(triangles.len() / 30);
     let sequence = simplified(&positions, &triangles, &options).sequence;
     for level in (0..=sequence.len()).step_by(10) {
         let up = |t: &[u32; 3]| {
@@ -268,18 +270,18 @@ fn triangles_without_area_do_not_unfold_upside_down() {
 
 #[test]
 fn nothing_and_what_is_flat_are_no_trouble() {
-    let nothing = simplified(&[], &[], &Options::default());
+    let nothing = simplified(&[], &[], &SimplifyOptions::default());
     assert!(nothing.sequence.is_empty() && nothing.stopped.is_none());
     // All at one place, and all on one line.
-    let twice = simplified(&[[1.0; 3]; 4], &[0, 1, 2, 2, 1, 3], &Options::default());
+    let twice = simplified(&[[1.0; 3]; 4], &[0, 1, 2, 2, 1, 3], &SimplifyOptions::default());
     assert_eq!(twice.sequence.triangle_count(0), 2);
     let line: Vec<[f32; 3]> = (0..6).map(|i| [i as f32, 0.0, 0.0]).collect();
-    let flat = simplified(&line, &[0, 1, 2, 2, 1, 3, 2, 3, 4, 4, 3, 5], &Options::default());
+    let flat = simplified(&line, &[0, 1, 2, 2, 1, 3, 2, 3, 4, 4, 3, 5], &SimplifyOptions::default());
     assert!(flat.sequence.triangle_count(0) < 4);
     let huge = [[-3e38, 0.0, 0.0], [3e38, 0.0, 0.0], [0.0, 3e38, 0.0], [3e38, 3e38, 3e38]];
-    simplified(&huge, &[0, 1, 2, 2, 1, 3], &Options::default());
-    assert!(simplify(&mesh(&line, &[]), vec![0, 1], &Options::default()).is_err());
-    assert!(simplify(&mesh(&line, &[]), vec![0, 1, 6], &Options::default()).is_err());
+    simplified(&huge, &[0, 1, 2, 2, 1, 3], &SimplifyOptions::default());
+    assert!(simplify(&mesh(&line, &[]), vec![0, 1], &SimplifyOptions::default()).is_err());
+    assert!(simplify(&mesh(&line, &[]), vec![0, 1, 6], &SimplifyOptions::default()).is_err());
 }
 
 proptest! {
@@ -293,7 +295,7 @@ proptest! {
         let positions: Vec<[f32; 3]> = places.iter().map(|p| p.map(f32::from)).collect();
         let whole = corners.len() / 3 * 3;
         let triangles = corners[..whole].to_vec();
-        let options = Options::default().with_triangles(target);
+        let options = SimplifyOptions::default().with_triangles(target);
         let simplification = simplified(&positions, &triangles, &options);
         let sequence = &simplification.sequence;
         for level in 0..=sequence.len() {
@@ -309,7 +311,7 @@ proptest! {
         let (positions, triangles) = grid(8, 8, around);
         let triangles: Vec<u32> = triangles.chunks_exact(3).enumerate()
             .filter(|(t, _)| !missing.contains(t)).flat_map(|(_, t)| t.to_vec()).collect();
-        let sequence = simplified(&positions, &triangles, &Options::default()).sequence;
+        let sequence = simplified(&positions, &triangles, &SimplifyOptions::default()).sequence;
         let full = shape(&sequence.drawn(sequence.len()));
         for level in 0..sequence.len() {
             prop_assert_eq!(shape(&sequence.drawn(level)).1, full.1, "level {}", level);

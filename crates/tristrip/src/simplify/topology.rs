@@ -28,7 +28,7 @@ pub(super) use fans::Kind;
 use points::{Numbering, alike};
 use rings::Rings;
 
-use super::collapse::Rename;
+use crate::collapse::Rename;
 use crate::mesh::Mesh;
 
 /// As many triangles as are taken: rings that grow move to the end of their array, which some ten corners a triangle do not fill.

@@ -19,8 +19,9 @@
 
 use super::Strips;
 use crate::cover::PathCover;
-use crate::dual::{DualGraph, FaceId, HalfEdge};
-use crate::mesh::Triangulation;
+use crate::dual::DualGraph;
+use crate::dual::Triangulation;
+use crate::ids::{FaceId, HalfEdge};
 
 /// No edge, where an edge of a triangle is named.
 pub(crate) const OPEN: u32 = 3;
@@ -28,10 +29,10 @@ pub(crate) const OPEN: u32 = 3;
 /// Turns each path of a cover into a strip, the strips in order of their lowest triangles.
 ///
 /// ```
-/// use tristrip::{DualGraph, Faces, HalfEdge, Mesh, PathCover, Surface, mesh::Triangulation, strip::emit};
+/// use tristrip::{DualGraph, Faces, HalfEdge, Mesh, PathCover, PreparedFaces, dual::Triangulation, strip::emit};
 /// let faces = Faces::from_triangles(vec![0, 1, 2, 2, 1, 3])?;
 /// let mesh = Mesh::new(vec![[0.0; 3]; 4], faces)?;
-/// let surface = Surface::new(&mesh, false);
+/// let surface = PreparedFaces::new(&mesh, false);
 /// let graph = DualGraph::new(surface.faces());
 /// let triangulation = Triangulation::fan(&surface, &graph);
 /// let mut cover = PathCover::isolated(2);
@@ -78,10 +79,10 @@ pub fn emit(triangulation: &Triangulation<'_>, cover: &PathCover) -> Strips {
 /// Their order is [kept](Strips::with_kept_order). Paths that `order` does not name are not drawn. A path whose first turn is dear in that direction pays for it.
 ///
 /// ```
-/// use tristrip::{DualGraph, FaceId, Faces, HalfEdge, Mesh, PathCover, Surface, mesh::Triangulation, strip::emit_in_order};
+/// use tristrip::{DualGraph, FaceId, Faces, HalfEdge, Mesh, PathCover, PreparedFaces, dual::Triangulation, strip::emit_in_order};
 /// let faces = Faces::from_triangles(vec![0, 1, 2, 2, 1, 3, 4, 5, 6])?;
 /// let mesh = Mesh::new(vec![[0.0; 3]; 7], faces)?;
-/// let surface = Surface::new(&mesh, false);
+/// let surface = PreparedFaces::new(&mesh, false);
 /// let graph = DualGraph::new(surface.faces());
 /// let triangulation = Triangulation::fan(&surface, &graph);
 /// let mut cover = PathCover::isolated(3);
@@ -221,7 +222,8 @@ pub(crate) fn cover_cost(graph: &DualGraph, cover: &PathCover) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{Faces, Mesh, Surface};
+    use crate::mesh::{Faces, Mesh};
+    use crate::prepare::PreparedFaces;
     use proptest::prelude::*;
 
     /// The cheapest strip for a path, found by trying every place for repeats: breadth first over (triangle, last two vertices).
@@ -272,7 +274,7 @@ mod tests {
             let corners: Vec<u32> = path.iter().flatten().copied().collect();
             let vertex_count = 3 + turns.len();
             let mesh = Mesh::new(vec![[0.0; 3]; vertex_count], Faces::from_triangles(corners).unwrap()).unwrap();
-            let surface = Surface::new(&mesh, false);
+            let surface = PreparedFaces::new(&mesh, false);
             let graph = DualGraph::new(surface.faces());
             let mut cover = PathCover::isolated(path.len());
             (0..graph.half_edge_count() as u32).for_each(|h| { cover.join(&graph, HalfEdge(h)); });

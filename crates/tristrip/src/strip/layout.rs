@@ -4,7 +4,7 @@
 //! Evans, Skiena, Varshney: *Efficiently Generating Triangle Strips for Fast Rendering*, 1996, section 1 (swaps by repeated
 //! vertices); the draft glTF extension `KHR_mesh_primitive_restart`.
 
-use super::{Strips, joiner, strip_triangles};
+use super::{Strips, join, strip_triangles};
 
 /// How strips are laid out in an index buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -55,7 +55,7 @@ impl Strips {
     /// ```
     pub fn to_degenerate(&self) -> Vec<u32> {
         let mut out: Vec<u32> = Vec::with_capacity(self.vertices_sent() + 3 * self.len());
-        let ways = if self.keeps_order { joiner::in_order(self).collect() } else { joiner::order(self) };
+        let ways = if self.keeps_order { join::in_order(self).collect() } else { join::order(self) };
         ways.into_iter().for_each(|way| way.join_to(&mut out));
         out
     }
@@ -95,7 +95,7 @@ pub fn pieces(indices: &[u32]) -> impl Iterator<Item = &[u32]> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::strip::verify_drawing;
+    use crate::verify::verify_drawing;
     use proptest::prelude::*;
 
     /// The join as it is usually done: the strips in order, two repeats between them, three after an odd number of vertices.

@@ -313,7 +313,9 @@ fn out_of_range(at: usize, vertex: u32, vertex_count: usize) -> Error {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::strip::{Between, Buffer, BufferUse, Metrics, verify};
+    use crate::strip::Metrics;
+    use crate::verify::verify;
+    use crate::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
     use proptest::prelude::*;
     use std::collections::BTreeMap;
 
@@ -391,7 +393,7 @@ mod tests {
             let order = VertexOrder::of_strips(20, [&strips]).unwrap();
             let (there, ordered) = (order.mesh(&mesh).unwrap(), order.strips(&strips).unwrap());
             prop_assert!(verify(&there, &ordered).is_ok());
-            let misses = |strips| BufferUse::of(strips, Buffer::fifo(places), Between::Keep, 20);
+            let misses = |strips| VertexCacheStatistics::of(strips, VertexCache::fifo(places), FlushPolicy::Keep, 20);
             prop_assert_eq!(misses(&ordered), misses(&strips));
             let (a, b) = (Metrics::of(&strips), Metrics::of(&ordered));
             prop_assert_eq!((a.vertices_sent, a.swaps, a.indices_restart), (b.vertices_sent, b.swaps, b.indices_restart));

@@ -32,8 +32,11 @@ mod pieces;
 mod sequential;
 mod strips;
 
-use crate::dual::{DualGraph, FaceId};
-use crate::mesh::{Faces, Surface, Triangulation};
+use crate::dual::DualGraph;
+use crate::dual::Triangulation;
+use crate::ids::FaceId;
+use crate::mesh::Faces;
+use crate::prepare::PreparedFaces;
 use crate::strip::Cost;
 
 pub use sequential::{SequentialStrip, sequential_strip};
@@ -93,11 +96,11 @@ impl Bound {
     /// Bounds all covers of a triangulation.
     ///
     /// ```
-    /// use tristrip::{DualGraph, Faces, Mesh, Surface, mesh::Triangulation, stripify::bound::Bound};
+    /// use tristrip::{DualGraph, Faces, Mesh, PreparedFaces, dual::Triangulation, stripify::bound::Bound};
     /// // A triangle with a neighbour at each of its edges, and one by itself.
     /// let corners = vec![0, 1, 2, 1, 0, 3, 2, 1, 4, 0, 2, 5, 6, 7, 8];
     /// let mesh = Mesh::new(vec![[0.0; 3]; 9], Faces::from_triangles(corners)?)?;
-    /// let surface = Surface::new(&mesh, false);
+    /// let surface = PreparedFaces::new(&mesh, false);
     /// let graph = DualGraph::new(surface.faces());
     /// let bound = Bound::of_triangulation(&Triangulation::fan(&surface, &graph));
     /// assert_eq!((bound.strips, bound.vertices_sent, bound.indices_restart), (3, 11, 13));
@@ -131,16 +134,16 @@ impl Bound {
     /// sure to hold an end of a strip, or two.
     ///
     /// ```
-    /// use tristrip::{DualGraph, Faces, Mesh, Surface, stripify::bound::Bound};
+    /// use tristrip::{DualGraph, Faces, Mesh, PreparedFaces, stripify::bound::Bound};
     /// // A quadrilateral with another at each side.
     /// let quads = [[0, 1, 2, 3], [1, 0, 4, 5], [2, 1, 6, 7], [3, 2, 8, 9], [0, 3, 10, 11]];
     /// let mesh = Mesh::new(vec![[0.0; 3]; 12], Faces::from_polygons(quads)?)?;
-    /// let surface = Surface::new(&mesh, false);
+    /// let surface = PreparedFaces::new(&mesh, false);
     /// let bound = Bound::of_surface(&surface, &DualGraph::new(surface.faces()));
     /// assert_eq!((bound.strips, bound.vertices_sent), (2, 14));
     /// # Ok::<(), tristrip::Error>(())
     /// ```
-    pub fn of_surface(surface: &Surface<'_>, graph: &DualGraph) -> Self {
+    pub fn of_surface(surface: &PreparedFaces<'_>, graph: &DualGraph) -> Self {
         match Triangulation::of_triangles(surface, graph) {
             Some(triangulation) => Self::of_triangulation(&triangulation),
             None => Self::sum(of_polygons(surface.faces(), graph), 0, vertex_groups(surface.faces().iter())),

@@ -59,29 +59,19 @@ mod polish;
 #[cfg(test)]
 mod tests;
 
-use super::{Options, Plan, Progress, Watch, refine, sequential};
+use super::{Objective, Progress, StripPlan, StripifyOptions, Watch, best, sequential};
 use crate::cover::PathCover;
 use crate::dual::DualGraph;
-use crate::mesh::{Surface, Triangulation};
-use crate::strip::{Between, Buffer, BufferUse, Cost, Replacement};
-use crate::stripify::random::Random;
+use crate::dual::Triangulation;
+use crate::prepare::PreparedFaces;
+use crate::random::Random;
+use crate::strip::Cost;
+use crate::vertex_cache::{FlushPolicy, Replacement, VertexCache, VertexCacheStatistics};
 use arrange::arrange;
 use border::Border;
 use buffers::{FifoTrial, LruTrial};
 use grow::Grower;
 use polish::Sequence;
-
-/// What is weighed more where indices and misses are at odds.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum Prefer {
-    /// Few indices: about those of [`Best`](super::Method::Best), in an order that saves misses.
-    Indices,
-    /// Both: misses are saved as long as each takes less than about two thirds of an index.
-    #[default]
-    Balanced,
-    /// Few misses: one counts as four indices.
-    Misses,
-}
 
 /// What indices and misses cost.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -153,7 +143,7 @@ const SENT: [u64; 10] = [0, 0, 0, 300, 750, 1800, 3600, 7200, 14400, 28800];
 /// Places of buffers that are searched over: what one holds is kept for each strip.
 const SEARCHED: std::ops::RangeInclusive<u32> = 1..=256;
 
-impl Prefer {
+impl Objective {
     fn weights(self) -> Weights {
         match self {
             Self::Indices => Weights { index: 10, miss: 1 },
@@ -173,15 +163,15 @@ impl Prefer {
 }
 
 pub(super) fn plan<'a>(
-    surface: &'a Surface<'_>,
+    surface: &'a PreparedFaces<'_>,
     graph: &'a DualGraph,
-    options: &Options,
+    options: &StripifyOptions,
     watch: &dyn Watch,
-) -> Plan<'a> {
+) -> StripPlan<'a> {
     let start = start(surface, graph, options, watch);
     let limit = SENT[usize::from(options.effort().level())] * start.cover.len() as u64;
-    let is_searched =
-        options.buffer.replacement == Replacement::Fifo && SEARCHED.contains(&options.buffer.places);
+    let is_searched = options.vertex_cache().replacement == Replacement::Fifo
+        && SEARCHED.contains(&options.vertex_cache().entries);
     if limit == 0 || !is_searched {
         return start;
     }
@@ -190,25 +180,25 @@ pub(super) fn plan<'a>(
 
 /// Grows strips in one way or in several.
 fn start<'a>(
-    surface: &'a Surface<'_>,
+    surface: &'a PreparedFaces<'_>,
     graph: &'a DualGraph,
-    options: &Options,
+    options: &StripifyOptions,
     watch: &dyn Watch,
-) -> Plan<'a> {
-    let Options { buffer, prefer, seed, .. } = *options;
+) -> StripPlan<'a> {
+    let (buffer, prefer, seed) = (options.vertex_cache(), options.objective(), options.seed());
     let (effort, vertex_count) = (options.effort(), surface.vertex_count());
     let guide = |guide| match guide {
         Guide::None => Triangulation::of_triangles(surface, graph).map_or_else(
             || sequential::plan(surface, graph),
-            |triangulation| Plan::new(triangulation, PathCover::isolated(graph.face_count())),
+            |triangulation| StripPlan::new(triangulation, PathCover::isolated(graph.face_count())),
         ),
         Guide::Sequential => sequential::plan(surface, graph),
-        Guide::Best => refine::plan(surface, graph, Cost::Restart, effort, seed, watch),
+        Guide::Best => best::plan(surface, graph, Cost::Restart, effort, seed, watch),
     };
     let growths = match prefer {
-        Prefer::Indices => return arranged(guide(Guide::Best), buffer, vertex_count),
-        Prefer::Balanced => BALANCED,
-        Prefer::Misses => FEW_MISSES,
+        Objective::Indices => return arranged(guide(Guide::Best), buffer, vertex_count),
+        Objective::Balanced => BALANCED,
+        Objective::Misses => FEW_MISSES,
     };
     let growths = &growths[..GROWTHS[usize::from(effort.level())]];
     let mut best = grown(&guide(growths[0].guide), growths[0], buffer, vertex_count);
@@ -216,9 +206,9 @@ fn start<'a>(
         return best;
     }
     let mut lowest = price(&best, buffer, prefer.weights(), vertex_count);
-    let mut guides: [Option<Plan<'a>>; 3] = [const { None }; 3];
+    let mut guides: [Option<StripPlan<'a>>; 3] = [const { None }; 3];
     // Where a buffer is too small to help, nothing is cheaper than `best` in order. A balance does not begin there: it would stay.
-    let with_best = prefer == Prefer::Misses || buffer.places < LEAST_HELP;
+    let with_best = prefer == Objective::Misses || buffer.entries < LEAST_HELP;
     let candidates = growths[1..].iter().map(Some).chain(with_best.then_some(None));
     for (i, growth) in candidates.enumerate() {
         let progress = Progress {
@@ -246,17 +236,17 @@ fn start<'a>(
 
 /// Searches on from a plan by exchanges; gives what was found where that is cheaper.
 fn polished<'a>(
-    start: Plan<'a>,
+    start: StripPlan<'a>,
     limit: u64,
     vertex_count: usize,
-    options: &Options,
+    options: &StripifyOptions,
     watch: &dyn Watch,
-) -> Plan<'a> {
-    let Options { buffer, prefer, seed, .. } = *options;
+) -> StripPlan<'a> {
+    let (buffer, prefer, seed) = (options.vertex_cache(), options.objective(), options.seed());
     let Some(order) = &start.order else { return start };
     let before = price(&start, buffer, prefer.weights(), vertex_count);
     let mut sequence =
-        Sequence::new(&start.triangulation, &start.cover, order, buffer.places, prefer.weights());
+        Sequence::new(&start.triangulation, &start.cover, order, buffer.entries, prefer.weights());
     sequence.anneal(&mut Random::new(seed), limit, prefer.heat(), |steps, strips, saved| {
         watch.go_on(Progress {
             steps,
@@ -266,49 +256,54 @@ fn polished<'a>(
         })
     });
     let (cover, order) = sequence.finish();
-    let found = Plan { triangulation: start.triangulation.clone(), cover, order: Some(order) };
+    let found = StripPlan { triangulation: start.triangulation.clone(), cover, order: Some(order) };
     if price(&found, buffer, prefer.weights(), vertex_count) < before { found } else { start }
 }
 
 /// Counts what a plan costs in the end.
-fn price(plan: &Plan<'_>, buffer: Buffer, weights: Weights, vertex_count: usize) -> usize {
+fn price(plan: &StripPlan<'_>, buffer: VertexCache, weights: Weights, vertex_count: usize) -> usize {
     let strips = plan.strips();
-    let misses = BufferUse::of(&strips, buffer, Between::Keep, vertex_count).misses;
+    let misses = VertexCacheStatistics::of(&strips, buffer, FlushPolicy::Keep, vertex_count).misses;
     let indices = strips.vertices_sent() + strips.len();
     let [index, miss] = [weights.index, weights.miss].map(|weight| weight.unsigned_abs() as usize);
     index * indices + miss * misses
 }
 
 /// Lays strips down.
-fn grown<'a>(guide: &Plan<'a>, growth: Growth, buffer: Buffer, vertex_count: usize) -> Plan<'a> {
+fn grown<'a>(
+    guide: &StripPlan<'a>,
+    growth: Growth,
+    buffer: VertexCache,
+    vertex_count: usize,
+) -> StripPlan<'a> {
     let triangulation = guide.triangulation.clone();
     let cover = (growth.guide != Guide::None).then_some(&guide.cover);
     let (cover, order) = match buffer.replacement {
         Replacement::Fifo => {
-            let trial = FifoTrial::new(buffer.places, vertex_count);
+            let trial = FifoTrial::new(buffer.entries, vertex_count);
             Grower::new(Border::new(&triangulation, trial, growth.weights), growth, cover).run()
         }
         Replacement::Lru => {
-            let trial = LruTrial::new(buffer.places.min(MOST_LRU_PLACES));
+            let trial = LruTrial::new(buffer.entries.min(MOST_LRU_PLACES));
             Grower::new(Border::new(&triangulation, trial, growth.weights), growth, cover).run()
         }
     };
-    Plan { triangulation, cover, order: Some(order) }
+    StripPlan { triangulation, cover, order: Some(order) }
 }
 
 /// Puts the strips of a plan in order.
-fn arranged(plan: Plan<'_>, buffer: Buffer, vertex_count: usize) -> Plan<'_> {
-    let Plan { triangulation, cover, .. } = plan;
-    let weights = Prefer::Indices.weights();
+fn arranged(plan: StripPlan<'_>, buffer: VertexCache, vertex_count: usize) -> StripPlan<'_> {
+    let StripPlan { triangulation, cover, .. } = plan;
+    let weights = Objective::Indices.weights();
     let order = match buffer.replacement {
         Replacement::Fifo => {
-            let trial = FifoTrial::new(buffer.places, vertex_count);
+            let trial = FifoTrial::new(buffer.entries, vertex_count);
             arrange(Border::new(&triangulation, trial, weights), &cover)
         }
         Replacement::Lru => {
-            let trial = LruTrial::new(buffer.places.min(MOST_LRU_PLACES));
+            let trial = LruTrial::new(buffer.entries.min(MOST_LRU_PLACES));
             arrange(Border::new(&triangulation, trial, weights), &cover)
         }
     };
-    Plan { triangulation, cover, order: Some(order) }
+    StripPlan { triangulation, cover, order: Some(order) }
 }

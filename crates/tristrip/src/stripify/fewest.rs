@@ -46,10 +46,10 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 
 use super::bound::least_strips;
-use super::random::Random;
-use super::{Effort, EtaOptions, Plan, Progress, Watch, sequential, tunnel};
+use super::{Effort, EtaOptions, Progress, StripPlan, Watch, sequential, tunnel};
 use crate::cover::PathCover;
-use crate::mesh::Surface;
+use crate::prepare::PreparedFaces;
+use crate::random::Random;
 use crate::{DualGraph, stripify::fewest::components::Component};
 use field::Field;
 use strands::{Step, Strands};
@@ -87,16 +87,16 @@ const STEPS_PER_FOUR_TRIANGLES: u64 = 5;
 const LEAST_STEPS: u64 = 10_000;
 
 pub(super) fn plan<'a>(
-    surface: &'a Surface<'_>,
+    surface: &'a PreparedFaces<'_>,
     graph: &'a DualGraph,
     effort: Effort,
     seed: u64,
     watch: &dyn Watch,
-) -> Plan<'a> {
-    let Plan { triangulation, mut cover, .. } = sequential::plan(surface, graph);
+) -> StripPlan<'a> {
+    let StripPlan { triangulation, mut cover, .. } = sequential::plan(surface, graph);
     let floors = least_strips(triangulation.graph());
     reduce(triangulation.graph(), &mut cover, &floors, effort, seed, watch);
-    Plan::new(triangulation, cover)
+    StripPlan::new(triangulation, cover)
 }
 
 /// Joins paths until no component has more than its floor, or the effort is spent.

@@ -7,15 +7,17 @@
 //! # Complexity
 //! O(n) time, 1 byte a triangle.
 
-use super::Plan;
+use super::StripPlan;
 use crate::cover::PathCover;
-use crate::dual::{DualGraph, FaceId};
-use crate::mesh::{Surface, Triangulation};
+use crate::dual::DualGraph;
+use crate::dual::Triangulation;
+use crate::ids::FaceId;
+use crate::prepare::PreparedFaces;
 
-pub(super) fn plan<'a>(surface: &'a Surface<'_>, graph: &'a DualGraph) -> Plan<'a> {
+pub(super) fn plan<'a>(surface: &'a PreparedFaces<'_>, graph: &'a DualGraph) -> StripPlan<'a> {
     let triangulation = Triangulation::fan(surface, graph);
     let cover = cover(triangulation.graph());
-    Plan::new(triangulation, cover)
+    StripPlan::new(triangulation, cover)
 }
 
 fn cover(graph: &DualGraph) -> PathCover {
@@ -51,7 +53,7 @@ mod tests {
             }
             let faces = Faces::from_triangles(strips.to_list()).unwrap();
             let mesh = Mesh::new(vec![[0.0; 3]; next as usize + 3], faces).unwrap();
-            let surface = Surface::new(&mesh, false);
+            let surface = PreparedFaces::new(&mesh, false);
             let graph = DualGraph::new(surface.faces());
             let plan = plan(&surface, &graph);
             prop_assert_eq!(plan.cover.check(plan.triangulation.graph()), Ok(()));

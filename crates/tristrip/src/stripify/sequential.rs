@@ -36,10 +36,11 @@ mod sheet;
 #[cfg(test)]
 pub(super) mod tests;
 
-use super::Plan;
+use super::StripPlan;
 use crate::cover::PathCover;
 use crate::dual::DualGraph;
-use crate::mesh::{Surface, Triangulation};
+use crate::dual::Triangulation;
+use crate::prepare::PreparedFaces;
 use crate::strip::cover_cost;
 use peel::{Peeled, Peeler};
 #[cfg(feature = "rayon")]
@@ -122,14 +123,14 @@ const OTHERS: [Manner; 5] = [
 const OTHERS_FOR_POLYGONS: [Manner; 2] =
     [Manner { cuts: Cuts::Before, ..PATIENT }, Manner { seeds: Seeds::Input, cuts: Cuts::Before, ..PATIENT }];
 
-pub(super) fn plan<'a>(surface: &'a Surface<'_>, graph: &'a DualGraph) -> Plan<'a> {
+pub(super) fn plan<'a>(surface: &'a PreparedFaces<'_>, graph: &'a DualGraph) -> StripPlan<'a> {
     if let Some(triangulation) = Triangulation::of_triangles(surface, graph) {
         let (_, cover) = cover(|| graph, strip_triangles(graph));
-        return Plan::new(triangulation, cover);
+        return StripPlan::new(triangulation, cover);
     }
     let fresh = || Polygons::new(surface.faces(), graph);
     let (polygons, cover) = cover(fresh, strip(fresh(), USUAL));
-    Plan::new(polygons.into_triangulation(), cover)
+    StripPlan::new(polygons.into_triangulation(), cover)
 }
 
 /// Covers triangles in the usual manner, the components in parallel where that is worth it.

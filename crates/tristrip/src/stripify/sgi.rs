@@ -26,22 +26,23 @@
 //! # Complexity
 //! O(n) time, by a bucket queue; 22 bytes a triangle.
 
-use super::{Plan, stripe};
+use super::{StripPlan, stripe};
 use crate::dual::DualGraph;
-use crate::mesh::{Surface, Triangulation};
+use crate::dual::Triangulation;
+use crate::prepare::PreparedFaces;
 
 /// Plans strips over the surface's triangles.
-pub(super) fn plan<'a>(surface: &'a Surface<'_>, graph: &'a DualGraph) -> Plan<'a> {
+pub(super) fn plan<'a>(surface: &'a PreparedFaces<'_>, graph: &'a DualGraph) -> StripPlan<'a> {
     let triangulation = Triangulation::zigzag(surface, graph);
     let cover = stripe::cover_by_look_ahead(triangulation.graph());
-    Plan::new(triangulation, cover)
+    StripPlan::new(triangulation, cover)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::cover::PathCover;
-    use crate::dual::{FaceId, HalfEdge};
+    use crate::ids::{FaceId, HalfEdge};
     use crate::mesh::{Faces, Mesh};
     use proptest::prelude::*;
     use std::cmp::Reverse;
@@ -118,10 +119,10 @@ mod tests {
         }
     }
 
-    fn with_plan<T>(triangles: &[[u32; 3]], check: impl FnOnce(&Plan<'_>) -> T) -> T {
+    fn with_plan<T>(triangles: &[[u32; 3]], check: impl FnOnce(&StripPlan<'_>) -> T) -> T {
         let faces = Faces::from_polygons(triangles).unwrap();
         let mesh = Mesh::new(vec![[0.0; 3]; 64], faces).unwrap();
-        let surface = Surface::new(&mesh, false);
+        let surface = PreparedFaces::new(&mesh, false);
         let graph = DualGraph::new(surface.faces());
         check(&plan(&surface, &graph))
     }

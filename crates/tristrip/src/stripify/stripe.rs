@@ -51,11 +51,12 @@ mod queue;
 mod tests;
 mod weave;
 
-use super::{FaceTriangulation, Patches, Plan, Ties};
+use super::{FaceTriangulation, Patches, StripPlan, Ties};
 use crate::cover::PathCover;
 use crate::dual::DualGraph;
+use crate::dual::Triangulation;
 use crate::error::Error;
-use crate::mesh::{Surface, Triangulation};
+use crate::prepare::PreparedFaces;
 use local::{Rule, Walker};
 use pieces::Pieces;
 use weave::{Linker, Weaver};
@@ -66,17 +67,17 @@ const SHORTEST_ROW: usize = 3;
 
 /// Plans strips by a local algorithm.
 pub(super) fn plan_local<'a>(
-    surface: &'a Surface<'_>,
+    surface: &'a PreparedFaces<'_>,
     graph: &'a DualGraph,
     triangulation: FaceTriangulation,
     ties: Ties,
     seed: u64,
-) -> Plan<'a> {
+) -> StripPlan<'a> {
     let (faces, rule) = (surface.faces(), Rule::Adjacency(ties));
     if triangulation == FaceTriangulation::Static || faces.as_triangles().is_some() {
         let triangulation = Triangulation::zigzag(surface, graph);
         let cover = cover(triangulation.graph(), rule, seed);
-        return Plan::new(triangulation, cover);
+        return StripPlan::new(triangulation, cover);
     }
     let mut weaver = Weaver::new(faces, graph);
     let pieces = Pieces::new(graph, triangulation == FaceTriangulation::Partial);
@@ -86,12 +87,12 @@ pub(super) fn plan_local<'a>(
 
 /// Plans strips by a global algorithm.
 pub(super) fn plan_global<'a>(
-    surface: &'a Surface<'_>,
+    surface: &'a PreparedFaces<'_>,
     graph: &'a DualGraph,
     patches: Patches,
     cutoff: u32,
     seed: u64,
-) -> Result<Plan<'a>, Error> {
+) -> Result<StripPlan<'a>, Error> {
     if cutoff == 0 {
         return Err(Error::Parameter {
             name: "cutoff",
@@ -103,7 +104,7 @@ pub(super) fn plan_global<'a>(
     if faces.as_triangles().is_some() {
         let triangulation = Triangulation::zigzag(surface, graph);
         let cover = cover(graph, Rule::Reluctant, seed);
-        return Ok(Plan::new(triangulation, cover));
+        return Ok(StripPlan::new(triangulation, cover));
     }
     let mut weaver = Weaver::new(faces, graph);
     let mut walker = Walker::new(Pieces::new(graph, true), Rule::Reluctant, seed);

@@ -27,114 +27,34 @@ mod star;
 mod tests;
 
 use super::watch::{Progress, Watch};
-use super::{Plan, input, sequential, sgi};
+use super::{EtaOptions, Start, StripPlan, input, sequential, sgi};
 use crate::cover::PathCover;
 use crate::dual::DualGraph;
-use crate::mesh::{Surface, Triangulation};
+use crate::dual::Triangulation;
+use crate::prepare::PreparedFaces;
 pub use repair::{Repaired, Repairer};
 
 /// Plans strips by tunnels of at most `length` edges, from isolated triangles.
 pub(super) fn plan_tunnel<'a>(
-    surface: &'a Surface<'_>,
+    surface: &'a PreparedFaces<'_>,
     graph: &'a DualGraph,
     length: u32,
     watch: &dyn Watch,
-) -> Plan<'a> {
+) -> StripPlan<'a> {
     let mut plan = isolated(surface, graph);
     baseline::join(plan.triangulation.graph(), &mut plan.cover, length, &mut Tally::new(watch));
     plan
 }
 
-/// What a caller of `eta` may choose.
-///
-/// ```
-/// use tristrip::{Faces, Mesh, Method, Options, stripify};
-/// use tristrip::stripify::{EtaOptions, Start};
-/// // A closed fan of six triangles.
-/// let corners = (0..6).flat_map(|i| [0, 1 + i, 1 + (i + 1) % 6]).collect();
-/// let mesh = Mesh::new(vec![[0.0; 3]; 7], Faces::from_triangles(corners)?)?;
-/// let eta = EtaOptions::default().with_length(9).with_start(Start::Isolated);
-/// let strips = stripify(&mesh, &Options::default().with_method(Method::Eta(eta)))?;
-/// assert_eq!(strips.len(), 1);
-/// # Ok::<(), tristrip::Error>(())
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct EtaOptions {
-    length: u32,
-    threshold: u32,
-    start: Start,
-}
-
-/// The strips that `eta` starts from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum Start {
-    /// Every triangle by itself.
-    Isolated,
-    /// Those of [`Method::Input`](super::Method::Input). The paper shows strips of a first phase and does not say which; from these the
-    /// misses per triangle are within 0.02 of its own on all six models of its tables that are at hand.
-    Input,
-    /// Those of [`Method::Sgi`](super::Method::Sgi).
-    Sgi,
-    /// Those of [`Method::Sequential`](super::Method::Sequential), which leave the fewest strips, soonest, and the fewest swaps: dragon
-    /// comes to 446, from isolated triangles to 461.
-    #[default]
-    Sequential,
-}
-
-/// Tunnels of up to 1000 edges, 512 accesses to nodes a search, from the strips of `sequential`.
-impl Default for EtaOptions {
-    fn default() -> Self {
-        Self { length: 1000, threshold: 512, start: Start::default() }
-    }
-}
-
-impl EtaOptions {
-    /// Sets the greatest length of a tunnel, in edges.
-    #[must_use]
-    pub fn with_length(mut self, length: u32) -> Self {
-        self.length = length;
-        self
-    }
-
-    /// Sets the accesses to nodes after which the search from a terminal is given up.
-    #[must_use]
-    pub fn with_threshold(mut self, threshold: u32) -> Self {
-        self.threshold = threshold;
-        self
-    }
-
-    /// Sets the strips that it starts from.
-    #[must_use]
-    pub fn with_start(mut self, start: Start) -> Self {
-        self.start = start;
-        self
-    }
-
-    /// Gives the greatest length of a tunnel, in edges.
-    pub fn length(&self) -> u32 {
-        self.length
-    }
-
-    /// Gives the accesses to nodes after which the search from a terminal is given up.
-    pub fn threshold(&self) -> u32 {
-        self.threshold
-    }
-
-    /// Gives the strips that it starts from.
-    pub fn start(&self) -> Start {
-        self.start
-    }
-}
-
 /// Plans strips by the enhanced tunnelling algorithm. The triangulation is that of the strips that it starts from.
 pub(super) fn plan_eta<'a>(
-    surface: &'a Surface<'_>,
+    surface: &'a PreparedFaces<'_>,
     graph: &'a DualGraph,
     options: EtaOptions,
     seed: u64,
     watch: &dyn Watch,
-) -> Plan<'a> {
-    let mut plan = match options.start {
+) -> StripPlan<'a> {
+    let mut plan = match options.start() {
         Start::Isolated => isolated(surface, graph),
         Start::Input => input::plan(surface, graph),
         Start::Sgi => sgi::plan(surface, graph),
@@ -156,10 +76,10 @@ pub(super) fn join(
 }
 
 /// Every triangle by itself.
-fn isolated<'a>(surface: &'a Surface<'_>, graph: &'a DualGraph) -> Plan<'a> {
+fn isolated<'a>(surface: &'a PreparedFaces<'_>, graph: &'a DualGraph) -> StripPlan<'a> {
     let triangulation = Triangulation::fan(surface, graph);
     let cover = PathCover::isolated(triangulation.triangle_count());
-    Plan::new(triangulation, cover)
+    StripPlan::new(triangulation, cover)
 }
 
 /// How a search from a terminal ended.

@@ -1,6 +1,6 @@
 use proptest::prelude::*;
 
-use super::{Filter, RESTART, Sent};
+use super::{DrawCost, Filter, RESTART};
 use crate::strip::{Strips, strip_triangles};
 
 /// The figures' strips, and how they simplify.
@@ -83,11 +83,11 @@ fn triangles_of_one_sense_at_an_edge_are_not_linked() {
 fn what_has_no_triangle_sends_nothing() {
     for strip in [&[][..], &[1], &[1, 2], &[1, 1, 1], &[1, 2, 1, 2]] {
         for filter in [Filter::Dtfs, Filter::Linked] {
-            assert_eq!(filter.sent(strip), Sent::default());
+            assert_eq!(filter.sent(strip), DrawCost::default());
         }
     }
-    assert_eq!(Filter::Stss.sent(&[4; 9]), Sent { vertices: 3, strips: 1, winding_repeats: 0 });
-    assert_eq!(Filter::None.sent(&[]), Sent::default());
+    assert_eq!(Filter::Stss.sent(&[4; 9]), DrawCost { vertices: 3, strips: 1, winding_repeats: 0 });
+    assert_eq!(Filter::None.sent(&[]), DrawCost::default());
 }
 
 #[test]

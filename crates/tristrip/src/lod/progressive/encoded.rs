@@ -31,9 +31,9 @@
 //! Decoding is O(n). Recording takes as many steps as naive places are renamed, and 12 bytes an entry meanwhile.
 
 use super::{Places, Records, Replay};
+use crate::collapse::{CollapseSequence, Rename};
 use crate::error::Error;
 use crate::lod::RESTART;
-use crate::simplify::{CollapseSequence, Rename};
 
 /// Vertices that have numbers below those of the symbols.
 pub(super) const MOST_VERTICES: u32 = u32::MAX - 4;

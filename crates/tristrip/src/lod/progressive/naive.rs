@@ -10,8 +10,8 @@
 //! As many steps as places are written, and 4 bytes an entry and a vertex meanwhile.
 
 use super::{Places, Records, Replay};
+use crate::collapse::{CollapseSequence, Rename};
 use crate::error::Error;
-use crate::simplify::{CollapseSequence, Rename};
 
 /// Records all collapses over a map of vertices and restarts, of which the entries from `live(level)` on are not drawn at that level or
 /// below it: they stay as they were.

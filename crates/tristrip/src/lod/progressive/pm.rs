@@ -20,14 +20,14 @@
 //! 12 bytes a triangle; a collapse takes about four corners of 8 bytes, and 28 bytes.
 
 use super::{Replay, naive};
+use crate::collapse::CollapseSequence;
 use crate::error::Error;
-use crate::simplify::CollapseSequence;
-use crate::simplify::collapse::is_degenerate;
+use crate::mesh::{is_degenerate, triangles_of};
 
 /// The triangles of a mesh at any level of a collapse sequence, as a list that is updated in place.
 ///
 /// ```
-/// use tristrip::{CollapseSequence, lod::progressive::ProgressiveMesh, simplify::Rename};
+/// use tristrip::{CollapseSequence, collapse::Rename, lod::progressive::ProgressiveMesh};
 /// let rename = [Rename { removed: 3, kept: 2 }];
 /// let sequence = CollapseSequence::from_collapses(4, vec![2, 1, 3, 0, 1, 2], [(&rename[..], 0.5)])?;
 /// let mut model = ProgressiveMesh::new(&sequence)?;
@@ -163,7 +163,7 @@ impl ProgressiveMesh {
 fn in_order_of_splits(sequence: &CollapseSequence) -> (Vec<u32>, Vec<u32>) {
     let triangles = sequence.triangles();
     let corners_of = |t: usize| &triangles[3 * t..3 * t + 3];
-    let mut is_in_base: Vec<bool> = triangles.chunks_exact(3).map(|t| !is_degenerate(t)).collect();
+    let mut is_in_base: Vec<bool> = triangles_of(triangles).map(|t| !is_degenerate(t)).collect();
     sequence.iter().flat_map(|c| c.dropped).for_each(|&t| is_in_base[t as usize] = false);
     let base = (0..is_in_base.len()).filter(|&t| is_in_base[t]);
     let mut corners: Vec<u32> = base.flat_map(corners_of).copied().collect();

@@ -2,9 +2,9 @@ use proptest::prelude::*;
 
 use super::encoded::offset;
 use super::{Encoding, ProgressiveMesh, ProgressiveStrips};
+use crate::collapse::{CollapseSequence, Rename};
 use crate::lod::samples::{samples, sorted};
 use crate::lod::{Filter, RESTART};
-use crate::simplify::{CollapseSequence, Rename};
 use crate::strip::{Strips, strip_triangles};
 
 const ENCODINGS: [Encoding; 2] = [Encoding::Naive, Encoding::Offsets];

@@ -1,7 +1,7 @@
 //! How triangles lie around points: like a disk, like half of one, or otherwise.
 
 use super::Topology;
-use crate::simplify::collapse::is_degenerate;
+use crate::mesh::is_degenerate;
 
 const NONE: u32 = u32::MAX;
 
@@ -50,7 +50,7 @@ impl Fans {
     fn classify(&self, topology: &Topology, point: u32) -> Kind {
         let ring = topology.ring(point);
         let others = || ring.iter().flat_map(|&corner| topology.others(corner));
-        if ring.is_empty() || ring.iter().any(|&corner| is_degenerate(&topology.triangles[corner.triangle()]))
+        if ring.is_empty() || ring.iter().any(|&corner| is_degenerate(topology.triangles[corner.triangle()]))
         {
             return Kind::Complex;
         }

@@ -2,8 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::mesh::surface::bits;
-use crate::mesh::{Mesh, SPARSE};
+use crate::mesh::{Mesh, SPARSE, vertex_bits};
 
 const NONE: u32 = u32::MAX;
 
@@ -13,7 +12,7 @@ pub(super) fn alike(mesh: &Mesh, vertices: &[u32], points: &[u32], on_seam: &[bo
     let is_on_seam = |&(_, &p): &(&u32, &u32)| on_seam.get(p as usize) == Some(&true);
     for (&v, &p) in vertices.iter().zip(points).filter(is_on_seam) {
         alike.entry(v).or_insert_with(|| {
-            let mut attributes = bits(mesh, v as usize);
+            let mut attributes = vertex_bits(mesh, v as usize);
             attributes.drain(..size_of::<[f32; 3]>());
             *first.entry((p, attributes)).or_insert(v)
         });

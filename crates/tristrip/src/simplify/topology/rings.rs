@@ -6,7 +6,7 @@
 use std::ops::Range;
 
 use super::corner::{Corner, corners};
-use crate::simplify::collapse::is_degenerate;
+use crate::mesh::{is_degenerate, triangle_at};
 
 /// The corners around each point, all in one array. What grows too large for its place moves to the end.
 #[derive(Debug)]
@@ -37,7 +37,7 @@ impl Rings {
         let mut of_points = vec![Ring::default(); point_count];
         let drawn = || {
             let all = corners(triangles.len()).zip(triangles.iter().flatten());
-            all.filter(|(corner, _)| !is_degenerate(&vertices[3 * corner.triangle()..]))
+            all.filter(|(corner, _)| !is_degenerate(triangle_at(vertices, corner.triangle())))
         };
         drawn().for_each(|(_, &p)| of_points[p as usize].room += 1);
         let mut end = 0;

@@ -34,7 +34,8 @@ use std::collections::VecDeque;
 
 use super::NONE;
 use crate::cover::PathCover;
-use crate::dual::{DualGraph, HalfEdge};
+use crate::dual::DualGraph;
+use crate::ids::HalfEdge;
 
 /// One strip through all triangles, without a swap.
 #[derive(Debug, Clone, PartialEq, Eq)]

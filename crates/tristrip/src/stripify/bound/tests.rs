@@ -5,7 +5,7 @@ use super::strips::{Limits, bound_within};
 use super::*;
 use crate::mesh::Mesh;
 use crate::strip::Metrics;
-use crate::stripify::{Method, Options, plan};
+use crate::stripify::{Method, StripifyOptions, plan};
 
 /// Draws a dual graph of up to so many triangles: half-edges paired at random, some of them not, and some triangles with two or
 /// three edges in common. It need not come from any mesh.
@@ -177,7 +177,7 @@ proptest! {
 fn bound_of(corners: Vec<u32>) -> Bound {
     let vertex_count = corners.iter().max().map_or(0, |&v| v as usize + 1);
     let mesh = Mesh::new(vec![[0.0; 3]; vertex_count], Faces::from_triangles(corners).unwrap()).unwrap();
-    let surface = Surface::new(&mesh, false);
+    let surface = PreparedFaces::new(&mesh, false);
     Bound::of_surface(&surface, &DualGraph::new(surface.faces()))
 }
 
@@ -246,11 +246,11 @@ proptest! {
         let corners: Vec<u32> =
             corners.iter().enumerate().flat_map(|(i, t)| t.map(|v| v + 5 * shift * (i as u32 % 3))).collect();
         let mesh = Mesh::new(vec![[0.0; 3]; 40], Faces::from_triangles(corners).unwrap()).unwrap();
-        let surface = Surface::new(&mesh, false);
+        let surface = PreparedFaces::new(&mesh, false);
         let graph = DualGraph::new(surface.faces());
         let bound = Bound::of_surface(&surface, &graph);
         for method in [Method::Auto, Method::Sequential, Method::Input, Method::Sgi, Method::STRIPE] {
-            let options = Options::default().with_method(method);
+            let options = StripifyOptions::default().with_method(method);
             let plan = plan(&surface, &graph, &options).unwrap();
             let metrics = Metrics::of(&plan.strips());
             prop_assert!(bound.strips <= metrics.strips);
@@ -266,11 +266,11 @@ proptest! {
             (0..n as u32).map(|i| (first + i * step) % 13).collect::<Vec<_>>()
         });
         let mesh = Mesh::new(vec![[0.0; 3]; 13], Faces::from_polygons(polygons).unwrap()).unwrap();
-        let surface = Surface::new(&mesh, false);
+        let surface = PreparedFaces::new(&mesh, false);
         let graph = DualGraph::new(surface.faces());
         let bound = Bound::of_surface(&surface, &graph);
         for method in [Method::Auto, Method::Sequential, Method::Sgi, Method::STRIPE] {
-            let options = Options::default().with_method(method);
+            let options = StripifyOptions::default().with_method(method);
             let plan = plan(&surface, &graph, &options).unwrap();
             let metrics = Metrics::of(&plan.strips());
             prop_assert!(bound.strips <= metrics.strips);

@@ -3,7 +3,8 @@
 use super::border::{Border, Head, Way};
 use super::buffers::Trial;
 use crate::cover::PathCover;
-use crate::dual::{DualGraph, FaceId};
+use crate::dual::DualGraph;
+use crate::ids::FaceId;
 
 /// Orders the paths of a cover: next comes the one at the oldest place of the border whose vertices are in the buffer, from the end
 /// from which it costs less. Gives the first triangle of each.

@@ -3,7 +3,7 @@
 use super::buffers::Trial;
 use super::{MOST_HORIZON, Weights};
 use crate::dual::DualGraph;
-use crate::mesh::Triangulation;
+use crate::dual::Triangulation;
 
 /// No triangle beyond an edge.
 const NONE: u32 = u32::MAX;

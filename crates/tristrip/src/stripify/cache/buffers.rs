@@ -143,15 +143,15 @@ impl Trial for LruTrial {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::strip::{Buffer, VertexBuffer};
+    use crate::vertex_cache::{VertexCache, VertexCacheSimulator};
     use proptest::prelude::*;
 
     fn misses_as_simulated(
         mut trial: impl Trial,
-        buffer: Buffer,
+        buffer: VertexCache,
         sent: &[Vec<u32>],
     ) -> Result<(), TestCaseError> {
-        let mut simulated = VertexBuffer::new(buffer, 30);
+        let mut simulated = VertexCacheSimulator::new(buffer, 30);
         for (i, vertices) in sent.iter().enumerate() {
             let before = trial.mark();
             for &v in vertices {
@@ -182,8 +182,8 @@ mod tests {
             sent in prop::collection::vec(prop::collection::vec(0..30_u32, 0..40), 0..12),
             places in 1..20_u32,
         ) {
-            misses_as_simulated(FifoTrial::new(places, 30), Buffer::fifo(places), &sent)?;
-            misses_as_simulated(LruTrial::new(places), Buffer::lru(places), &sent)?;
+            misses_as_simulated(FifoTrial::new(places, 30), VertexCache::fifo(places), &sent)?;
+            misses_as_simulated(LruTrial::new(places), VertexCache::lru(places), &sent)?;
         }
     }
 }

@@ -4,7 +4,7 @@ use super::border::{Border, Head, Way};
 use super::buffers::Trial;
 use super::{Growth, LEAST_HORIZON, MOST_HORIZON};
 use crate::cover::PathCover;
-use crate::dual::{FaceId, HalfEdge};
+use crate::ids::{FaceId, HalfEdge};
 
 /// After how many triangles more a restart is tried, the horizon besides: closely at first, where it matters most.
 const LENGTHS: [u32; 15] = [1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 24, 32, 40, 52];

@@ -20,10 +20,11 @@
 
 use super::Weights;
 use crate::cover::PathCover;
-use crate::dual::{DualGraph, FaceId, HalfEdge};
-use crate::mesh::Triangulation;
+use crate::dual::DualGraph;
+use crate::dual::Triangulation;
+use crate::ids::{FaceId, HalfEdge};
+use crate::random::{Random, metropolis};
 use crate::strip::{OPEN, Step, send_path};
-use crate::stripify::random::{Random, metropolis};
 
 /// No vertex, no strip, no triangle.
 const NONE: u32 = u32::MAX;
@@ -199,7 +200,7 @@ impl<'a> Sequence<'a> {
             let heat = (hottest + (coldest - hottest) * cooled) * self.weights.index as f64;
             let odds = metropolis::<RISES>(heat);
             while self.sent < limit * (stage + 1) / STAGES {
-                let dare = (random.next() >> 32) as u32;
+                let dare = (random.next_u64() >> 32) as u32;
                 self.sent += LEAST_SENT;
                 let Some(edits) = self.propose(random) else { continue };
                 let Some(rise) = self.price(&edits) else { continue };

@@ -5,19 +5,24 @@ use proptest::prelude::*;
 use super::border::Border;
 use super::buffers::FifoTrial;
 use super::polish::Sequence;
-use super::{BALANCED, FEW_MISSES, Growth, Guide, Prefer, Weights};
+use super::{BALANCED, FEW_MISSES, Growth, Guide, Objective, Weights};
 use crate::dual::DualGraph;
-use crate::mesh::{Faces, Mesh, Surface, Triangulation};
+use crate::dual::Triangulation;
+use crate::effort::Effort;
+use crate::mesh::{Faces, Mesh};
+use crate::prepare::PreparedFaces;
+use crate::random::Random;
+use crate::strip::Metrics;
 use crate::strip::Strips;
-use crate::strip::{Between, Buffer, BufferUse, Metrics, verify};
-use crate::stripify::random::Random;
 use crate::stripify::sequential::tests::{mesh, polygons};
-use crate::stripify::{Effort, Method, Options, Plan, Progress, Watch, plan, sequential};
+use crate::stripify::{Method, Progress, StripPlan, StripifyOptions, Watch, plan, sequential};
+use crate::verify::verify;
+use crate::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
 
-const PREFERENCES: [Prefer; 3] = [Prefer::Indices, Prefer::Balanced, Prefer::Misses];
+const PREFERENCES: [Objective; 3] = [Objective::Indices, Objective::Balanced, Objective::Misses];
 
-fn options(prefer: Prefer, buffer: Buffer) -> Options {
-    Options::default().with_method(Method::Cache).with_prefer(prefer).with_buffer(buffer)
+fn options(prefer: Objective, buffer: VertexCache) -> StripifyOptions {
+    StripifyOptions::default().with_method(Method::Cache).with_objective(prefer).with_vertex_cache(buffer)
 }
 
 /// A sheet of `columns` × `rows` squares, each cut in two the same way, its triangles in scattered order.
@@ -35,8 +40,8 @@ fn sheet(columns: u32, rows: u32) -> Mesh {
     Mesh::new(vec![[0.0; 3]; count as usize], Faces::from_triangles(triangles.concat()).unwrap()).unwrap()
 }
 
-fn strips(mesh: &Mesh, options: &Options) -> Strips {
-    let surface = Surface::new(mesh, false);
+fn strips(mesh: &Mesh, options: &StripifyOptions) -> Strips {
+    let surface = PreparedFaces::new(mesh, false);
     let graph = DualGraph::new(surface.faces());
     plan(&surface, &graph, options).unwrap().strips()
 }
@@ -62,9 +67,9 @@ proptest! {
         effort in 0..5_u8,
     ) {
         let mesh = mesh(&polygons);
-        let surface = Surface::new(&mesh, false);
+        let surface = PreparedFaces::new(&mesh, false);
         let graph = DualGraph::new(surface.faces());
-        let buffer = if is_lru { Buffer::lru(places) } else { Buffer::fifo(places) };
+        let buffer = if is_lru { VertexCache::lru(places) } else { VertexCache::fifo(places) };
         for prefer in PREFERENCES {
             let options = options(prefer, buffer).with_effort(Effort::new(effort).unwrap());
             let plan = plan(&surface, &graph, &options).unwrap();
@@ -79,26 +84,26 @@ proptest! {
     #[test]
     fn the_border_pays_what_the_strips_cost_and_undoes_what_it_tried(polygons in polygons(false, 1..8), places in 3..20_u32) {
         let mesh = mesh(&polygons);
-        let surface = Surface::new(&mesh, false);
+        let surface = PreparedFaces::new(&mesh, false);
         let graph = DualGraph::new(surface.faces());
         let guide = sequential::plan(&surface, &graph);
         for (growth, weights) in [(BALANCED[0], [1, 0]), (BALANCED[1], [1, 0]), (FEW_MISSES[0], [0, 1])] {
             let weights = Weights { index: weights[0], miss: weights[1] };
             let growth = Growth { weights, ..growth };
             let triangulation = &guide.triangulation;
-            let buffer = Buffer::fifo(places);
+            let buffer = VertexCache::fifo(places);
             let border = Border::new(triangulation, FifoTrial::new(places, surface.vertex_count()), weights);
             let due = border.due();
             let cover = (growth.guide != Guide::None).then_some(&guide.cover);
             let mut grower = super::Grower::new(border, growth, cover);
             let (cover, order) = grower.run();
-            let plan = Plan { triangulation: triangulation.clone(), cover, order: Some(order) };
+            let plan = StripPlan { triangulation: triangulation.clone(), cover, order: Some(order) };
             let strips = plan.strips();
             let paid = grower.border().cost() + due;
             if weights.index > 0 {
                 prop_assert_eq!(paid.unsigned_abs() as usize, strips.vertices_sent() + strips.len());
             } else {
-                let misses = BufferUse::of(&priced(&strips), buffer, Between::Keep, surface.vertex_count()).misses;
+                let misses = VertexCacheStatistics::of(&priced(&strips), buffer, FlushPolicy::Keep, surface.vertex_count()).misses;
                 prop_assert_eq!(paid.unsigned_abs() as usize, misses);
             }
         }
@@ -115,13 +120,13 @@ proptest! {
         hottest in 0.2..9.0_f64,
     ) {
         let mesh = mesh(&polygons);
-        let surface = Surface::new(&mesh, false);
+        let surface = PreparedFaces::new(&mesh, false);
         let graph = DualGraph::new(surface.faces());
-        let buffer = Buffer::fifo(places);
-        let start = plan(&surface, &graph, &options(Prefer::Balanced, buffer)).unwrap();
+        let buffer = VertexCache::fifo(places);
+        let start = plan(&surface, &graph, &options(Objective::Balanced, buffer)).unwrap();
         let order = start.order.as_ref().unwrap();
         let weights = Weights { index: weights[0], miss: weights[1] };
-        let price = |plan: &Plan<'_>| super::price(plan, buffer, weights, surface.vertex_count());
+        let price = |plan: &StripPlan<'_>| super::price(plan, buffer, weights, surface.vertex_count());
         let mut sequence = Sequence::new(&start.triangulation, &start.cover, order, places, weights);
         let mut reported = (0, 0);
         for run in 0..3 {
@@ -131,7 +136,7 @@ proptest! {
                 true
             });
             let (cover, order) = sequence.finish();
-            let found = Plan { triangulation: start.triangulation.clone(), cover, order: Some(order) };
+            let found = StripPlan { triangulation: start.triangulation.clone(), cover, order: Some(order) };
             prop_assert_eq!(found.cover.check(found.triangulation.graph()), Ok(()));
             prop_assert!(verify(&mesh, &found.strips()).is_ok());
             // What is told before the next run is what all before it saved.
@@ -148,10 +153,14 @@ proptest! {
 #[test]
 fn a_sheet_is_drawn_row_by_row_at_few_misses() {
     let mesh = sheet(60, 60);
-    let sizes = [(Buffer::fifo(16), 0.60, 1.35), (Buffer::fifo(32), 0.56, 1.2), (Buffer::lru(16), 0.68, 1.6)];
+    let sizes = [
+        (VertexCache::fifo(16), 0.60, 1.35),
+        (VertexCache::fifo(32), 0.56, 1.2),
+        (VertexCache::lru(16), 0.68, 1.6),
+    ];
     for (buffer, most_misses, most_indices) in sizes {
-        let strips = strips(&mesh, &options(Prefer::Misses, buffer));
-        let used = BufferUse::of(&strips, buffer, Between::Keep, mesh.vertex_count());
+        let strips = strips(&mesh, &options(Objective::Misses, buffer));
+        let used = VertexCacheStatistics::of(&strips, buffer, FlushPolicy::Keep, mesh.vertex_count());
         let indices = Metrics::of(&strips).indices_restart_per_triangle();
         assert!(used.acmr() < most_misses && indices < most_indices, "{buffer}: {} {indices}", used.acmr());
     }
@@ -161,8 +170,13 @@ fn a_sheet_is_drawn_row_by_row_at_few_misses() {
 fn preferences_trade_indices_for_misses() {
     let mesh = sheet(40, 40);
     let [indices, balanced, misses] = PREFERENCES.map(|prefer| {
-        let strips = strips(&mesh, &options(prefer, Buffer::default()));
-        let used = BufferUse::of(&strips, Buffer::default(), Between::Keep, mesh.vertex_count());
+        let strips = strips(&mesh, &options(prefer, VertexCache::default()));
+        let used = VertexCacheStatistics::of(
+            &strips,
+            VertexCache::default(),
+            FlushPolicy::Keep,
+            mesh.vertex_count(),
+        );
         (Metrics::of(&strips).indices_restart, used.misses)
     });
     assert!(indices.0 < balanced.0 && balanced.0 <= misses.0, "{indices:?} {balanced:?} {misses:?}");
@@ -172,11 +186,13 @@ fn preferences_trade_indices_for_misses() {
 #[test]
 fn joining_by_degenerate_triangles_keeps_the_order() {
     let mesh = sheet(40, 40);
-    let strips = strips(&mesh, &options(Prefer::Misses, Buffer::default()));
+    let strips = strips(&mesh, &options(Objective::Misses, VertexCache::default()));
     let mut joined = Strips::default();
     joined.push(&strips.to_degenerate());
-    let misses =
-        |strips: &Strips| BufferUse::of(strips, Buffer::default(), Between::Keep, mesh.vertex_count()).misses;
+    let misses = |strips: &Strips| {
+        VertexCacheStatistics::of(strips, VertexCache::default(), FlushPolicy::Keep, mesh.vertex_count())
+            .misses
+    };
     assert!(misses(&joined) <= misses(&strips) + strips.len() / 8);
     assert!(verify(&mesh, &joined).is_ok());
 }
@@ -190,12 +206,14 @@ fn a_watcher_ends_the_search_with_what_there_is() {
         }
     }
     let mesh = sheet(20, 20);
-    let surface = Surface::new(&mesh, false);
+    let surface = PreparedFaces::new(&mesh, false);
     let graph = DualGraph::new(surface.faces());
-    let most = options(Prefer::Balanced, Buffer::default()).with_effort(Effort::MAX);
+    let most = options(Objective::Balanced, VertexCache::default()).with_effort(Effort::MAX);
     let stopped = super::plan(&surface, &graph, &most, &Never).strips();
-    let least =
-        strips(&mesh, &options(Prefer::Balanced, Buffer::default()).with_effort(Effort::new(0).unwrap()));
+    let least = strips(
+        &mesh,
+        &options(Objective::Balanced, VertexCache::default()).with_effort(Effort::new(0).unwrap()),
+    );
     assert_eq!(stopped, least);
 }
 
@@ -203,9 +221,9 @@ fn a_watcher_ends_the_search_with_what_there_is() {
 fn nothing_makes_no_strip() {
     let mesh = Mesh::new(vec![], Faces::from_triangles(vec![]).unwrap()).unwrap();
     for prefer in PREFERENCES {
-        assert!(strips(&mesh, &options(prefer, Buffer::fifo(1))).is_empty());
+        assert!(strips(&mesh, &options(prefer, VertexCache::fifo(1))).is_empty());
     }
-    let surface = Surface::new(&mesh, false);
+    let surface = PreparedFaces::new(&mesh, false);
     let graph = DualGraph::new(surface.faces());
     assert!(Triangulation::of_triangles(&surface, &graph).is_some());
 }

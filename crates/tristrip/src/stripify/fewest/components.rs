@@ -2,7 +2,8 @@
 //! beside the other.
 
 use crate::cover::PathCover;
-use crate::dual::{DualGraph, FaceId, HalfEdge};
+use crate::dual::DualGraph;
+use crate::ids::{FaceId, HalfEdge};
 
 const NONE: u32 = u32::MAX;
 

@@ -1,6 +1,6 @@
 //! How far it is over shared edges to a goal nearby: what leads an end to another one.
 
-use crate::stripify::random::Random;
+use crate::random::Random;
 
 const NONE: u32 = u32::MAX;
 

@@ -23,7 +23,7 @@ mod steps;
 mod tests;
 
 use crate::cover::PathCover;
-use crate::stripify::random::Random;
+use crate::random::Random;
 use segment::{Place, Segment, Strand};
 
 const NONE: u32 = u32::MAX;

@@ -1,11 +1,11 @@
 use proptest::prelude::*;
 
 use super::*;
-use crate::dual::HalfEdge;
+use crate::ids::HalfEdge;
 use crate::mesh::{Faces, Mesh};
-use crate::strip::verify;
 use crate::stripify::bound::Bound;
 use crate::stripify::sequential::tests::{mesh, polygons};
+use crate::verify::verify;
 
 /// Stops after so many calls.
 struct Calls(AtomicU64, u64);
@@ -73,7 +73,7 @@ proptest! {
     #[test]
     fn covers_and_proves(polygons in polygons(false, 1..6), seed: u64) {
         let mesh = mesh(&polygons);
-        let surface = Surface::new(&mesh, false);
+        let surface = PreparedFaces::new(&mesh, false);
         let graph = DualGraph::new(surface.faces());
         let before = sequential::plan(&surface, &graph).cover.path_count();
         let found = plan(&surface, &graph, effort(0), seed, &());
@@ -90,7 +90,7 @@ proptest! {
     fn finds_the_fewest_on_small_graphs(polygons in polygons(true, 1..4)) {
         let few = &polygons[..polygons.len().min(13)];
         let mesh = mesh(few);
-        let surface = Surface::new(&mesh, false);
+        let surface = PreparedFaces::new(&mesh, false);
         let graph = DualGraph::new(surface.faces());
         let count = graph.components().1;
         let mut cover = PathCover::isolated(graph.face_count());
@@ -102,7 +102,7 @@ proptest! {
     #[test]
     fn walks_find_the_fewest_on_small_connected_graphs(polygons in polygons(true, 1..2), seed: u64) {
         let mesh = mesh(&polygons[..polygons.len().min(13)]);
-        let surface = Surface::new(&mesh, false);
+        let surface = PreparedFaces::new(&mesh, false);
         let graph = DualGraph::new(surface.faces());
         let mut cover = PathCover::isolated(graph.face_count());
         walk(&graph, &mut cover, seed, 30_000);
@@ -115,7 +115,7 @@ proptest! {
 fn covers_closed_lattices_by_one_path() {
     for (around, through) in [(3, 5), (16, 16), (40, 50)] {
         let mesh = torus(around, through);
-        let surface = Surface::new(&mesh, false);
+        let surface = PreparedFaces::new(&mesh, false);
         let graph = DualGraph::new(surface.faces());
         let mut cover = PathCover::isolated(graph.face_count());
         reduce(&graph, &mut cover, &[1], effort(5), 1, &());
@@ -131,7 +131,7 @@ fn covers_closed_lattices_by_one_path() {
 #[test]
 fn does_not_touch_components_at_their_floor() {
     let mesh = torus(10, 10);
-    let surface = Surface::new(&mesh, false);
+    let surface = PreparedFaces::new(&mesh, false);
     let graph = DualGraph::new(surface.faces());
     let start = sequential::plan(&surface, &graph).cover;
     let mut cover = start.clone();
@@ -142,7 +142,7 @@ fn does_not_touch_components_at_their_floor() {
 #[test]
 fn stops_with_a_whole_cover_when_told_to() {
     let mesh = torus(60, 60);
-    let surface = Surface::new(&mesh, false);
+    let surface = PreparedFaces::new(&mesh, false);
     let graph = DualGraph::new(surface.faces());
     let mut counts = Vec::new();
     for calls in [0, 3, 1_000_000] {

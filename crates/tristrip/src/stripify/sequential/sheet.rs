@@ -21,8 +21,10 @@
 
 use super::NONE;
 use crate::cover::PathCover;
-use crate::dual::{DualGraph, HalfEdge};
-use crate::mesh::{Faces, Triangulation};
+use crate::dual::DualGraph;
+use crate::dual::Triangulation;
+use crate::ids::HalfEdge;
+use crate::mesh::Faces;
 use crate::strip::Step;
 
 /// Polygons of more corners stay as they are cut at first: each trial that enters one would cut it again.

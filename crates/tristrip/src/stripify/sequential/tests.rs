@@ -5,9 +5,12 @@ use proptest::prelude::*;
 use super::sheet::{Polygons, Sheet};
 use super::{Peeled, Peeler, STRIP, USUAL, exchange};
 use crate::cover::PathCover;
-use crate::dual::{DualGraph, FaceId};
-use crate::mesh::{Faces, Mesh, Surface};
-use crate::strip::{cover_cost, path_cost, verify};
+use crate::dual::DualGraph;
+use crate::ids::FaceId;
+use crate::mesh::{Faces, Mesh};
+use crate::prepare::PreparedFaces;
+use crate::strip::{cover_cost, path_cost};
+use crate::verify::verify;
 
 /// A component of a generated mesh.
 #[derive(Debug, Clone)]
@@ -130,7 +133,8 @@ pub(in crate::stripify) fn polygons(
 
 /// Draws the dual graph of triangles in many components.
 pub(in crate::stripify) fn triangle_graph() -> impl Strategy<Value = DualGraph> {
-    polygons(true, 1..9).prop_map(|polygons| DualGraph::new(Surface::new(&mesh(&polygons), false).faces()))
+    polygons(true, 1..9)
+        .prop_map(|polygons| DualGraph::new(PreparedFaces::new(&mesh(&polygons), false).faces()))
 }
 
 pub(in crate::stripify) fn mesh(polygons: &[Vec<u32>]) -> Mesh {
@@ -212,7 +216,7 @@ fn check_steps<S: Sheet>(sheet: S) -> Result<usize, TestCaseError> {
 /// Checks the steps, and that the whole method proves right and costs no more than its usual manner.
 fn check_whole(polygons: &[Vec<u32>]) -> Result<(), TestCaseError> {
     let mesh = mesh(polygons);
-    let surface = Surface::new(&mesh, false);
+    let surface = PreparedFaces::new(&mesh, false);
     let graph = DualGraph::new(surface.faces());
     let usual = match surface.faces().as_triangles() {
         Some(_) => check_steps(&graph)?,
@@ -246,7 +250,7 @@ proptest! {
     fn exchanges_mend_any_cover(graph in triangle_graph(), tries in prop::collection::vec(any::<u32>(), 0..200)) {
         let mut cover = PathCover::isolated(graph.face_count());
         for h in tries.iter().filter_map(|t| t.checked_rem(graph.half_edge_count() as u32)) {
-            cover.join(&graph, crate::dual::HalfEdge(h));
+            cover.join(&graph, crate::HalfEdge(h));
         }
         let strip_of = cover.renumber(&graph).path;
         check_exchanges(&graph, &mut cover, strip_of)?;
@@ -294,7 +298,7 @@ fn sheets(count: u32, side: u32) -> Vec<Vec<u32>> {
 #[cfg(feature = "rayon")]
 #[test]
 fn any_number_of_threads_finds_the_same_strips() {
-    use crate::stripify::{Method, Options, stripify};
+    use crate::stripify::{Method, StripifyOptions, stripify};
     let quads = Piece::Torus { around: 40, through: 30, cut: 0x00ff_00f0_1111_2222 };
     let meshes = [
         // Large and irregular: components in parallel. Small, regular, or of polygons: manners in parallel.
@@ -309,7 +313,9 @@ fn any_number_of_threads_finds_the_same_strips() {
     for mesh in &meshes {
         let strips = [1, 2, 7].map(|threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| stripify(mesh, &Options::default().with_method(Method::Sequential)).unwrap())
+            pool.install(|| {
+                stripify(mesh, &StripifyOptions::default().with_method(Method::Sequential)).unwrap()
+            })
         });
         assert!(verify(mesh, &strips[0]).is_ok());
         assert!(strips[0] == strips[1] && strips[0] == strips[2]);

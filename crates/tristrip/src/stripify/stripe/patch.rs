@@ -27,7 +27,8 @@
 //! # Complexity
 //! O(n) for each round, and a few rounds for each halving of the largest patch. 45 bytes a quadrilateral.
 
-use crate::dual::{DualGraph, FaceId, HalfEdge};
+use crate::dual::DualGraph;
+use crate::ids::{FaceId, HalfEdge};
 
 const NONE: u32 = u32::MAX;
 /// Quadrilaterals looked at before a round may take patches that are not the largest.

@@ -16,7 +16,8 @@
 //! 12 bytes a corner while polygons are cut, 17 a piece.
 
 use super::queue::BucketQueue;
-use crate::dual::{DualGraph, FaceId, HalfEdge};
+use crate::dual::DualGraph;
+use crate::ids::{FaceId, HalfEdge};
 
 const NONE: u32 = u32::MAX;
 /// How many edges of a polygon are looked at, on either side, where looking at all could make large polygons slow.

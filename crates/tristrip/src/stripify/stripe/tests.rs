@@ -4,9 +4,11 @@ use super::local::{Rule, Walker};
 use super::pieces::Pieces;
 use super::weave::{Sink, Step, Weaver};
 use crate::dual::DualGraph;
-use crate::mesh::{Faces, Mesh, Surface};
-use crate::strip::{Metrics, Strips, verify};
-use crate::stripify::{FaceTriangulation, Method, Options, Patches, Ties, plan};
+use crate::mesh::{Faces, Mesh};
+use crate::prepare::PreparedFaces;
+use crate::strip::{Metrics, Strips};
+use crate::stripify::{FaceTriangulation, Method, Patches, StripifyOptions, Ties, plan};
+use crate::verify::verify;
 use proptest::prelude::*;
 
 const TRIANGULATIONS: [FaceTriangulation; 3] =
@@ -25,9 +27,9 @@ fn methods() -> Vec<Method> {
 
 /// Makes strips and proves them.
 fn strips(mesh: &Mesh, method: Method, seed: u64) -> Strips {
-    let surface = Surface::new(mesh, false);
+    let surface = PreparedFaces::new(mesh, false);
     let graph = DualGraph::new(surface.faces());
-    let options = Options::default().with_method(method).with_seed(seed);
+    let options = StripifyOptions::default().with_method(method).with_seed(seed);
     let plan = plan(&surface, &graph, &options).unwrap();
     assert_eq!(plan.cover.check(plan.triangulation.graph()), Ok(()), "{method:?}");
     let strips = plan.strips();
@@ -87,9 +89,10 @@ fn the_cutoff_decides_what_is_a_patch() {
     };
     assert!(rows(12) > rows(13), "three rows where the grid is a patch: {} and {}", rows(12), rows(13));
     let surface_mesh = mesh(&grid(2, 2));
-    let surface = Surface::new(&surface_mesh, false);
+    let surface = PreparedFaces::new(&surface_mesh, false);
     let graph = DualGraph::new(surface.faces());
-    let none = Options::default().with_method(Method::StripeGlobal { patches: Patches::Rows, cutoff: 0 });
+    let none =
+        StripifyOptions::default().with_method(Method::StripeGlobal { patches: Patches::Rows, cutoff: 0 });
     assert!(plan(&surface, &graph, &none).is_err());
 }
 
@@ -213,7 +216,7 @@ proptest! {
         polygons in prop_oneof![any_polygons(), soup()], partial in any::<bool>(), ties in 0..5_usize,
     ) {
         let mesh = mesh(&polygons);
-        let surface = Surface::new(&mesh, false);
+        let surface = PreparedFaces::new(&mesh, false);
         let graph = DualGraph::new(surface.faces());
         let mut sink = Checked(Weaver::new(surface.faces(), &graph));
         Walker::new(Pieces::new(&graph, partial), Rule::Adjacency(TIES[ties]), 3).run(&mut sink);
@@ -232,7 +235,7 @@ proptest! {
             }
         }
         let mesh = mesh(&polygons);
-        let surface = Surface::new(&mesh, false);
+        let surface = PreparedFaces::new(&mesh, false);
         let graph = DualGraph::new(surface.faces());
         let mut sink = Priced(Weaver::new(surface.faces(), &graph), 0);
         Walker::new(Pieces::new(&graph, false), Rule::Adjacency(TIES[ties]), 3).run(&mut sink);

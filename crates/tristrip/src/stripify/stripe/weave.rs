@@ -13,9 +13,11 @@
 use super::letters::{A, B, Counts, Swaps, alternate, alternating, least, spell};
 use super::pieces::Pieces;
 use crate::cover::PathCover;
-use crate::dual::{DualGraph, HalfEdge};
-use crate::mesh::{Faces, TriangulationBuilder};
-use crate::stripify::Plan;
+use crate::dual::DualGraph;
+use crate::dual::TriangulationBuilder;
+use crate::ids::HalfEdge;
+use crate::mesh::Faces;
+use crate::stripify::StripPlan;
 
 /// A piece on a strip: where the strip enters and leaves it, and how many triangles advance on either chain between.
 #[derive(Debug, Clone, Copy)]
@@ -184,14 +186,14 @@ impl<'a> Weaver<'a> {
     }
 
     /// Gives the plan. Every face must be in a strip.
-    pub(super) fn finish(self) -> Plan<'a> {
+    pub(super) fn finish(self) -> StripPlan<'a> {
         let triangulation = self.builder.finish();
         let graph = triangulation.graph();
         let mut cover = PathCover::isolated(triangulation.triangle_count());
         self.linked.into_iter().for_each(|half_edge| {
             cover.link(graph, HalfEdge(half_edge));
         });
-        Plan::new(triangulation, cover)
+        StripPlan::new(triangulation, cover)
     }
 }
 

@@ -17,7 +17,8 @@
 use super::ids::{Ids, NONE, Pieces, Step};
 use super::{Searched, Tally};
 use crate::cover::PathCover;
-use crate::dual::{DualGraph, FaceId, HalfEdge};
+use crate::dual::DualGraph;
+use crate::ids::{FaceId, HalfEdge};
 
 /// Joins paths of a cover by tunnels, until none of at most this length is left or the watch says so.
 pub(super) fn join(graph: &DualGraph, cover: &mut PathCover, length: u32, tally: &mut Tally<'_>) {

@@ -39,10 +39,12 @@
 
 use super::ids::{Ids, NONE, Pieces, Step};
 use super::star::{Place, Star};
-use super::{EtaOptions, Searched, Tally};
+use super::{Searched, Tally};
 use crate::cover::PathCover;
-use crate::dual::{DualGraph, FaceId};
-use crate::stripify::random::Random;
+use crate::dual::DualGraph;
+use crate::ids::FaceId;
+use crate::random::Random;
+use crate::stripify::EtaOptions;
 
 /// A length is gone over again if it has joined at least one in so many strips.
 const MANY: usize = 20;
@@ -73,7 +75,7 @@ pub(super) fn join(
         graph,
         cover,
     };
-    let mut limit = options.length.min(3);
+    let mut limit = options.length().min(3);
     let (mut is_moving, mut fruitless) = (false, 0);
     let mut terminals = Vec::new();
     while eta.cover.path_count() > least && fruitless < PATIENCE {
@@ -82,7 +84,8 @@ pub(super) fn join(
         if is_full {
             eta.find_terminals(&mut terminals);
         }
-        let limits = Limits { limit, threshold: options.threshold, loops: if is_moving { LOOPS } else { 0 } };
+        let limits =
+            Limits { limit, threshold: options.threshold(), loops: if is_moving { LOOPS } else { 0 } };
         if !eta.pass(&mut terminals, limits, is_moving, tally) {
             return;
         }
@@ -93,8 +96,8 @@ pub(super) fn join(
                 return;
             }
         } else if MANY * found < before {
-            is_moving = limit >= options.length.min(MOVE_FROM);
-            limit = if is_moving { options.length } else { (2 * limit + 1).min(options.length) };
+            is_moving = limit >= options.length().min(MOVE_FROM);
+            limit = if is_moving { options.length() } else { (2 * limit + 1).min(options.length()) };
         }
     }
 }
@@ -253,11 +256,11 @@ impl Search {
                 if let Some(distance) = star.distance(b)
                     && 2 * (depth as u64 + 1) + u64::from(distance) <= u64::from(limit)
                 {
-                    self.sorted.push((distance, random.next(), Step { red, black }));
+                    self.sorted.push((distance, random.next_u64(), Step { red, black }));
                 }
             }
             if place.is_terminal(v) {
-                self.sorted.push((0, random.next(), Step { red, black: NONE }));
+                self.sorted.push((0, random.next_u64(), Step { red, black: NONE }));
             }
         }
         self.sorted.sort_unstable_by_key(|&(distance, lot, _)| std::cmp::Reverse((distance, lot)));

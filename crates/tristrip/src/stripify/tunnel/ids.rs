@@ -15,7 +15,8 @@
 
 use super::order::Order;
 use crate::cover::PathCover;
-use crate::dual::{DualGraph, FaceId};
+use crate::dual::DualGraph;
+use crate::ids::FaceId;
 
 pub(super) const NONE: u32 = u32::MAX;
 

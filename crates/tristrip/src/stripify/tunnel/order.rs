@@ -18,7 +18,8 @@
 //! O(log n) time for each change and question, on average over many; 17 bytes a triangle.
 
 use crate::cover::PathCover;
-use crate::dual::{DualGraph, FaceId};
+use crate::dual::DualGraph;
+use crate::ids::FaceId;
 
 const NONE: u32 = u32::MAX;
 

@@ -28,9 +28,10 @@ use super::order::Order;
 use super::star::{Place, Star};
 use super::{Searched, Tally};
 use crate::cover::PathCover;
-use crate::dual::{DualGraph, FaceId};
-use crate::stripify::Effort;
-use crate::stripify::random::Random;
+use crate::dual::DualGraph;
+use crate::effort::Effort;
+use crate::ids::FaceId;
+use crate::random::Random;
 
 /// How far a repair looks.
 #[derive(Debug, Clone, Copy)]

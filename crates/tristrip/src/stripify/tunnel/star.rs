@@ -12,7 +12,8 @@ use super::Tally;
 use super::baseline::is_red;
 use super::ids::Ids;
 use crate::cover::PathCover;
-use crate::dual::{DualGraph, FaceId};
+use crate::dual::DualGraph;
+use crate::ids::FaceId;
 
 /// Edges that the star goes on beyond the nearest terminal. Tuned on fandisk, cessna and bunny: 0 leaves half as many strips again,
 /// 20 takes a third more time and gains nothing.
@@ -149,7 +150,7 @@ impl Star {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dual::HalfEdge;
+    use crate::ids::HalfEdge;
     use crate::stripify::tunnel::tests::graph_and_cover;
     use proptest::prelude::*;
 

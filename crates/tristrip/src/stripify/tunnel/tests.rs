@@ -8,12 +8,14 @@ use super::order::Order;
 use super::repair::Reach;
 use super::{EtaOptions, Repairer, Searched, Start, Tally, baseline, eta};
 use crate::cover::PathCover;
-use crate::dual::{DualGraph, FaceId, HalfEdge};
-use crate::mesh::Surface;
-use crate::strip::verify;
+use crate::dual::DualGraph;
+use crate::effort::Effort;
+use crate::ids::{FaceId, HalfEdge};
+use crate::prepare::PreparedFaces;
 use crate::stripify::sequential::tests::{mesh, polygons, triangle_graph};
 use crate::stripify::watch::{Progress, Watch};
-use crate::stripify::{Effort, Method, Options, plan};
+use crate::stripify::{Method, StripifyOptions, plan};
+use crate::verify::verify;
 
 /// Finds the shortest tunnel up to a length by trying every alternating path on the cover itself.
 fn brute_force(graph: &DualGraph, cover: &PathCover, length: usize) -> Option<usize> {
@@ -202,13 +204,13 @@ proptest! {
     #[test]
     fn strips_of_any_mesh_are_right(polygons in polygons(false, 1..5), length in 0..12_u32, seed in any::<u64>()) {
         let mesh = mesh(&polygons);
-        let surface = Surface::new(&mesh, false);
+        let surface = PreparedFaces::new(&mesh, false);
         let graph = DualGraph::new(surface.faces());
         let eta = EtaOptions::default();
         let starts = [Start::Isolated, Start::Input, Start::Sgi, Start::Sequential];
         let starts = starts.map(|start| Method::Eta(eta.with_start(start)));
         for method in starts.into_iter().chain([Method::Tunnel { length }]) {
-            let plan = plan(&surface, &graph, &Options::default().with_method(method).with_seed(seed)).unwrap();
+            let plan = plan(&surface, &graph, &StripifyOptions::default().with_method(method).with_seed(seed)).unwrap();
             let strips = plan.strips();
             prop_assert!(verify(&mesh, &strips).is_ok(), "{:?}", method);
         }

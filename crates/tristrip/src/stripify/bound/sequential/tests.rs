@@ -2,8 +2,11 @@ use proptest::prelude::*;
 
 use super::super::tests::graph;
 use super::*;
-use crate::mesh::{Faces, Mesh, Surface, Triangulation};
-use crate::strip::{emit, path_cost, verify};
+use crate::dual::Triangulation;
+use crate::mesh::{Faces, Mesh};
+use crate::prepare::PreparedFaces;
+use crate::strip::{emit, path_cost};
+use crate::verify::verify;
 
 /// Tries every triangle, way out and side of the first turn: the best strip's vertices, if there is one without a swap.
 fn least_vertices_without_swap(graph: &DualGraph) -> Option<usize> {
@@ -256,7 +259,7 @@ fn gadgets_have_the_two_ways_of_their_lemmas() {
             }
             let faces = Faces::from_triangles(triangles.iter().flatten().copied().collect()).unwrap();
             let mesh = Mesh::new(vec![[0.0; 3]; n + 1], faces).unwrap();
-            let surface = Surface::new(&mesh, false);
+            let surface = PreparedFaces::new(&mesh, false);
             let graph = DualGraph::new(surface.faces());
             let found = sequential_strip(&graph).unwrap();
             let strips = emit(&Triangulation::fan(&surface, &graph), &found.cover);

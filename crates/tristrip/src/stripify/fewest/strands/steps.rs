@@ -8,7 +8,7 @@
 //! ```
 
 use super::{Change, NONE, OPEN, Step, Strands, Walker};
-use crate::stripify::random::Random;
+use crate::random::Random;
 
 impl Strands<'_> {
     /// Splits a strand's segments behind a triangle in segment `i`; gives where the second part begins.

@@ -1,0 +1,350 @@
+//! The collapses of a simplification, in order, over the triangles of the full mesh.
+//!
+//! A half-edge collapse renames one vertex, the *removed* one, to a neighbour, the *kept* one; triangles in which both stood lose their
+//! area and are dropped. A vertex that lies on an attribute seam is several vertices of one position, and they are renamed together,
+//! in one collapse. Nothing else changes: so every level of detail is the full mesh with some vertices renamed, and the
+//! collapses are all that there is to store.
+//!
+//! ```text
+//!  level 0                                                level n
+//!  base mesh ─ split 0 ─▶ level 1 ─ split 1 ─▶ … ─ split n−1 ─▶ full mesh
+//!            ◀ collapse 0 ─      ◀ collapse 1 ─     ◀ collapse n−1 ─
+//! ```
+//!
+//! Collapse i leads from level i + 1 to level i, and is undone by the vertex split i. The first collapse that a simplification finds is
+//! therefore n − 1.
+//!
+//! # Complexity
+//! 12 bytes a triangle of the full mesh, and for a collapse that renames one vertex and drops two triangles 28 bytes.
+//!
+//! # References
+//! Hoppe: *Progressive Meshes*, 1996. Kim, Park, Yang, Neelamkavil: *A Rendering-Efficient Progressive Transmission of 3D Meshes*,
+//! 2005, section 3.
+
+use crate::error::{Error, MeshProblem};
+use crate::mesh::{is_degenerate, triangle_at, triangles_of};
+
+/// One vertex that takes the place of another.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Rename {
+    /// The vertex that is not drawn any more.
+    pub removed: u32,
+    /// The vertex that stands in its place.
+    pub kept: u32,
+}
+
+/// One collapse of a sequence.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Collapse<'a> {
+    /// The vertices renamed: one, or all those of one position where attributes differ.
+    pub renames: &'a [Rename],
+    /// The triangles dropped, by their number in the full mesh, rising.
+    pub dropped: &'a [u32],
+    /// How far the surface is from the full one here, in mesh units: the greater of the distance of the removed vertex from the triangles
+    /// that took the place of its own, and the root of the mean of its squared distances to the planes of the full mesh that it stood for.
+    pub error: f32,
+}
+
+/// A simplification from the full mesh, level n, to the base mesh, level 0, replayable both ways.
+///
+/// ```
+/// use tristrip::{CollapseSequence, collapse::Rename};
+/// // Two triangles; vertex 3 collapses to vertex 2.
+/// let rename = [Rename { removed: 3, kept: 2 }];
+/// let sequence = CollapseSequence::from_collapses(4, vec![0, 1, 2, 2, 1, 3], [(&rename[..], 0.5)])?;
+/// assert_eq!(sequence.len(), 1);
+/// assert_eq!(sequence.drawn(1), [[0, 1, 2], [2, 1, 3]]);
+/// assert_eq!(sequence.drawn(0), [[0, 1, 2]]);
+/// assert_eq!(sequence.collapse(0).dropped, [1]);
+/// # Ok::<(), tristrip::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct CollapseSequence {
+    vertex_count: usize,
+    triangles: Vec<u32>,
+    /// Triangles of the full mesh that draw nothing.
+    degenerate_count: usize,
+    /// What follows is in the order in which the collapses were done, from the full mesh on.
+    errors: Vec<f32>,
+    renames: Vec<Rename>,
+    rename_ends: Vec<u32>,
+    dropped: Vec<u32>,
+    dropped_ends: Vec<u32>,
+}
+
+impl CollapseSequence {
+    /// Starts a sequence without collapses.
+    ///
+    /// # Errors
+    /// The corners are not a multiple of three, or a vertex does not exist.
+    pub(crate) fn new(vertex_count: usize, triangles: Vec<u32>) -> Result<Self, Error> {
+        if !triangles.len().is_multiple_of(3) {
+            let found = triangles.len() as u64;
+            return Err(MeshProblem::CornerCount { found, expected: "a multiple of 3".into() }.into());
+        }
+        if let Some(corner) = triangles.iter().position(|&v| v as usize >= vertex_count) {
+            let (face, found) = ((corner / 3) as u32, triangles[corner]);
+            let problem = MeshProblem::VertexIndex {
+                face,
+                corner: (corner % 3) as u32,
+                found,
+                vertex_count: vertex_count as u32,
+            };
+            return Err(problem.into());
+        }
+        let degenerate_count = triangles_of(&triangles).filter(|&t| is_degenerate(t)).count();
+        Ok(Self { vertex_count, triangles, degenerate_count, ..Self::default() })
+    }
+
+    /// Makes a sequence from the triangles of the full mesh and the collapses, the first from the full mesh on, each with its error. Takes
+    /// memory by the number of vertices.
+    ///
+    /// # Errors
+    /// The corners are not a multiple of three, or a vertex does not exist; a collapse renames a vertex that no
+    /// triangle has any more, or renames to one that is renamed itself, or has an error that is negative or not a number.
+    pub fn from_collapses<'a>(
+        vertex_count: usize,
+        triangles: Vec<u32>,
+        collapses: impl IntoIterator<Item = (&'a [Rename], f32)>,
+    ) -> Result<Self, Error> {
+        let mut sequence = Self::new(vertex_count, triangles)?;
+        let mut now = sequence.triangles.clone();
+        let mut corners_of = vec![Vec::new(); vertex_count];
+        for (corner, &v) in now.iter().enumerate() {
+            corners_of[v as usize].push(corner as u32);
+        }
+        let mut is_drawn: Vec<bool> = triangles_of(&now).map(|t| !is_degenerate(t)).collect();
+        for (renames, error) in collapses {
+            if error.is_nan() || error < 0.0 {
+                let found = format!("{error} of collapse {} from the full mesh", sequence.len());
+                return Err(Error::Parameter { name: "error", found, expected: "0 or more" });
+            }
+            let (mut touched, mut dropped) = (Vec::new(), Vec::new());
+            for &Rename { removed, kept } in renames {
+                let (from, to) = (removed as usize, kept as usize);
+                let known = from < vertex_count && to < vertex_count && from != to;
+                let kept_is_renamed = renames.iter().any(|other| other.removed == kept);
+                if !known || kept_is_renamed || corners_of[from].is_empty() || corners_of[to].is_empty() {
+                    return Err(Error::Parameter {
+                        name: "collapses",
+                        found: format!(
+                            "{removed} renamed to {kept} by collapse {} from the full mesh",
+                            sequence.len()
+                        ),
+                        expected: "two vertices that are still drawn, the second not renamed itself",
+                    });
+                }
+                let moved = std::mem::take(&mut corners_of[from]);
+                moved.iter().for_each(|&corner| now[corner as usize] = kept);
+                touched.extend(moved.iter().map(|&corner| corner / 3));
+                corners_of[to].extend(moved);
+            }
+            for t in touched {
+                if is_drawn[t as usize] && is_degenerate(triangle_at(&now, t as usize)) {
+                    is_drawn[t as usize] = false;
+                    dropped.push(t);
+                }
+            }
+            dropped.sort_unstable();
+            sequence.push(renames, &dropped, error);
+        }
+        Ok(sequence)
+    }
+
+    /// Adds the next collapse toward the base mesh, whose dropped triangles rise.
+    pub(crate) fn push(&mut self, renames: &[Rename], dropped: &[u32], error: f32) {
+        self.renames.extend_from_slice(renames);
+        self.rename_ends.push(self.renames.len() as u32);
+        self.dropped.extend_from_slice(dropped);
+        self.dropped_ends.push(self.dropped.len() as u32);
+        self.errors.push(error);
+    }
+
+    /// Counts the collapses, which is the level of the full mesh.
+    pub fn len(&self) -> usize {
+        self.errors.len()
+    }
+
+    /// Tells whether there is no collapse, so that the base mesh is the full one.
+    pub fn is_empty(&self) -> bool {
+        self.errors.is_empty()
+    }
+
+    /// Counts the vertices that may be named, drawn or not.
+    pub fn vertex_count(&self) -> usize {
+        self.vertex_count
+    }
+
+    /// Gives the triangles of the full mesh, three vertices each.
+    pub fn triangles(&self) -> &[u32] {
+        &self.triangles
+    }
+
+    /// Gives the collapse that leads from `level` + 1 to `level`; undone, it is the split of that level.
+    ///
+    /// # Panics
+    /// `level` is not less than [`CollapseSequence::len`].
+    pub fn collapse(&self, level: usize) -> Collapse<'_> {
+        let i = self.len() - 1 - level;
+        let range = |ends: &[u32]| if i == 0 { 0 } else { ends[i - 1] as usize }..ends[i] as usize;
+        Collapse {
+            renames: &self.renames[range(&self.rename_ends)],
+            dropped: &self.dropped[range(&self.dropped_ends)],
+            error: self.errors[i],
+        }
+    }
+
+    /// Walks over the collapses from the full mesh to the base mesh.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = Collapse<'_>> + DoubleEndedIterator {
+        (0..self.len()).rev().map(|level| self.collapse(level))
+    }
+
+    /// Counts the triangles drawn at a level: those of the full mesh less those that are dropped on the way.
+    ///
+    /// # Panics
+    /// `level` is greater than [`CollapseSequence::len`].
+    pub fn triangle_count(&self, level: usize) -> usize {
+        let done = self.len() - level;
+        let dropped = if done == 0 { 0 } else { self.dropped_ends[done - 1] as usize };
+        self.triangles.len() / 3 - self.degenerate_count - dropped
+    }
+
+    /// Gives the greatest error of the collapses that lead to a level, in mesh units; 0 for the full mesh.
+    ///
+    /// # Panics
+    /// `level` is greater than [`CollapseSequence::len`].
+    pub fn error(&self, level: usize) -> f32 {
+        self.errors[..self.len() - level].iter().fold(0.0, |most, &error| most.max(error))
+    }
+
+    /// Gives the highest level that has at most so many triangles; 0 where none has so few.
+    pub fn level_of_triangles(&self, triangle_count: usize) -> usize {
+        let to_drop = self.triangle_count(self.len()).saturating_sub(triangle_count);
+        if to_drop == 0 {
+            return self.len();
+        }
+        let done = self.dropped_ends.partition_point(|&dropped| (dropped as usize) < to_drop) + 1;
+        self.len().saturating_sub(done)
+    }
+
+    /// Gives the lowest level before which no collapse has a greater error.
+    pub fn level_of_error(&self, error: f32) -> usize {
+        let within = self.errors.iter().take_while(|&&e| e <= error).count();
+        self.len() - within
+    }
+
+    /// Gives for each vertex the one that stands in its place at a level.
+    ///
+    /// # Panics
+    /// `level` is greater than [`CollapseSequence::len`].
+    pub fn renaming(&self, level: usize) -> Vec<u32> {
+        let mut now: Vec<u32> = (0..self.vertex_count as u32).collect();
+        let done = self.len() - level;
+        let end = if done == 0 { 0 } else { self.rename_ends[done - 1] as usize };
+        // The last first: what is kept has its place before what is renamed to it asks for it.
+        for &Rename { removed, kept } in self.renames[..end].iter().rev() {
+            now[removed as usize] = now[kept as usize];
+        }
+        now
+    }
+
+    /// Gives the triangles at a level, in the order of the full mesh, found by renaming all vertices of the full mesh and leaving out what
+    /// is degenerate. This is the oracle of everything that draws a level of detail.
+    ///
+    /// # Panics
+    /// `level` is greater than [`CollapseSequence::len`].
+    pub fn drawn(&self, level: usize) -> Vec<[u32; 3]> {
+        let now = self.renaming(level);
+        let named = self.triangles.chunks_exact(3).map(|t| [t[0], t[1], t[2]].map(|v| now[v as usize]));
+        named.filter(|triangle| !is_degenerate(*triangle)).collect()
+    }
+
+    /// Checks that the collapses are what doing them one by one gives.
+    ///
+    /// # Errors
+    /// As [`CollapseSequence::from_collapses`], or another set of triangles is dropped than stands here.
+    pub fn check(&self) -> Result<(), Error> {
+        let collapses = self.iter().map(|collapse| (collapse.renames, collapse.error));
+        let done = Self::from_collapses(self.vertex_count, self.triangles.clone(), collapses)?;
+        let other = done.iter().zip(self.iter()).position(|(done, stated)| done.dropped != stated.dropped);
+        other.map_or(Ok(()), |i| {
+            Err(Error::Parameter {
+                name: "collapses",
+                found: format!("other triangles dropped by collapse {i} from the full mesh"),
+                expected: "those that lose their area",
+            })
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn fan() -> CollapseSequence {
+        // A hexagon around 6, whose corners 0 to 5 collapse one after the other to the next.
+        let triangles = (0..6).flat_map(|i| [i, (i + 1) % 6, 6]).collect();
+        let renames = [
+            [Rename { removed: 0, kept: 1 }],
+            [Rename { removed: 1, kept: 2 }],
+            [Rename { removed: 2, kept: 3 }],
+        ];
+        let collapses = renames.iter().zip([1.0, 3.0, 2.0]).map(|(r, error)| (&r[..], error));
+        CollapseSequence::from_collapses(7, triangles, collapses).unwrap()
+    }
+
+    #[test]
+    fn levels_of_a_fan() {
+        let fan = fan();
+        assert_eq!(fan.len(), 3);
+        assert_eq!([0, 1, 2, 3].map(|level| fan.triangle_count(level)), [3, 4, 5, 6]);
+        assert_eq!([0, 1, 2, 3].map(|level| fan.drawn(level).len()), [3, 4, 5, 6]);
+        assert_eq!(fan.drawn(0), [[3, 4, 6], [4, 5, 6], [5, 3, 6]]);
+        assert_eq!(
+            [0, 1, 2, 3].map(|level| fan.error(level).to_bits()),
+            [3_f32, 3.0, 1.0, 0.0].map(f32::to_bits)
+        );
+        assert_eq!([9, 6, 5, 3, 2, 0].map(|count| fan.level_of_triangles(count)), [3, 3, 2, 0, 0, 0]);
+        assert_eq!([0.0, 1.0, 2.5, 3.0].map(|error| fan.level_of_error(error)), [3, 2, 2, 0]);
+        fan.check().unwrap();
+    }
+
+    #[test]
+    fn other_dropped_triangles_are_found() {
+        let mut fan = fan();
+        fan.dropped.swap(0, 1);
+        assert!(fan.check().unwrap_err().to_string().contains("other triangles dropped by collapse 0"));
+    }
+
+    #[test]
+    fn collapses_of_what_is_not_there_are_refused() {
+        let collapse = |removed, kept| {
+            let renames = [[Rename { removed: 3, kept: 2 }], [Rename { removed, kept }]];
+            let collapses = renames.iter().map(|r| (&r[..], 0.0));
+            CollapseSequence::from_collapses(5, vec![0, 1, 2, 2, 1, 3], collapses)
+        };
+        assert!(collapse(0, 1).is_ok());
+        for (removed, kept) in [(3, 0), (0, 3), (0, 0), (0, 5), (7, 0), (4, 0), (0, 4)] {
+            let error = collapse(removed, kept).unwrap_err().to_string();
+            assert!(error.contains(&format!("{removed} renamed to {kept} by collapse 1")), "{error}");
+        }
+        for error in [f32::NAN, -1.0] {
+            let rename = [Rename { removed: 3, kept: 2 }];
+            let collapses = [(&rename[..], error)];
+            assert!(CollapseSequence::from_collapses(4, vec![0, 1, 2, 2, 1, 3], collapses).is_err());
+        }
+        assert!(CollapseSequence::from_collapses(2, vec![0, 1], []).is_err());
+        assert!(CollapseSequence::from_collapses(2, vec![0, 1, 2], []).is_err());
+    }
+
+    #[test]
+    fn both_sides_of_a_seam_are_renamed_at_once() {
+        // 1 and 4 are one position, 2 and 5 another.
+        let renames = [Rename { removed: 1, kept: 2 }, Rename { removed: 4, kept: 5 }];
+        let sequence =
+            CollapseSequence::from_collapses(7, vec![0, 1, 2, 4, 3, 5, 3, 4, 6], [(&renames[..], 0.0)])
+                .unwrap();
+        assert_eq!(sequence.collapse(0).dropped, [0, 1]);
+        assert_eq!(sequence.drawn(0), [[3, 5, 6]]);
+    }
+}

@@ -1,0 +1,142 @@
+//! What a mesh is like: counts that decide how well it can be stripped, and defects that a user wants to know of.
+//!
+//! # Complexity
+//! O(n) time for meshes of bounded valence, O(n log n) at worst; 16 bytes a triangle and 4 a vertex in use meanwhile.
+
+use super::{DualGraph, for_each_edge};
+use crate::csr::Csr;
+use crate::mesh::{Faces, Mesh};
+use crate::prepare::{PreparedCounts, PreparedFaces};
+
+/// The counts of a mesh. Edges are those of the surface's faces, between two vertices.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub struct MeshReport {
+    /// Vertices, used or not.
+    pub vertices: usize,
+    /// Vertices that no face of the mesh uses.
+    pub unreferenced_vertices: usize,
+    /// Faces of the mesh, degenerate ones included.
+    pub faces: usize,
+    /// Triangles that the faces which draw something make.
+    pub triangles: usize,
+    /// Parts of the dual graph that no shared edge joins.
+    pub components: usize,
+    /// Edges of one face.
+    pub boundary_edges: usize,
+    /// Edges of more than two faces.
+    pub non_manifold_edges: usize,
+    /// Edges of two faces that are wound in opposite senses there; no strip passes over them.
+    pub inconsistent_edges: usize,
+    /// Faces that share no edge with another.
+    pub isolated_faces: usize,
+    /// Faces that have the same vertices in the same winding as an earlier one; they are drawn, too.
+    pub duplicate_faces: usize,
+    /// What was changed to make the faces ready.
+    pub surface: PreparedCounts,
+}
+
+impl MeshReport {
+    /// Counts a mesh, its surface and its dual graph.
+    ///
+    /// ```
+    /// use tristrip::{DualGraph, Faces, Mesh, PreparedFaces, dual::MeshReport};
+    /// let mesh = Mesh::new(vec![[0.0; 3]; 5], Faces::from_triangles(vec![0, 1, 2, 2, 1, 3])?)?;
+    /// let surface = PreparedFaces::new(&mesh, false);
+    /// let graph = DualGraph::new(surface.faces());
+    /// let report = MeshReport::of(&mesh, &surface, &graph);
+    /// assert_eq!((report.components, report.boundary_edges, report.unreferenced_vertices), (1, 4, 1));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn of(mesh: &Mesh, surface: &PreparedFaces<'_>, graph: &DualGraph) -> Self {
+        let faces = &*surface.faces().compact();
+        let corners = mesh.faces().compact();
+        let mut used = vec![false; corners.corners().iter().max().map_or(0, |&v| v as usize + 1)];
+        corners.corners().iter().for_each(|&v| used[v as usize] = true);
+        let mut report = Self {
+            vertices: mesh.vertex_count(),
+            unreferenced_vertices: mesh.vertex_count() - used.iter().filter(|&&u| u).count(),
+            faces: mesh.faces().face_count(),
+            triangles: faces.triangle_count(),
+            components: graph.components().1,
+            surface: surface.counts(),
+            ..Self::default()
+        };
+        for_each_edge(faces, |forward, backward| match (forward, backward) {
+            (1, 0) | (0, 1) => report.boundary_edges += 1,
+            (2, 0) | (0, 2) => report.inconsistent_edges += 1,
+            (1, 1) => (),
+            _ => report.non_manifold_edges += 1,
+        });
+        let faces_of_graph = 0..graph.face_count() as u32;
+        report.isolated_faces =
+            faces_of_graph.filter(|&f| graph.neighbours(crate::dual::FaceId(f)).next().is_none()).count();
+        report.duplicate_faces = duplicates(faces);
+        report
+    }
+}
+
+/// Counts the faces that repeat an earlier one, whatever corner they begin with: the faces are sorted by their lowest vertex
+/// by counting, and those of each vertex by comparing.
+fn duplicates(faces: &Faces) -> usize {
+    let lowest = |polygon: &[u32]| (0..polygon.len()).min_by_key(|&k| polygon[k]).unwrap_or(0);
+    let whole = |face: u32| {
+        let polygon = faces.face(face as usize);
+        let (before, after) = polygon.split_at(lowest(polygon));
+        after.iter().chain(before)
+    };
+    let vertex_count = faces.corners().iter().max().map_or(0, |&v| v as usize + 1);
+    let firsts = faces.iter().map(|polygon| polygon.get(lowest(polygon)).copied().unwrap_or(0));
+    let mut by_lowest = Csr::group(firsts, vertex_count.max(1));
+    by_lowest.sort_rows(|a, b| whole(a).cmp(whole(b)));
+    let repeats = |faces: &[u32]| faces.windows(2).filter(|w| whole(w[0]).eq(whole(w[1]))).count();
+    by_lowest.rows().map(repeats).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+    use std::collections::BTreeSet;
+
+    proptest! {
+        #[test]
+        fn duplicates_are_what_a_set_has_seen(polygons in prop::collection::vec((3..5_usize, 0..6_u32, 1..4_u32), 0..40)) {
+            let polygons = polygons.into_iter().map(|(n, first, step)| {
+                (0..n as u32).map(|i| (first + i * step) % 7).collect::<Vec<_>>()
+            });
+            let polygons: Vec<Vec<u32>> = polygons.collect();
+            let mut seen = BTreeSet::new();
+            let expected = polygons.iter().filter(|polygon| {
+                let rotations = (0..polygon.len()).map(|i| [&polygon[i..], &polygon[..i]].concat());
+                !seen.insert(rotations.min())
+            });
+            prop_assert_eq!(duplicates(&Faces::from_polygons(&polygons).unwrap()), expected.count());
+        }
+    }
+
+    #[test]
+    fn few_vertices_of_many_give_the_same_report() {
+        let report = |scale: u32, vertex_count: usize| {
+            let corners = [0, 1, 2, 2, 1, 3, 1, 2, 0, 4, 4, 1].map(|v| v * scale).to_vec();
+            let faces = Faces::from_triangles(corners).unwrap();
+            let mesh = Mesh::new(vec![[0.0; 3]; vertex_count], faces).unwrap();
+            let surface = PreparedFaces::new(&mesh, false);
+            MeshReport::of(&mesh, &surface, &DualGraph::new(surface.faces()))
+        };
+        let dense = report(1, 5);
+        assert_eq!((dense.duplicate_faces, dense.non_manifold_edges, dense.unreferenced_vertices), (1, 1, 0));
+        let sparse = MeshReport { vertices: 5, unreferenced_vertices: 0, ..report(1000, 4001) };
+        assert_eq!(sparse, dense);
+    }
+
+    #[test]
+    fn counts_duplicates_whatever_stands_between_them() {
+        let fan = |last: u32| vec![0, 1, 2, last, 9];
+        let faces = Faces::from_polygons([fan(3), fan(4), vec![9, 0, 1, 2, 3], fan(4)]).unwrap();
+        assert_eq!(duplicates(&faces), 2);
+        assert_eq!(duplicates(&Faces::from_polygons([[0, 1, 2], [2, 1, 0], [1, 2, 0]]).unwrap()), 1);
+        let large: Vec<u32> = (0..200_000).collect();
+        assert_eq!(duplicates(&Faces::from_polygons([&large, &large]).unwrap()), 1);
+    }
+}

@@ -1,0 +1,27 @@
+//! How long a search runs: levels that count steps, never seconds, so that the result is the same on any machine.
+
+/// How long a search runs, from 0 to 9. It counts steps, never seconds, so that the result is the same on any machine.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct Effort(u8);
+
+impl Effort {
+    /// The longest search.
+    pub const MAX: Self = Self(9);
+
+    /// Creates a level from 0 to 9; `None` above.
+    pub const fn new(level: u8) -> Option<Self> {
+        if level <= Self::MAX.0 { Some(Self(level)) } else { None }
+    }
+
+    /// Returns the level.
+    pub const fn level(self) -> u8 {
+        self.0
+    }
+}
+
+/// About a second per 100,000 triangles.
+impl Default for Effort {
+    fn default() -> Self {
+        Self(5)
+    }
+}

@@ -1,0 +1,40 @@
+//! What is asked of three vertices: whether they are a triangle at all, and which one it is, whatever corner it begins with.
+
+/// Returns the triangle rotated to begin with its lowest vertex, so that equal triangles of one winding are equal arrays.
+///
+/// ```
+/// assert_eq!(tristrip::mesh::canonical_triangle([7, 3, 5]), [3, 5, 7]);
+/// ```
+pub fn canonical_triangle(triangle: [u32; 3]) -> [u32; 3] {
+    match triangle {
+        [a, b, c] if b < a && b < c => [b, c, a],
+        [a, b, c] if c < a && c < b => [c, a, b],
+        triangle => triangle,
+    }
+}
+
+/// Returns whether a triangle names a vertex more than once, so that it draws nothing.
+///
+/// ```
+/// assert!(tristrip::mesh::is_degenerate([4, 9, 4]));
+/// ```
+#[inline]
+pub fn is_degenerate([a, b, c]: [u32; 3]) -> bool {
+    a == b || b == c || a == c
+}
+
+/// Returns triangle `t` of a triangle list.
+///
+/// # Panics
+/// The list has no triangle `t`.
+#[inline]
+pub(crate) fn triangle_at(list: &[u32], t: usize) -> [u32; 3] {
+    let corners = &list[3 * t..3 * t + 3];
+    [corners[0], corners[1], corners[2]]
+}
+
+/// Iterates over the triangles of a triangle list.
+#[inline]
+pub(crate) fn triangles_of(list: &[u32]) -> impl ExactSizeIterator<Item = [u32; 3]> {
+    list.chunks_exact(3).map(|corners| [corners[0], corners[1], corners[2]])
+}

@@ -1,0 +1,183 @@
+//! What strips cost: every figure of the project has its one definition here.
+
+use super::Strips;
+use crate::cover::priced::Prices;
+
+/// A cost that a search can minimize, and a user name.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[non_exhaustive]
+pub enum Cost {
+    /// The index buffer with a restart between strips: [`Metrics::indices_restart`].
+    #[default]
+    Restart,
+    /// The vertices sent, swaps and winding repeats included: [`Metrics::vertices_sent`].
+    OpenGl,
+    /// The index buffer of one strip joined by degenerate triangles: [`Metrics::indices_degenerate`].
+    Degenerate,
+    /// The vertices sent with swaps free, so that only strips count: [`Metrics::gl_cost`].
+    Gl,
+}
+
+impl Cost {
+    /// Picks this cost from the figures of strips.
+    ///
+    /// ```
+    /// use tristrip::{Strips, strip::{Cost, Metrics}};
+    /// let mut strips = Strips::default();
+    /// strips.push(&[0, 1, 2, 1, 3]);
+    /// let metrics = Metrics::of(&strips);
+    /// assert_eq!((Cost::Restart.of(&metrics), Cost::Gl.of(&metrics)), (5, 4));
+    /// ```
+    pub fn of(self, metrics: &Metrics) -> usize {
+        match self {
+            Self::Restart => metrics.indices_restart,
+            Self::OpenGl => metrics.vertices_sent,
+            Self::Degenerate => metrics.indices_degenerate,
+            Self::Gl => metrics.gl_cost,
+        }
+    }
+
+    /// Returns what a strip and a swap cost beyond one index per triangle. Joining strips by degenerate triangles costs one index or
+    /// two, as measured: the joined strips share many vertices. Tuned on cow, fandisk, bunny and horse.
+    pub(crate) fn prices(self) -> Prices {
+        match self {
+            Self::Restart | Self::Degenerate => Prices { strip: 3, swap: 1 },
+            Self::OpenGl => Prices { strip: 2, swap: 1 },
+            Self::Gl => Prices { strip: 2, swap: 0 },
+        }
+    }
+}
+
+/// The figures of a set of strips. Counts are of indices, triangles or strips, as their names say.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub struct Metrics {
+    /// Real triangles drawn.
+    pub triangles: usize,
+    /// Strips.
+    pub strips: usize,
+    /// Strips of one triangle.
+    pub isolated: usize,
+    /// Vertices repeated inside a strip or at its start, each of which draws a degenerate triangle or two.
+    pub swaps: usize,
+    /// The sum of the strips' lengths, swaps and winding repeats included (the OpenGL cost).
+    pub vertices_sent: usize,
+    /// The same with swaps free (the GL cost, one bit each).
+    pub gl_cost: usize,
+    /// Length of the index buffer with a restart between strips: `vertices_sent + strips − 1`.
+    pub indices_restart: usize,
+    /// Length of the index buffer with strips joined by degenerate triangles, winding kept.
+    pub indices_degenerate: usize,
+}
+
+impl Metrics {
+    /// Measures strips.
+    ///
+    /// ```
+    /// use tristrip::{Strips, strip::Metrics};
+    /// let mut strips = Strips::default();
+    /// strips.push(&[0, 1, 2, 1, 3]); // a swap: triangles 0 1 2 and 2 1 3
+    /// strips.push(&[4, 5, 6]);
+    /// let m = Metrics::of(&strips);
+    /// assert_eq!((m.triangles, m.strips, m.isolated, m.swaps), (3, 2, 1, 1));
+    /// assert_eq!((m.vertices_sent, m.gl_cost, m.indices_restart, m.indices_degenerate), (8, 7, 9, 10));
+    /// ```
+    pub fn of(strips: &Strips) -> Self {
+        let mut metrics = Self {
+            strips: strips.len(),
+            vertices_sent: strips.vertices_sent(),
+            indices_restart: strips.vertices_sent() + strips.len().saturating_sub(1),
+            indices_degenerate: strips.to_degenerate().len(),
+            ..Self::default()
+        };
+        for strip in strips.iter() {
+            let real = strip.windows(3).filter(|w| w[0] != w[1] && w[1] != w[2] && w[0] != w[2]).count();
+            metrics.triangles += real;
+            metrics.isolated += usize::from(real == 1);
+            metrics.swaps += (strip.len().saturating_sub(2)) - real;
+        }
+        metrics.gl_cost = metrics.vertices_sent - metrics.swaps;
+        metrics
+    }
+
+    /// Divides `vertices_sent` by the triangles; 0 where there is none.
+    pub fn vertices_per_triangle(&self) -> f64 {
+        per(self.vertices_sent, self.triangles)
+    }
+
+    /// Divides `indices_restart` by the triangles; 0 where there is none.
+    pub fn indices_restart_per_triangle(&self) -> f64 {
+        per(self.indices_restart, self.triangles)
+    }
+
+    /// Divides `indices_degenerate` by the triangles; 0 where there is none.
+    pub fn indices_degenerate_per_triangle(&self) -> f64 {
+        per(self.indices_degenerate, self.triangles)
+    }
+}
+
+/// Adds the figures of a part to those of others. `indices_restart` is the length of one index buffer for all of them,
+/// `vertices_sent + strips − 1` still; `indices_degenerate` is the sum of an index buffer each.
+///
+/// ```
+/// use tristrip::{Strips, strip::Metrics};
+/// let mut strips = Strips::default();
+/// strips.push(&[0, 1, 2]);
+/// let part = Metrics::of(&strips);
+/// let both: Metrics = [part, part].into_iter().sum();
+/// assert_eq!((both.indices_restart, both.indices_degenerate), (7, 6));
+/// ```
+impl std::ops::Add for Metrics {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        let strips = self.strips + other.strips;
+        let vertices_sent = self.vertices_sent + other.vertices_sent;
+        Self {
+            triangles: self.triangles + other.triangles,
+            strips,
+            isolated: self.isolated + other.isolated,
+            swaps: self.swaps + other.swaps,
+            vertices_sent,
+            gl_cost: self.gl_cost + other.gl_cost,
+            indices_restart: vertices_sent + strips.saturating_sub(1),
+            indices_degenerate: self.indices_degenerate + other.indices_degenerate,
+        }
+    }
+}
+
+/// Sums the figures of a model's parts.
+impl std::iter::Sum for Metrics {
+    fn sum<I: Iterator<Item = Self>>(parts: I) -> Self {
+        parts.fold(Self::default(), |sum, part| sum + part)
+    }
+}
+
+fn per(count: usize, triangles: usize) -> f64 {
+    if triangles == 0 { 0.0 } else { count as f64 / triangles as f64 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_add_up_to_one_list_but_for_degenerate_joins() {
+        let strips = [&[0, 1, 2][..], &[3, 4, 5, 6], &[7, 8, 9, 8, 10], &[11, 12, 13], &[14, 15, 16, 17]];
+        let list = |range: std::ops::Range<usize>| {
+            let mut list = Strips::default();
+            strips[range].iter().for_each(|strip| list.push(strip));
+            Metrics::of(&list)
+        };
+        for first in 0..=strips.len() {
+            for second in first..=strips.len() {
+                let parts = [list(0..first), list(first..second), list(second..strips.len())];
+                let sum: Metrics = parts.into_iter().sum();
+                let indices_degenerate = parts.iter().map(|part| part.indices_degenerate).sum();
+                let expected = Metrics { indices_degenerate, ..list(0..strips.len()) };
+                assert_eq!(sum, expected, "cut at {first} and {second}");
+            }
+        }
+        assert_eq!([Metrics::default(); 2].into_iter().sum::<Metrics>(), Metrics::default());
+    }
+}

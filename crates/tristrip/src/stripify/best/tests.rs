@@ -1,0 +1,272 @@
+//! Tests over generated meshes of many kinds: prices against whole paths priced anew, and the whole method against its starts.
+
+use proptest::prelude::*;
+use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering::Relaxed};
+
+use super::{Annealer, Phase};
+use crate::cover::PathCover;
+use crate::cover::local_search::Diver;
+use crate::cover::priced::{NONE, Paths, Prices};
+use crate::dual::DualGraph;
+use crate::dual::Triangulation;
+use crate::effort::Effort;
+use crate::ids::HalfEdge;
+use crate::mesh::Faces;
+use crate::prepare::PreparedFaces;
+use crate::strip::{Cost, Metrics, cover_cost};
+use crate::stripify::sequential::tests::{mesh, polygons};
+use crate::stripify::{Method, Progress, StripPlan, StripifyOptions, Watch, plan};
+use crate::verify::verify;
+
+const COSTS: [Cost; 4] = [Cost::Restart, Cost::OpenGl, Cost::Degenerate, Cost::Gl];
+
+/// What paths cost beyond one index a triangle, every path priced as a whole.
+fn naive_cost(triangulation: &Triangulation<'_>, cover: &PathCover, prices: Prices) -> i64 {
+    let strips = cover.path_count();
+    let swaps = cover_cost(triangulation.graph(), cover) - cover.len() - 3 * strips;
+    let times = |count: usize, price: i32| count.cast_signed() as i64 * i64::from(price);
+    times(strips, prices.strip) + times(swaps, prices.swap)
+}
+
+fn to_plan<'a>(paths: &Paths, start: &Triangulation<'a>) -> StripPlan<'a> {
+    let (triangulation, cover) = paths.to_parts(start);
+    StripPlan::new(triangulation, cover)
+}
+
+fn check_paths(
+    paths: &Paths,
+    surface: &PreparedFaces<'_>,
+    start: &Triangulation<'_>,
+) -> Result<(), TestCaseError> {
+    let plan = to_plan(paths, start);
+    prop_assert_eq!(plan.triangulation.graph().check(), Ok(()));
+    prop_assert_eq!(plan.cover.check(plan.triangulation.graph()), Ok(()));
+    prop_assert_eq!(paths.cost(), naive_cost(&plan.triangulation, &plan.cover, paths.prices()));
+    prop_assert_eq!(paths.strip_count(), plan.cover.path_count());
+    let anew = Paths::new(surface.faces(), &plan.triangulation, &plan.cover, paths.prices());
+    for t in 0..paths.len() as u32 {
+        prop_assert_eq!(paths.mask(t), anew.mask(t));
+        prop_assert_eq!([0, 1, 2].map(|e| paths.twin(4 * t + e)), [0, 1, 2].map(|e| anew.twin(4 * t + e)));
+        let is_end = paths.mask(t).count_ones() < 2;
+        prop_assert_eq!(paths.ends_of(t as usize / 64) >> (t % 64) & 1 == 1, is_end);
+        prop_assert!(!is_end || paths.partner(t) == anew.partner(t));
+    }
+    Ok(())
+}
+
+/// What the swaps at the starts of all paths cost.
+fn starts(paths: &Paths) -> i64 {
+    let ends = (0..paths.len() as u32).filter(|&t| paths.mask(t).count_ones() < 2 && paths.partner(t) > t);
+    let swaps: i32 = ends.map(|t| paths.start_swap(t, paths.partner(t))).sum();
+    i64::from(swaps * paths.prices().swap)
+}
+
+/// Tries one change at a half-edge, as far as it makes sense there, and checks its price.
+fn change(paths: &mut Paths, link: u32, kind: u8) -> Result<(), TestCaseError> {
+    let twin = paths.twin(link);
+    if twin == NONE {
+        return Ok(());
+    }
+    let (before, starts_before) = (paths.cost(), starts(paths));
+    let ends = [link, twin].map(|h| paths.mask(h / 4).count_ones() < 2);
+    if paths.mask(link / 4) >> (link % 4) & 1 == 1 {
+        let inside = paths.cut_rise(link);
+        let rise = paths.cut(link);
+        prop_assert_eq!(i64::from(rise), paths.cost() - before);
+        prop_assert_eq!(i64::from(rise - inside), starts(paths) - starts_before);
+        if kind == 0 {
+            prop_assert_eq!(paths.join(link), Some(-rise));
+        }
+    } else if ends == [true, true] {
+        let rise = paths.join(link);
+        prop_assert_eq!(i64::from(rise.unwrap_or(0)), paths.cost() - before);
+    } else if ends == [true, false] {
+        let mask = paths.mask(twin / 4);
+        let cut_edge = if kind.is_multiple_of(2) { mask.trailing_zeros() } else { mask.ilog2() };
+        let cut = twin & !3 | cut_edge;
+        if paths.twin(cut) / 4 != link / 4 {
+            let inside = paths.graft_rise(link, cut);
+            let rise = paths.cut(cut);
+            if let Some(more) = paths.join(link) {
+                prop_assert_eq!(i64::from(rise + more - inside), starts(paths) - starts_before);
+            } else {
+                prop_assert_eq!(paths.join(cut), Some(-rise));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Stops a search when it is asked for the n-th time.
+struct Stopper {
+    stops_at: u64,
+    asked: AtomicU64,
+    last_cost: AtomicUsize,
+}
+
+impl Watch for Stopper {
+    fn go_on(&self, progress: Progress) -> bool {
+        assert!(Some(progress.steps) <= progress.step_limit && progress.strips > 0);
+        self.last_cost.store(progress.cost, Relaxed);
+        self.asked.fetch_add(1, Relaxed) + 1 < self.stops_at
+    }
+}
+
+proptest! {
+    #[test]
+    fn changes_are_priced_as_whole_paths(
+        polygons in polygons(true, 1..5),
+        changes in prop::collection::vec((any::<prop::sample::Index>(), 0..4_u8), 1..60),
+        prices in (1..5, 0..2),
+    ) {
+        let mesh = mesh(&polygons);
+        let surface = PreparedFaces::new(&mesh, false);
+        let graph = DualGraph::new(surface.faces());
+        if graph.half_edge_count() == 0 {
+            return Ok(());
+        }
+        let start = Triangulation::fan(&surface, &graph);
+        let mut cover = PathCover::isolated(graph.face_count());
+        (0..graph.half_edge_count() as u32).step_by(2).for_each(|h| { cover.join(&graph, HalfEdge(h)); });
+        let prices = Prices { strip: prices.0, swap: prices.1 };
+        let mut paths = Paths::new(surface.faces(), &start, &cover, prices);
+        check_paths(&paths, &surface, &start)?;
+        for (place, kind) in changes {
+            let h = place.index(graph.half_edge_count()) as u32;
+            change(&mut paths, h / 3 * 4 + h % 3, kind)?;
+            check_paths(&paths, &surface, &start)?;
+        }
+    }
+
+    #[test]
+    fn annealing_keeps_paths_right(polygons in polygons(false, 1..5), seed in any::<u64>(), hottest in 0.2..3.0_f64) {
+        let mesh = mesh(&polygons);
+        let surface = PreparedFaces::new(&mesh, false);
+        let graph = DualGraph::new(surface.faces());
+        let start = Triangulation::zigzag(&surface, &graph);
+        let prices = Prices { strip: 3, swap: 1 };
+        let cover = PathCover::isolated(start.triangle_count());
+        let mut paths = Paths::new(surface.faces(), &start, &cover, prices);
+        let phase = Phase { sweeps: 20, hottest, coldest: 0.15 };
+        Annealer::new(seed, &(), &[phase], cover.len(), cover.len()).run(&mut paths, phase);
+        check_paths(&paths, &surface, &start)?;
+        let plan = to_plan(&paths, &start);
+        let strips = plan.strips();
+        prop_assert!(verify(&mesh, &strips).is_ok(), "{:?}", verify(&mesh, &strips));
+    }
+
+    #[test]
+    fn dives_keep_paths_right_and_never_raise_the_cost(
+        polygons in polygons(false, 1..5),
+        seed in any::<u64>(),
+        prices in (1..4, 0..2),
+    ) {
+        let mesh = mesh(&polygons);
+        let surface = PreparedFaces::new(&mesh, false);
+        let graph = DualGraph::new(surface.faces());
+        let start = Triangulation::zigzag(&surface, &graph);
+        let prices = Prices { strip: prices.0, swap: prices.1 };
+        let cover = PathCover::isolated(start.triangle_count());
+        let mut paths = Paths::new(surface.faces(), &start, &cover, prices);
+        let mut diver = Diver::new(seed);
+        for t in (0..paths.len() as u32).chain(0..paths.len() as u32) {
+            let before = paths.cost();
+            diver.dive(&mut paths, t);
+            prop_assert!(paths.cost() <= before);
+            check_paths(&paths, &surface, &start)?;
+        }
+    }
+
+    #[test]
+    fn is_proven_and_never_worse_than_its_starts(polygons in polygons(false, 1..4), seed in any::<u64>()) {
+        let mesh = mesh(&polygons);
+        let surface = PreparedFaces::new(&mesh, false);
+        let graph = DualGraph::new(surface.faces());
+        for cost in COSTS {
+            let options = StripifyOptions::default().with_cost(cost).with_seed(seed).with_effort(Effort::new(2).unwrap());
+            let found = |method| {
+                let plan = plan(&surface, &graph, &options.with_method(method)).unwrap();
+                plan.strips()
+            };
+            let best = found(Method::Best);
+            prop_assert!(verify(&mesh, &best).is_ok(), "{:?}", verify(&mesh, &best));
+            prop_assert!(best == found(Method::Best));
+            for start in [Method::Sequential, Method::Input, Method::STRIPE] {
+                let (ours, theirs) = (Metrics::of(&best), Metrics::of(&found(start)));
+                prop_assert!(cost.of(&ours) <= cost.of(&theirs), "{:?} {:?}: {:?} {:?}", cost, start, ours, theirs);
+            }
+        }
+    }
+}
+
+#[test]
+fn diagonals_turn_around_and_back() {
+    // A hexagon, a quad on each of two of its sides, and a triangle on a quad's.
+    let faces = [vec![0, 1, 2, 3, 4, 5], vec![1, 0, 6, 7], vec![4, 3, 8, 9], vec![7, 6, 10]];
+    let mesh = mesh(&faces);
+    let surface = PreparedFaces::new(&mesh, false);
+    let graph = DualGraph::new(surface.faces());
+    let start = Triangulation::zigzag(&surface, &graph);
+    let cover = PathCover::isolated(start.triangle_count());
+    let mut paths = Paths::new(surface.faces(), &start, &cover, Prices { strip: 3, swap: 1 });
+    let cut = |paths: &Paths| to_plan(paths, &start).triangulation.triangles().to_vec();
+    let diagonals: Vec<u32> = (0..4 * paths.len() as u32)
+        .filter(|h| h % 4 < 3 && paths.diagonals(h / 4) >> (h % 4) & 1 == 1)
+        .collect();
+    assert_eq!(diagonals.len(), 2 * (3 + 1 + 1));
+    for diagonal in diagonals {
+        let before = cut(&paths);
+        for turn in 1..=4 {
+            paths.turn_diagonal(diagonal);
+            check_paths(&paths, &surface, &start).unwrap();
+            let plan = to_plan(&paths, &start);
+            assert!(verify(&mesh, &plan.strips()).is_ok());
+            let again =
+                DualGraph::new(&Faces::from_triangles(plan.triangulation.triangles().to_vec()).unwrap());
+            assert_eq!(plan.triangulation.graph(), &again);
+            assert_eq!(cut(&paths) == before, turn == 4);
+        }
+    }
+}
+
+/// A torus of triangles, cut at random.
+fn torus(side: u32) -> Vec<Vec<u32>> {
+    let v = |x, y| y % side * side + x % side;
+    let mut random = 1_u32;
+    let cells = (0..side * side).flat_map(|i| {
+        let (x, y) = (i % side, i / side);
+        random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        let [a, b, c, d] = [v(x, y), v(x + 1, y), v(x + 1, y + 1), v(x, y + 1)];
+        if random >> 31 == 1 { [vec![a, b, c], vec![a, c, d]] } else { [vec![a, b, d], vec![b, c, d]] }
+    });
+    cells.collect()
+}
+
+#[test]
+fn stops_when_told_to_and_lowers_the_cost_when_not() {
+    let mesh = mesh(&torus(40));
+    let surface = PreparedFaces::new(&mesh, false);
+    let graph = DualGraph::new(surface.faces());
+    let at = |stops_at, level| {
+        let watch = Stopper { stops_at, asked: AtomicU64::new(0), last_cost: AtomicUsize::new(usize::MAX) };
+        let plan = super::plan(&surface, &graph, Cost::Restart, Effort::new(level).unwrap(), 0, &watch);
+        assert_eq!(plan.cover.check(&graph), Ok(()));
+        let (cost, asked) = (plan.indices_restart(), watch.asked.into_inner());
+        assert!(
+            asked < stops_at || cost <= watch.last_cost.into_inner(),
+            "at most what it told before it stopped"
+        );
+        (cost, asked)
+    };
+    let (stopped, asked) = at(3, 4);
+    assert_eq!(asked, 3);
+    let (whole, asked) = at(u64::MAX, 4);
+    assert!(asked > 10, "{asked}");
+    let (little, _) = at(u64::MAX, 1);
+    let (none, asked) = at(u64::MAX, 0);
+    assert_eq!(asked, 0);
+    assert!(
+        whole < little && little < none && whole < stopped && stopped <= none,
+        "{whole} {little} {none} {stopped}"
+    );
+}
