@@ -32,16 +32,16 @@
 //! ```
 
 pub mod filter;
+mod index_map;
 mod level_mesh;
 pub mod progressive;
 pub mod repair;
+mod replay;
 #[cfg(test)]
 mod samples;
 pub mod traffic;
 
 pub use filter::{DrawCost, Filter};
+pub use index_map::RESTART;
 pub use progressive::{ProgressiveMesh, ProgressiveStrips};
 pub use repair::{Repair, RepairOptions};
-
-/// Separates strips in an index map; no vertex has this number.
-pub const RESTART: u32 = u32::MAX;

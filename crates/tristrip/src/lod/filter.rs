@@ -22,16 +22,19 @@
 
 pub mod dtfs;
 pub mod linked;
+mod scanner;
 pub mod stss;
 mod valid;
 
 #[cfg(test)]
 mod tests;
 
-use super::RESTART;
+use super::index_map::RESTART;
 use crate::strip::Strips;
 pub(crate) use dtfs::Dtfs;
 pub(crate) use linked::Linked;
+pub use scanner::DrawCost;
+pub(crate) use scanner::{DrawTally, Scanner, Sink};
 pub(crate) use stss::Stss;
 pub(crate) use valid::{BLOCK, Gatherer};
 
@@ -48,17 +51,6 @@ pub enum Filter {
     /// Ours: valid triangles only, in the same order, at the least cost that this order has.
     #[default]
     Linked,
-}
-
-/// What display strips cost.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub struct DrawCost {
-    /// Vertices sent, swaps and winding repeats included.
-    pub vertices: usize,
-    /// Display strips.
-    pub strips: usize,
-    /// Vertices among those sent that a strip repeats at its start only for its winding.
-    pub winding_repeats: usize,
 }
 
 impl Filter {
@@ -111,7 +103,7 @@ impl Filter {
 
     /// Counts what [`Filter::map_to`] would send, and stores nothing.
     pub fn sent_by_map(self, map: &[u32]) -> DrawCost {
-        let mut tally = Tally::default();
+        let mut tally = DrawTally::default();
         self.scan(map, &mut tally);
         tally.into()
     }
@@ -126,171 +118,5 @@ impl Filter {
             Self::Dtfs => Dtfs::default().scan_all(map, sink),
             Self::Linked => Linked::default().scan_all(map, sink),
         }
-    }
-}
-
-/// A scan of an index map, block by block. It is where it stands between two blocks: equal scans go on alike.
-pub(crate) trait Scanner: Clone + PartialEq + Default {
-    /// Scans the block with which the rest of the map begins.
-    fn scan(&mut self, rest: &[u32], gatherer: &mut Gatherer, sink: &mut impl Sink);
-
-    /// Ends the strip that is not ended yet, after the last block.
-    fn end(&self, sink: &mut impl Sink);
-
-    /// Scans a whole map.
-    fn scan_all(mut self, map: &[u32], sink: &mut impl Sink) {
-        let mut gatherer = Gatherer::new();
-        (0..map.len()).step_by(BLOCK).for_each(|start| self.scan(&map[start..], &mut gatherer, sink));
-        self.end(sink);
-    }
-}
-
-/// Where display strips go: to be stored, or only to be counted.
-pub(crate) trait Sink {
-    /// Sends a vertex.
-    fn send(&mut self, vertex: u32);
-    /// Sends vertices.
-    fn send_all(&mut self, vertices: &[u32]);
-    /// Sends vertices in which display strips begin at `starts`, the first of all that are sent unless some `is_begun`.
-    fn send_block(
-        &mut self,
-        vertices: &[u32],
-        starts: impl ExactSizeIterator<Item = u32>,
-        winding_repeats: usize,
-        is_begun: bool,
-    );
-    /// Sends a vertex before the one sent last.
-    fn send_before_last(&mut self, vertex: u32);
-    /// Takes other vertices for the three sent last.
-    fn replace_last(&mut self, vertices: [u32; 3]);
-    /// Reads the strip that is not ended yet from its other end, without the swap of its second triangle.
-    fn turn_round(&mut self);
-    /// Ends a display strip.
-    fn end(&mut self);
-}
-
-/// What a part of a scan sends. It may be less than nothing: a strip may be found cheaper when it ends.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(crate) struct Tally {
-    pub(crate) vertices: isize,
-    pub(crate) strips: isize,
-    pub(crate) winding_repeats: isize,
-}
-
-impl From<Tally> for DrawCost {
-    fn from(tally: Tally) -> Self {
-        let count = |count: isize| usize::try_from(count).unwrap_or(0);
-        Self {
-            vertices: count(tally.vertices),
-            strips: count(tally.strips),
-            winding_repeats: count(tally.winding_repeats),
-        }
-    }
-}
-
-impl Sink for Tally {
-    fn send(&mut self, _: u32) {
-        self.vertices += 1;
-    }
-
-    fn send_all(&mut self, vertices: &[u32]) {
-        self.vertices += vertices.len().cast_signed();
-    }
-
-    fn send_block(
-        &mut self,
-        vertices: &[u32],
-        starts: impl ExactSizeIterator<Item = u32>,
-        winding_repeats: usize,
-        is_begun: bool,
-    ) {
-        self.vertices += vertices.len().cast_signed();
-        self.strips += starts.len().cast_signed() - isize::from(!is_begun);
-        self.winding_repeats += winding_repeats.cast_signed();
-    }
-
-    fn send_before_last(&mut self, _: u32) {
-        self.vertices += 1;
-    }
-
-    fn replace_last(&mut self, _: [u32; 3]) {}
-
-    fn turn_round(&mut self) {
-        self.vertices -= 1;
-    }
-
-    fn end(&mut self) {
-        self.strips += 1;
-    }
-}
-
-impl Sink for Strips {
-    fn send(&mut self, vertex: u32) {
-        self.send_vertex(vertex);
-    }
-
-    fn send_all(&mut self, vertices: &[u32]) {
-        self.send_block_of(vertices, []);
-    }
-
-    fn send_block(
-        &mut self,
-        vertices: &[u32],
-        starts: impl ExactSizeIterator<Item = u32>,
-        _: usize,
-        is_begun: bool,
-    ) {
-        self.send_block_of(vertices, starts.skip(usize::from(!is_begun)));
-    }
-
-    fn send_before_last(&mut self, vertex: u32) {
-        if let [.., last] = self.open_strip() {
-            let last = std::mem::replace(last, vertex);
-            self.send_vertex(last);
-        }
-    }
-
-    fn replace_last(&mut self, vertices: [u32; 3]) {
-        if let [.., a, b, c] = self.open_strip() {
-            [*a, *b, *c] = vertices;
-        }
-    }
-
-    fn turn_round(&mut self) {
-        // v0 v1 v2 v1 w … ends as … w v1 v2 v0.
-        let strip = self.open_strip();
-        strip.reverse();
-        if let [.., _, second, first] = strip {
-            *second = std::mem::replace(first, *second);
-            // … w v1 v2 v0 v1 by now, where the last is one too many.
-        }
-        self.drop_last_vertex();
-    }
-
-    fn end(&mut self) {
-        self.end_strip();
-    }
-}
-
-impl std::ops::AddAssign for DrawCost {
-    fn add_assign(&mut self, other: Self) {
-        self.vertices += other.vertices;
-        self.strips += other.strips;
-        self.winding_repeats += other.winding_repeats;
-    }
-}
-
-impl std::ops::Add for DrawCost {
-    type Output = Self;
-
-    fn add(mut self, other: Self) -> Self {
-        self += other;
-        self
-    }
-}
-
-impl std::iter::Sum for DrawCost {
-    fn sum<I: Iterator<Item = Self>>(counts: I) -> Self {
-        counts.fold(Self::default(), |sum, count| sum + count)
     }
 }

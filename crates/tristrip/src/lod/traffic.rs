@@ -21,7 +21,7 @@
 //! A collapse takes a few blocks for each place that it changes, however long the strips: the bunny's 33,000 levels take a quarter
 //! of a second, 0.35 as two strips in all. 3 bytes an entry, beside the models.
 
-use super::filter::{BLOCK, DrawCost, Dtfs, Filter, Gatherer, Linked, Scanner, Stss, Tally};
+use super::filter::{BLOCK, DrawCost, DrawTally, Dtfs, Filter, Gatherer, Linked, Scanner, Stss};
 use super::progressive::{Encoding, ProgressiveStrips};
 use crate::collapse::CollapseSequence;
 use crate::error::Error;
@@ -278,15 +278,15 @@ impl Counts {
 /// A scan as it stands before each block and after the last, and what each block sends; at last, what its end does.
 struct Blocks<S> {
     scans: Vec<S>,
-    tallies: Vec<Tally>,
-    sum: Tally,
+    tallies: Vec<DrawTally>,
+    sum: DrawTally,
 }
 
 impl<S: Scanner> Blocks<S> {
     fn new(map: &[u32]) -> Self {
         let count = map.len().div_ceil(BLOCK);
-        let (scans, tallies) = (vec![S::default(); count + 1], vec![Tally::default(); count + 1]);
-        Self { scans, tallies, sum: Tally::default() }
+        let (scans, tallies) = (vec![S::default(); count + 1], vec![DrawTally::default(); count + 1]);
+        Self { scans, tallies, sum: DrawTally::default() }
     }
 
     /// Scans blocks again, in rising order, and after each those to which it now comes otherwise than before.
@@ -296,7 +296,7 @@ impl<S: Scanner> Blocks<S> {
             let mut at = block as usize;
             // One that an earlier block led to was scanned with all its changes.
             while at >= next && at < self.scans.len() - 1 {
-                let (mut scan, mut tally) = (self.scans[at].clone(), Tally::default());
+                let (mut scan, mut tally) = (self.scans[at].clone(), DrawTally::default());
                 scan.scan(&map[at * BLOCK..], gatherer, &mut tally);
                 self.replace(at, tally);
                 at += 1;
@@ -307,14 +307,14 @@ impl<S: Scanner> Blocks<S> {
                 self.scans[at] = scan;
             }
         }
-        let mut end = Tally::default();
+        let mut end = DrawTally::default();
         if let Some(scan) = self.scans.last() {
             scan.end(&mut end);
         }
         self.replace(self.tallies.len() - 1, end);
     }
 
-    fn replace(&mut self, at: usize, now: Tally) {
+    fn replace(&mut self, at: usize, now: DrawTally) {
         let before = std::mem::replace(&mut self.tallies[at], now);
         self.sum.vertices += now.vertices - before.vertices;
         self.sum.strips += now.strips - before.strips;

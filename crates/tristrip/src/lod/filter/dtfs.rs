@@ -32,8 +32,8 @@
 
 #![allow(clippy::needless_bitwise_bool, reason = "a lazy operator would be a branch")]
 
+use super::scanner::{Scanner, Sink};
 use super::valid::{BLOCK, FIRST_KEY, Gatherer, Valid};
-use super::{Scanner, Sink};
 
 /// A scan that has come to the end of a block.
 #[derive(Debug, Clone, PartialEq)]

@@ -27,8 +27,8 @@
 //! # Complexity
 //! O(n); at most three vertices a triangle.
 
+use super::scanner::{Scanner, Sink};
 use super::valid::{FIRST_KEY, Gatherer};
-use super::{Scanner, Sink};
 
 /// A scan that has come to the end of a block.
 #[derive(Debug, Clone, PartialEq)]

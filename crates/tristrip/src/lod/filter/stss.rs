@@ -20,9 +20,9 @@
 //! # Complexity
 //! O(n).
 
+use super::scanner::{Scanner, Sink};
 use super::valid::{BLOCK, Gatherer};
-use super::{Scanner, Sink};
-use crate::lod::RESTART;
+use crate::lod::index_map::RESTART;
 
 /// A scan that has come to the end of a block.
 #[derive(Debug, Clone, PartialEq, Default)]

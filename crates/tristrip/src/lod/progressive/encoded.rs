@@ -30,10 +30,10 @@
 //! # Complexity
 //! Decoding is O(n). Recording takes as many steps as naive places are renamed, and 12 bytes an entry meanwhile.
 
-use super::{Places, Records, Replay};
 use crate::collapse::{CollapseSequence, Rename};
 use crate::error::Error;
-use crate::lod::RESTART;
+use crate::lod::index_map::RESTART;
+use crate::lod::replay::{Places, Records, Replay};
 
 /// Vertices that have numbers below those of the symbols.
 pub(super) const MOST_VERTICES: u32 = u32::MAX - 4;

@@ -9,9 +9,9 @@
 //! # Complexity
 //! As many steps as places are written, and 4 bytes an entry and a vertex meanwhile.
 
-use super::{Places, Records, Replay};
 use crate::collapse::{CollapseSequence, Rename};
 use crate::error::Error;
+use crate::lod::replay::{Places, Records, Replay};
 
 /// Records all collapses over a map of vertices and restarts, of which the entries from `live(level)` on are not drawn at that level or
 /// below it: they stay as they were.

@@ -19,9 +19,10 @@
 //! # Complexity
 //! 12 bytes a triangle; a collapse takes about four corners of 8 bytes, and 28 bytes.
 
-use super::{Replay, naive};
+use super::naive;
 use crate::collapse::CollapseSequence;
 use crate::error::Error;
+use crate::lod::replay::Replay;
 use crate::mesh::{is_degenerate, triangles_of};
 
 /// The triangles of a mesh at any level of a collapse sequence, as a list that is updated in place.
