@@ -1,12 +1,12 @@
 //! Levels of detail: the strips of the full mesh, render-ready at every level of a [`CollapseSequence`](crate::CollapseSequence).
 //!
-//! A collapse renames vertices, also where they stand in strips. So the strips are made once, for the full mesh; at any other level they
-//! are the same strips with some vertices renamed, and a [`Filter`] takes out what draws nothing any more.
+//! A collapse renames vertices, also in strips. The strips are therefore made once, for the full mesh. At any other level they are the same strips
+//! with some vertices renamed, and a [`Filter`] removes degenerate triangles.
 //!
 //! ```text
 //! Strips of the full mesh ─ renamed for a level ─▶ simplified strips ─ filter ─▶ display strips
 //! ```
-//! The whole way:
+//! Complete example:
 //!
 //! ```
 //! use tristrip::lod::{Filter, ProgressiveStrips, progressive::Encoding};

@@ -1,24 +1,25 @@
-//! Filters: a strip in which collapses have renamed vertices becomes *display strips*, which draw the same with fewer vertices.
+//! Filters: a strip in which collapses have renamed vertices becomes *display strips*, which draw the same triangles with fewer vertices.
 //!
-//! A collapse makes two vertices of a strip one, and the triangles between them degenerate. They draw nothing, but they are sent; toward
-//! the base mesh most of a strip is such waste. A filter reads a simplified strip once, from front to back, and sends what
-//! is needed. What it sends draws exactly the oriented triangles that the simplified strip draws, whatever the filter.
+//! A collapse makes two vertices of a strip equal and the triangles between them degenerate. They draw nothing, but their vertices are sent; near
+//! the base mesh most of a strip is degenerate. A filter reads a simplified strip once, from front to back, and sends what is needed. Display
+//! strips draw exactly the oriented triangles of the simplified strip, whatever the filter.
 //!
 //! ```text
 //! the strip          0 1 2 3 4 5 6        draws 012 213 234 435 456
 //! 3 becomes 2        0 1 2 2 4 5 6        draws 012 425 456; 1 2 2 and 2 2 4 draw nothing
 //! None, Stss         0 1 2 2 4 5 6
-//! Dtfs               0 1 2 │ 2 2 4 5 6    a strip that begins at an odd place repeats its first vertex
+//! Dtfs               0 1 2 │ 2 2 4 5 6    a strip that begins at an odd position repeats its first vertex
 //! Linked             0 1 2 │ 2 5 4 6      the same without the repeat: a first triangle may be rotated
 //! ```
 //! # References
 //! [`stss`] is El-Sana, Evans, Kalaiah, Varshney, Skiena, Azanli: *Efficiently Computing and Updating Triangle Strips for Real-Time
-//! Rendering*, 2000, section 5.4; [`dtfs`] is Kim, Park, Yang, Neelamkavil: *A Rendering-Efficient Progressive Transmission of 3D
-//! Meshes*, 2005, section 4. [`linked`] is ours. So is [`repair`](super::repair), which reads no strips: it follows the collapses, and mends strips beside them.
+//! Rendering*, 2000, section 5.4. [`dtfs`] is Kim, Park, Yang, Neelamkavil: *A Rendering-Efficient Progressive Transmission of 3D
+//! Meshes*, 2005, section 4. [`linked`] is ours. [`repair`](super::repair) is ours, too: it reads no strips, but follows the collapses and repairs the
+//! strips next to them.
 //!
 //! # Complexity
-//! O(n) time, and no memory but the result, at most four vertices a triangle. Of the strips of the bunny at 21 levels, `Dtfs` reads 360
-//! million entries a second, `Stss` and `Linked` 260 million, on a core of their own.
+//! O(n) time, and no memory but the result, at most four vertices per triangle. For the strips of the bunny at 21 levels, on a core of their own,
+//! `Dtfs` reads 360 million entries per second, `Stss` and `Linked` 260 million.
 
 pub mod dtfs;
 pub mod linked;
@@ -38,26 +39,26 @@ pub(crate) use scanner::{DrawTally, Scanner, Sink};
 pub(crate) use stss::Stss;
 pub(crate) use valid::{BLOCK, Gatherer};
 
-/// How simplified strips become display strips.
+/// A filter that turns simplified strips into display strips.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
 pub enum Filter {
-    /// Strips are sent as they are, with all that draws nothing.
+    /// Sends strips unchanged, degenerate triangles included.
     None,
-    /// The simple triangle strip scanner: pairs of vertices that repeat at once are sent once.
+    /// The simple triangle strip scanner: pairs of vertices that repeat immediately are sent once.
     Stss,
-    /// The degenerate triangle-free scanner: valid triangles only, a new strip where two of them do not follow on each other.
+    /// The degenerate triangle-free scanner: only valid triangles, with a new strip where two of them are not consecutive.
     Dtfs,
-    /// Ours: valid triangles only, in the same order, at the least cost that this order has.
+    /// Ours: only valid triangles, in the same order, at the least cost for this order.
     #[default]
     Linked,
 }
 
 impl Filter {
-    /// All filters, from the least to the most that they take out.
+    /// All filters, ordered by how much they remove.
     pub const ALL: [Self; 4] = [Self::None, Self::Stss, Self::Dtfs, Self::Linked];
 
-    /// Filters one simplified strip and adds its display strips to others.
+    /// Filters one simplified strip and appends its display strips.
     ///
     /// ```
     /// use tristrip::{Strips, lod::Filter};
@@ -69,8 +70,8 @@ impl Filter {
         self.scan(strip, display);
     }
 
-    /// Filters all strips between the restarts of an index map, and adds their display strips to others. A buffer that is
-    /// [cleared](Strips::clear) and filled again at the next level allocates nothing.
+    /// Filters all strips of an index map and appends their display strips. A buffer that is [cleared](Strips::clear) and filled
+    /// again at the next level does not allocate.
     ///
     /// ```
     /// use tristrip::{Strips, lod::{Filter, RESTART}};
@@ -89,7 +90,7 @@ impl Filter {
         display
     }
 
-    /// Counts what [`Filter::strip_to`] would send, and stores nothing.
+    /// Returns the cost of what [`Filter::strip_to`] would send, without storing it.
     ///
     /// ```
     /// use tristrip::lod::{DrawCost, Filter};
@@ -101,7 +102,7 @@ impl Filter {
         self.sent_by_map(strip)
     }
 
-    /// Counts what [`Filter::map_to`] would send, and stores nothing.
+    /// Returns the cost of what [`Filter::map_to`] would send, without storing it.
     pub fn sent_by_map(self, map: &[u32]) -> DrawCost {
         let mut tally = DrawTally::default();
         self.scan(map, &mut tally);

@@ -1,41 +1,44 @@
-//! The triangles of a level and who shares an edge with whom, kept up to date by collapses and splits.
+//! The triangles of a level and which of them share edges, updated by collapses and splits.
 //!
 //! ```text
-//!        x                      x         The corners around each vertex stand in a ring. A collapse takes the dropped
-//!      ╱ │ ╲                   ╱ ╲        triangles' corners out of their rings and moves the removed vertex's ring into the
-//!    ╱ d │ d ╲       ─▶      ╱     ╲      kept one's. What is taken out of a linked ring still knows its neighbours, so that
-//!  kept──removed──         kept────────   the split puts it back in O(1), as long as splits undo the last collapse first.
+//!        x                      x         The corners around each vertex form a ring. A collapse removes the dropped triangles'
+//!      ╱ │ ╲                   ╱ ╲        corners from their rings and moves the removed vertex's ring into the kept one's.
+//!    ╱ d │ d ╲       ─▶      ╱     ╲      A corner removed from a linked ring still knows its neighbours, so that the split
+//!  kept──removed──         kept────────   restores it in O(1), as long as splits undo the last collapse first.
 //! ```
-//! The two sides of an edge are each other's twins where they have opposite directions. Of more sides, those that
-//! were twins stay so, and each other one, in order of the triangles, takes the last of the other direction that has none yet. Sides change only around the kept vertex of a collapse, and around both
-//! vertices of a split, and are found there anew.
+//! The two sides of an edge are twins if they have opposite directions. Of more sides, those that were twins stay so, and each other one, in order of
+//! the triangles, takes the last one of the other direction that has no twin yet. Sides change only around the kept vertex of a collapse, and
+//! around both vertices of a split, where they are recomputed.
+//!
+//! `simplify` keeps its own structure under collapses (`simplify/topology.rs`): it never splits, needs no twins, and stores rings as arrays, which its
+//! searches read in order. Here splits must restore rings exactly, which linked rings do in O(1) per corner.
 //!
 //! # References
 //! Knuth: *Dancing links*, 2000.
 //!
 //! # Complexity
-//! A collapse or a split takes O(k log k) time where k triangles stand around the vertices that it names; 36 bytes a triangle and 8 a vertex.
+//! A collapse or a split takes O(k log k) time where k triangles surround the vertices that it names. 36 bytes per triangle and 8 per vertex.
 
 use crate::collapse::{Collapse, CollapseSequence};
 use crate::cover::priced::NONE;
 use crate::mesh::is_degenerate;
 
-/// Triangles that collapses rename and drop. Corner e of triangle t is 3 t + e.
+/// The triangles of a level under collapses and splits. Corner e of triangle t is 3 t + e.
 #[derive(Debug, Clone)]
 pub(super) struct LevelMesh {
-    /// The vertex at each corner, as it is named now, or was when its triangle was dropped.
+    /// The current vertex at each corner, or the one at the time when its triangle was dropped.
     corners: Vec<u32>,
-    /// The ring of each vertex: its corners and, after all corners, its head.
+    /// The ring of each vertex: its corners and its head. Heads are numbered after all corners.
     next: Vec<u32>,
     previous: Vec<u32>,
     /// Sides around a vertex, sorted by edge.
     sides: Vec<u64>,
-    /// Those of an edge that have no twin yet.
+    /// Sides of an edge without a twin.
     waiting: Vec<u64>,
 }
 
 impl LevelMesh {
-    /// Takes the triangles of the full mesh that are drawn; the others have no place in the rings.
+    /// Builds the full mesh. Triangles that are not drawn are in no ring.
     pub(super) fn new(sequence: &CollapseSequence) -> Self {
         let corners = sequence.triangles().to_vec();
         let ring = 0..(corners.len() + sequence.vertex_count()) as u32;
@@ -63,24 +66,24 @@ impl LevelMesh {
         self.corners.len() / 3
     }
 
-    /// Tells whether a triangle is there: one that was dropped has lost its area.
+    /// Returns whether a triangle is drawn. A dropped triangle is degenerate.
     pub(super) fn is_drawn(&self, t: u32) -> bool {
         !is_degenerate(self.triangle(t))
     }
 
-    /// The vertices of a triangle.
+    /// Returns the vertices of a triangle.
     pub(super) fn triangle(&self, t: u32) -> [u32; 3] {
         [0, 1, 2].map(|e| self.corners[3 * t as usize + e])
     }
 
-    /// Walks over the corners at a vertex that is not removed.
+    /// Iterates over the corners at a vertex that is not removed.
     pub(super) fn around(&self, v: u32) -> impl Iterator<Item = u32> {
         let head = self.head(v);
         std::iter::successors(Some(self.next[head as usize]), |&corner| Some(self.next[corner as usize]))
             .take_while(move |&corner| corner != head)
     }
 
-    /// Does a collapse.
+    /// Applies a collapse.
     pub(super) fn collapse(&mut self, collapse: &Collapse<'_>) {
         for rename in collapse.renames {
             let (from, to) = (self.head(rename.removed), self.head(rename.kept));
@@ -98,13 +101,13 @@ impl LevelMesh {
         }
     }
 
-    /// Undoes a collapse, which must be the last that is not undone.
+    /// Undoes a collapse, which must be the last applied one.
     pub(super) fn split(&mut self, collapse: &Collapse<'_>) {
         for &t in collapse.dropped.iter().rev() {
             (3 * t..3 * t + 3).rev().for_each(|corner| self.link(corner));
         }
         for rename in collapse.renames.iter().rev() {
-            // The removed vertex's head still knows the ends of its ring.
+            // The removed vertex's head still refers to the ends of its ring.
             let from = self.head(rename.removed);
             let (first, last) = (self.next[from as usize], self.previous[from as usize]);
             if first == from {
@@ -118,7 +121,7 @@ impl LevelMesh {
         }
     }
 
-    /// Gives the edges that two triangles share, by the half-edges of the two sides, numbered as in [`LevelMesh::sides_around`].
+    /// Returns the edges that two triangles share, by the half-edges of the two sides, numbered as in [`LevelMesh::sides_around`].
     pub(super) fn shared(&self, t: u32, u: u32) -> impl Iterator<Item = [u32; 2]> {
         let [from, to] = [t, u].map(|t| self.triangle(t));
         let edges = (0..3_u32).flat_map(|e| (0..3_u32).map(move |f| (e, f)));
@@ -129,8 +132,8 @@ impl LevelMesh {
         })
     }
 
-    /// Tells of each half-edge at a vertex that is not removed, on either side of an edge there, what its other side is, knowing what it
-    /// was. They are numbered by fours, as paths have them: edge e of triangle t is 4 t + e.
+    /// Calls `tell` with each half-edge at a vertex that is not removed and its twin, for both sides of each edge there. `was` returns
+    /// the twin before the change. Half-edges are numbered by fours, as in priced paths: edge e of triangle t is 4 t + e.
     pub(super) fn sides_around(&mut self, v: u32, was: impl Fn(u32) -> u32, mut tell: impl FnMut(u32, u32)) {
         let [mut sides, mut waiting] = [&mut self.sides, &mut self.waiting].map(std::mem::take);
         sides.clear();
@@ -156,15 +159,15 @@ impl LevelMesh {
                 tell(half_edge(other), half_edge(one));
                 continue;
             }
-            let place = |h: u32| edge.binary_search_by_key(&h, |&side| half_edge(side)).ok();
-            let keeps = |side: u64| place(was(half_edge(side))).filter(|&i| (edge[i] ^ side) & 1 == 1);
+            let position = |h: u32| edge.binary_search_by_key(&h, |&side| half_edge(side)).ok();
+            let keeps = |side: u64| position(was(half_edge(side))).filter(|&i| (edge[i] ^ side) & 1 == 1);
             waiting.clear();
             for &side in edge {
                 if let Some(other) = keeps(side) {
                     tell(half_edge(side), half_edge(edge[other]));
                     continue;
                 }
-                // All that wait have one direction.
+                // All waiting sides have one direction.
                 match waiting.pop_if(|last| (*last ^ side) & 1 == 1) {
                     Some(last) => {
                         tell(half_edge(last), half_edge(side));
@@ -179,12 +182,12 @@ impl LevelMesh {
         self.sides = sides;
     }
 
-    /// The place of a vertex in its own ring.
+    /// Returns the head of the ring of a vertex.
     fn head(&self, v: u32) -> u32 {
         self.corners.len() as u32 + v
     }
 
-    /// Names the vertex at the corners of a ring from one of them up to an end.
+    /// Sets the vertex at the corners of a ring from one of them up to `end`.
     fn rename(&mut self, first: u32, end: u32, vertex: u32) {
         let mut corner = first;
         while corner != end {
@@ -198,14 +201,14 @@ impl LevelMesh {
         self.previous[after as usize] = before;
     }
 
-    /// Puts a corner back between the neighbours that it knows.
+    /// Puts a corner back between its stored neighbours.
     fn link(&mut self, corner: u32) {
         let (before, after) = (self.previous[corner as usize], self.next[corner as usize]);
         self.next[before as usize] = corner;
         self.previous[after as usize] = corner;
     }
 
-    /// Takes a corner out from between its neighbours, and leaves it knowing them.
+    /// Removes a corner from its ring; it keeps its stored neighbours.
     fn unlink(&mut self, corner: u32) {
         let (before, after) = (self.previous[corner as usize], self.next[corner as usize]);
         self.next[before as usize] = after;

@@ -1,23 +1,23 @@
-//! Progressive strips: strips that follow every collapse and every vertex split, by the few places that it renames.
+//! Progressive strips: strips that follow every collapse and every vertex split, by the few slots that it renames.
 //!
-//! The vertices of all strips stand in one *index map*, with a restart between strips. A collapse writes another entry over the removed
-//! vertex wherever it stands; the vertex split that undoes it writes the vertex back. So the record of a split is the vertex and its
-//! places, and no step looks at anything else.
+//! The vertices of all strips stand in one *index map*, with a restart between strips. A collapse overwrites the removed vertex with another entry in
+//! every slot that holds it; the vertex split that undoes the collapse writes the vertex back. The record of a split is therefore the vertex
+//! and its slots, and no step reads anything else.
 //!
 //! ```text
 //! level 8   0 1 2 3 4 R 3 2 5       4 collapses to 2, then 3 to 2
-//! level 7   0 1 2 3 2 R 3 2 5       the split of level 7: vertex 4 at place 4
-//! level 6   0 1 2 2 2 R 2 2 5       the split of level 6: vertex 3 at places 3 and 6
+//! level 7   0 1 2 3 2 R 3 2 5       the split of level 7: vertex 4 in slot 4
+//! level 6   0 1 2 2 2 R 2 2 5       the split of level 6: vertex 3 in slots 3 and 6
 //! ```
-//! How many places there are, u, is what a refinement costs on its way to a client: 12 bytes for the position of the vertex and 2
-//! for each place. Vertices pile up in the map toward the base mesh, and u grows with them; [`encoded`] has it stay near three.
+//! The number of slots, u, is the cost of sending a refinement: 12 bytes for the position of the vertex and 2 per slot. Toward the base mesh vertices
+//! accumulate slots, and u grows with them; [`encoded`] keeps it near three.
 //!
 //! # References
 //! Hoppe: *Progressive Meshes*, 1996 ([`pm`]). Kim, Park, Yang, Neelamkavil: *A Rendering-Efficient Progressive Transmission of 3D
 //! Meshes*, 2005, section 3.
 //!
 //! # Complexity
-//! A step takes O(u) time. Memory: 4 bytes an entry of the map; for a collapse 12 bytes, and 8 for each of its places.
+//! A step takes O(u) time. Memory: 4 bytes per entry of the map, 12 bytes per collapse, and 8 bytes per slot that it renames.
 
 pub mod encoded;
 pub mod naive;
@@ -30,22 +30,22 @@ pub use pm::ProgressiveMesh;
 
 use super::index_map::RESTART;
 use super::replay::Replay;
-pub use super::replay::Update;
+pub use super::replay::SlotUpdate;
 use crate::collapse::CollapseSequence;
 use crate::error::{Error, MeshProblem};
 use crate::strip::Strips;
 
-/// What a collapse writes over the places of the removed vertex.
+/// What a collapse writes into the slots of the removed vertex.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Encoding {
     /// The kept vertex: see [`naive`].
     Naive,
-    /// Where the kept vertex stands nearby, a symbol that refers to it: see [`encoded`].
+    /// A symbol that refers to the kept vertex if that is nearby: see [`encoded`].
     #[default]
     Offsets,
 }
 
-/// The strips of a mesh at any level of a collapse sequence, as an index map that is updated in place.
+/// The strips of a mesh at any level of a collapse sequence, as an index map that is updated in slot.
 ///
 /// ```
 /// use tristrip::lod::{Filter, progressive::{Encoding, ProgressiveStrips}};
@@ -71,10 +71,10 @@ pub struct ProgressiveStrips {
 }
 
 impl ProgressiveStrips {
-    /// Makes the model of strips under a sequence of collapses, at the level of the full mesh.
+    /// Builds the model of strips under a sequence of collapses, at the level of the full mesh.
     ///
     /// # Errors
-    /// A strip has a vertex that the sequence does not have; there are more than 2³² − 5 vertices, or more than 256 places for each entry of
+    /// A strip has a vertex that the sequence does not have; there are more than 2³² − 5 vertices, or more than 256 renamed slots per entry of
     /// the map.
     pub fn new(strips: &Strips, sequence: &CollapseSequence, encoding: Encoding) -> Result<Self, Error> {
         let map = strips.to_restart(RESTART);
@@ -86,37 +86,37 @@ impl ProgressiveStrips {
         Ok(Self { replay, encoding })
     }
 
-    /// Gives what collapses write.
+    /// Returns what collapses write.
     pub fn encoding(&self) -> Encoding {
         self.encoding
     }
 
-    /// Counts the collapses, which is the level of the full mesh.
+    /// Returns the number of collapses, which is the level of the full mesh.
     pub fn len(&self) -> usize {
         self.replay.records.len()
     }
 
-    /// Tells whether there is no collapse.
+    /// Returns whether there is no collapse.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Gives the level at which the map stands.
+    /// Returns the level of the map.
     pub fn level(&self) -> usize {
         self.replay.level
     }
 
-    /// Splits a vertex: goes one level up. Gives `false` at the full mesh.
+    /// Splits a vertex: one level up. Returns `false` at the full mesh.
     pub fn refine(&mut self) -> bool {
         self.replay.refine()
     }
 
-    /// Collapses a vertex: goes one level down. Gives `false` at the base mesh.
+    /// Collapses a vertex: one level down. Returns `false` at the base mesh.
     pub fn coarsen(&mut self) -> bool {
         self.replay.coarsen()
     }
 
-    /// Goes to a level, step by step.
+    /// Moves to a level, step by step.
     ///
     /// # Panics
     /// `level` is greater than [`ProgressiveStrips::len`].
@@ -124,12 +124,12 @@ impl ProgressiveStrips {
         self.replay.go_to(level);
     }
 
-    /// Gives the map as it stands: vertices, [`RESTART`] between strips, and the [symbols](encoded::offset) of [`Encoding::Offsets`].
+    /// Returns the entries of the map at its level: vertices, [`RESTART`] between strips, and the [symbols](encoded::offset) of [`Encoding::Offsets`].
     pub fn entries(&self) -> &[u32] {
         &self.replay.entries
     }
 
-    /// Fills `map` with the vertices at the level, [`RESTART`] between strips. What it held is dropped, its memory used again.
+    /// Fills `map` with the vertices at the level, [`RESTART`] between strips. Its contents are replaced and its memory is reused.
     pub fn decode_to(&self, map: &mut Vec<u32>) {
         match self.encoding {
             Encoding::Naive => map.clone_from(&self.replay.entries),
@@ -137,27 +137,27 @@ impl ProgressiveStrips {
         }
     }
 
-    /// Gives what the split from `level` to the next one writes: an update for each vertex that it brings back.
+    /// Returns what the split from `level` to the next one writes: an update per restored vertex.
     ///
     /// # Panics
     /// `level` is not less than [`ProgressiveStrips::len`].
-    pub fn split(&self, level: usize) -> impl ExactSizeIterator<Item = Update<'_>> {
+    pub fn split(&self, level: usize) -> impl ExactSizeIterator<Item = SlotUpdate<'_>> {
         self.replay.records.split(level)
     }
 
-    /// Counts the places that the split from `level` to the next one writes: the u of the literature.
+    /// Returns the number of slots that the split from `level` to the next one writes: the u of the literature.
     ///
     /// # Panics
     /// `level` is not less than [`ProgressiveStrips::len`].
-    pub fn place_count(&self, level: usize) -> usize {
-        self.split(level).map(|update| update.places.len()).sum()
+    pub fn slot_count(&self, level: usize) -> usize {
+        self.split(level).map(|update| update.slots.len()).sum()
     }
 }
 
 fn check(strips: &Strips, sequence: &CollapseSequence) -> Result<(), Error> {
     let vertex_count = sequence.vertex_count();
-    if vertex_count as u64 > encoded::MOST_VERTICES as u64 {
-        let (found, limit) = (vertex_count as u64, encoded::MOST_VERTICES as u64);
+    if vertex_count as u64 > encoded::MAX_VERTEX_COUNT as u64 {
+        let (found, limit) = (vertex_count as u64, encoded::MAX_VERTEX_COUNT as u64);
         return Err(Error::LimitExceeded { what: "vertices of progressive strips", found, limit });
     }
     for (face, strip) in strips.iter().enumerate() {

@@ -1,38 +1,38 @@
-//! `repair`: our filter. Display strips for every level that cost about what strips made anew for that level would.
+//! `repair`: our filter. Display strips for every level that cost about as much as strips found from scratch for that level.
 //!
-//! The other filters take the vertices of the full mesh's strips as the renaming leaves them, and take out what draws nothing. So
-//! their strips fall to pieces as the mesh gets coarser: where a strip is cut, its ends stay where they are. This one keeps the
-//! strips as paths over the triangles that a level draws, follows each collapse and each split, and mends the paths beside it.
+//! The other filters read the full mesh's strips with renamed vertices and remove degenerate triangles. Their strips break up as the mesh gets
+//! coarser: where a strip is cut, its ends stay. This filter keeps the strips as paths over the triangles that a level draws, follows each
+//! collapse and each split, and repairs the paths next to it.
 //!
 //! ```text
 //!          x                    x
-//!   ━ u ━╱━━━╲━ v ━      ━ u ━╱━ v ━       a path through a dropped triangle d is linked where d was
+//!   ━ u ━╱━━━╲━ v ━      ━ u ━╱━ v ━       a path through a dropped triangle d is linked across it
 //!      ╱   d   ╲             ╱
-//!   kept ──── removed     kept             a path over the edge of the two is cut; dives near it find its ends another way
+//!   kept ──── removed     kept             a path over the edge of the two is cut; a local search nearby reconnects its ends
 //! ```
 //! # Algorithm
 //! *Coarsen*:
-//! 1. Cut what is linked to the dropped triangles, rename, drop, and find anew who shares an edge with whom around the kept vertex.
+//! 1. Cut the links of the dropped triangles, rename, drop, and recompute the twins around the kept vertex.
 //! 2. Link the two neighbours of a dropped triangle that was linked to both, if they share an edge now.
-//! 3. *Search*: take the triangles nearest to the kept vertex, as many as the effort says; start a dive from each, in turn, as often
-//!    as the effort says. A dive changes a few links, and is undone if strips cost more then (see `stripify/refine/dive.rs`).
+//! 3. *Search*: take the triangles nearest to the kept vertex, as many as the effort says; start a local search from each in turn, as often as the effort
+//!    says. A local search changes a few links, and is undone if the strips then cost more (see `cover/local_search.rs`).
 //!
-//! *Refine*: the same from the end to the beginning, around both vertices; a triangle that comes back is linked to the two between which it
-//! comes, if they were linked.
+//! *Refine*: the same in reverse, around both vertices; a restored triangle is linked to the two triangles between which it lies, if they were
+//! linked.
 //!
-//! *At a level* at once: drop all that the level does not draw, link triangles of one strip with nothing drawn between them that share an edge,
-//! as the filters do, then dive from all triangles.
+//! *At a level* directly: drop everything that the level does not draw, link triangles of one strip with nothing drawn between them that share an
+//! edge, as the filters do, then search from all triangles.
 //!
-//! Who shares an edge with whom where more than two triangles meet is told in the module `surface`.
+//! The module `level_mesh` defines twins where more than two triangles meet at an edge.
 //!
-//! # What it depends on
-//! The strips of a level depend on the levels passed on the way and on nothing else: the same steps give the same strips, but
-//! coarsening and refining again does not give the strips that were there before. Both draw the same triangles.
+//! # Determinism
+//! The strips of a level depend only on the levels passed on the way: the same steps give the same strips. Coarsening and then refining does not restore
+//! the earlier strips, but strips that draw the same triangles.
 //!
 //! # Effort
 //! The bunny of 69,451 triangles, simplified to a twentieth of them in 33,042 collapses, with strips of the full mesh by `best` (36.7 % of
-//! three vertices a triangle): what all levels send, and what the base mesh does, in percent of three vertices a triangle; the time of a
-//! collapse on one core. Strips made anew for each level by `best` at its usual effort send 39.2 %; at the base mesh, `Dtfs` sends 99.6 % and
+//! three vertices per triangle): vertices sent over all levels and at the base mesh, in percent of three vertices per triangle, and the time per
+//! collapse on one core. Strips found from scratch for each level by `best` at its default effort send 39.2 %. At the base mesh, `Dtfs` sends 99.6 % and
 //! `Linked` 82.5 %.
 //!
 //! | level | 0 | 1 | 2 | 3 | 4 | 5 | 6 | 7 |
@@ -41,18 +41,18 @@
 //! | base mesh, % | 45.6 | 44.0 | 43.3 | 42.1 | 41.6 | 41.2 | 41.1 | 40.9 |
 //! | microseconds | 2 | 3 | 5 | 12 | 21 | 42 | 70 | 150 |
 //!
-//! Levels 8 and 9 take about twice and five times as long as 7. Made at once, 40 % of the triangles take 44.2, 40.9 and 40.5 % at levels 1, 3 and 5,
-//! in 0.03, 0.1 and 0.5 s; level 0 searches nothing then, and sends what `Linked` does, 55.0 %.
+//! Levels 8 and 9 take about twice and five times as long as 7. Computed directly, 40 % of the triangles take 44.2, 40.9 and 40.5 % at levels 1, 3 and 5,
+//! in 0.03, 0.1 and 0.5 s; level 0 does not search then, and sends as much as `Linked`, 55.0 %.
 //!
 //! # References
 //! Stewart: *Tunneling for Triangle Strips in Continuous Level-of-Detail Meshes*, 2001; Porcu, Sanna, Scateni: *Efficiently Keeping an
-//! Optimal Stripification over a CLOD Mesh*, 2005 (repair beside each change, by tunnels); Kim, Park, Yang, Neelamkavil: *A Rendering-Efficient
+//! Optimal Stripification over a CLOD Mesh*, 2005 (repair next to each change, by tunnels); Kim, Park, Yang, Neelamkavil: *A Rendering-Efficient
 //! Progressive Transmission of 3D Meshes*, 2005 (the filter that it starts from); Lin, Kernighan: *An Effective Heuristic
-//! Algorithm for the Traveling-Salesman Problem*, 1973 (chains of changes that are undone where they do not pay).
+//! Algorithm for the Traveling-Salesman Problem*, 1973 (chains of changes that are undone if they do not pay).
 //!
 //! # Complexity
-//! A step takes time by the effort and by the valence of the vertices that it names, not by the size of the mesh, but for cuts, which walk to
-//! the nearer end of their path. 56 bytes a triangle of the full mesh and 8 a vertex.
+//! The time of a step depends on the effort and on the valence of the vertices that it names, not on the size of the mesh, except for cuts, which walk to
+//! the nearer end of their path. 56 bytes per triangle of the full mesh and 8 per vertex.
 
 #[cfg(test)]
 mod tests;
@@ -70,32 +70,32 @@ use crate::error::Error;
 use crate::mesh::canonical_triangle;
 use crate::strip::{Cost, Strips, emit, strip_triangles};
 
-/// How much is done beside a change, and everywhere where a level is made at once.
+/// The amount of search next to a change, and everywhere when a level is computed directly.
 #[derive(Debug, Clone, Copy)]
-struct Work {
-    /// Triangles beside a change to dive from.
+struct SearchAmount {
+    /// Triangles next to a change to search from.
     near: usize,
-    /// Dives from each of them.
+    /// Searches from each of them.
     rounds: u32,
-    /// Dives from each triangle of a level.
+    /// Searches from each triangle of a level that is computed directly.
     all_rounds: u32,
 }
 
-/// By effort. Tuned on the bunny.
-const WORK: [Work; 10] = [
-    Work { near: 6, rounds: 1, all_rounds: 0 },
-    Work { near: 12, rounds: 1, all_rounds: 1 },
-    Work { near: 24, rounds: 1, all_rounds: 4 },
-    Work { near: 40, rounds: 2, all_rounds: 12 },
-    Work { near: 80, rounds: 2, all_rounds: 36 },
-    Work { near: 120, rounds: 3, all_rounds: 100 },
-    Work { near: 160, rounds: 4, all_rounds: 200 },
-    Work { near: 240, rounds: 6, all_rounds: 400 },
-    Work { near: 400, rounds: 6, all_rounds: 800 },
-    Work { near: 640, rounds: 8, all_rounds: 1600 },
+/// The amount of search by effort. Tuned on the bunny.
+const SEARCH_AMOUNTS: [SearchAmount; 10] = [
+    SearchAmount { near: 6, rounds: 1, all_rounds: 0 },
+    SearchAmount { near: 12, rounds: 1, all_rounds: 1 },
+    SearchAmount { near: 24, rounds: 1, all_rounds: 4 },
+    SearchAmount { near: 40, rounds: 2, all_rounds: 12 },
+    SearchAmount { near: 80, rounds: 2, all_rounds: 36 },
+    SearchAmount { near: 120, rounds: 3, all_rounds: 100 },
+    SearchAmount { near: 160, rounds: 4, all_rounds: 200 },
+    SearchAmount { near: 240, rounds: 6, all_rounds: 400 },
+    SearchAmount { near: 400, rounds: 6, all_rounds: 800 },
+    SearchAmount { near: 640, rounds: 8, all_rounds: 1600 },
 ];
 
-/// How a repair searches.
+/// The options of [`Repair`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct RepairOptions {
     effort: Effort,
@@ -103,7 +103,7 @@ pub struct RepairOptions {
     cost: Cost,
 }
 
-/// Usual effort, seed 0, and the vertices sent as the cost.
+/// Default effort, seed 0, and the vertices sent as the cost.
 impl Default for RepairOptions {
     fn default() -> Self {
         Self { effort: Effort::default(), seed: 0, cost: Cost::OpenGl }
@@ -111,8 +111,7 @@ impl Default for RepairOptions {
 }
 
 impl RepairOptions {
-    /// Sets how much is done beside each change. At level 0 least is done, and strips made for a level
-    /// at once are not searched.
+    /// Sets how much to search next to each change. At effort 0 strips that are computed directly for a level are not searched.
     #[must_use]
     pub fn with_effort(mut self, effort: Effort) -> Self {
         self.effort = effort;
@@ -127,7 +126,7 @@ impl RepairOptions {
     }
 
     /// Sets what is minimized: the vertices sent, or with [`Cost::Restart`] and [`Cost::Degenerate`] also an index between strips.
-    /// [`Cost::Gl`] is taken for the vertices sent.
+    /// [`Cost::Gl`] counts as the vertices sent.
     #[must_use]
     pub fn with_cost(mut self, cost: Cost) -> Self {
         self.cost = if cost == Cost::Gl { Cost::OpenGl } else { cost };
@@ -135,7 +134,7 @@ impl RepairOptions {
     }
 }
 
-/// The strips of a level of detail, which follow collapses and splits.
+/// The strips of a level of detail that follow collapses and splits.
 ///
 /// ```
 /// use tristrip::{CollapseSequence, Strips, collapse::Rename, lod::{Repair, RepairOptions}};
@@ -158,22 +157,22 @@ pub struct Repair<'a> {
     sequence: &'a CollapseSequence,
     level: usize,
     triangle_count: usize,
-    surface: LevelMesh,
+    mesh: LevelMesh,
     paths: Paths,
     diver: Diver,
-    work: Work,
-    /// Half-edges whose other sides change, and those that come in their place.
+    work: SearchAmount,
+    /// Half-edges whose twins change, and their new twins.
     changes: Vec<[u32; 2]>,
-    /// Pairs of half-edges between which a link has gone.
+    /// Pairs of half-edges between which a link was cut.
     gaps: Vec<[u32; 2]>,
-    near: Near,
+    near: NearbyTriangles,
 }
 
 impl<'a> Repair<'a> {
-    /// Takes over the strips of the full mesh, as they are.
+    /// Starts from the strips of the full mesh.
     ///
     /// # Errors
-    /// The strips do not draw the triangles of the full mesh, each once with its winding, or these are too many.
+    /// The strips do not draw the triangles of the full mesh, each once with its winding, or there are too many triangles.
     pub fn new(
         sequence: &'a CollapseSequence,
         strips: &Strips,
@@ -182,10 +181,10 @@ impl<'a> Repair<'a> {
         Self::start(sequence, strips, sequence.len(), options)
     }
 
-    /// Makes display strips of the strips of the full mesh for one level at once.
+    /// Computes the display strips of one level directly from the strips of the full mesh.
     ///
     /// # Errors
-    /// As [`Repair::new`], or there is no such level.
+    /// As [`Repair::new`], or the level does not exist.
     ///
     /// ```
     /// # use tristrip::{CollapseSequence, Strips, collapse::Rename, lod::{Repair, RepairOptions}};
@@ -208,18 +207,18 @@ impl<'a> Repair<'a> {
             return Err(Error::Parameter {
                 name: "level",
                 found: format!("{level} of {} levels", sequence.len()),
-                expected: "a level that there is",
+                expected: "a level of the sequence",
             });
         }
         let mut repair = Self::start(sequence, strips, level, options)?;
-        let all: Vec<u32> = (0..repair.paths.len() as u32).filter(|&t| repair.surface.is_drawn(t)).collect();
+        let all: Vec<u32> = (0..repair.paths.len() as u32).filter(|&t| repair.mesh.is_drawn(t)).collect();
         for _ in 0..repair.work.all_rounds {
             all.iter().for_each(|&t| repair.diver.dive(&mut repair.paths, t));
         }
         Ok(repair)
     }
 
-    /// Links what is left of the strips at a level, without a search.
+    /// Links the rest of the strips at a level, without a search.
     fn start(
         sequence: &'a CollapseSequence,
         strips: &Strips,
@@ -227,24 +226,24 @@ impl<'a> Repair<'a> {
         options: RepairOptions,
     ) -> Result<Self, Error> {
         check_size(sequence)?;
-        let mut surface = LevelMesh::new(sequence);
-        let order = order_of(strips, &surface)?;
-        (level..sequence.len()).rev().for_each(|level| surface.collapse(&sequence.collapse(level)));
-        let slots = surface.triangle_count();
+        let mut mesh = LevelMesh::new(sequence);
+        let order = order_of(strips, &mesh)?;
+        (level..sequence.len()).rev().for_each(|level| mesh.collapse(&sequence.collapse(level)));
+        let slots = mesh.triangle_count();
         let mut repair = Self {
             sequence,
             level,
             triangle_count: 0,
-            surface,
+            mesh,
             paths: Paths::empty(slots, options.cost.prices()),
             diver: Diver::new(options.seed),
-            work: WORK[usize::from(options.effort.level())],
+            work: SEARCH_AMOUNTS[usize::from(options.effort.level())],
             changes: Vec::new(),
             gaps: Vec::new(),
-            near: Near { marks: vec![0; slots], ..Near::default() },
+            near: NearbyTriangles { marks: vec![0; slots], ..NearbyTriangles::default() },
         };
         for t in 0..slots as u32 {
-            if repair.surface.is_drawn(t) {
+            if repair.mesh.is_drawn(t) {
                 repair.triangle_count += 1;
                 repair.paths.put_in(t);
             }
@@ -259,47 +258,47 @@ impl<'a> Repair<'a> {
         Ok(repair)
     }
 
-    /// Links triangles that follow each other in a strip, those not drawn left out, where they share an edge.
-    fn link_neighbours(&mut self, order: &[Place]) {
-        let mut last: Option<Place> = None;
-        for &place in order.iter().filter(|place| self.surface.is_drawn(place.triangle)) {
-            if let Some(before) = last.filter(|last| last.strip == place.strip) {
-                let shared = self.surface.shared(before.triangle, place.triangle);
+    /// Links consecutive drawn triangles of a strip that share an edge.
+    fn link_neighbours(&mut self, order: &[StripTriangle]) {
+        let mut last: Option<StripTriangle> = None;
+        for &next in order.iter().filter(|next| self.mesh.is_drawn(next.triangle)) {
+            if let Some(before) = last.filter(|last| last.strip == next.strip) {
+                let shared = self.mesh.shared(before.triangle, next.triangle);
                 let free = shared.filter(|sides| sides.iter().all(|&h| self.paths.twin(h) == NONE));
-                if let Some([a, b]) = free.min_by_key(|&[_, side]| side != place.entry) {
+                if let Some([a, b]) = free.min_by_key(|&[_, side]| side != next.entry) {
                     self.paths.set_twin(a, b);
                     self.paths.set_twin(b, a);
                     self.paths.join(a);
                 }
             }
-            last = Some(place);
+            last = Some(next);
         }
     }
 
-    /// Gives the level that is drawn.
+    /// Returns the current level.
     pub fn level(&self) -> usize {
         self.level
     }
 
-    /// Counts the triangles that are drawn.
+    /// Returns the number of triangles drawn.
     pub fn triangle_count(&self) -> usize {
         self.triangle_count
     }
 
-    /// Counts the strips.
+    /// Returns the number of strips.
     pub fn strip_count(&self) -> usize {
         self.paths.strip_count()
     }
 
-    /// Counts the vertices of all strips, swaps and winding repeats included, in O(1) time.
+    /// Returns the number of vertices of all strips, swaps and winding repeats included, in O(1) time.
     pub fn vertices_sent(&self) -> usize {
-        // What is known is the cost, in which strips have another price.
+        // Derived from the cost, in which strips have another price.
         let strips = self.strip_count().cast_signed() as i64;
         let beyond = self.paths.cost() - strips * i64::from(self.paths.prices().strip - 2);
         self.triangle_count + usize::try_from(beyond).unwrap_or(0)
     }
 
-    /// Goes to the next coarser level; `false` where there is none.
+    /// Moves to the next coarser level; returns `false` at the base mesh.
     pub fn coarsen(&mut self) -> bool {
         let Some(level) = self.level.checked_sub(1) else { return false };
         let collapse = self.sequence.collapse(level);
@@ -307,7 +306,7 @@ impl<'a> Repair<'a> {
         for &t in collapse.dropped {
             self.cut_out(t);
         }
-        self.surface.collapse(&collapse);
+        self.mesh.collapse(&collapse);
         collapse.dropped.iter().for_each(|&t| self.paths.take_out(t));
         let gaps = std::mem::take(&mut self.gaps);
         self.pair_around(collapse.renames.iter().map(|rename| rename.kept));
@@ -322,14 +321,14 @@ impl<'a> Repair<'a> {
         true
     }
 
-    /// Goes to the next finer level; `false` where there is none.
+    /// Moves to the next finer level; returns `false` at the full mesh.
     pub fn refine(&mut self) -> bool {
         if self.level == self.sequence.len() {
             return false;
         }
         let collapse = self.sequence.collapse(self.level);
         let vertices = || collapse.renames.iter().flat_map(|rename| [rename.kept, rename.removed]);
-        self.surface.split(&collapse);
+        self.mesh.split(&collapse);
         collapse.dropped.iter().for_each(|&t| self.paths.put_in(t));
         self.gaps.clear();
         self.pair_around(vertices());
@@ -346,13 +345,13 @@ impl<'a> Repair<'a> {
         true
     }
 
-    /// Goes to a level step by step, or to the full mesh where there is no such level.
+    /// Moves to a level step by step, or to the full mesh if there is no such level.
     pub fn go_to(&mut self, level: usize) {
         while self.level > level && self.coarsen() {}
         while self.level < level && self.refine() {}
     }
 
-    /// Cuts what is linked to a triangle; where that is two others, there is a gap between them.
+    /// Cuts the links of a triangle and records the gap between two former neighbours.
     fn cut_out(&mut self, t: u32) {
         let links = [0, 1, 2].map(|e| (self.paths.mask(t) >> e & 1 == 1).then(|| self.paths.twin(4 * t + e)));
         let mut links = links.into_iter().flatten();
@@ -365,7 +364,7 @@ impl<'a> Repair<'a> {
         }
     }
 
-    /// Finds anew who shares an edge with whom around vertices; cuts the links that have lost theirs, and notes the gaps.
+    /// Recomputes the twins around vertices; cuts the links whose edge is gone and records the gaps.
     fn pair_around(&mut self, vertices: impl IntoIterator<Item = u32>) {
         let (paths, changes) = (&mut self.paths, &mut self.changes);
         changes.clear();
@@ -375,7 +374,7 @@ impl<'a> Repair<'a> {
                     changes.push([h, twin]);
                 }
             };
-            self.surface.sides_around(v, |h| paths.twin(h), note);
+            self.mesh.sides_around(v, |h| paths.twin(h), note);
         }
         for &[h, _] in &*changes {
             if paths.mask(h / 4) >> (h % 4) & 1 == 1 {
@@ -386,7 +385,7 @@ impl<'a> Repair<'a> {
         changes.iter().for_each(|&[h, twin]| paths.set_twin(h, twin));
     }
 
-    /// Links two triangles over a half-edge, if neither is inside a path and it does not close one.
+    /// Links two triangles over a half-edge, if neither is inside a path and the link does not close a path.
     fn join(&mut self, h: u32) {
         if [h, self.paths.twin(h)].iter().all(|h| self.paths.degree(h / 4) < 2) {
             self.paths.join(h);
@@ -395,22 +394,22 @@ impl<'a> Repair<'a> {
 
     /// Searches near vertices.
     fn search(&mut self, vertices: impl Iterator<Item = u32>) {
-        let corners = vertices.flat_map(|v| self.surface.around(v));
+        let corners = vertices.flat_map(|v| self.mesh.around(v));
         self.near.find(&self.paths, corners.map(|corner| corner / 3), self.work.near);
         for _ in 0..self.work.rounds {
             self.near.triangles.iter().for_each(|&t| self.diver.dive(&mut self.paths, t));
         }
     }
 
-    /// Makes the strips that are drawn, in O(n) time.
+    /// Returns the strips, in O(n) time.
     pub fn strips(&self) -> Strips {
-        // Numbered without those that are not drawn.
-        let mut number = vec![NONE; self.surface.triangle_count()];
+        // Triangles are renumbered without those that are not drawn.
+        let mut number = vec![NONE; self.mesh.triangle_count()];
         let (mut corners, mut drawn) = (Vec::new(), Vec::new());
-        for t in (0..number.len() as u32).filter(|&t| self.surface.is_drawn(t)) {
+        for t in (0..number.len() as u32).filter(|&t| self.mesh.is_drawn(t)) {
             number[t as usize] = drawn.len() as u32;
             drawn.push(t);
-            corners.extend(self.surface.triangle(t));
+            corners.extend(self.mesh.triangle(t));
         }
         let mut twins = Vec::with_capacity(corners.len());
         let mut cover = PathCover::isolated(drawn.len());
@@ -428,17 +427,17 @@ impl<'a> Repair<'a> {
     }
 }
 
-/// The triangles near a change, breadth first.
+/// The triangles near a change, in breadth-first order.
 #[derive(Debug, Clone, Default)]
-struct Near {
+struct NearbyTriangles {
     triangles: Vec<u32>,
-    /// For each triangle the last search that has come to it.
+    /// The last search that reached each triangle.
     marks: Vec<u32>,
     search: u32,
 }
 
-impl Near {
-    /// Finds the triangles nearest to those of the start, these included, up to a number.
+impl NearbyTriangles {
+    /// Finds up to `most` triangles nearest to those of the start, these included.
     fn find(&mut self, paths: &Paths, start: impl Iterator<Item = u32>, most: usize) {
         self.search = self.search.wrapping_add(1);
         self.triangles.clear();
@@ -459,7 +458,7 @@ impl Near {
     }
 }
 
-/// Checks that corners and vertices can be numbered together.
+/// Checks that corners and vertices fit one numbering of 32 bits.
 fn check_size(sequence: &CollapseSequence) -> Result<(), Error> {
     let (triangles, vertices) = (sequence.triangles().len() / 3, sequence.vertex_count());
     let over = |what, found: usize, limit: usize| {
@@ -475,18 +474,18 @@ fn check_size(sequence: &CollapseSequence) -> Result<(), Error> {
 
 /// A triangle of the full mesh in a strip.
 #[derive(Debug, Clone, Copy, Default)]
-struct Place {
+struct StripTriangle {
     strip: u32,
     triangle: u32,
-    /// The half-edge over which the strip comes, by fours.
+    /// The half-edge over which the strip enters, numbered by fours.
     entry: u32,
 }
 
-/// Gives the triangles of the full mesh in the order in which strips draw them.
-fn order_of(strips: &Strips, surface: &LevelMesh) -> Result<Vec<Place>, Error> {
-    let mut known: Vec<([u32; 3], u32)> = (0..surface.triangle_count() as u32)
-        .filter(|&t| surface.is_drawn(t))
-        .map(|t| (canonical_triangle(surface.triangle(t)), t))
+/// Returns the triangles of the full mesh in the order in which strips draw them.
+fn order_of(strips: &Strips, mesh: &LevelMesh) -> Result<Vec<StripTriangle>, Error> {
+    let mut known: Vec<([u32; 3], u32)> = (0..mesh.triangle_count() as u32)
+        .filter(|&t| mesh.is_drawn(t))
+        .map(|t| (canonical_triangle(mesh.triangle(t)), t))
         .collect();
     known.sort_unstable();
     let drawn = strips.iter().zip(0..).flat_map(|(strip, s)| strip_triangles(strip).map(move |t| (t, s)));
@@ -502,10 +501,10 @@ fn order_of(strips: &Strips, surface: &LevelMesh) -> Result<Vec<Place>, Error> {
             expected: "strips that draw the full mesh",
         });
     }
-    let mut order = vec![Place::default(); known.len()];
+    let mut order = vec![StripTriangle::default(); known.len()];
     for (&(_, i, strip, first), &(_, t)) in drawn.iter().zip(&known) {
-        let entry = (4 * t..).zip(surface.triangle(t)).find(|&(_, v)| v == first).map_or(4 * t, |(h, _)| h);
-        order[i] = Place { strip, triangle: t, entry };
+        let entry = (4 * t..).zip(mesh.triangle(t)).find(|&(_, v)| v == first).map_or(4 * t, |(h, _)| h);
+        order[i] = StripTriangle { strip, triangle: t, entry };
     }
     Ok(order)
 }

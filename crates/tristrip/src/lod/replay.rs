@@ -1,22 +1,22 @@
-//! Replay: the entries of an index map at a level, and the records by which collapses and splits rename them.
+//! Replay: the entries of an index map at a level, and the records by which collapses and vertex splits rename them.
 
 use super::index_map::RESTART;
 use crate::error::Error;
 
-/// The most places that a model may have for each entry of its map, on the average over all collapses: meshes have about
-/// five, a hostile sequence has as many as there are collapses.
-const MOST_PLACES_PER_ENTRY: usize = 256;
+/// The most renamed slots per entry of a map, over all collapses: meshes have about five, a hostile sequence has as many as there are
+/// collapses.
+const MAX_SLOTS_PER_ENTRY: usize = 256;
 
-/// What a vertex split writes: one vertex, at some places of the index map.
+/// What a vertex split writes: one vertex, into some slots of the index map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Update<'a> {
-    /// The vertex that comes back.
+pub struct SlotUpdate<'a> {
+    /// The restored vertex.
     pub vertex: u32,
-    /// Its places in the index map, counted from 0, rising.
-    pub places: &'a [u32],
+    /// Its slots in the index map, counted from 0, rising.
+    pub slots: &'a [u32],
 }
 
-/// Entries of a map at a level, and what leads to other levels.
+/// The entries of a map at a level, and the records that lead to other levels.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Replay {
     pub(super) entries: Vec<u32>,
@@ -30,7 +30,7 @@ impl Replay {
             return false;
         }
         for update in self.records.split(self.level) {
-            update.places.iter().for_each(|&place| self.entries[place as usize] = update.vertex);
+            update.slots.iter().for_each(|&slot| self.entries[slot as usize] = update.vertex);
         }
         self.level += 1;
         true
@@ -41,9 +41,9 @@ impl Replay {
             return false;
         }
         self.level -= 1;
-        let range = self.records.places_of(self.level);
-        for (&place, &entry) in self.records.places[range.clone()].iter().zip(&self.records.coarse[range]) {
-            self.entries[place as usize] = entry;
+        let range = self.records.slots_of(self.level);
+        for (&slot, &entry) in self.records.slots[range.clone()].iter().zip(&self.records.coarse[range]) {
+            self.entries[slot as usize] = entry;
         }
         true
     }
@@ -59,17 +59,17 @@ impl Replay {
     }
 }
 
-/// What the collapses write, and over what, in the order from the full mesh to the base mesh.
+/// What the collapses write and where, in the order from the full mesh to the base mesh.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(super) struct Records {
-    /// End of each collapse among the vertices.
+    /// The end of each collapse among the vertices.
     vertex_ends: Vec<u32>,
-    /// The vertices removed.
+    /// The removed vertices.
     pub(super) vertices: Vec<u32>,
-    /// End of each vertex among the places.
-    place_ends: Vec<u32>,
-    pub(super) places: Vec<u32>,
-    /// What the collapse writes at each place.
+    /// The end of each vertex among the slots.
+    slot_ends: Vec<u32>,
+    pub(super) slots: Vec<u32>,
+    /// What the collapse writes into each slot.
     coarse: Vec<u32>,
 }
 
@@ -82,34 +82,34 @@ impl Records {
         range(&self.vertex_ends, self.len() - 1 - level)
     }
 
-    pub(super) fn places_of(&self, level: usize) -> std::ops::Range<usize> {
+    pub(super) fn slots_of(&self, level: usize) -> std::ops::Range<usize> {
         let vertices = self.vertices_of(level);
-        let end = |i: usize| if i == 0 { 0 } else { self.place_ends[i - 1] as usize };
+        let end = |i: usize| if i == 0 { 0 } else { self.slot_ends[i - 1] as usize };
         end(vertices.start)..end(vertices.end)
     }
 
-    pub(super) fn split(&self, level: usize) -> impl ExactSizeIterator<Item = Update<'_>> {
+    pub(super) fn split(&self, level: usize) -> impl ExactSizeIterator<Item = SlotUpdate<'_>> {
         self.vertices_of(level)
-            .map(|i| Update { vertex: self.vertices[i], places: &self.places[range(&self.place_ends, i)] })
+            .map(|i| SlotUpdate { vertex: self.vertices[i], slots: &self.slots[range(&self.slot_ends, i)] })
     }
 
-    /// Adds a removed vertex and what is written over it, places rising, to the collapse that is not ended yet.
+    /// Adds a removed vertex and what is written into its slots, rising, to the open collapse.
     pub(super) fn push(&mut self, vertex: u32, written: impl Iterator<Item = (u32, u32)>) {
         self.vertices.push(vertex);
-        for (place, entry) in written {
-            self.places.push(place);
+        for (slot, entry) in written {
+            self.slots.push(slot);
             self.coarse.push(entry);
         }
-        self.place_ends.push(self.places.len() as u32);
+        self.slot_ends.push(self.slots.len() as u32);
     }
 
-    /// Ends a collapse, unless there are too many places for a map of so many entries.
+    /// Ends a collapse, unless there are too many slots for a map of `entry_count` entries.
     pub(super) fn end(&mut self, entry_count: usize) -> Result<(), Error> {
         self.vertex_ends.push(self.vertices.len() as u32);
-        let limit = entry_count.saturating_mul(MOST_PLACES_PER_ENTRY).min(u32::MAX as usize);
-        if self.places.len() > limit {
-            let (found, limit) = (self.places.len() as u64, limit as u64);
-            return Err(Error::LimitExceeded { what: "places of all collapses", found, limit });
+        let limit = entry_count.saturating_mul(MAX_SLOTS_PER_ENTRY).min(u32::MAX as usize);
+        if self.slots.len() > limit {
+            let (found, limit) = (self.slots.len() as u64, limit as u64);
+            return Err(Error::LimitExceeded { what: "slots renamed by all collapses", found, limit });
         }
         Ok(())
     }
@@ -119,37 +119,37 @@ fn range(ends: &[u32], i: usize) -> std::ops::Range<usize> {
     if i == 0 { 0..ends[0] as usize } else { ends[i - 1] as usize..ends[i] as usize }
 }
 
-/// The places of each vertex, as lists through the map, to be taken and joined.
-pub(super) struct Places {
-    /// First place of each vertex, plus one; 0 where there is none.
+/// The slots of each vertex, as linked lists through the map.
+pub(super) struct VertexSlots {
+    /// The first slot of each vertex, plus one; 0 if there is none.
     first: Vec<u32>,
-    /// The next place of the same vertex after each one, plus one.
+    /// The next slot of the same vertex after each one, plus one.
     next: Vec<u32>,
 }
 
-impl Places {
-    /// Lists the places of a map that pass a test.
+impl VertexSlots {
+    /// Lists the slots of a map for which `is_listed` holds.
     pub(super) fn of(map: &[u32], vertex_count: usize, is_listed: impl Fn(usize) -> bool) -> Self {
-        let mut places = Self { first: vec![0; vertex_count], next: vec![0; map.len()] };
-        for (place, &vertex) in map.iter().enumerate().rev() {
-            if vertex != RESTART && is_listed(place) {
-                places.add(vertex, place as u32);
+        let mut slots = Self { first: vec![0; vertex_count], next: vec![0; map.len()] };
+        for (slot, &vertex) in map.iter().enumerate().rev() {
+            if vertex != RESTART && is_listed(slot) {
+                slots.add(vertex, slot as u32);
             }
         }
-        places
+        slots
     }
 
-    pub(super) fn add(&mut self, vertex: u32, place: u32) {
-        self.next[place as usize] = std::mem::replace(&mut self.first[vertex as usize], place + 1);
+    pub(super) fn add(&mut self, vertex: u32, slot: u32) {
+        self.next[slot as usize] = std::mem::replace(&mut self.first[vertex as usize], slot + 1);
     }
 
-    /// Takes all places of a vertex, rising.
+    /// Removes and returns all slots of a vertex, rising.
     pub(super) fn take(&mut self, vertex: u32, taken: &mut Vec<u32>) {
         taken.clear();
-        let mut place = std::mem::take(&mut self.first[vertex as usize]);
-        while place > 0 {
-            taken.push(place - 1);
-            place = self.next[place as usize - 1];
+        let mut slot = std::mem::take(&mut self.first[vertex as usize]);
+        while slot > 0 {
+            taken.push(slot - 1);
+            slot = self.next[slot as usize - 1];
         }
         taken.sort_unstable();
     }

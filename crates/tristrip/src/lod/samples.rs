@@ -1,32 +1,28 @@
-//! Meshes, strips and collapses for the tests of all models.
+//! Meshes, strips and collapse sequences for the tests of all level-of-detail models.
 
 use proptest::prelude::*;
 
 use crate::collapse::{CollapseSequence, Rename};
+use crate::mesh::canonical_triangle;
 use crate::strip::Strips;
 use crate::stripify::{Method, StripifyOptions, stripify};
 use crate::{Faces, Mesh};
 
-/// Strips of a mesh, and collapses over the triangles that they draw.
+/// Strips of a mesh, and a collapse sequence over the triangles that they draw.
 #[derive(Debug, Clone)]
 pub(super) struct Sample {
     pub(super) strips: Strips,
     pub(super) sequence: CollapseSequence,
 }
 
-/// Triangles in order of their corners, each from its lowest vertex: drawings that are equal have equal ones.
+/// Returns canonical triangles, sorted: equal drawings have equal results.
 pub(super) fn sorted(triangles: impl IntoIterator<Item = [u32; 3]>) -> Vec<[u32; 3]> {
-    let canonical_triangle = |[a, b, c]: [u32; 3]| match a.min(b).min(c) {
-        low if low == a => [a, b, c],
-        low if low == b => [b, c, a],
-        _ => [c, a, b],
-    };
     let mut sorted: Vec<_> = triangles.into_iter().map(canonical_triangle).collect();
     sorted.sort_unstable();
     sorted
 }
 
-/// A grid of quadrilaterals, its diagonals and the order of its triangles by chance, perhaps closed to a torus.
+/// A grid of quadrilaterals, with random diagonals and a random order of triangles, possibly closed to a torus.
 fn grid() -> impl Strategy<Value = Vec<[u32; 3]>> {
     (2..6_u32, 2..6_u32, any::<bool>(), any::<u64>()).prop_map(|(w, h, is_torus, diagonals)| {
         let (columns, rows) = if is_torus { (w + 1, h + 1) } else { (w, h) };
@@ -55,7 +51,8 @@ fn soup() -> impl Strategy<Value = Vec<[u32; 3]>> {
     })
 }
 
-/// Meshes with strips of several methods and with collapses: along edges mostly, now and then of two vertices at once, or of any two.
+/// Meshes with strips of several methods and with collapses: mostly along edges, sometimes of two vertices at once, or of any two
+/// vertices.
 pub(super) fn samples() -> impl Strategy<Value = Sample> {
     let mesh = prop_oneof![4 => grid(), 1 => soup()];
     (mesh, 0..4_usize, prop::collection::vec(any::<[u16; 4]>(), 0..30)).prop_map(
@@ -76,7 +73,7 @@ fn strips_of(triangles: &[[u32; 3]], method: usize) -> Strips {
     stripify(&mesh, &StripifyOptions::default().with_method(method)).unwrap()
 }
 
-/// Does what collapses chance names, as far as there are such.
+/// Applies the chosen collapses, as far as they are possible.
 fn collapse(vertex_count: u32, list: &[u32], choices: &[[u16; 4]]) -> CollapseSequence {
     let mut now = list.to_vec();
     let mut collapses: Vec<Vec<Rename>> = Vec::new();

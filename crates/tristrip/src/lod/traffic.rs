@@ -1,25 +1,24 @@
-//! What all levels of detail cost: vertices sent for each level, and places renamed between them.
+//! The cost of all levels of detail: vertices sent at each level, and slots renamed between levels.
 //!
-//! The literature prices a progressive transmission by drawing each intermediate mesh once, from the base mesh to the full one: as a
-//! progressive mesh, three vertices a triangle, and as strips through each [`Filter`].
+//! The literature measures a progressive transmission by drawing each intermediate mesh once, from the base mesh to the full one: as a progressive
+//! mesh, three vertices per triangle, and as strips through each [`Filter`].
 //!
 //! # The published unit
-//! Table 2 of Kim et al. gives totals in Gbits, without the bits of a vertex. The sums of 3 T over all levels, of which table 1 gives
-//! number and ends, are 24.7, 363, 1929 and 3618 million vertices; published for them are 2.6, 37.9, 201.3 and 377.1 Gbits. That is
-//! [`VERTEX_BITS`] = 112 within 0.3 % or the digits printed, with a Gbit of 2³⁰ bits: 12 bytes of a position and 2 of an index, which are the sizes that the
-//! paper names elsewhere.
+//! Table 2 of Kim et al. gives totals in Gbits, without the bits of a vertex. The sums of 3 T over all levels, from the counts in table 1, are 24.7,
+//! 363, 1929 and 3618 million vertices; the published totals are 2.6, 37.9, 201.3 and 377.1 Gbits. That is [`VERTEX_BITS`] = 112 within 0.3 % or the
+//! printed digits, with a Gbit of 2³⁰ bits: 12 bytes of a position and 2 of an index, the sizes that the paper names elsewhere.
 //!
 //! # Algorithm
-//! The map is cut into blocks of 64 entries. For each filter and block stands how the scan stood before it, and what it sent. A collapse has
-//! the blocks of its places scanned again, and the next ones as long as the scan comes to them otherwise than before: that is soon over,
-//! since a new display strip begins where two triangles do not follow on each other. So the length of strips does not matter.
+//! The map is cut into blocks of 64 entries. For each filter and block the state of the scan before the block and the cost of the block are stored. A
+//! collapse rescans the blocks of its slots, and the following ones as long as the state differs from the stored one. That ends soon, since a new
+//! display strip begins where two triangles are not consecutive. The length of strips therefore does not matter.
 //!
 //! # References
 //! Kim et al. 2005, section 5, tables 1 and 2, figures 9 and 11.
 //!
 //! # Complexity
-//! A collapse takes a few blocks for each place that it changes, however long the strips: the bunny's 33,000 levels take a quarter
-//! of a second, 0.35 as two strips in all. 3 bytes an entry, beside the models.
+//! A collapse rescans a few blocks per slot that it changes, whatever the length of the strips: the bunny's 33,000 levels take 0.25 seconds, and 0.35 as
+//! two strips in total. 3 bytes per entry, beside the models.
 
 use super::filter::{BLOCK, DrawCost, DrawTally, Dtfs, Filter, Gatherer, Linked, Scanner, Stss};
 use super::progressive::{Encoding, ProgressiveStrips};
@@ -27,136 +26,136 @@ use crate::collapse::CollapseSequence;
 use crate::error::Error;
 use crate::strip::Strips;
 
-/// Bits of a vertex that is sent, as published totals have them: a position of three 32-bit numbers and an index of 16 bits.
+/// Bits per vertex sent in the published totals: a position of three 32-bit numbers and an index of 16 bits.
 pub const VERTEX_BITS: u64 = 112;
 
-/// Bins of a transmission: a twentieth of all splits each.
+/// The number of bins of a transmission: each has a twentieth of all splits.
 pub const BIN_COUNT: usize = 20;
 
-/// What one level costs.
+/// The cost of one level.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Level {
+pub struct LevelTraffic {
     /// The level, from 0 for the base mesh.
     pub level: usize,
     /// Triangles drawn.
     pub triangles: usize,
-    /// What each filter sends, in the order of [`Filter::ALL`].
+    /// The cost by filter, in the order of [`Filter::ALL`].
     sent: [DrawCost; 4],
-    /// Vertices and places that the split to the next level writes; `None` for the full mesh.
-    pub split: Option<Split>,
+    /// The cost of the split to the next level; `None` for the full mesh.
+    pub split: Option<SplitTraffic>,
 }
 
-/// What one vertex split costs.
+/// The cost of one vertex split.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Split {
-    /// Vertices that come back.
+pub struct SplitTraffic {
+    /// Restored vertices.
     pub vertices: usize,
-    /// Places renamed in the naive encoding, swaps included.
-    pub naive_places: usize,
-    /// Places renamed in the encoding by offsets.
-    pub encoded_places: usize,
+    /// Slots renamed in the naive encoding, swaps included.
+    pub naive_slots: usize,
+    /// Slots renamed in the encoding by offsets.
+    pub encoded_slots: usize,
 }
 
-impl Level {
-    /// Gives what a filter sends at this level.
+impl LevelTraffic {
+    /// Returns the cost of a filter at this level.
     ///
-    /// Filters that are not in [`Filter::ALL`] have no count here.
+    /// Filters that are not in [`Filter::ALL`] have no cost here.
     pub fn sent(&self, filter: Filter) -> DrawCost {
         let of_filter = Filter::ALL.iter().zip(self.sent).find(|(other, _)| **other == filter);
         of_filter.map_or_else(DrawCost::default, |(_, sent)| sent)
     }
 
-    /// Counts the vertices of a progressive mesh: three a triangle.
+    /// Returns the vertices of a progressive mesh: three per triangle.
     pub fn progressive_mesh_vertices(&self) -> usize {
         3 * self.triangles
     }
 }
 
-impl Split {
-    /// Counts the places renamed in an encoding, the u of the literature.
-    pub fn places(&self, encoding: Encoding) -> usize {
+impl SplitTraffic {
+    /// Returns the slots renamed in an encoding: the u of the literature.
+    pub fn slots(&self, encoding: Encoding) -> usize {
         match encoding {
-            Encoding::Naive => self.naive_places,
-            Encoding::Offsets => self.encoded_places,
+            Encoding::Naive => self.naive_slots,
+            Encoding::Offsets => self.encoded_slots,
         }
     }
 
-    /// Counts the bytes of its record as published: 12 for the position of each vertex, 2 for each place.
+    /// Returns the bytes of its record as published: 12 per vertex position, 2 per slot.
     pub fn bytes(&self, encoding: Encoding) -> usize {
-        12 * self.vertices + 2 * self.places(encoding)
+        12 * self.vertices + 2 * self.slots(encoding)
     }
 }
 
 /// Sums over all levels, each drawn once.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Totals {
+pub struct TrafficTotals {
     /// Levels drawn, one more than there are collapses.
     pub levels: usize,
     /// Triangles drawn.
     pub triangles: u64,
     /// Vertices sent by each filter, in the order of [`Filter::ALL`].
     sent: [u64; 4],
-    /// What the splits cost, from the base mesh on, a twentieth of them each.
-    bins: [Bin; BIN_COUNT],
+    /// The cost of the splits, from the base mesh on, in bins of a twentieth each.
+    bins: [TrafficBin; BIN_COUNT],
 }
 
-/// What the splits of a twentieth of the transmission cost.
+/// The cost of a twentieth of the splits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Bin {
+pub struct TrafficBin {
     /// Splits.
     pub splits: usize,
-    /// Vertices that come back.
+    /// Restored vertices.
     pub vertices: u64,
-    /// Places renamed in the naive encoding.
-    pub naive_places: u64,
-    /// Places renamed in the encoding by offsets.
-    pub encoded_places: u64,
+    /// Slots renamed in the naive encoding.
+    pub naive_slots: u64,
+    /// Slots renamed in the encoding by offsets.
+    pub encoded_slots: u64,
 }
 
-impl Bin {
-    /// Divides the places by the splits, the average u; 0 where there is no split.
-    pub fn places_per_split(&self, encoding: Encoding) -> f64 {
-        let places = match encoding {
-            Encoding::Naive => self.naive_places,
-            Encoding::Offsets => self.encoded_places,
+impl TrafficBin {
+    /// Returns the slots per split, the average u; 0 if there is no split.
+    pub fn slots_per_split(&self, encoding: Encoding) -> f64 {
+        let slots = match encoding {
+            Encoding::Naive => self.naive_slots,
+            Encoding::Offsets => self.encoded_slots,
         };
-        if self.splits == 0 { 0.0 } else { places as f64 / self.splits as f64 }
+        if self.splits == 0 { 0.0 } else { slots as f64 / self.splits as f64 }
     }
 }
 
-impl Totals {
-    /// Counts the vertices that a filter sends for all levels.
+impl TrafficTotals {
+    /// Returns the vertices that a filter sends over all levels.
     pub fn vertices(&self, filter: Filter) -> u64 {
         Filter::ALL.iter().zip(self.sent).find(|(other, _)| **other == filter).map_or(0, |(_, sent)| sent)
     }
 
-    /// Counts the vertices that a progressive mesh sends for all levels.
+    /// Returns the vertices that a progressive mesh sends over all levels.
     pub fn progressive_mesh_vertices(&self) -> u64 {
         3 * self.triangles
     }
 
-    /// Divides what a filter sends by what a progressive mesh sends; 0 where there is no triangle.
+    /// Returns the vertices of a filter divided by those of a progressive mesh; 0 if there is no triangle.
     pub fn fraction(&self, filter: Filter) -> f64 {
         let whole = self.progressive_mesh_vertices();
         if whole == 0 { 0.0 } else { self.vertices(filter) as f64 / whole as f64 }
     }
 
-    /// Gives the bins of the splits, from the base mesh on.
-    pub fn bins(&self) -> &[Bin; BIN_COUNT] {
+    /// Returns the bins of the splits, from the base mesh on.
+    pub fn bins(&self) -> &[TrafficBin; BIN_COUNT] {
         &self.bins
     }
 
-    /// Sums all bins.
-    pub fn splits(&self) -> Bin {
-        self.bins.iter().fold(Bin::default(), |sum, bin| Bin {
+    /// Returns the sum of all bins.
+    pub fn splits(&self) -> TrafficBin {
+        self.bins.iter().fold(TrafficBin::default(), |sum, bin| TrafficBin {
             splits: sum.splits + bin.splits,
             vertices: sum.vertices + bin.vertices,
-            naive_places: sum.naive_places + bin.naive_places,
-            encoded_places: sum.encoded_places + bin.encoded_places,
+            naive_slots: sum.naive_slots + bin.naive_slots,
+            encoded_slots: sum.encoded_slots + bin.encoded_slots,
         })
     }
 
-    fn add(&mut self, level: &Level, level_count: usize) {
+    fn add(&mut self, level: &LevelTraffic, level_count: usize) {
         self.levels += 1;
         self.triangles += level.triangles as u64;
         self.sent.iter_mut().zip(level.sent).for_each(|(sum, sent)| *sum += sent.vertices as u64);
@@ -164,13 +163,13 @@ impl Totals {
             let bin = &mut self.bins[level.level * BIN_COUNT / level_count];
             bin.splits += 1;
             bin.vertices += split.vertices as u64;
-            bin.naive_places += split.naive_places as u64;
-            bin.encoded_places += split.encoded_places as u64;
+            bin.naive_slots += split.naive_slots as u64;
+            bin.encoded_slots += split.encoded_slots as u64;
         }
     }
 }
 
-/// Gives the published unit of a number of vertices: 2³⁰ bits, of [`VERTEX_BITS`] each.
+/// Converts a number of vertices of [`VERTEX_BITS`] each to the published unit of 2³⁰ bits.
 ///
 /// ```
 /// use tristrip::lod::traffic::gigabits;
@@ -181,7 +180,7 @@ pub fn gigabits(vertices: u64) -> f64 {
     (vertices as f64 * VERTEX_BITS as f64) / f64::from(1 << 30)
 }
 
-/// Goes from the full mesh to the base mesh, shows what each level costs, and sums it up.
+/// Coarsens from the full mesh to the base mesh, passes the cost of each level to `show`, and returns the sums.
 ///
 /// # Errors
 /// As for [`ProgressiveStrips::new`].
@@ -202,49 +201,49 @@ pub fn gigabits(vertices: u64) -> f64 {
 pub fn walk(
     strips: &Strips,
     sequence: &CollapseSequence,
-    mut show: impl FnMut(&Level),
-) -> Result<Totals, Error> {
+    mut show: impl FnMut(&LevelTraffic),
+) -> Result<TrafficTotals, Error> {
     let mut model = ProgressiveStrips::new(strips, sequence, Encoding::Naive)?;
     let encoded = ProgressiveStrips::new(strips, sequence, Encoding::Offsets)?;
-    let mut counts = Counts::new(model.entries());
-    let (mut totals, mut split) = (Totals::default(), None);
+    let mut counts = FilterCosts::new(model.entries());
+    let (mut totals, mut split) = (TrafficTotals::default(), None);
     loop {
         let level = model.level();
         let triangles = sequence.triangle_count(level);
-        let now = Level { level, triangles, sent: counts.sent(), split };
+        let now = LevelTraffic { level, triangles, sent: counts.sent(), split };
         show(&now);
         totals.add(&now, sequence.len());
         if !model.coarsen() {
             return Ok(totals);
         }
         let level = model.level();
-        let places = model.split(level).flat_map(|update| update.places);
-        counts.update(model.entries(), places);
-        split = Some(Split {
+        let slots = model.split(level).flat_map(|update| update.slots);
+        counts.update(model.entries(), slots);
+        split = Some(SplitTraffic {
             vertices: model.split(level).len(),
-            naive_places: model.place_count(level),
-            encoded_places: encoded.place_count(level),
+            naive_slots: model.slot_count(level),
+            encoded_slots: encoded.slot_count(level),
         });
     }
 }
 
-/// What the blocks of an index map cost through each filter.
-struct Counts {
+/// The cost of the blocks of an index map by filter.
+struct FilterCosts {
     none: DrawCost,
-    stss: Blocks<Stss>,
-    dtfs: Blocks<Dtfs>,
-    linked: Blocks<Linked>,
+    stss: FilterBlocks<Stss>,
+    dtfs: FilterBlocks<Dtfs>,
+    linked: FilterBlocks<Linked>,
     gatherer: Gatherer,
     touched: Vec<u32>,
 }
 
-impl Counts {
+impl FilterCosts {
     fn new(map: &[u32]) -> Self {
         let mut counts = Self {
             none: Filter::None.sent_by_map(map),
-            stss: Blocks::new(map),
-            dtfs: Blocks::new(map),
-            linked: Blocks::new(map),
+            stss: FilterBlocks::new(map),
+            dtfs: FilterBlocks::new(map),
+            linked: FilterBlocks::new(map),
             gatherer: Gatherer::new(),
             touched: (0..map.len().div_ceil(BLOCK) as u32).collect(),
         };
@@ -252,12 +251,12 @@ impl Counts {
         counts
     }
 
-    /// Scans again what changed entries change.
-    fn update<'a>(&mut self, map: &[u32], places: impl Iterator<Item = &'a u32>) {
+    /// Rescans the blocks whose cost depends on changed entries.
+    fn update<'a>(&mut self, map: &[u32], slots: impl Iterator<Item = &'a u32>) {
         // Filters look up to three entries ahead.
-        let blocks = |&place: &u32| [place.saturating_sub(3) / BLOCK as u32, place / BLOCK as u32];
+        let blocks = |&slot: &u32| [slot.saturating_sub(3) / BLOCK as u32, slot / BLOCK as u32];
         self.touched.clear();
-        self.touched.extend(places.flat_map(blocks));
+        self.touched.extend(slots.flat_map(blocks));
         self.touched.sort_unstable();
         self.touched.dedup();
         self.scan(map);
@@ -269,32 +268,32 @@ impl Counts {
         self.linked.update(map, &self.touched, &mut self.gatherer);
     }
 
-    /// Gives what each filter sends, in the order of [`Filter::ALL`].
+    /// Returns the cost by filter, in the order of [`Filter::ALL`].
     fn sent(&self) -> [DrawCost; 4] {
         [self.none, self.stss.sum.into(), self.dtfs.sum.into(), self.linked.sum.into()]
     }
 }
 
-/// A scan as it stands before each block and after the last, and what each block sends; at last, what its end does.
-struct Blocks<S> {
+/// The state of a scan before each block and after the last, and the cost of each block and of the end.
+struct FilterBlocks<S> {
     scans: Vec<S>,
     tallies: Vec<DrawTally>,
     sum: DrawTally,
 }
 
-impl<S: Scanner> Blocks<S> {
+impl<S: Scanner> FilterBlocks<S> {
     fn new(map: &[u32]) -> Self {
         let count = map.len().div_ceil(BLOCK);
         let (scans, tallies) = (vec![S::default(); count + 1], vec![DrawTally::default(); count + 1]);
         Self { scans, tallies, sum: DrawTally::default() }
     }
 
-    /// Scans blocks again, in rising order, and after each those to which it now comes otherwise than before.
+    /// Rescans blocks in rising order, and after each the following ones whose state before them has changed.
     fn update(&mut self, map: &[u32], touched: &[u32], gatherer: &mut Gatherer) {
         let mut next = 0;
         for &block in touched {
             let mut at = block as usize;
-            // One that an earlier block led to was scanned with all its changes.
+            // A block that an earlier one led to was rescanned with all its changes.
             while at >= next && at < self.scans.len() - 1 {
                 let (mut scan, mut tally) = (self.scans[at].clone(), DrawTally::default());
                 scan.scan(&map[at * BLOCK..], gatherer, &mut tally);
@@ -344,20 +343,20 @@ mod tests {
                 for filter in Filter::ALL {
                     prop_assert_eq!(found.sent(filter), filter.sent_by_map(&map));
                 }
-                let places = (model.level() < model.len()).then(|| model.place_count(model.level()));
-                prop_assert_eq!(found.split.map(|split| split.encoded_places), places);
+                let slots = (model.level() < model.len()).then(|| model.slot_count(model.level()));
+                prop_assert_eq!(found.split.map(|split| split.encoded_slots), slots);
                 model.coarsen();
             }
             for filter in Filter::ALL {
                 let sent: u64 = levels.iter().map(|level| level.sent(filter).vertices as u64).sum();
                 prop_assert_eq!(totals.vertices(filter), sent);
             }
-            let splits: Vec<Split> = levels.iter().filter_map(|level| level.split).collect();
+            let splits: Vec<SplitTraffic> = levels.iter().filter_map(|level| level.split).collect();
             let all = totals.splits();
             prop_assert_eq!(all.splits, sequence.len());
-            prop_assert_eq!(all.naive_places, splits.iter().map(|split| split.naive_places as u64).sum::<u64>());
+            prop_assert_eq!(all.naive_slots, splits.iter().map(|split| split.naive_slots as u64).sum::<u64>());
             let bytes: usize = splits.iter().map(|split| split.bytes(Encoding::Offsets)).sum();
-            prop_assert_eq!(bytes as u64, 12 * all.vertices + 2 * all.encoded_places);
+            prop_assert_eq!(bytes as u64, 12 * all.vertices + 2 * all.encoded_slots);
         }
     }
 
@@ -365,12 +364,12 @@ mod tests {
     fn totals_of_no_strips() {
         let totals = walk(&Strips::default(), &CollapseSequence::default(), |_| ()).unwrap();
         assert_eq!((totals.levels, totals.fraction(Filter::Dtfs).to_bits()), (1, 0));
-        assert_eq!(totals.bins()[0].places_per_split(Encoding::Naive).to_bits(), 0);
+        assert_eq!(totals.bins()[0].slots_per_split(Encoding::Naive).to_bits(), 0);
     }
 
     #[test]
     fn the_published_totals_fit_one_unit() {
-        // Triangles of the base mesh and of the full one, collapses, and the printed Gbits of the progressive mesh.
+        // Triangles of the base mesh and of the full mesh, collapses, and the printed Gbits of the progressive mesh.
         let models = [
             (254, 5804, 2722, 2.6),
             (1104, 22104, 10412, 37.9),

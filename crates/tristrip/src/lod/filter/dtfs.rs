@@ -1,41 +1,41 @@
-//! The degenerate triangle-free scanner: only valid triangles are sent, with a new strip where two of them do not follow on each other.
+//! The degenerate triangle-free scanner: only valid triangles are sent, with a new strip where two of them are not consecutive.
 //!
 //! # Algorithm
-//! Three vertices are read at a time, and passed over unless all are different. A valid triangle (d e f) after a valid one (a b c) is
+//! Three vertices are read at a time, and skipped unless all are different. A valid triangle (d e f) after a valid one (a b c) is
 //!
 //! ```text
-//! regular   b = d and c = e, at a place of the other parity   sends f        a b c f
-//! swap      b = e and c = d, at a place of the same parity    sends b f      a b c b f
-//! split     else                                              a new strip    a b c │ d e f, or d d e f at an odd place
+//! regular   b = d and c = e, at a position of the other parity  sends f        a b c f
+//! swap      b = e and c = d, at a position of the same parity   sends b f      a b c b f
+//! split     otherwise                                           a new strip    a b c │ d e f, or d d e f at an odd position
 //! ```
-//! The paper does not ask for the parities: on a surface of one orientation they are as they should be where the vertices are; where
-//! they are not, as may be where more than two triangles meet at an edge, the scanner splits. The repeated vertex of a new strip at an
-//! odd place is what the paper calls overridden for a consistent orientation, and counts in its results, but not in its figure 8
-//! (`502 615 206 620 │ 620 580 66 761`, of which the second begins at an odd place): [`Sent`](super::Sent) has both counts.
+//! The paper does not require the parities: on an oriented surface they follow from the vertices. Where they do not, as may happen where more than two
+//! triangles meet at an edge, the scanner splits. The repeated vertex of a new strip at an odd position is what the paper calls overridden for a
+//! consistent orientation. The paper counts it in its results but not in its figure 8 (`502 615 206 620 │ 620 580 66 761`, of which the second begins
+//! at an odd position): [`DrawCost`](super::DrawCost) has both counts.
 //!
-//! Most of a scanner's time would go into branches that no processor foresees. Here valid triangles are gathered without a branch, and
-//! what each sends is the end of one word, d d e f, of which only the length depends on the case:
+//! A scanner spends most of its time in unpredictable branches. Here valid triangles are gathered without a branch, and what each of them sends is a
+//! suffix of one word, d d e f, of which only the length depends on the case:
 //!
 //! ```text
-//! d d e f     new strip at an odd place
-//!   d e f     new strip at an even place
+//! d d e f     new strip at an odd position
+//!   d e f     new strip at an even position
 //!     e f     swap, where e is b
 //!       f     regular
 //! ```
-//! So a block is written from its end to its beginning: what stands too much before one triangle is written over by the one before it.
+//! A block is written from its end to its beginning: the part of a word that is not sent is overwritten by the word of the triangle before it.
 //!
 //! # References
 //! Kim et al. 2005, section 4.
 //!
 //! # Complexity
-//! O(n); at most four vertices a triangle.
+//! O(n); at most four vertices per triangle.
 
 #![allow(clippy::needless_bitwise_bool, reason = "a lazy operator would be a branch")]
 
 use super::scanner::{Scanner, Sink};
 use super::valid::{BLOCK, FIRST_KEY, Gatherer, Valid};
 
-/// A scan that has come to the end of a block.
+/// The state of the scan after a block.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Dtfs {
     key: u32,
@@ -54,7 +54,7 @@ impl Scanner for Dtfs {
         let valid = gatherer.gather(rest, &mut self.key);
         let Some(last) = valid.last() else { return };
         let mut words = [0; 4 * BLOCK];
-        // Where display strips begin among them, the last first.
+        // The starts of display strips among them, the last first.
         let mut starts = [0; BLOCK];
         let (mut at, mut begun, mut repeats) = (words.len(), 0, 0);
         let last = Triangle::of(rest, *last);
@@ -94,15 +94,15 @@ struct Triangle {
 }
 
 impl Triangle {
-    /// What no triangle follows: no strip has its key.
+    /// A triangle that no other follows: no strip has its key.
     const NONE: Self = Self { vertices: [0; 3], key: 0 };
 
     fn of(rest: &[u32], valid: Valid) -> Self {
-        let w = &rest[valid.place as usize..][..3];
+        let w = &rest[valid.position as usize..][..3];
         Self { vertices: [w[0], w[1], w[2]], key: valid.key }
     }
 
-    /// Tells whether this is the regular case after another triangle, and whether it is the split case.
+    /// Returns whether this is the regular case after another triangle, and whether it is the split case.
     fn follows(&self, previous: &Self) -> (bool, bool) {
         let ([_, b, c], [d, e, _]) = (previous.vertices, self.vertices);
         let is_regular = (b == d) & (c == e) & (self.key == previous.key ^ 1);

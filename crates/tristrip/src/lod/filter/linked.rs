@@ -1,47 +1,50 @@
 //! Ours: the valid triangles of a simplified strip in their order, at the least cost that strips in this order have.
 //!
 //! # Algorithm
-//! The next valid triangle is linked to the one sent last where the two share an edge, in opposite senses, that is not the one by which
-//! that one was entered. A swap is sent when a link needs it, never ahead. The triangle sent last is z x y, entered across z x:
+//! The next valid triangle is linked to the one sent last if the two share an edge with opposite directions that is not the entry edge of the last one.
+//! A swap is sent only when a link needs it. The triangle sent last is z x y, entered across z x:
 //!
 //! ```text
-//!     y           across x y   w follows                      z x y w
-//!    ╱ ╲          across z y   the edge is turned by a swap   z x z y w
-//!   ╱   ╲         across z x   only if it is the first of its strip, which is rotated: so its links are all free
-//!  z─────x        else         a new strip, whose first triangle begins at an even place by a rotation, not a repeat
+//!     y           across x y   w follows                            z x y w
+//!    ╱ ╲          across z y   a swap changes the exit edge         z x z y w
+//!   ╱   ╲         across z x   only for the first triangle, which is rotated: all its links are free
+//!  z─────x        otherwise    a new strip, whose first triangle begins at an even position by a rotation, not a repeat
 //! ```
-//! A strip whose second triangle took a swap is read from its other end without it, where its length allows: the parities
-//! of all its triangles then change with the direction.
+//! A strip whose second triangle took a swap is reversed without the swap where its length allows: the parities of all its triangles then change
+//! with the direction.
 //!
-//! Strips are not joined by degenerate triangles, which would draw two of them in a row: that is a matter of the
-//! [layout](crate::strip::layout).
+//! Strips are not joined by degenerate triangles, which would send two of them in a row: that is part of the [layout](crate::strip::layout).
 //!
-//! So a run of linked triangles costs what [`emit`](crate::strip::emit()) would send for its path. A link is always worth its while: one
-//! vertex and at most two swaps more, where a new strip takes three vertices and a restart. So on a surface where at most two
-//! triangles meet at an edge the result is never worse than that of [`dtfs`](super::dtfs), which splits wherever the shared edge is
-//! not the last one.
+//! A sequence of linked triangles therefore costs what [`emit`](crate::strip::emit()) would send for its path. A link always pays: it costs one vertex and
+//! at most two swaps, a new strip three vertices and a restart. On a surface where at most two triangles meet at an edge the result is never
+//! worse than that of [`dtfs`](super::dtfs), which splits wherever the shared edge is not the last one.
 //!
 //! # References
-//! Kim et al. 2005, section 4, which it follows but for rotations, links across other edges, and late swaps.
+//! Kim et al. 2005, section 4. Departures: rotations, links across other edges, and late swaps.
 //!
 //! # Complexity
-//! O(n); at most three vertices a triangle.
+//! O(n); at most three vertices per triangle.
 
 use super::scanner::{Scanner, Sink};
 use super::valid::{FIRST_KEY, Gatherer};
 
-/// A scan that has come to the end of a block.
+/// The state of the scan after a block.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Linked {
     key: u32,
-    /// The strip of the triangle sent last.
+    /// The simplified strip of the triangle sent last.
     strip: u32,
-    run: Run,
+    run: DisplayStrip,
 }
 
 impl Default for Linked {
     fn default() -> Self {
-        let run = Run { last: [0; 3], is_even: true, count: Count::None, is_swapped_at_start: false };
+        let run = DisplayStrip {
+            last: [0; 3],
+            is_even: true,
+            count: SentTriangles::None,
+            is_swapped_at_start: false,
+        };
         Self { key: FIRST_KEY, strip: 0, run }
     }
 }
@@ -49,7 +52,7 @@ impl Default for Linked {
 impl Scanner for Linked {
     fn scan(&mut self, rest: &[u32], gatherer: &mut Gatherer, sink: &mut impl Sink) {
         for triangle in gatherer.gather(rest, &mut self.key) {
-            let Some(&[a, b, c]) = rest[triangle.place as usize..].first_chunk() else { break };
+            let Some(&[a, b, c]) = rest[triangle.position as usize..].first_chunk() else { break };
             let oriented = if triangle.key % 2 == 0 { [a, b, c] } else { [b, a, c] };
             let strip = triangle.key / 2;
             if strip != self.strip || !self.run.link(oriented, sink) {
@@ -65,37 +68,38 @@ impl Scanner for Linked {
     }
 }
 
-/// The display strip that is being sent.
+/// The open display strip.
 #[derive(Debug, Clone, PartialEq)]
-struct Run {
-    /// The vertices sent last, a triangle; entered across the first two unless it is the only one.
+struct DisplayStrip {
+    /// The triangle sent last, entered across its first two vertices unless it is the only one.
     last: [u32; 3],
     /// Whether an even number of vertices was sent.
     is_even: bool,
-    count: Count,
+    count: SentTriangles,
     is_swapped_at_start: bool,
 }
 
-/// How many triangles were sent.
+/// The number of triangles sent.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Count {
+enum SentTriangles {
     None,
     One,
     Two,
     More,
 }
 
-impl Run {
+impl DisplayStrip {
     fn begin(&mut self, triangle: [u32; 3], sink: &mut impl Sink) {
         triangle.into_iter().for_each(|vertex| sink.send(vertex));
-        *self = Self { last: triangle, is_even: false, count: Count::One, is_swapped_at_start: false };
+        *self =
+            Self { last: triangle, is_even: false, count: SentTriangles::One, is_swapped_at_start: false };
     }
 
-    /// Sends a triangle after the last one, if they share an edge by which it can be left.
+    /// Sends a triangle if the last one can be left across an edge that the two share.
     fn link(&mut self, triangle: [u32; 3], sink: &mut impl Sink) -> bool {
         let [z, x, y] = self.last;
-        if self.count == Count::One {
-            // It stands at an even place, wound as it is sent.
+        if self.count == SentTriangles::One {
+            // It is at an even position, so its vertices are in its winding.
             for [z, x, y] in [[z, x, y], [x, y, z], [y, z, x]] {
                 if let Some(w) = across(triangle, y, x) {
                     sink.replace_last([z, x, y]);
@@ -105,7 +109,7 @@ impl Run {
             }
             return false;
         }
-        // The triangle sent last stands at an odd place after an even number of vertices.
+        // The triangle sent last is at an odd position if the number of vertices is even.
         let turned =
             |from, to| if self.is_even { across(triangle, to, from) } else { across(triangle, from, to) };
         if let Some(w) = turned(y, x) {
@@ -114,7 +118,7 @@ impl Run {
         } else if let Some(w) = turned(z, y) {
             sink.send_before_last(z);
             self.is_even = !self.is_even;
-            self.is_swapped_at_start |= self.count == Count::Two;
+            self.is_swapped_at_start |= self.count == SentTriangles::Two;
             self.send([z, y, w], sink);
             true
         } else {
@@ -126,21 +130,21 @@ impl Run {
         sink.send(triangle[2]);
         self.last = triangle;
         self.is_even = !self.is_even;
-        self.count = if self.count == Count::One { Count::Two } else { Count::More };
+        self.count = if self.count == SentTriangles::One { SentTriangles::Two } else { SentTriangles::More };
     }
 
     fn end(&self, sink: &mut impl Sink) {
-        if self.count == Count::None {
+        if self.count == SentTriangles::None {
             return;
         }
         if self.is_swapped_at_start && self.is_even {
-            sink.turn_round();
+            sink.reverse_open_strip();
         }
         sink.end();
     }
 }
 
-/// Gives the third vertex of a triangle that has this edge, in this sense.
+/// Returns the third vertex of a triangle that has the directed edge.
 fn across(triangle: [u32; 3], from: u32, to: u32) -> Option<u32> {
     match triangle {
         [a, b, w] | [w, a, b] | [b, w, a] if a == from && b == to => Some(w),

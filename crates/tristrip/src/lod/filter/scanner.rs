@@ -3,23 +3,23 @@
 use super::valid::{BLOCK, Gatherer};
 use crate::strip::Strips;
 
-/// What display strips cost.
+/// The cost of display strips.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub struct DrawCost {
     /// Vertices sent, swaps and winding repeats included.
     pub vertices: usize,
     /// Display strips.
     pub strips: usize,
-    /// Vertices among those sent that a strip repeats at its start only for its winding.
+    /// Vertices among those sent that a strip repeats at its start to keep its winding.
     pub winding_repeats: usize,
 }
 
-/// A scan of an index map, block by block. It is where it stands between two blocks: equal scans go on alike.
+/// A scan of an index map, block by block. The value is the state between two blocks: equal states continue equally.
 pub(crate) trait Scanner: Clone + PartialEq + Default {
-    /// Scans the block with which the rest of the map begins.
+    /// Scans the first block of `rest`.
     fn scan(&mut self, rest: &[u32], gatherer: &mut Gatherer, sink: &mut impl Sink);
 
-    /// Ends the strip that is not ended yet, after the last block.
+    /// Ends the open strip after the last block.
     fn end(&self, sink: &mut impl Sink);
 
     /// Scans a whole map.
@@ -30,13 +30,13 @@ pub(crate) trait Scanner: Clone + PartialEq + Default {
     }
 }
 
-/// Where display strips go: to be stored, or only to be counted.
+/// A receiver of display strips that stores or only counts them.
 pub(crate) trait Sink {
     /// Sends a vertex.
     fn send(&mut self, vertex: u32);
     /// Sends vertices.
     fn send_all(&mut self, vertices: &[u32]);
-    /// Sends vertices in which display strips begin at `starts`, the first of all that are sent unless some `is_begun`.
+    /// Sends vertices in which display strips begin at `starts`. Unless a strip `is_begun`, the first start is the first vertex of all.
     fn send_block(
         &mut self,
         vertices: &[u32],
@@ -44,17 +44,17 @@ pub(crate) trait Sink {
         winding_repeats: usize,
         is_begun: bool,
     );
-    /// Sends a vertex before the one sent last.
+    /// Inserts a vertex before the one sent last.
     fn send_before_last(&mut self, vertex: u32);
-    /// Takes other vertices for the three sent last.
+    /// Replaces the three vertices sent last.
     fn replace_last(&mut self, vertices: [u32; 3]);
-    /// Reads the strip that is not ended yet from its other end, without the swap of its second triangle.
-    fn turn_round(&mut self);
+    /// Reverses the open strip, without the swap of its second triangle.
+    fn reverse_open_strip(&mut self);
     /// Ends a display strip.
     fn end(&mut self);
 }
 
-/// What a part of a scan sends. It may be less than nothing: a strip may be found cheaper when it ends.
+/// The cost of a part of a scan. It may be negative: a strip may become cheaper when it ends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(crate) struct DrawTally {
     pub(crate) vertices: isize,
@@ -100,7 +100,7 @@ impl Sink for DrawTally {
 
     fn replace_last(&mut self, _: [u32; 3]) {}
 
-    fn turn_round(&mut self) {
+    fn reverse_open_strip(&mut self) {
         self.vertices -= 1;
     }
 
@@ -141,13 +141,13 @@ impl Sink for Strips {
         }
     }
 
-    fn turn_round(&mut self) {
+    fn reverse_open_strip(&mut self) {
         // v0 v1 v2 v1 w … ends as … w v1 v2 v0.
         let strip = self.open_strip();
         strip.reverse();
         if let [.., _, second, first] = strip {
             *second = std::mem::replace(first, *second);
-            // … w v1 v2 v0 v1 by now, where the last is one too many.
+            // Now … w v1 v2 v0 v1, whose last vertex is removed.
         }
         self.drop_last_vertex();
     }

@@ -1,9 +1,10 @@
 use proptest::prelude::*;
 
 use super::{DrawCost, Filter, RESTART};
+use crate::lod::samples::sorted;
 use crate::strip::{Strips, strip_triangles};
 
-/// The figures' strips, and how they simplify.
+/// The strips of the figures.
 const FIGURE_2E: [u32; 8] = [2, 3, 2, 3, 2, 5, 2, 5];
 const FIGURE_8: [u32; 26] = [
     615, 615, 502, 615, 502, 615, 206, 620, 206, 620, 620, 620, 620, 620, 580, 66, 580, 66, 580, 66, 761,
@@ -16,21 +17,8 @@ fn filtered(filter: Filter, strip: &[u32]) -> Strips {
     display
 }
 
-/// The triangles drawn, each from its lowest vertex, sorted.
-fn drawn(triangles: impl Iterator<Item = [u32; 3]>) -> Vec<[u32; 3]> {
-    let mut drawn: Vec<_> = triangles
-        .map(|[a, b, c]| match a.min(b).min(c) {
-            low if low == a => [a, b, c],
-            low if low == b => [b, c, a],
-            _ => [c, a, b],
-        })
-        .collect();
-    drawn.sort_unstable();
-    drawn
-}
-
 fn draws_the_same(display: &Strips, strip: &[u32]) -> bool {
-    drawn(display.triangles()) == drawn(strip_triangles(strip))
+    sorted(display.triangles()) == sorted(strip_triangles(strip))
 }
 
 #[test]
@@ -71,7 +59,7 @@ fn cases_of_figure_7() {
 
 #[test]
 fn triangles_of_one_sense_at_an_edge_are_not_linked() {
-    // 0 1 2 and 1 2 3 both run from 1 to 2: no strip can draw both without a break.
+    // 0 1 2 and 1 2 3 both have the directed edge 1 → 2: no strip can draw both without a break.
     let strip = [0, 1, 2, 2, 1, 1, 1, 2, 3];
     for filter in [Filter::Dtfs, Filter::Linked] {
         let display = filtered(filter, &strip);
@@ -98,13 +86,14 @@ fn a_swap_at_the_start_is_saved_from_the_other_end() {
     assert_eq!(filtered(Filter::Dtfs, &strip).vertices(), strip);
 }
 
-/// Tells whether two triangles have an edge in opposite senses.
+/// Returns whether two triangles share an edge with opposite directions.
 fn share_an_edge(a: [u32; 3], b: [u32; 3]) -> bool {
     let edges = |[a, b, c]: [u32; 3]| [[a, b], [b, c], [c, a]];
     edges(a).into_iter().any(|[from, to]| edges(b).contains(&[to, from]))
 }
 
-/// The fewest vertices that draw triangles in this order as one strip: breadth first over triangles drawn, parity and last two vertices.
+/// Returns the fewest vertices that draw triangles in this order as one strip: a breadth-first search over the number of triangles drawn,
+/// the parity and the last two vertices.
 fn cheapest_strip(triangles: &[[u32; 3]]) -> usize {
     let same = |t: &[u32; 3], u: [u32; 3]| *t == u || *t == [u[1], u[2], u[0]] || *t == [u[2], u[0], u[1]];
     let vertices: Vec<u32> = triangles.iter().flatten().copied().collect();
@@ -133,11 +122,11 @@ fn cheapest_strip(triangles: &[[u32; 3]]) -> usize {
     unreachable!()
 }
 
-/// The fewest vertices that draw triangles in this order as any number of strips, each from either end.
+/// Returns the fewest vertices that draw triangles in this order as any number of strips, each from either end.
 fn cheapest(triangles: &[[u32; 3]]) -> usize {
     let mut best = vec![0];
     for end in 1..=triangles.len() {
-        // Strips that join others by degenerate triangles alone are those of a layout, not of a filter.
+        // Strips joined only by degenerate triangles belong to a layout, not to a filter.
         let is_linked = |start: &usize| triangles[*start..end].windows(2).all(|t| share_an_edge(t[0], t[1]));
         let from = |start: usize| {
             let strip = &triangles[start..end];
@@ -149,7 +138,7 @@ fn cheapest(triangles: &[[u32; 3]]) -> usize {
     best[triangles.len()]
 }
 
-/// A strip over a triangulated surface of one orientation, with vertices renamed as collapses along its edges would.
+/// A strip over an oriented triangulated surface, with vertices renamed as by collapses along its edges.
 fn simplified() -> impl Strategy<Value = Vec<u32>> {
     let strip = prop::collection::vec((0..4_u32, 0..3_usize), 3..30).prop_map(|steps| {
         let mut strip = vec![0, 1, 2];
@@ -189,7 +178,7 @@ proptest! {
             }
             let [none, stss, dtfs, linked] = Filter::ALL.map(|filter| filter.sent(&strip));
             prop_assert!(stss.vertices <= none.vertices);
-            // Elsewhere a triangle may be drawn twice in a row, and the edge that links two be the one that is needed later.
+            // Otherwise a triangle may be drawn twice in a row, and the edge that links two triangles may be needed later.
             prop_assert!(!is_surface || linked.vertices <= dtfs.vertices && linked.strips <= dtfs.strips);
             prop_assert_eq!(none.winding_repeats + stss.winding_repeats + linked.winding_repeats, 0);
         }

@@ -1,34 +1,34 @@
-//! The kept vertex is written at every place of the removed one.
+//! The kept vertex is written into every slot of the removed one.
 //!
-//! A vertex gathers the places of all that collapsed to it, swaps and degenerate stretches of strips included, and hands
-//! them on when it collapses itself. For the models of the paper a collapse renames six or seven places on the average.
+//! A vertex collects the slots of all vertices that collapsed to it, those of swaps and degenerate parts of strips included, and passes them on
+//! when it collapses itself. For the models of the paper a collapse renames six or seven slots on average.
 //!
 //! # References
 //! Kim et al. 2005, section 3.2.
 //!
 //! # Complexity
-//! As many steps as places are written, and 4 bytes an entry and a vertex meanwhile.
+//! One step per slot written, and temporarily 4 bytes per entry and per vertex.
 
 use crate::collapse::{CollapseSequence, Rename};
 use crate::error::Error;
-use crate::lod::replay::{Places, Records, Replay};
+use crate::lod::replay::{Records, Replay, VertexSlots};
 
-/// Records all collapses over a map of vertices and restarts, of which the entries from `live(level)` on are not drawn at that level or
-/// below it: they stay as they were.
+/// Records all collapses over a map of vertices and restarts. The entries from `live(level)` on are not drawn at that level or below it,
+/// and stay as they were.
 pub(super) fn replay(
     map: Vec<u32>,
     sequence: &CollapseSequence,
     live: impl Fn(usize) -> u32,
 ) -> Result<Replay, Error> {
-    let mut of_vertex = Places::of(&map, sequence.vertex_count(), |_| true);
+    let mut of_vertex = VertexSlots::of(&map, sequence.vertex_count(), |_| true);
     let (mut records, mut taken) = (Records::default(), Vec::new());
     for (i, collapse) in sequence.iter().enumerate() {
         let live = live(sequence.len() - 1 - i);
         for &Rename { removed, kept } in collapse.renames {
             of_vertex.take(removed, &mut taken);
-            taken.truncate(taken.partition_point(|&place| place < live));
-            taken.iter().for_each(|&place| of_vertex.add(kept, place));
-            records.push(removed, taken.iter().map(|&place| (place, kept)));
+            taken.truncate(taken.partition_point(|&slot| slot < live));
+            taken.iter().for_each(|&slot| of_vertex.add(kept, slot));
+            records.push(removed, taken.iter().map(|&slot| (slot, kept)));
         }
         records.end(map.len())?;
     }

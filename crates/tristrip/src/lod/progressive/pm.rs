@@ -1,10 +1,10 @@
-//! The progressive mesh: triangles drawn one by one, three vertices each. It is what progressive strips are measured against.
+//! The progressive mesh: triangles drawn one by one, three vertices each. It is the baseline for progressive strips.
 //!
 //! # Algorithm
-//! The triangles stand in the order in which vertex splits bring them, so that those of a level are the first ones of the list. A split
-//! draws the next ones, and renames corners of earlier ones. Which corners the published record tells by its two *wing* vertices: the
-//! triangles around the split vertex from one wing to the other. That holds on a surface; here it must hold on any mesh, with seams
-//! and with edges of three triangles, so that the corners are listed as the places of strips are. The wings are given beside.
+//! The triangles stand in the order in which vertex splits add them, so that those of a level are a prefix of the list. A split adds the next ones
+//! and renames corners of earlier ones. The published record describes these corners by its two *wing* vertices: the triangles around the
+//! split vertex from one wing to the other. That holds on a manifold surface. Here it must hold on any mesh, with seams and with edges of
+//! three triangles, so that the corners are listed as the slots of strips are. The wings are given in addition.
 //!
 //! ```text
 //!       left wing                    left wing
@@ -17,15 +17,16 @@
 //! Hoppe: *Progressive Meshes*, 1996, section 3. Kim et al. 2005, section 3.2.
 //!
 //! # Complexity
-//! 12 bytes a triangle; a collapse takes about four corners of 8 bytes, and 28 bytes.
+//! 12 bytes per triangle; about four corners of 8 bytes, and 28 bytes, per collapse.
 
 use super::naive;
 use crate::collapse::CollapseSequence;
 use crate::error::Error;
+use crate::ids::OptionalId;
 use crate::lod::replay::Replay;
 use crate::mesh::{is_degenerate, triangles_of};
 
-/// The triangles of a mesh at any level of a collapse sequence, as a list that is updated in place.
+/// The triangles of a mesh at any level of a collapse sequence, as a list that is updated in slot.
 ///
 /// ```
 /// use tristrip::{CollapseSequence, collapse::Rename, lod::progressive::ProgressiveMesh};
@@ -41,30 +42,31 @@ use crate::mesh::{is_degenerate, triangles_of};
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ProgressiveMesh {
     replay: Replay,
-    /// Triangles at each level.
+    /// The number of triangles at each level.
     triangle_counts: Vec<u32>,
-    /// Of each renamed vertex, in the order of the records: the kept vertex and the wings, `u32::MAX` where there is none.
+    /// The kept vertex of each renamed vertex, in the order of the records.
     kept: Vec<u32>,
-    wings: Vec<[u32; 2]>,
+    /// The wings of each renamed vertex, in the same order.
+    wings: Vec<[OptionalId; 2]>,
 }
 
-/// A vertex split as it is published: which vertex becomes two, and between which neighbours it opens.
+/// A vertex split as published: the vertex that becomes two, and the neighbours between which it opens.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Split {
-    /// The vertex that comes back.
+pub struct VertexSplit {
+    /// The restored vertex.
     pub vertex: u32,
     /// The vertex that it is split from.
     pub kept: u32,
-    /// The third vertices of the new triangles that run from `kept` to `vertex`, and from `vertex` to `kept`; of the first ones where there are more,
-    /// `None` at a boundary.
+    /// The third vertices of the first new triangles with the directed edge `kept` → `vertex`, and `vertex` → `kept`; `None` at a
+    /// boundary.
     pub wings: [Option<u32>; 2],
 }
 
 impl ProgressiveMesh {
-    /// Makes the model of a sequence of collapses, at the level of the full mesh.
+    /// Builds the model of a sequence of collapses, at the level of the full mesh.
     ///
     /// # Errors
-    /// There are more than 256 corners to rename for each corner of the mesh.
+    /// There are more than 256 corners to rename per corner of the mesh.
     pub fn new(sequence: &CollapseSequence) -> Result<Self, Error> {
         let (corners, triangle_counts) = in_order_of_splits(sequence);
         let replay = naive::replay(corners, sequence, |level| 3 * triangle_counts[level])?;
@@ -74,32 +76,32 @@ impl ProgressiveMesh {
         Ok(model)
     }
 
-    /// Counts the collapses, which is the level of the full mesh.
+    /// Returns the number of collapses, which is the level of the full mesh.
     pub fn len(&self) -> usize {
         self.replay.records.len()
     }
 
-    /// Tells whether there is no collapse.
+    /// Returns whether there is no collapse.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Gives the level at which the list stands.
+    /// Returns the level of the list.
     pub fn level(&self) -> usize {
         self.replay.level
     }
 
-    /// Splits a vertex: goes one level up. Gives `false` at the full mesh.
+    /// Splits a vertex: one level up. Returns `false` at the full mesh.
     pub fn refine(&mut self) -> bool {
         self.replay.refine()
     }
 
-    /// Collapses a vertex: goes one level down. Gives `false` at the base mesh.
+    /// Collapses a vertex: one level down. Returns `false` at the base mesh.
     pub fn coarsen(&mut self) -> bool {
         self.replay.coarsen()
     }
 
-    /// Goes to a level, step by step.
+    /// Moves to a level, step by step.
     ///
     /// # Panics
     /// `level` is greater than [`ProgressiveMesh::len`].
@@ -107,12 +109,12 @@ impl ProgressiveMesh {
         self.replay.go_to(level);
     }
 
-    /// Gives the triangles at the level, three vertices each, those of coarser levels first.
+    /// Returns the triangles at the level, three vertices each, those of coarser levels first.
     pub fn corners(&self) -> &[u32] {
         &self.replay.entries[..3 * self.triangle_counts[self.replay.level] as usize]
     }
 
-    /// Counts the triangles drawn at a level.
+    /// Returns the number of triangles at a level.
     ///
     /// # Panics
     /// `level` is greater than [`ProgressiveMesh::len`].
@@ -120,33 +122,32 @@ impl ProgressiveMesh {
         self.triangle_counts[level] as usize
     }
 
-    /// Walks over the vertex splits that lead from `level` to the next one: one, or all of one position where attributes differ.
+    /// Returns the vertex splits that lead from `level` to the next one: one, or several of one position where attributes differ.
     ///
     /// # Panics
     /// `level` is not less than [`ProgressiveMesh::len`].
-    pub fn splits(&self, level: usize) -> impl ExactSizeIterator<Item = Split> {
-        let wing = |v: u32| (v != u32::MAX).then_some(v);
-        self.replay.records.vertices_of(level).map(move |i| Split {
+    pub fn splits(&self, level: usize) -> impl ExactSizeIterator<Item = VertexSplit> {
+        self.replay.records.vertices_of(level).map(move |i| VertexSplit {
             vertex: self.replay.records.vertices[i],
             kept: self.kept[i],
-            wings: self.wings[i].map(wing),
+            wings: self.wings[i].map(OptionalId::get),
         })
     }
 
-    /// Looks at the triangles that each collapse drops, just before it does. Leaves the list as it was.
-    fn find_wings(&mut self) -> Vec<[u32; 2]> {
-        let mut wings = vec![[u32::MAX; 2]; self.kept.len()];
+    /// Finds the wings of each collapse from the triangles that it drops. Leaves the list unchanged.
+    fn find_wings(&mut self) -> Vec<[OptionalId; 2]> {
+        let mut wings = vec![[OptionalId::NONE; 2]; self.kept.len()];
         for level in (0..self.len()).rev() {
             let dropped =
                 3 * self.triangle_counts[level] as usize..3 * self.triangle_counts[level + 1] as usize;
             for i in self.replay.records.vertices_of(level) {
                 let (removed, kept) = (self.replay.records.vertices[i], self.kept[i]);
-                // The first triangle is looked at last, and stays.
+                // Backward, so that the first triangle decides.
                 for t in self.replay.entries[dropped.clone()].chunks_exact(3).rev() {
                     for [a, b, c] in [[t[0], t[1], t[2]], [t[1], t[2], t[0]], [t[2], t[0], t[1]]] {
                         match () {
-                            () if [a, b] == [kept, removed] => wings[i][0] = c,
-                            () if [a, b] == [removed, kept] => wings[i][1] = c,
+                            () if [a, b] == [kept, removed] => wings[i][0] = OptionalId::some(c),
+                            () if [a, b] == [removed, kept] => wings[i][1] = OptionalId::some(c),
                             () => {}
                         }
                     }
@@ -159,8 +160,8 @@ impl ProgressiveMesh {
     }
 }
 
-/// Gives the corners of all triangles, those of coarser levels first, and counts the triangles of each level. Triangles that are degenerate
-/// in the full mesh are left out.
+/// Returns the corners of all triangles, those of coarser levels first, and the number of triangles at each level. Triangles that are
+/// degenerate in the full mesh are left out.
 fn in_order_of_splits(sequence: &CollapseSequence) -> (Vec<u32>, Vec<u32>) {
     let triangles = sequence.triangles();
     let corners_of = |t: usize| &triangles[3 * t..3 * t + 3];

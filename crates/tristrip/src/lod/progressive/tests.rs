@@ -21,7 +21,7 @@ fn sequence(strips: &Strips, collapses: &[(u32, u32)]) -> CollapseSequence {
     CollapseSequence::from_collapses(count, strips.to_list(), renames.iter().map(|r| (&r[..], 0.0))).unwrap()
 }
 
-/// The entries as people write them.
+/// Formats the entries for people.
 fn text(model: &ProgressiveStrips) -> String {
     let entry = |&e: &u32| match offset(e) {
         Some(offset) => format!("{offset:+}"),
@@ -43,7 +43,7 @@ fn the_example_of_the_head() {
     let sequence = sequence(&strips, &[(4, 2), (3, 2)]);
     let mut model = ProgressiveStrips::new(&strips, &sequence, Encoding::Naive).unwrap();
     assert_eq!(
-        (text(&model).as_str(), model.place_count(1), model.place_count(0)),
+        (text(&model).as_str(), model.slot_count(1), model.slot_count(0)),
         ("0 1 2 3 4 R 3 2 5", 1, 2)
     );
     model.coarsen();
@@ -57,7 +57,7 @@ fn followers_of_a_place_need_no_update() {
     let strips = strips(&[&[0, 1, 2, 3, 4, 5]]);
     let sequence = sequence(&strips, &[(4, 3), (3, 2)]);
     let mut model = ProgressiveStrips::new(&strips, &sequence, Encoding::Offsets).unwrap();
-    assert_eq!([0, 1].map(|level| model.place_count(level)), [1, 1]);
+    assert_eq!([0, 1].map(|level| model.slot_count(level)), [1, 1]);
     model.go_to(1);
     assert_eq!((text(&model).as_str(), decoded(&model)), ("0 1 2 3 -1 5", vec![0, 1, 2, 3, 3, 5]));
     model.go_to(0);
@@ -71,13 +71,13 @@ fn a_swap_follows_the_vertex_that_it_repeats() {
     let mut model = ProgressiveStrips::new(&strips, &sequence, Encoding::Offsets).unwrap();
     assert_eq!(text(&model), "0 1 2 -2 3");
     model.coarsen();
-    // The root is three places from 3: but its follower is next to it, which is not asked.
+    // The root is three slots from 3. Its follower is next to it, but is not considered.
     assert_eq!((text(&model).as_str(), decoded(&model)), ("0 3 2 -2 3", vec![0, 3, 2, 3, 3]));
 }
 
 #[test]
 fn a_closed_vertex_is_encoded_on_one_side_only() {
-    // Vertex 1 is passed twice by a spiral; its second place is next to vertex 5.
+    // A spiral passes vertex 1 twice; its second slot is next to vertex 5.
     let strips = strips(&[&[0, 1, 2, 3, 4, 1, 5]]);
     let sequence = sequence(&strips, &[(1, 5)]);
     let mut model = ProgressiveStrips::new(&strips, &sequence, Encoding::Offsets).unwrap();
@@ -106,7 +106,7 @@ fn what_does_not_belong_together_is_refused() {
 
 #[test]
 fn a_hostile_sequence_hits_the_limit() {
-    // A fan of one strip whose rim is collapsed along itself: all places of all collapses are a quadratic number.
+    // A fan of one strip whose rim collapses along itself: the number of slots over all collapses is quadratic.
     let count = 2000;
     let zigzag: Vec<u32> = (1..count).flat_map(|i| [0, i]).collect();
     let strips = strips(&[&zigzag]);
@@ -118,11 +118,11 @@ fn a_hostile_sequence_hits_the_limit() {
     let renames = collapses.iter().map(|r| (&r[..], 0.0));
     let sequence = CollapseSequence::from_collapses(count as usize, list, renames).unwrap();
     let error = ProgressiveStrips::new(&strips, &sequence, Encoding::Naive).unwrap_err().to_string();
-    assert!(error.starts_with("places of all collapses: found "), "{error}");
+    assert!(error.starts_with("slots renamed by all collapses: found "), "{error}");
     // The mesh drops triangles and their corners: two to rename at each collapse.
     assert!(ProgressiveMesh::new(&sequence).is_ok());
     let encoded = ProgressiveStrips::new(&strips, &sequence, Encoding::Offsets).unwrap();
-    assert!((0..encoded.len()).all(|level| encoded.place_count(level) == 1));
+    assert!((0..encoded.len()).all(|level| encoded.slot_count(level) == 1));
 }
 
 proptest! {
@@ -191,14 +191,14 @@ proptest! {
             let removed: Vec<u32> = sample.sequence.collapse(level).renames.iter().map(|r| r.removed).collect();
             for model in [&naive, &encoded] {
                 prop_assert_eq!(model.split(level).map(|update| update.vertex).collect::<Vec<_>>(), &removed[..]);
-                prop_assert!(model.split(level).all(|update| update.places.is_sorted()));
+                prop_assert!(model.split(level).all(|update| update.slots.is_sorted()));
             }
-            prop_assert!(encoded.place_count(level) <= naive.place_count(level));
+            prop_assert!(encoded.slot_count(level) <= naive.slot_count(level));
             let mut at = naive.clone();
             at.go_to(level + 1);
             for update in at.split(level) {
-                let places = (0..at.entries().len() as u32).filter(|&p| at.entries()[p as usize] == update.vertex);
-                prop_assert_eq!(places.collect::<Vec<_>>(), update.places);
+                let slots = (0..at.entries().len() as u32).filter(|&p| at.entries()[p as usize] == update.vertex);
+                prop_assert_eq!(slots.collect::<Vec<_>>(), update.slots);
             }
         }
     }

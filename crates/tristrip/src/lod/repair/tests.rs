@@ -1,4 +1,4 @@
-//! Strips at every level of generated meshes, held to the oracle: drawn right, paths whole, edges and costs as found anew.
+//! Strips at every level of generated meshes, compared with the oracle: triangles drawn, paths, twins and costs as computed from scratch.
 
 use proptest::prelude::*;
 
@@ -28,18 +28,18 @@ fn waves(side: u32) -> Sample {
     Sample { sequence: simplify(&mesh, triangles, &options).unwrap().sequence, strips }
 }
 
-/// Holds the other sides of half-edges to all pairs of them: they are each other's, and two of opposite direction over an edge are not both
-/// without.
+/// Checks twins by all pairs of half-edges: they are mutual, and no two half-edges of opposite direction over an edge are both
+/// without a twin.
 fn check_twins(repair: &Repair<'_>) -> Result<(), TestCaseError> {
     let slots = 0..repair.paths.len() as u32;
     let twins = |t: u32| (4 * t..4 * t + 3).map(|h| repair.paths.twin(h));
-    for t in slots.clone().filter(|&t| !repair.surface.is_drawn(t)) {
+    for t in slots.clone().filter(|&t| !repair.mesh.is_drawn(t)) {
         prop_assert!(twins(t).all(|twin| twin == NONE));
     }
     let sides: Vec<(u32, [u32; 2])> = slots
-        .filter(|&t| repair.surface.is_drawn(t))
+        .filter(|&t| repair.mesh.is_drawn(t))
         .flat_map(|t| {
-            let [a, b, c] = repair.surface.triangle(t);
+            let [a, b, c] = repair.mesh.triangle(t);
             [(4 * t, [a, b]), (4 * t + 1, [b, c]), (4 * t + 2, [c, a])]
         })
         .collect();
@@ -56,14 +56,14 @@ fn check_twins(repair: &Repair<'_>) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// Holds a repair to what can be found anew.
+/// Compares a repair with a computation from scratch.
 fn check(repair: &Repair<'_>) -> Result<(), TestCaseError> {
     let level = repair.level();
     let drawn = repair.sequence.drawn(level);
     prop_assert_eq!(repair.triangle_count(), drawn.len());
     check_twins(repair)?;
     for t in 0..repair.paths.len() as u32 {
-        let is_end = repair.surface.is_drawn(t) && repair.paths.degree(t) < 2;
+        let is_end = repair.mesh.is_drawn(t) && repair.paths.degree(t) < 2;
         prop_assert_eq!(repair.paths.ends_of(t as usize / 64) >> (t % 64) & 1 == 1, is_end);
     }
     let half_edges = || (0..4 * repair.paths.len() as u32).filter(|h| h % 4 < 3);
@@ -81,7 +81,7 @@ fn check(repair: &Repair<'_>) -> Result<(), TestCaseError> {
     prop_assert_eq!(cover.check(&graph), Ok(()));
     let costs: usize = cover
         .path_starts(&graph)
-        .filter(|start| repair.surface.is_drawn(start.0))
+        .filter(|start| repair.mesh.is_drawn(start.0))
         .map(|start| path_cost(&graph, &cover, start))
         .sum();
     prop_assert_eq!(repair.vertices_sent(), costs);
@@ -132,12 +132,12 @@ proptest! {
     fn a_level_at_once_is_drawn_and_no_effort_makes_it_dearer(sample in samples()) {
         let Sample { strips, sequence } = sample;
         for level in 0..=sequence.len() {
-            let dearest = Repair::at(&sequence, &strips, level, options(0)).unwrap();
-            check(&dearest)?;
+            let no_search = Repair::at(&sequence, &strips, level, options(0)).unwrap();
+            check(&no_search)?;
             for effort in 1..4 {
                 let repair = Repair::at(&sequence, &strips, level, options(effort)).unwrap();
                 check(&repair)?;
-                prop_assert!(repair.vertices_sent() <= dearest.vertices_sent());
+                prop_assert!(repair.vertices_sent() <= no_search.vertices_sent());
             }
         }
     }
