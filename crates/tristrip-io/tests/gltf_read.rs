@@ -1,8 +1,8 @@
 //! Reading glTF: hand-made documents, one for each thing that the format can do with triangles.
 
-mod gltf_common;
+mod gltf_documents;
 
-use gltf_common::*;
+use gltf_documents::*;
 use serde_json::json;
 use tristrip::AttributeData;
 use tristrip_io::{Error, gltf};

@@ -1,11 +1,11 @@
 //! Writing GLB: the scene is kept, every layout draws the same triangles, and the Khronos validator has no objection.
 #![allow(clippy::unwrap_used, clippy::print_stderr, reason = "a test may stop, and says what it skips")]
 
-mod gltf_common;
+mod gltf_documents;
 
 use std::path::PathBuf;
 
-use gltf_common::*;
+use gltf_documents::*;
 use proptest::prelude::*;
 use serde_json::{Value, json};
 use tristrip::{Attribute, AttributeData, Faces, Layout, Mesh, Strips};

@@ -2,11 +2,11 @@
 #![allow(clippy::unwrap_used, clippy::print_stderr, reason = "a test may stop, and says what it skips")]
 #![allow(clippy::format_push_string, reason = "a test may take its time")]
 
-mod gltf_common;
+mod gltf_documents;
 
 use std::path::PathBuf;
 
-use gltf_common::*;
+use gltf_documents::*;
 use proptest::prelude::*;
 use serde_json::{Value, json};
 use tristrip::strip::{VertexOrder, strip_triangles, verify_models};
