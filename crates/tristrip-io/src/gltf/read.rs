@@ -240,7 +240,7 @@ impl ReadCounts {
         note("primitives of points or lines, kept only in a GLB", self.other_modes);
         note("dropped degenerate triangles of strips and fans", self.degenerate);
         note(
-            "dropped incomplete triangles at the end of triangle lists, indices",
+            "dropped indices at the end of triangle lists, fewer than a triangle needs",
             self.incomplete_triangle_indices,
         );
         note(
