@@ -86,12 +86,12 @@ pub fn has_unread_vertex_values(model: &Model) -> bool {
 /// Writes a GLB with one drawing for each part, in order.
 ///
 /// With a scene, the document is the one that was read: only the indices and modes of its triangle primitives change
-/// ([`Drawing::Faces`] leaves a triangle list as it is). Without a scene, a minimal document is built: one mesh and node for
+/// ([`Drawing::Faces`] leaves a triangle list unchanged). Without a scene, a minimal document is built: one mesh and node for
 /// each run of parts with the same name, one primitive per part, one material per name. [`losses`] lists what such a
 /// document cannot hold.
 ///
 /// The index type is the smallest in which no index takes the highest value. Strips of fewer than three vertices are
-/// left out; a drawing without any triangle becomes one degenerate triangle, because glTF has no empty index buffers.
+/// dropped; a drawing without any triangle becomes one degenerate triangle, because glTF has no empty index buffers.
 /// [`Layout::Restart`] declares the draft extension only where there is a restart.
 ///
 /// # Errors

@@ -48,11 +48,11 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Model, Error> {
     if let Some(word) = text.word() {
         return Err(Error::format(text.position(), quote(word), "the end of the line after three counts"));
     }
-    check_room(&text, vertex_count, 3, "vertices")?;
+    check_capacity(&text, vertex_count, 3, "vertices")?;
     let mut reader =
         OffReader { text, fields, vertex_count, arrays: VertexArrays::default(), notes: Vec::new() };
     reader.read_vertices()?;
-    check_room(&reader.text, face_count, 1, "faces")?;
+    check_capacity(&reader.text, face_count, 1, "faces")?;
     let polygons = reader.read_faces(face_count)?;
     let OffReader { mut text, arrays, notes, .. } = reader;
     if let Some(word) = text.word_on_any_line() {
@@ -138,7 +138,7 @@ fn parse_count(text: &Text, word: &[u8], what: &str) -> Result<u64, Error> {
 }
 
 /// Checks that the remaining bytes can hold a count of items, before anything is allocated for it.
-fn check_room(text: &Text, count: u64, words: u64, what: &str) -> Result<(), Error> {
+fn check_capacity(text: &Text, count: u64, words: u64, what: &str) -> Result<(), Error> {
     let most = text.words_left() as u64 / words;
     if count > most {
         let expected = format!("at most {most} in the remaining {} bytes", text.bytes_left());
@@ -233,7 +233,7 @@ impl OffReader<'_> {
             let text = &mut self.text;
             let word = text.word().unwrap_or_default();
             let size = parse_count(text, word, "corners")?;
-            check_room(text, size, 1, "corners")?;
+            check_capacity(text, size, 1, "corners")?;
             for _ in 0..size {
                 let Some(word) = text.word() else { return Err(text.missing("a vertex index")) };
                 match integer(word).map(u64::try_from) {

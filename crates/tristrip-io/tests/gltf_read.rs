@@ -115,7 +115,7 @@ fn reads_interleaved_vertices() {
         bytes.extend([i as u8; 4]);
         bytes.extend([10 * i as u8, 255, 99, 99]);
     }
-    bytes.truncate(bytes.len() - 2); // the last value needs no padding behind it
+    bytes.truncate(bytes.len() - 2); // the last value needs no padding after it
     let view = draft.view(&bytes);
     draft.json["bufferViews"][view]["byteStride"] = 20.into();
     let positions = draft.accessor(view, F32, 4, "VEC3");

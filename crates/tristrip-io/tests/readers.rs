@@ -135,7 +135,7 @@ fn ply_doubles_are_rounded_and_counted() {
     assert_eq!(mesh.attributes()[2].data, AttributeData::F64(vec![0.1, 0.1]));
     assert_eq!(
         model.notes,
-        ["vertices rounded to 32-bit floats: 1", "values of TEXCOORD_0 not finite, 0 in their place: 1"]
+        ["vertices rounded to 32-bit floats: 1", "values of TEXCOORD_0 not finite, replaced by 0: 1"]
     );
 }
 

@@ -461,7 +461,7 @@ pub(super) fn check_views(source: &AccessorResolver<'_>) -> Result<(), Error> {
     Ok(())
 }
 
-/// Returns the lowest value that a signed integer may stand for: normalized ones are clamped to −1.
+/// Returns the lowest value that a signed integer can represent: normalized ones are clamped to −1.
 fn lowest(scale: f32) -> f32 {
     if scale > 1.0 { -1.0 } else { f32::MIN }
 }

@@ -100,7 +100,7 @@ fn chunk(file: &[u8], at: usize, end: usize) -> Result<(u32, Range<usize>), Erro
     };
     let body = at + CHUNK_HEADER_BYTES;
     if length as usize > end - body {
-        let expected = format!("at most {}, what is left of the file", end - body);
+        let expected = format!("at most {}, the remaining size of the file", end - body);
         return Err(Error::format(format!("byte {at}"), format!("chunk length {length}"), expected));
     }
     Ok((kind, body..body + length as usize))
