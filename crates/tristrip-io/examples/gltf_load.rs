@@ -1,9 +1,9 @@
-//! Measures how long a GLB of a million triangles takes to load, and how much memory.
+//! Measures the time and memory that loading a GLB of a million triangles takes.
 //!
 //! ```text
 //! cargo run --release -p tristrip-io --example gltf_load
 //! ```
-#![allow(clippy::print_stdout, reason = "it measures")]
+#![allow(clippy::print_stdout, reason = "an example prints its measurements")]
 
 use std::time::Instant;
 
@@ -48,7 +48,7 @@ fn main() -> Result<(), Error> {
             glb.len() as f64 / 1e6
         );
         std::fs::write(&path, glb).map_err(io)?;
-        // A process of its own, for its memory.
+        // A separate process, to measure its memory.
         let program = std::env::current_exe().map_err(io)?;
         std::process::Command::new(program).arg("load").status().map_err(io)?;
         return std::fs::remove_file(&path).map_err(io);

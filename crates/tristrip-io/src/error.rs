@@ -1,47 +1,47 @@
 //! The errors of reading and writing, sorted by who can act on them.
 
-/// Says why a file could not be read or written.
+/// The reason why a file could not be read or written.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The system refused.
+    /// A file system operation failed.
     #[error("{path}: {source}")]
     Io {
         /// The file.
         path: String,
-        /// What the system said.
+        /// The error of the operating system.
         source: std::io::Error,
     },
-    /// The bytes are not what the format asks for.
+    /// The bytes do not conform to the format.
     #[error("{at}: found {found}, expected {expected}")]
     Format {
-        /// Where: `line 12`, `byte 345`, `accessors[3].count`.
+        /// The position: `line 12`, `byte 345`, `accessors[3].count`.
         at: String,
-        /// What stands there.
+        /// What was found there.
         found: String,
-        /// What the format asks for.
+        /// What the format requires.
         expected: String,
     },
-    /// The file says that it holds more than it can, or more than 32-bit ids can name.
+    /// The file states a size that exceeds a limit, such as what 32-bit ids can name.
     #[error("{at}: found {found}, the limit is {limit}")]
     LimitExceeded {
-        /// Where: `line 12`, `byte 345`, `accessors[3].count`.
+        /// The position: `line 12`, `byte 345`, `accessors[3].count`.
         at: String,
-        /// How much was asked for.
+        /// The size that was found.
         found: u64,
-        /// How much there may be.
+        /// The largest size that is allowed.
         limit: u64,
     },
-    /// The geometry is not usable.
+    /// The geometry is invalid.
     #[error(transparent)]
     Mesh(#[from] tristrip::Error),
-    /// What was asked for does not fit the format.
+    /// The request is not supported by the format, or does not fit the model.
     #[error("{0}")]
     Unsupported(String),
 }
 
 impl Error {
-    /// Says that the bytes at a place are not what the format asks for.
+    /// Builds the error for bytes that do not conform to the format.
     pub(crate) fn format(
         at: impl Into<String>,
         found: impl Into<String>,

@@ -1,4 +1,4 @@
-//! Which format a file is in: by its extension, or by its first bytes where it comes without a name.
+//! The format of a file: by its extension, or by its first bytes where it has no name.
 
 use std::path::Path;
 
@@ -22,10 +22,10 @@ pub enum Format {
 }
 
 impl Format {
-    /// Every format, in the order in which they are listed for users.
+    /// All formats, in the order in which they are listed for users.
     pub const ALL: [Self; 6] = [Self::Obj, Self::Ply, Self::Off, Self::Stl, Self::Gltf, Self::Glb];
 
-    /// Gives the file name extension, without the dot.
+    /// Returns the file name extension, without the dot.
     pub fn extension(self) -> &'static str {
         match self {
             Self::Obj => "obj",
@@ -37,7 +37,7 @@ impl Format {
         }
     }
 
-    /// Gives the name that people use.
+    /// Returns the usual name.
     pub fn name(self) -> &'static str {
         match self {
             Self::Obj => "OBJ",
@@ -49,7 +49,7 @@ impl Format {
         }
     }
 
-    /// Tells the format by a file name's extension, in upper or lower case.
+    /// Returns the format of a file name's extension, in upper or lower case.
     ///
     /// ```
     /// use tristrip_io::Format;
@@ -61,7 +61,7 @@ impl Format {
         Self::ALL.into_iter().find(|format| extension.eq_ignore_ascii_case(format.extension()))
     }
 
-    /// Tells the format by the file's content; what has no mark of its own is taken for OBJ.
+    /// Detects the format by the file's content; without a known signature it is OBJ.
     ///
     /// ```
     /// use tristrip_io::Format;
@@ -96,7 +96,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn content_tells_the_format() {
+    fn detects_the_format_by_content() {
         let mut binary_stl = b"solid but binary".to_vec();
         binary_stl.resize(84, 0);
         let cases: [(&[u8], Format); 9] = [
@@ -116,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn every_extension_names_its_format() {
+    fn detects_the_format_by_extension() {
         for format in Format::ALL {
             assert_eq!(Format::from_path(format!("a.b.{}", format.extension())), Some(format));
         }

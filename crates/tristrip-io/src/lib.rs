@@ -5,12 +5,12 @@
 //! | OBJ | polygons, groups, materials, seams | faces |
 //! | PLY | ascii, little and big endian, polygons, `tristrips` | faces, `tristrips` |
 //! | OFF | polygons | – |
-//! | STL | ascii, binary; welded | – |
-//! | glTF 2.0, GLB | all triangle modes, sparse accessors, restart | GLB, the scene kept |
+//! | STL | ascii, binary; equal positions welded | – |
+//! | glTF 2.0, GLB | all triangle modes, sparse accessors, restart | GLB, with the scene |
 //!
-//! Every input is taken as hostile: a reader never panics, allocates in proportion to the bytes that it was given and never
-//! by what a count in them claims, and says where the file is wrong, what stands there and what was expected. What a reader drops, it counts in
-//! [`Model::notes`]; what a writer must drop, [`losses`] names.
+//! Every input is treated as hostile: a reader never panics, and allocates in proportion to the bytes that it was given,
+//! never to a count that they state. Its errors name the position in the file, what was found and what was expected. A
+//! reader counts what it drops in [`Model::notes`]; [`losses`] lists what a writer has to drop.
 //!
 //! ```
 //! use tristrip_io::{Drawing, Format, read, write};
@@ -21,6 +21,7 @@
 //! ```
 #![forbid(unsafe_code)]
 
+mod any_format;
 pub mod error;
 mod format;
 pub mod gltf;
@@ -33,96 +34,16 @@ mod ply;
 mod polygons;
 mod redraw;
 mod reorder;
+mod shared_vertices;
 mod stl;
 mod text;
+mod vertex_group;
 
+pub use any_format::{losses, read, write};
 pub use error::Error;
 pub use format::Format;
-pub use model::{Drawing, Model, Part, Stored};
+pub use model::{Drawing, Model, Part, StoredStrips};
 pub use path::{read_path, replace_file, write_path};
 pub use redraw::{Redrawn, with_triangles};
-pub use reorder::{Reordered, VertexGroup, reorder};
-
-use tristrip::Layout;
-
-/// Reads a model from the bytes of a file. A glTF file must hold its buffers itself; [`read_path`] also finds those beside it.
-///
-/// # Errors
-/// The bytes are not a file of this format ([`Error::Format`]), or it holds more than 32-bit ids can name.
-///
-/// ```
-/// use tristrip_io::{Format, read};
-/// let off = b"OFF\n4 1 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n";
-/// let model = read(off, Format::from_bytes(off))?;
-/// assert_eq!(model.parts[0].mesh.faces().face(0), [0, 1, 2, 3]);
-/// let wrong = read(b"v 0 0 zero\n", Format::Obj).unwrap_err();
-/// assert_eq!(wrong.to_string(), "line 1: found `zero`, expected a number for z");
-/// # Ok::<(), tristrip_io::Error>(())
-/// ```
-pub fn read(bytes: &[u8], format: Format) -> Result<Model, Error> {
-    read_beside(bytes, format, None)
-}
-
-/// Reads a model whose external buffers, if any, lie in `base_dir`.
-fn read_beside(bytes: &[u8], format: Format, base_dir: Option<&std::path::Path>) -> Result<Model, Error> {
-    if bytes.is_empty() {
-        return Err(Error::format("byte 0", "an empty file", format!("a file in {}", format.name())));
-    }
-    match format {
-        Format::Obj => obj::read(bytes),
-        Format::Ply => ply::read(bytes),
-        Format::Off => off::read(bytes),
-        Format::Stl => stl::read(bytes),
-        Format::Gltf | Format::Glb => gltf::read(bytes, base_dir),
-    }
-}
-
-/// Writes a model: for each part its faces, or strips over its vertices laid out as `layout` says.
-///
-/// - OBJ has no strips: the strips' triangles are written in strip order, whatever the layout.
-/// - PLY has the `tristrips` element: [`Layout::Restart`] is one row with −1 between strips, [`Layout::Separate`] one row a
-///   strip, [`Layout::Degenerate`] one row a part; [`Layout::List`] writes triangles as faces. Little-endian binary.
-/// - GLB keeps the scene that the model was read with.
-///
-/// # Errors
-/// The format cannot be written, there is not one drawing for each part, a strip names a vertex that its part does not
-/// have, or the parts together have more vertices than 32-bit ids can name.
-///
-/// ```
-/// use tristrip_io::{Drawing, Format, read, write};
-/// let model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 4 3\n", Format::Obj)?;
-/// let mut strips = tristrip::Strips::default();
-/// strips.push(&[0, 1, 2, 3]);
-/// let ply = write(&model, &[Drawing::Strips(&strips)], Format::Ply, tristrip::Layout::Restart)?;
-/// assert_eq!(read(&ply, Format::Ply)?.parts[0].mesh.faces().face_count(), 2);
-/// # Ok::<(), tristrip_io::Error>(())
-/// ```
-pub fn write(model: &Model, drawings: &[Drawing], format: Format, layout: Layout) -> Result<Vec<u8>, Error> {
-    join::check_drawings(model, drawings)?;
-    match format {
-        Format::Obj => obj::write(model, drawings),
-        Format::Ply => ply::write(model, drawings, layout),
-        Format::Glb => gltf::write_glb(model, drawings, layout),
-        Format::Off | Format::Stl | Format::Gltf => {
-            Err(Error::Unsupported(format!("{} cannot be written; .obj, .ply and .glb can", format.name())))
-        }
-    }
-}
-
-/// Names what a format cannot hold of a model, in words, with counts, the scene around the parts included; the writers of
-/// OBJ and PLY put the same words into the file as comments.
-///
-/// ```
-/// use tristrip_io::{Format, losses, read};
-/// let model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\nusemtl b\nf 1 3 2\n", Format::Obj)?;
-/// assert_eq!(losses(&model, Format::Ply), ["parts joined into one: 2", "material names not written: 2"]);
-/// # Ok::<(), tristrip_io::Error>(())
-/// ```
-pub fn losses(model: &Model, format: Format) -> Vec<String> {
-    match format {
-        Format::Obj => obj::losses(model),
-        Format::Ply => ply::losses(model),
-        Format::Glb => gltf::losses(model),
-        Format::Off | Format::Stl | Format::Gltf => Vec::new(),
-    }
-}
+pub use reorder::{Reordered, reorder};
+pub use vertex_group::VertexGroup;

@@ -1,16 +1,44 @@
-//! What a file holds: parts with a mesh each, and for glTF the scene around them.
+//! The content of a file: parts with a mesh each, and for glTF the scene around them.
 
-use tristrip::{Mesh, Strips};
+use tristrip::{Error as MeshError, Mesh, MeshProblem, Strips};
+
+use crate::error::Error;
+use crate::gltf::scene::Scene;
 
 /// A file's geometry, in the order of the file.
 #[derive(Debug, Default)]
 pub struct Model {
-    /// The meshes, each of which is stripified and drawn by itself.
+    /// The meshes, each of which is stripified and drawn separately.
     pub parts: Vec<Part>,
-    /// What was dropped or changed while reading, in words, with counts: nothing is lost silently.
+    /// Everything that was dropped or changed while reading, in words, with counts.
     pub notes: Vec<String>,
     /// The document around the parts, for glTF and GLB.
-    pub scene: Option<crate::gltf::Scene>,
+    pub scene: Option<Scene>,
+}
+
+impl Model {
+    /// Checks that there is one drawing for each part, and that its strips have only vertices of the part.
+    pub(crate) fn check_drawings(&self, drawings: &[Drawing]) -> Result<(), Error> {
+        if drawings.len() != self.parts.len() {
+            let (found, expected) = (drawings.len(), self.parts.len());
+            return Err(Error::Unsupported(format!(
+                "drawings: found {found}, expected {expected} (one for each part)"
+            )));
+        }
+        for (part, drawing) in self.parts.iter().zip(drawings) {
+            let Drawing::Strips(strips) = drawing else { continue };
+            let vertex_count = part.mesh.vertex_count() as u32;
+            for (face, strip) in strips.iter().enumerate() {
+                if let Some(corner) = strip.iter().position(|&v| v >= vertex_count) {
+                    let (face, found) = (face as u32, strip[corner]);
+                    let corner = corner as u32;
+                    let problem = MeshProblem::VertexIndex { face, corner, found, vertex_count };
+                    return Err(MeshError::Mesh(problem).into());
+                }
+            }
+        }
+        Ok(())
+    }
 }
 
 /// One mesh: the faces of one material (OBJ), one primitive (glTF), or the whole file (PLY, OFF, STL).
@@ -22,13 +50,21 @@ pub struct Part {
     pub material: Option<String>,
     /// The geometry.
     pub mesh: Mesh,
-    /// Whether the file drew the part as strips or fans, of which the faces are the triangles in order.
+    /// Whether the file draws the part as strips or fans; the faces are their triangles, in order.
     pub stripped: bool,
-    /// The indices that the file draws a stripped part with; `None` for others, whose faces are what is drawn.
-    pub stored: Option<Stored>,
+    /// The indices of a part that the file draws as strips or fans; `None` for other parts.
+    pub stored: Option<StoredStrips>,
 }
 
-/// How a file draws a part as strips or fans: its indices, before they were taken apart into triangles.
+impl Part {
+    /// Returns a part with the same names and another mesh, which the file does not draw as strips.
+    pub(crate) fn with_mesh(&self, mesh: Mesh) -> Self {
+        let (name, material) = (self.name.clone(), self.material.clone());
+        Self { name, material, mesh, stripped: false, stored: None }
+    }
+}
+
+/// The indices with which a file draws a part as strips or fans, before they are unpacked into triangles.
 ///
 /// ```
 /// use tristrip_io::{Format, read};
@@ -41,41 +77,58 @@ pub struct Part {
 /// # Ok::<(), tristrip_io::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Stored {
+pub struct StoredStrips {
     /// Whether each run is a fan, not a strip.
     pub fans: bool,
-    /// The vertices between restarts, joins by degenerate triangles as they are; runs of no vertex are left out.
+    /// The vertices between restarts, joins by degenerate triangles unchanged; empty runs are dropped.
     pub runs: Strips,
-    /// Restart indices.
+    /// The number of restart indices.
     pub restarts: usize,
 }
 
-impl Stored {
-    /// Takes runs apart at a restart index.
-    pub(crate) fn new(indices: &[u32], restart: u32, fans: bool) -> Self {
+impl StoredStrips {
+    /// Collects the runs between restarts, empty ones included.
+    pub(crate) fn from_runs<'a>(runs: impl Iterator<Item = &'a [u32]>, fans: bool) -> Self {
         let mut stored = Self { fans, ..Self::default() };
-        let mut runs = 0;
-        for run in indices.split(|&i| i == restart) {
-            runs += 1;
+        let mut run_count = 0_usize;
+        for run in runs {
+            run_count += 1;
             if !run.is_empty() {
                 stored.runs.push(run);
             }
         }
-        stored.restarts = runs - 1;
+        stored.restarts = run_count.saturating_sub(1);
         stored
     }
 
-    /// Counts the indices, restarts included.
+    /// Returns the number of indices, restarts included.
     pub fn indices(&self) -> usize {
         self.runs.vertices_sent() + self.restarts
     }
 }
 
-/// What to write for a part.
+/// The faces or strips to write for a part.
 #[derive(Debug, Clone, Copy)]
 pub enum Drawing<'a> {
-    /// The part's own faces, polygons kept where the format has polygons.
+    /// The part's own faces; polygons stay polygons where the format has them.
     Faces,
     /// These triangle strips, over the part's vertices.
     Strips(&'a Strips),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tristrip::Faces;
+
+    #[test]
+    fn drawings_are_checked() {
+        let mesh = Mesh::new(vec![[0.0; 3]; 3], Faces::default()).unwrap();
+        let model = Model { parts: vec![Part { mesh, ..Part::default() }], ..Model::default() };
+        assert!(model.check_drawings(&[]).is_err());
+        let mut strips = Strips::default();
+        strips.push(&[0, 1, 3]);
+        let wrong = model.check_drawings(&[Drawing::Strips(&strips)]).unwrap_err();
+        assert_eq!(wrong.to_string(), "face 0, corner 2: found vertex index 3, expected less than 3");
+    }
 }

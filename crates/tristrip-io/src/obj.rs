@@ -1,4 +1,5 @@
-//! OBJ: lines that begin with a keyword; faces name positions, texture coordinates and normals by indices of their own.
+//! OBJ: lines that begin with a keyword; the corners of faces have separate indices of positions, texture coordinates and
+//! normals.
 //!
 //! ```text
 //! v x y z [r g b]        position, counted from 1           f 1 2 3            corners: position
@@ -7,19 +8,20 @@
 //! usemtl name            material of the faces that follow
 //! ```
 //!
-//! A vertex of the result is a distinct triple of indices, in order of first use; where no face names a texture coordinate or
-//! normal, the vertices are those of the file. Faces are gathered by material, a part each, which holds only the vertices
-//! that it uses where there are several. The parser is our own: `tobj` splits or merges polygons' corners in its own way and
-//! names no line in its errors.
+//! A vertex of the result is a distinct triple of indices, in order of first use; if no face has a texture coordinate or
+//! normal, the vertices are those of the file. The faces of each material form a part; if there are several parts, each
+//! holds only the vertices that it uses. The crate `tobj` is not used because it splits or merges the corners of polygons in
+//! its own way and its errors have no line numbers.
 //!
 //! # References
 //! Wavefront Technologies: *The Advanced Visualizer*, appendix B1, *Object Files*.
 //!
 //! # Complexity
-//! Two passes over the corners; 4 to 12 bytes a corner beside the arrays of the result.
+//! Two passes over the corners; 4 to 12 bytes per corner in addition to the arrays of the result.
 
 mod read;
 mod split;
+mod tables;
 mod write;
 
 pub(crate) use read::read;

@@ -1,4 +1,5 @@
-//! Files by their names: read whole, and written beside and renamed, so that a failure leaves the old file as it was.
+//! Files by path: read at once, and written to a temporary file that is renamed, so that a failure leaves the old file
+//! unchanged.
 
 use std::fs;
 use std::io::{self, Write};
@@ -6,12 +7,15 @@ use std::path::{Path, PathBuf};
 
 use tristrip::Layout;
 
-use crate::{Drawing, Error, Format, Model, read_beside, write};
+use crate::any_format::{read_in_folder, write};
+use crate::error::Error;
+use crate::format::Format;
+use crate::model::{Drawing, Model};
 
-/// Reads a model from a file, in the format of its extension, or else of its content.
+/// Reads a model from a file, in the format of its extension, or of its content if the extension is unknown.
 ///
 /// # Errors
-/// The file cannot be read, or as [`read`](crate::read).
+/// The file cannot be read, and the errors of [`read`](crate::read).
 ///
 /// ```
 /// let wrong = tristrip_io::read_path("no/such/model.ply").unwrap_err();
@@ -28,13 +32,13 @@ pub fn read_path(path: impl AsRef<Path>) -> Result<Model, Error> {
     }
     let bytes = fs::read(path).map_err(io_error)?;
     let format = Format::from_path(path).unwrap_or_else(|| Format::from_bytes(&bytes));
-    read_beside(&bytes, format, Some(path.parent().unwrap_or(Path::new(""))))
+    read_in_folder(&bytes, format, Some(path.parent().unwrap_or(Path::new(""))))
 }
 
-/// Writes a model to a file, in the format of its extension, as [`write()`] and [`replace_file`] do.
+/// Writes a model to a file in the format of its extension, with [`write()`] and [`replace_file`].
 ///
 /// # Errors
-/// The extension names no format, or as [`write()`] and [`replace_file`].
+/// The extension is not that of a format, and the errors of [`write()`] and [`replace_file`].
 pub fn write_path(
     path: impl AsRef<Path>,
     model: &Model,
@@ -43,18 +47,18 @@ pub fn write_path(
 ) -> Result<(), Error> {
     let path = path.as_ref();
     let Some(format) = Format::from_path(path) else {
-        let message = format!("{}: the extension names no format; .obj, .ply and .glb do", path.display());
+        let message = format!("{}: unknown extension, expected .obj, .ply or .glb", path.display());
         return Err(Error::Unsupported(message));
     };
     replace_file(path, &write(model, drawings, format, layout)?)
 }
 
-/// Writes bytes to a file: beside it under another name, then renamed, so that readers see the old file or the whole new
-/// one, and a failure leaves the old one as it was and nothing else behind. A link is followed; a device or pipe is
-/// written to as it is.
+/// Writes bytes to a file through a temporary file in the same folder that is renamed, so that readers see the old file or the
+/// complete new one, and a failure leaves the old file unchanged and no temporary file. Links are followed; devices and
+/// pipes are written directly.
 ///
 /// # Errors
-/// The place cannot be written to, or the file there is a directory or read-only.
+/// The path cannot be written to, or it is a directory or a read-only file.
 ///
 /// ```
 /// # let dir = tempfile::tempdir().unwrap();
@@ -95,15 +99,15 @@ fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
     #[cfg(unix)]
     let permissions = {
         use std::os::unix::fs::PermissionsExt;
-        // A new file gets what the user's mask leaves of these, as from any other program.
+        // The user's mask applies to these permissions of a new file, as usual.
         old.as_ref().map_or_else(|| fs::Permissions::from_mode(0o666), fs::Metadata::permissions)
     };
     #[cfg(unix)]
     builder.permissions(permissions.clone());
-    // The temporary file removes itself wherever this function returns early. The system's words are enough in the error:
-    // the name that the user gave is put before them.
-    let plain = |error: io::Error| io::Error::from(error.kind());
-    let mut file = builder.tempfile_in(&dir).map_err(plain)?;
+    // The temporary file is removed wherever this function returns early. The error keeps only its kind, without the
+    // temporary path: the caller adds the path that the user gave.
+    let without_path = |error: io::Error| io::Error::from(error.kind());
+    let mut file = builder.tempfile_in(&dir).map_err(without_path)?;
     file.write_all(bytes)?;
     #[cfg(unix)]
     if old.is_some() {
@@ -117,19 +121,19 @@ fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
 mod tests {
     use super::*;
 
-    fn entries(dir: &Path) -> usize {
+    fn file_count(dir: &Path) -> usize {
         fs::read_dir(dir).unwrap().count()
     }
 
     #[test]
-    fn reading_names_the_file() {
+    fn read_errors_name_the_file() {
         let dir = tempfile::tempdir().unwrap();
-        let say = |path: &Path| read_path(path).unwrap_err().to_string();
-        assert!(say(dir.path()).ends_with("found a directory, expected a file"));
-        assert!(say(&dir.path().join("none.ply")).contains("none.ply: "));
+        let message = |path: &Path| read_path(path).unwrap_err().to_string();
+        assert!(message(dir.path()).ends_with("found a directory, expected a file"));
+        assert!(message(&dir.path().join("none.ply")).contains("none.ply: "));
         let empty = dir.path().join("empty.off");
         fs::write(&empty, "").unwrap();
-        assert_eq!(say(&empty), "byte 0: found an empty file, expected a file in OFF");
+        assert_eq!(message(&empty), "byte 0: found an empty file, expected a file in OFF");
     }
 
     #[test]
@@ -141,22 +145,22 @@ mod tests {
     }
 
     #[test]
-    fn failures_leave_nothing_behind() {
+    fn failed_writes_leave_no_files() {
         let dir = tempfile::tempdir().unwrap();
-        let say = |path: &Path| replace_file(path, b"x").unwrap_err().to_string();
-        assert!(say(dir.path()).ends_with("found a directory, expected a file"));
-        assert!(say(&dir.path().join("no/where.ply")).contains("no/where.ply: "));
+        let message = |path: &Path| replace_file(path, b"x").unwrap_err().to_string();
+        assert!(message(dir.path()).ends_with("found a directory, expected a file"));
+        assert!(message(&dir.path().join("no/where.ply")).contains("no/where.ply: "));
         let locked = dir.path().join("locked.ply");
         fs::write(&locked, "old").unwrap();
         let mut permissions = fs::metadata(&locked).unwrap().permissions();
         permissions.set_readonly(true);
         fs::set_permissions(&locked, permissions).unwrap();
-        assert!(say(&locked).ends_with("the file is read-only"));
+        assert!(message(&locked).ends_with("the file is read-only"));
         assert_eq!(fs::read(&locked).unwrap(), b"old");
         let model = Model::default();
         assert!(write_path(dir.path().join("a.stl"), &model, &[], Layout::List).is_err());
         assert!(write_path(dir.path().join("a"), &model, &[], Layout::List).is_err());
-        assert_eq!(entries(dir.path()), 1);
+        assert_eq!(file_count(dir.path()), 1);
     }
 
     #[cfg(unix)]
@@ -172,7 +176,7 @@ mod tests {
         assert_eq!(fs::read(&real).unwrap(), b"new");
         assert_eq!(fs::metadata(&real).unwrap().permissions().mode() & 0o777, 0o640);
         assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
-        assert_eq!(entries(dir.path()), 2);
+        assert_eq!(file_count(dir.path()), 2);
         replace_file("/dev/null", b"x").unwrap();
     }
 }

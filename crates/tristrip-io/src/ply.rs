@@ -1,7 +1,7 @@
 //! PLY, the polygon file format: a text header that names elements and their properties, then the rows of each element.
 //!
-//! The rows are text or binary of either byte order. An element's property is a number or a list of numbers with its count
-//! before it:
+//! The rows are text or binary of either byte order. A property of an element is a number, or a list of numbers preceded by
+//! its count:
 //!
 //! ```text
 //! ply                                       vertex row   x y z            (any order, any types, more properties)
@@ -13,19 +13,19 @@
 //! end_header
 //! ```
 //!
-//! The parser is our own: crates for PLY go through a map for each row, which is far from the speed that a binary file allows,
-//! and do not say where an error lies. Triangles of `tristrips` follow the faces, wound as they are drawn.
+//! No crate for PLY is used: the available ones build a map for each row, which is far slower than a binary file allows, and
+//! do not report where an error is. Triangles of `tristrips` follow the faces, with the winding in which they are drawn.
 //!
 //! # References
 //! Greg Turk: *The PLY Polygon File Format*, 1994. The `tristrips` element: Stanford 3D Scanning Repository, `ply2` tools, 1999.
 //!
 //! # Complexity
-//! One pass; beside the file's bytes only the arrays of the result are held.
+//! One pass; only the file's bytes and the arrays of the result are held.
 
-mod body;
 mod columns;
 mod header;
 mod read;
+mod rows;
 mod write;
 
 pub(crate) use read::read;

@@ -1,30 +1,30 @@
-//! Faces as the readers meet them, corner by corner; triangles alone take no offsets.
+//! Collects the faces of a file corner by corner; a list of only triangles needs no offsets.
 
 use tristrip::Faces;
 
-use crate::Error;
+use crate::error::Error;
 
-/// Collects faces.
+/// Faces that are collected.
 #[derive(Debug, Default)]
 pub(crate) struct Polygons {
     corners: Vec<u32>,
     face_count: usize,
-    /// As in [`Faces`]; made when the first face that is no triangle ends.
+    /// As in [`Faces`]; built when the first face ends that is not a triangle.
     offsets: Option<Vec<u32>>,
 }
 
 impl Polygons {
-    /// Makes room for corners; the caller has checked that the file can hold them.
+    /// Reserves capacity for corners; the caller has checked that the file can hold them.
     pub(crate) fn with_capacity(corner_count: usize) -> Self {
         Self { corners: Vec::with_capacity(corner_count), ..Self::default() }
     }
 
-    /// Adds a corner to the face that is being made.
+    /// Adds a corner to the current face.
     pub(crate) fn push(&mut self, vertex: u32) {
         self.corners.push(vertex);
     }
 
-    /// Ends the face that is being made.
+    /// Ends the current face.
     pub(crate) fn end_face(&mut self) {
         let end = self.corners.len();
         self.face_count += 1;
@@ -42,12 +42,12 @@ impl Polygons {
         self.end_face();
     }
 
-    /// Counts the faces.
+    /// Returns the number of faces.
     pub(crate) fn face_count(&self) -> usize {
         self.face_count
     }
 
-    /// Gives the range of a face's corners.
+    /// Returns the range of a face's corners.
     pub(crate) fn range(&self, face: usize) -> std::ops::Range<usize> {
         match &self.offsets {
             Some(offsets) => offsets[face] as usize..offsets[face + 1] as usize,
@@ -55,12 +55,12 @@ impl Polygons {
         }
     }
 
-    /// Gives the vertex of every corner.
+    /// Returns the vertex of every corner.
     pub(crate) fn corners(&self) -> &[u32] {
         &self.corners
     }
 
-    /// Gives the faces.
+    /// Returns the faces.
     pub(crate) fn finish(self) -> Result<Faces, Error> {
         Ok(match self.offsets {
             Some(offsets) => Faces::from_offsets(offsets, self.corners)?,
@@ -74,7 +74,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_first_polygon_makes_the_offsets() {
+    fn the_first_polygon_builds_the_offsets() {
         let mut polygons = Polygons::default();
         polygons.push_face(&[0, 1, 2]);
         polygons.push_face(&[2, 1, 3]);

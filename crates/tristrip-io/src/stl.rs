@@ -1,4 +1,4 @@
-//! STL: triangles alone, each with its three positions; equal positions are welded into one vertex.
+//! STL: a list of triangles, each with three positions; equal positions are welded into one vertex.
 //!
 //! ```text
 //! text    solid name                          binary   80 bytes  any text
@@ -10,25 +10,26 @@
 //!         endsolid name
 //! ```
 //!
-//! A binary file may begin with `solid` too, so its size decides. Vertices stand in order of first use; −0 equals 0.
-//! Normals are dropped: they follow from the positions. Several solids of a text file make one mesh.
+//! A binary file may begin with `solid` too, so the size of the file decides. Vertices are in order of first use; −0 equals 0.
+//! Normals are dropped: they follow from the positions. Several solids of a text file become one mesh.
 //!
 //! # References
 //! 3D Systems: *`StereoLithography` Interface Specification*, 1989.
 //!
 //! # Complexity
-//! One pass with a hash table of the positions: 16 bytes a vertex beside the arrays of the result.
+//! One pass with a hash table of the positions: 16 bytes per vertex in addition to the arrays of the result.
 
 use rustc_hash::FxHashMap;
 use tristrip::{Faces, Mesh};
 
+use crate::error::Error;
+use crate::model::{Model, Part};
 use crate::text::{Text, quote};
-use crate::{Error, Model, Part};
 
 const HEADER_BYTES: usize = 84;
 const FACET_BYTES: usize = 50;
 
-/// Tells whether the size is the one that a binary file's count asks for.
+/// Checks whether the size is that of a binary file with the count that the bytes state.
 pub(crate) fn has_binary_size(bytes: &[u8]) -> bool {
     facet_count(bytes).is_some_and(|count| binary_bytes(count) == bytes.len() as u64)
 }
@@ -48,11 +49,11 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Model, Error> {
         return read_binary(bytes);
     }
     let mut text = Text::new(bytes);
-    let is_text = text.word_below().is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
+    let is_text = text.word_on_any_line().is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
     if is_text { read_text(bytes) } else { read_binary(bytes) }
 }
 
-/// Welds positions as they come.
+/// Welds equal positions in order of first use.
 #[derive(Debug, Default)]
 struct Welder {
     ids: FxHashMap<[u32; 3], u32>,
@@ -78,11 +79,7 @@ impl Welder {
             notes.insert(0, format!("face normals dropped: {facet_count}"));
         }
         let mesh = Mesh::new(self.positions, Faces::from_triangles(self.corners)?)?;
-        Ok(Model {
-            parts: vec![Part { name, material: None, mesh, stripped: false, stored: None }],
-            notes,
-            scene: None,
-        })
+        Ok(Model { parts: vec![Part { name, mesh, ..Part::default() }], notes, scene: None })
     }
 }
 
@@ -111,8 +108,8 @@ fn read_binary(bytes: &[u8]) -> Result<Model, Error> {
                 let at = 12 + 12 * corner + 4 * axis;
                 *x = f32::from_le_bytes([facet[at], facet[at + 1], facet[at + 2], facet[at + 3]]);
                 if !x.is_finite() {
-                    let place = format!("byte {}", HEADER_BYTES + FACET_BYTES * i + at);
-                    return Err(Error::format(place, x.to_string(), "a finite number"));
+                    let position = format!("byte {}", HEADER_BYTES + FACET_BYTES * i + at);
+                    return Err(Error::format(position, x.to_string(), "a finite number"));
                 }
             }
             welder.push(position);
@@ -120,7 +117,7 @@ fn read_binary(bytes: &[u8]) -> Result<Model, Error> {
         marked += u64::from(facet[48..] != [0, 0]);
     }
     if marked > 0 {
-        notes.push(format!("triangles whose attribute bytes are dropped: {marked}"));
+        notes.push(format!("triangles with attribute bytes, which are dropped: {marked}"));
     }
     welder.finish(None, notes)
 }
@@ -130,9 +127,9 @@ fn read_text(bytes: &[u8]) -> Result<Model, Error> {
     let mut welder = Welder::default();
     let mut name = None;
     let mut solid_count = 0u64;
-    while let Some(word) = text.word_below() {
+    while let Some(word) = text.word_on_any_line() {
         if !word.eq_ignore_ascii_case(b"solid") {
-            return Err(Error::format(text.place(), quote(word), "`solid`"));
+            return Err(Error::format(text.position(), quote(word), "`solid`"));
         }
         let rest = String::from_utf8_lossy(text.rest()).into_owned();
         if solid_count == 0 && !rest.is_empty() {
@@ -152,13 +149,13 @@ fn read_text(bytes: &[u8]) -> Result<Model, Error> {
 fn read_solid(text: &mut Text, welder: &mut Welder) -> Result<(), Error> {
     loop {
         let expected = "`facet` or `endsolid`";
-        match text.word_below() {
+        match text.word_on_any_line() {
             Some(word) if word.eq_ignore_ascii_case(b"endsolid") => {
                 text.rest();
                 return Ok(());
             }
             Some(word) if word.eq_ignore_ascii_case(b"facet") => text.rest(),
-            Some(word) => return Err(Error::format(text.place(), quote(word), expected)),
+            Some(word) => return Err(Error::format(text.position(), quote(word), expected)),
             None => return Err(text.missing(expected)),
         };
         expect(text, "outer")?;
@@ -174,9 +171,9 @@ fn read_solid(text: &mut Text, welder: &mut Welder) -> Result<(), Error> {
 
 fn expect(text: &mut Text, keyword: &str) -> Result<(), Error> {
     let expected = format!("`{keyword}`");
-    match text.word_below() {
+    match text.word_on_any_line() {
         Some(word) if word.eq_ignore_ascii_case(keyword.as_bytes()) => Ok(()),
-        Some(word) => Err(Error::format(text.place(), quote(word), expected)),
+        Some(word) => Err(Error::format(text.position(), quote(word), expected)),
         None => Err(text.missing(&expected)),
     }
 }

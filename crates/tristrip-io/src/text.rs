@@ -1,13 +1,13 @@
-//! Lines and words of the text formats, with the line number at hand for errors.
+//! Lines and words of the text formats, with line numbers for errors.
 //!
 //! A line ends with LF, CR LF or CR. In OBJ a backslash before the line's end joins it to the next one; in OBJ and OFF `#`
 //! starts a comment.
 
 use memchr::memchr2;
 
-use crate::Error;
+use crate::error::Error;
 
-/// Walks over the lines and words of a text.
+/// A cursor over the lines and words of a text.
 #[derive(Debug, Clone)]
 pub(crate) struct Text<'a> {
     bytes: &'a [u8],
@@ -18,13 +18,13 @@ pub(crate) struct Text<'a> {
 }
 
 impl<'a> Text<'a> {
-    /// Starts at the first line, behind a byte order mark if there is one.
+    /// Starts at the first line, after a byte order mark if there is one.
     pub(crate) fn new(bytes: &'a [u8]) -> Self {
         let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
         Self { bytes, at: 0, line: 1, comments: false, continued: false }
     }
 
-    /// Takes `#` for the start of a comment.
+    /// Treats `#` as the start of a comment.
     pub(crate) fn with_comments(self) -> Self {
         Self { comments: true, ..self }
     }
@@ -34,37 +34,37 @@ impl<'a> Text<'a> {
         Self { continued: true, ..self }
     }
 
-    /// Counts the first line as line `line`.
+    /// Sets the number of the first line.
     pub(crate) fn with_first_line(self, line: u64) -> Self {
         Self { line, ..self }
     }
 
-    /// Says where the walk stands.
-    pub(crate) fn place(&self) -> String {
+    /// Describes the current position.
+    pub(crate) fn position(&self) -> String {
         format!("line {}", self.line)
     }
 
-    /// Gives the number of the line, from 1.
+    /// Returns the number of the line, from 1.
     pub(crate) fn line(&self) -> u64 {
         self.line
     }
 
-    /// Gives the offset of the next byte; a byte order mark is not counted.
+    /// Returns the offset of the next byte; a byte order mark is not counted.
     pub(crate) fn offset(&self) -> usize {
         self.at
     }
 
-    /// Counts the bytes that are left.
+    /// Returns the number of remaining bytes.
     pub(crate) fn bytes_left(&self) -> usize {
         self.bytes.len() - self.at
     }
 
-    /// Counts the words that the bytes left can hold at most: a word is a byte and a space.
+    /// Returns the largest number of words that the remaining bytes can hold: a word takes at least a byte and a space.
     pub(crate) fn words_left(&self) -> usize {
         self.bytes_left().div_ceil(2)
     }
 
-    /// Gives the next word of this line.
+    /// Returns the next word of this line.
     pub(crate) fn word(&mut self) -> Option<&'a [u8]> {
         loop {
             match *self.bytes.get(self.at)? {
@@ -92,8 +92,8 @@ impl<'a> Text<'a> {
         Some(&self.bytes[start..self.at])
     }
 
-    /// Gives the next word, on this line or a later one.
-    pub(crate) fn word_below(&mut self) -> Option<&'a [u8]> {
+    /// Returns the next word, on this line or a later one.
+    pub(crate) fn word_on_any_line(&mut self) -> Option<&'a [u8]> {
         loop {
             if let Some(word) = self.word() {
                 return Some(word);
@@ -104,7 +104,7 @@ impl<'a> Text<'a> {
         }
     }
 
-    /// Goes to the next word, on this line or a later one; tells whether there is one.
+    /// Advances to the next word, on this line or a later one; returns whether there is one.
     pub(crate) fn skip_blank_lines(&mut self) -> bool {
         let mut ahead = self.clone();
         while ahead.word().is_none() {
@@ -117,14 +117,14 @@ impl<'a> Text<'a> {
         true
     }
 
-    /// Gives what is left of this line, without the spaces around it.
+    /// Returns the rest of this line, without surrounding spaces.
     pub(crate) fn rest(&mut self) -> &'a [u8] {
         let start = self.at;
         self.at = self.line_end();
         self.bytes[start..self.at].trim_ascii()
     }
 
-    /// Goes to the start of the next line; tells whether there is one.
+    /// Advances to the start of the next line; returns whether there is one.
     pub(crate) fn next_line(&mut self) -> bool {
         loop {
             let end = self.line_end();
@@ -139,7 +139,7 @@ impl<'a> Text<'a> {
         }
     }
 
-    /// Gives the next word of this line as a finite number.
+    /// Parses the next word of this line as a finite number.
     pub(crate) fn number(&mut self, what: &str) -> Result<f32, Error> {
         match self.word() {
             Some(word) => self.parse_number(word, what),
@@ -147,19 +147,19 @@ impl<'a> Text<'a> {
         }
     }
 
-    /// Gives a word as a finite number.
+    /// Parses a word as a finite number.
     pub(crate) fn parse_number(&self, word: &[u8], what: &str) -> Result<f32, Error> {
         match fast_float2::parse::<f32, _>(word) {
             Ok(value) if value.is_finite() => Ok(value),
-            Ok(_) => Err(Error::format(self.place(), quote(word), format!("a finite number for {what}"))),
-            Err(_) => Err(Error::format(self.place(), quote(word), format!("a number for {what}"))),
+            Ok(_) => Err(Error::format(self.position(), quote(word), format!("a finite number for {what}"))),
+            Err(_) => Err(Error::format(self.position(), quote(word), format!("a number for {what}"))),
         }
     }
 
-    /// Says that something does not stand where this line, or the file, ends.
+    /// Returns the error for something that is missing at the end of this line or of the file.
     pub(crate) fn missing(&self, what: &str) -> Error {
         let found = if self.bytes_left() == 0 { "the end of the file" } else { "the end of the line" };
-        Error::format(self.place(), found, what)
+        Error::format(self.position(), found, what)
     }
 
     fn line_end(&self) -> usize {
@@ -167,7 +167,7 @@ impl<'a> Text<'a> {
     }
 }
 
-/// Gives the place after the line end that starts at `at`, if one does.
+/// Returns the offset after the line end that starts at `at`, if one does.
 fn newline(bytes: &[u8], at: usize) -> Option<usize> {
     match bytes.get(at)? {
         b'\r' if bytes.get(at + 1) == Some(&b'\n') => Some(at + 2),
@@ -176,7 +176,7 @@ fn newline(bytes: &[u8], at: usize) -> Option<usize> {
     }
 }
 
-/// Reads a decimal integer that fits 64 bits.
+/// Parses a decimal integer that fits 64 bits.
 pub(crate) fn integer(word: &[u8]) -> Option<i64> {
     let (negative, digits) = match word {
         [b'-', digits @ ..] => (true, digits),
@@ -192,7 +192,7 @@ pub(crate) fn integer(word: &[u8]) -> Option<i64> {
     Some(if negative { -value } else { value })
 }
 
-/// Quotes a word of a file for an error: escaped, and cut where it is long.
+/// Quotes a word of a file for an error message: escaped, and truncated if it is long.
 pub(crate) fn quote(word: &[u8]) -> String {
     const LONGEST: usize = 32;
     let cut = if word.len() > LONGEST { "…" } else { "" };
@@ -241,7 +241,7 @@ mod tests {
     }
 
     #[test]
-    fn skipping_a_line_skips_what_it_is_joined_to() {
+    fn skipping_a_line_skips_its_continuation() {
         let mut text = Text::new(b"curv 1 \\\n 2\nv").with_continued_lines();
         assert_eq!(text.word(), Some(&b"curv"[..]));
         assert!(text.next_line());
@@ -257,7 +257,7 @@ mod tests {
     }
 
     #[test]
-    fn quoted_words_are_short_and_printable() {
+    fn quoted_words_are_truncated_and_printable() {
         assert_eq!(quote(b"a\xff\n"), "`a\\xff\\n`");
         assert!(quote(&vec![b'x'; 1 << 20]).len() < 50);
     }

@@ -1,6 +1,6 @@
 //! Malformed glTF: each file of `testdata/bad` gives exactly the error that `expected-gltf.txt` names for it.
 //!
-//! `TRISTRIP_BLESS=1` writes the list anew; read the difference before it is committed.
+//! `TRISTRIP_BLESS=1` writes a new list; review the difference before committing it.
 
 use std::fmt::Write;
 use std::path::Path;
@@ -8,7 +8,7 @@ use std::path::Path;
 use tristrip_io::gltf;
 
 #[test]
-fn bad_files_say_what_is_wrong() {
+fn bad_files_give_the_listed_errors() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../testdata/bad");
     let mut names: Vec<String> = std::fs::read_dir(&folder)
         .unwrap()

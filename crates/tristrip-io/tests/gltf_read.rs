@@ -1,8 +1,8 @@
-//! Reading glTF: hand-made documents, one for each thing that the format can do with triangles.
+//! Reading glTF: small documents for each way in which the format can store triangles.
 
-mod gltf_common;
+mod gltf_documents;
 
-use gltf_common::*;
+use gltf_documents::*;
 use serde_json::json;
 use tristrip::AttributeData;
 use tristrip_io::{Error, gltf};
@@ -27,11 +27,11 @@ fn reads_every_mode_in_every_width() {
             (LIST, vec![0, 1, 2, 2, 1, 3], vec![[0, 1, 2], [1, 3, 2]]),
             (STRIP, vec![0, 1, 2, 3, 4], strip.to_vec()),
             (FAN, vec![7, 1, 2, 3], vec![[1, 2, 7], [2, 3, 7]]),
-            // Odd lengths before a restart: parity starts anew after it.
+            // Odd lengths before a restart: it resets the parity.
             (STRIP, vec![5, 6, 7, restart, 0, 1, 2, 3, 4], [&[[5, 6, 7]][..], &strip].concat()),
             (STRIP, vec![restart, restart, 0, 1, restart, 0, 1, 2, restart], vec![[0, 1, 2]]),
             (FAN, vec![7, 1, 2, restart, 9, 3, 4, 5], vec![[1, 2, 7], [3, 4, 9], [4, 5, 9]]),
-            // Degenerate triangles go, winding stays.
+            // Degenerate triangles are dropped, the winding stays.
             (STRIP, vec![0, 1, 2, 2, 2, 3, 3, 4, 5], vec![[0, 1, 2], [3, 4, 5]]),
             (STRIP, vec![0, 1, 2, 2, 3, 3, 4, 5], vec![[0, 1, 2], [3, 5, 4]]),
         ] {
@@ -60,24 +60,24 @@ fn the_highest_index_of_a_list_is_an_index() {
 }
 
 #[test]
-fn notes_what_it_leaves_out() {
+fn notes_what_it_drops() {
     let mut draft = one(U8, &[0, 1, 2, 255, 3, 3, 4], STRIP);
     draft.primitive(0, None, 0);
     draft.primitive(0, Some(1), LIST);
     draft.json["images"] = json!([{ "uri": "a.png" }]);
     let mut bytes = draft.glb();
     bytes.extend_from_slice(&[0; 5]);
-    // The list draws 255 and 7 indices of it.
+    // The triangle list shares the seven indices of the strip, and 255 is a vertex in it.
     let model = gltf::read(bytes, None).unwrap();
     assert_eq!(
         model.notes,
         [
-            "bytes after the end of the GLB left out: 5",
-            "primitives of points or lines, kept in a GLB alone: 1",
-            "degenerate triangles of strips and fans left out, which draw nothing: 1",
-            "indices at the end of triangle lists left out, which make no triangle: 1",
-            "restart indices in a file that does not use KHR_mesh_primitive_restart, taken as restarts: 1",
-            "images in files of their own, which a GLB goes on naming: 1",
+            "dropped bytes after the end of the GLB: 5",
+            "primitives of points or lines, kept only in a GLB: 1",
+            "dropped degenerate triangles of strips and fans: 1",
+            "dropped indices at the end of triangle lists, fewer than a triangle needs: 1",
+            "restart indices accepted although the file does not use KHR_mesh_primitive_restart: 1",
+            "images in separate files, which a GLB still refers to: 1",
         ]
     );
     assert_eq!(model.parts.len(), 2);
@@ -108,14 +108,14 @@ fn reads_without_indices_and_shares_positions() {
 #[test]
 fn reads_interleaved_vertices() {
     let mut draft = Draft::new();
-    // 12 bytes of position, 4 of colour, 2 of texture coordinates and 2 of nothing.
+    // 12 bytes of position, 4 of colour, 2 of texture coordinates and 2 of padding.
     let mut bytes = Vec::new();
     for (i, p) in bent(4).into_iter().enumerate() {
         bytes.extend(floats(&p));
         bytes.extend([i as u8; 4]);
         bytes.extend([10 * i as u8, 255, 99, 99]);
     }
-    bytes.truncate(bytes.len() - 2); // the last value needs no padding behind it
+    bytes.truncate(bytes.len() - 2); // the last value needs no padding after it
     let view = draft.view(&bytes);
     draft.json["bufferViews"][view]["byteStride"] = 20.into();
     let positions = draft.accessor(view, F32, 4, "VEC3");
@@ -195,7 +195,7 @@ fn reads_quantized_positions() {
 }
 
 #[test]
-fn reads_files_of_its_own_folder_and_no_others() {
+fn reads_only_files_in_its_own_folder() {
     let folder = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("gltf_read_files");
     std::fs::create_dir_all(folder.join("in/sub")).unwrap();
     let mut draft = Draft::new();
@@ -213,20 +213,21 @@ fn reads_files_of_its_own_folder_and_no_others() {
     };
     let inside = folder.join("in");
     assert_eq!(read("sub/a%20b.bin", Some(&inside)).unwrap(), [[0, 1, 2]]);
-    let say = |uri: &str, folder| read(uri, folder).unwrap_err().to_string();
-    let place = "expected a data URI, or a file in the folder of the document";
+    let message = |uri: &str, folder| read(uri, folder).unwrap_err().to_string();
+    let expected = "expected a data URI, or a file in the folder of the document";
     assert_eq!(
-        say("../secret.bin", Some(&inside)),
-        format!("buffers[0].uri: found \"../secret.bin\", {place}")
+        message("../secret.bin", Some(&inside)),
+        format!("buffers[0].uri: found \"../secret.bin\", {expected}")
     );
     #[cfg(unix)]
-    assert_eq!(say("link.bin", Some(&inside)), format!("buffers[0].uri: found \"link.bin\", {place}"));
-    assert_eq!(say("sub", Some(&inside)), format!("buffers[0].uri: found \"sub\", {place}"));
+    assert_eq!(message("link.bin", Some(&inside)), format!("buffers[0].uri: found \"link.bin\", {expected}"));
+    assert_eq!(message("sub", Some(&inside)), format!("buffers[0].uri: found \"sub\", {expected}"));
     assert!(
-        say("sub/a b.bin", None).ends_with("expected a data URI: the folder of the document is not known")
+        message("sub/a b.bin", None)
+            .ends_with("expected a data URI: the folder of the document is not known")
     );
     assert!(matches!(read("none.bin", Some(&inside)), Err(Error::Io { .. })));
-    // A document named without a folder lies in the current one, as this package's manifest does.
+    // A document named without a folder is in the current one, like this package's manifest.
     let here = read("Cargo.toml", Some(std::path::Path::new("")));
     assert!(!matches!(here, Err(Error::Io { .. })), "{here:?}");
 }
@@ -255,11 +256,11 @@ fn many_primitives_over_one_accessor_stay_small() {
         let primitive = draft.primitive(positions, Some(indices), LIST);
         draft.json["meshes"][0]["primitives"][primitive]["attributes"]["_N"] = normals.into();
     }
-    // Primitives that have all attributes in common share them.
+    // Primitives with the same set of attributes share them.
     let model = gltf::read(draft.glb(), None).unwrap();
     let first = &model.parts[0].mesh;
     assert!(first.attributes().len() == 1 && model.parts.iter().all(|p| p.mesh.shares_vertices(first)));
-    // Else 10 000 × 12 000 bytes of attributes are more than the limit: most are passed by.
+    // Otherwise 10 000 × 12 000 bytes of attributes exceed the limit: most are skipped.
     for (i, primitive) in draft.json["meshes"][0]["primitives"].as_array_mut().unwrap().iter_mut().enumerate()
     {
         primitive["attributes"].as_object_mut().unwrap().shift_remove("_N");
@@ -273,7 +274,7 @@ fn many_primitives_over_one_accessor_stay_small() {
         "{:?}",
         model.notes
     );
-    // The same without indices would need 10 000 × 4 000 bytes for them, and fits; strips of them do not.
+    // Without indices, 10 000 × 4 000 bytes of generated indices fit, but the triangles of strips do not.
     for primitive in draft.json["meshes"][0]["primitives"].as_array_mut().unwrap() {
         primitive.as_object_mut().unwrap().shift_remove("indices");
         primitive["mode"] = STRIP.into();
@@ -302,7 +303,7 @@ fn no_truncation_or_mutation_panics() {
         }
         let json_end = bytes.iter().rposition(|&b| b == b'}').unwrap();
         for at in 0..bytes.len() {
-            // Every byte of the JSON; of the rest only a part.
+            // Every byte of the JSON, and a sample of the others.
             if at > json_end + 40 && at % 16 != 0 {
                 continue;
             }

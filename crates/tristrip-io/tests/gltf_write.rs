@@ -1,11 +1,9 @@
-//! Writing GLB: the scene is kept, every layout draws the same triangles, and the Khronos validator has no objection.
-#![allow(clippy::unwrap_used, clippy::print_stderr, reason = "a test may stop, and says what it skips")]
+//! Writing GLB: the scene is kept, every layout draws the same triangles, and the Khronos validator accepts the files.
+#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
-mod gltf_common;
+mod gltf_documents;
 
-use std::path::PathBuf;
-
-use gltf_common::*;
+use gltf_documents::*;
 use proptest::prelude::*;
 use serde_json::{Value, json};
 use tristrip::{Attribute, AttributeData, Faces, Layout, Mesh, Strips};
@@ -36,7 +34,7 @@ fn write(model: &Model, strips: &[Strips], layout: Layout) -> Vec<u8> {
     gltf::write_glb(model, &drawings, layout).unwrap()
 }
 
-/// A document with one of everything that refers to something.
+/// A document with one of each kind of reference.
 fn rich() -> Draft {
     let mut draft = Draft::new();
     let positions = draft.positions(&bent(6));
@@ -101,11 +99,11 @@ const PNG: [u8; 67] = [
     2, 0, 1, 0x48, 0xAF, 0xA4, 0x71, 0, 0, 0, 0, b'I', b'E', b'N', b'D', 0xAE, 0x42, 0x60, 0x82,
 ];
 
-/// Checks that two GLBs differ in indices and modes alone: all other JSON, and the bytes of all that it refers to.
+/// Checks that two GLBs differ only in indices and modes: all other JSON and the bytes that it refers to are the same.
 fn assert_scene_kept(before: &[u8], after: &[u8], layout: Layout) {
     let (old, new) = (json_of(before), json_of(after));
     let (old_bin, new_bin) = (bin_of(before), bin_of(after));
-    let stays = |json: &Value| {
+    let rest = |json: &Value| {
         let mut json = json.clone();
         let members = json.as_object_mut().unwrap();
         for list in ["accessors", "bufferViews", "buffers"] {
@@ -131,14 +129,14 @@ fn assert_scene_kept(before: &[u8], after: &[u8], layout: Layout) {
         }
         json
     };
-    let (mut a, mut b) = (stays(&old), stays(&new));
+    let (mut a, mut b) = (rest(&old), rest(&new));
     assert_eq!(a, b);
-    // Also the order of members, and the digits of numbers.
+    // The digits of numbers are the same, too.
     for json in [&mut a, &mut b] {
         json.as_object_mut().unwrap().sort_keys();
     }
     assert_eq!(a.to_string(), b.to_string());
-    // Whatever the rest refers to has the same bytes.
+    // The data that the rest refers to has the same bytes.
     let drawn: Vec<u64> = old["meshes"]
         .as_array()
         .unwrap()
@@ -161,7 +159,7 @@ fn assert_scene_kept(before: &[u8], after: &[u8], layout: Layout) {
     }
 }
 
-/// Writes a document in every layout, checks each, and gives them for the validator.
+/// Writes a document in every layout, checks each file, and returns them for the validator.
 fn check_scene(name: &str, glb: &[u8]) -> Vec<(String, Vec<u8>)> {
     let model = gltf::read(glb, None).unwrap();
     let strips = strips_of(&model);
@@ -175,13 +173,13 @@ fn check_scene(name: &str, glb: &[u8]) -> Vec<(String, Vec<u8>)> {
             assert_eq!(back.parts.len(), drawn);
         } else {
             for (part, strips) in strips.iter().enumerate() {
-                // Strips that are joined are drawn in another order.
+                // Joined strips are drawn in another order.
                 let sorted = |mut triangles: Vec<[u32; 3]>| {
                     triangles.sort_unstable();
                     triangles
                 };
-                let (drawn, wanted) = (sorted(triangles(&back, part)), sorted(turned(strips.triangles())));
-                assert!(drawn == wanted, "{name} {layout:?} {part}: other triangles are drawn");
+                let (drawn, expected) = (sorted(triangles(&back, part)), sorted(rotated(strips.triangles())));
+                assert!(drawn == expected, "{name} {layout:?} {part}: other triangles are drawn");
             }
         }
         files.push((format!("{name}_{layout:?}.glb"), after));
@@ -199,7 +197,7 @@ fn keeps_a_rich_scene() {
 }
 
 #[test]
-fn keeps_faces_as_they_are() {
+fn faces_of_a_triangle_list_stay_unchanged() {
     let glb = rich().glb();
     let model = gltf::read(glb.clone(), None).unwrap();
     let after = gltf::write_glb(&model, &[Drawing::Faces; 3], Layout::Degenerate).unwrap();
@@ -208,18 +206,18 @@ fn keeps_faces_as_they_are() {
 }
 
 #[test]
-fn old_indices_go_where_nobody_else_needs_them() {
+fn unused_old_indices_are_replaced() {
     let glb = rich().glb();
     let model = gltf::read(glb.clone(), None).unwrap();
     let list: Vec<_> = strips_of(&model);
     let after = write(&model, &list, Layout::Degenerate);
     let (old, new) = (json_of(&glb), json_of(&after));
-    // Two old index accessors gave way to two new ones: the shared one is shared again.
+    // Two new index accessors replaced the two old ones: the shared one is shared again.
     for list in ["accessors", "bufferViews"] {
         assert_eq!(old[list].as_array().unwrap().len(), new[list].as_array().unwrap().len());
     }
     assert_eq!(new["meshes"][0]["primitives"][1]["indices"], new["meshes"][0]["primitives"][2]["indices"]);
-    // A number in extras that may mean the accessor keeps it.
+    // A number in extras that may refer to the accessor keeps it.
     let mut draft = rich();
     draft.json["extras"] = json!({ "indices of the first primitive": 2 });
     let after = write(&model_with(&draft), &list, Layout::Degenerate);
@@ -232,7 +230,7 @@ fn old_indices_go_where_nobody_else_needs_them() {
     );
     let after = write(&model_with(&draft), &list, Layout::Degenerate);
     assert_eq!(json_of(&after)["accessors"][2], old["accessors"][2]);
-    // And an extension that names bytes keeps all of them.
+    // An extension that names bytes keeps all bytes.
     let mut draft = rich();
     draft.json["extensions"] = json!({ "EXT_unknown_thing": { "buffer": 0, "byteOffset": 144 } });
     let after = write(&model_with(&draft), &list, Layout::Degenerate);
@@ -240,8 +238,8 @@ fn old_indices_go_where_nobody_else_needs_them() {
 }
 
 #[test]
-fn old_bytes_leave_the_buffer() {
-    // 1200 bytes of indices between the vertices of two primitives, and 4 bytes that no view has.
+fn unused_bytes_are_removed_from_the_buffer() {
+    // 1200 bytes of indices between the vertices of two primitives, and 4 bytes outside all views.
     let mut draft = Draft::new();
     let first = draft.positions(&bent(5));
     let indices = draft.indices(U32, &[0, 1, 2].repeat(100));
@@ -252,16 +250,16 @@ fn old_bytes_leave_the_buffer() {
     let glb = draft.glb();
     let files = check_scene("leave", &glb);
     let after = &files[1].1;
-    // 5 × 12 + 4 bytes up to the next multiple of 8, and the rest of the 1200 down to one, make 1192 that go. New are
-    // 100 strips of 3 that turn back on each other in 300 bytes, to a multiple of 8, and the other primitive's 7.
+    // Removed: from 5 × 12 + 4 bytes, the next multiple of 8, to the last multiple of 8 within the 1200 bytes, 1192 bytes.
+    // Added: 300 bytes for 100 strips of 3, joined, up to a multiple of 8, and 7 bytes for the other primitive.
     assert_eq!(bin_of(&glb).len(), 60 + 1200 + 4 + 84);
     assert_eq!(json_of(after)["buffers"][0]["byteLength"], 60 + 8 + 4 + 84 + 4 + 300 + 4 + 7);
     assert_eq!(bin_of(after)[68..72], [0xAA; 4]);
-    validate("old_bytes_leave_the_buffer", &files);
+    validate("unused_bytes_are_removed", &files);
 }
 
 #[test]
-fn index_accessors_of_one_view_become_views_of_their_own() {
+fn index_accessors_of_one_view_get_separate_views() {
     let mut draft = Draft::new();
     let positions = draft.positions(&bent(9));
     let all = draft.indices(U16, &[0, 1, 2, 2, 1, 3, 4, 5, 6, 6, 5, 7]);
@@ -278,7 +276,7 @@ fn index_accessors_of_one_view_become_views_of_their_own() {
     assert_eq!(after["accessors"].as_array().unwrap().len(), 3);
     assert_eq!(after["bufferViews"].as_array().unwrap().len(), 3);
     validate("index_accessors_of_one_view", &files);
-    // A line list on one of the two keeps the view, and its accessor.
+    // A line list over one of the two keeps the view and its accessor.
     push(
         &mut draft.json["meshes"][0]["primitives"],
         json!({ "attributes": { "POSITION": 0 }, "indices": rest, "mode": 1 }),
@@ -334,7 +332,7 @@ fn declares_restarts_only_where_there_are_any() {
     assert_eq!(names(&restart), both(json!(["KHR_mesh_primitive_restart"])));
     let one = model_of([mesh_of(6, &[[0, 1, 2]])]);
     assert_eq!(names(&write(&one, &strips_of(&one), Layout::Restart)), none);
-    // Read again, and written without restarts, the name goes; with line strips in the scene it stays.
+    // Read back and written without restarts, the name is removed; with line strips in the scene it stays.
     let model = gltf::read(restart.clone(), None).unwrap();
     assert_eq!(names(&write(&model, &strips_of(&model), Layout::Degenerate)), none);
     let mut json = json_of(&restart);
@@ -350,7 +348,7 @@ fn declares_restarts_only_where_there_are_any() {
 }
 
 #[test]
-fn extensions_about_the_order_of_indices_go_with_it() {
+fn extensions_about_the_index_order_are_dropped() {
     let mut draft = rich();
     draft.json["extensionsUsed"] = json!(["EXT_unknown_thing", "EXT_mesh_manifold"]);
     draft.json["meshes"][0]["extensions"] =
@@ -365,7 +363,7 @@ fn extensions_about_the_order_of_indices_go_with_it() {
 }
 
 #[test]
-fn writes_what_draws_nothing() {
+fn writes_models_without_triangles() {
     let mut draft = Draft::new();
     let positions = draft.positions(&bent(4));
     let indices = draft.indices(U8, &[0, 0, 1]);
@@ -388,12 +386,12 @@ fn writes_what_draws_nothing() {
     }
     for (name, glb) in &files {
         let back = gltf::read(glb.clone(), None).unwrap();
-        assert!(back.parts.iter().all(|p| strips_of_part(&p.mesh) == 0), "{name}");
+        assert!(back.parts.iter().all(|p| real_triangle_count(&p.mesh) == 0), "{name}");
     }
-    validate("writes_what_draws_nothing", &files);
+    validate("writes_models_without_triangles", &files);
 }
 
-fn strips_of_part(mesh: &Mesh) -> usize {
+fn real_triangle_count(mesh: &Mesh) -> usize {
     mesh.faces().iter().filter(|f| f[0] != f[1] && f[1] != f[2] && f[0] != f[2]).count()
 }
 
@@ -430,7 +428,7 @@ fn attribute(name: &str, components: u8, normalized: bool, data: AttributeData) 
 }
 
 #[test]
-fn writes_attributes_under_names_that_fit() {
+fn writes_attributes_under_valid_names() {
     let up = [0.0, 0.0, 1.0].repeat(3);
     let mut bad_up = up.clone();
     bad_up[2] = 1.01;
@@ -472,11 +470,11 @@ fn writes_attributes_under_names_that_fit() {
             "attribute `NORMAL` written as `_NORMAL`: 1",
             "attribute `TANGENT` written as `_TANGENT`: 1",
             "attribute `TEXCOORD_1` written as `_TEXCOORD_1`: 1",
-            "attribute `_COLOR_0` not written, as another attribute is written as `_COLOR_0`: 1",
-            "attribute `five` not written, as it has 5 components, and glTF has 1 to 4: 1",
+            "attribute `_COLOR_0` not written: another attribute is written as `_COLOR_0`: 1",
+            "attribute `five` not written: it has 5 components, and glTF has 1 to 4: 1",
             "attribute `flow` written as `_flow`: 1",
-            "attribute `id` not written, as glTF has no 64-bit floats or 32-bit integers for vertices: 1",
-            "attribute `nan` not written, as not all of its values are finite: 1",
+            "attribute `id` not written: glTF has no 64-bit floats or 32-bit integers for vertices: 1",
+            "attribute `nan` not written: it has values that are not finite: 1",
             "attribute `quality` written as `_quality`: 1",
         ]
     );
@@ -511,24 +509,24 @@ fn parts_that_share_positions_share_them_in_the_file() {
     assert_eq!(json["meshes"][1]["primitives"][0]["material"], 0);
     assert_eq!(json["nodes"], json!([{ "name": "a", "mesh": 0 }, { "name": "b", "mesh": 1 }]));
     assert_eq!(json["materials"], json!([{ "name": "m" }, { "name": "n" }]));
-    assert_eq!(gltf::losses(&model), ["polygons, cut into fans where no strips draw them: 1"]);
+    assert_eq!(gltf::losses(&model), ["polygons, cut into fans where they are not drawn as strips: 1"]);
     let back = gltf::read(glb.clone(), None).unwrap();
     assert_eq!(triangles(&back, 1), [[7, 9, 8], [6, 9, 7]]);
     validate("parts_that_share", &[("shared.glb".into(), glb)]);
 }
 
 #[test]
-fn refuses_drawings_that_do_not_fit() {
+fn refuses_invalid_drawings() {
     let model = model_of([mesh_of(3, &[[0, 1, 2]])]);
-    let say = |drawings: &[Drawing<'_>]| {
+    let message = |drawings: &[Drawing<'_>]| {
         gltf::write_glb(&model, drawings, Layout::Degenerate).unwrap_err().to_string()
     };
-    assert_eq!(say(&[]), "drawings: found 0, expected 1: one for each part");
+    assert_eq!(message(&[]), "drawings: found 0, expected 1 (one for each part)");
     let mut strips = Strips::default();
     strips.push(&[0, 1, 3]);
     assert_eq!(
-        say(&[Drawing::Strips(&strips)]),
-        "strips of part 0, vertex 2: found index 3, expected less than 3, the number of vertices"
+        message(&[Drawing::Strips(&strips)]),
+        "face 0, corner 2: found vertex index 3, expected less than 3"
     );
     let mut model = model_with(&rich());
     model.parts.pop();
@@ -536,22 +534,13 @@ fn refuses_drawings_that_do_not_fit() {
     assert!(matches!(error, Error::Unsupported(_)), "{error}");
 }
 
-/// Real scenes, where `TRISTRIP_MODELS` names their folder.
 #[test]
 fn keeps_real_scenes() {
-    let Some(folder) = std::env::var_os("TRISTRIP_MODELS").map(PathBuf::from) else {
-        eprintln!("keeps_real_scenes: SKIPPED: TRISTRIP_MODELS is not set");
-        return;
-    };
-    let mut files = Vec::new();
-    for name in ["milktruck", "engine_2cylinder", "sheencloth"] {
-        let glb = std::fs::read(folder.join(format!("{name}.glb"))).unwrap();
-        files.extend(check_scene(name, &glb).into_iter().filter(|(file, _)| {
-            // One primitive a strip is too much for the validator here: greedy strips are very short.
-            !file.ends_with("_Separate.glb") || name == "milktruck"
-        }));
-    }
-    validate("keeps_real_scenes", &files);
+    check_real_scenes("keeps_real_scenes", |name, glb| {
+        // One primitive per strip is too much for the validator in large scenes: greedy strips are very short.
+        let is_small = |file: &str| !file.ends_with("_Separate.glb") || name == "milktruck";
+        check_scene(name, glb).into_iter().filter(|(file, _)| is_small(file)).collect()
+    });
 }
 
 proptest! {
@@ -573,7 +562,7 @@ proptest! {
             .collect();
         let model = model_of([mesh_of(vertex_count, &real)]);
         let strips = greedy(&real);
-        prop_assert_eq!(turned(strips.triangles()), turned(real.iter().copied()));
+        prop_assert_eq!(rotated(strips.triangles()), rotated(real.iter().copied()));
         for layout in LAYOUTS {
             let drawing = [Drawing::Strips(&strips)];
             let first = gltf::write_glb(&model, &drawing, layout).unwrap();
@@ -582,14 +571,14 @@ proptest! {
                 let all: Vec<[u32; 3]> = (0..model.parts.len()).flat_map(|part| triangles(model, part)).collect();
                 all.into_iter().filter(|t| t[0] != t[1] && t[1] != t[2] && t[0] != t[2]).collect::<Vec<_>>()
             };
-            // Strips that are joined are drawn in another order.
+            // Joined strips are drawn in another order.
             let sorted = |triangles| {
-                let mut all = turned(triangles);
+                let mut all = rotated(triangles);
                 all.sort_unstable();
                 all
             };
             prop_assert_eq!(sorted(drawn(&kept)), sorted(real.clone()));
-            // And once more, with the scene kept.
+            // Written a second time, with the scene kept.
             let again = strips_of(&kept);
             let second = write(&kept, &again, Layout::Restart);
             prop_assert_eq!(sorted(drawn(&gltf::read(second, None).unwrap())), sorted(real.clone()));

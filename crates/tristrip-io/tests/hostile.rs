@@ -1,6 +1,9 @@
-//! Every truncation and thousands of byte mutations of small valid files: an answer or an error, never a panic.
+//! Every truncation and thousands of byte mutations of small valid files give a model or an error, never a panic.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests fail by panicking")]
 
+mod random;
+
+use random::random;
 use tristrip_io::{Format, read};
 
 const OBJ: &str = "o a\nv 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvn 0 0 1\nusemtl m\n\
@@ -90,12 +93,12 @@ fn the_samples_are_valid() {
 }
 
 #[test]
-fn every_truncation_is_an_answer_or_an_error() {
+fn truncations_never_panic() {
     for (format, bytes) in samples() {
         for end in 0..bytes.len() {
             let got = read(&bytes[..end], format);
             let is_text = bytes.is_ascii() && format != Format::Stl || bytes.starts_with(b"solid");
-            // A text may end early and still be whole: within its last number, or before its last line in OBJ.
+            // A truncated text may still be valid: cut within its last number, or before its last line in OBJ.
             assert!(is_text || got.is_err(), "{format:?}: {end} of {} bytes were accepted", bytes.len());
         }
     }
@@ -104,13 +107,7 @@ fn every_truncation_is_an_answer_or_an_error() {
 #[test]
 fn mutations_never_panic() {
     let interesting = *b"\0\x01\x7f\x80\xff\n\r\\#/-+.eE 0129nf";
-    let mut state = 0x2545_f491_4f6c_dd1d_u64;
-    let mut random = move |below: usize| {
-        state ^= state << 13;
-        state ^= state >> 7;
-        state ^= state << 17;
-        (state >> 32) as usize % below
-    };
+    let mut random = random();
     for (format, bytes) in samples() {
         for _ in 0..20_000 {
             let mut changed = bytes.clone();

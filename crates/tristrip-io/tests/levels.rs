@@ -1,5 +1,5 @@
-//! Progressive strips of the small free models: at levels over the whole sequence each model of a level of detail draws what the
-//! oracle draws, through each filter; and what was refined again is what it was.
+//! Progressive strips of the small free models: at levels across the whole sequence, each level-of-detail model draws what
+//! the oracle draws, with each filter; refining back to the full mesh restores the initial state.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests fail by panicking")]
 
 use std::path::Path;
@@ -18,7 +18,7 @@ const MODELS: [&str; 6] = [
     "wingnut.ply",
 ];
 
-/// Levels that are looked at, of each part.
+/// Number of levels that are checked per part.
 const LEVELS: usize = 24;
 
 fn meshes() -> Vec<(String, Mesh)> {

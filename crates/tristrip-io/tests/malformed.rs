@@ -1,4 +1,4 @@
-//! Every file of `testdata/bad` gives the error that a table beside it lists, and nothing is listed that is not there.
+//! Every file in `testdata/bad` gives the error that a table in the same folder lists, and every listed file exists.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests fail by panicking")]
 
 use std::collections::BTreeMap;
@@ -38,7 +38,7 @@ fn every_bad_file_gives_its_message() {
     let mut seen = 0;
     for entry in fs::read_dir(FOLDER).unwrap() {
         let path = entry.unwrap().path();
-        // What a glTF file names beside it is no file of its own.
+        // The external buffers of glTF files are not test files.
         if is_table(&path) || path.extension().is_some_and(|extension| extension == "bin") {
             continue;
         }
@@ -53,11 +53,11 @@ fn every_bad_file_gives_its_message() {
         }
     }
     assert!(wrong.is_empty(), "these differ from the tables:\n{wrong}");
-    assert_eq!(seen, expected.len(), "files listed, but not there");
+    assert_eq!(seen, expected.len(), "some listed files do not exist");
 }
 
 #[test]
-fn lines_of_a_megabyte_are_errors_of_one_line() {
+fn errors_for_very_long_lines_are_short() {
     use tristrip_io::{Format, read};
     let long = "x".repeat(1 << 20);
     for (format, text) in [

@@ -1,4 +1,4 @@
-//! What each reader keeps, drops and says, on small files.
+//! What each reader keeps, drops and reports, on small files.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests fail by panicking")]
 
 use tristrip::{AttributeData, Mesh};
@@ -32,8 +32,8 @@ fn obj_without_seams_keeps_its_vertices() {
         [
             "line elements dropped: 1",
             "point elements dropped: 1",
-            "weights and further values of vertices dropped: 1",
-            "texture coordinates that no face uses dropped: 1",
+            "weights and additional values of vertices dropped: 1",
+            "unused texture coordinates dropped: 1",
         ]
     );
 }
@@ -52,9 +52,9 @@ fn obj_seams_make_vertices_in_order_of_first_use() {
     assert_eq!(
         model.notes,
         [
-            "values of texture coordinates and normals not finite, 0 in their place: 1",
-            "corners without a texture coordinate, 0 in its place: 1",
-            "vertices that no face uses dropped: 1",
+            "values of texture coordinates and normals not finite, replaced by 0: 1",
+            "corners without a texture coordinate, set to 0: 1",
+            "unused vertices dropped: 1",
         ]
     );
 }
@@ -71,14 +71,14 @@ fn obj_materials_make_parts_in_order_of_first_use() {
     assert_eq!(
         model.notes,
         [
-            "material libraries not read, materials keep their names: 1",
-            "objects and groups joined, faces are kept by material: 2",
+            "material libraries not read, material names kept: 1",
+            "objects and groups joined, faces grouped by material: 2",
         ]
     );
 }
 
 #[test]
-fn obj_faces_may_name_vertices_below_them() {
+fn obj_faces_may_refer_to_later_vertices() {
     let model = model("f 1/1 2/1 3/1\nv 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0 0 0 1\nvt 1 1\n", Format::Obj);
     let mesh = &model.parts[0].mesh;
     assert_eq!(names(mesh), ["TEXCOORD_0", "COLOR_0"]);
@@ -87,7 +87,7 @@ fn obj_faces_may_name_vertices_below_them() {
 }
 
 #[test]
-fn many_obj_parts_hold_only_what_they_use() {
+fn many_obj_parts_hold_only_the_vertices_they_use() {
     let vertices = (0..3000).map(|i| format!("v {i} 0 0\n"));
     let faces = (1..1000).map(|i| format!("usemtl m{i}\nf {i} {} {}\n", i + 1, i + 2));
     let text: String = vertices.chain(faces).collect();
@@ -107,7 +107,7 @@ const STRIPS: &str = "ply\nformat ascii 1.0\nelement tristrips 2\nproperty list 
 fn ply_strips_become_triangles_with_their_winding() {
     let model = model(STRIPS, Format::Ply);
     let mesh = &model.parts[0].mesh;
-    // The second row swaps once at its start: its only real triangle stands at an odd place.
+    // The second row begins with a swap: its only real triangle has an odd index.
     assert_eq!(faces(mesh), [[0, 1, 2], [2, 1, 3], [2, 1, 4], [1, 4, 2]]);
     assert_eq!(bits(mesh, 4), [2.0, 1.0, 0.1].map(f32::to_bits));
     assert_eq!(names(mesh), ["COLOR_0", "quality"]);
@@ -135,7 +135,7 @@ fn ply_doubles_are_rounded_and_counted() {
     assert_eq!(mesh.attributes()[2].data, AttributeData::F64(vec![0.1, 0.1]));
     assert_eq!(
         model.notes,
-        ["vertices rounded to 32-bit floats: 1", "values of TEXCOORD_0 not finite, 0 in their place: 1"]
+        ["vertices rounded to 32-bit floats: 1", "values of TEXCOORD_0 not finite, replaced by 0: 1"]
     );
 }
 

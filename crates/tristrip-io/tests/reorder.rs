@@ -1,13 +1,14 @@
-//! Re-ordered vertices: whatever belongs to a vertex goes with it, indices rise by first use, and what cannot move stays.
-#![allow(clippy::unwrap_used, clippy::print_stderr, reason = "a test may stop, and says what it skips")]
-#![allow(clippy::format_push_string, reason = "a test may take its time")]
+//! Reordered vertices: all data of a vertex moves with it, first uses are in ascending order, and groups that cannot be
+//! reordered keep their order.
+#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
+#![allow(clippy::format_push_string, reason = "a test may be slow")]
 
-mod gltf_common;
+mod gltf_documents;
+mod random;
 
-use std::path::PathBuf;
-
-use gltf_common::*;
+use gltf_documents::*;
 use proptest::prelude::*;
+use random::random;
 use serde_json::{Value, json};
 use tristrip::strip::{VertexOrder, strip_triangles, verify_models};
 use tristrip::{Attribute, AttributeData, Faces, Layout, Mesh, Strips};
@@ -30,8 +31,8 @@ fn meshes(model: &Model) -> Vec<&Mesh> {
     model.parts.iter().map(|part| &part.mesh).collect()
 }
 
-/// The first uses in a list of indices are 0, 1, 2 and so on, from `next` on; gives how many there were.
-fn rises(indices: impl IntoIterator<Item = u32>, mut next: u32) -> u32 {
+/// Checks that the first uses in a list of indices are `next`, `next` + 1 and so on; returns the first number not used.
+fn check_first_uses(indices: impl IntoIterator<Item = u32>, mut next: u32) -> u32 {
     for index in indices {
         assert!(index <= next, "{index} comes before {next}");
         next = next.max(index + 1);
@@ -39,13 +40,13 @@ fn rises(indices: impl IntoIterator<Item = u32>, mut next: u32) -> u32 {
     next
 }
 
-/// Re-orders a model for a format, and checks the result by its orders, and the file by its source.
+/// Reorders a model for a format, and checks the result against its orders, and the file against its source.
 fn check(model: &Model, format: Format, layout: Layout) -> (Reordered, Vec<u8>) {
     let strips = strips_of(model);
     let reordered = reorder(model, &strips, format, layout).unwrap();
     let drawings: Vec<_> = reordered.strips.iter().map(Drawing::Strips).collect();
     let bytes = write(&reordered.model, &drawings, format, reordered.layout).unwrap();
-    // Each part is in one group, and its vertices are the old ones in the group's order.
+    // Each part is in exactly one group, and its vertices are the old ones in the group's order.
     let mut parts: Vec<usize> = reordered.groups.iter().flat_map(|group| group.parts.clone()).collect();
     parts.sort_unstable();
     assert_eq!(parts, (0..model.parts.len()).collect::<Vec<_>>());
@@ -60,7 +61,7 @@ fn check(model: &Model, format: Format, layout: Layout) -> (Reordered, Vec<u8>) 
             if group.kept.is_none() {
                 let listed =
                     if layout == Layout::List { strips.to_list() } else { strips.vertices().to_vec() };
-                next = rises(listed, next);
+                next = check_first_uses(listed, next);
             }
         }
     }
@@ -69,7 +70,7 @@ fn check(model: &Model, format: Format, layout: Layout) -> (Reordered, Vec<u8>) 
     (reordered, bytes)
 }
 
-/// A grid of triangles whose vertices have numbers in disorder; some are in no triangle.
+/// A grid of triangles with shuffled vertex numbers; some vertices are unused.
 fn grid(side: u32) -> (Vec<[f32; 3]>, Vec<u32>) {
     let count = (side + 1) * (side + 1) + 3;
     let name = |v: u32| (v * 7919 + 5) % count;
@@ -86,7 +87,7 @@ fn grid(side: u32) -> (Vec<[f32; 3]>, Vec<u32>) {
 }
 
 #[test]
-fn ply_columns_go_with_their_vertices() {
+fn ply_attributes_move_with_their_vertices() {
     let (positions, corners) = grid(5);
     let mut text = format!(
         "ply\nformat ascii 1.0\nelement vertex {}\nproperty double quality\nproperty float x\nproperty float y\n\
@@ -116,22 +117,22 @@ fn ply_columns_go_with_their_vertices() {
         for (old, new) in model.parts[0].mesh.attributes().iter().zip(back.parts[0].mesh.attributes()) {
             assert_eq!(order.attribute(old).unwrap(), *new, "{}", old.name);
         }
-        // The file is as long as without the new order.
+        // The file has the same length as without the new order.
         let strips = strips_of(&model);
         let plain = write(&model, &[Drawing::Strips(&strips[0])], Format::Ply, layout).unwrap();
         assert_eq!(plain.len(), bytes.len());
         if layout == Layout::Restart || layout == Layout::Degenerate {
-            // The last thing in the file is the row of strips.
+            // The file ends with the row of strips.
             let strips = &reordered.strips[0];
             let length = strips.vertices_sent() + strips.len() - 1;
             let (row, _) = bytes[bytes.len() - 4 * length..].as_chunks::<4>();
-            rises(row.iter().map(|b| u32::from_le_bytes(*b)).filter(|&v| v != u32::MAX), 0);
+            check_first_uses(row.iter().map(|b| u32::from_le_bytes(*b)).filter(|&v| v != u32::MAX), 0);
         }
     }
 }
 
 #[test]
-fn obj_seams_and_normals_go_with_their_vertices() {
+fn obj_seams_and_normals_move_with_their_vertices() {
     let mut text = String::new();
     let (positions, corners) = grid(4);
     positions.iter().for_each(|[x, y, z]| text += &format!("v {x} {y} {z} 0.5 {} 0.25\n", x / 8.0));
@@ -177,7 +178,7 @@ fn obj_seams_and_normals_go_with_their_vertices() {
             all.sort_unstable();
             all
         };
-        // Every corner of every face has the values that it had.
+        // Every corner of every face has its old values.
         assert_eq!(corner_values(&read(&bytes, format).unwrap()), corner_values(&model), "{}", format.name());
     }
 }
@@ -199,7 +200,7 @@ fn parts_that_share_vertices_share_an_order() {
     let [a, b, c] = [0, 1, 2].map(|i| &reordered.model.parts[i].mesh);
     assert!(std::ptr::eq(a.positions(), b.positions()) && b.shares_vertices(c));
     assert_eq!(json_of(&glb)["accessors"].as_array().unwrap().len(), 2 + 3);
-    // PLY writes the vertices of each part that differs from the first one by themselves.
+    // PLY writes the vertices of each part with other attributes separately.
     let (reordered, _) = check(&model, Format::Ply, Layout::Restart);
     let parts: Vec<_> = reordered.groups.iter().map(|g| g.parts.clone()).collect();
     assert_eq!(parts, [[0], [1], [2]]);
@@ -207,7 +208,7 @@ fn parts_that_share_vertices_share_an_order() {
 }
 
 #[test]
-fn nothing_to_draw_and_nothing_in_disorder_stay() {
+fn models_without_triangles_or_in_order_stay() {
     let part = |mesh| Part { mesh, ..Part::default() };
     let points = Mesh::new(bent(4), Faces::default()).unwrap();
     let sorted = Mesh::new(bent(3), Faces::from_triangles(vec![0, 1, 2]).unwrap()).unwrap();
@@ -226,7 +227,7 @@ fn nothing_to_draw_and_nothing_in_disorder_stay() {
     other.parts.pop();
     let wrong = reorder(&other, &[Strips::default(), Strips::default()], Format::Glb, Layout::Restart);
     assert!(wrong.unwrap_err().to_string().contains("expected 3 as in the scene"));
-    // The parts of a scene may have got other meshes.
+    // The meshes of a scene's parts may have been replaced.
     other.parts.push(Part {
         mesh: Mesh::new(bent(4), Faces::from_triangles(vec![3, 2, 1]).unwrap()).unwrap(),
         ..Part::default()
@@ -235,7 +236,7 @@ fn nothing_to_draw_and_nothing_in_disorder_stay() {
     assert!(reordered.groups[1].kept.as_ref().unwrap().contains("a value for each vertex"));
 }
 
-/// Adds a view of rows of `stride` bytes, interleaved; gives accessors of the parts of a row at offsets.
+/// Adds a view of interleaved rows of `stride` bytes; returns accessors for the fields of a row at given offsets.
 fn interleaved(draft: &mut Draft, stride: usize, bytes: &[u8], parts: &[(usize, u32, &str)]) -> Vec<usize> {
     let view = draft.view(bytes);
     draft.json["bufferViews"][view]["byteStride"] = stride.into();
@@ -249,8 +250,8 @@ fn interleaved(draft: &mut Draft, stride: usize, bytes: &[u8], parts: &[(usize, 
     parts.iter().map(add).collect()
 }
 
-/// A scene over one vertex list: positions and normals interleaved, colours of three bytes, joints and weights, a matrix for each
-/// vertex, a dense and a sparse morph target, and another list whose indices are shared.
+/// A scene over one vertex array: interleaved positions and normals, colours of three bytes, joints and weights, a matrix per
+/// vertex, a dense and a sparse morph target; and a second vertex array that shares its indices with the first.
 fn shared_scene(side: u32) -> Draft {
     let mut draft = Draft::new();
     let (positions, corners) = grid(side);
@@ -281,17 +282,17 @@ fn shared_scene(side: u32) -> Draft {
         let view = draft.json["accessors"][accessor]["bufferView"].as_u64().unwrap() as usize;
         draft.json["bufferViews"][view]["target"] = 34962.into();
     }
-    // The targets: one with all values, one with four of them, and none of them in order.
+    // Two morph targets: a dense one, and a sparse one with four values.
     let dense: Vec<[f32; 3]> = (0..count).map(|i| [0.0, i as f32, 0.0]).collect();
     let dense = draft.positions(&dense);
-    let places = draft.view(&packed(U16, &[1, 4, 8, count as u32 - 1]));
+    let indices = draft.view(&packed(U16, &[1, 4, 8, count as u32 - 1]));
     let moved = draft.view(&floats(&[1.0, 0.0, 0.0, 2.0, 0.0, 0.0, 3.0, 0.0, 0.0, 4.0, 0.0, 0.0]));
     let sparse = push(
         &mut draft.json["accessors"],
         json!({
             "componentType": F32, "count": count, "type": "VEC3", "min": [0, 0, 0], "max": [4, 0, 0],
             "sparse": {
-                "count": 4, "indices": { "bufferView": places, "componentType": U16 }, "values": { "bufferView": moved },
+                "count": 4, "indices": { "bufferView": indices, "componentType": U16 }, "values": { "bufferView": moved },
             },
         }),
     );
@@ -318,7 +319,7 @@ fn shared_scene(side: u32) -> Draft {
     draft
 }
 
-/// The bytes of each value of an accessor, sparse ones in their places.
+/// The bytes of each value of an accessor, with the sparse values applied.
 fn raw(glb: &[u8], accessor: usize) -> Vec<Vec<u8>> {
     let (json, bin) = (json_of(glb), bin_of(glb));
     let accessor = &json["accessors"][accessor];
@@ -340,18 +341,18 @@ fn raw(glb: &[u8], accessor: usize) -> Vec<Vec<u8>> {
     };
     if let Some(sparse) = accessor.get("sparse") {
         let count = number(&sparse["count"]);
-        let places = list(&sparse["indices"], width(&sparse["indices"]["componentType"]), count);
-        let places: Vec<usize> =
-            places.iter().map(|b| b.iter().rev().fold(0, |n, &b| n << 8 | usize::from(b))).collect();
-        assert!(places.is_sorted_by(|a, b| a < b));
-        for (place, value) in places.into_iter().zip(list(&sparse["values"], element, count)) {
-            out[place] = value;
+        let indices = list(&sparse["indices"], width(&sparse["indices"]["componentType"]), count);
+        let indices: Vec<usize> =
+            indices.iter().map(|b| b.iter().rev().fold(0, |n, &b| n << 8 | usize::from(b))).collect();
+        assert!(indices.is_sorted_by(|a, b| a < b));
+        for (index, value) in indices.into_iter().zip(list(&sparse["values"], element, count)) {
+            out[index] = value;
         }
     }
     out
 }
 
-/// Checks a scene: the accessors of a group are in its order, and the others as they were; JSON aside from indices is the same.
+/// Checks a scene: the accessors of a group are in its order, the others unchanged; the JSON is the same except for indices.
 fn check_scene(glb: &[u8], layout: Layout) -> (Reordered, Vec<u8>) {
     let model = gltf::read(glb, None).unwrap();
     let (reordered, after) = check(&model, Format::Glb, layout);
@@ -393,7 +394,7 @@ fn check_scene(glb: &[u8], layout: Layout) -> (Reordered, Vec<u8>) {
 }
 
 #[test]
-fn accessors_of_a_scene_go_with_their_vertices() {
+fn accessors_of_a_scene_move_with_their_vertices() {
     let glb = shared_scene(6).glb();
     let mut files = vec![("source.glb".to_owned(), glb.clone())];
     for layout in LAYOUTS {
@@ -403,7 +404,7 @@ fn accessors_of_a_scene_go_with_their_vertices() {
         assert!(reordered.groups.iter().all(|group| group.kept.is_none() && group.order.moved_count() > 40));
         let once = gltf::read(after.clone(), None).unwrap();
         if layout != Layout::Separate {
-            // In the file, too, first uses rise, over both primitives of a group.
+            // In the file, too, first uses are in ascending order, across both primitives of a group.
             let json = json_of(&after);
             let indices = |mesh: usize| {
                 let accessor = json["meshes"][mesh]["primitives"][0]["indices"].as_u64().unwrap() as usize;
@@ -411,8 +412,8 @@ fn accessors_of_a_scene_go_with_their_vertices() {
                 let value = |b: Vec<u8>| b.iter().rev().fold(0, |n, &b| n << 8 | u32::from(b));
                 values.map(value).filter(|&v| v != 255 && v != 65535).collect::<Vec<_>>()
             };
-            rises(indices(1), rises(indices(0), 0));
-            rises(indices(2), 0);
+            check_first_uses(indices(1), check_first_uses(indices(0), 0));
+            check_first_uses(indices(2), 0);
             assert_eq!(once.parts.len(), 3);
         }
         files.push((format!("{layout:?}.glb"), after));
@@ -421,7 +422,7 @@ fn accessors_of_a_scene_go_with_their_vertices() {
 }
 
 #[test]
-fn a_document_with_its_bytes_elsewhere_is_reordered_too() {
+fn a_document_with_external_buffers_is_reordered() {
     let draft = shared_scene(4);
     let model = gltf::read(draft.gltf(), None).unwrap();
     let (reordered, after) = check(&model, Format::Glb, Layout::Degenerate);
@@ -430,7 +431,7 @@ fn a_document_with_its_bytes_elsewhere_is_reordered_too() {
 }
 
 #[test]
-fn vertices_stay_where_something_counts_on_them() {
+fn vertices_keep_their_order_where_something_depends_on_it() {
     let kept = |draft: &Draft, group: usize, why: &str| {
         let (reordered, _) = check_scene(&draft.glb(), Layout::Degenerate);
         let reasons: Vec<_> = reordered.groups.iter().map(|group| group.kept.clone()).collect();
@@ -447,14 +448,14 @@ fn vertices_stay_where_something_counts_on_them() {
     for extras in [json!({ "order": [3, 1, 2] }), json!(7)] {
         let mut draft = shared_scene(4);
         draft.json["meshes"][2]["primitives"][0]["extras"] = extras;
-        kept(&draft, 1, "may name vertices by their numbers");
+        kept(&draft, 1, "may refer to vertices by number");
     }
     let mut draft = shared_scene(4);
     draft.json["meshes"][0]["extensions"] = json!({ "EXT_unknown_thing": { "indices": 4 } });
-    kept(&draft, 0, "may name vertices by their numbers");
+    kept(&draft, 0, "may refer to vertices by number");
     let mut draft = shared_scene(4);
     draft.json["bufferViews"][0]["extensions"] = json!({ "EXT_unknown_thing": { "stripes": 4 } });
-    kept(&draft, 0, "may name vertices by their numbers");
+    kept(&draft, 0, "may refer to vertices by number");
     let mut draft = shared_scene(4);
     let own = draft.json["meshes"][2]["primitives"][0]["attributes"]["POSITION"].clone();
     draft.json["nodes"][2]["extensions"] =
@@ -464,14 +465,14 @@ fn vertices_stay_where_something_counts_on_them() {
     let mut draft = shared_scene(4);
     let short = draft.positions(&bent(5));
     draft.json["meshes"][2]["primitives"][0]["targets"] = json!([{ "POSITION": short }]);
-    kept(&draft, 1, "has not a value for each vertex");
-    // An image in the midst of the vertices, which nobody wants to change.
+    kept(&draft, 1, "does not have a value for each vertex");
+    // An image between the vertices.
     let mut draft = shared_scene(4);
     let view =
         push(&mut draft.json["bufferViews"], json!({ "buffer": 0, "byteOffset": 16, "byteLength": 40 }));
     draft.json["images"] = json!([{ "bufferView": view, "mimeType": "image/png" }]);
     kept(&draft, 0, "belong to other data");
-    // So may be bytes that no accessor has.
+    // A view without an accessor.
     let mut draft = shared_scene(4);
     push(&mut draft.json["bufferViews"], json!({ "buffer": 0, "byteOffset": 28, "byteLength": 4 }));
     kept(&draft, 0, "belong to other data");
@@ -482,7 +483,7 @@ fn vertices_stay_where_something_counts_on_them() {
 }
 
 #[test]
-fn materials_variants_and_extras_without_numbers_are_no_hindrance() {
+fn material_variants_and_extras_without_numbers_allow_reordering() {
     let mut draft = shared_scene(4);
     draft.json["meshes"][0]["extras"] = json!({ "targetNames": ["a", "b"], "scale": 0.5 });
     draft.json["meshes"][0]["primitives"][0]["extensions"] =
@@ -494,7 +495,7 @@ fn materials_variants_and_extras_without_numbers_are_no_hindrance() {
     primitive(&mut draft, features(json!({ "featureCount": 9, "attribute": 0 })));
     let (reordered, _) = check_scene(&draft.glb(), Layout::Restart);
     assert!(reordered.groups.iter().all(|group| group.kept.is_none()));
-    // Without an attribute or texture, the vertices' numbers are the ids.
+    // Without an attribute or texture, the vertex numbers are the ids.
     primitive(&mut draft, features(json!({ "featureCount": 9 })));
     let (reordered, _) = check_scene(&draft.glb(), Layout::Restart);
     assert_eq!(reordered.groups.iter().map(|group| group.kept.is_some()).collect::<Vec<_>>(), [false, true]);
@@ -526,12 +527,12 @@ fn accessors_over_the_same_bytes() {
         }
         check_scene(&draft.glb(), Layout::Restart).0
     };
-    // The same values under two names move once.
+    // Values that two accessors share are moved once.
     let same = scene(0, true);
     assert!(same.groups[0].kept.is_none() && same.groups[0].order.moved_count() > 10);
-    // One that is a vertex behind the other cannot move with it.
+    // Two accessors with an offset of one vertex cannot be moved together.
     assert!(scene(12, true).groups[0].kept.as_ref().unwrap().contains("overlap"));
-    // Nor can bytes move in two orders.
+    // Bytes cannot be moved in two orders.
     for offset in [0, 12, 24] {
         let two = scene(offset, false);
         assert_eq!(two.groups.len(), 2);
@@ -548,15 +549,15 @@ fn sparse_indices_must_hold_the_new_numbers() {
         corners.retain(|&v| v != 0);
         corners.truncate(corners.len() / 3 * 3);
         let position = draft.positions(&positions);
-        // Vertex 0 is in no triangle any more, and comes after 255 others.
-        let places = draft.view(&packed(component, &[0, 3]));
+        // Vertex 0 is in no triangle, so more than 255 others precede it.
+        let indices = draft.view(&packed(component, &[0, 3]));
         let values = draft.view(&floats(&[1.0; 6]));
         let sparse = push(
             &mut draft.json["accessors"],
             json!({
                 "componentType": F32, "count": count, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 1],
                 "sparse": {
-                    "count": 2, "indices": { "bufferView": places, "componentType": component },
+                    "count": 2, "indices": { "bufferView": indices, "componentType": component },
                     "values": { "bufferView": values },
                 },
             }),
@@ -570,17 +571,11 @@ fn sparse_indices_must_hold_the_new_numbers() {
     assert_eq!((scene(U16), scene(U32)), (None, None));
 }
 
-/// Documents with a few bytes changed: what can be read can be re-ordered and written, and draws the same.
+/// Documents with a few changed bytes: if they can be read, they can be reordered and written, and draw the same.
 #[test]
 fn mutations_never_panic() {
     let glb = shared_scene(3).glb();
-    let mut state = 0x2545_f491_4f6c_dd1d_u64;
-    let mut random = move |below: usize| {
-        state ^= state << 13;
-        state ^= state >> 7;
-        state ^= state << 17;
-        (state >> 32) as usize % below
-    };
+    let mut random = random();
     let digits: Vec<usize> = (20..glb.len()).filter(|&at| glb[at].is_ascii_digit()).collect();
     let mut done = 0;
     for _ in 0..4000 {
@@ -606,32 +601,26 @@ fn mutations_never_panic() {
     assert!(done > 500, "{done}");
 }
 
-/// Real scenes, where `TRISTRIP_MODELS` names their folder.
 #[test]
-fn real_scenes() {
-    let Some(folder) = std::env::var_os("TRISTRIP_MODELS").map(PathBuf::from) else {
-        eprintln!("real_scenes: SKIPPED: TRISTRIP_MODELS is not set");
-        return;
-    };
-    let mut files = Vec::new();
-    for name in ["milktruck", "engine_2cylinder", "sheencloth"] {
-        let glb = std::fs::read(folder.join(format!("{name}.glb"))).unwrap();
-        for layout in [Layout::Restart, Layout::Degenerate, Layout::List] {
-            let (reordered, after) = check_scene(&glb, layout);
+fn reorders_real_scenes() {
+    check_real_scenes("reorders_real_scenes", |name, glb| {
+        let layouts = [Layout::Restart, Layout::Degenerate, Layout::List].into_iter();
+        let files = layouts.map(|layout| {
+            let (reordered, after) = check_scene(glb, layout);
             assert!(reordered.groups.iter().all(|group| group.kept.is_none()));
-            files.push((format!("{name}_{layout:?}.glb"), after));
-        }
-    }
-    validate("reorder_real_scenes", &files);
+            (format!("{name}_{layout:?}.glb"), after)
+        });
+        files.collect()
+    });
 }
 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 48, ..ProptestConfig::default() })]
-    /// Primitives over vertex lists, some of them shared, interleaved in one view or apart.
+    /// Primitives over vertex arrays, some of them shared, interleaved in one view or in separate views.
     #[test]
     fn every_scene_is_reordered_or_kept(
         primitives in prop::collection::vec((0..3_usize, prop::collection::vec(0..12_u32, 3..30)), 1..5),
-        apart in any::<bool>(),
+        separate in any::<bool>(),
         overlap in any::<bool>(),
         layout in prop::sample::select(LAYOUTS.to_vec()),
     ) {
@@ -643,7 +632,7 @@ proptest! {
             }
         }
         let at = if overlap { [0, 4, 24] } else { [0, 12, 24] };
-        let accessors = if apart {
+        let accessors = if separate {
             (0..3_u8).map(|list| {
                 let all: Vec<_> = (0..12_u8).map(|i| [f32::from(i), f32::from(list), 0.0]).collect();
                 draft.positions(&all)
@@ -656,10 +645,10 @@ proptest! {
             draft.primitive(accessors[*list], Some(indices), 4);
         }
         let (reordered, glb) = check_scene(&draft.glb(), layout);
-        let clash = overlap && !apart && reordered.groups.len() > 1;
+        let clash = overlap && !separate && reordered.groups.len() > 1;
         prop_assert!(clash || reordered.groups.iter().all(|group| group.kept.is_none() || overlap));
-        let drawn: usize = strips_of(&gltf::read(glb, None).unwrap()).iter().map(|s| s.iter().flat_map(strip_triangles).count()).sum();
-        let asked: usize = strips_of(&gltf::read(draft.glb(), None).unwrap()).iter().map(|s| s.triangles().count()).sum();
-        prop_assert_eq!(drawn, asked);
+        let drawn_count: usize = strips_of(&gltf::read(glb, None).unwrap()).iter().map(|s| s.iter().flat_map(strip_triangles).count()).sum();
+        let expected_count: usize = strips_of(&gltf::read(draft.glb(), None).unwrap()).iter().map(|s| s.triangles().count()).sum();
+        prop_assert_eq!(drawn_count, expected_count);
     }
 }

@@ -1,4 +1,4 @@
-//! Meshes written and read again: the same bits through PLY, and through OBJ where it has a place for them.
+//! Meshes written and read back: the same bits with PLY, and with OBJ for the data that it can hold.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests fail by panicking")]
 
 use proptest::prelude::*;
@@ -9,7 +9,7 @@ fn model(mesh: Mesh) -> Model {
     Model { parts: vec![Part { mesh, ..Part::default() }], ..Model::default() }
 }
 
-fn through(model: &Model, drawings: &[Drawing], format: Format, layout: Layout) -> Model {
+fn round_trip(model: &Model, drawings: &[Drawing], format: Format, layout: Layout) -> Model {
     let bytes = write(model, drawings, format, layout).unwrap();
     read(&bytes, format).unwrap_or_else(|error| panic!("{error}\n{}", String::from_utf8_lossy(&bytes)))
 }
@@ -37,7 +37,7 @@ prop_compose! {
 }
 
 prop_compose! {
-    fn dressed_meshes()(mesh in meshes(0))(
+    fn meshes_with_attributes()(mesh in meshes(0))(
         normals in prop::collection::vec(finite(), 3 * mesh.vertex_count()),
         texcoords in prop::collection::vec(finite(), 2 * mesh.vertex_count()),
         colours in prop::collection::vec(any::<u8>(), 4 * mesh.vertex_count()),
@@ -58,8 +58,8 @@ prop_compose! {
     }
 }
 
-/// Writes positions and faces as PLY text or big-endian binary: the plain way, to read against.
-fn plain_ply(mesh: &Mesh, ascii: bool) -> Vec<u8> {
+/// Writes positions and faces as PLY text or big-endian binary, in the simplest way, as a reference for the reader.
+fn reference_ply(mesh: &Mesh, ascii: bool) -> Vec<u8> {
     let encoding = if ascii { "ascii" } else { "binary_big_endian" };
     let (vertices, faces) = (mesh.vertex_count(), mesh.faces().face_count());
     let mut out = format!(
@@ -105,9 +105,9 @@ fn corners(mesh: &Mesh) -> Vec<Vec<u32>> {
 
 proptest! {
     #[test]
-    fn ply_keeps_every_bit(mesh in dressed_meshes()) {
+    fn ply_keeps_every_bit(mesh in meshes_with_attributes()) {
         let before = model(mesh);
-        let after = through(&before, &[Drawing::Faces], Format::Ply, Layout::List);
+        let after = round_trip(&before, &[Drawing::Faces], Format::Ply, Layout::List);
         let (before, after) = (&before.parts[0].mesh, &after.parts[0].mesh);
         prop_assert_eq!(before, after);
         prop_assert_eq!(bits(before), bits(after));
@@ -116,7 +116,7 @@ proptest! {
     #[test]
     fn ply_encodings_agree(mesh in meshes(0)) {
         for ascii in [true, false] {
-            let after = read(&plain_ply(&mesh, ascii), Format::Ply).unwrap();
+            let after = read(&reference_ply(&mesh, ascii), Format::Ply).unwrap();
             prop_assert_eq!(&mesh, &after.parts[0].mesh);
             prop_assert_eq!(bits(&mesh), bits(&after.parts[0].mesh));
         }
@@ -124,32 +124,32 @@ proptest! {
 
     #[test]
     fn obj_keeps_vertices_and_faces(mesh in meshes(3)) {
-        let after = through(&model(mesh.clone()), &[Drawing::Faces], Format::Obj, Layout::List);
+        let after = round_trip(&model(mesh.clone()), &[Drawing::Faces], Format::Obj, Layout::List);
         prop_assert_eq!(&mesh, &after.parts[0].mesh);
         prop_assert_eq!(bits(&mesh), bits(&after.parts[0].mesh));
     }
 
     #[test]
-    fn obj_keeps_what_each_corner_has(mesh in dressed_meshes()) {
+    fn obj_keeps_what_each_corner_has(mesh in meshes_with_attributes()) {
         let kept = mesh.faces().iter().filter(|face| face.len() >= 3).map(<[u32]>::to_vec);
         let kept = Faces::from_polygons(kept).unwrap();
         let attributes = mesh.attributes().to_vec();
         let kept = Mesh::new(mesh.shared_positions(), kept).unwrap();
         let kept = attributes.into_iter().fold(kept, |mesh, a| mesh.with_attribute(a).unwrap());
         prop_assume!(kept.faces().face_count() > 0);
-        let after = through(&model(mesh), &[Drawing::Faces], Format::Obj, Layout::List);
+        let after = round_trip(&model(mesh), &[Drawing::Faces], Format::Obj, Layout::List);
         prop_assert_eq!(corners(&kept), corners(&after.parts[0].mesh));
     }
 
     #[test]
-    fn strips_come_back_as_their_triangles(
+    fn strips_are_read_back_as_their_triangles(
         strips in prop::collection::vec(prop::collection::vec(0..9u32, 0..12), 0..9),
     ) {
         let mut all = Strips::default();
         for strip in &strips {
             all.push(strip);
         }
-        // Strips that are joined are drawn in another order, and may begin at another corner.
+        // Joined strips are drawn in another order, and triangles may begin with another corner.
         let sorted = |corners: &[u32]| {
             let mut all: Vec<[u32; 3]> = corners.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
             all.iter_mut().for_each(|t| while t[0] > t[1] || t[0] > t[2] { t.rotate_left(1) });
@@ -160,7 +160,7 @@ proptest! {
         let before = model(Mesh::new(vec![[1.0; 3]; 9], Faces::default()).unwrap());
         for format in [Format::Ply, Format::Obj] {
             for layout in [Layout::Restart, Layout::Degenerate, Layout::Separate, Layout::List] {
-                let after = through(&before, &[Drawing::Strips(&all)], format, layout);
+                let after = round_trip(&before, &[Drawing::Strips(&all)], format, layout);
                 let faces = after.parts[0].mesh.faces().as_triangles().map(<[u32]>::to_vec);
                 if layout == Layout::Degenerate {
                     prop_assert_eq!(faces.map(|f| sorted(&f)), Some(sorted(&expected)), "{:?}", format);
@@ -172,7 +172,7 @@ proptest! {
     }
 }
 
-/// Two parts over the same vertices and one over its own.
+/// Two parts over the same vertices, and one over vertices of its own.
 fn three_parts() -> Model {
     let faces = |t: [u32; 3]| Faces::from_triangles(t.to_vec()).unwrap();
     let normals = || attribute("NORMAL", 3, false, AttributeData::F32(vec![0.5; 12]));
@@ -205,7 +205,7 @@ fn parts_share_vertices_and_keep_their_materials_in_obj() {
 }
 
 #[test]
-fn ply_joins_parts_and_says_so() {
+fn ply_joins_parts_and_reports_it() {
     let before = three_parts();
     let mut strips = Strips::default();
     strips.push(&[0, 2, 3]);
@@ -223,7 +223,7 @@ fn ply_joins_parts_and_says_so() {
 }
 
 #[test]
-fn what_a_format_cannot_hold_is_named() {
+fn losses_list_what_a_format_cannot_hold() {
     let mesh = Mesh::new(vec![[0.0; 3]; 2], Faces::from_polygons([[0, 1]]).unwrap()).unwrap();
     let mesh = mesh
         .with_attribute(attribute("_ID\n", 1, false, AttributeData::U32(vec![1, 2])))
@@ -252,7 +252,7 @@ fn what_a_format_cannot_hold_is_named() {
 }
 
 #[test]
-fn losses_are_those_of_the_format_scene_included() {
+fn losses_include_the_scene() {
     let json = br#"{"asset":{"version":"2.0"},"nodes":[{"scale":[2,2,2]}],"cameras":[{}]}"#;
     let scene = read(json, Format::Gltf).unwrap();
     let beyond = ["not written: nodes with a transform: 1", "not written: cameras: 1"];
@@ -263,11 +263,14 @@ fn losses_are_those_of_the_format_scene_included() {
     assert!(obj.starts_with(b"# not written: nodes with a transform: 1\n"));
     let quad = Faces::from_polygons([[0, 1, 2, 3]]).unwrap();
     let polygons = model(Mesh::new(vec![[0.0; 3]; 4], quad).unwrap());
-    assert_eq!(losses(&polygons, Format::Glb), ["polygons, cut into fans where no strips draw them: 1"]);
+    assert_eq!(
+        losses(&polygons, Format::Glb),
+        ["polygons, cut into fans where they are not drawn as strips: 1"]
+    );
 }
 
 #[test]
-fn parts_know_the_indices_that_they_were_drawn_with() {
+fn parts_keep_the_stored_strips() {
     let mut strips = Strips::default();
     strips.push(&[0, 1, 2, 1, 3]);
     strips.push(&[4, 5, 6]);
@@ -294,7 +297,7 @@ fn parts_know_the_indices_that_they_were_drawn_with() {
 }
 
 #[test]
-fn parts_know_whether_they_were_strips() {
+fn parts_know_whether_they_are_drawn_as_strips() {
     let faces = Faces::from_triangles(vec![0, 1, 2, 2, 1, 3]).unwrap();
     let flat = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
     let model = model(Mesh::new(flat, faces).unwrap());
@@ -311,7 +314,7 @@ fn parts_know_whether_they_were_strips() {
         assert_eq!(stripped(Drawing::Strips(&strips), format, Layout::List), [false]);
         assert_eq!(stripped(Drawing::Faces, format, Layout::List), [false]);
     }
-    // Polygons beside strips are not given up for them.
+    // A file with both polygons and strips keeps its polygons.
     let both =
         b"ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
         element face 1\nproperty list uchar int vertex_indices\n\
@@ -323,7 +326,7 @@ fn parts_know_whether_they_were_strips() {
 }
 
 #[test]
-fn formats_without_a_writer_say_which_have_one() {
+fn formats_without_a_writer_list_those_with_one() {
     for format in [Format::Stl, Format::Off, Format::Gltf] {
         let error = write(&Model::default(), &[], format, Layout::List).unwrap_err();
         assert!(error.to_string().ends_with("cannot be written; .obj, .ply and .glb can"), "{error}");

@@ -1,4 +1,4 @@
-//! The buffers of a document: the GLB's own bytes, data URIs, and files beside the document, never outside of its folder.
+//! The buffers of a document: the GLB's own bytes, data URIs, and files in the document's folder, never outside it.
 
 use std::collections::HashMap;
 use std::io::Read;
@@ -11,7 +11,7 @@ use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use serde_json::{Map, Value};
 
-use super::document::{Place, format_error};
+use super::document::Located;
 use crate::error::Error;
 
 const BASE64: GeneralPurpose = GeneralPurpose::new(
@@ -19,14 +19,14 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
     GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
 );
 
-/// A part of some bytes that are shared, never copied.
+/// A range of bytes that are shared, never copied.
 #[derive(Clone, Default)]
-pub(super) struct Bytes {
+pub(super) struct SharedBytes {
     owner: Arc<Vec<u8>>,
     range: Range<usize>,
 }
 
-impl Bytes {
+impl SharedBytes {
     pub(super) fn as_slice(&self) -> &[u8] {
         &self.owner[self.range.clone()]
     }
@@ -36,29 +36,29 @@ impl Bytes {
     }
 }
 
-impl From<Vec<u8>> for Bytes {
+impl From<Vec<u8>> for SharedBytes {
     fn from(bytes: Vec<u8>) -> Self {
         let (owner, range) = whole_of(Arc::new(bytes));
         Self { owner, range }
     }
 }
 
-impl std::fmt::Debug for Bytes {
+impl std::fmt::Debug for SharedBytes {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "Bytes({})", self.len())
+        write!(f, "SharedBytes({})", self.len())
     }
 }
 
-/// Loads every buffer, and takes the `uri` of each out of the document: the bytes are kept, not their text.
+/// Loads every buffer, and removes the `uri` of each from the document: the bytes are kept, not their text.
 pub(super) fn load(
     root: &mut Map<String, Value>,
     file: &Arc<Vec<u8>>,
     bin: Option<&Range<usize>>,
     base_dir: Option<&Path>,
-) -> Result<Vec<Bytes>, Error> {
+) -> Result<Vec<SharedBytes>, Error> {
     let mut buffers = Vec::new();
     let mut files: HashMap<PathBuf, Arc<Vec<u8>>> = HashMap::new();
-    for (index, buffer) in Place::entries(root, "buffers")?.enumerate() {
+    for (index, buffer) in Located::entries(root, "buffers")?.enumerate() {
         let length_at = buffer.need("byteLength")?;
         let length = length_at.size()?;
         let (owner, range) = match buffer.field("uri") {
@@ -66,7 +66,7 @@ pub(super) fn load(
                 Some(bin) if index == 0 => (Arc::clone(file), bin.clone()),
                 _ => {
                     let expected = "a URI, or the BIN chunk of a GLB for the first buffer";
-                    return Err(format_error(format!("{}.uri", buffer.at), "nothing", expected));
+                    return Err(Error::format(format!("{}.uri", buffer.at), "nothing", expected));
                 }
             },
             Some(uri) => whole_of(match uri.text()?.strip_prefix("data:") {
@@ -75,10 +75,10 @@ pub(super) fn load(
             }),
         };
         if range.len() < length {
-            let expected = format!("at most {}, what the buffer has", range.len());
+            let expected = format!("at most {}, the size of the buffer", range.len());
             return Err(length_at.wrong(expected));
         }
-        buffers.push(Bytes { owner, range: range.start..range.start + length });
+        buffers.push(SharedBytes { owner, range: range.start..range.start + length });
     }
     if let Some(Value::Array(entries)) = root.get_mut("buffers") {
         for entry in entries.iter_mut().filter_map(Value::as_object_mut) {
@@ -93,18 +93,18 @@ fn whole_of(owner: Arc<Vec<u8>>) -> (Arc<Vec<u8>>, Range<usize>) {
     (owner, range)
 }
 
-fn decode_data_uri(uri: &Place<'_>, data: &str) -> Result<Vec<u8>, Error> {
+fn decode_data_uri(uri: &Located<'_>, data: &str) -> Result<Vec<u8>, Error> {
     let Some((_, text)) = data.split_once(";base64,") else {
         return Err(uri.wrong("a data URI in base64"));
     };
     BASE64
         .decode(text)
-        .map_err(|e| format_error(uri.at.clone(), e.to_string().trim_end_matches('.'), "base64"))
+        .map_err(|e| Error::format(uri.at.clone(), e.to_string().trim_end_matches('.'), "base64"))
 }
 
-/// Reads a file of the document's own folder, once for all buffers that name it.
+/// Reads a file in the document's folder, once for all buffers that name it.
 fn load_file(
-    uri: &Place<'_>,
+    uri: &Located<'_>,
     base_dir: Option<&Path>,
     files: &mut HashMap<PathBuf, Arc<Vec<u8>>>,
 ) -> Result<Arc<Vec<u8>>, Error> {
@@ -115,12 +115,12 @@ fn load_file(
     let Some(base_dir) = base_dir else {
         return Err(uri.wrong("a data URI: the folder of the document is not known"));
     };
-    // The folder of a file that is named without one.
+    // A document named without a folder is in the current one.
     let base_dir = if base_dir.as_os_str().is_empty() { Path::new(".") } else { base_dir };
     let io_error = |source| Error::Io { path: base_dir.join(&relative).display().to_string(), source };
     let folder = base_dir.canonicalize().map_err(io_error)?;
     let path = folder.join(&relative).canonicalize().map_err(io_error)?;
-    // A link may lead out of the folder although the name does not.
+    // A link may lead outside the folder although the name does not.
     if !path.starts_with(&folder) || !path.is_file() {
         return Err(uri.wrong("a data URI, or a file in the folder of the document"));
     }
@@ -134,7 +134,7 @@ fn load_file(
     Ok(bytes)
 }
 
-/// Gives the path of a relative URI, if it goes nowhere but down.
+/// Returns the path of a relative URI, if it has no `..`, root or drive.
 fn relative_path(uri: &str) -> Option<PathBuf> {
     let decoded = percent_decode(uri)?;
     if decoded.contains(['\\', ':', '\0']) {
@@ -176,7 +176,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn paths_only_go_down() {
+    fn relative_paths_stay_inside_the_folder() {
         let ok = |uri| relative_path(uri).map(|p| p.display().to_string());
         assert_eq!(ok("a%20b/c.bin").as_deref(), Some("a b/c.bin"));
         assert_eq!(ok("./c.bin").as_deref(), Some("./c.bin"));

@@ -1,10 +1,10 @@
-//! Writing without a scene: a minimal document around the parts.
+//! Writing without a scene: builds a minimal document around the parts.
 //!
 //! # Attributes
-//! `NORMAL`, `TANGENT`, `TEXCOORD_n` and `COLOR_n` are written under these names where their values are what glTF asks for:
-//! normals and tangents of unit length, colours from 0 to 1, numbers without a gap. Others, and those whose values are
-//! not, become custom attributes with a leading underscore: their values are never changed. What has no type in glTF (64-bit
-//! floats, 32-bit integers, more than four components, values that are not finite) stays out; [`losses`] says so.
+//! `NORMAL`, `TANGENT`, `TEXCOORD_n` and `COLOR_n` are written under these names where their values are what glTF requires:
+//! normals and tangents of unit length, colours from 0 to 1, numbers without a gap. All others become custom attributes
+//! with a leading underscore; their values are never changed. Attributes without a type in glTF (64-bit floats, 32-bit
+//! integers, more than four components, values that are not finite) are not written; [`losses`] lists them.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
@@ -12,19 +12,18 @@ use std::sync::Arc;
 use serde_json::{Value, json};
 use tristrip::{Attribute, AttributeData, Layout, Mesh};
 
-use super::accessor::Component;
-use super::index::{Run, runs};
-use super::{RESTART_EXTENSION, container};
+use super::accessor::ComponentType;
+use super::container;
+use super::index::{IndexRun, pack_runs, runs};
+use super::spec::{ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER, RESTART_EXTENSION};
 use crate::error::Error;
 use crate::model::{Drawing, Model};
 
-const ARRAY_BUFFER: u32 = 34962;
-const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 /// How far the length of a normal may be from 1; the Khronos validator allows 0.00674.
 const UNIT_TOLERANCE: f64 = 0.006;
 
-/// Names what a GLB cannot hold of a model as it is, in words, with counts; nothing for a model with a scene, which keeps
-/// all.
+/// Lists what a GLB cannot hold of a model, or holds in another form, in words, with counts. Empty for a model with a
+/// scene, which keeps everything.
 ///
 /// ```
 /// use tristrip::{Attribute, AttributeData, Faces, Mesh};
@@ -35,7 +34,7 @@ const UNIT_TOLERANCE: f64 = 0.006;
 /// let model = Model { parts: vec![Part { mesh, ..Part::default() }], ..Model::default() };
 /// assert_eq!(
 ///     gltf::losses(&model),
-///     ["attribute `quality` not written, as glTF has no 64-bit floats or 32-bit integers for vertices: 1"],
+///     ["attribute `quality` not written: glTF has no 64-bit floats or 32-bit integers for vertices: 1"],
 /// );
 /// # Ok::<(), tristrip_io::Error>(())
 /// ```
@@ -53,10 +52,10 @@ pub fn losses(model: &Model) -> Vec<String> {
         if mesh.faces().as_triangles().is_none() {
             polygons += mesh.faces().iter().filter(|face| face.len() > 3).count();
         }
-        for (attribute, plan) in mesh.attributes().iter().zip(plans(mesh)) {
+        for (attribute, chosen) in mesh.attributes().iter().zip(attribute_names(mesh)) {
             let name = &attribute.name;
-            let words = match plan {
-                Err(why) => format!("attribute `{name}` not written, as {why}"),
+            let words = match chosen {
+                Err(why) => format!("attribute `{name}` not written: {why}"),
                 Ok(new) if new != *name => format!("attribute `{name}` written as `{new}`"),
                 Ok(_) => continue,
             };
@@ -64,28 +63,28 @@ pub fn losses(model: &Model) -> Vec<String> {
         }
     }
     let counts = [
-        ("parts without a vertex, not written".to_owned(), empty),
-        ("polygons, cut into fans where no strips draw them".to_owned(), polygons),
+        ("parts without vertices, not written".to_owned(), empty),
+        ("polygons, cut into fans where they are not drawn as strips".to_owned(), polygons),
     ];
     let counted = counts.into_iter().filter(|(_, count)| *count > 0).chain(attributes);
     counted.map(|(words, count)| format!("{words}: {count}")).collect()
 }
 
-/// Writes the minimal document.
+/// Writes the minimal document; the caller has checked the drawings.
 pub(super) fn write(model: &Model, drawings: &[Drawing<'_>], layout: Layout) -> Result<Vec<u8>, Error> {
-    let mut builder = Builder::default();
+    let mut builder = DocumentBuilder::default();
     let mut meshes: Vec<Value> = Vec::new();
     let mut names: Vec<Option<&str>> = Vec::new();
     let mut materials: Vec<&str> = Vec::new();
     let mut material_ids: HashMap<&str, usize> = HashMap::new();
     let mut restarts = false;
-    for (part, (contents, drawing)) in model.parts.iter().zip(drawings).enumerate() {
-        let mesh = &contents.mesh;
+    for (part, drawing) in model.parts.iter().zip(drawings) {
+        let mesh = &part.mesh;
         if mesh.vertex_count() == 0 {
             continue;
         }
-        // 1. A mesh for each run of parts of one name.
-        let name = contents.name.as_deref();
+        // 1. A mesh for each run of parts with the same name.
+        let name = part.name.as_deref();
         if names.last() != Some(&name) {
             names.push(name);
             let mut object = json!({ "primitives": [] });
@@ -94,9 +93,9 @@ pub(super) fn write(model: &Model, drawings: &[Drawing<'_>], layout: Layout) -> 
             }
             meshes.push(object);
         }
-        // 2. What the primitives of the part have in common.
+        // 2. The members that the primitives of the part have in common.
         let mut common = json!({ "attributes": builder.attributes(mesh) });
-        if let Some(material) = contents.material.as_deref() {
+        if let Some(material) = part.material.as_deref() {
             let id = *material_ids.entry(material).or_insert_with(|| {
                 materials.push(material);
                 materials.len() - 1
@@ -104,8 +103,8 @@ pub(super) fn write(model: &Model, drawings: &[Drawing<'_>], layout: Layout) -> 
             common["material"] = id.into();
         }
         // 3. Indices.
-        let runs = runs(part, mesh, *drawing, layout)?;
-        restarts |= runs.iter().any(Run::restarts);
+        let runs = runs(mesh, *drawing, layout);
+        restarts |= runs.iter().any(IndexRun::has_restarts);
         let accessors = builder.indices(&runs);
         let Some(Value::Array(primitives)) = meshes.last_mut().and_then(|m| m.get_mut("primitives")) else {
             continue;
@@ -121,21 +120,23 @@ pub(super) fn write(model: &Model, drawings: &[Drawing<'_>], layout: Layout) -> 
 }
 
 #[derive(Default)]
-struct Builder<'a> {
+struct DocumentBuilder<'a> {
     bytes: Vec<u8>,
     views: Vec<Value>,
     accessors: Vec<Value>,
-    /// Accessors by address of the array of positions, which the model keeps alive: parts that share one still do.
-    shared: HashMap<*const Vec<[f32; 3]>, Shared<'a>>,
+    /// Accessors by the address of the position array, which the model keeps alive: parts that share an array share
+    /// its accessor.
+    shared: HashMap<*const Vec<[f32; 3]>, SharedPositions<'a>>,
 }
 
-struct Shared<'a> {
+/// The accessors over one position array.
+struct SharedPositions<'a> {
     accessor: usize,
     /// The last attribute of each name written for these positions.
     attributes: BTreeMap<String, (&'a Attribute, usize)>,
 }
 
-impl<'a> Builder<'a> {
+impl<'a> DocumentBuilder<'a> {
     fn view(&mut self, start: usize, target: u32, stride: Option<usize>) -> usize {
         let mut view = json!({
             "buffer": 0, "byteOffset": start, "byteLength": self.bytes.len() - start, "target": target,
@@ -157,7 +158,7 @@ impl<'a> Builder<'a> {
         self.accessors.len() - 1
     }
 
-    /// Writes positions and attributes, unless a part before had the same; gives accessors by name.
+    /// Writes positions and attributes, unless an earlier part had the same; returns the accessors by name.
     fn attributes(&mut self, mesh: &'a Mesh) -> Value {
         let positions = mesh.shared_positions();
         let key = Arc::as_ptr(&positions);
@@ -165,11 +166,13 @@ impl<'a> Builder<'a> {
             Some(shared) => shared.accessor,
             None => self.positions(mesh.positions()),
         };
-        let mut shared =
-            self.shared.remove(&key).unwrap_or_else(|| Shared { accessor, attributes: BTreeMap::new() });
+        let mut shared = self
+            .shared
+            .remove(&key)
+            .unwrap_or_else(|| SharedPositions { accessor, attributes: BTreeMap::new() });
         let mut names = json!({ "POSITION": accessor });
-        for (attribute, plan) in mesh.attributes().iter().zip(plans(mesh)) {
-            let Ok(name) = plan else { continue };
+        for (attribute, chosen) in mesh.attributes().iter().zip(attribute_names(mesh)) {
+            let Ok(name) = chosen else { continue };
             let accessor = match shared.attributes.get(&name) {
                 Some((same, accessor)) if std::ptr::eq(*same, attribute) || *same == attribute => *accessor,
                 _ => self.attribute(attribute, mesh.vertex_count()),
@@ -195,7 +198,7 @@ impl<'a> Builder<'a> {
         let view = self.view(start, ARRAY_BUFFER, None);
         self.accessor(json!({
             "bufferView": view,
-            "componentType": Component::F32.code(),
+            "componentType": ComponentType::F32.code(),
             "count": positions.len(),
             "type": "VEC3",
             "min": low.map(f64::from),
@@ -207,13 +210,13 @@ impl<'a> Builder<'a> {
         let components = usize::from(attribute.components);
         let start = self.bytes.len();
         let component = match &attribute.data {
-            AttributeData::U8(v) => self.values(v, components, Component::U8, |x| [*x]),
-            AttributeData::I8(v) => self.values(v, components, Component::I8, |x| x.to_le_bytes()),
-            AttributeData::U16(v) => self.values(v, components, Component::U16, |x| x.to_le_bytes()),
-            AttributeData::I16(v) => self.values(v, components, Component::I16, |x| x.to_le_bytes()),
-            AttributeData::F32(v) => self.values(v, components, Component::F32, |x| x.to_le_bytes()),
-            // The plan has left these out.
-            AttributeData::F64(_) | AttributeData::U32(_) | AttributeData::I32(_) => Component::F32,
+            AttributeData::U8(v) => self.values(v, components, ComponentType::U8, |x| [*x]),
+            AttributeData::I8(v) => self.values(v, components, ComponentType::I8, |x| x.to_le_bytes()),
+            AttributeData::U16(v) => self.values(v, components, ComponentType::U16, |x| x.to_le_bytes()),
+            AttributeData::I16(v) => self.values(v, components, ComponentType::I16, |x| x.to_le_bytes()),
+            AttributeData::F32(v) => self.values(v, components, ComponentType::F32, |x| x.to_le_bytes()),
+            // `attribute_names` has excluded these.
+            AttributeData::F64(_) | AttributeData::U32(_) | AttributeData::I32(_) => ComponentType::F32,
         };
         let element = components * component.bytes();
         let stride = element.next_multiple_of(4);
@@ -231,14 +234,14 @@ impl<'a> Builder<'a> {
         self.accessor(accessor)
     }
 
-    /// Adds values at the end, each vertex's from a multiple of four bytes on.
+    /// Appends values; those of each vertex are aligned to four bytes.
     fn values<T, const N: usize>(
         &mut self,
         values: &[T],
         components: usize,
-        component: Component,
+        component: ComponentType,
         bytes: impl Fn(&T) -> [u8; N],
-    ) -> Component {
+    ) -> ComponentType {
         for vertex in values.chunks(components) {
             self.bytes.extend(vertex.iter().flat_map(&bytes));
             self.align();
@@ -246,29 +249,11 @@ impl<'a> Builder<'a> {
         component
     }
 
-    fn indices(&mut self, runs: &[Run]) -> Vec<usize> {
+    fn indices(&mut self, runs: &[IndexRun]) -> Vec<usize> {
         let start = self.bytes.len();
-        let mut offsets = Vec::with_capacity(runs.len());
-        for run in runs {
-            self.align();
-            offsets.push(self.bytes.len() - start);
-            run.pack(&mut self.bytes);
-        }
+        let offsets = pack_runs(runs, &mut self.bytes);
         let view = self.view(start, ELEMENT_ARRAY_BUFFER, None);
-        let accessors = runs.iter().zip(offsets).map(|(run, offset)| {
-            let mut accessor = json!({
-                "bufferView": view,
-                "componentType": run.component().code(),
-                "count": run.count(),
-                "type": "SCALAR",
-            });
-            if offset > 0 {
-                accessor["byteOffset"] = offset.into();
-            }
-            self.accessors.push(accessor);
-            self.accessors.len() - 1
-        });
-        accessors.collect()
+        runs.iter().zip(offsets).map(|(run, offset)| self.accessor(run.accessor(view, offset))).collect()
     }
 
     fn finish(
@@ -304,12 +289,12 @@ impl<'a> Builder<'a> {
     }
 }
 
-/// Chooses the name that each attribute of a mesh is written under, or says why it is not.
-fn plans(mesh: &Mesh) -> Vec<Result<String, String>> {
+/// Returns the name that each attribute of a mesh is written under, or the reason why it is not written.
+fn attribute_names(mesh: &Mesh) -> Vec<Result<String, String>> {
     let attributes = mesh.attributes();
     let mut core: Vec<bool> = attributes.iter().map(is_core).collect();
     let named = |core: &[bool], name: &str| (attributes.iter().zip(core)).any(|(a, &c)| c && a.name == name);
-    // Numbered names must not have a gap, and tangents need normals.
+    // Numbered names must be consecutive, and tangents need normals.
     for prefix in ["TEXCOORD_", "COLOR_"] {
         let end = (0..attributes.len())
             .find(|n| !named(&core, &format!("{prefix}{n}")))
@@ -332,7 +317,7 @@ fn plans(mesh: &Mesh) -> Vec<Result<String, String>> {
             false if attribute.name.starts_with('_') => attribute.name.clone(),
             false => format!("_{}", attribute.name),
         };
-        writable(attribute)?;
+        check_writable(attribute)?;
         if taken.insert(name.clone()) {
             Ok(name)
         } else {
@@ -342,8 +327,8 @@ fn plans(mesh: &Mesh) -> Vec<Result<String, String>> {
     attributes.iter().zip(core).map(choose).collect()
 }
 
-/// Tells whether glTF has a type for an attribute.
-fn writable(attribute: &Attribute) -> Result<(), String> {
+/// Checks that glTF has a type for an attribute.
+fn check_writable(attribute: &Attribute) -> Result<(), String> {
     if !(1..=4).contains(&attribute.components) {
         return Err(format!("it has {} components, and glTF has 1 to 4", attribute.components));
     }
@@ -352,13 +337,13 @@ fn writable(attribute: &Attribute) -> Result<(), String> {
             Err("glTF has no 64-bit floats or 32-bit integers for vertices".into())
         }
         AttributeData::F32(values) if !values.iter().all(|x| x.is_finite()) => {
-            Err("not all of its values are finite".into())
+            Err("it has values that are not finite".into())
         }
         _ => Ok(()),
     }
 }
 
-/// Tells whether an attribute is what glTF asks for under its name; gaps in numbers aside.
+/// Checks whether an attribute is what glTF requires under its name; gaps in numbers are not checked.
 fn is_core(attribute: &Attribute) -> bool {
     let floats = match &attribute.data {
         AttributeData::F32(values) => Some(values.as_slice()),
@@ -375,15 +360,15 @@ fn is_core(attribute: &Attribute) -> bool {
     match (attribute.name.as_str(), attribute.components) {
         ("NORMAL", 3) => floats.is_some_and(|v| v.chunks_exact(3).all(unit)),
         ("TANGENT", 4) => floats.is_some_and(|v| v.chunks_exact(4).all(tangent)),
-        (name, 2) if numbered(name, "TEXCOORD_") => fraction || floats.is_some(),
-        (name, 3 | 4) if numbered(name, "COLOR_") => {
+        (name, 2) if is_numbered(name, "TEXCOORD_") => fraction || floats.is_some(),
+        (name, 3 | 4) if is_numbered(name, "COLOR_") => {
             fraction || floats.is_some_and(|v| v.iter().all(|x| (0.0..=1.0).contains(x)))
         }
         _ => false,
     }
 }
 
-/// Tells whether a name is a prefix and a number without leading zeros.
-fn numbered(name: &str, prefix: &str) -> bool {
+/// Checks whether a name is a prefix and a number without leading zeros.
+fn is_numbered(name: &str, prefix: &str) -> bool {
     name.strip_prefix(prefix).is_some_and(|n| n.parse::<u32>().is_ok_and(|number| number.to_string() == n))
 }

@@ -1,9 +1,8 @@
-//! The GLB container: a header, a JSON chunk, and a chunk of bytes. A `.gltf` file is taken as a JSON chunk alone.
+//! The GLB container: a header, a JSON chunk, and a binary chunk. A `.gltf` file counts as a JSON chunk alone.
 
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::document::format_error;
 use crate::error::Error;
 
 const MAGIC: &[u8; 4] = b"glTF";
@@ -12,15 +11,15 @@ const BIN_CHUNK: u32 = 0x004E_4942;
 const HEADER_BYTES: usize = 12;
 const CHUNK_HEADER_BYTES: usize = 8;
 
-/// A file and where its two chunks lie.
-pub(super) struct Container {
+/// A file and the byte ranges of its two chunks.
+pub(super) struct GlbContainer {
     pub(super) file: Arc<Vec<u8>>,
     pub(super) json: Range<usize>,
     pub(super) bin: Option<Range<usize>>,
 }
 
-/// Finds the chunks of a GLB, or takes the whole of a `.gltf` for JSON.
-pub(super) fn open(bytes: Vec<u8>, notes: &mut Vec<String>) -> Result<Container, Error> {
+/// Finds the chunks of a GLB, or treats the whole of a `.gltf` as JSON.
+pub(super) fn open(bytes: Vec<u8>, notes: &mut Vec<String>) -> Result<GlbContainer, Error> {
     let file = Arc::new(bytes);
     if !file.starts_with(MAGIC) {
         return open_json(file);
@@ -28,12 +27,12 @@ pub(super) fn open(bytes: Vec<u8>, notes: &mut Vec<String>) -> Result<Container,
     let header = |at: usize, what: &str| {
         word(&file, at).ok_or_else(|| {
             let found = format!("the end of the file after {} bytes", file.len());
-            format_error(format!("byte {at}"), found, what)
+            Error::format(format!("byte {at}"), found, what)
         })
     };
     let version = header(4, "the GLB version")?;
     if version != 2 {
-        return Err(format_error("byte 4", format!("GLB version {version}"), "2"));
+        return Err(Error::format("byte 4", format!("GLB version {version}"), "2"));
     }
     let length = header(8, "the length of the file")? as usize;
     let least = HEADER_BYTES + CHUNK_HEADER_BYTES;
@@ -42,15 +41,15 @@ pub(super) fn open(bytes: Vec<u8>, notes: &mut Vec<String>) -> Result<Container,
             n if n < least => format!("at least {least}, two headers, in a file of {n} bytes"),
             n => format!("{least} to {n}, the length of the file"),
         };
-        return Err(format_error("byte 8", format!("length {length}"), expected));
+        return Err(Error::format("byte 8", format!("length {length}"), expected));
     }
     if length < file.len() {
-        notes.push(format!("bytes after the end of the GLB left out: {}", file.len() - length));
+        notes.push(format!("dropped bytes after the end of the GLB: {}", file.len() - length));
     }
     let (kind, json) = chunk(&file, HEADER_BYTES, length)?;
     if kind != JSON_CHUNK {
         let found = format!("chunk type {kind:#010x}");
-        return Err(format_error(format!("byte {}", HEADER_BYTES + 4), found, "0x4e4f534a (JSON)"));
+        return Err(Error::format(format!("byte {}", HEADER_BYTES + 4), found, "0x4e4f534a (JSON)"));
     }
     let mut bin = None;
     let mut at = json.end;
@@ -69,12 +68,12 @@ pub(super) fn open(bytes: Vec<u8>, notes: &mut Vec<String>) -> Result<Container,
         }
     }
     if unknown_count > 0 {
-        notes.push(format!("GLB chunks of unknown type left out: {unknown_count}"));
+        notes.push(format!("dropped GLB chunks of unknown type: {unknown_count}"));
     }
-    Ok(Container { file, json, bin })
+    Ok(GlbContainer { file, json, bin })
 }
 
-fn open_json(file: Arc<Vec<u8>>) -> Result<Container, Error> {
+fn open_json(file: Arc<Vec<u8>>) -> Result<GlbContainer, Error> {
     let start = if file.starts_with(b"\xEF\xBB\xBF") { 3 } else { 0 };
     let first = file[start..].iter().find(|b| !b.is_ascii_whitespace());
     if first != Some(&b'{') {
@@ -82,23 +81,27 @@ fn open_json(file: Arc<Vec<u8>>) -> Result<Container, Error> {
             0 => "an empty file".to_owned(),
             n => format!("\"{}\"", file[..n.min(4)].escape_ascii()),
         };
-        return Err(format_error("byte 0", found, "`glTF` of a GLB or `{` of JSON"));
+        return Err(Error::format("byte 0", found, "`glTF` of a GLB or `{` of JSON"));
     }
     let json = start..file.len();
-    Ok(Container { file, json, bin: None })
+    Ok(GlbContainer { file, json, bin: None })
 }
 
-/// Gives the type and the place of the body of the chunk at a byte.
+/// Returns the type and the byte range of the body of the chunk that starts at a byte.
 fn chunk(file: &[u8], at: usize, end: usize) -> Result<(u32, Range<usize>), Error> {
     let left = end - at;
     let (Some(length), Some(kind), true) = (word(file, at), word(file, at + 4), left >= CHUNK_HEADER_BYTES)
     else {
-        return Err(format_error(format!("byte {at}"), format!("{left} bytes"), "8 bytes of a chunk header"));
+        return Err(Error::format(
+            format!("byte {at}"),
+            format!("{left} bytes"),
+            "8 bytes of a chunk header",
+        ));
     };
     let body = at + CHUNK_HEADER_BYTES;
     if length as usize > end - body {
-        let expected = format!("at most {}, what is left of the file", end - body);
-        return Err(format_error(format!("byte {at}"), format!("chunk length {length}"), expected));
+        let expected = format!("at most {}, the remaining size of the file", end - body);
+        return Err(Error::format(format!("byte {at}"), format!("chunk length {length}"), expected));
     }
     Ok((kind, body..body + length as usize))
 }
@@ -108,10 +111,10 @@ fn word(file: &[u8], at: usize) -> Option<u32> {
     Some(u32::from_le_bytes(bytes.try_into().ok()?))
 }
 
-/// Writes a GLB from JSON and from the pieces of its bytes, one after the other; each piece starts right after the last.
-pub(super) fn write(json: &[u8], pieces: &[&[u8]]) -> Result<Vec<u8>, Error> {
+/// Writes a GLB from JSON and from its bytes in several slices, one directly after the other.
+pub(super) fn write(json: &[u8], slices: &[&[u8]]) -> Result<Vec<u8>, Error> {
     let json_bytes = json.len().next_multiple_of(4);
-    let bin: usize = pieces.iter().map(|p| p.len()).sum();
+    let bin: usize = slices.iter().map(|s| s.len()).sum();
     let bin_bytes = bin.next_multiple_of(4);
     let chunk_bytes = if bin == 0 { 0 } else { CHUNK_HEADER_BYTES + bin_bytes };
     let length = HEADER_BYTES + CHUNK_HEADER_BYTES + json_bytes + chunk_bytes;
@@ -130,8 +133,8 @@ pub(super) fn write(json: &[u8], pieces: &[&[u8]]) -> Result<Vec<u8>, Error> {
     if bin > 0 {
         out.extend_from_slice(&(bin_bytes as u32).to_le_bytes());
         out.extend_from_slice(&BIN_CHUNK.to_le_bytes());
-        for piece in pieces {
-            out.extend_from_slice(piece);
+        for slice in slices {
+            out.extend_from_slice(slice);
         }
         out.resize(length, 0);
     }

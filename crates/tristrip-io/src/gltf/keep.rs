@@ -1,16 +1,16 @@
-//! Writing with the scene kept: new indices and modes in the document that was read, and nothing else.
+//! Writing with the scene kept: only indices and modes of the document change.
 //!
 //! # Algorithm
-//! 1. Find the index accessors, and the buffer views under them, that only the primitives to be written refer to. Every
-//!    whole number inside of `extensions` or `extras` counts as a reference, since nobody knows what it means.
-//! 2. Put each new accessor and view into the place of a free one, or at the end; so every other index keeps its meaning.
-//! 3. Leave the bytes of free views out of the buffer, in steps of 8 bytes so that the alignment of all others stays, and
-//!    move the other views down. Where an extension seems to name bytes, nothing is left out.
-//! 4. Join all buffers, and put the new indices at the end.
+//! 1. Find the index accessors, and their buffer views, that only the primitives to be written refer to. Every whole number
+//!    inside `extensions` or `extras` counts as a reference, since its meaning is unknown.
+//! 2. Replace an unused accessor and view by each new one, or append the new one; so every other index keeps its meaning.
+//! 3. Remove the bytes of unused views from the buffer, in multiples of 8 bytes so that the alignment of all others stays,
+//!    and move the other views down. Where an extension may name bytes, nothing is removed.
+//! 4. Join all buffers, and append the new indices.
 
+mod compact;
 mod extensions;
-mod free;
-mod moves;
+mod unused;
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::ops::Range;
@@ -18,23 +18,18 @@ use std::ops::Range;
 use serde_json::{Map, Value, json};
 use tristrip::Layout;
 
-use self::extensions::{declare, drop_order_extensions, other_strips, undeclare};
-use self::free::{Free, Loose};
-use self::moves::{ALIGNMENT, Moves, set_buffer};
+use self::compact::{ALIGNMENT, BufferCompaction, set_buffer};
+use self::extensions::{declare, drop_order_extensions, has_line_strips, undeclare};
+use self::unused::UnusedEntries;
+use super::container;
 use super::document::{array, index, items, list_mut, whole};
-use super::index::{Run, runs};
-use super::{PrimitiveAt, RESTART_EXTENSION, Scene, TRIANGLES, container};
+use super::index::{IndexRun, pack_runs, runs};
+use super::scene::{PrimitiveRef, Scene};
+use super::spec::{ELEMENT_ARRAY_BUFFER, RESTART_EXTENSION, TRIANGLES};
 use crate::error::Error;
 use crate::model::{Drawing, Model};
 
-const ELEMENT_ARRAY_BUFFER: u32 = 34963;
-
-/// Tells whether an extension may name bytes of a buffer.
-pub(super) fn names_bytes(root: &Map<String, Value>) -> bool {
-    Loose::of(root).bytes_named
-}
-
-/// Writes the scene with new drawings.
+/// Writes the scene with new drawings; the caller has checked the drawings.
 pub(super) fn write(
     scene: &Scene,
     model: &Model,
@@ -44,108 +39,104 @@ pub(super) fn write(
     scene.check_part_count(model.parts.len())?;
     let mut root = scene.root.clone();
     let rewritten: HashSet<(usize, usize)> = (scene.primitives.iter().zip(drawings))
-        .filter(|(at, drawing)| !(at.mode == TRIANGLES && matches!(drawing, Drawing::Faces)))
-        .map(|(at, _)| (at.mesh, at.primitive))
+        .filter(|(source, drawing)| !(source.mode == TRIANGLES && matches!(drawing, Drawing::Faces)))
+        .map(|(source, _)| (source.mesh, source.primitive))
         .collect();
 
-    // 1. What is free, by the document as it was read.
-    let free = Free::find(&root, &rewritten)?;
-    let moves = Moves::plan(&root, &scene.buffers, &free)?;
+    // 1. The entries and bytes that become unused.
+    let unused = UnusedEntries::find(&root, &rewritten)?;
+    let compaction = BufferCompaction::plan(&root, &scene.buffers, &unused)?;
 
-    // 2. New indices, part after part.
-    let mut writer = IndexWriter { free, bytes: Vec::new(), views: BTreeMap::new(), by_old: HashMap::new() };
-    let mut drawn: HashMap<(usize, usize), Vec<Drawn>> = HashMap::new();
+    // 2. New indices, part by part.
+    let mut writer =
+        IndexWriter { unused, bytes: Vec::new(), views: BTreeMap::new(), by_old: HashMap::new() };
+    let mut drawn: HashMap<(usize, usize), Vec<DrawnPrimitive>> = HashMap::new();
     let mut restarts = false;
-    for (part, (at, drawing)) in scene.primitives.iter().zip(drawings).enumerate() {
-        if rewritten.contains(&(at.mesh, at.primitive)) {
-            let runs = runs(part, &model.parts[part].mesh, *drawing, layout)?;
-            restarts |= runs.iter().any(Run::restarts);
-            drawn.insert((at.mesh, at.primitive), writer.place(&mut root, *at, &runs)?);
+    for ((source, part), drawing) in scene.primitives.iter().zip(&model.parts).zip(drawings) {
+        if rewritten.contains(&(source.mesh, source.primitive)) {
+            let runs = runs(&part.mesh, *drawing, layout);
+            restarts |= runs.iter().any(IndexRun::has_restarts);
+            drawn.insert((source.mesh, source.primitive), writer.add(&mut root, *source, &runs)?);
         }
     }
-    draw(&mut root, &drawn)?;
+    set_primitives(&mut root, &drawn)?;
 
     // 3. Extensions.
     drop_order_extensions(&mut root, &rewritten)?;
     if restarts {
         declare(&mut root, RESTART_EXTENSION)?;
-    } else if !other_strips(&root)? {
+    } else if !has_line_strips(&root)? {
         undeclare(&mut root, RESTART_EXTENSION);
     }
 
     // 4. Buffers.
-    moves.apply(&mut root, &writer.views)?;
+    compaction.apply(&mut root, &writer.views)?;
     let new = &writer.bytes;
-    set_buffer(&mut root, if new.is_empty() { moves.end } else { moves.new_start() + new.len() })?;
+    set_buffer(&mut root, if new.is_empty() { compaction.end } else { compaction.new_start() + new.len() })?;
     let json = serde_json::to_vec(&root).map_err(|e| Error::Unsupported(e.to_string()))?;
-    container::write(&json, &moves.pieces(&scene.buffers, new))
+    container::write(&json, &compaction.slices(&scene.buffers, new))
 }
 
-/// What a primitive draws now.
+/// The new mode and indices of a primitive.
 #[derive(Clone)]
-struct Drawn {
+struct DrawnPrimitive {
     mode: u64,
     accessor: usize,
     component: u32,
     count: usize,
 }
 
-impl Drawn {
-    fn is_like(&self, run: &Run) -> bool {
+impl DrawnPrimitive {
+    fn has_shape_of(&self, run: &IndexRun) -> bool {
         (self.mode, self.component, self.count) == (run.mode, run.component().code(), run.count())
     }
 }
 
-/// What became of an old index accessor.
-struct Renewed {
+/// The replacement of an old index accessor.
+struct ReplacedIndices {
     /// The new bytes.
     bytes: Range<usize>,
-    drawn: Vec<Drawn>,
+    drawn: Vec<DrawnPrimitive>,
 }
 
-/// Packs new indices and gives them accessors and views.
+/// Packs new indices and adds their accessors and buffer views.
 struct IndexWriter {
-    free: Free,
+    unused: UnusedEntries,
     bytes: Vec<u8>,
-    /// New views, and where each starts within the new bytes.
+    /// The new views, each with its offset within the new bytes.
     views: BTreeMap<usize, usize>,
-    /// By old accessor: primitives that shared one share the new one if they are drawn alike.
-    by_old: HashMap<usize, Renewed>,
+    /// By old accessor: primitives that shared one share the new one if they draw the same indices.
+    by_old: HashMap<usize, ReplacedIndices>,
 }
 
 impl IndexWriter {
-    fn place(
+    fn add(
         &mut self,
         root: &mut Map<String, Value>,
-        at: PrimitiveAt,
-        runs: &[Run],
-    ) -> Result<Vec<Drawn>, Error> {
+        source: PrimitiveRef,
+        runs: &[IndexRun],
+    ) -> Result<Vec<DrawnPrimitive>, Error> {
         // 1. The bytes: one view for all runs of the primitive.
         let start = self.bytes.len().next_multiple_of(ALIGNMENT);
         self.bytes.resize(start, 0);
-        let mut offsets = Vec::with_capacity(runs.len());
-        for run in runs {
-            self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
-            offsets.push(self.bytes.len() - start);
-            run.pack(&mut self.bytes);
-        }
-        let primitive = array(root, "meshes")?.get(at.mesh).map(|m| items(m, "primitives"));
-        let old = primitive.and_then(|p| p.get(at.primitive)?.get("indices")).and_then(index);
+        let offsets = pack_runs(runs, &mut self.bytes);
+        let primitive = array(root, "meshes")?.get(source.mesh).map(|m| items(m, "primitives"));
+        let old = primitive.and_then(|p| p.get(source.primitive)?.get("indices")).and_then(index);
         if let Some(known) = old.and_then(|old| self.by_old.get(&old)) {
-            let alike = runs.len() == known.drawn.len()
-                && runs.iter().zip(&known.drawn).all(|(run, drawn)| drawn.is_like(run));
-            if alike && self.bytes[known.bytes.clone()] == self.bytes[start..] {
+            let same_shape = runs.len() == known.drawn.len()
+                && runs.iter().zip(&known.drawn).all(|(run, drawn)| drawn.has_shape_of(run));
+            if same_shape && self.bytes[known.bytes.clone()] == self.bytes[start..] {
                 let drawn = known.drawn.clone();
                 self.bytes.truncate(start);
                 return Ok(drawn);
             }
         }
-        // 2. The view, in the place of the old one if that is free.
-        let old_free = old.filter(|old| self.free.accessors.remove(old));
-        let old_view = old_free
+        // 2. The view, instead of the old one if that is unused.
+        let old_unused = old.filter(|old| self.unused.accessors.remove(old));
+        let old_view = old_unused
             .and_then(|old| array(root, "accessors").ok()?.get(old)?.get("bufferView"))
             .and_then(index)
-            .filter(|view| self.free.views.remove(view));
+            .filter(|view| self.unused.views.remove(view));
         let view = json!({
             "buffer": 0,
             "byteOffset": 0,
@@ -154,20 +145,12 @@ impl IndexWriter {
         });
         let view = put(root, "bufferViews", old_view, view)?;
         self.views.insert(view, start);
-        // 3. The accessors, the first in the place of the old one.
+        // 3. The accessors, the first instead of the old one.
         let mut drawn = Vec::with_capacity(runs.len());
         for (i, (run, offset)) in runs.iter().zip(offsets).enumerate() {
-            let mut accessor = json!({
-                "bufferView": view,
-                "componentType": run.component().code(),
-                "count": run.count(),
-                "type": "SCALAR",
-            });
-            if offset > 0 {
-                accessor["byteOffset"] = offset.into();
-            }
-            let accessor = put(root, "accessors", old_free.filter(|_| i == 0), accessor)?;
-            drawn.push(Drawn {
+            let accessor = run.accessor(view, offset);
+            let accessor = put(root, "accessors", old_unused.filter(|_| i == 0), accessor)?;
+            drawn.push(DrawnPrimitive {
                 mode: run.mode,
                 accessor,
                 component: run.component().code(),
@@ -176,25 +159,25 @@ impl IndexWriter {
         }
         if let Some(old) = old {
             let bytes = start..self.bytes.len();
-            self.by_old.entry(old).or_insert_with(|| Renewed { bytes, drawn: drawn.clone() });
+            self.by_old.entry(old).or_insert_with(|| ReplacedIndices { bytes, drawn: drawn.clone() });
         }
         Ok(drawn)
     }
 }
 
-/// Puts an object into a place of a list, where name, extras and extensions stay, or at the end; gives the place.
+/// Replaces an entry of a list, of which name, extras and extensions stay, or appends one; returns the index of the entry.
 fn put(
     root: &mut Map<String, Value>,
     list: &str,
-    place: Option<usize>,
+    replaced: Option<usize>,
     value: Value,
 ) -> Result<usize, Error> {
     let entries = list_mut(root, list)?;
-    let Some(place) = place else {
+    let Some(replaced) = replaced else {
         entries.push(value);
         return Ok(entries.len() - 1);
     };
-    if let (Some(Value::Object(old)), Value::Object(mut new)) = (entries.get_mut(place), value) {
+    if let (Some(Value::Object(old)), Value::Object(mut new)) = (entries.get_mut(replaced), value) {
         for key in ["name", "extras", "extensions"] {
             if let Some(kept) = old.shift_remove(key) {
                 new.insert(key.to_owned(), kept);
@@ -202,11 +185,14 @@ fn put(
         }
         *old = new;
     }
-    Ok(place)
+    Ok(replaced)
 }
 
-/// Gives primitives their new modes and indices; one that is drawn as several becomes as many.
-fn draw(root: &mut Map<String, Value>, drawn: &HashMap<(usize, usize), Vec<Drawn>>) -> Result<(), Error> {
+/// Sets the modes and indices of primitives; a primitive that is drawn as several is split into as many.
+fn set_primitives(
+    root: &mut Map<String, Value>,
+    drawn: &HashMap<(usize, usize), Vec<DrawnPrimitive>>,
+) -> Result<(), Error> {
     for (m, mesh) in list_mut(root, "meshes")?.iter_mut().enumerate() {
         let Some(Value::Array(primitives)) = mesh.get_mut("primitives") else { continue };
         let old = std::mem::take(primitives);

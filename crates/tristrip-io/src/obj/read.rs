@@ -1,4 +1,4 @@
-//! From lines to tables: positions, texture coordinates, normals, and faces that name them.
+//! Parses the lines of a file into tables.
 
 use std::collections::BTreeMap;
 
@@ -6,67 +6,40 @@ use rustc_hash::FxHashMap;
 use tristrip::mesh::MAX_COUNT;
 
 use super::split::split;
-use crate::polygons::Polygons;
+use super::tables::{MaterialGroup, ObjTables, OptionalIndex};
+use crate::error::Error;
+use crate::model::Model;
 use crate::text::{Text, integer, quote};
-use crate::{Error, Model};
-
-/// Stands for "no texture coordinate" and "no normal" in the tables of corners.
-pub(super) const NONE: u32 = u32::MAX;
-
-/// The tables of a file.
-#[derive(Debug, Default)]
-pub(super) struct Tables {
-    pub(super) positions: Vec<[f32; 3]>,
-    /// Empty, or one for each position.
-    pub(super) colours: Vec<[f32; 3]>,
-    pub(super) texcoords: Vec<[f32; 2]>,
-    pub(super) normals: Vec<[f32; 3]>,
-    /// Corners name positions.
-    pub(super) polygons: Polygons,
-    /// Empty, or for each corner its texture coordinate.
-    pub(super) texcoord_of: Vec<u32>,
-    /// Empty, or for each corner its normal.
-    pub(super) normal_of: Vec<u32>,
-    /// In order of first use.
-    pub(super) groups: Vec<Group>,
-}
-
-/// The faces of one material.
-#[derive(Debug, Default)]
-pub(super) struct Group {
-    pub(super) name: Option<String>,
-    pub(super) material: Option<String>,
-    /// Ranges of faces, in order.
-    pub(super) runs: Vec<(usize, usize)>,
-}
 
 /// Reads an OBJ file.
 pub(crate) fn read(bytes: &[u8]) -> Result<Model, Error> {
-    let mut parser = Parser::new(bytes, [MAX_COUNT; 3]);
+    let mut parser = ObjParser::new(bytes, [MAX_COUNT; 3]);
     parser.run()?;
-    let highest =
-        |corners: &[u32]| corners.iter().filter(|&&i| i != NONE).max().map_or(0, |&i| i as usize + 1);
     let tables = &parser.tables;
-    let named = [tables.polygons.corners(), &tables.texcoord_of, &tables.normal_of].map(highest);
-    let present = [tables.positions.len(), tables.texcoords.len(), tables.normals.len()];
-    if named.iter().zip(&present).any(|(named, present)| named > present) {
-        // An index may name a line below its face, so only now is it known to be wrong; a second pass finds where it stands.
-        Parser::new(bytes, present).run()?;
+    let highest = [
+        tables.polygons.corners().iter().copied().max(),
+        tables.texcoord_of.highest(),
+        tables.normal_of.highest(),
+    ];
+    let counts = [tables.positions.len(), tables.texcoords.len(), tables.normals.len()];
+    if highest.iter().zip(&counts).any(|(highest, &count)| highest.is_some_and(|i| i as usize >= count)) {
+        // An index may refer to a line after its face, so it is known to be wrong only now; a second pass finds its line.
+        ObjParser::new(bytes, counts).run()?;
     }
     let mut notes = parser.notes();
     let parts = split(parser.tables, &mut notes)?;
     Ok(Model { parts, notes, scene: None })
 }
 
-struct Parser<'a> {
+struct ObjParser<'a> {
     text: Text<'a>,
-    tables: Tables,
-    /// The highest index, counted from 1, of positions, texture coordinates and normals.
+    tables: ObjTables,
+    /// The highest indices, counted from 1, of positions, texture coordinates and normals.
     limits: [usize; 3],
     groups_by_material: FxHashMap<Option<&'a [u8]>, usize>,
     material: Option<&'a [u8]>,
     object: Option<&'a [u8]>,
-    /// Group of the last face; `None` after a change of material.
+    /// The group of the last face; `None` after a change of material.
     current: Option<usize>,
     object_lines: u64,
     dropped: BTreeMap<String, u64>,
@@ -75,11 +48,11 @@ struct Parser<'a> {
     replaced: u64,
 }
 
-impl<'a> Parser<'a> {
+impl<'a> ObjParser<'a> {
     fn new(bytes: &'a [u8], limits: [usize; 3]) -> Self {
         Self {
             text: Text::new(bytes).with_comments().with_continued_lines(),
-            tables: Tables::default(),
+            tables: ObjTables::default(),
             limits,
             groups_by_material: FxHashMap::default(),
             material: None,
@@ -119,7 +92,7 @@ impl<'a> Parser<'a> {
         }
         if self.tables.positions.is_empty() {
             return Err(Error::format(
-                self.text.place(),
+                self.text.position(),
                 "no line `v`",
                 "vertices before the end of the file",
             ));
@@ -133,8 +106,8 @@ impl<'a> Parser<'a> {
         let mut count = 0;
         while let Some(word) = self.text.word() {
             let value = self.text.parse_number(word, "a colour or weight")?;
-            if let Some(place) = extra.get_mut(count) {
-                *place = value;
+            if let Some(slot) = extra.get_mut(count) {
+                *slot = value;
             }
             count += 1;
         }
@@ -171,7 +144,7 @@ impl<'a> Parser<'a> {
         Ok(())
     }
 
-    /// Reads a value of a texture coordinate or normal; one that is not finite has no meaning, and becomes 0.
+    /// Reads a value of a texture coordinate or normal; a value that is not finite is replaced by 0.
     fn value(&mut self, what: &str) -> Result<f32, Error> {
         match self.text.word() {
             Some(word) => self.parse_value(word, what),
@@ -194,25 +167,21 @@ impl<'a> Parser<'a> {
         while let Some(word) = self.text.word() {
             let mut indices = word.split(|&byte| byte == b'/');
             let v = self.index(indices.next().unwrap_or_default(), word, 0)?;
-            let mut named = [NONE; 2];
-            for (kind, index) in named.iter_mut().enumerate() {
+            let mut optional = [OptionalIndex::NONE; 2];
+            for (kind, index) in optional.iter_mut().enumerate() {
                 match indices.next() {
                     None | Some([]) => {}
-                    Some(text) => *index = self.index(text, word, kind + 1)?,
+                    Some(text) => *index = self.index(text, word, kind + 1)?.into(),
                 }
             }
             if indices.next().is_some() {
                 let expected = "at most three indices in a corner";
-                return Err(Error::format(self.text.place(), quote(word), expected));
+                return Err(Error::format(self.text.position(), quote(word), expected));
             }
             let tables = &mut self.tables;
-            let before = tables.polygons.corners().len();
-            for (column, index) in [(&mut tables.texcoord_of, named[0]), (&mut tables.normal_of, named[1])] {
-                if index != NONE || !column.is_empty() {
-                    column.resize(before, NONE);
-                    column.push(index);
-                }
-            }
+            let corner = tables.polygons.corners().len();
+            tables.texcoord_of.push(corner, optional[0]);
+            tables.normal_of.push(corner, optional[1]);
             tables.polygons.push(v);
         }
         let face = self.tables.polygons.face_count();
@@ -238,7 +207,7 @@ impl<'a> Parser<'a> {
         resolved.map(|i| i as u32).ok_or_else(|| self.wrong_index(parsed, word, kind))
     }
 
-    /// Counts the positions, texture coordinates or normals so far.
+    /// Returns the number of positions, texture coordinates or normals so far.
     fn count(&self, kind: usize) -> usize {
         match kind {
             0 => self.tables.positions.len(),
@@ -254,31 +223,31 @@ impl<'a> Parser<'a> {
             (None, _) => format!("an integer as {name} index"),
             (Some(0), _) => format!("a {name} index from 1, or from -1 backwards"),
             (Some(1..), _) => format!("a {name} index from 1 to {}", self.limits[kind]),
-            (Some(i), 0) => format!("a {name} index from 1: none came before {i}"),
-            (Some(_), count) => format!("a {name} index of -{count} or more, for those so far"),
+            (Some(i), 0) => format!("a {name} index from 1: there is none before {i}"),
+            (Some(_), count) => format!("a {name} index of -{count} or more, the number so far"),
         };
-        Error::format(self.text.place(), quote(word), expected)
+        Error::format(self.text.position(), quote(word), expected)
     }
 
-    fn group(&mut self) -> &mut Group {
+    fn group(&mut self) -> &mut MaterialGroup {
         let groups = &mut self.tables.groups;
         let lossy = |name: &[u8]| String::from_utf8_lossy(name).into_owned();
         let index = *self.current.get_or_insert_with(|| {
             *self.groups_by_material.entry(self.material).or_insert_with(|| {
                 let (name, material) = (self.object.map(lossy), self.material.map(lossy));
-                groups.push(Group { name, material, runs: Vec::new() });
+                groups.push(MaterialGroup { name, material, runs: Vec::new() });
                 groups.len() - 1
             })
         });
         &mut groups[index]
     }
 
-    /// Counts a line whose keyword a mesh has no place for.
+    /// Counts a line whose content a mesh cannot hold.
     fn drop_line(&mut self, word: &[u8]) -> Result<(), Error> {
         const MOST_KEYWORDS: usize = 32;
         const LONGEST_KEYWORD: usize = 32;
         if word.len() > LONGEST_KEYWORD || !word.iter().all(u8::is_ascii_graphic) {
-            return Err(Error::format(self.text.place(), quote(word), "a keyword"));
+            return Err(Error::format(self.text.position(), quote(word), "a keyword"));
         }
         let word = String::from_utf8_lossy(word);
         if let Some(count) = self.dropped.get_mut(word.as_ref()) {
@@ -299,7 +268,7 @@ impl<'a> Parser<'a> {
                 "l" => format!("line elements dropped: {count}"),
                 "p" => format!("point elements dropped: {count}"),
                 "s" => format!("smoothing groups dropped: {count}"),
-                "mtllib" => format!("material libraries not read, materials keep their names: {count}"),
+                "mtllib" => format!("material libraries not read, material names kept: {count}"),
                 _ => format!("lines `{word}` ignored: {count}"),
             })
             .collect();
@@ -309,13 +278,11 @@ impl<'a> Parser<'a> {
             }
         };
         add(self.other_dropped, "lines of other keywords ignored");
-        add(self.extra_values, "weights and further values of vertices dropped");
-        add(self.replaced, "values of texture coordinates and normals not finite, 0 in their place");
+        add(self.extra_values, "weights and additional values of vertices dropped");
+        add(self.replaced, "values of texture coordinates and normals not finite, replaced by 0");
         if self.object_lines > 1 {
-            notes.push(format!(
-                "objects and groups joined, faces are kept by material: {}",
-                self.object_lines
-            ));
+            notes
+                .push(format!("objects and groups joined, faces grouped by material: {}", self.object_lines));
         }
         notes
     }

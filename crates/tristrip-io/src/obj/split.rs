@@ -1,22 +1,23 @@
-//! From tables to parts: one for each material, with vertices that are distinct triples of indices.
+//! Builds parts from tables: one part per material, with distinct triples of indices as vertices.
 
 use rustc_hash::FxHashMap;
 use tristrip::{Attribute, AttributeData, Mesh};
 
-use super::read::{Group, NONE, Tables};
+use super::tables::{MaterialGroup, ObjTables, OptionalIndex};
+use crate::error::Error;
+use crate::model::Part;
 use crate::polygons::Polygons;
-use crate::{Error, Part};
 
-/// Makes the parts.
-pub(super) fn split(mut tables: Tables, notes: &mut Vec<String>) -> Result<Vec<Part>, Error> {
-    // Colours and corner tables stop where the last value stood.
-    let corner_count = tables.polygons.corners().len();
-    if !tables.texcoord_of.is_empty() {
-        tables.texcoord_of.resize(corner_count, NONE);
-    }
-    if !tables.normal_of.is_empty() {
-        tables.normal_of.resize(corner_count, NONE);
-    }
+/// The indices of a vertex into the tables.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+struct IndexTriple {
+    position: u32,
+    texcoord: OptionalIndex,
+    normal: OptionalIndex,
+}
+
+/// Builds the parts.
+pub(super) fn split(mut tables: ObjTables, notes: &mut Vec<String>) -> Result<Vec<Part>, Error> {
     let mut groups = std::mem::take(&mut tables.groups);
     let has_seams = !tables.texcoord_of.is_empty() || !tables.normal_of.is_empty();
     note_unused(&tables, notes);
@@ -27,40 +28,34 @@ pub(super) fn split(mut tables: Tables, notes: &mut Vec<String>) -> Result<Vec<P
             let colours = AttributeData::F32(tables.colours.into_flattened());
             mesh = mesh.with_attribute(floats("COLOR_0", 3, colours))?;
         }
-        return Ok(vec![Part {
-            name: group.name,
-            material: group.material,
-            mesh,
-            stripped: false,
-            stored: None,
-        }]);
+        return Ok(vec![Part { name: group.name, material: group.material, mesh, ..Part::default() }]);
     }
-    let missing = |column: &[u32]| column.iter().filter(|&&i| i == NONE).count();
+    let corner_count = tables.polygons.corners().len();
     for (column, what) in [(&tables.texcoord_of, "texture coordinate"), (&tables.normal_of, "normal")] {
-        if missing(column) > 0 {
-            notes.push(format!("corners without a {what}, 0 in its place: {}", missing(column)));
+        let missing = column.missing(corner_count);
+        if missing > 0 {
+            notes.push(format!("corners without a {what}, set to 0: {missing}"));
         }
     }
     let used = used_positions(&tables).iter().filter(|&&used| used).count();
     if used < tables.positions.len() {
-        notes.push(format!("vertices that no face uses dropped: {}", tables.positions.len() - used));
+        notes.push(format!("unused vertices dropped: {}", tables.positions.len() - used));
     }
     groups.into_iter().map(|group| part(&tables, group)).collect()
 }
 
-/// Makes a part of the faces of one material, over the vertices that they use, in order of first use.
-fn part(tables: &Tables, group: Group) -> Result<Part, Error> {
-    let column = |column: &[u32], corner: usize| column.get(corner).copied().unwrap_or(NONE);
-    let mut ids: FxHashMap<[u32; 3], u32> = FxHashMap::default();
-    let mut vertices: Vec<[u32; 3]> = Vec::new();
+/// Builds a part from the faces of one material, over the vertices that they use, in order of first use.
+fn part(tables: &ObjTables, group: MaterialGroup) -> Result<Part, Error> {
+    let mut ids: FxHashMap<IndexTriple, u32> = FxHashMap::default();
+    let mut vertices: Vec<IndexTriple> = Vec::new();
     let mut polygons = Polygons::default();
     for face in group.runs.iter().flat_map(|&(start, end)| start..end) {
         for corner in tables.polygons.range(face) {
-            let vertex = [
-                tables.polygons.corners()[corner],
-                column(&tables.texcoord_of, corner),
-                column(&tables.normal_of, corner),
-            ];
+            let vertex = IndexTriple {
+                position: tables.polygons.corners()[corner],
+                texcoord: tables.texcoord_of.get(corner),
+                normal: tables.normal_of.get(corner),
+            };
             let id = *ids.entry(vertex).or_insert_with(|| {
                 vertices.push(vertex);
                 vertices.len() as u32 - 1
@@ -70,32 +65,33 @@ fn part(tables: &Tables, group: Group) -> Result<Part, Error> {
         polygons.end_face();
     }
     drop(ids);
-    let positions: Vec<[f32; 3]> = vertices.iter().map(|v| tables.positions[v[0] as usize]).collect();
+    let positions: Vec<[f32; 3]> = vertices.iter().map(|v| tables.positions[v.position as usize]).collect();
     let mut mesh = Mesh::new(positions, polygons.finish()?)?;
-    if vertices.iter().any(|v| v[2] != NONE) {
-        let normals = vertices.iter().flat_map(|v| row(&tables.normals, v[2])).collect();
+    if vertices.iter().any(|v| v.normal.get().is_some()) {
+        let normals = vertices.iter().flat_map(|v| row(&tables.normals, v.normal)).collect();
         mesh = mesh.with_attribute(floats("NORMAL", 3, AttributeData::F32(normals)))?;
     }
-    if vertices.iter().any(|v| v[1] != NONE) {
-        let texcoords = vertices.iter().flat_map(|v| row(&tables.texcoords, v[1])).collect();
+    if vertices.iter().any(|v| v.texcoord.get().is_some()) {
+        let texcoords = vertices.iter().flat_map(|v| row(&tables.texcoords, v.texcoord)).collect();
         mesh = mesh.with_attribute(floats("TEXCOORD_0", 2, AttributeData::F32(texcoords)))?;
     }
     if !tables.colours.is_empty() {
-        let colours = vertices.iter().flat_map(|v| tables.colours[v[0] as usize]).collect();
+        let colours = vertices.iter().flat_map(|v| tables.colours[v.position as usize]).collect();
         mesh = mesh.with_attribute(floats("COLOR_0", 3, AttributeData::F32(colours)))?;
     }
-    Ok(Part { name: group.name, material: group.material, mesh, stripped: false, stored: None })
+    Ok(Part { name: group.name, material: group.material, mesh, ..Part::default() })
 }
 
-fn row<const N: usize>(rows: &[[f32; N]], index: u32) -> [f32; N] {
-    rows.get(index as usize).copied().unwrap_or([0.0; N])
+/// Returns a row of a table; zeros without an index.
+fn row<const N: usize>(rows: &[[f32; N]], index: OptionalIndex) -> [f32; N] {
+    index.get().and_then(|index| rows.get(index as usize).copied()).unwrap_or([0.0; N])
 }
 
 fn floats(name: &str, components: u8, data: AttributeData) -> Attribute {
     Attribute { name: name.to_owned(), components, normalized: false, data }
 }
 
-fn used_positions(tables: &Tables) -> Vec<bool> {
+fn used_positions(tables: &ObjTables) -> Vec<bool> {
     let mut used = vec![false; tables.positions.len()];
     for &v in tables.polygons.corners() {
         used[v as usize] = true;
@@ -103,12 +99,12 @@ fn used_positions(tables: &Tables) -> Vec<bool> {
     used
 }
 
-/// Says which tables no face names, and so are not kept.
-fn note_unused(tables: &Tables, notes: &mut Vec<String>) {
+/// Notes the tables that are dropped because no face refers to them.
+fn note_unused(tables: &ObjTables, notes: &mut Vec<String>) {
     if tables.texcoord_of.is_empty() && !tables.texcoords.is_empty() {
-        notes.push(format!("texture coordinates that no face uses dropped: {}", tables.texcoords.len()));
+        notes.push(format!("unused texture coordinates dropped: {}", tables.texcoords.len()));
     }
     if tables.normal_of.is_empty() && !tables.normals.is_empty() {
-        notes.push(format!("normals that no face uses dropped: {}", tables.normals.len()));
+        notes.push(format!("unused normals dropped: {}", tables.normals.len()));
     }
 }

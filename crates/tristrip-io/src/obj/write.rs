@@ -4,11 +4,13 @@ use std::fmt::Write;
 
 use tristrip::{Attribute, Mesh};
 
+use crate::error::Error;
 use crate::join::{self, attribute, clean, float};
-use crate::{Drawing, Error, Model, Part};
+use crate::model::{Drawing, Model, Part};
 
-/// Writes an OBJ file; the caller has checked the drawings.
+/// Writes an OBJ file.
 pub(crate) fn write(model: &Model, drawings: &[Drawing]) -> Result<Vec<u8>, Error> {
+    model.check_drawings(drawings)?;
     let blocks = join::blocks(model)?;
     let mut out = String::new();
     for loss in losses(model) {
@@ -16,7 +18,7 @@ pub(crate) fn write(model: &Model, drawings: &[Drawing]) -> Result<Vec<u8>, Erro
         out.push_str(&loss);
         out.push('\n');
     }
-    // Texture coordinates and normals are counted by themselves: a block may lack them.
+    // Texture coordinates and normals are counted separately: a block may lack them.
     let mut bases = vec![[0u64; 2]; model.parts.len()];
     let mut next = [0u64; 2];
     for &part in &blocks.parts {
@@ -30,7 +32,7 @@ pub(crate) fn write(model: &Model, drawings: &[Drawing]) -> Result<Vec<u8>, Erro
     for (i, (part, drawing)) in model.parts.iter().zip(drawings).enumerate() {
         write_names(part, i, model.parts.len(), &mut out);
         let [vt, vn] = bases[blocks.owners[i]];
-        let corners = Corners {
+        let indices = IndexBases {
             base: u64::from(blocks.bases[i]) + 1,
             texcoord: texcoord(&part.mesh).map(|_| vt + 1),
             normal: normal(&part.mesh).map(|_| vn + 1),
@@ -41,14 +43,14 @@ pub(crate) fn write(model: &Model, drawings: &[Drawing]) -> Result<Vec<u8>, Erro
                 .faces()
                 .iter()
                 .filter(|face| face.len() >= 3)
-                .for_each(|face| corners.write_face(face, &mut out)),
-            Drawing::Strips(strips) => strips.triangles().for_each(|t| corners.write_face(&t, &mut out)),
+                .for_each(|face| indices.write_face(face, &mut out)),
+            Drawing::Strips(strips) => strips.triangles().for_each(|t| indices.write_face(&t, &mut out)),
         }
     }
     Ok(out.into_bytes())
 }
 
-/// Names what OBJ cannot hold of a model.
+/// Lists what OBJ cannot hold of a model.
 pub(crate) fn losses(model: &Model) -> Vec<String> {
     let mut out: Vec<String> = Vec::new();
     for attribute in model.parts.iter().flat_map(|part| part.mesh.attributes()) {
@@ -124,7 +126,7 @@ fn write_number(value: f32, out: &mut String) {
     };
 }
 
-/// Names a part; where there are several, each gets a material of its own, so that they stay apart.
+/// Writes the names of a part; if there are several parts, each has a material, so that they stay separate.
 fn write_names(part: &Part, index: usize, part_count: usize, out: &mut String) {
     let name = part.name.as_deref().map(clean).filter(|name| !name.is_empty());
     let material = part.material.as_deref().map(clean).filter(|name| !name.is_empty());
@@ -136,14 +138,14 @@ fn write_names(part: &Part, index: usize, part_count: usize, out: &mut String) {
     }
 }
 
-/// What is added to a part's indices, one by one.
-struct Corners {
+/// The numbers that are added to the indices of a part.
+struct IndexBases {
     base: u64,
     texcoord: Option<u64>,
     normal: Option<u64>,
 }
 
-impl Corners {
+impl IndexBases {
     fn write_face(&self, face: &[u32], out: &mut String) {
         out.push('f');
         for &v in face {

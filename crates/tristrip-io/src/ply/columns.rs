@@ -1,22 +1,22 @@
-//! The properties of a vertex other than its position, gathered into attributes.
+//! The properties of a vertex other than its position, grouped into attributes.
 
 use tristrip::{Attribute, AttributeData};
 
 use super::header::{Element, Scalar};
 
 /// One vertex attribute while it is read.
-pub(super) struct Column {
+pub(super) struct VertexColumn {
     pub(super) attribute: Attribute,
-    /// The properties that make it, one for each component.
+    /// The properties of its components.
     from: Vec<usize>,
-    /// Whether a value that is not finite becomes 0: in normals, texture coordinates and colours it has no meaning.
+    /// Whether values that are not finite are replaced by 0, as in normals, texture coordinates and colours.
     finite: bool,
-    /// How many values were not.
+    /// The number of replaced values.
     pub(super) replaced: u64,
 }
 
-impl Column {
-    /// Makes room; the caller has checked that the file can hold so many rows.
+impl VertexColumn {
+    /// Reserves capacity; the caller has checked that the file can hold `row_count` rows.
     pub(super) fn reserve(&mut self, row_count: usize) {
         let n = row_count * self.from.len();
         match &mut self.attribute.data {
@@ -31,7 +31,7 @@ impl Column {
         }
     }
 
-    /// Takes the values of a row.
+    /// Appends the values of a row.
     #[allow(clippy::cast_sign_loss, reason = "a property's values are in the range of its type")]
     pub(super) fn push(&mut self, row: &[f64]) {
         for &i in &self.from {
@@ -53,10 +53,10 @@ impl Column {
     }
 }
 
-/// Sorts the properties of a vertex into attributes: those that glTF knows under its names, all others under their own.
-pub(super) fn columns(element: &Element, position: [usize; 3]) -> Vec<Column> {
+/// Groups the properties of a vertex into attributes: under glTF's names where glTF has them, all others under their own.
+pub(super) fn columns(element: &Element, position: [usize; 3]) -> Vec<VertexColumn> {
     let mut taken = position.to_vec();
-    let mut columns: Vec<Column> = Vec::new();
+    let mut columns: Vec<VertexColumn> = Vec::new();
     let mut group = |name: &str, properties: &[&str], allowed: &[Scalar]| -> bool {
         let found: Vec<usize> = properties.iter().filter_map(|name| element.find(name)).collect();
         let kinds = || found.iter().map(|&i| &element.properties[i]);
@@ -66,10 +66,10 @@ pub(super) fn columns(element: &Element, position: [usize; 3]) -> Vec<Column> {
             && !columns.iter().any(|column| column.attribute.name == name);
         if fits {
             let kind = element.properties[found[0]].value;
-            // Floats are 32 bits wide here, as positions are.
+            // These attributes are stored as 32-bit floats, like positions.
             let kind = if kind == Scalar::F64 { Scalar::F32 } else { kind };
             taken.extend(&found);
-            columns.push(Column { finite: true, ..column(name, found, kind) });
+            columns.push(VertexColumn { finite: true, ..column(name, found, kind) });
         }
         fits
     };
@@ -94,7 +94,7 @@ pub(super) fn columns(element: &Element, position: [usize; 3]) -> Vec<Column> {
     columns
 }
 
-fn column(name: &str, from: Vec<usize>, kind: Scalar) -> Column {
+fn column(name: &str, from: Vec<usize>, kind: Scalar) -> VertexColumn {
     let data = match kind {
         Scalar::I8 => AttributeData::I8(Vec::new()),
         Scalar::U8 => AttributeData::U8(Vec::new()),
@@ -108,5 +108,5 @@ fn column(name: &str, from: Vec<usize>, kind: Scalar) -> Column {
     let normalized = name == "COLOR_0" && from.len() > 1 && !kind.is_float();
     let components = from.len() as u8;
     let attribute = Attribute { name: name.to_owned(), components, normalized, data };
-    Column { attribute, from, finite: false, replaced: 0 }
+    VertexColumn { attribute, from, finite: false, replaced: 0 }
 }

@@ -1,9 +1,9 @@
-//! The header: which elements follow, how many rows each has, and what stands in a row.
+//! The header: the elements of the file, the number of their rows, and the properties of each row.
 
-use crate::Error;
+use crate::error::Error;
 use crate::text::{Text, integer, quote};
 
-/// How the rows are written.
+/// The encoding of the rows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Encoding {
     Ascii,
@@ -25,7 +25,7 @@ pub(super) enum Scalar {
 }
 
 impl Scalar {
-    /// Gives the size of a binary number in bytes.
+    /// Returns the size of a binary number in bytes.
     pub(super) fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
@@ -35,7 +35,7 @@ impl Scalar {
         }
     }
 
-    /// Tells whether numbers of this type have fractions.
+    /// Checks whether this is a floating-point type.
     pub(super) fn is_float(self) -> bool {
         matches!(self, Self::F32 | Self::F64)
     }
@@ -70,23 +70,23 @@ pub(super) struct Element {
     pub(super) name: String,
     pub(super) row_count: u64,
     pub(super) properties: Vec<Property>,
-    /// Line of the header that names it.
+    /// The line of the header that declares it.
     pub(super) line: u64,
 }
 
 impl Element {
-    /// Finds a property by its name.
+    /// Returns the index of the property with a name.
     pub(super) fn find(&self, name: &str) -> Option<usize> {
         self.properties.iter().position(|property| property.name == name)
     }
 
-    /// Says where the header names the element.
-    pub(super) fn place(&self) -> String {
+    /// Describes where the header declares the element.
+    pub(super) fn position(&self) -> String {
         format!("line {}", self.line)
     }
 }
 
-/// What stands before the rows.
+/// The content of the header.
 #[derive(Debug)]
 pub(super) struct Header {
     pub(super) encoding: Encoding,
@@ -121,7 +121,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Header, Error> {
                 let element = read_element(&mut text)?;
                 if elements.iter().any(|other| other.name == element.name) {
                     let found = format!("a second element `{}`", element.name);
-                    return Err(Error::format(text.place(), found, "elements with different names"));
+                    return Err(Error::format(text.position(), found, "elements with different names"));
                 }
                 elements.push(element);
             }
@@ -129,28 +129,28 @@ pub(super) fn read(bytes: &[u8]) -> Result<Header, Error> {
                 let property = read_property(&mut text)?;
                 let Some(element) = elements.last_mut() else {
                     let expected = "an `element` line before it";
-                    return Err(Error::format(text.place(), "`property`", expected));
+                    return Err(Error::format(text.position(), "`property`", expected));
                 };
                 if element.find(&property.name).is_some() {
                     let found = format!("a second property `{}`", property.name);
-                    return Err(Error::format(text.place(), found, "properties with different names"));
+                    return Err(Error::format(text.position(), found, "properties with different names"));
                 }
                 element.properties.push(property);
             }
             Some(b"end_header") => break,
             Some(word) => {
                 let expected = "`format`, `comment`, `element`, `property` or `end_header`";
-                return Err(Error::format(text.place(), quote(word), expected));
+                return Err(Error::format(text.position(), quote(word), expected));
             }
         }
     }
     let Some(encoding) = encoding else {
-        return Err(Error::format(text.place(), "`end_header`", "a line `format` before it"));
+        return Err(Error::format(text.position(), "`end_header`", "a line `format` before it"));
     };
     let end = text.offset();
     let line = text.line() + 1;
     text.next_line();
-    // Where lines end with CR alone, an LF behind the last one is the first byte of the rows.
+    // Where lines end with CR alone, an LF after the last one is the first byte of the rows.
     let body = if bytes[..end].contains(&b'\n') { text.offset() } else { bytes.len().min(end + 1) };
     Ok(Header { encoding, elements, body, body_line: line })
 }
@@ -161,12 +161,12 @@ fn read_format(text: &mut Text) -> Result<Encoding, Error> {
         Some(b"ascii") => Encoding::Ascii,
         Some(b"binary_little_endian") => Encoding::Little,
         Some(b"binary_big_endian") => Encoding::Big,
-        Some(word) => return Err(Error::format(text.place(), quote(word), expected)),
+        Some(word) => return Err(Error::format(text.position(), quote(word), expected)),
         None => return Err(text.missing(expected)),
     };
     match text.word() {
         Some(b"1.0") => Ok(encoding),
-        Some(word) => Err(Error::format(text.place(), quote(word), "version `1.0`")),
+        Some(word) => Err(Error::format(text.position(), quote(word), "version `1.0`")),
         None => Err(text.missing("version `1.0`")),
     }
 }
@@ -177,7 +177,7 @@ fn read_element(text: &mut Text) -> Result<Element, Error> {
     let word = text.word().ok_or_else(|| text.missing(expected))?;
     let row_count = integer(word)
         .and_then(|count| u64::try_from(count).ok())
-        .ok_or_else(|| Error::format(text.place(), quote(word), expected))?;
+        .ok_or_else(|| Error::format(text.position(), quote(word), expected))?;
     Ok(Element { name, row_count, properties: Vec::new(), line: text.line() })
 }
 
@@ -185,19 +185,19 @@ fn read_property(text: &mut Text) -> Result<Property, Error> {
     let word = text.word().ok_or_else(|| text.missing("a property's type"))?;
     let count = if word == b"list" { Some(scalar(text, None)?) } else { None };
     if count.is_some_and(Scalar::is_float) {
-        return Err(Error::format(text.place(), "a list with a fractional count", "an integer type"));
+        return Err(Error::format(text.position(), "a list with a fractional count", "an integer type"));
     }
     let value = scalar(text, count.is_none().then_some(word))?;
     Ok(Property { name: name(text, "a property's name")?, count, value })
 }
 
 fn scalar(text: &mut Text, word: Option<&[u8]>) -> Result<Scalar, Error> {
-    let expected = "a number type, as `float` or `uint8`";
+    let expected = "a number type such as `float` or `uint8`";
     let word = match word {
         Some(word) => word,
         None => text.word().ok_or_else(|| text.missing(expected))?,
     };
-    Scalar::from_name(word).ok_or_else(|| Error::format(text.place(), quote(word), expected))
+    Scalar::from_name(word).ok_or_else(|| Error::format(text.position(), quote(word), expected))
 }
 
 fn name(text: &mut Text, what: &str) -> Result<String, Error> {

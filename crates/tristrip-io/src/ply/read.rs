@@ -1,40 +1,46 @@
-//! From rows to a mesh: vertices with their attributes, faces, and the triangles of strips.
+//! Reads rows into a mesh: vertices with their attributes, faces, and the triangles of strips.
 
 use tristrip::mesh::MAX_COUNT;
 use tristrip::strip::strip_triangles;
 use tristrip::{Attribute, Mesh};
 
-use super::body::{Ascii, Binary, Body};
 use super::columns::columns;
 use super::header::{self, Element, Encoding, Header, Property, Scalar};
+use super::rows::{AsciiRows, BinaryRows, Rows};
+use crate::error::Error;
+use crate::model::{Model, Part, StoredStrips};
 use crate::polygons::Polygons;
-use crate::{Error, Model, Part, Stored};
+
+/// The restart index of `tristrips` as a signed and as an unsigned 32-bit number.
+const RESTARTS: [i64; 2] = [-1, u32::MAX as i64];
 
 /// Reads a PLY file.
 pub(crate) fn read(bytes: &[u8]) -> Result<Model, Error> {
     let header = header::read(bytes)?;
     match header.encoding {
-        Encoding::Ascii => Reader::new(Ascii::new(&bytes[header.body..], header.body_line)).run(&header),
-        Encoding::Little => Reader::new(Binary::<false>::new(bytes, header.body)).run(&header),
-        Encoding::Big => Reader::new(Binary::<true>::new(bytes, header.body)).run(&header),
+        Encoding::Ascii => {
+            PlyReader::new(AsciiRows::new(&bytes[header.body..], header.body_line)).run(&header)
+        }
+        Encoding::Little => PlyReader::new(BinaryRows::<false>::new(bytes, header.body)).run(&header),
+        Encoding::Big => PlyReader::new(BinaryRows::<true>::new(bytes, header.body)).run(&header),
     }
 }
 
-struct Reader<B> {
-    body: B,
+struct PlyReader<R> {
+    rows: R,
     vertex_count: u32,
     positions: Vec<[f32; 3]>,
     attributes: Vec<Attribute>,
     polygons: Polygons,
     /// The rows of strips, where there are any.
-    strips: Option<Stored>,
+    strips: Option<StoredStrips>,
     notes: Vec<String>,
 }
 
-impl<B: Body> Reader<B> {
-    fn new(body: B) -> Self {
+impl<R: Rows> PlyReader<R> {
+    fn new(rows: R) -> Self {
         Self {
-            body,
+            rows,
             vertex_count: 0,
             positions: Vec::new(),
             attributes: Vec::new(),
@@ -54,16 +60,16 @@ impl<B: Body> Reader<B> {
             ));
         };
         if vertices.row_count > MAX_COUNT as u64 {
-            let (at, found) = (vertices.place(), vertices.row_count);
+            let (at, found) = (vertices.position(), vertices.row_count);
             return Err(Error::LimitExceeded { at, found, limit: MAX_COUNT as u64 });
         }
         self.vertex_count = vertices.row_count as u32;
         for element in &header.elements {
-            let most = self.body.rows_left(&element.properties);
+            let most = self.rows.rows_left(&element.properties);
             if element.row_count > most && !element.properties.is_empty() {
                 let found = format!("{} rows of element `{}`", element.row_count, element.name);
-                let expected = format!("at most {most}, for the {} bytes left", self.body.bytes_left());
-                return Err(Error::format(element.place(), found, expected));
+                let expected = format!("at most {most} in the remaining {} bytes", self.rows.bytes_left());
+                return Err(Error::format(element.position(), found, expected));
             }
             match element.name.as_str() {
                 "vertex" => self.read_vertices(element)?,
@@ -72,14 +78,14 @@ impl<B: Body> Reader<B> {
                 _ => self.skip(element)?,
             }
         }
-        self.body.end()?;
+        self.rows.end()?;
         let mut mesh = Mesh::new(self.positions, self.polygons.finish()?)?;
         for attribute in self.attributes {
             mesh = mesh.with_attribute(attribute)?;
         }
-        // Polygons beside strips stay polygons.
-        let faces = header.elements.iter().any(|element| element.name == "face" && element.row_count > 0);
-        let stored = self.strips.filter(|_| !faces);
+        // A file with both faces and strips keeps its polygons.
+        let has_faces = header.elements.iter().any(|element| element.name == "face" && element.row_count > 0);
+        let stored = self.strips.filter(|_| !has_faces);
         let part = Part { name: None, material: None, mesh, stripped: stored.is_some(), stored };
         Ok(Model { parts: vec![part], notes: self.notes, scene: None })
     }
@@ -87,12 +93,16 @@ impl<B: Body> Reader<B> {
     fn read_vertices(&mut self, element: &Element) -> Result<(), Error> {
         let axes = ["x", "y", "z"].map(|axis| element.find(axis));
         let [Some(x), Some(y), Some(z)] = axes else {
-            return Err(Error::format(element.place(), "an element `vertex` without x, y or z", "all three"));
+            return Err(Error::format(
+                element.position(),
+                "an element `vertex` without x, y or z",
+                "all three",
+            ));
         };
         if let Some(list) = [x, y, z].map(|axis| &element.properties[axis]).iter().find(|p| p.count.is_some())
         {
             let found = format!("a list for `{}`", list.name);
-            return Err(Error::format(element.place(), found, "a number"));
+            return Err(Error::format(element.position(), found, "a number"));
         }
         let row_count = element.row_count as usize;
         let mut columns = columns(element, [x, y, z]);
@@ -108,14 +118,14 @@ impl<B: Body> Reader<B> {
                     list_values += self.skip_list(property)?;
                     continue;
                 }
-                *value = self.body.value(property.value, &property.name)?;
+                *value = self.rows.value(property.value, &property.name)?;
                 let is_position = i == x || i == y || i == z;
                 if is_position && !(*value as f32).is_finite() {
                     let expected = format!("a finite 32-bit number for `{}`", property.name);
-                    return Err(Error::format(self.body.place(), format!("{value:?}"), expected));
+                    return Err(Error::format(self.rows.position(), format!("{value:?}"), expected));
                 }
             }
-            self.body.end_row(element)?;
+            self.rows.end_row(element)?;
             let position = [row[x], row[y], row[z]];
             let narrow = position.map(|value| value as f32);
             rounded += u64::from(
@@ -138,7 +148,7 @@ impl<B: Body> Reader<B> {
         for column in columns {
             if column.replaced > 0 {
                 let (name, n) = (&column.attribute.name, column.replaced);
-                self.notes.push(format!("values of {name} not finite, 0 in their place: {n}"));
+                self.notes.push(format!("values of {name} not finite, replaced by 0: {n}"));
             }
             self.attributes.push(column.attribute);
         }
@@ -148,17 +158,17 @@ impl<B: Body> Reader<B> {
     fn read_faces(&mut self, element: &Element) -> Result<(), Error> {
         let index = index_list(element)?;
         let Some(index) = index else { return Ok(()) };
-        // Triangles as a rule; the bytes left bound what a wrong count can ask for.
-        let most = self.body.values_left(element.properties[index].value);
-        let room = (3 * element.row_count).min(most) as usize;
+        // Capacity for triangles; the remaining bytes limit what a wrong count can allocate.
+        let most = self.rows.values_left(element.properties[index].value);
+        let capacity = (3 * element.row_count).min(most) as usize;
         if self.polygons.face_count() == 0 {
-            self.polygons = Polygons::with_capacity(room);
+            self.polygons = Polygons::with_capacity(capacity);
         }
         for _ in 0..element.row_count {
             for (i, property) in element.properties.iter().enumerate() {
                 if i == index {
                     for _ in 0..self.list_count(property)? {
-                        let value = self.body.value(property.value, &property.name)?;
+                        let value = self.rows.value(property.value, &property.name)?;
                         let vertex = self.vertex(value)?;
                         self.polygons.push(vertex);
                     }
@@ -167,7 +177,7 @@ impl<B: Body> Reader<B> {
                     self.skip_property(property)?;
                 }
             }
-            self.body.end_row(element)?;
+            self.rows.end_row(element)?;
         }
         self.note_dropped(element, index);
         Ok(())
@@ -176,7 +186,7 @@ impl<B: Body> Reader<B> {
     fn read_strips(&mut self, element: &Element) -> Result<(), Error> {
         let index = index_list(element)?;
         let Some(index) = index else { return Ok(()) };
-        let mut stored = Stored::default();
+        let mut stored = StoredStrips::default();
         let (mut run, mut short) = (Vec::new(), 0u64);
         for _ in 0..element.row_count {
             for (i, property) in element.properties.iter().enumerate() {
@@ -185,9 +195,8 @@ impl<B: Body> Reader<B> {
                     continue;
                 }
                 for _ in 0..self.list_count(property)? {
-                    let value = self.body.value(property.value, &property.name)?;
-                    let restart = [-1, i64::from(u32::MAX)].contains(&(value as i64));
-                    if restart {
+                    let value = self.rows.value(property.value, &property.name)?;
+                    if RESTARTS.contains(&(value as i64)) {
                         stored.restarts += 1;
                         short += u64::from(self.end_strip(&mut run, &mut stored));
                     } else {
@@ -196,11 +205,11 @@ impl<B: Body> Reader<B> {
                 }
                 short += u64::from(self.end_strip(&mut run, &mut stored));
                 if stored.indices() > MAX_COUNT {
-                    let (at, found) = (element.place(), stored.indices() as u64);
+                    let (at, found) = (element.position(), stored.indices() as u64);
                     return Err(Error::LimitExceeded { at, found, limit: MAX_COUNT as u64 });
                 }
             }
-            self.body.end_row(element)?;
+            self.rows.end_row(element)?;
         }
         self.strips = Some(stored);
         if short > 0 {
@@ -210,8 +219,8 @@ impl<B: Body> Reader<B> {
         Ok(())
     }
 
-    /// Takes over a strip and its triangles; tells whether it is too short to draw one.
-    fn end_strip(&mut self, run: &mut Vec<u32>, stored: &mut Stored) -> bool {
+    /// Stores a strip and its triangles; returns whether it is too short to draw one.
+    fn end_strip(&mut self, run: &mut Vec<u32>, stored: &mut StoredStrips) -> bool {
         strip_triangles(run).for_each(|triangle| self.polygons.push_face(&triangle));
         let short = run.len() < 3;
         if run.is_empty() {
@@ -222,14 +231,14 @@ impl<B: Body> Reader<B> {
         short
     }
 
-    /// Reads past an element that a mesh has no place for.
+    /// Skips an element that a mesh cannot hold.
     fn skip(&mut self, element: &Element) -> Result<(), Error> {
         if !element.properties.is_empty() {
             for _ in 0..element.row_count {
                 for property in &element.properties {
                     self.skip_property(property)?;
                 }
-                self.body.end_row(element)?;
+                self.rows.end_row(element)?;
             }
         }
         if element.row_count > 0 {
@@ -242,7 +251,7 @@ impl<B: Body> Reader<B> {
         if property.count.is_some() {
             self.skip_list(property)?;
         } else {
-            self.body.value(property.value, &property.name)?;
+            self.rows.value(property.value, &property.name)?;
         }
         Ok(())
     }
@@ -250,20 +259,20 @@ impl<B: Body> Reader<B> {
     fn skip_list(&mut self, property: &Property) -> Result<u64, Error> {
         let count = self.list_count(property)?;
         for _ in 0..count {
-            self.body.value(property.value, &property.name)?;
+            self.rows.value(property.value, &property.name)?;
         }
         Ok(count)
     }
 
-    /// Reads a list's count: an integer, as its type is; no count is larger than the bytes left can hold.
+    /// Reads a list's count, an integer of the count's type that is not larger than the remaining bytes can hold.
     #[allow(clippy::cast_sign_loss, reason = "negative counts are refused above")]
     fn list_count(&mut self, property: &Property) -> Result<u64, Error> {
-        let value = self.body.value(property.count.unwrap_or(Scalar::U8), &property.name)?;
-        let most = self.body.values_left(property.value);
+        let value = self.rows.value(property.count.unwrap_or(Scalar::U8), &property.name)?;
+        let most = self.rows.values_left(property.value);
         if value < 0.0 || value > most as f64 {
             let found = format!("a list `{}` of {value}", property.name);
-            let expected = format!("0 to {most} values, for the bytes left");
-            return Err(Error::format(self.body.place(), found, expected));
+            let expected = format!("0 to {most} values in the remaining bytes");
+            return Err(Error::format(self.rows.position(), found, expected));
         }
         Ok(value as u64)
     }
@@ -272,8 +281,8 @@ impl<B: Body> Reader<B> {
     fn vertex(&self, value: f64) -> Result<u32, Error> {
         if value < 0.0 || value >= f64::from(self.vertex_count) {
             let found = format!("vertex index {value}");
-            let expected = format!("0 or more, less than {}", self.vertex_count);
-            return Err(Error::format(self.body.place(), found, expected));
+            let expected = format!("0 or more, below {}", self.vertex_count);
+            return Err(Error::format(self.rows.position(), found, expected));
         }
         Ok(value as u32)
     }
@@ -288,7 +297,7 @@ impl<B: Body> Reader<B> {
     }
 }
 
-/// Finds the list of vertices in a row; `None` where there is no row to read.
+/// Returns the property with the list of vertices; `None` if the element has no rows.
 fn index_list(element: &Element) -> Result<Option<usize>, Error> {
     let found = element.find("vertex_indices").or_else(|| element.find("vertex_index"));
     let list = found.filter(|&i| {
@@ -297,7 +306,7 @@ fn index_list(element: &Element) -> Result<Option<usize>, Error> {
     });
     if list.is_none() && element.row_count > 0 {
         let found = format!("no such list in element `{}`", element.name);
-        return Err(Error::format(element.place(), found, "a list of integers `vertex_indices`"));
+        return Err(Error::format(element.position(), found, "a list of integers `vertex_indices`"));
     }
     Ok(list.filter(|_| element.row_count > 0))
 }

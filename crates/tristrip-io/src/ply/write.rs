@@ -4,18 +4,23 @@ use std::fmt::Write;
 
 use tristrip::{Attribute, AttributeData, Error as MeshError, Layout};
 
+use crate::error::Error;
 use crate::join::{self, clean};
-use crate::{Drawing, Error, Model};
+use crate::model::{Drawing, Model};
 
-/// Writes a PLY file; the caller has checked the drawings.
+/// The restart index of `tristrips`, −1, as an unsigned number.
+const RESTART: u32 = u32::MAX;
+
+/// Writes a PLY file.
 pub(crate) fn write(model: &Model, drawings: &[Drawing], layout: Layout) -> Result<Vec<u8>, Error> {
+    model.check_drawings(drawings)?;
     let blocks = join::blocks(model)?;
     if blocks.vertex_count > i32::MAX as usize {
         let (what, found) = ("vertices of a PLY file", blocks.vertex_count as u64);
         return Err(MeshError::LimitExceeded { what, found, limit: i32::MAX as u64 }.into());
     }
     let (columns, _) = columns(model);
-    let rows = Rows::new(drawings, model, layout, &blocks.bases)?;
+    let rows = IndexRows::new(drawings, model, layout, &blocks.bases)?;
 
     // 1. The header.
     let mut header = String::from("ply\nformat binary_little_endian 1.0\n");
@@ -82,7 +87,7 @@ pub(crate) fn write(model: &Model, drawings: &[Drawing], layout: Layout) -> Resu
     Ok(out)
 }
 
-/// Names what PLY cannot hold of a model.
+/// Lists what PLY cannot hold of a model.
 pub(crate) fn losses(model: &Model) -> Vec<String> {
     let mut out = Vec::new();
     if model.parts.len() > 1 {
@@ -97,16 +102,16 @@ pub(crate) fn losses(model: &Model) -> Vec<String> {
     out
 }
 
-/// What is written after the vertices.
-struct Rows {
-    /// Rows of `tristrips`; −1, as the highest index, restarts.
+/// The rows that follow the vertices.
+struct IndexRows {
+    /// Rows of `tristrips`, with [`RESTART`] between strips.
     strips: Vec<Vec<u32>>,
     face_count: usize,
     largest_face: usize,
     bases: Vec<u32>,
 }
 
-impl Rows {
+impl IndexRows {
     fn new(drawings: &[Drawing], model: &Model, layout: Layout, bases: &[u32]) -> Result<Self, Error> {
         let mut rows = Self { strips: Vec::new(), face_count: 0, largest_face: 0, bases: bases.to_vec() };
         for (drawing, &base) in drawings.iter().zip(bases) {
@@ -114,15 +119,15 @@ impl Rows {
             if strips.is_empty() {
                 continue;
             }
-            let shift = |v: u32| if v == u32::MAX { v } else { v + base };
+            let shift = |v: u32| if v == RESTART { v } else { v + base };
             match layout {
                 Layout::List => {}
                 Layout::Restart => {
-                    let row = strips.to_restart(u32::MAX).into_iter().map(shift);
-                    // The parts' strips make one row, as other software writes it.
+                    let row = strips.to_restart(RESTART).into_iter().map(shift);
+                    // The strips of all parts form one row, as other software writes it.
                     match rows.strips.first_mut() {
                         Some(first) => {
-                            first.push(u32::MAX);
+                            first.push(RESTART);
                             first.extend(row);
                         }
                         None => rows.strips.push(row.collect()),
@@ -160,7 +165,7 @@ impl Rows {
         Ok(rows)
     }
 
-    /// Calls `face` with the corners of each face and the number of vertices before its part's.
+    /// Calls `face` with the corners of each face and the number of vertices before those of its part.
     fn for_each_face(&self, drawings: &[Drawing], model: &Model, mut face: impl FnMut(&[u32], u32)) {
         if self.face_count == 0 {
             return;
@@ -177,14 +182,14 @@ impl Rows {
 }
 
 /// An attribute that is written, with the names of its properties.
-struct Column {
+struct WrittenAttribute {
     name: String,
     names: Vec<String>,
     like: Attribute,
 }
 
-impl Column {
-    /// Tells whether the values are written as floats: normalized integers are, colours aside, as PLY has no word for them.
+impl WrittenAttribute {
+    /// Checks whether the values are written as floats. Normalized integers are, except colours, as PLY has no type for them.
     fn as_floats(attribute: &Attribute) -> bool {
         let colour =
             is_colour(attribute) && matches!(attribute.data, AttributeData::U8(_) | AttributeData::U16(_));
@@ -241,9 +246,9 @@ fn alike(a: &Attribute, b: &Attribute) -> bool {
     a.name == b.name && shape(a) == shape(b)
 }
 
-/// Finds the attributes that every part has, and says which are left out because one lacks them.
-fn columns(model: &Model) -> (Vec<Column>, Vec<String>) {
-    let mut columns: Vec<Column> = Vec::new();
+/// Returns the attributes that every part has, and notes on those that are not written because a part lacks them.
+fn columns(model: &Model) -> (Vec<WrittenAttribute>, Vec<String>) {
+    let mut columns: Vec<WrittenAttribute> = Vec::new();
     let mut left_out: Vec<String> = Vec::new();
     let mut taken: Vec<String> = ["x", "y", "z"].map(str::to_owned).to_vec();
     for attribute in model.parts.iter().flat_map(|part| part.mesh.attributes()) {
@@ -271,12 +276,12 @@ fn columns(model: &Model) -> (Vec<Column>, Vec<String>) {
             name: attribute.name.clone(),
             ..*attribute
         };
-        columns.push(Column { name: attribute.name.clone(), names, like });
+        columns.push(WrittenAttribute { name: attribute.name.clone(), names, like });
     }
     (columns, left_out)
 }
 
-/// Names the properties of an attribute: PLY's words where it has them, else the attribute's name, numbered.
+/// Returns the property names of an attribute: PLY's usual names where it has them, else the attribute's name, numbered.
 fn property_names(attribute: &Attribute, taken: &mut Vec<String>) -> Vec<String> {
     let wanted: Vec<String> = match (attribute.name.as_str(), attribute.components) {
         ("NORMAL", 3) => ["nx", "ny", "nz"].map(str::to_owned).to_vec(),

@@ -1,4 +1,4 @@
-//! The extensions that new indices bring along, or make wrong.
+//! The extensions that new indices need, or make invalid.
 
 use std::collections::HashSet;
 
@@ -6,9 +6,9 @@ use serde_json::{Map, Value};
 
 use crate::error::Error;
 use crate::gltf::document::{array, items, list_mut, uses, whole};
-use crate::gltf::read::ORDER_EXTENSIONS;
+use crate::gltf::spec::ORDER_EXTENSIONS;
 
-/// Takes extensions that describe the order of indices off the meshes whose indices are new.
+/// Removes extensions that describe the order of indices from the meshes whose indices are new.
 pub(super) fn drop_order_extensions(
     root: &mut Map<String, Value>,
     rewritten: &HashSet<(usize, usize)>,
@@ -16,16 +16,16 @@ pub(super) fn drop_order_extensions(
     if !ORDER_EXTENSIONS.iter().any(|name| uses(root, name)) {
         return Ok(());
     }
-    let written: HashSet<usize> = rewritten.iter().map(|&(mesh, _)| mesh).collect();
-    let mut left: HashSet<&str> = HashSet::new();
+    let rewritten_meshes: HashSet<usize> = rewritten.iter().map(|&(mesh, _)| mesh).collect();
+    let mut still_used: HashSet<&str> = HashSet::new();
     for (m, mesh) in list_mut(root, "meshes")?.iter_mut().enumerate() {
-        let mut clean = |object: &mut Value| {
+        let mut remove = |object: &mut Value| {
             let Some(Value::Object(extensions)) = object.get_mut("extensions") else { return };
             for name in ORDER_EXTENSIONS {
-                if written.contains(&m) {
+                if rewritten_meshes.contains(&m) {
                     extensions.shift_remove(name);
                 } else if extensions.contains_key(name) {
-                    left.insert(name);
+                    still_used.insert(name);
                 }
             }
             if extensions.is_empty()
@@ -34,19 +34,19 @@ pub(super) fn drop_order_extensions(
                 members.shift_remove("extensions");
             }
         };
-        clean(mesh);
+        remove(mesh);
         if let Some(Value::Array(primitives)) = mesh.get_mut("primitives") {
-            primitives.iter_mut().for_each(clean);
+            primitives.iter_mut().for_each(remove);
         }
     }
-    for name in ORDER_EXTENSIONS.iter().filter(|name| !left.contains(*name)) {
+    for name in ORDER_EXTENSIONS.iter().filter(|name| !still_used.contains(*name)) {
         undeclare(root, name);
     }
     Ok(())
 }
 
-/// Tells whether there are line strips or loops, which may have restarts; strips and fans never stay as they are.
-pub(super) fn other_strips(root: &Map<String, Value>) -> Result<bool, Error> {
+/// Checks whether there are line strips or loops, which may have restarts; triangle strips and fans are always rewritten.
+pub(super) fn has_line_strips(root: &Map<String, Value>) -> Result<bool, Error> {
     Ok(array(root, "meshes")?.iter().any(|mesh| {
         items(mesh, "primitives").iter().any(|p| matches!(p.get("mode").and_then(whole), Some(2 | 3)))
     }))
@@ -63,7 +63,7 @@ pub(super) fn declare(root: &mut Map<String, Value>, name: &str) -> Result<(), E
     Ok(())
 }
 
-/// Takes an extension off both lists.
+/// Removes an extension from both lists.
 pub(super) fn undeclare(root: &mut Map<String, Value>, name: &str) {
     for list in ["extensionsUsed", "extensionsRequired"] {
         if let Some(Value::Array(names)) = root.get_mut(list) {

@@ -1,31 +1,37 @@
-//! The bytes of the buffers: which stay, where they go, and the views that follow them.
+//! Compaction of the buffers: which bytes stay, their new offsets, and the buffer views that change with them.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
 
 use serde_json::{Map, Value, json};
 
-use super::free::Free;
+use super::unused::UnusedEntries;
 use crate::error::Error;
-use crate::gltf::buffer::Bytes;
-use crate::gltf::document::{array, format_error, index, list_mut};
+use crate::gltf::buffer::SharedBytes;
+use crate::gltf::document::{array, index, list_mut};
 
-/// Some extensions ask for this alignment of buffer views; nothing in use asks for more.
+/// The largest alignment of buffer views that a known extension requires.
 pub(super) const ALIGNMENT: usize = 8;
 
-/// Which bytes of the buffers stay, and where they go.
-pub(super) struct Moves {
-    /// The bytes of each buffer that go, ascending and apart, and how many have gone at the end of each.
+/// The joining of all buffers into one, without the bytes that nothing uses.
+pub(super) struct BufferCompaction {
+    /// The byte ranges that are removed from each buffer, ascending and disjoint, each with the number of bytes removed up
+    /// to its end.
     removed: Vec<Vec<(Range<usize>, usize)>>,
-    /// Where each buffer starts in the one that all become.
+    /// The offset of each buffer in the joined one.
     bases: Vec<usize>,
-    /// Where the last of them ends.
+    /// The end of the last buffer in the joined one.
     pub(super) end: usize,
 }
 
-impl Moves {
-    pub(super) fn plan(root: &Map<String, Value>, buffers: &[Bytes], free: &Free) -> Result<Self, Error> {
-        if free.bytes_named && buffers.len() > 1 {
+impl BufferCompaction {
+    /// Plans the compaction: the bytes of unused views are removed, except those that another view uses.
+    pub(super) fn plan(
+        root: &Map<String, Value>,
+        buffers: &[SharedBytes],
+        unused: &UnusedEntries,
+    ) -> Result<Self, Error> {
+        if unused.bytes_named && buffers.len() > 1 {
             return Err(Error::Unsupported(
                 "an extension names bytes of a buffer: several buffers cannot be joined into one".into(),
             ));
@@ -34,30 +40,31 @@ impl Moves {
         let mut freed = kept.clone();
         for (v, view) in array(root, "bufferViews")?.iter().enumerate() {
             let (buffer, range) = view_range(v, view, buffers)?;
-            let sink = if free.views.contains(&v) { &mut freed } else { &mut kept };
+            let sink = if unused.views.contains(&v) { &mut freed } else { &mut kept };
             sink[buffer].push(range);
         }
-        let mut moves = Self { removed: Vec::new(), bases: Vec::new(), end: 0 };
+        let mut out = Self { removed: Vec::new(), bases: Vec::new(), end: 0 };
         for ((bytes, freed), kept) in buffers.iter().zip(freed).zip(kept) {
-            let gone = if free.bytes_named { Vec::new() } else { subtract(merge(freed), &merge(kept)) };
+            let removable =
+                if unused.bytes_named { Vec::new() } else { subtract(merge(freed), &merge(kept)) };
             let mut total = 0;
-            let removed = gone.into_iter().map(|range| {
+            let removed = removable.into_iter().map(|range| {
                 total += range.len();
                 (range, total)
             });
-            moves.removed.push(removed.collect());
-            moves.bases.push(moves.end.next_multiple_of(ALIGNMENT));
-            moves.end = moves.end.next_multiple_of(ALIGNMENT) + bytes.len() - total;
+            out.removed.push(removed.collect());
+            out.bases.push(out.end.next_multiple_of(ALIGNMENT));
+            out.end = out.end.next_multiple_of(ALIGNMENT) + bytes.len() - total;
         }
-        Ok(moves)
+        Ok(out)
     }
 
-    /// Gives the place where new bytes start.
+    /// Returns the offset at which the new bytes start.
     pub(super) fn new_start(&self) -> usize {
         self.end.next_multiple_of(ALIGNMENT)
     }
 
-    /// Moves all views; `new` has the offsets of new ones within the new bytes.
+    /// Updates the offsets of all views; `new` has the offsets of new views within the new bytes.
     pub(super) fn apply(
         &self,
         root: &mut Map<String, Value>,
@@ -79,7 +86,7 @@ impl Moves {
                 let Some((removed, base)) = self.removed.get(buffer).zip(self.bases.get(buffer)) else {
                     continue;
                 };
-                let before = removed.partition_point(|(gone, _)| gone.end <= offset);
+                let before = removed.partition_point(|(range, _)| range.end <= offset);
                 base + offset - before.checked_sub(1).map_or(0, |last| removed[last].1)
             };
             if moved != offset {
@@ -89,14 +96,14 @@ impl Moves {
         Ok(())
     }
 
-    /// Gives the bytes that stay, each buffer at its base, and the new ones after them.
-    pub(super) fn pieces<'a>(&self, buffers: &'a [Bytes], new: &'a [u8]) -> Vec<&'a [u8]> {
+    /// Returns the bytes of the joined buffer as slices: those that stay, each buffer at its base, then the new ones.
+    pub(super) fn slices<'a>(&self, buffers: &'a [SharedBytes], new: &'a [u8]) -> Vec<&'a [u8]> {
         const PADDING: &[u8] = &[0; ALIGNMENT];
-        let mut pieces = Vec::new();
+        let mut slices = Vec::new();
         let mut written = 0;
-        let mut push = |piece: &'a [u8]| {
-            written += piece.len();
-            pieces.push(piece);
+        let mut push = |slice: &'a [u8]| {
+            written += slice.len();
+            slices.push(slice);
             written
         };
         for ((bytes, removed), &base) in buffers.iter().zip(&self.removed).zip(&self.bases) {
@@ -104,9 +111,9 @@ impl Moves {
             let before = push(&[]);
             push(&PADDING[..base - before]);
             let mut at = 0;
-            for (gone, _) in removed {
-                push(&bytes[at..gone.start]);
-                at = gone.end;
+            for (range, _) in removed {
+                push(&bytes[at..range.start]);
+                at = range.end;
             }
             push(&bytes[at..]);
         }
@@ -114,12 +121,12 @@ impl Moves {
             push(&PADDING[..self.new_start() - self.end]);
             push(new);
         }
-        pieces
+        slices
     }
 }
 
-/// Gives a view's buffer and range; reading has checked both.
-fn view_range(v: usize, view: &Value, buffers: &[Bytes]) -> Result<(usize, Range<usize>), Error> {
+/// Returns a view's buffer and byte range; the reader has checked both.
+fn view_range(v: usize, view: &Value, buffers: &[SharedBytes]) -> Result<(usize, Range<usize>), Error> {
     let field = |name| view.get(name).and_then(index);
     let (buffer, start, length) =
         (field("buffer").unwrap_or(0), field("byteOffset").unwrap_or(0), field("byteLength").unwrap_or(0));
@@ -128,7 +135,7 @@ fn view_range(v: usize, view: &Value, buffers: &[Bytes]) -> Result<(usize, Range
     if fits {
         return Ok((buffer, start..start + length));
     }
-    Err(format_error(format!("bufferViews[{v}]"), "a range outside of its buffer", "one within"))
+    Err(Error::format(format!("bufferViews[{v}]"), "a range outside its buffer", "a range inside it"))
 }
 
 /// Sorts ranges and joins those that touch.
@@ -144,7 +151,7 @@ fn merge(mut ranges: Vec<Range<usize>>) -> Vec<Range<usize>> {
     out
 }
 
-/// Takes `kept` away from `freed`, both sorted and apart, and shrinks what is left to the alignment.
+/// Subtracts `kept` from `freed`, both sorted and disjoint, and shrinks the resulting ranges to the alignment.
 fn subtract(freed: Vec<Range<usize>>, kept: &[Range<usize>]) -> Vec<Range<usize>> {
     let mut out = Vec::new();
     let mut push = |start: usize, end: usize| {
@@ -169,7 +176,7 @@ fn subtract(freed: Vec<Range<usize>>, kept: &[Range<usize>]) -> Vec<Range<usize>
     out
 }
 
-/// Makes all buffers one of a length; none where there are no bytes.
+/// Replaces all buffers by one of a length; by none where there are no bytes.
 pub(super) fn set_buffer(root: &mut Map<String, Value>, length: usize) -> Result<(), Error> {
     if length == 0 && !root.contains_key("buffers") {
         return Ok(());
@@ -194,22 +201,22 @@ mod tests {
 
     proptest! {
         #[test]
-        fn goes_what_is_free_and_not_kept(
+        fn removes_exactly_what_is_free_and_not_kept(
             free in prop::collection::vec((0usize..200, 1usize..60), 0..8),
             keep in prop::collection::vec((0usize..200, 1usize..30), 0..8),
         ) {
             let ranges = |list: &[(usize, usize)]| list.iter().map(|&(s, n)| s..s + n).collect::<Vec<_>>();
             let (free, keep) = (ranges(&free), ranges(&keep));
-            let gone = subtract(merge(free.clone()), &merge(keep.clone()));
-            // Eight bytes at a multiple of eight go if each of them is free, and none is kept.
-            let may_go = |byte: usize| free.iter().any(|r| r.contains(&byte)) && !keep.iter().any(|r| r.contains(&byte));
+            let removed = subtract(merge(free.clone()), &merge(keep.clone()));
+            // Eight bytes at a multiple of eight are removed if each of them is free and none is kept.
+            let is_removable = |byte: usize| free.iter().any(|r| r.contains(&byte)) && !keep.iter().any(|r| r.contains(&byte));
             for start in (0..300).step_by(ALIGNMENT) {
-                let all = (start..start + ALIGNMENT).all(may_go);
+                let all = (start..start + ALIGNMENT).all(is_removable);
                 for byte in start..start + ALIGNMENT {
-                    prop_assert_eq!(gone.iter().any(|r| r.contains(&byte)), all, "{}", byte);
+                    prop_assert_eq!(removed.iter().any(|r| r.contains(&byte)), all, "{}", byte);
                 }
             }
-            prop_assert!(gone.windows(2).all(|w| w[0].end <= w[1].start));
+            prop_assert!(removed.windows(2).all(|w| w[0].end <= w[1].start));
         }
     }
 }

@@ -1,6 +1,6 @@
-//! What the tests of glTF share: drafts of small documents, and the Khronos validator.
+//! Shared by the tests of glTF: a builder of small documents, the Khronos validator, and real scenes.
 #![allow(dead_code, reason = "each test file uses a part of it")]
-#![allow(clippy::unwrap_used, clippy::print_stderr, reason = "a test may stop, and says what it skips")]
+#![allow(clippy::unwrap_used, clippy::print_stderr, reason = "a test may panic, and reports what it skips")]
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -14,7 +14,7 @@ pub(crate) const U16: u32 = 5123;
 pub(crate) const U32: u32 = 5125;
 pub(crate) const F32: u32 = 5126;
 
-/// A document in the making.
+/// A document under construction.
 pub(crate) struct Draft {
     pub(crate) json: Value,
     pub(crate) bin: Vec<u8>,
@@ -33,7 +33,7 @@ impl Draft {
         }
     }
 
-    /// Adds bytes from a multiple of four on; gives the view.
+    /// Appends bytes, aligned to four; returns the buffer view.
     pub(crate) fn view(&mut self, bytes: &[u8]) -> usize {
         self.bin.resize(self.bin.len().next_multiple_of(4), 0);
         let view = json!({ "buffer": 0, "byteOffset": self.bin.len(), "byteLength": bytes.len() });
@@ -77,7 +77,7 @@ impl Draft {
         push(&mut self.json["meshes"][0]["primitives"], primitive)
     }
 
-    /// Makes the GLB.
+    /// Builds the GLB.
     pub(crate) fn glb(&self) -> Vec<u8> {
         let mut json = self.json.clone();
         if json["buffers"][0]["byteLength"].is_null() && json["buffers"][0].is_object() {
@@ -86,7 +86,7 @@ impl Draft {
         glb_of(&serde_json::to_vec(&json).unwrap(), Some(&self.bin))
     }
 
-    /// Makes a `.gltf` with its bytes in a data URI.
+    /// Builds a `.gltf` with its bytes in a data URI.
     pub(crate) fn gltf(&self) -> Vec<u8> {
         use base64::Engine;
         let text = base64::engine::general_purpose::STANDARD.encode(&self.bin);
@@ -130,7 +130,7 @@ pub(crate) fn packed(component: u32, indices: &[u32]) -> Vec<u8> {
     indices.iter().flat_map(|i| i.to_le_bytes()[..bytes].to_vec()).collect()
 }
 
-/// Positions on a line that bends, so that no three fall together.
+/// Distinct positions along a bent line.
 pub(crate) fn bent(count: usize) -> Vec<[f32; 3]> {
     (0..count).map(|i| [i as f32, (i * i % 7) as f32, (i % 3) as f32]).collect()
 }
@@ -154,8 +154,8 @@ pub(crate) fn view_bytes<'a>(json: &Value, bin: &'a [u8], view: usize) -> &'a [u
     &bin[number("byteOffset")..][..number("byteLength")]
 }
 
-/// The triangles of a part, each turned to begin with its lowest vertex.
-pub(crate) fn turned(triangles: impl IntoIterator<Item = [u32; 3]>) -> Vec<[u32; 3]> {
+/// The triangles, each rotated to begin with its lowest vertex.
+pub(crate) fn rotated(triangles: impl IntoIterator<Item = [u32; 3]>) -> Vec<[u32; 3]> {
     triangles
         .into_iter()
         .map(|mut t| {
@@ -167,10 +167,10 @@ pub(crate) fn turned(triangles: impl IntoIterator<Item = [u32; 3]>) -> Vec<[u32;
 }
 
 pub(crate) fn triangles(model: &Model, part: usize) -> Vec<[u32; 3]> {
-    turned(model.parts[part].mesh.faces().as_triangles().unwrap().as_chunks::<3>().0.iter().copied())
+    rotated(model.parts[part].mesh.faces().as_triangles().unwrap().as_chunks::<3>().0.iter().copied())
 }
 
-/// Strips of a mesh, one after the other as long as the next triangle shares the right edge.
+/// Builds strips greedily: a strip continues as long as the next triangle shares the right edge.
 pub(crate) fn greedy(triangles: &[[u32; 3]]) -> Strips {
     let mut strips = Strips::default();
     let mut strip: Vec<u32> = Vec::new();
@@ -193,7 +193,7 @@ pub(crate) fn greedy(triangles: &[[u32; 3]]) -> Strips {
     strips
 }
 
-/// Checks files by the Khronos validator, if it is there; `TRISTRIP_REQUIRE_VALIDATOR=1` makes its absence a failure.
+/// Checks files with the Khronos validator, if it is installed; with `TRISTRIP_REQUIRE_VALIDATOR=1` its absence is a failure.
 pub(crate) fn validate(test: &str, files: &[(String, Vec<u8>)]) {
     let tool = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tools/gltf-validate");
     if !tool.join("node_modules/gltf-validator").is_dir() {
@@ -222,4 +222,19 @@ pub(crate) fn validate(test: &str, files: &[(String, Vec<u8>)]) {
             }
         }
     }
+}
+
+/// Calls `check` with the name and bytes of some real scenes in the folder `TRISTRIP_MODELS`, if it is set, and validates the
+/// files that `check` returns.
+pub(crate) fn check_real_scenes(test: &str, mut check: impl FnMut(&str, &[u8]) -> Vec<(String, Vec<u8>)>) {
+    let Some(folder) = std::env::var_os("TRISTRIP_MODELS").map(PathBuf::from) else {
+        eprintln!("{test}: SKIPPED: TRISTRIP_MODELS is not set");
+        return;
+    };
+    let mut files = Vec::new();
+    for name in ["milktruck", "engine_2cylinder", "sheencloth"] {
+        let glb = std::fs::read(folder.join(format!("{name}.glb"))).unwrap();
+        files.extend(check(name, &glb));
+    }
+    validate(test, &files);
 }

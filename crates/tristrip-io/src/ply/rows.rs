@@ -1,41 +1,41 @@
-//! The rows as a stream of numbers, the same for text and for both byte orders.
+//! The rows as a stream of numbers, with one interface for text and for both byte orders.
 
 use super::header::{Element, Property, Scalar};
-use crate::Error;
+use crate::error::Error;
 use crate::text::{Text, integer, quote};
 
-/// Gives numbers in the order of the file. Every type that PLY has fits 64-bit floats exactly.
-pub(super) trait Body {
-    /// Gives the next number.
+/// Reads numbers in the order of the file. 64-bit floats represent the numbers of every PLY type exactly.
+pub(super) trait Rows {
+    /// Reads the next number.
     fn value(&mut self, kind: Scalar, name: &str) -> Result<f64, Error>;
-    /// Says where the number given last stands.
-    fn place(&self) -> String;
+    /// Describes the position of the last number.
+    fn position(&self) -> String;
     /// Ends a row.
     fn end_row(&mut self, element: &Element) -> Result<(), Error>;
-    /// Bounds the number of values that the bytes left can hold.
+    /// Returns the largest number of values that the remaining bytes can hold.
     fn values_left(&self, kind: Scalar) -> u64;
-    /// Bounds the number of rows, of at least one property, that the bytes left can hold.
+    /// Returns the largest number of rows, of at least one property, that the remaining bytes can hold.
     fn rows_left(&self, properties: &[Property]) -> u64;
-    /// Counts the bytes left.
+    /// Returns the number of remaining bytes.
     fn bytes_left(&self) -> usize;
-    /// Checks that nothing but padding follows: more says that a count is too small.
+    /// Checks that only padding follows; anything else means that a count is too small.
     fn end(&mut self) -> Result<(), Error>;
 }
 
-/// Rows of text: each begins on a line of its own; a long one may go on over several.
-pub(super) struct Ascii<'a> {
+/// Rows of text: each begins on a new line; a long row may continue on the following lines.
+pub(super) struct AsciiRows<'a> {
     text: Text<'a>,
 }
 
-impl<'a> Ascii<'a> {
+impl<'a> AsciiRows<'a> {
     pub(super) fn new(bytes: &'a [u8], line: u64) -> Self {
         Self { text: Text::new(bytes).with_first_line(line) }
     }
 }
 
-impl Body for Ascii<'_> {
+impl Rows for AsciiRows<'_> {
     fn value(&mut self, kind: Scalar, name: &str) -> Result<f64, Error> {
-        let Some(word) = self.text.word_below() else {
+        let Some(word) = self.text.word_on_any_line() else {
             return Err(self.text.missing(&format!("a number for `{name}`")));
         };
         let range = match kind {
@@ -52,13 +52,13 @@ impl Body for Ascii<'_> {
             Some(value) if range.contains(&value) => Ok(value as f64),
             _ => {
                 let expected = format!("an integer from {} to {} for `{name}`", range.start(), range.end());
-                Err(Error::format(self.place(), quote(word), expected))
+                Err(Error::format(self.position(), quote(word), expected))
             }
         }
     }
 
-    fn place(&self) -> String {
-        self.text.place()
+    fn position(&self) -> String {
+        self.text.position()
     }
 
     fn end_row(&mut self, element: &Element) -> Result<(), Error> {
@@ -66,7 +66,7 @@ impl Body for Ascii<'_> {
             None => Ok(()),
             Some(word) => {
                 let expected = format!("the end of the row of element `{}`", element.name);
-                Err(Error::format(self.place(), quote(word), expected))
+                Err(Error::format(self.position(), quote(word), expected))
             }
         }
     }
@@ -84,30 +84,32 @@ impl Body for Ascii<'_> {
     }
 
     fn end(&mut self) -> Result<(), Error> {
-        match self.text.word_below() {
+        match self.text.word_on_any_line() {
             None => Ok(()),
-            Some(word) => {
-                Err(Error::format(self.place(), quote(word), "the end of the file, by the header's counts"))
-            }
+            Some(word) => Err(Error::format(
+                self.position(),
+                quote(word),
+                "the end of the file, as the header's counts require",
+            )),
         }
     }
 }
 
-impl Ascii<'_> {
+impl AsciiRows<'_> {
     fn float<E>(&self, value: Result<f64, E>, word: &[u8], name: &str) -> Result<f64, Error> {
-        value.map_err(|_| Error::format(self.place(), quote(word), format!("a number for `{name}`")))
+        value.map_err(|_| Error::format(self.position(), quote(word), format!("a number for `{name}`")))
     }
 }
 
-/// Binary rows.
-pub(super) struct Binary<'a, const BIG: bool> {
+/// BinaryRows rows.
+pub(super) struct BinaryRows<'a, const BIG: bool> {
     bytes: &'a [u8],
     at: usize,
-    /// Offset of the number given last.
+    /// Offset of the last number.
     last: usize,
 }
 
-impl<'a, const BIG: bool> Binary<'a, BIG> {
+impl<'a, const BIG: bool> BinaryRows<'a, BIG> {
     pub(super) fn new(bytes: &'a [u8], at: usize) -> Self {
         Self { bytes, at, last: at }
     }
@@ -122,21 +124,21 @@ impl<'a, const BIG: bool> Binary<'a, BIG> {
                 self.at += N;
                 Ok(chunk)
             }
-            None => Err(self.ends(N, name)),
+            None => Err(self.end_of_file(N, name)),
         }
     }
 
     #[cold]
-    fn ends(&self, size: usize, name: &str) -> Error {
+    fn end_of_file(&self, size: usize, name: &str) -> Error {
         let found = match self.bytes_left() {
             0 => "the end of the file".to_owned(),
             left => format!("the end of the file after {left} bytes"),
         };
-        Error::format(self.place(), found, format!("{size} bytes for `{name}`"))
+        Error::format(self.position(), found, format!("{size} bytes for `{name}`"))
     }
 }
 
-impl<const BIG: bool> Body for Binary<'_, BIG> {
+impl<const BIG: bool> Rows for BinaryRows<'_, BIG> {
     #[inline]
     fn value(&mut self, kind: Scalar, name: &str) -> Result<f64, Error> {
         Ok(match kind {
@@ -151,7 +153,7 @@ impl<const BIG: bool> Body for Binary<'_, BIG> {
         })
     }
 
-    fn place(&self) -> String {
+    fn position(&self) -> String {
         format!("byte {}", self.last)
     }
 
@@ -178,6 +180,10 @@ impl<const BIG: bool> Body for Binary<'_, BIG> {
             return Ok(());
         }
         let found = format!("{} bytes after the last row", left.len());
-        Err(Error::format(format!("byte {}", self.at), found, "the end of the file, by the header's counts"))
+        Err(Error::format(
+            format!("byte {}", self.at),
+            found,
+            "the end of the file, as the header's counts require",
+        ))
     }
 }

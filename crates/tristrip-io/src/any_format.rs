@@ -1,0 +1,92 @@
+//! Reading and writing in a format that is chosen at run time.
+
+use std::path::Path;
+
+use tristrip::Layout;
+
+use crate::error::Error;
+use crate::format::Format;
+use crate::model::{Drawing, Model};
+use crate::{gltf, obj, off, ply, stl};
+
+/// Reads a model from the bytes of a file. A glTF file must contain its buffers; [`read_path`](crate::read_path) also finds
+/// those in separate files.
+///
+/// # Errors
+/// The bytes are not a file of this format ([`Error::Format`]), or it holds more than 32-bit ids can name.
+///
+/// ```
+/// use tristrip_io::{Format, read};
+/// let off = b"OFF\n4 1 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n";
+/// let model = read(off, Format::from_bytes(off))?;
+/// assert_eq!(model.parts[0].mesh.faces().face(0), [0, 1, 2, 3]);
+/// let wrong = read(b"v 0 0 zero\n", Format::Obj).unwrap_err();
+/// assert_eq!(wrong.to_string(), "line 1: found `zero`, expected a number for z");
+/// # Ok::<(), tristrip_io::Error>(())
+/// ```
+pub fn read(bytes: &[u8], format: Format) -> Result<Model, Error> {
+    read_in_folder(bytes, format, None)
+}
+
+/// Reads a model whose external buffers, if any, are in `base_dir`.
+pub(crate) fn read_in_folder(bytes: &[u8], format: Format, base_dir: Option<&Path>) -> Result<Model, Error> {
+    if bytes.is_empty() {
+        return Err(Error::format("byte 0", "an empty file", format!("a file in {}", format.name())));
+    }
+    match format {
+        Format::Obj => obj::read(bytes),
+        Format::Ply => ply::read(bytes),
+        Format::Off => off::read(bytes),
+        Format::Stl => stl::read(bytes),
+        Format::Gltf | Format::Glb => gltf::read(bytes, base_dir),
+    }
+}
+
+/// Writes a model: for each part its faces, or strips over its vertices in the given layout.
+///
+/// - OBJ has no strips: the strips' triangles are written in strip order, whatever the layout.
+/// - PLY has the `tristrips` element: [`Layout::Restart`] is one row with −1 between strips, [`Layout::Separate`] one row per
+///   strip, [`Layout::Degenerate`] one row per part; [`Layout::List`] writes triangles as faces. Little-endian binary.
+/// - GLB keeps the scene that the model was read with.
+///
+/// # Errors
+/// The format cannot be written, there is not one drawing for each part, a strip names a vertex that its part does not
+/// have, or the parts together have more vertices than 32-bit ids can name.
+///
+/// ```
+/// use tristrip_io::{Drawing, Format, read, write};
+/// let model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 4 3\n", Format::Obj)?;
+/// let mut strips = tristrip::Strips::default();
+/// strips.push(&[0, 1, 2, 3]);
+/// let ply = write(&model, &[Drawing::Strips(&strips)], Format::Ply, tristrip::Layout::Restart)?;
+/// assert_eq!(read(&ply, Format::Ply)?.parts[0].mesh.faces().face_count(), 2);
+/// # Ok::<(), tristrip_io::Error>(())
+/// ```
+pub fn write(model: &Model, drawings: &[Drawing], format: Format, layout: Layout) -> Result<Vec<u8>, Error> {
+    match format {
+        Format::Obj => obj::write(model, drawings),
+        Format::Ply => ply::write(model, drawings, layout),
+        Format::Glb => gltf::write_glb(model, drawings, layout),
+        Format::Off | Format::Stl | Format::Gltf => {
+            Err(Error::Unsupported(format!("{} cannot be written; .obj, .ply and .glb can", format.name())))
+        }
+    }
+}
+
+/// Lists what a format cannot hold of a model, in words, with counts, the scene around the parts included. The writers of
+/// OBJ and PLY put the same words into the file as comments.
+///
+/// ```
+/// use tristrip_io::{Format, losses, read};
+/// let model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\nusemtl b\nf 1 3 2\n", Format::Obj)?;
+/// assert_eq!(losses(&model, Format::Ply), ["parts joined into one: 2", "material names not written: 2"]);
+/// # Ok::<(), tristrip_io::Error>(())
+/// ```
+pub fn losses(model: &Model, format: Format) -> Vec<String> {
+    match format {
+        Format::Obj => obj::losses(model),
+        Format::Ply => ply::losses(model),
+        Format::Glb => gltf::losses(model),
+        Format::Off | Format::Stl | Format::Gltf => Vec::new(),
+    }
+}

@@ -1,0 +1,59 @@
+//! References to accessors and buffer views in a document, known ones and possible ones.
+
+use std::collections::HashSet;
+
+use serde_json::{Map, Value};
+
+use super::document::{array, index, items};
+use crate::error::Error;
+
+/// Numbers inside extensions and extras, any of which may be a reference.
+#[derive(Default)]
+pub(super) struct ExtensionNumbers {
+    pub(super) numbers: HashSet<usize>,
+    /// Whether an extension may name bytes of a buffer.
+    pub(super) names_bytes: bool,
+}
+
+impl ExtensionNumbers {
+    /// Collects the numbers of a document.
+    pub(super) fn of(root: &Map<String, Value>) -> Self {
+        let mut found = Self::default();
+        root.iter().for_each(|(key, value)| found.add(key, value, false));
+        found
+    }
+
+    fn add(&mut self, key: &str, value: &Value, inside: bool) {
+        let inside_now = inside || key == "extensions" || key == "extras";
+        self.names_bytes |= inside && matches!(key, "buffer" | "byteOffset" | "byteLength");
+        match value {
+            Value::Object(members) => members.iter().for_each(|(k, v)| self.add(k, v, inside_now)),
+            Value::Array(items) => items.iter().for_each(|v| self.add("", v, inside_now)),
+            Value::Number(_) if inside_now => self.numbers.extend(index(value)),
+            _ => {}
+        }
+    }
+}
+
+/// Checks whether a value contains a whole number.
+pub(super) fn has_number(value: &Value) -> bool {
+    match value {
+        Value::Array(items) => items.iter().any(has_number),
+        Value::Object(members) => members.values().any(has_number),
+        other => index(other).is_some(),
+    }
+}
+
+/// Returns the accessors that skins and animations refer to.
+pub(super) fn skin_and_animation_accessors(root: &Map<String, Value>) -> Result<HashSet<usize>, Error> {
+    let mut used = HashSet::new();
+    for skin in array(root, "skins")? {
+        used.extend(skin.get("inverseBindMatrices").and_then(index));
+    }
+    for animation in array(root, "animations")? {
+        for sampler in items(animation, "samplers") {
+            used.extend(["input", "output"].iter().filter_map(|key| sampler.get(*key)).filter_map(index));
+        }
+    }
+    Ok(used)
+}

@@ -1,0 +1,71 @@
+//! The glTF document around the parts of a model, kept as it was read.
+
+use serde_json::{Map, Value};
+
+use super::buffer::SharedBytes;
+use super::document::{array, items, whole};
+use super::spec::TRIANGLES;
+use crate::error::Error;
+
+/// A glTF document: everything around the parts, kept as it was read.
+#[derive(Debug, Clone, Default)]
+pub struct Scene {
+    /// The JSON, with the `uri` of each buffer removed.
+    pub(super) root: Map<String, Value>,
+    /// The bytes of each buffer, `byteLength` of them.
+    pub(super) buffers: Vec<SharedBytes>,
+    /// The primitive of each part of the model, in order.
+    pub(super) primitives: Vec<PrimitiveRef>,
+}
+
+/// The primitive of the document that a part was read from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct PrimitiveRef {
+    pub(super) mesh: usize,
+    pub(super) primitive: usize,
+    pub(super) mode: u64,
+}
+
+impl Scene {
+    /// Lists what the document holds besides the parts, in words, with counts. A format without scenes cannot keep it.
+    ///
+    /// ```
+    /// let json = br#"{"asset":{"version":"2.0"},"nodes":[{"scale":[2,2,2]}],"cameras":[{}]}"#;
+    /// let model = tristrip_io::gltf::read(json.to_vec(), None)?;
+    /// let scene = model.scene.unwrap_or_default();
+    /// assert_eq!(scene.beyond_parts(), ["nodes with a transform: 1", "cameras: 1"]);
+    /// # Ok::<(), tristrip_io::Error>(())
+    /// ```
+    pub fn beyond_parts(&self) -> Vec<String> {
+        let list = |name| array(&self.root, name).unwrap_or_default();
+        let is_transformed = |node: &&Value| {
+            ["matrix", "translation", "rotation", "scale"].iter().any(|key| node.get(*key).is_some())
+        };
+        let primitives = || list("meshes").iter().flat_map(|mesh| items(mesh, "primitives"));
+        let of_triangles = |p: &&Value| p.get("mode").and_then(whole).is_none_or(|mode| mode >= TRIANGLES);
+        let counts = [
+            (list("nodes").iter().filter(is_transformed).count(), "nodes with a transform"),
+            (primitives().filter(|p| !of_triangles(p)).count(), "primitives of points or lines"),
+            (primitives().filter(|p| p.get("targets").is_some()).count(), "primitives with morph targets"),
+            (list("skins").len(), "skins"),
+            (list("animations").len(), "animations"),
+            (list("textures").len(), "textures"),
+            (list("cameras").len(), "cameras"),
+        ];
+        counts
+            .iter()
+            .filter(|(count, _)| *count > 0)
+            .map(|(count, what)| format!("{what}: {count}"))
+            .collect()
+    }
+
+    /// Checks that there are as many parts as the scene had when it was read.
+    pub(super) fn check_part_count(&self, found: usize) -> Result<(), Error> {
+        let expected = self.primitives.len();
+        if found == expected {
+            return Ok(());
+        }
+        let message = format!("parts: found {found}, expected {expected} as in the scene that was read");
+        Err(Error::Unsupported(message))
+    }
+}

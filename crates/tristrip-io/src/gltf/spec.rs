@@ -1,0 +1,18 @@
+//! Numbers and names of the glTF specification and of its extensions that several modules use.
+
+/// The primitive mode of a triangle list.
+pub(super) const TRIANGLES: u64 = 4;
+pub(super) const TRIANGLE_STRIP: u64 = 5;
+pub(super) const TRIANGLE_FAN: u64 = 6;
+
+/// The `target` of a buffer view with vertex attributes.
+pub(super) const ARRAY_BUFFER: u32 = 34962;
+/// The `target` of a buffer view with indices.
+pub(super) const ELEMENT_ARRAY_BUFFER: u32 = 34963;
+
+/// The extension that allows the restart index.
+pub(super) const RESTART_EXTENSION: &str = "KHR_mesh_primitive_restart";
+
+/// Extensions that describe the order of indices, and become invalid when the indices change.
+pub(super) const ORDER_EXTENSIONS: [&str; 3] =
+    ["EXT_mesh_manifold", "EXT_mesh_primitive_edge_visibility", "EXT_mesh_primitive_restart"];
