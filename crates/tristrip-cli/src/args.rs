@@ -1,4 +1,4 @@
-//! The command line as typed: every flag with its short and long help. [`crate::task`] checks which flags fit together.
+//! The command line as typed: every flag with its short and long help. The module `task` checks which flags fit together.
 
 mod detail;
 

@@ -96,7 +96,7 @@ impl Console {
     /// Prints a line on a finished stage: name, result and time.
     pub(crate) fn stage(&self, name: &str, what: &str, seconds: Option<f64>) {
         let time = seconds.map(text::duration).unwrap_or_default();
-        self.print(format!("  {name:<9} {what:<62} {time:>8}").trim_end());
+        self.print(format!("  {name:<9} {what:<68} {time:>8}").trim_end());
     }
 
     /// Prints a note on an input.

@@ -188,7 +188,7 @@ fn write(
     let in_scene = smaller.model.scene.is_some() && target.format == Format::Glb;
     if smaller.kept > 0 && in_scene {
         let kept = counted(smaller.kept, "unused vertex");
-        let note = format!("kept {kept}: other parts of the scene may refer to vertices by number");
+        let note = format!("kept {kept}: other parts of the scene may refer to them");
         console.note(&note);
         report.notes.push(note);
     }

@@ -45,8 +45,8 @@ fn check_map(source: &Path, target: &Path, report: &Value) -> usize {
         for part in numbers(&group["parts"]) {
             let (old, new) = (&old.parts[part].mesh, &new.parts[part].mesh);
             assert_eq!(new.vertex_count(), map.len());
-            for (place, &from) in map.iter().enumerate() {
-                assert_eq!(new.positions()[place].map(f32::to_bits), old.positions()[from].map(f32::to_bits));
+            for (slot, &from) in map.iter().enumerate() {
+                assert_eq!(new.positions()[slot].map(f32::to_bits), old.positions()[from].map(f32::to_bits));
             }
             let order = tristrip::strip::VertexOrder::from_new_to_old(
                 &map.iter().map(|&v| u32::try_from(v).unwrap()).collect::<Vec<_>>(),
