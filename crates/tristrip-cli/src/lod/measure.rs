@@ -5,12 +5,13 @@ use serde::{Serialize, Serializer};
 use tristrip::lod::filter::{Filter, repair};
 use tristrip::{Error, Strips};
 
-use super::detail::{Detail, FilterName, Updates};
+use super::detail::{Detail, Updates};
 use super::levels::Levels;
 use crate::failure::Failure;
 use crate::figures::rounded;
 use crate::stages::Pool;
 use crate::text::{count, table};
+use crate::values::FilterName;
 
 /// A level, and what is sent to draw it.
 #[derive(Debug, Clone, PartialEq, Serialize)]

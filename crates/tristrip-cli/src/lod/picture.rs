@@ -2,10 +2,10 @@
 
 use clap::ValueEnum;
 
-use super::detail::FilterName;
 use super::measure::Row;
 use crate::chart::{Axis, Mark, Panel, Scale, Series, svg};
 use crate::failure::Failure;
+use crate::values::FilterName;
 
 /// Draws the rows of each model, by name, one below the other.
 pub(crate) fn draw(models: &[(String, &[Row])]) -> Result<String, Failure> {

@@ -9,13 +9,14 @@ use tristrip::Error;
 use tristrip::lod::filter::{Filter, Repair, repair};
 use tristrip::lod::traffic;
 
-use super::detail::{Detail, FilterName};
+use super::detail::Detail;
 use super::levels::Levels;
 use super::measure::LIST;
 use crate::failure::Failure;
 use crate::figures::rounded;
 use crate::stages::Pool;
 use crate::text::{grouped, table};
+use crate::values::FilterName;
 
 /// What one way to draw the levels of a model sends.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -19,9 +19,10 @@ use tristrip::lod::filter::repair;
 use tristrip::lod::traffic::gigabits;
 
 use crate::failure::Failure;
-use crate::lod::{Detail, FilterName, Levels, Refinement, Row, Sent, rows, totals};
-use crate::simplify::{Amount, Part, Ratio, simplify_all};
+use crate::lod::{Detail, Levels, Refinement, Row, Sent, rows, totals};
+use crate::simplify::{Part, simplify_all};
 use crate::stages::{Pool, Prepared};
+use crate::values::{Amount, FilterName, Ratio};
 
 /// The share of the triangles that the paper's base meshes have.
 const BASE: &str = "5%";
