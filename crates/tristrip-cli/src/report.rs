@@ -5,7 +5,7 @@ use tristrip::strip::Buffer;
 
 use crate::bound::Reached;
 use crate::figures::{Figures, MeshFigures};
-use crate::lod::{Row, Total};
+use crate::lod::rows::{FilterTotal, LevelRow};
 use crate::method::{Chosen, MethodReport};
 use crate::pareto::Point;
 use crate::reorder::GroupReport;
@@ -202,12 +202,12 @@ pub(crate) struct LodReport {
     /// Of the display strips.
     #[serde(flatten)]
     pub(crate) figures: Option<Figures>,
-    pub(crate) table: Option<Vec<Row>>,
+    pub(crate) table: Option<Vec<LevelRow>>,
     /// Sums over all levels.
-    pub(crate) compare: Option<Vec<Total>>,
+    pub(crate) compare: Option<Vec<FilterTotal>>,
     /// What the picture shows.
     #[serde(skip)]
-    pub(crate) rows: Vec<Row>,
+    pub(crate) rows: Vec<LevelRow>,
     pub(crate) plot: Option<String>,
     pub(crate) stopped: Option<Stopped>,
     pub(crate) parts: Option<usize>,
