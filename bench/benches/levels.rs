@@ -13,8 +13,8 @@ use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_mai
 use tristrip::lod::progressive::{Encoding, ProgressiveStrips};
 use tristrip::lod::{Filter, traffic};
 use tristrip::simplify::{self, simplify};
-use tristrip::strip::verify_drawing;
-use tristrip::{CollapseSequence, Faces, Method, Options, Strips, stripify};
+use tristrip::verify::verify_drawing;
+use tristrip::{CollapseSequence, Faces, Method, StripifyOptions, Strips, stripify};
 use tristrip_bench::models::{default_folder, find, load};
 
 /// Those of the folder that there are.
@@ -46,10 +46,10 @@ fn levels(criterion: &mut Criterion) {
     for source in sources.iter().filter(|source| MODELS.contains(&source.name.as_str())) {
         let fed = load(source).expect("a readable model");
         let mesh = fed.polygons.unwrap_or(fed.triangles);
-        let options = Options::default().with_method(Method::STRIPE);
+        let options = StripifyOptions::default().with_method(Method::STRIPE);
         let strips = stripify(&mesh, &options).expect("options that make sense");
         let list = strips.to_list();
-        let goal = simplify::Options::default().with_triangles(list.len() / 60);
+        let goal = simplify::SimplifyOptions::default().with_triangles(list.len() / 60);
         let sequence = simplify(&mesh, list, &goal).expect("a mesh that can be simplified").sequence;
         let maps = proven_maps(&strips, &sequence);
 

@@ -11,9 +11,10 @@ use std::path::Path;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use tristrip::strip::Cost;
-use tristrip::strip::{emit, verify};
+use tristrip::strip::emit;
 use tristrip::stripify::plan;
-use tristrip::{DualGraph, Mesh, Method, Options, Surface};
+use tristrip::verify::verify;
+use tristrip::{DualGraph, Mesh, Method, PreparedFaces, StripifyOptions};
 use tristrip_bench::methods::Named;
 use tristrip_bench::models::{Source, load};
 
@@ -27,10 +28,10 @@ fn mesh_of(name: &str) -> Mesh {
 }
 
 fn stages(criterion: &mut Criterion) {
-    let options = Options::default().with_method(Method::Sequential);
+    let options = StripifyOptions::default().with_method(Method::Sequential);
     for name in MODELS {
         let mesh = mesh_of(name);
-        let surface = Surface::new(&mesh, false);
+        let surface = PreparedFaces::new(&mesh, false);
         let graph = DualGraph::new(surface.faces());
         let chosen = plan(&surface, &graph, &options).expect("options that make sense");
         let strips = chosen.strips();
@@ -50,7 +51,7 @@ fn stages(criterion: &mut Criterion) {
 
 fn searches(criterion: &mut Criterion) {
     let mesh = mesh_of(SEARCHED);
-    let surface = Surface::new(&mesh, false);
+    let surface = PreparedFaces::new(&mesh, false);
     let graph = DualGraph::new(surface.faces());
     let mut group = criterion.benchmark_group(format!("{SEARCHED}, searches"));
     group.throughput(Throughput::Elements(mesh.faces().face_count() as u64)).sample_size(10);

@@ -9,15 +9,18 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use tristrip::strip::{Between, Buffer, BufferUse, GeneralizedCost, Metrics, VertexBuffer, lru_profile};
-use tristrip::{Method, Options, Strips, stripify};
+use tristrip::strip::Metrics;
+use tristrip::vertex_cache::{
+    FlushPolicy, GeneralizedCost, VertexCache, VertexCacheSimulator, VertexCacheStatistics, lru_profile,
+};
+use tristrip::{Method, StripifyOptions, Strips, stripify};
 use tristrip_bench::models::{default_folder, find, load};
 
 /// Those of the folder that there are.
 const MODELS: [&str; 3] = ["hand", "bunny", "dragon"];
 
-fn misses(strips: &Strips, buffer: Buffer, vertex_count: usize) -> usize {
-    let mut queue = VertexBuffer::new(buffer, vertex_count);
+fn misses(strips: &Strips, buffer: VertexCache, vertex_count: usize) -> usize {
+    let mut queue = VertexCacheSimulator::new(buffer, vertex_count);
     queue.send_all(black_box(strips.vertices()));
     queue.misses()
 }
@@ -26,37 +29,41 @@ fn buffers(criterion: &mut Criterion) {
     let sources = find(&default_folder()).expect("a folder of models");
     for source in sources.iter().filter(|source| MODELS.contains(&source.name.as_str())) {
         let mesh = load(source).expect("a readable model").triangles;
-        let options = Options::default().with_method(Method::Sequential);
+        let options = StripifyOptions::default().with_method(Method::Sequential);
         let strips = stripify(&mesh, &options).expect("options that make sense");
         let count = mesh.vertex_count();
         let eight = [4, 6, 8, 12, 16, 24, 32, 64];
-        let fifo = eight.map(Buffer::fifo);
-        let each = BufferUse::of_each(&strips, &fifo, Between::Keep, count);
-        let profile = lru_profile(&strips, 64, Between::Keep, count);
+        let fifo = eight.map(VertexCache::fifo);
+        let each = VertexCacheStatistics::of_each(&strips, &fifo, FlushPolicy::Keep, count);
+        let profile = lru_profile(&strips, 64, FlushPolicy::Keep, count);
         for (i, &places) in eight.iter().enumerate() {
             assert_eq!(each[i].misses, misses(&strips, fifo[i], count));
-            assert_eq!(profile[places as usize - 1], misses(&strips, Buffer::lru(places), count));
+            assert_eq!(profile[places as usize - 1], misses(&strips, VertexCache::lru(places), count));
         }
-        let two = GeneralizedCost::of(&strips, Buffer::fifo(2), Between::Flush, count);
+        let two = GeneralizedCost::of(&strips, VertexCache::fifo(2), FlushPolicy::Flush, count);
         assert_eq!(two.transmitted, Metrics::of(&strips).gl_cost);
 
         let mut group = criterion.benchmark_group(format!("{}, buffers", source.name));
         group.throughput(Throughput::Elements(strips.vertices_sent() as u64)).sample_size(20);
-        for buffer in
-            [Buffer::fifo(16), Buffer::fifo(64), Buffer::lru(16), Buffer::lru(64), Buffer::lru(4096)]
-        {
+        for buffer in [
+            VertexCache::fifo(16),
+            VertexCache::fifo(64),
+            VertexCache::lru(16),
+            VertexCache::lru(64),
+            VertexCache::lru(4096),
+        ] {
             group.bench_function(buffer.to_string(), |b| b.iter(|| misses(&strips, buffer, count)));
         }
-        let all = |buffer| BufferUse::of(&strips, buffer, Between::Keep, count);
-        group.bench_function("fifo:16 with triangles", |b| b.iter(|| all(Buffer::fifo(16))));
+        let all = |buffer| VertexCacheStatistics::of(&strips, buffer, FlushPolicy::Keep, count);
+        group.bench_function("fifo:16 with triangles", |b| b.iter(|| all(VertexCache::fifo(16))));
         group.bench_function("8 fifo", |b| {
-            b.iter(|| BufferUse::of_each(&strips, &fifo, Between::Keep, count))
+            b.iter(|| VertexCacheStatistics::of_each(&strips, &fifo, FlushPolicy::Keep, count))
         });
         for most in [64, 4096] {
             let name = format!("lru:1..{most}");
-            group.bench_function(name, |b| b.iter(|| lru_profile(&strips, most, Between::Keep, count)));
+            group.bench_function(name, |b| b.iter(|| lru_profile(&strips, most, FlushPolicy::Keep, count)));
         }
-        let generalized = || GeneralizedCost::of(&strips, Buffer::fifo(16), Between::Flush, count);
+        let generalized = || GeneralizedCost::of(&strips, VertexCache::fifo(16), FlushPolicy::Flush, count);
         group.bench_function("generalized fifo:16", |b| b.iter(generalized));
         group.finish();
     }

@@ -15,7 +15,9 @@
 use std::time::Instant;
 
 use serde::Serialize;
-use tristrip::strip::{Between, Buffer, BufferUse, Cost, Metrics, VertexBuffer, verify};
+use tristrip::strip::{Cost, Metrics};
+use tristrip::verify::verify;
+use tristrip::vertex_cache::{FlushPolicy, VertexCache, VertexCacheSimulator, VertexCacheStatistics};
 use tristrip::{Mesh, Method, Strips, stripify};
 
 use crate::Failure;
@@ -25,9 +27,9 @@ use crate::models::{Source, load};
 use crate::rivals::{Pipeline, strips_of};
 
 /// The buffer that everything is judged by.
-pub const BUFFER: Buffer = Buffer::fifo(16);
+pub const BUFFER: VertexCache = VertexCache::fifo(16);
 /// A buffer of one place less, which gives the figures that the peers' table has for 16 places.
-pub const SMALLER: Buffer = Buffer::fifo(15);
+pub const SMALLER: VertexCache = VertexCache::fifo(15);
 /// The effort of the longer searches,
 pub const EFFORT: u8 = 5;
 /// and on models of more triangles than [`LARGE`].
@@ -37,7 +39,7 @@ pub const LARGE: usize = 150_000;
 /// Models on which the simulators are timed, on the strips of `cache`.
 pub const SIMULATED: [&str; 2] = ["bunny", "dragon"];
 /// The simulators that are timed.
-const SIMULATORS: [Buffer; 2] = [Buffer::fifo(16), Buffer::lru(16)];
+const SIMULATORS: [VertexCache; 2] = [VertexCache::fifo(16), VertexCache::lru(16)];
 const SIMULATOR_ROUNDS: usize = 15;
 
 /// What some strips cost.
@@ -159,7 +161,8 @@ fn point(
     let strips = run()?;
     let seconds = start.elapsed().as_secs_f64();
     verify(mesh, &strips).map_err(|error| format!("not proven: {error}"))?;
-    let both = BufferUse::of_each(&strips, &[BUFFER, SMALLER], Between::Keep, mesh.vertex_count());
+    let both =
+        VertexCacheStatistics::of_each(&strips, &[BUFFER, SMALLER], FlushPolicy::Keep, mesh.vertex_count());
     let point = Point {
         by: name.into(),
         proven: true,
@@ -174,9 +177,9 @@ fn point(
 /// Times the simulators in turns, after their answers were compared with those of a buffer that is sent one vertex after the other.
 fn simulate(strips: &Strips, vertex_count: usize) -> Result<Vec<Simulator>, Failure> {
     let mut times = SIMULATORS.map(|_| Vec::new());
-    let run = |buffer| BufferUse::of(strips, buffer, Between::Keep, vertex_count).misses;
+    let run = |buffer| VertexCacheStatistics::of(strips, buffer, FlushPolicy::Keep, vertex_count).misses;
     let expected = SIMULATORS.map(|buffer| {
-        let mut one_by_one = VertexBuffer::new(buffer, vertex_count);
+        let mut one_by_one = VertexCacheSimulator::new(buffer, vertex_count);
         strips.vertices().iter().filter(|&&vertex| !one_by_one.send(vertex)).count()
     });
     for _ in 0..SIMULATOR_ROUNDS {
@@ -190,7 +193,7 @@ fn simulate(strips: &Strips, vertex_count: usize) -> Result<Vec<Simulator>, Fail
         }
     }
     let speed = |times| strips.vertices_sent() as f64 / median(times);
-    let simulator = |(buffer, times): (Buffer, _)| Simulator {
+    let simulator = |(buffer, times): (VertexCache, _)| Simulator {
         buffer: buffer.to_string(),
         indices_per_second: speed(times),
     };

@@ -7,8 +7,9 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
-use tristrip::strip::{Between, Buffer, BufferUse, verify};
-use tristrip::{Layout, Options, Strips, stripify};
+use tristrip::verify::verify;
+use tristrip::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
+use tristrip::{Layout, StripifyOptions, Strips, stripify};
 use tristrip_io::{Drawing, Format, Model, Part, read_path, write};
 
 use crate::methods::{Named, all_methods, main_methods};
@@ -149,8 +150,8 @@ fn index_buffers(model: &Model, strips: &[Strips]) -> [(&'static str, String); 5
     let of = |layout: fn(&Strips) -> Vec<u32>| hash_of(strips.iter().map(layout).collect::<Vec<_>>());
     let misses = |(part, strips): (&Part, &Strips)| {
         let count = part.mesh.vertex_count();
-        [Buffer::fifo(16), Buffer::lru(16)]
-            .map(|b| BufferUse::of(strips, b, Between::default(), count).misses)
+        [VertexCache::fifo(16), VertexCache::lru(16)]
+            .map(|b| VertexCacheStatistics::of(strips, b, FlushPolicy::default(), count).misses)
     };
     [
         ("restart", of(|strips| strips.to_restart(u32::MAX))),
@@ -162,7 +163,7 @@ fn index_buffers(model: &Model, strips: &[Strips]) -> [(&'static str, String); 5
 }
 
 /// Strips every part, the parts in parallel and in order, as the command does.
-fn strip(model: &Model, options: &Options) -> Result<Vec<Strips>, tristrip::Error> {
+fn strip(model: &Model, options: &StripifyOptions) -> Result<Vec<Strips>, tristrip::Error> {
     model.parts.par_iter().map(|part| stripify(&part.mesh, options)).collect()
 }
 

@@ -8,11 +8,11 @@
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 use tristrip::lod::Filter;
-use tristrip::lod::filter::{Repair, repair};
 use tristrip::lod::progressive::{Encoding, ProgressiveMesh, ProgressiveStrips};
+use tristrip::lod::{Repair, RepairOptions};
 use tristrip::simplify::{self, simplify};
 use tristrip::stripify::Effort;
-use tristrip::{CollapseSequence, Mesh, Method, Options, Strips, stripify};
+use tristrip::{CollapseSequence, Mesh, Method, StripifyOptions, Strips, stripify};
 
 use crate::Failure;
 
@@ -62,8 +62,8 @@ impl Hashes {
 /// # Errors
 /// The mesh has too many triangles.
 pub fn check(mesh: &Mesh, hashes: bool) -> Result<Checked, Failure> {
-    let strips = stripify(mesh, &Options::default().with_method(Method::STRIPE))?;
-    let sequence = simplify(mesh, strips.to_list(), &simplify::Options::default())?.sequence;
+    let strips = stripify(mesh, &StripifyOptions::default().with_method(Method::STRIPE))?;
+    let sequence = simplify(mesh, strips.to_list(), &simplify::SimplifyOptions::default())?.sequence;
     let mut checked = Checked::default();
     if let Err(error) = sequence.check() {
         checked.faults.push(format!("the collapses are not what they say: {error}"));
@@ -152,7 +152,7 @@ fn repaired(
     checked: &mut Checked,
     hashes: &mut Hashes,
 ) -> Result<(), Failure> {
-    let options = repair::Options::default().with_effort(Effort::new(1).unwrap_or_default());
+    let options = RepairOptions::default().with_effort(Effort::new(1).unwrap_or_default());
     let mut repair = Repair::new(sequence, strips, options)?;
     let there: Vec<usize> = levels(sequence, count).collect();
     let back = there.iter().rev().step_by(10);
@@ -180,7 +180,7 @@ impl Drawing {
     fn of(triangles: impl Iterator<Item = [u32; 3]>) -> Self {
         let mut drawing = Self { count: 0, sums: [0; 2] };
         for triangle in triangles {
-            let [a, b, c] = lowest_first(triangle).map(u64::from);
+            let [a, b, c] = canonical_triangle(triangle).map(u64::from);
             for (sum, seed) in drawing.sums.iter_mut().zip([0x9e37_79b9_7f4a_7c15, 0xc2b2_ae3d_27d4_eb4f]) {
                 *sum = sum.wrapping_add(mixed(mixed(mixed(seed ^ a) ^ b) ^ c));
             }
@@ -190,7 +190,7 @@ impl Drawing {
     }
 }
 
-fn lowest_first([a, b, c]: [u32; 3]) -> [u32; 3] {
+fn canonical_triangle([a, b, c]: [u32; 3]) -> [u32; 3] {
     [[a, b, c], [b, c, a], [c, a, b]].into_iter().min().unwrap_or([a, b, c])
 }
 

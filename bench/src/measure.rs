@@ -10,7 +10,8 @@
 use std::time::Instant;
 
 use serde::Serialize;
-use tristrip::strip::{Metrics, verify};
+use tristrip::strip::Metrics;
+use tristrip::verify::verify;
 use tristrip::{Mesh, Strips, stripify};
 
 use crate::Failure;

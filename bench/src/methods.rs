@@ -1,8 +1,9 @@
 //! The methods by the names that the command gives them.
 
-use tristrip::strip::{Buffer, Cost};
-use tristrip::stripify::{Effort, EtaOptions, Prefer};
-use tristrip::{FaceTriangulation, Method, Options, Patches, Ties};
+use tristrip::strip::Cost;
+use tristrip::stripify::{Effort, EtaOptions, Objective};
+use tristrip::vertex_cache::VertexCache;
+use tristrip::{FaceTriangulation, Method, Patches, StripifyOptions, Ties};
 
 const TRIANGULATIONS: [(FaceTriangulation, &str); 3] = [
     (FaceTriangulation::Static, "static"),
@@ -26,8 +27,8 @@ pub const COSTS: [(Cost, &str); 4] = [
     (Cost::Gl, "gl"),
 ];
 /// What `cache` prefers, by the names that the command gives it.
-pub const PREFERENCES: [(Prefer, &str); 3] =
-    [(Prefer::Indices, "indices"), (Prefer::Balanced, "balanced"), (Prefer::Misses, "misses")];
+pub const PREFERENCES: [(Objective, &str); 3] =
+    [(Objective::Indices, "indices"), (Objective::Balanced, "balanced"), (Objective::Misses, "misses")];
 /// The name of `best` among the main methods: for restarts, at an effort that a build of assets does not notice.
 pub const BEST: &str = "best 2";
 /// The name of `fewest` among the main methods: at the least effort, as it is tried on every model many times.
@@ -46,12 +47,12 @@ pub struct Named {
     /// As on the command line, options after it; `stripe` is the global algorithm as its authors recommend it.
     pub name: String,
     /// The method with its cost and effort.
-    pub options: Options,
+    pub options: StripifyOptions,
 }
 
 impl Named {
     fn new(name: impl Into<String>, method: Method) -> Self {
-        Self { name: name.into(), options: Options::default().with_method(method) }
+        Self { name: name.into(), options: StripifyOptions::default().with_method(method) }
     }
 
     /// Names a search by its method's name, the effort, and the cost unless it is the usual one.
@@ -70,10 +71,10 @@ impl Named {
     }
 
     /// Names `cache` by its buffer and what it prefers.
-    pub fn cache(buffer: Buffer, prefer: Prefer) -> Self {
+    pub fn cache(buffer: VertexCache, prefer: Objective) -> Self {
         let preferred = PREFERENCES.iter().find(|(each, _)| *each == prefer).map_or("", |(_, name)| *name);
         let mut named = Self::new(format!("cache {buffer} {preferred}"), Method::Cache);
-        named.options = named.options.with_buffer(buffer).with_prefer(prefer);
+        named.options = named.options.with_vertex_cache(buffer).with_objective(prefer);
         named
     }
 
@@ -108,7 +109,7 @@ pub fn main_methods() -> Vec<Named> {
         Named::search(Method::Best, 2, Cost::Restart),
         Named::search(Method::Fewest, 0, Cost::Restart),
         named(ETA, Method::Eta(EtaOptions::default().with_length(ETA_LENGTH))),
-        Named::cache(Buffer::default(), Prefer::default()),
+        Named::cache(VertexCache::default(), Objective::default()),
     ]
 }
 
@@ -131,10 +132,10 @@ pub fn all_methods() -> Vec<Named> {
             }
         }
     }
-    let buffers = [Buffer::fifo(16), Buffer::lru(8)];
+    let buffers = [VertexCache::fifo(16), VertexCache::lru(8)];
     for (buffer, (prefer, _)) in buffers.into_iter().flat_map(|buffer| PREFERENCES.map(|each| (buffer, each)))
     {
-        if (buffer, prefer) != (Buffer::default(), Prefer::default()) {
+        if (buffer, prefer) != (VertexCache::default(), Objective::default()) {
             methods.push(Named::cache(buffer, prefer));
         }
     }

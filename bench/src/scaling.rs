@@ -15,8 +15,8 @@
 use std::time::Instant;
 
 use serde::Serialize;
-use tristrip::strip::verify;
-use tristrip::{DualGraph, Faces, HalfEdge, Mesh, Method, Options, stripify};
+use tristrip::verify::verify;
+use tristrip::{DualGraph, Faces, HalfEdge, Mesh, Method, StripifyOptions, stripify};
 
 use crate::Failure;
 use crate::measure::median;
@@ -61,7 +61,7 @@ impl Scaling {
 /// # Errors
 /// A result is not proven, or a level has more vertices than ids can name.
 pub fn scale(model: &str, mesh: Mesh, rounds: usize) -> Result<Scaling, Failure> {
-    let options = Options::default().with_method(Method::Sequential);
+    let options = StripifyOptions::default().with_method(Method::Sequential);
     let mut levels = Vec::new();
     let mut mesh = mesh;
     loop {

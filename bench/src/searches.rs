@@ -8,10 +8,12 @@ use std::collections::BTreeMap;
 use std::time::Instant;
 
 use serde::Serialize;
-use tristrip::strip::{Between, Buffer, BufferUse, Cost, Metrics, verify};
+use tristrip::strip::{Cost, Metrics};
 use tristrip::stripify::EtaOptions;
 use tristrip::stripify::bound::Bound;
-use tristrip::{DualGraph, Mesh, Method, Options, Surface, stripify};
+use tristrip::verify::verify;
+use tristrip::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
+use tristrip::{DualGraph, Mesh, Method, PreparedFaces, StripifyOptions, stripify};
 
 use crate::Failure;
 use crate::measure::{Row, median};
@@ -183,11 +185,11 @@ pub fn search(
     let count = mesh.faces().face_count();
     let name = source.name.as_str();
     let best = PEER_COSTS.map(|cost| run(&mesh, Named::search(Method::Best, depth.best(count), cost)));
-    let eta = Options::default().with_method(Method::Eta(EtaOptions::default()));
+    let eta = StripifyOptions::default().with_method(Method::Eta(EtaOptions::default()));
     let eta = published.map(|_| run(&mesh, Named { name: "eta".into(), options: eta })).transpose()?;
     let vertices = Named::search(Method::Best, depth.best(count), Cost::OpenGl);
     let polygons = polygons.filter(|_| POLYGONS.contains(&name));
-    let surface = Surface::new(&mesh, false);
+    let surface = PreparedFaces::new(&mesh, false);
     let graph = DualGraph::new(surface.faces());
     Ok(Searched {
         model: name.into(),
@@ -232,7 +234,8 @@ fn once(mesh: &Mesh, named: &Named) -> Result<Search, Failure> {
         }
     }
     let metrics = Metrics::of(&strips);
-    let buffer = BufferUse::of(&strips, Buffer::fifo(32), Between::Keep, mesh.vertex_count());
+    let buffer =
+        VertexCacheStatistics::of(&strips, VertexCache::fifo(32), FlushPolicy::Keep, mesh.vertex_count());
     let row = Row {
         method: named.name.clone(),
         proven: true,

@@ -2,14 +2,14 @@
 //! same when it is read again.
 #![no_main]
 
-use tristrip::strip::verify_models;
-use tristrip::{Layout, Mesh, Method, Options, Strips, stripify};
+use tristrip::verify::verify_models;
+use tristrip::{Layout, Mesh, Method, StripifyOptions, Strips, stripify};
 use tristrip_io::{Drawing, Format, Model, read, reorder, write};
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     for format in [Format::Gltf, Format::Glb] {
         let Ok(model) = read(data, format) else { continue };
-        let options = Options::default().with_method(Method::Input);
+        let options = StripifyOptions::default().with_method(Method::Input);
         let of = |mesh| stripify(mesh, &options).expect("the order of the input has strips");
         let strips: Vec<Strips> = meshes(&model).into_iter().map(of).collect();
         let ordered = reorder(&model, &strips, Format::Glb, Layout::Degenerate).expect("strips of the model");

@@ -2,12 +2,12 @@
 //! the same triangles; none is below a lower bound.
 #![no_main]
 
-use tristrip::strip::{Buffer, Cost, Metrics, strip_triangles, verify};
+use tristrip::strip::{Cost, Metrics, strip_triangles};
+use tristrip::verify::verify;
+use tristrip::vertex_cache::VertexCache;
 use tristrip::stripify::bound::Bound;
-use tristrip::stripify::{Effort, EtaOptions, Prefer, Start, plan};
-use tristrip::{
-    DualGraph, Error, FaceTriangulation, Faces, Mesh, Method, Options, Patches, Strips, Surface, Ties,
-};
+use tristrip::stripify::{Effort, EtaOptions, Objective, Start, plan};
+use tristrip::{DualGraph, Error, FaceTriangulation, Faces, Mesh, Method, Patches, PreparedFaces, StripifyOptions, Strips, Ties};
 
 const RESTART: u32 = u32::MAX;
 
@@ -16,7 +16,7 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     let (weld, seed) = (bytes.next().is_multiple_of(2), bytes.word().into());
     let cutoff = bytes.next().into();
     let mesh = mesh(&mut bytes);
-    let surface = Surface::new(&mesh, weld);
+    let surface = PreparedFaces::new(&mesh, weld);
     let graph = DualGraph::new(surface.faces());
     assert_eq!(graph.check(), Ok(()));
     // Welded vertices have the same bits, so that strips over them are held to the faces with the same names for them.
@@ -26,10 +26,10 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     for method in methods(cutoff) {
         let level = if method == Method::Cache { 5 } else { u8::from(method == Method::Best) };
         let effort = Effort::new(level).expect("a level");
-        let options = Options::default().with_method(method).with_weld(weld).with_seed(seed);
-        let buffer = if cutoff.is_multiple_of(2) { Buffer::fifo(cutoff) } else { Buffer::lru(cutoff) };
-        let prefer = [Prefer::Indices, Prefer::Balanced, Prefer::Misses][cutoff as usize % 3];
-        let options = options.with_cost(cost).with_effort(effort).with_buffer(buffer).with_prefer(prefer);
+        let options = StripifyOptions::default().with_method(method).with_weld(weld).with_seed(seed);
+        let buffer = if cutoff.is_multiple_of(2) { VertexCache::fifo(cutoff) } else { VertexCache::lru(cutoff) };
+        let prefer = [Objective::Indices, Objective::Balanced, Objective::Misses][cutoff as usize % 3];
+        let options = options.with_cost(cost).with_effort(effort).with_vertex_cache(buffer).with_objective(prefer);
         let plan = match plan(&surface, &graph, &options) {
             Ok(plan) => plan,
             Err(Error::Parameter { .. }) => continue,
@@ -55,12 +55,12 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
 
 /// Triangles from their lowest vertex on, sorted.
 fn sorted(triangles: impl Iterator<Item = [u32; 3]>) -> Vec<[u32; 3]> {
-    let lowest_first = |mut t: [u32; 3]| {
+    let canonical_triangle = |mut t: [u32; 3]| {
         let lowest = (0..3).min_by_key(|&i| t[i]).unwrap_or(0);
         t.rotate_left(lowest);
         t
     };
-    let mut all: Vec<_> = triangles.map(lowest_first).collect();
+    let mut all: Vec<_> = triangles.map(canonical_triangle).collect();
     all.sort_unstable();
     all
 }

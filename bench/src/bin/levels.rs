@@ -15,12 +15,12 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Parser;
-use tristrip::lod::filter::{Repair, repair};
 use tristrip::lod::progressive::{Encoding, ProgressiveStrips};
 use tristrip::lod::{Filter, traffic};
+use tristrip::lod::{Repair, repair};
 use tristrip::simplify::{self, Simplification, simplify};
 use tristrip::stripify::Effort;
-use tristrip::{CollapseSequence, Mesh, Method, Options, Strips, stripify};
+use tristrip::{CollapseSequence, Mesh, Method, StripifyOptions, Strips, stripify};
 use tristrip_bench::bars::Bar;
 use tristrip_bench::distance::two_sided_rms;
 use tristrip_bench::measure::median;
@@ -159,7 +159,7 @@ fn measure(name: &str, mesh: &Mesh, share: usize, rounds: usize) -> Result<Simpl
     let target = triangles.len() / 3 / share;
     let bytes: Vec<u8> = mesh.positions().iter().flatten().flat_map(|x| x.to_ne_bytes()).collect();
     let adapter = meshopt::VertexDataAdapter::new(&bytes, 12, 0)?;
-    let options = simplify::Options::default().with_triangles(target);
+    let options = simplify::SimplifyOptions::default().with_triangles(target);
     let (mut times, mut theirs, mut ours) = ([Vec::new(), Vec::new()], Vec::new(), None);
     for _ in 0..rounds {
         let input = triangles.to_vec();
@@ -204,9 +204,9 @@ fn follow(source: &Source, name: &'static str, method: Method, rounds: usize) ->
     if let Some(fault) = faults.first() {
         return Err(format!("{}: {fault}", source.name).into());
     }
-    let strips = stripify(&mesh, &Options::default().with_method(method))?;
+    let strips = stripify(&mesh, &StripifyOptions::default().with_method(method))?;
     let list = strips.to_list();
-    let options = simplify::Options::default().with_triangles(list.len() / 60);
+    let options = simplify::SimplifyOptions::default().with_triangles(list.len() / 60);
     let sequence = simplify(&mesh, list, &options)?.sequence;
     let mut base = Vec::new();
     let totals = traffic::walk(&strips, &sequence, |level| {
@@ -218,7 +218,7 @@ fn follow(source: &Source, name: &'static str, method: Method, rounds: usize) ->
 
     let start = Instant::now();
     let mut repair =
-        Repair::new(&sequence, &strips, repair::Options::default().with_effort(Effort::default()))?;
+        Repair::new(&sequence, &strips, RepairOptions::default().with_effort(Effort::default()))?;
     let mut sent = repair.vertices_sent() as u64;
     while repair.coarsen() {
         sent += repair.vertices_sent() as u64;

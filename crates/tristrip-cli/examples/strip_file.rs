@@ -7,8 +7,8 @@ use tristrip_io::Drawing;
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let model = tristrip_io::read_path("testdata/models/hand.ply")?;
     let mesh = &model.parts[0].mesh;
-    let strips = tristrip::stripify(mesh, &tristrip::Options::default())?;
-    let proof = tristrip::strip::verify(mesh, &strips)?;
+    let strips = tristrip::stripify(mesh, &tristrip::StripifyOptions::default())?;
+    let proof = tristrip::verify::verify(mesh, &strips)?;
     tristrip_io::write_path("hand.glb", &model, &[Drawing::Strips(&strips)], Layout::Degenerate)?;
     println!("{} strips draw {} faces", strips.len(), proof.faces);
     Ok(())

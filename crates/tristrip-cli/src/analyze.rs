@@ -6,7 +6,7 @@ mod stored;
 use std::cell::RefCell;
 
 use serde::Serialize;
-use tristrip::strip::{Between, Buffer, BufferUse};
+use tristrip::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
 use tristrip_io::Part;
 
 use crate::batch::{self, InputReport, Outcome};
@@ -79,7 +79,7 @@ impl InputReport for AnalyzeReport {
 
 /// Analyzes all inputs in order, and draws the chart; returns whether all succeeded.
 pub(crate) fn run(task: &AnalyzeTask, pool: &Pool, console: &mut Console) -> bool {
-    let flushed = task.flush_policy == Between::Flush;
+    let flushed = task.flush_policy == FlushPolicy::Flush;
     let new_report =
         |input: &Input| AnalyzeReport { file: input.name(), flushed, ..AnalyzeReport::default() };
     let curves = RefCell::new(Vec::new());
@@ -147,7 +147,7 @@ fn analyze(
     let figures =
         StoredFigures { vertices: vertices_of(&stored), ..stored.iter().map(|one| one.figures).sum() };
     let (triangles, vertices) = (figures.triangles, figures.vertices);
-    let total = |misses| BufferUse { misses, triangles, vertices };
+    let total = |misses| VertexCacheStatistics { misses, triangles, vertices };
     let sum = |i: usize| total(report.by_part.iter().map(|part| part.misses[i]).sum());
     report.vertex_caches =
         caches.iter().enumerate().map(|(i, &cache)| VertexCacheRow::of(cache, sum(i))).collect();
@@ -166,7 +166,7 @@ fn analyze(
 }
 
 impl VertexCacheRow {
-    fn of(cache: Buffer, used: BufferUse) -> Self {
+    fn of(cache: VertexCache, used: VertexCacheStatistics) -> Self {
         let (acmr, atvr) = (rounded(used.acmr()), rounded(used.atvr()));
         Self { vertex_cache: cache.to_string(), misses: used.misses, acmr, atvr }
     }

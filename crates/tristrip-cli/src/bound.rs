@@ -2,8 +2,8 @@
 
 use serde::Serialize;
 use tristrip::strip::Cost;
-use tristrip::stripify::bound::{Bound, Proof, sequential_strip};
-use tristrip::{Method, Options};
+use tristrip::stripify::bound::{Bound, BoundMethod, sequential_strip};
+use tristrip::{Method, StripifyOptions};
 
 use crate::batch::{self, InputReport, Outcome};
 use crate::console::Console;
@@ -80,7 +80,7 @@ impl Bounds {
     }
 
     /// Compares the figure that the method minimizes with its bound; returns `None` for methods that do not search.
-    pub(crate) fn gap(&self, options: &Options, figures: &Figures) -> Option<BoundGap> {
+    pub(crate) fn gap(&self, options: &StripifyOptions, figures: &Figures) -> Option<BoundGap> {
         let (figure, found, bound) = match (options.method(), options.cost()) {
             (Method::Fewest, _) => ("strips", figures.strips, self.strips),
             (Method::Auto | Method::Best, Cost::Restart) => {
@@ -138,7 +138,7 @@ pub(crate) fn run(task: &BoundTask, pool: &Pool, console: &mut Console) -> bool 
 
 fn bound(
     input: &Input,
-    options: &Options,
+    options: &StripifyOptions,
     pool: &Pool,
     console: &Console,
     report: &mut BoundReport,
@@ -173,12 +173,12 @@ fn bound(
     Ok(())
 }
 
-fn proof_name(proof: Proof) -> &'static str {
+fn proof_name(proof: BoundMethod) -> &'static str {
     match proof {
-        Proof::Leaves => "leaves",
-        Proof::Matching => "matching",
-        Proof::Pieces => "subproblems",
-        Proof::Exact => "exact",
+        BoundMethod::Leaves => "leaves",
+        BoundMethod::Matching => "matching",
+        BoundMethod::Pieces => "subproblems",
+        BoundMethod::Exact => "exact",
         _ => "one-strip",
     }
 }

@@ -1,7 +1,7 @@
 //! `tristrip compare`: all methods on the same model side by side, each result proven.
 
 use serde::Serialize;
-use tristrip::{Method, Options};
+use tristrip::{Method, StripifyOptions};
 
 use crate::batch::{self, InputReport, Outcome};
 use crate::console::Console;
@@ -128,7 +128,7 @@ fn compare(
 }
 
 /// Runs one method; its row has figures only if the result is proven.
-fn row(parts: &[Prepared<'_>], options: &Options, pool: &Pool, watch: &SearchWatch) -> MethodRow {
+fn row(parts: &[Prepared<'_>], options: &StripifyOptions, pool: &Pool, watch: &SearchWatch) -> MethodRow {
     let mut row = MethodRow {
         method: MethodReport::of(options),
         chosen: None,

@@ -1,7 +1,7 @@
 //! `tristrip convert`: converts between formats and strip layouts, without building new strips.
 
 use serde::Serialize;
-use tristrip::{Mesh, Method, Options};
+use tristrip::{Mesh, Method, StripifyOptions};
 use tristrip_io::{Drawing, Format, Part};
 
 use crate::batch::{self, InputReport, Outcome};
@@ -77,7 +77,7 @@ fn convert(
     if any {
         console.doing("strips in the input's order");
         let (parts, dual_seconds) = timed(|| prepare(pool, &stripped, false));
-        let options = Options::default().with_method(Method::Input);
+        let options = StripifyOptions::default().with_method(Method::Input);
         let (found, seconds) = timed(|| find_strips(pool, &parts, &options, &()));
         strips = found?.strips;
         report.seconds.dual = Some(dual_seconds);

@@ -3,9 +3,10 @@
 use std::collections::HashMap;
 
 use serde::Serialize;
-use tristrip::mesh::MeshReport;
-use tristrip::strip::{Between, Buffer, BufferUse, Metrics};
-use tristrip::{Method, Options, Strips};
+use tristrip::dual::MeshReport;
+use tristrip::strip::Metrics;
+use tristrip::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
+use tristrip::{Method, StripifyOptions, Strips};
 
 use crate::stages::{Pool, Prepared};
 use crate::text::{count, counted, table};
@@ -34,7 +35,7 @@ pub(crate) struct Figures {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(crate) atvr: Option<f64>,
     #[serde(skip)]
-    pub(crate) optimized_cache: Option<(Buffer, usize)>,
+    pub(crate) optimized_cache: Option<(VertexCache, usize)>,
     #[serde(skip)]
     pub(crate) misses_fifo_16: usize,
     #[serde(skip)]
@@ -43,19 +44,24 @@ pub(crate) struct Figures {
 
 impl Figures {
     /// Measures the strips of all parts, drawn one part after the other.
-    pub(crate) fn of(pool: &Pool, parts: &[Prepared<'_>], strips: &[Strips], options: &Options) -> Self {
-        let optimized_cache = (options.method() == Method::Cache).then(|| options.buffer());
+    pub(crate) fn of(
+        pool: &Pool,
+        parts: &[Prepared<'_>],
+        strips: &[Strips],
+        options: &StripifyOptions,
+    ) -> Self {
+        let optimized_cache = (options.method() == Method::Cache).then(|| options.vertex_cache());
         let pairs: Vec<_> = parts.iter().zip(strips).collect();
         let measured = pool.map(&pairs, |(part, strips)| {
             let vertices = part.mesh.vertex_count();
-            let simulate = |cache| BufferUse::of(strips, cache, Between::Keep, vertices);
-            let (fifo_16, fifo_32) = (simulate(Buffer::fifo(16)), simulate(Buffer::fifo(32)));
+            let simulate = |cache| VertexCacheStatistics::of(strips, cache, FlushPolicy::Keep, vertices);
+            let (fifo_16, fifo_32) = (simulate(VertexCache::fifo(16)), simulate(VertexCache::fifo(32)));
             (Metrics::of(strips), fifo_16, fifo_32, optimized_cache.map(simulate))
         });
         let metrics: Metrics = measured.iter().map(|m| m.0).sum();
-        let fifo_16: BufferUse = measured.iter().map(|m| m.1).sum();
-        let fifo_32: BufferUse = measured.iter().map(|m| m.2).sum();
-        let optimized: BufferUse = measured.iter().filter_map(|m| m.3).sum();
+        let fifo_16: VertexCacheStatistics = measured.iter().map(|m| m.1).sum();
+        let fifo_32: VertexCacheStatistics = measured.iter().map(|m| m.2).sum();
+        let optimized: VertexCacheStatistics = measured.iter().filter_map(|m| m.3).sum();
         Self {
             triangles: metrics.triangles,
             strips: metrics.strips,
@@ -156,7 +162,7 @@ impl Figures {
             ratio("misses, FIFO 32 (ACMR)", self.misses_fifo_32, format!("ATVR {:.3}", self.atvr_fifo_32)),
         ];
         if let (Some((cache, misses)), Some(atvr)) = (self.optimized_cache, self.atvr)
-            && ![Buffer::fifo(16), Buffer::fifo(32)].contains(&cache)
+            && ![VertexCache::fifo(16), VertexCache::fifo(32)].contains(&cache)
         {
             rows.push(ratio(&format!("misses, {cache} (ACMR)"), misses, format!("ATVR {atvr:.3}")));
         }

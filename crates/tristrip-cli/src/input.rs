@@ -3,7 +3,7 @@
 use std::io::Read;
 use std::path::Path;
 
-use tristrip::{Mesh, Options};
+use tristrip::{Mesh, StripifyOptions};
 use tristrip_io::{Format, Model};
 
 use crate::failure::Failure;
@@ -36,7 +36,7 @@ pub(crate) fn load(input: &Input) -> Result<Model, Failure> {
 }
 
 /// Returns the options adapted to a model: welding is disabled, with a note, if vertices may differ in values that were not read.
-pub(crate) fn fitted(options: Options, model: &mut Model) -> Options {
+pub(crate) fn fitted(options: StripifyOptions, model: &mut Model) -> StripifyOptions {
     if options.weld() && tristrip_io::gltf::has_unread_vertex_values(model) {
         let why = "vertices may differ in morph targets or in attributes that were not decoded";
         model.notes.push(format!("not welded: {why}"));

@@ -1,16 +1,17 @@
-//! `tristrip lod`: any level of detail, drawn with the strips of the full mesh.
+//! `tristrip lod`: levels of detail drawn with the strips of the full mesh.
 //!
 //! ```text
 //! load ─ strips of the full mesh ─ their triangles ─ simplify ─▶ collapses of each part ─ levels of the model
-//!                  └──────────────── renamed for a level ─ filter ─▶ display strips ─ prove ─ write ─ read again, prove
+//!                  └──────── vertices renamed for a level ─ filter ─▶ display strips ─ prove ─ write ─ read again, prove
 //! ```
 
-mod detail;
-mod levels;
-mod measure;
-mod picture;
+pub(crate) mod levels;
+pub(crate) mod measure;
+pub(crate) mod part;
+mod plot;
 mod report;
-mod totals;
+pub(crate) mod rows;
+pub(crate) mod totals;
 
 use tristrip::Strips;
 use tristrip_io::{Drawing, Model};
@@ -29,31 +30,31 @@ use crate::survey::Loaded;
 use crate::task::{Job, LodTask, Output};
 use crate::text::{count, counted};
 use crate::values::{Amount, layout_name};
-pub(crate) use detail::Detail;
-pub(crate) use levels::Levels;
-pub(crate) use measure::{Refinement, Row, Sent, rows};
+use levels::Levels;
+use measure::measure_levels;
+use part::LodPart;
 use report::{LodReport, LodSeconds};
-pub(crate) use totals::totals;
+use totals::totals;
 
-/// Levels of a table, and of a curve, from the base mesh to the full one.
+/// Steps of a table, and of a curve of the chart, from the base mesh to the full mesh.
 const TABLE_STEPS: usize = 20;
 const CURVE_STEPS: usize = 100;
 
-/// Processes all inputs in order; returns whether all succeeded.
+/// Processes all inputs in order. Returns whether all succeeded.
 pub(crate) fn run(task: &LodTask, pool: &Pool, console: &mut Console) -> bool {
     let new_report = |job: &Job| LodReport::new(job.input.name(), MethodReport::of(&task.options), task);
     let process =
-        |job: &Job, console: &mut Console, report: &mut LodReport| detail(job, task, pool, console, report);
+        |job: &Job, console: &mut Console, report: &mut LodReport| process(job, task, pool, console, report);
     let show = |job: &Job, report: &LodReport, title: &str, console: &mut Console| {
-        let requested = job.output.is_none() || task.table || task.compare;
-        console.result(&format!("{title}{}", summary(report, task)), requested);
+        let is_main_output = job.output.is_none() || task.table || task.compare;
+        console.result(&format!("{title}{}", summary(report, task)), is_main_output);
     };
     let mut reports = batch::process_all(&task.jobs, None, console, new_report, process, show);
     if let Some(path) = &task.plot {
         let done = reports.iter().filter(|report| report.error.is_none());
         let measured: Vec<_> = done.map(|report| (short_name(&report.file), &report.rows[..])).collect();
         if !measured.is_empty() {
-            let chart = picture::draw(&measured);
+            let chart = plot::draw(&measured);
             if batch::write_chart(path, chart, &mut reports, console) {
                 for report in reports.iter_mut().filter(|report| report.error.is_none()) {
                     report.plot = Some(path.display().to_string());
@@ -64,8 +65,8 @@ pub(crate) fn run(task: &LodTask, pool: &Pool, console: &mut Console) -> bool {
     batch::finish(reports, console)
 }
 
-/// Takes one input through all stages; the report holds what was reached.
-fn detail(
+/// Runs all stages on one input; after a failure the report has the results of the stages before.
+fn process(
     job: &Job,
     task: &LodTask,
     pool: &Pool,
@@ -88,17 +89,17 @@ fn detail(
     // 2. The collapses.
     let meshes = prepared.iter().map(|part| part.mesh);
     let parts = Part::of_all(meshes.zip(strips.iter().map(Strips::to_list)).collect())?;
-    let details = collapse(task, parts, &strips, pool, console, report)?;
-    let levels = Levels::new(details.iter().map(Detail::sequence).collect());
+    let parts = simplify_parts(task, parts, &strips, pool, console, report)?;
+    let levels = Levels::new(parts.iter().map(LodPart::sequence).collect());
 
     // 3. The display strips of the level.
     let level = task.level.of(levels.len())?;
     let of_parts = levels.of_parts(level);
     console.doing("filter");
     let (displays, seconds) = timed(|| {
-        let pairs: Vec<_> = details.iter().zip(&of_parts).collect();
-        pool.map(&pairs, |(detail, level)| {
-            detail.display(**level, &detail.map(**level), task.filter, task.repair())
+        let pairs: Vec<_> = parts.iter().zip(&of_parts).collect();
+        pool.map(&pairs, |(part, level)| {
+            part.display(**level, &part.index_map(**level), task.filter, task.repair())
         })
     });
     let displays = displays.into_iter().collect::<Result<Vec<_>, _>>()?;
@@ -109,20 +110,24 @@ fn detail(
     report.surface_error_percent = Some(percent_of(error, report.diagonal.unwrap_or(0.0)));
     let figures = Figures::of(pool, &prepared, &displays, &loaded.options);
     let (strips, triangles) = (counted(figures.strips, "strip"), counted(figures.triangles, "triangle"));
-    let what = format!("level {}: {triangles} in {strips} by {}", count(level), task.filter.name());
+    let what = format!("level {}: {triangles} in {strips} (filter {})", count(level), task.filter.name());
     console.stage("filter", &what, Some(seconds));
     report.figures = Some(figures);
 
-    // 4. The proof that they draw what the collapses leave.
+    // 4. The proof that they draw exactly the triangles of the level.
     if task.verify {
         console.doing("verify");
-        let (proof, seconds) = timed(|| prove(pool, &details, &of_parts, &displays));
+        let (proof, seconds) = timed(|| prove(pool, &parts, &of_parts, &displays));
         proof?;
         report.seconds.verify = Some(seconds);
         report.proven = Some(true);
-        console.stage("verify", "proven: draws exactly what the collapses leave, wound right", Some(seconds));
+        console.stage(
+            "verify",
+            "proven: draws exactly the triangles of the level, with correct winding",
+            Some(seconds),
+        );
     } else {
-        console.stage("verify", "not asked for", None);
+        console.stage("verify", "skipped", None);
     }
 
     // 5. The tables.
@@ -130,22 +135,23 @@ fn detail(
         console.doing("table");
         let steps = if task.plot.is_some() { CURVE_STEPS } else { TABLE_STEPS };
         let at = levels.evenly(steps);
-        let (measured, seconds) = timed(|| rows(pool, &details, &levels, &at, task.repair(), task.verify));
+        let (measured, seconds) =
+            timed(|| measure_levels(pool, &parts, &levels, &at, task.repair(), task.verify));
         report.rows = measured?;
-        console.stage("table", &format!("{}, every filter", counted(at.len(), "level")), Some(seconds));
+        console.stage("table", &format!("{}, all filters", counted(at.len(), "level")), Some(seconds));
         if task.table {
-            let every = levels.evenly(TABLE_STEPS);
+            let in_table = levels.evenly(TABLE_STEPS);
             report.table =
-                Some(report.rows.iter().filter(|row| every.contains(&row.level)).cloned().collect());
+                Some(report.rows.iter().filter(|row| in_table.contains(&row.level)).cloned().collect());
         }
     }
 
     if task.compare {
         console.doing("all levels");
-        let (all, seconds) = timed(|| totals(pool, &details, &levels, task.repair()));
+        let (all, seconds) = timed(|| totals(pool, &parts, &levels, task.repair()));
         console.stage(
             "compare",
-            &format!("{}, every filter", counted(levels.len() + 1, "level")),
+            &format!("{}, all filters", counted(levels.len() + 1, "level")),
             Some(seconds),
         );
         report.compare = Some(all?);
@@ -153,10 +159,10 @@ fn detail(
 
     // 6. The file.
     let Some(target) = &job.output else { return Ok(()) };
-    write(target, &loaded.model, &details, &of_parts, &displays, task.verify, console, report)
+    write(target, &loaded.model, &parts, &of_parts, &displays, task.verify, console, report)
 }
 
-/// Finds the strips of the full mesh, and proves them.
+/// Computes the strips of the full mesh and proves them.
 fn full_strips(
     task: &LodTask,
     loaded: &Loaded,
@@ -186,15 +192,15 @@ fn full_strips(
     Ok(strips)
 }
 
-/// Simplifies the triangles of the strips to the base mesh, and says how that went.
-fn collapse<'a>(
+/// Simplifies the triangles of the strips to the base mesh, and reports the result.
+fn simplify_parts<'a>(
     task: &LodTask,
     parts: Vec<Part<'a>>,
     strips: &[Strips],
     pool: &Pool,
     console: &Console,
     report: &mut LodReport,
-) -> Result<Vec<Detail<'a>>, Failure> {
+) -> Result<Vec<LodPart<'a>>, Failure> {
     console.doing("simplify");
     let triangles: Vec<usize> = parts.iter().map(Part::triangle_count).collect();
     let shares = Amount::Ratio(task.base).shares(&triangles);
@@ -214,34 +220,32 @@ fn collapse<'a>(
         console.note(&note);
         report.notes.push(note);
     }
-    let details = parts.into_iter().zip(strips).zip(done);
-    let details = details.map(|((part, strips), done)| Detail::new(part.compact, strips, done));
-    Ok(details.collect())
+    Ok(LodPart::all(parts, strips, done))
 }
 
 /// Proves the display strips of every part.
-fn prove(pool: &Pool, details: &[Detail<'_>], levels: &[usize], displays: &[Strips]) -> Result<(), Failure> {
-    let all: Vec<_> = details.iter().zip(levels).zip(displays).collect();
-    let proofs = pool.map(&all, |((detail, level), display)| detail.prove(**level, display));
+fn prove(pool: &Pool, parts: &[LodPart<'_>], levels: &[usize], displays: &[Strips]) -> Result<(), Failure> {
+    let all: Vec<_> = parts.iter().zip(levels).zip(displays).collect();
+    let proofs = pool.map(&all, |((part, level), display)| part.prove(**level, display));
     proofs.into_iter().collect()
 }
 
 /// Writes the display strips of a level, over the vertices that they use.
-#[allow(clippy::too_many_arguments, reason = "what a level is, and what is done with it")]
+#[allow(clippy::too_many_arguments, reason = "the level, the target and the report")]
 fn write(
     target: &Output,
     model: &Model,
-    details: &[Detail<'_>],
+    parts: &[LodPart<'_>],
     levels: &[usize],
     displays: &[Strips],
     verify: bool,
     console: &mut Console,
     report: &mut LodReport,
 ) -> Result<(), Failure> {
-    let left = details.iter().zip(levels).map(|(detail, &level)| detail.left(level)).collect();
+    let triangles = parts.iter().zip(levels).map(|(part, &level)| part.triangles(level)).collect();
     let failure = |error| Failure::writing(&error);
-    let smaller = tristrip_io::with_triangles(model, left, target.format).map_err(failure)?;
-    let outward = details.iter().zip(displays).map(|(detail, display)| detail.outward(display));
+    let smaller = tristrip_io::with_triangles(model, triangles, target.format).map_err(failure)?;
+    let outward = parts.iter().zip(displays).map(|(part, display)| part.outward(display));
     let strips = outward.enumerate().map(|(part, strips)| smaller.strips(part, &strips));
     let strips: Vec<Strips> = strips.collect::<Result<_, _>>().map_err(failure)?;
     let drawings: Vec<_> = strips.iter().map(Drawing::Strips).collect();
@@ -253,7 +257,7 @@ fn write(
     Ok(())
 }
 
-/// Says what was drawn, and the tables that were asked for.
+/// Formats the summary of a report, with the requested tables.
 fn summary(report: &LodReport, task: &LodTask) -> String {
     let figures = report.figures.as_ref().map(Figures::summary).unwrap_or_default();
     let table = if task.table { report.table.as_deref().map(measure::as_text) } else { None };

@@ -4,9 +4,10 @@ use std::time::Duration;
 
 use clap::{Args, ValueEnum};
 use serde::Serialize;
-use tristrip::strip::{Buffer, Cost};
-use tristrip::stripify::{Effort, EtaOptions, Prefer, Start};
-use tristrip::{FaceTriangulation, Method, Options, Patches, Ties};
+use tristrip::strip::Cost;
+use tristrip::stripify::{Effort, EtaOptions, Objective, Start};
+use tristrip::vertex_cache::VertexCache;
+use tristrip::{FaceTriangulation, Method, Patches, StripifyOptions, Ties};
 
 use crate::values::{effort_parser, name_of};
 
@@ -156,7 +157,7 @@ pub(crate) struct MethodArgs {
     ///
     /// The cache is kept from one strip to the next, as graphics processors do. Desktop processors behave like 16 to 32 entries.
     #[arg(long, value_name = "CACHE")]
-    vertex_cache: Option<Buffer>,
+    vertex_cache: Option<VertexCache>,
     /// What cache favours where fewer indices cost more misses [default: balanced]
     #[arg(long, value_enum, value_name = "OBJECTIVE")]
     objective: Option<ObjectiveName>,
@@ -197,7 +198,7 @@ impl MethodArgs {
     ///
     /// # Errors
     /// A flag belongs to another method.
-    pub(crate) fn validate(&self, all_methods: bool) -> Result<Options, String> {
+    pub(crate) fn validate(&self, all_methods: bool) -> Result<StripifyOptions, String> {
         use MethodName::{
             Auto, Best, Cache, Eta, Fewest, Input, Sequential, Sgi, Stripe, StripeGlobal, StripeLocal, Tunnel,
         };
@@ -247,13 +248,13 @@ impl MethodArgs {
             Tunnel => Method::Tunnel { length: self.tunnel_length.unwrap_or(TUNNEL_LENGTH) },
             Eta => Method::Eta(self.eta()),
         };
-        let options = Options::default()
+        let options = StripifyOptions::default()
             .with_method(method)
             .with_weld(self.weld.weld)
             .with_seed(self.seed.unwrap_or(0))
             .with_cost(self.cost.map(Into::into).unwrap_or_default())
-            .with_buffer(self.vertex_cache.unwrap_or_default())
-            .with_prefer(self.objective.map(Into::into).unwrap_or_default());
+            .with_vertex_cache(self.vertex_cache.unwrap_or_default())
+            .with_objective(self.objective.map(Into::into).unwrap_or_default());
         Ok(match self.effort {
             Some(effort) => options.with_effort(effort),
             None => options,
@@ -296,7 +297,7 @@ impl From<CostName> for Cost {
     }
 }
 
-impl From<ObjectiveName> for Prefer {
+impl From<ObjectiveName> for Objective {
     fn from(name: ObjectiveName) -> Self {
         match name {
             ObjectiveName::Indices => Self::Indices,
@@ -384,7 +385,7 @@ pub(crate) struct MethodReport {
 }
 
 impl MethodReport {
-    pub(crate) fn of(options: &Options) -> Self {
+    pub(crate) fn of(options: &StripifyOptions) -> Self {
         let plain = |method| Self { method: name_of(method), ..Self::default() };
         let search = |method| Self {
             cost: library_name::<CostName, _>(options.cost()),
@@ -412,8 +413,8 @@ impl MethodReport {
             Method::Fewest => Self { cost: None, ..search(MethodName::Fewest) },
             Method::Cache => Self {
                 cost: None,
-                vertex_cache: Some(options.buffer().to_string()),
-                objective: library_name::<ObjectiveName, _>(options.prefer()),
+                vertex_cache: Some(options.vertex_cache().to_string()),
+                objective: library_name::<ObjectiveName, _>(options.objective()),
                 ..search(MethodName::Cache)
             },
             Method::Tunnel { length } => Self { tunnel_length: Some(length), ..plain(MethodName::Tunnel) },
@@ -492,7 +493,7 @@ impl Chosen {
         let mut counts: Vec<(String, usize)> =
             MethodName::value_variants().iter().map(|&method| (name_of(method), 0)).collect();
         for &method in methods {
-            let name = MethodReport::of(&Options::default().with_method(method)).method;
+            let name = MethodReport::of(&StripifyOptions::default().with_method(method)).method;
             if let Some((_, count)) = counts.iter_mut().find(|(known, _)| *known == name) {
                 *count += 1;
             }
@@ -551,7 +552,7 @@ mod tests {
 
     #[test]
     fn all_variants_have_distinct_names() {
-        let label = |method| MethodReport::of(&Options::default().with_method(method)).label();
+        let label = |method| MethodReport::of(&StripifyOptions::default().with_method(method)).label();
         let labels: HashSet<String> = methods_to_compare(true).into_iter().map(label).collect();
         assert_eq!(labels.len(), 9 + 15 + 10);
         assert!(
@@ -569,9 +570,9 @@ mod tests {
 
     #[test]
     fn auto_is_described_as_the_method_that_it_chose() {
-        let auto = MethodReport::of(&Options::default());
+        let auto = MethodReport::of(&StripifyOptions::default());
         assert_eq!(auto.description(&Chosen::of(&[Method::Best])), "method best, cost restart, effort 2");
-        let local = Options::default().with_method(Method::STRIPE);
+        let local = StripifyOptions::default().with_method(Method::STRIPE);
         assert_eq!(
             MethodReport::of(&local).description(&Chosen::default()),
             "method stripe-global, patches rows, cutoff 5"

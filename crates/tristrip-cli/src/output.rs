@@ -3,7 +3,7 @@
 use std::fs;
 
 use tristrip::Layout;
-use tristrip::strip::verify_models;
+use tristrip::verify::verify_models;
 use tristrip_io::{Drawing, Model};
 
 use crate::console::Console;

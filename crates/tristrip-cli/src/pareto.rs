@@ -13,9 +13,10 @@ mod chart;
 use std::time::Duration;
 
 use serde::Serialize;
-use tristrip::strip::{Between, Buffer, BufferUse, Metrics};
-use tristrip::stripify::{Effort, EtaOptions, Prefer};
-use tristrip::{Method, Options, Strips};
+use tristrip::strip::Metrics;
+use tristrip::stripify::{Effort, EtaOptions, Objective};
+use tristrip::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
+use tristrip::{Method, StripifyOptions, Strips};
 
 use crate::console::Console;
 use crate::failure::Failure;
@@ -79,7 +80,7 @@ impl ParetoCost {
 #[derive(Debug, Clone)]
 struct Candidate {
     label: String,
-    options: Options,
+    options: StripifyOptions,
 }
 
 /// Measures all methods, including the one of the options, and the plain list. The notes name the searches that a budget or Ctrl-C
@@ -90,7 +91,7 @@ struct Candidate {
 pub(crate) fn measure(
     pool: &Pool,
     parts: &[Prepared<'_>],
-    options: &Options,
+    options: &StripifyOptions,
     searches: Searches,
     console: &Console,
 ) -> Result<(Vec<ParetoPoint>, Vec<String>), Failure> {
@@ -106,7 +107,7 @@ pub(crate) fn measure(
             .map_err(|failure| Failure::Output(format!("pareto: {}: {failure}", candidate.label)))?;
         points.push(point);
     }
-    points.push(list(pool, parts, options.buffer()));
+    points.push(list(pool, parts, options.vertex_cache()));
     let costs: Vec<ParetoCost> = points.iter().map(|point| point.cost).collect();
     for point in &mut points {
         point.optimal = !costs.iter().any(|cost| cost.dominates(point.cost));
@@ -120,9 +121,11 @@ pub(crate) fn measure(
 
 /// Returns the methods of the chart, with the seed, welding and vertex cache of the options. The method of the options is added at the
 /// end unless it is one of them.
-fn candidates(options: &Options, effort: Option<Effort>) -> Vec<Candidate> {
-    let base =
-        Options::default().with_weld(options.weld()).with_seed(options.seed()).with_buffer(options.buffer());
+fn candidates(options: &StripifyOptions, effort: Option<Effort>) -> Vec<Candidate> {
+    let base = StripifyOptions::default()
+        .with_weld(options.weld())
+        .with_seed(options.seed())
+        .with_vertex_cache(options.vertex_cache());
     let plain = |label: &str, method| Candidate { label: label.into(), options: base.with_method(method) };
     let mut candidates = vec![
         plain("input", Method::Input),
@@ -135,7 +138,7 @@ fn candidates(options: &Options, effort: Option<Effort>) -> Vec<Candidate> {
         Some(effort) => vec![effort],
         None => EFFORTS.into_iter().filter_map(Effort::new).collect(),
     };
-    let search = |options: Options| {
+    let search = |options: StripifyOptions| {
         let report = MethodReport::of(&options);
         let words = [Some(report.method()), report.objective()].into_iter().flatten();
         let label = format!("{} {}", words.collect::<Vec<_>>().join(" "), options.effort().level());
@@ -144,8 +147,8 @@ fn candidates(options: &Options, effort: Option<Effort>) -> Vec<Candidate> {
     let fewest = base.with_method(Method::Fewest);
     candidates.push(search(effort.map_or(fewest, |effort| fewest.with_effort(effort))));
     candidates.extend(efforts.iter().map(|&e| search(base.with_method(Method::Best).with_effort(e))));
-    for objective in [Prefer::Indices, Prefer::Balanced, Prefer::Misses] {
-        let cache = base.with_method(Method::Cache).with_prefer(objective);
+    for objective in [Objective::Indices, Objective::Balanced, Objective::Misses] {
+        let cache = base.with_method(Method::Cache).with_objective(objective);
         candidates.extend(efforts.iter().map(|&e| search(cache.with_effort(e))));
     }
     let own = match options.method() {
@@ -169,7 +172,7 @@ impl Candidate {
     ) -> Result<ParetoPoint, Failure> {
         let strips = find_strips(pool, parts, &self.options, watch)?.strips;
         prove(pool, parts, &strips, &self.options)?;
-        let cache = self.options.buffer();
+        let cache = self.options.vertex_cache();
         let (metrics, used) = figures(pool, parts, &strips, cache);
         let report = MethodReport::of(&self.options);
         Ok(ParetoPoint {
@@ -185,7 +188,7 @@ impl Candidate {
 }
 
 impl ParetoPoint {
-    fn of(indices: usize, used: BufferUse, cache: Buffer) -> Self {
+    fn of(indices: usize, used: VertexCacheStatistics, cache: VertexCache) -> Self {
         Self {
             label: String::new(),
             method: String::new(),
@@ -203,24 +206,32 @@ impl ParetoPoint {
 }
 
 /// Sums the figures of strips over the parts. Each part starts with an empty vertex cache.
-fn figures(pool: &Pool, parts: &[Prepared<'_>], strips: &[Strips], cache: Buffer) -> (Metrics, BufferUse) {
+fn figures(
+    pool: &Pool,
+    parts: &[Prepared<'_>],
+    strips: &[Strips],
+    cache: VertexCache,
+) -> (Metrics, VertexCacheStatistics) {
     let pairs: Vec<_> = parts.iter().zip(strips).collect();
     let measured = pool.map(&pairs, |(part, strips)| {
-        (Metrics::of(strips), BufferUse::of(strips, cache, Between::Keep, part.mesh.vertex_count()))
+        (
+            Metrics::of(strips),
+            VertexCacheStatistics::of(strips, cache, FlushPolicy::Keep, part.mesh.vertex_count()),
+        )
     });
     (measured.iter().map(|m| m.0).sum(), measured.iter().map(|m| m.1).sum())
 }
 
 /// Measures the triangle list in the order of the file, polygons as fans, without degenerate faces.
-fn list(pool: &Pool, parts: &[Prepared<'_>], cache: Buffer) -> ParetoPoint {
+fn list(pool: &Pool, parts: &[Prepared<'_>], cache: VertexCache) -> ParetoPoint {
     let measured = pool.map(parts, |part| {
         let fans = part.surface.faces().iter().flat_map(|face| match face {
             [first, rest @ ..] => rest.windows(2).flat_map(|edge| [*first, edge[0], edge[1]]).collect(),
             [] => Vec::new(),
         });
-        BufferUse::of_list(&fans.collect::<Vec<u32>>(), cache, part.mesh.vertex_count())
+        VertexCacheStatistics::of_list(&fans.collect::<Vec<u32>>(), cache, part.mesh.vertex_count())
     });
-    let used: BufferUse = measured.into_iter().sum();
+    let used: VertexCacheStatistics = measured.into_iter().sum();
     let (label, method) = (LIST.into(), LIST.into());
     ParetoPoint { label, method, is_file_order: true, ..ParetoPoint::of(3 * used.triangles, used, cache) }
 }
@@ -255,13 +266,13 @@ mod tests {
     use super::*;
     use std::collections::HashSet;
 
-    fn labels(options: &Options, effort: Option<Effort>) -> Vec<String> {
+    fn labels(options: &StripifyOptions, effort: Option<Effort>) -> Vec<String> {
         candidates(options, effort).into_iter().map(|candidate| candidate.label).collect()
     }
 
     #[test]
     fn every_method_appears_once_under_a_distinct_name() {
-        let default = labels(&Options::default(), None);
+        let default = labels(&StripifyOptions::default(), None);
         assert_eq!(
             default.join(", "),
             "input, sequential, sgi, stripe, eta, fewest 5, best 2, best 5, cache indices 2, cache indices 5, \
@@ -269,7 +280,7 @@ mod tests {
         );
         assert_eq!(default.iter().collect::<HashSet<_>>().len(), default.len());
         let effort = Effort::new(1);
-        let short = labels(&Options::default().with_effort(Effort::new(1).unwrap()), effort);
+        let short = labels(&StripifyOptions::default().with_effort(Effort::new(1).unwrap()), effort);
         assert_eq!(
             short[5..].join(", "),
             "fewest 1, best 1, cache indices 1, cache balanced 1, cache misses 1"
@@ -278,11 +289,11 @@ mod tests {
 
     #[test]
     fn the_requested_method_is_included() {
-        let with = |method| labels(&Options::default().with_method(method), None);
+        let with = |method| labels(&StripifyOptions::default().with_method(method), None);
         assert_eq!(with(Method::Best).len(), 14);
         assert_eq!(with(Method::STRIPE).len(), 14);
         assert_eq!(with(Method::Tunnel { length: 9 }).last().map(String::as_str), Some("tunnel 9"));
-        let opengl = Options::default().with_cost(tristrip::strip::Cost::OpenGl);
+        let opengl = StripifyOptions::default().with_cost(tristrip::strip::Cost::OpenGl);
         assert_eq!(labels(&opengl, None).last().map(String::as_str), Some("best opengl 2"));
     }
 

@@ -1,18 +1,22 @@
-//! `tristrip repro`: the tables and figures of papers, published beside measured.
+//! `tristrip repro`: the tables and figures of papers, with published and measured values.
 //!
 //! ```text
-//! papers/*.json ─▶ paper ─▶ lab (all methods on all models, proven) ─▶ judge, statistics ─▶ page ─▶ docs/reproduction/KEY.md
-//!  tables, claims, figures                                          └▶ draw, chart      ─▶      docs/reproduction/*.svg
+//! papers/*.json ─▶ paper ─▶ runner (all methods on all models, proven) ─▶ comparison, statistics ─▶ page ─▶ docs/reproduction/KEY.md
+//!  tables, claims, figures                                              └▶ draw, chart           ─▶       docs/reproduction/*.svg
 //! ```
-//! Pages have no times in them, so that they are the same bytes on every machine. A model that is not in the folder leaves its rows
-//! without a figure and fails nothing; a result that is not proven fails everything.
+//! Pages contain no times, so that they have the same bytes on every machine. If a model is not in the folder, its rows have no measured
+//! values, which is not an error; a result that is not proven is an error.
 
+mod comparison;
 mod draw;
-mod judge;
-mod lab;
-mod levels;
+mod identity;
+mod level_figures;
+mod measured;
 mod page;
-mod paper;
+pub(crate) mod paper;
+mod paper_report;
+mod recipe;
+mod runner;
 mod statistics;
 mod verdict;
 
@@ -25,25 +29,25 @@ use crate::failure::Failure;
 use crate::stages::Pool;
 use crate::task::ReproTask;
 use crate::text::{counted, table};
-use judge::PaperReport;
-use lab::Lab;
 pub(crate) use paper::keys;
+use paper_report::PaperReport;
+use runner::Runner;
 
-/// The folder of the pages within the output directory.
+/// The subfolder of the output directory for the pages.
 const FOLDER: &str = "reproduction";
 
-/// What `tristrip repro` says.
+/// The report of `tristrip repro`.
 #[derive(Debug, Default, Serialize)]
 struct ReproReport {
     models: String,
     papers: Vec<PaperReport>,
     notes: Vec<String>,
-    /// The files that were written.
+    /// The written files.
     outputs: Vec<String>,
     error: Option<String>,
 }
 
-/// Reproduces papers; tells whether all was proven and written.
+/// Reproduces papers. Returns whether everything was proven and written.
 pub(crate) fn run(task: &ReproTask, pool: &Pool, console: &mut Console) -> bool {
     let mut report = ReproReport { models: task.models.display().to_string(), ..ReproReport::default() };
     let done = reproduce(task, pool, console, &mut report);
@@ -66,32 +70,33 @@ fn reproduce(
     console: &mut Console,
     report: &mut ReproReport,
 ) -> Result<(), Failure> {
-    // Before anything is measured, since that takes minutes.
-    let folder = make_folder(&task.output)?;
+    // Before the measurements, which take minutes.
+    let folder = create_folder(&task.output)?;
     let papers = paper::load(&task.papers)?;
-    let mut lab = Lab::new(&task.models)?;
+    let mut runner = Runner::new(&task.models)?;
     for paper in &papers {
-        judge::want(paper, &mut lab);
-        paper.charts.iter().for_each(|chart| draw::want(chart, &mut lab));
+        comparison::request(paper, &mut runner);
+        paper.charts.iter().for_each(|chart| draw::request(chart, &mut runner));
     }
-    report.notes = lab.measure(pool, console)?;
+    report.notes = runner.measure(pool, console)?;
     for paper in &papers {
-        let charts = paper.charts.iter().map(|chart| draw::draw(chart, &lab)).collect::<Result<_, _>>()?;
-        let mut judged = judge::judge(paper, charts, &lab);
-        let text = page::page(paper, &judged);
-        for chart in &judged.charts {
+        let charts = paper.charts.iter().map(|chart| draw::draw(chart, &runner)).collect::<Result<_, _>>()?;
+        let mut compared = comparison::compare(paper, charts, &runner);
+        let text = page::page(paper, &compared);
+        for chart in &compared.charts {
             report.outputs.push(write(&folder.join(&chart.file), &chart.svg)?);
         }
         let path = write(&folder.join(format!("{}.md", paper.key)), &text)?;
-        judged.page = Some(path.clone());
+        compared.page = Some(path.clone());
         report.outputs.push(path);
-        report.papers.push(judged);
+        report.papers.push(compared);
     }
     Ok(())
 }
 
-/// Makes the folder of the pages, and the directory that was named above it; a missing one above that is more likely a slip.
-fn make_folder(output: &Path) -> Result<PathBuf, Failure> {
+/// Creates the folder of the pages and the output directory. A missing parent of the output directory is an error, because it is
+/// probably a typing mistake.
+fn create_folder(output: &Path) -> Result<PathBuf, Failure> {
     let folder = output.join(FOLDER);
     for directory in [output, &folder] {
         if directory.exists() && !directory.is_dir() {
@@ -112,7 +117,7 @@ fn write(path: &Path, text: &str) -> Result<String, Failure> {
     Ok(path.display().to_string())
 }
 
-/// Counts the verdicts of each paper, those of rows and of claims.
+/// Formats the counts of verdicts per paper, of rows and claims.
 fn summary(report: &ReproReport) -> String {
     let mut rows = Vec::new();
     for paper in &report.papers {
@@ -128,8 +133,8 @@ fn summary(report: &ReproReport) -> String {
         row.extend([
             format!("{matched} matched"),
             format!("{better} better"),
-            format!("{worse} worse in something"),
-            format!("{} without the model", verdicts.len() - matched - better - worse),
+            format!("{worse} worse or different"),
+            format!("{} without model", verdicts.len() - matched - better - worse),
             paper.page.clone().unwrap_or_default(),
         ]);
         rows.push(row);

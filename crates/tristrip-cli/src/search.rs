@@ -9,8 +9,8 @@ use std::time::{Duration, Instant};
 
 use indicatif::ProgressBar;
 use serde::Serialize;
-use tristrip::stripify::{Prefer, Progress, Watch};
-use tristrip::{Method, Options};
+use tristrip::stripify::{Objective, Progress, Watch};
+use tristrip::{Method, StripifyOptions};
 
 use crate::text::{count, counted};
 
@@ -62,11 +62,11 @@ pub(crate) struct SearchWatch {
 }
 
 impl SearchWatch {
-    pub(crate) fn new(bar: ProgressBar, budget: Option<Duration>, options: &Options) -> Self {
+    pub(crate) fn new(bar: ProgressBar, budget: Option<Duration>, options: &StripifyOptions) -> Self {
         let searches = match options.method() {
             Method::Best | Method::Fewest | Method::Tunnel { .. } | Method::Eta(_) => true,
             Method::Cache => {
-                options.prefer() == Prefer::Indices || options.effort().level() >= CACHE_SEARCHES
+                options.objective() == Objective::Indices || options.effort().level() >= CACHE_SEARCHES
             }
             _ => false,
         };
@@ -143,12 +143,12 @@ mod tests {
     /// Regression: the first Ctrl-C during a method that does not search had no effect except a note.
     #[test]
     fn only_searches_handle_an_interrupt() {
-        let searches_of = |options: Options| {
+        let searches_of = |options: StripifyOptions| {
             let _watch = SearchWatch::new(ProgressBar::hidden(), None, &options);
             SEARCHES.load(Ordering::SeqCst)
         };
-        let searches_with = |method| searches_of(Options::default().with_method(method));
-        let cache = Options::default().with_method(Method::Cache);
+        let searches_with = |method| searches_of(StripifyOptions::default().with_method(method));
+        let cache = StripifyOptions::default().with_method(Method::Cache);
         let efforts = [2, 3].map(|level| cache.with_effort(Effort::new(level).unwrap()));
         assert_eq!(efforts.map(searches_of), [0, 1]);
         assert_eq!([Method::Auto, Method::Sequential, Method::STRIPE].map(searches_with), [0; 3]);

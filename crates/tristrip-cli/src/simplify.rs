@@ -7,9 +7,9 @@
 mod parts;
 
 use serde::Serialize;
-use tristrip::mesh::Triangulation;
+use tristrip::dual::Triangulation;
 use tristrip::simplify::Simplification;
-use tristrip::{Layout, Mesh, Options, Strips};
+use tristrip::{Layout, Mesh, StripifyOptions, Strips};
 use tristrip_io::{Drawing, Format, Redrawn};
 
 use crate::batch::{self, InputReport, Outcome};
@@ -94,7 +94,7 @@ fn simplify(
     report: &mut SimplifyReport,
 ) -> Result<(), Failure> {
     // 1. The triangles of each part.
-    let loaded = Loaded::new(&job.input, Options::default(), console)?;
+    let loaded = Loaded::new(&job.input, StripifyOptions::default(), console)?;
     let surveyed = loaded.survey(pool, console);
     let (load, dual) = (surveyed.seconds.load, surveyed.seconds.dual);
     report.seconds = SimplifySeconds { load, dual, ..SimplifySeconds::default() };

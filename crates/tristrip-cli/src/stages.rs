@@ -5,9 +5,9 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 use serde::Serialize;
-use tristrip::strip::{self, verify_models};
 use tristrip::stripify::Watch;
-use tristrip::{DualGraph, Faces, Mesh, Method, Options, Strips, Surface, stripify};
+use tristrip::verify::{verify, verify_models};
+use tristrip::{DualGraph, Faces, Mesh, Method, PreparedFaces, StripifyOptions, Strips, stripify};
 
 use crate::failure::Failure;
 
@@ -51,14 +51,14 @@ pub(crate) struct Seconds {
 /// A part with its prepared faces and its dual graph.
 pub(crate) struct Prepared<'a> {
     pub(crate) mesh: &'a Mesh,
-    pub(crate) surface: Surface<'a>,
+    pub(crate) surface: PreparedFaces<'a>,
     pub(crate) graph: DualGraph,
 }
 
 /// Prepares the faces and builds the dual graph of each mesh.
 pub(crate) fn prepare<'a>(pool: &Pool, meshes: &[&'a Mesh], weld: bool) -> Vec<Prepared<'a>> {
     pool.map(meshes, |&mesh| {
-        let surface = Surface::new(mesh, weld);
+        let surface = PreparedFaces::new(mesh, weld);
         let graph = DualGraph::new(surface.faces());
         Prepared { mesh, surface, graph }
     })
@@ -74,7 +74,7 @@ pub(crate) struct FoundStrips {
 pub(crate) fn find_strips(
     pool: &Pool,
     parts: &[Prepared<'_>],
-    options: &Options,
+    options: &StripifyOptions,
     watch: &dyn Watch,
 ) -> Result<FoundStrips, Failure> {
     let found = pool.map(parts, |part| {
@@ -93,7 +93,7 @@ pub(crate) fn prove(
     pool: &Pool,
     parts: &[Prepared<'_>],
     strips: &[Strips],
-    options: &Options,
+    options: &StripifyOptions,
 ) -> Result<(), Failure> {
     let pairs: Vec<_> = parts.iter().zip(strips).collect();
     let proofs = pool.map(&pairs, |(part, strips)| prove_part(part, strips, options.weld()));
@@ -108,7 +108,7 @@ pub(crate) fn prove(
 
 fn prove_part(part: &Prepared<'_>, strips: &Strips, weld: bool) -> Result<(), String> {
     if !weld {
-        return strip::verify(part.mesh, strips).map(drop).map_err(|why| why.to_string());
+        return verify(part.mesh, strips).map(drop).map_err(|why| why.to_string());
     }
     // A welded vertex has the index of the first of its vertices, which has the same position.
     let drawn = Faces::from_triangles(strips.to_list())

@@ -1,7 +1,7 @@
 //! The first stages of every subcommand that builds or bounds strips: load the model, prepare its faces, build the dual graphs, and
 //! report on the mesh.
 
-use tristrip::Options;
+use tristrip::StripifyOptions;
 use tristrip_io::Model;
 
 use crate::console::Console;
@@ -15,7 +15,7 @@ use crate::text::counted;
 /// A model, and the options adapted to it.
 pub(crate) struct Loaded {
     pub(crate) model: Model,
-    pub(crate) options: Options,
+    pub(crate) options: StripifyOptions,
     seconds: f64,
 }
 
@@ -31,7 +31,7 @@ pub(crate) struct Surveyed<'a> {
 
 impl Loaded {
     /// Loads an input.
-    pub(crate) fn new(input: &Input, options: Options, console: &Console) -> Result<Self, Failure> {
+    pub(crate) fn new(input: &Input, options: StripifyOptions, console: &Console) -> Result<Self, Failure> {
         console.doing("load");
         let (model, seconds) = timed(|| load(input));
         let mut model = model?;

@@ -5,10 +5,10 @@ use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use tristrip::lod::filter::repair;
-use tristrip::strip::Between;
+use tristrip::lod::RepairOptions;
 use tristrip::stripify::Effort;
-use tristrip::{Layout, Options};
+use tristrip::vertex_cache::FlushPolicy;
+use tristrip::{Layout, StripifyOptions};
 use tristrip_io::Format;
 
 use crate::args::{self, AnalyzeArgs, Command, GeneralArgs, LodArgs, OutputArgs, ReportArgs};
@@ -36,7 +36,7 @@ pub(crate) enum Task {
 #[derive(Debug)]
 pub(crate) struct StripTask {
     pub(crate) jobs: Vec<Job>,
-    pub(crate) options: Options,
+    pub(crate) options: StripifyOptions,
     pub(crate) budget: Option<Duration>,
     /// Whether to write vertices in the order of first use.
     pub(crate) reorder: bool,
@@ -58,7 +58,7 @@ pub(crate) struct CompareTask {
     pub(crate) inputs: Vec<Input>,
     pub(crate) every_variant: bool,
     pub(crate) markdown: bool,
-    pub(crate) options: Options,
+    pub(crate) options: StripifyOptions,
     /// The effort of the methods that search, except `auto`, which has its own.
     pub(crate) effort: Effort,
     pub(crate) budget: Option<Duration>,
@@ -67,14 +67,14 @@ pub(crate) struct CompareTask {
 #[derive(Debug)]
 pub(crate) struct BoundTask {
     pub(crate) inputs: Vec<Input>,
-    pub(crate) options: Options,
+    pub(crate) options: StripifyOptions,
 }
 
 #[derive(Debug)]
 pub(crate) struct AnalyzeTask {
     pub(crate) inputs: Vec<Input>,
     pub(crate) vertex_caches: VertexCacheList,
-    pub(crate) flush_policy: Between,
+    pub(crate) flush_policy: FlushPolicy,
     /// The SVG file to write.
     pub(crate) plot: Option<PathBuf>,
     /// The vertex caches of its curves.
@@ -105,7 +105,7 @@ pub(crate) struct SimplifyTask {
 #[derive(Debug)]
 pub(crate) struct LodTask {
     pub(crate) jobs: Vec<Job>,
-    pub(crate) options: Options,
+    pub(crate) options: StripifyOptions,
     pub(crate) budget: Option<Duration>,
     pub(crate) model: ModelName,
     /// The ratio of triangles that the base mesh keeps.
@@ -220,8 +220,10 @@ fn validate(command: Command, papers: &[&str]) -> Result<(Task, Shared), String>
             (Task::Strip(StripTask { jobs, options, budget, reorder, verify, pareto }), shared)
         }
         Command::Compare(args) => {
-            let options =
-                Options::default().with_seed(args.seed).with_weld(args.weld.weld).with_cost(args.cost.into());
+            let options = StripifyOptions::default()
+                .with_seed(args.seed)
+                .with_weld(args.weld.weld)
+                .with_cost(args.cost.into());
             let (inputs, shared) = inputs_and_shared(args.general)?;
             let (every_variant, markdown) = (args.all, args.markdown);
             let (effort, budget) = (args.effort, args.budget);
@@ -229,7 +231,7 @@ fn validate(command: Command, papers: &[&str]) -> Result<(Task, Shared), String>
             (Task::Compare(task), shared)
         }
         Command::Bound(args) => {
-            let options = Options::default().with_weld(args.weld.weld);
+            let options = StripifyOptions::default().with_weld(args.weld.weld);
             let (inputs, shared) = inputs_and_shared(args.general)?;
             (Task::Bound(BoundTask { inputs, options }), shared)
         }
@@ -270,8 +272,8 @@ fn validate(command: Command, papers: &[&str]) -> Result<(Task, Shared), String>
 
 impl LodTask {
     /// Returns the options of [`FilterName::Repair`].
-    pub(crate) fn repair(&self) -> repair::Options {
-        repair::Options::default().with_effort(self.filter_effort)
+    pub(crate) fn repair(&self) -> RepairOptions {
+        RepairOptions::default().with_effort(self.filter_effort)
     }
 }
 
@@ -316,7 +318,7 @@ fn analyze_task(args: AnalyzeArgs) -> Result<(Task, Shared), String> {
         check_chart("--plot", path, inputs.len())?;
     }
     let curve = args.plot.as_ref().map(|_| args.vertex_caches.clone().unwrap_or_else(VertexCacheList::curve));
-    let flush_policy = if args.flush { Between::Flush } else { Between::Keep };
+    let flush_policy = if args.flush { FlushPolicy::Flush } else { FlushPolicy::Keep };
     let vertex_caches = args.vertex_caches.unwrap_or_default();
     let task = AnalyzeTask { inputs, vertex_caches, flush_policy, plot: args.plot, curve };
     Ok((Task::Analyze(task), shared))

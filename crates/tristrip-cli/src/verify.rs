@@ -1,7 +1,7 @@
 //! `tristrip verify`: proves that a file from any source draws exactly the faces of another.
 
 use serde::Serialize;
-use tristrip::strip::{Difference, verify_models};
+use tristrip::verify::{Difference, verify_models};
 
 use crate::console::Console;
 use crate::failure::Failure;

@@ -69,8 +69,8 @@ fn check(name: &str, strips: &Strips, sequence: &CollapseSequence) {
 fn models_draw_what_the_oracle_draws() {
     for (name, mesh) in meshes() {
         for method in [Method::STRIPE, Method::Sequential] {
-            let strips = stripify(&mesh, &tristrip::Options::default().with_method(method)).unwrap();
-            let options = simplify::Options::default();
+            let strips = stripify(&mesh, &tristrip::StripifyOptions::default().with_method(method)).unwrap();
+            let options = simplify::SimplifyOptions::default();
             let sequence = simplify(&mesh, strips.to_list(), &options).unwrap().sequence;
             check(&name, &strips, &sequence);
             let totals = traffic::walk(&strips, &sequence, |_| ()).unwrap();

@@ -1,6 +1,6 @@
 //! The chart of an analysis: misses against the size of the vertex cache, and a histogram of strip lengths.
 
-use tristrip::strip::{Buffer, BufferUse, Replacement};
+use tristrip::vertex_cache::{Replacement, VertexCache, VertexCacheStatistics};
 
 use super::stored::StripLengths;
 use crate::chart::{Axis, Mark, Panel, Scale, Series, svg};
@@ -10,7 +10,7 @@ use crate::failure::Failure;
 #[derive(Debug)]
 pub(super) struct Curve {
     pub(super) file: String,
-    pub(super) each: Vec<(Buffer, BufferUse)>,
+    pub(super) each: Vec<(VertexCache, VertexCacheStatistics)>,
     pub(super) lengths: StripLengths,
 }
 
@@ -31,7 +31,7 @@ fn misses(curves: &[Curve], flushed: bool) -> Panel {
                 .each
                 .iter()
                 .filter(|(cache, _)| cache.replacement == replacement)
-                .map(|(cache, used)| (f64::from(cache.places), used.acmr()))
+                .map(|(cache, used)| (f64::from(cache.entries), used.acmr()))
                 .collect();
             points.sort_by(|a, b| a.0.total_cmp(&b.0));
             if !points.is_empty() {
@@ -59,10 +59,12 @@ fn lower_bounds(curves: &[Curve]) -> Vec<Series> {
     let mut series: Vec<Series> = Vec::new();
     let mut drawn: Vec<Vec<(f64, f64)>> = Vec::new();
     for curve in curves {
-        let sizes = || curve.each.iter().map(|(cache, _)| f64::from(cache.places));
+        let sizes = || curve.each.iter().map(|(cache, _)| f64::from(cache.entries));
         let (Some(low), Some(high)) = (sizes().reduce(f64::min), sizes().reduce(f64::max)) else { continue };
-        let height =
-            curve.each.first().map_or(0.0, |(_, used)| BufferUse { misses: used.vertices, ..*used }.acmr());
+        let height = curve
+            .each
+            .first()
+            .map_or(0.0, |(_, used)| VertexCacheStatistics { misses: used.vertices, ..*used }.acmr());
         let line = vec![(low, height), (high, height)];
         if low < high && !drawn.contains(&line) {
             series.push(Series::new(&curve.name("each vertex once", curves), Mark::Line, line.clone()));

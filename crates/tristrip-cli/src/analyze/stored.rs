@@ -7,8 +7,9 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 
 use serde::Serialize;
+use tristrip::strip::Metrics;
 use tristrip::strip::layout::pieces;
-use tristrip::strip::{Between, Buffer, BufferUse, Metrics};
+use tristrip::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
 use tristrip::{Mesh, Strips};
 use tristrip_io::Part;
 
@@ -135,7 +136,8 @@ impl<'a> StoredPart<'a> {
             figures.indices = stored.indices();
             figures.restarts = stored.restarts;
             figures.triangles = part.mesh.faces().face_count();
-            figures.vertices = BufferUse::of(&stored.runs, ANY_CACHE, Between::Keep, vertex_count).vertices;
+            figures.vertices =
+                VertexCacheStatistics::of(&stored.runs, ANY_CACHE, FlushPolicy::Keep, vertex_count).vertices;
             let drawn: usize = stored.runs.iter().map(|run| run.len().saturating_sub(2)).sum();
             figures.degenerate = drawn.saturating_sub(figures.triangles);
             figures.drawn = if stored.fans { DrawMode::Fans } else { DrawMode::Strips };
@@ -150,7 +152,7 @@ impl<'a> StoredPart<'a> {
         } else {
             list = triangle_list(&part.mesh);
             figures.indices = list.len();
-            let used = BufferUse::of_list(&list, ANY_CACHE, vertex_count);
+            let used = VertexCacheStatistics::of_list(&list, ANY_CACHE, vertex_count);
             (figures.triangles, figures.vertices) = (used.triangles, used.vertices);
             figures.degenerate = list.len() / 3 - figures.triangles;
         }
@@ -164,14 +166,18 @@ impl<'a> StoredPart<'a> {
     }
 
     /// Simulates each vertex cache. If caches are flushed between strips, the degenerate triangles that join strips are not sent.
-    pub(super) fn simulate(&self, caches: &[Buffer], flush_policy: Between) -> Vec<BufferUse> {
+    pub(super) fn simulate(
+        &self,
+        caches: &[VertexCache],
+        flush_policy: FlushPolicy,
+    ) -> Vec<VertexCacheStatistics> {
         let count = self.part.mesh.vertex_count();
         let mut each = match &self.part.stored {
-            None => BufferUse::of_list_each(&self.list, caches, count),
-            Some(stored) if stored.fans || flush_policy == Between::Keep => {
-                BufferUse::of_each(&stored.runs, caches, flush_policy, count)
+            None => VertexCacheStatistics::of_list_each(&self.list, caches, count),
+            Some(stored) if stored.fans || flush_policy == FlushPolicy::Keep => {
+                VertexCacheStatistics::of_each(&stored.runs, caches, flush_policy, count)
             }
-            Some(_) => BufferUse::of_each(&self.strips, caches, flush_policy, count),
+            Some(_) => VertexCacheStatistics::of_each(&self.strips, caches, flush_policy, count),
         };
         // The simulation counts the triangles of a fan as if it were a strip.
         each.iter_mut().for_each(|used| used.triangles = self.figures.triangles);
@@ -222,7 +228,7 @@ impl std::iter::Sum for StripLengths {
 }
 
 /// A vertex cache for statistics that do not depend on it.
-const ANY_CACHE: Buffer = Buffer::fifo(1);
+const ANY_CACHE: VertexCache = VertexCache::fifo(1);
 
 /// Returns a mesh as a triangle list, polygons as fans around their first corner.
 fn triangle_list(mesh: &Mesh) -> Cow<'_, [u32]> {

@@ -1,39 +1,41 @@
-//! Axes: from figures to places, and the ticks between.
+//! Axes: from values to coordinates, and the ticks.
 //!
-//! A scale gives each figure a place; a span holds the places from end to end, and its ticks with their texts. Steps of a linear axis are
-//! 1, 2 or 5 times a power of ten, found by multiplication alone, so that no machine's logarithm decides.
+//! A scale maps a value to a coordinate; a span has the range of coordinates, and its ticks with their labels. Steps of a linear axis
+//! are 1, 2 or 5 times a power of ten, found by multiplication. Logarithmic axes use the logarithms of `libm`, because the precision of
+//! those of the platform differs, and a chart must have the same bytes on every machine.
 
 use std::ops::Range;
 
 use plotters::coord::ranged1d::{KeyPointHint, NoDefaultFormatting, Ranged, ValueFormatter};
 
+use super::style::printable;
 use crate::text::grouped;
 
-/// Steps that a linear axis has at most.
+/// The maximum number of steps of a linear axis.
 const STEPS: f64 = 6.0;
-/// Ticks that a logarithmic axis has at most.
+/// The maximum number of ticks of a logarithmic axis.
 const LOG_TICKS: usize = 10;
 
-/// Figures beyond are not shown: their steps could not be told apart.
+/// Greater coordinates are not shown: `f64` could not distinguish their ticks.
 const LARGEST: f64 = 1e15;
 
-/// How figures are laid along an axis.
+/// How values map to coordinates.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum Scale {
-    /// Equal steps from 0, or from near the least figure.
+    /// Equal steps from 0, or from near the least value.
     Linear {
         /// Whether the axis begins at 0.
         from_zero: bool,
     },
     /// Equal ratios, ticks at powers of two.
     Log2,
-    /// Equal ratios, ticks at powers of ten, with 2 and 5 between where there is room.
+    /// Equal ratios, ticks at powers of ten, with 2 and 5 between if there is space.
     Log10,
     /// Names at 0, 1, 2 …
     Names(Vec<String>),
 }
 
-/// What an axis shows.
+/// The title and scale of an axis.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Axis {
     pub(super) title: String,
@@ -41,15 +43,16 @@ pub(crate) struct Axis {
 }
 
 impl Axis {
-    /// Makes an axis; the title says the unit.
+    /// Creates an axis; the title names the quantity and its unit.
     pub(crate) fn new(title: &str, scale: Scale) -> Self {
         Self { title: title.into(), scale }
     }
 
-    /// Spans figures; with bars there is half a step more at both ends.
-    pub(super) fn span(&self, figures: impl Iterator<Item = f64>, bars: bool) -> Span {
-        let places = figures.filter_map(|figure| self.scale.place(figure));
-        let (low, high) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), p| (l.min(p), h.max(p)));
+    /// Returns a span that contains values; with bars it extends by 0.5 at both ends.
+    pub(super) fn span(&self, values: impl Iterator<Item = f64>, bars: bool) -> AxisSpan {
+        let coordinates = values.filter_map(|value| self.scale.coordinate(value));
+        let (low, high) =
+            coordinates.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), c| (l.min(c), h.max(c)));
         let (low, high) = if low <= high { (low, high) } else { (0.0, 1.0) };
         let mut span = match &self.scale {
             Scale::Linear { from_zero } => linear(if *from_zero { low.min(0.0) } else { low }, high),
@@ -65,26 +68,26 @@ impl Axis {
 }
 
 impl Scale {
-    /// Gives the place of a figure; none for what the scale cannot show.
-    pub(super) fn place(&self, figure: f64) -> Option<f64> {
-        let place = match self {
-            Self::Linear { .. } | Self::Names(_) => figure,
-            Self::Log2 | Self::Log10 => figure.log2(),
+    /// Returns the coordinate of a value; `None` if the scale cannot show it.
+    pub(super) fn coordinate(&self, value: f64) -> Option<f64> {
+        let coordinate = match self {
+            Self::Linear { .. } | Self::Names(_) => value,
+            Self::Log2 | Self::Log10 => libm::log2(value),
         };
-        (place.abs() <= LARGEST).then_some(place)
+        (coordinate.abs() <= LARGEST).then_some(coordinate)
     }
 }
 
-/// The places of an axis from end to end.
+/// The range of coordinates of an axis.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Span {
+pub(super) struct AxisSpan {
     pub(super) low: f64,
     pub(super) high: f64,
-    /// Places and their texts, from low to high.
+    /// Coordinates and their labels, from low to high.
     ticks: Vec<(f64, String)>,
 }
 
-impl Span {
+impl AxisSpan {
     pub(super) fn tick_count(&self) -> usize {
         self.ticks.len()
     }
@@ -94,17 +97,17 @@ impl Span {
     }
 }
 
-impl Ranged for Span {
+impl Ranged for AxisSpan {
     type FormatOption = NoDefaultFormatting;
     type ValueType = f64;
 
-    fn map(&self, place: &f64, (from, to): (i32, i32)) -> i32 {
-        let share = (place - self.low) / (self.high - self.low);
-        from + (f64::from(to - from) * share).round() as i32
+    fn map(&self, coordinate: &f64, (from, to): (i32, i32)) -> i32 {
+        let fraction = (coordinate - self.low) / (self.high - self.low);
+        from + (f64::from(to - from) * fraction).round() as i32
     }
 
     fn key_points<Hint: KeyPointHint>(&self, _: Hint) -> Vec<f64> {
-        self.ticks.iter().map(|&(place, _)| place).collect()
+        self.ticks.iter().map(|&(coordinate, _)| coordinate).collect()
     }
 
     fn range(&self) -> Range<f64> {
@@ -112,15 +115,15 @@ impl Ranged for Span {
     }
 }
 
-impl ValueFormatter<f64> for Span {
-    fn format_ext(&self, place: &f64) -> String {
-        let tick = self.ticks.iter().find(|(tick, _)| tick.total_cmp(place).is_eq());
+impl ValueFormatter<f64> for AxisSpan {
+    fn format_ext(&self, coordinate: &f64) -> String {
+        let tick = self.ticks.iter().find(|(tick, _)| tick.total_cmp(coordinate).is_eq());
         tick.map(|(_, text)| text.clone()).unwrap_or_default()
     }
 }
 
-fn linear(low: f64, high: f64) -> Span {
-    // A single figure stands in the middle of something.
+fn linear(low: f64, high: f64) -> AxisSpan {
+    // A single value is in the middle of an interval around it.
     let (low, high) = if low < high {
         (low, high)
     } else {
@@ -129,11 +132,11 @@ fn linear(low: f64, high: f64) -> Span {
     let (step, digits) = step((high - low) / STEPS);
     let (first, last) = ((low / step).floor(), (high / step).ceil());
     let steps = (0..20_u8).map(|i| first + f64::from(i)).take_while(|&number| number <= last);
-    let ticks = steps.map(|number| (number * step, figure_text(number * step, digits)));
-    Span { low: first * step, high: (last * step).max(first * step + step), ticks: ticks.collect() }
+    let ticks = steps.map(|number| (number * step, value_text(number * step, digits)));
+    AxisSpan { low: first * step, high: (last * step).max(first * step + step), ticks: ticks.collect() }
 }
 
-/// Gives the least step of 1, 2 or 5 times a power of ten that is not below a length, and its digits after the point.
+/// Returns the least step of 1, 2 or 5 times a power of ten that is at least a length, and its number of decimals.
 fn step(least: f64) -> (f64, usize) {
     let mut power = 1.0_f64;
     let mut digits = 0_usize;
@@ -149,8 +152,9 @@ fn step(least: f64) -> (f64, usize) {
     if factor >= 10.0 { (power * 10.0, digits.saturating_sub(1)) } else { (power * factor, digits) }
 }
 
-fn figure_text(figure: f64, digits: usize) -> String {
-    let text = format!("{figure:.digits$}");
+/// Formats a tick label of a linear axis.
+fn value_text(value: f64, digits: usize) -> String {
+    let text = format!("{value:.digits$}");
     if digits > 0 {
         return text;
     }
@@ -161,50 +165,53 @@ fn figure_text(figure: f64, digits: usize) -> String {
     }
 }
 
-fn log2(low: f64, high: f64) -> Span {
+fn log2(low: f64, high: f64) -> AxisSpan {
     let (first, last) = (low.floor() as i32, (high.ceil() as i32).max(low.floor() as i32 + 1));
     let every = (first.abs_diff(last) as usize).div_ceil(LOG_TICKS).max(1);
     let ticks =
-        (first..=last).step_by(every).map(|power| (f64::from(power), log_text(f64::from(power).exp2())));
-    Span { low: f64::from(first), high: f64::from(last), ticks: ticks.collect() }
+        (first..=last).step_by(every).map(|power| (f64::from(power), log_text(libm::exp2(f64::from(power)))));
+    AxisSpan { low: f64::from(first), high: f64::from(last), ticks: ticks.collect() }
 }
 
-fn log10(low: f64, high: f64) -> Span {
-    // Read from text, each is the nearest to what its digits say.
+fn log10(low: f64, high: f64) -> AxisSpan {
+    // Parsed from text, each power is the nearest `f64`.
     let powers = (-12..=15).filter_map(|power| format!("1e{power}").parse::<f64>().ok());
-    let figures: Vec<f64> = powers.flat_map(|power| [1.0, 2.0, 5.0].map(|factor| factor * power)).collect();
-    let from = figures.iter().rposition(|f| f.log2() <= low + 1e-9).unwrap_or(0);
-    let to = figures.iter().position(|f| f.log2() >= high - 1e-9).unwrap_or(figures.len() - 1).max(from + 1);
-    let to = to.min(figures.len() - 1);
+    let candidates: Vec<f64> =
+        powers.flat_map(|power| [1.0, 2.0, 5.0].map(|factor| factor * power)).collect();
+    let from = candidates.iter().rposition(|&value| libm::log2(value) <= low + 1e-9).unwrap_or(0);
+    let last = candidates.len() - 1;
+    let to =
+        candidates.iter().position(|&value| libm::log2(value) >= high - 1e-9).unwrap_or(last).max(from + 1);
+    let to = to.min(last);
     let every = if to - from < LOG_TICKS { 1 } else { 3 * (to - from).div_ceil(3 * LOG_TICKS) };
     let ticks = (from..=to).filter(|i| i % every == 0);
-    let ticks = ticks.map(|i| (figures[i].log2(), log_text(figures[i]))).collect();
-    Span { low: figures[from.min(to)].log2(), high: figures[to].log2(), ticks }
+    let ticks = ticks.map(|i| (libm::log2(candidates[i]), log_text(candidates[i]))).collect();
+    AxisSpan { low: libm::log2(candidates[from.min(to)]), high: libm::log2(candidates[to]), ticks }
 }
 
-/// Writes a tick of a logarithmic axis with the digits that it needs: `0.5`, `20k`, `1M`.
-fn log_text(figure: f64) -> String {
+/// Formats a tick label of a logarithmic axis with as few digits as possible: `0.5`, `20k`, `1M`.
+fn log_text(value: f64) -> String {
     let units = [(1e9, "G"), (1e6, "M"), (1e3, "k")];
-    let (unit, letter) = units.into_iter().find(|(unit, _)| figure >= *unit).unwrap_or((1.0, ""));
-    let figure = figure / unit;
+    let (unit, letter) = units.into_iter().find(|(unit, _)| value >= *unit).unwrap_or((1.0, ""));
+    let value = value / unit;
     let digits = (0..12).find(|&digits| {
-        let text = format!("{figure:.digits$}");
-        text.parse::<f64>().is_ok_and(|read| (read - figure).abs() <= 1e-6 * figure)
+        let text = format!("{value:.digits$}");
+        text.parse::<f64>().is_ok_and(|parsed| (parsed - value).abs() <= 1e-6 * value)
     });
-    figure_text(figure, digits.unwrap_or(12)) + letter
+    value_text(value, digits.unwrap_or(12)) + letter
 }
 
-fn named(names: &[String]) -> Span {
-    let ticks = names.iter().enumerate().map(|(i, name)| (i as f64, super::printable(name))).collect();
-    Span { low: -0.5, high: names.len().max(1) as f64 - 0.5, ticks }
+fn named(names: &[String]) -> AxisSpan {
+    let ticks = names.iter().enumerate().map(|(i, name)| (i as f64, printable(name))).collect();
+    AxisSpan { low: -0.5, high: names.len().max(1) as f64 - 0.5, ticks }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn texts(scale: Scale, figures: &[f64]) -> String {
-        let span = Axis::new("", scale).span(figures.iter().copied(), false);
+    fn texts(scale: Scale, values: &[f64]) -> String {
+        let span = Axis::new("", scale).span(values.iter().copied(), false);
         span.ticks.iter().map(|(_, text)| text.as_str()).collect::<Vec<_>>().join(" ")
     }
 
@@ -223,13 +230,14 @@ mod tests {
     }
 
     #[test]
-    fn no_figure_makes_an_axis_without_end() {
-        let odd = [0.0, -1.0, 1e300, -1e300, 1e-300, f64::NAN, f64::INFINITY, f64::MIN_POSITIVE, f64::MAX];
+    fn extreme_values_give_few_ticks() {
+        let extreme =
+            [0.0, -1.0, 1e300, -1e300, 1e-300, f64::NAN, f64::INFINITY, f64::MIN_POSITIVE, f64::MAX];
         for scale in
             [Scale::Linear { from_zero: true }, Scale::Linear { from_zero: false }, Scale::Log2, Scale::Log10]
         {
-            for a in odd {
-                for b in odd {
+            for a in extreme {
+                for b in extreme {
                     let span = Axis::new("", scale.clone()).span([a, b].into_iter(), true);
                     assert!(span.ticks.len() <= 20 && span.low < span.high, "{scale:?} {a} {b}: {span:?}");
                 }

@@ -1,157 +1,167 @@
-//! Where labels stand: beside their points, or, where all have to be shown, further off at the end of a thin line.
+//! Label placement: beside the points, or, if every label must be shown, farther away with a leader line.
 //!
 //! ```text
 //!      above                   · · · ·
-//!  left  ●  right   and then   ·  ●  ·   squares of places around the point, each wider than the last, until one is free
+//!  left  ●  right   and then   ·  ●  ·   candidate positions on squares of growing size, until one is free
 //!      below                   · · · ·
 //! ```
-//! Labels are placed one after the other, the first ones best. Places are whole pixels, so that no machine's rounding decides.
+//! # Algorithm
+//! Greedy, in the order of the labels: each takes its first free candidate. Positions are whole pixels, so that the result does not
+//! depend on the rounding of a machine.
 
-use super::Frame;
+/// Left, top, right and bottom in pixels.
+pub(super) type PixelRect = [i32; 4];
 
-/// From a point to the label beside it, in pixels.
+/// The distance from a point to a label beside it, in pixels.
 const BESIDE: i32 = 7;
 /// Half the height of a label.
-const HALF: i32 = 6;
-/// From one ring of places to the next.
-const RING: i32 = 9;
-/// Rings around a point.
+const HALF_HEIGHT: i32 = 6;
+/// The distance between two rings of candidates.
+const RING_DISTANCE: i32 = 9;
+/// The number of rings around a point.
 const RINGS: i32 = 20;
-/// Half the side of what a mark covers.
-const MARK: i32 = 5;
-/// From one place of a ring to the next.
+/// Half the side of the square that a symbol covers.
+const SYMBOL: i32 = 5;
+/// The distance between two candidates of a ring.
 const STEP: i32 = 6;
 
-/// A text that wants a place.
+/// A label to be placed.
 #[derive(Debug, Clone)]
-pub(super) struct Label {
-    /// The point that it belongs to.
+pub(super) struct PointLabel {
+    /// The labelled point.
     pub(super) at: (i32, i32),
     pub(super) text: String,
     pub(super) width: i32,
 }
 
-/// The place of a label.
+/// Where a label is drawn.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(super) struct Spot {
-    pub(super) frame: Frame,
-    /// The line from its point, where it stands far off.
+pub(super) struct LabelPosition {
+    pub(super) rect: PixelRect,
+    /// The leader line from the point, if the label is not beside it.
     pub(super) leader: Option<((i32, i32), (i32, i32))>,
 }
 
-/// What labels keep away from.
+/// What labels must avoid.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Obstacles {
-    marks: Vec<Frame>,
-    lines: Vec<Frame>,
+    symbols: Vec<PixelRect>,
+    lines: Vec<PixelRect>,
 }
 
 impl Obstacles {
-    /// Adds the mark of a point.
-    pub(super) fn mark(&mut self, at: (i32, i32)) {
-        self.marks.push([at.0 - MARK, at.1 - MARK, at.0 + MARK, at.1 + MARK]);
+    /// Adds the symbol of a point.
+    pub(super) fn add_symbol(&mut self, at: (i32, i32)) {
+        self.symbols.push([at.0 - SYMBOL, at.1 - SYMBOL, at.0 + SYMBOL, at.1 + SYMBOL]);
     }
 
     /// Adds a line through points.
-    pub(super) fn line(&mut self, points: impl Iterator<Item = (i32, i32)>) {
+    pub(super) fn add_line(&mut self, points: impl Iterator<Item = (i32, i32)>) {
         let mut last = None;
         for point in points {
             let from = last.replace(point).unwrap_or(point);
-            self.lines.extend(beads(from, point));
+            self.lines.extend(line_rects(from, point));
         }
     }
 }
 
-/// Gives each label its place, or none where there is no room. With obstacles all places around a point are tried, else four
-/// beside it.
-pub(super) fn place(labels: &[Label], bounds: Frame, obstacles: Option<Obstacles>) -> Vec<Option<Spot>> {
-    let everywhere = obstacles.is_some();
-    let mut taken = Taken { bounds, obstacles: obstacles.unwrap_or_default(), ..Taken::default() };
-    let mut spots = Vec::with_capacity(labels.len());
+/// Returns a position for each label, or `None` if there is no free space. With obstacles, all candidates around a point are tried,
+/// otherwise only the four beside it.
+pub(super) fn place_labels(
+    labels: &[PointLabel],
+    bounds: PixelRect,
+    obstacles: Option<Obstacles>,
+) -> Vec<Option<LabelPosition>> {
+    let with_rings = obstacles.is_some();
+    let mut occupied = Occupied { bounds, obstacles: obstacles.unwrap_or_default(), ..Occupied::default() };
+    let mut positions = Vec::with_capacity(labels.len());
     for label in labels {
-        let spot = Care::ALL.into_iter().find_map(|care| {
-            candidates(label, everywhere).find(|spot| taken.leaves_room(spot, label.at, care))
+        let position = Clearance::ALL.into_iter().find_map(|clearance| {
+            candidates(label, with_rings).find(|position| occupied.is_free(position, label.at, clearance))
         });
-        if let Some(spot) = &spot {
-            taken.labels.push(spot.frame);
-            taken.leaders.extend(spot.leader.into_iter().flat_map(|(from, to)| beads(from, to)));
+        if let Some(position) = &position {
+            occupied.labels.push(position.rect);
+            occupied.leaders.extend(position.leader.into_iter().flat_map(|(from, to)| line_rects(from, to)));
         }
-        spots.push(spot);
+        positions.push(position);
     }
-    spots
+    positions
 }
 
-/// What labels and their thin lines keep away from: the less, the sooner there is a place. No label ever covers a label or a mark.
+/// What labels and leader lines must avoid; weaker levels have more free candidates. No label ever covers a label or a symbol.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-enum Care {
-    /// No more than that: only where labels are all around a point.
+enum Clearance {
+    /// Nothing else: needed only where labels surround a point.
     Least,
-    /// No label covers a thin line, and no thin line crosses a label.
+    /// No label covers a leader line, and no leader line crosses a label.
     Labels,
-    /// No thin line crosses another either, or a mark but its own.
-    Marks,
-    /// No label covers a line either.
+    /// In addition, no leader line crosses another, or a symbol other than its own.
+    Symbols,
+    /// In addition, no label covers a line of a series.
     Lines,
 }
 
-impl Care {
-    /// In the order in which they are tried.
-    const ALL: [Self; 4] = [Self::Lines, Self::Marks, Self::Labels, Self::Least];
+impl Clearance {
+    /// All levels, from the strictest to the weakest.
+    const ALL: [Self; 4] = [Self::Lines, Self::Symbols, Self::Labels, Self::Least];
 }
 
-/// Where nothing can stand any more.
+/// The space that is not free.
 #[derive(Debug, Default)]
-struct Taken {
-    bounds: Frame,
-    labels: Vec<Frame>,
-    leaders: Vec<Frame>,
+struct Occupied {
+    bounds: PixelRect,
+    labels: Vec<PixelRect>,
+    leaders: Vec<PixelRect>,
     obstacles: Obstacles,
 }
 
-impl Taken {
-    fn leaves_room(&self, spot: &Spot, at: (i32, i32), care: Care) -> bool {
-        let Obstacles { marks, lines } = &self.obstacles;
-        let free = |of: &[Frame], frame: &Frame| of.iter().all(|other| !overlap(frame, other));
-        let frame = &spot.frame;
-        let own = |bead: &Frame| (bead[0] - at.0).abs() <= MARK && (bead[1] - at.1).abs() <= MARK;
-        let clear = |bead: Frame| {
-            let crosses = !free(marks, &bead) || !free(&self.leaders, &bead);
-            free(&self.labels, &bead) && (care < Care::Marks || own(&bead) || !crosses)
+impl Occupied {
+    /// Checks whether a label at a position, of the point `at`, keeps a level of clearance.
+    fn is_free(&self, position: &LabelPosition, at: (i32, i32), clearance: Clearance) -> bool {
+        let Obstacles { symbols, lines } = &self.obstacles;
+        let free = |of: &[PixelRect], rect: &PixelRect| of.iter().all(|other| !overlap(rect, other));
+        let rect = &position.rect;
+        let own = |part: &PixelRect| (part[0] - at.0).abs() <= SYMBOL && (part[1] - at.1).abs() <= SYMBOL;
+        let clear = |part: PixelRect| {
+            let crosses = !free(symbols, &part) || !free(&self.leaders, &part);
+            free(&self.labels, &part) && (clearance < Clearance::Symbols || own(&part) || !crosses)
         };
-        inside(frame, &self.bounds)
-            && free(&self.labels, frame)
-            && free(marks, frame)
-            && (care < Care::Labels || free(&self.leaders, frame))
-            && (care < Care::Lines || free(lines, frame))
-            && (care < Care::Labels || spot.leader.is_none_or(|(from, to)| beads(from, to).all(clear)))
+        inside(rect, &self.bounds)
+            && free(&self.labels, rect)
+            && free(symbols, rect)
+            && (clearance < Clearance::Labels || free(&self.leaders, rect))
+            && (clearance < Clearance::Lines || free(lines, rect))
+            && (clearance < Clearance::Labels
+                || position.leader.is_none_or(|(from, to)| line_rects(from, to).all(clear)))
     }
 }
 
-/// Lists the places of a label, from near to far.
-fn candidates(label: &Label, everywhere: bool) -> impl Iterator<Item = Spot> + '_ {
+/// Iterates over the candidate positions of a label, from near to far.
+fn candidates(label: &PointLabel, with_rings: bool) -> impl Iterator<Item = LabelPosition> + '_ {
     let (x, y) = label.at;
-    let frame = |(left, middle): (i32, i32)| [left, middle - HALF, left + label.width, middle + HALF];
+    let rect =
+        |(left, middle): (i32, i32)| [left, middle - HALF_HEIGHT, left + label.width, middle + HALF_HEIGHT];
     let half = label.width / 2;
     let near = [(x + BESIDE, y), (x - half, y - 12), (x - BESIDE - label.width, y), (x - half, y + 12)];
-    let near = near.map(|at| Spot { frame: frame(at), leader: None });
-    let rings = 1..=if everywhere { RINGS } else { 0 };
-    let far = rings.flat_map(|ring| square(BESIDE + RING * ring)).map(move |(dx, dy)| {
+    let near = near.map(|at| LabelPosition { rect: rect(at), leader: None });
+    let rings = 1..=if with_rings { RINGS } else { 0 };
+    let far = rings.flat_map(|ring| square(BESIDE + RING_DISTANCE * ring)).map(move |(dx, dy)| {
         let left = if dx >= 0 { x + dx } else { x + dx - label.width };
-        let frame = frame((left, y + dy));
-        let end = (x.clamp(frame[0] - 1, frame[2]), y.clamp(frame[1] + 1, frame[3] - 1));
-        Spot { frame, leader: Some((label.at, end)) }
+        let rect = rect((left, y + dy));
+        let end = (x.clamp(rect[0] - 1, rect[2]), y.clamp(rect[1] + 1, rect[3] - 1));
+        LabelPosition { rect, leader: Some((label.at, end)) }
     });
     near.into_iter().chain(far)
 }
 
-/// Lists places along the sides of a square around 0, the middle of each side first.
+/// Iterates over points on the sides of a square around 0, from the middle of each side outwards.
 fn square(half: i32) -> impl Iterator<Item = (i32, i32)> {
     let along = (0..=half / STEP).flat_map(|i| [i * STEP, -i * STEP]);
     along.flat_map(move |offset| [(half, offset), (-half, offset), (offset, -half), (offset, half)])
 }
 
-/// Covers a line with small frames.
-fn beads(from: (i32, i32), to: (i32, i32)) -> impl Iterator<Item = Frame> {
+/// Iterates over small rectangles that cover a line.
+fn line_rects(from: (i32, i32), to: (i32, i32)) -> impl Iterator<Item = PixelRect> {
     let (dx, dy) = (to.0 - from.0, to.1 - from.1);
     let count = (dx.abs().max(dy.abs()) / 3).max(1);
     (0..=count).map(move |i| {
@@ -160,11 +170,11 @@ fn beads(from: (i32, i32), to: (i32, i32)) -> impl Iterator<Item = Frame> {
     })
 }
 
-fn inside(frame: &Frame, bounds: &Frame) -> bool {
-    frame[0] >= bounds[0] && frame[1] >= bounds[1] && frame[2] <= bounds[2] && frame[3] <= bounds[3]
+fn inside(rect: &PixelRect, bounds: &PixelRect) -> bool {
+    rect[0] >= bounds[0] && rect[1] >= bounds[1] && rect[2] <= bounds[2] && rect[3] <= bounds[3]
 }
 
-fn overlap(a: &Frame, b: &Frame) -> bool {
+fn overlap(a: &PixelRect, b: &PixelRect) -> bool {
     a[0] < b[2] && b[0] < a[2] && a[1] < b[3] && b[1] < a[3]
 }
 
@@ -172,66 +182,67 @@ fn overlap(a: &Frame, b: &Frame) -> bool {
 mod tests {
     use super::*;
 
-    const BOUNDS: Frame = [0, 0, 800, 300];
+    const BOUNDS: PixelRect = [0, 0, 800, 300];
 
-    fn label(at: (i32, i32)) -> Label {
-        Label { at, text: "a label".into(), width: 70 }
+    fn label(at: (i32, i32)) -> PointLabel {
+        PointLabel { at, text: "a label".into(), width: 70 }
     }
 
     #[test]
-    fn labels_cover_neither_labels_nor_marks() {
-        let labels: Vec<Label> = (0..16).map(|i| label((300 + 11 * (i % 4), 150 + 7 * (i / 4)))).collect();
+    fn labels_cover_neither_labels_nor_symbols() {
+        let labels: Vec<PointLabel> =
+            (0..16).map(|i| label((300 + 11 * (i % 4), 150 + 7 * (i / 4)))).collect();
         let mut obstacles = Obstacles::default();
-        labels.iter().for_each(|label| obstacles.mark(label.at));
-        let marks = obstacles.marks.clone();
-        let spots = place(&labels, BOUNDS, Some(obstacles));
-        let spots: Vec<Spot> = spots.into_iter().flatten().collect();
-        assert!(spots.len() == 16, "{} of 16", spots.len());
-        for (number, spot) in spots.iter().enumerate() {
-            assert!(inside(&spot.frame, &BOUNDS));
-            assert!(marks.iter().all(|mark| !overlap(mark, &spot.frame)));
-            for other in spots.iter().take(number) {
-                assert!(!overlap(&spot.frame, &other.frame));
+        labels.iter().for_each(|label| obstacles.add_symbol(label.at));
+        let symbols = obstacles.symbols.clone();
+        let positions = place_labels(&labels, BOUNDS, Some(obstacles));
+        let positions: Vec<LabelPosition> = positions.into_iter().flatten().collect();
+        assert!(positions.len() == 16, "{} of 16", positions.len());
+        for (index, position) in positions.iter().enumerate() {
+            assert!(inside(&position.rect, &BOUNDS));
+            assert!(symbols.iter().all(|symbol| !overlap(symbol, &position.rect)));
+            for other in positions.iter().take(index) {
+                assert!(!overlap(&position.rect, &other.rect));
             }
         }
     }
 
     #[test]
-    fn a_thin_line_crosses_no_label_where_there_is_room() {
-        let labels: Vec<Label> = (0..5).map(|i| label((300, 100 + 4 * i))).collect();
+    fn leader_lines_cross_no_labels_if_there_is_space() {
+        let labels: Vec<PointLabel> = (0..5).map(|i| label((300, 100 + 4 * i))).collect();
         let mut obstacles = Obstacles::default();
-        labels.iter().for_each(|label| obstacles.mark(label.at));
-        let spots = place(&labels, BOUNDS, Some(obstacles));
-        let spots: Vec<Spot> = spots.into_iter().flatten().collect();
-        assert_eq!(spots.len(), labels.len());
-        assert!(spots.iter().any(|spot| spot.leader.is_some()));
-        for spot in &spots {
-            for other in spots.iter().filter(|other| *other != spot) {
-                let crossed = |(from, to)| beads(from, to).any(|bead| overlap(&bead, &other.frame));
-                assert!(!spot.leader.is_some_and(crossed), "{spot:?} {other:?}");
+        labels.iter().for_each(|label| obstacles.add_symbol(label.at));
+        let positions = place_labels(&labels, BOUNDS, Some(obstacles));
+        let positions: Vec<LabelPosition> = positions.into_iter().flatten().collect();
+        assert_eq!(positions.len(), labels.len());
+        assert!(positions.iter().any(|position| position.leader.is_some()));
+        for position in &positions {
+            for other in positions.iter().filter(|other| *other != position) {
+                let crossed = |(from, to)| line_rects(from, to).any(|part| overlap(&part, &other.rect));
+                assert!(!position.leader.is_some_and(crossed), "{position:?} {other:?}");
             }
         }
     }
 
     #[test]
-    fn without_obstacles_four_places_are_tried() {
+    fn without_obstacles_only_four_candidates_are_tried() {
         let same = vec![label((400, 150)); 6];
-        let spots = place(&same, BOUNDS, None);
-        assert_eq!(spots.iter().filter(|spot| spot.is_some()).count(), 4);
-        assert_eq!(spots[0], Some(Spot { frame: [407, 144, 477, 156], leader: None }));
+        let positions = place_labels(&same, BOUNDS, None);
+        assert_eq!(positions.iter().filter(|position| position.is_some()).count(), 4);
+        assert_eq!(positions[0], Some(LabelPosition { rect: [407, 144, 477, 156], leader: None }));
     }
 
     #[test]
-    fn a_line_is_covered_only_where_there_is_no_other_place() {
+    fn a_line_is_covered_only_if_no_other_candidate_is_free() {
         let mut level = Obstacles::default();
-        level.line([(0, 150), (800, 150)].into_iter());
-        let spots = place(&[label((400, 150))], BOUNDS, Some(level.clone()));
-        assert_eq!(spots[0].as_ref().map(|spot| spot.frame), Some([365, 132, 435, 144]));
+        level.add_line([(0, 150), (800, 150)].into_iter());
+        let positions = place_labels(&[label((400, 150))], BOUNDS, Some(level.clone()));
+        assert_eq!(positions[0].as_ref().map(|position| position.rect), Some([365, 132, 435, 144]));
         let narrow = [0, 144, 800, 156];
         assert_eq!(
-            place(&[label((400, 150))], narrow, Some(level))[0].as_ref().map(|s| s.frame[0]),
+            place_labels(&[label((400, 150))], narrow, Some(level))[0].as_ref().map(|p| p.rect[0]),
             Some(407)
         );
-        assert_eq!(place(&[label((400, 150))], [0, 0, 9, 9], None), [None]);
+        assert_eq!(place_labels(&[label((400, 150))], [0, 0, 9, 9], None), [None]);
     }
 }

@@ -1,12 +1,12 @@
-//! The levels of a model: those of its only part, or the collapses of all parts in one order.
+//! The levels of a model: the collapses of all its parts in one order.
 
 use tristrip::CollapseSequence;
 
-/// The levels of a model of any number of parts. Its collapses are those of all parts, in the order of their errors, so that at every
-/// level all parts are about as far from their full meshes.
+/// The levels of a model of any number of parts: the collapses of all parts in the order of their errors, so that at every level all
+/// parts have about the same error.
 pub(crate) struct Levels<'a> {
     sequences: Vec<&'a CollapseSequence>,
-    /// The part of each collapse, from the full meshes on.
+    /// The part of each collapse, from the full meshes to the base meshes.
     order: Vec<u32>,
 }
 
@@ -15,39 +15,39 @@ impl<'a> Levels<'a> {
         let mut collapses: Vec<(f32, u32)> = Vec::new();
         for (part, sequence) in (0..).zip(&sequences) {
             // The greatest error so far, so that the collapses of a part keep their order.
-            let mut most = 0.0_f32;
+            let mut greatest = 0.0_f32;
             collapses.extend(sequence.iter().map(|collapse| {
-                most = most.max(collapse.error);
-                (most, part)
+                greatest = greatest.max(collapse.error);
+                (greatest, part)
             }));
         }
         collapses.sort_by(|a, b| a.0.total_cmp(&b.0));
         Self { sequences, order: collapses.into_iter().map(|(_, part)| part).collect() }
     }
 
-    /// Counts the collapses, which is the level of the full model.
+    /// Returns the number of collapses, which is the level of the full model.
     pub(crate) fn len(&self) -> usize {
         self.order.len()
     }
 
-    /// Gives the level of each part at a level of the model.
+    /// Returns the level of each part at a level of the model.
     pub(crate) fn of_parts(&self, level: usize) -> Vec<usize> {
         let mut levels: Vec<usize> = self.sequences.iter().map(|sequence| sequence.len()).collect();
         self.order[..self.len() - level].iter().for_each(|&part| levels[part as usize] -= 1);
         levels
     }
 
-    /// Lists the parts of the collapses, from the full model to the base meshes.
+    /// Iterates over the parts of the collapses, from the full model to the base meshes.
     pub(crate) fn parts_from_full(&self) -> impl Iterator<Item = usize> {
         self.order.iter().map(|&part| part as usize)
     }
 
-    /// Counts the triangles at levels of the parts.
+    /// Returns the number of triangles, given the level of each part.
     pub(crate) fn triangle_count(&self, of_parts: &[usize]) -> usize {
         self.sequences.iter().zip(of_parts).map(|(sequence, &level)| sequence.triangle_count(level)).sum()
     }
 
-    /// Gives the greatest error of the collapses that lead to levels of the parts, in mesh units.
+    /// Returns the greatest error of the collapses that lead to the level of each part, in mesh units.
     pub(crate) fn error(&self, of_parts: &[usize]) -> f32 {
         self.sequences
             .iter()
@@ -56,7 +56,7 @@ impl<'a> Levels<'a> {
             .fold(0.0, f32::max)
     }
 
-    /// Lists levels so many steps apart, from the base mesh to the full one.
+    /// Returns levels from the base mesh to the full mesh, in `steps` equal steps; equal levels are returned once.
     pub(crate) fn evenly(&self, steps: usize) -> Vec<usize> {
         let mut levels: Vec<usize> =
             (0..=steps).map(|step| (self.len() * step + steps / 2) / steps).collect();
@@ -68,9 +68,9 @@ impl<'a> Levels<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tristrip::simplify::Rename;
+    use tristrip::collapse::Rename;
 
-    /// A fan whose rim goes in order, with these errors.
+    /// Returns a sequence of collapses along the rim of a fan, with the given errors.
     fn fan(errors: &[f32]) -> CollapseSequence {
         let corners = errors.len() as u32 + 3;
         let triangles = (0..corners - 1).flat_map(|i| [i, i + 1, corners]).collect();
@@ -81,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn collapses_of_all_parts_come_in_the_order_of_their_errors() {
+    fn collapses_of_all_parts_are_ordered_by_error() {
         let (a, b) = (fan(&[1.0, 4.0, 2.0]), fan(&[2.0, 3.0, 5.0]));
         let levels = Levels::new(vec![&a, &b]);
         let all: Vec<_> = (0..=levels.len()).rev().map(|level| levels.of_parts(level)).collect();

@@ -2,8 +2,7 @@
 
 use serde::Serialize;
 
-use super::measure::Row;
-use super::totals::Total;
+use super::rows::{FilterTotal, LevelRow};
 use crate::batch::{InputReport, Outcome};
 use crate::figures::Figures;
 use crate::method::{Chosen, MethodReport};
@@ -47,12 +46,12 @@ pub(crate) struct LodReport {
     /// Figures of the display strips.
     #[serde(flatten)]
     pub(crate) figures: Option<Figures>,
-    pub(crate) table: Option<Vec<Row>>,
+    pub(crate) table: Option<Vec<LevelRow>>,
     /// Sums over all levels.
-    pub(crate) compare: Option<Vec<Total>>,
+    pub(crate) compare: Option<Vec<FilterTotal>>,
     /// The rows of the chart.
     #[serde(skip)]
-    pub(crate) rows: Vec<Row>,
+    pub(crate) rows: Vec<LevelRow>,
     pub(crate) plot: Option<String>,
     pub(crate) stopped: Option<Stopped>,
     pub(crate) parts: Option<usize>,

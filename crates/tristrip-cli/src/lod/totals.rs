@@ -1,48 +1,33 @@
-//! What every filter sends from the base mesh to the full one, where each level is drawn once.
+//! The vertices that every filter sends from the base mesh to the full mesh, when each level is drawn once.
 //!
-//! `repair` follows the collapses from the full mesh down; the others read the strips of each level by themselves.
-//! A model of several parts has the collapses of all of them in one order; a part stays as it is at the levels of the others.
+//! `repair` follows the collapses from the full mesh; the other filters read the strips of each level independently.
+//! A model of several parts has the collapses of all of them in one order; a collapse of one part leaves the others unchanged.
 
 use clap::ValueEnum;
-use serde::Serialize;
 use tristrip::Error;
-use tristrip::lod::filter::{Filter, Repair, repair};
 use tristrip::lod::traffic;
+use tristrip::lod::{Filter, Repair, RepairOptions};
 
-use super::detail::Detail;
 use super::levels::Levels;
-use super::measure::LIST;
+use super::part::LodPart;
+use super::rows::{FilterTotal, SINGLE_TRIANGLES};
 use crate::failure::Failure;
 use crate::figures::rounded;
 use crate::stages::Pool;
 use crate::text::{grouped, table};
 use crate::values::FilterName;
 
-/// What one way to draw the levels of a model sends.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub(crate) struct Total {
-    /// The name of the filter, or that of the mesh as single triangles.
-    pub(crate) filter: String,
-    /// Of all levels together.
-    pub(crate) vertices_sent: u64,
-    pub(crate) vertices_per_triangle: f64,
-    /// Of what the mesh sends as single triangles.
-    pub(crate) percent: f64,
-}
-
-/// Vertices sent by every filter, in the order of their names.
-type Counts = Vec<usize>;
-
-/// Counts what every filter sends of a part at each of its levels, from the full mesh down.
-fn by_level(detail: &Detail<'_>, options: repair::Options) -> Result<Vec<Counts>, Error> {
-    let (strips, sequence) = (detail.strips(), detail.sequence());
-    let mut counts: Vec<Counts> = Vec::with_capacity(sequence.len() + 1);
+/// Counts the vertices that every filter sends for a part, at each of its levels from the full mesh to the base mesh; the filters are
+/// in the order of [`FilterName`].
+fn sent_by_level(part: &LodPart<'_>, options: RepairOptions) -> Result<Vec<Vec<usize>>, Error> {
+    let (strips, sequence) = (part.strips(), part.sequence());
+    let mut counts: Vec<Vec<usize>> = Vec::with_capacity(sequence.len() + 1);
     let scanners = || FilterName::value_variants().iter().map(|filter| filter.scanner());
     traffic::walk(strips, sequence, |level| {
         let sent = |filter: Option<Filter>| filter.map_or(0, |filter| level.sent(filter).vertices);
         counts.push(scanners().map(sent).collect());
     })?;
-    // The one that searches follows the collapses by itself.
+    // The searching filter follows the collapses.
     let mut repair = Repair::new(sequence, strips, options)?;
     for counts in &mut counts {
         let own = counts.iter_mut().zip(scanners()).filter(|(_, scanner)| scanner.is_none());
@@ -52,36 +37,36 @@ fn by_level(detail: &Detail<'_>, options: repair::Options) -> Result<Vec<Counts>
     Ok(counts)
 }
 
-/// Sums what every filter sends over all levels of a model; the first is the mesh as single triangles.
+/// Sums the vertices that every filter sends over all levels of a model; the first total is of the mesh as single triangles.
 pub(crate) fn totals(
     pool: &Pool,
-    details: &[Detail<'_>],
+    parts: &[LodPart<'_>],
     levels: &Levels<'_>,
-    repair: repair::Options,
-) -> Result<Vec<Total>, Failure> {
-    let parts =
-        pool.map(details, |detail| by_level(detail, repair)).into_iter().collect::<Result<Vec<_>, _>>()?;
-    let mut done = vec![0; details.len()];
-    let mut now = vec![0; FilterName::value_variants().len()];
+    repair: RepairOptions,
+) -> Result<Vec<FilterTotal>, Failure> {
+    let sent =
+        pool.map(parts, |part| sent_by_level(part, repair)).into_iter().collect::<Result<Vec<_>, _>>()?;
+    let mut done = vec![0; parts.len()];
+    let mut current = vec![0; FilterName::value_variants().len()];
     let mut triangles = levels.triangle_count(&levels.of_parts(levels.len())) as u64;
-    for part in &parts {
-        now.iter_mut().zip(&part[0]).for_each(|(now, sent)| *now += sent);
+    for of_part in &sent {
+        current.iter_mut().zip(&of_part[0]).for_each(|(sum, sent)| *sum += sent);
     }
     let (mut all_triangles, mut all): (u64, Vec<u64>) =
-        (triangles, now.iter().map(|&sent| sent as u64).collect());
+        (triangles, current.iter().map(|&sent| sent as u64).collect());
     for part in levels.parts_from_full() {
-        let sequence = details[part].sequence();
+        let sequence = parts[part].sequence();
         let level = sequence.len() - 1 - done[part];
         triangles -= sequence.collapse(level).dropped.len() as u64;
-        let (before, after) = (&parts[part][done[part]], &parts[part][done[part] + 1]);
-        for (now, (before, after)) in now.iter_mut().zip(before.iter().zip(after)) {
-            *now = *now - before + after;
+        let (before, after) = (&sent[part][done[part]], &sent[part][done[part] + 1]);
+        for (sum, (before, after)) in current.iter_mut().zip(before.iter().zip(after)) {
+            *sum = *sum - before + after;
         }
         done[part] += 1;
         all_triangles += triangles;
-        all.iter_mut().zip(&now).for_each(|(all, &now)| *all += now as u64);
+        all.iter_mut().zip(&current).for_each(|(all, &sum)| *all += sum as u64);
     }
-    let total = |filter: String, sent: u64| Total {
+    let total = |filter: String, sent: u64| FilterTotal {
         filter,
         vertices_sent: sent,
         vertices_per_triangle: rounded(sent as f64 / all_triangles.max(1) as f64),
@@ -89,15 +74,15 @@ pub(crate) fn totals(
     };
     let filters =
         FilterName::value_variants().iter().zip(all).map(|(filter, sent)| total(filter.name(), sent));
-    Ok(std::iter::once(total(LIST.into(), 3 * all_triangles)).chain(filters).collect())
+    Ok(std::iter::once(total(SINGLE_TRIANGLES.into(), 3 * all_triangles)).chain(filters).collect())
 }
 
-/// Writes totals as a table.
-pub(crate) fn as_text(totals: &[Total]) -> String {
+/// Formats totals as a text table.
+pub(crate) fn as_text(totals: &[FilterTotal]) -> String {
     let head =
-        ["  all levels, each once", "vertices sent", "a triangle", "of the triangles"].map(String::from);
-    let line = |total: &Total| {
-        let name = if total.filter == LIST { "as triangles" } else { &total.filter };
+        ["  all levels, each once", "vertices sent", "per triangle", "of single triangles"].map(String::from);
+    let line = |total: &FilterTotal| {
+        let name = if total.filter == SINGLE_TRIANGLES { "as triangles" } else { &total.filter };
         vec![
             format!("  {name}"),
             grouped(&total.vertices_sent.to_string()),
@@ -112,12 +97,13 @@ pub(crate) fn as_text(totals: &[Total]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lod::measure::rows;
+    use crate::lod::measure::measure_levels;
+    use crate::lod::rows::LevelRow;
     use crate::simplify::{Part, simplify_all};
-    use tristrip::{Faces, Mesh, Options, Strips, stripify};
+    use tristrip::{Faces, Mesh, StripifyOptions, stripify};
 
-    /// A bumpy square of so many cells a side.
-    fn bumps(cells: u32, scale: f32) -> Mesh {
+    /// Returns a height field of `cells` × `cells` squares.
+    fn height_field(cells: u32, scale: f32) -> Mesh {
         let side = cells + 1;
         let at = |i: u32| {
             let (x, y) = ((i % side) as f32, (i / side) as f32);
@@ -134,26 +120,23 @@ mod tests {
     #[test]
     fn totals_are_the_sums_of_all_levels() {
         let pool = Pool::new(Some(1)).unwrap();
-        let meshes = [bumps(9, 1.0), bumps(6, 40.0)];
-        let strips = [0, 1].map(|part| stripify(&meshes[part], &Options::default()).unwrap());
+        let meshes = [height_field(9, 1.0), height_field(6, 40.0)];
+        let strips = [0, 1].map(|part| stripify(&meshes[part], &StripifyOptions::default()).unwrap());
         let parts = meshes.iter().zip(&strips).map(|(mesh, strips)| (mesh, strips.to_list()));
         let parts = Part::of_all(parts.collect()).unwrap();
         let done = simplify_all(&pool, &parts, &[20, 20], None).unwrap();
-        let details = parts.into_iter().zip(&strips as &[Strips]).zip(done);
-        let details: Vec<Detail<'_>> =
-            details.map(|((part, strips), done)| Detail::new(part.compact, strips, done)).collect();
-        let levels = Levels::new(details.iter().map(Detail::sequence).collect());
+        let parts = LodPart::all(parts, &strips, done);
+        let levels = Levels::new(parts.iter().map(LodPart::sequence).collect());
         assert!(levels.len() > 50, "{}", levels.len());
         let at: Vec<usize> = (0..=levels.len()).collect();
-        let rows = rows(&pool, &details, &levels, &at, repair::Options::default(), true).unwrap();
-        let totals = totals(&pool, &details, &levels, repair::Options::default()).unwrap();
-        let sum =
-            |sent: &dyn Fn(&crate::lod::Row) -> usize| rows.iter().map(|row| sent(row) as u64).sum::<u64>();
+        let rows = measure_levels(&pool, &parts, &levels, &at, RepairOptions::default(), true).unwrap();
+        let totals = totals(&pool, &parts, &levels, RepairOptions::default()).unwrap();
+        let sum = |sent: &dyn Fn(&LevelRow) -> usize| rows.iter().map(|row| sent(row) as u64).sum::<u64>();
         assert_eq!(totals[0].vertices_sent, sum(&|row| row.vertices_sent.triangles));
-        for (number, total) in totals[1..].iter().enumerate() {
+        for (index, total) in totals[1..].iter().enumerate() {
             assert_eq!(
                 total.vertices_sent,
-                sum(&|row| row.vertices_sent.by_filter[number]),
+                sum(&|row| row.vertices_sent.by_filter[index]),
                 "{}",
                 total.filter
             );

@@ -103,16 +103,16 @@ impl AxisRanges {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tristrip::strip::{Buffer, BufferUse};
+    use tristrip::vertex_cache::{VertexCache, VertexCacheStatistics};
 
     fn point(label: &str, indices: usize, misses: usize, optimal: bool) -> ParetoPoint {
-        let used = BufferUse { misses, triangles: 100, vertices: 60 };
+        let used = VertexCacheStatistics { misses, triangles: 100, vertices: 60 };
         let is_file_order = [LIST, "input"].contains(&label);
         ParetoPoint {
             label: label.into(),
             optimal,
             is_file_order,
-            ..ParetoPoint::of(indices, used, Buffer::default())
+            ..ParetoPoint::of(indices, used, VertexCache::default())
         }
     }
 

@@ -1,105 +1,108 @@
-//! The figures of papers, drawn anew from what was measured.
+//! Draws the figures of papers from measured values.
 
-use tristrip::strip::Replacement;
+use tristrip::vertex_cache::{FlushPolicy, Replacement};
 
-use super::judge::{ChartReport, PanelReport, SeriesReport};
-use super::lab::{Lab, PLACES, Recipe};
-use super::paper::{ChartData, CorpusPanel, Kind, LevelsPanel, LevelsSeries, ModelSet, Strips, Variant};
+use super::measured::CACHE_ENTRIES;
+use super::paper::{ChartData, ChartKind, CorpusPanel, LevelPanel, LevelSeries, MethodSeries, ModelSet};
+use super::paper_report::{ChartReport, PanelReport, SeriesReport};
+use super::recipe::Recipe;
+use super::runner::Runner;
 use crate::chart::{Axis, Mark, Panel, Scale, Series, svg};
 use crate::failure::Failure;
 
-/// Asks for what a chart needs.
-pub(super) fn want(chart: &ChartData, lab: &mut Lab) {
+/// Requests the measurements of a chart.
+pub(super) fn request(chart: &ChartData, runner: &mut Runner) {
     match &chart.kind {
-        Kind::Corpus { series, .. } => {
-            series.iter().for_each(|s| lab.want_set(s.flags.as_str().into(), ModelSet::All));
+        ChartKind::Corpus { series, .. } => {
+            series.iter().for_each(|s| runner.request_set(s.flags.as_str().into(), ModelSet::All));
         }
-        Kind::Buffers { flags, models, .. } => {
-            models.iter().for_each(|model| lab.want_buffers(flags.as_str().into(), model));
+        ChartKind::VertexCaches { flags, models, .. } => {
+            models.iter().for_each(|model| runner.request_generalized(flags.as_str().into(), model));
         }
-        Kind::Levels { model, panels, .. } => {
-            panels.iter().for_each(|panel| lab.want_levels(panel.flags.as_str().into(), model));
+        ChartKind::Levels { model, panels, .. } => {
+            panels.iter().for_each(|panel| runner.request_levels(panel.flags.as_str().into(), model));
         }
-        Kind::Convergence { models, steps, series } => {
+        ChartKind::Convergence { models, steps, series } => {
             for model in models {
-                series.iter().for_each(|s| lab.want(searched(s, *steps), model));
+                series.iter().for_each(|s| runner.request(searched(s, *steps), model));
             }
         }
     }
 }
 
-fn searched(series: &Variant, steps: u64) -> Recipe {
+fn searched(series: &MethodSeries, steps: u64) -> Recipe {
     Recipe { flags: series.flags.clone(), steps: Some(steps) }
 }
 
-/// What a panel shows before it is drawn.
-struct Sketch {
+/// The data of a panel.
+struct PanelData {
     title: String,
     x: Axis,
     y: Axis,
     mark: Mark,
-    /// Whether the last figure of a series is written beside it.
-    ends: bool,
+    /// Whether the last value of each series is written beside it.
+    label_last: bool,
     series: Vec<SeriesReport>,
 }
 
 /// Draws a chart.
-pub(super) fn draw(chart: &ChartData, lab: &Lab) -> Result<ChartReport, Failure> {
-    let (sketches, columns) = match &chart.kind {
-        Kind::Corpus { panels, series } => {
-            (panels.iter().map(|panel| corpus(panel, series, lab)).collect(), 1)
+pub(super) fn draw(chart: &ChartData, runner: &Runner) -> Result<ChartReport, Failure> {
+    let (panels_data, columns) = match &chart.kind {
+        ChartKind::Corpus { panels, series } => {
+            (panels.iter().map(|panel| corpus(panel, series, runner)).collect(), 1)
         }
-        Kind::Buffers { flags, models, columns } => {
-            let sketches: Vec<_> = models.iter().filter_map(|name| buffers(name, flags, lab)).collect();
-            (sketches, *columns)
+        ChartKind::VertexCaches { flags, models, columns } => {
+            let panels_data: Vec<_> =
+                models.iter().filter_map(|name| by_cache_size(name, flags, runner)).collect();
+            (panels_data, *columns)
         }
-        Kind::Levels { model, panels, axis, series } => {
-            let sketches = panels.iter().filter_map(|panel| by_level(model, panel, axis, series, lab));
-            (sketches.collect(), 1)
+        ChartKind::Levels { model, panels, axis, series } => {
+            let panels_data = panels.iter().filter_map(|panel| by_level(model, panel, axis, series, runner));
+            (panels_data.collect(), 1)
         }
-        Kind::Convergence { models, steps, series } => {
-            let sketches = models.iter().filter_map(|name| convergence(name, *steps, series, lab));
-            (sketches.collect(), models.len())
+        ChartKind::Convergence { models, steps, series } => {
+            let panels_data = models.iter().filter_map(|name| convergence(name, *steps, series, runner));
+            (panels_data.collect(), models.len())
         }
     };
-    let panels: Vec<Panel> = sketches.iter().map(Sketch::panel).collect();
-    let report = |sketch: Sketch| PanelReport { title: sketch.title, series: sketch.series };
+    let panels: Vec<Panel> = panels_data.iter().map(PanelData::panel).collect();
+    let report = |data: PanelData| PanelReport { title: data.title, series: data.series };
     Ok(ChartReport {
         name: chart.name.clone(),
         file: chart.file.clone(),
         svg: svg(&panels, columns)?,
-        panels: sketches.into_iter().map(report).collect(),
+        panels: panels_data.into_iter().map(report).collect(),
     })
 }
 
-impl Sketch {
+impl PanelData {
     fn panel(&self) -> Panel {
         let series = self.series.iter().map(|s| {
             let series = Series::new(&s.name, self.mark, s.points.clone());
-            if self.ends { series.with_labels(end_label(&s.points)) } else { series }
+            if self.label_last { series.with_labels(last_label(&s.points)) } else { series }
         });
         Panel::new(&self.title, self.x.clone(), self.y.clone(), series.collect())
     }
 }
 
-/// Labels the last point alone.
-fn end_label(points: &[(f64, f64)]) -> Vec<String> {
-    let label = |(number, point): (usize, &(f64, f64))| {
-        if number + 1 == points.len() { format!("{:.0}", point.1) } else { String::new() }
+/// Returns labels of which only the last is not empty.
+fn last_label(points: &[(f64, f64)]) -> Vec<String> {
+    let label = |(index, point): (usize, &(f64, f64))| {
+        if index + 1 == points.len() { format!("{:.0}", point.1) } else { String::new() }
     };
     points.iter().enumerate().map(label).collect()
 }
 
-/// A point a model, by its triangles.
-fn corpus(panel: &CorpusPanel, series: &[Variant], lab: &Lab) -> Sketch {
-    let points = |variant: &Variant| {
+/// Returns one point per model, by its number of triangles.
+fn corpus(panel: &CorpusPanel, series: &[MethodSeries], runner: &Runner) -> PanelData {
+    let points = |variant: &MethodSeries| {
         let recipe = Recipe::from(variant.flags.as_str());
-        let mut points: Vec<(f64, f64)> = lab
+        let mut points: Vec<(f64, f64)> = runner
             .models()
             .filter_map(|(_, model)| {
-                let triangles = model.triangles as f64;
-                let figure = model.strips(&recipe, &panel.figure)?;
-                Some((triangles, if panel.per_triangle { figure / triangles.max(1.0) } else { figure }))
+                let triangles = model.size.triangles as f64;
+                let value = model.strips(&recipe, &panel.figure)?;
+                Some((triangles, if panel.per_triangle { value / triangles.max(1.0) } else { value }))
             })
             .collect();
         points.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
@@ -110,7 +113,7 @@ fn corpus(panel: &CorpusPanel, series: &[Variant], lab: &Lab) -> Sketch {
         flags: Some(variant.flags.clone()),
         points: points(variant),
     });
-    Sketch {
+    PanelData {
         title: panel.title.clone(),
         x: Axis::new("triangles", Scale::Log10),
         y: Axis::new(
@@ -118,65 +121,66 @@ fn corpus(panel: &CorpusPanel, series: &[Variant], lab: &Lab) -> Sketch {
             if panel.per_triangle { Scale::Linear { from_zero: false } } else { Scale::Log10 },
         ),
         mark: Mark::Points,
-        ends: false,
+        label_last: false,
         series: series.collect(),
     }
 }
 
-/// The cost by the size of the buffer.
-fn buffers(name: &str, flags: &str, lab: &Lab) -> Option<Sketch> {
-    let model = lab.model(name)?;
-    let of = |rule, between| -> Vec<(f64, f64)> {
-        let costs = model.transmitted(&Recipe::from(flags), rule, between);
-        PLACES.map(f64::from).zip(costs).collect()
+/// Returns the vertices transmitted by the size of the vertex cache.
+fn by_cache_size(name: &str, flags: &str, runner: &Runner) -> Option<PanelData> {
+    let model = runner.model(name)?;
+    let of = |rule, flush_policy| -> Vec<(f64, f64)> {
+        let transmitted = model.transmitted(&Recipe::from(flags), rule, flush_policy);
+        CACHE_ENTRIES.map(f64::from).zip(transmitted).collect()
     };
-    let least = [PLACES.start(), PLACES.end()].map(|&size| (f64::from(size), model.vertices_in_use()));
+    let least =
+        [CACHE_ENTRIES.start(), CACHE_ENTRIES.end()].map(|&size| (f64::from(size), model.used_vertices()));
     let series = |name: &str, points| SeriesReport { name: name.into(), flags: Some(flags.into()), points };
-    Some(Sketch {
+    Some(PanelData {
         title: name.into(),
-        x: Axis::new("places of the buffer", Scale::Log2),
+        x: Axis::new("vertex-cache entries", Scale::Log2),
         y: Axis::new("vertices transmitted", Scale::Linear { from_zero: true }),
         mark: Mark::Line,
-        ends: false,
+        label_last: false,
         series: vec![
-            series("FIFO", of(Replacement::Fifo, Strips::Flush)),
-            series("LRU", of(Replacement::Lru, Strips::Flush)),
-            series("FIFO, kept", of(Replacement::Fifo, Strips::Keep)),
-            series("LRU, kept", of(Replacement::Lru, Strips::Keep)),
+            series("FIFO", of(Replacement::Fifo, FlushPolicy::Flush)),
+            series("LRU", of(Replacement::Lru, FlushPolicy::Flush)),
+            series("FIFO, kept", of(Replacement::Fifo, FlushPolicy::Keep)),
+            series("LRU, kept", of(Replacement::Lru, FlushPolicy::Keep)),
             SeriesReport { name: "vertices".into(), flags: None, points: least.to_vec() },
         ],
     })
 }
 
-/// Figures of levels, from the base mesh to the full one.
+/// Returns figures of levels, from the base mesh to the full mesh.
 fn by_level(
     name: &str,
-    panel: &LevelsPanel,
+    panel: &LevelPanel,
     axis: &str,
-    series: &[LevelsSeries],
-    lab: &Lab,
-) -> Option<Sketch> {
-    let model = lab.model(name)?;
+    series: &[LevelSeries],
+    runner: &Runner,
+) -> Option<PanelData> {
+    let model = runner.model(name)?;
     let recipe = Recipe::from(panel.flags.as_str());
     let series = series.iter().map(|s| SeriesReport {
         name: s.name.clone(),
         flags: Some(panel.flags.clone()),
-        points: model.curve(&recipe, &s.figure),
+        points: model.level_curve(&recipe, &s.figure),
     });
-    Some(Sketch {
+    Some(PanelData {
         title: panel.title.clone(),
-        x: Axis::new("level: collapses undone, percent", Scale::Linear { from_zero: true }),
+        x: Axis::new("level: undone collapses, percent", Scale::Linear { from_zero: true }),
         y: Axis::new(axis, Scale::Linear { from_zero: true }),
         mark: Mark::Line,
-        ends: false,
+        label_last: false,
         series: series.collect(),
     })
 }
 
-/// Strips left by accesses to nodes.
-fn convergence(name: &str, steps: u64, series: &[Variant], lab: &Lab) -> Option<Sketch> {
-    let model = lab.model(name)?;
-    let points = |variant: &Variant| {
+/// Returns the number of strips by node accesses.
+fn convergence(name: &str, steps: u64, series: &[MethodSeries], runner: &Runner) -> Option<PanelData> {
+    let model = runner.model(name)?;
+    let points = |variant: &MethodSeries| {
         let progress = model.progress(&searched(variant, steps)).iter();
         progress.map(|&(steps, strips)| (steps as f64, strips as f64)).collect()
     };
@@ -185,12 +189,12 @@ fn convergence(name: &str, steps: u64, series: &[Variant], lab: &Lab) -> Option<
         flags: Some(variant.flags.clone()),
         points: points(variant),
     });
-    Some(Sketch {
+    Some(PanelData {
         title: name.into(),
-        x: Axis::new("accesses to nodes", Scale::Log10),
+        x: Axis::new("node accesses", Scale::Log10),
         y: Axis::new("strips", Scale::Log10),
         mark: Mark::Line,
-        ends: true,
+        label_last: true,
         series: series.collect(),
     })
 }

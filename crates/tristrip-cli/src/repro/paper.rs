@@ -1,16 +1,17 @@
-//! What a paper says, as data: tables, figures, claims, and what of them is compared with which measurement.
+//! The published results of a paper as data: tables, figures and claims, and the measurements with which they are compared.
 //!
 //! A paper is a JSON file in `papers/`. A new table, figure or claim is an entry there; a new kind of measurement is a variant of
-//! [`Quantity`], [`Kind`] or [`Statistic`]. Strips are named by the flags of the command that finds them, so that each figure of
-//! ours can be had again by hand: `tristrip strip MODEL` with the same flags.
+//! [`Quantity`], [`ChartKind`] or [`Statistic`]. Strips are given by the flags of the command that computes them, so that each measured
+//! value can be reproduced by hand: `tristrip strip MODEL` with the same flags.
 
 use std::collections::BTreeSet;
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
+use tristrip::vertex_cache::FlushPolicy;
 
 use crate::failure::Failure;
 
-/// The papers by their keys.
+/// Key and text of each paper.
 const PAPERS: [(&str, &str); 4] = [
     ("000", include_str!("papers/000.json")),
     ("001", include_str!("papers/001.json")),
@@ -18,7 +19,7 @@ const PAPERS: [(&str, &str); 4] = [
     ("004", include_str!("papers/004.json")),
 ];
 
-/// A paper with what is compared of it.
+/// A paper: what is compared with measurements.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Paper {
@@ -26,7 +27,7 @@ pub(crate) struct Paper {
     pub(crate) authors: String,
     pub(crate) title: String,
     pub(crate) year: u16,
-    pub(crate) tables: Vec<Table>,
+    pub(crate) tables: Vec<PublishedTable>,
     pub(crate) charts: Vec<ChartData>,
     pub(crate) claims: Vec<Claim>,
     pub(crate) left_out: Vec<LeftOut>,
@@ -35,69 +36,83 @@ pub(crate) struct Paper {
 /// A published table.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct Table {
+pub(crate) struct PublishedTable {
     pub(crate) name: String,
     pub(crate) shows: String,
-    /// Whether the published models have polygons, so that it matters where a file has only triangles.
+    /// Whether the published models have polygons, so that a page must note files with triangles only.
     #[serde(default)]
     pub(crate) polygons: bool,
-    pub(crate) columns: Vec<Column>,
-    pub(crate) rows: Vec<Row>,
+    pub(crate) columns: Vec<PublishedColumn>,
+    pub(crate) rows: Vec<PublishedRow>,
 }
 
-/// A column of a table, and the measurement that it is compared with.
+/// A column of a table, and the measurement with which it is compared.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct Column {
+pub(crate) struct PublishedColumn {
     pub(crate) name: String,
     pub(crate) quantity: Quantity,
     pub(crate) better: Better,
     pub(crate) tolerance: Tolerance,
-    /// Digits after the point.
+    /// The number of decimals.
     pub(crate) digits: usize,
     /// Whether the paper has no such column.
     #[serde(default)]
     pub(crate) ours: bool,
 }
 
-/// What is measured for a column.
+/// The measurement of a column.
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub(crate) enum Quantity {
-    /// A figure of strips: a key of the report of `tristrip strip`, or the misses per triangle of a buffer: `acmr_lru_32`.
+    /// A figure of strips: a key of the report of `tristrip strip`, or the misses per triangle of a vertex cache: `acmr_lru_32`.
     Strips {
         flags: String,
         figure: String,
-        /// Accesses to nodes after which a search is stopped.
+        /// The number of node accesses after which a search is stopped.
         steps: Option<u64>,
     },
-    /// A figure of levels of detail, whose strips these flags find: see [`crate::repro::levels`].
+    /// A figure of levels of detail, drawn with the strips of these flags; `level_figures.rs` lists the figures.
     Levels { flags: String, figure: String },
     /// A figure of the mesh: a key of `mesh` in that report.
     Mesh(String),
-    /// How many percent one column is below another, by their numbers.
+    /// By how many percent one column is below another, by their indices.
     Saving { of: usize, than: usize },
-    /// Nothing: it cannot be measured again.
+    /// None: the column cannot be reproduced.
     Unmeasured,
 }
 
-/// The published figures of a model.
+/// The published values of a model.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct Row {
+pub(crate) struct PublishedRow {
     pub(crate) model: String,
-    /// The file that is the model, or stands in for it.
+    /// The file of the model, or of its stand-in.
     pub(crate) file: Option<String>,
-    /// Whether the file stands in for it although its counts agree.
+    /// Whether the file is a stand-in although its size is that of the model.
     #[serde(default)]
     pub(crate) stand_in: bool,
     pub(crate) vertices: usize,
     pub(crate) triangles: usize,
-    /// For each column that is not ours.
+    /// One value per column that is not ours.
     pub(crate) published: Vec<f64>,
 }
 
-/// Which of two figures is better.
+impl PublishedRow {
+    /// Returns the published size of the model.
+    pub(crate) fn size(&self) -> ModelSize {
+        ModelSize { vertices: self.vertices, triangles: self.triangles }
+    }
+}
+
+/// The numbers of vertices and triangles of a model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+pub(crate) struct ModelSize {
+    pub(crate) vertices: usize,
+    pub(crate) triangles: usize,
+}
+
+/// Which of two values is better.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum Better {
@@ -107,38 +122,38 @@ pub(crate) enum Better {
     Neither,
 }
 
-/// Within what two figures match.
+/// The difference up to which two values match.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum Tolerance {
-    /// Percent of the published figure.
+    /// Percent of the published value.
     Percent(f64),
-    /// Units of the figure.
+    /// In the unit of the value.
     Absolute(f64),
 }
 
-/// A published figure, drawn anew.
+/// A figure of the paper, drawn from measured values.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct ChartData {
     pub(crate) name: String,
     pub(crate) file: String,
     pub(crate) shows: String,
-    pub(crate) kind: Kind,
+    pub(crate) kind: ChartKind,
 }
 
 /// What a chart shows.
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
-pub(crate) enum Kind {
-    /// A figure of each model in the folder by its size, a series a method.
-    Corpus { panels: Vec<CorpusPanel>, series: Vec<Variant> },
-    /// The cost of generalized triangle meshes by the size of the buffer, a panel a model.
-    Buffers { flags: String, models: Vec<String>, columns: usize },
-    /// A figure of levels of detail by level, a panel for each of the flags that find strips, a series a figure.
-    Levels { model: String, panels: Vec<LevelsPanel>, axis: String, series: Vec<LevelsSeries> },
-    /// Strips left by accesses to nodes, a panel a model, a series a method.
-    Convergence { models: Vec<String>, steps: u64, series: Vec<Variant> },
+pub(crate) enum ChartKind {
+    /// A figure of each model in the folder by model size; one series per method.
+    Corpus { panels: Vec<CorpusPanel>, series: Vec<MethodSeries> },
+    /// The cost of generalized triangle meshes by the size of the vertex cache; one panel per model.
+    VertexCaches { flags: String, models: Vec<String>, columns: usize },
+    /// Figures of levels of detail by level; one panel per method, one series per figure.
+    Levels { model: String, panels: Vec<LevelPanel>, axis: String, series: Vec<LevelSeries> },
+    /// The number of strips by node accesses; one panel per model, one series per method.
+    Convergence { models: Vec<String>, steps: u64, series: Vec<MethodSeries> },
 }
 
 #[derive(Debug, Deserialize)]
@@ -150,31 +165,31 @@ pub(crate) struct CorpusPanel {
     pub(crate) per_triangle: bool,
 }
 
-/// A way to find the strips of the full mesh, with the panel's title.
+/// The flags for the strips of the full mesh, with the panel's title.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct LevelsPanel {
+pub(crate) struct LevelPanel {
     pub(crate) title: String,
     pub(crate) flags: String,
 }
 
-/// A figure of a level, with its name in a legend.
+/// A figure of levels, with its name in the legend.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct LevelsSeries {
+pub(crate) struct LevelSeries {
     pub(crate) name: String,
     pub(crate) figure: String,
 }
 
-/// A method with its name in a legend.
+/// A method, with its name in the legend.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct Variant {
+pub(crate) struct MethodSeries {
     pub(crate) name: String,
     pub(crate) flags: String,
 }
 
-/// What a paper says in its text, as a number.
+/// A number stated in the text of a paper.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Claim {
@@ -187,16 +202,16 @@ pub(crate) struct Claim {
     pub(crate) digits: usize,
     #[serde(default)]
     pub(crate) better: Better,
-    #[serde(default = "exactly")]
+    #[serde(default = "exact")]
     pub(crate) tolerance: Tolerance,
     pub(crate) statistic: Statistic,
 }
 
-fn exactly() -> Tolerance {
+fn exact() -> Tolerance {
     Tolerance::Absolute(0.0)
 }
 
-/// How a claim's number is meant.
+/// How a claim bounds the measured value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum Expects {
@@ -206,59 +221,75 @@ pub(crate) enum Expects {
     AtMost,
 }
 
-/// What is measured for a claim.
+/// The measurement of a claim.
 #[derive(Debug, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub(crate) enum Statistic {
-    /// How many percent a figure is below that of another method.
-    Saving { over: Over, figure: String, flags: String, than: String, models: ModelSet },
-    /// How many percent a figure is above the triangles and two, on average.
+    /// By how many percent a figure is below that of another method.
+    Saving { over: SavingOver, figure: String, flags: String, than: String, models: ModelSet },
+    /// By how many percent a figure is above the number of triangles plus 2, on average.
     Excess { figure: String, flags: String, models: ModelSet },
-    /// A figure on average.
+    /// The mean of a figure.
     Mean { figure: String, flags: String, models: ModelSet },
-    /// The exponent by which a figure grows with the triangles: the slope where both are logarithms.
+    /// The exponent with which a figure grows with the number of triangles: the slope of the regression line of their logarithms.
     Exponent { figure: String, flags: String, models: ModelSet },
-    /// The place among variants by the sum of a figure a triangle, from 1.
-    Rank { figure: String, flags: String, among: Among, models: ModelSet },
-    /// A figure of levels of detail, on average.
+    /// The rank among variants by the sum of a figure per triangle, from 1.
+    Rank { figure: String, flags: String, among: StripeVariants, models: ModelSet },
+    /// The mean of a figure of levels of detail.
     Levels { figure: String, flags: String, models: ModelSet },
     /// A figure of the levels of detail of a model.
     LevelsOf { figure: String, flags: String, model: String },
     /// A figure of a mesh.
     Mesh { figure: String, model: String },
-    /// How many percent LRU transmits less than FIFO, on average over buffers from so many places to so many and a chart's models.
-    LruSaving { chart: String, places: (u32, u32), between: Strips },
-    /// How many percent of what the largest LRU buffer saves one of so many places saves, on average over a chart's models.
-    SavedBy { chart: String, places: u32, between: Strips },
-    /// How many times as many steps the first series of a chart takes to come to as few strips as it does, as the second does.
+    /// By how many percent LRU transmits less than FIFO, on average over a range of vertex-cache sizes and a chart's models.
+    LruSaving {
+        chart: String,
+        entries: (u32, u32),
+        #[serde(deserialize_with = "flush_policy")]
+        flush_policy: FlushPolicy,
+    },
+    /// The saving of an LRU vertex cache of a size in percent of the saving of the largest, on average over a chart's models.
+    SavedBy {
+        chart: String,
+        entries: u32,
+        #[serde(deserialize_with = "flush_policy")]
+        flush_policy: FlushPolicy,
+    },
+    /// The steps of the first series of a chart divided by those after which the second series has as few strips.
     Speed { chart: String, model: String },
 }
 
-/// What happens to a buffer between two strips.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub(crate) enum Strips {
-    Flush,
-    Keep,
+/// Reads a flush policy by its name: `flush` or `keep`.
+fn flush_policy<'de, D: Deserializer<'de>>(deserializer: D) -> Result<FlushPolicy, D::Error> {
+    #[derive(Deserialize)]
+    #[serde(rename_all = "snake_case")]
+    enum PolicyName {
+        Flush,
+        Keep,
+    }
+    Ok(match PolicyName::deserialize(deserializer)? {
+        PolicyName::Flush => FlushPolicy::Flush,
+        PolicyName::Keep => FlushPolicy::Keep,
+    })
 }
 
-/// How savings of many models become one.
+/// How the savings of several models are combined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub(crate) enum Over {
+pub(crate) enum SavingOver {
     Mean,
     Greatest,
-    /// The saving of the sums of the figures a triangle.
+    /// The saving of the sums of the figures per triangle.
     Sum,
 }
 
-/// Which models a claim is about.
+/// The models of a claim.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub(crate) enum ModelSet {
-    /// Those of the paper's tables that are here; no stand-ins.
+    /// The models of the paper's tables that are in the folder; no stand-ins.
     Table,
-    /// All with a face of more than three corners.
+    /// All models that have a face of more than three corners.
     Polygons,
     All,
 }
@@ -266,17 +297,17 @@ pub(crate) enum ModelSet {
 /// Variants of STRIPE that are ranked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub(crate) enum Among {
-    /// Rows and full patches by five cutoffs.
+pub(crate) enum StripeVariants {
+    /// Rows and full patches with five cutoffs.
     Global,
-    /// Partial faces with five kinds of ties.
+    /// Partial faces with five tie-breaking rules.
     Partial,
-    /// The global ones, whole and partial faces with five kinds of ties.
+    /// The global variants, and whole and partial faces with five tie-breaking rules.
     Twenty,
 }
 
-impl Among {
-    /// Lists the flags of the variants.
+impl StripeVariants {
+    /// Returns the flags of the variants.
     pub(crate) fn flags(self) -> Vec<String> {
         let global = || {
             ["rows", "full"].into_iter().flat_map(|patches| {
@@ -296,7 +327,7 @@ impl Among {
     }
 }
 
-/// What cannot be shown again.
+/// A part of a paper that is not reproduced, with the reason.
 #[derive(Debug, Clone, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct LeftOut {
@@ -304,12 +335,12 @@ pub(crate) struct LeftOut {
     pub(crate) why: String,
 }
 
-/// Lists the keys of all papers.
+/// Iterates over the keys of all papers.
 pub(crate) fn keys() -> impl Iterator<Item = &'static str> {
     PAPERS.iter().map(|(key, _)| *key)
 }
 
-/// Reads papers by their keys, each once, in the order of the keys.
+/// Loads papers by their keys, in the order of the keys.
 pub(crate) fn load(keys: &BTreeSet<String>) -> Result<Vec<Paper>, Failure> {
     let chosen = PAPERS.iter().filter(|(key, _)| keys.contains(*key));
     chosen
@@ -322,10 +353,10 @@ pub(crate) fn load(keys: &BTreeSet<String>) -> Result<Vec<Paper>, Failure> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::repro::lab::parse_flags;
+    use crate::repro::recipe::parse_flags;
 
     #[test]
-    fn every_paper_is_whole() {
+    fn every_paper_is_complete() {
         let papers = load(&keys().map(String::from).collect()).unwrap();
         assert_eq!(papers.len(), PAPERS.len());
         for (paper, key) in papers.iter().zip(keys()) {
@@ -355,7 +386,9 @@ mod tests {
 
     #[test]
     fn variants_are_those_of_the_paper() {
-        for (among, count) in [(Among::Global, 10), (Among::Partial, 5), (Among::Twenty, 20)] {
+        for (among, count) in
+            [(StripeVariants::Global, 10), (StripeVariants::Partial, 5), (StripeVariants::Twenty, 20)]
+        {
             let flags = among.flags();
             assert_eq!(flags.iter().collect::<BTreeSet<_>>().len(), count);
             assert!(flags.iter().all(|flags| parse_flags(flags).is_ok()));

@@ -1,68 +1,72 @@
-//! The statistics of claims: one number over many models.
+//! The statistics of claims: one number over several models.
 
-use tristrip::strip::Replacement;
+use tristrip::vertex_cache::{FlushPolicy, Replacement};
 
-use super::judge::{Identity, identify};
-use super::lab::{Lab, Measured, PLACES, Recipe};
-use super::paper::{Kind, ModelSet, Over, Paper, Statistic, Strips};
+use super::identity::{Identity, identify};
+use super::measured::{CACHE_ENTRIES, MeasuredModel};
+use super::paper::{ChartKind, ModelSet, Paper, SavingOver, Statistic};
+use super::recipe::Recipe;
+use super::runner::Runner;
 
-/// Asks for what a statistic needs.
-pub(super) fn want(statistic: &Statistic, paper: &Paper, lab: &mut Lab) {
+/// Requests the measurements of a statistic.
+pub(super) fn request(statistic: &Statistic, paper: &Paper, runner: &mut Runner) {
     match statistic {
         Statistic::Saving { flags, than, models, .. } => {
-            [flags, than].into_iter().for_each(|flags| want_set(flags, *models, paper, lab));
+            [flags, than].into_iter().for_each(|flags| request_set(flags, *models, paper, runner));
         }
         Statistic::Excess { flags, models, .. }
         | Statistic::Mean { flags, models, .. }
-        | Statistic::Exponent { flags, models, .. } => want_set(flags, *models, paper, lab),
+        | Statistic::Exponent { flags, models, .. } => request_set(flags, *models, paper, runner),
         Statistic::Rank { among, models, .. } => {
-            among.flags().iter().for_each(|flags| want_set(flags, *models, paper, lab));
+            among.flags().iter().for_each(|flags| request_set(flags, *models, paper, runner));
         }
-        Statistic::Levels { flags, models, .. } => want_levels(flags, *models, paper, lab),
-        Statistic::LevelsOf { flags, model, .. } => lab.want_levels(flags.as_str().into(), model),
-        Statistic::Mesh { model, .. } => lab.want_mesh(model),
-        // What charts need is asked for by them.
+        Statistic::Levels { flags, models, .. } => request_levels(flags, *models, paper, runner),
+        Statistic::LevelsOf { flags, model, .. } => runner.request_levels(flags.as_str().into(), model),
+        Statistic::Mesh { model, .. } => runner.request_mesh(model),
+        // The charts request their own measurements.
         Statistic::LruSaving { .. } | Statistic::SavedBy { .. } | Statistic::Speed { .. } => (),
     }
 }
 
-fn want_set(flags: &str, set: ModelSet, paper: &Paper, lab: &mut Lab) {
+fn request_set(flags: &str, set: ModelSet, paper: &Paper, runner: &mut Runner) {
     if set == ModelSet::Table {
         let rows = paper.tables.iter().flat_map(|table| &table.rows);
-        rows.filter_map(|row| row.file.as_ref()).for_each(|file| lab.want(flags.into(), file));
+        rows.filter_map(|row| row.file.as_ref()).for_each(|file| runner.request(flags.into(), file));
     } else {
-        lab.want_set(flags.into(), set);
+        runner.request_set(flags.into(), set);
     }
 }
 
-/// Asks for levels of detail of the models of the paper's tables; they take too long for all.
-fn want_levels(flags: &str, set: ModelSet, paper: &Paper, lab: &mut Lab) {
+/// Requests levels of detail of the models of the paper's tables; they take too long for all models.
+fn request_levels(flags: &str, set: ModelSet, paper: &Paper, runner: &mut Runner) {
     let rows = paper.tables.iter().flat_map(|table| &table.rows).filter(|_| set == ModelSet::Table);
-    rows.filter_map(|row| row.file.as_ref()).for_each(|file| lab.want_levels(flags.into(), file));
+    rows.filter_map(|row| row.file.as_ref()).for_each(|file| runner.request_levels(flags.into(), file));
 }
 
-/// Lists the models of a set that are here.
-fn models<'a>(set: ModelSet, paper: &Paper, lab: &'a Lab) -> Vec<&'a Measured> {
+/// Returns the measured models of a set, except empty meshes.
+fn models<'a>(set: ModelSet, paper: &Paper, runner: &'a Runner) -> Vec<&'a MeasuredModel> {
     let is_table = |name: &str| {
         let rows = paper.tables.iter().flat_map(|table| &table.rows);
         rows.filter(|row| row.file.as_deref() == Some(name))
-            .any(|row| matches!(identify(row, lab), Identity::Same { .. }))
+            .any(|row| matches!(identify(row, runner), Identity::Same { .. }))
     };
-    let chosen = lab.models().filter(|(name, measured)| match set {
+    let chosen = runner.models().filter(|(name, measured)| match set {
         ModelSet::Table => is_table(name),
         ModelSet::Polygons => measured.has_polygons,
         ModelSet::All => true,
     });
-    // Nothing divides by the triangles of an empty mesh.
-    chosen.map(|(_, measured)| measured).filter(|measured| measured.triangles > 0).collect()
+    // Statistics divide by the number of triangles.
+    chosen.map(|(_, measured)| measured).filter(|measured| measured.size.triangles > 0).collect()
 }
 
-/// Computes a statistic, and how many models it is over; none where no model is here.
-pub(super) fn compute(statistic: &Statistic, paper: &Paper, lab: &Lab) -> Option<(f64, usize)> {
+/// Computes a statistic and the number of its models; `None` if there is no model.
+pub(super) fn compute(statistic: &Statistic, paper: &Paper, runner: &Runner) -> Option<(f64, usize)> {
     let figures = |flags: &str, figure: &str, set| -> Vec<(f64, f64)> {
         let recipe = Recipe::from(flags);
-        let pairs = models(set, paper, lab).into_iter();
-        pairs.filter_map(|model| Some((model.triangles as f64, model.strips(&recipe, figure)?))).collect()
+        let pairs = models(set, paper, runner).into_iter();
+        pairs
+            .filter_map(|model| Some((model.size.triangles as f64, model.strips(&recipe, figure)?)))
+            .collect()
     };
     match statistic {
         Statistic::Saving { over, figure, flags, than, models } => {
@@ -76,7 +80,7 @@ pub(super) fn compute(statistic: &Statistic, paper: &Paper, lab: &Lab) -> Option
             mean(excess)
         }
         Statistic::Mean { figure, flags, models } => {
-            mean(figures(flags, figure, *models).into_iter().map(|(_, figure)| figure))
+            mean(figures(flags, figure, *models).into_iter().map(|(_, value)| value))
         }
         Statistic::Exponent { figure, flags, models } => {
             let pairs = figures(flags, figure, *models);
@@ -91,84 +95,92 @@ pub(super) fn compute(statistic: &Statistic, paper: &Paper, lab: &Lab) -> Option
         }
         Statistic::Levels { figure, flags, models: set } => {
             let recipe = Recipe::from(flags.as_str());
-            mean(models(*set, paper, lab).into_iter().filter_map(|model| model.levels(&recipe, figure)))
+            mean(models(*set, paper, runner).into_iter().filter_map(|model| model.levels(&recipe, figure)))
         }
         Statistic::LevelsOf { figure, flags, model } => {
-            Some((lab.model(model)?.levels(&flags.as_str().into(), figure)?, 1))
+            Some((runner.model(model)?.levels(&flags.as_str().into(), figure)?, 1))
         }
-        Statistic::Mesh { figure, model } => Some((lab.model(model)?.mesh(figure)?, 1)),
-        Statistic::LruSaving { chart, places, between } => {
-            let savings = buffers(chart, *between, paper, lab).into_iter().map(|(lru, fifo)| {
-                let of_size = PLACES.zip(lru.iter().zip(&fifo));
-                let of_size = of_size.filter(|(size, _)| (places.0..=places.1).contains(size));
+        Statistic::Mesh { figure, model } => Some((runner.model(model)?.mesh(figure)?, 1)),
+        Statistic::LruSaving { chart, entries, flush_policy } => {
+            let savings = transmitted(chart, *flush_policy, paper, runner).into_iter().map(|(lru, fifo)| {
+                let of_size = CACHE_ENTRIES.zip(lru.iter().zip(&fifo));
+                let of_size = of_size.filter(|(size, _)| (entries.0..=entries.1).contains(size));
                 mean(of_size.map(|(_, (lru, fifo))| 100.0 * (1.0 - lru / fifo))).map_or(0.0, |mean| mean.0)
             });
             mean(savings)
         }
-        Statistic::SavedBy { chart, places, between } => {
-            let at = PLACES.into_iter().position(|size| size == *places)?;
-            let shares = buffers(chart, *between, paper, lab).into_iter().filter_map(|(lru, _)| {
-                let (first, last) = (lru.first()?, lru.last()?);
-                (last < first).then(|| 100.0 * (first - lru[at]) / (first - last))
-            });
+        Statistic::SavedBy { chart, entries, flush_policy } => {
+            let at = CACHE_ENTRIES.into_iter().position(|size| size == *entries)?;
+            let shares =
+                transmitted(chart, *flush_policy, paper, runner).into_iter().filter_map(|(lru, _)| {
+                    let (first, last) = (lru.first()?, lru.last()?);
+                    (last < first).then(|| 100.0 * (first - lru[at]) / (first - last))
+                });
             mean(shares)
         }
-        Statistic::Speed { chart, model } => speed(chart, model, paper, lab).map(|times| (times, 1)),
+        Statistic::Speed { chart, model } => speed(chart, model, paper, runner).map(|times| (times, 1)),
     }
 }
 
-/// Gives the costs by size of a chart's models that are here, LRU and FIFO.
-fn buffers(chart: &str, between: Strips, paper: &Paper, lab: &Lab) -> Vec<(Vec<f64>, Vec<f64>)> {
+/// Returns the transmitted vertices by vertex-cache size, for LRU and FIFO, of each measured model of a chart.
+fn transmitted(
+    chart: &str,
+    flush_policy: FlushPolicy,
+    paper: &Paper,
+    runner: &Runner,
+) -> Vec<(Vec<f64>, Vec<f64>)> {
     let charts = paper.charts.iter().filter(|data| data.name == chart);
     let mut costs = Vec::new();
     for data in charts {
-        if let Kind::Buffers { flags, models, .. } = &data.kind {
+        if let ChartKind::VertexCaches { flags, models, .. } = &data.kind {
             let recipe = Recipe::from(flags.as_str());
-            let here = models.iter().filter_map(|name| lab.model(name)).filter(|model| model.triangles > 0);
-            let both = |model: &Measured| {
-                let of = |rule| model.transmitted(&recipe, rule, between);
+            let measured =
+                models.iter().filter_map(|name| runner.model(name)).filter(|model| model.size.triangles > 0);
+            let both = |model: &MeasuredModel| {
+                let of = |rule| model.transmitted(&recipe, rule, flush_policy);
                 (of(Replacement::Lru), of(Replacement::Fifo))
             };
-            costs.extend(here.map(both).filter(|(lru, _)| !lru.is_empty()));
+            costs.extend(measured.map(both).filter(|(lru, _)| !lru.is_empty()));
         }
     }
     costs
 }
 
-/// Gives how many times as many steps the first series takes for the strips that it ends with, as the second does.
-fn speed(chart: &str, model: &str, paper: &Paper, lab: &Lab) -> Option<f64> {
+/// Returns the steps of the first series divided by those after which the second series has as few strips.
+fn speed(chart: &str, model: &str, paper: &Paper, runner: &Runner) -> Option<f64> {
     let data = paper.charts.iter().find(|data| data.name == chart)?;
-    let Kind::Convergence { steps, series, .. } = &data.kind else { return None };
+    let ChartKind::Convergence { steps, series, .. } = &data.kind else { return None };
     let [slow, fast] = series.as_slice() else { return None };
-    let model = lab.model(model)?;
+    let model = runner.model(model)?;
     let progress = |flags: &str| model.progress(&Recipe { flags: flags.into(), steps: Some(*steps) });
     let (slow_steps, strips) = progress(&slow.flags).last()?;
     let fast_steps = progress(&fast.flags).iter().find(|(_, left)| left <= strips)?.0;
     Some(*slow_steps as f64 / fast_steps as f64)
 }
 
-fn mean(figures: impl Iterator<Item = f64>) -> Option<(f64, usize)> {
-    let (sum, count) = figures.fold((0.0, 0), |(sum, count), figure| (sum + figure, count + 1));
+/// Returns the mean and the number of values; `None` without values.
+fn mean(values: impl Iterator<Item = f64>) -> Option<(f64, usize)> {
+    let (sum, count) = values.fold((0.0, 0), |(sum, count), value| (sum + value, count + 1));
     (count > 0).then(|| (sum / count as f64, count))
 }
 
-/// Gives how many percent the first of pairs are below the second.
-fn saving(pairs: &[(f64, f64)], over: Over) -> Option<f64> {
+/// Returns by how many percent the first values of pairs are below the second values.
+fn saving(pairs: &[(f64, f64)], over: SavingOver) -> Option<f64> {
     let percent = |(a, b): (f64, f64)| if b == 0.0 { 0.0 } else { 100.0 * (1.0 - a / b) };
     match over {
-        Over::Mean => mean(pairs.iter().copied().map(percent)).map(|mean| mean.0),
-        Over::Greatest => pairs.iter().copied().map(percent).max_by(f64::total_cmp),
-        Over::Sum if pairs.is_empty() => None,
-        Over::Sum => {
+        SavingOver::Mean => mean(pairs.iter().copied().map(percent)).map(|mean| mean.0),
+        SavingOver::Greatest => pairs.iter().copied().map(percent).max_by(f64::total_cmp),
+        SavingOver::Sum if pairs.is_empty() => None,
+        SavingOver::Sum => {
             Some(percent(pairs.iter().fold((0.0, 0.0), |sum, pair| (sum.0 + pair.0, sum.1 + pair.1))))
         }
     }
 }
 
-/// Gives the slope of the straight line that is nearest to the logarithms of pairs.
+/// Returns the slope of the regression line (least squares) of the logarithms of pairs.
 fn slope(pairs: &[(f64, f64)]) -> Option<f64> {
     let pairs = pairs.iter().filter(|pair| pair.0 > 0.0 && pair.1 > 0.0);
-    let logs: Vec<(f64, f64)> = pairs.map(|pair| (pair.0.ln(), pair.1.ln())).collect();
+    let logs: Vec<(f64, f64)> = pairs.map(|pair| (libm::log(pair.0), libm::log(pair.1))).collect();
     let (x_mean, _) = mean(logs.iter().map(|pair| pair.0))?;
     let (y_mean, _) = mean(logs.iter().map(|pair| pair.1))?;
     let along = |(x, y): &(f64, f64)| ((x - x_mean) * (x - x_mean), (x - x_mean) * (y - y_mean));
@@ -181,17 +193,21 @@ mod tests {
     use super::*;
 
     #[test]
-    fn savings_become_one_number() {
+    fn savings_are_combined() {
         let pairs = [(90.0, 100.0), (100.0, 200.0)];
-        assert_eq!(saving(&pairs, Over::Mean).map(f64::round), Some(30.0));
-        assert_eq!(saving(&pairs, Over::Greatest), Some(50.0));
-        assert_eq!(saving(&pairs, Over::Sum).map(f64::round), Some(37.0));
-        assert!([Over::Mean, Over::Greatest, Over::Sum].iter().all(|&over| saving(&[], over).is_none()));
-        assert_eq!(saving(&[(1.0, 0.0)], Over::Mean), Some(0.0));
+        assert_eq!(saving(&pairs, SavingOver::Mean).map(f64::round), Some(30.0));
+        assert_eq!(saving(&pairs, SavingOver::Greatest), Some(50.0));
+        assert_eq!(saving(&pairs, SavingOver::Sum).map(f64::round), Some(37.0));
+        assert!(
+            [SavingOver::Mean, SavingOver::Greatest, SavingOver::Sum]
+                .iter()
+                .all(|&over| saving(&[], over).is_none())
+        );
+        assert_eq!(saving(&[(1.0, 0.0)], SavingOver::Mean), Some(0.0));
     }
 
     #[test]
-    fn a_slope_is_the_exponent_of_growth() {
+    fn the_slope_is_the_exponent_of_growth() {
         let power = |p: f64| [1.0, 2.0, 8.0].map(|x: f64| (x, 3.0 * x.powf(p)));
         assert!((slope(&power(1.0)).unwrap() - 1.0).abs() < 1e-9);
         assert!((slope(&power(2.0)).unwrap() - 2.0).abs() < 1e-9);

@@ -1,26 +1,26 @@
-//! Verdicts: a measured figure next to a published one.
+//! Verdicts: the result of comparing a measured value with a published one.
 
 use serde::{Serialize, Serializer};
 
 use super::paper::{Better, Expects, Tolerance};
 
-/// What a measured figure says of a published one.
+/// The result of comparing a measured value with a published one.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Verdict {
-    /// Equal within the tolerance, or as the claim says.
+    /// Equal within the tolerance, or within the bound of the claim.
     Matched,
     Better,
     Worse,
-    /// Not equal, where neither is better, or not as the claim says.
+    /// Not equal, where neither direction is better, or outside the bound of the claim.
     Differs,
-    /// There is no such model in the folder.
+    /// The model is not in the folder.
     NotAvailable,
-    /// Another model was measured, so that nothing follows.
+    /// A different model was measured, so that the values are not comparable.
     StandIn(String),
 }
 
 impl Verdict {
-    /// Compares figures as they are written, with so many digits after the point.
+    /// Compares values as they are printed, with a number of decimals.
     pub(crate) fn of(
         published: f64,
         measured: f64,
@@ -33,7 +33,7 @@ impl Verdict {
             Tolerance::Percent(percent) => percent / 100.0 * published.abs(),
             Tolerance::Absolute(units) => units,
         };
-        // Half a unit of a digit far behind what is written, so that 0.74 is within 0.03 of 0.71.
+        // The margin is far below the last printed digit; with it, 0.74 is within 0.03 of 0.71.
         if (measured - published).abs() <= allowed + 1e-9 {
             return Self::Matched;
         }
@@ -44,7 +44,7 @@ impl Verdict {
         }
     }
 
-    /// Holds a figure to a claim.
+    /// Compares a value with a claim.
     pub(crate) fn of_claim(
         published: f64,
         measured: f64,
@@ -79,25 +79,26 @@ impl Serialize for Verdict {
     }
 }
 
-/// Rounds to so many digits after the point.
-pub(crate) fn rounded(figure: f64, digits: usize) -> f64 {
-    format!("{figure:.digits$}").parse().unwrap_or(figure)
+/// Rounds to a number of decimals.
+pub(crate) fn rounded(value: f64, digits: usize) -> f64 {
+    format!("{value:.digits$}").parse().unwrap_or(value)
 }
 
-/// Sums the verdicts of a row's columns: the one that all share, else the columns of each that is not `matched`.
-pub(crate) fn of_row(columns: &[(&str, &Verdict)]) -> String {
+/// Combines the verdicts of a row's columns: the common verdict, or the columns of each verdict other than `matched`.
+pub(crate) fn row_verdict(columns: &[(&str, &Verdict)]) -> String {
     let [(_, first), rest @ ..] = columns else { return "–".into() };
     if rest.iter().all(|(_, verdict)| verdict == first) {
         return first.to_string();
     }
-    let mut words = Vec::new();
-    for kind in [Verdict::Better, Verdict::Worse, Verdict::Differs] {
-        let names: Vec<&str> = columns.iter().filter(|(_, v)| **v == kind).map(|(name, _)| *name).collect();
+    let mut phrases = Vec::new();
+    for verdict in [Verdict::Better, Verdict::Worse, Verdict::Differs] {
+        let names: Vec<&str> =
+            columns.iter().filter(|(_, v)| **v == verdict).map(|(name, _)| *name).collect();
         if !names.is_empty() {
-            words.push(format!("{kind}: {}", names.join(", ")));
+            phrases.push(format!("{verdict}: {}", names.join(", ")));
         }
     }
-    words.join("; ")
+    phrases.join("; ")
 }
 
 #[cfg(test)]
@@ -105,7 +106,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn figures_match_within_the_tolerance_and_else_by_direction() {
+    fn values_match_within_the_tolerance_or_differ_by_direction() {
         let of = |published, measured, better| {
             Verdict::of(published, measured, better, Tolerance::Absolute(0.03), 2).to_string()
         };
@@ -123,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn claims_are_numbers_or_ends_of_ranges() {
+    fn claims_are_values_or_bounds() {
         let of = |measured, expects| {
             Verdict::of_claim(60.0, measured, expects, (Better::Higher, Tolerance::Absolute(2.0), 0))
         };
@@ -136,13 +137,13 @@ mod tests {
     }
 
     #[test]
-    fn a_row_says_what_does_not_match() {
+    fn a_row_verdict_names_columns_that_do_not_match() {
         let (m, b, w) = (&Verdict::Matched, &Verdict::Better, &Verdict::Worse);
-        assert_eq!(of_row(&[("a", m), ("b", m)]), "matched");
-        assert_eq!(of_row(&[("a", b), ("b", b)]), "better");
-        assert_eq!(of_row(&[("a", b), ("b", m), ("c", w), ("d", b)]), "better: a, d; worse: c");
-        assert_eq!(of_row(&[("a", &Verdict::NotAvailable)]), "model not available");
-        assert_eq!(of_row(&[("a", &Verdict::StandIn("al".into()))]), "stand-in: al");
-        assert_eq!(of_row(&[]), "–");
+        assert_eq!(row_verdict(&[("a", m), ("b", m)]), "matched");
+        assert_eq!(row_verdict(&[("a", b), ("b", b)]), "better");
+        assert_eq!(row_verdict(&[("a", b), ("b", m), ("c", w), ("d", b)]), "better: a, d; worse: c");
+        assert_eq!(row_verdict(&[("a", &Verdict::NotAvailable)]), "model not available");
+        assert_eq!(row_verdict(&[("a", &Verdict::StandIn("al".into()))]), "stand-in: al");
+        assert_eq!(row_verdict(&[]), "–");
     }
 }

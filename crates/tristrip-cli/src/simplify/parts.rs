@@ -129,7 +129,7 @@ pub(crate) fn simplify_all(
 ) -> Result<Vec<Simplification>, Error> {
     let with_shares: Vec<_> = parts.iter().zip(shares).collect();
     let done = pool.map(&with_shares, |(part, share)| {
-        let mut options = simplify::Options::default().with_triangles(**share);
+        let mut options = simplify::SimplifyOptions::default().with_triangles(**share);
         if let Some(error) = error {
             options = options.with_error(error);
         }

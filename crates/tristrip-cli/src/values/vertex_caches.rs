@@ -2,20 +2,20 @@
 
 use std::collections::HashSet;
 
-use tristrip::strip::Buffer;
+use tristrip::vertex_cache::VertexCache;
 
 /// The maximum length of a list.
 const MAX_LENGTH: usize = 1024;
 
 /// Vertex caches in the order given, without repetitions.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct VertexCacheList(pub(crate) Vec<Buffer>);
+pub(crate) struct VertexCacheList(pub(crate) Vec<VertexCache>);
 
 /// The sizes of real graphics processors, and those used in studies of strips.
 impl Default for VertexCacheList {
     fn default() -> Self {
-        let fifo = [8, 16, 24, 32, 64].map(Buffer::fifo);
-        let lru = [8, 16, 24, 32, 64].map(Buffer::lru);
+        let fifo = [8, 16, 24, 32, 64].map(VertexCache::fifo);
+        let lru = [8, 16, 24, 32, 64].map(VertexCache::lru);
         Self(fifo.into_iter().chain(lru).collect())
     }
 }
@@ -23,7 +23,7 @@ impl Default for VertexCacheList {
 impl VertexCacheList {
     /// Returns the sizes at which a curve is sampled by default.
     pub(crate) fn curve() -> Self {
-        Self((2..=64).map(Buffer::fifo).chain((2..=64).map(Buffer::lru)).collect())
+        Self((2..=64).map(VertexCache::fifo).chain((2..=64).map(VertexCache::lru)).collect())
     }
 }
 
@@ -34,8 +34,8 @@ impl std::str::FromStr for VertexCacheList {
         let (mut seen, mut list) = (HashSet::new(), Vec::new());
         for item in text.split(',') {
             let (first, last) = parse_range(item)?;
-            for places in first.places..=last.places {
-                let cache = Buffer { places, ..first };
+            for entries in first.entries..=last.entries {
+                let cache = VertexCache { entries, ..first };
                 if seen.insert(cache) {
                     list.push(cache);
                 }
@@ -49,20 +49,20 @@ impl std::str::FromStr for VertexCacheList {
 }
 
 /// Parses `fifo:4` or `fifo:4..64` into the first and the last vertex cache.
-fn parse_range(item: &str) -> Result<(Buffer, Buffer), String> {
+fn parse_range(item: &str) -> Result<(VertexCache, VertexCache), String> {
     let invalid = || {
-        let max = Buffer::MAX_PLACES;
+        let max = VertexCache::MAX_ENTRIES;
         format!(
             "found `{item}`, expected KIND:N or KIND:N..M, where KIND is fifo or lru and 1 <= N <= M <= {max}"
         )
     };
     let (start, end) = item.split_once("..").map_or((item, None), |(start, end)| (start, Some(end)));
-    let first: Buffer = start.parse().map_err(|_| invalid())?;
-    let last: Buffer = match end {
+    let first: VertexCache = start.parse().map_err(|_| invalid())?;
+    let last: VertexCache = match end {
         Some(end) => format!("{}:{end}", first.replacement).parse().map_err(|_| invalid())?,
         None => first,
     };
-    if last.places < first.places { Err(invalid()) } else { Ok((first, last)) }
+    if last.entries < first.entries { Err(invalid()) } else { Ok((first, last)) }
 }
 
 #[cfg(test)]
@@ -72,8 +72,11 @@ mod tests {
     #[test]
     fn ranges_are_expanded_and_repetitions_dropped() {
         let list: VertexCacheList = "lru:4,fifo:3..5,lru:4,fifo:4".parse().unwrap();
-        assert_eq!(list.0, [Buffer::lru(4), Buffer::fifo(3), Buffer::fifo(4), Buffer::fifo(5)]);
-        let names: Vec<String> = VertexCacheList::default().0.iter().map(Buffer::to_string).collect();
+        assert_eq!(
+            list.0,
+            [VertexCache::lru(4), VertexCache::fifo(3), VertexCache::fifo(4), VertexCache::fifo(5)]
+        );
+        let names: Vec<String> = VertexCacheList::default().0.iter().map(VertexCache::to_string).collect();
         assert_eq!(names.join(",").parse(), Ok(VertexCacheList::default()));
     }
 

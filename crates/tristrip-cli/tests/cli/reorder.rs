@@ -175,10 +175,10 @@ fn misses_and_strips_are_the_same_in_any_order() {
         next = next.max(vertex + 1);
         strip.push(u32::try_from(vertex).unwrap());
     }
-    let misses = tristrip::strip::BufferUse::of(
+    let misses = tristrip::vertex_cache::VertexCacheStatistics::of(
         &found,
-        tristrip::strip::Buffer::fifo(16),
-        tristrip::strip::Between::Keep,
+        tristrip::vertex_cache::VertexCache::fifo(16),
+        tristrip::vertex_cache::FlushPolicy::Keep,
         usize::try_from(next).unwrap(),
     );
     let close = |key: &str, found: f64| (report[key].as_f64().unwrap() - found).abs() < 1e-6;

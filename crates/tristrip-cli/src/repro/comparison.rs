@@ -1,0 +1,192 @@
+//! Compares the tables and claims of papers with measurements.
+
+use super::identity::{Identity, identify};
+use super::paper::{Claim, Expects, Paper, PublishedColumn, PublishedRow, PublishedTable, Quantity};
+use super::paper_report::{CellReport, ChartReport, ClaimReport, PaperReport, RowReport, TableReport};
+use super::recipe::Recipe;
+use super::runner::Runner;
+use super::statistics;
+use super::verdict::{Verdict, rounded, row_verdict};
+
+/// Requests the measurements of a paper's tables and claims.
+pub(super) fn request(paper: &Paper, runner: &mut Runner) {
+    for table in &paper.tables {
+        for file in table.rows.iter().filter_map(|row| row.file.as_ref()) {
+            runner.request_mesh(file);
+            for column in &table.columns {
+                match (&column.quantity, recipe(&column.quantity)) {
+                    (Quantity::Levels { .. }, Some(recipe)) => runner.request_levels(recipe, file),
+                    (_, Some(recipe)) => runner.request(recipe, file),
+                    (_, None) => {}
+                }
+            }
+        }
+    }
+    paper.claims.iter().for_each(|claim| statistics::request(&claim.statistic, paper, runner));
+}
+
+fn recipe(quantity: &Quantity) -> Option<Recipe> {
+    match quantity {
+        Quantity::Strips { flags, steps, .. } => Some(Recipe { flags: flags.clone(), steps: *steps }),
+        Quantity::Levels { flags, .. } => Some(flags.as_str().into()),
+        _ => None,
+    }
+}
+
+/// Compares a paper's tables and claims with the measurements.
+pub(super) fn compare(paper: &Paper, charts: Vec<ChartReport>, runner: &Runner) -> PaperReport {
+    PaperReport {
+        key: paper.key.clone(),
+        authors: paper.authors.clone(),
+        title: paper.title.clone(),
+        year: paper.year,
+        page: None,
+        tables: paper.tables.iter().map(|table| compare_table(table, runner)).collect(),
+        charts,
+        claims: paper.claims.iter().map(|claim| compare_claim(claim, paper, runner)).collect(),
+        left_out: paper.left_out.clone(),
+    }
+}
+
+fn compare_table(table: &PublishedTable, runner: &Runner) -> TableReport {
+    let rows = table.rows.iter().map(|row| compare_row(row, &table.columns, runner)).collect();
+    TableReport { name: table.name.clone(), rows }
+}
+
+fn compare_row(row: &PublishedRow, columns: &[PublishedColumn], runner: &Runner) -> RowReport {
+    let identity = identify(row, runner);
+    let measured = measured_values(row, columns, runner);
+    let mut published = row.published.iter();
+    let mut cells = Vec::with_capacity(columns.len());
+    for (column, measured) in columns.iter().zip(measured) {
+        let published = if column.ours { None } else { published.next().copied() };
+        // A saving follows from two other columns, which have their own verdicts.
+        let is_compared = !matches!(column.quantity, Quantity::Saving { .. });
+        let pair = published.zip(measured).filter(|_| is_compared);
+        let verdict = pair.map(|(published, measured)| match &identity {
+            Identity::StandIn { name, .. } => Verdict::StandIn(name.clone()),
+            _ => Verdict::of(published, measured, column.better, column.tolerance, column.digits),
+        });
+        let recipe = recipe(&column.quantity);
+        cells.push(CellReport {
+            column: column.name.clone(),
+            steps: recipe.as_ref().and_then(|recipe| recipe.steps),
+            flags: recipe.map(|recipe| recipe.flags),
+            published,
+            measured: measured.map(|value| rounded(value, 6)),
+            verdict,
+        });
+    }
+    let verdict = match &identity {
+        Identity::Missing => Verdict::NotAvailable.to_string(),
+        Identity::StandIn { name, .. } => Verdict::StandIn(name.clone()).to_string(),
+        Identity::Same { .. } => {
+            let verdicts =
+                cells.iter().filter_map(|cell| Some((cell.column.as_str(), cell.verdict.as_ref()?)));
+            row_verdict(&verdicts.collect::<Vec<_>>())
+        }
+    };
+    let (file, size) = match identity {
+        Identity::Missing => (None, None),
+        Identity::Same { size } | Identity::StandIn { size, .. } => (row.file.clone(), Some(size)),
+    };
+    RowReport {
+        model: row.model.clone(),
+        published: row.size(),
+        measured: size,
+        polygons: file.as_ref().and_then(|name| runner.model(name)).map(|model| model.has_polygons),
+        file,
+        columns: cells,
+        verdict,
+    }
+}
+
+/// Returns the measured values of a row; savings are computed from the other columns.
+fn measured_values(row: &PublishedRow, columns: &[PublishedColumn], runner: &Runner) -> Vec<Option<f64>> {
+    let model = row.file.as_ref().and_then(|name| runner.model(name));
+    let value = |quantity: &Quantity| match quantity {
+        Quantity::Strips { figure, .. } => model?.strips(&recipe(quantity)?, figure),
+        Quantity::Levels { figure, .. } => model?.levels(&recipe(quantity)?, figure),
+        Quantity::Mesh(figure) => model?.mesh(figure),
+        Quantity::Saving { .. } | Quantity::Unmeasured => None,
+    };
+    let values: Vec<Option<f64>> = columns.iter().map(|column| value(&column.quantity)).collect();
+    let with_savings = columns.iter().zip(&values).map(|(column, value)| match column.quantity {
+        Quantity::Saving { of, than } => {
+            let (of, than) = (values.get(of).copied()??, values.get(than).copied()??);
+            (than > 0.0).then(|| 100.0 * (1.0 - of / than))
+        }
+        _ => *value,
+    });
+    with_savings.collect()
+}
+
+fn compare_claim(claim: &Claim, paper: &Paper, runner: &Runner) -> ClaimReport {
+    let measured = statistics::compute(&claim.statistic, paper, runner);
+    let criteria = (claim.better, claim.tolerance, claim.digits);
+    let verdict = match measured {
+        Some((measured, _)) => Verdict::of_claim(claim.published, measured, claim.expects, criteria),
+        None => Verdict::NotAvailable,
+    };
+    ClaimReport {
+        at: claim.at.clone(),
+        says: claim.says.clone(),
+        unit: claim.unit.clone(),
+        expects: match claim.expects {
+            Expects::About => "about",
+            Expects::AtLeast => "at least",
+            Expects::AtMost => "at most",
+        },
+        published: claim.published,
+        measured: measured.map(|(value, _)| rounded(value, 6)),
+        models: measured.map_or(0, |(_, models)| models),
+        verdict,
+        digits: claim.digits,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::repro::runner::tests::measured_sgi;
+
+    fn row(file: &str, (vertices, triangles): (usize, usize)) -> PublishedRow {
+        let file = (!file.is_empty()).then(|| file.into());
+        PublishedRow {
+            model: "A model".into(),
+            file,
+            stand_in: false,
+            vertices,
+            triangles,
+            published: vec![9000.0, 20.0],
+        }
+    }
+
+    #[test]
+    fn rows_are_compared_with_measurements() {
+        let runner = measured_sgi(&["wingnut"]);
+        let columns: Vec<PublishedColumn> = serde_json::from_str(
+            r#"[{ "name": "SGI", "quantity": { "strips": { "flags": "--method sgi", "figure": "vertices_sent" } },
+                  "better": "lower", "tolerance": { "percent": 2 }, "digits": 0 },
+                { "name": "saving", "quantity": { "saving": { "of": 0, "than": 0 } },
+                  "better": "higher", "tolerance": { "absolute": 2 }, "digits": 0 },
+                { "name": "triangles", "quantity": { "mesh": "triangles" },
+                  "better": "neither", "tolerance": { "absolute": 0 }, "digits": 0, "ours": true }]"#,
+        )
+        .unwrap();
+        let model = runner.model("wingnut").unwrap();
+        let size = (model.size.vertices, model.size.triangles);
+        let same = compare_row(&row("wingnut", size), &columns, &runner);
+        let measured: Vec<Option<f64>> = same.columns.iter().map(|cell| cell.measured).collect();
+        assert_eq!(measured[0], model.strips(&"--method sgi".into(), "vertices_sent"));
+        assert_eq!(measured[1..], [Some(0.0), Some(6090.0)]);
+        // Neither a saving nor a column of ours has a verdict.
+        assert_eq!(same.columns.iter().filter(|cell| cell.verdict.is_some()).count(), 1);
+        assert_eq!(same.verdict, "better");
+        let other = compare_row(&row("wingnut", (1, 1)), &columns, &runner);
+        assert_eq!((other.verdict.as_str(), other.columns[0].measured), ("stand-in: wingnut", measured[0]));
+        let missing = compare_row(&row("", (1, 1)), &columns, &runner);
+        assert_eq!((missing.verdict.as_str(), missing.file.as_ref()), ("model not available", None));
+        assert!(missing.columns.iter().all(|cell| cell.measured.is_none()));
+    }
+}
