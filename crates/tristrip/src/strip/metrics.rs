@@ -1,7 +1,7 @@
 //! What strips cost: every figure of the project has its one definition here.
 
 use super::Strips;
-use crate::cover::priced::Prices;
+use crate::cover::priced::StripPrices;
 
 /// A cost that a search can minimize, and a user name.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -39,11 +39,11 @@ impl Cost {
 
     /// Returns what a strip and a swap cost beyond one index per triangle. Joining strips by degenerate triangles costs one index or
     /// two, as measured: the joined strips share many vertices. Tuned on cow, fandisk, bunny and horse.
-    pub(crate) fn prices(self) -> Prices {
+    pub(crate) fn prices(self) -> StripPrices {
         match self {
-            Self::Restart | Self::Degenerate => Prices { strip: 3, swap: 1 },
-            Self::OpenGl => Prices { strip: 2, swap: 1 },
-            Self::Gl => Prices { strip: 2, swap: 0 },
+            Self::Restart | Self::Degenerate => StripPrices { strip: 3, swap: 1 },
+            Self::OpenGl => StripPrices { strip: 2, swap: 1 },
+            Self::Gl => StripPrices { strip: 2, swap: 0 },
         }
     }
 }
