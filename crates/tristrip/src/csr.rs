@@ -7,7 +7,7 @@
 //! # Complexity
 //! O(items + keys) time; 4 bytes per item and 4 per key.
 
-/// Items 0, 1, 2 … grouped by key, rising within a group.
+/// Items 0, 1, 2 … grouped by key, in ascending order within a group.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(crate) struct Csr {
     ends: Vec<u32>,
@@ -40,7 +40,7 @@ impl Csr {
         start as usize..self.ends[key as usize] as usize
     }
 
-    /// Returns the items of a key, rising.
+    /// Returns the items of a key in ascending order.
     #[inline]
     pub(crate) fn row(&self, key: u32) -> &[u32] {
         &self.items[self.range(key)]
