@@ -13,6 +13,7 @@ mod triangle;
 mod vertex_subset;
 
 pub use crate::ids::MAX_COUNT;
+pub(crate) use attribute::select;
 pub use attribute::{Attribute, AttributeData};
 pub use faces::Faces;
 pub(crate) use faces::without_repeats;

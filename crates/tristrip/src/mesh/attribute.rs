@@ -100,8 +100,15 @@ impl Attribute {
     }
 }
 
-/// Returns the values of some vertices, `components` each.
-fn select<T: Copy>(values: &[T], components: usize, vertices: &[u32]) -> Vec<T> {
-    let of = |&v: &u32| values[v as usize * components..][..components].iter().copied();
-    vertices.iter().flat_map(of).collect()
+/// Returns the values of some vertices, `components` each, in the order of `vertices`.
+pub(crate) fn select<T: Copy>(values: &[T], components: usize, vertices: &[u32]) -> Vec<T> {
+    if components == 1 {
+        return vertices.iter().map(|&v| values[v as usize]).collect();
+    }
+    let mut selected = Vec::with_capacity(components * vertices.len());
+    for &v in vertices {
+        let first = v as usize * components;
+        selected.extend_from_slice(&values[first..first + components]);
+    }
+    selected
 }
