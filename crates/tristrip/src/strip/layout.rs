@@ -72,7 +72,7 @@ impl Strips {
     }
 }
 
-/// Iterates over the strips that degenerate triangles join: splits an index buffer between equal consecutive vertices, and omits
+/// Iterates over the strips that degenerate triangles join: cuts an index buffer between equal consecutive vertices, and omits
 /// parts that draw nothing. A vertex that is repeated at the very start, for the winding, stays with its strip.
 ///
 /// Later strips may have begun at an odd position; their winding is then reversed when they are drawn alone.

@@ -1,7 +1,7 @@
 //! First-in, first-out caches, one or several side by side.
 //!
-//! Each cache is a clock and one stamp per vertex, so there is no list of entries to restore: the speculative simulation of the method
-//! `cache`, which undoes single sends, keeps the order of the entries instead and is a different data structure.
+//! The speculative simulation of the method `cache` has the same stamps but is separate: it logs every send to undo it later, without
+//! lanes, and a rewound clock would invalidate its log.
 
 /// The largest number of entries of a simulated cache: clocks of 31 bits can count several times as far.
 pub(super) const LARGEST_CACHE: u32 = 1 << 28;
