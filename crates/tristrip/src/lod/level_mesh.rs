@@ -20,7 +20,6 @@
 //! A collapse or a split takes O(k log k) time where k triangles surround the vertices that it names. 36 bytes per triangle and 8 per vertex.
 
 use crate::collapse::{Collapse, CollapseSequence};
-use crate::cover::priced::NONE;
 use crate::mesh::is_degenerate;
 
 /// The triangles of a level under collapses and splits. Corner e of triangle t is 3 t + e.
@@ -134,7 +133,12 @@ impl LevelMesh {
 
     /// Calls `tell` with each half-edge at a vertex that is not removed and its twin, for both sides of each edge there. `was` returns
     /// the twin before the change. Half-edges are numbered by fours, as in priced paths: edge e of triangle t is 4 t + e.
-    pub(super) fn sides_around(&mut self, v: u32, was: impl Fn(u32) -> u32, mut tell: impl FnMut(u32, u32)) {
+    pub(super) fn sides_around(
+        &mut self,
+        v: u32,
+        was: impl Fn(u32) -> Option<u32>,
+        mut tell: impl FnMut(u32, Option<u32>),
+    ) {
         let [mut sides, mut waiting] = [&mut self.sides, &mut self.waiting].map(std::mem::take);
         sides.clear();
         for corner in self.around(v) {
@@ -155,28 +159,29 @@ impl LevelMesh {
             if let [one, other] = *edge
                 && (one ^ other) & 1 == 1
             {
-                tell(half_edge(one), half_edge(other));
-                tell(half_edge(other), half_edge(one));
+                tell(half_edge(one), Some(half_edge(other)));
+                tell(half_edge(other), Some(half_edge(one)));
                 continue;
             }
             let position = |h: u32| edge.binary_search_by_key(&h, |&side| half_edge(side)).ok();
-            let keeps = |side: u64| position(was(half_edge(side))).filter(|&i| (edge[i] ^ side) & 1 == 1);
+            let keeps =
+                |side: u64| was(half_edge(side)).and_then(position).filter(|&i| (edge[i] ^ side) & 1 == 1);
             waiting.clear();
             for &side in edge {
                 if let Some(other) = keeps(side) {
-                    tell(half_edge(side), half_edge(edge[other]));
+                    tell(half_edge(side), Some(half_edge(edge[other])));
                     continue;
                 }
                 // All waiting sides have one direction.
                 match waiting.pop_if(|last| (*last ^ side) & 1 == 1) {
                     Some(last) => {
-                        tell(half_edge(last), half_edge(side));
-                        tell(half_edge(side), half_edge(last));
+                        tell(half_edge(last), Some(half_edge(side)));
+                        tell(half_edge(side), Some(half_edge(last)));
                     }
                     None => waiting.push(side),
                 }
             }
-            waiting.iter().for_each(|&side| tell(half_edge(side), NONE));
+            waiting.iter().for_each(|&side| tell(half_edge(side), None));
         }
         self.waiting = waiting;
         self.sides = sides;
