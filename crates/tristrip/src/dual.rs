@@ -23,6 +23,7 @@
 mod corners;
 mod pair;
 mod report;
+mod subgraph;
 mod triangulation;
 
 pub(crate) use corners::for_each_edge;
@@ -82,6 +83,11 @@ impl DualGraph {
         let (offsets, face_of) = polygon_shape(faces);
         let corners = PolygonCorners { corners: faces.corners(), offsets: &offsets, face_of: &face_of };
         Self { twins: pair(&corners), shape: Shape::Polygons { offsets, face_of } }
+    }
+
+    /// Creates the graph of triangles from the twin of each half-edge. The caller has paired the twins.
+    pub(crate) fn of_triangle_twins(twins: impl IntoIterator<Item = Option<u32>>) -> Self {
+        Self::from_triangle_twins(twins.into_iter().map(|twin| twin.unwrap_or(NONE)).collect())
     }
 
     /// Makes the graph of triangles from twins that the caller has paired.
@@ -156,8 +162,10 @@ impl DualGraph {
         &self.twins
     }
 
-    pub(crate) fn twins_mut(&mut self) -> &mut [u32] {
-        &mut self.twins
+    /// Sets the twin of one half-edge. The caller sets the other side, too.
+    #[inline]
+    pub(crate) fn set_twin(&mut self, half_edge: u32, twin: Option<u32>) {
+        self.twins[half_edge as usize] = twin.unwrap_or(NONE);
     }
 
     /// Numbers the connected components: the component of each face, counted in order of their first faces, and their number.
