@@ -20,8 +20,6 @@
 mod baseline;
 mod eta;
 mod ids;
-mod order;
-mod repair;
 mod star;
 #[cfg(test)]
 mod tests;
@@ -32,7 +30,6 @@ use crate::cover::PathCover;
 use crate::dual::DualGraph;
 use crate::dual::Triangulation;
 use crate::prepare::PreparedFaces;
-pub use repair::{Repaired, Repairer};
 
 /// Plans strips by tunnels of at most `length` edges, from isolated triangles.
 pub(super) fn plan_tunnel<'a>(

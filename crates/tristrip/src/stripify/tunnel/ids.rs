@@ -13,7 +13,6 @@
 //! # Complexity
 //! 8 bytes a triangle and 8 a path. A simulated step takes O(steps before it), a complement O(length of the paths it changes).
 
-use super::order::Order;
 use crate::cover::PathCover;
 use crate::dual::DualGraph;
 use crate::ids::FaceId;
@@ -31,17 +30,6 @@ pub(super) struct Ids {
     touched: Vec<u32>,
     /// Triangles that may be ends of them.
     loose: Vec<u32>,
-    part: Option<Part>,
-}
-
-/// The part of the graph whose triangles have tags, where not all have.
-#[derive(Debug)]
-struct Part {
-    stamp: u32,
-    /// The part that each triangle was last in.
-    member: Vec<u32>,
-    /// The first triangle and the last position of each path, in the part or not.
-    paths: Vec<(u32, u32)>,
 }
 
 impl Ids {
@@ -55,86 +43,7 @@ impl Ids {
             }
         }
         let (touched, loose) = (Vec::new(), Vec::new());
-        Self { path: numbering.path, position: numbering.position, ends, touched, loose, part: None }
-    }
-
-    /// Prepares for tags of parts of the graph: see [`Ids::begin_part`].
-    pub(super) fn of_parts() -> Self {
-        let part = Some(Part { stamp: 0, member: Vec::new(), paths: Vec::new() });
-        let (touched, loose, ends) = (Vec::new(), Vec::new(), Vec::new());
-        Self { path: Vec::new(), position: Vec::new(), ends, touched, loose, part }
-    }
-
-    /// Begins a new, empty part. It costs time only where the graph has grown.
-    pub(super) fn begin_part(&mut self, triangle_count: usize) {
-        let Some(part) = &mut self.part else { return };
-        part.paths.clear();
-        part.stamp = part.stamp.wrapping_add(1);
-        if part.stamp == 0 {
-            part.member.fill(0);
-            part.stamp = 1;
-        }
-        if part.member.len() < triangle_count {
-            part.member.resize(triangle_count, 0);
-            self.path.resize(triangle_count, NONE);
-            self.position.resize(triangle_count, NONE);
-        }
-    }
-
-    /// Takes a triangle into the part. Returns whether it was not yet there.
-    pub(super) fn enter(&mut self, t: u32) -> bool {
-        self.path[t as usize] = NONE;
-        let Some(part) = &mut self.part else { return false };
-        std::mem::replace(&mut part.member[t as usize], part.stamp) != part.stamp
-    }
-
-    /// Tells whether a triangle has tags.
-    #[inline]
-    pub(super) fn is_here(&self, t: u32) -> bool {
-        self.part.as_ref().is_none_or(|part| part.member[t as usize] == part.stamp)
-    }
-
-    /// Writes the tags of the part, which are those of the whole paths: what lies outside is bridged by what `order` knows.
-    pub(super) fn tag_part(&mut self, graph: &DualGraph, cover: &PathCover, order: &mut Order, part: &[u32]) {
-        for &t in part {
-            if self.path(t) != NONE {
-                continue;
-            }
-            let (path, position) = (self.path_from(order, t), order.position(t));
-            self.set(t, path, position);
-            // Along the path both ways, as far as it stays here; one question tells which way positions rise.
-            let mut rises = None;
-            for exit in cover.edges(FaceId(t)).into_iter().flatten() {
-                let mut at = position;
-                let mut exit = Some(exit.0);
-                while let Some(entry) = exit.map(|h| graph.twins()[h as usize]) {
-                    if entry == NONE || !self.is_here(entry / 3) || self.path(entry / 3) != NONE {
-                        break;
-                    }
-                    let rising = *rises.get_or_insert_with(|| order.position(entry / 3) > position);
-                    at = if rising { at.wrapping_add(1) } else { at.wrapping_sub(1) };
-                    self.set(entry / 3, path, at);
-                    exit = other_link(cover, entry);
-                }
-                rises = rises.map(|rising| !rising);
-            }
-        }
-    }
-
-    /// Finds the tag of a triangle's path, or makes one.
-    fn path_from(&mut self, order: &mut Order, t: u32) -> u32 {
-        let (first, last) = (order.first(t), order.length(t) - 1);
-        let Some(part) = &mut self.part else { return NONE };
-        let known = part.paths.iter().position(|path| path.0 == first);
-        if known.is_none() {
-            part.paths.push((first, last));
-        }
-        known.unwrap_or(part.paths.len() - 1) as u32
-    }
-
-    fn set(&mut self, t: u32, path: u32, position: u32) {
-        self.path[t as usize] = path;
-        self.position[t as usize] = position;
+        Self { path: numbering.path, position: numbering.position, ends, touched, loose }
     }
 
     #[inline]
@@ -150,10 +59,7 @@ impl Ids {
     /// The position of a path's last triangle.
     #[inline]
     fn last(&self, path: u32) -> u32 {
-        match &self.part {
-            Some(part) => part.paths[path as usize].1,
-            None => self.position(self.ends[path as usize][1]),
-        }
+        self.position(self.ends[path as usize][1])
     }
 
     /// Complements a tunnel: cuts its black edges, links its red ones, and writes the tags of the paths that it has changed. Gives
@@ -225,11 +131,6 @@ impl Ids {
     }
 }
 
-/// The half-edge by which a path leaves the triangle that it has entered by this one.
-fn other_link(cover: &PathCover, entry: u32) -> Option<u32> {
-    cover.edges(FaceId(entry / 3)).into_iter().flatten().map(|h| h.0).find(|&h| h != entry)
-}
-
 /// A step of a tunnel: over a red edge, then over a black one; `NONE` after the last red one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Step {
@@ -240,7 +141,7 @@ pub(super) struct Step {
 }
 
 /// Cuts the black edges of a tunnel and links its red ones.
-pub(super) fn complement(graph: &DualGraph, cover: &mut PathCover, steps: &[Step]) {
+fn complement(graph: &DualGraph, cover: &mut PathCover, steps: &[Step]) {
     let twin = |h: u32| graph.twins()[h as usize];
     for step in steps.iter().filter(|step| step.black != NONE) {
         cover.cut_unchecked(step.black, twin(step.black));

@@ -38,13 +38,13 @@ impl Place<'_> {
     /// Walks over the red edges of a triangle and where they lead.
     pub(super) fn reds(&self, t: u32) -> impl Iterator<Item = (u32, u32)> {
         let reds = (3 * t..3 * t + 3).filter(|&h| is_red(self.graph, self.cover, h));
-        reds.map(|h| (h, self.across(h))).filter(|&(_, v)| self.ids.is_here(v))
+        reds.map(|h| (h, self.across(h)))
     }
 
     /// Walks over the black edges of a triangle and where they lead.
     pub(super) fn blacks(&self, t: u32) -> impl Iterator<Item = (u32, u32)> {
         let blacks = self.cover.edges(FaceId(t)).into_iter().flatten();
-        blacks.map(|h| (h.0, self.across(h.0))).filter(|&(_, b)| self.ids.is_here(b))
+        blacks.map(|h| (h.0, self.across(h.0)))
     }
 }
 
