@@ -6,6 +6,7 @@
 mod best;
 pub mod bound;
 mod cache;
+pub mod eta;
 mod fewest;
 pub mod input;
 mod options;
@@ -130,8 +131,8 @@ pub fn choose_watched<'a>(
         Method::StripeGlobal { patches, cutoff } => {
             stripe::plan_global(surface, graph, patches, cutoff, options.seed())?
         }
-        Method::Tunnel { length } => tunnel::plan_tunnel(surface, graph, length, watch),
-        Method::Eta(eta) => tunnel::plan_eta(surface, graph, eta, options.seed(), watch),
+        Method::Tunnel { length } => tunnel::plan(surface, graph, length, watch),
+        Method::Eta(eta) => eta::plan(surface, graph, eta, options.seed(), watch),
     };
     let taken = if options.method() == Method::Auto { Method::Best } else { options.method() };
     Ok((taken, plan))
