@@ -6,6 +6,7 @@
 mod best;
 pub mod bound;
 mod cache;
+pub mod eta;
 mod fewest;
 #[cfg(test)]
 mod generated_meshes;
@@ -132,8 +133,8 @@ pub fn choose_watched<'a>(
         Method::StripeGlobal { patches, cutoff } => {
             stripe::plan_global(prepared, graph, patches, cutoff, options.seed())?
         }
-        Method::Tunnel { length } => tunnel::plan_tunnel(prepared, graph, length, watch),
-        Method::Eta(eta) => tunnel::plan_eta(prepared, graph, eta, options.seed(), watch),
+        Method::Tunnel { length } => tunnel::plan(prepared, graph, length, watch),
+        Method::Eta(eta) => eta::plan(prepared, graph, eta, options.seed(), watch),
     };
     let method = if options.method() == Method::Auto { Method::Best } else { options.method() };
     Ok((method, plan))

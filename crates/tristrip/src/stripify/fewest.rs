@@ -16,7 +16,7 @@
 //! may be as long as one likes. Each component is worked on by itself, from the cover of `sequential`, until it meets its lower bound
 //! or the steps of the effort are done.
 //!
-//! 1. *Tunnel* (see [`super::tunnel`]): the long tunnels of `eta` make most of the joins in components that are not large, and are
+//! 1. *Tunnel* (see [`super::eta`]): the long tunnels of `eta` make most of the joins in components that are not large, and are
 //!    better than walks at ends that are stuck at a boundary.
 //! 2. *Walk* from random ends. In a triangle of three neighbours the way on is mostly forced; where it leads into another path, the
 //!    side of the cut is drawn by lot. While there are many ends, two soon meet.
@@ -46,7 +46,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 
 use super::bound::least_strips;
-use super::{Effort, EtaOptions, Progress, StripPlan, Watch, sequential, tunnel};
+use super::{Effort, EtaOptions, Progress, StripPlan, Watch, eta, sequential};
 use crate::cover::PathCover;
 use crate::prepare::PreparedFaces;
 use crate::random::Random;
@@ -126,7 +126,7 @@ fn reduce(
         if cover.len() <= TUNNEL_LIMIT {
             let told = Mutex::new((0, cover.path_count()));
             let watch = TunnelWatch { floor, budget, tally: &tally, told };
-            tunnel::join(graph, cover, EtaOptions::default(), seed, &watch);
+            eta::join(graph, cover, EtaOptions::default(), seed, &watch);
             budget -= watch.tell(None, cover.path_count()).0.min(budget);
         }
         Search::new(graph.twins(), cover, Random::new(seed ^ first << 32)).run(floor, budget, &tally);

@@ -1,132 +1,103 @@
-//! The tunnelling operator, kept plain: every alternating path, the shortest first. It is what the faster searches are held against.
+//! The tunnelling operator, kept simple: every alternating path, the shortest first. The faster searches are compared with it.
 //!
 //! # Algorithm
 //! 1. Set the length to 1.
 //! 2. From each terminal in turn, follow every alternating path of at most that length: over a red edge to a triangle `v`, then
-//!    over one of the black edges of `v`, and so on. No edge is taken twice.
-//! 3. Where a red edge leads to a terminal and no loop would be left, complement the path, and go on from that terminal.
+//!    over one of the black edges of `v`, and so on. No edge is used twice.
+//! 3. Where a red edge leads to a terminal and no loop would be left, complement the path, and continue from that terminal.
 //! 4. When no terminal has a tunnel of that length, try the next odd one, up to the limit, if some path is that long.
 //!
-//! When it ends there is no tunnel up to the limit: none of any kind, for a loop that a path closes and opens again later is no
-//! obstacle here. The rules of Stewart, and of Porcu and Scateni, forbid that; they are conditions on a path's every step, while
-//! this looks at the pieces that it leaves in the end.
+//! At the end there is no tunnel up to the limit: none of any kind, because a path may close a loop and open it again
+//! later. The rules of Stewart, and of Porcu and Scateni, forbid that; they are conditions on every step of a path, while
+//! this one looks at the paths that are left in the end.
 //!
 //! # Complexity
-//! The paths of a length grow as its exponential: two for each black edge.
+//! The number of paths grows exponentially with the length: two for each black edge.
 
-use super::ids::{Ids, NONE, Pieces, Step};
-use super::{Searched, Tally};
+use super::accesses::{AccessCounter, SearchOutcome};
+use super::context::SearchContext;
+use super::partial_tunnel::PartialTunnel;
+use super::path_tags::PathTags;
 use crate::cover::PathCover;
 use crate::dual::DualGraph;
-use crate::ids::{FaceId, HalfEdge};
+use crate::ids::FaceId;
 
-/// Joins paths of a cover by tunnels, until none of at most this length is left or the watch says so.
-pub(super) fn join(graph: &DualGraph, cover: &mut PathCover, length: u32, tally: &mut Tally<'_>) {
-    let mut ids = Ids::new(graph, cover);
-    let mut search = Search::default();
-    let mut limit = 1_u32;
-    while limit <= length {
-        let (mut found, mut cut_short) = (false, false);
+/// Joins paths of a cover by tunnels, until none of at most this length is left or the watch stops it.
+pub(super) fn join(
+    graph: &DualGraph,
+    cover: &mut PathCover,
+    max_length: u32,
+    counter: &mut AccessCounter<'_>,
+) {
+    let mut tags = PathTags::new(graph, cover);
+    let mut search = TunnelSearch::default();
+    let mut length = 1_u32;
+    while length <= max_length {
+        let (mut found, mut was_cut_short) = (false, false);
         for t in 0..cover.len() as u32 {
             while cover.degree(FaceId(t)) < 2 {
-                let searched = search.tunnel(graph, cover, &ids, t, limit, tally);
-                cut_short |= search.was_cut_short;
-                match searched {
-                    Searched::Stopped => return,
-                    Searched::Nothing => break,
-                    Searched::Found => tally.accesses += ids.complement(graph, cover, &search.steps),
+                let context = SearchContext { graph, cover, tags: &tags };
+                let outcome = search.find(&context, t, length, counter);
+                was_cut_short |= search.was_cut_short;
+                match outcome {
+                    SearchOutcome::Stopped => return,
+                    SearchOutcome::NotFound => break,
+                    SearchOutcome::Found => {
+                        counter.add(tags.complement(graph, cover, search.tunnel.steps()));
+                    }
                 }
                 found = true;
             }
         }
-        // A tunnel that was complemented may have opened a shorter one, which the next round at this limit finds. Where no path
-        // came to the limit, a longer one finds nothing else.
+        // A complement may have opened a shorter tunnel, which the next round at this length finds. If no path reached this length, a longer
+        // one finds nothing else.
         if !found {
-            if !cut_short {
+            if !was_cut_short {
                 return;
             }
-            limit = limit.saturating_add(2);
+            length = length.saturating_add(2);
         }
     }
-}
-
-/// Tells whether an edge leads to a triangle, over which no path passes.
-#[inline]
-pub(super) fn is_red(graph: &DualGraph, cover: &PathCover, half_edge: u32) -> bool {
-    graph.twins()[half_edge as usize] != NONE && !cover.is_linked(HalfEdge(half_edge))
 }
 
 /// A search from one terminal.
 #[derive(Debug, Default)]
-pub(super) struct Search {
-    pieces: Pieces,
-    /// The tunnel so far; found, it ends with a red edge.
-    pub(super) steps: Vec<Step>,
-    /// The ways that are still to be tried, each with the steps before it.
-    ways: Vec<(usize, Step)>,
-    /// Whether a path was not followed because of the limit.
+pub(super) struct TunnelSearch {
+    pub(super) tunnel: PartialTunnel,
+    /// Whether a path was not followed because of its length.
     was_cut_short: bool,
 }
 
-impl Search {
-    /// Looks for a tunnel of at most `limit` edges from a terminal.
-    pub(super) fn tunnel(
+impl TunnelSearch {
+    /// Searches for a tunnel of at most `length` edges from a terminal.
+    pub(super) fn find(
         &mut self,
-        graph: &DualGraph,
-        cover: &PathCover,
-        ids: &Ids,
+        context: &SearchContext<'_>,
         terminal: u32,
-        limit: u32,
-        tally: &mut Tally<'_>,
-    ) -> Searched {
-        self.pieces.begin(ids, terminal);
-        self.steps.clear();
-        self.ways.clear();
+        length: u32,
+        counter: &mut AccessCounter<'_>,
+    ) -> SearchOutcome {
+        self.tunnel.begin(context, terminal);
         self.was_cut_short = false;
-        self.push_ways(graph, cover, terminal);
-        while let Some((depth, step)) = self.ways.pop() {
-            if !tally.count(cover) {
-                return Searched::Stopped;
+        self.tunnel.add_all_candidates(context, terminal);
+        while let Some(step) = self.tunnel.next_candidate() {
+            if !counter.count(context.cover) {
+                return SearchOutcome::Stopped;
             }
-            while self.steps.len() > depth {
-                self.steps.pop();
-                self.pieces.undo();
-            }
-            let v = graph.twins()[step.red as usize] / 3;
-            if step.black == NONE {
-                if self.pieces.may_end_at(ids, v) {
-                    self.steps.push(step);
-                    return Searched::Found;
+            let Some(v) = context.across(step.red) else { continue };
+            let Some(b) = step.black.get().and_then(|black| context.across(black)) else {
+                if self.tunnel.try_end(context, step, v) {
+                    return SearchOutcome::Found;
                 }
                 continue;
-            }
-            let b = graph.twins()[step.black as usize] / 3;
+            };
             // A path of n steps has 2 n edges, and one more at its end.
-            if 2 * depth as u64 + 3 > u64::from(limit) {
+            if 2 * self.tunnel.steps().len() as u64 + 3 > u64::from(length) {
                 self.was_cut_short = true;
-            } else if self.pieces.step(ids, v, b) {
-                self.steps.push(step);
-                self.push_ways(graph, cover, b);
+            } else if self.tunnel.try_step(context, step, [v, b], u32::MAX) {
+                self.tunnel.add_all_candidates(context, b);
             }
         }
-        Searched::Nothing
-    }
-
-    /// Notes the ways on from a triangle.
-    fn push_ways(&mut self, graph: &DualGraph, cover: &PathCover, from: u32) {
-        let depth = self.steps.len();
-        for red in (3 * from..3 * from + 3).filter(|&h| is_red(graph, cover, h)) {
-            let twin = graph.twins()[red as usize];
-            if self.steps.iter().any(|step| step.red == red || step.red == twin) {
-                continue;
-            }
-            let v = FaceId(twin / 3);
-            for black in cover.edges(v).into_iter().flatten() {
-                self.ways.push((depth, Step { red, black: black.0 }));
-            }
-            if cover.degree(v) < 2 {
-                self.ways.push((depth, Step { red, black: NONE }));
-            }
-        }
+        SearchOutcome::NotFound
     }
 }

@@ -3,14 +3,15 @@
 use proptest::prelude::*;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use super::ids::{Ids, NONE, Pieces, Step};
-use super::order::Order;
-use super::repair::Reach;
-use super::{EtaOptions, Repairer, Searched, Start, Tally, baseline, eta};
+use super::accesses::{AccessCounter, SearchOutcome};
+use super::baseline;
+use super::context::SearchContext;
+use super::path_intervals::PathIntervals;
+use super::path_tags::{PathTags, TunnelStep};
 use crate::cover::PathCover;
 use crate::dual::DualGraph;
-use crate::effort::Effort;
 use crate::ids::{FaceId, HalfEdge};
+use crate::mesh::Faces;
 use crate::prepare::PreparedFaces;
 use crate::stripify::sequential::tests::{mesh, polygons, triangle_graph};
 use crate::stripify::watch::{Progress, Watch};
@@ -67,8 +68,8 @@ fn brute_force(graph: &DualGraph, cover: &PathCover, length: usize) -> Option<us
         .min()
 }
 
-/// Draws a graph, and paths over it.
-pub(super) fn graph_and_cover() -> impl Strategy<Value = (DualGraph, PathCover)> {
+/// Generates a graph, and paths over it.
+pub(in crate::stripify) fn graph_and_cover() -> impl Strategy<Value = (DualGraph, PathCover)> {
     (triangle_graph(), prop::collection::vec(any::<u32>(), 0..300)).prop_map(|(graph, tries)| {
         let mut cover = PathCover::isolated(graph.face_count());
         for h in tries.iter().filter_map(|t| t.checked_rem(graph.half_edge_count() as u32)) {
@@ -78,75 +79,78 @@ pub(super) fn graph_and_cover() -> impl Strategy<Value = (DualGraph, PathCover)>
     })
 }
 
-/// Checks that steps are an alternating path of the cover.
-fn is_tunnel(graph: &DualGraph, cover: &PathCover, from: u32, steps: &[Step]) -> bool {
-    let mut at = FaceId(from);
-    let whole = steps.iter().enumerate().all(|(i, step)| {
-        let red = HalfEdge(step.red);
-        let leads = graph.face_of(red) == at && !cover.is_linked(red);
-        at = FaceId(graph.twins()[step.red as usize] / 3);
-        if i + 1 == steps.len() {
-            return leads && step.black == NONE && cover.degree(at) < 2;
-        }
-        let black = HalfEdge(step.black);
-        let leads = leads && graph.face_of(black) == at && cover.is_linked(black);
-        at = FaceId(graph.twins()[step.black as usize] / 3);
-        leads
+/// Checks that steps are an alternating path of the cover between terminals, without repeated edges.
+fn is_tunnel(graph: &DualGraph, cover: &PathCover, from: u32, steps: &[TunnelStep]) -> bool {
+    let mut tip = FaceId(from);
+    let mut edges = Vec::new();
+    let mut cross = |h: u32, is_black: bool, tip: &mut FaceId| {
+        let (half_edge, twin) = (HalfEdge(h), graph.twin(HalfEdge(h)).unwrap());
+        let leads_on = graph.face_of(half_edge) == *tip && cover.is_linked(half_edge) == is_black;
+        *tip = graph.face_of(twin);
+        edges.push(half_edge.min(twin));
+        leads_on
+    };
+    let is_path = steps.iter().enumerate().all(|(i, step)| {
+        let leads_on = cross(step.red, false, &mut tip);
+        leads_on
+            && match step.black.get() {
+                Some(black) => i + 1 < steps.len() && cross(black, true, &mut tip),
+                None => i + 1 == steps.len() && cover.degree(tip) < 2,
+            }
     });
-    let mut edges: Vec<u32> = steps.iter().flat_map(|s| [s.red, s.black]).filter(|&h| h != NONE).collect();
-    edges.iter_mut().for_each(|h| *h = (*h).min(graph.twins()[*h as usize]));
     let count = edges.len();
     edges.sort_unstable();
     edges.dedup();
-    whole && edges.len() == count && cover.degree(FaceId(from)) < 2
+    is_path && edges.len() == count && cover.degree(FaceId(from)) < 2
 }
 
 proptest! {
     #[test]
-    fn finds_a_tunnel_wherever_there_is_one((graph, mut cover) in graph_and_cover(), length in 0..5_u32) {
+    fn finds_a_tunnel_wherever_the_brute_force_does((graph, mut cover) in graph_and_cover(), length in 0..5_u32) {
         let length = 2 * length + 1;
-        let mut ids = Ids::new(&graph, &cover);
-        let mut search = baseline::Search::default();
-        // Complement all that there are, the shortest first, and compare with the brute force before each.
+        let mut tags = PathTags::new(&graph, &cover);
+        let mut search = baseline::TunnelSearch::default();
+        // Complement all tunnels, the shortest first, and compare with the brute force before each.
         loop {
             let shortest = brute_force(&graph, &cover, length as usize);
-            let found = (1..=length).step_by(2).find_map(|limit| {
-                (0..cover.len() as u32).filter(|&t| cover.degree(FaceId(t)) < 2).find(|&t| {
-                    let searched = search.tunnel(&graph, &cover, &ids, t, limit, &mut Tally::new(&()));
-                    searched == Searched::Found
+            let context = SearchContext { graph: &graph, cover: &cover, tags: &tags };
+            let found = (1..=length).step_by(2).find_map(|length| {
+                (0..cover.len() as u32).filter(|&t| context.is_terminal(t)).find(|&t| {
+                    search.find(&context, t, length, &mut AccessCounter::new(&())) == SearchOutcome::Found
                 })
             });
-            prop_assert_eq!(found.map(|_| 2 * search.steps.len() - 1), shortest);
+            let steps = search.tunnel.steps();
+            prop_assert_eq!(found.map(|_| 2 * steps.len() - 1), shortest);
             let Some(from) = found else { break };
-            prop_assert!(is_tunnel(&graph, &cover, from, &search.steps));
+            prop_assert!(is_tunnel(&graph, &cover, from, steps));
             let paths = cover.path_count();
-            ids.complement(&graph, &mut cover, &search.steps);
+            tags.complement(&graph, &mut cover, steps);
             prop_assert_eq!(cover.check(&graph), Ok(()));
             prop_assert_eq!(cover.path_count(), paths - 1);
-            prop_assert!(ids.check(&graph, &cover));
+            prop_assert!(tags.check(&graph, &cover));
         }
     }
 
     #[test]
     fn leaves_no_tunnel_of_its_length((graph, mut cover) in graph_and_cover(), length in 0..9_u32) {
-        baseline::join(&graph, &mut cover, length, &mut Tally::new(&()));
+        baseline::join(&graph, &mut cover, length, &mut AccessCounter::new(&()));
         prop_assert_eq!(cover.check(&graph), Ok(()));
         prop_assert_eq!(brute_force(&graph, &cover, length as usize), None);
     }
 }
 
-/// It went through all odd lengths, two thousand million of them, and then from the first again.
+/// Without that end it tries all odd lengths, two billion of them, and then the first again.
 #[test]
-fn the_longest_path_ends_it_whatever_the_limit() {
+fn ends_after_the_longest_path_whatever_the_limit() {
     // Two triangles side by side, one alone, and a closed fan of five.
     let fan = (0..5).flat_map(|i| [7, 8 + i, 8 + (i + 1) % 5]);
     let corners = [0, 1, 2, 2, 1, 3, 4, 5, 6].into_iter().chain(fan).collect();
-    let graph = DualGraph::new(&crate::Faces::from_triangles(corners).unwrap());
+    let graph = DualGraph::new(&Faces::from_triangles(corners).unwrap());
     let mut cover = PathCover::isolated(8);
-    baseline::join(&graph, &mut cover, u32::MAX, &mut Tally::new(&()));
+    baseline::join(&graph, &mut cover, u32::MAX, &mut AccessCounter::new(&()));
     assert_eq!(cover.path_count(), 3);
-    let nothing = DualGraph::new(&crate::Faces::default());
-    baseline::join(&nothing, &mut PathCover::isolated(0), u32::MAX, &mut Tally::new(&()));
+    let empty = DualGraph::new(&Faces::default());
+    baseline::join(&empty, &mut PathCover::isolated(0), u32::MAX, &mut AccessCounter::new(&()));
 }
 
 /// Counts the closed paths of a cover.
@@ -166,250 +170,50 @@ fn loops(graph: &DualGraph, cover: &PathCover) -> usize {
 }
 
 proptest! {
+    /// Takes any steps, undoes some of them, and does the same to covers.
     #[test]
-    fn pieces_know_the_loops((graph, cover) in graph_and_cover(), terminal in any::<u32>(), turns in prop::collection::vec(0..7_usize, 0..40)) {
+    fn path_intervals_count_the_loops((graph, cover) in graph_and_cover(), terminal in any::<u32>(), turns in prop::collection::vec(0..7_usize, 0..40)) {
         prop_assume!(!cover.is_empty());
         let terminal = terminal % cover.len() as u32;
         prop_assume!(cover.degree(FaceId(terminal)) < 2);
-        let ids = Ids::new(&graph, &cover);
-        let mut pieces = Pieces::default();
-        pieces.begin(&ids, terminal);
-        // Steps as they come, some taken back; the same is done to covers.
+        let tags = PathTags::new(&graph, &cover);
+        let mut intervals = PathIntervals::default();
+        intervals.begin(&tags, terminal);
         let mut covers = vec![(cover.clone(), FaceId(terminal))];
         for turn in turns {
-            let (mut now, tip) = covers[covers.len() - 1].clone();
+            let (mut changed, tip) = covers[covers.len() - 1].clone();
             if turn == 6 {
                 if covers.len() > 1 {
                     covers.pop();
-                    pieces.undo();
+                    intervals.undo();
                 }
-                prop_assert_eq!(pieces.loops() as usize, loops(&graph, &covers[covers.len() - 1].0));
+                prop_assert_eq!(intervals.loops() as usize, loops(&graph, &covers[covers.len() - 1].0));
                 continue;
             }
             let red = HalfEdge(3 * tip.0 + turn as u32 / 2);
-            let Some(twin) = graph.twin(red).filter(|_| !cover.is_linked(red) && !now.is_linked(red)) else { continue };
+            let Some(twin) = graph.twin(red).filter(|_| !cover.is_linked(red) && !changed.is_linked(red)) else { continue };
             let v = graph.face_of(twin);
             let Some(black) = cover.edges(v)[turn % 2] else { continue };
             let b = graph.face_of(graph.twin(black).unwrap());
-            let can = now.cut(&graph, black);
-            prop_assert_eq!(pieces.step(&ids, v.0, b.0), can);
-            if can {
-                prop_assert!(now.link(&graph, red));
-                prop_assert_eq!(pieces.loops() as usize, loops(&graph, &now));
-                covers.push((now, b));
+            let may_step = changed.cut(&graph, black);
+            prop_assert_eq!(intervals.step(&tags, v.0, b.0), may_step);
+            if may_step {
+                prop_assert!(changed.link(&graph, red));
+                prop_assert_eq!(intervals.loops() as usize, loops(&graph, &changed));
+                covers.push((changed, b));
             }
         }
     }
 
     #[test]
-    fn strips_of_any_mesh_are_right(polygons in polygons(false, 1..5), length in 0..12_u32, seed in any::<u64>()) {
+    fn strips_of_any_mesh_are_proven(polygons in polygons(false, 1..5), length in 0..12_u32) {
         let mesh = mesh(&polygons);
-        let surface = PreparedFaces::new(&mesh, false);
-        let graph = DualGraph::new(surface.faces());
-        let eta = EtaOptions::default();
-        let starts = [Start::Isolated, Start::Input, Start::Sgi, Start::Sequential];
-        let starts = starts.map(|start| Method::Eta(eta.with_start(start)));
-        for method in starts.into_iter().chain([Method::Tunnel { length }]) {
-            let plan = plan(&surface, &graph, &StripifyOptions::default().with_method(method).with_seed(seed)).unwrap();
-            let strips = plan.strips();
-            prop_assert!(verify(&mesh, &strips).is_ok(), "{:?}", method);
-        }
+        let prepared = PreparedFaces::new(&mesh, false);
+        let graph = DualGraph::new(prepared.faces());
+        let options = StripifyOptions::default().with_method(Method::Tunnel { length });
+        let plan = plan(&prepared, &graph, &options).unwrap();
+        prop_assert!(verify(&mesh, &plan.strips()).is_ok());
     }
-}
-
-/// Gives the triangles within some steps of others.
-fn around(graph: &DualGraph, faces: &[FaceId], steps: u32) -> Vec<bool> {
-    let mut inside = vec![false; graph.face_count()];
-    faces.iter().for_each(|face| inside[face.0 as usize] = true);
-    for _ in 0..steps {
-        let ring: Vec<FaceId> = (0..inside.len()).filter(|&t| inside[t]).map(|t| FaceId(t as u32)).collect();
-        ring.into_iter().flat_map(|t| graph.neighbours(t)).for_each(|t| inside[t.0 as usize] = true);
-    }
-    inside
-}
-
-/// Cuts all links of triangles.
-fn cut_off(graph: &DualGraph, cover: &mut PathCover, faces: &[FaceId]) {
-    for &face in faces {
-        for edge in cover.edges(face).into_iter().flatten() {
-            cover.cut(graph, edge);
-        }
-    }
-}
-
-proptest! {
-    #[test]
-    fn repair_joins_near_the_change_only(
-        (graph, mut cover) in graph_and_cover(),
-        changed in prop::collection::vec(any::<u32>(), 0..5),
-        (radius, threshold) in (1..5_u32, 1..100_u32),
-    ) {
-        prop_assume!(!cover.is_empty());
-        let changed: Vec<FaceId> = changed.iter().map(|t| FaceId(t % cover.len() as u32)).collect();
-        let mut repairer = Repairer::new(&graph, &cover);
-        let touched = around(&graph, &changed, 1);
-        let touched: Vec<FaceId> = (0..cover.len() as u32).map(FaceId).filter(|t| touched[t.0 as usize]).collect();
-        cut_off(&graph, &mut cover, &changed);
-        let before = cover.clone();
-        let reach = Reach { radius, threshold };
-        let repaired = repairer.repair_within(&graph, &mut cover, &touched, reach);
-        prop_assert_eq!(cover.check(&graph), Ok(()));
-        prop_assert_eq!(before.path_count() - cover.path_count(), repaired.joined);
-        let near = around(&graph, &touched, 1 + radius);
-        for t in (0..cover.len()).filter(|&t| !near[t]) {
-            prop_assert_eq!(cover.edges(FaceId(t as u32)), before.edges(FaceId(t as u32)));
-        }
-        // A worker that is used again does the same as a new one.
-        let mut again = cover.clone();
-        cut_off(&graph, &mut again, &changed);
-        let mut new = again.clone();
-        prop_assert_eq!(
-            repairer.repair_within(&graph, &mut again, &touched, reach),
-            Repairer::new(&graph, &new).repair_within(&graph, &mut new, &touched, reach)
-        );
-        prop_assert_eq!(again, new);
-    }
-
-    #[test]
-    fn the_order_follows((graph, mut cover) in graph_and_cover(), tries in prop::collection::vec(any::<u32>(), 0..200)) {
-        let mut order = Order::new(&graph, &cover);
-        prop_assert!(order.check(&graph, &cover));
-        let tries: Vec<HalfEdge> = tries.iter().filter_map(|t| t.checked_rem(graph.half_edge_count() as u32)).map(HalfEdge).collect();
-        for some in tries.chunks(3) {
-            for &h in some {
-                let _ = cover.cut(&graph, h) || cover.join(&graph, h);
-            }
-            let changed = some.iter().flat_map(|&h| [Some(h), graph.twin(h)]).flatten().map(|h| h.0 / 3);
-            order.follow(&graph, &cover, changed);
-            prop_assert!(order.check(&graph, &cover));
-        }
-    }
-}
-
-/// A graph in one strip, and triangles strewn over it.
-fn one_strip(around: u32, through: u32, changed_count: usize) -> (DualGraph, PathCover, Vec<FaceId>) {
-    let graph = torus(around, through);
-    let mut cover = PathCover::isolated(graph.face_count());
-    eta::join(&graph, &mut cover, EtaOptions::default(), 0, &mut Tally::new(&()));
-    assert_eq!(cover.path_count(), 1);
-    let changed = (0..changed_count).map(|i| FaceId((i * 7919 % cover.len()) as u32)).collect();
-    (graph, cover, changed)
-}
-
-#[test]
-fn repair_brings_the_strips_back() {
-    let (graph, mut cover, changed) = one_strip(90, 60, 100);
-    let near = around(&graph, &changed, 1);
-    let near: Vec<FaceId> = (0..near.len() as u32).map(FaceId).filter(|t| near[t.0 as usize]).collect();
-    let whole = cover.clone();
-    cut_off(&graph, &mut cover, &near);
-    let changed: Vec<FaceId> =
-        (0..cover.len() as u32).map(FaceId).filter(|&t| cover.edges(t) != whole.edges(t)).collect();
-    let broken = cover.path_count();
-    assert!(broken > 300);
-    let left = [0, 2, 5, 9].map(|level| {
-        let mut cover = cover.clone();
-        Repairer::new(&graph, &whole).repair(&graph, &mut cover, &changed, Effort::new(level).unwrap());
-        assert_eq!(cover.check(&graph), Ok(()));
-        cover.path_count()
-    });
-    assert!(
-        left[2] <= broken / 20 && left[3] <= left[2] && left[2] <= left[1] && left[1] <= left[0],
-        "{left:?}"
-    );
-}
-
-#[test]
-fn repair_takes_as_long_in_a_large_mesh() {
-    let accesses = [(30, 20), (90, 60), (180, 120)].map(|(around, through)| {
-        let (graph, mut cover, changed) = one_strip(around, through, 16);
-        let mut repairer = Repairer::new(&graph, &cover);
-        let touched = changed.iter().flat_map(|&t| graph.neighbours(t).chain([t])).collect::<Vec<_>>();
-        cut_off(&graph, &mut cover, &changed);
-        repairer.repair(&graph, &mut cover, &touched, Effort::default()).accesses
-    });
-    assert!(accesses[2] < 2 * accesses[1] && accesses[2] < 16 * 50_000, "{accesses:?}");
-}
-
-/// Makes the graph of those triangles that are in use; the others have no neighbours.
-fn graph_of(triangles: &[Option<[u32; 3]>]) -> DualGraph {
-    let used: Vec<u32> = (0..triangles.len() as u32).filter(|&t| triangles[t as usize].is_some()).collect();
-    let corners = triangles.iter().flatten().flatten().copied().collect();
-    let dense = DualGraph::new(&crate::mesh::Faces::from_triangles(corners).unwrap());
-    let mut twins = vec![NONE; 3 * triangles.len()];
-    for (h, twin) in (0..3 * used.len() as u32).filter_map(|h| Some((h, dense.twin(HalfEdge(h))?.0))) {
-        twins[(3 * used[h as usize / 3] + h % 3) as usize] = 3 * used[twin as usize / 3] + twin % 3;
-    }
-    DualGraph::from_triangle_twins(twins)
-}
-
-#[test]
-fn repair_keeps_up_with_collapses() {
-    let (around, through) = (40, 30);
-    let v = |x: u32, y: u32| y % through * around + x % around;
-    let quads = (0..through).flat_map(|y| (0..around).map(move |x| (x, y)));
-    let mut triangles: Vec<Option<[u32; 3]>> = quads
-        .flat_map(|(x, y)| [[v(x, y), v(x + 1, y), v(x + 1, y + 1)], [v(x, y), v(x + 1, y + 1), v(x, y + 1)]])
-        .map(Some)
-        .collect();
-    let mut graph = graph_of(&triangles);
-    let mut cover = PathCover::isolated(triangles.len());
-    eta::join(&graph, &mut cover, EtaOptions::default(), 0, &mut Tally::new(&()));
-    let mut repairer = Repairer::new(&graph, &cover);
-    let (mut gone, mut most, mut broken) = (0, 0, 0);
-    for i in 0..300 {
-        let Some([from, to, _]) = triangles[i * 7919 % triangles.len()] else { continue };
-        // Collapse `from` to `to`: the triangles of both are no more, the others of `from` are renamed.
-        let mut changed = Vec::new();
-        for (t, triangle) in triangles.iter_mut().enumerate() {
-            let Some(corners) = triangle else { continue };
-            if corners.contains(&from) || corners.contains(&to) {
-                changed.push(FaceId(t as u32));
-            }
-            if corners.contains(&from) && corners.contains(&to) {
-                *triangle = None;
-                gone += 1;
-            } else {
-                *corners = corners.map(|v| if v == from { to } else { v });
-            }
-        }
-        let new_graph = graph_of(&triangles);
-        let mut new_cover = PathCover::isolated(triangles.len());
-        for h in (0..cover.len() as u32).flat_map(|t| cover.edges(FaceId(t))).flatten() {
-            if new_graph.twin(h) == graph.twin(h) {
-                new_cover.link(&new_graph, h);
-            }
-        }
-        (graph, cover) = (new_graph, new_cover);
-        broken += cover.path_count() - gone;
-        repairer.repair(&graph, &mut cover, &changed, Effort::default());
-        assert_eq!(cover.check(&graph), Ok(()), "{i}");
-        most = most.max(cover.path_count() - gone);
-        broken -= cover.path_count() - gone;
-    }
-    // A strip in each hundred triangles: their ends are farther apart than the repair looks.
-    assert!(most <= 15 && broken > 300, "{most} {broken}");
-}
-
-#[test]
-fn eta_makes_one_strip_of_a_closed_grid() {
-    for seed in 0..4 {
-        let graph = torus(90, 60);
-        let mut cover = PathCover::isolated(graph.face_count());
-        eta::join(&graph, &mut cover, EtaOptions::default(), seed, &mut Tally::new(&()));
-        assert_eq!((cover.check(&graph), cover.path_count()), (Ok(()), 1), "{seed}");
-    }
-}
-
-#[test]
-fn the_seed_decides() {
-    let graph = torus(30, 20);
-    let covers = [1, 1, 2].map(|seed| {
-        let mut cover = PathCover::isolated(graph.face_count());
-        eta::join(&graph, &mut cover, EtaOptions::default(), seed, &mut Tally::new(&()));
-        cover
-    });
-    assert!(covers[0] == covers[1] && covers[0] != covers[2]);
 }
 
 /// Stops a search when it is asked for the n-th time.
@@ -422,8 +226,8 @@ impl Watch for StopAt {
     }
 }
 
-/// A closed grid of triangles, in an order that makes many strips at first.
-fn torus(around: u32, through: u32) -> DualGraph {
+/// Builds a closed grid of triangles, in an order that makes many strips at first.
+pub(in crate::stripify) fn torus(around: u32, through: u32) -> DualGraph {
     let v = |x, y| y % through * around + x % around;
     let count = around * through;
     let corners = (0..count).map(|i| i * 619 % count).flat_map(|i| {
@@ -431,25 +235,24 @@ fn torus(around: u32, through: u32) -> DualGraph {
         let [a, b, c, d] = [v(x, y), v(x + 1, y), v(x + 1, y + 1), v(x, y + 1)];
         if (x * 5 + y * 7) % 11 < 6 { [a, b, c, a, c, d] } else { [b, c, d, a, b, d] }
     });
-    DualGraph::new(&crate::mesh::Faces::from_triangles(corners.collect()).unwrap())
+    DualGraph::new(&Faces::from_triangles(corners.collect()).unwrap())
+}
+
+/// Checks that a watch stops a search that joins the triangles of a closed grid, and that the cover is valid then.
+pub(in crate::stripify) fn check_watch(join: impl Fn(&DualGraph, &mut PathCover, &dyn Watch)) {
+    let graph = torus(90, 60);
+    let strips = [1, 2, 1000].map(|times| {
+        let mut cover = PathCover::isolated(graph.face_count());
+        let watch = StopAt(times, AtomicUsize::new(0));
+        join(&graph, &mut cover, &watch);
+        assert_eq!(cover.check(&graph), Ok(()));
+        assert!(watch.1.into_inner() <= times);
+        cover.path_count()
+    });
+    assert!(strips[0] > strips[1] && strips[1] > strips[2], "{strips:?}");
 }
 
 #[test]
 fn the_watch_stops_it() {
-    let graph = torus(90, 60);
-    let searches: [fn(&DualGraph, &mut PathCover, &mut Tally<'_>); 2] = [
-        |graph, cover, tally| baseline::join(graph, cover, 21, tally),
-        |graph, cover, tally| eta::join(graph, cover, EtaOptions::default(), 0, tally),
-    ];
-    for search in searches {
-        let strips = [1, 2, 1000].map(|times| {
-            let mut cover = PathCover::isolated(graph.face_count());
-            let watch = StopAt(times, AtomicUsize::new(0));
-            search(&graph, &mut cover, &mut Tally::new(&watch));
-            assert_eq!(cover.check(&graph), Ok(()));
-            assert!(watch.1.into_inner() <= times);
-            cover.path_count()
-        });
-        assert!(strips[0] > strips[1] && strips[1] > strips[2], "{strips:?}");
-    }
+    check_watch(|graph, cover, watch| baseline::join(graph, cover, 21, &mut AccessCounter::new(watch)));
 }

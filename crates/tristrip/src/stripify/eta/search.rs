@@ -1,0 +1,103 @@
+//! A search of `eta` from one terminal: depth first within its star, the path nearest to another terminal first.
+
+use super::star::Star;
+use crate::random::Random;
+use crate::stripify::tunnel::accesses::{AccessCounter, SearchOutcome};
+use crate::stripify::tunnel::context::SearchContext;
+use crate::stripify::tunnel::partial_tunnel::PartialTunnel;
+use crate::stripify::tunnel::path_tags::TunnelStep;
+
+/// How far a search goes.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct TunnelLimits {
+    /// The maximum length of a tunnel, in edges.
+    pub(super) length: u32,
+    /// The maximum number of accesses to nodes.
+    pub(super) accesses: u32,
+    /// The maximum number of loops that are closed at a time.
+    pub(super) loops: u32,
+}
+
+/// A search from one terminal.
+#[derive(Debug, Default)]
+pub(super) struct EtaSearch {
+    tunnel: PartialTunnel,
+    /// The part of a tunnel, without a loop, that came nearest to a terminal.
+    nearest: Vec<TunnelStep>,
+    /// The steps from the tip: the distance after it, a random number, and the step.
+    sorted: Vec<(u32, u64, TunnelStep)>,
+}
+
+impl EtaSearch {
+    /// Searches for a tunnel from a terminal.
+    pub(super) fn find(
+        &mut self,
+        context: &SearchContext<'_>,
+        star: &Star,
+        terminal: u32,
+        limits: TunnelLimits,
+        random: &mut Random,
+        counter: &mut AccessCounter<'_>,
+    ) -> SearchOutcome {
+        self.tunnel.begin(context, terminal);
+        self.nearest.clear();
+        self.add_candidates(context, star, terminal, limits.length, random);
+        let mut nearest = u32::MAX;
+        for _ in 0..limits.accesses {
+            let Some(step) = self.tunnel.next_candidate() else { break };
+            if !counter.count(context.cover) {
+                return SearchOutcome::Stopped;
+            }
+            let Some(v) = context.across(step.red) else { continue };
+            let Some(b) = step.black.get().and_then(|black| context.across(black)) else {
+                if self.tunnel.try_end(context, step, v) {
+                    return SearchOutcome::Found;
+                }
+                continue;
+            };
+            if !self.tunnel.try_step(context, step, [v, b], limits.loops) {
+                continue;
+            }
+            if let Some(distance) = star.distance(b).filter(|&d| d < nearest && self.tunnel.loops() == 0) {
+                nearest = distance;
+                self.nearest.clear();
+                self.nearest.extend_from_slice(self.tunnel.steps());
+            }
+            self.add_candidates(context, star, b, limits.length, random);
+        }
+        SearchOutcome::NotFound
+    }
+
+    /// Returns the tunnel that was found.
+    pub(super) fn tunnel(&self) -> &[TunnelStep] {
+        self.tunnel.steps()
+    }
+
+    /// Returns the part of a tunnel that came nearest to another terminal, for a search that found none.
+    pub(super) fn nearest(&self) -> &[TunnelStep] {
+        &self.nearest
+    }
+
+    /// Adds the steps from a triangle to those to try, the best last.
+    fn add_candidates(
+        &mut self,
+        context: &SearchContext<'_>,
+        star: &Star,
+        from: u32,
+        length: u32,
+        random: &mut Random,
+    ) {
+        let (depth, sorted) = (self.tunnel.steps().len() as u64, &mut self.sorted);
+        sorted.clear();
+        context.for_each_step(self.tunnel.steps(), from, |step, target| {
+            let Some(b) = target else { return sorted.push((0, random.next_u64(), step)) };
+            if let Some(distance) = star.distance(b)
+                && 2 * (depth + 1) + u64::from(distance) <= u64::from(length)
+            {
+                sorted.push((distance, random.next_u64(), step));
+            }
+        });
+        sorted.sort_unstable_by_key(|&(distance, random, _)| std::cmp::Reverse((distance, random)));
+        self.tunnel.add_candidates(sorted.iter().map(|&(_, _, step)| step));
+    }
+}

@@ -1,0 +1,57 @@
+//! Accesses to nodes: the unit in which searches for tunnels are measured, and at which the watch is asked.
+
+use crate::cover::PathCover;
+use crate::stripify::watch::{Progress, Watch};
+
+/// Accesses between two questions to the watch.
+const WATCH_INTERVAL: u64 = 1 << 13;
+
+/// How a search from a terminal ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::stripify) enum SearchOutcome {
+    /// It found a tunnel.
+    Found,
+    /// It found no tunnel.
+    NotFound,
+    /// The watch stopped it.
+    Stopped,
+}
+
+/// Counts accesses to nodes, and asks the watch at regular intervals.
+pub(in crate::stripify) struct AccessCounter<'a> {
+    accesses: u64,
+    /// The count at which the watch is asked next.
+    next_check: u64,
+    watch: &'a dyn Watch,
+}
+
+impl<'a> AccessCounter<'a> {
+    /// Creates a counter that stands at 0.
+    pub(in crate::stripify) fn new(watch: &'a dyn Watch) -> Self {
+        Self { accesses: 0, next_check: WATCH_INTERVAL, watch }
+    }
+
+    /// Adds accesses without asking the watch.
+    #[inline]
+    pub(in crate::stripify) fn add(&mut self, accesses: u64) {
+        self.accesses += accesses;
+    }
+
+    /// Counts one access. Returns whether the search may continue.
+    #[inline]
+    pub(in crate::stripify) fn count(&mut self, cover: &PathCover) -> bool {
+        self.accesses += 1;
+        self.may_continue(cover)
+    }
+
+    /// Returns whether the search may continue.
+    #[inline]
+    pub(in crate::stripify) fn may_continue(&mut self, cover: &PathCover) -> bool {
+        if self.accesses < self.next_check {
+            return true;
+        }
+        self.next_check = self.accesses + WATCH_INTERVAL;
+        let strips = cover.path_count();
+        self.watch.go_on(Progress { steps: self.accesses, strips, cost: strips, ..Progress::default() })
+    }
+}

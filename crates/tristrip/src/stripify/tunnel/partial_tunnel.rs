@@ -1,0 +1,95 @@
+//! A tunnel under construction: its steps so far, and the steps that a depth-first search has still to try.
+
+use super::context::SearchContext;
+use super::path_intervals::PathIntervals;
+use super::path_tags::TunnelStep;
+
+/// The state of a depth-first search from one terminal.
+#[derive(Debug, Default)]
+pub(in crate::stripify) struct PartialTunnel {
+    intervals: PathIntervals,
+    steps: Vec<TunnelStep>,
+    /// The steps to try, each with the number of steps before it.
+    candidates: Vec<(usize, TunnelStep)>,
+}
+
+impl PartialTunnel {
+    /// Starts at a terminal.
+    pub(in crate::stripify) fn begin(&mut self, context: &SearchContext<'_>, terminal: u32) {
+        self.intervals.begin(context.tags, terminal);
+        self.steps.clear();
+        self.candidates.clear();
+    }
+
+    /// Returns the steps so far. A tunnel that is found ends with a red edge.
+    #[inline]
+    pub(in crate::stripify) fn steps(&self) -> &[TunnelStep] {
+        &self.steps
+    }
+
+    /// Counts the loops that are closed at present.
+    #[inline]
+    pub(in crate::stripify) fn loops(&self) -> u32 {
+        self.intervals.loops()
+    }
+
+    /// Adds steps to try from the tip; the last is tried first.
+    #[inline]
+    pub(in crate::stripify) fn add_candidates(&mut self, steps: impl Iterator<Item = TunnelStep>) {
+        let depth = self.steps.len();
+        self.candidates.extend(steps.map(|step| (depth, step)));
+    }
+
+    /// Adds all steps from a triangle, the tip, to those to try.
+    pub(super) fn add_all_candidates(&mut self, context: &SearchContext<'_>, from: u32) {
+        let (depth, candidates) = (self.steps.len(), &mut self.candidates);
+        context.for_each_step(&self.steps, from, |step, _| candidates.push((depth, step)));
+    }
+
+    /// Takes the next step to try, and undoes the steps that do not precede it.
+    #[inline]
+    pub(in crate::stripify) fn next_candidate(&mut self) -> Option<TunnelStep> {
+        let (depth, step) = self.candidates.pop()?;
+        while self.steps.len() > depth {
+            self.steps.pop();
+            self.intervals.undo();
+        }
+        Some(step)
+    }
+
+    /// Ends the tunnel at triangle `v` if no loop is left then. Returns whether it did.
+    #[inline]
+    pub(in crate::stripify) fn try_end(
+        &mut self,
+        context: &SearchContext<'_>,
+        step: TunnelStep,
+        v: u32,
+    ) -> bool {
+        let may_end = self.intervals.may_end_at(context.tags, v);
+        if may_end {
+            self.steps.push(step);
+        }
+        may_end
+    }
+
+    /// Goes one step over triangle `v` to `b`, if their black edge is not cut and at most `max_loops` loops are closed then. Returns
+    /// whether it did.
+    #[inline]
+    pub(in crate::stripify) fn try_step(
+        &mut self,
+        context: &SearchContext<'_>,
+        step: TunnelStep,
+        [v, b]: [u32; 2],
+        max_loops: u32,
+    ) -> bool {
+        if !self.intervals.step(context.tags, v, b) {
+            return false;
+        }
+        if self.intervals.loops() > max_loops {
+            self.intervals.undo();
+            return false;
+        }
+        self.steps.push(step);
+        true
+    }
+}
