@@ -120,7 +120,7 @@ pub fn choose_watched<'a>(
         Method::Auto | Method::Best => {
             best::plan(surface, graph, options.cost(), options.effort(), options.seed(), watch)
         }
-        Method::Fewest => fewest::plan(surface, graph, options.effort(), options.seed(), watch),
+        Method::Fewest => fewest::plan(surface, graph, options, watch),
         Method::Cache => cache::plan(surface, graph, options, watch),
         Method::Input => input::plan(surface, graph),
         Method::Sgi => sgi::plan(surface, graph),
