@@ -123,7 +123,7 @@ pub fn choose_watched<'a>(
         Method::Auto | Method::Best => {
             best::plan(prepared, graph, options.cost(), options.effort(), options.seed(), watch)
         }
-        Method::Fewest => fewest::plan(prepared, graph, options.effort(), options.seed(), watch),
+        Method::Fewest => fewest::plan(prepared, graph, options, watch),
         Method::Cache => cache::plan(prepared, graph, options, watch),
         Method::Input => input::plan(prepared, graph),
         Method::Sgi => sgi::plan(prepared, graph),

@@ -208,7 +208,7 @@ fn of_polygons(faces: &Faces, graph: &DualGraph) -> Vec<ComponentBound> {
 }
 
 /// Finds the least number of strips of each component, in order of their first triangles.
-pub(super) fn least_strips(graph: &DualGraph) -> Vec<usize> {
+pub(super) fn strip_lower_bounds(graph: &DualGraph) -> Vec<usize> {
     strips::bound(graph).into_iter().map(|found| found.strips).collect()
 }
 

@@ -1,136 +1,123 @@
-//! `fewest`: as few strips as can be found. Ends of strips wander until two of different strips meet and are joined; where they
-//! do not meet by themselves, one is led to the other.
+//! `fewest`: a local search for as few strips as possible. The ends of paths move until the ends of two different paths are adjacent
+//! and are joined; where that takes too long, one end is guided to another.
 //!
 //! ```text
-//!   walk   w ┄┄ v ━━ x        link w–v, cut v–x: x is the new end. One path stays one path (v inside w's own path, x toward w:
-//!                             a rotation), or two paths stay two (v inside another one, x on either side)
-//!   join   w ┄┄ y             y is an end of another path: one path fewer
-//!   close  w ┄┄ h, y ┄┄ v     h is the other end of w's path: link w–h, and the path may be opened beside any of its
-//!                             triangles, so also at v, where the end y of another path is joined to it
-//!   lead   p ─ ─ a┃x ─ ─ q    cut a–x ahead of p on the way to q, walk with a, x and p until two of them join: the third is p
-//!                             now. Where it is nearer to q, or not much farther, go on; else undo
+//!   rotation walk  w ┄┄ v ━━ x        link w–v, cut v–x: x is the new end. One path stays one path (v inside w's own path, x on the
+//!                                     side of w: a rotation), or two paths stay two (v inside another one, x on either side)
+//!   join           w ┄┄ y             y is an end of another path: one path fewer
+//!   close          w ┄┄ h, y ┄┄ v     h is the other end of w's path: link w–h. The closed path may be opened beside any of its
+//!                                     triangles, so also at v, where the end y of another path is joined to it
+//!   guided walk    p ─ ─ a┃x ─ ─ q    cut a–x ahead of p on the way to q, walk from a, x and p until two of them join: the third is
+//!                                     the new p. Continue if it is nearer to q, or not much farther; otherwise undo
 //! ```
 //! # Algorithm
-//! The tunnels of Stewart (2001) and of Porcu and Scateni, taken as rotations of Pósa (1976): at an end w a link is made, which asks
-//! for a cut, which makes a new end, and so on. Every state on the way is a cover of paths, so that no loop can arise, and a walk
-//! may be as long as one likes. Each component is worked on by itself, from the cover of `sequential`, until it meets its lower bound
-//! or the steps of the effort are done.
+//! The tunnels of Stewart (2001) and of Porcu and Scateni, done as rotations of Pósa (1976): a new link at an end w requires a
+//! cut, which makes a new end, and so on. Every intermediate state is a path cover, so that no cycle can arise, and a walk
+//! may have any length. Each component is searched separately, from the cover of `sequential`, until it reaches its lower bound
+//! or the steps of the effort are used up.
 //!
-//! 1. *Tunnel* (see [`super::eta`]): the long tunnels of `eta` make most of the joins in components that are not large, and are
-//!    better than walks at ends that are stuck at a boundary.
-//! 2. *Walk* from random ends. In a triangle of three neighbours the way on is mostly forced; where it leads into another path, the
-//!    side of the cut is drawn by lot. While there are many ends, two soon meet.
-//! 3. *Close* paths while there are few of them: their ends meet as often as those of different paths do, and it is all the same
-//!    where a closed path is opened.
-//! 4. *Lead* when there was no join for a while. The orbits of the last few ends are often short, so that they never meet. A cut
-//!    makes two more ends, which soon join again, but not in the way that they were joined; so an end moves
-//!    ahead on the shortest way to another one. That takes a few dozen cuts, each undone unless it leads nearer.
+//! 1. *Tunnels* (see [`super::eta`]): the long tunnels of `eta` make most of the joins in components that are not large, and
+//!    work better than walks for ends at a boundary, where walks get stuck.
+//! 2. *Rotation walks* from random ends. In a triangle of three neighbours the next step is mostly forced; where it enters another
+//!    path, the side of the cut is chosen at random. While there are many ends, two of them meet soon.
+//! 3. *Close* paths while there are few of them: the two ends of one path meet as often as those of different paths, and a closed path
+//!    may be opened anywhere.
+//! 4. *Guided walks* after some time without a join. The orbits of the last few ends are often short, so that they never meet. A
+//!    cut makes two more ends, which soon join again, but in a different way; so an end advances along the shortest way to
+//!    another one. That takes a few dozen cuts, each undone unless it leads nearer.
 //!
-//! The module `strands` makes a step take about 0.3 µs, whatever the length of the paths.
+//! With [`SegmentedPaths`] a step takes about 0.3 µs, whatever the length of the paths.
 //!
 //! # References
 //! Stewart: *Tunneling for Triangle Strips in Continuous Level-of-Detail Meshes*, 2001; Porcu, Scateni: *Partitioning Meshes
 //! into Strips using the Enhanced Tunnelling Algorithm (ETA)*, 2006; Pósa: *Hamiltonian circuits in random graphs*, 1976.
 //!
 //! # Complexity
-//! A step takes O(√(n / paths)). 40 bytes a triangle beyond the cover, and 21 more for the components that are worked on, where there
+//! A step takes O(√(n / paths)). 40 bytes per triangle beyond the cover, and 21 more for the components that are searched, if there
 //! are several.
 
 mod components;
-mod field;
-mod strands;
+mod distance_map;
+mod segmented_paths;
 #[cfg(test)]
 mod tests;
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 
-use super::bound::least_strips;
-use super::{Effort, EtaOptions, Progress, StripPlan, Watch, eta, sequential};
+use super::bound::strip_lower_bounds;
+use super::options::{EtaOptions, StripifyOptions};
+use super::plan::StripPlan;
+use super::watch::{Progress, Watch};
+use super::{eta, sequential};
 use crate::cover::PathCover;
+use crate::dual::DualGraph;
+use crate::effort::Effort;
 use crate::prepare::PreparedFaces;
 use crate::random::Random;
-use crate::{DualGraph, stripify::fewest::components::Component};
-use field::Field;
-use strands::{Step, Strands};
+use components::UnfinishedComponent;
+use distance_map::DistanceMap;
+use segmented_paths::{SegmentedPaths, WalkStep};
 
-/// After so many steps without a join an end is led to another. Tuned, as all below, on horse, armadillo, buddha and david: 60 and
+/// Steps without a join after which a guided walk begins. Tuned, as all below, on horse, armadillo, buddha and david: 60 and
 /// 1000 take half as long again.
 const PATIENCE: u64 = 300;
-/// How far ahead an end is led at once, in triangles.
+/// Most triangles that a guided end advances at once.
 const LEAP: usize = 8;
-/// Cuts that may bring an end no nearer than it was before, until it is let go.
+/// Cuts without getting nearer after which a guided walk ends.
 const ATTEMPTS: usize = 60;
-/// By how much an end may fall back, in triangles.
+/// Most triangles that a guided end may fall back.
 const SLACK: u32 = 6;
-/// After a cut each of the three ends has a turn of at most so many steps.
+/// Most steps of each of the three ends after a cut.
 const TURN_STEPS: usize = 16;
-/// An end is led to one of so many nearest.
+/// Number of nearest ends from which the goal of a guided walk is chosen.
 const NEAREST: usize = 3;
-/// Paths are closed only while there are so few, since the ends of all are looked at.
+/// Paths are closed only while there are at most this many, since the ends of all are examined.
 const CLOSING_LIMIT: usize = 64;
-/// Paths are numbered anew when so many of them are touched,
+/// Paths are renumbered when this many of them are touched,
 const TOUCHED_LIMIT: usize = 16;
-/// or when they are cut to so many segments for each root of the triangles of a path on average, at least and at most:
+/// or when the number of segments exceeds this multiple of the root of the mean path length, within these limits:
 const SEGMENTS_PER_ROOT: usize = 4;
 const SEGMENT_LIMITS: (usize, usize) = (32, 4096);
-/// Triangles that count as a step when distances are found.
+/// Triangles reached by a distance map that count as one step.
 const REACHED_PER_STEP: u64 = 64;
 
 /// Accesses to triangles in tunnels that take about as long as a step of a walk.
 const ACCESSES_PER_STEP: u64 = 64;
-/// Components of at most so many triangles are tunnelled first. In larger ones tunnels take longer than walks for the same.
+/// Tunnels are tried first in components of at most this many triangles. In larger ones they take longer than walks for the same result.
 const TUNNEL_LIMIT: usize = 1 << 18;
-/// Steps for each four triangles of a component at effort 0; each level doubles them.
+/// Steps per four triangles of a component at effort 0; each level doubles them.
 const STEPS_PER_FOUR_TRIANGLES: u64 = 5;
-/// Steps that even the smallest component gets.
+/// Steps of even the smallest component.
 const LEAST_STEPS: u64 = 10_000;
 
+/// Chooses a cover of as few paths as the effort finds.
 pub(super) fn plan<'a>(
-    surface: &'a PreparedFaces<'_>,
+    prepared: &'a PreparedFaces<'_>,
     graph: &'a DualGraph,
-    effort: Effort,
-    seed: u64,
+    options: &StripifyOptions,
     watch: &dyn Watch,
 ) -> StripPlan<'a> {
-    let StripPlan { triangulation, mut cover, .. } = sequential::plan(surface, graph);
-    let floors = least_strips(triangulation.graph());
-    reduce(triangulation.graph(), &mut cover, &floors, effort, seed, watch);
+    let StripPlan { triangulation, mut cover, .. } = sequential::plan(prepared, graph);
+    let lower_bounds = strip_lower_bounds(triangulation.graph());
+    let (effort, seed) = (options.effort(), options.seed());
+    reduce_paths(triangulation.graph(), &mut cover, &lower_bounds, effort, seed, watch);
     StripPlan::new(triangulation, cover)
 }
 
-/// Joins paths until no component has more than its floor, or the effort is spent.
-fn reduce(
+/// Joins paths until each component meets its lower bound, or the effort is used up.
+fn reduce_paths(
     graph: &DualGraph,
     cover: &mut PathCover,
-    floors: &[usize],
+    lower_bounds: &[usize],
     effort: Effort,
     seed: u64,
     watch: &dyn Watch,
 ) {
-    let mut components = components::unfinished(graph, cover, floors);
-    let budget = |triangle_count: usize| {
-        LEAST_STEPS + ((STEPS_PER_FOUR_TRIANGLES * triangle_count as u64) << effort.level()) / 4
-    };
-    let tally = Tally {
-        watch,
-        steps: AtomicU64::new(0),
-        step_limit: components.iter().map(|c| budget(c.triangle_count())).sum(),
-        strips: AtomicUsize::new(cover.path_count()),
-        stopped: AtomicBool::new(false),
-    };
-    let search = |component: &mut Component| {
-        let (first, floor) = (u64::from(component.first_triangle()), component.floor());
-        let mut budget = budget(component.triangle_count());
-        let (graph, cover) = component.parts();
-        if cover.len() <= TUNNEL_LIMIT {
-            let told = Mutex::new((0, cover.path_count()));
-            let watch = TunnelWatch { floor, budget, tally: &tally, told };
-            eta::join(graph, cover, EtaOptions::default(), seed, &watch);
-            budget -= watch.tell(None, cover.path_count()).0.min(budget);
-        }
-        Search::new(graph.twins(), cover, Random::new(seed ^ first << 32)).run(floor, budget, &tally);
-    };
+    let mut components = components::unfinished(graph, cover, lower_bounds);
+    let step_limit = components.iter().map(|c| step_budget(c.triangle_count(), effort)).sum();
+    let shared = SharedProgress::new(watch, step_limit, cover.path_count());
+    let search = |component: &mut UnfinishedComponent| search_component(component, effort, seed, &shared);
     #[cfg(feature = "rayon")]
     {
         use rayon::prelude::*;
@@ -139,12 +126,36 @@ fn reduce(
     #[cfg(not(feature = "rayon"))]
     components.iter_mut().for_each(search);
     for component in components {
-        component.put_back(graph, cover);
+        component.write_back(graph, cover);
     }
 }
 
-/// What all components together have reached.
-struct Tally<'a> {
+/// Returns the steps of a component.
+fn step_budget(triangle_count: usize, effort: Effort) -> u64 {
+    LEAST_STEPS + ((STEPS_PER_FOUR_TRIANGLES * triangle_count as u64) << effort.level()) / 4
+}
+
+/// Searches one component: tunnels first, then walks.
+fn search_component(
+    component: &mut UnfinishedComponent,
+    effort: Effort,
+    seed: u64,
+    shared: &SharedProgress<'_>,
+) {
+    let (first, lower_bound) = (u64::from(component.first_triangle()), component.lower_bound());
+    let mut budget = step_budget(component.triangle_count(), effort);
+    let (graph, cover) = component.graph_and_cover();
+    if cover.len() <= TUNNEL_LIMIT {
+        let reported = Mutex::new((0, cover.path_count()));
+        let watch = TunnelWatch { lower_bound, budget, shared, reported };
+        eta::join(graph, cover, EtaOptions::default(), seed, &watch);
+        budget -= watch.report(None, cover.path_count()).0.min(budget);
+    }
+    FewestSearch::new(graph, cover, Random::new(seed ^ first << 32)).run(lower_bound, budget, shared);
+}
+
+/// The progress of all components together.
+struct SharedProgress<'a> {
     watch: &'a dyn Watch,
     steps: AtomicU64,
     step_limit: u64,
@@ -152,8 +163,18 @@ struct Tally<'a> {
     stopped: AtomicBool,
 }
 
-impl Tally<'_> {
-    /// Adds steps and joins, and tells whether the search shall go on.
+impl<'a> SharedProgress<'a> {
+    fn new(watch: &'a dyn Watch, step_limit: u64, strip_count: usize) -> Self {
+        Self {
+            watch,
+            steps: AtomicU64::new(0),
+            step_limit,
+            strips: AtomicUsize::new(strip_count),
+            stopped: AtomicBool::new(false),
+        }
+    }
+
+    /// Adds steps and joins, and returns whether the search shall continue.
     fn go_on(&self, steps: u64, joins: usize) -> bool {
         let strips = self.strips.fetch_sub(joins, Ordering::Relaxed) - joins;
         let steps = self.steps.fetch_add(steps, Ordering::Relaxed) + steps;
@@ -165,181 +186,178 @@ impl Tally<'_> {
     }
 }
 
-/// Watches tunnelling in one component, which shall end at the floor, or when the budget is spent.
+/// Watches tunnelling in one component, which ends at the lower bound or when the budget is used up.
 struct TunnelWatch<'a> {
-    floor: usize,
+    lower_bound: usize,
     budget: u64,
-    tally: &'a Tally<'a>,
-    /// Steps and paths when the tally was told last.
-    told: Mutex<(u64, usize)>,
+    shared: &'a SharedProgress<'a>,
+    /// Steps and paths at the last report to `shared`.
+    reported: Mutex<(u64, usize)>,
 }
 
 impl TunnelWatch<'_> {
-    /// Tells the tally what there is since last time. Gives the steps so far, and whether the search shall go on.
-    fn tell(&self, steps: Option<u64>, path_count: usize) -> (u64, bool) {
-        let Ok(mut told) = self.told.lock() else { return (0, false) };
-        let steps = steps.unwrap_or(told.0);
-        let goes_on = self.tally.go_on(steps - told.0, told.1.saturating_sub(path_count));
-        *told = (steps, path_count);
+    /// Reports what was done since the last report. Returns the steps so far, and whether the search shall continue.
+    fn report(&self, steps: Option<u64>, path_count: usize) -> (u64, bool) {
+        let Ok(mut reported) = self.reported.lock() else { return (0, false) };
+        let steps = steps.unwrap_or(reported.0);
+        let goes_on = self.shared.go_on(steps - reported.0, reported.1.saturating_sub(path_count));
+        *reported = (steps, path_count);
         (steps, goes_on)
     }
 }
 
 impl Watch for TunnelWatch<'_> {
     fn go_on(&self, progress: Progress) -> bool {
-        let (steps, goes_on) = self.tell(Some(progress.steps / ACCESSES_PER_STEP), progress.strips);
-        goes_on && progress.strips > self.floor && steps < self.budget
+        let (steps, goes_on) = self.report(Some(progress.steps / ACCESSES_PER_STEP), progress.strips);
+        goes_on && progress.strips > self.lower_bound && steps < self.budget
     }
 }
 
-/// The search in one component.
-struct Search<'a> {
-    strands: Strands<'a>,
-    field: Field<'a>,
+/// The walks in one component.
+struct FewestSearch<'a> {
+    paths: SegmentedPaths<'a>,
+    distances: DistanceMap<'a>,
     random: Random,
     triangle_count: usize,
     steps: u64,
-    /// The step of the last join, or of the last time that an end was led.
+    /// The step of the last join or guided walk.
     last_join: u64,
 }
 
-impl<'a> Search<'a> {
-    fn new(twins: &'a [u32], cover: &'a mut PathCover, random: Random) -> Self {
+impl<'a> FewestSearch<'a> {
+    fn new(graph: &'a DualGraph, cover: &'a mut PathCover, random: Random) -> Self {
         Self {
             triangle_count: cover.len(),
-            strands: Strands::new(twins, cover),
-            field: Field::new(twins),
+            paths: SegmentedPaths::new(graph, cover),
+            distances: DistanceMap::new(graph),
             random,
             steps: 0,
             last_join: 0,
         }
     }
 
-    /// Searches until there are no more than `floor` paths, or for about `budget` steps.
-    fn run(&mut self, floor: usize, budget: u64, tally: &Tally<'_>) {
-        let mut told = (self.steps, self.strands.path_count());
-        while self.strands.path_count() > floor && self.steps < budget {
-            self.round(floor, budget);
-            self.strands.settle();
-            let now = (self.steps, self.strands.path_count());
-            if !tally.go_on(now.0 - told.0, told.1 - now.1) {
+    /// Searches until there are at most `lower_bound` paths, or for about `budget` steps.
+    fn run(&mut self, lower_bound: usize, budget: u64, shared: &SharedProgress<'_>) {
+        let mut reported = (self.steps, self.paths.path_count());
+        while self.paths.path_count() > lower_bound && self.steps < budget {
+            self.round(lower_bound, budget);
+            self.paths.renumber_touched();
+            let now = (self.steps, self.paths.path_count());
+            if !shared.go_on(now.0 - reported.0, reported.1 - now.1) {
                 return;
             }
-            told = now;
+            reported = now;
         }
     }
 
-    /// Searches until it is time to number the paths anew.
-    fn round(&mut self, floor: usize, budget: u64) {
-        let mean = self.triangle_count / self.strands.path_count();
+    /// Searches until the paths have to be renumbered.
+    fn round(&mut self, lower_bound: usize, budget: u64) {
+        let mean = self.triangle_count / self.paths.path_count();
         let segment_limit = (SEGMENTS_PER_ROOT * mean.isqrt()).clamp(SEGMENT_LIMITS.0, SEGMENT_LIMITS.1);
         let walk_limit = (4 * mean).clamp(16, 1024);
         // Ends that are stuck make steps, but no segments.
         let step_limit = budget.min(self.steps + 8 * segment_limit as u64);
-        while self.strands.path_count() > floor
+        while self.paths.path_count() > lower_bound
             && self.steps < step_limit
-            && self.strands.segment_count() < segment_limit
-            && self.strands.touched_count() < TOUCHED_LIMIT
+            && self.paths.segment_count() < segment_limit
+            && self.paths.touched_count() < TOUCHED_LIMIT
         {
             if self.steps - self.last_join > PATIENCE {
-                self.lead(2 * segment_limit);
+                self.guided_walk(2 * segment_limit);
                 self.last_join = self.steps;
             } else {
-                self.walk(walk_limit);
+                self.rotation_walk(walk_limit);
             }
         }
     }
 
-    /// Walks from a random end until it joins another.
-    fn walk(&mut self, limit: usize) {
-        let mut walker = self.strands.random_end(&mut self.random);
+    /// Walks from a random end until it joins another, for at most `limit` steps.
+    fn rotation_walk(&mut self, limit: usize) {
+        let mut end = self.paths.random_end(&mut self.random);
         for _ in 0..limit {
             self.steps += 1;
-            match self.strands.step(walker, CLOSING_LIMIT, &mut self.random) {
-                Step::Joined => {
+            match self.paths.step(end, CLOSING_LIMIT, &mut self.random) {
+                WalkStep::Joined => {
                     self.last_join = self.steps;
                     return;
                 }
-                Step::Moved(moved) => walker = moved,
-                Step::Stuck => return,
+                WalkStep::Moved(moved) => end = moved,
+                WalkStep::Stuck => return,
             }
         }
     }
 
-    /// Leads a random end to one nearby, as long as it comes nearer.
-    fn lead(&mut self, segment_limit: usize) {
-        let walker = self.strands.random_end(&mut self.random);
-        let (mut end, _) = self.strands.end(walker);
-        if !self.set_goal(end) {
-            return;
-        }
-        let path_count = self.strands.path_count();
+    /// Guides a random end to one nearby, as long as it gets nearer.
+    fn guided_walk(&mut self, segment_limit: usize) {
+        let end = self.paths.random_end(&mut self.random);
+        let (mut end, _) = self.paths.triangle_and_back(end);
+        let Some(mut distance) = self.set_goal(end) else { return };
+        let path_count = self.paths.path_count();
         let mut failures = 0;
-        let mut nearest = self.field.distance(end);
-        self.strands.save();
+        let mut nearest = distance;
+        self.paths.save();
         while failures < ATTEMPTS
-            && self.strands.segment_count() < segment_limit
-            && self.strands.touched_count() < 2 * TOUCHED_LIMIT
+            && self.paths.segment_count() < segment_limit
+            && self.paths.touched_count() < 2 * TOUCHED_LIMIT
         {
-            let ends = self.shift(end);
-            if self.strands.path_count() < path_count {
+            let ends = self.guided_step(end);
+            if self.paths.path_count() < path_count {
                 return;
             }
             failures += 1;
-            let limit = self.field.distance(end) + SLACK;
-            let left = ends.into_iter().flatten().filter(|&e| self.strands.is_end(e));
-            match left.min_by_key(|&e| self.field.distance(e)) {
-                Some(e) if self.field.distance(e) <= limit => {
-                    if self.field.distance(e) < nearest {
-                        nearest = self.field.distance(e);
+            let left = ends.into_iter().flatten().filter(|&e| self.paths.is_end(e));
+            let known = left.filter_map(|e| Some((self.distances.distance(e)?, e)));
+            match known.min_by_key(|&(distance, _)| distance) {
+                Some((new_distance, new_end)) if new_distance <= distance + SLACK => {
+                    if new_distance < nearest {
+                        nearest = new_distance;
                         failures = 0;
                     }
-                    end = e;
-                    self.strands.save();
+                    (distance, end) = (new_distance, new_end);
+                    self.paths.save();
                 }
-                _ => self.strands.restore(),
+                _ => self.paths.restore(),
             }
         }
     }
 
-    /// Finds the distances to one of the ends nearest to this one; `false` where there is none.
-    fn set_goal(&mut self, end: u32) -> bool {
+    /// Computes the distances to one of the ends nearest to this one. Returns the distance of this end; `None` if there is no other.
+    fn set_goal(&mut self, end: u32) -> Option<u32> {
         let mut ends_left = 1 + self.random.below(NEAREST);
-        let strands = &self.strands;
-        let goal = self.field.spread(end, |t| {
-            ends_left -= usize::from(strands.is_end(t));
+        let paths = &self.paths;
+        let goal = self.distances.search_from(end, |t| {
+            ends_left -= usize::from(paths.is_end(t));
             ends_left == 0
         });
-        self.steps += 1 + self.field.reached_count() as u64 / REACHED_PER_STEP;
-        let Some(goal) = goal else { return false };
-        self.field.spread(goal, |t| t == end);
-        self.steps += self.field.reached_count() as u64 / REACHED_PER_STEP;
-        true
+        self.steps += 1 + self.distances.reached_count() as u64 / REACHED_PER_STEP;
+        self.distances.search_from(goal?, |t| t == end);
+        self.steps += self.distances.reached_count() as u64 / REACHED_PER_STEP;
+        self.distances.distance(end)
     }
 
-    /// Cuts a path ahead of an end, on the way to the goal, and walks from the three ends until two are joined. Gives the three, two
-    /// of which are no ends any more, or `None` where none met.
-    fn shift(&mut self, end: u32) -> Option<[u32; 3]> {
+    /// Cuts a path ahead of an end, on the way to the goal, and walks from the three ends until two are joined. Returns the three, two
+    /// of which are no ends any more, or `None` if none met.
+    fn guided_step(&mut self, end: u32) -> Option<[u32; 3]> {
         self.steps += 1;
         let leap = 1 + self.random.below(LEAP);
-        let ahead = self.field.toward(end, leap, &mut self.random);
-        let cut = self.strands.cut_behind(ahead)?;
-        let twin = self.strands.twin(cut);
-        // The two must not be joined again as they were.
+        let ahead = self.distances.toward_goal(end, leap, &mut self.random);
+        let cut = self.paths.cut_after(ahead)?;
+        let twin = self.paths.twin(cut);
+        // The two must not be joined again in the same way.
         let mut ends = [(cut / 3, Some(cut)), (twin / 3, Some(twin)), (end, None)];
         let first = self.random.below(ends.len());
         for turn in (first..first + ends.len()).map(|turn| turn % 3) {
             let (t, back) = ends[turn];
-            let Some(mut walker) = self.strands.walker(t, back) else { continue };
+            let Some(mut walk_end) = self.paths.walk_end(t, back) else { continue };
             for _ in 0..=self.random.below(TURN_STEPS) {
                 self.steps += 1;
-                match self.strands.step(walker, CLOSING_LIMIT, &mut self.random) {
-                    Step::Joined => return Some(ends.map(|(t, _)| t)),
-                    Step::Moved(moved) => walker = moved,
-                    Step::Stuck => break,
+                match self.paths.step(walk_end, CLOSING_LIMIT, &mut self.random) {
+                    WalkStep::Joined => return Some(ends.map(|(t, _)| t)),
+                    WalkStep::Moved(moved) => walk_end = moved,
+                    WalkStep::Stuck => break,
                 }
             }
-            ends[turn] = self.strands.end(walker);
+            ends[turn] = self.paths.triangle_and_back(walk_end);
         }
         None
     }

@@ -1,87 +1,81 @@
-//! The components of a dual graph that are not done, each with a graph and a cover of its own, so that they can be worked on one
-//! beside the other.
+//! The components of a dual graph that are above their lower bound, each with a graph and a cover of its own, so that they can be
+//! searched in parallel.
 
 use crate::cover::PathCover;
+use crate::csr::Csr;
 use crate::dual::DualGraph;
 use crate::ids::{FaceId, HalfEdge};
 
-const NONE: u32 = u32::MAX;
-
 /// A component whose triangles are numbered from 0, in the order of their numbers in the whole graph.
 #[derive(Debug)]
-pub(super) struct Component {
+pub(super) struct UnfinishedComponent {
     triangles: Vec<u32>,
     graph: DualGraph,
     cover: PathCover,
-    floor: usize,
+    lower_bound: usize,
 }
 
-/// Lists the components that have more paths than their floor; `floors` stand in the order of [`DualGraph::components`].
-pub(super) fn unfinished(graph: &DualGraph, cover: &PathCover, floors: &[usize]) -> Vec<Component> {
+/// Lists the components that have more paths than their lower bound; `lower_bounds` are in the order of [`DualGraph::components`].
+pub(super) fn unfinished(
+    graph: &DualGraph,
+    cover: &PathCover,
+    lower_bounds: &[usize],
+) -> Vec<UnfinishedComponent> {
     let (component_of, count) = graph.components();
-    let mut end_counts = vec![0; count];
-    for (t, &component) in (0..).zip(&component_of) {
-        end_counts[component as usize] += 2 - cover.degree(FaceId(t));
-    }
-    let unfinished: Vec<bool> =
-        end_counts.iter().zip(floors).map(|(&ends, &floor)| ends / 2 > floor).collect();
-    let mut triangles: Vec<Vec<u32>> = vec![Vec::new(); count];
+    let by_component = Csr::group(component_of.iter().copied(), count);
     // The number of each triangle within its component.
-    let mut number = vec![NONE; component_of.len()];
-    for (t, &component) in (0..).zip(&component_of) {
-        if unfinished[component as usize] {
-            let list = &mut triangles[component as usize];
-            number[t as usize] = list.len() as u32;
-            list.push(t);
-        }
-    }
-    let parts = triangles.into_iter().zip(floors).filter(|(triangles, _)| !triangles.is_empty());
-    parts.map(|(triangles, &floor)| Component::new(graph, cover, triangles, &number, floor)).collect()
+    let mut number = vec![0; component_of.len()];
+    by_component.rows().for_each(|row| row.iter().zip(0..).for_each(|(&t, n)| number[t as usize] = n));
+    let end_count = |row: &[u32]| row.iter().map(|&t| 2 - cover.degree(FaceId(t))).sum::<usize>();
+    let rows = by_component.rows().zip(lower_bounds);
+    rows.filter(|&(row, &lower_bound)| end_count(row) / 2 > lower_bound)
+        .map(|(row, &lower_bound)| UnfinishedComponent::new(graph, cover, row, &number, lower_bound))
+        .collect()
 }
 
-impl Component {
-    fn new(graph: &DualGraph, cover: &PathCover, triangles: Vec<u32>, number: &[u32], floor: usize) -> Self {
-        let mut twins = Vec::with_capacity(3 * triangles.len());
-        for &t in &triangles {
-            let around = &graph.twins()[3 * t as usize..3 * t as usize + 3];
-            twins.extend(around.iter().map(|&twin| match twin {
-                NONE => NONE,
-                twin => 3 * number[twin as usize / 3] + twin % 3,
-            }));
-        }
-        let mut own = PathCover::isolated(triangles.len());
-        for (n, &t) in (0..).zip(&triangles) {
+impl UnfinishedComponent {
+    fn new(
+        graph: &DualGraph,
+        cover: &PathCover,
+        triangles: &[u32],
+        number: &[u32],
+        lower_bound: usize,
+    ) -> Self {
+        let renumbered = |twin: u32| 3 * number[twin as usize / 3] + twin % 3;
+        let half_edges = triangles.iter().flat_map(|&t| 3 * t..3 * t + 3);
+        let twins = half_edges.map(|h| graph.twin_of(h).map_or(u32::MAX, renumbered)).collect();
+        let graph = DualGraph::from_triangle_twins(twins);
+        let mut own_cover = PathCover::isolated(triangles.len());
+        for (n, &t) in (0..).zip(triangles) {
             for half_edge in cover.edges(FaceId(t)).into_iter().flatten() {
-                let half_edge = 3 * n + half_edge.0 % 3;
-                if half_edge < twins[half_edge as usize] {
-                    own.link_unchecked(half_edge, twins[half_edge as usize]);
-                }
+                // Refused from the other side.
+                own_cover.link(&graph, HalfEdge(3 * n + half_edge.0 % 3));
             }
         }
-        Self { triangles, graph: DualGraph::from_triangle_twins(twins), cover: own, floor }
+        Self { triangles: triangles.to_vec(), graph, cover: own_cover, lower_bound }
     }
 
     pub(super) fn triangle_count(&self) -> usize {
         self.triangles.len()
     }
 
-    /// The first triangle in the whole graph: a name that does not depend on the other components.
+    /// Returns the first triangle in the whole graph, which identifies the component whatever the other components are.
     pub(super) fn first_triangle(&self) -> u32 {
         self.triangles[0]
     }
 
-    /// Fewer paths than this there cannot be.
-    pub(super) fn floor(&self) -> usize {
-        self.floor
+    /// Returns a number of paths that no cover is below.
+    pub(super) fn lower_bound(&self) -> usize {
+        self.lower_bound
     }
 
-    /// The component's own graph and its cover.
-    pub(super) fn parts(&mut self) -> (&DualGraph, &mut PathCover) {
+    /// Returns the component's own graph and cover.
+    pub(super) fn graph_and_cover(&mut self) -> (&DualGraph, &mut PathCover) {
         (&self.graph, &mut self.cover)
     }
 
-    /// Puts the component's links in the place of those that the whole graph's cover has there.
-    pub(super) fn put_back(&self, graph: &DualGraph, cover: &mut PathCover) {
+    /// Replaces the links of the component's triangles in the cover of the whole graph by its own.
+    pub(super) fn write_back(&self, graph: &DualGraph, cover: &mut PathCover) {
         for &t in &self.triangles {
             for half_edge in cover.edges(FaceId(t)).into_iter().flatten() {
                 cover.cut(graph, half_edge);
@@ -89,7 +83,7 @@ impl Component {
         }
         for (n, &t) in (0..).zip(&self.triangles) {
             for half_edge in self.cover.edges(FaceId(n)).into_iter().flatten() {
-                // From the other side it is refused.
+                // Refused from the other side.
                 cover.link(graph, HalfEdge(3 * t + half_edge.0 % 3));
             }
         }

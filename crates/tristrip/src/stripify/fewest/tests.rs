@@ -1,4 +1,7 @@
+//! The search over whole meshes. Where a heuristic has to find the optimum, the inputs are the same in every run.
+
 use proptest::prelude::*;
+use proptest::test_runner::{RngAlgorithm, TestCaseResult, TestRng, TestRunner};
 
 use super::*;
 use crate::ids::HalfEdge;
@@ -7,7 +10,7 @@ use crate::stripify::bound::Bound;
 use crate::stripify::sequential::tests::{mesh, polygons};
 use crate::verify::verify;
 
-/// Stops after so many calls.
+/// Stops a search after a number of calls.
 struct Calls(AtomicU64, u64);
 
 impl Watch for Calls {
@@ -20,7 +23,24 @@ fn effort(level: u8) -> Effort {
     Effort::new(level).unwrap()
 }
 
-/// A closed lattice of triangles: every triangle has three neighbours.
+fn options(level: u8, seed: u64) -> StripifyOptions {
+    StripifyOptions::default().with_effort(effort(level)).with_seed(seed)
+}
+
+/// Runs a test on inputs that are the same in every run.
+fn for_fixed_inputs<S: Strategy>(strategy: &S, test: impl Fn(S::Value) -> TestCaseResult) {
+    let config = ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() };
+    let mut runner = TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha));
+    runner.run(strategy, test).unwrap();
+}
+
+/// Returns the dual graph of at most 13 triangles.
+fn small_graph(triangles: &[Vec<u32>]) -> DualGraph {
+    let mesh = mesh(&triangles[..triangles.len().min(13)]);
+    DualGraph::new(PreparedFaces::new(&mesh, false).faces())
+}
+
+/// Builds a closed lattice of triangles: every triangle has three neighbours.
 fn torus(around: u32, through: u32) -> Mesh {
     let v = |x: u32, y: u32| y % through * around + x % around;
     let corners = (0..through).flat_map(|y| (0..around).map(move |x| (x, y))).flat_map(|(x, y)| {
@@ -33,19 +53,13 @@ fn torus(around: u32, through: u32) -> Mesh {
 
 /// Searches by walks alone, without tunnels.
 fn walk(graph: &DualGraph, cover: &mut PathCover, seed: u64, budget: u64) {
-    let tally = Tally {
-        watch: &(),
-        steps: AtomicU64::new(0),
-        step_limit: budget,
-        strips: AtomicUsize::new(cover.path_count()),
-        stopped: AtomicBool::new(false),
-    };
-    Search::new(graph.twins(), cover, Random::new(seed)).run(1, budget, &tally);
-    assert_eq!(tally.strips.into_inner(), cover.path_count());
+    let shared = SharedProgress::new(&(), budget, cover.path_count());
+    FewestSearch::new(graph, cover, Random::new(seed)).run(1, budget, &shared);
+    assert_eq!(shared.strips.into_inner(), cover.path_count());
 }
 
-/// Finds the least number of paths by trying all covers.
-fn fewest_by_force(graph: &DualGraph) -> usize {
+/// Returns the least number of paths, by trying all covers.
+fn fewest_by_brute_force(graph: &DualGraph) -> usize {
     fn go(graph: &DualGraph, cover: &mut PathCover, arcs: &[HalfEdge], least: &mut usize) {
         *least = (*least).min(cover.path_count());
         if let [arc, rest @ ..] = arcs
@@ -73,52 +87,53 @@ proptest! {
     #[test]
     fn covers_and_proves(polygons in polygons(false, 1..6), seed: u64) {
         let mesh = mesh(&polygons);
-        let surface = PreparedFaces::new(&mesh, false);
-        let graph = DualGraph::new(surface.faces());
-        let before = sequential::plan(&surface, &graph).cover.path_count();
-        let found = plan(&surface, &graph, effort(0), seed, &());
+        let prepared = PreparedFaces::new(&mesh, false);
+        let graph = DualGraph::new(prepared.faces());
+        let before = sequential::plan(&prepared, &graph).cover.path_count();
+        let found = plan(&prepared, &graph, &options(0, seed), &());
         let graph_of_triangles = found.triangulation.graph();
         prop_assert_eq!(found.cover.check(graph_of_triangles), Ok(()));
         prop_assert!(found.cover.path_count() <= before);
         prop_assert!(found.cover.path_count() >= Bound::of_triangulation(&found.triangulation).strips);
         prop_assert!(verify(&mesh, &found.strips()).is_ok());
-        let again = plan(&surface, &graph, effort(0), seed, &());
+        let again = plan(&prepared, &graph, &options(0, seed), &());
         prop_assert_eq!(found.cover, again.cover);
     }
+}
 
-    #[test]
-    fn finds_the_fewest_on_small_graphs(polygons in polygons(true, 1..4)) {
-        let few = &polygons[..polygons.len().min(13)];
-        let mesh = mesh(few);
-        let surface = PreparedFaces::new(&mesh, false);
-        let graph = DualGraph::new(surface.faces());
-        let count = graph.components().1;
+#[test]
+fn finds_the_fewest_on_small_graphs() {
+    for_fixed_inputs(&polygons(true, 1..4), |triangles| {
+        let graph = small_graph(&triangles);
         let mut cover = PathCover::isolated(graph.face_count());
-        reduce(&graph, &mut cover, &vec![1; count], effort(3), 1, &());
+        let lower_bounds = vec![1; graph.components().1];
+        reduce_paths(&graph, &mut cover, &lower_bounds, effort(3), 1, &());
         prop_assert_eq!(cover.check(&graph), Ok(()));
-        prop_assert_eq!(cover.path_count(), fewest_by_force(&graph));
-    }
+        prop_assert_eq!(cover.path_count(), fewest_by_brute_force(&graph));
+        Ok(())
+    });
+}
 
-    #[test]
-    fn walks_find_the_fewest_on_small_connected_graphs(polygons in polygons(true, 1..2), seed: u64) {
-        let mesh = mesh(&polygons[..polygons.len().min(13)]);
-        let surface = PreparedFaces::new(&mesh, false);
-        let graph = DualGraph::new(surface.faces());
+#[test]
+fn walks_find_the_fewest_on_small_connected_graphs() {
+    for_fixed_inputs(&(polygons(true, 1..2), any::<u64>()), |(triangles, seed)| {
+        let graph = small_graph(&triangles);
         let mut cover = PathCover::isolated(graph.face_count());
         walk(&graph, &mut cover, seed, 30_000);
         prop_assert_eq!(cover.check(&graph), Ok(()));
-        prop_assert_eq!(cover.path_count(), fewest_by_force(&graph));
-    }
+        prop_assert_eq!(cover.path_count(), fewest_by_brute_force(&graph));
+        Ok(())
+    });
 }
 
 #[test]
 fn covers_closed_lattices_by_one_path() {
     for (around, through) in [(3, 5), (16, 16), (40, 50)] {
         let mesh = torus(around, through);
-        let surface = PreparedFaces::new(&mesh, false);
-        let graph = DualGraph::new(surface.faces());
+        let prepared = PreparedFaces::new(&mesh, false);
+        let graph = DualGraph::new(prepared.faces());
         let mut cover = PathCover::isolated(graph.face_count());
-        reduce(&graph, &mut cover, &[1], effort(5), 1, &());
+        reduce_paths(&graph, &mut cover, &[1], effort(5), 1, &());
         assert_eq!(cover.check(&graph), Ok(()));
         assert_eq!(cover.path_count(), 1, "{around} x {through}");
         let mut cover = PathCover::isolated(graph.face_count());
@@ -129,25 +144,26 @@ fn covers_closed_lattices_by_one_path() {
 }
 
 #[test]
-fn does_not_touch_components_at_their_floor() {
+fn does_not_touch_components_at_their_lower_bound() {
     let mesh = torus(10, 10);
-    let surface = PreparedFaces::new(&mesh, false);
-    let graph = DualGraph::new(surface.faces());
-    let start = sequential::plan(&surface, &graph).cover;
+    let prepared = PreparedFaces::new(&mesh, false);
+    let graph = DualGraph::new(prepared.faces());
+    let start = sequential::plan(&prepared, &graph).cover;
+    assert!(start.path_count() > 1, "there is something to join");
     let mut cover = start.clone();
-    reduce(&graph, &mut cover, &[start.path_count()], effort(5), 1, &());
+    reduce_paths(&graph, &mut cover, &[start.path_count()], effort(5), 1, &());
     assert_eq!(cover, start);
 }
 
 #[test]
-fn stops_with_a_whole_cover_when_told_to() {
+fn stops_with_a_valid_cover_on_request() {
     let mesh = torus(60, 60);
-    let surface = PreparedFaces::new(&mesh, false);
-    let graph = DualGraph::new(surface.faces());
+    let prepared = PreparedFaces::new(&mesh, false);
+    let graph = DualGraph::new(prepared.faces());
     let mut counts = Vec::new();
     for calls in [0, 3, 1_000_000] {
         let mut cover = PathCover::isolated(graph.face_count());
-        reduce(&graph, &mut cover, &[1], effort(5), 1, &Calls(AtomicU64::new(0), calls));
+        reduce_paths(&graph, &mut cover, &[1], effort(5), 1, &Calls(AtomicU64::new(0), calls));
         assert_eq!(cover.check(&graph), Ok(()));
         counts.push(cover.path_count());
     }
@@ -156,7 +172,7 @@ fn stops_with_a_whole_cover_when_told_to() {
 }
 
 #[test]
-fn ends_when_the_effort_is_spent() {
+fn ends_when_the_effort_is_used_up() {
     struct Furthest(AtomicU64, AtomicU64);
     impl Watch for Furthest {
         fn go_on(&self, progress: Progress) -> bool {
@@ -170,8 +186,8 @@ fn ends_when_the_effort_is_spent() {
     let mut steps = Vec::new();
     for level in [0, 4] {
         let furthest = Furthest(AtomicU64::new(0), AtomicU64::new(0));
-        // No cover has no path, so that only the effort ends the search.
-        reduce(&graph, &mut PathCover::isolated(graph.face_count()), &[0], effort(level), 1, &furthest);
+        // No cover has zero paths, so that only the effort ends the search.
+        reduce_paths(&graph, &mut PathCover::isolated(graph.face_count()), &[0], effort(level), 1, &furthest);
         let (found, limit) = (furthest.0.into_inner(), furthest.1.into_inner());
         assert!(found <= limit + limit / 4, "{found} of {limit} steps at level {level}");
         steps.push(found);
@@ -180,8 +196,8 @@ fn ends_when_the_effort_is_spent() {
 }
 
 #[test]
-fn is_the_same_for_any_number_of_components_beside() {
-    // Two lattices in one mesh are covered as each of them alone, but for the seed, which the first triangle gives.
+fn another_component_does_not_change_the_cover() {
+    // The first of two lattices in one mesh is covered as it is alone.
     let one = torus(12, 9);
     let corners = one.faces().corners();
     let count = one.positions().len() as u32;
@@ -189,8 +205,8 @@ fn is_the_same_for_any_number_of_components_beside() {
     let cover_of = |corners: Vec<u32>| {
         let graph = DualGraph::new(&Faces::from_triangles(corners).unwrap());
         let mut cover = PathCover::isolated(graph.face_count());
-        let floors = vec![1; graph.components().1];
-        reduce(&graph, &mut cover, &floors, effort(5), 1, &());
+        let lower_bounds = vec![1; graph.components().1];
+        reduce_paths(&graph, &mut cover, &lower_bounds, effort(5), 1, &());
         assert_eq!(cover.check(&graph), Ok(()));
         cover
     };

@@ -1,8 +1,8 @@
-//! Places, segments and strands: what the paths are made of between two numberings.
+//! Positions on numbered paths, ranges of them, and paths as lists of ranges.
 
-/// Where a triangle stood when the paths were numbered.
+/// The position of a triangle at the last numbering.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Place {
+pub(super) struct PathPosition {
     pub(super) path: u32,
     pub(super) position: u32,
 }
@@ -17,21 +17,22 @@ pub(super) struct Segment {
 }
 
 impl Segment {
-    pub(super) fn turned(self) -> Self {
+    pub(super) fn reverse(self) -> Self {
         Self { reversed: !self.reversed, ..self }
     }
 
     #[inline]
-    pub(super) fn holds(&self, place: Place) -> bool {
-        self.path == place.path && self.low <= place.position && place.position <= self.high
+    pub(super) fn contains(&self, at: PathPosition) -> bool {
+        self.path == at.path && self.low <= at.position && at.position <= self.high
     }
 
+    /// Returns the last position in the segment's own direction.
     pub(super) fn last(&self) -> u32 {
         if self.reversed { self.low } else { self.high }
     }
 
-    /// Splits the segment behind a position, in its own direction; the second part is `None` behind its last position.
-    pub(super) fn split_behind(self, position: u32) -> (Self, Option<Self>) {
+    /// Splits the segment after a position, in its own direction. The second part is `None` if that is the last position.
+    pub(super) fn split_after(self, position: u32) -> (Self, Option<Self>) {
         if position == self.last() {
             (self, None)
         } else if self.reversed {
@@ -46,24 +47,29 @@ impl Segment {
     }
 }
 
-/// A path as it is now, from its head to its tail. No segments: it was joined to another.
+/// A path as it is now, from its head to its tail. It has no segments after it was joined to another path.
 #[derive(Debug, Clone, Default)]
-pub(super) struct Strand {
+pub(super) struct SegmentedPath {
     pub(super) segments: Vec<Segment>,
     pub(super) head: u32,
     pub(super) tail: u32,
 }
 
-impl Strand {
-    /// Becomes the same as another; its buffer is kept.
-    pub(super) fn copy(&mut self, other: &Self) {
+impl SegmentedPath {
+    /// Copies another path into this one and keeps the allocation.
+    pub(super) fn copy_from(&mut self, other: &Self) {
         self.segments.clone_from(&other.segments);
         (self.head, self.tail) = (other.head, other.tail);
     }
 
-    pub(super) fn turn(&mut self) {
-        self.segments.reverse();
-        self.segments.iter_mut().for_each(|s| *s = s.turned());
+    pub(super) fn reverse(&mut self) {
+        reverse_segments(&mut self.segments);
         std::mem::swap(&mut self.head, &mut self.tail);
     }
+}
+
+/// Reverses the direction of a sequence of segments.
+pub(super) fn reverse_segments(segments: &mut [Segment]) {
+    segments.reverse();
+    segments.iter_mut().for_each(|segment| *segment = segment.reverse());
 }
