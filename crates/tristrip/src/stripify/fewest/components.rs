@@ -48,8 +48,10 @@ impl UnfinishedComponent {
         let mut own_cover = PathCover::isolated(triangles.len());
         for (n, &t) in (0..).zip(triangles) {
             for half_edge in cover.edges(FaceId(t)).into_iter().flatten() {
-                // Refused from the other side.
-                own_cover.link(&graph, HalfEdge(3 * n + half_edge.0 % 3));
+                let half_edge = 3 * n + half_edge.0 % 3;
+                if let Some(twin) = graph.twin_of(half_edge).filter(|&twin| half_edge < twin) {
+                    own_cover.link_unchecked(half_edge, twin);
+                }
             }
         }
         Self { triangles: triangles.to_vec(), graph, cover: own_cover, lower_bound }

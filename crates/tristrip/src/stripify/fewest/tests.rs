@@ -28,7 +28,7 @@ fn options(level: u8, seed: u64) -> StripifyOptions {
 }
 
 /// Runs a test on inputs that are the same in every run.
-fn for_fixed_inputs<S: Strategy>(strategy: &S, test: impl Fn(S::Value) -> TestCaseResult) {
+fn for_fixed_inputs<S: Strategy>(strategy: &S, test: impl Fn(S::Value) -> Result<(), TestCaseError>) {
     let config = ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() };
     let mut runner = TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha));
     runner.run(strategy, test).unwrap();
