@@ -1,0 +1,44 @@
+//! Arbitrary bytes, read as strips, collapses and options: repaired strips draw every level, on the way down, up, at a jump and made
+//! for one level at once, and the vertices sent are those of the strips.
+#![no_main]
+
+use tristrip::lod::Repair;
+use tristrip::lod::RepairOptions;
+use tristrip::strip::Cost;
+use tristrip::stripify::Effort;
+use tristrip_fuzz::{Bytes, Model, model, sorted};
+
+libfuzzer_sys::fuzz_target!(|data: &[u8]| {
+    let mut bytes = Bytes(data);
+    let [effort, cost, seed, jump] = [0; 4].map(|_| bytes.next());
+    let Some(Model { strips, sequence }) = model(&mut bytes) else { return };
+    let cost = [Cost::Restart, Cost::OpenGl, Cost::Degenerate, Cost::Gl][usize::from(cost) % 4];
+    let options = Options::default().with_effort(Effort::new(effort % 5).expect("effort 0 to 9"));
+    let options = options.with_cost(cost).with_seed(seed.into());
+    let oracle: Vec<Vec<[u32; 3]>> =
+        (0..=sequence.len()).map(|level| sorted(sequence.drawn(level))).collect();
+    let jump = usize::from(jump) % oracle.len();
+
+    let mut repair = Repair::new(&sequence, &strips, options).expect("strips of the sequence");
+    draws(&repair, &oracle);
+    while repair.coarsen() {
+        draws(&repair, &oracle);
+    }
+    assert_eq!(repair.level(), 0);
+    while repair.refine() {
+        draws(&repair, &oracle);
+    }
+    assert_eq!(repair.level(), sequence.len());
+    repair.go_to(jump);
+    assert_eq!(repair.level(), jump);
+    draws(&repair, &oracle);
+    draws(&Repair::at(&sequence, &strips, jump, options).expect("a level of the sequence"), &oracle);
+});
+
+/// Compares the strips and counts of a level with the oracle.
+fn draws(repair: &Repair<'_>, oracle: &[Vec<[u32; 3]>]) {
+    let (strips, expected) = (repair.strips(), &oracle[repair.level()]);
+    assert_eq!(&sorted(strips.triangles()), expected, "level {}", repair.level());
+    let counts = (repair.triangle_count(), repair.strip_count(), repair.vertices_sent());
+    assert_eq!(counts, (expected.len(), strips.len(), strips.vertices_sent()), "level {}", repair.level());
+}
