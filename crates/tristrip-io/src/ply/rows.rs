@@ -101,7 +101,7 @@ impl AsciiRows<'_> {
     }
 }
 
-/// BinaryRows rows.
+/// Rows of binary numbers.
 pub(super) struct BinaryRows<'a, const BIG: bool> {
     bytes: &'a [u8],
     at: usize,
