@@ -1,7 +1,7 @@
 //! The search over whole meshes. Where a heuristic has to find the optimum, the inputs are the same in every run.
 
 use proptest::prelude::*;
-use proptest::test_runner::{RngAlgorithm, TestCaseResult, TestRng, TestRunner};
+use proptest::test_runner::{RngAlgorithm, TestRng, TestRunner};
 
 use super::*;
 use crate::ids::HalfEdge;
