@@ -1,9 +1,9 @@
-//! Reads a mesh, finds strips, proves them and writes a GLB: the five lines of the README.
+//! Reads a mesh, builds strips, verifies them and writes a GLB: the five lines of the README.
 
 use tristrip::Layout;
 use tristrip_io::Drawing;
 
-#[expect(clippy::print_stdout, reason = "an example shows what came of it")]
+#[expect(clippy::print_stdout, reason = "an example prints its result")]
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let model = tristrip_io::read_path("testdata/models/hand.ply")?;
     let mesh = &model.parts[0].mesh;

@@ -1,20 +1,20 @@
-//! `tristrip bound`: how few strips, vertices and indices there can be at best, and how that was found.
+//! `tristrip bound`: lower bounds on strips, vertices and indices, and how they were found.
 
 use serde::Serialize;
 use tristrip::strip::Cost;
 use tristrip::stripify::bound::{Bound, Proof, sequential_strip};
 use tristrip::{Method, Options};
 
+use crate::batch::{self, InputReport, Outcome};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::figures::{Figures, MeshFigures};
-use crate::report::Seconds;
-use crate::stages::{Pool, Prepared, timed};
+use crate::stages::{Pool, Prepared, Seconds, timed};
 use crate::survey::{Loaded, Surveyed};
 use crate::task::{BoundTask, Input};
 use crate::text::{count, counted, table};
 
-/// Lower bounds for all parts together; the keys are those of the JSON report.
+/// The lower bounds of a model, summed over its parts; the keys are those of the JSON report.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 pub(crate) struct Bounds {
     pub(crate) strips: usize,
@@ -24,28 +24,28 @@ pub(crate) struct Bounds {
     pub(crate) indices_degenerate: usize,
 }
 
-/// How far a search's result is from its bound.
+/// The gap between the result of a search and its lower bound.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub(crate) struct Reached {
-    /// The figure that was minimized, by its key.
+pub(crate) struct BoundGap {
+    /// The key of the minimized figure.
     pub(crate) figure: &'static str,
     pub(crate) found: usize,
-    /// No cover has less.
+    /// No cover has a lower figure.
     pub(crate) bound: usize,
     pub(crate) gap: usize,
-    /// Whether the two meet.
+    /// Whether the result meets the bound.
     pub(crate) optimal: bool,
 }
 
-/// What `tristrip bound` says of one input.
-#[derive(Debug, Serialize)]
-pub(crate) struct BoundReport {
+/// The report of one input; the keys are those of the JSON output.
+#[derive(Debug, Default, Serialize)]
+struct BoundReport {
     file: String,
     seconds: Seconds,
     mesh: Option<MeshFigures>,
     parts: Option<usize>,
     bound: Option<Bounds>,
-    /// Whether one strip without a swap draws a part whole, for each part.
+    /// For each part, whether one strip without swaps draws it completely.
     sequential: Vec<bool>,
     components: Vec<ComponentReport>,
     notes: Vec<String>,
@@ -62,7 +62,7 @@ struct ComponentReport {
 }
 
 impl Bounds {
-    /// Adds the bounds of all parts, which share one index buffer with restarts, as figures are added.
+    /// Sums the bounds of all parts. The parts share one index buffer with restarts, as in [`Figures`].
     pub(crate) fn of(pool: &Pool, parts: &[Prepared<'_>]) -> Self {
         Self::sum(&pool.map(parts, |part| Bound::of_surface(&part.surface, &part.graph)))
     }
@@ -79,8 +79,8 @@ impl Bounds {
         sum
     }
 
-    /// Compares figures with these bounds, in what a method minimizes; `None` for methods that do not search.
-    pub(crate) fn gap(&self, options: &Options, figures: &Figures) -> Option<Reached> {
+    /// Compares the figure that the method minimizes with its bound; returns `None` for methods that do not search.
+    pub(crate) fn gap(&self, options: &Options, figures: &Figures) -> Option<BoundGap> {
         let (figure, found, bound) = match (options.method(), options.cost()) {
             (Method::Fewest, _) => ("strips", figures.strips, self.strips),
             (Method::Auto | Method::Best, Cost::Restart) => {
@@ -95,12 +95,12 @@ impl Bounds {
             (Method::Auto | Method::Best, Cost::Gl) => ("gl_cost", figures.gl_cost, self.gl_cost),
             _ => return None,
         };
-        Some(Reached { figure, found, bound, gap: found.saturating_sub(bound), optimal: found <= bound })
+        Some(BoundGap { figure, found, bound, gap: found.saturating_sub(bound), optimal: found <= bound })
     }
 }
 
-impl Reached {
-    /// Says it in one line.
+impl BoundGap {
+    /// Returns a line on the gap.
     pub(crate) fn line(&self) -> String {
         let (one, many) = match self.figure {
             "strips" => ("strip", "strips"),
@@ -110,42 +110,30 @@ impl Reached {
         let (found, bound) = (count(self.found), count(self.bound));
         let what = if self.found == 1 { one } else { many };
         if self.optimal {
-            return format!("optimal: {found} {what}, and no cover of the dual graph has fewer");
+            return format!("optimal: {found} {what}, no cover of the dual graph has fewer");
         }
         let percent = 100.0 * self.gap as f64 / self.bound.max(1) as f64;
-        format!("{found} {what}, at least {bound} needed: gap {} ({percent:.1} %)", count(self.gap))
+        format!("{found} {what}, lower bound {bound}: gap {} ({percent:.1} %)", count(self.gap))
     }
 }
 
-/// Bounds all inputs, one after the other; tells whether all was done.
-pub(crate) fn run(task: &BoundTask, pool: &Pool, console: &mut Console) -> bool {
-    let mut reports = Vec::with_capacity(task.inputs.len());
-    for input in &task.inputs {
-        let mut report = BoundReport {
-            file: input.name(),
-            seconds: Seconds::default(),
-            mesh: None,
-            parts: None,
-            bound: None,
-            sequential: Vec::new(),
-            components: Vec::new(),
-            notes: Vec::new(),
-            error: None,
-        };
-        console.begin(&report.file, None);
-        let done = bound(input, &task.options, pool, console, &mut report);
-        console.end();
-        match done {
-            Ok(()) => console.result(&report.as_text(), true),
-            Err(failure) => {
-                console.error(&format!("{}: {failure}", report.file));
-                report.error = Some(failure.to_string());
-            }
-        }
-        reports.push(report);
+impl InputReport for BoundReport {
+    fn outcome(&mut self) -> Outcome<'_> {
+        Outcome { file: &self.file, proven: None, error: &mut self.error }
     }
-    console.json(&reports, task.inputs.len() > 1);
-    reports.iter().all(|report| report.error.is_none())
+}
+
+/// Bounds all inputs in order; returns whether all succeeded.
+pub(crate) fn run(task: &BoundTask, pool: &Pool, console: &mut Console) -> bool {
+    let new_report = |input: &Input| BoundReport { file: input.name(), ..BoundReport::default() };
+    let process = |input: &Input, console: &mut Console, report: &mut BoundReport| {
+        bound(input, &task.options, pool, console, report)
+    };
+    let show = |_: &Input, report: &BoundReport, _: &str, console: &mut Console| {
+        console.result(&report.as_text(), true);
+    };
+    let reports = batch::process_all(&task.inputs, None, console, new_report, process, show);
+    batch::finish(reports, console)
 }
 
 fn bound(
@@ -189,20 +177,20 @@ fn proof_name(proof: Proof) -> &'static str {
     match proof {
         Proof::Leaves => "leaves",
         Proof::Matching => "matching",
-        Proof::Pieces => "pieces",
+        Proof::Pieces => "subproblems",
         Proof::Exact => "exact",
         _ => "one-strip",
     }
 }
 
-/// Says for people how a bound was found.
+/// Returns a line on how a bound was found.
 fn proof_text(proof: &str) -> &'static str {
     match proof {
-        "leaves" => "faces with one neighbour or none hold ends of strips",
-        "matching" => "maximum matching in each block, and the bridges between them",
-        "pieces" => "the same, and small pieces solved exactly",
-        "exact" => "solved exactly: so few can be reached",
-        _ => "one strip at least",
+        "leaves" => "faces with at most one neighbour are ends of strips",
+        "matching" => "maximum matching in each block, and the bridges between blocks",
+        "subproblems" => "matching, and small subproblems solved exactly",
+        "exact" => "solved exactly: the bound can be reached",
+        _ => "at least one strip",
     }
 }
 
@@ -211,22 +199,24 @@ impl BoundReport {
         let Some(bound) = self.bound else { return String::new() };
         let row = |name: &str, n: usize| vec![format!("  {name}"), count(n)];
         let rows = [
-            vec![self.file.clone(), "at least".into()],
+            vec![self.file.clone(), "lower bound".into()],
             row("strips", bound.strips),
             row("vertices sent (OpenGL)", bound.vertices_sent),
             row("with free swaps (GL)", bound.gl_cost),
             row("indices, restart", bound.indices_restart),
             row("indices, degenerate", bound.indices_degenerate),
         ];
-        let proofs = ["exact", "pieces", "matching", "leaves", "one-strip"].into_iter().filter_map(|proof| {
-            let of_it = || self.components.iter().filter(|component| component.proof == proof);
-            let components = of_it().count();
-            let strips = counted(of_it().map(|component| component.strips).sum(), "strip");
-            let components = (components > 0).then(|| counted(components, "component"))?;
-            Some(format!("  {components}, {strips}: {}\n", proof_text(proof)))
-        });
+        let proofs =
+            ["exact", "subproblems", "matching", "leaves", "one-strip"].into_iter().filter_map(|proof| {
+                let proven_so = || self.components.iter().filter(|component| component.proof == proof);
+                let components = proven_so().count();
+                let strips = counted(proven_so().map(|component| component.strips).sum(), "strip");
+                let components = (components > 0).then(|| counted(components, "component"))?;
+                Some(format!("  {components}, {strips}: {}\n", proof_text(proof)))
+            });
         let sequential = !self.sequential.is_empty() && self.sequential.iter().all(|&sequential| sequential);
-        let sequential = sequential.then(|| "  sequential: one strip without a swap draws it\n".to_owned());
+        let sequential =
+            sequential.then(|| "  sequential: one strip without swaps draws the model\n".to_owned());
         table(&rows, 1..2) + &proofs.chain(sequential).collect::<String>()
     }
 }

@@ -1,22 +1,55 @@
-//! `tristrip compare`: every method on the same model, side by side, each proven.
+//! `tristrip compare`: all methods on the same model side by side, each result proven.
 
+use serde::Serialize;
 use tristrip::{Method, Options};
 
+use crate::batch::{self, InputReport, Outcome};
 use crate::console::Console;
 use crate::failure::Failure;
-use crate::figures::Figures;
+use crate::figures::{Figures, MeshFigures};
 use crate::method::{Chosen, MethodReport, methods_to_compare};
-use crate::report::{CompareReport, MethodRow, Seconds};
-use crate::search::{SearchWatch, interrupted};
-use crate::stages::{Found, Pool, Prepared, find_strips, prove, timed};
+use crate::search::{SearchWatch, Stopped, interrupted};
+use crate::stages::{FoundStrips, Pool, Prepared, Seconds, find_strips, prove, timed};
 use crate::survey::{Loaded, Surveyed};
 use crate::task::{CompareTask, Input};
 use crate::text::{counted, grouped, markdown, table};
 
-/// A column of the table: its head, how its figure is written, and the figure, where less is better.
-type Column = (&'static str, fn(f64) -> String, fn(&MethodRow, &Figures) -> Option<f64>);
+/// The report of one input; the keys are those of the JSON output.
+#[derive(Debug, Serialize)]
+struct CompareReport {
+    file: String,
+    seconds: Seconds,
+    mesh: Option<MeshFigures>,
+    parts: Option<usize>,
+    notes: Vec<String>,
+    methods: Vec<MethodRow>,
+    error: Option<String>,
+}
 
-const COLUMNS: [Column; 10] = [
+/// The result of one method.
+#[derive(Debug, Serialize)]
+struct MethodRow {
+    #[serde(flatten)]
+    method: MethodReport,
+    chosen: Option<Chosen>,
+    proven: bool,
+    seconds: Seconds,
+    #[serde(flatten)]
+    figures: Option<Figures>,
+    stopped: Option<Stopped>,
+    error: Option<String>,
+}
+
+impl InputReport for CompareReport {
+    fn outcome(&mut self) -> Outcome<'_> {
+        Outcome { file: &self.file, proven: None, error: &mut self.error }
+    }
+}
+
+/// A column of the table: head, format, and figure, of which less is better.
+type FigureColumn = (&'static str, fn(f64) -> String, fn(&MethodRow, &Figures) -> Option<f64>);
+
+const COLUMNS: [FigureColumn; 10] = [
     ("strips", whole, |_, f| Some(f.strips as f64)),
     ("isolated", whole, |_, f| Some(f.isolated as f64)),
     ("swaps", whole, |_, f| Some(f.swaps as f64)),
@@ -37,38 +70,32 @@ fn ratio(x: f64) -> String {
     format!("{x:.3}")
 }
 
-/// Compares on all inputs, one after the other; tells whether all was done and proven.
+/// Compares the methods on all inputs in order; returns whether all results are proven.
 pub(crate) fn run(task: &CompareTask, pool: &Pool, console: &mut Console) -> bool {
-    let mut reports = Vec::with_capacity(task.inputs.len());
-    for input in &task.inputs {
-        let mut report = CompareReport {
-            file: input.name(),
-            seconds: Seconds::default(),
-            mesh: None,
-            parts: None,
-            notes: Vec::new(),
-            methods: Vec::new(),
-            error: None,
-        };
-        let methods = methods_to_compare(task.every_variant);
-        console.begin(&report.file, Some(methods.len()));
-        let done = compare(input, task, &methods, pool, console, &mut report);
-        console.end();
-        match done {
-            Ok(()) => console.result(&as_text(&report, task.markdown), true),
-            Err(failure) => {
-                console.error(&format!("{}: {failure}", report.file));
-                report.error = Some(failure.to_string());
-            }
-        }
+    let methods = methods_to_compare(task.every_variant);
+    let new_report = |input: &Input| CompareReport {
+        file: input.name(),
+        seconds: Seconds::default(),
+        mesh: None,
+        parts: None,
+        notes: Vec::new(),
+        methods: Vec::new(),
+        error: None,
+    };
+    let process = |input: &Input, console: &mut Console, report: &mut CompareReport| {
+        let result = compare(input, task, &methods, pool, console, report);
         for row in report.methods.iter().filter(|row| !row.proven) {
             let why = row.error.as_deref().unwrap_or("not proven");
             console.error(&format!("{}: {}: {why}", report.file, row.method.label()));
         }
-        reports.push(report);
-    }
-    console.json(&reports, task.inputs.len() > 1);
-    reports.iter().all(|report| report.error.is_none() && report.methods.iter().all(|row| row.proven))
+        result
+    };
+    let show = |_: &Input, report: &CompareReport, _: &str, console: &mut Console| {
+        console.result(&as_text(report, task.markdown), true);
+    };
+    let reports = batch::process_all(&task.inputs, Some(methods.len()), console, new_report, process, show);
+    let proven = reports.iter().flat_map(|report| &report.methods).all(|row| row.proven);
+    batch::finish(reports, console) && proven
 }
 
 fn compare(
@@ -86,7 +113,7 @@ fn compare(
     (report.parts, report.mesh) = (Some(parts.len()), Some(mesh));
     for &method in methods {
         if interrupted() {
-            return Err(Failure::Input("not done: interrupted".into()));
+            return Err(Failure::Input("not processed: interrupted".into()));
         }
         let mut options = options.with_method(method);
         if method != Method::Auto {
@@ -100,7 +127,7 @@ fn compare(
     Ok(())
 }
 
-/// Runs one method; its row holds the proof before the figures.
+/// Runs one method; its row has figures only if the result is proven.
 fn row(parts: &[Prepared<'_>], options: &Options, pool: &Pool, watch: &SearchWatch) -> MethodRow {
     let mut row = MethodRow {
         method: MethodReport::of(options),
@@ -114,7 +141,7 @@ fn row(parts: &[Prepared<'_>], options: &Options, pool: &Pool, watch: &SearchWat
     let (found, seconds) = timed(|| find_strips(pool, parts, options, watch));
     row.stopped = watch.stopped();
     row.seconds.stripify = Some(seconds);
-    let proof = found.and_then(|Found { strips, chosen }| {
+    let proof = found.and_then(|FoundStrips { strips, chosen }| {
         row.chosen = Some(Chosen::of(&chosen));
         let (proof, seconds) = timed(|| prove(pool, parts, &strips, options));
         row.seconds.verify = Some(seconds);
@@ -130,12 +157,12 @@ fn row(parts: &[Prepared<'_>], options: &Options, pool: &Pool, watch: &SearchWat
     row
 }
 
-/// Writes the table of one model; the best figure of each column is marked.
+/// Returns the table of one model; the best figure of each column is marked.
 fn as_text(report: &CompareReport, as_markdown: bool) -> String {
     let mut head = vec!["method".to_owned()];
     head.extend(COLUMNS.iter().map(|(name, ..)| (*name).to_owned()));
     let mut rows = vec![head];
-    let figure = |row: &MethodRow, column: &Column| row.figures.as_ref().and_then(|f| column.2(row, f));
+    let figure = |row: &MethodRow, column: &FigureColumn| row.figures.as_ref().and_then(|f| column.2(row, f));
     let best = COLUMNS.map(|column| {
         let figures = report.methods.iter().filter_map(|row| figure(row, &column));
         figures.min_by(f64::total_cmp)
@@ -161,9 +188,12 @@ fn as_text(report: &CompareReport, as_markdown: bool) -> String {
     let dual = report.seconds.dual.map_or(0.0, |s| 1e3 * s);
     if as_markdown {
         let table = markdown(&rows, 1..1 + COLUMNS.len());
-        return format!("### {title}\n\n{table}\nms: without the dual graph, {dual:.2} ms for all.\n\n");
+        return format!(
+            "### {title}\n\n{table}\nms: without the dual graph, which takes {dual:.2} ms once.\n\n"
+        );
     }
-    let legend =
-        format!("* best of its column; /T: a triangle; ms: without the dual graph, {dual:.2} ms for all");
+    let legend = format!(
+        "* best of its column; /T: per triangle; ms: without the dual graph, which takes {dual:.2} ms once"
+    );
     format!("{title}\n{}{legend}\n\n", table(&rows, 1..1 + COLUMNS.len()))
 }

@@ -1,6 +1,6 @@
-//! What people and programs see: stages, notes and progress on standard error, results on standard output.
+//! The output of the command: stages, notes and progress on standard error, results on standard output.
 //!
-//! A reader that closes the pipe early is not an error: from then on nothing is written. Progress is drawn on a terminal only.
+//! It is not an error if the reader closes the pipe early: nothing more is written then. Progress is shown only on a terminal.
 
 use std::io::{self, IsTerminal, Write};
 use std::time::Duration;
@@ -11,11 +11,11 @@ use serde::Serialize;
 use crate::task::Shared;
 use crate::text;
 
-/// The two streams, and what may be said on them.
+/// The two output streams and their settings.
 pub(crate) struct Console {
     quiet: bool,
     results: Results,
-    /// A second thread may keep the progress moving.
+    /// Whether a second thread may animate the progress display.
     ticking: bool,
     bar: ProgressBar,
     stdout: Stream,
@@ -25,16 +25,16 @@ pub(crate) struct Console {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Results {
     Text,
-    /// A mesh is written to standard output, so that the text goes to standard error.
+    /// Text on standard error, because a mesh is written to standard output.
     TextBesideMesh,
     Json,
 }
 
-/// How writing to standard output went so far.
+/// The state of standard output.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Stream {
     Open,
-    /// Nobody reads any more.
+    /// The reader closed the pipe.
     Closed,
     Failed,
 }
@@ -54,9 +54,9 @@ impl Console {
         }
     }
 
-    /// Begins an input: prints its name and shows that work is going on; `steps` is their number where it is known.
+    /// Begins an input: prints its name and starts the progress display; `steps` is the number of steps, if known.
     pub(crate) fn begin(&mut self, name: &str, steps: Option<usize>) {
-        self.say(name);
+        self.print(name);
         if self.quiet || !io::stderr().is_terminal() {
             return;
         }
@@ -73,55 +73,55 @@ impl Console {
         }
     }
 
-    /// Gives a hold on the progress that is shown, for what runs on other threads.
+    /// Returns a handle to the progress display, for other threads.
     pub(crate) fn progress(&self) -> ProgressBar {
         self.bar.clone()
     }
 
-    /// Shows what is being done now.
+    /// Shows the current activity in the progress display.
     pub(crate) fn doing(&self, what: &str) {
         self.bar.set_message(what.to_owned());
     }
 
-    /// Counts one step of those that were announced.
+    /// Advances the progress display by one step.
     pub(crate) fn step(&self) {
         self.bar.inc(1);
     }
 
-    /// Ends what [`Console::begin`] began.
+    /// Removes the progress display that [`Console::begin`] started.
     pub(crate) fn end(&mut self) {
         std::mem::replace(&mut self.bar, ProgressBar::hidden()).finish_and_clear();
     }
 
-    /// Prints the line of a finished stage: its name, what came of it, and its time.
+    /// Prints a line on a finished stage: name, result and time.
     pub(crate) fn stage(&self, name: &str, what: &str, seconds: Option<f64>) {
         let time = seconds.map(text::duration).unwrap_or_default();
-        self.say(format!("  {name:<9} {what:<62} {time:>8}").trim_end());
+        self.print(format!("  {name:<9} {what:<68} {time:>8}").trim_end());
     }
 
-    /// Prints something that a user should know of an input.
+    /// Prints a note on an input.
     pub(crate) fn note(&self, note: &str) {
-        self.say(&format!("  {:<9} {note}", "note"));
+        self.print(&format!("  {:<9} {note}", "note"));
     }
 
-    /// Prints an error, also when quiet.
+    /// Prints an error, also in quiet mode.
     pub(crate) fn error(&self, message: &str) {
         self.write_stderr(&format!("tristrip: {message}"));
     }
 
-    /// Prints a result for people: to standard output, or beside it where a mesh goes there.
+    /// Prints a text result to standard output, or to standard error if a mesh is written to standard output.
     ///
-    /// When quiet, only results that were `asked_for` are printed: those that come with a file are not.
-    pub(crate) fn result(&mut self, text: &str, asked_for: bool) {
+    /// In quiet mode, only `requested` results are printed: not those that accompany a written file.
+    pub(crate) fn result(&mut self, text: &str, requested: bool) {
         match self.results {
-            _ if self.quiet && !asked_for => (),
+            _ if self.quiet && !requested => (),
             Results::Text => self.write_stdout(text.as_bytes()),
             Results::TextBesideMesh => self.write_stderr(text.trim_end()),
             Results::Json => (),
         }
     }
 
-    /// Prints results for programs: one object for one input, an array for many.
+    /// Prints results as JSON if requested: one object for one input, an array for several.
     pub(crate) fn json<T: Serialize>(&mut self, results: &[T], many: bool) {
         if self.results != Results::Json {
             return;
@@ -139,7 +139,7 @@ impl Console {
         }
     }
 
-    /// Writes bytes to standard output as they are.
+    /// Writes bytes to standard output unchanged.
     pub(crate) fn write_stdout(&mut self, bytes: &[u8]) {
         if self.stdout != Stream::Open {
             return;
@@ -158,19 +158,19 @@ impl Console {
         }
     }
 
-    /// Tells whether everything that was meant for standard output could be written there.
+    /// Returns whether all output to standard output was written.
     pub(crate) fn finish(&self) -> bool {
         self.stdout != Stream::Failed
     }
 
-    fn say(&self, line: &str) {
+    fn print(&self, line: &str) {
         if !self.quiet {
             self.write_stderr(line);
         }
     }
 
     fn write_stderr(&self, line: &str) {
-        // There is nowhere to say that standard error is gone.
+        // A failure to write to standard error cannot be reported.
         self.bar.suspend(|| writeln!(io::stderr().lock(), "{line}").ok());
     }
 }

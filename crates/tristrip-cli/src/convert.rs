@@ -1,48 +1,49 @@
-//! `tristrip convert`: other formats and strip layouts, no new strips.
+//! `tristrip convert`: converts between formats and strip layouts, without building new strips.
 
+use serde::Serialize;
 use tristrip::{Mesh, Method, Options};
 use tristrip_io::{Drawing, Format, Part};
 
+use crate::batch::{self, InputReport, Outcome};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::input::{load, meshes};
-use crate::output::{self, Drawn};
-use crate::report::{ConvertReport, Seconds};
-use crate::stages::{Pool, find_strips, prepare, timed};
-use crate::task::{ConvertTask, Job, layout_name};
+use crate::output::{self, ModelDrawing};
+use crate::stages::{Pool, Seconds, find_strips, prepare, timed};
+use crate::task::{ConvertTask, Job};
 use crate::text::counted;
+use crate::values::layout_name;
 
-/// Converts all inputs, one after the other; tells whether all were done.
-pub(crate) fn run(task: &ConvertTask, pool: &Pool, console: &mut Console) -> bool {
-    let mut reports = Vec::with_capacity(task.jobs.len());
-    for job in &task.jobs {
-        let mut report = ConvertReport {
-            file: job.input.name(),
-            proven: None,
-            seconds: Seconds::default(),
-            faces: None,
-            triangles: None,
-            strips: None,
-            parts: None,
-            notes: Vec::new(),
-            output: None,
-            layout: None,
-            error: None,
-        };
-        console.begin(&report.file, None);
-        let done = convert(job, task, pool, console, &mut report);
-        console.end();
-        if let Err(failure) = done {
-            if matches!(failure, Failure::Unproven(_)) {
-                report.proven = Some(false);
-            }
-            console.error(&format!("{}: {failure}", report.file));
-            report.error = Some(failure.to_string());
-        }
-        reports.push(report);
+/// The report of one input; the keys are those of the JSON output.
+#[derive(Debug, Default, Serialize)]
+struct ConvertReport {
+    file: String,
+    proven: Option<bool>,
+    seconds: Seconds,
+    faces: Option<usize>,
+    triangles: Option<usize>,
+    strips: Option<usize>,
+    parts: Option<usize>,
+    notes: Vec<String>,
+    output: Option<String>,
+    layout: Option<&'static str>,
+    error: Option<String>,
+}
+
+impl InputReport for ConvertReport {
+    fn outcome(&mut self) -> Outcome<'_> {
+        Outcome { file: &self.file, proven: Some(&mut self.proven), error: &mut self.error }
     }
-    console.json(&reports, task.jobs.len() > 1);
-    reports.iter().all(|report| report.error.is_none())
+}
+
+/// Converts all inputs in order; returns whether all succeeded.
+pub(crate) fn run(task: &ConvertTask, pool: &Pool, console: &mut Console) -> bool {
+    let new_report = |job: &Job| ConvertReport { file: job.input.name(), ..ConvertReport::default() };
+    let process = |job: &Job, console: &mut Console, report: &mut ConvertReport| {
+        convert(job, task, pool, console, report)
+    };
+    let reports = batch::process_all(&task.jobs, None, console, new_report, process, |_, _, _, _| ());
+    batch::finish(reports, console)
 }
 
 fn convert(
@@ -66,7 +67,7 @@ fn convert(
     console.stage("load", &size, Some(seconds));
     model.notes.iter().for_each(|note| console.note(note));
 
-    // Strips of the input stay strips where the format has them; a layout that was asked for makes strips of every part.
+    // Strips of the input stay strips if the format has strips; with --layout, every part becomes strips.
     let has_strips = job.output.as_ref().is_none_or(|output| output.format != Format::Obj);
     let as_strips = |part: &Part| task.as_strips || (part.stripped && has_strips);
     let stripped: Vec<&Mesh> =
@@ -74,7 +75,7 @@ fn convert(
     let mut strips = Vec::new();
     let any = task.as_strips || !stripped.is_empty();
     if any {
-        console.doing("strips of the input's order");
+        console.doing("strips in the input's order");
         let (parts, dual_seconds) = timed(|| prepare(pool, &stripped, false));
         let options = Options::default().with_method(Method::Input);
         let (found, seconds) = timed(|| find_strips(pool, &parts, &options, &()));
@@ -91,11 +92,9 @@ fn convert(
     let drawings: Vec<_> =
         model.parts.iter().map(next).map(|strips| strips.map_or(Drawing::Faces, Drawing::Strips)).collect();
     let Some(target) = &job.output else { return Ok(()) };
-    let drawn = Drawn { model: &model, drawings: &drawings, layout: target.layout };
-    let written = output::write(target, &model, drawn, task.verify, console)?;
-    report.seconds.write = Some(written.write_seconds);
-    report.seconds.verify = written.verify_seconds;
-    report.notes.extend(written.losses);
+    let drawing = ModelDrawing { model: &model, drawings: &drawings, layout: target.layout };
+    let written = output::write(target, &model, drawing, task.verify, console)?;
+    written.record(&mut report.seconds.write, &mut report.seconds.verify, &mut report.notes);
     report.output = Some(target.name());
     report.layout = any.then(|| layout_name(target.layout));
     report.proven = task.verify.then_some(true);

@@ -1,24 +1,24 @@
-//! Why one input could not be done: said with the file's name before it, while the other inputs go on.
+//! The failure of one input. It is reported with the name of the file, and the other inputs are still processed.
 
 use std::io;
 use std::path::Path;
 
-/// What went wrong with one input.
+/// Why an input could not be processed.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Failure {
     /// The input cannot be read or used.
     #[error("{0}")]
     Input(String),
-    /// The result does not draw what it should; nothing was written.
+    /// The result does not draw the expected faces; nothing was written.
     #[error("not proven: {0}")]
     Unproven(String),
-    /// The output cannot be made or written.
+    /// The output cannot be created or written.
     #[error("{0}")]
     Output(String),
 }
 
 impl Failure {
-    /// Takes over a reader's error about the file of this name, which is not said twice.
+    /// Converts a reader's error about the file of this name, without repeating the name.
     pub(crate) fn reading(name: &str, error: &tristrip_io::Error) -> Self {
         Self::Input(match error {
             tristrip_io::Error::Io { path, source } if path == name => plain(source),
@@ -27,7 +27,7 @@ impl Failure {
         })
     }
 
-    /// Takes over a writer's error; the output's name stands in it.
+    /// Converts a writer's error, which contains the name of the output.
     pub(crate) fn writing(error: &tristrip_io::Error) -> Self {
         Self::Output(match error {
             tristrip_io::Error::Io { path, source } => format!("{path}: {}", plain(source)),
@@ -35,7 +35,7 @@ impl Failure {
         })
     }
 
-    /// Takes over what the system said about a file or directory.
+    /// Converts a system error about a file or directory.
     pub(crate) fn system(path: &Path, error: &io::Error) -> Self {
         Self::Output(format!("{}: {}", path.display(), plain(error)))
     }
@@ -47,7 +47,7 @@ impl From<tristrip::Error> for Failure {
     }
 }
 
-/// Says what the system said, in its words, without its number.
+/// Returns the message of a system error, without its number.
 fn plain(error: &io::Error) -> String {
     if error.kind() == io::ErrorKind::NotFound {
         return "no such file or directory".into();

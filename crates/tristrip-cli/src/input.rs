@@ -9,7 +9,7 @@ use tristrip_io::{Format, Model};
 use crate::failure::Failure;
 use crate::task::Input;
 
-/// Reads an input in the format that was asked for, or of its extension, or of its content.
+/// Reads an input in the requested format, else in the format of its extension, else of its content.
 pub(crate) fn load(input: &Input) -> Result<Model, Failure> {
     let name = input.name();
     let failure = |error| Failure::reading(&name, &error);
@@ -35,22 +35,22 @@ pub(crate) fn load(input: &Input) -> Result<Model, Failure> {
     }
 }
 
-/// Gives the options that fit a model: nothing is welded, and a note says so, where vertices may differ in what was not read.
+/// Returns the options adapted to a model: welding is disabled, with a note, if vertices may differ in values that were not read.
 pub(crate) fn fitted(options: Options, model: &mut Model) -> Options {
     if options.weld() && tristrip_io::gltf::has_unread_vertex_values(model) {
-        let why = "morph targets, or attributes that were not decoded, may tell vertices apart";
+        let why = "vertices may differ in morph targets or in attributes that were not decoded";
         model.notes.push(format!("not welded: {why}"));
         return options.with_weld(false);
     }
     options
 }
 
-/// Gives a file's name without its folders, as a picture has no room for them.
+/// Returns a file name without its directories, for charts.
 pub(crate) fn short_name(file: &str) -> String {
     Path::new(file).file_name().map_or_else(|| file.to_owned(), |name| name.to_string_lossy().into_owned())
 }
 
-/// Gives the meshes of a model's parts, in order.
+/// Returns the meshes of a model's parts, in order.
 pub(crate) fn meshes(model: &Model) -> Vec<&Mesh> {
     model.parts.iter().map(|part| &part.mesh).collect()
 }

@@ -5,90 +5,69 @@
 //!                  └──────── vertices renamed for a level ─ filter ─▶ display strips ─ prove ─ write ─ read again, prove
 //! ```
 
+mod chart;
 pub(crate) mod levels;
 pub(crate) mod measure;
 pub(crate) mod part;
-mod plot;
+mod report;
 pub(crate) mod rows;
 pub(crate) mod totals;
 
-use std::path::Path;
-
-use clap::ValueEnum;
 use tristrip::Strips;
 use tristrip_io::{Drawing, Model};
 
+use crate::batch;
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::figures::Figures;
 use crate::input::short_name;
 use crate::method::{Chosen, MethodReport};
-use crate::output::{self, Drawn};
-use crate::report::{LodReport, LodSeconds};
+use crate::output::{self, ModelDrawing};
 use crate::search::{SearchWatch, interrupted};
-use crate::simplify::{Amount, Part, diagonal, ends, locked_note, percent_of, simplify_all};
-use crate::stages::{self, Found, Pool, Prepared, find_strips, timed};
+use crate::simplify::{Part, diagonal, ends, locked_note, percent_of, simplify_all};
+use crate::stages::{self, FoundStrips, Pool, Prepared, find_strips, timed};
 use crate::survey::Loaded;
-use crate::task::{Job, LodTask, Output, layout_name};
+use crate::task::{Job, LodTask, Output};
 use crate::text::{count, counted};
-pub(crate) use levels::Level;
+use crate::values::{Amount, layout_name};
 use levels::Levels;
 use measure::measure_levels;
-pub(crate) use part::FilterName;
 use part::LodPart;
+use report::{LodReport, LodSeconds};
 use totals::totals;
 
 /// Steps of a table, and of a curve of the chart, from the base mesh to the full mesh.
 const TABLE_STEPS: usize = 20;
 const CURVE_STEPS: usize = 100;
 
-/// How levels are stored and replayed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum ModelName {
-    /// Progressive strips: one collapse or vertex split after the other, in one order (Kim et al. 2005)
-    Progressive,
-}
-
-impl ModelName {
-    /// Gives the name as it is typed.
-    pub(crate) fn name(self) -> String {
-        self.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
-    }
-}
-
-/// Processes all inputs in order. Returns whether all succeeded.
+/// Processes all inputs in order; returns whether all succeeded.
 pub(crate) fn run(task: &LodTask, pool: &Pool, console: &mut Console) -> bool {
-    let mut reports = Vec::with_capacity(task.jobs.len());
-    for job in &task.jobs {
-        let mut report = LodReport::new(job.input.name(), MethodReport::of(&task.options), task);
-        console.begin(&report.file, None);
-        let result = process(job, task, pool, console, &mut report);
-        console.end();
-        match result {
-            Ok(()) => {
-                let title = if task.jobs.len() > 1 { format!("{}\n", report.file) } else { String::new() };
-                let is_main_output = job.output.is_none() || task.table || task.compare;
-                console.result(&format!("{title}{}", summary(&report, task)), is_main_output);
-            }
-            Err(failure) => {
-                if matches!(failure, Failure::Unproven(_)) {
-                    report.proven = Some(false);
+    let new_report = |job: &Job| LodReport::new(job.input.name(), MethodReport::of(&task.options), task);
+    let process = |job: &Job, console: &mut Console, report: &mut LodReport| {
+        run_stages(job, task, pool, console, report)
+    };
+    let show = |job: &Job, report: &LodReport, title: &str, console: &mut Console| {
+        let requested = job.output.is_none() || task.table || task.compare;
+        console.result(&format!("{title}{}", summary(report, task)), requested);
+    };
+    let mut reports = batch::process_all(&task.jobs, None, console, new_report, process, show);
+    if let Some(path) = &task.plot {
+        let done = reports.iter().filter(|report| report.error.is_none());
+        let measured: Vec<_> = done.map(|report| (short_name(&report.file), &report.rows[..])).collect();
+        if !measured.is_empty() {
+            let chart = chart::draw(&measured);
+            if batch::write_chart(path, chart, &mut reports, console) {
+                for report in reports.iter_mut().filter(|report| report.error.is_none()) {
+                    report.plot = Some(path.display().to_string());
                 }
-                console.error(&format!("{}: {failure}", report.file));
-                report.error = Some(failure.to_string());
             }
         }
-        reports.push(report);
     }
-    if let Some(path) = &task.plot {
-        write_chart(&mut reports, path, console);
-    }
-    console.json(&reports, task.jobs.len() > 1);
-    reports.iter().all(|report| report.error.is_none())
+    batch::finish(reports, console)
 }
 
 /// Runs all stages on one input; after a failure the report has the results of the stages before.
-fn process(
+fn run_stages(
     job: &Job,
     task: &LodTask,
     pool: &Pool,
@@ -196,12 +175,13 @@ fn full_strips(
     console.doing("stripify");
     let watch = SearchWatch::new(console.progress(), task.budget, &loaded.options);
     let (found, seconds) = timed(|| find_strips(pool, parts, &loaded.options, &watch));
-    let Found { strips, chosen } = found?;
+    let FoundStrips { strips, chosen } = found?;
     report.stopped = watch.stopped();
     report.seconds.stripify = Some(seconds);
     report.chosen = Some(Chosen::of(&chosen));
     let count = strips.iter().map(Strips::len).sum();
-    let what = format!("{} of the full mesh (method {})", counted(count, "strip"), report.method.label());
+    let method = report.method.description(&Chosen::of(&chosen));
+    let what = format!("{} of the full mesh ({method})", counted(count, "strip"));
     console.stage("stripify", &what, Some(seconds));
     if let Some(stopped) = report.stopped {
         console.note(stopped.note());
@@ -270,39 +250,12 @@ fn write(
     let strips = outward.enumerate().map(|(part, strips)| smaller.strips(part, &strips));
     let strips: Vec<Strips> = strips.collect::<Result<_, _>>().map_err(failure)?;
     let drawings: Vec<_> = strips.iter().map(Drawing::Strips).collect();
-    let drawn = Drawn { model: &smaller.model, drawings: &drawings, layout: target.layout };
-    let written = output::write(target, &smaller.model, drawn, verify, console)?;
-    report.seconds.write = Some(written.write_seconds);
-    if let (Some(strips), Some(file)) = (&mut report.seconds.verify, written.verify_seconds) {
-        *strips += file;
-    }
-    report.notes.extend(written.losses);
+    let drawing = ModelDrawing { model: &smaller.model, drawings: &drawings, layout: target.layout };
+    let written = output::write(target, &smaller.model, drawing, verify, console)?;
+    written.record(&mut report.seconds.write, &mut report.seconds.verify, &mut report.notes);
     report.output = Some(target.name());
     report.layout = Some(layout_name(target.layout));
     Ok(())
-}
-
-/// Draws the levels of all inputs that succeeded into one chart, and writes it.
-fn write_chart(reports: &mut [LodReport], path: &Path, console: &Console) {
-    let done = reports.iter().filter(|report| report.error.is_none());
-    let measured: Vec<_> = done.map(|report| (short_name(&report.file), &report.rows[..])).collect();
-    if measured.is_empty() {
-        return;
-    }
-    let drawn = plot::draw(&measured).and_then(|text| {
-        tristrip_io::replace_file(path, text.as_bytes()).map_err(|error| Failure::writing(&error))
-    });
-    match drawn {
-        Ok(()) => reports.iter_mut().for_each(|report| {
-            report.plot = report.error.is_none().then(|| path.display().to_string());
-        }),
-        Err(failure) => {
-            console.error(&failure.to_string());
-            for report in reports.iter_mut().filter(|report| report.error.is_none()) {
-                report.error = Some(failure.to_string());
-            }
-        }
-    }
 }
 
 /// Formats the summary of a report, with the requested tables.

@@ -1,15 +1,16 @@
-//! The `tristrip` command: polygon meshes into proven triangle strips.
+//! The `tristrip` command: builds verified triangle strips for polygon meshes.
 //!
 //! ```text
-//! args ─▶ task ─▶ strip │ compare │ bound │ analyze │ verify │ convert │ simplify │ lod │ repro ─▶ input ─ stages ─ output ─▶ figures, report ─▶ console
+//! args ─▶ task ─▶ input ─▶ stages ─▶ output ─▶ figures ─▶ console
+//!                 strip │ compare │ bound │ analyze │ verify │ convert │ simplify │ lod │ repro
 //! ```
-//! The exit code is 0 when everything was done and proven, 1 when something was not or an input was bad, 2 when the command was
-//! called wrongly.
+//! Exit code 0: everything was done and proven. 1: something was not proven, or an input or output was bad. 2: wrong usage.
 
 #![forbid(unsafe_code)]
 
 mod analyze;
 mod args;
+mod batch;
 mod bound;
 mod chart;
 mod compare;
@@ -23,7 +24,6 @@ mod method;
 mod output;
 mod pareto;
 mod reorder;
-mod report;
 mod repro;
 mod search;
 mod simplify;
@@ -32,6 +32,7 @@ mod strip;
 mod survey;
 mod task;
 mod text;
+mod values;
 mod verify;
 
 use std::process::ExitCode;
@@ -40,7 +41,8 @@ use console::Console;
 use task::Task;
 
 fn main() -> ExitCode {
-    let (task, shared) = args::parse();
+    let papers: Vec<&str> = repro::keys().collect();
+    let (task, shared) = task::parse(&papers);
     let mut console = Console::new(&shared, task.output_is_stdout());
     let pool = match stages::Pool::new(shared.threads) {
         Ok(pool) => pool,
@@ -49,7 +51,7 @@ fn main() -> ExitCode {
             return ExitCode::FAILURE;
         }
     };
-    let all_done = match &task {
+    let succeeded = match &task {
         Task::Strip(task) => strip::run(task, &pool, &mut console),
         Task::Compare(task) => compare::run(task, &pool, &mut console),
         Task::Bound(task) => bound::run(task, &pool, &mut console),
@@ -60,5 +62,5 @@ fn main() -> ExitCode {
         Task::Lod(task) => lod::run(task, &pool, &mut console),
         Task::Repro(task) => repro::run(task, &pool, &mut console),
     };
-    if all_done && console.finish() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+    if succeeded && console.finish() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }

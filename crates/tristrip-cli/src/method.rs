@@ -1,4 +1,4 @@
-//! The methods' names and options: what a user types, what the library takes, and what reports say.
+//! Stripification methods and their options: as typed, as the library takes them, and as reports name them.
 
 use std::time::Duration;
 
@@ -8,81 +8,83 @@ use tristrip::strip::{Buffer, Cost};
 use tristrip::stripify::{Effort, EtaOptions, Prefer, Start};
 use tristrip::{FaceTriangulation, Method, Options, Patches, Ties};
 
-/// The longest tunnel that `tunnel` looks for unless told otherwise: beyond, each two edges more take several times as long.
+use crate::values::{effort_parser, name_of};
+
+/// The default maximum length of a tunnel for `tunnel`: beyond it, every two more edges multiply the time several times.
 const TUNNEL_LENGTH: u32 = 9;
 
 /// A method by its name on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum MethodName {
-    /// The same as best, at effort 2: less than a second for a million triangles.
+    /// The same as best at effort 2: less than a second for a million triangles.
     Auto,
-    /// Fast, few indices: cheapest runs first, swaps only where they beat a restart.
+    /// Fast, with few indices: cheapest runs first, swaps only where they cost less than a restart.
     Sequential,
-    /// The cheapest that a search finds, by --cost and --effort.
+    /// A search for the least cost, see --cost and --effort.
     Best,
-    /// As few strips as a search finds, by --effort.
+    /// A search for the fewest strips, see --effort.
     Fewest,
-    /// Strips in an order that respects a vertex buffer, by --buffer and --prefer.
+    /// Strips ordered for a vertex cache, see --vertex-cache and --objective.
     Cache,
-    /// The input's own order as strips.
+    /// Strips in the order of the input.
     Input,
     /// The SGI algorithm: least adjacency, one level of look-ahead.
     Sgi,
-    /// STRIPE as its authors recommend it: stripe-global by rows, cut-off 5.
+    /// STRIPE as its authors recommend it: stripe-global by rows, cutoff 5.
     Stripe,
     /// STRIPE's local algorithms.
     StripeLocal,
     /// STRIPE's global algorithms: patches of quadrilaterals first, the rest locally.
     StripeGlobal,
-    /// The tunnelling operator of Stewart, short tunnels first, from isolated triangles.
+    /// Stewart's tunneling operator, short tunnels first, starting from isolated triangles.
     Tunnel,
-    /// The Enhanced Tunnelling Algorithm of Porcu and Scateni.
+    /// The Enhanced Tunneling Algorithm of Porcu and Scateni.
     Eta,
 }
 
-/// What `best` minimizes, by its name on the command line.
+/// The cost that `best` minimizes, by its name on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum CostName {
-    /// The index buffer with a restart between strips.
+    /// Indices, with a restart between strips.
     Restart,
-    /// The vertices sent, swaps and winding repeats included.
+    /// Vertices sent, including swaps and winding repeats.
     Opengl,
-    /// The index buffer of strips joined by degenerate triangles.
+    /// Indices of the strips joined by degenerate triangles.
     Degenerate,
-    /// The vertices sent with swaps free.
+    /// Vertices sent, with free swaps.
     Gl,
 }
 
-/// What `cache` prefers, by its name on the command line.
+/// The objective of `cache`, by its name on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum PreferName {
-    /// About the indices of best, in an order that saves misses.
+pub(crate) enum ObjectiveName {
+    /// About as few indices as best, in an order that reduces misses.
     Indices,
-    /// Fewer misses as long as they take few indices.
+    /// Fewer misses, as long as they cost few indices.
     Balanced,
     /// The fewest misses.
     Misses,
 }
 
-/// The strips that `eta` starts from, by their name on the command line.
+/// The initial strips of `eta`, by their name on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum StartName {
-    /// Every triangle by itself.
+    /// One strip per triangle.
     Isolated,
-    /// Those of input.
+    /// The strips of input.
     Input,
-    /// Those of sgi.
+    /// The strips of sgi.
     Sgi,
-    /// Those of sequential.
+    /// The strips of sequential.
     Sequential,
 }
 
-/// When STRIPE cuts polygons, by its name on the command line.
+/// When STRIPE triangulates polygons, by its name on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum TriangulationName {
-    /// Before, by alternate left and right turns.
+    /// In advance, by alternate left and right turns.
     Static,
-    /// Wholly, when a strip enters the face.
+    /// Completely, when a strip enters the face.
     Whole,
     /// Only as far as the strip needs to leave the face.
     Partial,
@@ -91,134 +93,141 @@ pub(crate) enum TriangulationName {
 /// How STRIPE breaks ties, by its name on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum TiesName {
-    /// The first found.
+    /// The first one found.
     Arbitrary,
     /// The one whose neighbours have the least adjacency.
     LookAhead,
-    /// The one on the other side than last time.
+    /// The one on the other side from the previous turn.
     Alternate,
-    /// One at random, by the seed.
+    /// One chosen at random, by the seed.
     Random,
-    /// One that needs no swap, else one at random.
+    /// One that needs no swap, else one chosen at random.
     Sequential,
 }
 
-/// How STRIPE's patches become strips, by its name on the command line.
+/// How STRIPE turns patches into strips, by its name on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum PatchesName {
-    /// A strip for each row or column.
+    /// One strip per row or column.
     Rows,
-    /// A strip for each patch, extended both ways.
+    /// One strip per patch, extended at both ends.
     Full,
 }
 
-/// The flags that choose how strips are found.
+#[derive(Debug, Args)]
+pub(crate) struct WeldArgs {
+    /// Merge vertices with the same bits in position and all attributes
+    ///
+    /// Strips can then cross the seam between them. Vertices that differ in any attribute, such as a normal or a texture coordinate,
+    /// stay separate. Welding saves indices, not vertices: the vertex buffer is written unchanged.
+    #[arg(long)]
+    pub(crate) weld: bool,
+}
+
+/// The flags that choose the method and its options.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Method")]
 pub(crate) struct MethodArgs {
-    /// How strips are found
+    /// The stripification method
     ///
-    /// The default starts from the cheapest of `sequential`, `stripe` and `input`, so that the result is never worse than what you
-    /// had. More --effort gives fewer indices. Most others are published algorithms, of interest for comparison; `tristrip compare`
-    /// shows them side by side.
+    /// The default starts from the cheapest result of `sequential`, `stripe` and `input`, so it is never worse than the input. A higher
+    /// --effort gives fewer indices. Most other methods are published algorithms, included for comparison; `tristrip compare` shows
+    /// them side by side.
     #[arg(short, long, value_enum, default_value_t = MethodName::Auto, value_name = "METHOD")]
     method: MethodName,
-    /// When stripe-local cuts polygons into triangles [default: whole]
+    /// When stripe-local triangulates polygons [default: whole]
     #[arg(long, value_enum, value_name = "WHEN", hide_possible_values = false)]
     triangulation: Option<TriangulationName>,
-    /// Which of several equally good neighbours stripe-local takes [default: sequential]
+    /// How stripe-local chooses between equally good neighbours [default: sequential]
     #[arg(long, value_enum, value_name = "RULE")]
     ties: Option<TiesName>,
-    /// How stripe-global makes strips of patches [default: rows]
+    /// How stripe-global turns patches into strips [default: rows]
     #[arg(long, value_enum, value_name = "HOW")]
     patches: Option<PatchesName>,
-    /// The smallest patch of stripe-global, in quadrilaterals [default: 5]
+    /// The minimum size of a patch of stripe-global, in quadrilaterals [default: 5]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     cutoff: Option<u32>,
-    /// What auto and best minimize [default: restart]
+    /// The cost that auto and best minimize [default: restart]
     ///
-    /// Strips that are cheap with restarts are nearly the cheapest joined by degenerate triangles, too.
+    /// Strips with the least restart cost are nearly the cheapest for degenerate joins, too.
     #[arg(long, value_enum, value_name = "COST")]
     cost: Option<CostName>,
-    /// The vertex buffer that cache respects, and --pareto measures with: fifo:N or lru:N, N places [default: fifo:16]
+    /// The vertex cache that cache optimizes for, and --pareto measures with: fifo:N or lru:N, N entries [default: fifo:16]
     ///
-    /// It is kept from one strip to the next, as processors do. Desktop processors behave like some 16 to 32 places.
-    #[arg(long, value_name = "BUFFER")]
-    buffer: Option<Buffer>,
-    /// What cache prefers where indices and misses are at odds [default: balanced]
-    #[arg(long, value_enum, value_name = "WHAT")]
-    prefer: Option<PreferName>,
-    /// How long auto, best, fewest and cache search, from 0 to 9 [default: 2 for auto and cache, else 5]
+    /// The cache is kept from one strip to the next, as graphics processors do. Desktop processors behave like 16 to 32 entries.
+    #[arg(long, value_name = "CACHE")]
+    vertex_cache: Option<Buffer>,
+    /// What cache favours where fewer indices cost more misses [default: balanced]
+    #[arg(long, value_enum, value_name = "OBJECTIVE")]
+    objective: Option<ObjectiveName>,
+    /// The search effort of auto, best, fewest and cache, from 0 to 9 [default: 2 for auto and cache, else 5]
     ///
-    /// Effort is counted in steps, so that the result is the same on any machine. On one core, best takes for 70,000 triangles about
-    /// 0.01 s at level 1, 0.04 s at 2, 0.1 s at 3, 0.3 s at 4, 0.6 s at 5, 1.3 s at 6, 2.5 s at 7, 5 s at 8 and 10 s at 9; for more triangles in
-    /// proportion, for fewer the same down to 8,000. fewest ends when it meets its bound, and else takes twice as long for each level.
-    /// cache takes a second for a million triangles up to level 2; from 3 on it grows strips in several ways, and for fifo buffers of up
-    /// to 256 places searches on by exchanges. The indices of cache are searched as those of best.
-    #[arg(long, value_name = "LEVEL", value_parser = clap::value_parser!(u8).range(0..=9))]
-    effort: Option<u8>,
-    /// Stop a search after a time, such as 5s or 500ms, with the best found by then
+    /// Effort is counted in steps, so the result is the same on every machine. On one core and 70,000 triangles, best takes about
+    /// 0.01 s at level 1, 0.04 s at 2, 0.1 s at 3, 0.3 s at 4, 0.6 s at 5, 1.3 s at 6, 2.5 s at 7, 5 s at 8 and 10 s at 9; the time is
+    /// proportional to the triangles above 8,000 triangles, and constant below. fewest ends when it meets its lower bound; otherwise
+    /// each level doubles its time. cache takes a second per million triangles up to level 2; from level 3 on, it grows strips with
+    /// several heuristics, and for fifo caches of up to 256 entries continues with a local search. With --objective indices it searches
+    /// in the same way as best.
+    #[arg(long, value_name = "LEVEL", value_parser = effort_parser())]
+    effort: Option<Effort>,
+    /// Stop a search after a time such as 5s or 500ms, with the best result so far
     ///
-    /// Applies to auto, best, fewest, cache, tunnel and eta, for each input; the first growth of cache always ends. What is found in a time
-    /// differs from run to run; --effort does not.
+    /// Applies to auto, best, fewest, cache, tunnel and eta, for each input; the first growth of cache is always completed. Results
+    /// with a budget differ from run to run; results with --effort do not.
     #[arg(long, value_name = "TIME", value_parser = humantime::parse_duration)]
     budget: Option<Duration>,
-    /// The longest tunnel of tunnel and eta, in edges of the dual graph [default: 9 for tunnel, 1000 for eta]
+    /// The maximum length of a tunnel for tunnel and eta, in edges of the dual graph [default: 9 for tunnel, 1000 for eta]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     tunnel_length: Option<u32>,
-    /// Triangles that eta looks at before it gives up a search [default: 512]
+    /// The number of triangles that eta visits before it gives up a search [default: 512]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     threshold: Option<u32>,
-    /// The strips that eta starts from [default: sequential]
+    /// The initial strips of eta [default: sequential]
     #[arg(long, value_enum, value_name = "STRIPS")]
     start: Option<StartName>,
-    /// The seed of methods that choose at random: auto, best, fewest, cache, eta, stripe [default: 0]
+    /// The seed of randomized methods: auto, best, fewest, cache, eta, stripe [default: 0]
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
-    /// Let vertices with the same bits in position and all attributes count as one
-    ///
-    /// Strips then pass over the seam between them. Vertices that differ in any attribute, such as a normal or a texture coordinate,
-    /// stay apart. Welding saves indices, never vertices: the vertex buffer is written as it was.
-    #[arg(long)]
-    weld: bool,
+    #[command(flatten)]
+    weld: WeldArgs,
 }
 
 impl MethodArgs {
-    /// Makes options of the flags. Those of searches are for any method where all methods are drawn.
+    /// Builds the options. With `all_methods`, the flags of searches fit any method, because all methods run.
     ///
     /// # Errors
     /// A flag belongs to another method.
-    pub(crate) fn validate(&self, all_drawn: bool) -> Result<Options, String> {
+    pub(crate) fn validate(&self, all_methods: bool) -> Result<Options, String> {
         use MethodName::{
             Auto, Best, Cache, Eta, Fewest, Input, Sequential, Sgi, Stripe, StripeGlobal, StripeLocal, Tunnel,
         };
         let local = self.method == StripeLocal;
         let global = matches!(self.method, Stripe | StripeGlobal);
-        let belongs = |flag: &str, given: bool, fits: bool, home: &str| {
-            if given && !fits {
-                return Err(format!("{flag} belongs to --method {home}, not to {}", name(self.method)));
+        let check = |flag: &str, is_set: bool, fits: bool, methods: &str| {
+            if is_set && !fits {
+                return Err(format!("{flag} belongs to --method {methods}, not to {}", name_of(self.method)));
             }
             Ok(())
         };
-        belongs("--triangulation", self.triangulation.is_some(), local, "stripe-local")?;
-        belongs("--ties", self.ties.is_some(), local, "stripe-local")?;
-        belongs("--patches", self.patches.is_some(), global, "stripe-global")?;
-        belongs("--cutoff", self.cutoff.is_some(), global, "stripe-global")?;
+        check("--triangulation", self.triangulation.is_some(), local, "stripe-local")?;
+        check("--ties", self.ties.is_some(), local, "stripe-local")?;
+        check("--patches", self.patches.is_some(), global, "stripe-global")?;
+        check("--cutoff", self.cutoff.is_some(), global, "stripe-global")?;
         let best = matches!(self.method, Auto | Best);
         let cache = self.method == Cache;
-        let search = best || cache || self.method == Fewest || all_drawn;
+        let search = best || cache || self.method == Fewest || all_methods;
         let tunnels = matches!(self.method, Tunnel | Eta);
-        belongs("--cost", self.cost.is_some(), best, "auto or best")?;
-        belongs("--effort", self.effort.is_some(), search, "auto, best, fewest or cache")?;
-        belongs("--buffer", self.buffer.is_some(), cache || all_drawn, "cache")?;
-        belongs("--prefer", self.prefer.is_some(), cache, "cache")?;
-        let long = "auto, best, fewest, cache, tunnel or eta";
-        belongs("--budget", self.budget.is_some(), search || tunnels, long)?;
-        belongs("--tunnel-length", self.tunnel_length.is_some(), tunnels, "tunnel or eta")?;
-        belongs("--threshold", self.threshold.is_some(), self.method == Eta, "eta")?;
-        belongs("--start", self.start.is_some(), self.method == Eta, "eta")?;
-        let draws = local || global || search || self.method == Eta;
-        belongs("--seed", self.seed.is_some(), draws, "auto, best, fewest, cache, eta or one of stripe")?;
+        check("--cost", self.cost.is_some(), best, "auto or best")?;
+        check("--effort", self.effort.is_some(), search, "auto, best, fewest or cache")?;
+        check("--vertex-cache", self.vertex_cache.is_some(), cache || all_methods, "cache")?;
+        check("--objective", self.objective.is_some(), cache, "cache")?;
+        let stoppable = "auto, best, fewest, cache, tunnel or eta";
+        check("--budget", self.budget.is_some(), search || tunnels, stoppable)?;
+        check("--tunnel-length", self.tunnel_length.is_some(), tunnels, "tunnel or eta")?;
+        check("--threshold", self.threshold.is_some(), self.method == Eta, "eta")?;
+        check("--start", self.start.is_some(), self.method == Eta, "eta")?;
+        let randomized = local || global || search || self.method == Eta;
+        check("--seed", self.seed.is_some(), randomized, "auto, best, fewest, cache, eta or one of stripe")?;
         let method = match self.method {
             Auto => Method::Auto,
             Sequential => Method::Sequential,
@@ -240,12 +249,12 @@ impl MethodArgs {
         };
         let options = Options::default()
             .with_method(method)
-            .with_weld(self.weld)
+            .with_weld(self.weld.weld)
             .with_seed(self.seed.unwrap_or(0))
             .with_cost(self.cost.map(Into::into).unwrap_or_default())
-            .with_buffer(self.buffer.unwrap_or_default())
-            .with_prefer(self.prefer.map(Into::into).unwrap_or_default());
-        Ok(match self.effort() {
+            .with_buffer(self.vertex_cache.unwrap_or_default())
+            .with_prefer(self.objective.map(Into::into).unwrap_or_default());
+        Ok(match self.effort {
             Some(effort) => options.with_effort(effort),
             None => options,
         })
@@ -265,12 +274,12 @@ impl MethodArgs {
         eta
     }
 
-    /// Gives the effort that was asked for.
+    /// Returns the requested effort.
     pub(crate) fn effort(&self) -> Option<Effort> {
-        self.effort.and_then(Effort::new)
+        self.effort
     }
 
-    /// Gives the time after which a search shall stop.
+    /// Returns the time after which a search stops.
     pub(crate) fn budget(&self) -> Option<Duration> {
         self.budget
     }
@@ -287,12 +296,12 @@ impl From<CostName> for Cost {
     }
 }
 
-impl From<PreferName> for Prefer {
-    fn from(name: PreferName) -> Self {
+impl From<ObjectiveName> for Prefer {
+    fn from(name: ObjectiveName) -> Self {
         match name {
-            PreferName::Indices => Self::Indices,
-            PreferName::Balanced => Self::Balanced,
-            PreferName::Misses => Self::Misses,
+            ObjectiveName::Indices => Self::Indices,
+            ObjectiveName::Balanced => Self::Balanced,
+            ObjectiveName::Misses => Self::Misses,
         }
     }
 }
@@ -339,12 +348,12 @@ impl From<PatchesName> for Patches {
     }
 }
 
-/// Gives the name of a value as it is typed.
-fn name<E: ValueEnum + Copy>(value: E) -> String {
-    value.to_possible_value().map(|v| v.get_name().to_owned()).unwrap_or_default()
+/// Returns the name of the value of a command-line enumeration that stands for a value of the library.
+fn library_name<E: ValueEnum + Copy, T: From<E> + PartialEq>(value: T) -> Option<String> {
+    E::value_variants().iter().find(|&&name| T::from(name) == value).map(|&name| name_of(name))
 }
 
-/// A method as reports name it: the words of the command line.
+/// A method and its options in the words of the command line; the keys are those of the JSON report.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub(crate) struct MethodReport {
     method: String,
@@ -359,9 +368,9 @@ pub(crate) struct MethodReport {
     #[serde(skip_serializing_if = "Option::is_none")]
     cost: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    buffer: Option<String>,
+    vertex_cache: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    prefer: Option<String>,
+    objective: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     effort: Option<u8>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -376,12 +385,9 @@ pub(crate) struct MethodReport {
 
 impl MethodReport {
     pub(crate) fn of(options: &Options) -> Self {
-        let plain = |method| Self { method: name(method), ..Self::default() };
+        let plain = |method| Self { method: name_of(method), ..Self::default() };
         let search = |method| Self {
-            cost: CostName::value_variants()
-                .iter()
-                .find(|&&n| Cost::from(n) == options.cost())
-                .map(|&n| name(n)),
+            cost: library_name::<CostName, _>(options.cost()),
             effort: Some(options.effort().level()),
             seed: Some(options.seed()),
             ..plain(method)
@@ -391,19 +397,13 @@ impl MethodReport {
             Method::Input => plain(MethodName::Input),
             Method::Sgi => plain(MethodName::Sgi),
             Method::StripeLocal { triangulation, ties } => Self {
-                triangulation: TriangulationName::value_variants()
-                    .iter()
-                    .find(|&&n| FaceTriangulation::from(n) == triangulation)
-                    .map(|&n| name(n)),
-                ties: TiesName::value_variants().iter().find(|&&n| Ties::from(n) == ties).map(|&n| name(n)),
+                triangulation: library_name::<TriangulationName, _>(triangulation),
+                ties: library_name::<TiesName, _>(ties),
                 seed: Some(options.seed()),
                 ..plain(MethodName::StripeLocal)
             },
             Method::StripeGlobal { patches, cutoff } => Self {
-                patches: PatchesName::value_variants()
-                    .iter()
-                    .find(|&&n| Patches::from(n) == patches)
-                    .map(|&n| name(n)),
+                patches: library_name::<PatchesName, _>(patches),
                 cutoff: Some(cutoff),
                 seed: Some(options.seed()),
                 ..plain(MethodName::StripeGlobal)
@@ -412,21 +412,15 @@ impl MethodReport {
             Method::Fewest => Self { cost: None, ..search(MethodName::Fewest) },
             Method::Cache => Self {
                 cost: None,
-                buffer: Some(options.buffer().to_string()),
-                prefer: PreferName::value_variants()
-                    .iter()
-                    .find(|&&n| Prefer::from(n) == options.prefer())
-                    .map(|&n| name(n)),
+                vertex_cache: Some(options.buffer().to_string()),
+                objective: library_name::<ObjectiveName, _>(options.prefer()),
                 ..search(MethodName::Cache)
             },
             Method::Tunnel { length } => Self { tunnel_length: Some(length), ..plain(MethodName::Tunnel) },
             Method::Eta(eta) => Self {
                 tunnel_length: Some(eta.length()),
                 threshold: Some(eta.threshold()),
-                start: StartName::value_variants()
-                    .iter()
-                    .find(|&&n| Start::from(n) == eta.start())
-                    .map(|&n| name(n)),
+                start: library_name::<StartName, _>(eta.start()),
                 seed: Some(options.seed()),
                 ..plain(MethodName::Eta)
             },
@@ -434,30 +428,30 @@ impl MethodReport {
         }
     }
 
-    /// Gives the method's name.
+    /// Returns the name of the method.
     pub(crate) fn method(&self) -> &str {
         &self.method
     }
 
-    /// Gives what the method prefers, if it prefers anything.
-    pub(crate) fn prefer(&self) -> Option<&str> {
-        self.prefer.as_deref()
+    /// Returns the objective of `cache`; `None` for other methods.
+    pub(crate) fn objective(&self) -> Option<&str> {
+        self.objective.as_deref()
     }
 
-    /// Gives the effort of a method that searches.
+    /// Returns the effort; `None` for methods that do not search.
     pub(crate) fn effort(&self) -> Option<u8> {
         self.effort
     }
 
-    /// Says the method and its options in one line: `stripe-local whole sequential`.
+    /// Returns a short name of the method and its options: `stripe-local whole sequential`.
     pub(crate) fn label(&self) -> String {
         let words = [
             &self.triangulation,
             &self.ties,
             &self.patches,
             &self.cost,
-            &self.buffer,
-            &self.prefer,
+            &self.vertex_cache,
+            &self.objective,
             &self.start,
         ];
         let numbers = [self.cutoff, self.effort.map(u32::from), self.tunnel_length];
@@ -465,16 +459,38 @@ impl MethodReport {
         let numbers = numbers.into_iter().flatten().map(|n| n.to_string());
         words.chain(numbers).collect::<Vec<_>>().join(" ")
     }
+
+    /// Describes the method and its options: `method best, cost restart, effort 2`. `auto` goes by the methods that it chose.
+    pub(crate) fn description(&self, chosen: &Chosen) -> String {
+        let names: Vec<&str> = chosen.0.iter().map(|(name, _)| name.as_str()).collect();
+        let method = if names.is_empty() { self.method.clone() } else { names.join(" or ") };
+        let number = |n: Option<u32>| n.map(|n| n.to_string());
+        let options = [
+            ("triangulation", self.triangulation.clone()),
+            ("ties", self.ties.clone()),
+            ("patches", self.patches.clone()),
+            ("cutoff", number(self.cutoff)),
+            ("cost", self.cost.clone()),
+            ("vertex cache", self.vertex_cache.clone()),
+            ("objective", self.objective.clone()),
+            ("effort", number(self.effort.map(u32::from))),
+            ("tunnel length", number(self.tunnel_length)),
+            ("threshold", number(self.threshold)),
+            ("start", self.start.clone()),
+        ];
+        let options = options.into_iter().filter_map(|(name, value)| Some(format!("{name} {}", value?)));
+        std::iter::once(format!("method {method}")).chain(options).collect::<Vec<_>>().join(", ")
+    }
 }
 
-/// Which methods were taken, by name, with the number of parts of each, in the order of the command line's methods.
+/// The methods that were used, with the number of parts of each, in the order of [`MethodName`].
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(crate) struct Chosen(Vec<(String, usize)>);
 
 impl Chosen {
     pub(crate) fn of(methods: &[Method]) -> Self {
         let mut counts: Vec<(String, usize)> =
-            MethodName::value_variants().iter().map(|&method| (name(method), 0)).collect();
+            MethodName::value_variants().iter().map(|&method| (name_of(method), 0)).collect();
         for &method in methods {
             let name = MethodReport::of(&Options::default().with_method(method)).method;
             if let Some((_, count)) = counts.iter_mut().find(|(known, _)| *known == name) {
@@ -486,14 +502,14 @@ impl Chosen {
     }
 }
 
-/// An object of names and counts.
+/// Serializes as an object of names and counts.
 impl Serialize for Chosen {
     fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_map(self.0.iter().map(|(name, count)| (name, count)))
     }
 }
 
-/// Lists the methods to compare: a few that stand for their families, or every variant.
+/// Returns the methods to compare: one or a few per family, or every variant.
 pub(crate) fn methods_to_compare(every_variant: bool) -> Vec<Method> {
     let mut methods = vec![
         Method::Auto,
@@ -534,7 +550,7 @@ mod tests {
     use std::collections::HashSet;
 
     #[test]
-    fn all_variants_are_compared_under_names_of_their_own() {
+    fn all_variants_have_distinct_names() {
         let label = |method| MethodReport::of(&Options::default().with_method(method)).label();
         let labels: HashSet<String> = methods_to_compare(true).into_iter().map(label).collect();
         assert_eq!(labels.len(), 9 + 15 + 10);
@@ -545,9 +561,20 @@ mod tests {
     }
 
     #[test]
-    fn what_was_chosen_is_counted_by_name() {
+    fn chosen_methods_are_counted_by_name() {
         let chosen = Chosen::of(&[Method::Input, Method::Best, Method::Input]);
         assert_eq!(serde_json::to_string(&chosen).unwrap(), r#"{"best":1,"input":2}"#);
         assert_eq!(Chosen::of(&[]), Chosen::default());
+    }
+
+    #[test]
+    fn auto_is_described_as_the_method_that_it_chose() {
+        let auto = MethodReport::of(&Options::default());
+        assert_eq!(auto.description(&Chosen::of(&[Method::Best])), "method best, cost restart, effort 2");
+        let local = Options::default().with_method(Method::STRIPE);
+        assert_eq!(
+            MethodReport::of(&local).description(&Chosen::default()),
+            "method stripe-global, patches rows, cutoff 5"
+        );
     }
 }

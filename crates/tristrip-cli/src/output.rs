@@ -1,4 +1,4 @@
-//! Writing results: the bytes are proven by reading them again before they reach a file.
+//! Writes results. The bytes are read back and verified before a file is replaced.
 
 use std::fs;
 
@@ -10,32 +10,44 @@ use crate::console::Console;
 use crate::failure::Failure;
 use crate::input::meshes;
 use crate::stages::timed;
-use crate::task::{Output, layout_name};
+use crate::task::Output;
 use crate::text::{self, counted};
+use crate::values::layout_name;
 
-/// What was written.
+/// The outcome of a write.
 pub(crate) struct Written {
-    /// What the format could not hold.
+    /// Notes on what the format cannot store.
     pub(crate) losses: Vec<String>,
-    /// Time to prove what a reader will see.
+    /// The time to verify the bytes.
     pub(crate) verify_seconds: Option<f64>,
-    /// Time to lay out and write the bytes.
+    /// The time to lay out and write the bytes.
     pub(crate) write_seconds: f64,
 }
 
-/// What is to be written.
+impl Written {
+    /// Adds the times and notes to those of a report.
+    pub(crate) fn record(self, write: &mut Option<f64>, verify: &mut Option<f64>, notes: &mut Vec<String>) {
+        *write = Some(self.write_seconds);
+        if let Some(seconds) = self.verify_seconds {
+            *verify = Some(verify.unwrap_or(0.0) + seconds);
+        }
+        notes.extend(self.losses);
+    }
+}
+
+/// A model, how each part is drawn, and the layout of the strips.
 #[derive(Clone, Copy)]
-pub(crate) struct Drawn<'a> {
+pub(crate) struct ModelDrawing<'a> {
     pub(crate) model: &'a Model,
     pub(crate) drawings: &'a [Drawing<'a>],
     pub(crate) layout: Layout,
 }
 
-/// Writes a model's drawings: lays them out, proves of the bytes that they draw the source, if asked to, and puts them into their place.
+/// Writes a model: lays out its strips, proves that the bytes draw the source if `verify` is set, and writes them to the output.
 pub(crate) fn write(
     output: &Output,
     source: &Model,
-    Drawn { model, drawings, layout }: Drawn<'_>,
+    ModelDrawing { model, drawings, layout }: ModelDrawing<'_>,
     verify: bool,
     console: &mut Console,
 ) -> Result<Written, Failure> {
@@ -46,13 +58,13 @@ pub(crate) fn write(
     if verify {
         console.doing("verify");
         let (proof, seconds) = timed(|| prove(output, source, &bytes));
-        let what = format!("proven: read again, it draws the {}", counted(proof?, "face"));
+        let what = format!("proven: the file draws the {}", counted(proof?, "face"));
         console.stage("verify", &what, Some(seconds));
         verify_seconds = Some(seconds);
     }
-    let (put, put_seconds) = timed(|| put(output, &bytes, console));
-    put?;
-    let write_seconds = encode_seconds + put_seconds;
+    let (written, bytes_seconds) = timed(|| write_bytes(output, &bytes, console));
+    written?;
+    let write_seconds = encode_seconds + bytes_seconds;
     if output.path.is_some() {
         let strips = drawings.iter().any(|drawing| matches!(drawing, Drawing::Strips(_)));
         let how = if strips { layout_name(output.layout) } else { "faces" };
@@ -64,7 +76,7 @@ pub(crate) fn write(
     Ok(Written { losses, verify_seconds, write_seconds })
 }
 
-/// Reads the bytes as anyone would, and holds what they draw to the source; gives the number of faces.
+/// Reads the bytes back, proves that they draw the source, and returns the number of faces.
 fn prove(output: &Output, source: &Model, bytes: &[u8]) -> Result<usize, Failure> {
     let unproven = |why: String| Failure::Unproven(format!("{} was not written: {why}", output.name()));
     let again = tristrip_io::read(bytes, output.format).map_err(|error| unproven(error.to_string()))?;
@@ -74,13 +86,13 @@ fn prove(output: &Output, source: &Model, bytes: &[u8]) -> Result<usize, Failure
     }
 }
 
-fn put(output: &Output, bytes: &[u8], console: &mut Console) -> Result<(), Failure> {
+fn write_bytes(output: &Output, bytes: &[u8], console: &mut Console) -> Result<(), Failure> {
     let Some(path) = &output.path else {
         console.write_stdout(bytes);
         return Ok(());
     };
     if let Some(directory) = path.parent().filter(|directory| output.in_directory && !directory.exists()) {
-        // Only the directory that was named: a missing one above it is more likely a slip.
+        // Create only the directory itself: a missing parent is more likely a typing error.
         fs::create_dir(directory).map_err(|error| Failure::system(directory, &error))?;
     }
     tristrip_io::replace_file(path, bytes).map_err(|error| Failure::writing(&error))
@@ -94,7 +106,7 @@ mod tests {
     use tristrip_io::Format;
 
     #[test]
-    fn what_is_not_proven_is_not_written() {
+    fn unproven_results_are_not_written() {
         let square = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
         let model = tristrip_io::read(square, Format::Obj).unwrap();
         let mut console = Console::new(&Shared { json: false, quiet: true, threads: Some(1) }, false);
@@ -111,8 +123,8 @@ mod tests {
         strips.push(&[1, 2, 0]);
         let mut write = |strips: &Strips, verify| {
             let drawings = [Drawing::Strips(strips)];
-            let drawn = Drawn { model: &model, drawings: &drawings, layout: output.layout };
-            write(&output, &model, drawn, verify, &mut console).map(drop)
+            let drawing = ModelDrawing { model: &model, drawings: &drawings, layout: output.layout };
+            write(&output, &model, drawing, verify, &mut console).map(drop)
         };
         let Err(Failure::Unproven(why)) = write(&strips, true) else { panic!("half a square was written") };
         assert!(why.contains("square.ply was not written: triangles missing: 1, extra: 0"), "{why}");

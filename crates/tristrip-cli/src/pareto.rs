@@ -1,14 +1,14 @@
-//! `tristrip strip --pareto`: what every method makes of a model, by the two figures that are at odds: indices and misses.
+//! `tristrip strip --pareto`: compares all methods on a model by two conflicting figures, indices and misses.
 //!
 //! ```text
-//!  misses a     │ ●───┐ best          a method is optimal where no other has as few of both and fewer of one
-//!  triangle     │   ○ └───● cache     optimal ones are joined: below the line is nothing
+//!  misses per   │ ●───┐ best          a method is optimal if no other has at most as many of both and fewer of one
+//!  triangle     │   ○ └───● cache     a line joins the optimal methods: no method is below it
 //!               └───────────────
-//!                indices a triangle
+//!               indices per triangle
 //! ```
-//! Every result is proven before it becomes a point.
+//! Each result is proven before it becomes a point.
 
-mod picture;
+mod chart;
 
 use std::time::Duration;
 
@@ -24,79 +24,80 @@ use crate::method::MethodReport;
 use crate::search::{SearchWatch, Stopped, interrupted};
 use crate::stages::{Pool, Prepared, find_strips, prove};
 use crate::text::table;
-pub(crate) use picture::draw;
+pub(crate) use chart::draw;
 
-/// Efforts of `best` and `cache` unless one was asked for: that of `auto`, and that of a longer search.
+/// The default efforts of `best` and `cache`: that of `auto`, and a longer search.
 const EFFORTS: [u8; 2] = [2, 5];
 
 /// The label of the plain triangle list.
 const LIST: &str = "list";
 
-/// How long methods search.
+/// The limits of searches.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Searches {
-    /// Of all methods that search; each has its own where none was asked for.
+    /// The effort of all methods that search; `None` for the default efforts.
     pub(crate) effort: Option<Effort>,
-    /// Of each search by itself.
+    /// The time budget of each search.
     pub(crate) budget: Option<Duration>,
 }
 
-/// One way to draw a model, and what it costs.
+/// The cost of one method on a model; the keys are those of the JSON report.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub(crate) struct Point {
-    /// The name in the picture.
+pub(crate) struct ParetoPoint {
+    /// The name in the chart.
     label: String,
     method: String,
-    prefer: Option<String>,
+    objective: Option<String>,
     effort: Option<u8>,
-    buffer: String,
+    vertex_cache: String,
     indices_restart_per_triangle: f64,
     acmr: f64,
     optimal: bool,
     stopped: Option<Stopped>,
-    /// Whether the file's own order made it: nobody looked for strips.
+    /// Whether the point is the file's own order: no strips were searched for.
     #[serde(skip)]
-    as_found: bool,
+    is_file_order: bool,
     #[serde(skip)]
-    cost: Cost,
+    cost: ParetoCost,
 }
 
-/// Indices with restarts, and misses, of the whole model: compared before they are rounded.
+/// Indices with restarts, and misses, of the whole model. Costs are compared unrounded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-struct Cost {
+struct ParetoCost {
     indices: usize,
     misses: usize,
 }
 
-impl Cost {
-    /// Tells whether one is nowhere worse and somewhere better.
-    fn beats(self, other: Self) -> bool {
+impl ParetoCost {
+    /// Returns whether this cost is less in one figure and not greater in the other.
+    fn dominates(self, other: Self) -> bool {
         self.indices <= other.indices && self.misses <= other.misses && self != other
     }
 }
 
-/// A method under the name that it has in the picture.
+/// A method with its options, under its name in the chart.
 #[derive(Debug, Clone)]
 struct Candidate {
     label: String,
     options: Options,
 }
 
-/// Measures every method, the one of the options too, and the plain list; the notes say what a budget or Ctrl-C cut short.
+/// Measures all methods, including the one of the options, and the plain list. The notes name the searches that a budget or Ctrl-C
+/// stopped.
 ///
 /// # Errors
-/// A result is not proven, or Ctrl-C came before the last method.
+/// A result is not proven, or Ctrl-C was pressed before the last method.
 pub(crate) fn measure(
     pool: &Pool,
     parts: &[Prepared<'_>],
     options: &Options,
     searches: Searches,
     console: &Console,
-) -> Result<(Vec<Point>, Vec<String>), Failure> {
+) -> Result<(Vec<ParetoPoint>, Vec<String>), Failure> {
     let mut points = Vec::new();
     for candidate in candidates(options, searches.effort) {
         if interrupted() {
-            return Err(Failure::Output("pareto: not done: interrupted".into()));
+            return Err(Failure::Output("pareto: not finished: interrupted".into()));
         }
         console.doing(&candidate.label);
         let watch = SearchWatch::new(console.progress(), searches.budget, &candidate.options);
@@ -106,19 +107,19 @@ pub(crate) fn measure(
         points.push(point);
     }
     points.push(list(pool, parts, options.buffer()));
-    let costs: Vec<Cost> = points.iter().map(|point| point.cost).collect();
+    let costs: Vec<ParetoCost> = points.iter().map(|point| point.cost).collect();
     for point in &mut points {
-        point.optimal = !costs.iter().any(|cost| cost.beats(point.cost));
+        point.optimal = !costs.iter().any(|cost| cost.dominates(point.cost));
     }
-    let cut: Vec<&str> =
+    let stopped: Vec<&str> =
         points.iter().filter(|point| point.stopped.is_some()).map(|point| point.label.as_str()).collect();
-    let notes = (!cut.is_empty())
-        .then(|| format!("of the picture, these searches were cut short: {}", cut.join(", ")));
+    let notes = (!stopped.is_empty())
+        .then(|| format!("chart: these searches were stopped early: {}", stopped.join(", ")));
     Ok((points, notes.into_iter().collect()))
 }
 
-/// Lists the methods to draw, with the seed, welding and buffer of some options; the method of these options is the last where it is
-/// none of the others.
+/// Returns the methods of the chart, with the seed, welding and vertex cache of the options. The method of the options is added at the
+/// end unless it is one of them.
 fn candidates(options: &Options, effort: Option<Effort>) -> Vec<Candidate> {
     let base =
         Options::default().with_weld(options.weld()).with_seed(options.seed()).with_buffer(options.buffer());
@@ -136,15 +137,15 @@ fn candidates(options: &Options, effort: Option<Effort>) -> Vec<Candidate> {
     };
     let search = |options: Options| {
         let report = MethodReport::of(&options);
-        let words = [Some(report.method()), report.prefer()].into_iter().flatten();
+        let words = [Some(report.method()), report.objective()].into_iter().flatten();
         let label = format!("{} {}", words.collect::<Vec<_>>().join(" "), options.effort().level());
         Candidate { label, options }
     };
     let fewest = base.with_method(Method::Fewest);
     candidates.push(search(effort.map_or(fewest, |effort| fewest.with_effort(effort))));
     candidates.extend(efforts.iter().map(|&e| search(base.with_method(Method::Best).with_effort(e))));
-    for prefer in [Prefer::Indices, Prefer::Balanced, Prefer::Misses] {
-        let cache = base.with_method(Method::Cache).with_prefer(prefer);
+    for objective in [Prefer::Indices, Prefer::Balanced, Prefer::Misses] {
+        let cache = base.with_method(Method::Cache).with_prefer(objective);
         candidates.extend(efforts.iter().map(|&e| search(cache.with_effort(e))));
     }
     let own = match options.method() {
@@ -159,80 +160,85 @@ fn candidates(options: &Options, effort: Option<Effort>) -> Vec<Candidate> {
 }
 
 impl Candidate {
-    /// Finds strips, proves them, and measures them.
-    fn measure(&self, pool: &Pool, parts: &[Prepared<'_>], watch: &SearchWatch) -> Result<Point, Failure> {
+    /// Builds strips, proves them, and measures them.
+    fn measure(
+        &self,
+        pool: &Pool,
+        parts: &[Prepared<'_>],
+        watch: &SearchWatch,
+    ) -> Result<ParetoPoint, Failure> {
         let strips = find_strips(pool, parts, &self.options, watch)?.strips;
         prove(pool, parts, &strips, &self.options)?;
-        let buffer = self.options.buffer();
-        let (metrics, used) = figures(pool, parts, &strips, buffer);
+        let cache = self.options.buffer();
+        let (metrics, used) = figures(pool, parts, &strips, cache);
         let report = MethodReport::of(&self.options);
-        Ok(Point {
+        Ok(ParetoPoint {
             label: self.label.clone(),
             method: report.method().into(),
-            prefer: report.prefer().map(Into::into),
+            objective: report.objective().map(Into::into),
             effort: report.effort(),
             stopped: watch.stopped(),
-            as_found: self.options.method() == Method::Input,
-            ..Point::of(metrics.indices_restart, used, buffer)
+            is_file_order: self.options.method() == Method::Input,
+            ..ParetoPoint::of(metrics.indices_restart, used, cache)
         })
     }
 }
 
-impl Point {
-    fn of(indices: usize, used: BufferUse, buffer: Buffer) -> Self {
+impl ParetoPoint {
+    fn of(indices: usize, used: BufferUse, cache: Buffer) -> Self {
         Self {
             label: String::new(),
             method: String::new(),
-            prefer: None,
+            objective: None,
             effort: None,
-            buffer: buffer.to_string(),
+            vertex_cache: cache.to_string(),
             indices_restart_per_triangle: rounded(indices as f64 / used.triangles.max(1) as f64),
             acmr: rounded(used.acmr()),
             optimal: false,
             stopped: None,
-            as_found: false,
-            cost: Cost { indices, misses: used.misses },
+            is_file_order: false,
+            cost: ParetoCost { indices, misses: used.misses },
         }
     }
 }
 
-/// Sums the figures of strips over the parts, each of which begins with an empty buffer.
-fn figures(pool: &Pool, parts: &[Prepared<'_>], strips: &[Strips], buffer: Buffer) -> (Metrics, BufferUse) {
+/// Sums the figures of strips over the parts. Each part starts with an empty vertex cache.
+fn figures(pool: &Pool, parts: &[Prepared<'_>], strips: &[Strips], cache: Buffer) -> (Metrics, BufferUse) {
     let pairs: Vec<_> = parts.iter().zip(strips).collect();
     let measured = pool.map(&pairs, |(part, strips)| {
-        (Metrics::of(strips), BufferUse::of(strips, buffer, Between::Keep, part.mesh.vertex_count()))
+        (Metrics::of(strips), BufferUse::of(strips, cache, Between::Keep, part.mesh.vertex_count()))
     });
     (measured.iter().map(|m| m.0).sum(), measured.iter().map(|m| m.1).sum())
 }
 
-/// Measures the triangles in the order of the file, polygons as fans, without those that draw nothing.
-fn list(pool: &Pool, parts: &[Prepared<'_>], buffer: Buffer) -> Point {
+/// Measures the triangle list in the order of the file, polygons as fans, without degenerate faces.
+fn list(pool: &Pool, parts: &[Prepared<'_>], cache: Buffer) -> ParetoPoint {
     let measured = pool.map(parts, |part| {
         let fans = part.surface.faces().iter().flat_map(|face| match face {
             [first, rest @ ..] => rest.windows(2).flat_map(|edge| [*first, edge[0], edge[1]]).collect(),
             [] => Vec::new(),
         });
-        BufferUse::of_list(&fans.collect::<Vec<u32>>(), buffer, part.mesh.vertex_count())
+        BufferUse::of_list(&fans.collect::<Vec<u32>>(), cache, part.mesh.vertex_count())
     });
     let used: BufferUse = measured.into_iter().sum();
     let (label, method) = (LIST.into(), LIST.into());
-    Point { label, method, as_found: true, ..Point::of(3 * used.triangles, used, buffer) }
+    ParetoPoint { label, method, is_file_order: true, ..ParetoPoint::of(3 * used.triangles, used, cache) }
 }
 
-/// Says in one line what was measured.
-pub(crate) fn line(points: &[Point]) -> String {
+/// Returns a line on the number of methods.
+pub(crate) fn line(points: &[ParetoPoint]) -> String {
     let optimal = points.iter().filter(|point| point.optimal).count();
-    format!("{} ways to draw it, each proven; {optimal} optimal", points.len())
+    format!("{} methods compared, each proven; {optimal} optimal", points.len())
 }
 
-/// Writes the points as a table, the fewest indices first.
-pub(crate) fn as_text(points: &[Point]) -> String {
-    let mut sorted: Vec<&Point> = points.iter().collect();
+/// Returns the points as a table, the fewest indices first.
+pub(crate) fn as_text(points: &[ParetoPoint]) -> String {
+    let mut sorted: Vec<&ParetoPoint> = points.iter().collect();
     sorted.sort_by_key(|point| (point.cost.indices, point.cost.misses));
-    let buffer = points.first().map_or("", |point| point.buffer.as_str());
+    let cache = points.first().map_or("", |point| point.vertex_cache.as_str());
     let head =
-        ["  way".into(), "indices a triangle".into(), format!("ACMR {buffer}"), String::new()].to_vec();
-    let row = |point: &Point| {
+        ["  method".into(), "indices per triangle".into(), format!("ACMR {cache}"), String::new()].to_vec();
+    let row = |point: &ParetoPoint| {
         vec![
             format!("  {}", point.label),
             format!("{:.3}", point.indices_restart_per_triangle),
@@ -254,14 +260,14 @@ mod tests {
     }
 
     #[test]
-    fn every_method_is_drawn_once_and_under_a_name_of_its_own() {
-        let usual = labels(&Options::default(), None);
+    fn every_method_appears_once_under_a_distinct_name() {
+        let default = labels(&Options::default(), None);
         assert_eq!(
-            usual.join(", "),
+            default.join(", "),
             "input, sequential, sgi, stripe, eta, fewest 5, best 2, best 5, cache indices 2, cache indices 5, \
              cache balanced 2, cache balanced 5, cache misses 2, cache misses 5"
         );
-        assert_eq!(usual.iter().collect::<HashSet<_>>().len(), usual.len());
+        assert_eq!(default.iter().collect::<HashSet<_>>().len(), default.len());
         let effort = Effort::new(1);
         let short = labels(&Options::default().with_effort(Effort::new(1).unwrap()), effort);
         assert_eq!(
@@ -271,7 +277,7 @@ mod tests {
     }
 
     #[test]
-    fn the_method_that_was_asked_for_is_drawn_too() {
+    fn the_requested_method_is_included() {
         let with = |method| labels(&Options::default().with_method(method), None);
         assert_eq!(with(Method::Best).len(), 14);
         assert_eq!(with(Method::STRIPE).len(), 14);
@@ -281,9 +287,13 @@ mod tests {
     }
 
     #[test]
-    fn only_what_is_better_somewhere_beats() {
-        let cost = |indices, misses| Cost { indices, misses };
-        assert!(cost(1, 2).beats(cost(2, 2)) && cost(2, 1).beats(cost(2, 2)) && cost(1, 1).beats(cost(2, 2)));
-        assert!(!cost(2, 2).beats(cost(2, 2)) && !cost(1, 3).beats(cost(2, 2)));
+    fn a_cost_dominates_only_if_it_is_less_in_one_figure() {
+        let cost = |indices, misses| ParetoCost { indices, misses };
+        assert!(
+            cost(1, 2).dominates(cost(2, 2))
+                && cost(2, 1).dominates(cost(2, 2))
+                && cost(1, 1).dominates(cost(2, 2))
+        );
+        assert!(!cost(2, 2).dominates(cost(2, 2)) && !cost(1, 3).dominates(cost(2, 2)));
     }
 }

@@ -1,4 +1,4 @@
-//! What is said of re-ordered vertices: where each went, how many moved, and which could not.
+//! Reports on re-ordered vertices: the new order, the number of moved vertices, and the vertices that kept their order.
 
 use std::collections::BTreeMap;
 
@@ -14,9 +14,9 @@ pub(crate) struct GroupReport {
     parts: Vec<usize>,
     vertices: usize,
     moved: usize,
-    /// For each place the vertex of the source: one line, however many there are.
+    /// The source vertex of each new vertex, on one line of the JSON output.
     new_to_old: Option<Box<RawValue>>,
-    /// Why the vertices stayed where they were.
+    /// Why the vertices kept their order; `None` if they did not.
     kept: Option<String>,
 }
 
@@ -32,14 +32,14 @@ impl GroupReport {
     }
 }
 
-/// Says in one line how many vertices have another number.
+/// Returns a line on how many vertices have a new number.
 pub(crate) fn line(groups: &[VertexGroup]) -> String {
     let moved: usize = groups.iter().map(|group| group.order.moved_count()).sum();
     let all = groups.iter().map(|group| group.order.vertex_count()).sum();
-    format!("{} of {} moved to the order of first use", count(moved), counted(all, "vertex"))
+    format!("{} of {} renumbered in the order of first use", count(moved), counted(all, "vertex"))
 }
 
-/// Says which parts kept their vertices as they were, and why; the same reason once.
+/// Returns a note per reason for which parts kept their vertex order.
 pub(crate) fn kept(groups: &[VertexGroup]) -> Vec<String> {
     let mut by_reason: BTreeMap<&str, usize> = BTreeMap::new();
     for group in groups {

@@ -1,7 +1,7 @@
-//! Watching searches: their progress, a budget of time, and Ctrl-C.
+//! Watches searches: progress, time budget, and Ctrl-C.
 //!
-//! The first Ctrl-C during a search stops it with the best that it has, which is then proven and written; a second one, or one at
-//! any other time, ends the command as usual.
+//! The first Ctrl-C during a search stops it with its best result so far, which is then verified and written. A second Ctrl-C, or one
+//! outside of a search, ends the command as usual.
 
 use std::sync::Once;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
@@ -14,21 +14,21 @@ use tristrip::{Method, Options};
 
 use crate::text::{count, counted};
 
-/// What a shell takes for the end by Ctrl-C.
+/// The exit code of a command that was ended by Ctrl-C, as shells define it.
 const INTERRUPTED_CODE: i32 = 130;
-/// Time between two looks at the progress.
+/// The time between two updates of the progress display.
 const SHOW_EVERY: Duration = Duration::from_millis(100);
 
 static HANDLER: Once = Once::new();
 static SEARCHES: AtomicUsize = AtomicUsize::new(0);
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
-/// Tells whether a search was stopped by Ctrl-C.
+/// Returns whether a search was stopped by Ctrl-C.
 pub(crate) fn interrupted() -> bool {
     INTERRUPTED.load(Ordering::Relaxed)
 }
 
-/// Why a search ended before its time.
+/// Why a search was stopped early.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub(crate) enum Stopped {
@@ -37,27 +37,27 @@ pub(crate) enum Stopped {
 }
 
 impl Stopped {
-    /// Says so for people.
+    /// Returns the note for the report.
     pub(crate) fn note(self) -> &'static str {
         match self {
-            Self::Budget => "the budget ended the search: another run may find something else",
-            Self::Interrupt => "interrupted: this is the best that was found by then",
+            Self::Budget => "the time budget ended the search: another run may give a different result",
+            Self::Interrupt => "interrupted: this is the best result found so far",
         }
     }
 }
 
-/// The effort from which on `cache` searches, whatever is preferred.
+/// The lowest effort at which `cache` searches for every objective.
 const CACHE_SEARCHES: u8 = 3;
 
 /// Watches the searches of one input.
 pub(crate) struct SearchWatch {
     bar: ProgressBar,
-    /// Whether the method searches at all; others cannot be stopped.
+    /// Whether the method searches; other methods cannot be stopped.
     searches: bool,
     started: Instant,
     budget: Option<Duration>,
     over_budget: AtomicBool,
-    /// Milliseconds after the start at which the progress was shown last.
+    /// The time of the last update of the progress display, in milliseconds after the start.
     shown: AtomicU64,
 }
 
@@ -85,7 +85,7 @@ impl SearchWatch {
         }
     }
 
-    /// Tells whether a search was stopped, and why.
+    /// Returns why the search was stopped, if it was.
     pub(crate) fn stopped(&self) -> Option<Stopped> {
         if interrupted() {
             Some(Stopped::Interrupt)
@@ -140,9 +140,9 @@ mod tests {
     use super::*;
     use tristrip::stripify::Effort;
 
-    /// The first Ctrl-C during any other method was taken for the end of a search, and did nothing but say so.
+    /// Regression: the first Ctrl-C during a method that does not search had no effect except a note.
     #[test]
-    fn only_a_search_takes_an_interrupt() {
+    fn only_searches_handle_an_interrupt() {
         let searches_of = |options: Options| {
             let _watch = SearchWatch::new(ProgressBar::hidden(), None, &options);
             SEARCHES.load(Ordering::SeqCst)

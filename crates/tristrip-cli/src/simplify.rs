@@ -1,58 +1,89 @@
-//! `tristrip simplify`: fewer triangles, by half-edge collapses.
+//! `tristrip simplify`: reduces the number of triangles by half-edge collapses.
 //!
 //! ```text
-//! load ─ surface ─▶ triangles of each part ─ lock what parts share ─ simplify ─▶ base meshes ─ prove ─ write ─ read again, prove
+//! load ─ prepare ─▶ triangles of each part ─ lock shared vertices ─ simplify ─▶ base meshes ─ prove ─ write ─ read back, prove
 //! ```
 
-mod goal;
 mod parts;
 
+use serde::Serialize;
 use tristrip::mesh::Triangulation;
 use tristrip::simplify::Simplification;
 use tristrip::{Layout, Mesh, Options, Strips};
 use tristrip_io::{Drawing, Format, Redrawn};
 
+use crate::batch::{self, InputReport, Outcome};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::figures::rounded;
 use crate::input::meshes;
-use crate::output::{self, Drawn};
-use crate::report::{SimplifyReport, SimplifySeconds};
+use crate::output::{self, ModelDrawing};
 use crate::stages::{Pool, timed};
 use crate::survey::{Loaded, Surveyed};
 use crate::task::{Job, Output, SimplifyTask};
 use crate::text::{count, counted, table};
-pub(crate) use goal::{Amount, Deviation, Goal, Ratio};
 pub(crate) use parts::{Compact, Part, diagonal, simplify_all};
 
-/// Parts whose end is told one by one.
-const NAMED_PARTS: usize = 8;
+/// The maximum number of parts with a note of their own on where they stopped.
+const MAX_NAMED_PARTS: usize = 8;
 
-/// Simplifies all inputs, one after the other; tells whether all were done.
-pub(crate) fn run(task: &SimplifyTask, pool: &Pool, console: &mut Console) -> bool {
-    let mut reports = Vec::with_capacity(task.jobs.len());
-    for job in &task.jobs {
-        let mut report = SimplifyReport { file: job.input.name(), ..SimplifyReport::default() };
-        console.begin(&report.file, None);
-        let done = simplify(job, task, pool, console, &mut report);
-        console.end();
-        match done {
-            Ok(()) => {
-                let title = if task.jobs.len() > 1 { format!("{}\n", report.file) } else { String::new() };
-                console.result(&format!("{title}{}", summary(&report)), job.output.is_none());
-            }
-            Err(failure) => {
-                if matches!(failure, Failure::Unproven(_)) {
-                    report.proven = Some(false);
-                }
-                console.error(&format!("{}: {failure}", report.file));
-                report.error = Some(failure.to_string());
-            }
-        }
-        reports.push(report);
+/// The time of each stage in seconds; `null` for a stage that did not run.
+#[derive(Debug, Clone, Copy, Default, Serialize)]
+struct SimplifySeconds {
+    load: Option<f64>,
+    dual: Option<f64>,
+    simplify: Option<f64>,
+    verify: Option<f64>,
+    write: Option<f64>,
+}
+
+/// The report of one input; the keys are those of the JSON output.
+#[derive(Debug, Default, Serialize)]
+struct SimplifyReport {
+    file: String,
+    proven: Option<bool>,
+    seconds: SimplifySeconds,
+    /// The requested number of triangles; `null` for no limit.
+    target_triangles: Option<usize>,
+    /// The maximum error in mesh units; `null` for no limit.
+    target_error: Option<f32>,
+    /// Whether each part has at most its target number of triangles.
+    reached: Option<bool>,
+    triangles_before: Option<usize>,
+    triangles_after: Option<usize>,
+    /// Used vertices.
+    vertices_before: Option<usize>,
+    vertices_after: Option<usize>,
+    collapses: Option<usize>,
+    /// The greatest error of a collapse, in mesh units.
+    surface_error: Option<f32>,
+    surface_error_percent: Option<f64>,
+    /// The diagonal of the model's bounding box, in mesh units.
+    diagonal: Option<f64>,
+    locked_vertices: Option<usize>,
+    parts: Option<usize>,
+    notes: Vec<String>,
+    output: Option<String>,
+    error: Option<String>,
+}
+
+impl InputReport for SimplifyReport {
+    fn outcome(&mut self) -> Outcome<'_> {
+        Outcome { file: &self.file, proven: Some(&mut self.proven), error: &mut self.error }
     }
-    console.json(&reports, task.jobs.len() > 1);
-    reports.iter().all(|report| report.error.is_none())
+}
+
+/// Simplifies all inputs in order; returns whether all succeeded.
+pub(crate) fn run(task: &SimplifyTask, pool: &Pool, console: &mut Console) -> bool {
+    let new_report = |job: &Job| SimplifyReport { file: job.input.name(), ..SimplifyReport::default() };
+    let process = |job: &Job, console: &mut Console, report: &mut SimplifyReport| {
+        simplify(job, task, pool, console, report)
+    };
+    let show = |job: &Job, report: &SimplifyReport, title: &str, console: &mut Console| {
+        console.result(&format!("{title}{}", summary(report)), job.output.is_none());
+    };
+    let reports = batch::process_all(&task.jobs, None, console, new_report, process, show);
+    batch::finish(reports, console)
 }
 
 fn simplify(
@@ -104,17 +135,17 @@ fn simplify(
         report.notes.push(note);
     }
 
-    // 3. The proof that the collapses are what they say.
+    // 3. The proof of the collapses.
     if task.verify {
         console.doing("verify");
         let (proof, seconds) = timed(|| prove(pool, &done));
         proof?;
         report.seconds.verify = Some(seconds);
         report.proven = Some(true);
-        let what = "proven: the collapses, done one by one, drop these triangles";
+        let what = "proven: replaying the collapses removes exactly these triangles";
         console.stage("verify", what, Some(seconds));
     } else {
-        console.stage("verify", "not asked for", None);
+        console.stage("verify", "skipped", None);
     }
 
     // 4. The file.
@@ -132,7 +163,7 @@ fn simplify(
     write(target, &smaller, task.verify, console, report)
 }
 
-/// Gives the triangles of all parts, polygons cut from their first corners.
+/// Returns the triangles of all parts, polygons as fans around their first corner.
 fn fans<'a>(pool: &Pool, surveyed: &Surveyed<'a>) -> Result<Vec<Part<'a>>, Failure> {
     let triangles =
         pool.map(&surveyed.parts, |part| Triangulation::fan(&part.surface, &part.graph).triangles().to_vec());
@@ -140,13 +171,13 @@ fn fans<'a>(pool: &Pool, surveyed: &Surveyed<'a>) -> Result<Vec<Part<'a>>, Failu
     Ok(Part::of_all(meshes.zip(triangles).collect())?)
 }
 
-/// Does the collapses of each part one by one, and compares what they drop.
+/// Replays the collapses of each part, and compares the triangles that they remove.
 fn prove(pool: &Pool, done: &[Simplification]) -> Result<(), Failure> {
     let proofs = pool.map(done, |done| done.sequence.check());
     proofs.into_iter().collect::<Result<(), _>>().map_err(|why| Failure::Unproven(why.to_string()))
 }
 
-/// Writes the smaller model.
+/// Writes the simplified model.
 fn write(
     target: &Output,
     smaller: &Redrawn,
@@ -156,78 +187,73 @@ fn write(
 ) -> Result<(), Failure> {
     let in_scene = smaller.model.scene.is_some() && target.format == Format::Glb;
     if smaller.kept > 0 && in_scene {
-        let what = counted(smaller.kept, "vertex");
-        let note =
-            format!("{what} left in the file and drawn by nothing: the scene may count on their number");
+        let kept = counted(smaller.kept, "unused vertex");
+        let note = format!("kept {kept}: other parts of the scene may refer to them");
         console.note(&note);
         report.notes.push(note);
     }
-    // A scene leaves lists alone that are drawn as faces; triangles by themselves become new indices.
-    let single: Vec<Strips> =
-        meshes(&smaller.model).iter().filter(|_| in_scene).map(|mesh| singles(mesh)).collect();
+    // When a scene is written, parts drawn as faces keep their old indices; one strip per triangle gives them new ones.
+    let single_triangles: Vec<Strips> =
+        meshes(&smaller.model).iter().filter(|_| in_scene).map(|mesh| one_strip_per_triangle(mesh)).collect();
     let drawings: Vec<Drawing<'_>> = if in_scene {
-        single.iter().map(Drawing::Strips).collect()
+        single_triangles.iter().map(Drawing::Strips).collect()
     } else {
         smaller.model.parts.iter().map(|_| Drawing::Faces).collect()
     };
-    let drawn = Drawn { model: &smaller.model, drawings: &drawings, layout: Layout::List };
-    let written = output::write(target, &smaller.model, drawn, verify, console)?;
-    report.seconds.write = Some(written.write_seconds);
-    if let (Some(collapses), Some(file)) = (&mut report.seconds.verify, written.verify_seconds) {
-        *collapses += file;
-    }
-    report.notes.extend(written.losses);
+    let drawing = ModelDrawing { model: &smaller.model, drawings: &drawings, layout: Layout::List };
+    let written = output::write(target, &smaller.model, drawing, verify, console)?;
+    written.record(&mut report.seconds.write, &mut report.seconds.verify, &mut report.notes);
     report.output = Some(target.name());
     Ok(())
 }
 
-/// Makes each triangle a strip of its own.
-fn singles(mesh: &Mesh) -> Strips {
+/// Builds one strip per triangle.
+fn one_strip_per_triangle(mesh: &Mesh) -> Strips {
     let mut strips = Strips::default();
     mesh.faces().iter().for_each(|triangle| strips.push(triangle));
     strips
 }
 
-/// Says how many vertices parts have in common.
+/// Returns a note on the number of locked vertices, if there are any.
 pub(crate) fn locked_note(locked: usize) -> Option<String> {
-    (locked > 0).then(|| format!("{} of positions that several parts use stayed", counted(locked, "vertex")))
+    (locked > 0).then(|| format!("locked {} at positions that several parts use", counted(locked, "vertex")))
 }
 
-/// Says where parts ended before their goal, and why; the same of several parts once.
+/// Returns notes on the parts that stopped before their goal, and why.
 pub(crate) fn ends(done: &[Simplification], shares: Option<&[usize]>) -> Vec<String> {
     let Some(shares) = shares else { return Vec::new() };
     let mut notes = Vec::new();
     for (part, (done, &share)) in done.iter().zip(shares).enumerate() {
         if let Some(stopped) = done.stopped.as_ref().filter(|_| done.sequence.triangle_count(0) > share) {
             let name = if shares.len() > 1 { format!("part {part}: ") } else { String::new() };
-            notes.push(format!("{name}wanted {}, {stopped}", count(share)));
+            notes.push(format!("{name}target {}, {stopped}", count(share)));
         }
     }
-    let more = notes.len().saturating_sub(NAMED_PARTS);
+    let more = notes.len().saturating_sub(MAX_NAMED_PARTS);
     if more > 0 {
-        notes.truncate(NAMED_PARTS);
-        notes.push(format!("{} more ended before their goal", counted(more, "part")));
+        notes.truncate(MAX_NAMED_PARTS);
+        notes.push(format!("{} more stopped before their targets", counted(more, "part")));
     }
     notes
 }
 
-/// Gives a distance in percent of a model's diagonal.
+/// Returns a distance in percent of a model's diagonal.
 pub(crate) fn percent_of(distance: f32, diagonal: f64) -> f64 {
     if diagonal > 0.0 { rounded(100.0 * f64::from(distance) / diagonal) } else { 0.0 }
 }
 
-/// Says in one line what came of the collapses.
+/// Returns a line on the triangles left and the collapses.
 fn line(report: &SimplifyReport) -> String {
     let collapses = counted(report.collapses.unwrap_or(0), "collapse");
-    format!("{} by {collapses}", counted(report.triangles_after.unwrap_or(0), "triangle"))
+    format!("{} after {collapses}", counted(report.triangles_after.unwrap_or(0), "triangle"))
 }
 
-/// Writes a distance with three digits or so.
+/// Formats a distance with about four digits.
 fn distance(x: f32) -> String {
     if x == 0.0 || (1e-3..1e5).contains(&x) { format!("{x:.4}") } else { format!("{x:.2e}") }
 }
 
-/// Says what is left of a model.
+/// Returns a table of the sizes before and after.
 fn summary(report: &SimplifyReport) -> String {
     let row = |name: &str, before: Option<usize>, after: Option<usize>| {
         let (before, after) = (before.unwrap_or(0), after.unwrap_or(0));
@@ -242,6 +268,6 @@ fn summary(report: &SimplifyReport) -> String {
     ];
     let error = report.surface_error.unwrap_or(0.0);
     let percent = report.surface_error_percent.unwrap_or(0.0);
-    let error = format!("  error {} in units of the mesh, {percent:.3} % of the diagonal\n", distance(error));
+    let error = format!("  error {} mesh units, {percent:.3} % of the diagonal\n", distance(error));
     table(&rows, 1..4) + &error
 }

@@ -1,16 +1,17 @@
-//! The stages of a model on its way to strips. Parts are worked on in parallel, stage after stage, so that each has one time; the
-//! results stand in the order of the parts, whatever the number of threads.
+//! The stages from the meshes of a model to verified strips. Each stage processes all parts in parallel, so that it has one time; the
+//! results are in the order of the parts for any number of threads.
 
 use std::time::Instant;
 
 use rayon::prelude::*;
+use serde::Serialize;
 use tristrip::strip::{self, verify_models};
 use tristrip::stripify::Watch;
 use tristrip::{DualGraph, Faces, Mesh, Method, Options, Strips, Surface, stripify};
 
 use crate::failure::Failure;
 
-/// The threads that work on parts. One thread means the caller's own.
+/// The threads that process parts. With one thread, it is the calling thread.
 pub(crate) struct Pool(rayon::ThreadPool);
 
 impl Pool {
@@ -24,27 +25,37 @@ impl Pool {
         builder.build().map(Self).map_err(|error| Failure::Input(format!("threads: {error}")))
     }
 
-    /// Calls `work` for every item; the results are in the order of the items.
+    /// Calls `work` for each item in parallel; the results are in the order of the items.
     pub(crate) fn map<T: Sync, R: Send>(&self, items: &[T], work: impl Fn(&T) -> R + Sync + Send) -> Vec<R> {
         self.0.install(|| items.par_iter().map(work).collect())
     }
 }
 
-/// Runs something and gives its time in seconds.
+/// Calls `work`, and returns its result and its time in seconds.
 pub(crate) fn timed<R>(work: impl FnOnce() -> R) -> (R, f64) {
     let start = Instant::now();
     let result = work();
     (result, start.elapsed().as_secs_f64())
 }
 
-/// A part with its surface and dual graph.
+/// The time of each stage in seconds; `null` for a stage that did not run.
+#[derive(Debug, Clone, Copy, Default, Serialize)]
+pub(crate) struct Seconds {
+    pub(crate) load: Option<f64>,
+    pub(crate) dual: Option<f64>,
+    pub(crate) stripify: Option<f64>,
+    pub(crate) verify: Option<f64>,
+    pub(crate) write: Option<f64>,
+}
+
+/// A part with its prepared faces and its dual graph.
 pub(crate) struct Prepared<'a> {
     pub(crate) mesh: &'a Mesh,
     pub(crate) surface: Surface<'a>,
     pub(crate) graph: DualGraph,
 }
 
-/// Makes surfaces and dual graphs.
+/// Prepares the faces and builds the dual graph of each mesh.
 pub(crate) fn prepare<'a>(pool: &Pool, meshes: &[&'a Mesh], weld: bool) -> Vec<Prepared<'a>> {
     pool.map(meshes, |&mesh| {
         let surface = Surface::new(mesh, weld);
@@ -53,28 +64,31 @@ pub(crate) fn prepare<'a>(pool: &Pool, meshes: &[&'a Mesh], weld: bool) -> Vec<P
     })
 }
 
-/// What was found for every part, in order.
-pub(crate) struct Found {
+/// The strips of each part, and the method that built them, in the order of the parts.
+pub(crate) struct FoundStrips {
     pub(crate) strips: Vec<Strips>,
     pub(crate) chosen: Vec<Method>,
 }
 
-/// Finds strips for every part; searches tell the watch what they have reached.
+/// Builds the strips of each part; searches report their progress to the watch.
 pub(crate) fn find_strips(
     pool: &Pool,
     parts: &[Prepared<'_>],
     options: &Options,
     watch: &dyn Watch,
-) -> Result<Found, Failure> {
+) -> Result<FoundStrips, Failure> {
     let found = pool.map(parts, |part| {
         let (method, plan) = stripify::choose_watched(&part.surface, &part.graph, options, watch)?;
         Ok((plan.strips(), method))
     });
     let (strips, chosen) = found.into_iter().collect::<Result<Vec<_>, Failure>>()?.into_iter().unzip();
-    Ok(Found { strips, chosen })
+    Ok(FoundStrips { strips, chosen })
 }
 
-/// Proves that every part's strips draw its mesh.
+/// Proves that the strips of each part draw its mesh.
+///
+/// # Errors
+/// [`Failure::Unproven`], with the number of the part if there are several.
 pub(crate) fn prove(
     pool: &Pool,
     parts: &[Prepared<'_>],
@@ -96,7 +110,7 @@ fn prove_part(part: &Prepared<'_>, strips: &Strips, weld: bool) -> Result<(), St
     if !weld {
         return strip::verify(part.mesh, strips).map(drop).map_err(|why| why.to_string());
     }
-    // Welded vertices go by the first one's index, which stands at the same place.
+    // A welded vertex has the index of the first of its vertices, which has the same position.
     let drawn = Faces::from_triangles(strips.to_list())
         .and_then(|faces| part.mesh.with_faces(faces))
         .and_then(|drawn| verify_models(&[part.mesh], &[&drawn]));

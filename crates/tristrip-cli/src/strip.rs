@@ -1,73 +1,102 @@
-//! `tristrip strip`: finds strips, proves them, writes them, and says what they cost.
+//! `tristrip strip`: builds strips, verifies them, writes them, and reports their metrics.
 
-use std::path::Path;
-
+use serde::Serialize;
 use tristrip::{Method, Strips};
 use tristrip_io::{Drawing, Model, Reordered};
 
-use crate::bound::Bounds;
+use crate::batch::{self, InputReport, Outcome};
+use crate::bound::{BoundGap, Bounds};
 use crate::console::Console;
 use crate::failure::Failure;
-use crate::figures::Figures;
+use crate::figures::{Figures, MeshFigures};
 use crate::input::short_name;
 use crate::method::{Chosen, MethodReport};
-use crate::output::{self, Drawn};
-use crate::pareto::{self, Searches};
+use crate::output::{self, ModelDrawing};
+use crate::pareto::{self, ParetoPoint, Searches};
 use crate::reorder::{self, GroupReport};
-use crate::report::{Seconds, StripReport};
-use crate::search::{SearchWatch, interrupted};
-use crate::stages::{Found, Pool, find_strips, prove, timed};
+use crate::search::{SearchWatch, Stopped, interrupted};
+use crate::stages::{FoundStrips, Pool, Seconds, find_strips, prove, timed};
 use crate::survey::{Loaded, Surveyed};
-use crate::task::{Job, Output, ParetoTask, StripTask, layout_name};
+use crate::task::{Job, Output, ParetoTask, StripTask};
 use crate::text::counted;
+use crate::values::layout_name;
 
-/// Works on all inputs, one after the other; tells whether all were done.
-pub(crate) fn run(task: &StripTask, pool: &Pool, console: &mut Console) -> bool {
-    let mut reports = Vec::with_capacity(task.jobs.len());
-    for job in &task.jobs {
-        let mut report = StripReport {
-            file: job.input.name(),
-            method: MethodReport::of(&task.options),
-            chosen: None,
-            proven: None,
-            seconds: Seconds::default(),
-            figures: None,
-            stopped: None,
-            bound: None,
-            mesh: None,
-            parts: None,
-            notes: Vec::new(),
-            output: None,
-            layout: None,
-            vertex_order: None,
-            pareto: None,
-            error: None,
-        };
-        console.begin(&report.file, None);
-        let done = strip(job, task, pool, console, &mut report);
-        console.end();
-        if let Err(failure) = done {
-            if matches!(failure, Failure::Unproven(_)) {
-                report.proven = Some(false);
-            }
-            console.error(&format!("{}: {failure}", report.file));
-            report.error = Some(failure.to_string());
-        } else if let Some(figures) = &report.figures {
-            // One report follows the other where there are many, each under its name.
-            let title = if task.jobs.len() > 1 { format!("{}\n", report.file) } else { String::new() };
-            let methods = report.pareto.as_deref().map(pareto::as_text).unwrap_or_default();
-            console.result(&format!("{title}{}{methods}", figures.summary()), job.output.is_none());
-        }
-        reports.push(report);
-    }
-    if let Some(ParetoTask { path, .. }) = &task.pareto {
-        draw(&mut reports, path, console);
-    }
-    console.json(&reports, task.jobs.len() > 1);
-    reports.iter().all(|report| report.error.is_none())
+/// The report of one input; the keys are those of the JSON output.
+#[derive(Debug, Serialize)]
+struct StripReport {
+    file: String,
+    #[serde(flatten)]
+    method: MethodReport,
+    /// The methods used, with their numbers of parts; `null` if no strips were built.
+    chosen: Option<Chosen>,
+    /// `null` if the proof was not requested or not reached.
+    proven: Option<bool>,
+    seconds: Seconds,
+    #[serde(flatten)]
+    figures: Option<Figures>,
+    /// Why the search was stopped early, if it was.
+    stopped: Option<Stopped>,
+    /// The gap between the result of a search and its lower bound; `null` for methods that do not search.
+    bound: Option<BoundGap>,
+    mesh: Option<MeshFigures>,
+    parts: Option<usize>,
+    notes: Vec<String>,
+    output: Option<String>,
+    layout: Option<&'static str>,
+    /// The new vertex order; `null` unless requested.
+    vertex_order: Option<Vec<GroupReport>>,
+    /// The costs of all methods; `null` unless requested.
+    pareto: Option<Vec<ParetoPoint>>,
+    error: Option<String>,
 }
 
-/// Takes one input through all stages; the report holds what was reached.
+impl InputReport for StripReport {
+    fn outcome(&mut self) -> Outcome<'_> {
+        Outcome { file: &self.file, proven: Some(&mut self.proven), error: &mut self.error }
+    }
+}
+
+/// Processes all inputs in order; returns whether all succeeded.
+pub(crate) fn run(task: &StripTask, pool: &Pool, console: &mut Console) -> bool {
+    let new_report = |job: &Job| StripReport {
+        file: job.input.name(),
+        method: MethodReport::of(&task.options),
+        chosen: None,
+        proven: None,
+        seconds: Seconds::default(),
+        figures: None,
+        stopped: None,
+        bound: None,
+        mesh: None,
+        parts: None,
+        notes: Vec::new(),
+        output: None,
+        layout: None,
+        vertex_order: None,
+        pareto: None,
+        error: None,
+    };
+    let show = |job: &Job, report: &StripReport, title: &str, console: &mut Console| {
+        let figures = report.figures.as_ref().map(Figures::summary).unwrap_or_default();
+        let methods = report.pareto.as_deref().map(pareto::as_text).unwrap_or_default();
+        console.result(&format!("{title}{figures}{methods}"), job.output.is_none());
+    };
+    let process =
+        |job: &Job, console: &mut Console, report: &mut StripReport| strip(job, task, pool, console, report);
+    let mut reports = batch::process_all(&task.jobs, None, console, new_report, process, show);
+    if let Some(ParetoTask { path, .. }) = &task.pareto {
+        let points =
+            reports.iter().filter_map(|report| Some((short_name(&report.file), report.pareto.as_deref()?)));
+        let points: Vec<_> = points.collect();
+        if !points.is_empty() {
+            let chart = pareto::draw(&points);
+            batch::write_chart(path, chart, &mut reports, console);
+        }
+    }
+    batch::finish(reports, console)
+}
+
+/// Takes one input through all stages; the report holds the stages reached.
 fn strip(
     job: &Job,
     task: &StripTask,
@@ -76,7 +105,7 @@ fn strip(
     report: &mut StripReport,
 ) -> Result<(), Failure> {
     if interrupted() {
-        return Err(Failure::Input("not done: interrupted".into()));
+        return Err(Failure::Input("not processed: interrupted".into()));
     }
     let loaded = Loaded::new(&job.input, task.options, console)?;
     let (model, options) = (&loaded.model, loaded.options);
@@ -88,13 +117,13 @@ fn strip(
     console.doing("stripify");
     let watch = SearchWatch::new(console.progress(), task.budget, &options);
     let (found, seconds) = timed(|| find_strips(pool, &parts, &options, &watch));
-    let Found { strips, chosen } = found?;
+    let FoundStrips { strips, chosen } = found?;
     report.stopped = watch.stopped();
     drop(watch);
     report.seconds.stripify = Some(seconds);
     let figures = Figures::of(pool, &parts, &strips, &options);
     let chosen = Chosen::of(&chosen);
-    let what = format!("{} by {}", counted(figures.strips, "strip"), report.method.label());
+    let what = format!("{} ({})", counted(figures.strips, "strip"), report.method.description(&chosen));
     console.stage("stripify", &what, Some(seconds));
     report.chosen = Some(chosen);
     if let Some(stopped) = report.stopped {
@@ -119,9 +148,9 @@ fn strip(
         report.proven = Some(true);
         console.stage("verify", &proven(faces), Some(seconds));
     } else {
-        console.stage("verify", "not asked for", None);
+        console.stage("verify", "skipped", None);
     }
-    // Nothing but the picture of all methods needs the parts any more.
+    // Only the chart of all methods still needs the prepared parts; otherwise free them before writing.
     let parts = task.pareto.as_ref().map(|wanted| (wanted, parts));
     if let Some(target) = &job.output {
         write(target, task, model, strips, console, report)?;
@@ -137,25 +166,7 @@ fn strip(
     Ok(())
 }
 
-/// Draws the points of all inputs that were done into one picture.
-fn draw(reports: &mut [StripReport], path: &Path, console: &Console) {
-    let name = |report: &StripReport| short_name(&report.file);
-    let measured = reports.iter().filter_map(|report| Some((name(report), report.pareto.as_deref()?)));
-    let measured: Vec<_> = measured.collect();
-    if measured.is_empty() {
-        return;
-    }
-    let drawn = pareto::draw(&measured).and_then(|text| {
-        tristrip_io::replace_file(path, text.as_bytes()).map_err(|error| Failure::writing(&error))
-    });
-    let Err(failure) = drawn else { return };
-    console.error(&failure.to_string());
-    for report in reports.iter_mut().filter(|report| report.error.is_none()) {
-        report.error = Some(failure.to_string());
-    }
-}
-
-/// Writes the strips, and the vertices in their order if that was asked for.
+/// Writes the strips, with the vertices in order of first use if requested.
 fn write(
     target: &Output,
     task: &StripTask,
@@ -168,9 +179,9 @@ fn write(
     let reordered;
     if task.reorder {
         console.doing("reorder");
-        let (found, seconds) = timed(|| tristrip_io::reorder(source, &strips, target.format, layout));
+        let (result, seconds) = timed(|| tristrip_io::reorder(source, &strips, target.format, layout));
         let Reordered { model: moved, strips: renamed, layout: fitting, groups } =
-            found.map_err(|error| Failure::writing(&error))?;
+            result.map_err(|error| Failure::writing(&error))?;
         console.stage("reorder", &reorder::line(&groups), Some(seconds));
         let kept = reorder::kept(&groups);
         kept.iter().for_each(|note| console.note(note));
@@ -180,23 +191,20 @@ fn write(
         (model, strips, layout, reorder_seconds) = (&reordered, renamed, fitting, seconds);
     }
     let drawings: Vec<_> = strips.iter().map(Drawing::Strips).collect();
-    let drawn = Drawn { model, drawings: &drawings, layout };
-    let written = output::write(target, source, drawn, task.verify, console)?;
-    report.seconds.write = Some(reorder_seconds + written.write_seconds);
-    if let (Some(strips), Some(file)) = (&mut report.seconds.verify, written.verify_seconds) {
-        *strips += file;
-    }
-    report.notes.extend(written.losses);
+    let drawing = ModelDrawing { model, drawings: &drawings, layout };
+    let mut written = output::write(target, source, drawing, task.verify, console)?;
+    written.write_seconds += reorder_seconds;
+    written.record(&mut report.seconds.write, &mut report.seconds.verify, &mut report.notes);
     report.output = Some(target.name());
     report.layout = Some(layout_name(target.layout));
     Ok(())
 }
 
-/// Says what was proven.
+/// Returns a line on what was proven.
 fn proven(faces: usize) -> String {
     match faces {
-        0 => "proven: draws nothing, as the source has no faces".into(),
+        0 => "proven: draws no faces, as the source".into(),
         1 => "proven: draws exactly the one face, with its winding".into(),
-        _ => format!("proven: draws exactly the {}, each once, wound right", counted(faces, "face")),
+        _ => format!("proven: draws exactly the {}, each once, with its winding", counted(faces, "face")),
     }
 }

@@ -1,4 +1,5 @@
-//! What every command that finds or bounds strips does first: load the model, make surfaces and dual graphs, say what the mesh is like.
+//! The first stages of every subcommand that builds or bounds strips: load the model, prepare its faces, build the dual graphs, and
+//! report on the mesh.
 
 use tristrip::Options;
 use tristrip_io::Model;
@@ -7,30 +8,29 @@ use crate::console::Console;
 use crate::failure::Failure;
 use crate::figures::MeshFigures;
 use crate::input::{fitted, load, meshes};
-use crate::report::Seconds;
-use crate::stages::{Pool, Prepared, prepare, timed};
+use crate::stages::{Pool, Prepared, Seconds, prepare, timed};
 use crate::task::Input;
 use crate::text::counted;
 
-/// A model, and the options that fit it.
+/// A model, and the options adapted to it.
 pub(crate) struct Loaded {
     pub(crate) model: Model,
     pub(crate) options: Options,
     seconds: f64,
 }
 
-/// The parts of a model, ready for methods.
+/// The prepared parts of a model.
 pub(crate) struct Surveyed<'a> {
     pub(crate) parts: Vec<Prepared<'a>>,
     pub(crate) mesh: MeshFigures,
-    /// What was dropped, changed or odd, in words.
+    /// Notes on what was dropped, changed or unusual.
     pub(crate) notes: Vec<String>,
-    /// Times of loading and of the dual graph.
+    /// The times of loading and of the dual graph.
     pub(crate) seconds: Seconds,
 }
 
 impl Loaded {
-    /// Reads an input.
+    /// Loads an input.
     pub(crate) fn new(input: &Input, options: Options, console: &Console) -> Result<Self, Failure> {
         console.doing("load");
         let (model, seconds) = timed(|| load(input));
@@ -39,7 +39,7 @@ impl Loaded {
         Ok(Self { model, options, seconds })
     }
 
-    /// Prepares the parts, and says what they are like.
+    /// Prepares the parts, and reports on the mesh.
     pub(crate) fn survey(&self, pool: &Pool, console: &Console) -> Surveyed<'_> {
         console.doing("dual graph");
         let (parts, dual) = timed(|| prepare(pool, &meshes(&self.model), self.options.weld()));
@@ -50,7 +50,7 @@ impl Loaded {
         console.stage("load", &size, Some(self.seconds));
         console.stage("mesh", &mesh.line(parts.len()), Some(mesh_seconds));
         notes.iter().for_each(|note| console.note(note));
-        console.stage("dual", &format!("{faces} joined over shared edges"), Some(dual));
+        console.stage("dual", &format!("{faces} joined across shared edges"), Some(dual));
         let seconds = Seconds { load: Some(self.seconds), dual: Some(dual), ..Seconds::default() };
         Surveyed { parts, mesh, notes, seconds }
     }

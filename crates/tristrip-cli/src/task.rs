@@ -1,4 +1,4 @@
-//! What was asked for: the one place where flags become a task that makes sense, or a message that says which of them do not fit.
+//! Validated tasks: the only place where flags are checked against each other and turned into a task, or rejected with a message.
 
 use std::collections::{BTreeSet, HashMap};
 use std::io::IsTerminal;
@@ -11,18 +11,15 @@ use tristrip::stripify::Effort;
 use tristrip::{Layout, Options};
 use tristrip_io::Format;
 
-use crate::analyze::BufferList;
-use crate::args::{
-    AnalyzeArgs, Command, InputArgs, LayoutName, LodArgs, OutputArgs, ReadFormat, SharedArgs, WriteFormat,
+use crate::args::{self, AnalyzeArgs, Command, GeneralArgs, LodArgs, OutputArgs, ReportArgs};
+use crate::values::{
+    Amount, FilterName, Goal, LayoutName, Level, ModelName, Ratio, VertexCacheList, WRITTEN_FORMATS,
 };
-use crate::lod::{FilterName, Level, ModelName};
-use crate::repro;
-use crate::simplify::{Amount, Goal, Ratio};
 
-/// Inputs whose curves can be told apart in one picture.
-const PLOTTED_INPUTS: usize = 3;
+/// The maximum number of inputs in one chart: with more, the curves cannot be told apart.
+const MAX_PLOTTED_INPUTS: usize = 3;
 
-/// What was asked for, with flags that fit each other.
+/// A subcommand with options that fit each other.
 #[derive(Debug)]
 pub(crate) enum Task {
     Strip(StripTask),
@@ -41,18 +38,18 @@ pub(crate) struct StripTask {
     pub(crate) jobs: Vec<Job>,
     pub(crate) options: Options,
     pub(crate) budget: Option<Duration>,
-    /// Whether vertices are written in the order of their first use.
+    /// Whether to write vertices in the order of first use.
     pub(crate) reorder: bool,
     pub(crate) verify: bool,
     pub(crate) pareto: Option<ParetoTask>,
 }
 
-/// A picture of all methods.
+/// A chart of all methods.
 #[derive(Debug)]
 pub(crate) struct ParetoTask {
     /// The SVG file to write.
     pub(crate) path: PathBuf,
-    /// The effort of all searches, where it was asked for.
+    /// The effort of all searches; `None` for the default of each method.
     pub(crate) effort: Option<Effort>,
 }
 
@@ -62,7 +59,7 @@ pub(crate) struct CompareTask {
     pub(crate) every_variant: bool,
     pub(crate) markdown: bool,
     pub(crate) options: Options,
-    /// The effort of the methods that search, but for `auto`, which has its own.
+    /// The effort of the methods that search, except `auto`, which has its own.
     pub(crate) effort: Effort,
     pub(crate) budget: Option<Duration>,
 }
@@ -76,12 +73,12 @@ pub(crate) struct BoundTask {
 #[derive(Debug)]
 pub(crate) struct AnalyzeTask {
     pub(crate) inputs: Vec<Input>,
-    pub(crate) buffers: BufferList,
-    pub(crate) between: Between,
+    pub(crate) vertex_caches: VertexCacheList,
+    pub(crate) flush_policy: Between,
     /// The SVG file to write.
     pub(crate) plot: Option<PathBuf>,
-    /// The buffers that its curves go through.
-    pub(crate) curve: Option<BufferList>,
+    /// The vertex caches of its curves.
+    pub(crate) curve: Option<VertexCacheList>,
 }
 
 #[derive(Debug)]
@@ -93,7 +90,7 @@ pub(crate) struct VerifyTask {
 #[derive(Debug)]
 pub(crate) struct ConvertTask {
     pub(crate) jobs: Vec<Job>,
-    /// Whether all faces are written as strips of their own order, not only those that the input has as strips.
+    /// Whether to write all faces as strips in stored order, not only those that the input stores as strips.
     pub(crate) as_strips: bool,
     pub(crate) verify: bool,
 }
@@ -111,11 +108,11 @@ pub(crate) struct LodTask {
     pub(crate) options: Options,
     pub(crate) budget: Option<Duration>,
     pub(crate) model: ModelName,
-    /// The share of the triangles that the base mesh keeps.
+    /// The ratio of triangles that the base mesh keeps.
     pub(crate) base: Ratio,
     pub(crate) level: Level,
     pub(crate) filter: FilterName,
-    /// Of the filter that searches.
+    /// The effort of [`FilterName::Repair`].
     pub(crate) filter_effort: Effort,
     pub(crate) table: bool,
     pub(crate) compare: bool,
@@ -126,20 +123,20 @@ pub(crate) struct LodTask {
 
 #[derive(Debug)]
 pub(crate) struct ReproTask {
-    /// Keys of papers.
+    /// The keys of the papers.
     pub(crate) papers: BTreeSet<String>,
     pub(crate) models: PathBuf,
     pub(crate) output: PathBuf,
 }
 
-/// An input, and where its result goes.
+/// An input and its output.
 #[derive(Debug)]
 pub(crate) struct Job {
     pub(crate) input: Input,
     pub(crate) output: Option<Output>,
 }
 
-/// Where a mesh comes from.
+/// The source of a mesh.
 #[derive(Debug)]
 pub(crate) struct Input {
     /// `None` for standard input.
@@ -147,18 +144,18 @@ pub(crate) struct Input {
     pub(crate) format: Option<Format>,
 }
 
-/// Where a result goes, and how.
+/// The destination of a result, with format and layout.
 #[derive(Debug)]
 pub(crate) struct Output {
     /// `None` for standard output.
     pub(crate) path: Option<PathBuf>,
-    /// Whether the file lies in an output directory, which is made where it is missing.
+    /// Whether the file is in an output directory, which is created if it does not exist.
     pub(crate) in_directory: bool,
     pub(crate) format: Format,
     pub(crate) layout: Layout,
 }
 
-/// What all tasks have in common.
+/// The options that all tasks share.
 #[derive(Debug)]
 pub(crate) struct Shared {
     pub(crate) json: bool,
@@ -167,223 +164,244 @@ pub(crate) struct Shared {
 }
 
 impl Task {
-    /// Tells whether a mesh is written to standard output.
+    /// Returns whether a mesh is written to standard output.
     pub(crate) fn output_is_stdout(&self) -> bool {
-        let (Self::Strip(StripTask { jobs, .. })
-        | Self::Convert(ConvertTask { jobs, .. })
-        | Self::Simplify(SimplifyTask { jobs, .. })
-        | Self::Lod(LodTask { jobs, .. })) = self
-        else {
-            return false;
-        };
-        jobs.iter().any(|job| job.output.as_ref().is_some_and(|output| output.path.is_none()))
+        match self {
+            Self::Strip(StripTask { jobs, .. })
+            | Self::Convert(ConvertTask { jobs, .. })
+            | Self::Simplify(SimplifyTask { jobs, .. })
+            | Self::Lod(LodTask { jobs, .. }) => write_to_stdout(jobs),
+            Self::Compare(_) | Self::Bound(_) | Self::Analyze(_) | Self::Verify(_) | Self::Repro(_) => false,
+        }
     }
 }
 
 impl Input {
-    /// Gives the name that messages and reports use.
+    /// Returns the name for messages and reports.
     pub(crate) fn name(&self) -> String {
-        self.path.as_ref().map_or_else(|| "-".into(), |path| path.display().to_string())
+        display_name(self.path.as_deref())
     }
 }
 
 impl Output {
-    /// Gives the name that messages and reports use.
+    /// Returns the name for messages and reports.
     pub(crate) fn name(&self) -> String {
-        self.path.as_ref().map_or_else(|| "-".into(), |path| path.display().to_string())
+        display_name(self.path.as_deref())
     }
 }
 
-/// Makes a task of the flags, or says which of them do not fit.
-pub(crate) fn validate(command: Command) -> Result<(Task, Shared), String> {
+/// Returns the name of a file, or `-` for a standard stream.
+fn display_name(path: Option<&Path>) -> String {
+    path.map_or_else(|| "-".into(), |path| path.display().to_string())
+}
+
+/// Parses the command line into a task; exits with the help, the version, or exit code 2 for wrong usage. The papers are those that can
+/// be reproduced.
+pub(crate) fn parse(papers: &[&str]) -> (Task, Shared) {
+    let parsed = args::parse();
+    let subcommand = parsed.subcommand;
+    validate(parsed.command, papers)
+        .unwrap_or_else(|message| args::exit_with_usage_error(subcommand, &message))
+}
+
+/// Builds a task from flags.
+///
+/// # Errors
+/// Flags do not fit together; the message names them.
+fn validate(command: Command, papers: &[&str]) -> Result<(Task, Shared), String> {
     Ok(match command {
         Command::Strip(args) => {
-            let jobs = jobs(inputs(args.inputs)?, &args.output)?;
+            let (jobs, shared) = jobs_and_shared(args.general, &args.output)?;
             let options = args.method.validate(args.pareto.is_some())?;
             let pareto =
                 args.pareto.map(|path| pareto_task(path, args.method.effort(), &jobs)).transpose()?;
-            let shared = shared(&args.shared, args.threads.threads);
-            refuse_two_results(&jobs, &shared)?;
             let budget = args.method.budget();
-            let (reorder, verify) = (args.reorder_vertices, !args.no_verify);
+            let (reorder, verify) = (args.reorder_vertices, !args.output.target.no_verify);
             (Task::Strip(StripTask { jobs, options, budget, reorder, verify, pareto }), shared)
         }
         Command::Compare(args) => {
             let options =
-                Options::default().with_seed(args.seed).with_weld(args.weld).with_cost(args.cost.into());
-            let inputs = inputs(args.inputs)?;
-            let (every_variant, markdown, budget) = (args.all, args.markdown, args.budget);
-            let effort = Effort::new(args.effort).unwrap_or_default();
+                Options::default().with_seed(args.seed).with_weld(args.weld.weld).with_cost(args.cost.into());
+            let (inputs, shared) = inputs_and_shared(args.general)?;
+            let (every_variant, markdown) = (args.all, args.markdown);
+            let (effort, budget) = (args.effort, args.budget);
             let task = CompareTask { inputs, every_variant, markdown, options, effort, budget };
-            (Task::Compare(task), shared(&args.shared, args.threads.threads))
+            (Task::Compare(task), shared)
         }
         Command::Bound(args) => {
-            let options = Options::default().with_weld(args.weld);
-            let task = BoundTask { inputs: inputs(args.inputs)?, options };
-            (Task::Bound(task), shared(&args.shared, args.threads.threads))
+            let options = Options::default().with_weld(args.weld.weld);
+            let (inputs, shared) = inputs_and_shared(args.general)?;
+            (Task::Bound(BoundTask { inputs, options }), shared)
         }
-        Command::Analyze(args) => {
-            let shared = shared(&args.shared, args.threads.threads);
-            (Task::Analyze(analyze_task(args)?), shared)
-        }
+        Command::Analyze(args) => analyze_task(args)?,
         Command::Verify(args) => {
-            let both = InputArgs { inputs: vec![args.source, args.result], from: args.from };
-            let mut both = inputs(both)?.into_iter();
-            let (Some(source), Some(result)) = (both.next(), both.next()) else {
-                return Err("two files are needed".into());
-            };
-            (Task::Verify(VerifyTask { source, result }), shared(&args.shared, Some(1)))
+            let both = inputs(vec![args.source, args.result], args.from.from)?;
+            let [source, result]: [Input; 2] = both.try_into().map_err(|_| "two files are needed")?;
+            (Task::Verify(VerifyTask { source, result }), shared(&args.report, Some(1)))
         }
         Command::Convert(args) => {
             if args.output.target.output.is_none() {
-                return Err("-o is needed: where should the result go?".into());
+                return Err("-o is needed: name the file to write".into());
             }
-            let as_strips = args.output.layout.is_some();
-            let jobs = jobs(inputs(args.inputs)?, &args.output)?;
-            let shared = shared(&args.shared, args.threads.threads);
-            refuse_two_results(&jobs, &shared)?;
-            (Task::Convert(ConvertTask { jobs, as_strips, verify: !args.no_verify }), shared)
+            let (as_strips, verify) = (args.output.layout.is_some(), !args.output.target.no_verify);
+            let (jobs, shared) = jobs_and_shared(args.general, &args.output)?;
+            (Task::Convert(ConvertTask { jobs, as_strips, verify }), shared)
         }
         Command::Simplify(args) => {
             let amount = args.ratio.map(Amount::Ratio).or(args.triangles.map(Amount::Triangles));
             let goal = Goal { amount, deviation: args.error };
             if goal.amount.is_none() && goal.deviation.is_none() {
-                return Err("how far? --ratio, --triangles or --error is needed".into());
+                return Err("--ratio, --triangles or --error is needed".into());
             }
+            let verify = !args.target.no_verify;
             let output = OutputArgs { target: args.target, layout: Some(LayoutName::List) };
-            let jobs = jobs(inputs(args.inputs)?, &output)?;
-            let shared = shared(&args.shared, args.threads.threads);
-            refuse_two_results(&jobs, &shared)?;
-            (Task::Simplify(SimplifyTask { jobs, goal, verify: !args.no_verify }), shared)
+            let (jobs, shared) = jobs_and_shared(args.general, &output)?;
+            (Task::Simplify(SimplifyTask { jobs, goal, verify }), shared)
         }
-        Command::Lod(args) => {
-            let filter_effort = filter_effort(&args)?;
-            let jobs = jobs(inputs(args.inputs)?, &args.output)?;
-            let shared = shared(&args.shared, args.threads.threads);
-            refuse_two_results(&jobs, &shared)?;
-            if let Some(path) = &args.plot {
-                check_picture("--plot", path, jobs.len())?;
-                check_other_file("--plot", path, &jobs)?;
-            }
-            let task = LodTask {
-                jobs,
-                options: args.method.validate(false)?,
-                budget: args.method.budget(),
-                model: args.model,
-                base: args.base,
-                level: args.level,
-                filter: args.filter,
-                filter_effort,
-                table: args.table,
-                compare: args.compare,
-                plot: args.plot,
-                verify: !args.no_verify,
-            };
-            (Task::Lod(task), shared)
-        }
+        Command::Lod(args) => lod_task(*args)?,
         Command::Repro(args) => {
-            let papers = papers(args.papers)?;
+            let papers = select_papers(args.papers, papers)?;
             let models = args.models.unwrap_or_else(default_models);
             let task = ReproTask { papers, models, output: args.output };
-            (Task::Repro(task), shared(&args.shared, args.threads.threads))
+            (Task::Repro(task), shared(&args.report, args.threads.threads))
         }
     })
 }
 
 impl LodTask {
-    /// Gives the options of the filter that searches.
+    /// Returns the options of [`FilterName::Repair`].
     pub(crate) fn repair(&self) -> repair::Options {
         repair::Options::default().with_effort(self.filter_effort)
     }
 }
 
-/// Takes the effort of the filter that searches.
+fn lod_task(args: LodArgs) -> Result<(Task, Shared), String> {
+    let filter_effort = filter_effort(&args)?;
+    let (jobs, shared) = jobs_and_shared(args.general, &args.output)?;
+    if let Some(path) = &args.plot {
+        check_chart("--plot", path, jobs.len())?;
+        check_distinct_files("--plot", path, &jobs)?;
+    }
+    let task = LodTask {
+        jobs,
+        options: args.method.validate(false)?,
+        budget: args.method.budget(),
+        model: args.model,
+        base: args.base,
+        level: args.level,
+        filter: args.filter,
+        filter_effort,
+        table: args.table,
+        compare: args.compare,
+        plot: args.plot,
+        verify: !args.output.target.no_verify,
+    };
+    Ok((Task::Lod(task), shared))
+}
+
+/// Returns the effort of [`FilterName::Repair`].
 fn filter_effort(args: &LodArgs) -> Result<Effort, String> {
     let is_used = args.filter == FilterName::Repair || args.table || args.compare || args.plot.is_some();
     match args.filter_effort {
         Some(_) if !is_used => {
             Err(format!("--filter-effort belongs to --filter repair, not to {}", args.filter.name()))
         }
-        effort => Ok(effort.and_then(Effort::new).unwrap_or_default()),
+        effort => Ok(effort.unwrap_or_default()),
     }
 }
 
-fn analyze_task(args: AnalyzeArgs) -> Result<AnalyzeTask, String> {
-    let inputs = inputs(args.inputs)?;
+fn analyze_task(args: AnalyzeArgs) -> Result<(Task, Shared), String> {
+    let (inputs, shared) = inputs_and_shared(args.general)?;
     if let Some(path) = &args.plot {
-        check_picture("--plot", path, inputs.len())?;
+        check_chart("--plot", path, inputs.len())?;
     }
-    let curve = args.plot.as_ref().map(|_| args.buffers.clone().unwrap_or_else(BufferList::curve));
-    let between = if args.flush { Between::Flush } else { Between::Keep };
-    Ok(AnalyzeTask { inputs, buffers: args.buffers.unwrap_or_default(), between, plot: args.plot, curve })
+    let curve = args.plot.as_ref().map(|_| args.vertex_caches.clone().unwrap_or_else(VertexCacheList::curve));
+    let flush_policy = if args.flush { Between::Flush } else { Between::Keep };
+    let vertex_caches = args.vertex_caches.unwrap_or_default();
+    let task = AnalyzeTask { inputs, vertex_caches, flush_policy, plot: args.plot, curve };
+    Ok((Task::Analyze(task), shared))
 }
 
 fn pareto_task(path: PathBuf, effort: Option<Effort>, jobs: &[Job]) -> Result<ParetoTask, String> {
-    check_picture("--pareto", &path, jobs.len())?;
-    check_other_file("--pareto", &path, jobs)?;
+    check_chart("--pareto", &path, jobs.len())?;
+    check_distinct_files("--pareto", &path, jobs)?;
     Ok(ParetoTask { path, effort })
 }
 
-/// Tells whether a picture goes into a file of its own.
-fn check_other_file(flag: &str, path: &PathBuf, jobs: &[Job]) -> Result<(), String> {
+/// Checks that a chart and the outputs are different files.
+fn check_distinct_files(flag: &str, path: &PathBuf, jobs: &[Job]) -> Result<(), String> {
     if jobs.iter().filter_map(|job| job.output.as_ref()).any(|output| output.path.as_ref() == Some(path)) {
         return Err(format!("{}: -o and {flag} name the same file", path.display()));
     }
     Ok(())
 }
 
-/// Tells whether a picture of inputs can be drawn into a file of this name.
-fn check_picture(flag: &str, path: &Path, input_count: usize) -> Result<(), String> {
+/// Checks that a chart of this many inputs can be written to this file.
+fn check_chart(flag: &str, path: &Path, input_count: usize) -> Result<(), String> {
     if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("svg")) {
-        return Err(format!("{}: {flag} writes SVG; name a file .svg", path.display()));
+        return Err(format!("{}: {flag} writes SVG; use the extension .svg", path.display()));
     }
-    if input_count > PLOTTED_INPUTS {
-        return Err(format!("{flag} takes at most {PLOTTED_INPUTS} inputs, or nobody can tell them apart"));
+    if input_count > MAX_PLOTTED_INPUTS {
+        return Err(format!("{flag} takes at most {MAX_PLOTTED_INPUTS} inputs"));
     }
     Ok(())
 }
 
-fn shared(args: &SharedArgs, threads: Option<u16>) -> Shared {
-    Shared { json: args.json, quiet: args.quiet, threads: threads.map(usize::from) }
-}
-
-/// Takes the papers that were named, or all.
-fn papers(named: Vec<String>) -> Result<BTreeSet<String>, String> {
-    let known = || repro::keys().map(String::from);
-    if let Some(unknown) = named.iter().find(|name| !known().any(|key| key == **name)) {
-        return Err(format!("no paper {unknown:?}; there are {}", known().collect::<Vec<_>>().join(", ")));
+/// Returns the papers named, or all known papers.
+fn select_papers(named: Vec<String>, known: &[&str]) -> Result<BTreeSet<String>, String> {
+    if let Some(unknown) = named.iter().find(|name| !known.contains(&name.as_str())) {
+        return Err(format!("unknown paper {unknown:?}; known papers: {}", known.join(", ")));
     }
-    Ok(if named.is_empty() { known().collect() } else { named.into_iter().collect() })
+    Ok(if named.is_empty() {
+        known.iter().map(ToString::to_string).collect()
+    } else {
+        named.into_iter().collect()
+    })
 }
 
-/// Gives the folder of models beside the checkout, else the project's own, for one who stands in the checkout.
+/// Returns the model folder beside the checkout if it exists, else the project's own, relative to the checkout.
 fn default_models() -> PathBuf {
     let shared = PathBuf::from("../shared/models");
     if shared.is_dir() { shared } else { "testdata/models".into() }
 }
 
-fn inputs(args: InputArgs) -> Result<Vec<Input>, String> {
-    if args.inputs.iter().filter(|path| is_dash(path)).count() > 1 {
-        return Err("standard input (-) can be read only once".into());
-    }
-    let format = args.from.map(ReadFormat::format);
-    let input = |path: PathBuf| Input { path: (!is_dash(&path)).then_some(path), format };
-    Ok(args.inputs.into_iter().map(input).collect())
+fn shared(report: &ReportArgs, threads: Option<u16>) -> Shared {
+    Shared { json: report.json, quiet: report.quiet, threads: threads.map(usize::from) }
 }
 
-fn refuse_two_results(jobs: &[Job], shared: &Shared) -> Result<(), String> {
-    let to_stdout = jobs.iter().any(|job| job.output.as_ref().is_some_and(|output| output.path.is_none()));
-    if to_stdout && shared.json {
+fn inputs_and_shared(args: GeneralArgs) -> Result<(Vec<Input>, Shared), String> {
+    let shared = shared(&args.report, args.threads.threads);
+    Ok((inputs(args.inputs, args.from.from)?, shared))
+}
+
+/// Returns the jobs of a subcommand that writes files.
+fn jobs_and_shared(args: GeneralArgs, output: &OutputArgs) -> Result<(Vec<Job>, Shared), String> {
+    let (inputs, shared) = inputs_and_shared(args)?;
+    let jobs = jobs(inputs, output)?;
+    if write_to_stdout(&jobs) && shared.json {
         return Err("-o - and --json both write to standard output".into());
     }
-    Ok(())
+    Ok((jobs, shared))
+}
+
+fn inputs(paths: Vec<PathBuf>, format: Option<Format>) -> Result<Vec<Input>, String> {
+    if paths.iter().filter(|path| is_dash(path)).count() > 1 {
+        return Err("standard input (-) can be read only once".into());
+    }
+    let input = |path: PathBuf| Input { path: (!is_dash(&path)).then_some(path), format };
+    Ok(paths.into_iter().map(input).collect())
+}
+
+/// Returns whether any job writes to standard output.
+fn write_to_stdout(jobs: &[Job]) -> bool {
+    jobs.iter().any(|job| job.output.as_ref().is_some_and(|output| output.path.is_none()))
 }
 
 fn is_dash(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
-/// Gives each input its output.
+/// Pairs each input with its output.
 fn jobs(inputs: Vec<Input>, args: &OutputArgs) -> Result<Vec<Job>, String> {
     let Some(target) = &args.target.output else {
         return Ok(inputs.into_iter().map(|input| Job { input, output: None }).collect());
@@ -397,16 +415,15 @@ fn jobs(inputs: Vec<Input>, args: &OutputArgs) -> Result<Vec<Job>, String> {
         return jobs_to_directory(inputs, target, args);
     }
     let format = match (args.target.to, Format::from_path(target)) {
-        (Some(to), _) => to.format(),
-        (None, Some(format @ (Format::Glb | Format::Ply | Format::Obj))) => format,
+        (Some(to), _) => to,
+        (None, Some(format)) if WRITTEN_FORMATS.contains(&format) => format,
         (None, Some(format)) => {
-            let hint =
-                if format == Format::Gltf { "glTF is written as .glb" } else { ".glb, .ply and .obj are" };
-            return Err(format!("{}: {} is not written; {hint}", target.display(), format.name()));
+            let hint = if format == Format::Gltf { "use .glb for glTF" } else { "use .glb, .ply or .obj" };
+            return Err(format!("{}: cannot write {}; {hint}", target.display(), format.name()));
         }
         (None, None) => {
             let target = target.display();
-            return Err(format!("{target}: the extension names no format; use .glb, .ply or .obj, or --to"));
+            return Err(format!("{target}: unknown extension; use .glb, .ply or .obj, or --to"));
         }
     };
     let layout = layout(args, format)?;
@@ -415,15 +432,14 @@ fn jobs(inputs: Vec<Input>, args: &OutputArgs) -> Result<Vec<Job>, String> {
 }
 
 fn jobs_to_stdout(inputs: Vec<Input>, args: &OutputArgs) -> Result<Vec<Job>, String> {
-    let Some(to) = args.target.to else {
-        return Err("-o - needs --to: which format should be written?".into());
+    let Some(format) = args.target.to else {
+        return Err("-o - needs --to, the format to write".into());
     };
-    let format = to.format();
     if inputs.len() > 1 {
-        return Err("-o - takes one input; give a directory for many".into());
+        return Err("-o - takes one input; name a directory for several".into());
     }
     if format != Format::Obj && std::io::stdout().is_terminal() {
-        return Err(format!("standard output is a terminal, and {} is binary; redirect it", format.name()));
+        return Err(format!("standard output is a terminal, and {} is binary: redirect it", format.name()));
     }
     let layout = layout(args, format)?;
     let output = || Some(Output { path: None, in_directory: false, format, layout });
@@ -431,15 +447,18 @@ fn jobs_to_stdout(inputs: Vec<Input>, args: &OutputArgs) -> Result<Vec<Job>, Str
 }
 
 fn jobs_to_directory(inputs: Vec<Input>, directory: &Path, args: &OutputArgs) -> Result<Vec<Job>, String> {
-    let format = args.target.to.unwrap_or(WriteFormat::Glb).format();
+    let format = args.target.to.unwrap_or(Format::Glb);
     let layout = layout(args, format)?;
-    // Without a slash at its end, which would make a file look like nothing at all.
+    // Remove a slash at the end: with it, `exists` is false for a file.
     let directory: &Path = &directory.components().collect::<PathBuf>();
     if directory.exists() && !directory.is_dir() {
-        return Err(format!("{}: many inputs need a directory, and this is a file", directory.display()));
+        return Err(format!("{}: several inputs need a directory, but this is a file", directory.display()));
     }
     if !directory.exists() && Format::from_path(directory).is_some() {
-        return Err(format!("{}: many inputs need a directory, and this names a file", directory.display()));
+        return Err(format!(
+            "{}: several inputs need a directory, but this names a file",
+            directory.display()
+        ));
     }
     let mut first: HashMap<PathBuf, String> = HashMap::new();
     let mut jobs = Vec::with_capacity(inputs.len());
@@ -459,7 +478,7 @@ fn jobs_to_directory(inputs: Vec<Input>, directory: &Path, args: &OutputArgs) ->
         }
         if let Some(other) = first.insert(path.clone(), input.name()) {
             return Err(format!(
-                "{}: both {other} and {} would be written here",
+                "{}: both {other} and {} would be written to this file",
                 path.display(),
                 input.name()
             ));
@@ -472,24 +491,13 @@ fn jobs_to_directory(inputs: Vec<Input>, directory: &Path, args: &OutputArgs) ->
     Ok(jobs)
 }
 
-/// Gives the layout that was asked for, or the format's usual one.
+/// Returns the requested layout, or the default of the format.
 fn layout(args: &OutputArgs, format: Format) -> Result<Layout, String> {
-    let asked = args.layout.map(LayoutName::layout);
-    match (format, asked) {
+    match (format, args.layout.map(Into::into)) {
         (Format::Obj, None | Some(Layout::List)) => Ok(Layout::List),
-        (Format::Obj, Some(_)) => Err("OBJ has no strips, only --layout list; write .glb or .ply".into()),
+        (Format::Obj, Some(_)) => Err("OBJ has no strips, only --layout list; use .glb or .ply".into()),
         (_, Some(layout)) => Ok(layout),
         (Format::Ply, None) => Ok(Layout::Restart),
         (_, None) => Ok(Layout::Degenerate),
-    }
-}
-
-/// Gives the name of a layout as it is typed.
-pub(crate) fn layout_name(layout: Layout) -> &'static str {
-    match layout {
-        Layout::Restart => "restart",
-        Layout::Degenerate => "degenerate",
-        Layout::Separate => "separate",
-        Layout::List => "list",
     }
 }

@@ -1,13 +1,13 @@
-//! How figures are written for people: thousands separators, times, aligned tables.
+//! Text formatting: thousands separators, times, aligned tables.
 
 use std::ops::Range;
 
-/// Writes a count with thousands separators: `69,451`.
+/// Formats a count with thousands separators: `69,451`.
 pub(crate) fn count(n: usize) -> String {
     grouped(&n.to_string())
 }
 
-/// Puts thousands separators into digits.
+/// Inserts thousands separators into digits.
 pub(crate) fn grouped(digits: &str) -> String {
     let mut out = String::with_capacity(digits.len() + digits.len() / 3);
     for (i, digit) in digits.chars().enumerate() {
@@ -19,7 +19,7 @@ pub(crate) fn grouped(digits: &str) -> String {
     out
 }
 
-/// Writes a count with its noun, which takes an s unless there is one: `1 strip`, `2 strips`.
+/// Formats a count with its noun, in the plural unless the count is one: `1 strip`, `2 strips`.
 pub(crate) fn counted(n: usize, noun: &str) -> String {
     let plural = match noun.strip_suffix("vertex") {
         Some(start) => format!("{start}vertices"),
@@ -28,7 +28,7 @@ pub(crate) fn counted(n: usize, noun: &str) -> String {
     if n == 1 { format!("1 {noun}") } else { format!("{} {plural}", count(n)) }
 }
 
-/// Writes a time in the unit that leaves three digits or so: `0.31 ms`, `45 ms`, `2.7 s`.
+/// Formats a time with about three significant digits: `0.31 ms`, `45 ms`, `2.7 s`.
 pub(crate) fn duration(seconds: f64) -> String {
     match seconds {
         s if s < 0.001 => format!("{:.2} ms", s * 1e3),
@@ -39,7 +39,7 @@ pub(crate) fn duration(seconds: f64) -> String {
     }
 }
 
-/// Writes a number of bytes: `312 bytes`, `1.3 MB`.
+/// Formats a number of bytes: `312 bytes`, `1.3 MB`.
 pub(crate) fn bytes(n: usize) -> String {
     match n {
         0..10_000 => counted(n, "byte"),
@@ -48,7 +48,8 @@ pub(crate) fn bytes(n: usize) -> String {
     }
 }
 
-/// Aligns rows of cells, two spaces apart, the columns of a range to the right. No line ends in spaces.
+/// Formats rows of cells as an aligned table with two spaces between columns; the given columns are right-aligned. Lines have no
+/// trailing spaces.
 pub(crate) fn table(rows: &[Vec<String>], right: Range<usize>) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
     let width = |c: usize| rows.iter().filter_map(|r| r.get(c)).map(|cell| cell.chars().count()).max();
@@ -64,7 +65,7 @@ pub(crate) fn table(rows: &[Vec<String>], right: Range<usize>) -> String {
     out
 }
 
-/// Writes rows as a Markdown table, the first row as its head, the columns of a range to the right.
+/// Formats rows as a Markdown table; the first row is the head, and the given columns are right-aligned.
 pub(crate) fn markdown(rows: &[Vec<String>], right: Range<usize>) -> String {
     let columns = rows.first().map_or(0, Vec::len);
     let rule = |column| if right.contains(&column) { "---:|" } else { "---|" };
@@ -83,7 +84,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn figures_read_as_people_write_them() {
+    fn counts_times_and_sizes_are_readable() {
         assert_eq!([0, 999, 1000, 1_234_567].map(count), ["0", "999", "1,000", "1,234,567"]);
         assert_eq!(counted(1, "strip") + &counted(2, "vertex"), "1 strip2 vertices");
         assert_eq!(

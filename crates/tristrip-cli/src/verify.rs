@@ -1,16 +1,47 @@
-//! `tristrip verify`: the proof alone, on files from anywhere.
+//! `tristrip verify`: proves that a file from any source draws exactly the faces of another.
 
+use serde::Serialize;
 use tristrip::strip::{Difference, verify_models};
 
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::input::{load, meshes};
-use crate::report::{DifferenceReport, Seconds, VerifyReport};
-use crate::stages::timed;
+use crate::stages::{Seconds, timed};
 use crate::task::VerifyTask;
 use crate::text::counted;
 
-/// Proves a result; tells whether it is proven.
+/// The report; the keys are those of the JSON output.
+#[derive(Debug, Serialize)]
+struct VerifyReport {
+    source: String,
+    result: String,
+    /// `null` if a file could not be read.
+    proven: Option<bool>,
+    seconds: Seconds,
+    /// The faces of the source.
+    faces: Option<usize>,
+    /// The triangles of the result.
+    triangles: Option<usize>,
+    difference: Option<DifferenceReport>,
+    notes: Vec<String>,
+    error: Option<String>,
+}
+
+/// How a result differs from its source.
+#[derive(Debug, Default, Serialize)]
+struct DifferenceReport {
+    /// `triangles`, `outside`, `count` or `boundary`.
+    kind: &'static str,
+    missing: Option<usize>,
+    extra: Option<usize>,
+    flipped: Option<usize>,
+    /// The face of the source, counted from 0 over all parts.
+    face: Option<u32>,
+    /// The positions of the first difference.
+    first: Vec<[f32; 3]>,
+}
+
+/// Compares both files; returns whether the result is proven.
 pub(crate) fn run(task: &VerifyTask, console: &mut Console) -> bool {
     let mut report = VerifyReport {
         source: task.source.name(),
@@ -31,8 +62,9 @@ pub(crate) fn run(task: &VerifyTask, console: &mut Console) -> bool {
             report.proven = Some(true);
             let faces = counted(faces, "face");
             let (source, result) = (&report.source, &report.result);
-            let verdict =
-                format!("proven: {result} draws exactly the {faces} of {source}, each once, wound right\n");
+            let verdict = format!(
+                "proven: {result} draws exactly the {faces} of {source}, each once, with its winding\n"
+            );
             console.result(&verdict, false);
         }
         Ok(Err(difference)) => {
@@ -50,7 +82,10 @@ pub(crate) fn run(task: &VerifyTask, console: &mut Console) -> bool {
     proven
 }
 
-/// Reads both files and compares them; gives the number of faces that were proven, or what differs, or why a file could not be used.
+/// Reads both files and compares them. Returns the number of faces proven, or the difference.
+///
+/// # Errors
+/// A file could not be read or used.
 fn compare(
     task: &VerifyTask,
     console: &Console,

@@ -1,7 +1,7 @@
-//! What a part of a file makes a graphics processor do, as it stands there.
+//! The statistics of a part of a file as stored.
 //!
-//! Strips are what stands between restarts; where a vertex follows itself inside, degenerate triangles join two strips, which
-//! are taken apart to be counted, and stay joined as they are sent. Polygons are drawn as fans of triangles.
+//! Restarts separate strips. A repeated vertex inside joins two strips by degenerate triangles: they are counted as two strips, but
+//! simulated as stored. Polygons are drawn as triangle fans.
 
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -15,15 +15,15 @@ use tristrip_io::Part;
 /// How a part is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub(super) enum Drawn {
+pub(super) enum DrawMode {
     List,
     Strips,
     Fans,
-    /// Parts differ.
+    /// The parts differ.
     Mixed,
 }
 
-impl Drawn {
+impl DrawMode {
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::List => "list",
@@ -34,19 +34,19 @@ impl Drawn {
     }
 }
 
-/// The figures of a part, or the sum over all; the keys are those of the JSON report. What only strips have is `None` where there
-/// are none.
+/// The figures of a part, or the sum over all parts; the keys are those of the JSON report. Figures of strips are `None` if there are
+/// none.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-pub(super) struct Figures {
-    pub(super) drawn: Drawn,
+pub(super) struct StoredFigures {
+    pub(super) drawn: DrawMode,
     /// Real triangles.
     pub(super) triangles: usize,
-    /// Vertices in use.
+    /// Used vertices.
     pub(super) vertices: usize,
-    /// As stored, restarts included.
+    /// As stored, including restarts.
     pub(super) indices: usize,
     pub(super) restarts: usize,
-    /// Triangles with a repeated vertex that the indices draw.
+    /// Triangles with a repeated vertex.
     pub(super) degenerate: usize,
     pub(super) strips: Option<usize>,
     pub(super) isolated: Option<usize>,
@@ -54,21 +54,21 @@ pub(super) struct Figures {
     pub(super) vertices_sent: Option<usize>,
 }
 
-/// Strips of 2ᵏ to 2ᵏ⁺¹ − 1 triangles, for k = 0, 1, 2 …
+/// A histogram of strip lengths: bin k counts the strips of 2ᵏ to 2ᵏ⁺¹ − 1 triangles.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub(super) struct Lengths(Vec<Bin>);
+pub(super) struct StripLengths(Vec<LengthBin>);
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
-pub(super) struct Bin {
-    /// Triangles of the shortest strips.
+pub(super) struct LengthBin {
+    /// The minimum length in triangles.
     pub(super) from: usize,
-    /// Triangles of the longest strips.
+    /// The maximum length in triangles.
     pub(super) to: usize,
     pub(super) strips: usize,
     pub(super) triangles: usize,
 }
 
-impl Lengths {
+impl StripLengths {
     fn of(strips: &Strips) -> Self {
         let mut lengths = Self::default();
         for strip in strips.iter() {
@@ -77,49 +77,50 @@ impl Lengths {
         lengths
     }
 
-    /// Adds strips that have so many triangles together, those of one bin.
+    /// Adds strips of one bin, with their total number of triangles.
     fn add(&mut self, triangles: usize, strips: usize) {
         let Some(k) = (triangles / strips.max(1)).checked_ilog2() else { return };
         while self.0.len() <= k as usize {
             let from = 1 << self.0.len();
-            self.0.push(Bin { from, to: 2 * from - 1, ..Bin::default() });
+            self.0.push(LengthBin { from, to: 2 * from - 1, ..LengthBin::default() });
         }
         let bin = &mut self.0[k as usize];
         bin.strips += strips;
         bin.triangles += triangles;
     }
 
-    pub(super) fn bins(&self) -> &[Bin] {
+    pub(super) fn bins(&self) -> &[LengthBin] {
         &self.0
     }
 }
 
-impl Bin {
-    /// Writes the range of lengths.
+impl LengthBin {
+    /// Returns the range of lengths as text.
     pub(super) fn name(&self) -> String {
         if self.from == self.to { self.from.to_string() } else { format!("{}–{}", self.from, self.to) }
     }
 }
 
-/// A part, looked at once.
+/// A part, with what is computed once for all vertex caches.
 #[derive(Debug)]
-pub(super) struct Stored<'a> {
+pub(super) struct StoredPart<'a> {
     part: &'a Part,
     /// The indices of a list.
     list: Cow<'a, [u32]>,
-    /// Strips, joins taken apart.
+    /// The strips, split where they are joined by degenerate triangles.
     strips: Strips,
-    pub(super) figures: Figures,
-    pub(super) lengths: Lengths,
+    pub(super) figures: StoredFigures,
+    pub(super) lengths: StripLengths,
 }
 
-impl<'a> Stored<'a> {
+impl<'a> StoredPart<'a> {
+    /// Counts the triangles, indices and strips of a part.
     pub(super) fn of(part: &'a Part) -> Self {
         let mut strips = Strips::default();
         let mut list = Cow::default();
         let vertex_count = part.mesh.vertex_count();
-        let mut figures = Figures {
-            drawn: Drawn::List,
+        let mut figures = StoredFigures {
+            drawn: DrawMode::List,
             triangles: 0,
             vertices: 0,
             indices: 0,
@@ -134,10 +135,10 @@ impl<'a> Stored<'a> {
             figures.indices = stored.indices();
             figures.restarts = stored.restarts;
             figures.triangles = part.mesh.faces().face_count();
-            figures.vertices = BufferUse::of(&stored.runs, NONE, Between::Keep, vertex_count).vertices;
+            figures.vertices = BufferUse::of(&stored.runs, ANY_CACHE, Between::Keep, vertex_count).vertices;
             let drawn: usize = stored.runs.iter().map(|run| run.len().saturating_sub(2)).sum();
             figures.degenerate = drawn.saturating_sub(figures.triangles);
-            figures.drawn = if stored.fans { Drawn::Fans } else { Drawn::Strips };
+            figures.drawn = if stored.fans { DrawMode::Fans } else { DrawMode::Strips };
             if !stored.fans {
                 stored.runs.iter().flat_map(pieces).for_each(|strip| strips.push(strip));
                 let metrics = Metrics::of(&strips);
@@ -149,37 +150,37 @@ impl<'a> Stored<'a> {
         } else {
             list = triangle_list(&part.mesh);
             figures.indices = list.len();
-            let used = BufferUse::of_list(&list, NONE, vertex_count);
+            let used = BufferUse::of_list(&list, ANY_CACHE, vertex_count);
             (figures.triangles, figures.vertices) = (used.triangles, used.vertices);
             figures.degenerate = list.len() / 3 - figures.triangles;
         }
-        let lengths = Lengths::of(&strips);
+        let lengths = StripLengths::of(&strips);
         Self { part, list, strips, figures, lengths }
     }
 
-    /// Gives the vertices of the indices, in their order.
+    /// Returns the vertices of the indices, in order.
     fn sent(&self) -> &[u32] {
         self.part.stored.as_ref().map_or(&*self.list, |stored| stored.runs.vertices())
     }
 
-    /// Draws the part with each buffer; flushed buffers are so between strips, whose joins are then not sent.
-    pub(super) fn with_each(&self, buffers: &[Buffer], between: Between) -> Vec<BufferUse> {
+    /// Simulates each vertex cache. If caches are flushed between strips, the degenerate triangles that join strips are not sent.
+    pub(super) fn simulate(&self, caches: &[Buffer], flush_policy: Between) -> Vec<BufferUse> {
         let count = self.part.mesh.vertex_count();
         let mut each = match &self.part.stored {
-            None => BufferUse::of_list_each(&self.list, buffers, count),
-            Some(stored) if stored.fans || between == Between::Keep => {
-                BufferUse::of_each(&stored.runs, buffers, between, count)
+            None => BufferUse::of_list_each(&self.list, caches, count),
+            Some(stored) if stored.fans || flush_policy == Between::Keep => {
+                BufferUse::of_each(&stored.runs, caches, flush_policy, count)
             }
-            Some(_) => BufferUse::of_each(&self.strips, buffers, between, count),
+            Some(_) => BufferUse::of_each(&self.strips, caches, flush_policy, count),
         };
-        // What a fan draws is not what a strip of its vertices would.
+        // The simulation counts the triangles of a fan as if it were a strip.
         each.iter_mut().for_each(|used| used.triangles = self.figures.triangles);
         each
     }
 }
 
-/// Counts the vertices that parts use; those that several of them share once.
-pub(super) fn vertices_of(parts: &[Stored<'_>]) -> usize {
+/// Counts the vertices that parts use. Vertices that parts share are counted once.
+pub(super) fn vertices_of(parts: &[StoredPart<'_>]) -> usize {
     let mut used: HashMap<*const [f32; 3], Vec<bool>> = HashMap::new();
     for part in parts {
         let positions = part.part.mesh.positions();
@@ -189,12 +190,12 @@ pub(super) fn vertices_of(parts: &[Stored<'_>]) -> usize {
     used.values().map(|used| used.iter().filter(|&&used| used).count()).sum()
 }
 
-/// Sums over parts; their vertices may be the same ones, see [`vertices_of`].
-impl std::iter::Sum for Figures {
+/// Sums over parts; shared vertices are counted once per part, see [`vertices_of`].
+impl std::iter::Sum for StoredFigures {
     fn sum<I: Iterator<Item = Self>>(parts: I) -> Self {
         let add = |a: Option<usize>, b: Option<usize>| a.map_or(b, |a| Some(a + b.unwrap_or(0)));
         let both = |a: Self, b: Self| Self {
-            drawn: if a.drawn == b.drawn { a.drawn } else { Drawn::Mixed },
+            drawn: if a.drawn == b.drawn { a.drawn } else { DrawMode::Mixed },
             triangles: a.triangles + b.triangles,
             vertices: a.vertices + b.vertices,
             indices: a.indices + b.indices,
@@ -205,12 +206,12 @@ impl std::iter::Sum for Figures {
             swaps: add(a.swaps, b.swaps),
             vertices_sent: add(a.vertices_sent, b.vertices_sent),
         };
-        parts.reduce(both).unwrap_or_else(|| Stored::of(&Part::default()).figures)
+        parts.reduce(both).unwrap_or_else(|| StoredPart::of(&Part::default()).figures)
     }
 }
 
 /// Sums over parts.
-impl std::iter::Sum for Lengths {
+impl std::iter::Sum for StripLengths {
     fn sum<I: Iterator<Item = Self>>(parts: I) -> Self {
         let mut sum = Self::default();
         for bin in parts.flat_map(|part| part.0) {
@@ -220,10 +221,10 @@ impl std::iter::Sum for Lengths {
     }
 }
 
-/// A buffer that is asked only for what does not depend on it.
-const NONE: Buffer = Buffer::fifo(1);
+/// A vertex cache for statistics that do not depend on it.
+const ANY_CACHE: Buffer = Buffer::fifo(1);
 
-/// Gives a mesh as a triangle list, polygons as fans around their first corner.
+/// Returns a mesh as a triangle list, polygons as fans around their first corner.
 fn triangle_list(mesh: &Mesh) -> Cow<'_, [u32]> {
     match mesh.faces().as_triangles() {
         Some(corners) => Cow::Borrowed(corners),

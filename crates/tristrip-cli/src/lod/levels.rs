@@ -1,50 +1,6 @@
 //! The levels of a model: the collapses of all its parts in one order.
 
-use std::str::FromStr;
-
 use tristrip::CollapseSequence;
-
-use crate::failure::Failure;
-use crate::text::count;
-
-/// A level as it is typed: `120` or `40%`.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Level {
-    Number(usize),
-    Percent(f64),
-}
-
-impl Level {
-    /// Gives the level, of so many collapses.
-    ///
-    /// # Errors
-    /// There is no such level.
-    #[allow(clippy::cast_sign_loss, reason = "a percentage is not negative")]
-    pub(crate) fn of(self, collapses: usize) -> Result<usize, Failure> {
-        match self {
-            Self::Percent(percent) => Ok((percent / 100.0 * collapses as f64).round() as usize),
-            Self::Number(level) if level <= collapses => Ok(level),
-            Self::Number(level) => {
-                let (found, last) = (count(level), count(collapses));
-                Err(Failure::Input(format!("level: found {found}, expected at most {last}, the full mesh")))
-            }
-        }
-    }
-}
-
-impl FromStr for Level {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let parsed = match text.strip_suffix('%') {
-            Some(number) => number.parse().ok().filter(|p| (0.0..=100.0).contains(p)).map(Self::Percent),
-            None => text.parse().ok().map(Self::Number),
-        };
-        parsed.ok_or_else(|| {
-            format!("found `{text}`, expected a number such as 120, or a percentage such as 40%")
-        })
-    }
-}
 
 /// The levels of a model of any number of parts: the collapses of all parts in the order of their errors, so that at every level all
 /// parts have about the same error.
@@ -122,15 +78,6 @@ mod tests {
             (0..errors.len() as u32).map(|i| [Rename { removed: i, kept: i + 1 }]).collect();
         let collapses = renames.iter().zip(errors).map(|(rename, &error)| (&rename[..], error));
         CollapseSequence::from_collapses(corners as usize + 1, triangles, collapses).unwrap()
-    }
-
-    #[test]
-    fn levels_are_read_as_numbers_and_percentages() {
-        let level = |text: &str| text.parse::<Level>().ok().and_then(|level| level.of(201).ok());
-        assert_eq!(
-            ["0", "201", "202", "0%", "50%", "100%", "101%", "-1", "half", "0.4"].map(level),
-            [Some(0), Some(201), None, Some(0), Some(101), Some(201), None, None, None, None]
-        );
     }
 
     #[test]

@@ -5,12 +5,13 @@ use tristrip::lod::filter::{Filter, repair};
 use tristrip::{Error, Strips};
 
 use super::levels::Levels;
-use super::part::{FilterName, LodPart, SplitUpdates};
+use super::part::{LodPart, SplitUpdates};
 use super::rows::{LevelRow, Refinement, VerticesSent};
 use crate::failure::Failure;
 use crate::figures::rounded;
 use crate::stages::Pool;
 use crate::text::{count, table};
+use crate::values::FilterName;
 
 /// Bytes per position, and per index or index-map slot.
 const POSITION_BYTES: usize = 12;

@@ -4,9 +4,8 @@ use std::iter::Sum;
 use std::ops::Range;
 use std::sync::OnceLock;
 
-use clap::ValueEnum;
 use tristrip::lod::RESTART;
-use tristrip::lod::filter::{Filter, Repair, repair};
+use tristrip::lod::filter::{Repair, repair};
 use tristrip::lod::progressive::{Encoding, ProgressiveStrips};
 use tristrip::simplify::Simplification;
 use tristrip::strip::verify_drawing;
@@ -14,41 +13,7 @@ use tristrip::{CollapseSequence, Error, Faces, Strips};
 
 use crate::failure::Failure;
 use crate::simplify::{Compact, Part};
-
-/// How strips are read before they are drawn.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum FilterName {
-    /// As they are, with all that draws nothing
-    None,
-    /// The simple triangle strip scanner: pairs of vertices that repeat at once are sent once (El-Sana et al. 2000)
-    Stss,
-    /// The degenerate triangle-free scanner: valid triangles only (Kim et al. 2005)
-    Dtfs,
-    /// Valid triangles only, in the same order, at the least cost of this order
-    Linked,
-    /// Paths over the triangles of the level, which are mended by a search where collapses have cut them
-    Repair,
-}
-
-impl FilterName {
-    pub(crate) const DEFAULT: Self = Self::Repair;
-
-    /// Gives the name as it is typed.
-    pub(crate) fn name(self) -> String {
-        self.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
-    }
-
-    /// Gives the filter that reads strips by themselves; `None` for the one that searches.
-    pub(crate) fn scanner(self) -> Option<Filter> {
-        match self {
-            Self::None => Some(Filter::None),
-            Self::Stss => Some(Filter::Stss),
-            Self::Dtfs => Some(Filter::Dtfs),
-            Self::Linked => Some(Filter::Linked),
-            Self::Repair => None,
-        }
-    }
-}
+use crate::values::FilterName;
 
 /// A part: the strips of its full mesh, and its collapses.
 pub(crate) struct LodPart<'a> {
@@ -205,6 +170,7 @@ fn mapped(strips: &Strips, map: impl Fn(&mut [u32])) -> Strips {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use clap::ValueEnum;
     use tristrip::Mesh;
     use tristrip::simplify::Rename;
 

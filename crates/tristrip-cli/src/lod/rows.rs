@@ -3,7 +3,7 @@
 use clap::ValueEnum;
 use serde::{Serialize, Serializer};
 
-use super::part::FilterName;
+use crate::values::FilterName;
 
 /// The name of the mesh drawn as single triangles, beside the names of the filters.
 pub(crate) const SINGLE_TRIANGLES: &str = "triangles";

@@ -9,12 +9,13 @@ use tristrip::lod::filter::{Filter, Repair, repair};
 use tristrip::lod::traffic;
 
 use super::levels::Levels;
-use super::part::{FilterName, LodPart};
+use super::part::LodPart;
 use super::rows::{FilterTotal, SINGLE_TRIANGLES};
 use crate::failure::Failure;
 use crate::figures::rounded;
 use crate::stages::Pool;
 use crate::text::{grouped, table};
+use crate::values::FilterName;
 
 /// Counts the vertices that every filter sends for a part, at each of its levels from the full mesh to the base mesh; the filters are
 /// in the order of [`FilterName`].

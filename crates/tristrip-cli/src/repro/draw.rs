@@ -52,8 +52,7 @@ pub(super) fn draw(chart: &ChartData, runner: &Runner) -> Result<ChartReport, Fa
             (panels.iter().map(|panel| corpus(panel, series, runner)).collect(), 1)
         }
         ChartKind::VertexCaches { flags, models, columns } => {
-            let data: Vec<_> =
-                models.iter().filter_map(|name| by_cache_size(name, flags, runner)).collect();
+            let data: Vec<_> = models.iter().filter_map(|name| by_cache_size(name, flags, runner)).collect();
             (data, *columns)
         }
         ChartKind::Levels { model, panels, axis, series } => {

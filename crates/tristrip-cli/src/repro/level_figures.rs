@@ -23,8 +23,9 @@ use crate::lod::measure::{measure_levels, refinement};
 use crate::lod::part::LodPart;
 use crate::lod::rows::LevelRow;
 use crate::lod::totals::totals;
-use crate::simplify::{Amount, Part, Ratio, simplify_all};
+use crate::simplify::{Part, simplify_all};
 use crate::stages::{Pool, Prepared};
+use crate::values::{Amount, Ratio};
 
 /// The size of the paper's base meshes, as a ratio of the triangles.
 const BASE: &str = "5%";

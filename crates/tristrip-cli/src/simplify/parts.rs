@@ -1,4 +1,4 @@
-//! The parts of a model on their way to a base mesh: each by itself, with what it has in common with others locked.
+//! Simplifies the parts of a model separately, with the vertices that parts share locked.
 
 use std::borrow::Cow;
 
@@ -8,18 +8,19 @@ use tristrip::{Error, Faces, Mesh};
 
 use crate::stages::Pool;
 
-/// Vertices for each corner from which on a part is simplified over the ones that it uses: thousands of parts may share one long list.
+/// The ratio of vertices to corners above which a part is simplified over its used vertices only: thousands of parts may share one
+/// long vertex list.
 const SPARSE: usize = 16;
 
-/// A part over the vertices that it uses, with their attributes, where it uses few of many; else as it is.
+/// A part reduced to its used vertices, with their attributes, if it uses few of many; otherwise the part itself.
 pub(crate) struct Compact<'a> {
     pub(crate) mesh: Cow<'a, Mesh>,
-    /// The vertex of the part for each of `mesh`, rising; `None` where they are the same.
+    /// The vertex of the part for each vertex of `mesh`, ascending; `None` if they are the same.
     used: Option<Vec<u32>>,
 }
 
 impl<'a> Compact<'a> {
-    /// Takes a part and the triangles that are to be simplified.
+    /// Reduces a part to the vertices of the triangles to simplify.
     pub(crate) fn new(mesh: &'a Mesh, triangles: &[u32]) -> Result<Self, Error> {
         if mesh.vertex_count() / SPARSE <= triangles.len() {
             return Ok(Self { mesh: Cow::Borrowed(mesh), used: None });
@@ -28,20 +29,20 @@ impl<'a> Compact<'a> {
         used.sort_unstable();
         used.dedup();
         let positions: Vec<[f32; 3]> = used.iter().map(|&v| mesh.positions()[v as usize]).collect();
-        let bare = Mesh::new(positions, Faces::default())?;
+        let without_attributes = Mesh::new(positions, Faces::default())?;
         let mut attributes = mesh.attributes().iter().map(|attribute| attribute.of_vertices(&used));
-        let fewer = attributes.try_fold(bare, Mesh::with_attribute)?;
-        Ok(Self { mesh: Cow::Owned(fewer), used: Some(used) })
+        let reduced = attributes.try_fold(without_attributes, Mesh::with_attribute)?;
+        Ok(Self { mesh: Cow::Owned(reduced), used: Some(used) })
     }
 
-    /// Gives vertices of the part their numbers here.
+    /// Converts vertices of the part to vertices of `mesh`.
     pub(crate) fn inward(&self, vertices: &mut [u32]) {
         if let Some(used) = &self.used {
             vertices.iter_mut().for_each(|v| *v = used.partition_point(|&u| u < *v) as u32);
         }
     }
 
-    /// Gives vertices that are named here their numbers of the part.
+    /// Converts vertices of `mesh` to vertices of the part.
     pub(crate) fn outward(&self, vertices: &mut [u32]) {
         if let Some(used) = &self.used {
             vertices.iter_mut().for_each(|v| *v = used[*v as usize]);
@@ -49,17 +50,17 @@ impl<'a> Compact<'a> {
     }
 }
 
-/// A part to be simplified.
+/// A part to simplify.
 pub(crate) struct Part<'a> {
     pub(crate) compact: Compact<'a>,
     /// Over the vertices of `compact`.
     triangles: Vec<u32>,
-    /// Vertices that stay, as other parts use their positions; empty where there are none.
+    /// Which vertices are locked, because other parts use their positions; empty if none is.
     locked: Vec<bool>,
 }
 
 impl<'a> Part<'a> {
-    /// Takes the meshes of a model's parts with their triangles, and finds what parts have in common.
+    /// Builds the parts of a model from their meshes and triangles, and locks the vertices that parts share.
     pub(crate) fn of_all(parts: Vec<(&'a Mesh, Vec<u32>)>) -> Result<Vec<Self>, Error> {
         let compacted = parts.into_iter().map(|(mesh, mut triangles)| {
             let compact = Compact::new(mesh, &triangles)?;
@@ -73,12 +74,12 @@ impl<'a> Part<'a> {
         Ok(parts)
     }
 
-    /// Counts the triangles.
+    /// Returns the number of triangles.
     pub(crate) fn triangle_count(&self) -> usize {
         self.triangles.len() / 3
     }
 
-    /// Counts the vertices that stay, as other parts use their positions.
+    /// Returns the number of locked vertices.
     pub(crate) fn locked_count(&self) -> usize {
         self.locked.iter().filter(|&&locked| locked).count()
     }
@@ -92,7 +93,7 @@ fn lock(parts: &mut [Part<'_>]) -> Result<(), Error> {
         .collect::<Result<_, Error>>()?;
     let ids = PositionIds::default().faces(&drawn.iter().collect::<Vec<_>>())?;
     let id_count = ids.corners().iter().max().map_or(0, |&id| id as usize + 1);
-    // The part that uses a position, counted from 1, or one that cannot be where there are several.
+    // The part that uses a position, counted from 1; 0 for none, `several` for more than one.
     let mut users = vec![0_usize; id_count];
     let several = parts.len() + 1;
     let mut corners = ids.corners();
@@ -118,8 +119,8 @@ fn lock(parts: &mut [Part<'_>]) -> Result<(), Error> {
     Ok(())
 }
 
-/// Simplifies every part to its own number of triangles, or until the error would be greater than allowed, in mesh units; the order is
-/// that of the parts.
+/// Simplifies each part to its own number of triangles, or until the error would exceed the maximum, in mesh units. The results are in the
+/// order of the parts.
 pub(crate) fn simplify_all(
     pool: &Pool,
     parts: &[Part<'_>],
@@ -140,7 +141,7 @@ pub(crate) fn simplify_all(
     done.into_iter().collect()
 }
 
-/// Gives the diagonal of the box around all triangles of a model, in mesh units.
+/// Returns the diagonal of the bounding box of all triangles, in mesh units.
 pub(crate) fn diagonal(parts: &[Part<'_>]) -> f64 {
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for part in parts {
@@ -169,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn what_parts_have_in_common_is_locked() {
+    fn shared_positions_are_locked() {
         let (lower, upper, far) = (strip_of(4, 0.0), strip_of(4, 1.0), strip_of(3, 7.0));
         let parts = [&lower, &upper, &far].map(|(mesh, triangles)| (mesh, triangles.clone()));
         let parts = Part::of_all(parts.to_vec()).unwrap();
@@ -180,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn few_of_many_vertices_are_named_anew_and_back() {
+    fn few_of_many_vertices_are_renumbered_and_restored() {
         let positions: Vec<[f32; 3]> = (0..1000).map(|i| [i as f32, 0.0, 0.0]).collect();
         let mesh = Mesh::new(positions, Faces::default()).unwrap();
         let data = AttributeData::U16((0..1000).collect());
@@ -188,7 +189,7 @@ mod tests {
         let mesh = mesh.with_attribute(number).unwrap();
         let parts = Part::of_all(vec![(&mesh, vec![900, 5, 77])]).unwrap();
         let kept = &parts[0].compact.mesh.attributes()[0].data;
-        assert_eq!(*kept, AttributeData::U16(vec![5, 77, 900]), "seams are told by attributes");
+        assert_eq!(*kept, AttributeData::U16(vec![5, 77, 900]), "attributes decide where seams are");
 
         assert_eq!(parts[0].triangles, [2, 0, 1]);
         assert_eq!(

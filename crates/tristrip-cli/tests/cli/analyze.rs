@@ -1,4 +1,4 @@
-//! `tristrip analyze`: lists, every layout of strips, fans, scenes, buffers, the picture, and bad inputs.
+//! `tristrip analyze`: lists, every layout of strips, fans, scenes, vertex caches, the chart, and bad inputs.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -24,13 +24,18 @@ const KEYS: [&str; 21] = [
     "indices_per_triangle",
     "lengths",
     "flushed",
-    "buffers",
+    "vertex_caches",
     "parts",
     "by_part",
     "notes",
     "plot",
     "error",
 ];
+
+/// The keys of a report without figures.
+fn keys_without_figures() -> Vec<&'static str> {
+    [&KEYS[..2], &KEYS[12..]].concat()
+}
 
 fn analyze(file: &Path, flags: &[&str]) -> Value {
     json(tristrip().args(["analyze", "--json"]).args(flags).arg(file))
@@ -40,12 +45,13 @@ fn figure(report: &Value, key: &str) -> u64 {
     report[key].as_u64().unwrap_or_else(|| panic!("{key}: {}", report[key]))
 }
 
-fn misses(report: &Value, buffer: &str) -> u64 {
-    let row = report["buffers"].as_array().into_iter().flatten().find(|row| row["buffer"] == buffer);
-    figure(row.unwrap_or_else(|| panic!("no {buffer}: {report}")), "misses")
+fn misses(report: &Value, cache: &str) -> u64 {
+    let row =
+        report["vertex_caches"].as_array().into_iter().flatten().find(|row| row["vertex_cache"] == cache);
+    figure(row.unwrap_or_else(|| panic!("no {cache}: {report}")), "misses")
 }
 
-/// Writes strips of the hand in a layout, and gives what `strip` said of them.
+/// Writes strips of the hand in a layout; returns the path and the report of `strip`.
 fn hand(dir: &Path, layout: &str, extension: &str) -> (PathBuf, Value) {
     let path = dir.join(format!("{layout}.{extension}"));
     let mut command = tristrip();
@@ -59,32 +65,36 @@ fn json_has_the_documented_keys_in_order() {
     let report = analyze(&model("milktruck.glb"), &[]);
     assert_eq!(keys(&report), KEYS);
     assert_eq!(keys(&report["seconds"]), ["load", "analyze"]);
-    assert_eq!(keys(&report["buffers"][0]), ["buffer", "misses", "acmr", "atvr"]);
+    assert_eq!(keys(&report["vertex_caches"][0]), ["vertex_cache", "misses", "acmr", "atvr"]);
     let part = [&["name", "material"], &KEYS[2..12], &["misses"]].concat();
     assert_eq!(keys(&report["by_part"][0]), part);
 }
 
 #[test]
-fn a_list_is_a_list() {
+fn triangle_lists_and_polygons_are_drawn_as_a_list() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("square.obj");
     fs::write(&path, SQUARE).unwrap();
-    let report = analyze(&path, &["--buffers", "fifo:1,lru:2..3"]);
+    let report = analyze(&path, &["--vertex-caches", "fifo:1,lru:2..3"]);
     assert_eq!((&report["drawn"], &report["strips"]), (&Value::from("list"), &Value::Null));
     assert_eq!(["triangles", "vertices", "indices"].map(|key| figure(&report, key)), [2, 4, 6]);
     // 0 1 2 0 2 3
-    assert_eq!(["fifo:1", "lru:2", "lru:3"].map(|buffer| misses(&report, buffer)), [6, 5, 4]);
-    assert_eq!((&report["buffers"][2]["acmr"], &report["buffers"][2]["atvr"]), (&2.0.into(), &1.0.into()));
+    assert_eq!(["fifo:1", "lru:2", "lru:3"].map(|cache| misses(&report, cache)), [6, 5, 4]);
+    assert_eq!(
+        (&report["vertex_caches"][2]["acmr"], &report["vertex_caches"][2]["atvr"]),
+        (&2.0.into(), &1.0.into())
+    );
     assert_eq!(report["lengths"], Value::Array(Vec::new()));
     fs::write(&path, SQUARE.replace("f 1 2 3\nf 1 3 4", "f 1 2 3 4\nf 1 1 2")).unwrap();
     let polygons = analyze(&path, &[]);
     assert_eq!(["triangles", "indices", "degenerate"].map(|key| figure(&polygons, key)), [2, 9, 1]);
     let assert = tristrip().arg("analyze").arg(&path).assert().success();
-    assert.stdout(contains("drawn as a list").and(contains("fifo:16")).and(contains("strips by").not()));
+    assert
+        .stdout(contains("drawn as a list").and(contains("fifo:16")).and(contains("strips by number").not()));
 }
 
 #[test]
-fn every_layout_is_seen_as_it_was_written() {
+fn every_layout_is_analyzed_as_written() {
     let dir = tempfile::tempdir().unwrap();
     for extension in ["glb", "ply"] {
         let (path, written) = hand(dir.path(), "restart", extension);
@@ -95,8 +105,8 @@ fn every_layout_is_seen_as_it_was_written() {
         assert_eq!(restart["indices"], written["indices_restart"]);
         assert_eq!(figure(&restart, "restarts"), figure(&written, "strips") - 1);
         assert_eq!(figure(&restart, "degenerate"), figure(&written, "swaps"));
-        assert_eq!(restart["buffers"][1]["acmr"], written["acmr_fifo_16"]);
-        assert_eq!(restart["buffers"][3]["atvr"], written["atvr_fifo_32"]);
+        assert_eq!(restart["vertex_caches"][1]["acmr"], written["acmr_fifo_16"]);
+        assert_eq!(restart["vertex_caches"][3]["atvr"], written["atvr_fifo_32"]);
         let bins = restart["lengths"].as_array().unwrap();
         let sum = |key| bins.iter().map(|bin| figure(bin, key)).sum::<u64>();
         assert_eq!(
@@ -119,7 +129,7 @@ fn every_layout_is_seen_as_it_was_written() {
             assert_eq!(separate[key], restart[key], "{extension} {key}");
         }
         let flushed = analyze(&dir.path().join(format!("restart.{extension}")), &["--flush"]);
-        assert_eq!(flushed["buffers"], separate["buffers"]);
+        assert_eq!(flushed["vertex_caches"], separate["vertex_caches"]);
         assert!(misses(&flushed, "fifo:16") > misses(&restart, "fifo:16"));
         assert_eq!((&flushed["flushed"], &restart["flushed"]), (&true.into(), &false.into()));
 
@@ -129,15 +139,15 @@ fn every_layout_is_seen_as_it_was_written() {
 }
 
 #[test]
-fn primitives_add_up() {
-    let report = analyze(&model("milktruck.glb"), &["--buffers", "lru:4..9"]);
+fn figures_are_sums_over_primitives() {
+    let report = analyze(&model("milktruck.glb"), &["--vertex-caches", "lru:4..9"]);
     let parts = report["by_part"].as_array().unwrap();
     assert_eq!(figure(&report, "parts"), parts.len() as u64);
     assert!(parts.len() > 1);
     for key in ["triangles", "indices"] {
         assert_eq!(figure(&report, key), parts.iter().map(|part| figure(part, key)).sum::<u64>());
     }
-    for (i, row) in report["buffers"].as_array().unwrap().iter().enumerate() {
+    for (i, row) in report["vertex_caches"].as_array().unwrap().iter().enumerate() {
         let of_parts = parts.iter().map(|part| part["misses"][i].as_u64().unwrap());
         assert_eq!(figure(row, "misses"), of_parts.sum::<u64>());
     }
@@ -146,7 +156,7 @@ fn primitives_add_up() {
 }
 
 #[test]
-fn fans_are_seen_as_fans() {
+fn fans_are_analyzed_as_fans() {
     // Five vertices; indices 0 1 2 3, a restart, 0 3 4.
     let data = "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAACAPwAAgD8AAAAAAAAAAAAAgD8AAAAAAACAvwAAgD8AAAAAAAECA/8AAwQ=";
     let scene = format!(
@@ -162,7 +172,7 @@ fn fans_are_seen_as_fans() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("fan.gltf");
     fs::write(&path, scene).unwrap();
-    let report = analyze(&path, &["--buffers", "fifo:2"]);
+    let report = analyze(&path, &["--vertex-caches", "fifo:2"]);
     assert_eq!((&report["drawn"], &report["vertices"]), (&"mixed".into(), &5.into()));
     let [fan, strip] = [0, 1].map(|i| &report["by_part"][i]);
     assert_eq!(
@@ -172,51 +182,51 @@ fn fans_are_seen_as_fans() {
     let keys = ["triangles", "indices", "restarts", "degenerate"];
     assert_eq!(keys.map(|key| figure(fan, key)), [3, 8, 1, 0]);
     assert_eq!(keys.map(|key| figure(strip, key)), [3, 5, 0, 0]);
-    // 0 1 2 3, then 0, which has left, 3, which has not, and 4.
+    // 0 1 2 3, then 0 (evicted, a miss), 3 (a hit) and 4.
     assert_eq!((&fan["misses"], &strip["misses"]), (&vec![6].into(), &vec![5].into()));
-    assert_eq!(report["buffers"][0]["acmr"], 1.833_333);
+    assert_eq!(report["vertex_caches"][0]["acmr"], 1.833_333);
 }
 
 #[test]
-fn a_picture_is_drawn_for_people() {
+fn a_chart_is_drawn() {
     let dir = tempfile::tempdir().unwrap();
     let (path, _) = hand(dir.path(), "restart", "glb");
-    let picture = dir.path().join("buffers.svg");
+    let chart = dir.path().join("caches.svg");
     let mut command = tristrip();
-    command.args(["analyze", "--json", "--plot"]).arg(&picture).arg(&path).arg(model("hand.ply"));
+    command.args(["analyze", "--json", "--plot"]).arg(&chart).arg(&path).arg(model("hand.ply"));
     let reports = json(&mut command);
-    assert_eq!(reports[1]["plot"], picture.display().to_string());
-    let text = fs::read_to_string(&picture).unwrap();
+    assert_eq!(reports[1]["plot"], chart.display().to_string());
+    let text = fs::read_to_string(&chart).unwrap();
     assert!(text.starts_with("<svg width=\"900\""));
     for words in ["hand.ply, FIFO", "restart.glb, LRU", "each vertex once", "Lengths of strips: restart.glb"]
     {
         assert!(text.contains(words), "{words}");
     }
     command.assert().success();
-    assert_eq!(fs::read_to_string(&picture).unwrap(), text);
-    // A list alone has no lengths.
+    assert_eq!(fs::read_to_string(&chart).unwrap(), text);
+    // A list has no strip lengths.
     let mut command = tristrip();
-    command.args(["analyze", "--buffers", "fifo:4..9", "--plot"]).arg(&picture).arg(model("hand.ply"));
+    command.args(["analyze", "--vertex-caches", "fifo:4..9", "--plot"]).arg(&chart).arg(model("hand.ply"));
     command.assert().success();
-    let text = fs::read_to_string(&picture).unwrap();
+    let text = fs::read_to_string(&chart).unwrap();
     assert!(text.contains("FIFO") && !text.contains("LRU") && !text.contains("Lengths"));
 }
 
 #[test]
-fn a_picture_that_cannot_be_written_is_an_error() {
+fn a_chart_that_cannot_be_written_is_an_error() {
     let dir = tempfile::tempdir().unwrap();
-    let picture = dir.path().join("none/buffers.svg");
+    let chart = dir.path().join("none/caches.svg");
     let mut command = tristrip();
-    command.args(["analyze", "--json", "-q", "--plot"]).arg(&picture).arg(model("fish_control.ply"));
-    let assert = command.assert().code(1).stderr(contains("buffers.svg: no such file or directory"));
+    command.args(["analyze", "--json", "-q", "--plot"]).arg(&chart).arg(model("fish_control.ply"));
+    let assert = command.assert().code(1).stderr(contains("caches.svg: no such file or directory"));
     let report: Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
-    assert!(report["error"].as_str().unwrap().contains("buffers.svg"));
+    assert!(report["error"].as_str().unwrap().contains("caches.svg"));
     assert_eq!(report["plot"], Value::Null);
     assert!(figure(&report, "triangles") > 0);
 }
 
 #[test]
-fn bad_inputs_are_named_and_the_others_done() {
+fn bad_inputs_are_reported_and_the_others_processed() {
     let dir = tempfile::tempdir().unwrap();
     let file = |name: &str, bytes: &[u8]| {
         let path = dir.path().join(name);
@@ -232,29 +242,14 @@ fn bad_inputs_are_named_and_the_others_done() {
         dir.path().to_owned(),
         dir.path().join("none.ply"),
     ];
-    let picture = dir.path().join("a.svg");
+    let chart = dir.path().join("a.svg");
     for path in &bad {
         let mut command = tristrip();
-        command.args(["analyze", "--json", "--plot"]).arg(&picture).arg(path).arg(model("fish_control.ply"));
+        command.args(["analyze", "--json", "--plot"]).arg(&chart).arg(path).arg(model("fish_control.ply"));
         let assert = command.assert().code(1).stderr(contains("tristrip: "));
         let reports: Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
-        assert_eq!(
-            keys(&reports[0]),
-            [
-                "file",
-                "seconds",
-                "indices_per_triangle",
-                "lengths",
-                "flushed",
-                "buffers",
-                "parts",
-                "by_part",
-                "notes",
-                "plot",
-                "error"
-            ]
-        );
-        assert!(reports[0]["error"].is_string() && reports[0]["buffers"] == Value::Array(Vec::new()));
+        assert_eq!(keys(&reports[0]), keys_without_figures());
+        assert!(reports[0]["error"].is_string() && reports[0]["vertex_caches"] == Value::Array(Vec::new()));
         assert!(reports[1]["error"].is_null() && reports[1]["plot"].is_string());
         let assert = tristrip().args(["analyze", "-q"]).arg(path).assert().code(1);
         assert.stdout(is_empty());
@@ -262,13 +257,13 @@ fn bad_inputs_are_named_and_the_others_done() {
 }
 
 #[test]
-fn a_file_that_draws_nothing_has_no_figures_but_zero() {
+fn the_figures_of_a_file_without_faces_are_zero() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("points.obj");
     fs::write(&path, "v 0 0 0\nv 1 0 0\n").unwrap();
-    let picture = dir.path().join("a.svg");
-    let report = json(tristrip().args(["analyze", "--json", "--plot"]).arg(&picture).arg(&path));
+    let chart = dir.path().join("a.svg");
+    let report = json(tristrip().args(["analyze", "--json", "--plot"]).arg(&chart).arg(&path));
     assert_eq!(["triangles", "vertices", "indices"].map(|key| figure(&report, key)), [0; 3]);
-    assert!(report["buffers"].as_array().unwrap().iter().all(|row| row["acmr"] == 0.0));
+    assert!(report["vertex_caches"].as_array().unwrap().iter().all(|row| row["acmr"] == 0.0));
     tristrip().args(["analyze", "-"]).write_stdin(SQUARE).assert().success().stdout(contains("fifo:16"));
 }

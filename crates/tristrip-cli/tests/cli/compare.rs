@@ -1,4 +1,4 @@
-//! `tristrip compare`: the table, its marks, and the same as JSON and Markdown.
+//! `tristrip compare`: the table, its marks, and its JSON and Markdown forms.
 
 use super::{json, keys, model, tristrip};
 use predicates::prelude::*;
@@ -16,7 +16,7 @@ fn every_method_has_a_proven_row() {
 }
 
 #[test]
-fn auto_is_never_worse_than_what_it_chooses_from() {
+fn auto_is_never_worse_than_its_initial_methods() {
     for name in ["fish_control.ply", "hand.ply", "wingnut.ply", "catmark_bishop.ply"] {
         let report = json(tristrip().args(["compare", "--json"]).arg(model(name)));
         let cost = |method: &str| {
@@ -29,7 +29,7 @@ fn auto_is_never_worse_than_what_it_chooses_from() {
 }
 
 #[test]
-fn each_model_has_its_table() {
+fn each_model_has_a_table() {
     tristrip()
         .arg("compare")
         .arg(model("fish_control.ply"))

@@ -1,4 +1,4 @@
-//! `tristrip convert`: formats and layouts, no new strips.
+//! `tristrip convert`: formats and layouts, without new strips.
 
 use std::fs;
 
@@ -7,7 +7,7 @@ use predicates::str::contains;
 use serde_json::Value;
 
 #[test]
-fn polygons_stay_polygons_where_the_format_has_them() {
+fn polygons_stay_polygons_if_the_format_has_them() {
     let dir = tempfile::tempdir().unwrap();
     let (obj, ply) = (dir.path().join("fish.obj"), dir.path().join("fish.ply"));
     let report =
@@ -34,7 +34,7 @@ fn polygons_stay_polygons_where_the_format_has_them() {
 }
 
 #[test]
-fn strips_keep_their_number_from_file_to_file() {
+fn the_number_of_strips_is_kept() {
     let dir = tempfile::tempdir().unwrap();
     let (ply, glb) = (dir.path().join("a.ply"), dir.path().join("a.glb"));
     let first = json(tristrip().args(["strip", "--json"]).arg(model("wingnut.ply")).arg("-o").arg(&ply));
@@ -64,7 +64,7 @@ fn streams_and_directories_work_as_for_strip() {
 }
 
 #[test]
-fn what_a_format_cannot_hold_is_said() {
+fn losses_of_a_format_are_reported() {
     let dir = tempfile::tempdir().unwrap();
     let mut command = tristrip();
     command.args(["convert", "--json"]).arg(model("milktruck.glb")).arg("-o").arg(dir.path().join("a.ply"));

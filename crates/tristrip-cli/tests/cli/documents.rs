@@ -1,4 +1,4 @@
-//! The documents say what the command does: its help, its JSON keys, and the code of the README.
+//! The documents agree with the command: its help, its JSON keys, and the code of the README.
 
 use std::fs;
 use std::path::PathBuf;
@@ -9,12 +9,12 @@ fn document(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../..").join(name)
 }
 
-/// `docs/cli.md` is written anew when `TRISTRIP_BLESS` is set.
+/// `docs/cli.md` is regenerated when `TRISTRIP_BLESS` is set.
 #[test]
-fn the_help_stands_in_the_docs() {
+fn the_docs_contain_the_help() {
     let mut expected = String::from(
-        "# The command\n\nGenerated from the help of each subcommand; `TRISTRIP_BLESS=1 cargo test -p tristrip-cli` writes it \
-         anew.\n",
+        "# The command\n\nGenerated from the help of each subcommand; `TRISTRIP_BLESS=1 cargo test -p tristrip-cli` \
+         regenerates it.\n",
     );
     for subcommand in ["", "strip", "compare", "bound", "analyze", "verify", "convert", "simplify", "lod"] {
         let mut command = tristrip();
@@ -24,15 +24,18 @@ fn the_help_stands_in_the_docs() {
         let lines: Vec<&str> = help.lines().map(str::trim_end).collect();
         let title = format!("tristrip {subcommand}");
         let (title, help) = (title.trim_end(), lines.join("\n"));
-        for piece in ["\n## `", title, "`\n\n```text\n", &help, "\n```\n"] {
-            expected.push_str(piece);
+        for text in ["\n## `", title, "`\n\n```text\n", &help, "\n```\n"] {
+            expected.push_str(text);
         }
     }
     let path = document("docs/cli.md");
     if std::env::var_os("TRISTRIP_BLESS").is_some() {
         fs::write(&path, &expected).unwrap();
     }
-    assert!(fs::read_to_string(&path).unwrap() == expected, "docs/cli.md is not the help of the command");
+    assert!(
+        fs::read_to_string(&path).unwrap() == expected,
+        "docs/cli.md differs from the help of the command"
+    );
 }
 
 #[test]
@@ -81,7 +84,7 @@ fn every_json_key_is_described() {
         &convert,
     ];
     let inner = [&strip["mesh"], &strip["seconds"], &best["bound"], &bound["bound"], &bound["components"][0]];
-    let analyzed = [&analyze["seconds"], &analyze["buffers"][0], &analyze["by_part"][0]];
+    let analyzed = [&analyze["seconds"], &analyze["vertex_caches"][0], &analyze["by_part"][0]];
     let ordered = [&ordered["vertex_order"][0], &drawn["pareto"][0]];
     let reports = [&levels[..], &whole[..], &inner[..], &analyzed[..], &ordered[..]].concat();
     for key in reports.into_iter().flat_map(keys) {

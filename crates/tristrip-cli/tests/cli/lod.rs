@@ -1,4 +1,4 @@
-//! `tristrip lod`: any level, with the strips of the full mesh.
+//! `tristrip lod`: levels of detail drawn with the strips of the full mesh.
 
 use std::fs;
 use std::path::Path;
@@ -9,7 +9,7 @@ use serde_json::Value;
 
 const FILTERS: [&str; 5] = ["none", "stss", "dtfs", "linked", "repair"];
 
-/// Gives the report of a fast method on a model of the project's own.
+/// Returns the report of a fast method on a test model.
 fn lod(name: &str, arguments: &[&str]) -> Value {
     json(tristrip().args(["lod", "--json", "-m", "stripe"]).args(arguments).arg(model(name)))
 }
@@ -23,7 +23,7 @@ fn path(path: &Path) -> &str {
 }
 
 #[test]
-fn levels_go_from_the_base_mesh_to_the_full_one() {
+fn levels_range_from_the_base_mesh_to_the_full_mesh() {
     let of = |level: &str| lod("hand.ply", &["--level", level]);
     let (base, some, full) = (of("0"), of("40%"), of("100%"));
     let levels = number(&full, "levels");
@@ -31,7 +31,7 @@ fn levels_go_from_the_base_mesh_to_the_full_one() {
     assert_eq!(number(&some, "level"), (4 * levels + 5) / 10);
     assert_eq!(number(&full, "triangles"), number(&full, "triangles_full"));
     assert_eq!(number(&base, "triangles"), number(&base, "triangles_base"));
-    // The hand is closed: a vertex more is two triangles more.
+    // The hand is closed: each vertex adds two triangles.
     for report in [&base, &some, &full] {
         assert_eq!(number(report, "triangles"), number(&base, "triangles") + 2 * number(report, "level"));
         assert_eq!(report["proven"], true);
@@ -40,7 +40,7 @@ fn levels_go_from_the_base_mesh_to_the_full_one() {
         number(&base, "triangles") <= 799 && base["surface_error"].as_f64() > some["surface_error"].as_f64()
     );
     assert_eq!(full["surface_error"], 0.0);
-    // The full mesh is drawn by the strips that were found.
+    // The full mesh is drawn by its own strips.
     let strip = json(tristrip().args(["strip", "--json", "-m", "stripe"]).arg(model("hand.ply")));
     assert!(number(&full, "vertices_sent") <= number(&strip, "vertices_sent"));
     let unfiltered = lod("hand.ply", &["--filter", "none"]);
@@ -107,7 +107,7 @@ fn a_table_has_every_filter_from_the_base_to_the_full_mesh() {
 }
 
 #[test]
-fn a_comparison_adds_up_all_levels() {
+fn a_comparison_sums_all_levels() {
     let report = lod("fish_control.ply", &["--compare", "--base", "40%"]);
     let totals = report["compare"].as_array().unwrap();
     let names: Vec<&str> = totals.iter().filter_map(|total| total["filter"].as_str()).collect();
@@ -121,7 +121,7 @@ fn a_comparison_adds_up_all_levels() {
 }
 
 #[test]
-fn a_level_is_written_and_draws_what_the_collapses_leave() {
+fn a_written_level_draws_the_remaining_triangles() {
     let dir = tempfile::tempdir().unwrap();
     for (file, layout) in
         [("a.ply", "restart"), ("a.glb", "degenerate"), ("b.glb", "separate"), ("a.obj", "list")]
@@ -140,23 +140,23 @@ fn a_level_is_written_and_draws_what_the_collapses_leave() {
 }
 
 #[test]
-fn the_base_mesh_is_as_that_of_simplify() {
+fn the_base_mesh_equals_that_of_simplify() {
     let base = lod("hand.ply", &["--level", "0", "--base", "10%"]);
     let mut command = tristrip();
     let simple = json(command.args(["simplify", "--json", "--ratio", "10%"]).arg(model("hand.ply")));
-    // Triangles in another order decide otherwise between equal errors.
+    // Another triangle order breaks ties between equal errors differently.
     assert_eq!(base["triangles"], simple["triangles_after"]);
     let errors = [&base, &simple].map(|report| report["surface_error"].as_f64().unwrap_or(f64::NAN));
     assert!((errors[0] / errors[1] - 1.0).abs() < 0.2, "{errors:?}");
 }
 
 #[test]
-fn parts_share_their_levels_and_a_scene_stays() {
+fn parts_share_levels_and_the_scene_is_kept() {
     let dir = tempfile::tempdir().unwrap();
     let output = dir.path().join("truck.glb");
     let report = lod("milktruck.glb", &["--level", "25%", "--base", "50%", "-o", path(&output)]);
     assert_eq!((&report["parts"], &report["proven"]), (&4.into(), &true.into()));
-    assert!(report["notes"].to_string().contains("of positions that several parts use stayed"));
+    assert!(report["notes"].to_string().contains("at positions that several parts use"));
     let stored = json(tristrip().args(["analyze", "--json"]).arg(&output));
     assert_eq!(stored["triangles"], report["triangles"]);
     let ply = dir.path().join("truck.ply");
@@ -166,7 +166,7 @@ fn parts_share_their_levels_and_a_scene_stays() {
 }
 
 #[test]
-fn a_picture_shows_every_model() {
+fn a_chart_shows_every_model() {
     let dir = tempfile::tempdir().unwrap();
     let plot = dir.path().join("lod.svg");
     let mut command = tristrip();
@@ -181,9 +181,9 @@ fn a_picture_shows_every_model() {
     command.args(["lod", "-m", "sgi", "--threads", "1", "--plot"]).arg(&again);
     command.arg(model("hand.ply")).arg(model("wingnut.ply")).assert().success();
     assert_eq!(svg, fs::read_to_string(&again).unwrap());
-    let nowhere = dir.path().join("no/such/folder/a.svg");
+    let missing = dir.path().join("no/such/folder/a.svg");
     let mut command = tristrip();
-    command.args(["lod", "-m", "sgi", "--plot"]).arg(nowhere).arg(model("fish_control.ply"));
+    command.args(["lod", "-m", "sgi", "--plot"]).arg(missing).arg(model("fish_control.ply"));
     command.assert().code(1).stderr(contains("no such file or directory"));
 }
 
@@ -200,7 +200,7 @@ fn levels_are_the_same_for_any_number_of_threads() {
 }
 
 #[test]
-fn what_has_no_faces_or_no_shape_is_fine() {
+fn models_without_faces_or_extent_are_accepted() {
     let soup = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 0 0\nv 6 0 0\nv 5 1 0\nf 1 2 3\nf 4 5 6\nf 1 1 2\n";
     for text in ["v 1 2 3\n", SQUARE, soup] {
         for level in ["0", "50%", "100%"] {
@@ -213,7 +213,7 @@ fn what_has_no_faces_or_no_shape_is_fine() {
 }
 
 #[test]
-fn what_is_not_there_is_said() {
+fn missing_levels_and_files_are_errors() {
     let mut command = tristrip();
     command.args(["lod", "-m", "sgi", "--level", "999999"]).arg(model("hand.ply"));
     command.assert().code(1).stderr(contains("level: found 999,999, expected at most 7,"));

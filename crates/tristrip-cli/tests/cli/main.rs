@@ -1,4 +1,4 @@
-//! The command as its users meet it: arguments, files and streams in; bytes, text, JSON and exit codes out.
+//! End-to-end tests of the command: arguments, files and streams in; bytes, text, JSON and exit codes out.
 
 #![expect(clippy::panic, reason = "a test that panics fails")]
 
@@ -20,23 +20,23 @@ use std::path::PathBuf;
 use assert_cmd::Command;
 use serde_json::Value;
 
-/// The command under test.
+/// Returns the command under test.
 fn tristrip() -> Command {
     Command::new(assert_cmd::cargo::cargo_bin!("tristrip"))
 }
 
-/// A model of the project's own.
+/// Returns the path of a test model.
 fn model(name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../testdata/models").join(name)
 }
 
-/// Runs a command that must succeed, and reads its standard output as JSON.
+/// Runs a command that must succeed, and parses its standard output as JSON.
 fn json(command: &mut Command) -> Value {
     let output = command.assert().success().get_output().stdout.clone();
-    serde_json::from_slice(&output).unwrap_or_else(|error| panic!("standard output is no JSON: {error}"))
+    serde_json::from_slice(&output).unwrap_or_else(|error| panic!("standard output is not JSON: {error}"))
 }
 
-/// The keys of an object, in the order in which they are printed.
+/// Returns the keys of an object, in the order printed.
 fn keys(value: &Value) -> Vec<&str> {
     value.as_object().into_iter().flat_map(|object| object.keys()).map(String::as_str).collect()
 }

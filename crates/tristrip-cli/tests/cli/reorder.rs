@@ -1,4 +1,4 @@
-//! `tristrip strip --reorder-vertices`: vertices in the order of their first use, with everything that belongs to them, and the way back.
+//! `tristrip strip --reorder-vertices`: vertices in the order of first use, with their attributes, and the map to the old order.
 
 #![allow(clippy::unwrap_used, reason = "a test may stop")]
 
@@ -11,7 +11,7 @@ use predicates::str::contains;
 use serde_json::Value;
 use tristrip_io::Model;
 
-/// Strips a file with its vertices in the new order; gives the report.
+/// Strips a file with its vertices in the new order, and returns the report.
 fn reordered(source: &Path, target: &Path, layout: &str) -> Value {
     let mut command = tristrip();
     command.args(["strip", "--json", "--reorder-vertices", "-m", "sequential", "--layout", layout]);
@@ -27,8 +27,8 @@ fn load(path: &Path) -> Model {
     tristrip_io::read_path(path).unwrap()
 }
 
-/// Checks that the vertices of a file are those of its source by the map of the report, attributes included; gives how many
-/// moved.
+/// Checks that the vertices of a file are those of its source under the map of the report, including attributes; returns the number of
+/// moved vertices.
 fn check_map(source: &Path, target: &Path, report: &Value) -> usize {
     assert_eq!((&report["proven"], &report["error"]), (&true.into(), &Value::Null));
     tristrip().arg("verify").arg(source).arg(target).assert().success();
@@ -45,8 +45,8 @@ fn check_map(source: &Path, target: &Path, report: &Value) -> usize {
         for part in numbers(&group["parts"]) {
             let (old, new) = (&old.parts[part].mesh, &new.parts[part].mesh);
             assert_eq!(new.vertex_count(), map.len());
-            for (place, &from) in map.iter().enumerate() {
-                assert_eq!(new.positions()[place].map(f32::to_bits), old.positions()[from].map(f32::to_bits));
+            for (slot, &from) in map.iter().enumerate() {
+                assert_eq!(new.positions()[slot].map(f32::to_bits), old.positions()[from].map(f32::to_bits));
             }
             let order = tristrip::strip::VertexOrder::from_new_to_old(
                 &map.iter().map(|&v| u32::try_from(v).unwrap()).collect::<Vec<_>>(),
@@ -80,7 +80,7 @@ fn ply_keeps_columns_and_colours_with_their_vertices() {
     for layout in ["restart", "degenerate", "separate", "list"] {
         let report = reordered(&source, &target, layout);
         assert!(check_map(&source, &target, &report) > 3);
-        // Two vertices are in no strip: they come last, in their old order.
+        // Two vertices are not in any strip: they come last, in their old order.
         let map = numbers(&report["vertex_order"][0]["new_to_old"]);
         assert_eq!(map[5..], [0, 3], "{layout}");
         assert_eq!(load(&target).parts[0].mesh.attributes().len(), 3);
@@ -98,7 +98,7 @@ fn obj_keeps_seams_and_normals_with_their_vertices() {
     let report = reordered(&source, &target, "degenerate");
     assert!(check_map(&source, &target, &report) > 2);
     assert_eq!(report["vertex_order"].as_array().unwrap().len(), 2);
-    // OBJ itself has a vertex for each place in the triangles' order.
+    // OBJ has a vertex per corner, in the order of the triangles.
     let target = dir.path().join("b.obj");
     let report = reordered(&source, &target, "list");
     tristrip().arg("verify").arg(&source).arg(&target).assert().success();
@@ -116,7 +116,7 @@ fn obj_keeps_seams_and_normals_with_their_vertices() {
 }
 
 #[test]
-fn scenes_keep_everything_but_the_order() {
+fn scenes_keep_everything_except_the_order() {
     let dir = tempfile::tempdir().unwrap();
     for layout in ["degenerate", "restart", "list"] {
         let target = dir.path().join(format!("{layout}.glb"));
@@ -124,7 +124,7 @@ fn scenes_keep_everything_but_the_order() {
         assert!(check_map(&model("milktruck.glb"), &target, &report) > 2900);
         assert_eq!(report["vertex_order"].as_array().unwrap().len(), 4);
     }
-    // The same scene, but for indices, modes and the places of values.
+    // The same scene, except for indices, modes and the order of vertices.
     let document = |path: &Path| -> Value {
         let glb = fs::read(path).unwrap();
         let length = u32::from_le_bytes(glb[12..16].try_into().unwrap());
@@ -144,7 +144,7 @@ fn misses_and_strips_are_the_same_in_any_order() {
     assert_eq!(plain["vertex_order"], Value::Null);
     let report = reordered(&model("hand.ply"), &target, "restart");
     assert!(check_map(&model("hand.ply"), &target, &report) > 0);
-    // The strips of the file, drawn as they stand there.
+    // The strips of the file as stored.
     let again = json(tristrip().args(["strip", "--json", "-m", "sequential"]).arg(&target));
     for key in [
         "triangles",
@@ -158,7 +158,7 @@ fn misses_and_strips_are_the_same_in_any_order() {
         assert_eq!(plain[key], report[key], "{key}");
     }
     assert_eq!(plain["triangles"], again["triangles"]);
-    // The file ends with the row of strips: their first uses are 0, 1, 2 and so on.
+    // The file ends with the row of strips: the first uses are 0, 1, 2 and so on.
     let bytes = fs::read(&target).unwrap();
     let length = usize::try_from(report["indices_restart"].as_u64().unwrap()).unwrap();
     let row =
@@ -186,7 +186,7 @@ fn misses_and_strips_are_the_same_in_any_order() {
 }
 
 #[test]
-fn the_joined_strip_is_as_long_as_it_was() {
+fn the_joined_strip_keeps_its_length() {
     let dir = tempfile::tempdir().unwrap();
     for name in ["wingnut.ply", "self_intersect_a.ply"] {
         let target = dir.path().join("a.ply");
@@ -208,7 +208,7 @@ fn the_joined_strip_is_as_long_as_it_was() {
 }
 
 #[test]
-fn little_or_nothing_to_order_is_fine() {
+fn empty_and_small_models_are_accepted() {
     let dir = tempfile::tempdir().unwrap();
     let empty = dir.path().join("empty.ply");
     let header = "ply\nformat ascii 1.0\nelement vertex N\nproperty float x\nproperty float y\nproperty float z\n\
@@ -226,11 +226,11 @@ fn little_or_nothing_to_order_is_fine() {
         .args(["strip", "-", "--reorder-vertices", "-o"])
         .arg(dir.path().join("b.ply"))
         .write_stdin(SQUARE);
-    command.assert().success().stderr(contains("reorder ").and(contains("of 4 vertices moved")));
+    command.assert().success().stderr(contains("reorder ").and(contains("of 4 vertices renumbered")));
 }
 
 #[test]
-fn welded_strips_leave_the_other_vertices_at_the_end() {
+fn vertices_unused_after_welding_come_last() {
     let dir = tempfile::tempdir().unwrap();
     let (source, target) = (dir.path().join("seam.obj"), dir.path().join("seam.ply"));
     fs::write(&source, "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 4 5 6\n").unwrap();
@@ -242,10 +242,10 @@ fn welded_strips_leave_the_other_vertices_at_the_end() {
 }
 
 #[test]
-fn what_keeps_its_order_is_said() {
+fn parts_that_keep_their_order_are_reported() {
     let dir = tempfile::tempdir().unwrap();
     let (source, target) = (dir.path().join("a.gltf"), dir.path().join("a.glb"));
-    // A triangle of which the first vertex comes last, and points over the same vertices.
+    // A triangle whose first vertex has the last number, and points that use the same vertices.
     let text = r#"{"asset":{"version":"2.0"},"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1},
         {"attributes":{"POSITION":0},"mode":0}]}],"buffers":[{"byteLength":39,"uri":"a.bin"}],
         "bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":3}],"accessors":[
@@ -262,13 +262,13 @@ fn what_keeps_its_order_is_said() {
     assert!(report["notes"].to_string().contains(&format!("vertices not re-ordered in 1 part: {why}")));
     assert_eq!(numbers(&report["vertex_order"][0]["new_to_old"]), [0, 1, 2]);
     tristrip().arg("verify").arg(&source).arg(&target).assert().success();
-    // PLY has no points, so that nothing stands in the way.
+    // PLY has no points, so the vertices can be re-ordered.
     let report = reordered(&source, &dir.path().join("a.ply"), "restart");
     assert_eq!(report["vertex_order"][0]["kept"], Value::Null);
 }
 
 #[test]
-fn any_number_of_threads_orders_alike() {
+fn any_number_of_threads_gives_the_same_order() {
     let dir = tempfile::tempdir().unwrap();
     let bytes = |threads: &str| {
         let path = dir.path().join(format!("{threads}.glb"));

@@ -1,4 +1,4 @@
-//! `tristrip repro`: pages, pictures and JSON of papers, on the models that there are.
+//! `tristrip repro`: pages, charts and JSON of papers, on the available models.
 
 use std::fs;
 use std::path::Path;
@@ -15,7 +15,7 @@ fn repro(papers: &str, models: &Path, output: &Path) -> Command {
     command
 }
 
-/// Makes a folder of a small model under names that papers know.
+/// Creates a folder with a small model under the names of models in papers.
 fn models() -> std::io::Result<tempfile::TempDir> {
     let dir = tempfile::tempdir()?;
     for name in ["goblet", "hand", "triceratops"] {
@@ -29,9 +29,9 @@ fn models() -> std::io::Result<tempfile::TempDir> {
 }
 
 #[test]
-fn what_is_there_is_measured_and_what_is_not_says_so() {
+fn available_models_are_measured_and_missing_ones_marked() {
     let (models, output) = (models().unwrap(), tempfile::tempdir().unwrap());
-    // Meshes without a face are among them.
+    // Some meshes have no faces.
     let report = json(repro("003,004", models.path(), output.path()).arg("--json"));
     assert_eq!(keys(&report), ["models", "papers", "notes", "outputs", "error"]);
     let papers = report["papers"].as_array().unwrap();
@@ -39,7 +39,7 @@ fn what_is_there_is_measured_and_what_is_not_says_so() {
     assert_eq!(keys(&papers[0]), paper_keys);
     let rows = papers[0]["tables"][2]["rows"].as_array().unwrap();
     let verdict = |name: &str| rows.iter().find(|row| row["model"] == name).unwrap()["verdict"].clone();
-    // The counts are those of neither model.
+    // The counts match neither model.
     assert_eq!(verdict("Goblet"), "stand-in: goblet");
     assert_eq!(verdict("Hand"), "stand-in: hand");
     assert_eq!(verdict("Heart"), "model not available");
@@ -47,7 +47,7 @@ fn what_is_there_is_measured_and_what_is_not_says_so() {
     let cell = &rows[0]["columns"][2];
     assert_eq!(keys(cell), ["column", "flags", "published", "measured", "verdict"]);
     assert!(cell["published"] == 0.91 && cell["measured"].as_f64().unwrap() > 0.5);
-    // A file that is no model is noted and fails nothing.
+    // A file that is not a model causes a note, not a failure.
     assert_eq!(report["notes"].as_array().unwrap().len(), 1);
     assert!(report["notes"][0].as_str().unwrap().starts_with("porsche: "));
     for file in ["003.md", "003-figure-7.svg", "004.md", "004-figure-9.svg", "004-figure-27.svg"] {
@@ -77,11 +77,11 @@ fn pages_are_the_same_every_time() {
     assert_eq!(first, all());
     let page = String::from_utf8(first[0].clone()).unwrap();
     assert!(page.contains("stand-in: triceratops") && page.contains("model not available"));
-    assert!(!page.contains(&*models.path().to_string_lossy()), "no place is named");
+    assert!(!page.contains(&*models.path().to_string_lossy()), "the page contains no path");
 }
 
 #[test]
-fn nothing_is_measured_for_what_cannot_be_written_or_read() {
+fn nothing_is_measured_if_a_folder_cannot_be_read_or_written() {
     let (models, output) = (models().unwrap(), tempfile::tempdir().unwrap());
     let file = output.path().join("file");
     fs::write(&file, "old").unwrap();
@@ -107,7 +107,7 @@ fn levels_of_detail_are_measured() {
     let bunny = rows.iter().find(|row| row["model"] == "Bunny").unwrap();
     assert_eq!(bunny["verdict"], "stand-in: bunny");
     let measured = |column: usize| bunny["columns"][column]["measured"].as_f64().unwrap_or(f64::NAN);
-    // No filter, STSS, DTFS and ours, in percent of single triangles.
+    // No filter, STSS, DTFS and repair, in percent of single triangles.
     assert!((1..4).all(|column| measured(column) < measured(column - 1)), "{bunny}");
     let series = paper["charts"][0]["panels"][0]["series"].as_array().unwrap();
     assert!(series.iter().all(|series| series["points"].as_array().is_some_and(|points| points.len() > 50)));
@@ -122,7 +122,7 @@ fn papers_are_known_by_their_numbers() {
     for (arguments, message) in [
         (
             &["repro", "--papers", "004,999", "-o", "docs"][..],
-            "no paper \"999\"; there are 000, 001, 003, 004",
+            "unknown paper \"999\"; known papers: 000, 001, 003, 004",
         ),
         (&["repro", "--papers", "004"][..], "--output"),
     ] {

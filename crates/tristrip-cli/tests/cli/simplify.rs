@@ -1,4 +1,4 @@
-//! `tristrip simplify`: fewer triangles.
+//! `tristrip simplify`: goals, errors, shared vertices and outputs.
 
 use std::fs;
 use std::path::Path;
@@ -8,7 +8,7 @@ use predicates::prelude::*;
 use predicates::str::contains;
 use serde_json::Value;
 
-/// Simplifies a model of the project's own into a file, and gives the report.
+/// Simplifies a test model into a file, and returns the report.
 fn simplify(name: &str, arguments: &[&str], output: &Path) -> Value {
     json(tristrip().args(["simplify", "--json"]).args(arguments).arg(model(name)).arg("-o").arg(output))
 }
@@ -18,7 +18,7 @@ fn number(report: &Value, key: &str) -> u64 {
 }
 
 #[test]
-fn the_report_has_its_keys_and_the_file_what_it_says() {
+fn the_report_has_its_keys_and_describes_the_file() {
     let dir = tempfile::tempdir().unwrap();
     for extension in ["ply", "obj", "glb"] {
         let path = dir.path().join("small").with_extension(extension);
@@ -50,7 +50,7 @@ fn the_report_has_its_keys_and_the_file_what_it_says() {
         assert_eq!((number(&report, "triangles_before"), number(&report, "target_triangles")), (15_982, 799));
         let (left, collapses) = (number(&report, "triangles_after"), number(&report, "collapses"));
         assert!(left <= 799 && left > 700, "{left}");
-        // The hand is closed: a collapse takes two triangles and a vertex.
+        // The hand is closed: a collapse removes two triangles and a vertex.
         assert_eq!(15_982 - left, 2 * collapses);
         assert_eq!(number(&report, "vertices_after"), 7993 - collapses);
         let stored = json(tristrip().args(["analyze", "--json"]).arg(&path));
@@ -65,7 +65,7 @@ fn the_report_has_its_keys_and_the_file_what_it_says() {
 }
 
 #[test]
-fn an_error_is_kept_alone_and_beside_a_number() {
+fn an_error_limit_holds_alone_and_with_a_triangle_count() {
     let run = |arguments: &[&str]| {
         json(tristrip().args(["simplify", "--json"]).args(arguments).arg(model("hand.ply")))
     };
@@ -75,43 +75,43 @@ fn an_error_is_kept_alone_and_beside_a_number() {
     assert!(by_error["surface_error_percent"].as_f64() <= Some(0.0501));
     let left = number(&by_error, "triangles_after");
     assert!(left > 10 && left < 15_982, "{left}");
-    // The same in mesh units, and as the end before a number is reached.
+    // The same limit in mesh units, and reached before the triangle count.
     let units = by_error["target_error"].to_string();
     assert_eq!(number(&run(&["--error", &units]), "triangles_after"), left);
     let both = run(&["--error", "0.05%", "--triangles", "10"]);
     assert_eq!((number(&both, "triangles_after"), &both["reached"]), (left, &Value::from(false)));
-    assert!(both["notes"].to_string().contains("wanted 10, stopped at"), "{}", both["notes"]);
+    assert!(both["notes"].to_string().contains("target 10, stopped at"), "{}", both["notes"]);
     let none = run(&["--ratio", "1"]);
     assert_eq!((number(&none, "collapses"), &none["surface_error"]), (0, &Value::from(0.0)));
 }
 
 #[test]
-fn a_goal_out_of_reach_is_no_fault() {
+fn a_goal_out_of_reach_is_not_an_error() {
     let mut command = tristrip();
     command.args(["simplify", "-", "--triangles", "0"]).write_stdin(SQUARE);
     command
         .assert()
         .success()
-        .stderr(contains("note").and(contains("wanted 0, stopped at")))
+        .stderr(contains("note").and(contains("target 0, stopped at")))
         .stdout(contains("triangles"));
 }
 
 #[test]
-fn parts_do_not_come_apart_and_a_scene_stays() {
+fn parts_stay_connected_and_the_scene_unchanged() {
     let dir = tempfile::tempdir().unwrap();
     let (glb, ply) = (dir.path().join("truck.glb"), dir.path().join("truck.ply"));
     let report = simplify("milktruck.glb", &["--ratio", "50%"], &glb);
     assert_eq!(report["parts"], 4);
     assert!(number(&report, "locked_vertices") > 0);
     let notes = report["notes"].to_string();
-    assert!(notes.contains("of positions that several parts use stayed"), "{notes}");
-    assert!(notes.contains("drawn by nothing: the scene may count on their number"), "{notes}");
+    assert!(notes.contains("at positions that several parts use"), "{notes}");
+    assert!(notes.contains("other parts of the scene may refer to them"), "{notes}");
     let stored = json(tristrip().args(["analyze", "--json"]).arg(&glb));
     assert_eq!(stored["triangles"], report["triangles_after"]);
     let bytes = fs::read(&glb).unwrap();
     let has = |word: &[u8]| bytes.windows(word.len()).any(|window| window == word);
     assert!(has(b"\"materials\"") && has(b"\"matrix\""));
-    // The other formats have no scene, and no vertex that nothing draws.
+    // The other formats have no scene, so no unused vertex is kept.
     let report = simplify("milktruck.glb", &["--triangles", "1500"], &ply);
     assert_eq!(number(&report, "target_triangles"), 1500);
     let again = json(tristrip().args(["strip", "--json", "-m", "input"]).arg(&ply));
@@ -119,7 +119,7 @@ fn parts_do_not_come_apart_and_a_scene_stays() {
 }
 
 #[test]
-fn any_mesh_is_simplified_to_the_same_bytes() {
+fn results_are_deterministic_for_every_mesh() {
     let dir = tempfile::tempdir().unwrap();
     for name in ["fish_control.ply", "wingnut.ply", "chair_nonmanifold.ply", "milktruck.glb"] {
         if !model(name).exists() {
@@ -135,7 +135,7 @@ fn any_mesh_is_simplified_to_the_same_bytes() {
 }
 
 #[test]
-fn what_has_no_faces_or_no_shape_is_fine() {
+fn models_without_faces_or_extent_are_accepted() {
     let dir = tempfile::tempdir().unwrap();
     let soup = (0..20).map(|i| format!("v {i} 0 0\nv {i} 1 0\nv {i} 0 1\n")).collect::<Vec<_>>().concat();
     let faces = (0..20)
@@ -155,7 +155,7 @@ fn what_has_no_faces_or_no_shape_is_fine() {
 }
 
 #[test]
-fn bad_inputs_and_outputs_are_said_and_the_others_done() {
+fn bad_inputs_and_outputs_are_reported_and_the_others_processed() {
     let dir = tempfile::tempdir().unwrap();
     let bad = dir.path().join("bad.ply");
     fs::write(&bad, "ply\nnonsense\n").unwrap();

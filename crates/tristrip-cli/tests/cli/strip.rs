@@ -1,4 +1,4 @@
-//! `tristrip strip`: reports, files, streams, many inputs, and what goes wrong with them.
+//! `tristrip strip`: reports, files, streams, several inputs, and errors.
 
 use std::fs;
 use std::io::{BufRead, BufReader};
@@ -27,25 +27,29 @@ const FIGURES: [&str; 15] = [
 ];
 
 #[test]
-fn cache_respects_its_buffer_and_says_what_it_misses() {
-    let run = |prefer: &str, buffer: &str| {
+fn cache_optimizes_for_its_vertex_cache_and_reports_its_misses() {
+    let run = |objective: &str, cache: &str| {
         let mut command = tristrip();
-        command.args(["strip", "--json", "-m", "cache", "--prefer", prefer, "--buffer", buffer]);
+        command.args(["strip", "--json", "-m", "cache", "--objective", objective, "--vertex-cache", cache]);
         let report = json(command.arg(model("wingnut.ply")));
         assert_eq!(report["proven"], true);
-        assert_eq!((report["prefer"].as_str(), report["buffer"].as_str()), (Some(prefer), Some(buffer)));
+        assert_eq!(
+            (report["objective"].as_str(), report["vertex_cache"].as_str()),
+            (Some(objective), Some(cache))
+        );
         (report["indices_restart"].as_u64().unwrap(), report["acmr"].as_f64().unwrap(), report)
     };
-    let [indices, balanced, misses] = ["indices", "balanced", "misses"].map(|prefer| run(prefer, "fifo:16"));
+    let [indices, balanced, misses] =
+        ["indices", "balanced", "misses"].map(|objective| run(objective, "fifo:16"));
     assert!(indices.0 < balanced.0 && balanced.0 < misses.0);
     assert!(indices.1 > balanced.1 && balanced.1 > misses.1);
     assert_eq!(misses.2["acmr"], misses.2["acmr_fifo_16"]);
     let larger = run("misses", "fifo:24");
     assert!(larger.1 < misses.1 && larger.2["atvr"].as_f64().unwrap() >= 1.0);
     let report = json(tristrip().args(["strip", "--json"]).arg(model("wingnut.ply")));
-    assert!(report.get("acmr").is_none() && report.get("buffer").is_none());
+    assert!(report.get("acmr").is_none() && report.get("vertex_cache").is_none());
     let mut command = tristrip();
-    command.args(["strip", "-m", "cache", "--buffer", "lru:8"]).arg(model("wingnut.ply"));
+    command.args(["strip", "-m", "cache", "--vertex-cache", "lru:8"]).arg(model("wingnut.ply"));
     command.assert().success().stdout(contains("misses, lru:8 (ACMR)"));
 }
 
@@ -88,7 +92,7 @@ fn json_has_the_documented_keys_in_order() {
 }
 
 #[test]
-fn figures_fit_each_other() {
+fn figures_are_consistent() {
     for name in ["fish_control.ply", "milktruck.glb", "catmark_bishop.ply"] {
         let report = json(tristrip().args(["strip", "--json"]).arg(model(name)));
         let figure = |key: &str| report[key].as_u64().unwrap();
@@ -108,7 +112,7 @@ fn figures_fit_each_other() {
 }
 
 #[test]
-fn methods_and_their_options_stand_in_the_report() {
+fn the_report_contains_the_method_and_its_options() {
     let mut command = tristrip();
     command.args(["strip", "--json", "--method", "stripe-local", "--triangulation", "partial"]);
     let report = json(command.args(["--ties", "random", "--seed", "7"]).arg(model("fish_control.ply")));
@@ -126,7 +130,7 @@ fn methods_and_their_options_stand_in_the_report() {
 #[test]
 fn text_goes_to_stdout_and_stages_to_stderr() {
     let stages = contains("load ").and(contains("mesh ")).and(contains("dual ")).and(contains("stripify "));
-    let proven = contains("proven: draws exactly the 112 faces, each once, wound right");
+    let proven = contains("proven: draws exactly the 112 faces, each once, with its winding");
     tristrip()
         .arg("strip")
         .arg(model("fish_control.ply"))
@@ -175,7 +179,7 @@ fn every_format_and_layout_is_written_and_proven() {
 }
 
 #[test]
-fn the_layout_depends_on_the_format_unless_it_is_named() {
+fn the_default_layout_depends_on_the_format() {
     let dir = tempfile::tempdir().unwrap();
     for (file, layout) in [("a.glb", "degenerate"), ("a.ply", "restart"), ("a.OBJ", "list")] {
         let mut command = tristrip();
@@ -203,7 +207,7 @@ fn any_number_of_threads_writes_the_same_bytes() {
 }
 
 #[test]
-fn standard_input_and_output_carry_meshes() {
+fn meshes_are_read_from_stdin_and_written_to_stdout() {
     let file = fs::read(model("fish_control.ply")).unwrap();
     let piped = tristrip()
         .args(["strip", "-", "-o", "-", "--to", "glb"])
@@ -231,7 +235,7 @@ fn standard_input_and_output_carry_meshes() {
 }
 
 #[test]
-fn many_inputs_go_on_after_a_bad_one() {
+fn a_bad_input_does_not_stop_the_others() {
     let dir = tempfile::tempdir().unwrap();
     let bad = dir.path().join("bad.obj");
     fs::write(&bad, "v 0 0 zero\n").unwrap();
@@ -264,7 +268,7 @@ fn bad_inputs_have_messages_and_exit_code_1() {
     let dir = tempfile::tempdir().unwrap();
     let empty = dir.path().join("empty.ply");
     fs::write(&empty, "").unwrap();
-    let says = |path: &std::path::Path, message: &str| {
+    let fails = |path: &std::path::Path, message: &str| {
         let name = format!("tristrip: {}: ", path.display());
         tristrip()
             .arg("strip")
@@ -274,16 +278,16 @@ fn bad_inputs_have_messages_and_exit_code_1() {
             .stdout(is_empty())
             .stderr(contains(name).and(contains(message)));
     };
-    says(&empty, "byte 0: found an empty file, expected a file in PLY");
-    says(dir.path(), "found a directory, expected a file");
-    says(&dir.path().join("none.obj"), "no such file or directory");
+    fails(&empty, "byte 0: found an empty file, expected a file in PLY");
+    fails(dir.path(), "found a directory, expected a file");
+    fails(&dir.path().join("none.obj"), "no such file or directory");
     let nan = dir.path().join("nan.obj");
     fs::write(&nan, "v nan 0 0\nf 1 1 1\n").unwrap();
-    says(&nan, "nan");
+    fails(&nan, "nan");
 }
 
 #[test]
-fn a_model_without_faces_is_no_error() {
+fn a_model_without_faces_is_not_an_error() {
     let report = json(tristrip().args(["strip", "--json", "-"]).write_stdin("v 0 0 0\n"));
     assert_eq!((&report["triangles"], &report["proven"]), (&Value::from(0), &Value::from(true)));
     assert_eq!(report["indices_restart"], 0);
@@ -291,15 +295,15 @@ fn a_model_without_faces_is_no_error() {
 }
 
 #[test]
-fn outputs_that_cannot_be_written_say_so() {
+fn outputs_that_cannot_be_written_are_errors() {
     let dir = tempfile::tempdir().unwrap();
-    for (nowhere, message) in [
+    for (target, message) in [
         ("no/place.glb", "no/place.glb: no such file or directory"),
         ("no/such/", "no/such: no such file or directory"),
-        ("x.glb/", "x.glb: many inputs need a directory, and this is a file"),
+        ("x.glb/", "x.glb: several inputs need a directory, but this is a file"),
     ] {
         fs::write(dir.path().join("x.glb"), "a file").unwrap();
-        let target = format!("{}/{nowhere}", dir.path().display());
+        let target = format!("{}/{target}", dir.path().display());
         tristrip()
             .arg("strip")
             .arg(model("fish_control.ply"))
@@ -326,7 +330,7 @@ fn outputs_that_cannot_be_written_say_so() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_full_device_is_an_error_and_a_closed_pipe_is_none() {
+fn a_full_device_is_an_error_and_a_closed_pipe_is_not() {
     let full = || std::process::Stdio::from(fs::OpenOptions::new().write(true).open("/dev/full").unwrap());
     let run = |stdout: std::process::Stdio| {
         std::process::Command::new(assert_cmd::cargo::cargo_bin!("tristrip"))
@@ -346,8 +350,8 @@ fn a_full_device_is_an_error_and_a_closed_pipe_is_none() {
 }
 
 #[test]
-fn welding_joins_strips_over_seams_and_stays_proven() {
-    // Two triangles whose common edge has a vertex of its own on each side.
+fn welding_joins_strips_across_seams_and_stays_proven() {
+    // Two triangles whose common edge has separate vertices on each side.
     let seam = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 4 5 6\n";
     let strips = |weld: &[&str]| json(tristrip().args(["strip", "--json", "-"]).args(weld).write_stdin(seam));
     assert_eq!(strips(&[])["strips"], 2);
@@ -357,26 +361,26 @@ fn welding_joins_strips_over_seams_and_stays_proven() {
 }
 
 #[test]
-fn what_was_dropped_or_odd_is_said() {
+fn dropped_and_unusual_elements_are_reported() {
     let odd = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 5 5\nf 1 2 3\nf 2 3 1\nf 1 1 2\n";
     tristrip()
         .args(["strip", "-"])
         .write_stdin(odd)
         .assert()
         .success()
-        .stderr(contains("1 degenerate face left out"))
-        .stderr(contains("1 duplicate face, drawn as often"))
-        .stderr(contains("1 vertex used by no face"));
+        .stderr(contains("1 degenerate face dropped"))
+        .stderr(contains("1 duplicate face kept"))
+        .stderr(contains("1 vertex not used by any face"));
     tristrip()
         .args(["strip", "-", "--no-verify"])
         .write_stdin(odd)
         .assert()
         .success()
-        .stderr(contains("verify    not asked for"));
+        .stderr(contains("verify    skipped"));
 }
 
 #[test]
-fn malformed_files_have_a_message_and_never_a_panic() {
+fn malformed_files_give_a_message_and_never_a_panic() {
     let bad = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../testdata/bad");
     let files: Vec<_> = fs::read_dir(bad).unwrap().map(|entry| entry.unwrap().path()).collect();
     assert!(files.len() >= 60);
@@ -387,7 +391,7 @@ fn malformed_files_have_a_message_and_never_a_panic() {
 }
 
 #[test]
-fn vertices_that_morph_targets_tell_apart_are_not_welded() {
+fn vertices_with_different_morph_targets_are_not_welded() {
     let file = model("../issues/weld_morph_targets.glb");
     for command in ["strip", "compare"] {
         let report = json(tristrip().args([command, "--weld", "--json"]).arg(&file));
@@ -398,7 +402,7 @@ fn vertices_that_morph_targets_tell_apart_are_not_welded() {
 }
 
 #[test]
-fn many_inputs_make_no_directory_with_the_name_of_a_file() {
+fn no_directory_is_created_under_the_name_of_a_file() {
     let dir = tempfile::tempdir().unwrap();
     let out = dir.path().join("out.glb");
     let inputs = [model("fish_control.ply"), model("hand.ply")];
@@ -414,7 +418,7 @@ fn many_inputs_make_no_directory_with_the_name_of_a_file() {
 }
 
 #[test]
-fn searches_say_how_far_they_are_from_their_bound() {
+fn searches_report_the_gap_to_their_bound() {
     let report = json(tristrip().args(["strip", "--json", "-m", "fewest"]).arg(model("hand.ply")));
     let bound = &report["bound"];
     assert_eq!(keys(bound), ["figure", "found", "bound", "gap", "optimal"]);
@@ -440,7 +444,7 @@ fn searches_say_how_far_they_are_from_their_bound() {
 }
 
 #[test]
-fn best_is_never_worse_than_the_fast_methods_and_repeatable() {
+fn best_is_repeatable_and_never_worse_than_the_fast_methods() {
     for name in ["fish_control.ply", "wingnut.ply", "catmark_bishop.ply"] {
         let cost = |arguments: &[&str]| {
             let report = json(tristrip().args(["strip", "--json"]).args(arguments).arg(model(name)));
@@ -456,7 +460,7 @@ fn best_is_never_worse_than_the_fast_methods_and_repeatable() {
 }
 
 #[test]
-fn a_budget_ends_a_search_with_a_proven_result() {
+fn a_budget_stops_a_search_with_a_proven_result() {
     let report = json(
         tristrip()
             .args(["strip", "--json", "-m", "best", "--effort", "9", "--budget", "1ms"])
@@ -466,10 +470,10 @@ fn a_budget_ends_a_search_with_a_proven_result() {
     assert!(report["notes"].as_array().unwrap().iter().any(|n| n.as_str().unwrap().contains("budget")));
 }
 
-/// Sends Ctrl-C in the midst of a search: the best so far is proven and written.
+/// Sends Ctrl-C during a search: the best result so far is proven and written.
 #[cfg(unix)]
 #[test]
-fn an_interrupt_ends_a_search_with_a_proven_result() {
+fn an_interrupt_stops_a_search_with_a_proven_result() {
     let dir = tempfile::tempdir().unwrap();
     let out = dir.path().join("wingnut.glb");
     let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_tristrip"))
@@ -480,7 +484,7 @@ fn an_interrupt_ends_a_search_with_a_proven_result() {
         .stderr(std::process::Stdio::piped())
         .spawn()
         .unwrap();
-    // The search begins after the line on the dual graph, and takes seconds.
+    // The search starts after the line on the dual graph, and takes seconds.
     let stages = BufReader::new(child.stderr.take().unwrap()).lines();
     assert!(stages.map_while(Result::ok).any(|line| line.trim_start().starts_with("dual")));
     std::thread::sleep(std::time::Duration::from_millis(500));

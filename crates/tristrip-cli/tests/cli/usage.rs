@@ -1,4 +1,4 @@
-//! Wrong usage: exit code 2, a message that names the flag, and nothing done. Help and version.
+//! Wrong usage: exit code 2, a message that names the flag, and no output. Help and version.
 
 use super::{model, tristrip};
 use predicates::prelude::*;
@@ -32,10 +32,16 @@ fn options_belong_to_their_methods() {
     refused(&["strip", "a.ply", "-m", "tunnel", "--threshold", "3"], "--threshold belongs to --method eta");
     refused(&["strip", "a.ply", "-m", "tunnel", "--start", "sgi"], "--start belongs to --method eta");
     refused(&["strip", "a.ply", "-m", "stripe", "--cutoff", "0"], "--cutoff");
-    refused(&["strip", "a.ply", "-m", "best", "--buffer", "fifo:8"], "--buffer belongs to --method cache");
-    refused(&["strip", "a.ply", "--prefer", "misses"], "--prefer belongs to --method cache, not to auto");
     refused(
-        &["strip", "a.ply", "-m", "cache", "--buffer", "fifo:0"],
+        &["strip", "a.ply", "-m", "best", "--vertex-cache", "fifo:8"],
+        "--vertex-cache belongs to --method cache",
+    );
+    refused(
+        &["strip", "a.ply", "--objective", "misses"],
+        "--objective belongs to --method cache, not to auto",
+    );
+    refused(
+        &["strip", "a.ply", "-m", "cache", "--vertex-cache", "fifo:0"],
         "`fifo:N` or `lru:N`, N from 1 to 65536",
     );
     refused(&["strip", "a.ply", "-m", "magic"], "possible values: auto");
@@ -43,21 +49,24 @@ fn options_belong_to_their_methods() {
 
 #[test]
 fn outputs_fit_their_formats() {
-    refused(&["strip", "a.ply", "-o", "b.xyz"], "b.xyz: the extension names no format");
-    refused(&["strip", "a.ply", "-o", "b.stl"], "STL is not written; .glb, .ply and .obj are");
-    refused(&["strip", "a.ply", "-o", "b.gltf"], "glTF is written as .glb");
+    refused(&["strip", "a.ply", "-o", "b.xyz"], "b.xyz: unknown extension");
+    refused(&["strip", "a.ply", "-o", "b.stl"], "cannot write STL; use .glb, .ply or .obj");
+    refused(&["strip", "a.ply", "-o", "b.gltf"], "cannot write glTF; use .glb for glTF");
     refused(&["strip", "a.ply", "-o", "b.obj", "--layout", "restart"], "OBJ has no strips");
     refused(&["strip", "a.ply", "-o", "-"], "-o - needs --to");
     refused(&["strip", "a.ply", "b.ply", "-o", "-", "--to", "glb"], "-o - takes one input");
     refused(&["strip", "a.ply", "-o", "-", "--to", "glb", "--json"], "both write to standard output");
     refused(&["strip", "a.ply", "--layout", "list"], "--output");
     refused(&["strip", "a.ply", "--reorder-vertices"], "--output");
-    refused(&["strip", "a/x.ply", "b/x.obj", "-o", "out/"], "both a/x.ply and b/x.obj would be written here");
+    refused(
+        &["strip", "a/x.ply", "b/x.obj", "-o", "out/"],
+        "both a/x.ply and b/x.obj would be written to this file",
+    );
     refused(&["convert", "a.ply"], "-o is needed");
 }
 
 #[test]
-fn an_output_directory_does_not_hold_the_inputs() {
+fn an_output_does_not_replace_an_input() {
     let dir = tempfile::tempdir().unwrap();
     let inside = dir.path().join("a.ply");
     std::fs::copy(model("fish_control.ply"), &inside).unwrap();
@@ -66,7 +75,7 @@ fn an_output_directory_does_not_hold_the_inputs() {
     command.assert().code(2).stderr(contains("the output would replace the input"));
     let mut command = tristrip();
     command.arg("strip").args([&inside, &inside]).arg("-o").arg(&inside);
-    command.assert().code(2).stderr(contains("many inputs need a directory"));
+    command.assert().code(2).stderr(contains("several inputs need a directory"));
 }
 
 #[test]
@@ -78,29 +87,32 @@ fn flags_are_checked() {
     refused(&["strip", "a.ply", "--threads", "0"], "--threads");
     refused(&["strip", "a.ply", "--from", "doc"], "possible values: obj");
     refused(&["compare", "a.ply", "--json", "--markdown"], "cannot be used with");
-    refused(&["analyze", "a.ply", "--buffers", "fifo:0"], "found `fifo:0`, expected KIND:N or KIND:N..M");
-    refused(&["analyze", "a.ply", "--buffers", "fifo:4,mru:8"], "found `mru:8`");
-    refused(&["analyze", "a.ply", "--buffers", "fifo:1..65536"], "more than 1024 buffers");
+    refused(
+        &["analyze", "a.ply", "--vertex-caches", "fifo:0"],
+        "found `fifo:0`, expected KIND:N or KIND:N..M",
+    );
+    refused(&["analyze", "a.ply", "--vertex-caches", "fifo:4,mru:8"], "found `mru:8`");
+    refused(&["analyze", "a.ply", "--vertex-caches", "fifo:1..65536"], "more than 1024 vertex caches");
     refused(&["analyze", "a.ply", "--plot", "a.png"], "--plot writes SVG");
     refused(&["analyze", "a", "b", "c", "d", "--plot", "a.svg"], "--plot takes at most 3 inputs");
     refused(&["strip", "a.ply", "--pareto", "a.png"], "--pareto writes SVG");
     refused(&["strip", "a", "b", "c", "d", "--pareto", "a.svg"], "--pareto takes at most 3 inputs");
     let both = ["strip", "a.ply", "--pareto", "a.svg", "--to", "ply", "-o", "a.svg"];
     refused(&both, "-o and --pareto name the same file");
-    refused(&["strip", "a.ply", "--pareto", "a.svg", "--prefer", "misses"], "--prefer belongs to");
+    refused(&["strip", "a.ply", "--pareto", "a.svg", "--objective", "misses"], "--objective belongs to");
     refused(&["simplify", "a.ply"], "--ratio, --triangles or --error is needed");
-    refused(&["simplify", "a.ply", "--ratio", "1.5"], "found `1.5`, expected a share from 0 to 1");
+    refused(&["simplify", "a.ply", "--ratio", "1.5"], "found `1.5`, expected a ratio from 0 to 1");
     refused(&["simplify", "a.ply", "--ratio", "5%", "--triangles", "9"], "cannot be used with");
     refused(&["simplify", "a.ply", "--triangles", "few"], "--triangles");
     refused(&["simplify", "a.ply", "--error=-1%"], "found `-1%`, expected a distance");
-    refused(&["simplify", "a.ply", "--ratio", "5%", "-o", "b.stl"], "STL is not written");
+    refused(&["simplify", "a.ply", "--ratio", "5%", "-o", "b.stl"], "cannot write STL");
     refused(&["simplify", "a.ply", "--ratio", "5%", "--layout", "list"], "--layout");
     refused(
         &["simplify", "a.ply", "--ratio", "5%", "-o", "-", "--to", "glb", "--json"],
         "both write to standard output",
     );
     refused(&["lod", "a.ply", "--level", "140%"], "found `140%`, expected a number such as 120");
-    refused(&["lod", "a.ply", "--base", "0..1"], "found `0..1`, expected a share from 0 to 1");
+    refused(&["lod", "a.ply", "--base", "0..1"], "found `0..1`, expected a ratio from 0 to 1");
     refused(&["lod", "a.ply", "--filter", "fog"], "possible values: none, stss, dtfs");
     let effort = ["lod", "a.ply", "--filter", "dtfs", "--filter-effort", "3"];
     refused(&effort, "--filter-effort belongs to --filter repair, not to dtfs");
@@ -118,7 +130,7 @@ fn flags_are_checked() {
 }
 
 #[test]
-fn help_is_short_or_long_and_names_everything() {
+fn help_has_a_short_and_a_long_form() {
     for subcommand in ["strip", "compare", "analyze", "verify", "convert", "simplify", "lod"] {
         let length = |flag: &str| {
             let output = tristrip().args([subcommand, flag]).assert().success().get_output().stdout.clone();

@@ -1,4 +1,4 @@
-//! `tristrip verify`: what is proven, what is not, and how it is said.
+//! `tristrip verify`: proofs, differences, and their messages.
 
 use std::fs;
 
@@ -27,7 +27,7 @@ fn the_same_faces_in_another_order_are_proven() {
 }
 
 #[test]
-fn missing_extra_and_flipped_triangles_are_counted_and_placed() {
+fn missing_extra_and_flipped_triangles_are_counted_and_located() {
     let dir = tempfile::tempdir().unwrap();
     let (source, result) = (dir.path().join("a.obj"), dir.path().join("b.obj"));
     fs::write(&source, SQUARE).unwrap();
@@ -43,7 +43,7 @@ fn missing_extra_and_flipped_triangles_are_counted_and_placed() {
 }
 
 #[test]
-fn polygons_are_held_to_their_boundaries() {
+fn polygons_are_compared_by_their_boundaries() {
     let dir = tempfile::tempdir().unwrap();
     let (source, result) = (dir.path().join("a.obj"), dir.path().join("b.obj"));
     fs::write(&source, SQUARE.replace("f 1 2 3\nf 1 3 4", "f 1 2 3 4")).unwrap();
@@ -57,7 +57,7 @@ fn polygons_are_held_to_their_boundaries() {
 }
 
 #[test]
-fn files_that_cannot_be_read_are_named() {
+fn unreadable_files_are_reported_by_name() {
     tristrip()
         .args(["verify", "none.ply"])
         .arg(model("hand.ply"))

@@ -2,10 +2,10 @@
 
 use clap::ValueEnum;
 
-use super::part::FilterName;
 use super::rows::LevelRow;
 use crate::chart::{Axis, Mark, Panel, Scale, Series, svg};
 use crate::failure::Failure;
+use crate::values::FilterName;
 
 /// Draws a panel per model, from its name and rows.
 pub(crate) fn draw(models: &[(String, &[LevelRow])]) -> Result<String, Failure> {

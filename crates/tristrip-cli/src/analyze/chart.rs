@@ -1,20 +1,20 @@
-//! The picture of an analysis: misses against the size of the buffer, and how long the strips are.
+//! The chart of an analysis: misses against the size of the vertex cache, and a histogram of strip lengths.
 
 use tristrip::strip::{Buffer, BufferUse, Replacement};
 
-use super::stored::Lengths;
+use super::stored::StripLengths;
 use crate::chart::{Axis, Mark, Panel, Scale, Series, svg};
 use crate::failure::Failure;
 
-/// What one file adds to the picture.
+/// The data of one file.
 #[derive(Debug)]
 pub(super) struct Curve {
     pub(super) file: String,
     pub(super) each: Vec<(Buffer, BufferUse)>,
-    pub(super) lengths: Lengths,
+    pub(super) lengths: StripLengths,
 }
 
-/// Draws the curves of all files into one picture: two panels, or one where there are no strips.
+/// Draws the curves of all files in one chart: two panels, or one if there are no strips.
 pub(super) fn draw(curves: &[Curve], flushed: bool) -> Result<String, Failure> {
     let mut panels = vec![misses(curves, flushed)];
     if curves.iter().any(|curve| !curve.lengths.bins().is_empty()) {
@@ -30,8 +30,8 @@ fn misses(curves: &[Curve], flushed: bool) -> Panel {
             let mut points: Vec<(f64, f64)> = curve
                 .each
                 .iter()
-                .filter(|(buffer, _)| buffer.replacement == replacement)
-                .map(|(buffer, used)| (f64::from(buffer.places), used.acmr()))
+                .filter(|(cache, _)| cache.replacement == replacement)
+                .map(|(cache, used)| (f64::from(cache.places), used.acmr()))
                 .collect();
             points.sort_by(|a, b| a.0.total_cmp(&b.0));
             if !points.is_empty() {
@@ -39,27 +39,27 @@ fn misses(curves: &[Curve], flushed: bool) -> Panel {
             }
         }
     }
-    series.extend(least(curves));
+    series.extend(lower_bounds(curves));
     let title = match curves {
         [one] => format!("Vertices transformed: {}", one.file),
         _ => "Vertices transformed".into(),
     };
-    let places =
-        if flushed { "places of the buffer, flushed between strips" } else { "places of the buffer" };
+    let entries =
+        if flushed { "vertex cache entries, flushed between strips" } else { "vertex cache entries" };
     Panel::new(
         &title,
-        Axis::new(places, Scale::Log2),
-        Axis::new("misses a triangle (ACMR)", Scale::Linear { from_zero: true }),
+        Axis::new(entries, Scale::Log2),
+        Axis::new("misses per triangle (ACMR)", Scale::Linear { from_zero: true }),
         series,
     )
 }
 
-/// Gives the lines below which no buffer can be: each vertex in use is a miss once. One line serves files that are alike.
-fn least(curves: &[Curve]) -> Vec<Series> {
+/// Returns the lower bounds of the misses: each used vertex is a miss once. Files with the same bound share a line.
+fn lower_bounds(curves: &[Curve]) -> Vec<Series> {
     let mut series: Vec<Series> = Vec::new();
     let mut drawn: Vec<Vec<(f64, f64)>> = Vec::new();
     for curve in curves {
-        let sizes = || curve.each.iter().map(|(buffer, _)| f64::from(buffer.places));
+        let sizes = || curve.each.iter().map(|(cache, _)| f64::from(cache.places));
         let (Some(low), Some(high)) = (sizes().reduce(f64::min), sizes().reduce(f64::max)) else { continue };
         let height =
             curve.each.first().map_or(0.0, |(_, used)| BufferUse { misses: used.vertices, ..*used }.acmr());
@@ -89,14 +89,14 @@ fn lengths(curves: &[Curve]) -> Panel {
     };
     Panel::new(
         &title,
-        Axis::new("triangles of a strip, from this many to the next", Scale::Names(names)),
+        Axis::new("triangles per strip, up to the next label", Scale::Names(names)),
         Axis::new("strips", Scale::Linear { from_zero: true }),
         bars.collect(),
     )
 }
 
 impl Curve {
-    /// Names a line, with the file where there are several.
+    /// Returns the name of a line, with the file if there are several.
     fn name(&self, what: &str, all: &[Self]) -> String {
         if all.len() == 1 { what.to_owned() } else { format!("{}, {what}", self.file) }
     }

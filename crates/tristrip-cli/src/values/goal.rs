@@ -1,14 +1,14 @@
-//! What a simplification shall reach: as it is typed, and for each part of a model.
+//! The goals of a simplification as typed, and their distribution over the parts of a model.
 
 use std::str::FromStr;
 
-/// A share of the triangles or collapses, from 0 to 1: `0.05` or `5%`.
+/// A ratio from 0 to 1, of triangles or collapses: `0.05` or `5%`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Ratio(f64);
 
 impl Ratio {
-    /// Gives so many of a number, rounded to the nearest.
-    #[allow(clippy::cast_sign_loss, reason = "a share is not negative")]
+    /// Multiplies a count, and rounds to the nearest integer.
+    #[allow(clippy::cast_sign_loss, reason = "a ratio is not negative")]
     pub(crate) fn of(self, count: usize) -> usize {
         (self.0 * count as f64).round() as usize
     }
@@ -19,14 +19,14 @@ impl FromStr for Ratio {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let (number, unit) = text.strip_suffix('%').map_or((text, 1.0), |number| (number, 100.0));
-        let share = number.parse::<f64>().ok().map(|number| number / unit);
-        share.filter(|share| (0.0..=1.0).contains(share)).map(Self).ok_or_else(|| {
-            format!("found `{text}`, expected a share from 0 to 1 such as 0.05, or a percentage such as 5%")
+        let ratio = number.parse::<f64>().ok().map(|number| number / unit);
+        ratio.filter(|ratio| (0.0..=1.0).contains(ratio)).map(Self).ok_or_else(|| {
+            format!("found `{text}`, expected a ratio from 0 to 1 such as 0.05, or a percentage such as 5%")
         })
     }
 }
 
-/// A distance: `0.01` in mesh units, or `0.1%` of the diagonal of the bounding box.
+/// A distance as typed: `0.01` in mesh units, or `0.1%` of the diagonal of the bounding box.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Deviation {
     Units(f64),
@@ -34,7 +34,7 @@ pub(crate) enum Deviation {
 }
 
 impl Deviation {
-    /// Gives the distance in mesh units, for a model with a bounding box of this diagonal.
+    /// Returns the distance in mesh units, for a model whose bounding box has this diagonal.
     pub(crate) fn units(self, diagonal: f64) -> f32 {
         (match self {
             Self::Units(units) => units,
@@ -58,18 +58,20 @@ impl FromStr for Deviation {
     }
 }
 
-/// How many triangles shall be left.
+/// The number of triangles to keep.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Amount {
-    /// Of each part the same share.
+    /// The same ratio of each part.
     Ratio(Ratio),
-    /// Of all parts together.
+    /// The sum over all parts.
     Triangles(usize),
 }
 
 impl Amount {
-    /// Gives each part of so many triangles what it shall have left. A sum is shared out in proportion, what is over to the parts that
-    /// are furthest below their share, the first of equals first; so the parts have it together.
+    /// Returns the number of triangles to keep for each part, given the triangle counts of the parts.
+    ///
+    /// A sum is distributed in proportion; the remainder goes to the parts with the greatest rounding loss, ties to the first part, so
+    /// that the sum is met exactly.
     pub(crate) fn shares(self, triangles: &[usize]) -> Vec<usize> {
         let wanted = match self {
             Self::Ratio(ratio) => return triangles.iter().map(|&count| ratio.of(count)).collect(),
@@ -81,15 +83,15 @@ impl Amount {
         }
         let exact = |&count: &usize| count as u128 * wanted;
         let mut shares: Vec<usize> = triangles.iter().map(|count| (exact(count) / all) as usize).collect();
-        let mut by_rest: Vec<usize> = (0..triangles.len()).collect();
-        by_rest.sort_by_key(|&part| std::cmp::Reverse(exact(&triangles[part]) % all));
-        let over = wanted as usize - shares.iter().sum::<usize>();
-        by_rest.iter().take(over).for_each(|&part| shares[part] += 1);
+        let mut by_remainder: Vec<usize> = (0..triangles.len()).collect();
+        by_remainder.sort_by_key(|&part| std::cmp::Reverse(exact(&triangles[part]) % all));
+        let remainder = wanted as usize - shares.iter().sum::<usize>();
+        by_remainder.iter().take(remainder).for_each(|&part| shares[part] += 1);
         shares
     }
 }
 
-/// What a simplification shall reach, one of the two at least.
+/// The goal of a simplification: at least one of the two is set.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Goal {
     pub(crate) amount: Option<Amount>,
@@ -101,26 +103,26 @@ mod tests {
     use super::*;
 
     #[test]
-    fn shares_are_read_as_fractions_and_percentages() {
+    fn ratios_parse_as_fractions_and_percentages() {
         let read = |text: &str| text.parse::<Ratio>().map(|ratio| ratio.of(1000));
         assert_eq!(
             ["0.05", "5%", "0", "100%", "1"].map(|text| read(text).ok()),
             [50, 50, 0, 1000, 1000].map(Some)
         );
-        for wrong in ["1.1", "-0.1", "101%", "", "%", "nan", "five", "5 %x"] {
-            assert!(read(wrong).is_err(), "{wrong}");
+        for invalid in ["1.1", "-0.1", "101%", "", "%", "nan", "five", "5 %x"] {
+            assert!(read(invalid).is_err(), "{invalid}");
         }
     }
 
     #[test]
-    fn distances_are_read_in_units_and_percentages() {
+    fn distances_parse_as_units_and_percentages() {
         let read = |text: &str| text.parse::<Deviation>().ok().map(|distance| distance.units(50.0));
         assert_eq!(["2", "2%", "0", "1e-3"].map(read), [2.0, 1.0, 0.0, 1e-3].map(Some));
         assert_eq!(["-1", "inf", "nan%", "x", ""].map(read), [None; 5]);
     }
 
     #[test]
-    fn a_sum_is_shared_out_to_the_last_triangle() {
+    fn a_sum_is_distributed_exactly() {
         let shares = |wanted, triangles: &[usize]| Amount::Triangles(wanted).shares(triangles);
         assert_eq!(shares(10, &[100, 100, 100]), [4, 3, 3]);
         assert_eq!(shares(7, &[10, 0, 90]), [1, 0, 6]);
