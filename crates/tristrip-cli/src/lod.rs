@@ -5,10 +5,10 @@
 //!                  └──────── vertices renamed for a level ─ filter ─▶ display strips ─ prove ─ write ─ read again, prove
 //! ```
 
+mod chart;
 pub(crate) mod levels;
 pub(crate) mod measure;
 pub(crate) mod part;
-mod plot;
 mod report;
 pub(crate) mod rows;
 pub(crate) mod totals;
@@ -40,21 +40,22 @@ use totals::totals;
 const TABLE_STEPS: usize = 20;
 const CURVE_STEPS: usize = 100;
 
-/// Processes all inputs in order. Returns whether all succeeded.
+/// Processes all inputs in order; returns whether all succeeded.
 pub(crate) fn run(task: &LodTask, pool: &Pool, console: &mut Console) -> bool {
     let new_report = |job: &Job| LodReport::new(job.input.name(), MethodReport::of(&task.options), task);
-    let process =
-        |job: &Job, console: &mut Console, report: &mut LodReport| process(job, task, pool, console, report);
+    let process = |job: &Job, console: &mut Console, report: &mut LodReport| {
+        run_stages(job, task, pool, console, report)
+    };
     let show = |job: &Job, report: &LodReport, title: &str, console: &mut Console| {
-        let is_main_output = job.output.is_none() || task.table || task.compare;
-        console.result(&format!("{title}{}", summary(report, task)), is_main_output);
+        let requested = job.output.is_none() || task.table || task.compare;
+        console.result(&format!("{title}{}", summary(report, task)), requested);
     };
     let mut reports = batch::process_all(&task.jobs, None, console, new_report, process, show);
     if let Some(path) = &task.plot {
         let done = reports.iter().filter(|report| report.error.is_none());
         let measured: Vec<_> = done.map(|report| (short_name(&report.file), &report.rows[..])).collect();
         if !measured.is_empty() {
-            let chart = plot::draw(&measured);
+            let chart = chart::draw(&measured);
             if batch::write_chart(path, chart, &mut reports, console) {
                 for report in reports.iter_mut().filter(|report| report.error.is_none()) {
                     report.plot = Some(path.display().to_string());
@@ -66,7 +67,7 @@ pub(crate) fn run(task: &LodTask, pool: &Pool, console: &mut Console) -> bool {
 }
 
 /// Runs all stages on one input; after a failure the report has the results of the stages before.
-fn process(
+fn run_stages(
     job: &Job,
     task: &LodTask,
     pool: &Pool,

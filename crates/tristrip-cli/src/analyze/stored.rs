@@ -8,7 +8,7 @@ use std::collections::HashMap;
 
 use serde::Serialize;
 use tristrip::strip::Metrics;
-use tristrip::strip::layout::pieces;
+use tristrip::strip::layout::split_joined;
 use tristrip::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
 use tristrip::{Mesh, Strips};
 use tristrip_io::Part;

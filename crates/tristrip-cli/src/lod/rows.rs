@@ -1,8 +1,9 @@
 //! The rows of the tables of `tristrip lod`, which are also keys of its report.
 
-use crate::values::FilterName;
 use clap::ValueEnum;
 use serde::{Serialize, Serializer};
+
+use crate::values::FilterName;
 
 /// The name of the mesh drawn as single triangles, beside the names of the filters.
 pub(crate) const SINGLE_TRIANGLES: &str = "triangles";

@@ -47,31 +47,30 @@ struct PanelData {
 
 /// Draws a chart.
 pub(super) fn draw(chart: &ChartData, runner: &Runner) -> Result<ChartReport, Failure> {
-    let (panels_data, columns) = match &chart.kind {
+    let (data, columns) = match &chart.kind {
         ChartKind::Corpus { panels, series } => {
             (panels.iter().map(|panel| corpus(panel, series, runner)).collect(), 1)
         }
         ChartKind::VertexCaches { flags, models, columns } => {
-            let panels_data: Vec<_> =
-                models.iter().filter_map(|name| by_cache_size(name, flags, runner)).collect();
-            (panels_data, *columns)
+            let data: Vec<_> = models.iter().filter_map(|name| by_cache_size(name, flags, runner)).collect();
+            (data, *columns)
         }
         ChartKind::Levels { model, panels, axis, series } => {
-            let panels_data = panels.iter().filter_map(|panel| by_level(model, panel, axis, series, runner));
-            (panels_data.collect(), 1)
+            let data = panels.iter().filter_map(|panel| by_level(model, panel, axis, series, runner));
+            (data.collect(), 1)
         }
         ChartKind::Convergence { models, steps, series } => {
-            let panels_data = models.iter().filter_map(|name| convergence(name, *steps, series, runner));
-            (panels_data.collect(), models.len())
+            let data = models.iter().filter_map(|name| convergence(name, *steps, series, runner));
+            (data.collect(), models.len())
         }
     };
-    let panels: Vec<Panel> = panels_data.iter().map(PanelData::panel).collect();
-    let report = |data: PanelData| PanelReport { title: data.title, series: data.series };
+    let panels: Vec<Panel> = data.iter().map(PanelData::panel).collect();
+    let report = |panel: PanelData| PanelReport { title: panel.title, series: panel.series };
     Ok(ChartReport {
         name: chart.name.clone(),
         file: chart.file.clone(),
         svg: svg(&panels, columns)?,
-        panels: panels_data.into_iter().map(report).collect(),
+        panels: data.into_iter().map(report).collect(),
     })
 }
 
