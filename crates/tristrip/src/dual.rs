@@ -23,6 +23,7 @@
 mod corners;
 mod pair;
 mod report;
+mod subgraph;
 mod triangulation;
 
 pub(crate) use corners::for_each_edge;
@@ -160,8 +161,10 @@ impl DualGraph {
         &self.twins
     }
 
-    pub(crate) fn twins_mut(&mut self) -> &mut [u32] {
-        &mut self.twins
+    /// Sets the twin of one half-edge. The caller sets the other side, too.
+    #[inline]
+    pub(crate) fn set_twin(&mut self, half_edge: u32, twin: Option<u32>) {
+        self.twins[half_edge as usize] = twin.unwrap_or(NO_TWIN);
     }
 
     /// Returns the connected component of each face, numbered in order of their first faces, and the number of components.

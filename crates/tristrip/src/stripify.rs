@@ -1,12 +1,14 @@
-//! Strips from a mesh: the methods, their options, and the stages that they share.
+//! Triangle strips from a mesh: the methods, their options, and the stages that they share.
 //!
-//! Every method only chooses: which diagonals a polygon gets, and over which edges the triangles are linked to paths. What a
-//! method chose is a [`StripPlan`]; one emitter makes the strips of it.
+//! A method chooses two things: the diagonals of each polygon, and the edges over which triangles are linked to paths. The
+//! result is a [`StripPlan`]; one emitter turns every plan into strips.
 
 mod best;
 pub mod bound;
 mod cache;
 mod fewest;
+#[cfg(test)]
+mod generated_meshes;
 pub mod input;
 mod options;
 mod plan;
@@ -26,10 +28,10 @@ pub use options::{EtaOptions, FaceTriangulation, Method, Objective, Patches, Sta
 pub use plan::StripPlan;
 pub use watch::{Progress, Watch};
 
-/// Finds triangle strips for a mesh: the whole way from faces to strips.
+/// Computes triangle strips for a mesh: runs all stages from faces to strips.
 ///
 /// # Errors
-/// An option makes no sense for the method.
+/// An option is invalid for the method.
 ///
 /// ```
 /// use tristrip::{Faces, Mesh, StripifyOptions, stripify, verify::verify};
@@ -41,98 +43,98 @@ pub use watch::{Progress, Watch};
 /// # Ok::<(), tristrip::Error>(())
 /// ```
 pub fn stripify(mesh: &Mesh, options: &StripifyOptions) -> Result<Strips, Error> {
-    let surface = PreparedFaces::new(mesh, options.weld());
-    let graph = DualGraph::new(surface.faces());
-    let plan = plan(&surface, &graph, options)?;
+    let prepared = PreparedFaces::new(mesh, options.weld());
+    let graph = DualGraph::new(prepared.faces());
+    let plan = plan(&prepared, &graph, options)?;
     Ok(plan.strips())
 }
 
-/// Lets a method choose: the stage between the dual graph and the strips.
+/// Computes the plan of a method: the stage between the dual graph and the strips.
 ///
 /// # Errors
-/// An option makes no sense for the method.
+/// An option is invalid for the method.
 pub fn plan<'a>(
-    surface: &'a PreparedFaces<'_>,
+    prepared: &'a PreparedFaces<'_>,
     graph: &'a DualGraph,
     options: &StripifyOptions,
 ) -> Result<StripPlan<'a>, Error> {
-    choose(surface, graph, options).map(|(_, plan)| plan)
+    choose(prepared, graph, options).map(|(_, plan)| plan)
 }
 
-/// Lets a method choose, and says which method it was: for [`Method::Auto`] the one that it stands for, else the one that was
-/// asked for.
+/// Computes the plan of a method, and returns it with the method that ran: for [`Method::Auto`] the method that it stands for,
+/// otherwise the one in the options.
 ///
 /// # Errors
-/// An option makes no sense for the method.
+/// An option is invalid for the method.
 ///
 /// ```
 /// use tristrip::{DualGraph, Faces, Mesh, Method, PreparedFaces, StripifyOptions, stripify::choose};
-/// // A fan in an order that no strip takes.
+/// // A fan whose triangles are not in the order of a strip.
 /// let mesh = Mesh::new(vec![[0.0; 3]; 5], Faces::from_triangles(vec![0, 1, 2, 4, 2, 3, 2, 1, 3])?)?;
-/// let surface = PreparedFaces::new(&mesh, false);
-/// let graph = DualGraph::new(surface.faces());
-/// let (method, plan) = choose(&surface, &graph, &StripifyOptions::default())?;
+/// let prepared = PreparedFaces::new(&mesh, false);
+/// let graph = DualGraph::new(prepared.faces());
+/// let (method, plan) = choose(&prepared, &graph, &StripifyOptions::default())?;
 /// assert_eq!((method, plan.indices_restart()), (Method::Best, 5));
 /// # Ok::<(), tristrip::Error>(())
 /// ```
 pub fn choose<'a>(
-    surface: &'a PreparedFaces<'_>,
+    prepared: &'a PreparedFaces<'_>,
     graph: &'a DualGraph,
     options: &StripifyOptions,
 ) -> Result<(Method, StripPlan<'a>), Error> {
-    choose_watched(surface, graph, options, &())
+    choose_watched(prepared, graph, options, &())
 }
 
-/// Lets a method choose as [`choose`] does, under a watcher that takes notice of a long search's progress and may stop it. A search
-/// that is stopped gives the best that it has.
+/// Computes a plan as [`choose`] does, and reports the progress of a long search to a watcher, which may stop it. A stopped
+/// search returns the best plan found so far.
 ///
 /// # Errors
-/// An option makes no sense for the method.
+/// An option is invalid for the method.
 ///
 /// ```
 /// use std::sync::atomic::{AtomicU64, Ordering};
 /// use tristrip::{DualGraph, Faces, Mesh, Method, PreparedFaces, StripifyOptions};
 /// use tristrip::stripify::{Progress, Watch, choose_watched};
 ///
-/// struct Impatient(AtomicU64);
-/// impl Watch for Impatient {
+/// struct StepLimit(AtomicU64);
+/// impl Watch for StepLimit {
 ///     fn go_on(&self, progress: Progress) -> bool {
 ///         self.0.fetch_max(progress.steps, Ordering::Relaxed) < 1000
 ///     }
 /// }
 ///
 /// let mesh = Mesh::new(vec![[0.0; 3]; 5], Faces::from_triangles(vec![0, 1, 2, 4, 2, 3, 2, 1, 3])?)?;
-/// let surface = PreparedFaces::new(&mesh, false);
-/// let graph = DualGraph::new(surface.faces());
+/// let prepared = PreparedFaces::new(&mesh, false);
+/// let graph = DualGraph::new(prepared.faces());
 /// let options = StripifyOptions::default().with_method(Method::Best);
-/// let (_, plan) = choose_watched(&surface, &graph, &options, &Impatient(AtomicU64::new(0)))?;
+/// let (_, plan) = choose_watched(&prepared, &graph, &options, &StepLimit(AtomicU64::new(0)))?;
 /// assert_eq!(plan.indices_restart(), 5);
 /// # Ok::<(), tristrip::Error>(())
 /// ```
 pub fn choose_watched<'a>(
-    surface: &'a PreparedFaces<'_>,
+    prepared: &'a PreparedFaces<'_>,
     graph: &'a DualGraph,
     options: &StripifyOptions,
     watch: &dyn Watch,
 ) -> Result<(Method, StripPlan<'a>), Error> {
     let plan = match options.method() {
-        Method::Sequential => sequential::plan(surface, graph),
+        Method::Sequential => sequential::plan(prepared, graph),
         Method::Auto | Method::Best => {
-            best::plan(surface, graph, options.cost(), options.effort(), options.seed(), watch)
+            best::plan(prepared, graph, options.cost(), options.effort(), options.seed(), watch)
         }
-        Method::Fewest => fewest::plan(surface, graph, options.effort(), options.seed(), watch),
-        Method::Cache => cache::plan(surface, graph, options, watch),
-        Method::Input => input::plan(surface, graph),
-        Method::Sgi => sgi::plan(surface, graph),
+        Method::Fewest => fewest::plan(prepared, graph, options.effort(), options.seed(), watch),
+        Method::Cache => cache::plan(prepared, graph, options, watch),
+        Method::Input => input::plan(prepared, graph),
+        Method::Sgi => sgi::plan(prepared, graph),
         Method::StripeLocal { triangulation, ties } => {
-            stripe::plan_local(surface, graph, triangulation, ties, options.seed())
+            stripe::plan_local(prepared, graph, triangulation, ties, options.seed())
         }
         Method::StripeGlobal { patches, cutoff } => {
-            stripe::plan_global(surface, graph, patches, cutoff, options.seed())?
+            stripe::plan_global(prepared, graph, patches, cutoff, options.seed())?
         }
-        Method::Tunnel { length } => tunnel::plan_tunnel(surface, graph, length, watch),
-        Method::Eta(eta) => tunnel::plan_eta(surface, graph, eta, options.seed(), watch),
+        Method::Tunnel { length } => tunnel::plan_tunnel(prepared, graph, length, watch),
+        Method::Eta(eta) => tunnel::plan_eta(prepared, graph, eta, options.seed(), watch),
     };
-    let taken = if options.method() == Method::Auto { Method::Best } else { options.method() };
-    Ok((taken, plan))
+    let method = if options.method() == Method::Auto { Method::Best } else { options.method() };
+    Ok((method, plan))
 }

@@ -163,37 +163,37 @@ impl Objective {
 }
 
 pub(super) fn plan<'a>(
-    surface: &'a PreparedFaces<'_>,
+    prepared: &'a PreparedFaces<'_>,
     graph: &'a DualGraph,
     options: &StripifyOptions,
     watch: &dyn Watch,
 ) -> StripPlan<'a> {
-    let start = start(surface, graph, options, watch);
+    let start = start(prepared, graph, options, watch);
     let limit = SENT[usize::from(options.effort().level())] * start.cover.len() as u64;
     let is_searched = options.vertex_cache().replacement == Replacement::Fifo
         && SEARCHED.contains(&options.vertex_cache().entries);
     if limit == 0 || !is_searched {
         return start;
     }
-    polished(start, limit, surface.vertex_count(), options, watch)
+    polished(start, limit, prepared.vertex_count(), options, watch)
 }
 
 /// Grows strips in one way or in several.
 fn start<'a>(
-    surface: &'a PreparedFaces<'_>,
+    prepared: &'a PreparedFaces<'_>,
     graph: &'a DualGraph,
     options: &StripifyOptions,
     watch: &dyn Watch,
 ) -> StripPlan<'a> {
     let (buffer, prefer, seed) = (options.vertex_cache(), options.objective(), options.seed());
-    let (effort, vertex_count) = (options.effort(), surface.vertex_count());
+    let (effort, vertex_count) = (options.effort(), prepared.vertex_count());
     let guide = |guide| match guide {
-        Guide::None => Triangulation::of_triangles(surface, graph).map_or_else(
-            || sequential::plan(surface, graph),
+        Guide::None => Triangulation::of_triangles(prepared, graph).map_or_else(
+            || sequential::plan(prepared, graph),
             |triangulation| StripPlan::new(triangulation, PathCover::isolated(graph.face_count())),
         ),
-        Guide::Sequential => sequential::plan(surface, graph),
-        Guide::Best => best::plan(surface, graph, Cost::Restart, effort, seed, watch),
+        Guide::Sequential => sequential::plan(prepared, graph),
+        Guide::Best => best::plan(prepared, graph, Cost::Restart, effort, seed, watch),
     };
     let growths = match prefer {
         Objective::Indices => return arranged(guide(Guide::Best), buffer, vertex_count),

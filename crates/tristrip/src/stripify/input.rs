@@ -1,11 +1,11 @@
-//! The input's own order as strips, so that no method is ever worse than what the user had.
+//! `input`: strips in the order of the input faces. A search that starts from them is never worse than the input.
 //!
 //! # Algorithm
-//! Triangles are taken as they come, polygons as fans. Each is linked to the one before where the two share an edge. A triangle
-//! list that was unrolled from strips becomes those strips again, or longer ones.
+//! Triangles keep their order; polygons become fans. Each triangle is linked to the previous one if the two share an edge. A
+//! triangle list that was expanded from strips becomes these strips again, or longer ones.
 //!
 //! # Complexity
-//! O(n) time, 1 byte a triangle.
+//! O(n) time, 1 byte per triangle.
 
 use super::StripPlan;
 use crate::cover::PathCover;
@@ -14,8 +14,8 @@ use crate::dual::Triangulation;
 use crate::ids::FaceId;
 use crate::prepare::PreparedFaces;
 
-pub(super) fn plan<'a>(surface: &'a PreparedFaces<'_>, graph: &'a DualGraph) -> StripPlan<'a> {
-    let triangulation = Triangulation::fan(surface, graph);
+pub(super) fn plan<'a>(prepared: &'a PreparedFaces<'_>, graph: &'a DualGraph) -> StripPlan<'a> {
+    let triangulation = Triangulation::fan(prepared, graph);
     let cover = cover(triangulation.graph());
     StripPlan::new(triangulation, cover)
 }
@@ -23,8 +23,8 @@ pub(super) fn plan<'a>(surface: &'a PreparedFaces<'_>, graph: &'a DualGraph) -> 
 fn cover(graph: &DualGraph) -> PathCover {
     let mut cover = PathCover::isolated(graph.face_count());
     for face in (1..graph.face_count() as u32).map(FaceId) {
-        let before = FaceId(face.0 - 1);
-        let shared = |&h: &_| graph.twin(h).is_some_and(|twin| graph.face_of(twin) == before);
+        let previous = FaceId(face.0 - 1);
+        let shared = |&h: &_| graph.twin(h).is_some_and(|twin| graph.face_of(twin) == previous);
         if let Some(half_edge) = graph.half_edges(face).find(|h| shared(h) && !cover.is_linked(*h)) {
             cover.link(graph, half_edge);
         }
@@ -41,7 +41,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn is_never_worse_than_the_strips_that_the_input_was(
+        fn is_never_worse_than_the_strips_of_the_input(
             lengths in prop::collection::vec(3..20_u32, 1..8),
             seed in any::<u32>(),
         ) {
@@ -53,13 +53,13 @@ mod tests {
             }
             let faces = Faces::from_triangles(strips.to_list()).unwrap();
             let mesh = Mesh::new(vec![[0.0; 3]; next as usize + 3], faces).unwrap();
-            let surface = PreparedFaces::new(&mesh, false);
-            let graph = DualGraph::new(surface.faces());
-            let plan = plan(&surface, &graph);
+            let prepared = PreparedFaces::new(&mesh, false);
+            let graph = DualGraph::new(prepared.faces());
+            let plan = plan(&prepared, &graph);
             prop_assert_eq!(plan.cover.check(plan.triangulation.graph()), Ok(()));
-            let again = plan.strips();
+            let found = plan.strips();
             let cost = |s: &Strips| s.vertices_sent() + s.len();
-            prop_assert!(cost(&again) <= cost(&strips));
+            prop_assert!(cost(&found) <= cost(&strips));
         }
     }
 }

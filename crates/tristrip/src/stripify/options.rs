@@ -1,95 +1,95 @@
-//! The methods and their options.
+//! The stripification methods and their options.
 
 use crate::effort::Effort;
 use crate::strip::Cost;
 use crate::vertex_cache::VertexCache;
 
-/// How strips are found.
+/// A stripification method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
 pub enum Method {
-    /// `Best`, at an effort that takes less than a second for a million triangles unless told otherwise.
+    /// `Best`; its default effort takes less than a second per million triangles.
     #[default]
     Auto,
-    /// Ours: cheapest runs first, swaps only where they beat a restart, both ways, isolated triangles folded in.
+    /// Our fast greedy method, followed by a local search at the ends of strips.
     Sequential,
-    /// Ours: annealing from `sequential`, for a cost and an effort.
+    /// Our simulated annealing of the cheapest fast method's strips, for a given cost and effort.
     Best,
-    /// Ours: as few strips as can be found, whatever the swaps.
+    /// Our search for the fewest strips, regardless of swaps.
     Fewest,
-    /// Ours: strips in an order that respects a vertex buffer, grown along the border of what is drawn.
+    /// Our strips in an order that makes good use of a vertex cache, grown along the front of the drawn triangles.
     Cache,
-    /// The input's own order.
+    /// The order of the input faces.
     Input,
-    /// The SGI algorithm: least adjacency, one level of look-ahead.
+    /// The SGI algorithm: fewest free neighbours, one level of look-ahead.
     Sgi,
     /// STRIPE's local algorithms.
     StripeLocal {
-        /// When polygons are cut into triangles.
+        /// When polygons are triangulated.
         triangulation: FaceTriangulation,
-        /// Which of several neighbours of least adjacency is taken.
+        /// How ties between neighbours of the lowest adjacency are broken.
         ties: Ties,
     },
-    /// STRIPE's global algorithms: patches of quadrilaterals first, the rest locally.
+    /// STRIPE's global algorithms: patches of quadrilaterals first, the remaining faces by the local algorithm.
     StripeGlobal {
-        /// How patches become strips.
+        /// How patches are turned into strips.
         patches: Patches,
-        /// The smallest patch, in quadrilaterals, that is treated as one.
+        /// The minimum size of a patch, in quadrilaterals.
         cutoff: u32,
     },
-    /// The tunnelling operator, lengths 1, 3, 5 … in turn, from isolated triangles.
+    /// The tunnelling operator with lengths 1, 3, 5 …, starting from isolated triangles.
     Tunnel {
-        /// The greatest length of a tunnel, in edges. The time grows as its exponential.
+        /// The maximum length of a tunnel, in edges. The running time is exponential in it.
         length: u32,
     },
-    /// The enhanced tunnelling algorithm: long tunnels, and terminals that move toward each other.
+    /// The enhanced tunnelling algorithm: long tunnels, and path ends that move toward each other.
     Eta(EtaOptions),
 }
 
 impl Method {
-    /// STRIPE as its authors recommend it: rows or columns of patches of at least 5 quadrilaterals.
+    /// STRIPE with its authors' recommended settings: rows or columns of patches of at least 5 quadrilaterals.
     pub const STRIPE: Self = Self::StripeGlobal { patches: Patches::Rows, cutoff: 5 };
 }
 
-/// When STRIPE cuts polygons into triangles (Evans et al. 1996, section 3.1).
+/// When STRIPE triangulates polygons (Evans et al. 1996, section 3.1).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum FaceTriangulation {
-    /// Before, by alternate left and right turns.
+    /// In advance, by alternate left and right turns.
     Static,
-    /// Wholly, when a strip enters the face.
+    /// Completely, when a strip enters the face.
     #[default]
     Whole,
-    /// Only as far as the strip needs to leave the face where it wants to.
+    /// Only as far as the strip needs to leave the face over the chosen edge.
     Partial,
 }
 
-/// Which of several neighbours of least adjacency STRIPE takes (Evans et al. 1996, section 3.1).
+/// How STRIPE breaks ties between neighbours of the lowest adjacency (Evans et al. 1996, section 3.1).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Ties {
     /// The first found.
     Arbitrary,
-    /// The one whose neighbours have the least adjacency.
+    /// The one whose neighbours have the lowest adjacency.
     LookAhead,
-    /// The one on the other side than last time.
+    /// The one on the side opposite to the previous turn.
     Alternate,
-    /// One at random, by the seed.
+    /// One at random, from the seed.
     Random,
-    /// One that needs no swap, else one at random.
+    /// One that needs no swap, otherwise one at random.
     #[default]
     Sequential,
 }
 
-/// How STRIPE's patches become strips (Evans et al. 1996, section 3.2).
+/// How STRIPE turns patches into strips (Evans et al. 1996, section 3.2).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Patches {
-    /// A strip for each row, or column, whichever makes longer strips.
+    /// One strip per row or per column, whichever gives longer strips.
     #[default]
     Rows,
-    /// A strip for each patch, extended backward and forward.
+    /// One strip per patch, extended backward and forward.
     Full,
 }
 
-/// What a caller may choose.
+/// The options of a stripification.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub struct StripifyOptions {
     method: Method,
@@ -101,25 +101,25 @@ pub struct StripifyOptions {
     objective: Objective,
 }
 
-/// What [`Method::Auto`] searches: the most that takes less than a second for a million triangles.
+/// The default effort of [`Method::Auto`] and [`Method::Cache`]: the highest level that takes less than a second per million triangles.
 const AUTO_EFFORT: Option<Effort> = Effort::new(2);
 
 impl StripifyOptions {
-    /// Chooses the method.
+    /// Sets the method.
     #[must_use]
     pub fn with_method(mut self, method: Method) -> Self {
         self.method = method;
         self
     }
 
-    /// Lets vertices with the same bits in position and all attributes stand for each other.
+    /// Sets whether vertices are welded whose position and attributes all have the same bits.
     #[must_use]
     pub fn with_weld(mut self, weld: bool) -> Self {
         self.weld = weld;
         self
     }
 
-    /// Sets the seed of methods that choose at random.
+    /// Sets the seed of randomized methods.
     #[must_use]
     pub fn with_seed(mut self, seed: u64) -> Self {
         self.seed = seed;
@@ -133,77 +133,77 @@ impl StripifyOptions {
         self
     }
 
-    /// Sets how long searches go on; the default depends on the method.
+    /// Sets the effort of searches; the default depends on the method.
     #[must_use]
     pub fn with_effort(mut self, effort: Effort) -> Self {
         self.effort = Some(effort);
         self
     }
 
-    /// Sets the vertex buffer that [`Method::Cache`] respects.
+    /// Sets the vertex cache that [`Method::Cache`] optimizes for.
     #[must_use]
     pub fn with_vertex_cache(mut self, vertex_cache: VertexCache) -> Self {
         self.vertex_cache = vertex_cache;
         self
     }
 
-    /// Sets what [`Method::Cache`] prefers where indices and misses are at odds.
+    /// Sets how [`Method::Cache`] weighs indices against misses.
     #[must_use]
     pub fn with_objective(mut self, objective: Objective) -> Self {
         self.objective = objective;
         self
     }
 
-    /// Gives the method.
+    /// Returns the method.
     pub fn method(&self) -> Method {
         self.method
     }
 
-    /// Tells whether vertices with the same bits stand for each other.
+    /// Returns whether vertices with the same bits are welded.
     pub fn weld(&self) -> bool {
         self.weld
     }
 
-    /// Gives the seed.
+    /// Returns the seed.
     pub fn seed(&self) -> u64 {
         self.seed
     }
 
-    /// Gives the cost that searches minimize.
+    /// Returns the cost that searches minimize.
     pub fn cost(&self) -> Cost {
         self.cost
     }
 
-    /// Gives the vertex buffer that strips shall respect.
+    /// Returns the vertex cache that strips are optimized for.
     pub fn vertex_cache(&self) -> VertexCache {
         self.vertex_cache
     }
 
-    /// Gives what is preferred where indices and misses are at odds.
+    /// Returns how indices are weighed against misses.
     pub fn objective(&self) -> Objective {
         self.objective
     }
 
-    /// Gives how long searches go on.
+    /// Returns the effort of searches: the one that was set, otherwise the default of the method.
     pub fn effort(&self) -> Effort {
-        let usual = if matches!(self.method, Method::Auto | Method::Cache) { AUTO_EFFORT } else { None };
-        self.effort.or(usual).unwrap_or_default()
+        let default = if matches!(self.method, Method::Auto | Method::Cache) { AUTO_EFFORT } else { None };
+        self.effort.or(default).unwrap_or_default()
     }
 }
 
-/// What is weighed more where indices and misses are at odds.
+/// How [`Method::Cache`] weighs indices against vertex-cache misses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Objective {
-    /// Few indices: about those of [`Best`](super::Method::Best), in an order that saves misses.
+    /// Few indices: about as many as [`Method::Best`], in an order that saves misses.
     Indices,
-    /// Both: misses are saved as long as each takes less than about two thirds of an index.
+    /// Both: a miss counts as about two thirds of an index.
     #[default]
     Balanced,
-    /// Few misses: one counts as four indices.
+    /// Few misses: a miss counts as four indices.
     Misses,
 }
 
-/// What a caller of `eta` may choose.
+/// The options of [`Method::Eta`].
 ///
 /// ```
 /// use tristrip::{Faces, Mesh, Method, StripifyOptions, stripify};
@@ -223,23 +223,23 @@ pub struct EtaOptions {
     start: Start,
 }
 
-/// The strips that `eta` starts from.
+/// The initial strips of [`Method::Eta`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Start {
-    /// Every triangle by itself.
+    /// Isolated triangles.
     Isolated,
-    /// Those of [`Method::Input`](super::Method::Input). The paper shows strips of a first phase and does not say which; from these the
-    /// misses per triangle are within 0.02 of its own on all six models of its tables that are at hand.
+    /// The strips of [`Method::Input`]. The paper starts from strips of a first phase that it does not name; from these strips, the
+    /// misses per triangle are within 0.02 of the paper's on all six available models of its tables.
     Input,
-    /// Those of [`Method::Sgi`](super::Method::Sgi).
+    /// The strips of [`Method::Sgi`].
     Sgi,
-    /// Those of [`Method::Sequential`](super::Method::Sequential), which leave the fewest strips, soonest, and the fewest swaps: dragon
-    /// comes to 446, from isolated triangles to 461.
+    /// The strips of [`Method::Sequential`], which lead to the fewest strips and swaps in the shortest time: 446 strips for
+    /// dragon, compared with 461 from isolated triangles.
     #[default]
     Sequential,
 }
 
-/// Tunnels of up to 1000 edges, 512 accesses to nodes a search, from the strips of `sequential`.
+/// Tunnels of up to 1000 edges, 512 node accesses per search, starting from the strips of `sequential`.
 impl Default for EtaOptions {
     fn default() -> Self {
         Self { length: 1000, threshold: 512, start: Start::default() }
@@ -247,38 +247,38 @@ impl Default for EtaOptions {
 }
 
 impl EtaOptions {
-    /// Sets the greatest length of a tunnel, in edges.
+    /// Sets the maximum length of a tunnel, in edges.
     #[must_use]
     pub fn with_length(mut self, length: u32) -> Self {
         self.length = length;
         self
     }
 
-    /// Sets the accesses to nodes after which the search from a terminal is given up.
+    /// Sets the maximum number of node accesses of a search from one path end.
     #[must_use]
     pub fn with_threshold(mut self, threshold: u32) -> Self {
         self.threshold = threshold;
         self
     }
 
-    /// Sets the strips that it starts from.
+    /// Sets the initial strips.
     #[must_use]
     pub fn with_start(mut self, start: Start) -> Self {
         self.start = start;
         self
     }
 
-    /// Gives the greatest length of a tunnel, in edges.
+    /// Returns the maximum length of a tunnel, in edges.
     pub fn length(&self) -> u32 {
         self.length
     }
 
-    /// Gives the accesses to nodes after which the search from a terminal is given up.
+    /// Returns the maximum number of node accesses of a search from one path end.
     pub fn threshold(&self) -> u32 {
         self.threshold
     }
 
-    /// Gives the strips that it starts from.
+    /// Returns the initial strips.
     pub fn start(&self) -> Start {
         self.start
     }

@@ -1,28 +1,28 @@
-//! What a method chose: which diagonals polygons get, and over which edges triangles are linked to paths.
+//! The choice of a method: the diagonals of the polygons, and the edges over which triangles are linked to paths.
 
 use crate::cover::PathCover;
 use crate::dual::Triangulation;
 use crate::ids::FaceId;
 use crate::strip::{Metrics, Strips, cover_cost, emit, emit_in_order};
 
-/// What a method chose: a triangulation and a cover of it.
+/// The choice of a method: a triangulation and a path cover of it.
 #[derive(Debug, Clone)]
 pub struct StripPlan<'a> {
-    /// The triangles.
+    /// The triangles and their dual graph.
     pub triangulation: Triangulation<'a>,
-    /// The paths over them.
+    /// The paths over the triangles.
     pub cover: PathCover,
-    /// The triangle with which each path begins, the paths as they are drawn; `None` leaves order and direction to the emitter.
+    /// The first triangle of each path, in drawing order; `None` leaves order and direction to the emitter.
     pub order: Option<Vec<FaceId>>,
 }
 
 impl<'a> StripPlan<'a> {
-    /// Leaves the paths' order and direction to the emitter.
+    /// Creates a plan that leaves the order and the direction of the paths to the emitter.
     pub fn new(triangulation: Triangulation<'a>, cover: PathCover) -> Self {
         Self { triangulation, cover, order: None }
     }
 
-    /// Makes the strips.
+    /// Emits the strips.
     pub fn strips(&self) -> Strips {
         match &self.order {
             Some(order) => emit_in_order(&self.triangulation, &self.cover, order),
@@ -30,14 +30,14 @@ impl<'a> StripPlan<'a> {
         }
     }
 
-    /// Counts the indices of the strips with restarts between them, as [`StripPlan::strips`] sends them.
+    /// Returns the number of indices of [`StripPlan::strips`] with one restart index between strips.
     ///
     /// ```
     /// use tristrip::{DualGraph, Faces, Mesh, PreparedFaces, StripifyOptions, stripify::plan};
     /// let mesh = Mesh::new(vec![[0.0; 3]; 4], Faces::from_triangles(vec![0, 1, 2, 2, 1, 3])?)?;
-    /// let surface = PreparedFaces::new(&mesh, false);
-    /// let graph = DualGraph::new(surface.faces());
-    /// assert_eq!(plan(&surface, &graph, &StripifyOptions::default())?.indices_restart(), 4);
+    /// let prepared = PreparedFaces::new(&mesh, false);
+    /// let graph = DualGraph::new(prepared.faces());
+    /// assert_eq!(plan(&prepared, &graph, &StripifyOptions::default())?.indices_restart(), 4);
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     pub fn indices_restart(&self) -> usize {

@@ -1,215 +1,145 @@
-//! `sequential`: our fast method. Strips are peeled off greedily, each step weighing what it leaves behind, and the ends that
-//! remain are then joined by small exchanges.
+//! `sequential`: our fast method. A greedy stripper chooses each step by the cost of what it leaves behind; then a local search
+//! joins the remaining ends of strips.
 //!
 //! # Algorithm
-//! A strip that goes on costs one index a triangle, one more for a swap; a new strip costs three more. So swaps are cheap and ends
-//! are dear: a triangle that is left with a single free neighbour will be the end of a strip, half of those three indices.
+//! A strip costs one index per triangle, one more per swap, and three more for its start. So swaps are cheap and ends of strips
+//! are expensive: a triangle that is left with a single free neighbour becomes an end, which costs half of the three indices.
 //!
 //! ```text
 //!          ╱╲  s   leaving over s takes a swap, over f none
-//!         ╱ t╲     go to f, unless then s were left with one free neighbour while f would keep two:
-//!   enter ────── f that swap (1) is cheaper than the end (1.5) that s would become
+//!         ╱ t╲     continue to f, unless this leaves s with one free neighbour, and f would keep two:
+//!   enter ────── f then the swap (1) is cheaper than the end (1.5) at s
 //! ```
-//! 1. *Seed*: a triangle with the fewest free neighbours, the last come of them first, so that the free region is peeled
-//!    from its rim, next to the last strip; where no triangle has lost a neighbour yet, the first in the input's order.
-//! 2. *Run*: a strip's first turn is fixed by its winding, so that each exit of the seed makes one run, which goes on backward over
-//!    the edge that needs no swap. Each is tried, and the one of the least cost a triangle is kept.
-//! 3. *Exchange*: at every end of a strip, see the module `exchange`. This also folds isolated triangles into their neighbours.
+//! 1. *Seed*: a triangle with the fewest free neighbours, of several the last added, so that the free region is stripped
+//!    from its boundary, next to the previous strip. While no triangle has lost a neighbour, the first in the order of the input.
+//! 2. *Run*: the winding fixes the first turn of a strip, so that each exit of the seed gives one run, which is extended backward
+//!    over the edge that needs no swap. All exits are tried, and the run of the lowest cost per triangle is taken.
+//! 3. *Local search* at every end of a strip: see the module `local_search`. It also joins isolated triangles to their neighbours.
 //!
-//! On regular meshes, grids above all, a swap at the end of a row saves a strip here to lose one elsewhere, and the order of the
-//! input is often the better guide. Such meshes show by their low cost. For them, and for small meshes, where it costs next to
-//! nothing, the steps are also done with other seeds and rules for swaps, the cheapest cover is kept, and exchanges that
-//! leave the cost as it is are done for a while, since they lead to some that lower it.
+//! On regular meshes, especially grids, a swap at the end of a row saves a strip here and loses one elsewhere, and the order of
+//! the input is often better. Such meshes are recognized by their low cost. For these and for small meshes, where the time is
+//! negligible, the steps are repeated with other policies for seeds and swaps, the cheapest cover is kept, and plateau passes
+//! follow: passes of the local search that also take zero-gain moves, which lead to moves that lower the cost.
 //!
-//! Departures from the greedy methods of Evans et al. (1996): the tie between neighbours is broken by price, not by rule,
-//! and what a run leaves behind is mended by exchanges.
+//! Differences from the greedy methods of Evans et al. (1996): ties between neighbours are broken by cost instead of a fixed
+//! rule, and a local search improves the strips.
 //!
 //! # Complexity
-//! O(n) time. Beyond the triangles, the dual graph and the cover: 9 bytes a triangle, and 4 for each triangle that loses a
-//! neighbour, while it waits.
+//! O(n) time. Memory beyond the triangles, the dual graph and the cover: 9 bytes per triangle, and 4 per triangle that has lost
+//! a neighbour and waits as a seed.
 
 #[cfg(feature = "rayon")]
 mod components;
-pub(crate) mod exchange;
-mod peel;
-mod sheet;
+mod edge;
+mod greedy;
+mod local_search;
+mod mutable_triangulation;
+mod policy;
+mod stages;
 #[cfg(test)]
 pub(super) mod tests;
 
 use super::StripPlan;
 use crate::cover::PathCover;
-use crate::dual::DualGraph;
-use crate::dual::Triangulation;
+use crate::dual::{DualGraph, Triangulation};
 use crate::prepare::PreparedFaces;
 use crate::strip::cover_cost;
-use peel::{Peeled, Peeler};
+use mutable_triangulation::{MutableTriangulation, PolygonTriangulation};
+use policy::Policy;
 #[cfg(feature = "rayon")]
 use rayon::prelude::*;
-use sheet::{Polygons, Sheet};
+use stages::{Stripped, strip};
 
-const NONE: u32 = u32::MAX;
-/// What a strip costs beyond one index a triangle: two vertices and the restart.
-const STRIP: u32 = 3;
-/// Regular meshes of more triangles are stripped in the usual manner alone, so that the time for each triangle stays the same.
+/// Regular meshes of more triangles are stripped with the default policy only, so that the time per triangle stays the same.
 const LARGE: usize = 1 << 20;
-/// Meshes whose strips cost less than so many percent beyond one index a triangle are regular, and stripped likewise. Tuned on the
-/// test models: grids and lathed shapes have 0–5, fandisk 15.
+/// Meshes whose strips cost less than this many percent beyond one index per triangle count as regular. Tuned on the test models:
+/// grids and surfaces of revolution have 0–5, fandisk 15.
 const REGULAR_PERCENT: i64 = 6;
-/// Least and greatest number of times that the ends of small and regular meshes are gone over again; between them, a quarter of
-/// the triangles of a strip on average, so that meshes of few ends get more. Tuned on the same. Past so many triangles it is the
-/// least number.
-const DRIFTS: (usize, usize) = (8, 64);
-const DRIFTS_LIMIT: usize = 1 << 17;
-
-/// Meshes of fewer triangles are stripped by one thread: a manner takes less than a tenth of a millisecond there.
+/// The minimum and maximum number of plateau passes on small and regular meshes. In between, the number is a quarter of the mean
+/// strip length in triangles, so that meshes with few ends get more passes. Tuned on the test models.
+const PLATEAU_PASSES: (usize, usize) = (8, 64);
+/// Meshes of more triangles get the minimum number of plateau passes.
+const PLATEAU_LIMIT: usize = 1 << 17;
+/// Rounds in which plateau passes and the choice of diagonals alternate.
+const ROUNDS: usize = 4;
+/// Meshes of fewer triangles are stripped by one thread: a policy takes less than a tenth of a millisecond there.
 #[cfg(feature = "rayon")]
-const WORTH_THREADS: usize = 1024;
+const THREADING_MINIMUM: usize = 1024;
 
-/// Which free triangle seeds a strip.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Seeds {
-    /// One of the fewest free neighbours, the last come.
-    Last,
-    /// One of the fewest free neighbours, the first come.
-    First,
-    /// The first in the input's order.
-    Input,
-}
-
-/// When a run takes a swap.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Swaps {
-    /// Where it saves an end, and where there is no other way on.
-    Ahead,
-    /// Where there is no other way on.
-    Blocked,
-    /// Never.
-    Never,
-}
-
-/// When polygons are cut into triangles.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Cuts {
-    /// Before.
-    Before,
-    /// When a strip enters.
-    Entering,
-}
-
-/// A way to peel strips off.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Manner {
-    seeds: Seeds,
-    swaps: Swaps,
-    cuts: Cuts,
-    /// Triangles after which a trial run has shown what it costs.
-    trial_limit: u32,
-}
-
-/// The manner that is best on irregular meshes. Longer trials gain nothing there, and cost time.
-const USUAL: Manner =
-    Manner { seeds: Seeds::Last, swaps: Swaps::Ahead, cuts: Cuts::Entering, trial_limit: 16 };
-/// A longer trial, for regular meshes; it bounds the time, too.
-const PATIENT: Manner = Manner { trial_limit: 512, ..USUAL };
-/// The others, each of which is the best on some regular or small mesh.
-const OTHERS: [Manner; 5] = [
-    PATIENT,
-    Manner { seeds: Seeds::Input, ..PATIENT },
-    Manner { seeds: Seeds::Input, swaps: Swaps::Blocked, ..PATIENT },
-    Manner { seeds: Seeds::First, swaps: Swaps::Never, ..PATIENT },
-    Manner { seeds: Seeds::Input, swaps: Swaps::Never, ..PATIENT },
-];
-/// The others for polygons: cut beforehand some quadrilateral grids line up better.
-const OTHERS_FOR_POLYGONS: [Manner; 2] =
-    [Manner { cuts: Cuts::Before, ..PATIENT }, Manner { seeds: Seeds::Input, cuts: Cuts::Before, ..PATIENT }];
-
-pub(super) fn plan<'a>(surface: &'a PreparedFaces<'_>, graph: &'a DualGraph) -> StripPlan<'a> {
-    if let Some(triangulation) = Triangulation::of_triangles(surface, graph) {
+/// Computes strips over the prepared faces.
+pub(super) fn plan<'a>(prepared: &'a PreparedFaces<'_>, graph: &'a DualGraph) -> StripPlan<'a> {
+    if let Some(triangulation) = Triangulation::of_triangles(prepared, graph) {
         let (_, cover) = cover(|| graph, strip_triangles(graph));
         return StripPlan::new(triangulation, cover);
     }
-    let fresh = || Polygons::new(surface.faces(), graph);
-    let (polygons, cover) = cover(fresh, strip(fresh(), USUAL));
+    let initial = || PolygonTriangulation::new(prepared.faces(), graph);
+    let (polygons, cover) = cover(initial, strip(initial(), Policy::DEFAULT));
     StripPlan::new(polygons.into_triangulation(), cover)
 }
 
-/// Covers triangles in the usual manner, the components in parallel where that is worth it.
-fn strip_triangles(graph: &DualGraph) -> ((&DualGraph, PathCover), i64) {
+/// Covers triangles with the default policy; connected components are processed in parallel where that saves time.
+fn strip_triangles(graph: &DualGraph) -> Stripped<&DualGraph> {
     #[cfg(feature = "rayon")]
     if let Some((cover, cost)) = components::cover(graph) {
-        return ((graph, cover), cost);
+        return Stripped { triangulation: graph, cover, cost };
     }
-    strip(graph, USUAL)
+    strip(graph, Policy::DEFAULT)
 }
 
-/// Covers a sheet in one manner, and gives what the strips cost beyond one index a triangle, but for swaps at their starts.
-fn strip<S: Sheet>(sheet: S, manner: Manner) -> ((S, PathCover), i64) {
-    let Peeled { mut sheet, mut cover, strip_of, cost } = Peeler::new(sheet, manner).peel();
-    let saved = exchange::improve(sheet.graph(), &mut cover, strip_of, 0);
-    sheet.settle(&mut cover);
-    ((sheet, cover), cost.cast_signed() - saved.cast_signed())
+/// Covers a triangulation, given the result of the default policy.
+fn cover<T: MutableTriangulation>(initial: impl Fn() -> T + Sync, default: Stripped<T>) -> (T, PathCover) {
+    let count = default.cover.len();
+    let is_regular = 100 * default.cost < REGULAR_PERCENT * (count as u64).cast_signed();
+    if count > T::SMALL && (count > LARGE || !is_regular) {
+        return (default.triangulation, default.cover);
+    }
+    // Only the price of each policy is kept, and the best policy is run again: this costs time but saves memory.
+    let first = (price(&default), Policy::DEFAULT);
+    drop(default);
+    let for_polygons: &[Policy] = if T::HAS_POLYGONS { &Policy::POLYGON_ALTERNATIVES } else { &[] };
+    let alternatives = [&Policy::ALTERNATIVES, for_polygons].concat();
+    let (lowest, policy) = cheapest(first, count, &alternatives, |policy| price(&strip(initial(), policy)));
+    let mut stripped = strip(initial(), policy);
+    search_plateaus(&mut stripped);
+    let stripped = if price(&stripped) <= lowest { stripped } else { strip(initial(), policy) };
+    (stripped.triangulation, stripped.cover)
 }
 
-/// Covers a sheet, given what the usual manner makes of it.
-fn cover<S: Sheet>(fresh: impl Fn() -> S + Sync, (usual, cost): ((S, PathCover), i64)) -> (S, PathCover) {
-    let count = usual.1.len();
-    let is_regular = 100 * cost < REGULAR_PERCENT * (count as u64).cast_signed();
-    if count > S::SMALL && (count > LARGE || !is_regular) {
-        return usual;
-    }
-    // Of each manner the price alone is kept, and the best is done again: time is cheaper here than memory.
-    let first = (price(&usual), USUAL);
-    drop(usual);
-    let for_polygons: &[Manner] = if S::HAS_POLYGONS { &OTHERS_FOR_POLYGONS } else { &[] };
-    let others = [&OTHERS, for_polygons].concat();
-    let (lowest, manner) = cheapest(first, count, &others, |manner| price(&strip(fresh(), manner).0));
-    let ((mut sheet, mut cover), _) = strip(fresh(), manner);
-    let most = if count > DRIFTS_LIMIT { DRIFTS.0 } else { DRIFTS.1 };
-    let drifts = (count / 4).checked_div(cover.path_count()).unwrap_or(0).clamp(DRIFTS.0, most);
+/// Runs plateau passes and optimizes the diagonals in turns.
+fn search_plateaus<T: MutableTriangulation>(stripped: &mut Stripped<T>) {
+    let Stripped { triangulation, cover, .. } = stripped;
+    let count = cover.len();
+    let maximum = if count > PLATEAU_LIMIT { PLATEAU_PASSES.0 } else { PLATEAU_PASSES.1 };
+    let passes = (count / 4).checked_div(cover.path_count()).unwrap_or(0).clamp(PLATEAU_PASSES.0, maximum);
     for _ in 0..ROUNDS {
-        let strip_of = cover.renumber(sheet.graph()).path;
-        exchange::improve(sheet.graph(), &mut cover, strip_of, (drifts / ROUNDS) as u32);
-        sheet.settle(&mut cover);
+        let strip_of = cover.renumber(triangulation.graph()).path;
+        local_search::improve(triangulation.graph(), cover, strip_of, (passes / ROUNDS) as u32);
+        triangulation.optimize_diagonals(cover);
     }
-    let drifted = (sheet, cover);
-    if price(&drifted) <= lowest { drifted } else { strip(fresh(), manner).0 }
 }
 
-/// Finds the manner of the lowest price, of equals the first; `first` is what is known already.
+/// Returns the policy of the lowest price, of equal ones the first. `first` is the one whose price is known.
 #[cfg_attr(
     not(feature = "rayon"),
-    expect(unused_variables, reason = "the size tells whether threads are worth it")
+    expect(unused_variables, reason = "the triangle count decides whether to use threads")
 )]
 fn cheapest(
-    first: (usize, Manner),
+    first: (usize, Policy),
     triangle_count: usize,
-    manners: &[Manner],
-    price: impl Fn(Manner) -> usize + Sync,
-) -> (usize, Manner) {
+    policies: &[Policy],
+    price: impl Fn(Policy) -> usize + Sync,
+) -> (usize, Policy) {
     let cheaper = |best: (usize, _), other: (usize, _)| if other.0 < best.0 { other } else { best };
     #[cfg(feature = "rayon")]
-    if triangle_count >= WORTH_THREADS && rayon::current_num_threads() > 1 {
-        // One manner a task.
-        let prices: Vec<usize> = manners.par_iter().with_max_len(1).map(|&manner| price(manner)).collect();
-        return prices.into_iter().zip(manners.iter().copied()).fold(first, cheaper);
+    if triangle_count >= THREADING_MINIMUM && rayon::current_num_threads() > 1 {
+        // One task per policy.
+        let prices: Vec<usize> = policies.par_iter().with_max_len(1).map(|&policy| price(policy)).collect();
+        return prices.into_iter().zip(policies.iter().copied()).fold(first, cheaper);
     }
-    manners.iter().map(|&manner| (price(manner), manner)).fold(first, cheaper)
+    policies.iter().map(|&policy| (price(policy), policy)).fold(first, cheaper)
 }
 
-/// Rounds in which exchanges and the choice of diagonals take turns.
-const ROUNDS: usize = 4;
-
-/// Counts what a cover costs in indices.
-fn price<S: Sheet>((sheet, cover): &(S, PathCover)) -> usize {
-    cover_cost(sheet.graph(), cover)
-}
-
-#[inline]
-fn next(edge: u32) -> u32 {
-    if edge == 2 { 0 } else { edge + 1 }
-}
-
-#[inline]
-fn previous(edge: u32) -> u32 {
-    if edge == 0 { 2 } else { edge - 1 }
+/// Returns the cost of a cover in indices.
+fn price<T: MutableTriangulation>(stripped: &Stripped<T>) -> usize {
+    cover_cost(stripped.triangulation.graph(), &stripped.cover)
 }

@@ -1,39 +1,39 @@
-//! The SGI algorithm: greedy strips of triangles that leave few triangles isolated, the yardstick of later methods.
+//! `sgi`: the SGI algorithm, a greedy method that leaves few triangles isolated and to which later methods are compared.
 //!
-//! It goes wherever there is least left to go, so that corners are not cut off; it does not care about swaps, which cost one bit
-//! in the library that it was written for.
+//! A strip continues to the neighbour with the fewest free neighbours, so that no region is cut off. Swaps are not avoided: they
+//! cost one bit in the library that the algorithm was written for.
 //!
 //! ```text
-//!   ╲  1 ╱╲  2 ╱        The strip has come to the triangle in the middle. The neighbour on the left has one
-//!    ╲  ╱● ╲  ╱         free neighbour left, that on the right has two: the strip turns left.
+//!   ╲  1 ╱╲  2 ╱        The strip is at the triangle in the middle. The left neighbour has one free neighbour,
+//!    ╲  ╱● ╲  ╱         the right neighbour has two: the strip turns left.
 //!     ╲╱────╲╱
 //! ```
 //!
 //! # Algorithm
-//! 1. Polygons are cut beforehand, by alternate left and right turns: the algorithm knows triangles only.
+//! 1. Polygons are triangulated first, by alternate left and right turns: the algorithm works on triangles only.
 //! 2. A strip starts at a free triangle with the fewest free neighbours.
-//! 3. It goes on to the free neighbour that has the fewest free neighbours. Of two such, to the one that has a neighbour with
-//!    the fewest; where they are still equal any will do, here the first in the winding before the entry.
-//! 4. When it is stuck it goes on from its start in the same way.
+//! 3. It continues to the free neighbour with the fewest free neighbours. Ties are broken by the fewest free neighbours of a
+//!    neighbour's neighbour (one level of look-ahead), then by the winding: the first before the entry.
+//! 4. At a dead end it continues from its start in the same way.
 //!
-//! The program is described in section 3 of the paper, which this follows; where that says "arbitrary", of several triangles to
-//! start from the one is taken that lost a neighbour last.
+//! The implementation follows section 3 of the paper. Where that says "arbitrary", the start is the triangle that lost a
+//! neighbour most recently.
 //!
 //! # References
 //! Akeley, Haeberli, Burns: `tomesh.c`, SGI Developer's Toolbox CD, 1990; Evans, Skiena, Varshney: *Efficiently Generating
 //! Triangle Strips for Fast Rendering*, 1996, section 3 and figure 4.
 //!
 //! # Complexity
-//! O(n) time, by a bucket queue; 22 bytes a triangle.
+//! O(n) time, by a bucket queue; 22 bytes per triangle.
 
 use super::{StripPlan, stripe};
 use crate::dual::DualGraph;
 use crate::dual::Triangulation;
 use crate::prepare::PreparedFaces;
 
-/// Plans strips over the surface's triangles.
-pub(super) fn plan<'a>(surface: &'a PreparedFaces<'_>, graph: &'a DualGraph) -> StripPlan<'a> {
-    let triangulation = Triangulation::zigzag(surface, graph);
+/// Computes strips over the triangulated faces.
+pub(super) fn plan<'a>(prepared: &'a PreparedFaces<'_>, graph: &'a DualGraph) -> StripPlan<'a> {
+    let triangulation = Triangulation::zigzag(prepared, graph);
     let cover = stripe::cover_by_look_ahead(triangulation.graph());
     StripPlan::new(triangulation, cover)
 }
@@ -47,12 +47,12 @@ mod tests {
     use proptest::prelude::*;
     use std::cmp::Reverse;
 
-    /// The algorithm with everything counted anew wherever it is asked for.
+    /// The algorithm without incremental counts: free neighbours are counted whenever they are needed.
     struct Naive<'a> {
         graph: &'a DualGraph,
         cover: PathCover,
         taken: Vec<bool>,
-        /// When a triangle lost a neighbour last.
+        /// The last time that a triangle lost a neighbour.
         changed: Vec<i64>,
         clock: i64,
     }
@@ -79,23 +79,23 @@ mod tests {
         }
 
         /// The half-edges of a face after its entry.
-        fn ways(entry: HalfEdge) -> [HalfEdge; 2] {
+        fn exits(entry: HalfEdge) -> [HalfEdge; 2] {
             [1, 2].map(|i| HalfEdge(entry.0 / 3 * 3 + (entry.0 + i) % 3))
         }
 
-        fn grow(&mut self, mut ways: Vec<HalfEdge>) -> Option<HalfEdge> {
+        fn grow(&mut self, mut exits: Vec<HalfEdge>) -> Option<HalfEdge> {
             let mut first = None;
             loop {
-                let neighbours = ways.iter().rev().filter_map(|&h| Some((h, self.free_neighbour(h)?)));
+                let neighbours = exits.iter().rev().filter_map(|&h| Some((h, self.free_neighbour(h)?)));
                 let best = neighbours.min_by_key(|&(_, (twin, face))| {
-                    let beyond = Self::ways(twin).into_iter().filter_map(|h| self.free_neighbour(h));
+                    let beyond = Self::exits(twin).into_iter().filter_map(|h| self.free_neighbour(h));
                     (self.adjacency(face), beyond.map(|(_, f)| self.adjacency(f)).min().unwrap_or(9))
                 });
                 let Some((exit, (twin, face))) = best else { return first };
                 first = first.or(Some(exit));
                 self.take(face);
                 self.cover.link(self.graph, exit);
-                ways = Self::ways(twin).to_vec();
+                exits = Self::exits(twin).to_vec();
             }
         }
 
@@ -112,7 +112,7 @@ mod tests {
             {
                 self.take(start);
                 if let Some(exit) = self.grow(self.graph.half_edges(start).collect()) {
-                    self.grow(Self::ways(exit).to_vec());
+                    self.grow(Self::exits(exit).to_vec());
                 }
             }
             self.cover
@@ -122,12 +122,12 @@ mod tests {
     fn with_plan<T>(triangles: &[[u32; 3]], check: impl FnOnce(&StripPlan<'_>) -> T) -> T {
         let faces = Faces::from_polygons(triangles).unwrap();
         let mesh = Mesh::new(vec![[0.0; 3]; 64], faces).unwrap();
-        let surface = PreparedFaces::new(&mesh, false);
-        let graph = DualGraph::new(surface.faces());
-        check(&plan(&surface, &graph))
+        let prepared = PreparedFaces::new(&mesh, false);
+        let graph = DualGraph::new(prepared.faces());
+        check(&plan(&prepared, &graph))
     }
 
-    /// Two triangles for each place of a grid, some turned, some left out.
+    /// Two triangles per cell of a grid, some with the other diagonal, some left out.
     fn any_triangles() -> impl Strategy<Value = Vec<[u32; 3]>> {
         prop::collection::vec(0..9_u8, 49).prop_map(|kinds| {
             let cut = |(i, kind): (usize, u8)| {
@@ -166,15 +166,15 @@ mod tests {
     }
 
     #[test]
-    fn does_not_mind_swaps() {
-        // A closed fan of six triangles is one strip, though every turn but the first swaps.
+    fn ignores_the_cost_of_swaps() {
+        // A closed fan of six triangles is one strip, although every turn except the first needs a swap.
         let fan: Vec<_> = (0..6).map(|i| [0, 1 + i, 1 + (i + 1) % 6]).collect();
         assert_eq!(with_plan(&fan, |plan| plan.cover.path_count()), 1);
     }
 
     #[test]
-    fn starts_where_the_fewest_neighbours_are() {
-        // Three arms of two triangles around one: a strip takes two of the arms, from end to end, and another the third.
+    fn starts_at_the_fewest_neighbours() {
+        // Three arms of two triangles around one triangle: one strip covers two of the arms from end to end, another the third.
         let star = [[0, 1, 2], [1, 0, 3], [2, 1, 4], [0, 2, 5], [3, 0, 6], [4, 1, 7], [5, 2, 8]];
         assert_eq!(with_plan(&star, |plan| plan.cover.path_count()), 2);
     }

@@ -1,29 +1,29 @@
-//! Watching a long search: what it has reached so far, and a way to stop it with the best cover that it has.
+//! Progress reports of a long search, and a way to stop it and keep its best result.
 //!
-//! The library knows no clock and prints nothing, so that a progress bar, an interrupt and a time budget are the watcher's. A
-//! search that is never told to stop gives the same result every time; one that is stopped gives what it had by then.
+//! The library reads no clock and prints nothing: progress bars, interrupts and time budgets are up to the watcher. A search
+//! that is never stopped returns the same result every time. A stopped search returns its best result so far.
 
-/// What a search has reached.
+/// The state of a search.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub struct Progress {
-    /// Steps done: the unit in which effort is counted.
+    /// Steps done. Effort is counted in steps.
     pub steps: u64,
-    /// Steps after which the search ends, where that is known.
+    /// Number of steps after which the search ends, if known.
     pub step_limit: Option<u64>,
-    /// Strips now.
+    /// Current number of strips.
     pub strips: usize,
-    /// The cost that is minimized, of the best cover so far.
+    /// Cost of the best result so far: the quantity that the search minimizes.
     pub cost: usize,
 }
 
-/// Watches a search. Every search asks it after some thousands of steps, from whatever thread it runs on.
+/// Receives the progress of a search and may stop it. A search calls it every few thousand steps, on the thread that it runs on.
 pub trait Watch: Sync {
-    /// Takes notice of the progress and tells whether the search shall go on.
+    /// Receives the progress. Returns whether the search is to continue.
     fn go_on(&self, progress: Progress) -> bool;
 }
 
-/// Watches nothing and never stops a search.
+/// Ignores the progress and never stops a search.
 impl Watch for () {
     fn go_on(&self, _: Progress) -> bool {
         true

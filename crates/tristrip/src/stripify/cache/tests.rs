@@ -14,7 +14,7 @@ use crate::prepare::PreparedFaces;
 use crate::random::Random;
 use crate::strip::Metrics;
 use crate::strip::Strips;
-use crate::stripify::sequential::tests::{mesh, polygons};
+use crate::stripify::generated_meshes::{mesh, polygons};
 use crate::stripify::{Method, Progress, StripPlan, StripifyOptions, Watch, plan, sequential};
 use crate::verify::verify;
 use crate::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
@@ -41,9 +41,9 @@ fn sheet(columns: u32, rows: u32) -> Mesh {
 }
 
 fn strips(mesh: &Mesh, options: &StripifyOptions) -> Strips {
-    let surface = PreparedFaces::new(mesh, false);
-    let graph = DualGraph::new(surface.faces());
-    plan(&surface, &graph, options).unwrap().strips()
+    let prepared = PreparedFaces::new(mesh, false);
+    let graph = DualGraph::new(prepared.faces());
+    plan(&prepared, &graph, options).unwrap().strips()
 }
 
 /// Strips as the border prices them: a swap's vertex sent again after the vertex before which it stands.
@@ -67,12 +67,12 @@ proptest! {
         effort in 0..5_u8,
     ) {
         let mesh = mesh(&polygons);
-        let surface = PreparedFaces::new(&mesh, false);
-        let graph = DualGraph::new(surface.faces());
+        let prepared = PreparedFaces::new(&mesh, false);
+        let graph = DualGraph::new(prepared.faces());
         let buffer = if is_lru { VertexCache::lru(places) } else { VertexCache::fifo(places) };
         for prefer in PREFERENCES {
             let options = options(prefer, buffer).with_effort(Effort::new(effort).unwrap());
-            let plan = plan(&surface, &graph, &options).unwrap();
+            let plan = plan(&prepared, &graph, &options).unwrap();
             prop_assert_eq!(plan.cover.check(plan.triangulation.graph()), Ok(()));
             prop_assert_eq!(plan.order.as_ref().map(Vec::len), Some(plan.cover.path_count()));
             let strips = plan.strips();
@@ -84,15 +84,15 @@ proptest! {
     #[test]
     fn the_border_pays_what_the_strips_cost_and_undoes_what_it_tried(polygons in polygons(false, 1..8), places in 3..20_u32) {
         let mesh = mesh(&polygons);
-        let surface = PreparedFaces::new(&mesh, false);
-        let graph = DualGraph::new(surface.faces());
-        let guide = sequential::plan(&surface, &graph);
+        let prepared = PreparedFaces::new(&mesh, false);
+        let graph = DualGraph::new(prepared.faces());
+        let guide = sequential::plan(&prepared, &graph);
         for (growth, weights) in [(BALANCED[0], [1, 0]), (BALANCED[1], [1, 0]), (FEW_MISSES[0], [0, 1])] {
             let weights = Weights { index: weights[0], miss: weights[1] };
             let growth = Growth { weights, ..growth };
             let triangulation = &guide.triangulation;
             let buffer = VertexCache::fifo(places);
-            let border = Border::new(triangulation, FifoTrial::new(places, surface.vertex_count()), weights);
+            let border = Border::new(triangulation, FifoTrial::new(places, prepared.vertex_count()), weights);
             let due = border.due();
             let cover = (growth.guide != Guide::None).then_some(&guide.cover);
             let mut grower = super::Grower::new(border, growth, cover);
@@ -103,7 +103,7 @@ proptest! {
             if weights.index > 0 {
                 prop_assert_eq!(paid.unsigned_abs() as usize, strips.vertices_sent() + strips.len());
             } else {
-                let misses = VertexCacheStatistics::of(&priced(&strips), buffer, FlushPolicy::Keep, surface.vertex_count()).misses;
+                let misses = VertexCacheStatistics::of(&priced(&strips), buffer, FlushPolicy::Keep, prepared.vertex_count()).misses;
                 prop_assert_eq!(paid.unsigned_abs() as usize, misses);
             }
         }
@@ -120,13 +120,13 @@ proptest! {
         hottest in 0.2..9.0_f64,
     ) {
         let mesh = mesh(&polygons);
-        let surface = PreparedFaces::new(&mesh, false);
-        let graph = DualGraph::new(surface.faces());
+        let prepared = PreparedFaces::new(&mesh, false);
+        let graph = DualGraph::new(prepared.faces());
         let buffer = VertexCache::fifo(places);
-        let start = plan(&surface, &graph, &options(Objective::Balanced, buffer)).unwrap();
+        let start = plan(&prepared, &graph, &options(Objective::Balanced, buffer)).unwrap();
         let order = start.order.as_ref().unwrap();
         let weights = Weights { index: weights[0], miss: weights[1] };
-        let price = |plan: &StripPlan<'_>| super::price(plan, buffer, weights, surface.vertex_count());
+        let price = |plan: &StripPlan<'_>| super::price(plan, buffer, weights, prepared.vertex_count());
         let mut sequence = Sequence::new(&start.triangulation, &start.cover, order, places, weights);
         let mut reported = (0, 0);
         for run in 0..3 {
@@ -206,10 +206,10 @@ fn a_watcher_ends_the_search_with_what_there_is() {
         }
     }
     let mesh = sheet(20, 20);
-    let surface = PreparedFaces::new(&mesh, false);
-    let graph = DualGraph::new(surface.faces());
+    let prepared = PreparedFaces::new(&mesh, false);
+    let graph = DualGraph::new(prepared.faces());
     let most = options(Objective::Balanced, VertexCache::default()).with_effort(Effort::MAX);
-    let stopped = super::plan(&surface, &graph, &most, &Never).strips();
+    let stopped = super::plan(&prepared, &graph, &most, &Never).strips();
     let least = strips(
         &mesh,
         &options(Objective::Balanced, VertexCache::default()).with_effort(Effort::new(0).unwrap()),
@@ -223,7 +223,7 @@ fn nothing_makes_no_strip() {
     for prefer in PREFERENCES {
         assert!(strips(&mesh, &options(prefer, VertexCache::fifo(1))).is_empty());
     }
-    let surface = PreparedFaces::new(&mesh, false);
-    let graph = DualGraph::new(surface.faces());
-    assert!(Triangulation::of_triangles(&surface, &graph).is_some());
+    let prepared = PreparedFaces::new(&mesh, false);
+    let graph = DualGraph::new(prepared.faces());
+    assert!(Triangulation::of_triangles(&prepared, &graph).is_some());
 }

@@ -1,58 +1,60 @@
-//! Peels the connected components of a large mesh in parallel, with the very cover that one thread finds.
+//! Strips the connected components of a large mesh in parallel, with exactly the cover that one thread finds.
 //!
 //! ```text
 //!   triangle    0 1 2 3 4 5 6 7 8         group 0: components a, b    group 1: component c
 //!   component   a a b a b c c c c    ─▶   0 1 2 3 4                   5 6 7 8
-//!                        ▲                each renumbered from 0, peeled, and its links put back
-//!                        no edge is shared across this place
+//!                        ▲                each renumbered from 0 and stripped; then its links are copied back
+//!                        no shared edge leads across this boundary
 //! ```
 //! # Algorithm
-//! 1. *Split* the triangles, in the input's order, at places that no shared edge leads across, so that each group has whole
-//!    components and at least so many triangles. Where one group holds nearly all of them there is nothing to gain, and the
-//!    mesh is left to one thread.
-//! 2. *Peel* each group, by twins of its own, and do the exchanges in it, the groups in parallel.
-//! 3. *Put back* the links, which name a triangle's own edges and so need no renumbering, and add up the costs.
+//! 1. *Split* the triangles, in the order of the input, at boundaries that no shared edge leads across, so that each group has
+//!    whole components and at least a minimum number of triangles. If one group holds nearly all triangles, nothing is gained, and
+//!    the mesh is left to one thread.
+//! 2. *Strip* each group, with a dual graph of its own, the groups in parallel.
+//! 3. *Copy back* the links, which name a triangle's own edges and need no renumbering, and add up the costs.
 //!
-//! Files of many parts have them one after the other, and what is mixed is mixed with its neighbours. To gather components from
-//! all over the mesh, they would have to be numbered by a search first, which takes a fifth of the time of the whole method: too much
-//! for the meshes of one component, which most large ones are, as it is only known afterwards.
+//! Files of many parts store them one after the other; components that are interleaved usually are so with their neighbours. To
+//! collect components from all over the mesh, a search would have to number them first, which takes a fifth of the time of the
+//! whole method. This is too much for meshes of one component, which most large meshes are.
 //!
-//! The cover does not depend on the groups, nor on the number of threads, because no step lets one component see another:
-//! - The next seed is the due triangle of the fewest free neighbours, the last come. What is on top of the lists of waiting
-//!   triangles for all components is on top for its own, too. An entry that is thrown away is one whose triangle has been
-//!   taken or has lost a neighbour since; it never gets one back, so that it does not matter when the entry is thrown away.
-//! - Where no triangle waits, the first free one is taken: the first free one of its own component, as the order is kept. The
-//!   triangles before it are taken, or belong to components in which nothing waits either.
-//! - Trials mark triangles with a number that is new each time; only whether it is the newest is ever asked.
-//! - Exchanges begin at the ends in order of the triangles and reach only along links and shared edges. The numbers of strips are
-//!   names: they are compared, with those in the same component, and never counted on.
-//! - The lot by which equal exchanges are drawn would couple components, but is drawn only when ends are gone over again, which
-//!   is done for the whole mesh.
+//! The cover depends neither on the groups nor on the number of threads, because no step lets one component affect another:
+//! - The next seed is the valid candidate with the fewest free neighbours, the last added. The top of the candidate lists for all
+//!   components is also the top of the lists of its own component. An entry is dropped if its triangle has been taken or has lost
+//!   a neighbour since; triangles never gain neighbours, so that the time of dropping does not matter.
+//! - If there are no candidates, the first free triangle is taken. It is the first free one of its component, as the order
+//!   is kept. The triangles before it are taken, or belong to components without candidates.
+//! - Tentative runs mark triangles with a number that is new each time; marks are only compared with the newest number.
+//! - The local search processes ends in the order of the triangles and reaches only along links and shared edges. Numbers of strips
+//!   are only compared with those of the same component.
+//! - The random choice between equal moves would couple components, but is only used in plateau passes, which run on the whole
+//!   mesh.
 //!
-//! Polygons are not grouped: whether one is cut again when a strip enters asks for the marks of the last trial, and that may have
-//! been one in another component.
+//! Polygons are not grouped: whether a polygon is triangulated again on entry depends on the marks of the last tentative run, which
+//! may have been in another component.
 //!
 //! # Complexity
-//! O(n) time, of which splitting is done by one thread: one pass over the twins. 12 bytes for each triangle of the groups that are
-//! being peeled, beyond what [`super`] needs.
+//! O(n) time, of which splitting is sequential: one pass over the twins. 12 bytes per triangle of the groups in progress, beyond
+//! the memory of [`super`].
 
 use std::ops::Range;
 
 use rayon::prelude::*;
 
-use super::{NONE, USUAL, strip};
+use super::policy::Policy;
+use super::stages::strip;
 use crate::cover::PathCover;
 use crate::dual::DualGraph;
 
-/// Meshes of at most so many triangles are left to one thread: they take a few milliseconds.
+/// Meshes of at most this many triangles are left to one thread: they take a few milliseconds.
 const SMALL: usize = 65_536;
-/// Least triangles of a group: about a millisecond's work, long beside what a task costs, and still many tasks in a large mesh.
+/// Minimum number of triangles of a group: about a millisecond of work, long compared with the overhead of a task, and still many
+/// tasks for a large mesh.
 const GROUP: usize = 16_384;
-/// Where one group holds more than so many percent of the triangles, the others are soon done beside it.
+/// If one group holds more than this many percent of the triangles, the others take little time beside it.
 const NEARLY_ALL_PERCENT: usize = 80;
 
-/// Covers a large mesh of several components in the usual manner by the threads of the current pool, and gives what it costs, as
-/// [`strip`] does; `None` where one thread would do as well.
+/// Covers a large mesh of several components with the default policy, on the threads of the current pool. Returns the cover and
+/// its cost as [`strip`] does; `None` if one thread is as fast.
 pub(super) fn cover(graph: &DualGraph) -> Option<(PathCover, i64)> {
     if graph.face_count() <= SMALL || rayon::current_num_threads() == 1 {
         return None;
@@ -60,9 +62,9 @@ pub(super) fn cover(graph: &DualGraph) -> Option<(PathCover, i64)> {
     cover_in_groups(graph, GROUP)
 }
 
-/// The same for groups of at least `group_size` triangles, whatever the mesh and the pool.
+/// Covers groups of at least `group_size` triangles, for any mesh and any pool.
 fn cover_in_groups(graph: &DualGraph, group_size: usize) -> Option<(PathCover, i64)> {
-    let groups = split(graph.twins(), group_size);
+    let groups = split(graph, group_size);
     let largest = groups.iter().map(Range::len).max()?;
     if 100 * largest > NEARLY_ALL_PERCENT * graph.face_count() {
         return None;
@@ -70,9 +72,9 @@ fn cover_in_groups(graph: &DualGraph, group_size: usize) -> Option<(PathCover, i
     let parts: Vec<_> = groups
         .par_iter()
         .map(|group| {
-            let part = cut_out(graph.twins(), group);
-            let ((_, cover), cost) = strip(&part, USUAL);
-            (cover, cost)
+            let part = subgraph(graph, group);
+            let stripped = strip(&part, Policy::DEFAULT);
+            (stripped.cover, stripped.cost)
         })
         .collect();
     let mut whole = PathCover::isolated(graph.face_count());
@@ -84,60 +86,61 @@ fn cover_in_groups(graph: &DualGraph, group_size: usize) -> Option<(PathCover, i
     Some((whole, total))
 }
 
-/// Splits triangles where no shared edge leads across, into groups of at least `group_size`, but for the last.
-fn split(twins: &[u32], group_size: usize) -> Vec<Range<usize>> {
+/// Splits the triangles at boundaries that no shared edge crosses, into groups of at least `group_size` except for the last.
+fn split(graph: &DualGraph, group_size: usize) -> Vec<Range<usize>> {
     let mut groups = Vec::new();
-    let (mut start, mut reach) = (0, 0); // `reach` is the half-edge after the last one that is a twin of those before.
-    for (end, edges) in (1..).zip(twins.chunks_exact(3)) {
-        // A boundary, `NONE`, reaches nowhere.
-        reach = edges.iter().fold(reach, |reach, twin| reach.max(twin.wrapping_add(1)));
+    let (mut start, mut reach) = (0, 0); // `reach` is the half-edge after the last twin so far.
+    for end in 1..=graph.face_count() {
+        let twins = (3 * end as u32 - 3..3 * end as u32).filter_map(|h| graph.twin_of(h));
+        reach = twins.fold(reach, |reach, twin| reach.max(twin + 1));
         if reach as usize <= 3 * end && end - start >= group_size {
             groups.push(start..end);
             start = end;
         }
     }
-    if start < twins.len() / 3 {
-        groups.push(start..twins.len() / 3);
+    if start < graph.face_count() {
+        groups.push(start..graph.face_count());
     }
     groups
 }
 
-/// Makes the dual graph of a group.
-fn cut_out(twins: &[u32], group: &Range<usize>) -> DualGraph {
-    let start = 3 * group.start as u32;
-    let within = twins[3 * group.start..3 * group.end].iter();
-    DualGraph::from_triangle_twins(within.map(|&h| if h == NONE { NONE } else { h - start }).collect())
+/// Returns the dual graph of a group.
+fn subgraph(graph: &DualGraph, group: &Range<usize>) -> DualGraph {
+    let (start, end) = (group.start as u32, group.end as u32);
+    graph.subgraph(start..end, |half_edge| half_edge - 3 * start)
 }
 
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
 
-    use super::super::tests::triangle_graph;
     use super::*;
     use crate::mesh::Faces;
+    use crate::stripify::generated_meshes::triangle_graph;
 
     #[test]
     fn splits_only_between_components() {
-        // Components of two triangles: 0 and 1, then 2 and 4, 3 and 5 mixed, then 6 by itself.
-        let mut twins = vec![NONE; 21];
+        // Components of two triangles: 0 and 1, then 2 and 4, 3 and 5 interleaved, then 6 alone.
+        let mut twins = vec![None; 21];
         for (a, b) in [(0, 5), (7, 12), (9, 16)] {
-            (twins[a], twins[b]) = (b as u32, a as u32);
+            (twins[a], twins[b]) = (Some(b as u32), Some(a as u32));
         }
-        assert_eq!(split(&twins, 1), [0..2, 2..6, 6..7]);
-        assert_eq!(split(&twins, 3), [0..6, 6..7]);
-        assert_eq!(split(&twins, 7).len(), 1);
-        assert_eq!(split(&[], 1), []);
-        assert_eq!(cut_out(&twins, &(2..6)).twins()[..4], [NONE, 6, NONE, 10]);
+        let graph = DualGraph::of_triangle_twins(twins);
+        assert_eq!(split(&graph, 1), [0..2, 2..6, 6..7]);
+        assert_eq!(split(&graph, 3), [0..6, 6..7]);
+        assert_eq!(split(&graph, 7).len(), 1);
+        assert_eq!(split(&DualGraph::of_triangle_twins([]), 1), []);
+        let part = subgraph(&graph, &(2..6));
+        assert_eq!([0, 1, 2, 3].map(|h| part.twin_of(h)), [None, Some(6), None, Some(10)]);
     }
 
     #[test]
-    fn leaves_alone_what_gains_nothing() {
-        // Ten triangles in one component, and one or three by themselves.
+    fn rejects_groups_that_save_no_time() {
+        // Ten triangles in one component, and one or three isolated ones.
         let row = (0..10).flat_map(|i| if i % 2 == 0 { [i, i + 1, i + 2] } else { [i + 1, i, i + 2] });
         let mut corners: Vec<u32> = row.chain(20..23).collect();
         let graph = |corners: &[u32]| DualGraph::new(&Faces::from_triangles(corners.to_vec()).unwrap());
-        assert!(cover_in_groups(&graph(&corners), 1).is_none(), "nearly all in one");
+        assert!(cover_in_groups(&graph(&corners), 1).is_none(), "nearly all in one group");
         corners.extend(30..36);
         assert!(cover_in_groups(&graph(&corners), 1).is_some());
         assert!(cover_in_groups(&graph(&corners), 13).is_none(), "one group");
@@ -148,22 +151,22 @@ mod tests {
         #[test]
         fn groups_find_the_cover_of_the_whole(graph in triangle_graph(), group_size in 1..80_usize) {
             if let Some((cover, cost)) = cover_in_groups(&graph, group_size) {
-                let ((_, whole), whole_cost) = strip(&graph, USUAL);
-                prop_assert_eq!(cover, whole);
-                prop_assert_eq!(cost, whole_cost);
+                let whole = strip(&graph, Policy::DEFAULT);
+                prop_assert_eq!(cover, whole.cover);
+                prop_assert_eq!(cost, whole.cost);
             }
         }
 
         #[test]
         fn groups_hold_whole_components(graph in triangle_graph(), group_size in 1..80_usize) {
             let (component, _) = graph.components();
-            let groups = split(graph.twins(), group_size);
+            let groups = split(&graph, group_size);
             let mut end = 0;
             for group in &groups {
                 prop_assert_eq!(group.start, end);
                 end = group.end;
                 prop_assert!(end == graph.face_count() || group.len() >= group_size);
-                prop_assert_eq!(cut_out(graph.twins(), group).check(), Ok(()));
+                prop_assert_eq!(subgraph(&graph, group).check(), Ok(()));
                 prop_assert!(component[end..].iter().all(|c| !component[group.clone()].contains(c)));
             }
             prop_assert_eq!(end, graph.face_count());

@@ -1,47 +1,45 @@
-//! The sheet that strips are peeled off: triangles that are fixed, or polygons that are cut into triangles as a strip passes.
+//! Triangulations that the strips may change: fixed triangles, or polygons that are triangulated as a strip enters them.
 //!
 //! ```text
-//!   d ─── c      a strip that enters over a–b, its next free turn to the left or to the right, finds the diagonal
-//!   │     │      that lets it cross to c–d without a swap: a–c or b–d
+//!   d ─── c      A strip enters over a–b; its next free turn is to the left or to the right. One of the diagonals
+//!   │     │      a–c and b–d lets it cross to c–d without a swap.
 //!   a ─── b
 //! ```
 //! # Algorithm
-//! *Entering*: a polygon of at most 64 corners of which no triangle is taken is cut by alternate turns from the edge where a run enters it, the
-//! first turn the one that is free there.
+//! *Entry*: a polygon of at most 64 corners without taken triangles is triangulated by alternate turns from the edge where a
+//! run enters it. The first turn is the one that is free there.
 //!
-//! *Settling*: when the paths are known, each quadrilateral that a path crosses from one edge to the opposite one may still have
-//! either diagonal. Along a path the best choice of all of them is found by dynamic programming over the last turn.
+//! *Choice of diagonals*: once the paths are known, each quadrilateral that a path crosses from one edge to the opposite one may
+//! still have either diagonal. Dynamic programming over the last turn finds the best choice for all of them along a path.
 //!
 //! # References
 //! Evans, Skiena, Varshney: *Efficiently Generating Triangle Strips for Fast Rendering*, 1996, section 3.1 (dynamic
 //! whole-face triangulation).
 //!
 //! # Complexity
-//! O(corners) time; 28 bytes a triangle and 4 a corner.
+//! O(corners) time; 28 bytes per triangle and 4 per corner.
 
-use super::NONE;
 use crate::cover::PathCover;
-use crate::dual::DualGraph;
-use crate::dual::Triangulation;
-use crate::ids::HalfEdge;
+use crate::dual::{DualGraph, Triangulation};
+use crate::ids::{HalfEdge, OptionalId};
 use crate::mesh::Faces;
 use crate::strip::Step;
 
-/// Polygons of more corners stay as they are cut at first: each trial that enters one would cut it again.
-const RECUT_LIMIT: usize = 64;
+/// Polygons of more corners keep their first triangulation: every tentative run that enters one would triangulate it again.
+const RETRIANGULATION_LIMIT: usize = 64;
 
-/// What a peeler takes strips off.
-pub(super) trait Sheet {
+/// The triangulation that a greedy stripper works on.
+pub(super) trait MutableTriangulation {
     /// Whether faces may be larger than triangles.
     const HAS_POLYGONS: bool;
-    /// Sheets of at most so many triangles are stripped in every manner; polygon meshes are made by hand, and worth more time.
+    /// Up to this number of triangles every policy is run. Polygon meshes are modelled by hand and worth more time.
     const SMALL: usize = if Self::HAS_POLYGONS { 32_768 } else { 8192 };
 
-    /// The dual graph of the triangles as they are now.
+    /// Returns the dual graph of the current triangles.
     fn graph(&self) -> &DualGraph;
 
-    /// Cuts the polygon that a run enters over `exit` so that its first turn is free, if no triangle of it is touched.
-    /// Returns the triangles that it then has.
+    /// Triangulates the polygon that a run enters over `exit` so that its first turn is free, if none of its triangles is
+    /// touched. Returns its new triangles.
     fn enter(
         &mut self,
         exit: u32,
@@ -49,12 +47,12 @@ pub(super) trait Sheet {
         is_touched: impl Fn(u32) -> bool,
     ) -> Option<std::ops::Range<u32>>;
 
-    /// Chooses diagonals again, now that the paths are known. The paths stay, but their triangles may be renamed.
-    fn settle(&mut self, cover: &mut PathCover);
+    /// Chooses the best diagonals for known paths. The paths stay the same, but their triangles may be renumbered.
+    fn optimize_diagonals(&mut self, cover: &mut PathCover);
 }
 
-/// Triangles, which stay as they are.
-impl Sheet for &DualGraph {
+/// Fixed triangles.
+impl MutableTriangulation for &DualGraph {
     const HAS_POLYGONS: bool = false;
 
     #[inline]
@@ -66,23 +64,23 @@ impl Sheet for &DualGraph {
         None
     }
     #[inline]
-    fn settle(&mut self, _: &mut PathCover) {}
+    fn optimize_diagonals(&mut self, _: &mut PathCover) {}
 }
 
-/// Polygons and how they are cut now.
+/// Polygons and their current triangles.
 #[derive(Debug, Clone)]
-pub(super) struct Polygons<'a> {
+pub(super) struct PolygonTriangulation<'a> {
     faces: &'a Faces,
     face_graph: &'a DualGraph,
     graph: DualGraph,
     triangles: Vec<u32>,
     face_of: Vec<u32>,
-    /// The half-edge of a triangle over each edge of a face, named by its corner.
-    at_corner: Vec<u32>,
+    /// The half-edge of a triangle on each edge of a face, indexed by the corner where the edge begins.
+    at_corner: Vec<OptionalId>,
 }
 
-impl<'a> Polygons<'a> {
-    /// Cuts every face from its first edge.
+impl<'a> PolygonTriangulation<'a> {
+    /// Triangulates every face from its first edge.
     pub(super) fn new(faces: &'a Faces, face_graph: &'a DualGraph) -> Self {
         let triangle_count = faces.triangle_count();
         let mut face_of = Vec::with_capacity(triangle_count);
@@ -92,55 +90,54 @@ impl<'a> Polygons<'a> {
         let mut polygons = Self {
             faces,
             face_graph,
-            graph: DualGraph::from_triangle_twins(vec![NONE; 3 * triangle_count]),
-            triangles: vec![NONE; 3 * triangle_count],
+            graph: DualGraph::of_triangle_twins(std::iter::repeat_n(None, 3 * triangle_count)),
+            triangles: vec![0; 3 * triangle_count],
             face_of,
-            at_corner: vec![NONE; faces.corner_count()],
+            at_corner: vec![OptionalId::NONE; faces.corner_count()],
         };
-        (0..faces.face_count()).for_each(|face| polygons.cut(face, 0, true));
+        (0..faces.face_count()).for_each(|face| polygons.triangulate(face, 0, true));
         polygons
     }
 
-    /// Gives up the triangles.
+    /// Returns the triangles.
     pub(super) fn into_triangulation(self) -> Triangulation<'a> {
         Triangulation::from_parts(self.triangles, self.graph)
     }
 
-    /// Cuts a face by alternate turns from the edge that begins at one of its corners; `even` tells which turn comes first.
-    /// Its triangles are numbered in the order in which a strip from that edge meets them, and each is entered over its edge 0.
-    fn cut(&mut self, face: usize, from: u32, even: bool) {
+    /// Triangulates a face by alternate turns from the edge that begins at one of its corners; `even` selects the first turn.
+    /// The triangles are numbered in the order of a strip from that edge, which enters each of them over its edge 0.
+    fn triangulate(&mut self, face: usize, from: u32, even: bool) {
         let range = self.faces.range(face);
         let (start, size) = (range.start as u32, range.len() as u32);
-        let at = |place: u32| start + place;
-        let before = |place: u32| if place == 0 { size - 1 } else { place - 1 };
-        let after = |place: u32| if place + 1 == size { 0 } else { place + 1 };
+        let before = |corner: u32| if corner == 0 { size - 1 } else { corner - 1 };
+        let after = |corner: u32| if corner + 1 == size { 0 } else { corner + 1 };
         let vertices = &self.faces.corners()[range];
-        // The part that is left is entered over the edge p → q.
+        // The remaining part is entered over the edge p → q.
         let (mut p, mut q, mut even) = (from, after(from), even);
         let mut entry_corner = Some(from);
-        let mut diagonal = NONE;
+        let mut diagonal = None;
         let first = self.first_triangle(face);
         for triangle in first..first + size - 2 {
             let base = 3 * triangle;
             let r = if even { before(p) } else { after(q) };
-            for (half_edge, place) in (base..).zip([p, q, r]) {
-                self.triangles[half_edge as usize] = vertices[place as usize];
+            for (half_edge, corner) in (base..).zip([p, q, r]) {
+                self.triangles[half_edge as usize] = vertices[corner as usize];
             }
-            if diagonal != NONE {
-                self.join(diagonal, base);
+            if let Some(diagonal) = diagonal {
+                self.pair(diagonal, Some(base));
             }
-            // Of the other two edges one lies on the face's boundary, both for the last triangle.
+            // Of the other two edges, one is on the boundary of the face; of the last triangle, both are.
             let mut corners =
                 [entry_corner.take(), (after(q) == r).then_some(q), (after(r) == p).then_some(r)];
             for (half_edge, corner) in (base..).zip(&mut corners) {
                 if let Some(corner) = corner.take() {
-                    self.at_corner[at(corner) as usize] = half_edge;
-                    let outside = self.face_graph.twin(HalfEdge(at(corner)));
-                    let twin = outside.map_or(NONE, |outside| self.at_corner[outside.0 as usize]);
-                    self.join(half_edge, twin);
+                    self.at_corner[(start + corner) as usize] = OptionalId::some(half_edge);
+                    let outside = self.face_graph.twin(HalfEdge(start + corner));
+                    let twin = outside.and_then(|outside| self.at_corner[outside.0 as usize].get());
+                    self.pair(half_edge, twin);
                 }
             }
-            diagonal = base + if even { 1 } else { 2 };
+            diagonal = Some(base + if even { 1 } else { 2 });
             if even {
                 p = r
             } else {
@@ -150,52 +147,53 @@ impl<'a> Polygons<'a> {
         }
     }
 
-    /// Gives the first triangle of a face: each face before it has two triangles fewer than corners.
+    /// Returns the first triangle of a face: each previous face has two triangles fewer than corners.
     fn first_triangle(&self, face: usize) -> u32 {
         (self.faces.range(face).start - 2 * face) as u32
     }
 
-    /// Gives the place within its face of the edge that a half-edge runs over; `None` for a diagonal.
-    fn place(&self, face: usize, half_edge: u32) -> Option<u32> {
+    /// Returns the edge of the face that a half-edge lies on, counted within the face; `None` for a diagonal.
+    fn face_edge(&self, face: usize, half_edge: u32) -> Option<u32> {
         self.at_corner[self.faces.range(face)]
             .iter()
-            .position(|&at| at == half_edge)
-            .map(|place| place as u32)
+            .position(|&at| at == OptionalId::some(half_edge))
+            .map(|edge| edge as u32)
     }
 
-    fn join(&mut self, half_edge: u32, twin: u32) {
-        let twins = self.graph.twins_mut();
-        twins[half_edge as usize] = twin;
-        if twin != NONE {
-            twins[twin as usize] = half_edge;
+    /// Makes two half-edges twins, or one a boundary.
+    fn pair(&mut self, half_edge: u32, twin: Option<u32>) {
+        self.graph.set_twin(half_edge, twin);
+        if let Some(twin) = twin {
+            self.graph.set_twin(twin, Some(half_edge));
         }
     }
 
-    /// Tells the places of the edges within a quadrilateral over which a path crosses two neighbouring triangles of it from one
-    /// side to the opposite one.
+    /// Returns the edges of a quadrilateral over which a path enters and leaves two neighbouring triangles of it, if these edges
+    /// are opposite.
     fn crossing(&self, step: Step, then: Step) -> Option<Crossing> {
         let face = self.face_of[step.triangle as usize];
         let range = self.faces.range(face as usize);
         if range.len() != 4 || self.face_of[then.triangle as usize] != face {
             return None;
         }
-        let entry = self.place(face as usize, 3 * step.triangle + step.entry)?;
-        let exit = self.place(face as usize, 3 * then.triangle + then.exit)?;
+        let entry = self.face_edge(face as usize, 3 * step.triangle + step.entry)?;
+        let exit = self.face_edge(face as usize, 3 * then.triangle + then.exit)?;
         (entry ^ exit == 2).then_some(Crossing { face, entry, exit })
     }
 
-    /// Gives a crossed quadrilateral the diagonal by which the path's turns are this one, then the other.
-    fn turn(&mut self, cover: &mut PathCover, crossing: Crossing, first_turn: bool) {
+    /// Sets the diagonal of a crossed quadrilateral so that the path first turns as given, then the other way.
+    fn set_diagonal(&mut self, cover: &mut PathCover, crossing: Crossing, first_turn: bool) {
         let first = self.first_triangle(crossing.face as usize);
-        self.cut(crossing.face as usize, crossing.entry, first_turn);
+        self.triangulate(crossing.face as usize, crossing.entry, first_turn);
         let exit_corner = self.faces.range(crossing.face as usize).start as u32 + crossing.exit;
-        let exit = self.at_corner[exit_corner as usize];
         cover.set_edges(first, 0, if first_turn { 1 } else { 2 });
-        cover.set_edges(first + 1, 0, exit % 3);
+        if let Some(exit) = self.at_corner[exit_corner as usize].get() {
+            cover.set_edges(first + 1, 0, exit % 3);
+        }
     }
 }
 
-/// A quadrilateral that a path crosses: the places of the two edges.
+/// A quadrilateral that a path crosses, and the two edges, counted within it.
 #[derive(Debug, Clone, Copy)]
 struct Crossing {
     face: u32,
@@ -203,14 +201,14 @@ struct Crossing {
     exit: u32,
 }
 
-/// What a path passes: a triangle that turns one way, or a quadrilateral that may turn both ways.
+/// A section of a path: a triangle with a fixed turn, or a quadrilateral with a free choice of the first turn.
 #[derive(Debug, Clone, Copy)]
 enum Passage {
     Fixed(bool),
     Free(Crossing),
 }
 
-impl Sheet for Polygons<'_> {
+impl MutableTriangulation for PolygonTriangulation<'_> {
     const HAS_POLYGONS: bool = true;
 
     fn graph(&self) -> &DualGraph {
@@ -223,20 +221,20 @@ impl Sheet for Polygons<'_> {
         even: bool,
         is_touched: impl Fn(u32) -> bool,
     ) -> Option<std::ops::Range<u32>> {
-        let entry = self.graph.twins()[exit as usize];
+        let entry = self.graph.twin_of(exit)?;
         let face = self.face_of[entry as usize / 3] as usize;
         let size = self.faces.range(face).len();
         let first = self.first_triangle(face);
         let triangles = first..first + size as u32 - 2;
-        if size == 3 || size > RECUT_LIMIT || triangles.clone().any(is_touched) {
+        if size == 3 || size > RETRIANGULATION_LIMIT || triangles.clone().any(is_touched) {
             return None;
         }
-        let place = self.place(face, entry)?;
-        self.cut(face, place, even);
+        let edge = self.face_edge(face, entry)?;
+        self.triangulate(face, edge, even);
         Some(triangles)
     }
 
-    fn settle(&mut self, cover: &mut PathCover) {
+    fn optimize_diagonals(&mut self, cover: &mut PathCover) {
         let starts: Vec<_> = cover.path_starts(&self.graph).collect();
         let (mut passages, mut chosen) = (Vec::new(), Vec::new());
         for start in starts {
@@ -256,14 +254,14 @@ impl Sheet for Polygons<'_> {
             choose_turns(&passages, &mut chosen);
             for (passage, &turn) in passages.iter().zip(&chosen) {
                 if let Passage::Free(crossing) = *passage {
-                    self.turn(cover, crossing, turn);
+                    self.set_diagonal(cover, crossing, turn);
                 }
             }
         }
     }
 }
 
-/// Chooses each passage's first turn so that a strip along the path takes the fewest swaps, from whichever end it is sent.
+/// Chooses the first turn of each passage so that a strip along the path takes the fewest swaps, in the better direction.
 fn choose_turns(passages: &[Passage], chosen: &mut Vec<bool>) {
     let forward = cheapest_turns(passages, true);
     let backward = cheapest_turns(passages, false);
@@ -271,9 +269,9 @@ fn choose_turns(passages: &[Passage], chosen: &mut Vec<bool>) {
     *chosen = turns;
 }
 
-/// Finds the cheapest turns by dynamic programming over the last one, sent from the path's start or from its end.
+/// Finds the cheapest turns by dynamic programming over the last turn, for a strip from the start or the end of the path.
 fn cheapest_turns(passages: &[Passage], from_start: bool) -> (u32, Vec<bool>) {
-    // The turn that is free right after the first triangle of a strip, as seen along the path.
+    // The turn that is free right after the first triangle of a strip, in the direction of the path.
     let free_first = !from_start;
     let mut cost = [0_u32; 2]; // by the last turn
     let mut came_from: Vec<[bool; 2]> = Vec::with_capacity(passages.len());
@@ -317,17 +315,17 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Counts the swaps of a strip along a path's turns, the diagonals given, sent from the path's start or from its end.
+    /// Counts the swaps of a strip along the turns of a path, from its start or from its end.
     fn swaps(turns: &[bool], from_start: bool) -> usize {
-        // Sent from the end, the turns come in opposite order, each to the other side.
+        // From the end, the turns are in the opposite order, each to the other side.
         let sent: Vec<bool> =
             if from_start { turns.to_vec() } else { turns.iter().rev().map(|turn| !turn).collect() };
-        // The first turn is free to the previous edge, and each after it to the side opposite the one before.
+        // The first turn is free to the previous edge, each later one to the side opposite to the turn before.
         let free = std::iter::once(false).chain(sent.iter().map(|turn| !turn));
         sent.iter().zip(free).filter(|&(&turn, free)| turn != free).count()
     }
 
-    /// The turns of a path, its passages entered with these first turns.
+    /// Returns the turns of a path whose passages have these first turns.
     fn turns(passages: &[Passage], firsts: &[bool]) -> Vec<bool> {
         let both = passages.iter().zip(firsts);
         both.flat_map(|(passage, &first)| match passage {
@@ -339,7 +337,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn turns_are_chosen_as_by_trying_all(kinds in prop::collection::vec(0..3_u8, 0..10)) {
+        fn turns_are_as_cheap_as_by_exhaustive_search(kinds in prop::collection::vec(0..3_u8, 0..10)) {
             let crossing = Crossing { face: 0, entry: 0, exit: 2 };
             let passage = |&kind| if kind == 2 { Passage::Free(crossing) } else { Passage::Fixed(kind == 1) };
             let passages: Vec<Passage> = kinds.iter().map(passage).collect();
@@ -359,7 +357,7 @@ mod tests {
             choose_turns(&passages, &mut chosen);
             let chosen = turns(&passages, &chosen);
             prop_assert_eq!(swaps(&chosen, true).min(swaps(&chosen, false)), forward.min(backward));
-            // What is fixed stays.
+            // Fixed turns stay.
             for (passage, first) in passages.iter().zip(cheapest_turns(&passages, true).1) {
                 prop_assert!(!matches!(passage, Passage::Fixed(turn) if *turn != first));
             }
