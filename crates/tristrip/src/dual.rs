@@ -161,6 +161,20 @@ impl DualGraph {
         &self.twins
     }
 
+    /// Returns the half-edges on the other sides of a triangle, for inner loops.
+    #[inline]
+    pub(crate) fn twins_of(&self, triangle: u32) -> [Option<u32>; 3] {
+        let first = 3 * triangle as usize;
+        let twins = &self.twins[first..first + 3];
+        [twins[0], twins[1], twins[2]].map(|twin| (twin != NO_TWIN).then_some(twin))
+    }
+
+    /// Iterates over the numbers of neighbours of all faces, in a graph of triangles.
+    pub(crate) fn neighbour_counts(&self) -> impl Iterator<Item = u8> {
+        let (triangles, _) = self.twins.as_chunks::<3>();
+        triangles.iter().map(|twins| twins.iter().map(|&twin| u8::from(twin != NO_TWIN)).sum())
+    }
+
     /// Sets the twin of one half-edge. The caller sets the other side, too.
     #[inline]
     pub(crate) fn set_twin(&mut self, half_edge: u32, twin: Option<u32>) {

@@ -1,35 +1,34 @@
-//! `cache`: strips in an order that respects a vertex buffer, at few indices.
+//! `cache`: strips in an order that makes good use of a vertex cache, with few indices.
 //!
-//! A strip that winds its way across the mesh leaves two long borders behind, and when its neighbours are drawn, the vertices
-//! there have long left the buffer. Short strips side by side find them still in it, but each begins anew with three vertices
-//! and a restart. What is worth more depends on the hardware, so that both are weighed:
-//! `index weight × indices + miss weight × misses`.
+//! Vertices on the long sides of a strip across the mesh have left the cache when the neighbouring strips are drawn. Short strips
+//! side by side still find them in the cache, but each starts with three vertices and a restart. Which cost matters more depends
+//! on the hardware, so that both are weighed: `index weight × indices + miss weight × misses`.
 //!
 //! ```text
 //!  ═══════════════════════   drawn
-//!  ╲╱╲╱╲╱╲╱╲╱╲╱╲╱╲╱ ─▶       a strip along the border of what is drawn: one row of its vertices are hits,
-//!  ○ . . . . . . . .          and it leaves the other row in the buffer
-//!  ╰─ there the next strip begins, as soon as going on would cost more than a restart
+//!  ╲╱╲╱╲╱╲╱╲╱╲╱╲╱╲╱ ─▶       a strip along the front of the drawn triangles: one row of its vertices are hits,
+//!  ○ . . . . . . . .          and the other row remains in the cache
+//!  ╰─ the next strip starts here, as soon as continuing would cost more than a restart
 //! ```
 //!
 //! # Algorithm
-//! A strip is grown triangle by triangle along the border of what is drawn (Hoppe 1999, section 5). At each decision:
-//! 1. *Look ahead.* Lay down, for trial, as many triangles as the horizon has: first n more of this strip, then a restart at the
-//!    oldest place of the border whose vertices are still in the buffer, and so on as strips end by themselves. Try n = 0, 1, 2, 4 …
-//! 2. *Take the cheapest* n by its cost a triangle, undo the trial, and lay down these n for good; n = 0 is a restart.
-//! 3. Where no place of the border is in the buffer any more, go on from where something was drawn last, else from the lowest
-//!    triangle left.
+//! A strip grows triangle by triangle along the front of the drawn triangles (Hoppe 1999, section 5). At each decision:
+//! 1. *Look ahead.* Draw speculatively as many triangles as the horizon: first n more of this strip, then a restart at the oldest
+//!    edge of the front whose vertices are still in the cache, and so on as strips reach dead ends. Try n = 0, 1, 2, 4 …
+//! 2. *Take the n* of the lowest cost per triangle, undo the speculation, and draw these n for good; n = 0 is a restart.
+//! 3. If no edge of the front is in the cache any more, continue at the most recently drawn triangle, otherwise at the lowest
+//!    remaining triangle.
 //!
-//! A strip turns toward the border as long as it can. This takes a swap where a vertex has not three triangles left, and leaves no
-//! triangle behind alone.
+//! A strip turns toward the front as long as it can. This takes a swap where fewer than three triangles remain at a vertex, and
+//! leaves no isolated triangles.
 //!
-//! Where few indices are preferred, the strips are those of `best`, and only their order and direction are chosen: next comes the
-//! strip at the border's oldest place, from its cheaper end. From effort 3 on, other growths are tried too, some of them guided by the
-//! strips of another method, which they follow, cut, and go on from; the cheapest is taken. From there a search goes on by exchanges
-//! between strips, cuts, turns and moves in the order (module `polish`), for FIFO buffers of up to 256 places.
+//! For few indices, the strips are those of `best`, and only their order and direction are chosen: next is the strip at the
+//! oldest edge of the front, in its cheaper direction. From effort 3 on, other growth policies are tried, some of them with seed
+//! strips of another method, which they follow, cut and extend; the cheapest result is taken. Then order annealing moves
+//! triangles between strips, cuts, reverses and reorders strips (module `anneal_order`), for FIFO caches of up to 256 entries.
 //!
 //! # Effort
-//! On one core, for the bunny of 69,451 triangles and a FIFO buffer of 16 places: indices and misses a triangle.
+//! Indices and misses per triangle on one core, for the bunny of 69,451 triangles and a FIFO cache of 16 entries:
 //!
 //! | level | 0 to 2 | 3 | 4 | 5 | 6 |
 //! |---|---|---|---|---|---|
@@ -38,130 +37,65 @@
 //! | misses | 1.426, 0.608 | 1.401, 0.599 | 1.390, 0.596 | 1.380, 0.593 | 1.373, 0.592 |
 //! | seconds, balanced | 0.05 | 0.4 | 0.8 | 2 | 3.5 |
 //!
-//! meshoptimizer's two orders give 1.334, 0.890 and 1.741, 0.706 there.
+//! The two orders of meshoptimizer give 1.334, 0.890 and 1.741, 0.706 there.
 //!
-//! Departures from Hoppe: indices are weighed, not only misses; triangles left behind with one neighbour or none count as the
-//! restarts that they will need; a restart keeps away from vertices that are about to leave the buffer; and all n triangles are
-//! laid down at once, which is several times faster and hardly worse.
+//! Differences from Hoppe: indices are weighed, not only misses; triangles with one open neighbour or none count as the
+//! restarts that they will need; a restart avoids vertices that are about to leave the cache; and all n triangles are drawn
+//! at once, which is several times faster and hardly worse.
 //!
 //! # References
 //! Hoppe: *Optimization of mesh locality for transparent vertex caching*, 1999.
 //!
 //! # Complexity
-//! O(h log h) time a decision for a horizon of h triangles, about twice the buffer's places; 18 bytes a triangle, and 2 more for a
-//! FIFO buffer.
+//! O(h log h) time per decision for a horizon of h triangles, about twice the number of cache entries; 18 bytes per triangle, and
+//! 2 more for a FIFO cache.
 
+mod active_front;
+mod anneal_order;
 mod arrange;
-mod border;
-mod buffers;
 mod grow;
-mod polish;
+mod policy;
+mod resettable_fifo;
+mod speculative;
 #[cfg(test)]
 mod tests;
 
 use super::{Objective, Progress, StripPlan, StripifyOptions, Watch, best, sequential};
 use crate::cover::PathCover;
-use crate::dual::DualGraph;
-use crate::dual::Triangulation;
+use crate::dual::{DualGraph, Triangulation};
 use crate::prepare::PreparedFaces;
 use crate::random::Random;
 use crate::strip::Cost;
 use crate::vertex_cache::{FlushPolicy, Replacement, VertexCache, VertexCacheStatistics};
+use active_front::ActiveFront;
+use anneal_order::StripSequence;
 use arrange::arrange;
-use border::Border;
-use buffers::{FifoTrial, LruTrial};
-use grow::Grower;
-use polish::Sequence;
+use grow::StripGrower;
+use policy::{GrowthPolicy, SeedStrips, Weights};
+use speculative::{SpeculativeFifo, SpeculativeLru};
 
-/// What indices and misses cost.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Weights {
-    index: i64,
-    miss: i64,
-}
+/// Caches of fewer entries hardly help, whatever the strips.
+const MIN_USEFUL_ENTRIES: u32 = 8;
+/// Larger LRU caches are simulated with this number of entries: no simulation reaches further.
+const MAX_LRU_ENTRIES: u32 = 128;
+/// The number of growth policies that are tried, by effort.
+const POLICY_COUNT: [usize; 10] = [1, 1, 1, 3, 5, 8, 8, 8, 8, 8];
 
-/// Strips that a growth follows where they are.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Guide {
-    None,
-    Sequential,
-    Best,
-}
+/// The vertices per triangle that order annealing sends in simulations, by effort. A move takes about 150.
+const SIMULATED_VERTICES: [u64; 10] = [0, 0, 0, 300, 750, 1800, 3600, 7200, 14400, 28800];
+/// Cache sizes for which order annealing runs: it stores the contents of the cache for each strip.
+const ANNEALED_ENTRIES: std::ops::RangeInclusive<u32> = 1..=256;
 
-/// How strips are grown.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Growth {
-    guide: Guide,
-    weights: Weights,
-    /// Triangles of a trial, in sixteenths of the buffer's places.
-    horizon: u32,
-    /// Places of the buffer from its old end in which a vertex is no longer worth a restart, in sixteenths of all.
-    slack: u32,
-}
-
-/// Trials of more triangles cost time and gain nothing.
-const MOST_HORIZON: u32 = 64;
-const LEAST_HORIZON: u32 = 12;
-/// Buffers of fewer places hardly help, whatever the strips.
-const LEAST_HELP: u32 = 8;
-/// Larger LRU buffers are planned as if they had so many places: no trial reaches further.
-const MOST_LRU_PLACES: u32 = 128;
-
-const fn growth(guide: Guide, index: i64, miss: i64, horizon: u32, slack: u32) -> Growth {
-    Growth { guide, weights: Weights { index, miss }, horizon, slack }
-}
-
-/// The growths for a balance, the first for every effort. Which lie where both are low was found on bunny, fandisk, horse and
-/// armadillo with a FIFO buffer of 16 places; the weights of growth are not those of the choice, since a guide alone saves indices.
-const BALANCED: [Growth; 8] = [
-    growth(Guide::None, 8, 1, 32, 2),
-    growth(Guide::Sequential, 1, 1, 24, 2),
-    growth(Guide::Best, 1, 1, 24, 2),
-    growth(Guide::None, 3, 1, 32, 2),
-    growth(Guide::Best, 2, 3, 24, 2),
-    growth(Guide::Sequential, 2, 3, 24, 2),
-    growth(Guide::Best, 1, 1, 40, 2),
-    growth(Guide::None, 6, 1, 36, 2),
-];
-
-/// The same for few misses.
-const FEW_MISSES: [Growth; 8] = [
-    growth(Guide::None, 1, 4, 28, 3),
-    growth(Guide::None, 1, 4, 32, 3),
-    growth(Guide::None, 1, 4, 28, 4),
-    growth(Guide::None, 1, 2, 28, 3),
-    growth(Guide::None, 1, 8, 28, 3),
-    growth(Guide::None, 1, 4, 24, 3),
-    growth(Guide::None, 1, 4, 36, 3),
-    growth(Guide::None, 1, 2, 32, 4),
-];
-/// How many of them are tried, by effort.
-const GROWTHS: [usize; 10] = [1, 1, 1, 3, 5, 8, 8, 8, 8, 8];
-
-/// Vertices that the search by exchanges sends for trial for each triangle, by effort: a change takes some 150.
-const SENT: [u64; 10] = [0, 0, 0, 300, 750, 1800, 3600, 7200, 14400, 28800];
-/// Places of buffers that are searched over: what one holds is kept for each strip.
-const SEARCHED: std::ops::RangeInclusive<u32> = 1..=256;
-
-impl Objective {
-    fn weights(self) -> Weights {
-        match self {
-            Self::Indices => Weights { index: 10, miss: 1 },
-            Self::Balanced => Weights { index: 3, miss: 2 },
-            Self::Misses => Weights { index: 1, miss: 4 },
-        }
-    }
-
-    /// Gives the heat at which the search by exchanges begins and ends, in indices: what is few already is kept. Tuned on bunny,
-    /// fandisk and armadillo.
-    fn heat(self) -> [f64; 2] {
-        match self {
-            Self::Indices => [0.1, 0.03],
-            Self::Balanced | Self::Misses => [1.0, 0.2],
-        }
+/// Returns the first and last temperature of order annealing, in indices. Indices that are already few are kept. Tuned on bunny,
+/// fandisk and armadillo.
+fn temperatures(objective: Objective) -> [f64; 2] {
+    match objective {
+        Objective::Indices => [0.1, 0.03],
+        Objective::Balanced | Objective::Misses => [1.0, 0.2],
     }
 }
 
+/// Computes strips and their order.
 pub(super) fn plan<'a>(
     prepared: &'a PreparedFaces<'_>,
     graph: &'a DualGraph,
@@ -169,64 +103,65 @@ pub(super) fn plan<'a>(
     watch: &dyn Watch,
 ) -> StripPlan<'a> {
     let start = start(prepared, graph, options, watch);
-    let limit = SENT[usize::from(options.effort().level())] * start.cover.len() as u64;
-    let is_searched = options.vertex_cache().replacement == Replacement::Fifo
-        && SEARCHED.contains(&options.vertex_cache().entries);
-    if limit == 0 || !is_searched {
+    let limit = SIMULATED_VERTICES[usize::from(options.effort().level())] * start.cover.len() as u64;
+    let is_annealed = options.vertex_cache().replacement == Replacement::Fifo
+        && ANNEALED_ENTRIES.contains(&options.vertex_cache().entries);
+    if limit == 0 || !is_annealed {
         return start;
     }
-    polished(start, limit, prepared.vertex_count(), options, watch)
+    annealed(start, limit, prepared.vertex_count(), options, watch)
 }
 
-/// Grows strips in one way or in several.
+/// Grows strips with one policy or several, and returns the cheapest result.
 fn start<'a>(
     prepared: &'a PreparedFaces<'_>,
     graph: &'a DualGraph,
     options: &StripifyOptions,
     watch: &dyn Watch,
 ) -> StripPlan<'a> {
-    let (buffer, prefer, seed) = (options.vertex_cache(), options.objective(), options.seed());
+    let (vertex_cache, objective, seed) = (options.vertex_cache(), options.objective(), options.seed());
     let (effort, vertex_count) = (options.effort(), prepared.vertex_count());
-    let guide = |guide| match guide {
-        Guide::None => Triangulation::of_triangles(prepared, graph).map_or_else(
+    let seed_plan = |seeds| match seeds {
+        SeedStrips::None => Triangulation::of_triangles(prepared, graph).map_or_else(
             || sequential::plan(prepared, graph),
             |triangulation| StripPlan::new(triangulation, PathCover::isolated(graph.face_count())),
         ),
-        Guide::Sequential => sequential::plan(prepared, graph),
-        Guide::Best => best::plan(prepared, graph, Cost::Restart, effort, seed, watch),
+        SeedStrips::Sequential => sequential::plan(prepared, graph),
+        SeedStrips::Best => best::plan(prepared, graph, Cost::Restart, effort, seed, watch),
     };
-    let growths = match prefer {
-        Objective::Indices => return arranged(guide(Guide::Best), buffer, vertex_count),
-        Objective::Balanced => BALANCED,
-        Objective::Misses => FEW_MISSES,
+    let policies = GrowthPolicy::all(objective);
+    let count = POLICY_COUNT[usize::from(effort.level())].min(policies.len());
+    let Some((&first, others)) = policies[..count].split_first() else {
+        return arranged(seed_plan(SeedStrips::Best), vertex_cache, vertex_count);
     };
-    let growths = &growths[..GROWTHS[usize::from(effort.level())]];
-    let mut best = grown(&guide(growths[0].guide), growths[0], buffer, vertex_count);
-    if growths.len() == 1 {
+    let mut best = grown(&seed_plan(first.seeds), first, vertex_cache, vertex_count);
+    if others.is_empty() {
         return best;
     }
-    let mut lowest = price(&best, buffer, prefer.weights(), vertex_count);
-    let mut guides: [Option<StripPlan<'a>>; 3] = [const { None }; 3];
-    // Where a buffer is too small to help, nothing is cheaper than `best` in order. A balance does not begin there: it would stay.
-    let with_best = prefer == Objective::Misses || buffer.entries < LEAST_HELP;
-    let candidates = growths[1..].iter().map(Some).chain(with_best.then_some(None));
-    for (i, growth) in candidates.enumerate() {
+    let weights = Weights::of(objective);
+    let mut lowest = price(&best, vertex_cache, weights, vertex_count);
+    let mut seed_plans: [Option<StripPlan<'a>>; 3] = [const { None }; 3];
+    // If the cache is too small to help, nothing is cheaper than the strips of `best`, in order. A balanced search does not start
+    // there otherwise: it would not leave them.
+    let with_best = objective == Objective::Misses || vertex_cache.entries < MIN_USEFUL_ENTRIES;
+    let candidates = others.iter().map(Some).chain(with_best.then_some(None));
+    for (i, policy) in candidates.enumerate() {
         let progress = Progress {
             steps: i as u64,
-            step_limit: Some(growths.len() as u64),
+            step_limit: Some(count as u64),
             strips: best.cover.path_count(),
             cost: lowest,
         };
         if !watch.go_on(progress) {
             break;
         }
-        let kind = growth.map_or(Guide::Best, |growth| growth.guide);
-        let guide = guides[kind as usize].get_or_insert_with(|| guide(kind));
-        let plan = match growth {
-            Some(&growth) => grown(guide, growth, buffer, vertex_count),
-            None => arranged(guide.clone(), buffer, vertex_count),
+        let seeds = policy.map_or(SeedStrips::Best, |policy| policy.seeds);
+        let seed_plan = seed_plans[seeds as usize].get_or_insert_with(|| seed_plan(seeds));
+        let plan = match policy {
+            Some(&policy) => grown(seed_plan, policy, vertex_cache, vertex_count),
+            None => arranged(seed_plan.clone(), vertex_cache, vertex_count),
         };
-        let price = price(&plan, buffer, prefer.weights(), vertex_count);
+        let price = price(&plan, vertex_cache, weights, vertex_count);
         if price < lowest {
             (lowest, best) = (price, plan);
         }
@@ -234,20 +169,22 @@ fn start<'a>(
     best
 }
 
-/// Searches on from a plan by exchanges; gives what was found where that is cheaper.
-fn polished<'a>(
+/// Improves a plan by order annealing. Returns the plan itself if the result is not cheaper.
+fn annealed<'a>(
     start: StripPlan<'a>,
     limit: u64,
     vertex_count: usize,
     options: &StripifyOptions,
     watch: &dyn Watch,
 ) -> StripPlan<'a> {
-    let (buffer, prefer, seed) = (options.vertex_cache(), options.objective(), options.seed());
+    let (vertex_cache, objective) = (options.vertex_cache(), options.objective());
+    let weights = Weights::of(objective);
     let Some(order) = &start.order else { return start };
-    let before = price(&start, buffer, prefer.weights(), vertex_count);
+    let before = price(&start, vertex_cache, weights, vertex_count);
     let mut sequence =
-        Sequence::new(&start.triangulation, &start.cover, order, buffer.entries, prefer.weights());
-    sequence.anneal(&mut Random::new(seed), limit, prefer.heat(), |steps, strips, saved| {
+        StripSequence::new(&start.triangulation, &start.cover, order, vertex_cache.entries, weights);
+    let mut random = Random::new(options.seed());
+    sequence.anneal(&mut random, limit, temperatures(objective), |steps, strips, saved| {
         watch.go_on(Progress {
             steps,
             step_limit: Some(limit),
@@ -257,52 +194,54 @@ fn polished<'a>(
     });
     let (cover, order) = sequence.finish();
     let found = StripPlan { triangulation: start.triangulation.clone(), cover, order: Some(order) };
-    if price(&found, buffer, prefer.weights(), vertex_count) < before { found } else { start }
+    if price(&found, vertex_cache, weights, vertex_count) < before { found } else { start }
 }
 
-/// Counts what a plan costs in the end.
-fn price(plan: &StripPlan<'_>, buffer: VertexCache, weights: Weights, vertex_count: usize) -> usize {
+/// Returns the weighted cost of the strips of a plan.
+fn price(plan: &StripPlan<'_>, vertex_cache: VertexCache, weights: Weights, vertex_count: usize) -> usize {
     let strips = plan.strips();
-    let misses = VertexCacheStatistics::of(&strips, buffer, FlushPolicy::Keep, vertex_count).misses;
+    let misses = VertexCacheStatistics::of(&strips, vertex_cache, FlushPolicy::Keep, vertex_count).misses;
     let indices = strips.vertices_sent() + strips.len();
     let [index, miss] = [weights.index, weights.miss].map(|weight| weight.unsigned_abs() as usize);
     index * indices + miss * misses
 }
 
-/// Lays strips down.
+/// Grows strips on the triangulation of a plan, whose strips are the seed strips.
 fn grown<'a>(
-    guide: &StripPlan<'a>,
-    growth: Growth,
-    buffer: VertexCache,
+    seed_plan: &StripPlan<'a>,
+    policy: GrowthPolicy,
+    vertex_cache: VertexCache,
     vertex_count: usize,
 ) -> StripPlan<'a> {
-    let triangulation = guide.triangulation.clone();
-    let cover = (growth.guide != Guide::None).then_some(&guide.cover);
-    let (cover, order) = match buffer.replacement {
+    let triangulation = seed_plan.triangulation.clone();
+    let seed_strips = (policy.seeds != SeedStrips::None).then_some(&seed_plan.cover);
+    let (cover, order) = match vertex_cache.replacement {
         Replacement::Fifo => {
-            let trial = FifoTrial::new(buffer.entries, vertex_count);
-            Grower::new(Border::new(&triangulation, trial, growth.weights), growth, cover).run()
+            let cache = SpeculativeFifo::new(vertex_cache.entries, vertex_count);
+            StripGrower::new(ActiveFront::new(&triangulation, cache, policy.weights), policy, seed_strips)
+                .run()
         }
         Replacement::Lru => {
-            let trial = LruTrial::new(buffer.entries.min(MOST_LRU_PLACES));
-            Grower::new(Border::new(&triangulation, trial, growth.weights), growth, cover).run()
+            let cache = SpeculativeLru::new(vertex_cache.entries.min(MAX_LRU_ENTRIES));
+            StripGrower::new(ActiveFront::new(&triangulation, cache, policy.weights), policy, seed_strips)
+                .run()
         }
     };
     StripPlan { triangulation, cover, order: Some(order) }
 }
 
-/// Puts the strips of a plan in order.
-fn arranged(plan: StripPlan<'_>, buffer: VertexCache, vertex_count: usize) -> StripPlan<'_> {
+/// Chooses order and direction of the strips of a plan.
+fn arranged(plan: StripPlan<'_>, vertex_cache: VertexCache, vertex_count: usize) -> StripPlan<'_> {
     let StripPlan { triangulation, cover, .. } = plan;
-    let weights = Objective::Indices.weights();
-    let order = match buffer.replacement {
+    let weights = Weights::of(Objective::Indices);
+    let order = match vertex_cache.replacement {
         Replacement::Fifo => {
-            let trial = FifoTrial::new(buffer.entries, vertex_count);
-            arrange(Border::new(&triangulation, trial, weights), &cover)
+            let cache = SpeculativeFifo::new(vertex_cache.entries, vertex_count);
+            arrange(ActiveFront::new(&triangulation, cache, weights), &cover)
         }
         Replacement::Lru => {
-            let trial = LruTrial::new(buffer.entries.min(MOST_LRU_PLACES));
-            arrange(Border::new(&triangulation, trial, weights), &cover)
+            let cache = SpeculativeLru::new(vertex_cache.entries.min(MAX_LRU_ENTRIES));
+            arrange(ActiveFront::new(&triangulation, cache, weights), &cover)
         }
     };
     StripPlan { triangulation, cover, order: Some(order) }

@@ -1,116 +1,118 @@
-//! Growing strips under trial: how many triangles more, then a restart, and where.
+//! Strip growth with speculative simulation: how many more triangles before a restart, and where the next strip starts.
 
-use super::border::{Border, Head, Way};
-use super::buffers::Trial;
-use super::{Growth, LEAST_HORIZON, MOST_HORIZON};
+use super::active_front::{ActiveFront, EdgeCrossing, StripHead};
+use super::policy::GrowthPolicy;
+use super::speculative::SpeculativeCache;
 use crate::cover::PathCover;
 use crate::ids::{FaceId, HalfEdge};
 
-/// After how many triangles more a restart is tried, the horizon besides: closely at first, where it matters most.
+/// The numbers of triangles after which a restart is simulated, besides the horizon: closely spaced at first, where it matters
+/// most.
 const LENGTHS: [u32; 15] = [1, 2, 3, 4, 5, 6, 8, 10, 12, 16, 20, 24, 32, 40, 52];
 
-/// Lays strips down over a whole triangulation.
-pub(super) struct Grower<'a, B> {
-    border: Border<'a, B>,
-    /// Triangles of a trial.
+/// Grows strips over a whole triangulation.
+pub(super) struct StripGrower<'a, C> {
+    front: ActiveFront<'a, C>,
+    /// Triangles of a speculative simulation.
     horizon: u32,
-    /// Places of the buffer from its old end in which a vertex is no longer worth a restart.
+    /// The number of oldest cache entries whose vertices are not worth a restart.
     slack: u32,
-    /// Strips that are followed where they are.
-    guide: Option<&'a PathCover>,
+    /// Strips to follow where possible.
+    seed_strips: Option<&'a PathCover>,
 }
 
-/// A trial's price, compared by cost a triangle.
+/// The cost of a speculative simulation, compared per triangle.
 #[derive(Debug, Clone, Copy)]
-struct Price {
+struct SimulatedCost {
     cost: i64,
     triangles: i64,
 }
 
-impl Price {
+impl SimulatedCost {
     fn is_below(self, other: Self) -> bool {
         self.cost * other.triangles < other.cost * self.triangles
     }
 }
 
-impl<'a, B: Trial> Grower<'a, B> {
-    pub(super) fn new(border: Border<'a, B>, growth: Growth, guide: Option<&'a PathCover>) -> Self {
-        let places = border.places();
-        Self {
-            border,
-            horizon: (places.saturating_mul(growth.horizon) / 16).clamp(LEAST_HORIZON, MOST_HORIZON),
-            slack: places.saturating_mul(growth.slack) / 16,
-            guide,
-        }
+impl<'a, C: SpeculativeCache> StripGrower<'a, C> {
+    /// Creates a grower on an empty front.
+    pub(super) fn new(
+        front: ActiveFront<'a, C>,
+        policy: GrowthPolicy,
+        seed_strips: Option<&'a PathCover>,
+    ) -> Self {
+        let entry_count = front.entry_count();
+        Self { front, horizon: policy.horizon(entry_count), slack: policy.slack(entry_count), seed_strips }
     }
 
-    /// Covers everything; gives the cover and the first triangle of each path, the paths as they are drawn.
+    /// Covers all triangles. Returns the cover, and the first triangle of each path in drawing order.
     pub(super) fn run(&mut self) -> (PathCover, Vec<FaceId>) {
-        let graph = self.border.graph();
+        let graph = self.front.graph();
         let mut cover = PathCover::isolated(graph.face_count());
         let mut order = Vec::new();
         let mut head = None;
         loop {
             let mut more = self.best_length(head);
             if more == 0 {
-                // One triangle more where there is a way: what was sent of the first depends on it.
+                // One more triangle if possible: the vertices sent for the first triangle depend on it.
                 more = 1;
-                let edge = self.border.oldest_edge(self.slack);
-                let Some(edge) = edge.or_else(|| self.border.youngest_edge()) else { break };
+                let edge = self.front.oldest_edge(self.slack);
+                let Some(edge) = edge.or_else(|| self.front.newest_edge()) else { break };
                 order.push(FaceId(edge / 3));
                 head = Some(self.start(edge));
             }
             for _ in 0..more {
-                let Some((from, way)) = head.and_then(|head| Some((head, self.way(head)?))) else { break };
-                cover.link(graph, HalfEdge(way.exit));
-                head = Some(self.border.go(from, way));
+                let next = head.and_then(|head| Some((head, self.crossing(head)?)));
+                let Some((from, crossing)) = next else { break };
+                cover.link(graph, HalfEdge(crossing.exit));
+                head = Some(self.front.advance(from, crossing));
             }
-            self.border.keep();
+            self.front.commit();
         }
         (cover, order)
     }
 
     #[cfg(test)]
-    pub(super) fn border(&self) -> &Border<'a, B> {
-        &self.border
+    pub(super) fn front(&self) -> &ActiveFront<'a, C> {
+        &self.front
     }
 
-    /// Gives the way that the strip takes: the guide's, else around the vertex of the border on its side.
+    /// Returns the next step of a strip: that of the seed strips, otherwise around the vertex of the front on its side.
     #[inline]
-    fn way(&self, head: Head) -> Option<Way> {
-        let [next, previous] = self.border.ways(head);
-        let guided = self.guide.and_then(|guide| {
-            [next, previous].into_iter().flatten().find(|way| guide.is_linked(HalfEdge(way.exit)))
+    fn crossing(&self, head: StripHead) -> Option<EdgeCrossing> {
+        let [next, previous] = self.front.crossings(head);
+        let seeded = self.seed_strips.and_then(|cover| {
+            [next, previous].into_iter().flatten().find(|crossing| cover.is_linked(HalfEdge(crossing.exit)))
         });
-        guided.or(next).or(previous)
+        seeded.or(next).or(previous)
     }
 
-    /// Begins a strip at an edge of the border.
-    fn start(&mut self, edge: u32) -> Head {
+    /// Starts a strip at an edge of the front.
+    fn start(&mut self, edge: u32) -> StripHead {
         let triangle = edge / 3;
         let mut exits = [1, 2, 0].map(|turn| (edge + turn) % 3);
-        if let Some(guide) = self.guide {
-            exits.sort_by_key(|exit| !guide.is_linked(HalfEdge(3 * triangle + exit)));
+        if let Some(cover) = self.seed_strips {
+            exits.sort_by_key(|exit| !cover.is_linked(HalfEdge(3 * triangle + exit)));
         }
-        let exit = exits.into_iter().find(|&exit| self.border.across(triangle, exit).is_some());
-        self.border.start(triangle, exit)
+        let exit = exits.into_iter().find(|&exit| self.front.crossing(triangle, exit).is_some());
+        self.front.start(triangle, exit)
     }
 
     #[inline]
-    fn step(&mut self, head: Head) -> Option<Head> {
-        let way = self.way(head)?;
-        Some(self.border.go(head, way))
+    fn step(&mut self, head: StripHead) -> Option<StripHead> {
+        let crossing = self.crossing(head)?;
+        Some(self.front.advance(head, crossing))
     }
 
-    /// Tries after how many triangles more a restart is cheapest; 0 for one at once.
-    fn best_length(&mut self, head: Option<Head>) -> u32 {
-        let Some(mut head) = head.filter(|&head| self.way(head).is_some()) else { return 0 };
-        // For good, so that no trial passes again over what was drawn since the last restart.
-        self.border.oldest_edge(self.slack);
-        let base = self.border.mark();
-        let paid = self.border.cost();
-        let mut best = (0, self.trial(0, paid));
-        self.border.undo(base);
+    /// Simulates after how many more triangles a restart is cheapest; 0 for a restart at once.
+    fn best_length(&mut self, head: Option<StripHead>) -> u32 {
+        let Some(mut head) = head.filter(|&head| self.crossing(head).is_some()) else { return 0 };
+        // For good, so that no simulation scans again what was drawn since the last restart.
+        self.front.oldest_edge(self.slack);
+        let base = self.front.checkpoint();
+        let paid = self.front.cost();
+        let mut best = (0, self.simulate_restart(0, paid));
+        self.front.roll_back(base);
         let mut length = 0;
         let horizon = self.horizon;
         let lengths = LENGTHS.into_iter().take_while(|&length| length < horizon);
@@ -122,32 +124,32 @@ impl<'a, B: Trial> Grower<'a, B> {
                     None => has_ended = true,
                 }
             }
-            let here = self.border.mark();
-            let price = self.trial(length, paid);
-            self.border.undo(here);
-            if best.1.is_none_or(|best| price.is_some_and(|price| price.is_below(best))) {
-                best = (length, price);
+            let here = self.front.checkpoint();
+            let cost = self.simulate_restart(length, paid);
+            self.front.roll_back(here);
+            if best.1.is_none_or(|best| cost.is_some_and(|cost| cost.is_below(best))) {
+                best = (length, cost);
             }
             if has_ended {
                 break;
             }
         }
-        self.border.undo(base);
+        self.front.roll_back(base);
         best.0
     }
 
-    /// Restarts and goes on to the horizon; gives the price of all since `paid`, or `None` where nothing could be drawn.
-    fn trial(&mut self, length: u32, paid: i64) -> Option<Price> {
+    /// Restarts and continues to the horizon. Returns the cost of everything since `paid`, or `None` if nothing could be drawn.
+    fn simulate_restart(&mut self, length: u32, paid: i64) -> Option<SimulatedCost> {
         let mut drawn = length;
         let mut head = None;
         while drawn < self.horizon {
             head = head.and_then(|head| self.step(head));
             if head.is_none() {
-                let Some(edge) = self.border.oldest_edge(self.slack) else { break };
+                let Some(edge) = self.front.oldest_edge(self.slack) else { break };
                 head = Some(self.start(edge));
             }
             drawn += 1;
         }
-        (drawn > 0).then(|| Price { cost: self.border.cost() - paid, triangles: i64::from(drawn) })
+        (drawn > 0).then(|| SimulatedCost { cost: self.front.cost() - paid, triangles: i64::from(drawn) })
     }
 }

@@ -1,32 +1,32 @@
-//! Tests over generated meshes of many kinds: what is grown, what trials leave behind, and what a person can check by hand.
+//! Tests on generated meshes of many kinds: growth, speculative simulation and order annealing; and on meshes with known results.
 
 use proptest::prelude::*;
 
-use super::border::Border;
-use super::buffers::FifoTrial;
-use super::polish::Sequence;
-use super::{BALANCED, FEW_MISSES, Growth, Guide, Objective, Weights};
+use super::active_front::ActiveFront;
+use super::anneal_order::StripSequence;
+use super::grow::StripGrower;
+use super::policy::{GrowthPolicy, SeedStrips, Weights};
+use super::speculative::SpeculativeFifo;
 use crate::dual::DualGraph;
-use crate::dual::Triangulation;
 use crate::effort::Effort;
 use crate::mesh::{Faces, Mesh};
 use crate::prepare::PreparedFaces;
 use crate::random::Random;
-use crate::strip::Metrics;
-use crate::strip::Strips;
+use crate::strip::{Metrics, Strips};
 use crate::stripify::generated_meshes::{mesh, polygons};
-use crate::stripify::{Method, Progress, StripPlan, StripifyOptions, Watch, plan, sequential};
+use crate::stripify::{Method, Objective, Progress, StripPlan, StripifyOptions, Watch, plan, sequential};
 use crate::verify::verify;
 use crate::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
 
-const PREFERENCES: [Objective; 3] = [Objective::Indices, Objective::Balanced, Objective::Misses];
+const OBJECTIVES: [Objective; 3] = [Objective::Indices, Objective::Balanced, Objective::Misses];
 
-fn options(prefer: Objective, buffer: VertexCache) -> StripifyOptions {
-    StripifyOptions::default().with_method(Method::Cache).with_objective(prefer).with_vertex_cache(buffer)
+fn options(objective: Objective, vertex_cache: VertexCache) -> StripifyOptions {
+    let options = StripifyOptions::default().with_method(Method::Cache);
+    options.with_objective(objective).with_vertex_cache(vertex_cache)
 }
 
-/// A sheet of `columns` × `rows` squares, each cut in two the same way, its triangles in scattered order.
-fn sheet(columns: u32, rows: u32) -> Mesh {
+/// Returns a grid of `columns` × `rows` squares, each cut along the same diagonal, its triangles in scattered order.
+fn grid(columns: u32, rows: u32) -> Mesh {
     let vertex = |x: u32, y: u32| y * (columns + 1) + x;
     let squares = (0..rows).flat_map(|y| (0..columns).map(move |x| (x, y)));
     let mut triangles: Vec<[u32; 3]> = squares
@@ -46,7 +46,7 @@ fn strips(mesh: &Mesh, options: &StripifyOptions) -> Strips {
     plan(&prepared, &graph, options).unwrap().strips()
 }
 
-/// Strips as the border prices them: a swap's vertex sent again after the vertex before which it stands.
+/// Returns the strips in the order that the active front prices: the repeated vertex of a swap after the vertex that it precedes.
 fn priced(strips: &Strips) -> Strips {
     let mut priced = Strips::default();
     for strip in strips.iter() {
@@ -60,18 +60,18 @@ fn priced(strips: &Strips) -> Strips {
 
 proptest! {
     #[test]
-    fn every_preference_covers_every_mesh(
+    fn every_objective_covers_every_mesh(
         polygons in polygons(false, 1..8),
-        places in 0..40_u32,
+        entry_count in 0..40_u32,
         is_lru in any::<bool>(),
         effort in 0..5_u8,
     ) {
         let mesh = mesh(&polygons);
         let prepared = PreparedFaces::new(&mesh, false);
         let graph = DualGraph::new(prepared.faces());
-        let buffer = if is_lru { VertexCache::lru(places) } else { VertexCache::fifo(places) };
-        for prefer in PREFERENCES {
-            let options = options(prefer, buffer).with_effort(Effort::new(effort).unwrap());
+        let vertex_cache = if is_lru { VertexCache::lru(entry_count) } else { VertexCache::fifo(entry_count) };
+        for objective in OBJECTIVES {
+            let options = options(objective, vertex_cache).with_effort(Effort::new(effort).unwrap());
             let plan = plan(&prepared, &graph, &options).unwrap();
             prop_assert_eq!(plan.cover.check(plan.triangulation.graph()), Ok(()));
             prop_assert_eq!(plan.order.as_ref().map(Vec::len), Some(plan.cover.path_count()));
@@ -82,28 +82,33 @@ proptest! {
     }
 
     #[test]
-    fn the_border_pays_what_the_strips_cost_and_undoes_what_it_tried(polygons in polygons(false, 1..8), places in 3..20_u32) {
+    fn the_active_front_prices_strips_exactly_after_any_simulation(
+        polygons in polygons(false, 1..8),
+        entry_count in 3..20_u32,
+    ) {
         let mesh = mesh(&polygons);
         let prepared = PreparedFaces::new(&mesh, false);
         let graph = DualGraph::new(prepared.faces());
-        let guide = sequential::plan(&prepared, &graph);
-        for (growth, weights) in [(BALANCED[0], [1, 0]), (BALANCED[1], [1, 0]), (FEW_MISSES[0], [0, 1])] {
+        let seed_plan = sequential::plan(&prepared, &graph);
+        let [balanced, misses] = [Objective::Balanced, Objective::Misses].map(GrowthPolicy::all);
+        for (policy, weights) in [(balanced[0], [1, 0]), (balanced[1], [1, 0]), (misses[0], [0, 1])] {
             let weights = Weights { index: weights[0], miss: weights[1] };
-            let growth = Growth { weights, ..growth };
-            let triangulation = &guide.triangulation;
-            let buffer = VertexCache::fifo(places);
-            let border = Border::new(triangulation, FifoTrial::new(places, prepared.vertex_count()), weights);
-            let due = border.due();
-            let cover = (growth.guide != Guide::None).then_some(&guide.cover);
-            let mut grower = super::Grower::new(border, growth, cover);
+            let policy = policy.with_weights(weights);
+            let triangulation = &seed_plan.triangulation;
+            let vertex_cache = VertexCache::fifo(entry_count);
+            let cache = SpeculativeFifo::new(entry_count, prepared.vertex_count());
+            let front = ActiveFront::new(triangulation, cache, weights);
+            let anticipated = front.anticipated_cost();
+            let cover = (policy.seeds != SeedStrips::None).then_some(&seed_plan.cover);
+            let mut grower = StripGrower::new(front, policy, cover);
             let (cover, order) = grower.run();
             let plan = StripPlan { triangulation: triangulation.clone(), cover, order: Some(order) };
             let strips = plan.strips();
-            let paid = grower.border().cost() + due;
+            let paid = grower.front().cost() + anticipated;
             if weights.index > 0 {
                 prop_assert_eq!(paid.unsigned_abs() as usize, strips.vertices_sent() + strips.len());
             } else {
-                let misses = VertexCacheStatistics::of(&priced(&strips), buffer, FlushPolicy::Keep, prepared.vertex_count()).misses;
+                let misses = VertexCacheStatistics::of(&priced(&strips), vertex_cache, FlushPolicy::Keep, prepared.vertex_count()).misses;
                 prop_assert_eq!(paid.unsigned_abs() as usize, misses);
             }
         }
@@ -112,9 +117,9 @@ proptest! {
 
 proptest! {
     #[test]
-    fn exchanges_save_what_they_say_they_save(
+    fn annealing_reports_the_cost_that_it_saves(
         polygons in polygons(false, 1..8),
-        places in 1..20_u32,
+        entry_count in 1..20_u32,
         seed in any::<u64>(),
         weights in prop::sample::select(vec![[1, 0], [0, 1], [3, 2]]),
         hottest in 0.2..9.0_f64,
@@ -122,12 +127,12 @@ proptest! {
         let mesh = mesh(&polygons);
         let prepared = PreparedFaces::new(&mesh, false);
         let graph = DualGraph::new(prepared.faces());
-        let buffer = VertexCache::fifo(places);
-        let start = plan(&prepared, &graph, &options(Objective::Balanced, buffer)).unwrap();
+        let vertex_cache = VertexCache::fifo(entry_count);
+        let start = plan(&prepared, &graph, &options(Objective::Balanced, vertex_cache)).unwrap();
         let order = start.order.as_ref().unwrap();
         let weights = Weights { index: weights[0], miss: weights[1] };
-        let price = |plan: &StripPlan<'_>| super::price(plan, buffer, weights, prepared.vertex_count());
-        let mut sequence = Sequence::new(&start.triangulation, &start.cover, order, places, weights);
+        let price = |plan: &StripPlan<'_>| super::price(plan, vertex_cache, weights, prepared.vertex_count());
+        let mut sequence = StripSequence::new(&start.triangulation, &start.cover, order, entry_count, weights);
         let mut reported = (0, 0);
         for run in 0..3 {
             let mut random = Random::new(seed ^ run);
@@ -139,7 +144,7 @@ proptest! {
             let found = StripPlan { triangulation: start.triangulation.clone(), cover, order: Some(order) };
             prop_assert_eq!(found.cover.check(found.triangulation.graph()), Ok(()));
             prop_assert!(verify(&mesh, &found.strips()).is_ok());
-            // What is told before the next run is what all before it saved.
+            // The next run first reports what all previous runs saved.
             sequence.anneal(&mut random, 0, [0.1, 0.1], |_, strips, saved| {
                 reported = (strips, saved);
                 true
@@ -151,26 +156,30 @@ proptest! {
 }
 
 #[test]
-fn a_sheet_is_drawn_row_by_row_at_few_misses() {
-    let mesh = sheet(60, 60);
+fn a_grid_has_few_misses() {
+    let mesh = grid(60, 60);
     let sizes = [
         (VertexCache::fifo(16), 0.60, 1.35),
         (VertexCache::fifo(32), 0.56, 1.2),
         (VertexCache::lru(16), 0.68, 1.6),
     ];
-    for (buffer, most_misses, most_indices) in sizes {
-        let strips = strips(&mesh, &options(Objective::Misses, buffer));
-        let used = VertexCacheStatistics::of(&strips, buffer, FlushPolicy::Keep, mesh.vertex_count());
+    for (vertex_cache, most_misses, most_indices) in sizes {
+        let strips = strips(&mesh, &options(Objective::Misses, vertex_cache));
+        let used = VertexCacheStatistics::of(&strips, vertex_cache, FlushPolicy::Keep, mesh.vertex_count());
         let indices = Metrics::of(&strips).indices_restart_per_triangle();
-        assert!(used.acmr() < most_misses && indices < most_indices, "{buffer}: {} {indices}", used.acmr());
+        assert!(
+            used.acmr() < most_misses && indices < most_indices,
+            "{vertex_cache}: {} {indices}",
+            used.acmr()
+        );
     }
 }
 
 #[test]
-fn preferences_trade_indices_for_misses() {
-    let mesh = sheet(40, 40);
-    let [indices, balanced, misses] = PREFERENCES.map(|prefer| {
-        let strips = strips(&mesh, &options(prefer, VertexCache::default()));
+fn objectives_trade_indices_for_misses() {
+    let mesh = grid(40, 40);
+    let [indices, balanced, misses] = OBJECTIVES.map(|objective| {
+        let strips = strips(&mesh, &options(objective, VertexCache::default()));
         let used = VertexCacheStatistics::of(
             &strips,
             VertexCache::default(),
@@ -185,7 +194,7 @@ fn preferences_trade_indices_for_misses() {
 
 #[test]
 fn joining_by_degenerate_triangles_keeps_the_order() {
-    let mesh = sheet(40, 40);
+    let mesh = grid(40, 40);
     let strips = strips(&mesh, &options(Objective::Misses, VertexCache::default()));
     let mut joined = Strips::default();
     joined.push(&strips.to_degenerate());
@@ -198,18 +207,18 @@ fn joining_by_degenerate_triangles_keeps_the_order() {
 }
 
 #[test]
-fn a_watcher_ends_the_search_with_what_there_is() {
-    struct Never;
-    impl Watch for Never {
+fn a_stopped_search_returns_its_start() {
+    struct StopAtOnce;
+    impl Watch for StopAtOnce {
         fn go_on(&self, _: Progress) -> bool {
             false
         }
     }
-    let mesh = sheet(20, 20);
+    let mesh = grid(20, 20);
     let prepared = PreparedFaces::new(&mesh, false);
     let graph = DualGraph::new(prepared.faces());
     let most = options(Objective::Balanced, VertexCache::default()).with_effort(Effort::MAX);
-    let stopped = super::plan(&prepared, &graph, &most, &Never).strips();
+    let stopped = super::plan(&prepared, &graph, &most, &StopAtOnce).strips();
     let least = strips(
         &mesh,
         &options(Objective::Balanced, VertexCache::default()).with_effort(Effort::new(0).unwrap()),
@@ -218,12 +227,9 @@ fn a_watcher_ends_the_search_with_what_there_is() {
 }
 
 #[test]
-fn nothing_makes_no_strip() {
+fn an_empty_mesh_has_no_strips() {
     let mesh = Mesh::new(vec![], Faces::from_triangles(vec![]).unwrap()).unwrap();
-    for prefer in PREFERENCES {
-        assert!(strips(&mesh, &options(prefer, VertexCache::fifo(1))).is_empty());
+    for objective in OBJECTIVES {
+        assert!(strips(&mesh, &options(objective, VertexCache::fifo(1))).is_empty());
     }
-    let prepared = PreparedFaces::new(&mesh, false);
-    let graph = DualGraph::new(prepared.faces());
-    assert!(Triangulation::of_triangles(&prepared, &graph).is_some());
 }

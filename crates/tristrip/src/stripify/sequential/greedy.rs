@@ -58,12 +58,9 @@ impl RunCost {
 impl<T: MutableTriangulation> GreedyStripper<T> {
     /// Creates a stripper of a triangulation. All triangles are free.
     pub(super) fn new(triangulation: T, policy: Policy) -> Self {
-        let graph = triangulation.graph();
-        let neighbour_count = |t: u32| (3 * t..3 * t + 3).filter(|&h| graph.twin_of(h).is_some()).count();
-        let triangle_count = graph.face_count() as u32;
-        let free: Vec<u8> = (0..triangle_count).map(|t| neighbour_count(t) as u8).collect();
+        let free: Vec<u8> = triangulation.graph().neighbour_counts().collect();
         let mut candidates: [(Vec<u32>, usize); 3] = Default::default();
-        for t in (0..triangle_count).rev() {
+        for t in (0..free.len() as u32).rev() {
             if let Some((list, _)) = candidates.get_mut(usize::from(free[t as usize])) {
                 list.push(t);
             }
