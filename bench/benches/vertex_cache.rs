@@ -1,9 +1,9 @@
-//! Simulated vertex buffers on the strips of `sequential`, in indices a second: one buffer, eight FIFO ones, all LRU
-//! ones in one pass, the generalized mesh. The misses of all ways are compared first.
+//! Simulated vertex caches on the strips of `sequential`, in indices per second: one cache, eight FIFO caches, all LRU sizes
+//! in one pass, the generalized mesh. The misses of all simulators are compared first.
 #![allow(
     missing_docs,
     clippy::expect_used,
-    reason = "criterion's macros; a benchmark that cannot be set up stops"
+    reason = "criterion's macros; a benchmark that cannot be set up panics"
 )]
 
 use std::hint::black_box;
@@ -13,21 +13,21 @@ use tristrip::strip::{Between, Buffer, BufferUse, GeneralizedCost, Metrics, Vert
 use tristrip::{Method, Options, Strips, stripify};
 use tristrip_bench::models::{default_folder, find, load};
 
-/// Those of the folder that there are.
+/// Measured if they are in the folder.
 const MODELS: [&str; 3] = ["hand", "bunny", "dragon"];
 
-fn misses(strips: &Strips, buffer: Buffer, vertex_count: usize) -> usize {
-    let mut queue = VertexBuffer::new(buffer, vertex_count);
+fn misses(strips: &Strips, cache: Buffer, vertex_count: usize) -> usize {
+    let mut queue = VertexBuffer::new(cache, vertex_count);
     queue.send_all(black_box(strips.vertices()));
     queue.misses()
 }
 
-fn buffers(criterion: &mut Criterion) {
+fn vertex_caches(criterion: &mut Criterion) {
     let sources = find(&default_folder()).expect("a folder of models");
     for source in sources.iter().filter(|source| MODELS.contains(&source.name.as_str())) {
         let mesh = load(source).expect("a readable model").triangles;
         let options = Options::default().with_method(Method::Sequential);
-        let strips = stripify(&mesh, &options).expect("options that make sense");
+        let strips = stripify(&mesh, &options).expect("valid options");
         let count = mesh.vertex_count();
         let eight = [4, 6, 8, 12, 16, 24, 32, 64];
         let fifo = eight.map(Buffer::fifo);
@@ -40,14 +40,13 @@ fn buffers(criterion: &mut Criterion) {
         let two = GeneralizedCost::of(&strips, Buffer::fifo(2), Between::Flush, count);
         assert_eq!(two.transmitted, Metrics::of(&strips).gl_cost);
 
-        let mut group = criterion.benchmark_group(format!("{}, buffers", source.name));
+        let mut group = criterion.benchmark_group(format!("{}, vertex caches", source.name));
         group.throughput(Throughput::Elements(strips.vertices_sent() as u64)).sample_size(20);
-        for buffer in
-            [Buffer::fifo(16), Buffer::fifo(64), Buffer::lru(16), Buffer::lru(64), Buffer::lru(4096)]
+        for cache in [Buffer::fifo(16), Buffer::fifo(64), Buffer::lru(16), Buffer::lru(64), Buffer::lru(4096)]
         {
-            group.bench_function(buffer.to_string(), |b| b.iter(|| misses(&strips, buffer, count)));
+            group.bench_function(cache.to_string(), |b| b.iter(|| misses(&strips, cache, count)));
         }
-        let all = |buffer| BufferUse::of(&strips, buffer, Between::Keep, count);
+        let all = |cache| BufferUse::of(&strips, cache, Between::Keep, count);
         group.bench_function("fifo:16 with triangles", |b| b.iter(|| all(Buffer::fifo(16))));
         group.bench_function("8 fifo", |b| {
             b.iter(|| BufferUse::of_each(&strips, &fifo, Between::Keep, count))
@@ -62,5 +61,5 @@ fn buffers(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, buffers);
+criterion_group!(benches, vertex_caches);
 criterion_main!(benches);
