@@ -29,4 +29,5 @@ pub use error::{Error, MeshProblem};
 pub use mesh::{Attribute, AttributeData, Faces, Mesh, Surface};
 pub use simplify::CollapseSequence;
 pub use strip::{Layout, Strips};
+pub use stripify::random;
 pub use stripify::{FaceTriangulation, Method, Options, Patches, Ties, stripify};

@@ -7,7 +7,7 @@ pub mod bound;
 mod cache;
 mod fewest;
 pub mod input;
-pub(crate) mod random;
+pub mod random;
 pub(crate) mod refine;
 pub mod sequential;
 pub mod sgi;
