@@ -7,6 +7,8 @@
 //! # References
 //! Cignoni, Rocchini, Scopigno: *Metro: Measuring Error on Simplified Surfaces*, 1998.
 
+use tristrip::random::Random;
+
 type Point = [f64; 3];
 
 /// Grid cells along the longest side.
@@ -127,11 +129,8 @@ fn mean_square(from: &[[Point; 3]], to: &CellGrid<'_>, points: usize) -> f64 {
     let areas: Vec<f64> =
         from.iter().map(|&[a, b, c]| cross(sub(b, a), sub(c, a))).map(|n| dot(n, n).sqrt()).collect();
     let total: f64 = areas.iter().sum();
-    let mut seed = 1_u64;
-    let mut uniform = || {
-        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (seed >> 11) as f64 / (1_u64 << 53) as f64
-    };
+    let mut random = Random::new(1);
+    let mut uniform = || (random.next() >> 11) as f64 / (1_u64 << 53) as f64;
     let (mut sum, mut count, mut due) = (0.0, 0_usize, 0.0);
     for (&[a, b, c], area) in from.iter().zip(&areas) {
         due += area / total * points as f64;
