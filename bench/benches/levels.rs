@@ -1,10 +1,10 @@
-//! Levels of detail over the strips of STRIPE, with a base mesh of 5 % of the triangles: filters in entries a second over 21
-//! levels, vertex splits a second from the base mesh to the full one, and the traffic of all levels. Each level's
+//! Levels of detail over the strips of STRIPE, with a base mesh of 5 % of the triangles: filters in entries per second over 21
+//! levels, vertex splits per second from the base mesh to the full one, and the traffic of all levels. Each level's
 //! triangles are compared with the oracle's first.
 #![allow(
     missing_docs,
     clippy::expect_used,
-    reason = "criterion's macros; a benchmark that cannot be set up stops"
+    reason = "criterion's macros; a benchmark that cannot be set up panics"
 )]
 
 use std::hint::black_box;
@@ -17,12 +17,12 @@ use tristrip::verify::verify_drawing;
 use tristrip::{CollapseSequence, Faces, Method, StripifyOptions, Strips, stripify};
 use tristrip_bench::models::{default_folder, find, load};
 
-/// Those of the folder that there are.
+/// Measured if they are in the folder.
 const MODELS: [&str; 3] = ["cow", "hand", "bunny"];
 
 const LEVELS: usize = 20;
 
-/// The decoded maps of levels over the whole sequence, of which every filter draws what the oracle draws.
+/// Returns the decoded index maps of levels over the whole sequence, after checking that every filter draws what the oracle draws.
 fn proven_maps(strips: &Strips, sequence: &CollapseSequence) -> Vec<Vec<u32>> {
     let mut model = ProgressiveStrips::new(strips, sequence, Encoding::Offsets).expect("a model of strips");
     let map_of = |step: usize| {
@@ -47,7 +47,7 @@ fn levels(criterion: &mut Criterion) {
         let fed = load(source).expect("a readable model");
         let mesh = fed.polygons.unwrap_or(fed.triangles);
         let options = StripifyOptions::default().with_method(Method::STRIPE);
-        let strips = stripify(&mesh, &options).expect("options that make sense");
+        let strips = stripify(&mesh, &options).expect("valid options");
         let list = strips.to_list();
         let goal = simplify::SimplifyOptions::default().with_triangles(list.len() / 60);
         let sequence = simplify(&mesh, list, &goal).expect("a mesh that can be simplified").sequence;

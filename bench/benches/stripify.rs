@@ -1,9 +1,9 @@
-//! The stages of `sequential` one by one, on models of the repository: dual graph, plan, strips, proof; and the searches' plans on
-//! a small one. Each answer is proven first.
+//! The stages of `sequential` one by one, on models of the repository: dual graph, plan, strips, proof; and the plans of the searches
+//! on a small one. Each result is proven first.
 #![allow(
     missing_docs,
     clippy::expect_used,
-    reason = "criterion's macros; a benchmark that cannot be set up stops"
+    reason = "criterion's macros; a benchmark that cannot be set up panics"
 )]
 
 use std::hint::black_box;
@@ -15,7 +15,7 @@ use tristrip::strip::emit;
 use tristrip::stripify::plan;
 use tristrip::verify::verify;
 use tristrip::{DualGraph, Mesh, Method, PreparedFaces, StripifyOptions};
-use tristrip_bench::methods::Named;
+use tristrip_bench::methods::NamedMethod;
 use tristrip_bench::models::{Source, load};
 
 const MODELS: [&str; 3] = ["wingnut", "self_intersect_a", "hand"];
@@ -33,7 +33,7 @@ fn stages(criterion: &mut Criterion) {
         let mesh = mesh_of(name);
         let surface = PreparedFaces::new(&mesh, false);
         let graph = DualGraph::new(surface.faces());
-        let chosen = plan(&surface, &graph, &options).expect("options that make sense");
+        let chosen = plan(&surface, &graph, &options).expect("valid options");
         let strips = chosen.strips();
         assert_eq!(graph.check(), Ok(()));
         assert_eq!(chosen.cover.check(chosen.triangulation.graph()), Ok(()));
@@ -56,8 +56,8 @@ fn searches(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group(format!("{SEARCHED}, searches"));
     group.throughput(Throughput::Elements(mesh.faces().face_count() as u64)).sample_size(10);
     for (method, effort) in [(Method::Best, 1), (Method::Fewest, 0)] {
-        let Named { name, options } = Named::search(method, effort, Cost::Restart);
-        let chosen = plan(&surface, &graph, &options).expect("options that make sense");
+        let NamedMethod { name, options } = NamedMethod::search(method, effort, Cost::Restart);
+        let chosen = plan(&surface, &graph, &options).expect("valid options");
         assert!(verify(&mesh, &chosen.strips()).is_ok());
         group.bench_function(name, |b| b.iter(|| plan(black_box(&surface), &graph, &options)));
     }

@@ -1,4 +1,4 @@
-//! The checks of one real model: every method proven, the same bytes with any number of threads, and files for a checker that
+//! Checks of one real model: every method proven, the same bytes with any number of threads, and files for a checker that
 //! shares no code with the library.
 
 use std::collections::HashSet;
@@ -12,69 +12,70 @@ use tristrip::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
 use tristrip::{Layout, StripifyOptions, Strips, stripify};
 use tristrip_io::{Drawing, Format, Model, Part, read_path, write};
 
-use crate::methods::{Named, all_methods, main_methods};
+use crate::failure::Failure;
+use crate::levels;
+use crate::methods::{NamedMethod, all_methods, main_methods};
 use crate::models::Source;
-use crate::{Failure, levels};
 
 /// Thread counts that must give the same bytes.
 pub const THREADS: [usize; 3] = [1, 2, 7];
-/// Models of more triangles are checked with one method of each family only.
+/// Models with more triangles are checked with only one method of each family.
 pub const LARGE: usize = 300_000;
-/// Models of more triangles are written with one method of each family only, unless all files are asked for.
+/// Models with more triangles are written with only one method of each family, unless all files are requested.
 pub const MEDIUM: usize = 16_000;
-/// Models of at most so many triangles are written in every kind of file.
+/// Models with at most this number of triangles are written in every kind of file.
 pub const SMALL: usize = 8_000;
 
-/// Faults of a part's levels that are told.
-const MOST_FAULTS: usize = 3;
+/// How many problems of a part's levels are reported.
+const MOST_PROBLEMS: usize = 3;
 
-/// A kind of file: format, layout, and its part of the file name.
-type Kind = (Format, Layout, &'static str);
-const KINDS: [Kind; 5] = [
+/// A kind of file: format, layout, and file name suffix.
+type FileKind = (Format, Layout, &'static str);
+const FILE_KINDS: [FileKind; 5] = [
     (Format::Glb, Layout::Degenerate, "degenerate.glb"),
     (Format::Glb, Layout::Restart, "restart.glb"),
     (Format::Ply, Layout::Restart, "restart.ply"),
     (Format::Glb, Layout::List, "list.glb"),
     (Format::Glb, Layout::Separate, "separate.glb"),
 ];
-/// The kinds that larger models take turns in: not a primitive a strip, which makes documents of megabytes.
+/// The kinds among which larger models alternate: not one primitive per strip, which makes documents of megabytes.
 const COMPACT_KINDS: usize = 4;
 
-/// What was checked of a model.
+/// The result of checking a model.
 #[derive(Debug, Default)]
-pub struct Checked {
-    /// Results that `verify` has proven, one a method.
+pub struct CheckedModel {
+    /// Results that `verify` has proven, one per method.
     pub proven: usize,
-    /// Results of which all thread counts gave the same bytes.
+    /// Results with the same bytes for all thread counts.
     pub identical: usize,
-    /// Levels of detail at which all drawings were the oracle's.
+    /// Levels of detail at which all drawn triangles were the oracle's.
     pub levels: usize,
     /// Files for the checker.
     pub files: Vec<PathBuf>,
-    /// One line per result: model, method or part, what of it, and a hash; empty unless asked for.
+    /// One line per result: model, method or part, aspect, and a hash; empty unless requested.
     pub hashes: Vec<String>,
-    /// What went wrong, in words.
-    pub faults: Vec<String>,
+    /// Descriptions of the problems found.
+    pub problems: Vec<String>,
 }
 
-/// Pools of as many threads as [`THREADS`] says, made once.
-pub struct Pools(Vec<rayon::ThreadPool>);
+/// One thread pool for each number of [`THREADS`], reused for all models.
+pub struct ThreadPools(Vec<rayon::ThreadPool>);
 
-impl Pools {
+impl ThreadPools {
     /// Starts the threads.
     ///
     /// # Errors
-    /// The system has none left.
+    /// The system cannot start more threads.
     pub fn new() -> Result<Self, Failure> {
         let pool = |count| rayon::ThreadPoolBuilder::new().num_threads(count).build();
         Ok(Self(THREADS.into_iter().map(pool).collect::<Result<_, _>>()?))
     }
 }
 
-/// What a check does beyond proving the results.
+/// What a check does besides proving the results.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Extra {
-    /// Writes one file per method, whatever the model's size.
+pub struct CheckOptions {
+    /// Writes one file per method, regardless of the model's size.
     pub all_files: bool,
     /// Hashes every index buffer, file and level of detail, so that two versions of the program can be compared.
     pub hashes: bool,
@@ -90,20 +91,25 @@ pub fn hash_of(value: impl Hash) -> String {
 /// Checks a model with every method, and writes files into a folder.
 ///
 /// # Errors
-/// The model cannot be read, or a file not be written.
-pub fn check(source: &Source, pools: &Pools, folder: &Path, extra: Extra) -> Result<Checked, Failure> {
+/// The model cannot be read, or a file cannot be written.
+pub fn check(
+    source: &Source,
+    pools: &ThreadPools,
+    folder: &Path,
+    extra: CheckOptions,
+) -> Result<CheckedModel, Failure> {
     let model = read_path(&source.path).map_err(|error| format!("{}: {error}", source.path.display()))?;
     let triangles: usize = model.parts.iter().map(|part| part.mesh.faces().triangle_count()).sum();
     let methods = if triangles > LARGE { main_methods() } else { all_methods() };
     let families: HashSet<String> = main_methods().into_iter().map(|m| m.name).collect();
-    let mut checked = Checked::default();
-    for (turn, Named { name, options }) in methods.iter().enumerate() {
+    let mut checked = CheckedModel::default();
+    for (turn, NamedMethod { name, options }) in methods.iter().enumerate() {
         let say = |what: &str| format!("{}, {name}: {what}", source.name);
         let is_main = families.contains(name);
-        let kinds: Vec<Kind> = match triangles {
-            0..=SMALL if is_main => KINDS.to_vec(),
-            0..=MEDIUM => vec![KINDS[turn % COMPACT_KINDS]],
-            _ if is_main || extra.all_files => vec![KINDS[turn % COMPACT_KINDS]],
+        let kinds: Vec<FileKind> = match triangles {
+            0..=SMALL if is_main => FILE_KINDS.to_vec(),
+            0..=MEDIUM => vec![FILE_KINDS[turn % COMPACT_KINDS]],
+            _ if is_main || extra.all_files => vec![FILE_KINDS[turn % COMPACT_KINDS]],
             _ => Vec::new(),
         };
         let results = pools.0.iter().map(|pool| {
@@ -114,12 +120,12 @@ pub fn check(source: &Source, pools: &Pools, folder: &Path, extra: Extra) -> Res
         let mut results = results.collect::<Result<Vec<_>, Failure>>()?;
         match prove(&model, &results[0].0) {
             Ok(()) => checked.proven += 1,
-            Err(error) => checked.faults.push(say(&error)),
+            Err(error) => checked.problems.push(say(&error)),
         }
         if results.iter().all(|result| *result == results[0]) {
             checked.identical += 1;
         } else {
-            checked.faults.push(say(&format!("not the same with {THREADS:?} threads")));
+            checked.problems.push(say(&format!("different bytes with {THREADS:?} threads")));
         }
         let (strips, written) = results.swap_remove(0);
         if extra.hashes {
@@ -139,13 +145,13 @@ pub fn check(source: &Source, pools: &Pools, folder: &Path, extra: Extra) -> Res
         let line = |hash| format!("{}\tpart {number}\t{hash}", source.name);
         checked.hashes.extend(of_part.hashes.into_iter().map(line));
         checked.levels += of_part.levels;
-        let say = |fault| format!("{}, part {number}: {fault}", source.name);
-        checked.faults.extend(of_part.faults.into_iter().take(MOST_FAULTS).map(say));
+        let say = |problem| format!("{}, part {number}: {problem}", source.name);
+        checked.problems.extend(of_part.problems.into_iter().take(MOST_PROBLEMS).map(say));
     }
     Ok(checked)
 }
 
-/// Hashes what all parts' strips come to in each layout, and in simulated vertex caches.
+/// Hashes the strips of all parts in each layout, and their misses in simulated vertex caches.
 fn index_buffers(model: &Model, strips: &[Strips]) -> [(&'static str, String); 5] {
     let of = |layout: fn(&Strips) -> Vec<u32>| hash_of(strips.iter().map(layout).collect::<Vec<_>>());
     let misses = |(part, strips): (&Part, &Strips)| {
@@ -162,7 +168,7 @@ fn index_buffers(model: &Model, strips: &[Strips]) -> [(&'static str, String); 5
     ]
 }
 
-/// Strips every part, the parts in parallel and in order, as the command does.
+/// Makes the strips of every part, in parallel and in order, as the command does.
 fn strip(model: &Model, options: &StripifyOptions) -> Result<Vec<Strips>, tristrip::Error> {
     model.parts.par_iter().map(|part| stripify(&part.mesh, options)).collect()
 }
@@ -174,7 +180,7 @@ fn prove(model: &Model, strips: &[Strips]) -> Result<(), String> {
     Ok(())
 }
 
-fn files(model: &Model, strips: &[Strips], kinds: &[Kind]) -> Result<Vec<Vec<u8>>, tristrip_io::Error> {
+fn files(model: &Model, strips: &[Strips], kinds: &[FileKind]) -> Result<Vec<Vec<u8>>, tristrip_io::Error> {
     let drawings: Vec<Drawing<'_>> = strips.iter().map(Drawing::Strips).collect();
     kinds.iter().map(|&(format, layout, _)| write(model, &drawings, format, layout)).collect()
 }
@@ -190,11 +196,11 @@ mod tests {
         let folder = std::env::temp_dir().join(format!("tristrip-corpus-{}", std::process::id()));
         fs::create_dir_all(&folder).unwrap();
         let source = Source { name: "fish_control".into(), path };
-        let checked = check(&source, &Pools::new().unwrap(), &folder, Extra::default()).unwrap();
-        assert_eq!(checked.faults, Vec::<String>::new());
+        let checked = check(&source, &ThreadPools::new().unwrap(), &folder, CheckOptions::default()).unwrap();
+        assert_eq!(checked.problems, Vec::<String>::new());
         assert_eq!((checked.proven, checked.identical), (all_methods().len(), all_methods().len()));
         let mains = main_methods().len();
-        assert_eq!(checked.files.len(), mains * KINDS.len() + all_methods().len() - mains);
+        assert_eq!(checked.files.len(), mains * FILE_KINDS.len() + all_methods().len() - mains);
         fs::remove_dir_all(folder).unwrap();
     }
 }

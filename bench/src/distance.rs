@@ -1,22 +1,24 @@
-//! How far two surfaces of triangles are from each other: the root of the mean squared distance, both ways.
+//! Distance of two triangle meshes: the two-sided root mean square distance.
 //!
-//! Points are spread over one surface by area, each triangle's share of them at places that a seeded generator draws; for each the nearest
-//! point of the other surface is looked for in a grid of cells, shell after shell. The mean of both ways, as a share of the
-//! diagonal of the first surface's box, is what the peers were measured by.
+//! Points are sampled on one surface in proportion to area, with a seeded generator; the nearest point of the other surface is searched
+//! in a uniform grid, shell after shell. The mean of both directions, as a fraction of the diagonal of the first surface's bounding box,
+//! is the measure that the peers were compared by.
 //!
 //! # References
 //! Cignoni, Rocchini, Scopigno: *Metro: Measuring Error on Simplified Surfaces*, 1998.
 
+use tristrip::random::Random;
+
 type Point = [f64; 3];
 
-/// Cells along the longest side.
+/// Grid cells along the longest side.
 const CELLS: usize = 64;
 
-/// Gives the two-sided distance of `other` from `surface`, index buffers over the same vertices, as a share of the diagonal of
-/// the first one's box, by so many points each way; no number where one of them has no area.
+/// Returns the two-sided distance of `other` from `surface`, index buffers over the same vertices, as a fraction of the diagonal of
+/// the first one's bounding box, with `points` samples in each direction; NaN if one of them has no area.
 ///
 /// # Panics
-/// An index is of no position.
+/// An index has no position.
 pub fn two_sided_rms(surface: &[u32], other: &[u32], positions: &[[f32; 3]], points: usize) -> f64 {
     let at = |v: u32| positions[v as usize].map(f64::from);
     let bounds = Bounds::of(surface.iter().map(|&v| at(v)));
@@ -24,8 +26,10 @@ pub fn two_sided_rms(surface: &[u32], other: &[u32], positions: &[[f32; 3]], poi
         indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]].map(at)).collect()
     };
     let (a, b) = (triangles(surface), triangles(other));
-    let (there, back) =
-        (mean_square(&a, &Grid::new(&b, &bounds), points), mean_square(&b, &Grid::new(&a, &bounds), points));
+    let (there, back) = (
+        mean_square(&a, &CellGrid::new(&b, &bounds), points),
+        mean_square(&b, &CellGrid::new(&a, &bounds), points),
+    );
     f64::midpoint(there, back).sqrt() / bounds.diagonal()
 }
 
@@ -49,17 +53,17 @@ impl Bounds {
     }
 }
 
-/// Triangles by the cells that their boxes meet.
-struct Grid<'a> {
+/// Triangles by the grid cells that their bounding boxes overlap.
+struct CellGrid<'a> {
     triangles: &'a [[Point; 3]],
     low: Point,
     side: f64,
-    /// The triangles of each cell, one cell after the other, and where each begins.
+    /// The triangles of each cell, one cell after the other; `starts` has the first of each.
     members: Vec<u32>,
     starts: Vec<u32>,
 }
 
-impl<'a> Grid<'a> {
+impl<'a> CellGrid<'a> {
     fn new(triangles: &'a [[Point; 3]], bounds: &Bounds) -> Self {
         let longest = (0..3).map(|k| bounds.high[k] - bounds.low[k]).fold(0.0, f64::max);
         let side = (longest / CELLS as f64 * 1.000_1).max(f64::MIN_POSITIVE);
@@ -87,7 +91,7 @@ impl<'a> Grid<'a> {
         [0, 1, 2].map(|k| (((p[k] - self.low[k]) / self.side).max(0.0) as usize).min(CELLS - 1))
     }
 
-    /// Gives the squared distance to the nearest triangle.
+    /// Returns the squared distance to the nearest triangle.
     fn nearest(&self, p: Point) -> f64 {
         let center = self.cell(p);
         let mut least = f64::INFINITY;
@@ -108,7 +112,7 @@ impl<'a> Grid<'a> {
                     }
                 }
             }
-            // Nothing in a farther shell is nearer than the shells passed are wide.
+            // A farther shell has nothing nearer than the width of the shells searched.
             if least.sqrt() <= shell as f64 * self.side {
                 break;
             }
@@ -121,21 +125,18 @@ fn number([x, y, z]: [usize; 3]) -> u32 {
     ((x * CELLS + y) * CELLS + z) as u32
 }
 
-fn mean_square(from: &[[Point; 3]], to: &Grid<'_>, points: usize) -> f64 {
+fn mean_square(from: &[[Point; 3]], to: &CellGrid<'_>, points: usize) -> f64 {
     let areas: Vec<f64> =
         from.iter().map(|&[a, b, c]| cross(sub(b, a), sub(c, a))).map(|n| dot(n, n).sqrt()).collect();
     let total: f64 = areas.iter().sum();
-    let mut seed = 1_u64;
-    let mut random = || {
-        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (seed >> 11) as f64 / (1_u64 << 53) as f64
-    };
+    let mut random = Random::new(1);
+    let mut uniform = || (random.next() >> 11) as f64 / (1_u64 << 53) as f64;
     let (mut sum, mut count, mut due) = (0.0, 0_usize, 0.0);
     for (&[a, b, c], area) in from.iter().zip(&areas) {
         due += area / total * points as f64;
         while due >= 1.0 {
             due -= 1.0;
-            let (u, v) = (random(), random());
+            let (u, v) = (uniform(), uniform());
             let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
             sum += to.nearest([0, 1, 2].map(|k| a[k] + u * (b[k] - a[k]) + v * (c[k] - a[k])));
             count += 1;
@@ -144,8 +145,8 @@ fn mean_square(from: &[[Point; 3]], to: &Grid<'_>, points: usize) -> f64 {
     if count == 0 { 0.0 } else { sum / count as f64 }
 }
 
-/// Gives the squared distance from a point to a triangle (Ericson: *Real-Time Collision Detection*, 2005, section 5.1.5: by the region
-/// that the point projects into).
+/// Returns the squared distance from a point to a triangle (Ericson: *Real-Time Collision Detection*, 2005, section 5.1.5: by the region
+/// of the point's projection).
 fn to_triangle(p: Point, [a, b, c]: [Point; 3]) -> f64 {
     let (ab, ac, ap) = (sub(b, a), sub(c, a), sub(p, a));
     let square = |q: Point| dot(sub(p, q), sub(p, q));
@@ -204,7 +205,7 @@ mod tests {
         let found = two_sided_rms(&low, &high, &positions, 1000) * 2.0_f64.sqrt();
         assert!((found - 0.1).abs() < 1e-6, "{found}");
         assert!(two_sided_rms(&low, &low, &positions, 1000) < 1e-9);
-        // Half of the other is missing: over it the squared distance to the edge is 1/12 in the mean.
+        // Half of the other square is missing: the mean squared distance to its edge is 1/12 there.
         let half = two_sided_rms(&low, &high[..3], &positions, 4000) * 2.0_f64.sqrt();
         let expected = f64::midpoint(0.01 + 1.0 / 24.0, 0.01).sqrt();
         assert!((half - expected).abs() < 0.01, "{half} of {expected}");

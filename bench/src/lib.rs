@@ -1,35 +1,33 @@
-//! What the benchmarks and the corpus checks share: models as the peers had them, methods by name, peers in the same run, the
-//! memory and the time of a call, and the bars that the project holds itself to.
+//! What the benchmarks and the corpus checks share: models as the peers were given them, methods by name, meshoptimizer in the same run,
+//! memory and time of a call, and the targets of the project.
 //!
 //! ```text
-//! models ─▶ measure ─▶ Outcome ─┬─▶ text (tables to read)
-//!  methods ─▶ │                 ├─▶ docs (tables to keep)
-//!  rivals ──▶ │ proof, then     └─▶ bars ─▶ met or not
+//! models ─▶ measure ─▶ Outcome ─┬─▶ text (tables on the terminal)
+//!  methods ─▶ │                 ├─▶ docs (generated pages)
+//!  meshoptimizer ▶ proof, then  └─▶ targets ─▶ met or not
 //!  memory ──▶ │ times
-//!          searches ─▶ Searched: the same of long searches, with bounds and what was published
-//!          buffers ──▶ Buffered: indices and misses of a vertex buffer, ours and meshoptimizer's
+//!          searches ─▶ SearchResults: the same for long searches, with bounds and published figures
+//!          vertex_caches ─▶ CacheResults: indices and misses, ours and meshoptimizer's
 //! ```
 //!
-//! No time is shown of an answer that was not proven before.
+//! No time is shown for a result that was not proven before.
 
 #![deny(unsafe_code)]
 
-pub mod bars;
-pub mod buffers;
 pub mod corpus;
 pub mod distance;
 pub mod docs;
+pub mod failure;
 pub mod levels;
 pub mod measure;
 pub mod memory;
+pub mod meshoptimizer;
 pub mod methods;
 pub mod models;
 pub mod papers;
 pub mod peers;
-pub mod rivals;
 pub mod scaling;
 pub mod searches;
+pub mod targets;
 pub mod text;
-
-/// Anything that stops a benchmark, with what it was about.
-pub type Failure = Box<dyn std::error::Error + Send + Sync>;
+pub mod vertex_caches;

@@ -1,4 +1,4 @@
-//! Runs the benchmarks: every model of a folder, every method and rival in the same run, each answer proven before its time is
+//! Runs the benchmarks: every model of a folder, every method and theirs in the same run, each answer proven before its time is
 //! printed.
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "a program that prints")]
 
@@ -7,47 +7,48 @@ use std::path::PathBuf;
 
 use clap::Parser;
 use serde::Serialize;
-use tristrip_bench::bars::{self, Bar};
-use tristrip_bench::buffers::{self, Buffered};
-use tristrip_bench::measure::{Outcome, Plan, measure};
-use tristrip_bench::memory::Counting;
+use tristrip_bench::failure::Failure;
+use tristrip_bench::measure::{MeasurePlan, Outcome, measure};
+use tristrip_bench::memory::CountingAllocator;
 use tristrip_bench::methods::{all_methods, main_methods};
 use tristrip_bench::models::{self, Source};
 use tristrip_bench::scaling::{Scaling, scale};
-use tristrip_bench::searches::{self, Depth, Searched};
-use tristrip_bench::{Failure, docs, peers, text};
+use tristrip_bench::searches::{self, SearchEffort, SearchResults};
+use tristrip_bench::targets::{self, Target};
+use tristrip_bench::vertex_caches::{self, CacheResults};
+use tristrip_bench::{docs, peers, text};
 
 #[global_allocator]
-static ALLOCATOR: Counting = Counting;
+static ALLOCATOR: CountingAllocator = CountingAllocator;
 
-/// The models of a run that only shows that everything still works.
+/// The models of a smoke run.
 const SMOKE: [&str; 5] = ["catmark_bishop", "fish_control", "wingnut", "milktruck", "hand"];
-/// The model that is subdivided: a scan with a free licence.
+/// The model to subdivide: a scan with a free licence.
 const SCALED: &str = "hand";
 
-/// Measures every method on real models, next to meshoptimizer in the same run.
+/// Measure every method on real models, and meshoptimizer in the same run
 #[derive(Debug, Parser)]
 #[command(version)]
 #[expect(clippy::struct_excessive_bools, reason = "flags of a command line")]
 struct Args {
     /// The folder of models [default: ../shared/models beside the checkout, else testdata/models]
     models: Option<PathBuf>,
-    /// Only this model; may be given more than once
+    /// Only this model; repeatable
     #[arg(long, value_name = "NAME")]
     model: Vec<String>,
-    /// Every variant of every method, not one of each family
+    /// Run every variant of every method, not one of each family
     #[arg(long)]
     all: bool,
-    /// Rounds of timing
+    /// Number of timed rounds
     #[arg(long, default_value_t = 9, value_name = "N", value_parser = clap::value_parser!(u8).range(1..))]
     rounds: u8,
-    /// A few small models and one round, to see that everything works
+    /// Run a few small models for one round, as a smoke test
     #[arg(long)]
     smoke: bool,
-    /// Leave out the subdivided model of millions of triangles
+    /// Skip the subdivided model of millions of triangles
     #[arg(long)]
     no_scaling: bool,
-    /// Leave out the long searches: fewest strips, cheapest indices, and indices beside misses of a vertex buffer on every model
+    /// Skip the long searches: fewest strips, cheapest indices, and indices and vertex cache misses of every model
     #[arg(long)]
     no_searches: bool,
     /// Print everything as JSON
@@ -58,23 +59,23 @@ struct Args {
     docs: Option<PathBuf>,
 }
 
-/// Everything that was measured.
+/// All measurements.
 #[derive(Serialize)]
 struct Report {
     models: Vec<Outcome>,
-    searches: Vec<Searched>,
-    buffers: Vec<Buffered>,
+    searches: Vec<SearchResults>,
+    vertex_caches: Vec<CacheResults>,
     scaling: Option<Scaling>,
-    bars: Vec<Bar>,
+    targets: Vec<Target>,
 }
 
 fn main() -> Result<(), Failure> {
     let args = Args::parse();
-    // Times are those of one thread.
+    // Times are for one thread.
     rayon::ThreadPoolBuilder::new().num_threads(1).build_global()?;
     let peers = peers::load()?;
     let sources = choose(&args)?;
-    let plan = Plan {
+    let plan = MeasurePlan {
         methods: if args.all { all_methods() } else { main_methods() },
         rounds: if args.smoke { 1 } else { usize::from(args.rounds) },
     };
@@ -87,9 +88,9 @@ fn main() -> Result<(), Failure> {
             outcomes.push(outcome);
         }
     }
-    let depth = if args.smoke { Depth::SMOKE } else { Depth::FULL };
+    let depth = if args.smoke { SearchEffort::SMOKE } else { SearchEffort::FULL };
     let papers = searches::published()?;
-    let (mut searched, mut buffered) = (Vec::new(), Vec::new());
+    let (mut searched, mut caches) = (Vec::new(), Vec::new());
     for source in sources.iter().filter(|_| !args.no_searches) {
         let name = &source.name;
         let found = searches::search(source, depth, peers.get(name), papers.get(name))?;
@@ -97,32 +98,32 @@ fn main() -> Result<(), Failure> {
             println!("{}", text::searched(&found));
         }
         searched.push(found);
-        let found = buffers::search(source)?;
+        let found = vertex_caches::search(source)?;
         if !args.json {
-            println!("{}", text::buffered(&found));
+            println!("{}", text::caches(&found));
         }
-        buffered.push(found);
+        caches.push(found);
     }
     let scaled = sources.iter().find(|s| s.name == SCALED && !args.smoke && !args.no_scaling);
     let scaling = match scaled {
         Some(source) => Some(scale(SCALED, models::load(source)?.triangles, 3)?),
         None => None,
     };
-    let bars = bars::judge(&outcomes, &searched, &buffered, scaling.as_ref());
+    let targets = targets::compare(&outcomes, &searched, &caches, scaling.as_ref());
     if let Some(dir) = &args.docs {
         fs::create_dir_all(dir)?;
-        let page = docs::page(&outcomes, (&searched, depth), &buffered, scaling.as_ref(), &bars);
+        let page = docs::page(&outcomes, (&searched, depth), &caches, scaling.as_ref(), &targets);
         fs::write(dir.join("benchmarks.md"), page)?;
     }
     if args.json {
-        let report = Report { models: outcomes, searches: searched, buffers: buffered, scaling, bars };
+        let report = Report { models: outcomes, searches: searched, vertex_caches: caches, scaling, targets };
         println!("{}", serde_json::to_string_pretty(&report)?);
         return Ok(());
     }
     if let Some(scaling) = &scaling {
         println!("{SCALED}, subdivided\n{}", text::scaling(scaling).aligned());
     }
-    println!("{}", text::bars(&bars).aligned());
+    println!("{}", text::targets(&targets).aligned());
     println!(
         "{} models, {} rows, all proven",
         sources.len(),
@@ -131,7 +132,7 @@ fn main() -> Result<(), Failure> {
     Ok(())
 }
 
-/// Lists the models to measure.
+/// Returns the models to measure.
 fn choose(args: &Args) -> Result<Vec<Source>, Failure> {
     let folder = args.models.clone().unwrap_or_else(models::default_folder);
     let mut sources = models::find(&folder)?;

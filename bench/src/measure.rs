@@ -1,11 +1,11 @@
-//! The measurement of one model: every method and every rival finds strips, they are proven, and only then timed.
+//! Measurement of one model: the strips of every method and of meshoptimizer are proven, and only then timed.
 //!
 //! # Algorithm
-//! 1. Each contender runs once, with its memory counted. Its strips are proven; a result that is wrong stops everything.
-//! 2. Rounds follow, in each of which every contender runs once, so that what disturbs the machine disturbs all of them. A
-//!    contender that has used up its share of time sits out. Each result must be the one that was proven, index by index.
-//! 3. A contender's time is the median of its rounds; its ratio is to the median of the reference, meshoptimizer's strip order and
-//!    strips.
+//! 1. Each contender runs once, with its memory counted. Its strips are proven; a wrong result stops the benchmark.
+//! 2. In each of the following rounds every contender runs once, so that other load on the machine affects all of them. A
+//!    contender that has used its time limit is skipped. Each result must equal the proven one, index by index.
+//! 3. A contender's time is the median of its rounds; its ratio is relative to the median of the reference, meshoptimizer's strip order
+//!    and strips.
 
 use std::time::Instant;
 
@@ -14,72 +14,72 @@ use tristrip::strip::Metrics;
 use tristrip::verify::verify;
 use tristrip::{Mesh, Strips, stripify};
 
-use crate::Failure;
+use crate::failure::Failure;
 use crate::memory::extra_bytes;
-use crate::methods::Named;
-use crate::models::{Fed, Source, load};
+use crate::meshoptimizer::{Pipeline, strips_of};
+use crate::methods::NamedMethod;
+use crate::models::{LoadedModel, Source, load};
 use crate::peers::Peers;
-use crate::rivals::{Pipeline, strips_of};
 
 /// Seconds after which a contender runs no further rounds on a model.
 const SHARE: f64 = 1.5;
 
-/// How much is measured.
+/// What to measure.
 #[derive(Debug, Clone)]
-pub struct Plan {
+pub struct MeasurePlan {
     /// The methods to run.
-    pub methods: Vec<Named>,
-    /// Rounds of timing at most.
+    pub methods: Vec<NamedMethod>,
+    /// The maximum number of timed rounds.
     pub rounds: usize,
 }
 
-/// The figures of one contender on one model.
+/// The metrics of one contender on one model.
 #[derive(Debug, Clone, Serialize)]
-pub struct Row {
-    /// The method, or the rival.
+pub struct MethodRow {
+    /// The method, or the pipeline of meshoptimizer.
     pub method: String,
-    /// Always true: what is not proven is not shown.
+    /// Always true: a result that is not proven is not shown.
     pub proven: bool,
     /// Strips.
     pub strips: usize,
     /// Strips of one triangle.
     pub isolated: usize,
-    /// Repeated vertices.
+    /// Swaps: vertices repeated within a strip.
     pub swaps: usize,
     /// The OpenGL cost.
     pub vertices_sent: usize,
     /// The GL cost.
     pub gl_cost: usize,
-    /// Indices with restarts, a triangle.
+    /// Indices with restarts per triangle.
     pub indices_restart_per_triangle: f64,
-    /// Indices with degenerate triangles, a triangle.
+    /// Indices with degenerate triangles per triangle.
     pub indices_degenerate_per_triangle: f64,
-    /// Median time from faces to strips.
+    /// Median time from faces to strips, in seconds.
     pub seconds: f64,
-    /// That, by the time of the reference in the same rounds; none for polygons, which the reference does not take.
+    /// That time relative to the reference in the same rounds; `None` for polygons, which the reference does not accept.
     pub time_ratio: Option<f64>,
-    /// The most bytes in use at once beyond input and result, a triangle; not known of rivals.
+    /// Peak bytes in use beyond input and result, per triangle; unknown for meshoptimizer.
     pub extra_bytes_per_triangle: Option<f64>,
 }
 
-/// The figures of all contenders on one model, fed in one way.
+/// The metrics of all contenders on one model, as triangles or as polygons.
 #[derive(Debug, Clone, Serialize)]
 pub struct Outcome {
     /// The model's name.
     pub model: String,
-    /// Whether polygons were fed as polygons.
+    /// Whether the input was polygons.
     pub polygons: bool,
-    /// Triangles that the faces make.
+    /// Triangles of the faces.
     pub triangles: usize,
-    /// The contenders in the order in which they are shown.
-    pub rows: Vec<Row>,
-    /// What other programs reach on the same triangles, where that is known.
+    /// The contenders in display order.
+    pub rows: Vec<MethodRow>,
+    /// The results of other programs on the same triangles, if known.
     pub peers: Option<Peers>,
 }
 
 impl Outcome {
-    /// Gives the row of a method.
-    pub fn row(&self, method: &str) -> Option<&Row> {
+    /// Returns the row of a method.
+    pub fn row(&self, method: &str) -> Option<&MethodRow> {
         self.rows.iter().find(|row| row.method == method)
     }
 }
@@ -88,8 +88,8 @@ impl Outcome {
 ///
 /// # Errors
 /// The model cannot be read, or a result is not proven.
-pub fn measure(source: &Source, plan: &Plan, peers: Option<&Peers>) -> Result<Vec<Outcome>, Failure> {
-    let Fed { triangles, polygons } = load(source)?;
+pub fn measure(source: &Source, plan: &MeasurePlan, peers: Option<&Peers>) -> Result<Vec<Outcome>, Failure> {
+    let LoadedModel { triangles, polygons } = load(source)?;
     let count = triangles.faces().face_count();
     if let Some(peers) = peers.filter(|peers| peers.triangles != count) {
         return Err(
@@ -111,32 +111,32 @@ pub fn measure(source: &Source, plan: &Plan, peers: Option<&Peers>) -> Result<Ve
     Ok(outcomes)
 }
 
-/// A way to strips and what it was seen to do.
+/// A method or pipeline under measurement.
 struct Contender<'a> {
     name: String,
-    run: Box<dyn Fn() -> Result<Answer, Failure> + 'a>,
-    proven: Answer,
+    run: Box<dyn Fn() -> Result<Output, Failure> + 'a>,
+    proven: Output,
     metrics: Metrics,
     extra_bytes: Option<usize>,
     seconds: Vec<f64>,
 }
 
-/// What a contender gives, as it gives it, so that no conversion is timed.
+/// A contender's result in its own form, so that no conversion is timed.
 #[derive(PartialEq)]
-enum Answer {
+enum Output {
     Strips(Strips),
     Indices(Vec<u32>),
 }
 
-fn contend(mesh: &Mesh, plan: &Plan) -> Result<Vec<Row>, Failure> {
+fn contend(mesh: &Mesh, plan: &MeasurePlan) -> Result<Vec<MethodRow>, Failure> {
     let mut contenders = Vec::new();
-    for Named { name, options } in &plan.methods {
-        let run = move || Ok(Answer::Strips(stripify(mesh, options)?));
+    for NamedMethod { name, options } in &plan.methods {
+        let run = move || Ok(Output::Strips(stripify(mesh, options)?));
         contenders.push(prove(mesh, name, Box::new(run), true)?);
     }
     let is_triangles = mesh.faces().as_triangles().is_some();
     for pipeline in Pipeline::ALL.into_iter().filter(|_| is_triangles) {
-        let run = move || Ok(Answer::Indices(pipeline.run(mesh)?));
+        let run = move || Ok(Output::Indices(pipeline.run(mesh)?));
         contenders.push(prove(mesh, pipeline.name(), Box::new(run), false)?);
     }
     for _ in 0..plan.rounds {
@@ -145,10 +145,10 @@ fn contend(mesh: &Mesh, plan: &Plan) -> Result<Vec<Row>, Failure> {
                 continue;
             }
             let start = Instant::now();
-            let answer = (contender.run)()?;
+            let output = (contender.run)()?;
             contender.seconds.push(start.elapsed().as_secs_f64());
-            if answer != contender.proven {
-                return Err(format!("{}: a second run gave another answer", contender.name).into());
+            if output != contender.proven {
+                return Err(format!("{}: a second run gave a different result", contender.name).into());
             }
         }
     }
@@ -159,19 +159,19 @@ fn contend(mesh: &Mesh, plan: &Plan) -> Result<Vec<Row>, Failure> {
     Ok(contenders.into_iter().map(|c| row(c, reference)).collect())
 }
 
-/// Runs a contender for the first time, and proves what it gives.
+/// Runs a contender for the first time, and proves its result.
 fn prove<'a>(
     mesh: &Mesh,
     name: &str,
-    run: Box<dyn Fn() -> Result<Answer, Failure> + 'a>,
+    run: Box<dyn Fn() -> Result<Output, Failure> + 'a>,
     is_counted: bool,
 ) -> Result<Contender<'a>, Failure> {
-    let (answer, extra) = extra_bytes(&run);
-    let answer = answer.map_err(|error| format!("{name}: {error}"))?;
+    let (output, extra) = extra_bytes(&run);
+    let output = output.map_err(|error| format!("{name}: {error}"))?;
     let split;
-    let strips = match &answer {
-        Answer::Strips(strips) => strips,
-        Answer::Indices(indices) => {
+    let strips = match &output {
+        Output::Strips(strips) => strips,
+        Output::Indices(indices) => {
             split = strips_of(indices);
             &split
         }
@@ -179,13 +179,13 @@ fn prove<'a>(
     verify(mesh, strips).map_err(|error| format!("{name}: not proven: {error}"))?;
     let metrics = Metrics::of(strips);
     let extra_bytes = extra.filter(|_| is_counted);
-    Ok(Contender { name: name.into(), run, proven: answer, metrics, extra_bytes, seconds: Vec::new() })
+    Ok(Contender { name: name.into(), run, proven: output, metrics, extra_bytes, seconds: Vec::new() })
 }
 
-fn row(contender: Contender<'_>, reference: Option<f64>) -> Row {
+fn row(contender: Contender<'_>, reference: Option<f64>) -> MethodRow {
     let m = contender.metrics;
     let seconds = median(contender.seconds);
-    Row {
+    MethodRow {
         method: contender.name,
         proven: true,
         strips: m.strips,
@@ -201,7 +201,7 @@ fn row(contender: Contender<'_>, reference: Option<f64>) -> Row {
     }
 }
 
-/// Gives the middle of some times; of an even number the lower of the two.
+/// Returns the median; the lower of the two middle values for an even number.
 pub fn median(mut times: Vec<f64>) -> f64 {
     times.sort_by(f64::total_cmp);
     times.get(times.len().saturating_sub(1) / 2).copied().unwrap_or(f64::NAN)
@@ -214,10 +214,10 @@ mod tests {
     use std::path::Path;
 
     #[test]
-    fn a_model_of_polygons_is_measured_both_ways() {
+    fn polygons_are_measured_as_polygons_and_as_triangles() {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../testdata/models/fish_control.ply");
         let source = Source { name: "fish_control".into(), path };
-        let plan = Plan { methods: main_methods(), rounds: 2 };
+        let plan = MeasurePlan { methods: main_methods(), rounds: 2 };
         let outcomes = measure(&source, &plan, None).unwrap();
         assert_eq!(
             outcomes.iter().map(|o| (o.polygons, o.triangles)).collect::<Vec<_>>(),

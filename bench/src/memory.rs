@@ -1,11 +1,8 @@
-//! The memory that a call takes: an allocator that counts the bytes in use and remembers the most there were.
+//! Memory use of a call: an allocator that counts the bytes in use and records their peak.
 //!
-//! A block that grows in place counts by its growth, as the system's allocator moves large blocks without a copy. What C++ code
-//! allocates is not seen. Counts are of bytes asked for; the benchmarks run on one thread.
-#![allow(
-    unsafe_code,
-    reason = "an allocator is an unsafe trait by its nature; each call is handed to the system's"
-)]
+//! A block that grows counts only its growth, because the system's allocator moves large blocks without a copy. Allocations of C++ code
+//! are not counted. Counts are requested bytes; the benchmarks run on one thread.
+#![allow(unsafe_code, reason = "`GlobalAlloc` is an unsafe trait; each call goes to the system's allocator")]
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
@@ -13,15 +10,15 @@ use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 static LIVE: AtomicUsize = AtomicUsize::new(0);
 static PEAK: AtomicUsize = AtomicUsize::new(0);
 
-/// The system's allocator, counted. A program that measures installs it as its `#[global_allocator]`.
+/// The system's allocator with counters. A program that measures memory installs it as its `#[global_allocator]`.
 #[derive(Debug)]
-pub struct Counting;
+pub struct CountingAllocator;
 
 // SAFETY: every call goes to `System` unchanged, which upholds the contract; the counters are not part of it.
-unsafe impl GlobalAlloc for Counting {
+unsafe impl GlobalAlloc for CountingAllocator {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         grow(layout.size());
-        // SAFETY: the caller's promises are those that `System` asks for.
+        // SAFETY: the caller upholds the contract that `System` requires.
         unsafe { System.alloc(layout) }
     }
 
@@ -53,8 +50,8 @@ fn grow(by: usize) {
     PEAK.fetch_max(live, Relaxed);
 }
 
-/// Runs a call and gives the most bytes that it used at once beyond what was there before and what it leaves behind, which is its
-/// result; `None` where the allocator is not installed.
+/// Runs a call, and returns its result and the peak of the bytes that it used beyond those in use before and those of the result;
+/// `None` if the allocator is not installed.
 pub fn extra_bytes<R>(call: impl FnOnce() -> R) -> (R, Option<usize>) {
     PEAK.store(LIVE.load(Relaxed), Relaxed);
     let result = call();

@@ -1,4 +1,4 @@
-//! The methods by the names that the command gives them.
+//! The methods under the names that the command uses.
 
 use tristrip::strip::Cost;
 use tristrip::stripify::{Effort, EtaOptions, Objective};
@@ -19,46 +19,46 @@ const TIES: [(Ties, &str); 5] = [
 ];
 const PATCHES: [(Patches, &str); 2] = [(Patches::Rows, "rows"), (Patches::Full, "full")];
 const CUTOFFS: [u32; 5] = [5, 10, 15, 20, 25];
-/// The costs by the names that the command gives them.
+/// The costs under the names that the command uses.
 pub const COSTS: [(Cost, &str); 4] = [
     (Cost::Restart, "restart"),
     (Cost::OpenGl, "opengl"),
     (Cost::Degenerate, "degenerate"),
     (Cost::Gl, "gl"),
 ];
-/// What `cache` prefers, by the names that the command gives it.
-pub const PREFERENCES: [(Objective, &str); 3] =
+/// The objectives of `cache` under the names that the command uses.
+pub const OBJECTIVES: [(Objective, &str); 3] =
     [(Objective::Indices, "indices"), (Objective::Balanced, "balanced"), (Objective::Misses, "misses")];
-/// The name of `best` among the main methods: for restarts, at an effort that a build of assets does not notice.
+/// The name of `best` among the main methods: for restarts, at an effort that suits an asset build.
 pub const BEST: &str = "best 2";
-/// The name of `fewest` among the main methods: at the least effort, as it is tried on every model many times.
+/// The name of `fewest` among the main methods: at the lowest effort, because it runs on every model many times.
 pub const FEWEST: &str = "fewest 0";
-/// The name of `eta` among the main methods: with tunnels that end in seconds also where no tunnel is left on half a million triangles.
+/// The name of `eta` among the main methods: with a tunnel length that takes seconds even on half a million triangles without tunnels.
 pub const ETA: &str = "eta 20";
-/// The name of `cache` among the main methods: for the usual buffer, at the usual effort.
+/// The name of `cache` among the main methods: for the default vertex cache, at the default effort.
 pub const CACHE: &str = "cache fifo:16 balanced";
 const ETA_LENGTH: u32 = 20;
-/// The greatest length of the plain tunnels, whose time grows as its exponential.
+/// The maximum length of plain tunnels, whose time grows exponentially with it.
 const TUNNEL_LENGTH: u32 = 5;
 
-/// A method and what goes with it, by a name: `stripe-local whole sequential`, `best 1 opengl`.
+/// A method and its options under a name: `stripe-local whole sequential`, `best 1 opengl`.
 #[derive(Debug, Clone)]
-pub struct Named {
-    /// As on the command line, options after it; `stripe` is the global algorithm as its authors recommend it.
+pub struct NamedMethod {
+    /// As on the command line, followed by its options; `stripe` is the global algorithm with its authors' recommended options.
     pub name: String,
     /// The method with its cost and effort.
     pub options: StripifyOptions,
 }
 
-impl Named {
+impl NamedMethod {
     fn new(name: impl Into<String>, method: Method) -> Self {
         Self { name: name.into(), options: StripifyOptions::default().with_method(method) }
     }
 
-    /// Names a search by its method's name, the effort, and the cost unless it is the usual one.
+    /// Creates a search, named by its method, its effort, and its cost unless it is the default.
     ///
     /// # Panics
-    /// There is no such effort.
+    /// `effort` is greater than 9.
     #[expect(clippy::expect_used, reason = "the levels are constants of the benchmarks")]
     pub fn search(method: Method, effort: u8, cost: Cost) -> Self {
         let name = if method == Method::Fewest { "fewest" } else { "best" };
@@ -70,18 +70,19 @@ impl Named {
         named
     }
 
-    /// Names `cache` by its buffer and what it prefers.
-    pub fn cache(buffer: VertexCache, prefer: Objective) -> Self {
-        let preferred = PREFERENCES.iter().find(|(each, _)| *each == prefer).map_or("", |(_, name)| *name);
-        let mut named = Self::new(format!("cache {buffer} {preferred}"), Method::Cache);
-        named.options = named.options.with_vertex_cache(buffer).with_objective(prefer);
+    /// Creates `cache` for a vertex cache and an objective, named by both.
+    pub fn cache(cache: VertexCache, objective: Objective) -> Self {
+        let objective_name =
+            OBJECTIVES.iter().find(|(each, _)| *each == objective).map_or("", |(_, name)| *name);
+        let mut named = Self::new(format!("cache {cache} {objective_name}"), Method::Cache);
+        named.options = named.options.with_vertex_cache(cache).with_objective(objective);
         named
     }
 
-    /// Takes another effort than the usual one, and says so in the name.
+    /// Sets another effort than the default, and adds it to the name.
     ///
     /// # Panics
-    /// There is no such effort.
+    /// `effort` is greater than 9.
     #[must_use]
     #[expect(clippy::expect_used, reason = "the levels are constants of the benchmarks")]
     pub fn at(self, effort: u8) -> Self {
@@ -90,15 +91,15 @@ impl Named {
     }
 }
 
-/// STRIPE's local algorithm as it is by default, by its name among the variants.
+/// The default of STRIPE's local algorithm, under its name among the variants.
 const LOCAL: (&str, Method) = (
     "stripe-local whole sequential",
     Method::StripeLocal { triangulation: FaceTriangulation::Whole, ties: Ties::Sequential },
 );
 
-/// Lists one method for each family.
-pub fn main_methods() -> Vec<Named> {
-    let named = |name: &str, method| Named::new(name, method);
+/// Returns one method for each family.
+pub fn main_methods() -> Vec<NamedMethod> {
+    let named = |name: &str, method| NamedMethod::new(name, method);
     vec![
         named("sequential", Method::Sequential),
         named("auto", Method::Auto),
@@ -106,21 +107,21 @@ pub fn main_methods() -> Vec<Named> {
         named("sgi", Method::Sgi),
         named("stripe", Method::STRIPE),
         named(LOCAL.0, LOCAL.1),
-        Named::search(Method::Best, 2, Cost::Restart),
-        Named::search(Method::Fewest, 0, Cost::Restart),
+        NamedMethod::search(Method::Best, 2, Cost::Restart),
+        NamedMethod::search(Method::Fewest, 0, Cost::Restart),
         named(ETA, Method::Eta(EtaOptions::default().with_length(ETA_LENGTH))),
-        Named::cache(VertexCache::default(), Objective::default()),
+        NamedMethod::cache(VertexCache::default(), Objective::default()),
     ]
 }
 
-/// Lists every method with every option: those without any, the 15 and 10 of STRIPE, and `best` for each cost.
-pub fn all_methods() -> Vec<Named> {
+/// Returns every method with all its options: those without options, the 15 and 10 of STRIPE, and `best` for each cost.
+pub fn all_methods() -> Vec<NamedMethod> {
     let mut methods = main_methods();
     for (triangulation, when) in TRIANGULATIONS {
         for (ties, rule) in TIES {
             let method = Method::StripeLocal { triangulation, ties };
             if method != LOCAL.1 {
-                methods.push(Named::new(format!("stripe-local {when} {rule}"), method));
+                methods.push(NamedMethod::new(format!("stripe-local {when} {rule}"), method));
             }
         }
     }
@@ -128,20 +129,20 @@ pub fn all_methods() -> Vec<Named> {
         for cutoff in CUTOFFS {
             let method = Method::StripeGlobal { patches, cutoff };
             if method != Method::STRIPE {
-                methods.push(Named::new(format!("stripe-global {how} {cutoff}"), method));
+                methods.push(NamedMethod::new(format!("stripe-global {how} {cutoff}"), method));
             }
         }
     }
-    let buffers = [VertexCache::fifo(16), VertexCache::lru(8)];
-    for (buffer, (prefer, _)) in buffers.into_iter().flat_map(|buffer| PREFERENCES.map(|each| (buffer, each)))
-    {
-        if (buffer, prefer) != (VertexCache::default(), Objective::default()) {
-            methods.push(Named::cache(buffer, prefer));
+    let caches = [VertexCache::fifo(16), VertexCache::lru(8)];
+    for (cache, (objective, _)) in caches.into_iter().flat_map(|cache| OBJECTIVES.map(|each| (cache, each))) {
+        if (cache, objective) != (VertexCache::default(), Objective::default()) {
+            methods.push(NamedMethod::cache(cache, objective));
         }
     }
-    methods.push(Named::new("eta", Method::Eta(EtaOptions::default())));
-    methods.push(Named::new(format!("tunnel {TUNNEL_LENGTH}"), Method::Tunnel { length: TUNNEL_LENGTH }));
-    methods.extend(COSTS.map(|(cost, _)| Named::search(Method::Best, 1, cost)));
+    methods.push(NamedMethod::new("eta", Method::Eta(EtaOptions::default())));
+    methods
+        .push(NamedMethod::new(format!("tunnel {TUNNEL_LENGTH}"), Method::Tunnel { length: TUNNEL_LENGTH }));
+    methods.extend(COSTS.map(|(cost, _)| NamedMethod::search(Method::Best, 1, cost)));
     methods
 }
 

@@ -1,8 +1,8 @@
-//! Models for measuring: found in a folder, and made into the index buffers that the peers were given.
+//! Models to measure: found in a folder, and converted into the index buffers that the peers were given.
 //!
-//! A peer knows triangles and indices alone. So polygons become fans, triangles that repeat a vertex are left out, an OBJ is read
-//! by its positions (seams of texture coordinates and normals do not part vertices), and a GLB is flattened: every node with
-//! a mesh adds the mesh's primitives, one after the other, over vertices of their own.
+//! Peers accept only index buffers of triangles. So polygons become fans, triangles that repeat a vertex are dropped, an OBJ is read
+//! by its positions (seams of texture coordinates and normals do not split vertices), and a GLB is flattened: every node with
+//! a mesh adds the mesh's primitives, one after the other, each with its own vertices.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -11,34 +11,34 @@ use serde_json::Value;
 use tristrip::{Faces, Mesh};
 use tristrip_io::{Format, Model};
 
-use crate::Failure;
+use crate::failure::Failure;
 
 /// A model file.
 #[derive(Debug, Clone)]
 pub struct Source {
     /// The file name without its extension.
     pub name: String,
-    /// Where it lies.
+    /// Its path.
     pub path: PathBuf,
 }
 
-/// A model in the two ways that it can be fed.
+/// A model as triangles and as polygons.
 #[derive(Debug, Clone)]
-pub struct Fed {
-    /// The index buffer that the peers had.
+pub struct LoadedModel {
+    /// The index buffer that the peers were given.
     pub triangles: Mesh,
-    /// The faces as they are, where some are no triangles.
+    /// The faces of the file, if some are not triangles.
     pub polygons: Option<Mesh>,
 }
 
-/// Gives the folder of models that lies beside the checkout, else the project's own.
+/// Returns the folder of models beside the checkout, or the repository's own if there is none.
 pub fn default_folder() -> PathBuf {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let shared = root.join("../shared/models");
     if shared.is_dir() { shared } else { root.join("testdata/models") }
 }
 
-/// Lists the models of a folder by name.
+/// Returns the models of a folder, sorted by name.
 ///
 /// # Errors
 /// The folder cannot be read.
@@ -59,19 +59,19 @@ pub fn find(folder: &Path) -> Result<Vec<Source>, Failure> {
     Ok(sources)
 }
 
-/// Reads a model in both ways.
+/// Reads a model as triangles and as polygons.
 ///
 /// # Errors
 /// The file cannot be read.
-pub fn load(source: &Source) -> Result<Fed, Failure> {
+pub fn load(source: &Source) -> Result<LoadedModel, Failure> {
     let say = |error: Failure| format!("{}: {error}", source.path.display());
     let mesh = joined(&source.path).map_err(say)?;
     let triangles = Mesh::new(mesh.shared_positions(), fans(mesh.faces())?)?;
     let polygons = mesh.faces().as_triangles().is_none().then_some(mesh);
-    Ok(Fed { triangles, polygons })
+    Ok(LoadedModel { triangles, polygons })
 }
 
-/// Cuts every face from its first corner, and leaves out triangles that repeat a vertex.
+/// Triangulates every face as a fan, and drops triangles that repeat a vertex.
 fn fans(faces: &Faces) -> Result<Faces, tristrip::Error> {
     let mut corners = Vec::with_capacity(3 * faces.triangle_count());
     for face in faces.iter().filter(|face| face.len() >= 3) {
@@ -105,14 +105,14 @@ fn joined(path: &Path) -> Result<Mesh, Failure> {
     }
 }
 
-/// Puts parts one after the other, each over vertices of its own.
+/// Concatenates parts, each with its own vertices.
 fn join(model: &Model, order: impl ExactSizeIterator<Item = usize>) -> Result<Mesh, Failure> {
     if model.parts.len() == 1 && order.len() == 1 {
         return Ok(model.parts[0].mesh.clone());
     }
     let (mut positions, mut offsets, mut corners) = (Vec::new(), vec![0], Vec::new());
     for part in order {
-        let mesh = &model.parts.get(part).ok_or("the nodes name a primitive that was not read")?.mesh;
+        let mesh = &model.parts.get(part).ok_or("a node refers to a primitive that was not read")?.mesh;
         let base = positions.len() as u32;
         positions.extend_from_slice(mesh.positions());
         for face in mesh.faces().iter() {
@@ -123,7 +123,7 @@ fn join(model: &Model, order: impl ExactSizeIterator<Item = usize>) -> Result<Me
     Ok(Mesh::new(positions, Faces::from_offsets(offsets, corners)?)?)
 }
 
-/// Keeps of an OBJ its positions, and its faces by their positions.
+/// Reduces an OBJ to its positions and its faces by position.
 fn positions_only(bytes: &[u8]) -> Vec<u8> {
     let text = String::from_utf8_lossy(bytes);
     let mut out = String::with_capacity(text.len());
@@ -143,7 +143,7 @@ fn positions_only(bytes: &[u8]) -> Vec<u8> {
     out.into_bytes()
 }
 
-/// Lists the parts that a GLB's scene draws, one time for each node that has their mesh.
+/// Returns the parts that a GLB's scene draws, once for each node with their mesh.
 fn instances(glb: &[u8]) -> Result<Vec<usize>, Failure> {
     let length = glb.get(12..16).and_then(|b| b.try_into().ok()).map(u32::from_le_bytes).unwrap_or_default();
     let json: Value =
@@ -185,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn fans_leave_out_what_draws_nothing() {
+    fn fans_drop_degenerate_triangles() {
         let faces = Faces::from_polygons([vec![0, 1, 2, 2, 3], vec![4, 4, 5], vec![6, 7]]).unwrap();
         assert_eq!(fans(&faces).unwrap().corners(), [0, 1, 2, 0, 2, 3]);
     }

@@ -1,10 +1,10 @@
-//! Published figures: the tables of papers, which `tristrip repro` shows beside its own, read from the same data.
+//! Published figures: the tables of papers, from the same data that `tristrip repro` compares with.
 
 use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
-use crate::Failure;
+use crate::failure::Failure;
 
 /// Porcu, Scateni: *Partitioning Meshes into Strips using the Enhanced Tunnelling Algorithm (ETA)*, 2006.
 pub const ETA_2006: &str = include_str!("../../crates/tristrip-cli/src/repro/papers/003.json");
@@ -15,35 +15,35 @@ pub const STRIPE_2000: &str = include_str!("../../crates/tristrip-cli/src/repro/
 
 #[derive(Deserialize)]
 struct Paper {
-    tables: Vec<Table>,
+    tables: Vec<PaperTable>,
 }
 
 #[derive(Deserialize)]
-struct Table {
+struct PaperTable {
     name: String,
-    columns: Vec<Column>,
-    rows: Vec<Row>,
+    columns: Vec<PaperColumn>,
+    rows: Vec<PaperRow>,
 }
 
 #[derive(Deserialize)]
-struct Column {
+struct PaperColumn {
     name: String,
     #[serde(default)]
     ours: bool,
 }
 
 #[derive(Deserialize)]
-struct Row {
+struct PaperRow {
     file: Option<String>,
     #[serde(default)]
     stand_in: bool,
     published: Vec<f64>,
 }
 
-/// Gives a column of a paper's table by model; models that others stand in for are left out.
+/// Returns a column of a paper's table by model, without models that are replaced by a stand-in.
 ///
 /// # Errors
-/// The data are broken, or have no such table or column.
+/// The data are malformed, or have no such table or column.
 pub fn column(paper: &str, table: &str, column: &str) -> Result<BTreeMap<String, f64>, Failure> {
     let paper: Paper = serde_json::from_str(paper)?;
     let found = paper.tables.iter().find(|known| known.name == table).ok_or_else(|| format!("no {table}"))?;
@@ -58,7 +58,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn models_stand_for_themselves_alone() {
+    fn stand_ins_are_left_out() {
         let strips = column(ETA_2006, "table 3", "strips").unwrap();
         let models: Vec<&str> = strips.keys().map(String::as_str).collect();
         assert_eq!(models, ["bunny", "cessna", "dragon", "fandisk", "goblet", "horse"]);

@@ -1,4 +1,4 @@
-//! What other programs reach on the same models, as measured once and kept in a file beside the checkout.
+//! Results of other programs on the same models, measured once and stored in a file beside the checkout.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -6,14 +6,14 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use crate::Failure;
+use crate::failure::Failure;
 
-/// The best of all peers by one figure.
+/// The best of all peers by one metric.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct Best {
-    /// The figure, rounded to four digits.
+pub struct PeerBest {
+    /// The value, rounded to four digits.
     pub best: f64,
-    /// Who reaches it.
+    /// The program with that value.
     pub by: String,
 }
 
@@ -22,31 +22,31 @@ pub struct Best {
 pub struct Peers {
     /// Triangles of the index buffer.
     pub triangles: usize,
-    /// Of all peers, also slow ones.
-    pub indices_restart_per_triangle: Best,
-    /// Of all peers, also slow ones.
-    pub indices_degenerate_per_triangle: Best,
-    /// Of all peers, also slow ones.
-    pub vertices_per_triangle: Best,
-    /// Of all peers, also slow ones.
-    pub strips: Best,
-    /// Of the peers that pass over the mesh once.
-    pub one_pass_indices_restart_per_triangle: Best,
-    /// What meshoptimizer gave there, which shows whether the index buffer is the same.
-    pub meshopt_strip_cache: Reference,
+    /// Over all peers, including slow ones.
+    pub indices_restart_per_triangle: PeerBest,
+    /// Over all peers, including slow ones.
+    pub indices_degenerate_per_triangle: PeerBest,
+    /// Over all peers, including slow ones.
+    pub vertices_per_triangle: PeerBest,
+    /// Over all peers, including slow ones.
+    pub strips: PeerBest,
+    /// Over the peers that make one pass over the mesh.
+    pub one_pass_indices_restart_per_triangle: PeerBest,
+    /// The result of meshoptimizer, which shows whether the index buffer is the same.
+    pub meshopt_strip_cache: ReferenceStrips,
 }
 
 /// The result of the reference pipeline.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct Reference {
+pub struct ReferenceStrips {
     /// Strips.
     pub strips: usize,
 }
 
-/// Reads the peers' figures by model; none where there is no such file.
+/// Reads the results of the peers by model; empty if there is no such file.
 ///
 /// # Errors
-/// The file is there and cannot be read.
+/// The file exists and cannot be read.
 pub fn load() -> Result<BTreeMap<String, Peers>, Failure> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/peers.json");
     if !path.is_file() {

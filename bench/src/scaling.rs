@@ -1,8 +1,8 @@
-//! Scaling: the time a triangle of `sequential` as a model is subdivided, from its own size to beyond eight million triangles.
+//! Scaling: the time of `sequential` per triangle as a model is subdivided, from its own size to beyond eight million triangles.
 //!
 //! # Algorithm
-//! Each triangle becomes four over the midpoints of its edges, which neighbours share; the four stand together, so that the order
-//! in memory is as good at every level as it was at the first.
+//! Each triangle becomes four over the midpoints of its edges, which neighbours share. The four are stored together, so the order
+//! in memory is as coherent at every level as at the first.
 //!
 //! ```text
 //!        c
@@ -18,48 +18,48 @@ use serde::Serialize;
 use tristrip::verify::verify;
 use tristrip::{DualGraph, Faces, HalfEdge, Mesh, Method, StripifyOptions, stripify};
 
-use crate::Failure;
+use crate::failure::Failure;
 use crate::measure::median;
 
-/// Triangles at which the time a triangle is held to the bar.
+/// Triangles at which the time per triangle has a target.
 pub const LARGE: usize = 8_000_000;
-/// Triangles that it is compared with.
+/// Triangles of the level that it is compared with.
 pub const SMALL: usize = 100_000;
 
 /// One level of a subdivided model.
 #[derive(Debug, Clone, Serialize)]
-pub struct Level {
+pub struct ScalingLevel {
     /// Triangles.
     pub triangles: usize,
-    /// Indices with restarts, a triangle.
+    /// Indices with restarts per triangle.
     pub indices_restart_per_triangle: f64,
-    /// Median time a triangle, in nanoseconds.
+    /// Median time per triangle, in nanoseconds.
     pub nanoseconds_per_triangle: f64,
 }
 
-/// A model's levels and what they say.
+/// The levels of a model.
 #[derive(Debug, Clone, Serialize)]
 pub struct Scaling {
     /// The model.
     pub model: String,
     /// From the model itself to the first level of at least [`LARGE`] triangles.
-    pub levels: Vec<Level>,
+    pub levels: Vec<ScalingLevel>,
 }
 
 impl Scaling {
-    /// Gives the time a triangle of the last level by that of the level nearest to [`SMALL`].
+    /// Returns the time per triangle of the last level relative to that of the level nearest to [`SMALL`].
     pub fn ratio(&self) -> Option<f64> {
-        let far = |level: &Level| (level.triangles as f64 / SMALL as f64).ln().abs();
+        let far = |level: &ScalingLevel| (level.triangles as f64 / SMALL as f64).ln().abs();
         let small = self.levels.iter().min_by(|a, b| far(a).total_cmp(&far(b)))?;
         let large = self.levels.last().filter(|level| level.triangles >= LARGE)?;
         Some(large.nanoseconds_per_triangle / small.nanoseconds_per_triangle)
     }
 }
 
-/// Measures a model of triangles at every level.
+/// Measures a triangle mesh at every level.
 ///
 /// # Errors
-/// A result is not proven, or a level has more vertices than ids can name.
+/// A result is not proven, or a level has more vertices than ids.
 pub fn scale(model: &str, mesh: Mesh, rounds: usize) -> Result<Scaling, Failure> {
     let options = StripifyOptions::default().with_method(Method::Sequential);
     let mut levels = Vec::new();
@@ -76,7 +76,7 @@ pub fn scale(model: &str, mesh: Mesh, rounds: usize) -> Result<Scaling, Failure>
             stripify(&mesh, &options)?;
             times.push(start.elapsed().as_secs_f64());
         }
-        levels.push(Level {
+        levels.push(ScalingLevel {
             triangles,
             indices_restart_per_triangle: cost as f64 / triangles as f64,
             nanoseconds_per_triangle: 1e9 * median(times) / triangles as f64,
@@ -88,10 +88,10 @@ pub fn scale(model: &str, mesh: Mesh, rounds: usize) -> Result<Scaling, Failure>
     }
 }
 
-/// Cuts every triangle into four.
+/// Subdivides every triangle into four.
 ///
 /// # Errors
-/// The mesh has other faces than triangles, or the result more vertices than ids can name.
+/// The mesh has faces other than triangles, or the result has more vertices than ids.
 pub fn subdivide(mesh: &Mesh) -> Result<Mesh, Failure> {
     let corners = mesh.faces().as_triangles().ok_or("only triangles are subdivided")?;
     let graph = DualGraph::new(mesh.faces());
@@ -128,6 +128,6 @@ mod tests {
         assert_eq!((fine.vertex_count(), fine.faces().face_count()), (9, 8));
         let graph = DualGraph::new(fine.faces());
         let open = (0..24).filter(|&h| graph.twin(HalfEdge(h)).is_none()).count();
-        assert_eq!(open, 8, "each of the four boundary edges is two now");
+        assert_eq!(open, 8, "each of the four boundary edges was split in two");
     }
 }

@@ -1,14 +1,14 @@
-//! Tables for people: the same columns on a terminal and in Markdown.
+//! Tables on a terminal and in Markdown, with the same columns.
 
 use std::fmt::Write as _;
 
-use crate::bars::Bar;
-use crate::buffers::{Buffered, Point};
-use crate::measure::{Outcome, Row};
+use crate::measure::{MethodRow, Outcome};
 use crate::scaling::Scaling;
-use crate::searches::Searched;
+use crate::searches::SearchResults;
+use crate::targets::Target;
+use crate::vertex_caches::{CachePoint, CacheResults};
 
-/// A table; the first column is text, the others are figures unless told otherwise.
+/// A table: text columns first, then columns of numbers.
 #[derive(Debug, Clone)]
 pub struct Table {
     heads: Vec<&'static str>,
@@ -17,7 +17,7 @@ pub struct Table {
 }
 
 impl Table {
-    /// Makes a table of which the first columns hold text, aligned left.
+    /// Creates a table whose first columns are text, aligned left.
     pub fn new(text_columns: usize, heads: &[&'static str]) -> Self {
         Self { heads: heads.to_vec(), text_columns, rows: Vec::new() }
     }
@@ -63,7 +63,7 @@ impl Table {
     }
 }
 
-/// Shows everything that was measured of one model.
+/// Returns all measurements of one model as text.
 pub fn outcome(outcome: &Outcome) -> String {
     let fed = if outcome.polygons { "polygons" } else { "triangles" };
     let mut out = format!("{}, {} triangles, fed as {fed}\n", outcome.model, outcome.triangles);
@@ -103,8 +103,8 @@ pub fn outcome(outcome: &Outcome) -> String {
     out
 }
 
-/// Shows what was searched on a model.
-pub fn searched(searched: &Searched) -> String {
+/// Returns the results of the searches on a model as text.
+pub fn searched(searched: &SearchResults) -> String {
     let mut table =
         Table::new(1, &["search", "strips", "restart/T", "degenerate/T", "vertices_sent", "s", "bytes/T"]);
     let all = [&searched.fewest].into_iter().chain(&searched.eta).chain(&searched.best);
@@ -120,35 +120,39 @@ pub fn searched(searched: &Searched) -> String {
             optional(row.extra_bytes_per_triangle, 1),
         ]);
     }
-    format!("{}, searches; at least {} strips\n{}", searched.model, searched.bound, table.aligned())
+    format!("{}, searches; lower bound: {} strips\n{}", searched.model, searched.bound, table.aligned())
 }
 
-/// Shows indices and misses of a model, meshoptimizer's points with what beats them.
-pub fn buffered(buffered: &Buffered) -> String {
+/// Returns indices and misses of a model as text, meshoptimizer's points with those that beat them.
+pub fn caches(caches: &CacheResults) -> String {
     let mut table =
-        Table::new(1, &["vertex buffer", "restart/T", "ACMR", "s", "fewer indices", "fewer misses"]);
-    let rivals = buffered.rivals.iter().map(|rival| {
-        let by = |point: Option<&Point>| point.map_or("–".into(), |point| point.by.clone());
-        (rival, [by(buffered.fewer_indices(rival)), by(buffered.fewer_misses(rival))])
+        Table::new(1, &["vertex cache", "restart/T", "ACMR", "s", "fewer indices", "fewer misses"]);
+    let meshoptimizer = caches.meshoptimizer.iter().map(|theirs| {
+        let by = |point: Option<&CachePoint>| point.map_or("–".into(), |point| point.by.clone());
+        (theirs, [by(caches.fewer_indices(theirs)), by(caches.fewer_misses(theirs))])
     });
     for (point, beaten_by) in
-        rivals.chain(buffered.ours.iter().map(|point| (point, <[String; 2]>::default())))
+        meshoptimizer.chain(caches.ours.iter().map(|point| (point, <[String; 2]>::default())))
     {
         let mut cells = vec![point.by.clone()];
-        cells.extend([point.indices, point.misses].map(|n| format!("{:.4}", buffered.per_triangle(n))));
+        cells.extend([point.indices, point.misses].map(|n| format!("{:.4}", caches.per_triangle(n))));
         cells.push(format!("{:.3}", point.seconds));
         cells.extend(beaten_by);
         table.push(cells);
     }
-    let mut out = format!("{}, {}\n{}", buffered.model, crate::buffers::BUFFER, table.aligned());
-    for simulator in &buffered.simulators {
+    let mut out = format!("{}, {}\n{}", caches.model, crate::vertex_caches::REFERENCE_CACHE, table.aligned());
+    for simulator in &caches.simulators {
         let millions = simulator.indices_per_second / 1e6;
-        let _ = writeln!(out, "  {} simulated, million indices a second: {millions:.0}", simulator.buffer);
+        let _ = writeln!(
+            out,
+            "  {} simulated, million indices per second: {millions:.0}",
+            simulator.vertex_cache
+        );
     }
     out
 }
 
-fn cells(row: &Row) -> Vec<String> {
+fn cells(row: &MethodRow) -> Vec<String> {
     vec![
         row.method.clone(),
         if row.proven { "yes" } else { "no" }.into(),
@@ -165,24 +169,24 @@ fn cells(row: &Row) -> Vec<String> {
     ]
 }
 
-/// Writes a figure with so many digits after the point, or a dash.
+/// Formats a number with this number of decimal digits, or a dash.
 pub fn optional(figure: Option<f64>, digits: usize) -> String {
     figure.map_or("–".into(), |figure| format!("{figure:.digits$}"))
 }
 
-/// Lists the bars.
-pub fn bars(bars: &[Bar]) -> Table {
-    let mut table = Table::new(4, &["what", "bar", "measured", "met"]);
-    for bar in bars {
-        let met = if bar.met { "yes" } else { "NO" };
-        table.push(vec![bar.what.clone(), bar.bar.clone(), bar.found.clone(), met.into()]);
+/// Returns the table of targets.
+pub fn targets(targets: &[Target]) -> Table {
+    let mut table = Table::new(4, &["measured", "target", "result", "met"]);
+    for target in targets {
+        let met = if target.met { "yes" } else { "NO" };
+        table.push(vec![target.what.clone(), target.target.clone(), target.found.clone(), met.into()]);
     }
     table
 }
 
-/// Lists the levels of a subdivided model.
+/// Returns the table of levels of a subdivided model.
 pub fn scaling(scaling: &Scaling) -> Table {
-    let mut table = Table::new(0, &["triangles", "restart/T", "ns a triangle"]);
+    let mut table = Table::new(0, &["triangles", "restart/T", "ns/T"]);
     for level in &scaling.levels {
         table.push(vec![
             level.triangles.to_string(),

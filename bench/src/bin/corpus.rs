@@ -1,5 +1,5 @@
 //! Checks a folder of real models: every model with every method is proven by `verify`, gives the same bytes with 1, 2 and 7
-//! threads, and is written to files that a checker of other make proves again (`tools/corpus/check_files.py`).
+//! threads, and is written to files that an independent checker proves again (`tools/corpus/check_files.py`).
 //!
 //! ```sh
 //! cargo build --release && target/release/corpus ../shared/models --checker ../shared/check_strips.py
@@ -15,32 +15,32 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use clap::Parser;
-use tristrip_bench::Failure;
-use tristrip_bench::corpus::{Checked, Extra, Pools, THREADS, check};
+use tristrip_bench::corpus::{CheckOptions, CheckedModel, THREADS, ThreadPools, check};
+use tristrip_bench::failure::Failure;
 use tristrip_bench::models::{self, Source};
 
-/// Models that are checked at a time.
+/// How many models are checked at the same time.
 const WORKERS: usize = 2;
 
-/// Proves every method on real models, and the files that come of them.
+/// Prove every method on real models, and the files written from the results
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Args {
     /// The folder of models [default: ../shared/models beside the checkout, else testdata/models]
     models: Option<PathBuf>,
-    /// The checker of files, a Python program that needs numpy; without it files are not proven
+    /// The checker of files, a Python program that needs numpy; without it, files are not proven
     #[arg(long, value_name = "FILE")]
     checker: Option<PathBuf>,
-    /// Write a file for every method, also of large models: some ten minutes for the checker
+    /// Write a file for every method, of large models, too: about ten minutes for the checker
     #[arg(long)]
     all_files: bool,
-    /// Write a hash of every index buffer, file and level of detail, a line each, to compare two versions of the program
+    /// Write a hash of every index buffer, file and level of detail, one per line, to compare two versions of the program
     #[arg(long, value_name = "FILE")]
     hashes: Option<PathBuf>,
-    /// The Python that runs it
+    /// The Python interpreter for the checker
     #[arg(long, default_value = "python3", value_name = "PROGRAM")]
     python: PathBuf,
-    /// Only this model; may be given more than once
+    /// Only this model; repeatable
     #[arg(long, value_name = "NAME")]
     model: Vec<String>,
 }
@@ -56,13 +56,18 @@ fn main() -> Result<ExitCode, Failure> {
     fs::create_dir_all(&files)?;
 
     let start = Instant::now();
-    let results =
-        check_all(&sources, &files, Extra { all_files: args.all_files, hashes: args.hashes.is_some() })?;
-    let sum = |count: fn(&Checked) -> usize| results.iter().map(|(_, checked)| count(checked)).sum::<usize>();
-    let mut faults: Vec<String> = results.iter().flat_map(|(_, checked)| checked.faults.clone()).collect();
+    let results = check_all(
+        &sources,
+        &files,
+        CheckOptions { all_files: args.all_files, hashes: args.hashes.is_some() },
+    )?;
+    let sum =
+        |count: fn(&CheckedModel) -> usize| results.iter().map(|(_, checked)| count(checked)).sum::<usize>();
+    let mut problems: Vec<String> =
+        results.iter().flat_map(|(_, checked)| checked.problems.clone()).collect();
     println!(
-        "corpus: {} models: {} results proven by verify, {} of them the same bytes with {THREADS:?} threads, \
-         all models of levels of detail the oracle's drawings at {} levels ({:.0} s)",
+        "corpus: {} models: {} results proven by verify, {} of them with the same bytes for {THREADS:?} threads, \
+         all representations of levels of detail draw the oracle's triangles at {} levels ({:.0} s)",
         sources.len(),
         sum(|c| c.proven),
         sum(|c| c.identical),
@@ -76,20 +81,20 @@ fn main() -> Result<ExitCode, Failure> {
     let start = Instant::now();
     let command = built.join(format!("tristrip{}", std::env::consts::EXE_SUFFIX));
     if command.is_file() {
-        let same = threads_of_command(&command, &sources, &files, &mut faults)?;
+        let same = threads_of_command(&command, &sources, &files, &mut problems)?;
         println!(
-            "corpus: the command: {same} of {} models the same bytes with {THREADS:?} threads ({:.0} s)",
+            "corpus: the command: {same} of {} models with the same bytes for {THREADS:?} threads ({:.0} s)",
             sources.len(),
             start.elapsed().as_secs_f64()
         );
     } else {
-        faults.push("the command is not built: cargo build --release -p tristrip-cli".into());
+        problems.push("the command is not built: cargo build --release -p tristrip-cli".into());
     }
     let start = Instant::now();
     let file_count = sum(|c| c.files.len());
     match &args.checker {
         Some(checker) if !prove_files(&args.python, checker, &results, &files)? => {
-            faults.push("the checker does not prove every file".into());
+            problems.push("the checker does not prove every file".into());
         }
         Some(_) => println!(
             "corpus: {file_count} files proven by the checker ({:.0} s)",
@@ -98,18 +103,18 @@ fn main() -> Result<ExitCode, Failure> {
         None => println!("corpus: {file_count} files written, not proven: no --checker is given"),
     }
     fs::remove_dir_all(&files)?;
-    faults.iter().for_each(|fault| eprintln!("corpus: FAULT: {fault}"));
-    println!("corpus: {} faults", faults.len());
-    Ok(if faults.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+    problems.iter().for_each(|problem| eprintln!("corpus: PROBLEM: {problem}"));
+    println!("corpus: {} problems", problems.len());
+    Ok(if problems.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
-/// Checks the models, the largest files first, a few at a time; the results are in the order of the names.
+/// Checks the models in parallel, the largest files first. The results are sorted by name.
 fn check_all<'a>(
     sources: &'a [Source],
     files: &Path,
-    extra: Extra,
-) -> Result<Vec<(&'a Source, Checked)>, Failure> {
-    let pools = Pools::new()?;
+    extra: CheckOptions,
+) -> Result<Vec<(&'a Source, CheckedModel)>, Failure> {
+    let pools = ThreadPools::new()?;
     let mut order: Vec<&Source> = sources.iter().collect();
     order.sort_by_key(|source| std::cmp::Reverse(fs::metadata(&source.path).map_or(0, |m| m.len())));
     let (next, results) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
@@ -117,9 +122,9 @@ fn check_all<'a>(
         for _ in 0..WORKERS {
             scope.spawn(|| {
                 while let Some(&source) = order.get(next.fetch_add(1, Ordering::Relaxed)) {
-                    let checked = check(source, &pools, files, extra).unwrap_or_else(|error| Checked {
-                        faults: vec![error.to_string()],
-                        ..Checked::default()
+                    let checked = check(source, &pools, files, extra).unwrap_or_else(|error| CheckedModel {
+                        problems: vec![error.to_string()],
+                        ..CheckedModel::default()
                     });
                     if let Ok(mut results) = results.lock() {
                         results.push((source, checked));
@@ -128,17 +133,17 @@ fn check_all<'a>(
             });
         }
     });
-    let mut results = results.into_inner().map_err(|_| "a worker stopped")?;
+    let mut results = results.into_inner().map_err(|_| "a worker thread panicked")?;
     results.sort_by(|a, b| a.0.name.cmp(&b.0.name));
     Ok(results)
 }
 
-/// Strips every model by the command with each number of threads; counts the models on which all files are the same.
+/// Runs the command on every model with each number of threads. Returns the number of models for which all files are the same.
 fn threads_of_command(
     command: &Path,
     sources: &[Source],
     files: &Path,
-    faults: &mut Vec<String>,
+    problems: &mut Vec<String>,
 ) -> Result<usize, Failure> {
     let mut same = 0;
     for source in sources {
@@ -152,7 +157,7 @@ fn threads_of_command(
                 .arg(&source.path)
                 .output()?;
             if !run.status.success() {
-                faults.push(format!(
+                problems.push(format!(
                     "{}: the command: {}",
                     source.name,
                     String::from_utf8_lossy(&run.stderr).trim()
@@ -162,8 +167,10 @@ fn threads_of_command(
             }
             let bytes = fs::read(&out)?;
             if first.get_or_insert_with(|| bytes.clone()) != &bytes {
-                faults
-                    .push(format!("{}: the command writes other bytes with {threads} threads", source.name));
+                problems.push(format!(
+                    "{}: the command writes different bytes with {threads} threads",
+                    source.name
+                ));
                 is_same = false;
             }
         }
@@ -172,11 +179,11 @@ fn threads_of_command(
     Ok(same)
 }
 
-/// Hands all files to the checker; tells whether it proved every one.
+/// Runs the checker on all files. Returns whether it proved all of them.
 fn prove_files(
     python: &Path,
     checker: &Path,
-    results: &[(&Source, Checked)],
+    results: &[(&Source, CheckedModel)],
     files: &Path,
 ) -> Result<bool, Failure> {
     let mut list = String::new();

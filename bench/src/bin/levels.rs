@@ -1,11 +1,11 @@
-//! Measures simplification beside meshoptimizer's, and levels of detail: filters, vertex splits, traffic, repaired strips.
+//! Measures simplification, compared with meshoptimizer's, and levels of detail: filters, vertex splits, traffic, repaired strips.
 //!
 //! ```sh
 //! cargo run --release -p tristrip-bench --bin levels -- --docs docs
 //! ```
 //!
-//! The models of a level of detail, over STRIPE's strips, are compared with the oracle before anything is timed. Times are medians on one thread, meshoptimizer's
-//! in turn with ours.
+//! All representations of levels of detail, over STRIPE's strips, are compared with the oracle before anything is timed. Times are medians
+//! on one thread, in rounds that alternate with meshoptimizer.
 #![allow(clippy::print_stdout, reason = "a program that prints")]
 
 use std::fmt::Write as _;
@@ -17,43 +17,44 @@ use std::time::Instant;
 use clap::Parser;
 use tristrip::lod::progressive::{Encoding, ProgressiveStrips};
 use tristrip::lod::{Filter, traffic};
-use tristrip::lod::{Repair, RepairOptions};
+use tristrip::lod::{Repair, repair};
 use tristrip::simplify::{self, Simplification, simplify};
 use tristrip::stripify::Effort;
 use tristrip::{CollapseSequence, Mesh, Method, StripifyOptions, Strips, stripify};
-use tristrip_bench::bars::Bar;
 use tristrip_bench::distance::two_sided_rms;
+use tristrip_bench::failure::Failure;
+use tristrip_bench::levels;
 use tristrip_bench::measure::median;
-use tristrip_bench::memory::{Counting, extra_bytes};
+use tristrip_bench::memory::{CountingAllocator, extra_bytes};
 use tristrip_bench::models::{self, Source, load};
+use tristrip_bench::targets::Target;
 use tristrip_bench::text::{self, Table};
-use tristrip_bench::{Failure, levels};
 
 #[global_allocator]
-static ALLOCATOR: Counting = Counting;
+static ALLOCATOR: CountingAllocator = CountingAllocator;
 
-/// The command that writes the page.
+/// The command that generates the page.
 const COMMAND: &str = "cargo run --release -p tristrip-bench --bin levels -- --docs docs";
-/// Points each way by which surfaces are compared.
+/// Sample points in each direction for the distance of two surfaces.
 const POINTS: usize = 40_000;
-/// Models whose quality is held to meshoptimizer's.
+/// Models whose quality has a target relative to meshoptimizer's.
 const QUALITY: [&str; 3] = ["bunny", "horse", "armadillo_43k"];
-const QUALITY_BAR: f64 = 0.95;
+const QUALITY_TARGET: f64 = 0.95;
 /// Models whose levels of detail are measured, with the published fractions of vertices sent over all levels by NF, STSS and DTFS, and the
-/// places renamed a split, naive and encoded.
+/// index map slots renamed per split, naive and encoded.
 const PUBLISHED: [(&str, [f64; 3], [f64; 2]); 2] =
     [("cow", [0.885, 0.731, 0.577], [6.6, 3.0]), ("bunny", [0.809, 0.691, 0.544], [5.9, 3.0])];
 
-/// Measures simplification and levels of detail.
+/// Measure simplification and levels of detail
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Args {
     /// The folder of models [default: ../shared/models beside the checkout, else testdata/models]
     models: Option<PathBuf>,
-    /// Only this model; may be given more than once
+    /// Only this model; repeatable
     #[arg(long, value_name = "NAME")]
     model: Vec<String>,
-    /// Rounds of timing
+    /// Number of timed rounds
     #[arg(long, default_value_t = 9, value_name = "N", value_parser = clap::value_parser!(u8).range(1..))]
     rounds: u8,
     /// Write levels.md into this folder
@@ -61,41 +62,41 @@ struct Args {
     docs: Option<PathBuf>,
 }
 
-/// A model simplified by both programs to the same number of triangles.
-struct Simplified {
+/// The figures of a model simplified by both programs to the same number of triangles.
+struct SimplificationFigures {
     model: String,
     before: usize,
-    /// Triangles that ours and meshoptimizer's stop at.
+    /// Triangles at which ours and meshoptimizer's stop.
     after: [usize; 2],
-    /// Seconds.
+    /// Times, in seconds.
     times: [f64; 2],
-    /// Distances from the full mesh, as shares of the diagonal.
+    /// Distances from the full mesh, as fractions of the diagonal.
     distances: [f64; 2],
     bytes_per_triangle: f64,
 }
 
-impl Simplified {
-    /// Tells whether both have about as many triangles.
+impl SimplificationFigures {
+    /// Checks whether both have about the same number of triangles.
     fn is_alike(&self) -> bool {
         self.after[0].abs_diff(self.after[1]) <= 2 + self.after[0] / 100
     }
 }
 
-/// A model at all levels, with one method's strips.
-struct Level {
+/// The figures of a model at all levels, with one method's strips.
+struct LevelFigures {
     model: String,
     strips: &'static str,
-    /// Vertices sent over all levels by each filter and by repaired strips, as shares of three a triangle.
+    /// Vertices sent over all levels by each filter and by repaired strips, as fractions of three per triangle.
     fractions: Vec<f64>,
     /// The same at the base mesh.
     base: Vec<f64>,
-    /// Places renamed a split, naive and encoded.
+    /// Index map slots renamed per split, naive and encoded.
     places: [f64; 2],
-    /// Indices a second by STSS and DTFS.
+    /// Indices per second of STSS and DTFS.
     filter_speeds: [f64; 2],
-    /// Splits a second, naive and encoded.
+    /// Splits per second, naive and encoded.
     split_speeds: [f64; 2],
-    /// Microseconds a collapse that repairing takes.
+    /// Microseconds per collapse for repairing strips.
     repair_microseconds: f64,
 }
 
@@ -121,31 +122,31 @@ fn main() -> Result<(), Failure> {
             all_levels.push(follow(source, name, method, rounds)?);
         }
     }
-    let bars = judge(&simplified, &all_levels);
+    let targets = compare(&simplified, &all_levels);
     let (table, of_levels) = (simplification_table(&simplified), levels_table(&all_levels));
-    println!("{}\n{}\n{}", table.aligned(), of_levels.aligned(), text::bars(&bars).aligned());
+    println!("{}\n{}\n{}", table.aligned(), of_levels.aligned(), text::targets(&targets).aligned());
     if let Some(docs) = &args.docs {
         fs::create_dir_all(docs)?;
         let mut page = format!(
             "# Simplification and levels of detail\n\n\
-             Generated by `{COMMAND}`; change the program, not this page. Times are medians on one thread, meshoptimizer's in turn\n\
-             with ours; over STRIPE's strips every model of a level of detail drew what the oracle draws, at 201 levels, before it was timed.\n\n## Bars\n\n{}\n",
-            text::bars(&bars).markdown()
+             Generated by `{COMMAND}`; change the program, not this page. Times are medians on one thread, in rounds that\n\
+             alternate with meshoptimizer; over STRIPE's strips every representation drew what the oracle draws, at 201 levels, before it was timed.\n\n## Targets\n\n{}\n",
+            text::targets(&targets).markdown()
         );
         write!(
             page,
             "## Simplification to 5 % of the triangles\n\n\
-             `tristrip simplify` beside meshoptimizer's `simplify`, both by half-edge collapses, ours with all collapses recorded. RMS is the two-sided\n\
-             distance from the full mesh in percent of its diagonal, by {POINTS} points each way. Bytes are the most in use beyond\n\
-             input and result. Where the topology does not allow 5 %, both columns of triangles say what was reached.\n\n{}\n",
+             `tristrip simplify` compared with meshoptimizer's `simplify`, both by half-edge collapses, ours with all collapses recorded. RMS is the\n\
+             two-sided distance from the full mesh in percent of its diagonal, by {POINTS} points in each direction. Bytes are the peak in use beyond\n\
+             input and result. Where the topology does not allow 5 %, both columns of triangles show what was reached.\n\n{}\n",
             table.markdown()
         )?;
         write!(
             page,
             "## Levels of detail\n\n\
-             Progressive strips (Kim et al. 2005), base mesh of 5 %: vertices sent over all levels, each drawn once, as a share of three a\n\
-             triangle, and in brackets at the base mesh; *linked* and *repair* are ours. u is the number of places renamed a vertex split.\n\
-             Speeds are in million indices or vertex splits a second.\n\n{}",
+             Progressive strips (Kim et al. 2005), base mesh of 5 %: vertices sent over all levels, each drawn once, as a fraction of three per\n\
+             triangle, and in brackets at the base mesh; *linked* and *repair* are ours. u is the number of slots renamed per vertex split.\n\
+             Speeds are in million indices or vertex splits per second.\n\n{}",
             of_levels.markdown()
         )?;
         fs::write(docs.join("levels.md"), page)?;
@@ -153,8 +154,8 @@ fn main() -> Result<(), Failure> {
     Ok(())
 }
 
-/// Simplifies to a share of the triangles, one in so many, by both programs in turn.
-fn measure(name: &str, mesh: &Mesh, share: usize, rounds: usize) -> Result<Simplified, Failure> {
+/// Simplifies to one in `share` triangles with both programs, alternating.
+fn measure(name: &str, mesh: &Mesh, share: usize, rounds: usize) -> Result<SimplificationFigures, Failure> {
     let triangles = mesh.faces().as_triangles().ok_or("a model of triangles was expected")?;
     let target = triangles.len() / 3 / share;
     let bytes: Vec<u8> = mesh.positions().iter().flatten().flat_map(|x| x.to_ne_bytes()).collect();
@@ -181,11 +182,11 @@ fn measure(name: &str, mesh: &Mesh, share: usize, rounds: usize) -> Result<Simpl
     let input = triangles.to_vec();
     let (result, extra) = extra_bytes(|| simplify(mesh, input, &options));
     result?;
-    let Simplification { sequence, .. } = ours.ok_or("no round was asked for")?;
+    let Simplification { sequence, .. } = ours.ok_or("no round was requested")?;
     sequence.check()?;
     let drawn = sequence.drawn(0).concat();
     let distance = |indices: &[u32]| two_sided_rms(triangles, indices, mesh.positions(), POINTS);
-    Ok(Simplified {
+    Ok(SimplificationFigures {
         model: name.into(),
         before: triangles.len() / 3,
         after: [drawn.len() / 3, theirs.len() / 3],
@@ -197,12 +198,17 @@ fn measure(name: &str, mesh: &Mesh, share: usize, rounds: usize) -> Result<Simpl
 }
 
 /// Measures all levels of a model, down to 5 % of its triangles.
-fn follow(source: &Source, name: &'static str, method: Method, rounds: usize) -> Result<Level, Failure> {
+fn follow(
+    source: &Source,
+    name: &'static str,
+    method: Method,
+    rounds: usize,
+) -> Result<LevelFigures, Failure> {
     let fed = load(source)?;
     let mesh = fed.polygons.unwrap_or(fed.triangles);
-    let faults = levels::check(&mesh, false)?.faults;
-    if let Some(fault) = faults.first() {
-        return Err(format!("{}: {fault}", source.name).into());
+    let problems = levels::check(&mesh, false)?.problems;
+    if let Some(problem) = problems.first() {
+        return Err(format!("{}: {problem}", source.name).into());
     }
     let strips = stripify(&mesh, &StripifyOptions::default().with_method(method))?;
     let list = strips.to_list();
@@ -228,19 +234,19 @@ fn follow(source: &Source, name: &'static str, method: Method, rounds: usize) ->
     base.push(repair.vertices_sent() as f64);
     let base_triangles = sequence.triangle_count(0) as f64;
     let splits = totals.splits();
-    Ok(Level {
+    Ok(LevelFigures {
         model: source.name.clone(),
         strips: name,
         fractions,
         base: base.into_iter().map(|vertices| vertices / (3.0 * base_triangles)).collect(),
-        places: [Encoding::Naive, Encoding::Offsets].map(|encoding| splits.slots_per_split(encoding)),
+        places: [Encoding::Naive, Encoding::Offsets].map(|encoding| splits.places_per_split(encoding)),
         filter_speeds: filter_speeds(&strips, &sequence, rounds)?,
         split_speeds: split_speeds(&strips, &sequence, rounds)?,
         repair_microseconds,
     })
 }
 
-/// Times STSS and DTFS in turn over maps of 21 levels.
+/// Times STSS and DTFS, alternating, over index maps of 21 levels.
 fn filter_speeds(strips: &Strips, sequence: &CollapseSequence, rounds: usize) -> Result<[f64; 2], Failure> {
     let mut model = ProgressiveStrips::new(strips, sequence, Encoding::Naive)?;
     let maps: Vec<Vec<u32>> = (0..=20)
@@ -266,7 +272,7 @@ fn filter_speeds(strips: &Strips, sequence: &CollapseSequence, rounds: usize) ->
     Ok(times.map(|times| entries as f64 / median(times)))
 }
 
-/// Times the way from the base mesh to the full one, step by step.
+/// Times the vertex splits from the base mesh to the full one.
 fn split_speeds(strips: &Strips, sequence: &CollapseSequence, rounds: usize) -> Result<[f64; 2], Failure> {
     let mut speeds = [0.0; 2];
     for (encoding, speed) in [Encoding::Naive, Encoding::Offsets].into_iter().zip(&mut speeds) {
@@ -283,57 +289,72 @@ fn split_speeds(strips: &Strips, sequence: &CollapseSequence, rounds: usize) -> 
     Ok(speeds)
 }
 
-fn judge(simplified: &[Simplified], all_levels: &[Level]) -> Vec<Bar> {
-    let mut bars = Vec::new();
+fn compare(simplified: &[SimplificationFigures], all_levels: &[LevelFigures]) -> Vec<Target> {
+    let mut targets = Vec::new();
     let named = |name: &str| simplified.iter().find(|s| s.model == name);
     for model in QUALITY.iter().filter_map(|name| named(name)).filter(|model| model.is_alike()) {
-        let what = format!("RMS distance at 5 % by meshoptimizer's, {}", model.model);
-        bars.push(Bar::at_most(what, QUALITY_BAR, model.distances[0] / model.distances[1], 2));
+        let what = format!("RMS distance at 5 % relative to meshoptimizer, {}", model.model);
+        targets.push(Target::at_most(what, QUALITY_TARGET, model.distances[0] / model.distances[1], 2));
     }
     if let Some(bunny) = named("bunny") {
-        bars.push(Bar::at_most("simplification to 5 %, ms, bunny".into(), 80.0, 1e3 * bunny.times[0], 0));
+        targets.push(Target::at_most(
+            "simplification to 5 %, ms, bunny".into(),
+            80.0,
+            1e3 * bunny.times[0],
+            0,
+        ));
     }
     if let Some(dragon) = named("dragon to 1 %") {
-        bars.push(Bar::at_most("simplification to 1 %, seconds, dragon".into(), 3.0, dragon.times[0], 1));
-        let what = "simplification to 1 %, bytes a triangle, dragon".into();
-        bars.push(Bar::at_most(what, 400.0, dragon.bytes_per_triangle, 0));
+        targets.push(Target::at_most(
+            "simplification to 1 %, seconds, dragon".into(),
+            3.0,
+            dragon.times[0],
+            1,
+        ));
+        let what = "simplification to 1 %, bytes per triangle, dragon".into();
+        targets.push(Target::at_most(what, 400.0, dragon.bytes_per_triangle, 0));
     }
     for level in all_levels {
         let Some((_, fractions, places)) = PUBLISHED.iter().find(|(name, ..)| *name == level.model) else {
             continue;
         };
         let of = |what: &str| format!("{what}, {} strips of {}", level.strips, level.model);
-        let near = |what: &str, published: f64, found: f64, within: f64| Bar {
+        let near = |what: &str, published: f64, found: f64, within: f64| Target {
             what: of(what),
-            bar: format!("{published} ± {within:.2}"),
+            target: format!("{published} ± {within:.2}"),
             found: format!("{found:.3}"),
             met: (found - published).abs() <= within,
         };
         if level.strips == "stripe" {
             for (k, name) in ["unfiltered", "STSS", "DTFS"].iter().enumerate() {
-                bars.push(near(&format!("{name} over all levels"), fractions[k], level.fractions[k], 0.05));
+                targets.push(near(
+                    &format!("{name} over all levels"),
+                    fractions[k],
+                    level.fractions[k],
+                    0.05,
+                ));
             }
             for (k, name) in ["naive", "encoded"].iter().enumerate() {
-                bars.push(near(&format!("u, {name}"), places[k], level.places[k], 0.1 * places[k]));
+                targets.push(near(&format!("u, {name}"), places[k], level.places[k], 0.1 * places[k]));
             }
         } else {
-            bars.push(Bar::at_most(of("DTFS over all levels"), 0.50, level.fractions[2], 2));
-            bars.push(Bar::at_most(of("repair over all levels"), 0.45, level.fractions[4], 2));
+            targets.push(Target::at_most(of("DTFS over all levels"), 0.50, level.fractions[2], 2));
+            targets.push(Target::at_most(of("repair over all levels"), 0.45, level.fractions[4], 2));
         }
         if level.model == "bunny" {
-            bars.push(Bar::at_most(of("DTFS at the base mesh"), 1.02, level.base[2], 2));
-            bars.push(Bar::at_most(of("repair at the base mesh"), 0.60, level.base[4], 2));
+            targets.push(Target::at_most(of("DTFS at the base mesh"), 1.02, level.base[2], 2));
+            targets.push(Target::at_most(of("repair at the base mesh"), 0.60, level.base[4], 2));
         }
         let [stss, dtfs] = level.filter_speeds;
-        bars.push(Bar::at_most(of("time of DTFS by that of STSS"), 1.0, stss / dtfs, 2));
-        bars.push(Bar::at_least(of("DTFS, million indices a second"), 200.0, dtfs / 1e6, 0));
+        targets.push(Target::at_most(of("time of DTFS relative to STSS"), 1.0, stss / dtfs, 2));
+        targets.push(Target::at_least(of("DTFS, million indices per second"), 200.0, dtfs / 1e6, 0));
         let slower = level.split_speeds[0].min(level.split_speeds[1]);
-        bars.push(Bar::at_least(of("million vertex splits a second"), 5.0, slower / 1e6, 1));
+        targets.push(Target::at_least(of("million vertex splits per second"), 5.0, slower / 1e6, 1));
     }
-    bars
+    targets
 }
 
-fn simplification_table(simplified: &[Simplified]) -> Table {
+fn simplification_table(simplified: &[SimplificationFigures]) -> Table {
     let heads = [
         "model",
         "triangles",
@@ -370,7 +391,7 @@ fn simplification_table(simplified: &[Simplified]) -> Table {
     table
 }
 
-fn levels_table(all_levels: &[Level]) -> Table {
+fn levels_table(all_levels: &[LevelFigures]) -> Table {
     let heads = [
         "model",
         "strips",

@@ -2,21 +2,21 @@
 
 use std::fmt::Write as _;
 
-use crate::bars::best_ratio;
 use crate::methods::COSTS;
-use crate::searches::{Depth, PEER_COSTS, Search, Searched, per_triangle};
+use crate::searches::{PEER_COSTS, SearchEffort, SearchResults, SearchRow, per_triangle};
+use crate::targets::best_ratio;
 use crate::text::Table;
 
-/// Writes the section as Markdown; nothing where nothing was searched.
-pub(super) fn section(searched: &[Searched], depth: Depth) -> String {
+/// Writes the section as Markdown; empty if there are no results.
+pub(super) fn section(searched: &[SearchResults], depth: SearchEffort) -> String {
     if searched.is_empty() {
         return String::new();
     }
-    let mut sorted: Vec<&Searched> = searched.iter().collect();
+    let mut sorted: Vec<&SearchResults> = searched.iter().collect();
     sorted.sort_by(|a, b| (a.triangles, &a.model).cmp(&(b.triangles, &b.model)));
     let mut out = format!(
-        "## Fewest strips\n\n`fewest` at effort {} on one thread; *bound* is the least number of strips that may be possible, *gap* what is beyond it.\n\
-         Published figures of ETA are those of 2006, on a computer of that time.\n\n{}\n{}\n",
+        "## Fewest strips\n\n`fewest` at effort {} on one thread; *bound* is a lower bound on the number of strips, *gap* the fraction of strips beyond it.\n\
+         Published figures of ETA are from 2006, on a computer of that time.\n\n{}\n{}\n",
         depth.fewest,
         published(&sorted).markdown(),
         fewest(&sorted).markdown()
@@ -27,8 +27,8 @@ pub(super) fn section(searched: &[Searched], depth: Depth) -> String {
     });
     let _ = writeln!(
         out,
-        "## Cheapest indices\n\n`best` for each cost, indices or vertices a triangle, at effort {} (one less above 80,000 triangles, two above 300,000),\n\
-         next to the best of all peers, also slow ones. Below these in the geometric mean: {}.\n\n{}",
+        "## Cheapest indices\n\n`best` for each cost, indices or vertices per triangle, at effort {} (one lower above 80,000 triangles, two above 300,000),\n\
+         compared with the best of all peers, including slow ones. Saving in the geometric mean: {}.\n\n{}",
         depth.best,
         means.collect::<Vec<_>>().join(", "),
         best(&sorted).markdown()
@@ -42,11 +42,11 @@ fn name(cost: tristrip::strip::Cost) -> &'static str {
     COSTS.iter().find(|(each, _)| *each == cost).map_or("", |(_, name)| name)
 }
 
-fn seconds(search: &Search) -> String {
+fn seconds(search: &SearchRow) -> String {
     format!("{:.3}", search.row.seconds)
 }
 
-fn published(searched: &[&Searched]) -> Table {
+fn published(searched: &[&SearchResults]) -> Table {
     let heads = ["model", "by", "strips", "isolated", "ACMR 32", "vertices/T", "seconds", "bound", "gap"];
     let mut table = Table::new(2, &heads);
     for s in searched {
@@ -82,7 +82,7 @@ fn published(searched: &[&Searched]) -> Table {
     table
 }
 
-fn fewest(searched: &[&Searched]) -> Table {
+fn fewest(searched: &[&SearchResults]) -> Table {
     let heads = [
         "model",
         "best of all peers by",
@@ -117,9 +117,8 @@ fn fewest(searched: &[&Searched]) -> Table {
     table
 }
 
-fn ladder(searched: &[&Searched]) -> Table {
-    let mut table =
-        Table::new(2, &["model", "method", "restart/T", "seconds", "times meshoptimizer's strip pipeline"]);
+fn ladder(searched: &[&SearchResults]) -> Table {
+    let mut table = Table::new(2, &["model", "method", "restart/T", "seconds", "time / meshoptimizer"]);
     for s in searched {
         for search in &s.ladder {
             table.push(vec![
@@ -134,7 +133,7 @@ fn ladder(searched: &[&Searched]) -> Table {
     table
 }
 
-fn polygons(searched: &[&Searched]) -> Table {
+fn polygons(searched: &[&SearchResults]) -> Table {
     let mut table =
         Table::new(1, &["model, as polygons", "strips", "vertices sent", "vertices/T", "seconds"]);
     for s in searched {
@@ -151,7 +150,7 @@ fn polygons(searched: &[&Searched]) -> Table {
     table
 }
 
-fn best(searched: &[&Searched]) -> Table {
+fn best(searched: &[&SearchResults]) -> Table {
     let heads =
         ["model", "triangles", "restart", "peer", "s", "opengl", "peer", "s", "degenerate", "peer", "s"];
     let mut table = Table::new(1, &heads);

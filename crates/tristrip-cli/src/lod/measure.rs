@@ -1,7 +1,7 @@
 //! Measures the vertices that every filter sends at given levels, and the updates between them.
 
 use clap::ValueEnum;
-use tristrip::lod::{filter::Filter, repair};
+use tristrip::lod::{Filter, RepairOptions};
 use tristrip::{Error, Strips};
 
 use super::levels::Levels;

@@ -6,7 +6,7 @@
 use clap::ValueEnum;
 use tristrip::Error;
 use tristrip::lod::traffic;
-use tristrip::lod::{Repair, filter::Filter, repair};
+use tristrip::lod::{Filter, Repair, RepairOptions};
 
 use super::levels::Levels;
 use super::part::LodPart;

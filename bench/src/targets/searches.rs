@@ -1,14 +1,14 @@
-//! The bars of the searches: few strips, cheap strips, and their times.
+//! The targets for the searches: few strips, cheap strips, and their times.
 
 use tristrip::strip::Cost;
 
-use super::{Bar, ROUNDING, none};
-use crate::measure::{Outcome, Row};
+use super::target::{ROUNDING, Target, geometric_mean, none};
+use crate::measure::{MethodRow, Outcome};
 use crate::methods::{BEST, COSTS, ETA, FEWEST};
-use crate::searches::{PEER_COSTS, Searched, per_triangle};
+use crate::searches::{PEER_COSTS, SearchResults, per_triangle};
 
-/// Strips and seconds of `fewest`.
-const FEWEST_BARS: [(&str, usize, f64); 6] = [
+/// Target strips and seconds of `fewest`.
+const FEWEST_TARGETS: [(&str, usize, f64); 6] = [
     ("goblet", 1, 0.01),
     ("fandisk", 1, 0.3),
     ("cessna", 11, 2.0),
@@ -16,39 +16,40 @@ const FEWEST_BARS: [(&str, usize, f64); 6] = [
     ("horse", 1, 10.0),
     ("dragon", 474, 20.0),
 ];
-/// The gap between strips and bound on dragon.
+/// Target gap between strips and lower bound on dragon.
 const GAP: (&str, f64) = ("dragon", 0.05);
-/// What `best` is to cost a triangle, for each of [`PEER_COSTS`], and its seconds.
-const BEST_BARS: [(&str, [f64; 3], f64); 5] = [
+/// Target costs of `best` per triangle, for each of [`PEER_COSTS`], and seconds.
+const BEST_TARGETS: [(&str, [f64; 3], f64); 5] = [
     ("cow_2904", [1.205, 1.155, 1.25], 5.0),
     ("fandisk", [1.098, 1.074, 1.125], 5.0),
     ("bunny", [1.125, 1.092, 1.16], 5.0),
     ("horse", [1.155, 1.12, 1.19], 5.0),
     ("dragon", [1.27, 1.22, 1.31], 60.0),
 ];
-/// Vertices sent of models of polygons.
-const POLYGON_BARS: [(&str, usize); 3] = [("skyscraper", 4290), ("triceratops", 6430), ("power_lines", 9300)];
-/// Efforts, what they are to cost, and their times by that of the reference.
-const LADDER_BARS: [(&str, f64, f64); 4] =
+/// Target vertices sent for models with polygons.
+const POLYGON_TARGETS: [(&str, usize); 3] =
+    [("skyscraper", 4290), ("triceratops", 6430), ("power_lines", 9300)];
+/// Efforts, their target costs, and their times relative to the reference.
+const LADDER_TARGETS: [(&str, f64, f64); 4] =
     [("best 1", 1.195, 1.0), ("best 3", 1.16, 10.0), ("best 5", 1.135, 100.0), ("best 7", 1.125, 400.0)];
-/// The published time is to be undercut so many times.
+/// The target speedup over the published time.
 const FASTER: f64 = 100.0;
-/// Below the best of all peers, as a geometric mean.
+/// Target cost relative to the best of all peers, as a geometric mean.
 const MEAN: f64 = 0.94;
 const BYTES: f64 = 120.0;
 
-/// Lists the bars of which something was searched.
-pub(super) fn judge(outcomes: &[Outcome], searched: &[Searched]) -> Vec<Bar> {
-    let mut bars = fewest(searched);
-    bars.extend(eta(searched));
-    bars.extend(best(searched));
-    bars.extend(against_peers(searched));
-    bars.extend(against_starts(outcomes));
-    bars.extend(memory(outcomes, searched));
-    bars
+/// Returns the targets for which a search ran.
+pub(super) fn compare(outcomes: &[Outcome], searched: &[SearchResults]) -> Vec<Target> {
+    let mut targets = fewest(searched);
+    targets.extend(eta(searched));
+    targets.extend(best(searched));
+    targets.extend(against_peers(searched));
+    targets.extend(against_starts(outcomes));
+    targets.extend(memory(outcomes, searched));
+    targets
 }
 
-fn named<'a>(searched: &'a [Searched], model: &str) -> Option<&'a Searched> {
+fn named<'a>(searched: &'a [SearchResults], model: &str) -> Option<&'a SearchResults> {
     searched.iter().find(|s| s.model == model)
 }
 
@@ -56,59 +57,69 @@ fn cost_name(cost: Cost) -> &'static str {
     COSTS.iter().find(|(each, _)| *each == cost).map_or("", |(_, name)| name)
 }
 
-/// A bar on a figure and on the time that it takes.
-fn timed(what: String, bar: (String, f64), found: &str, is_reached: bool, seconds: f64) -> Bar {
-    let (figure, most) = bar;
+/// Returns a target for a value and for the time that it takes.
+fn timed(what: String, target: (String, f64), found: &str, is_reached: bool, seconds: f64) -> Target {
+    let (figure, most) = target;
     let met = is_reached && seconds <= most;
-    Bar { what, bar: format!("≤ {figure} in {most} s"), found: format!("{found} in {seconds:.3} s"), met }
+    Target {
+        what,
+        target: format!("≤ {figure} in {most} s"),
+        found: format!("{found} in {seconds:.3} s"),
+        met,
+    }
 }
 
-fn fewest(searched: &[Searched]) -> Vec<Bar> {
-    let bar = |(model, strips, seconds): (&str, usize, f64)| {
+fn fewest(searched: &[SearchResults]) -> Vec<Target> {
+    let target = |(model, strips, seconds): (&str, usize, f64)| {
         let row = &named(searched, model)?.fewest.row;
         let what = format!("fewest, strips, {model}");
         let found = row.strips.to_string();
         Some(timed(what, (strips.to_string(), seconds), &found, row.strips <= strips, row.seconds))
     };
-    let mut bars: Vec<Bar> = FEWEST_BARS.into_iter().filter_map(bar).collect();
+    let mut targets: Vec<Target> = FEWEST_TARGETS.into_iter().filter_map(target).collect();
     if let Some(s) = named(searched, GAP.0) {
-        bars.push(Bar::at_most(format!("fewest, strips beyond the bound, {}", s.model), GAP.1, s.gap(), 3));
+        targets.push(Target::at_most(
+            format!("fewest, fraction of strips beyond the bound, {}", s.model),
+            GAP.1,
+            s.gap(),
+            3,
+        ));
     }
-    let closed: Vec<&Searched> = searched.iter().filter(|s| s.is_closed).collect();
-    let more = |s: &&&Searched| s.fewest.row.strips > s.bound.max(1);
+    let closed: Vec<&SearchResults> = searched.iter().filter(|s| s.is_closed).collect();
+    let more = |s: &&&SearchResults| s.fewest.row.strips > s.bound.max(1);
     let names = closed.iter().filter(more).map(|s| format!("{} {}", s.model, s.fewest.row.strips));
-    bars.extend(none(
+    targets.extend(none(
         "fewest, closed connected models with more strips than their bound",
         names,
         closed.len(),
     ));
-    let strips = |s: &Searched| Some((s.fewest.row.strips, s.peers.as_ref()?.strips.best));
+    let strips = |s: &SearchResults| Some((s.fewest.row.strips, s.peers.as_ref()?.strips.best));
     let pairs: Vec<_> = searched.iter().filter_map(|s| Some((s, strips(s)?))).collect();
     let worse = pairs.iter().filter(|(_, (ours, best))| *ours as f64 > *best);
     let names = worse.map(|(s, (ours, best))| format!("{} ({ours} to {best})", s.model));
-    bars.extend(none("fewest, models with more strips than the best of all peers", names, pairs.len()));
-    bars
+    targets.extend(none("fewest, models with more strips than the best of all peers", names, pairs.len()));
+    targets
 }
 
-fn eta(searched: &[Searched]) -> Vec<Bar> {
-    let bar = |s: &Searched| {
+fn eta(searched: &[SearchResults]) -> Vec<Target> {
+    let target = |s: &SearchResults| {
         let (row, published) = (&s.eta.as_ref()?.row, s.published.as_ref()?);
-        let what = format!("eta, strips as published in a hundredth of the time, {}", s.model);
+        let what = format!("eta, the published number of strips in a hundredth of the time, {}", s.model);
         let most = (published.strips.to_string(), published.seconds / FASTER);
         Some(timed(what, most, &row.strips.to_string(), row.strips as f64 <= published.strips, row.seconds))
     };
-    searched.iter().filter_map(bar).collect()
+    searched.iter().filter_map(target).collect()
 }
 
-fn best(searched: &[Searched]) -> Vec<Bar> {
-    let mut bars = Vec::new();
-    for (model, costs, seconds) in BEST_BARS {
+fn best(searched: &[SearchResults]) -> Vec<Target> {
+    let mut targets = Vec::new();
+    for (model, costs, seconds) in BEST_TARGETS {
         let Some(s) = named(searched, model) else { continue };
         for ((cost, most), search) in PEER_COSTS.into_iter().zip(costs).zip(&s.best) {
             let found = per_triangle(&search.row, s.triangles, cost);
-            let what = format!("best, {} a triangle, {model}", cost_name(cost));
+            let what = format!("best, {} per triangle, {model}", cost_name(cost));
             let found_text = format!("{found:.4}");
-            bars.push(timed(
+            targets.push(timed(
                 what,
                 (format!("{most:.3}"), seconds),
                 &found_text,
@@ -117,10 +128,10 @@ fn best(searched: &[Searched]) -> Vec<Bar> {
             ));
         }
     }
-    for (model, most) in POLYGON_BARS {
+    for (model, most) in POLYGON_TARGETS {
         if let Some(search) = named(searched, model).and_then(|s| s.polygons.as_ref()) {
             let sent = search.row.vertices_sent as f64;
-            bars.push(Bar::at_most(
+            targets.push(Target::at_most(
                 format!("best, vertices sent, {model} as polygons"),
                 most as f64,
                 sent,
@@ -129,35 +140,34 @@ fn best(searched: &[Searched]) -> Vec<Bar> {
         }
     }
     for s in searched {
-        for (name, most, most_times) in LADDER_BARS {
-            let row: Option<&Row> = s.ladder.iter().map(|l| &l.row).find(|row| row.method == name);
+        for (name, most, most_times) in LADDER_TARGETS {
+            let row: Option<&MethodRow> = s.ladder.iter().map(|l| &l.row).find(|row| row.method == name);
             let Some((row, times)) = row.and_then(|row| Some((row, row.time_ratio?))) else { continue };
             let found = row.indices_restart_per_triangle;
-            bars.push(Bar {
-                what: format!("{name}, indices a triangle and time by meshoptimizer's, {}", s.model),
-                bar: format!("≤ {most:.3} in {most_times} ×"),
+            targets.push(Target {
+                what: format!("{name}, indices per triangle and time relative to meshoptimizer, {}", s.model),
+                target: format!("≤ {most:.3} in {most_times} ×"),
                 found: format!("{found:.4} in {times:.2} ×"),
                 met: found <= most && times <= most_times,
             });
         }
     }
-    bars
+    targets
 }
 
-/// The geometric mean over the models of a cost of `best` by that of the best of all peers.
-pub fn best_ratio(searched: &[Searched], at: usize) -> Option<f64> {
-    let logarithm = |s: &Searched| {
+/// Returns a cost of `best` relative to the best of all peers, as a geometric mean over the models.
+pub fn best_ratio(searched: &[SearchResults], at: usize) -> Option<f64> {
+    let ratio = |s: &SearchResults| {
         let (ours, best) = s.pair(s.best.get(at)?, PEER_COSTS[at])?;
-        Some((ours / best.best).ln())
+        Some(ours / best.best)
     };
-    let all: Vec<f64> = searched.iter().filter_map(logarithm).collect();
-    (!all.is_empty()).then(|| (all.iter().sum::<f64>() / all.len() as f64).exp())
+    geometric_mean(searched.iter().filter_map(ratio))
 }
 
-fn against_peers(searched: &[Searched]) -> Vec<Bar> {
-    let mut bars = Vec::new();
+fn against_peers(searched: &[SearchResults]) -> Vec<Target> {
+    let mut targets = Vec::new();
     for (at, cost) in PEER_COSTS.into_iter().enumerate() {
-        let of = |s: &Searched| {
+        let of = |s: &SearchResults| {
             let (ours, best) = s.pair(s.best.get(at)?, cost)?;
             Some((s.model.clone(), ours, best.best))
         };
@@ -165,20 +175,20 @@ fn against_peers(searched: &[Searched]) -> Vec<Bar> {
         let names = pairs.iter().filter(|(_, ours, best)| *ours > best + ROUNDING);
         let names = names.map(|(model, ours, best)| format!("{model} ({ours:.4} to {best:.4})"));
         let name = cost_name(cost);
-        bars.extend(none(
+        targets.extend(none(
             &format!("best, models with a higher cost than the best of all peers, {name}"),
             names,
             pairs.len(),
         ));
         if let Some(mean) = best_ratio(searched, at) {
-            let what = format!("best, {name} cost by that of the best of all peers, geometric mean");
-            bars.push(Bar::at_most(what, MEAN, mean, 2));
+            let what = format!("best, {name} cost relative to the best of all peers, geometric mean");
+            targets.push(Target::at_most(what, MEAN, mean, 2));
         }
     }
-    bars
+    targets
 }
 
-fn against_starts(outcomes: &[Outcome]) -> Option<Bar> {
+fn against_starts(outcomes: &[Outcome]) -> Option<Target> {
     let cost = |o: &Outcome, method| Some(o.row(method)?.indices_restart_per_triangle);
     let pair = |o: &Outcome| {
         let start = ["input", "sequential", "stripe"].into_iter().filter_map(|m| cost(o, m)).reduce(f64::min);
@@ -189,22 +199,22 @@ fn against_starts(outcomes: &[Outcome]) -> Option<Bar> {
     none("best, models with more indices than input, sequential or stripe", names, pairs.len())
 }
 
-fn memory(outcomes: &[Outcome], searched: &[Searched]) -> Vec<Bar> {
-    let bytes = |row: &Row, model: &str| Some((row.extra_bytes_per_triangle?, model.to_owned()));
-    let bar = |method: &str, all: &mut dyn Iterator<Item = (f64, String)>| {
+fn memory(outcomes: &[Outcome], searched: &[SearchResults]) -> Vec<Target> {
+    let bytes = |row: &MethodRow, model: &str| Some((row.extra_bytes_per_triangle?, model.to_owned()));
+    let target = |method: &str, all: &mut dyn Iterator<Item = (f64, String)>| {
         let (bytes, model) = all.max_by(|a, b| a.0.total_cmp(&b.0))?;
-        let what = format!("{method}, bytes a triangle beyond input and output, most of all ({model})");
-        Some(Bar::at_most(what, BYTES, bytes, 0))
+        let what = format!("{method}, bytes per triangle beyond input and output, most of all ({model})");
+        Some(Target::at_most(what, BYTES, bytes, 0))
     };
-    let mut bars = Vec::new();
+    let mut targets = Vec::new();
     for method in [BEST, FEWEST, ETA] {
         let mut all = outcomes.iter().filter_map(|o| bytes(o.row(method)?, &o.model));
-        bars.extend(bar(method, &mut all));
+        targets.extend(target(method, &mut all));
     }
     let mut longer = searched.iter().flat_map(|s| {
         let all = s.best.iter().chain(&s.eta).chain([&s.fewest]);
         all.filter_map(|search| bytes(&search.row, &s.model)).collect::<Vec<_>>()
     });
-    bars.extend(bar("every longer search", &mut longer));
-    bars
+    targets.extend(target("every longer search", &mut longer));
+    targets
 }

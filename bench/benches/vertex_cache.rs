@@ -1,9 +1,9 @@
-//! Simulated vertex buffers on the strips of `sequential`, in indices a second: one buffer, eight FIFO ones, all LRU
-//! ones in one pass, the generalized mesh. The misses of all ways are compared first.
+//! Simulated vertex caches on the strips of `sequential`, in indices per second: one cache, eight FIFO caches, all LRU sizes
+//! in one pass, the generalized mesh. The misses of all simulators are compared first.
 #![allow(
     missing_docs,
     clippy::expect_used,
-    reason = "criterion's macros; a benchmark that cannot be set up stops"
+    reason = "criterion's macros; a benchmark that cannot be set up panics"
 )]
 
 use std::hint::black_box;
@@ -16,21 +16,21 @@ use tristrip::vertex_cache::{
 use tristrip::{Method, StripifyOptions, Strips, stripify};
 use tristrip_bench::models::{default_folder, find, load};
 
-/// Those of the folder that there are.
+/// Measured if they are in the folder.
 const MODELS: [&str; 3] = ["hand", "bunny", "dragon"];
 
-fn misses(strips: &Strips, buffer: VertexCache, vertex_count: usize) -> usize {
-    let mut queue = VertexCacheSimulator::new(buffer, vertex_count);
+fn misses(strips: &Strips, cache: VertexCache, vertex_count: usize) -> usize {
+    let mut queue = VertexCacheSimulator::new(cache, vertex_count);
     queue.send_all(black_box(strips.vertices()));
     queue.misses()
 }
 
-fn buffers(criterion: &mut Criterion) {
+fn vertex_caches(criterion: &mut Criterion) {
     let sources = find(&default_folder()).expect("a folder of models");
     for source in sources.iter().filter(|source| MODELS.contains(&source.name.as_str())) {
         let mesh = load(source).expect("a readable model").triangles;
         let options = StripifyOptions::default().with_method(Method::Sequential);
-        let strips = stripify(&mesh, &options).expect("options that make sense");
+        let strips = stripify(&mesh, &options).expect("valid options");
         let count = mesh.vertex_count();
         let eight = [4, 6, 8, 12, 16, 24, 32, 64];
         let fifo = eight.map(VertexCache::fifo);
@@ -43,18 +43,18 @@ fn buffers(criterion: &mut Criterion) {
         let two = GeneralizedCost::of(&strips, VertexCache::fifo(2), FlushPolicy::Flush, count);
         assert_eq!(two.transmitted, Metrics::of(&strips).gl_cost);
 
-        let mut group = criterion.benchmark_group(format!("{}, buffers", source.name));
+        let mut group = criterion.benchmark_group(format!("{}, vertex caches", source.name));
         group.throughput(Throughput::Elements(strips.vertices_sent() as u64)).sample_size(20);
-        for buffer in [
+        for cache in [
             VertexCache::fifo(16),
             VertexCache::fifo(64),
             VertexCache::lru(16),
             VertexCache::lru(64),
             VertexCache::lru(4096),
         ] {
-            group.bench_function(buffer.to_string(), |b| b.iter(|| misses(&strips, buffer, count)));
+            group.bench_function(cache.to_string(), |b| b.iter(|| misses(&strips, cache, count)));
         }
-        let all = |buffer| VertexCacheStatistics::of(&strips, buffer, FlushPolicy::Keep, count);
+        let all = |cache| VertexCacheStatistics::of(&strips, cache, FlushPolicy::Keep, count);
         group.bench_function("fifo:16 with triangles", |b| b.iter(|| all(VertexCache::fifo(16))));
         group.bench_function("8 fifo", |b| {
             b.iter(|| VertexCacheStatistics::of_each(&strips, &fifo, FlushPolicy::Keep, count))
@@ -69,5 +69,5 @@ fn buffers(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, buffers);
+criterion_group!(benches, vertex_caches);
 criterion_main!(benches);

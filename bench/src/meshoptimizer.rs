@@ -1,20 +1,20 @@
-//! `meshoptimizer` in the same run, by its Rust crate: the strips of three pipelines, as strips that can be proven and priced.
+//! `meshoptimizer` in the same run, through its Rust crate: the strips of three pipelines, to be proven and measured.
 //!
 //! # References
 //! Arseny Kapoulkine: *meshoptimizer*, <https://github.com/zeux/meshoptimizer>; the crate `meshopt`.
 
 use tristrip::{Mesh, Strips};
 
-use crate::Failure;
+use crate::failure::Failure;
 
 const RESTART: u32 = u32::MAX;
 
-/// What goes before meshoptimizer's strips.
+/// What precedes meshoptimizer's stripification.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Pipeline {
-    /// Strips of the index buffer as it is.
+    /// Nothing: the index buffer in its own order.
     Alone,
-    /// The order for the vertex cache first.
+    /// The order for the vertex cache.
     Cache,
     /// The order for the vertex cache that favours strips: the reference for time ratios.
     StripCache,
@@ -24,7 +24,7 @@ impl Pipeline {
     /// Every pipeline; the reference comes last.
     pub const ALL: [Self; 3] = [Self::Alone, Self::Cache, Self::StripCache];
 
-    /// Gives the name that tables show.
+    /// Returns the name that tables show.
     pub fn name(self) -> &'static str {
         match self {
             Self::Alone => "meshopt stripify",
@@ -33,12 +33,12 @@ impl Pipeline {
         }
     }
 
-    /// Runs the pipeline from index buffer to index buffer: what is timed.
+    /// Runs the pipeline from index buffer to index buffer. This is what is timed.
     ///
     /// # Errors
-    /// The mesh has faces that are no triangles, or the crate reports an error.
+    /// The mesh has faces other than triangles, or the crate reports an error.
     pub fn run(self, mesh: &Mesh) -> Result<Vec<u32>, Failure> {
-        let indices = mesh.faces().as_triangles().ok_or("meshoptimizer takes triangles")?;
+        let indices = mesh.faces().as_triangles().ok_or("meshoptimizer accepts only triangles")?;
         let count = mesh.vertex_count();
         Ok(match self {
             Self::Alone => meshopt::stripify(indices, count, RESTART)?,
@@ -52,7 +52,7 @@ impl Pipeline {
     }
 }
 
-/// Parts an index buffer at its restarts.
+/// Returns the strips between the restarts of an index buffer.
 pub fn strips_of(indices: &[u32]) -> Strips {
     let mut strips = Strips::default();
     indices.split(|&index| index == RESTART).filter(|strip| strip.len() >= 3).for_each(|s| strips.push(s));
@@ -64,7 +64,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn restarts_part_strips() {
+    fn restarts_separate_strips() {
         let strips = strips_of(&[0, 1, 2, 3, RESTART, 4, 5, 6]);
         assert_eq!(strips.iter().collect::<Vec<_>>(), [&[0, 1, 2, 3][..], &[4, 5, 6]]);
     }
