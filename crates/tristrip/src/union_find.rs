@@ -35,6 +35,25 @@ impl UnionFind {
         let (a, b) = (self.find(a), self.find(b));
         self.parents[a.max(b) as usize] = a.min(b);
     }
+
+    /// Returns whether an element is the root of its set.
+    #[inline]
+    pub(crate) fn is_root(&self, element: u32) -> bool {
+        self.parents[element as usize] == element
+    }
+
+    /// Unites the sets of two roots. The first becomes the root of both.
+    #[inline]
+    pub(crate) fn unite_into(&mut self, root: u32, other: u32) {
+        debug_assert!(self.is_root(root) && self.is_root(other));
+        self.parents[other as usize] = root;
+    }
+
+    /// Makes an element a set of its own. All elements of its set must be isolated together.
+    #[inline]
+    pub(crate) fn isolate(&mut self, element: u32) {
+        self.parents[element as usize] = element;
+    }
 }
 
 #[cfg(test)]
@@ -57,5 +76,16 @@ mod tests {
                 prop_assert_eq!(sets.find(element), lowest[element as usize]);
             }
         }
+    }
+
+    #[test]
+    fn a_chosen_root_stays_the_root() {
+        let mut sets = UnionFind::new(4);
+        sets.unite(0, 1);
+        sets.unite_into(3, 0);
+        assert_eq!([0, 1, 2, 3].map(|element| sets.find(element)), [3, 3, 2, 3]);
+        assert!(sets.is_root(3) && !sets.is_root(0));
+        [0, 1, 3].into_iter().for_each(|element| sets.isolate(element));
+        assert!((0..4).all(|element| sets.is_root(element)));
     }
 }

@@ -1,88 +1,62 @@
-//! The blocks of a dual graph: what is left of its components when the bridges are taken out, and the tree that bridges make of them.
+//! The blocks of a dual graph: what remains of its components without the bridges, and the tree that the bridges make of them.
 //!
 //! ```text
 //!   ●─●        ○ ── ○ ── ● ─ ●      Two blocks of several triangles (●), two of one (○), three bridges. A triangle has
-//!   │ │ ────── ╱          ╲ ╱       three edges at most, so that within a block no triangle cuts it apart, and a triangle
+//!   │ │ ────── ╱          ╲ ╱       at most three edges, so that no triangle is a cut vertex of its block, and a triangle
 //!   ●─●                    ●        with a bridge has at most two edges within its block.
 //! ```
-//! Triangles are numbered anew, in the order of a depth-first search: every block is then named by its lowest triangle, through
-//! which the bridge toward the root leads, and the blocks behind a block have higher names. Two triangles that share two or
-//! three edges are joined once, since a path takes only one of them.
+//! Triangles are renumbered in the order of a depth-first search: every block is then identified by its lowest triangle, from which
+//! the bridge toward the root leads, and the blocks behind a block have higher numbers. Two triangles that share two or
+//! three edges are neighbours once, since a path takes only one of the edges.
 //!
 //! # References
 //! Tarjan: *A note on finding the bridges of a graph*, 1974.
 //!
 //! # Complexity
-//! O(n) time; 28 bytes a triangle.
+//! O(n) time; 28 bytes per triangle.
 
-use super::NONE;
+use super::neighbours::Neighbours;
 use crate::dual::DualGraph;
+use crate::ids::OptionalId;
 
 /// A dual graph in the order of a depth-first search, with its blocks.
 #[derive(Debug)]
-pub(super) struct Blocks {
-    /// The neighbours of each node, each once, `NONE` behind the last.
-    pub(super) neighbours: Vec<[u32; 3]>,
-    /// The node from which the search came; `NONE` for the first of a component.
-    pub(super) parent: Vec<u32>,
+pub(super) struct BlockTree {
+    neighbours: Vec<Neighbours>,
+    /// The node from which the search reached a node; none for the first of a component.
+    parent: Vec<OptionalId>,
     /// The lowest node of the block that a node is in.
-    pub(super) root: Vec<u32>,
-    /// The next higher node of the same block, or `NONE`.
-    pub(super) next: Vec<u32>,
+    root: Vec<u32>,
+    /// The next higher node of the same block, if any.
+    next: Vec<OptionalId>,
 }
 
-impl Blocks {
+impl BlockTree {
     /// Searches the graph of triangles.
     pub(super) fn new(graph: &DualGraph) -> Self {
-        let twins = graph.twins();
-        let n = twins.len() / 3;
-        let mut number = vec![NONE; n];
-        let mut faces: Vec<u32> = Vec::with_capacity(n);
-        let mut parent: Vec<u32> = Vec::with_capacity(n);
-        for first in 0..n {
-            if number[first] != NONE {
-                continue;
-            }
-            let mut here = NONE;
-            let mut next = Some(first as u32);
-            loop {
-                if let Some(face) = next {
-                    number[face as usize] = faces.len() as u32;
-                    parent.push(here);
-                    here = faces.len() as u32;
-                    faces.push(face);
-                } else {
-                    here = parent[here as usize];
-                    if here == NONE {
-                        break;
-                    }
-                }
-                let around = &twins[3 * faces[here as usize] as usize..][..3];
-                next = around.iter().find(|&&h| h != NONE && number[h as usize / 3] == NONE).map(|&h| h / 3);
-            }
-        }
-        let neighbours: Vec<[u32; 3]> = faces
+        let (faces, parent, number) = depth_first_order(graph);
+        let neighbours: Vec<Neighbours> = faces
             .iter()
             .enumerate()
             .map(|(node, &face)| {
-                let mut around = [NONE; 3];
-                let mut count = 0;
-                for &twin in twins[3 * face as usize..][..3].iter().filter(|&&twin| twin != NONE) {
-                    let other = number[twin as usize / 3];
-                    if other != node as u32 && !around.contains(&other) {
-                        around[count] = other;
-                        count += 1;
+                let mut neighbours = Neighbours::default();
+                for twin in (3 * face..3 * face + 3).filter_map(|h| graph.twin_of(h)) {
+                    // Every face has a number now.
+                    if let Some(other) = number[twin as usize / 3].get().filter(|&other| other != node as u32)
+                    {
+                        neighbours.insert(other);
                     }
                 }
-                around
+                neighbours
             })
             .collect();
         let root = block_roots(&neighbours, &parent);
-        let mut next = vec![NONE; n];
+        let mut next = vec![OptionalId::NONE; faces.len()];
         let mut lowest = number;
-        lowest.fill(NONE);
-        for node in (0..n).rev() {
-            next[node] = std::mem::replace(&mut lowest[root[node] as usize], node as u32);
+        lowest.fill(OptionalId::NONE);
+        for node in (0..faces.len()).rev() {
+            let lowest = &mut lowest[root[node] as usize];
+            next[node] = std::mem::replace(lowest, OptionalId::some(node as u32));
         }
         Self { neighbours, parent, root, next }
     }
@@ -92,34 +66,79 @@ impl Blocks {
         self.root.len()
     }
 
-    /// Walks over the neighbours of a node.
-    pub(super) fn around(&self, node: u32) -> impl Iterator<Item = u32> + use<> {
-        self.neighbours[node as usize].into_iter().take_while(|&other| other != NONE)
+    /// Returns the lowest node of the block that a node is in.
+    pub(super) fn root(&self, node: u32) -> u32 {
+        self.root[node as usize]
     }
 
-    /// Walks over the neighbours of a node in its own block.
+    /// Returns the node at the other end of the bridge from a block's lowest node; `None` for the first block of a component.
+    pub(super) fn above(&self, root: u32) -> Option<u32> {
+        self.parent[root as usize].get()
+    }
+
+    /// Checks whether a block consists of its lowest node only.
+    pub(super) fn is_single(&self, root: u32) -> bool {
+        self.next[root as usize].is_none()
+    }
+
+    /// Iterates over the neighbours of a node in its own block.
     pub(super) fn inside(&self, node: u32) -> impl Iterator<Item = u32> {
-        self.around(node).filter(move |&other| self.root[other as usize] == self.root[node as usize])
+        let neighbours = self.neighbours[node as usize].iter();
+        neighbours.filter(move |&other| self.root[other as usize] == self.root[node as usize])
     }
 
-    /// Walks over the nodes of the block that begins with this node, in rising order.
+    /// Iterates over the nodes of the block with this lowest node, in rising order.
     pub(super) fn members(&self, root: u32) -> impl Iterator<Item = u32> {
-        std::iter::successors(Some(root), |&node| Some(self.next[node as usize]).filter(|&next| next != NONE))
+        std::iter::successors(Some(root), |&node| self.next[node as usize].get())
     }
 }
 
-/// Finds the lowest node of each block: one behind which no edge but the search's own leads up again.
-fn block_roots(neighbours: &[[u32; 3]], parent: &[u32]) -> Vec<u32> {
+/// Returns the faces in the order of a depth-first search, the parent of each as its number in that order, and the number of each face.
+fn depth_first_order(graph: &DualGraph) -> (Vec<u32>, Vec<OptionalId>, Vec<OptionalId>) {
+    let n = graph.face_count();
+    let mut number = vec![OptionalId::NONE; n];
+    let mut faces: Vec<u32> = Vec::with_capacity(n);
+    let mut parent = Vec::with_capacity(n);
+    for first in 0..n as u32 {
+        if !number[first as usize].is_none() {
+            continue;
+        }
+        let mut here = OptionalId::NONE;
+        let mut next = Some(first);
+        loop {
+            if let Some(face) = next {
+                let node = OptionalId::some(faces.len() as u32);
+                number[face as usize] = node;
+                parent.push(here);
+                here = node;
+                faces.push(face);
+            } else if let Some(node) = here.get() {
+                here = parent[node as usize];
+            }
+            let Some(node) = here.get() else { break };
+            let face = faces[node as usize];
+            let neighbours = (3 * face..3 * face + 3).filter_map(|h| graph.twin_of(h)).map(|twin| twin / 3);
+            next = neighbours.into_iter().find(|&other| number[other as usize].is_none());
+        }
+    }
+    (faces, parent, number)
+}
+
+/// Returns the lowest node of each block: a node behind which only the search's own edge leads up again.
+fn block_roots(neighbours: &[Neighbours], parent: &[OptionalId]) -> Vec<u32> {
     let mut low: Vec<u32> = (0..neighbours.len() as u32).collect();
     for node in (0..neighbours.len()).rev() {
-        for &other in neighbours[node].iter().filter(|&&other| other != NONE && other != parent[node]) {
-            let reach = if parent[other as usize] == node as u32 { low[other as usize] } else { other };
+        for other in neighbours[node].iter().filter(|&other| parent[node].get() != Some(other)) {
+            let is_child = parent[other as usize].get() == Some(node as u32);
+            let reach = if is_child { low[other as usize] } else { other };
             low[node] = low[node].min(reach);
         }
     }
-    for node in 0..low.len() {
-        if low[node] != node as u32 {
-            low[node] = low[parent[node] as usize];
+    for (node, parent) in parent.iter().enumerate() {
+        if let Some(parent) = parent.get()
+            && low[node] != node as u32
+        {
+            low[node] = low[parent as usize];
         }
     }
     low

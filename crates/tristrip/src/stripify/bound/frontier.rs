@@ -1,14 +1,14 @@
-//! The least number of path ends in a small piece of a graph, exactly: over all ways to lay paths through it, edges that leave the piece
-//! being free to use.
+//! The least number of path ends in a small subproblem of a graph, exactly: over all path covers of it, where paths may leave the
+//! subproblem over any edge.
 //!
 //! # Algorithm
-//! Triangles are added one by one, in an order that keeps the *frontier* short: those added that still have a neighbour to come. All
-//! that the rest needs to know of the paths laid so far is, for each triangle of the frontier, whether it can take another link
-//! and where the path that ends there ends on its other side. For each such state the least number of ends so far is kept.
+//! Triangles are added one by one, in an order that keeps the *frontier* short: those added that still have a neighbour to come.
+//! The rest depends on the paths so far only by this: for each triangle of the frontier, whether it can take another link,
+//! and where the other end of the path is that ends there. For each such state the least number of ends so far is kept.
 //!
 //! ```text
 //!   ● ━ ●│○           frontier: a, c, e; a and e are the two ends of one path and must not be linked to each other,
-//!   ┃   a│            c can take no more.
+//!   ┃   a│            c can take no more link.
 //!   ● ━ ●│○
 //!   ●━┛ c│
 //!   ┗━━━●│○
@@ -21,18 +21,18 @@
 //! (simple paths).
 //!
 //! # Complexity
-//! O(n · states) time and 32 bytes a state; the states are limited, and grow about as 4 to the power of the frontier.
+//! O(n · states) time and 32 bytes per state; the states are limited, and grow about as 4 to the power of the frontier.
 
-use super::NONE;
+use super::neighbours::Neighbours;
 
-/// A triangle of a piece.
+/// A triangle of a subproblem.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Node {
-    /// Its neighbours in the piece, `NONE` behind the last.
-    pub(super) neighbours: [u32; 3],
-    /// Edges that leave the piece.
+pub(super) struct FrontierNode {
+    /// Its neighbours in the subproblem.
+    pub(super) neighbours: Neighbours,
+    /// Edges that leave the subproblem.
     pub(super) outward: u8,
-    /// Whether a path ends here from elsewhere, so that only one more link can be taken.
+    /// Whether a path from outside ends here, so that only one more link is possible.
     pub(super) is_taken: bool,
 }
 
@@ -40,18 +40,18 @@ pub(super) struct Node {
 const BITS: u32 = 5;
 /// Slots of a state.
 const SLOTS: usize = WIDEST + 1;
-/// The longest frontier that is tried: one more slot is in use for a moment. Of longer ones few have less than a million states.
+/// The longest frontier that is tried; one more slot is in use for a moment. Few longer ones have less than a million states.
 const WIDEST: usize = 16;
-/// A triangle that can take no more link. Lower values name the slot of the path's other end.
+/// A triangle that can take no more link. Lower values are the slot of the path's other end.
 const FULL: u8 = 31;
-/// A triangle whose path ends elsewhere for good.
+/// A triangle whose path has its other end behind the frontier.
 const LOOSE: u8 = 30;
 
-/// Where the path of each triangle of the frontier ends, packed.
+/// The other end of the path of each triangle of the frontier, packed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-struct State(u128);
+struct FrontierState(u128);
 
-impl State {
+impl FrontierState {
     fn get(self, slot: u8) -> u8 {
         (self.0 >> (BITS * u32::from(slot))) as u8 & FULL
     }
@@ -61,7 +61,7 @@ impl State {
         self.0 = self.0 & !(u128::from(FULL) << shift) | u128::from(end) << shift;
     }
 
-    /// Links two triangles, unless one of them is full or they are the ends of one path.
+    /// Links two triangles; `None` if one of them is full or they are the ends of one path.
     fn link(mut self, a: u8, b: u8) -> Option<Self> {
         let (end_a, end_b) = (self.get(a), self.get(b));
         if end_a == FULL || end_b == FULL || end_a == b {
@@ -82,7 +82,7 @@ impl State {
         Some(self)
     }
 
-    /// Takes a triangle out of the frontier and counts the ends that it keeps.
+    /// Removes a triangle from the frontier and returns the number of path ends that remain at it.
     fn finish(&mut self, slot: u8, outward: u8) -> u8 {
         let end = self.get(slot);
         self.set(slot, 0);
@@ -99,20 +99,24 @@ impl State {
     }
 }
 
-/// Counts the least ends of paths in a piece, not those at edges that are taken already nor those beyond edges that leave it; `None`
-/// where that takes more than so many states at once, or more in all than are left.
-pub(super) fn least_ends(nodes: &[Node], states_at_once: usize, states_left: &mut u64) -> Option<usize> {
+/// Returns the least number of path ends in a subproblem, without those at links from outside and those beyond edges that leave it;
+/// `None` if that takes more than `states_at_once` states at once, or more in all than are left.
+pub(super) fn least_ends(
+    nodes: &[FrontierNode],
+    states_at_once: usize,
+    states_left: &mut u64,
+) -> Option<usize> {
     let order = order(nodes)?;
-    let mut place = vec![0; nodes.len()];
-    order.iter().enumerate().for_each(|(i, &node)| place[node as usize] = i);
-    let around = |node: u32| nodes[node as usize].neighbours.into_iter().take_while(|&other| other != NONE);
+    let mut rank = vec![0; nodes.len()];
+    order.iter().enumerate().for_each(|(i, &node)| rank[node as usize] = i);
+    let around = |node: u32| nodes[node as usize].neighbours.iter();
     let last_needed =
-        |node: u32| around(node).map(|other| place[other as usize]).fold(place[node as usize], usize::max);
+        |node: u32| around(node).map(|other| rank[other as usize]).fold(rank[node as usize], usize::max);
     let mut slot_of = vec![0_u8; nodes.len()];
     let mut free: Vec<u8> = (0..SLOTS as u8).rev().collect();
     let mut frontier: Vec<u32> = Vec::new();
-    let mut states = vec![(State(0), 0_u16)];
-    let mut grown: Vec<(State, u16)> = Vec::new();
+    let mut states = vec![(FrontierState(0), 0_u16)];
+    let mut grown: Vec<(FrontierState, u16)> = Vec::new();
     for (now, &node) in order.iter().enumerate() {
         let slot = free.pop()?;
         slot_of[node as usize] = slot;
@@ -120,7 +124,7 @@ pub(super) fn least_ends(nodes: &[Node], states_at_once: usize, states_left: &mu
         let (done, kept): (Vec<u32>, Vec<u32>) = frontier.iter().partition(|&&n| last_needed(n) == now);
         frontier = kept;
         let before: Vec<u8> = around(node)
-            .filter(|&other| place[other as usize] < now)
+            .filter(|&other| rank[other as usize] < now)
             .map(|other| slot_of[other as usize])
             .collect();
         grown.clear();
@@ -154,10 +158,10 @@ pub(super) fn least_ends(nodes: &[Node], states_at_once: usize, states_left: &mu
     states.first().map(|&(_, ends)| usize::from(ends))
 }
 
-/// Orders the nodes so that few are waiting for a neighbour at any time: from a node far out, always the one that adds least.
-/// `None` where that are more than [`WIDEST`].
-fn order(nodes: &[Node]) -> Option<Vec<u32>> {
-    let around = |node: u32| nodes[node as usize].neighbours.into_iter().take_while(|&other| other != NONE);
+/// Orders the nodes so that few wait for a neighbour at any time: from a peripheral node on, always the node that adds least.
+/// `None` if more than [`WIDEST`] wait.
+fn order(nodes: &[FrontierNode]) -> Option<Vec<u32>> {
+    let around = |node: u32| nodes[node as usize].neighbours.iter();
     let mut order: Vec<u32> = Vec::with_capacity(nodes.len());
     let mut width = 0;
     let mut seen = vec![false; nodes.len()];
@@ -165,7 +169,7 @@ fn order(nodes: &[Node]) -> Option<Vec<u32>> {
         if seen[first as usize] {
             continue;
         }
-        // The last node of a breadth-first search lies far out.
+        // The last node of a breadth-first search is peripheral.
         let begin = order.len();
         seen[first as usize] = true;
         order.push(first);
@@ -184,7 +188,7 @@ fn order(nodes: &[Node]) -> Option<Vec<u32>> {
         let mut waiting = vec![start];
         while !waiting.is_empty() {
             let open = |node: u32| around(node).filter(|&other| !seen[other as usize]).count();
-            // What a node adds to the frontier, and 3.
+            // The growth of the frontier by a node, plus 3.
             let growth = |node: u32| {
                 let closes = around(node).filter(|&other| seen[other as usize] && open(other) == 1).count();
                 usize::from(open(node) > 0) + 3 - closes

@@ -1,38 +1,37 @@
-//! Tests in linear time whether a triangulation is *sequential*: whether one strip passes through all triangles without a swap.
+//! Checks in linear time whether a triangulation is *sequential*: whether one strip passes through all triangles without a swap.
 //!
-//! Without swaps the turns alternate, so that an entry and the side of the next turn fix all that comes after and all that came
-//! before. These *states*, six for each triangle, fall into chains, open or closed:
+//! Without swaps the turns alternate, so that an entry and the side of the next turn determine everything after and
+//! before it. These *states*, six per triangle, form chains, open or closed:
 //!
 //! ```text
-//!        ╱╲            h ──▶  entered across h at an even place, the walk leaves across the next edge of the
-//!       ╱  ╲ ──▶              winding, at an odd place across the previous one, and enters the neighbour
-//!      ╱    ╲                 at the other kind of place
+//!        ╱╲            h ──▶  entered across h at an even position, the strip leaves across the next edge of the
+//!       ╱  ╲ ──▶              winding, at an odd position across the previous one, and enters the neighbour
+//!      ╱    ╲                 at a position of the other parity
 //!     ────────
 //!        ▲ h
 //! ```
 //! # Algorithm
-//! 1. Go along each open chain from where no state leads in, then each closed one, twice around.
-//! 2. Find for each place the longest *run* up to there that has no triangle twice. If one ever has as many as there are triangles,
+//! 1. Follow each open chain from the state without a predecessor, then each closed one, twice around.
+//! 2. Find for each state the longest *run* up to there that contains no triangle twice. If one has as many triangles as the mesh,
 //!    it is the strip. The first triangle's entry is not crossed, nor the last one's exit, so that both may be boundaries.
 //!
 //! The runs also bound the strips that have swaps. At each swap one run ends and the next begins, and each triangle is at least one part
-//! in m of a run, if the longest that it is in has m: these parts add up to the least number of runs.
+//! in m of a run if the longest run that contains it has m triangles: the sum of these parts is a lower bound of the number of runs.
 //!
-//! A strip begins with the winding of its first triangle, so that its second one stands at an odd place; where that does not fit,
-//! the strip has to repeat its first vertex. From the other end an odd number of triangles fits if it did not from this one,
-//! an even number does not. Both are chains here.
+//! A strip begins with the winding of its first triangle, so that its second one is at an odd position; otherwise
+//! the strip has to repeat its first vertex. In the opposite direction the parity changes if the number of triangles is odd,
+//! and stays if it is even. Both directions are chains here.
 //!
 //! # References
 //! Arkin, Held, Mitchell, Skiena: *Hamiltonian triangulations for fast rendering*, 1994; Evans, Skiena, Varshney:
-//! *Efficiently Generating Triangle Strips for Fast Rendering*, 1996, section 2. They speak of a cycle of the dual graph; a strip needs
-//! a path only, and [`SequentialStrip::is_closed`] tells whether it is a cycle.
+//! *Efficiently Generating Triangle Strips for Fast Rendering*, 1996, section 2. They require a cycle of the dual graph; a strip needs
+//! only a path, and [`SequentialStrip::is_closed`] tells whether it is a cycle.
 //!
 //! # Complexity
-//! O(n) time; 13 bytes a triangle, and 16 for each state of the longest chain.
+//! O(n) time; 13 bytes per triangle, and 16 per state of the longest chain.
 
 use std::collections::VecDeque;
 
-use super::NONE;
 use crate::cover::PathCover;
 use crate::dual::DualGraph;
 use crate::ids::HalfEdge;
@@ -43,14 +42,14 @@ use crate::ids::HalfEdge;
 pub struct SequentialStrip {
     /// The strip, as a cover of one path.
     pub cover: PathCover,
-    /// Whether it can be sent in T + 2 vertices; if not, its first vertex has to come twice.
+    /// Whether it can be sent in T + 2 vertices; otherwise its first vertex is repeated.
     pub keeps_winding: bool,
-    /// Whether its turns go on alternating from the last triangle to the first.
+    /// Whether its turns also alternate from the last triangle to the first.
     pub is_closed: bool,
 }
 
-/// Finds one strip through all triangles of a graph that has no swap, if there is any: in T + 2 vertices if it can be, else in
-/// T + 3.
+/// Finds one strip through all triangles of a graph without a swap, if there is any: in T + 2 vertices if possible, otherwise in
+/// T + 3. Returns `None` for a graph of polygons.
 ///
 /// ```
 /// use tristrip::{DualGraph, Faces, stripify::bound::sequential_strip};
@@ -61,70 +60,67 @@ pub struct SequentialStrip {
 /// # Ok::<(), tristrip::Error>(())
 /// ```
 pub fn sequential_strip(graph: &DualGraph) -> Option<SequentialStrip> {
-    let n = graph.half_edge_count() / 3;
-    let twins = triangle_twins(graph)?;
-    let run = runs(twins, &vec![0; n], &[n]).pop()?.whole?;
+    let n = graph.face_count();
+    if graph.half_edge_count() != 3 * n {
+        return None;
+    }
+    let run = runs(graph, &vec![0; n], &[n]).pop()?.whole?;
     let mut cover = PathCover::isolated(n);
     let mut state = run.first;
     for _ in 1..n {
         cover.link(graph, HalfEdge(exit(state)));
-        state = next(twins, state)?;
+        state = next(graph, state)?;
     }
-    let is_closed = n > 1 && next(twins, state) == Some(run.first);
+    let is_closed = n > 1 && next(graph, state) == Some(run.first);
     Some(SequentialStrip { cover, keeps_winding: run.keeps_winding, is_closed })
 }
 
-/// The packed twins of a graph of triangles; `None` for one of polygons.
-fn triangle_twins(graph: &DualGraph) -> Option<&[u32]> {
-    (graph.half_edge_count() == 3 * graph.face_count()).then(|| graph.twins())
-}
+/// The half-edge across which a triangle is entered, and whether that is at an odd position.
+type EntryState = (u32, bool);
 
-/// An entry into a triangle, and whether at an odd place: twice the half-edge and one bit.
-type State = (u32, bool);
-
-/// The half-edge across which a walk goes on.
-fn exit((entry, is_odd): State) -> u32 {
+/// Returns the half-edge across which the strip leaves.
+fn exit((entry, is_odd): EntryState) -> u32 {
     let first = entry - entry % 3;
     first + (entry % 3 + if is_odd { 2 } else { 1 }) % 3
 }
 
-fn next(twins: &[u32], state: State) -> Option<State> {
-    let twin = twins[exit(state) as usize];
-    (twin != NONE).then_some((twin, !state.1))
+/// Returns the next state of the chain.
+fn next(graph: &DualGraph, state: EntryState) -> Option<EntryState> {
+    Some((graph.twin_of(exit(state))?, !state.1))
 }
 
-/// All triangles of a component in a row, without a swap.
+/// A run through all triangles of a component.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Run {
-    first: State,
+pub(super) struct WholeRun {
+    first: EntryState,
     pub(super) keeps_winding: bool,
 }
 
-/// What the runs of a component are like.
+/// The runs of a component.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Runs {
-    /// One through all of it: one that keeps its winding, if there is any.
-    pub(super) whole: Option<Run>,
-    /// How many it takes at least to cover it.
+pub(super) struct ComponentRuns {
+    /// A run through the whole component: one that keeps its winding, if there is any.
+    pub(super) whole: Option<WholeRun>,
+    /// A lower bound of the number of runs that cover the component.
     pub(super) least: usize,
 }
 
-/// Looks at the runs of each component, by the component of each triangle and the size of each component.
-pub(super) fn runs(twins: &[u32], component: &[u32], sizes: &[usize]) -> Vec<Runs> {
-    let mut runs = vec![Runs::default(); sizes.len()];
+/// Examines the runs of each component. `component` has the component of each triangle, `sizes` the triangles of each component.
+pub(super) fn runs(graph: &DualGraph, component: &[u32], sizes: &[usize]) -> Vec<ComponentRuns> {
+    let mut runs = vec![ComponentRuns::default(); sizes.len()];
     let mut last = vec![0; component.len()];
     let mut longest = vec![0; component.len()];
     let (mut from, mut position) = (Vec::new(), 0);
-    for_each_chain(twins, |chain, starts_odd| {
+    for_each_chain(graph, |chain, starts_odd| {
         let here = component[chain[0] as usize / 3] as usize;
         run_starts(chain, &mut last, &mut position, &mut from);
-        note_longest(chain, &from, &mut longest);
+        update_longest(chain, &from, &mut longest);
         for (end, &start) in from.iter().enumerate() {
             if end + 1 - start as usize == sizes[here] {
                 let first = (chain[start as usize], starts_odd ^ (start % 2 == 1));
                 let keeps_winding = sizes[here] < 3 || !first.1;
                 if keeps_winding || runs[here].whole.is_none() {
-                    runs[here].whole = Some(Run { first, keeps_winding });
+                    runs[here].whole = Some(WholeRun { first, keeps_winding });
                 }
             }
         }
@@ -139,11 +135,11 @@ pub(super) fn runs(twins: &[u32], component: &[u32], sizes: &[usize]) -> Vec<Run
     runs
 }
 
-/// A run, in the parts of it that are added up; they are rounded down, by less than a run for all triangles.
+/// The number of units of a run. The parts of a run are rounded down, by less than one run for all triangles.
 const WHOLE: u64 = 1 << 32;
 
-/// Finds for each state of a chain where the longest run that ends there begins. `last` has the position after the one where each
-/// triangle was met last, over all chains, and `position` the position of this one.
+/// Finds for each state of a chain the start of the longest run that ends there. `last` has the position after the last occurrence of
+/// each triangle, counted over all chains, and `position` is the position of this chain.
 fn run_starts(chain: &[u32], last: &mut [u64], position: &mut u64, from: &mut Vec<u32>) {
     let begin = *position;
     let mut start = 0;
@@ -157,20 +153,20 @@ fn run_starts(chain: &[u32], last: &mut [u64], position: &mut u64, from: &mut Ve
     }
 }
 
-/// Notes for each triangle the longest run that it is in.
-fn note_longest(chain: &[u32], from: &[u32], longest: &mut [u32]) {
-    // The runs that nothing can be added to and that have not ended, the longest first and none behind a longer later one.
+/// Updates for each triangle the length of the longest run that contains it.
+fn update_longest(chain: &[u32], from: &[u32], longest: &mut [u32]) {
+    // The maximal runs that have begun and not ended, the longest first; one that ends before a longer one is left out.
     let mut open: VecDeque<(u32, u32)> = VecDeque::new();
     let is_last = |end: usize| from.get(end + 1).is_none_or(|&start| start > from[end]);
     let mut ends = (0..chain.len()).filter(|&end| is_last(end)).map(|end| (from[end], end as u32)).peekable();
-    for (place, &entry) in (0..).zip(chain) {
-        while let Some((start, end)) = ends.next_if(|&(start, _)| start <= place) {
+    for (position, &entry) in (0..).zip(chain) {
+        while let Some((start, end)) = ends.next_if(|&(start, _)| start <= position) {
             while open.back().is_some_and(|&(s, e)| e - s <= end - start) {
                 open.pop_back();
             }
             open.push_back((start, end));
         }
-        while open.front().is_some_and(|&(_, end)| end < place) {
+        while open.front().is_some_and(|&(_, end)| end < position) {
             open.pop_front();
         }
         if let Some((start, end)) = open.front() {
@@ -180,26 +176,26 @@ fn note_longest(chain: &[u32], from: &[u32], longest: &mut [u32]) {
     }
 }
 
-/// Goes over all chains: the entries of the states, a closed chain twice around, and whether the first is at an odd place.
-fn for_each_chain(twins: &[u32], mut go: impl FnMut(&[u32], bool)) {
-    let mut visited = vec![0_u8; twins.len() / 3];
-    let mut visit = |(entry, is_odd): State| {
+/// Passes all chains to `go`: the entries of the states, for a closed chain twice around, and whether the first is at an odd position.
+fn for_each_chain(graph: &DualGraph, mut go: impl FnMut(&[u32], bool)) {
+    let mut visited = vec![0_u8; graph.face_count()];
+    let mut visit = |(entry, is_odd): EntryState| {
         let bit = 1 << (entry % 3 * 2 + u32::from(is_odd));
         let visited = &mut visited[entry as usize / 3];
         let is_new = *visited & bit == 0;
         *visited |= bit;
         is_new
     };
-    let states = || (0..twins.len() as u32).flat_map(|entry| [(entry, false), (entry, true)]);
+    let states = || (0..graph.half_edge_count() as u32).flat_map(|entry| [(entry, false), (entry, true)]);
     let mut chain = Vec::new();
-    // No state leads to an entry without a twin. What is left then is closed.
+    // No state leads to an entry without a twin. The chains that remain after those are closed.
     for open in [true, false] {
-        for start in states().filter(|&(entry, _)| !open || twins[entry as usize] == NONE) {
+        for start in states().filter(|&(entry, _)| !open || graph.twin_of(entry).is_none()) {
             chain.clear();
             let mut state = Some(start);
             while let Some(here) = state.filter(|&here| visit(here)) {
                 chain.push(here.0);
-                state = next(twins, here);
+                state = next(graph, here);
             }
             if !open {
                 chain.extend_from_within(..);

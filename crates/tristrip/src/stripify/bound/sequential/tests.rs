@@ -8,7 +8,7 @@ use crate::prepare::PreparedFaces;
 use crate::strip::{emit, path_cost};
 use crate::verify::verify;
 
-/// Tries every triangle, way out and side of the first turn: the best strip's vertices, if there is one without a swap.
+/// Returns the vertices of the best strip without a swap, if there is any, by trying every triangle, exit and side of the first turn.
 fn least_vertices_without_swap(graph: &DualGraph) -> Option<usize> {
     let n = graph.face_count();
     let edge = |h: u32, by: u32| h - h % 3 + (h % 3 + by) % 3;
@@ -24,7 +24,7 @@ fn least_vertices_without_swap(graph: &DualGraph) -> Option<usize> {
                 turn = 3 - turn;
             }
             if seen.len() == n {
-                // The second triangle's turn is free to the edge before.
+                // The second triangle may turn toward the previous edge for free.
                 let sent = n + 2 + usize::from(n > 2 && first_turn == 1);
                 best = Some(best.map_or(sent, |best: usize| best.min(sent)));
             }
@@ -47,7 +47,7 @@ fn check(graph: &DualGraph) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// A strip of triangles by vertices, of which the last may be the first again.
+/// Builds the dual graph of a strip's triangles; the last vertices may be the first ones again.
 fn strip(vertices: &[u32]) -> DualGraph {
     let corners = vertices
         .windows(3)
@@ -60,13 +60,13 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
     #[test]
-    fn finds_what_trying_all_starts_finds(graph in graph(1..9)) {
+    fn finds_the_best_of_all_starts(graph in graph(1..9)) {
         check(&graph)?;
     }
 
     #[test]
     fn finds_strips_over_few_vertices(vertices in prop::collection::vec(0..7_u32, 3..12)) {
-        // What is left of any sequence when repeats are skipped: strips that meet themselves.
+        // Any sequence without immediate repeats: strips that meet themselves.
         let mut distinct: Vec<u32> = Vec::new();
         for v in vertices {
             if !distinct.iter().rev().take(2).any(|&last| last == v) {
@@ -79,7 +79,7 @@ proptest! {
     }
 }
 
-/// The least runs that cover the triangles, by trying which run begins at the first triangle that is left, in any set of runs.
+/// Returns the least number of runs that cover the triangles, by trying for the first triangle left every run that contains it.
 fn least_runs(all: &[u32], left: u32) -> usize {
     if left == 0 {
         return 0;
@@ -93,7 +93,7 @@ proptest! {
     #[test]
     fn no_cover_has_fewer_runs(graph in graph(1..9)) {
         let n = graph.face_count();
-        // All runs, as sets of triangles: from every entry, to either side, as far as one likes.
+        // All runs, as sets of triangles: from every entry, to either side, of any length.
         let mut all = Vec::new();
         for start in 0..3 * n as u32 {
             for is_odd in [false, true] {
@@ -102,13 +102,13 @@ proptest! {
                 while let Some(here) = state.filter(|here| run >> (here.0 / 3) & 1 == 0) {
                     run |= 1_u32 << (here.0 / 3);
                     all.push(run);
-                    state = next(graph.twins(), here);
+                    state = next(&graph, here);
                 }
             }
         }
         all.sort_unstable();
         all.dedup();
-        let found = runs(graph.twins(), &vec![0; n], &[n])[0].least;
+        let found = runs(&graph, &vec![0; n], &[n])[0].least;
         let least = least_runs(&all, (1 << n) - 1);
         prop_assert!((1..=least).contains(&found), "{found} > {least}");
     }
@@ -116,7 +116,7 @@ proptest! {
 
 #[test]
 fn rows_of_a_grid_are_its_runs() {
-    // Four rows of six squares: the longest runs are rows, and steps along the diagonal that are shorter.
+    // Four rows of six squares: the longest runs are the rows; those along the diagonal are shorter.
     let corner = |x: u32, y: u32| 7 * y + x;
     let squares = (0..4).flat_map(|y| (0..6).map(move |x| (x, y)));
     let corners = squares.flat_map(|(x, y)| {
@@ -124,11 +124,11 @@ fn rows_of_a_grid_are_its_runs() {
         [a, b, c, a, c, d]
     });
     let graph = DualGraph::new(&Faces::from_triangles(corners.collect()).unwrap());
-    assert_eq!(runs(graph.twins(), &[0; 48], &[48])[0].least, 4);
+    assert_eq!(runs(&graph, &[0; 48], &[48])[0].least, 4);
 }
 
 #[test]
-fn closed_rows_may_begin_anywhere() {
+fn closed_rows_are_strips_of_any_start() {
     for n in 4..12_u32 {
         let ring: Vec<u32> = (0..n + 2).map(|i| i % n).collect();
         let graph = strip(&ring);
@@ -140,22 +140,22 @@ fn closed_rows_may_begin_anywhere() {
 }
 
 #[test]
-fn nothing_is_no_strip() {
+fn empty_and_polygon_meshes_have_no_strip() {
     assert_eq!(sequential_strip(&DualGraph::new(&Faces::from_triangles(Vec::new()).unwrap())), None);
     let polygon = DualGraph::new(&Faces::from_polygons([[0, 1, 2, 3]]).unwrap());
     assert_eq!(sequential_strip(&polygon), None);
 }
 
-/// A gadget of the paper's section 5: a polygon of corners 1 to n around the vertex 0, cut but for one pentagon, and the oriented edges
-/// over which its two sequential triangulations are entered and left.
+/// A gadget of the paper's section 5: a polygon of corners 1 to n around the vertex 0, triangulated except for one pentagon, and the
+/// oriented edges over which its two sequential triangulations are entered and left.
 struct Gadget {
     name: &'static str,
     obj: &'static str,
     ways: [([u32; 2], [u32; 2]); 2],
 }
 
-/// Lemmas 1 and 2 for n = 4 and 5, from what they say, as the paper draws them only. Trying all shows that there are no others, but
-/// for n = 5 another first way that has less in common with the second.
+/// Lemmas 1 and 2 for n = 4 and 5, from their statements, since the paper has them only as drawings. An exhaustive search finds no
+/// others, except for n = 5 another first way that has less in common with the second.
 const GADGETS: [Gadget; 4] = [
     Gadget {
         name: "lemma 1, n = 4",
@@ -179,31 +179,31 @@ const GADGETS: [Gadget; 4] = [
     },
 ];
 
-/// Reads the faces of a gadget, the inner vertex, which the file has last, as 0, and where the vertices stand.
+/// Reads the faces of a gadget and the positions of its vertices. The inner vertex, the last one of the file, becomes vertex 0.
 fn read(obj: &str) -> (Vec<Vec<u32>>, Vec<[f64; 2]>) {
     fn numbers<T: std::str::FromStr<Err: std::fmt::Debug>>(line: &str) -> Vec<T> {
         line.split(' ').skip(1).map(|word| word.parse().unwrap()).collect()
     }
-    let mut places: Vec<[f64; 2]> =
+    let mut positions: Vec<[f64; 2]> =
         obj.lines().filter(|l| l.starts_with("v ")).map(numbers).map(|v| [v[0], v[1]]).collect();
-    let count = places.len() as u32;
+    let count = positions.len() as u32;
     let faces = obj.lines().filter(|l| l.starts_with("f "));
     let faces = faces.map(|l| numbers(l).into_iter().map(|v: u32| v % count).collect()).collect();
-    places.rotate_right(1);
-    (faces, places)
+    positions.rotate_right(1);
+    (faces, positions)
 }
 
-/// All ways to cut a polygon, as triangles.
-fn cuts(polygon: &[u32]) -> Vec<Vec<[u32; 3]>> {
+/// Lists all triangulations of a polygon.
+fn triangulations(polygon: &[u32]) -> Vec<Vec<[u32; 3]>> {
     let n = polygon.len();
     if n < 3 {
         return vec![Vec::new()];
     }
-    // The triangle at the edge from the last corner to the first, and what is left on its two sides.
+    // The triangle at the edge from the last corner to the first, and the polygons on its two sides.
     let apexes = 1..n - 1;
     apexes
         .flat_map(|i| {
-            let (left, right) = (cuts(&polygon[..=i]), cuts(&polygon[i..]));
+            let (left, right) = (triangulations(&polygon[..=i]), triangulations(&polygon[i..]));
             let triangle = [polygon[n - 1], polygon[0], polygon[i]];
             left.into_iter()
                 .flat_map(move |l| right.clone().into_iter().map(move |r| [&l[..], &[triangle], &r].concat()))
@@ -211,8 +211,8 @@ fn cuts(polygon: &[u32]) -> Vec<Vec<[u32; 3]>> {
         .collect()
 }
 
-/// Tells whether a strip of vertices draws each of the triangles once, in either sense, as strips in the plane that are entered over an
-/// edge may have to.
+/// Checks whether a strip of vertices draws each of the triangles once, with any winding, since a strip that is entered over a given
+/// edge may have to reverse it.
 fn draws(strip: &[u32], triangles: &[[u32; 3]]) -> bool {
     let sorted = |w: &[u32]| {
         let mut t = [w[0], w[1], w[2]];
@@ -226,7 +226,7 @@ fn draws(strip: &[u32], triangles: &[[u32; 3]]) -> bool {
     drawn == wanted
 }
 
-/// Tells whether a sequential strip enters over one oriented edge and leaves over another, by trying all sequences of vertices.
+/// Checks whether a sequential strip enters over one oriented edge and leaves over another, by trying all sequences of vertices.
 fn has_way(triangles: &[[u32; 3]], enter: [u32; 2], leave: [u32; 2]) -> bool {
     let vertex_count = 1 + triangles.iter().flatten().max().unwrap();
     let between = triangles.len() as u32 - 2;
@@ -240,29 +240,29 @@ fn has_way(triangles: &[[u32; 3]], enter: [u32; 2], leave: [u32; 2]) -> bool {
 #[test]
 fn gadgets_have_the_two_ways_of_their_lemmas() {
     for gadget in GADGETS {
-        let (faces, places) = read(gadget.obj);
-        let n = places.len() - 1;
+        let (faces, positions) = read(gadget.obj);
+        let n = positions.len() - 1;
         let (cut, pentagons): (Vec<_>, Vec<_>) = faces.into_iter().partition(|face| face.len() == 3);
         assert_eq!(pentagons.len(), 1, "{}", gadget.name);
         let cut: Vec<[u32; 3]> = cut.iter().map(|t| [t[0], t[1], t[2]]).collect();
         let all: Vec<Vec<[u32; 3]>> =
-            cuts(&pentagons[0]).into_iter().map(|rest| [&cut[..], &rest].concat()).collect();
+            triangulations(&pentagons[0]).into_iter().map(|rest| [&cut[..], &rest].concat()).collect();
         assert_eq!(all.len(), 5);
         for (enter, leave) in gadget.ways {
             let with_way: Vec<_> = all.iter().filter(|t| has_way(t, enter, leave)).collect();
             assert_eq!(with_way.len(), 1, "{}: {enter:?} to {leave:?}", gadget.name);
             let triangles = with_way[0];
             assert_eq!(triangles.len(), n);
-            // It is a triangulation in the plane, too: every triangle lies the same way around.
-            for [a, b, c] in triangles.iter().map(|t| t.map(|v| places[v as usize])) {
+            // It is a triangulation in the plane, too: all triangles have the same orientation.
+            for [a, b, c] in triangles.iter().map(|t| t.map(|v| positions[v as usize])) {
                 assert!((b[0] - a[0]) * (c[1] - a[1]) > (b[1] - a[1]) * (c[0] - a[0]), "{}", gadget.name);
             }
             let faces = Faces::from_triangles(triangles.iter().flatten().copied().collect()).unwrap();
             let mesh = Mesh::new(vec![[0.0; 3]; n + 1], faces).unwrap();
-            let surface = PreparedFaces::new(&mesh, false);
-            let graph = DualGraph::new(surface.faces());
+            let prepared = PreparedFaces::new(&mesh, false);
+            let graph = DualGraph::new(prepared.faces());
             let found = sequential_strip(&graph).unwrap();
-            let strips = emit(&Triangulation::fan(&surface, &graph), &found.cover);
+            let strips = emit(&Triangulation::fan(&prepared, &graph), &found.cover);
             assert!(verify(&mesh, &strips).is_ok());
             assert_eq!(strips.vertices_sent(), n + 3 - usize::from(found.keeps_winding));
             assert!(check(&graph).is_ok());

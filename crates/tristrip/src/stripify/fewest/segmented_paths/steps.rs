@@ -12,7 +12,7 @@ use super::{LinkChange, NO_EDGE, SegmentedPaths, WalkEnd, WalkStep};
 use crate::random::Random;
 
 impl SegmentedPaths<'_> {
-    /// Splits a path's segments after a triangle in segment `i`. Returns the index of the segment at which the second part begins.
+    /// Divides a path's segments after a triangle in segment `i`. Returns the index of the segment at which the second part begins.
     fn split_after(&mut self, path: usize, i: usize, t: u32) -> usize {
         let segments = &mut self.changed[path].segments;
         let (first, second) = segments[i].split_after(self.positions[t as usize].position);
