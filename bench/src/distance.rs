@@ -130,7 +130,7 @@ fn mean_square(from: &[[Point; 3]], to: &CellGrid<'_>, points: usize) -> f64 {
         from.iter().map(|&[a, b, c]| cross(sub(b, a), sub(c, a))).map(|n| dot(n, n).sqrt()).collect();
     let total: f64 = areas.iter().sum();
     let mut random = Random::new(1);
-    let mut uniform = || (random.next() >> 11) as f64 / (1_u64 << 53) as f64;
+    let mut uniform = || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
     let (mut sum, mut count, mut due) = (0.0, 0_usize, 0.0);
     for (&[a, b, c], area) in from.iter().zip(&areas) {
         due += area / total * points as f64;

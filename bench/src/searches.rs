@@ -195,7 +195,7 @@ pub fn search(
         model: name.into(),
         triangles: count,
         is_closed: is_closed(&mesh) && graph.components().1 == 1,
-        bound: Bound::of_surface(&surface, &graph).strips,
+        bound: Bound::of_prepared(&surface, &graph).strips,
         fewest: run(&mesh, NamedMethod::search(Method::Fewest, depth.fewest, Cost::Restart))?,
         eta,
         published: published.cloned(),

@@ -22,7 +22,7 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     assert_eq!(graph.check(), Ok(()));
     // Strips over welded vertices are compared with the welded faces.
     let welded = Mesh::new(mesh.shared_positions(), surface.faces().clone()).expect("indices in range");
-    let bound = Bound::of_surface(&surface, &graph);
+    let bound = Bound::of_prepared(&surface, &graph);
     let cost = [Cost::Restart, Cost::OpenGl, Cost::Degenerate, Cost::Gl][cutoff as usize % 4];
     for method in methods(cutoff) {
         let level = if method == Method::Cache { 5 } else { u8::from(method == Method::Best) };

@@ -17,7 +17,7 @@ use std::time::Instant;
 use clap::Parser;
 use tristrip::lod::progressive::{Encoding, ProgressiveStrips};
 use tristrip::lod::{Filter, traffic};
-use tristrip::lod::{Repair, repair};
+use tristrip::lod::{Repair, RepairOptions};
 use tristrip::simplify::{self, Simplification, simplify};
 use tristrip::stripify::Effort;
 use tristrip::{CollapseSequence, Mesh, Method, StripifyOptions, Strips, stripify};
@@ -239,7 +239,7 @@ fn follow(
         strips: name,
         fractions,
         base: base.into_iter().map(|vertices| vertices / (3.0 * base_triangles)).collect(),
-        places: [Encoding::Naive, Encoding::Offsets].map(|encoding| splits.places_per_split(encoding)),
+        places: [Encoding::Naive, Encoding::Offsets].map(|encoding| splits.slots_per_split(encoding)),
         filter_speeds: filter_speeds(&strips, &sequence, rounds)?,
         split_speeds: split_speeds(&strips, &sequence, rounds)?,
         repair_microseconds,

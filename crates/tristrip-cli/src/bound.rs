@@ -64,7 +64,7 @@ struct ComponentReport {
 impl Bounds {
     /// Sums the bounds of all parts. The parts share one index buffer with restarts, as in [`Figures`].
     pub(crate) fn of(pool: &Pool, parts: &[Prepared<'_>]) -> Self {
-        Self::sum(&pool.map(parts, |part| Bound::of_surface(&part.surface, &part.graph)))
+        Self::sum(&pool.map(parts, |part| Bound::of_prepared(&part.surface, &part.graph)))
     }
 
     fn sum(bounds: &[Bound]) -> Self {
@@ -153,7 +153,7 @@ fn bound(
         pool.map(&parts, |part| {
             let triangles = part.surface.faces().as_triangles().is_some();
             let sequential = triangles && sequential_strip(&part.graph).is_some();
-            (Bound::of_surface(&part.surface, &part.graph), sequential)
+            (Bound::of_prepared(&part.surface, &part.graph), sequential)
         })
     });
     let (bounds, sequential): (Vec<Bound>, Vec<bool>) = found.into_iter().unzip();
@@ -164,7 +164,7 @@ fn bound(
             triangles: component.triangles,
             strips: component.strips,
             vertices_sent: component.vertices_sent,
-            proof: proof_name(component.proof),
+            proof: proof_name(component.method),
         }));
     }
     console.stage("bound", &counted(report.components.len(), "component"), Some(seconds));
@@ -177,7 +177,7 @@ fn proof_name(proof: BoundMethod) -> &'static str {
     match proof {
         BoundMethod::Leaves => "leaves",
         BoundMethod::Matching => "matching",
-        BoundMethod::Pieces => "subproblems",
+        BoundMethod::Subproblems => "subproblems",
         BoundMethod::Exact => "exact",
         _ => "one-strip",
     }

@@ -77,7 +77,7 @@ fn models_draw_what_the_oracle_draws() {
             let [none, stss, dtfs, linked] = Filter::ALL.map(|filter| totals.vertices(filter));
             assert!(none >= stss && stss >= dtfs && dtfs >= linked, "{name}");
             let splits = totals.splits();
-            assert!(splits.encoded_places <= splits.naive_places, "{name}");
+            assert!(splits.encoded_slots <= splits.naive_slots, "{name}");
         }
     }
 }

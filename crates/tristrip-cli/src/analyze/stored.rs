@@ -142,7 +142,7 @@ impl<'a> StoredPart<'a> {
             figures.degenerate = drawn.saturating_sub(figures.triangles);
             figures.drawn = if stored.fans { DrawMode::Fans } else { DrawMode::Strips };
             if !stored.fans {
-                stored.runs.iter().flat_map(pieces).for_each(|strip| strips.push(strip));
+                stored.runs.iter().flat_map(split_joined).for_each(|strip| strips.push(strip));
                 let metrics = Metrics::of(&strips);
                 figures.strips = Some(metrics.strips);
                 figures.isolated = Some(metrics.isolated);
