@@ -1,6 +1,7 @@
 //! The command line as typed: every flag with its short and long help. The module `task` checks which flags fit together.
 
 mod detail;
+mod groups;
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -8,11 +9,12 @@ use std::time::Duration;
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use tristrip::stripify::Effort;
-use tristrip_io::Format;
 
 use crate::method::{CostName, MethodArgs, WeldArgs};
-use crate::values::{LayoutName, VertexCacheList, WRITTEN_FORMATS, effort_parser, format_parser};
+use crate::values::{VertexCacheList, effort_parser};
 pub(crate) use detail::{LodArgs, SimplifyArgs};
+pub(crate) use groups::{FromArgs, GeneralArgs, OutputArgs, ReportArgs};
+use groups::ThreadArgs;
 
 /// Build and verify triangle strips for polygon meshes
 ///
@@ -215,80 +217,6 @@ pub(crate) struct ReproArgs {
     pub(crate) report: ReportArgs,
     #[command(flatten)]
     pub(crate) threads: ThreadArgs,
-}
-
-/// The flags of every subcommand that takes a list of inputs.
-#[derive(Debug, Args)]
-pub(crate) struct GeneralArgs {
-    /// Mesh files, or - for standard input
-    #[arg(required = true, value_name = "INPUT")]
-    pub(crate) inputs: Vec<PathBuf>,
-    #[command(flatten)]
-    pub(crate) from: FromArgs,
-    #[command(flatten)]
-    pub(crate) report: ReportArgs,
-    #[command(flatten)]
-    pub(crate) threads: ThreadArgs,
-}
-
-#[derive(Debug, Args)]
-#[command(next_help_heading = "General")]
-pub(crate) struct FromArgs {
-    /// The format of standard input, or of files with a misleading extension
-    ///
-    /// By default the file name extension decides, or the content if the extension is unknown.
-    #[arg(long, value_name = "FORMAT", value_parser = format_parser(&Format::ALL))]
-    pub(crate) from: Option<Format>,
-}
-
-#[derive(Debug, Args)]
-#[command(next_help_heading = "General")]
-pub(crate) struct ReportArgs {
-    /// Print the results as JSON on standard output
-    ///
-    /// One object for one input, an array for several. FORMAT.md describes the keys.
-    #[arg(long)]
-    pub(crate) json: bool,
-    /// Print only errors and requested results: JSON, a table, a report without -o
-    #[arg(short, long)]
-    pub(crate) quiet: bool,
-}
-
-#[derive(Debug, Args)]
-#[command(next_help_heading = "General")]
-pub(crate) struct ThreadArgs {
-    /// The number of threads [default: one per core]
-    ///
-    /// The result does not depend on it.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub(crate) threads: Option<u16>,
-}
-
-#[derive(Debug, Args)]
-#[command(next_help_heading = "Output")]
-pub(crate) struct OutputArgs {
-    #[command(flatten)]
-    pub(crate) target: TargetArgs,
-    /// The layout of strips in the index buffer [default: degenerate for GLB, restart for PLY, list for OBJ]
-    #[arg(long, value_enum, value_name = "LAYOUT", requires = "output")]
-    pub(crate) layout: Option<LayoutName>,
-}
-
-#[derive(Debug, Args)]
-#[command(next_help_heading = "Output")]
-pub(crate) struct TargetArgs {
-    /// The file to write, a directory for several inputs, or - for standard output
-    ///
-    /// The extension selects the format: .glb, .ply or .obj. A file is written under a temporary name and then renamed. In a
-    /// directory, each output has the name of its input, with the extension of --to.
-    #[arg(short, long, value_name = "OUTPUT")]
-    pub(crate) output: Option<PathBuf>,
-    /// The format to write [default: by the extension; glb in a directory]
-    #[arg(long, value_name = "FORMAT", requires = "output", value_parser = format_parser(&WRITTEN_FORMATS))]
-    pub(crate) to: Option<Format>,
-    /// Skip verification
-    #[arg(long)]
-    pub(crate) no_verify: bool,
 }
 
 /// A command line whose flags clap accepted.

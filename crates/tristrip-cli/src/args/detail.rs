@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use tristrip::stripify::Effort;
 
-use super::{GeneralArgs, OutputArgs, TargetArgs};
+use super::groups::{GeneralArgs, OutputArgs, TargetArgs};
 use crate::method::MethodArgs;
 use crate::values::{Deviation, FilterName, Level, ModelName, Ratio, effort_parser};
 
