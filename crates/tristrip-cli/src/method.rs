@@ -349,7 +349,7 @@ impl From<PatchesName> for Patches {
 }
 
 /// Returns the name of the value of a command-line enumeration that stands for a value of the library.
-fn library_name<E: ValueEnum + Copy, T: From<E> + PartialEq>(value: T) -> Option<String> {
+fn library_name<E: ValueEnum + Copy, T: From<E> + PartialEq + Copy>(value: T) -> Option<String> {
     E::value_variants().iter().find(|&&name| T::from(name) == value).map(|&name| name_of(name))
 }
 

@@ -37,7 +37,7 @@ pub(crate) fn effort_parser() -> impl TypedValueParser<Value = Effort> {
 }
 
 /// Returns the name of a value on the command line.
-pub(crate) fn name_of<E: ValueEnum>(value: E) -> String {
+pub(crate) fn name_of<E: ValueEnum + Copy>(value: E) -> String {
     value.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
 }
 
