@@ -122,11 +122,7 @@ fn run_stages(
         proof?;
         report.seconds.verify = Some(seconds);
         report.proven = Some(true);
-        console.stage(
-            "verify",
-            "proven: draws exactly the triangles of the level, with correct winding",
-            Some(seconds),
-        );
+        console.stage("verify", "proven: exactly the level's triangles and winding", Some(seconds));
     } else {
         console.stage("verify", "skipped", None);
     }
