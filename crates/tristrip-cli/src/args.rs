@@ -13,8 +13,8 @@ use tristrip::stripify::Effort;
 use crate::method::{CostName, MethodArgs, WeldArgs};
 use crate::values::{VertexCacheList, effort_parser};
 pub(crate) use detail::{LodArgs, SimplifyArgs};
-pub(crate) use groups::{FromArgs, GeneralArgs, OutputArgs, ReportArgs};
 use groups::ThreadArgs;
+pub(crate) use groups::{FromArgs, GeneralArgs, OutputArgs, ReportArgs};
 
 /// Build and verify triangle strips for polygon meshes
 ///
