@@ -161,12 +161,11 @@ impl DualGraph {
         &self.twins
     }
 
-    /// Returns the half-edges on the other sides of a triangle, for inner loops.
+    /// Iterates over the half-edges of other triangles that share an edge with a triangle, for inner loops.
     #[inline]
-    pub(crate) fn twins_of(&self, triangle: u32) -> [Option<u32>; 3] {
+    pub(crate) fn twins_of(&self, triangle: u32) -> impl Iterator<Item = u32> {
         let first = 3 * triangle as usize;
-        let twins = &self.twins[first..first + 3];
-        [twins[0], twins[1], twins[2]].map(|twin| (twin != NO_TWIN).then_some(twin))
+        self.twins[first..first + 3].iter().copied().filter(|&twin| twin != NO_TWIN)
     }
 
     /// Iterates over the numbers of neighbours of all faces, in a graph of triangles.

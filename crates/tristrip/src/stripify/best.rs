@@ -1,34 +1,33 @@
-//! `best`: our searching method. The cheapest cover that can be had for a cost that the user names and an effort.
+//! `best`: our search for the cheapest cover, for a given cost and effort.
 //!
 //! # Algorithm
 //! 1. *Start*: the cheapest of the covers of `sequential`, `input` and `stripe`.
-//! 2. *Cold*: annealing from a low temperature, which mends the start and keeps what is regular about it.
-//! 3. *Hot*: annealing from a temperature at which the start is forgotten, slowly. On irregular meshes this gains the most.
-//! 4. The cheapest of the three, by the cost as it is measured in the end, is the result, so that no effort makes it worse than
-//!    the start.
+//! 2. *Cold*: annealing from a low temperature, which improves the start and keeps its regular parts.
+//! 3. *Hot*: slow annealing from a temperature at which nothing of the start remains. On irregular meshes this gains the most.
+//! 4. The result is the cheapest of the three by the measured cost, so that no effort makes it worse than the start.
 //!
-//! The changes that the annealing tries are those of the module `anneal`, made of joins and cuts whose prices the module `paths`
-//! knows exactly. Polygons are cut anew on the way: to turn a diagonal is one more change.
+//! The moves are those of the module `anneal`. They consist of joins and cuts, which [`PricedPaths`] prices exactly. Polygons
+//! are triangulated again during the search: one of the moves flips a diagonal.
 //!
 //! # Effort
-//! A level is so many sweeps over the mesh, about twice as many as the level below. On one core, for the bunny of
-//! 69,451 triangles and restarts:
+//! Each level has about twice as many sweeps over the mesh as the level below. On one core, for the bunny of 69,451 triangles and
+//! restarts:
 //!
 //! | level | 0 | 1 | 2 | 3 | 4 | 5 | 6 | 7 |
 //! |---|---|---|---|---|---|---|---|---|
-//! | indices a triangle | 1.180 | 1.178 | 1.162 | 1.141 | 1.129 | 1.120 | 1.114 | 1.110 |
+//! | indices per triangle | 1.180 | 1.178 | 1.162 | 1.141 | 1.129 | 1.120 | 1.114 | 1.110 |
 //! | times meshoptimizer's strip pipeline | 0.5 | 0.8 | 3 | 7 | 15 | 40 | 80 | 160 |
 //! | seconds | 0.007 | 0.013 | 0.045 | 0.12 | 0.28 | 0.8 | 1.5 | 2.9 |
 //!
-//! Levels 8 and 9 take two and four times as long as 7. Larger meshes take longer in proportion, smaller ones as long, down to an
-//! eighth of the size.
+//! Levels 8 and 9 take two and four times as long as 7. The time is proportional to the size of larger meshes; smaller meshes take
+//! the same time, down to an eighth of this size.
 //!
 //! # References
 //! Kirkpatrick, Gelatt, Vecchi: *Optimization by Simulated Annealing*, 1983; Pósa: *Hamiltonian circuits in random graphs*, 1976
 //! (rotations); Stewart: *Tunneling for Triangle Strips in Continuous Level-of-Detail Meshes*, 2001.
 //!
 //! # Complexity
-//! O(sweeps · n) time, see [`SWEEPS`]; 16 bytes a triangle and those of the start; 13 more where there are polygons.
+//! O(sweeps · n) time, see [`SWEEPS`]; 16 bytes per triangle besides the memory of the start; 13 more for meshes with polygons.
 
 mod anneal;
 #[cfg(test)]
@@ -39,31 +38,32 @@ use crate::cover::priced::{PricedPaths, TRIANGLE_LIMIT};
 use crate::dual::DualGraph;
 use crate::prepare::PreparedFaces;
 use crate::strip::{Cost, cover_cost};
-use anneal::{Annealer, Phase};
+use anneal::{Annealer, AnnealingPhase};
 
-/// Times that the annealing goes over the mesh, by effort. Tuned on the bunny; see the module's head.
+/// The number of sweeps over the mesh, by effort. Tuned on the bunny; see the module documentation.
 const SWEEPS: [u32; 10] = [0, 1, 8, 36, 100, 300, 600, 1200, 2400, 4800];
-/// Smaller meshes are gone over more often, up to so many times, so that a level's time is that of a mesh of this size.
+/// Smaller meshes get more sweeps, up to [`MAX_ROUNDS`] times as many, so that a level takes the time of a mesh of this size.
 const SMALL: usize = 1 << 16;
-const MOST_ROUNDS: usize = 8;
-/// From this level on the start may also be `stripe`'s, which takes longer than level 1 does.
+const MAX_ROUNDS: usize = 8;
+/// From this level on, `stripe` is one of the starts. It takes longer than level 1.
 const STRIPE_LEVEL: u8 = 2;
 
+/// Computes strips by annealing.
 pub(super) fn plan<'a>(
-    surface: &'a PreparedFaces<'_>,
+    prepared: &'a PreparedFaces<'_>,
     graph: &'a DualGraph,
     cost: Cost,
     effort: Effort,
     seed: u64,
     watch: &dyn Watch,
 ) -> StripPlan<'a> {
-    let start = cheapest_start(surface, graph, cost, effort, seed);
+    let start = cheapest_start(prepared, graph, cost, effort, seed);
     let phases = phases(cost, effort, start.cover.len());
     if phases.is_empty() || start.cover.is_empty() || start.cover.len() > TRIANGLE_LIMIT {
         return start;
     }
-    let mut paths = PricedPaths::new(surface.faces(), &start.triangulation, &start.cover, cost.prices());
-    // The prices of the search are those of the result, but where strips are joined.
+    let mut paths = PricedPaths::new(prepared.faces(), &start.triangulation, &start.cover, cost.prices());
+    // The prices of the search are exact, except for strips joined by degenerate triangles.
     let price = |paths: &PricedPaths, plan: &StripPlan<'_>| match cost {
         Cost::Degenerate => joined(plan).cast_signed() as i64,
         _ => paths.cost(),
@@ -88,38 +88,39 @@ pub(super) fn plan<'a>(
     best.1
 }
 
-/// Finds the cheapest of what the fast methods make.
+/// Returns the cheapest plan of the fast methods.
 fn cheapest_start<'a>(
-    surface: &'a PreparedFaces<'_>,
+    prepared: &'a PreparedFaces<'_>,
     graph: &'a DualGraph,
     cost: Cost,
     effort: Effort,
     seed: u64,
 ) -> StripPlan<'a> {
-    let mut best = sequential::plan(surface, graph);
+    let mut best = sequential::plan(prepared, graph);
     let mut best_price = price(&best, cost);
     let mut offer = |plan: StripPlan<'a>| {
-        // The strips alone often tell: swaps are at most one for each triangle inside a strip.
-        let [strips, most_strips] = [&plan, &best].map(|plan| plan.cover.path_count());
+        // The number of strips often decides: there is at most one swap per triangle inside a strip.
+        let [strips, best_strips] = [&plan, &best].map(|plan| plan.cover.path_count());
         let [strip, swap] =
             [cost.prices().strip, cost.prices().swap].map(|price| price.unsigned_abs() as usize);
-        let inside = best.cover.len().saturating_sub(2 * most_strips);
-        let is_dearer = cost != Cost::Degenerate && strip * strips > strip * most_strips + swap * inside;
-        let price = if is_dearer { best_price } else { price(&plan, cost) };
+        let inside = best.cover.len().saturating_sub(2 * best_strips);
+        let is_more_expensive =
+            cost != Cost::Degenerate && strip * strips > strip * best_strips + swap * inside;
+        let price = if is_more_expensive { best_price } else { price(&plan, cost) };
         if price < best_price {
             (best_price, best) = (price, plan);
         }
     };
-    offer(input::plan(surface, graph));
+    offer(input::plan(prepared, graph));
     if effort.level() >= STRIPE_LEVEL
-        && let Ok(plan) = stripe::plan_global(surface, graph, Patches::Rows, 5, seed)
+        && let Ok(plan) = stripe::plan_global(prepared, graph, Patches::Rows, 5, seed)
     {
         offer(plan);
     }
     best
 }
 
-/// Counts what a plan costs in the end.
+/// Returns the cost of the strips of a plan.
 fn price(plan: &StripPlan<'_>, cost: Cost) -> usize {
     let strips = plan.cover.path_count();
     match cost {
@@ -130,12 +131,12 @@ fn price(plan: &StripPlan<'_>, cost: Cost) -> usize {
     }
 }
 
-/// Counts the indices of a plan's strips joined by degenerate triangles.
+/// Returns the number of indices of a plan's strips joined by degenerate triangles.
 fn joined(plan: &StripPlan<'_>) -> usize {
     plan.strips().to_degenerate().len()
 }
 
-/// Indices that stand only between strips, so that after the last one there are none.
+/// Returns the number of indices that the prices count after the last strip, although they occur only between strips.
 fn without_last(cost: Cost) -> usize {
     match cost {
         Cost::Restart | Cost::Degenerate => 1,
@@ -143,12 +144,13 @@ fn without_last(cost: Cost) -> usize {
     }
 }
 
-/// Divides the sweeps of a level of effort.
-fn phases(cost: Cost, effort: Effort, triangle_count: usize) -> Vec<Phase> {
-    let rounds = (SMALL / triangle_count.max(1)).clamp(1, MOST_ROUNDS) as u32;
+/// Distributes the sweeps of an effort over the phases.
+fn phases(cost: Cost, effort: Effort, triangle_count: usize) -> Vec<AnnealingPhase> {
+    let rounds = (SMALL / triangle_count.max(1)).clamp(1, MAX_ROUNDS) as u32;
     let sweeps = SWEEPS[usize::from(effort.level())] * rounds;
     let scale = if cost == Cost::Gl { 0.8 } else { 1.0 };
-    let cold = Phase { sweeps: sweeps.min(10 + sweeps / 10), hottest: 0.3 * scale, coldest: 0.15 * scale };
-    let hot = Phase { sweeps: sweeps - cold.sweeps, hottest: 0.9 * scale, coldest: 0.15 * scale };
+    let cold =
+        AnnealingPhase { sweeps: sweeps.min(10 + sweeps / 10), hottest: 0.3 * scale, coldest: 0.15 * scale };
+    let hot = AnnealingPhase { sweeps: sweeps - cold.sweeps, hottest: 0.9 * scale, coldest: 0.15 * scale };
     [cold, hot].into_iter().filter(|phase| phase.sweeps > 0).collect()
 }

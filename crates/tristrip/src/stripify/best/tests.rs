@@ -1,26 +1,25 @@
-//! Tests over generated meshes of many kinds: prices against whole paths priced anew, and the whole method against its starts.
+//! Tests on generated meshes of many kinds: prices compared with those of whole paths, and the method compared with its starts.
 
 use proptest::prelude::*;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering::Relaxed};
 
-use super::{Annealer, Phase};
+use super::{Annealer, AnnealingPhase};
 use crate::cover::PathCover;
 use crate::cover::local_search::LocalSearch;
 use crate::cover::priced::{PricedPaths, StripPrices};
-use crate::dual::DualGraph;
-use crate::dual::Triangulation;
+use crate::dual::{DualGraph, Triangulation};
 use crate::effort::Effort;
 use crate::ids::HalfEdge;
 use crate::mesh::Faces;
 use crate::prepare::PreparedFaces;
 use crate::strip::{Cost, Metrics, cover_cost};
-use crate::stripify::sequential::tests::{mesh, polygons};
+use crate::stripify::generated_meshes::{mesh, polygons};
 use crate::stripify::{Method, Progress, StripPlan, StripifyOptions, Watch, plan};
 use crate::verify::verify;
 
 const COSTS: [Cost; 4] = [Cost::Restart, Cost::OpenGl, Cost::Degenerate, Cost::Gl];
 
-/// What paths cost beyond one index a triangle, every path priced as a whole.
+/// Returns the cost of paths beyond one index per triangle, from the cost of every whole path.
 fn naive_cost(triangulation: &Triangulation<'_>, cover: &PathCover, prices: StripPrices) -> i64 {
     let strips = cover.path_count();
     let swaps = cover_cost(triangulation.graph(), cover) - cover.len() - 3 * strips;
@@ -35,7 +34,7 @@ fn to_plan<'a>(paths: &PricedPaths, start: &Triangulation<'a>) -> StripPlan<'a> 
 
 fn check_paths(
     paths: &PricedPaths,
-    surface: &PreparedFaces<'_>,
+    prepared: &PreparedFaces<'_>,
     start: &Triangulation<'_>,
 ) -> Result<(), TestCaseError> {
     let plan = to_plan(paths, start);
@@ -43,34 +42,34 @@ fn check_paths(
     prop_assert_eq!(plan.cover.check(plan.triangulation.graph()), Ok(()));
     prop_assert_eq!(paths.cost(), naive_cost(&plan.triangulation, &plan.cover, paths.prices()));
     prop_assert_eq!(paths.strip_count(), plan.cover.path_count());
-    let anew = PricedPaths::new(surface.faces(), &plan.triangulation, &plan.cover, paths.prices());
+    let rebuilt = PricedPaths::new(prepared.faces(), &plan.triangulation, &plan.cover, paths.prices());
     for t in 0..paths.len() as u32 {
-        prop_assert_eq!(paths.mask(t), anew.mask(t));
-        prop_assert_eq!([0, 1, 2].map(|e| paths.twin(4 * t + e)), [0, 1, 2].map(|e| anew.twin(4 * t + e)));
+        prop_assert_eq!(paths.mask(t), rebuilt.mask(t));
+        prop_assert_eq!([0, 1, 2].map(|e| paths.twin(4 * t + e)), [0, 1, 2].map(|e| rebuilt.twin(4 * t + e)));
         let is_end = paths.mask(t).count_ones() < 2;
         prop_assert_eq!(paths.ends_of(t as usize / 64) >> (t % 64) & 1 == 1, is_end);
-        prop_assert!(!is_end || paths.partner(t) == anew.partner(t));
+        prop_assert!(!is_end || paths.partner(t) == rebuilt.partner(t));
     }
     Ok(())
 }
 
-/// What the swaps at the starts of all paths cost.
-fn starts(paths: &PricedPaths) -> i64 {
+/// Returns the cost of the swaps at the starts of all paths.
+fn start_swaps(paths: &PricedPaths) -> i64 {
     let ends = (0..paths.len() as u32).filter(|&t| paths.mask(t).count_ones() < 2 && paths.partner(t) > t);
     let swaps: i32 = ends.map(|t| paths.start_swap(t, paths.partner(t))).sum();
     i64::from(swaps * paths.prices().swap)
 }
 
-/// Tries one change at a half-edge, as far as it makes sense there, and checks its price.
+/// Tries one move at a half-edge, if one is possible there, and checks its price.
 fn change(paths: &mut PricedPaths, link: u32, kind: u8) -> Result<(), TestCaseError> {
     let Some(twin) = paths.twin(link) else { return Ok(()) };
-    let (before, starts_before) = (paths.cost(), starts(paths));
+    let (before, starts_before) = (paths.cost(), start_swaps(paths));
     let ends = [link, twin].map(|h| paths.mask(h / 4).count_ones() < 2);
     if paths.mask(link / 4) >> (link % 4) & 1 == 1 {
         let inside = paths.cut_rise(link);
         let rise = paths.cut(link);
         prop_assert_eq!(i64::from(rise), paths.cost() - before);
-        prop_assert_eq!(i64::from(rise - inside), starts(paths) - starts_before);
+        prop_assert_eq!(i64::from(rise - inside), start_swaps(paths) - starts_before);
         if kind == 0 {
             prop_assert_eq!(paths.join(link), Some(-rise));
         }
@@ -85,7 +84,7 @@ fn change(paths: &mut PricedPaths, link: u32, kind: u8) -> Result<(), TestCaseEr
             let inside = paths.rotation_rise(link, cut);
             let rise = paths.cut(cut);
             if let Some(more) = paths.join(link) {
-                prop_assert_eq!(i64::from(rise + more - inside), starts(paths) - starts_before);
+                prop_assert_eq!(i64::from(rise + more - inside), start_swaps(paths) - starts_before);
             } else {
                 prop_assert_eq!(paths.join(cut), Some(-rise));
             }
@@ -94,95 +93,95 @@ fn change(paths: &mut PricedPaths, link: u32, kind: u8) -> Result<(), TestCaseEr
     Ok(())
 }
 
-/// Stops a search when it is asked for the n-th time.
-struct Stopper {
-    stops_at: u64,
-    asked: AtomicU64,
+/// Stops a search at the n-th call.
+struct StopAtCall {
+    last_call: u64,
+    calls: AtomicU64,
     last_cost: AtomicUsize,
 }
 
-impl Watch for Stopper {
+impl Watch for StopAtCall {
     fn go_on(&self, progress: Progress) -> bool {
         assert!(Some(progress.steps) <= progress.step_limit && progress.strips > 0);
         self.last_cost.store(progress.cost, Relaxed);
-        self.asked.fetch_add(1, Relaxed) + 1 < self.stops_at
+        self.calls.fetch_add(1, Relaxed) + 1 < self.last_call
     }
 }
 
 proptest! {
     #[test]
-    fn changes_are_priced_as_whole_paths(
+    fn prices_of_moves_are_those_of_whole_paths(
         polygons in polygons(true, 1..5),
         changes in prop::collection::vec((any::<prop::sample::Index>(), 0..4_u8), 1..60),
         prices in (1..5, 0..2),
     ) {
         let mesh = mesh(&polygons);
-        let surface = PreparedFaces::new(&mesh, false);
-        let graph = DualGraph::new(surface.faces());
+        let prepared = PreparedFaces::new(&mesh, false);
+        let graph = DualGraph::new(prepared.faces());
         if graph.half_edge_count() == 0 {
             return Ok(());
         }
-        let start = Triangulation::fan(&surface, &graph);
+        let start = Triangulation::fan(&prepared, &graph);
         let mut cover = PathCover::isolated(graph.face_count());
         (0..graph.half_edge_count() as u32).step_by(2).for_each(|h| { cover.join(&graph, HalfEdge(h)); });
         let prices = StripPrices { strip: prices.0, swap: prices.1 };
-        let mut paths = PricedPaths::new(surface.faces(), &start, &cover, prices);
-        check_paths(&paths, &surface, &start)?;
-        for (place, kind) in changes {
-            let h = place.index(graph.half_edge_count()) as u32;
+        let mut paths = PricedPaths::new(prepared.faces(), &start, &cover, prices);
+        check_paths(&paths, &prepared, &start)?;
+        for (index, kind) in changes {
+            let h = index.index(graph.half_edge_count()) as u32;
             change(&mut paths, h / 3 * 4 + h % 3, kind)?;
-            check_paths(&paths, &surface, &start)?;
+            check_paths(&paths, &prepared, &start)?;
         }
     }
 
     #[test]
-    fn annealing_keeps_paths_right(polygons in polygons(false, 1..5), seed in any::<u64>(), hottest in 0.2..3.0_f64) {
+    fn annealing_keeps_paths_valid(polygons in polygons(false, 1..5), seed in any::<u64>(), hottest in 0.2..3.0_f64) {
         let mesh = mesh(&polygons);
-        let surface = PreparedFaces::new(&mesh, false);
-        let graph = DualGraph::new(surface.faces());
-        let start = Triangulation::zigzag(&surface, &graph);
+        let prepared = PreparedFaces::new(&mesh, false);
+        let graph = DualGraph::new(prepared.faces());
+        let start = Triangulation::zigzag(&prepared, &graph);
         let prices = StripPrices { strip: 3, swap: 1 };
         let cover = PathCover::isolated(start.triangle_count());
-        let mut paths = PricedPaths::new(surface.faces(), &start, &cover, prices);
-        let phase = Phase { sweeps: 20, hottest, coldest: 0.15 };
+        let mut paths = PricedPaths::new(prepared.faces(), &start, &cover, prices);
+        let phase = AnnealingPhase { sweeps: 20, hottest, coldest: 0.15 };
         Annealer::new(seed, &(), &[phase], cover.len(), cover.len()).run(&mut paths, phase);
-        check_paths(&paths, &surface, &start)?;
+        check_paths(&paths, &prepared, &start)?;
         let plan = to_plan(&paths, &start);
         let strips = plan.strips();
         prop_assert!(verify(&mesh, &strips).is_ok(), "{:?}", verify(&mesh, &strips));
     }
 
     #[test]
-    fn dives_keep_paths_right_and_never_raise_the_cost(
+    fn local_search_keeps_paths_valid_and_never_raises_the_cost(
         polygons in polygons(false, 1..5),
         seed in any::<u64>(),
         prices in (1..4, 0..2),
     ) {
         let mesh = mesh(&polygons);
-        let surface = PreparedFaces::new(&mesh, false);
-        let graph = DualGraph::new(surface.faces());
-        let start = Triangulation::zigzag(&surface, &graph);
+        let prepared = PreparedFaces::new(&mesh, false);
+        let graph = DualGraph::new(prepared.faces());
+        let start = Triangulation::zigzag(&prepared, &graph);
         let prices = StripPrices { strip: prices.0, swap: prices.1 };
         let cover = PathCover::isolated(start.triangle_count());
-        let mut paths = PricedPaths::new(surface.faces(), &start, &cover, prices);
+        let mut paths = PricedPaths::new(prepared.faces(), &start, &cover, prices);
         let mut search = LocalSearch::new(seed);
         for t in (0..paths.len() as u32).chain(0..paths.len() as u32) {
             let before = paths.cost();
             search.improve_at(&mut paths, t);
             prop_assert!(paths.cost() <= before);
-            check_paths(&paths, &surface, &start)?;
+            check_paths(&paths, &prepared, &start)?;
         }
     }
 
     #[test]
     fn is_proven_and_never_worse_than_its_starts(polygons in polygons(false, 1..4), seed in any::<u64>()) {
         let mesh = mesh(&polygons);
-        let surface = PreparedFaces::new(&mesh, false);
-        let graph = DualGraph::new(surface.faces());
+        let prepared = PreparedFaces::new(&mesh, false);
+        let graph = DualGraph::new(prepared.faces());
         for cost in COSTS {
             let options = StripifyOptions::default().with_cost(cost).with_seed(seed).with_effort(Effort::new(2).unwrap());
             let found = |method| {
-                let plan = plan(&surface, &graph, &options.with_method(method)).unwrap();
+                let plan = plan(&prepared, &graph, &options.with_method(method)).unwrap();
                 plan.strips()
             };
             let best = found(Method::Best);
@@ -197,15 +196,15 @@ proptest! {
 }
 
 #[test]
-fn diagonals_turn_around_and_back() {
-    // A hexagon, a quad on each of two of its sides, and a triangle on a quad's.
+fn four_flips_of_a_diagonal_restore_the_triangulation() {
+    // A hexagon, quadrilaterals on two of its edges, and a triangle on an edge of one of these.
     let faces = [vec![0, 1, 2, 3, 4, 5], vec![1, 0, 6, 7], vec![4, 3, 8, 9], vec![7, 6, 10]];
     let mesh = mesh(&faces);
-    let surface = PreparedFaces::new(&mesh, false);
-    let graph = DualGraph::new(surface.faces());
-    let start = Triangulation::zigzag(&surface, &graph);
+    let prepared = PreparedFaces::new(&mesh, false);
+    let graph = DualGraph::new(prepared.faces());
+    let start = Triangulation::zigzag(&prepared, &graph);
     let cover = PathCover::isolated(start.triangle_count());
-    let mut paths = PricedPaths::new(surface.faces(), &start, &cover, StripPrices { strip: 3, swap: 1 });
+    let mut paths = PricedPaths::new(prepared.faces(), &start, &cover, StripPrices { strip: 3, swap: 1 });
     let cut = |paths: &PricedPaths| to_plan(paths, &start).triangulation.triangles().to_vec();
     let diagonals: Vec<u32> = (0..4 * paths.len() as u32)
         .filter(|h| h % 4 < 3 && paths.diagonals(h / 4) >> (h % 4) & 1 == 1)
@@ -213,20 +212,20 @@ fn diagonals_turn_around_and_back() {
     assert_eq!(diagonals.len(), 2 * (3 + 1 + 1));
     for diagonal in diagonals {
         let before = cut(&paths);
-        for turn in 1..=4 {
+        for flip in 1..=4 {
             paths.flip_diagonal(diagonal);
-            check_paths(&paths, &surface, &start).unwrap();
+            check_paths(&paths, &prepared, &start).unwrap();
             let plan = to_plan(&paths, &start);
             assert!(verify(&mesh, &plan.strips()).is_ok());
-            let again =
+            let joined =
                 DualGraph::new(&Faces::from_triangles(plan.triangulation.triangles().to_vec()).unwrap());
-            assert_eq!(plan.triangulation.graph(), &again);
-            assert_eq!(cut(&paths) == before, turn == 4);
+            assert_eq!(plan.triangulation.graph(), &joined);
+            assert_eq!(cut(&paths) == before, flip == 4);
         }
     }
 }
 
-/// A torus of triangles, cut at random.
+/// Returns a torus of quadrilaterals, each cut along a random diagonal.
 fn torus(side: u32) -> Vec<Vec<u32>> {
     let v = |x, y| y % side * side + x % side;
     let mut random = 1_u32;
@@ -240,28 +239,26 @@ fn torus(side: u32) -> Vec<Vec<u32>> {
 }
 
 #[test]
-fn stops_when_told_to_and_lowers_the_cost_when_not() {
+fn a_watcher_stops_the_search_and_more_effort_lowers_the_cost() {
     let mesh = mesh(&torus(40));
-    let surface = PreparedFaces::new(&mesh, false);
-    let graph = DualGraph::new(surface.faces());
-    let at = |stops_at, level| {
-        let watch = Stopper { stops_at, asked: AtomicU64::new(0), last_cost: AtomicUsize::new(usize::MAX) };
-        let plan = super::plan(&surface, &graph, Cost::Restart, Effort::new(level).unwrap(), 0, &watch);
+    let prepared = PreparedFaces::new(&mesh, false);
+    let graph = DualGraph::new(prepared.faces());
+    let at = |last_call, level| {
+        let watch =
+            StopAtCall { last_call, calls: AtomicU64::new(0), last_cost: AtomicUsize::new(usize::MAX) };
+        let plan = super::plan(&prepared, &graph, Cost::Restart, Effort::new(level).unwrap(), 0, &watch);
         assert_eq!(plan.cover.check(&graph), Ok(()));
-        let (cost, asked) = (plan.indices_restart(), watch.asked.into_inner());
-        assert!(
-            asked < stops_at || cost <= watch.last_cost.into_inner(),
-            "at most what it told before it stopped"
-        );
-        (cost, asked)
+        let (cost, calls) = (plan.indices_restart(), watch.calls.into_inner());
+        assert!(calls < last_call || cost <= watch.last_cost.into_inner(), "costs more than its last report");
+        (cost, calls)
     };
-    let (stopped, asked) = at(3, 4);
-    assert_eq!(asked, 3);
-    let (whole, asked) = at(u64::MAX, 4);
-    assert!(asked > 10, "{asked}");
+    let (stopped, calls) = at(3, 4);
+    assert_eq!(calls, 3);
+    let (whole, calls) = at(u64::MAX, 4);
+    assert!(calls > 10, "{calls}");
     let (little, _) = at(u64::MAX, 1);
-    let (none, asked) = at(u64::MAX, 0);
-    assert_eq!(asked, 0);
+    let (none, calls) = at(u64::MAX, 0);
+    assert_eq!(calls, 0);
     assert!(
         whole < little && little < none && whole < stopped && stopped <= none,
         "{whole} {little} {none} {stopped}"

@@ -147,7 +147,7 @@ impl<'a, C: SpeculativeCache> ActiveFront<'a, C> {
         let mut anticipated = DRAWING[usize::from(*state & 7)];
         *state += DRAWN;
         self.drawn.push(triangle);
-        for twin in self.graph.twins_of(triangle).into_iter().flatten() {
+        for twin in self.graph.twins_of(triangle) {
             let state = &mut self.state[(twin / 3) as usize];
             let before = *state;
             *state -= 1;
@@ -236,7 +236,7 @@ impl<'a, C: SpeculativeCache> ActiveFront<'a, C> {
     pub(super) fn roll_back(&mut self, checkpoint: FrontCheckpoint<C::Checkpoint>) {
         for &triangle in self.drawn[checkpoint.drawn..].iter().rev() {
             self.state[triangle as usize] -= DRAWN;
-            for twin in self.graph.twins_of(triangle).into_iter().flatten() {
+            for twin in self.graph.twins_of(triangle) {
                 self.state[(twin / 3) as usize] += 1;
             }
         }
