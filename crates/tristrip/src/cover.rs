@@ -1,7 +1,7 @@
-//! The path cover: disjoint simple paths over the dual graph of triangles, one path for each strip.
+//! The path cover: disjoint simple paths over the dual graph of triangles, one path per strip.
 //!
-//! A path is kept as links: each triangle knows through which of its three edges it is joined to its neighbours on the path.
-//! A link is one byte a triangle, has no direction, and needs no renumbering when paths are cut or joined.
+//! A path is stored as links: each triangle stores over which of its three edges it is linked to its neighbours on the path.
+//! The links of a triangle take one byte, have no direction, and need no renumbering when paths are cut or joined.
 //!
 //! ```text
 //!   ●━━●━━●  ○   ●━━●      three paths: six nodes, three links, four ends and an isolated triangle
@@ -12,8 +12,8 @@
 //! Pósa: *Hamiltonian circuits in random graphs*, 1976 (rotations).
 //!
 //! # Complexity
-//! 1 byte a triangle. Linking and cutting take O(1), joining and rotating O(length of the paths that they touch),
-//! renumbering O(n) and 8 bytes a triangle.
+//! 1 byte per triangle. Linking and cutting take O(1), joining and rotating O(length of the paths that they touch),
+//! numbering O(n) and 8 bytes per triangle.
 
 mod diagonals;
 pub(crate) mod local_search;
@@ -23,7 +23,7 @@ pub(crate) mod priced;
 use crate::dual::DualGraph;
 use crate::ids::{FaceId, HalfEdge};
 
-/// No link, in the two bits of one.
+/// The two bits of an absent link.
 const FREE: u8 = 3;
 
 /// Disjoint paths over the triangles of a dual graph.
@@ -38,28 +38,28 @@ const FREE: u8 = 3;
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PathCover {
-    /// Bits 0–1 and 2–3: the edges that are linked, `FREE` where there is none.
+    /// Bits 0–1 and 2–3: the edges that are linked, or `FREE`.
     links: Vec<u8>,
     link_count: usize,
 }
 
-/// Says what is wrong with a cover.
+/// A violated invariant of a cover.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum CoverFault {
-    /// The cover has not one node for each triangle of the graph.
+    /// The cover does not have one node per triangle of the graph.
     Size,
-    /// A link leads over a boundary.
+    /// A link crosses a boundary.
     NoTwin(HalfEdge),
-    /// A link is not known to the triangle on its other side, or named twice.
+    /// A link is stored on one side only, or twice in one triangle.
     OneSided(HalfEdge),
     /// The path through this triangle is closed.
     Cycle(FaceId),
-    /// The number of links is not what was counted.
+    /// The number of links differs from the stored count.
     Count,
 }
 
-/// Where each triangle stands: its path and its position on it.
+/// The path of each triangle and its position on that path.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Numbering {
     /// The path of each triangle, counted in order of the paths' lowest triangles.
@@ -71,7 +71,7 @@ pub struct Numbering {
 }
 
 impl PathCover {
-    /// Makes the cover in which every triangle is a path by itself.
+    /// Creates the cover in which every triangle is a path by itself.
     pub fn isolated(triangle_count: usize) -> Self {
         Self { links: vec![FREE | FREE << 2; triangle_count], link_count: 0 }
     }
@@ -81,7 +81,7 @@ impl PathCover {
         self.links.len()
     }
 
-    /// Tells whether there is no triangle.
+    /// Returns whether there is no triangle.
     pub fn is_empty(&self) -> bool {
         self.links.is_empty()
     }
@@ -91,13 +91,13 @@ impl PathCover {
         self.links.len() - self.link_count
     }
 
-    /// Counts the links of a triangle: 0 where it is isolated, 1 at the end of a path, 2 inside.
+    /// Counts the links of a triangle: 0 if it is isolated, 1 at the end of a path, 2 inside.
     #[inline]
     pub fn degree(&self, face: FaceId) -> usize {
         self.edges(face).into_iter().flatten().count()
     }
 
-    /// Gives the half-edges through which a triangle is linked.
+    /// Returns the half-edges over which a triangle is linked.
     #[inline]
     pub fn edges(&self, face: FaceId) -> [Option<HalfEdge>; 2] {
         let links = self.links[face.0 as usize];
@@ -105,14 +105,14 @@ impl PathCover {
             .map(|edge| (edge != FREE).then_some(HalfEdge(3 * face.0 + u32::from(edge))))
     }
 
-    /// Tells whether a path passes through a half-edge.
+    /// Returns whether a path crosses a half-edge.
     #[inline]
     pub fn is_linked(&self, half_edge: HalfEdge) -> bool {
         self.edges(FaceId(half_edge.0 / 3)).contains(&Some(half_edge))
     }
 
-    /// Links two triangles across a half-edge and its twin. Does not look for cycles: see [`PathCover::join`].
-    /// Returns whether it could: both have a link free, there is a twin, and they are not linked there already.
+    /// Links two triangles across a half-edge and its twin, without a check for cycles: see [`PathCover::join`].
+    /// Returns whether it succeeded: both have a free link, there is a twin, and they are not linked there already.
     #[inline]
     pub fn link(&mut self, graph: &DualGraph, half_edge: HalfEdge) -> bool {
         let Some(twin) = graph.twin(half_edge) else { return false };
@@ -126,7 +126,7 @@ impl PathCover {
         true
     }
 
-    /// Takes the link across a half-edge away. Returns whether there was one.
+    /// Removes the link across a half-edge. Returns whether there was one.
     #[inline]
     pub fn cut(&mut self, graph: &DualGraph, half_edge: HalfEdge) -> bool {
         let Some(twin) = graph.twin(half_edge) else { return false };
@@ -139,15 +139,15 @@ impl PathCover {
         true
     }
 
-    /// Joins the ends of two different paths across a half-edge. Returns whether it could.
+    /// Joins the ends of two different paths across a half-edge. Returns whether it succeeded.
     pub fn join(&mut self, graph: &DualGraph, half_edge: HalfEdge) -> bool {
         let Some(twin) = graph.twin(half_edge) else { return false };
         let (face, other) = (graph.face_of(half_edge), graph.face_of(twin));
         self.other_end(graph, face) != Some(other) && face != other && self.link(graph, half_edge)
     }
 
-    /// Rotates a path at its end `half_edge`'s triangle (Pósa): links the end across `half_edge` to a triangle within the same
-    /// path and cuts that triangle's link on the side toward the end. Returns the new end, or `None` where the half-edge does
+    /// Rotates a path (Pósa) at its end, the triangle of `half_edge`: links the end across `half_edge` to a triangle within the same
+    /// path and cuts that triangle's link on the side toward the end. Returns the new end, or `None` if the half-edge does
     /// not lead from an end to a triangle of the same path that is not linked to it.
     ///
     /// ```text
@@ -177,15 +177,15 @@ impl PathCover {
         None
     }
 
-    /// Walks along a path from one of its ends: each triangle with the half-edges by which the walk enters and leaves it.
-    /// From a triangle inside a path it walks one way, from the link that is named second.
+    /// Iterates over a path from one of its ends: each triangle with the half-edges over which the path enters and leaves it.
+    /// From a triangle inside a path it goes in one direction only, over the second stored link.
     pub fn walk<'a>(&'a self, graph: &'a DualGraph, start: FaceId) -> Walk<'a> {
         let [a, b] = self.edges(start);
         let exit = if a.is_some() && b.is_some() { b } else { a.or(b) };
         Walk { cover: self, graph, state: Some((start, None, exit)), left: self.links.len() }
     }
 
-    /// Gives the other end of the path that has an end at this triangle; itself where it is isolated, `None` inside a path.
+    /// Returns the other end of the path that ends at this triangle; the triangle itself if it is isolated, `None` inside a path.
     pub fn other_end(&self, graph: &DualGraph, end: FaceId) -> Option<FaceId> {
         if self.degree(end) == 2 {
             return None;
@@ -193,14 +193,14 @@ impl PathCover {
         self.walk(graph, end).last().map(|(face, _, _)| face)
     }
 
-    /// Walks over the first triangle of every path, the paths in order of their lowest triangles.
+    /// Iterates over the first triangles of all paths, in order of the paths' lowest triangles.
     pub fn path_starts<'a>(&'a self, graph: &'a DualGraph) -> impl Iterator<Item = FaceId> + 'a {
         let mut seen = vec![false; self.links.len()];
         (0..self.links.len() as u32).filter_map(move |lowest| {
             if seen[lowest as usize] {
                 return None;
             }
-            // From inside a path its first end is where the first link leads; a path is then marked from that end on.
+            // The first end of a path is the one in the direction of the lowest triangle's first link. The path is marked from there.
             let mut start = FaceId(lowest);
             if self.degree(start) == 2 {
                 let [first, _] = self.edges(start);
@@ -208,7 +208,7 @@ impl PathCover {
                 while let Some(twin) = exit.and_then(|h| graph.twin(h)) {
                     start = graph.face_of(twin);
                     if start.0 == lowest {
-                        break; // a cycle, which `check` reports
+                        break; // a cycle: `check` reports it
                     }
                     exit = self.edges(start).into_iter().flatten().find(|&h| h != twin);
                 }
@@ -220,7 +220,7 @@ impl PathCover {
         })
     }
 
-    /// Numbers the paths and the positions on them.
+    /// Returns the number of each triangle's path and its position on it.
     pub fn renumber(&self, graph: &DualGraph) -> Numbering {
         let mut numbering = Numbering {
             path: vec![0; self.links.len()],
@@ -237,10 +237,10 @@ impl PathCover {
         numbering
     }
 
-    /// Checks that links are known on both sides, that no path is closed, and that the links are as many as counted.
+    /// Checks that links are stored on both sides, that no path is closed, and that the link count is right.
     ///
     /// # Errors
-    /// The first fault found.
+    /// The first violation found.
     pub fn check(&self, graph: &DualGraph) -> Result<(), CoverFault> {
         if graph.half_edge_count() != 3 * self.links.len() {
             return Err(CoverFault::Size);
@@ -264,7 +264,7 @@ impl PathCover {
         if ends != 2 * self.path_count() {
             return Err(CoverFault::Count);
         }
-        // Every node that no walk from an end reaches lies on a cycle.
+        // A node that no walk from an end reaches lies on a cycle.
         let mut reached = vec![false; self.links.len()];
         for face in (0..self.links.len() as u32).map(FaceId) {
             if self.degree(face) < 2 && !reached[face.0 as usize] {
@@ -279,7 +279,7 @@ impl PathCover {
         }
     }
 
-    /// Links two triangles across twins that the caller knows to be free and to close no path.
+    /// Links two triangles across twins that the caller knows to be free and not to close a path.
     #[inline]
     pub(crate) fn link_unchecked(&mut self, half_edge: u32, twin: u32) {
         self.set(HalfEdge(half_edge));
@@ -287,7 +287,7 @@ impl PathCover {
         self.link_count += 1;
     }
 
-    /// Takes away the link across twins that the caller knows to be linked.
+    /// Removes the link across twins that the caller knows to be linked.
     #[inline]
     pub(crate) fn cut_unchecked(&mut self, half_edge: u32, twin: u32) {
         self.clear(HalfEdge(half_edge));
@@ -295,20 +295,20 @@ impl PathCover {
         self.link_count -= 1;
     }
 
-    /// Takes over the links of triangles that were covered by themselves: those from `first` on, which must still be isolated here.
+    /// Copies the links of triangles that were covered separately: those from `first` on, which must still be isolated here.
     #[cfg(feature = "rayon")]
     pub(crate) fn put_back(&mut self, first: usize, part: &Self) {
         self.links[first..first + part.len()].copy_from_slice(&part.links);
         self.link_count += part.link_count;
     }
 
-    /// Sets both edges (0–2) over which an inner triangle of a path is linked; its neighbours' links must fit.
+    /// Sets both edges (0–2) over which an inner triangle of a path is linked; the links of its neighbours must match.
     #[inline]
     pub(crate) fn set_edges(&mut self, triangle: u32, first: u32, second: u32) {
         self.links[triangle as usize] = (first | second << 2) as u8;
     }
 
-    /// Gives the edges (0–2) over which a triangle is linked, 3 for none.
+    /// Returns the edges (0–2) over which a triangle is linked, 3 for none.
     #[inline]
     pub(crate) fn packed_edges(&self, triangle: u32) -> (u32, u32) {
         let links = u32::from(self.links[triangle as usize]);
@@ -328,13 +328,13 @@ impl PathCover {
     }
 }
 
-/// Walks along a path: see [`PathCover::walk`].
+/// Iterator over a path: see [`PathCover::walk`].
 #[derive(Debug)]
 pub struct Walk<'a> {
     cover: &'a PathCover,
     graph: &'a DualGraph,
     state: Option<(FaceId, Option<HalfEdge>, Option<HalfEdge>)>,
-    /// Triangles that the walk may still visit, so that it ends on a cover that is faulty, too.
+    /// The number of triangles that may still be visited, so that the iterator ends on an invalid cover as well.
     left: usize,
 }
 
@@ -362,7 +362,7 @@ mod tests {
     use super::*;
     use crate::mesh::Faces;
 
-    /// A row of triangles, each sharing an edge with the next, closed to a ring where asked.
+    /// A row of triangles, each sharing an edge with the next, optionally closed to a ring.
     fn row(n: u32, ring: bool) -> DualGraph {
         let v = |i: u32| if ring { i % n } else { i };
         let corners = (0..n)
@@ -383,7 +383,7 @@ mod tests {
             assert_eq!(cover.check(&graph), Ok(()));
         }
         assert_eq!(cover.path_count(), 1);
-        assert!(!cover.join(&graph, arc(&graph, 7, 0)), "that would close the path");
+        assert!(!cover.join(&graph, arc(&graph, 7, 0)), "it would close the path");
         assert!(cover.link(&graph, arc(&graph, 7, 0)));
         assert!(matches!(cover.check(&graph), Err(CoverFault::Count | CoverFault::Cycle(_))));
         assert!(cover.cut(&graph, arc(&graph, 3, 4)));
@@ -399,7 +399,7 @@ mod tests {
 
     #[test]
     fn rotates_an_end_into_its_path() {
-        // In a fan of five triangles around vertex 0, closed, the ends of the path meet.
+        // In a closed fan of five triangles around vertex 0 the ends of the path are adjacent.
         let corners: Vec<u32> = (0..5).flat_map(|i| [0, 1 + i, 1 + (i + 1) % 5]).collect();
         let graph = DualGraph::new(&Faces::from_triangles(corners).unwrap());
         let mut cover = PathCover::isolated(5);

@@ -7,7 +7,7 @@
 //! # Complexity
 //! O(items + keys) time; 4 bytes per item and 4 per key.
 
-/// Items 0, 1, 2 … grouped by key, rising within a group.
+/// Items 0, 1, 2 … grouped by key, in ascending order within a group.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(crate) struct Csr {
     ends: Vec<u32>,
@@ -33,6 +33,11 @@ impl Csr {
         Self { ends, items }
     }
 
+    /// Replaces every item; the order within the rows stays the same.
+    pub(crate) fn map_items(&mut self, replacement: impl Fn(u32) -> u32) {
+        self.items.iter_mut().for_each(|item| *item = replacement(*item));
+    }
+
     /// Returns the range of a key's items within all items.
     #[inline]
     pub(crate) fn range(&self, key: u32) -> std::ops::Range<usize> {
@@ -40,7 +45,13 @@ impl Csr {
         start as usize..self.ends[key as usize] as usize
     }
 
-    /// Returns the items of a key, rising.
+    /// Counts the keys.
+    #[inline]
+    pub(crate) fn key_count(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// Returns the items of a key in ascending order.
     #[inline]
     pub(crate) fn row(&self, key: u32) -> &[u32] {
         &self.items[self.range(key)]
@@ -79,6 +90,10 @@ mod tests {
                 prop_assert_eq!(csr.row(key), expected);
             }
             prop_assert!(csr.rows().eq((0..9).map(|key| csr.row(key))));
+            prop_assert_eq!(csr.key_count(), 9);
+            let mut shifted = csr.clone();
+            shifted.map_items(|item| item + 1);
+            prop_assert!((0..9).all(|key| shifted.row(key).iter().map(|item| item - 1).eq(csr.row(key).iter().copied())));
             let mut falling = csr.clone();
             falling.sort_rows(|a, b| b.cmp(&a));
             prop_assert!((0..9).all(|key| falling.row(key).iter().rev().eq(csr.row(key))));

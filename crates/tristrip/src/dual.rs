@@ -1,6 +1,6 @@
-//! The dual graph: faces joined across the edges that they share.
+//! The dual graph: faces connected across the edges that they share.
 //!
-//! A half-edge is a corner of a face and stands for the edge from that corner to the next one of the face. Two half-edges of
+//! A half-edge is a corner of a face and represents the edge from that corner to the next one of the face. Two half-edges of
 //! opposite direction over the same two vertices are *twins*, and a pair of twins is an arc of the graph.
 //!
 //! ```text
@@ -8,17 +8,17 @@
 //!       / \                 half-edge 3t + 1: b → c
 //!      /   \                half-edge 3t + 2: c → a
 //!     a ──▶ b   face t
-//!     a ◀── b   neighbour   Faces wound alike give the edge between them opposite directions.
+//!     a ◀── b   neighbour   Faces with consistent winding traverse their common edge in opposite directions.
 //! ```
 //!
 //! # Edges of more than two faces
-//! A half-edge is paired with the most recent one that waits, of the last eight over that edge, whose face does not fold back
-//! onto its own (the same next corner seen from both sides: a face and its own reverse). Faces that fold back are paired only when
-//! all else is done, in order. Half-edges of equal direction, that is neighbours with inconsistent winding, are never paired.
+//! A half-edge is paired with the most recent unpaired one, of the last eight over that edge, whose face does not fold back
+//! onto its own (both have the same third corner: a face and its own reverse). Faces that fold back are paired last, in order.
+//! Half-edges of equal direction, that is neighbours with inconsistent winding, are never paired.
 //!
 //! # Complexity
-//! O(n) time for meshes of bounded valence, O(n log n) at worst; 12 bytes a triangle, and while building 12 more and 12 for each
-//! number up to the highest vertex in use, or for each vertex in use where those are few. Past a million triangles another 12 bytes.
+//! O(n) time for meshes of bounded valence, O(n log n) at worst; 12 bytes per triangle, and while building 12 more and 12 per
+//! vertex up to the highest one in use, or per vertex in use if those are few. Above a million triangles another 12 bytes.
 
 mod corners;
 mod pair;
@@ -31,18 +31,16 @@ pub use triangulation::Triangulation;
 pub(crate) use triangulation::TriangulationBuilder;
 
 use corners::{PolygonCorners, TriangleCorners, polygon_shape};
-use pair::pair;
+use pair::{NO_TWIN, pair};
 
-use crate::ids::{FaceId, HalfEdge};
+use crate::ids::{FaceId, HalfEdge, OptionalId};
 use crate::mesh::Faces;
 
-/// Marks a half-edge without a twin inside the packed arrays.
-const NONE: u32 = u32::MAX;
-/// Faces of more corners have their vertices renumbered for the pairing, which does not ask for their names: the caches no longer
-/// hold a vertex until it comes again, unless the numbers follow the faces.
-const SCATTERED: usize = 3 << 20;
+/// The number of corners above which vertices are renumbered for the pairing, whose result does not depend on the numbers: the
+/// processor's caches no longer hold a vertex until its next use, unless the numbers follow the order of the faces.
+const RENUMBER_ABOVE: usize = 3 << 20;
 
-/// Faces joined across shared edges.
+/// Faces connected across shared edges.
 ///
 /// ```
 /// use tristrip::{DualGraph, Faces, HalfEdge};
@@ -54,6 +52,7 @@ const SCATTERED: usize = 3 << 20;
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DualGraph {
+    /// The twin of each half-edge, `NO_TWIN` at a boundary.
     twins: Vec<u32>,
     shape: Shape,
 }
@@ -65,11 +64,11 @@ enum Shape {
 }
 
 impl DualGraph {
-    /// Joins the faces across the edges that they share; see the module's head for the rule at edges of more than two faces.
+    /// Connects the faces across the edges that they share; the module documentation gives the rule at edges of more than two faces.
     pub fn new(faces: &Faces) -> Self {
         let compact = faces.compact();
         let renumbered;
-        let faces = if compact.corner_count() > SCATTERED {
+        let faces = if compact.corner_count() > RENUMBER_ABOVE {
             renumbered = compact.in_order_of_use();
             &renumbered
         } else {
@@ -84,7 +83,12 @@ impl DualGraph {
         Self { twins: pair(&corners), shape: Shape::Polygons { offsets, face_of } }
     }
 
-    /// Makes the graph of triangles from twins that the caller has paired.
+    /// Creates the graph of triangles from the twin of each half-edge. The caller has paired the twins.
+    pub(crate) fn of_triangle_twins(twins: impl IntoIterator<Item = Option<u32>>) -> Self {
+        Self::from_triangle_twins(twins.into_iter().map(|twin| twin.unwrap_or(NO_TWIN)).collect())
+    }
+
+    /// Creates the graph of triangles from packed twins: `u32::MAX` at a boundary.
     pub(crate) fn from_triangle_twins(twins: Vec<u32>) -> Self {
         Self { twins, shape: Shape::Triangles }
     }
@@ -97,25 +101,25 @@ impl DualGraph {
         }
     }
 
-    /// Counts the half-edges, which are as many as the corners.
+    /// Counts the half-edges: one per corner.
     pub fn half_edge_count(&self) -> usize {
         self.twins.len()
     }
 
-    /// Gives the half-edge on the other side, or `None` at a boundary.
+    /// Returns the half-edge on the other side, or `None` at a boundary.
     ///
     /// # Panics
     /// The half-edge is not one of this graph.
     #[inline]
     pub fn twin(&self, half_edge: HalfEdge) -> Option<HalfEdge> {
         let twin = self.twins[half_edge.0 as usize];
-        (twin != NONE).then_some(HalfEdge(twin))
+        (twin != NO_TWIN).then_some(HalfEdge(twin))
     }
 
-    /// Gives the face that a half-edge belongs to.
+    /// Returns the face that a half-edge belongs to.
     ///
     /// # Panics
-    /// The graph is one of polygons and the half-edge is not one of it.
+    /// The graph is one of polygons and the half-edge is not one of this graph.
     #[inline]
     pub fn face_of(&self, half_edge: HalfEdge) -> FaceId {
         match &self.shape {
@@ -124,7 +128,7 @@ impl DualGraph {
         }
     }
 
-    /// Walks over the half-edges of a face in its winding.
+    /// Iterates over the half-edges of a face in its winding.
     ///
     /// # Panics
     /// The face is not one of this graph.
@@ -136,7 +140,7 @@ impl DualGraph {
         range.map(HalfEdge)
     }
 
-    /// Walks over the faces that share an edge with this one, in its winding; one that shares two edges comes twice.
+    /// Iterates over the faces that share an edge with this one, in its winding; a face that shares two edges occurs twice.
     ///
     /// # Panics
     /// The face is not one of this graph.
@@ -148,10 +152,10 @@ impl DualGraph {
     #[inline]
     pub(crate) fn twin_of(&self, half_edge: u32) -> Option<u32> {
         let twin = self.twins[half_edge as usize];
-        (twin != NONE).then_some(twin)
+        (twin != NO_TWIN).then_some(twin)
     }
 
-    /// Gives the packed twins for the inner loops: the other side of each half-edge, or `u32::MAX`.
+    /// Returns the packed twins for the inner loops: the other side of each half-edge, or `u32::MAX`.
     pub(crate) fn twins(&self) -> &[u32] {
         &self.twins
     }
@@ -160,7 +164,7 @@ impl DualGraph {
         &mut self.twins
     }
 
-    /// Numbers the connected components: the component of each face, counted in order of their first faces, and their number.
+    /// Returns the connected component of each face, numbered in order of their first faces, and the number of components.
     ///
     /// ```
     /// use tristrip::{DualGraph, Faces};
@@ -169,40 +173,38 @@ impl DualGraph {
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     pub fn components(&self) -> (Vec<u32>, usize) {
-        let mut component = vec![NONE; self.face_count()];
+        let mut component = vec![OptionalId::NONE; self.face_count()];
         let mut count = 0;
         let mut open = Vec::new();
         for first in 0..component.len() {
-            if component[first] != NONE {
+            if !component[first].is_none() {
                 continue;
             }
-            component[first] = count;
+            component[first] = OptionalId::some(count);
             open.push(FaceId(first as u32));
             while let Some(face) = open.pop() {
                 for next in self.neighbours(face) {
-                    if component[next.0 as usize] == NONE {
-                        component[next.0 as usize] = count;
+                    if component[next.0 as usize].is_none() {
+                        component[next.0 as usize] = OptionalId::some(count);
                         open.push(next);
                     }
                 }
             }
             count += 1;
         }
-        (component, count as usize)
+        // Every face has got a component.
+        (component.into_iter().map(|id| id.get().unwrap_or_default()).collect(), count as usize)
     }
 
-    /// Checks that twins name each other and never a half-edge of the same face.
+    /// Checks that twins refer to each other and never to a half-edge of the same face.
     ///
     /// # Errors
-    /// The first half-edge at fault.
+    /// The first half-edge that does not satisfy this.
     pub fn check(&self) -> Result<(), HalfEdge> {
-        for (h, &twin) in self.twins.iter().enumerate() {
-            let h = HalfEdge(h as u32);
-            if twin == NONE {
-                continue;
-            }
-            let back = self.twins.get(twin as usize).copied();
-            if back != Some(h.0) || self.face_of(h) == self.face_of(HalfEdge(twin)) {
+        for h in (0..self.twins.len() as u32).map(HalfEdge) {
+            let Some(twin) = self.twin(h) else { continue };
+            let back = self.twins.get(twin.0 as usize).copied();
+            if back != Some(h.0) || self.face_of(h) == self.face_of(twin) {
                 return Err(h);
             }
         }

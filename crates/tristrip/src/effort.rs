@@ -1,14 +1,14 @@
-//! How long a search runs: levels that count steps, never seconds, so that the result is the same on any machine.
+//! The effort of a search: levels that count steps, never seconds, so that the result is the same on any machine.
 
-/// How long a search runs, from 0 to 9. It counts steps, never seconds, so that the result is the same on any machine.
+/// The effort of a search, from 0 to 9. It counts steps, never seconds, so that the result is the same on any machine.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Effort(u8);
 
 impl Effort {
-    /// The longest search.
+    /// The level of the longest search.
     pub const MAX: Self = Self(9);
 
-    /// Creates a level from 0 to 9; `None` above.
+    /// Creates a level from 0 to 9; returns `None` for larger values.
     pub const fn new(level: u8) -> Option<Self> {
         if level <= Self::MAX.0 { Some(Self(level)) } else { None }
     }

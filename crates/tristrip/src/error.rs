@@ -1,39 +1,39 @@
-//! The library's errors, sorted by who can act on them.
+//! The errors of the library, grouped by who can act on them.
 
-/// Says why a computation could not be done.
+/// The reason why a computation was not possible.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The mesh itself is not usable.
+    /// The mesh is invalid.
     #[error("{0}")]
     Mesh(#[from] MeshProblem),
-    /// An option has a value that makes no sense.
+    /// An option has an invalid value.
     #[error("parameter `{name}`: found {found}, expected {expected}")]
     Parameter {
-        /// The option's name, as in the command line and the docs.
+        /// The name of the option, as in the command line and the docs.
         name: &'static str,
         /// The value found.
         found: String,
-        /// What would have been accepted.
+        /// The accepted values.
         expected: &'static str,
     },
-    /// The input is larger than 32-bit ids can name.
+    /// The input is too large for 32-bit ids.
     #[error("{what}: found {found}, the limit is {limit}")]
     LimitExceeded {
-        /// What was counted.
+        /// The kind of item that was counted.
         what: &'static str,
-        /// How many there were.
+        /// Number of items found.
         found: u64,
-        /// How many there may be.
+        /// Largest accepted number.
         limit: u64,
     },
 }
 
-/// A defect of a mesh that no method can work around.
+/// A defect of a mesh that prevents every method.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum MeshProblem {
-    /// A corner names a vertex that does not exist.
+    /// A corner refers to a vertex that does not exist.
     #[error("face {face}, corner {corner}: found vertex index {found}, expected less than {vertex_count}")]
     VertexIndex {
         /// Face, counted from 0.
@@ -53,22 +53,22 @@ pub enum MeshProblem {
         /// The coordinate found.
         found: f32,
     },
-    /// The corners do not divide into faces as the sizes say.
+    /// The number of corners does not match the sizes of the faces.
     #[error("faces: found {found} corners, expected {expected}")]
     CornerCount {
-        /// Number of corners given.
+        /// Number of corners found.
         found: u64,
-        /// Number that the faces need.
+        /// Number that the faces require.
         expected: String,
     },
-    /// A vertex attribute has another length than the positions.
-    #[error("attribute `{name}`: found {found} values, expected {expected} (one for each vertex)")]
+    /// The length of a vertex attribute does not match the number of positions.
+    #[error("attribute `{name}`: found {found} values, expected {expected} (one per vertex)")]
     AttributeLength {
         /// Name of the attribute.
         name: String,
-        /// Vertices that it has values for.
+        /// Number of vertices that it has values for.
         found: u64,
-        /// Vertices of the mesh.
+        /// Number of vertices of the mesh.
         expected: u64,
     },
 }

@@ -1,14 +1,27 @@
-//! Ids of faces and half-edges: numbers of 32 bits that cannot be mistaken for one another, and one that may be absent.
+//! Ids: distinct 32-bit types for faces and half-edges, an optional id in four bytes, and the limit that keeps one value free.
+
+use crate::error::Error;
+
+/// The largest number of vertices, faces or corners: ids have 32 bits, and the highest value stays free.
+pub const MAX_COUNT: usize = (u32::MAX - 1) as usize;
+
+/// Checks that a count is at most [`MAX_COUNT`].
+pub(crate) fn check_count(what: &'static str, found: usize) -> Result<(), Error> {
+    if found > MAX_COUNT {
+        return Err(Error::LimitExceeded { what, found: found as u64, limit: MAX_COUNT as u64 });
+    }
+    Ok(())
+}
 
 /// A face of the dual graph, counted from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct FaceId(pub u32);
 
-/// A directed edge of a face: the corner that it starts from, counted over all faces.
+/// A directed edge of a face: the corner at which it starts, counted over all faces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct HalfEdge(pub u32);
 
-/// An id that may be absent, in four bytes, for packed arrays. No id reaches [`crate::mesh::MAX_COUNT`], so that one value is free.
+/// An id that may be absent, in four bytes, for packed arrays. No id reaches [`MAX_COUNT`], so one value is free.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub(crate) struct OptionalId(u32);
 
@@ -54,7 +67,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_optional_id_is_four_bytes_and_knows_absence() {
+    fn an_optional_id_takes_four_bytes() {
         assert_eq!(size_of::<OptionalId>(), 4);
         assert_eq!([None, Some(0), Some(7)].map(|id| OptionalId::from(id).get()), [None, Some(0), Some(7)]);
         assert!(OptionalId::default().is_none() && !OptionalId::some(3).is_none());

@@ -1,15 +1,15 @@
-//! Polygon meshes into render-ready triangle strips, proven.
+//! Converts polygon meshes into render-ready triangle strips, with a proof.
 //!
 //! Every stripification is a path cover of the mesh's dual graph: the nodes are triangles, the arcs are shared edges, and
-//! each strip is a simple path. The stages follow the data, and each imports only those before it:
+//! each strip is a simple path. The stages follow the data flow, and each imports only earlier ones:
 //!
 //! ```text
-//! Mesh ─▶ PreparedFaces ─▶ DualGraph ─▶ Plan (triangulation + PathCover) ─▶ Strips ─▶ layout
-//!   └──── triangles ────▶ simplify ─▶ CollapseSequence ─┬──────────────┘
+//! Mesh ─▶ PreparedFaces ─▶ DualGraph ─▶ StripPlan (triangulation + PathCover) ─▶ Strips ─▶ layout
+//!   └──── triangles ────▶ simplify ─▶ CollapseSequence ─┬───────────────────┘
 //!                                                       └▶ lod ─▶ Strips of any level
 //! ```
 //!
-//! The library computes only: it reads no file, prints nothing, starts no thread (outside the `rayon` feature), and does not
+//! The library only computes: it reads no files, prints nothing, starts no threads (without the `rayon` feature), and does not
 //! panic on any input.
 
 #![forbid(unsafe_code)]

@@ -1,4 +1,4 @@
-//! Random numbers from a seed: the same on any machine.
+//! Random numbers from a seed, the same on any machine.
 //!
 //! # References
 //! Steele, Lea, Flood: *Fast Splittable Pseudorandom Number Generators*, 2014 (`SplitMix64`).
@@ -33,14 +33,14 @@ impl Random {
         (((self.next_u64() >> 32) * n as u64) >> 32) as usize
     }
 
-    /// Returns true or false, each half the time.
+    /// Returns true or false, each with probability one half.
     #[inline]
     pub fn coin(&mut self) -> bool {
         self.next_u64() >> 63 == 0
     }
 }
 
-/// Gives the odds of accepting rises of 1, 2, … at a temperature, in 2³²ths. Made of multiplications alone, so that it is
+/// Returns the odds of accepting rises of 1, 2, … at a temperature, in units of 2⁻³². Uses only plain arithmetic, so the result is
 /// the same on every machine.
 #[expect(clippy::cast_sign_loss, reason = "odds are not negative")]
 pub(crate) fn metropolis<const RISES: usize>(temperature: f64) -> [u32; RISES] {

@@ -1,8 +1,8 @@
 //! Triangle strips: the vertices that are sent, strip after strip.
 //!
-//! Triangle i of a strip is its vertices i, i + 1, i + 2, in that order for even i and with the first two exchanged for odd i;
-//! one in which two vertices are equal draws nothing. A *swap* repeats one vertex inside a strip; a winding repeat does so at
-//! its start.
+//! Triangle i of a strip consists of its vertices i, i + 1, i + 2, in that order for even i and with the first two exchanged for
+//! odd i; a triangle with two equal vertices draws nothing. A *swap* repeats one vertex inside a strip; a winding repeat does so at
+//! the start.
 
 pub mod emit;
 mod join;
@@ -17,6 +17,7 @@ pub use metrics::{Cost, Metrics};
 pub use vertex_order::VertexOrder;
 
 use crate::error::{Error, MeshProblem};
+use crate::mesh::is_degenerate;
 
 /// Strips over the vertices of one mesh.
 ///
@@ -32,28 +33,28 @@ pub struct Strips {
     vertices: Vec<u32>,
     /// End of each strip within `vertices`.
     ends: Vec<u32>,
-    /// Whether the strips are worth something in this order: see [`Strips::with_kept_order`].
+    /// Whether the order of the strips was chosen on purpose: see [`Strips::with_kept_order`].
     keeps_order: bool,
 }
 
 impl Strips {
-    /// Makes strips from all their vertices and the end of each strip.
+    /// Creates strips from all their vertices and the end of each strip.
     ///
     /// # Errors
-    /// The ends do not rise to the number of vertices.
+    /// The ends decrease, or the last one is not the number of vertices.
     pub fn from_parts(vertices: Vec<u32>, ends: Vec<u32>) -> Result<Self, Error> {
         let last = ends.last().copied().unwrap_or(0);
         if !ends.is_sorted() || last as usize != vertices.len() {
             return Err(MeshProblem::CornerCount {
                 found: vertices.len() as u64,
-                expected: format!("{last}, by ends that never fall"),
+                expected: format!("{last}, by ends that never decrease"),
             }
             .into());
         }
         Ok(Self { vertices, ends, keeps_order: false })
     }
 
-    /// Says that order and direction of the strips are chosen, as for a vertex buffer, so that joining them keeps both.
+    /// Marks the order and direction of the strips as chosen, for example for a vertex cache, so that joining them keeps both.
     ///
     /// ```
     /// let mut strips = tristrip::Strips::default();
@@ -69,7 +70,7 @@ impl Strips {
         self
     }
 
-    /// Makes room for vertices and strips.
+    /// Creates an empty list with capacity for vertices and strips.
     pub(crate) fn with_capacity(vertex_count: usize, strip_count: usize) -> Self {
         Self {
             vertices: Vec::with_capacity(vertex_count),
@@ -78,13 +79,13 @@ impl Strips {
         }
     }
 
-    /// Adds a strip at the end.
+    /// Appends a strip.
     pub fn push(&mut self, strip: &[u32]) {
         self.vertices.extend_from_slice(strip);
         self.ends.push(self.vertices.len() as u32);
     }
 
-    /// Drops all strips and keeps the memory that they took.
+    /// Removes all strips and keeps the allocated memory.
     ///
     /// ```
     /// let mut strips = tristrip::Strips::default();
@@ -97,30 +98,30 @@ impl Strips {
         self.ends.clear();
     }
 
-    /// Adds a vertex to the strip that is not ended yet.
+    /// Appends a vertex to the strip that is not ended yet.
     pub(crate) fn send_vertex(&mut self, vertex: u32) {
         self.vertices.push(vertex);
     }
 
-    /// Adds vertices, and ends strips at these places among them.
+    /// Appends vertices, and ends strips at these positions among them.
     pub(crate) fn send_block_of(&mut self, vertices: &[u32], ends: impl IntoIterator<Item = u32>) {
         let sent = self.vertices.len() as u32;
         self.vertices.extend_from_slice(vertices);
         self.ends.extend(ends.into_iter().map(|end| sent + end));
     }
 
-    /// Takes back the vertex sent last.
+    /// Removes the last vertex.
     pub(crate) fn drop_last_vertex(&mut self) {
         self.vertices.pop();
     }
 
-    /// Gives the vertices sent since a strip was last ended.
+    /// Returns the vertices of the strip that is not ended yet.
     pub(crate) fn open_strip(&mut self) -> &mut [u32] {
         let start = self.ends.last().copied().unwrap_or(0);
         &mut self.vertices[start as usize..]
     }
 
-    /// Ends the strip of the vertices sent since the last one.
+    /// Ends the strip of the vertices since the end of the last one.
     pub(crate) fn end_strip(&mut self) {
         self.ends.push(self.vertices.len() as u32);
     }
@@ -130,7 +131,7 @@ impl Strips {
         self.ends.len()
     }
 
-    /// Tells whether there is no strip.
+    /// Returns whether there is no strip.
     pub fn is_empty(&self) -> bool {
         self.ends.is_empty()
     }
@@ -140,12 +141,12 @@ impl Strips {
         self.vertices.len()
     }
 
-    /// Gives the vertices of all strips, one strip after the other.
+    /// Returns the vertices of all strips, one strip after the other.
     pub fn vertices(&self) -> &[u32] {
         &self.vertices
     }
 
-    /// Walks over the strips in the order in which they are drawn.
+    /// Iterates over the strips in drawing order.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = &[u32]> {
         (0..self.ends.len()).map(|i| {
             let start = if i == 0 { 0 } else { self.ends[i - 1] as usize };
@@ -153,16 +154,21 @@ impl Strips {
         })
     }
 
-    /// Walks over the triangles drawn, wound as their faces are; degenerate ones are left out.
+    /// Iterates over the triangles drawn, with the winding of their faces; degenerate ones are omitted.
     pub fn triangles(&self) -> impl Iterator<Item = [u32; 3]> {
         self.iter().flat_map(strip_triangles)
     }
 }
 
-/// Walks over the triangles that one strip draws, wound as their faces are; degenerate ones are left out.
+/// Iterates over the triangles that one strip draws, with the winding of their faces; degenerate ones are omitted.
 pub fn strip_triangles(strip: &[u32]) -> impl Iterator<Item = [u32; 3]> {
     strip.windows(3).enumerate().filter_map(|(i, w)| {
-        let real = w[0] != w[1] && w[1] != w[2] && w[0] != w[2];
-        real.then(|| if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[1], w[0], w[2]] })
+        let triangle = if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[1], w[0], w[2]] };
+        (!is_degenerate(triangle)).then_some(triangle)
     })
+}
+
+/// Counts the triangles that one strip draws; degenerate ones are omitted.
+pub(crate) fn count_triangles(strip: &[u32]) -> usize {
+    strip.windows(3).filter(|w| !is_degenerate([w[0], w[1], w[2]])).count()
 }

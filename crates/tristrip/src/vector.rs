@@ -1,6 +1,8 @@
-//! Points of the local frame, and the distance from a point to a triangle.
+//! Vectors in double precision, and the distance from a point to a triangle.
+//!
+//! Only sums, products, quotients and square roots, which are exact to the last bit on every machine.
 
-/// A point or vector of the local frame.
+/// A point or vector of a local frame.
 pub(crate) type Point = [f64; 3];
 
 #[inline]
@@ -18,13 +20,20 @@ pub(crate) fn dot(a: Point, b: Point) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// Gives the cross product of two edges of a triangle: its normal, as long as twice its area.
+/// Returns `a` scaled to length 1.
+#[inline]
+pub(crate) fn unit(a: Point) -> Point {
+    let length = dot(a, a).sqrt();
+    a.map(|x| x / length)
+}
+
+/// Returns the cross product of two edges of a triangle: its normal, of twice its area as length.
 #[inline]
 pub(crate) fn normal_of([a, b, c]: [Point; 3]) -> Point {
     cross(sub(b, a), sub(c, a))
 }
 
-/// Gives the squared distance from a point to a segment; one of no length is a point.
+/// Returns the squared distance from a point to a segment; a segment of zero length is a point.
 #[inline]
 pub(crate) fn to_segment(p: Point, [a, b]: [Point; 2]) -> f64 {
     let (along, to) = (sub(b, a), sub(p, a));
@@ -34,17 +43,17 @@ pub(crate) fn to_segment(p: Point, [a, b]: [Point; 2]) -> f64 {
     dot(rest, rest)
 }
 
-/// Gives the squared distance from a point to a triangle if it is less than one that is known, else that; a triangle without area is its
-/// edges.
+/// Returns the squared distance from a point to a triangle if it is less than `known`, otherwise `known`; a triangle without area
+/// consists of its edges.
 ///
-/// Where the foot of the perpendicular lies inside, that is the distance to the plane; else the least of those to the edges that
+/// If the foot of the perpendicular lies inside, this is the distance to the plane; otherwise the least distance to the edges that
 /// the foot lies beyond.
 #[inline]
 pub(crate) fn to_triangle(p: Point, [a, b, c]: [Point; 3], known: f64) -> f64 {
     let normal = normal_of([a, b, c]);
     let to = sub(p, a);
     let (square, height) = (dot(normal, normal), dot(normal, to));
-    // No point of a triangle is nearer than its plane.
+    // No point of the triangle is nearer than its plane.
     if height * height > known * square {
         return known;
     }
@@ -70,7 +79,7 @@ mod tests {
     }
 
     proptest! {
-        /// The oracle looks at many points of the triangle.
+        /// The oracle samples many points of the triangle.
         #[test]
         fn no_point_of_the_triangle_is_nearer(p in point(), t in [point(), point(), point()]) {
             let found = to_triangle(p, t, f64::INFINITY).sqrt();
@@ -92,7 +101,7 @@ mod tests {
     }
 
     #[test]
-    fn a_triangle_without_area_is_its_edges() {
+    fn a_triangle_without_area_consists_of_its_edges() {
         let line = [[0.0; 3], [1.0, 0.0, 0.0], [3.0, 0.0, 0.0]];
         let square = to_triangle([2.0, 2.0, 0.0], line, f64::INFINITY);
         assert!((square - 4.0).abs() < 1e-12);

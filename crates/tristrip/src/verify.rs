@@ -1,4 +1,4 @@
-//! Proof: strips draw exactly the faces of a mesh, each once, with its winding.
+//! Proof that strips draw exactly the faces of a mesh, each once, with its winding.
 //!
 //! [`by_id`] compares by vertex number, [`by_position`] compares two models by the positions of their vertices.
 

@@ -1,29 +1,26 @@
-//! The diagonals by which polygons are cut into triangles, for searches that cut them anew.
+//! The diagonals that cut polygons into triangles, for searches that flip them.
 //!
 //! ```text
-//!   d ───── c        d ───── c      the triangles on the two sides of a diagonal, without links, go around by one corner:
-//!   │ u   ╱ │        │ ╲   t │      four times bring them back to where they were
+//!   d ───── c        d ───── c      a flip moves the two triangles at a diagonal, which are not linked, one corner further
+//!   │ u   ╱ │        │ ╲   t │      around; four flips restore the initial state
 //!   │   ╱   │   ─▶   │   ╲   │
 //!   │ ╱   t │        │ u   ╲ │
 //!   a ───── b        a ───── b
 //! ```
-//! Polygons are convex, or cut so that they may be taken for such, and any diagonal is as good as any other.
+//! Polygons are convex, or cut in advance so that they can be treated as convex, so every diagonal is valid.
 //!
 //! # Complexity
-//! O(1) a turn; 13 bytes a triangle, nothing where every face is a triangle.
+//! O(1) per flip; 13 bytes per triangle, nothing if every face is a triangle.
 
 use crate::dual::Triangulation;
 use crate::mesh::Faces;
 
-/// No twin.
-const NONE: u32 = u32::MAX;
-
-/// How polygons are cut.
+/// The triangles that polygons are cut into.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(super) struct Diagonals {
     /// The vertices of each triangle.
     pub(super) corners: Vec<u32>,
-    /// The edges of each triangle that are diagonals, a bit each.
+    /// The edges of each triangle that are diagonals, one bit per edge.
     pub(super) edges: Vec<u8>,
 }
 
@@ -37,8 +34,7 @@ impl Diagonals {
         for polygon in faces.iter() {
             let end = first + polygon.len() as u32 - 2;
             for h in 3 * first..3 * end {
-                let twin = triangulation.graph().twins()[h as usize];
-                if twin != NONE && (first..end).contains(&(twin / 3)) {
+                if triangulation.graph().twin_of(h).is_some_and(|twin| (first..end).contains(&(twin / 3))) {
                     edges[h as usize / 3] |= 1 << (h % 3);
                 }
             }
@@ -47,14 +43,20 @@ impl Diagonals {
         Self { corners: triangulation.triangles().to_vec(), edges }
     }
 
-    /// Gives the vertices of each triangle; `None` where no polygon is cut.
+    /// Returns the vertices of each triangle; `None` if no polygon is cut.
     pub(super) fn corners(&self) -> Option<&[u32]> {
         (!self.edges.is_empty()).then_some(&self.corners)
     }
 }
 
-/// The number of a half-edge as the dual graph counts.
+/// Converts the number of a half-edge from 4 t + e, as paths number it, to 3 t + e, as the dual graph does.
 #[inline]
-pub(super) fn by_threes(h: u32) -> u32 {
-    if h == NONE { NONE } else { h / 4 * 3 + h % 4 }
+pub(super) fn to_graph_half_edge(h: u32) -> u32 {
+    h / 4 * 3 + h % 4
+}
+
+/// Converts the number of a half-edge from 3 t + e, as the dual graph numbers it, to 4 t + e, as paths do.
+#[inline]
+pub(super) fn to_path_half_edge(h: u32) -> u32 {
+    h / 3 * 4 + h % 3
 }

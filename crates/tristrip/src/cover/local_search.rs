@@ -1,54 +1,56 @@
-//! Dives: short chains of changes that may pass through dearer covers, but never end in one.
+//! Local search on a cover: short chains of moves that may pass through more expensive covers but never end in one.
 //!
 //! ```text
-//!   ━ a ━ b ━ c ━        cut a–b, an index dearer; graft b over to d and join a with e, an index cheaper than before
+//!   ━ a ━ b ━ c ━        cut a–b, one index more; rotate b over to d and join a with e, one index fewer than before
 //!     ┊   ┊
-//!     e   d ━ f ━        what ends dearer than it began is undone, in the opposite order
+//!     e   d ━ f ━        a chain that ends more expensive than it began is undone in reverse order
 //! ```
-//! An annealing finds the way over a rise by chance, and mends what it has spoiled while it cools. Where little has changed since a
-//! good cover, as beside a collapse, a dive gains more in the same time: it goes on from where it has cut, and forgets what failed.
+//! Annealing passes over a rise by chance and repairs the damage while it cools. If little has changed since a good cover, as near a
+//! collapse, a chain gains more in the same time: it continues where it has cut, and failed attempts leave no trace.
 //!
 //! # Algorithm
-//! 1. From the end of a path, or from the two ends that a cut between two triangles makes,
-//! 2. change one of the ends by a join or a graft, at random, while the cost is not more than [`Diver::dive`]'s limit above the beginning;
-//! 3. stop where it is cheaper than in the beginning, no end is left, or after some changes; undo all if it is dearer.
+//! 1. Start at the end of a path, or at the two ends that a cut between two triangles creates.
+//! 2. Change one of the ends by a join or a rotation, at random, while the cost stays within [`LocalSearch::improve_at`]'s limit above
+//!    the start.
+//! 3. Stop when the cost is below the start, no end is left, or after a number of moves; undo everything if the cost is higher.
 //!
-//! A dive that ends as dear as it began is kept: so ends wander until they meet.
+//! A chain that ends at the cost at which it began is kept, so ends move until they meet.
 //!
 //! # Complexity
-//! A few changes each, in O(length of the paths that they cut).
+//! A few moves per chain, each in O(length of the paths that it cuts).
 
-use super::moves::{Change, change_end};
-use super::priced::Paths;
+use super::moves::{EndMove, move_end};
+use super::priced::PricedPaths;
 use crate::random::Random;
 
-/// Changes of a dive after its cut. Tuned on the bunny at all of its levels: 2 leaves covers dearer, 8 takes longer for the same.
+/// Moves of a chain after its cut. Tuned on the bunny at all of its levels: 2 leaves more expensive covers, 8 takes longer for the same.
 const DEPTH: u32 = 4;
 
-/// Dives, and remembers what to undo.
+/// Improves covers by chains of moves, and records what to undo.
 #[derive(Debug, Clone)]
-pub(crate) struct Diver {
+pub(crate) struct LocalSearch {
     random: Random,
-    done: Vec<Done>,
+    applied: Vec<AppliedMove>,
 }
 
-/// A change, by its half-edge.
+/// An elementary move, by its half-edge.
 #[derive(Debug, Clone, Copy)]
-enum Done {
+enum AppliedMove {
     Joined(u32),
     Cut(u32),
 }
 
-impl Diver {
+impl LocalSearch {
     pub(crate) fn new(seed: u64) -> Self {
-        Self { random: Random::new(seed), done: Vec::new() }
+        Self { random: Random::new(seed), applied: Vec::new() }
     }
 
-    /// Dives from a triangle. On the way the cost may rise by less than a strip's price; in the end it has not risen.
-    pub(crate) fn dive(&mut self, paths: &mut Paths, t: u32) {
+    /// Tries one chain of moves from a triangle. Within the chain the cost may rise by less than a strip's price; after it the cost has
+    /// not risen.
+    pub(crate) fn improve_at(&mut self, paths: &mut PricedPaths, t: u32) {
         let start = paths.cost();
         let highest = start + i64::from(paths.prices().strip - 1);
-        self.done.clear();
+        self.applied.clear();
         let (mut ends, mut count) = ([t, t], 1);
         if paths.degree(t) == 2 {
             let Some(other) = self.open(paths, t, highest) else { return };
@@ -61,18 +63,18 @@ impl Diver {
             let draw = self.random.next_u64();
             let chosen = draw as usize & (count - 1);
             let change = if paths.degree(ends[chosen]) == 2 {
-                None // the other end has been led to this one
+                None // a move of the other end has linked this one
             } else {
-                Some(change_end(paths, ends[chosen], draw, (highest - paths.cost()) as i32))
+                Some(move_end(paths, ends[chosen], draw, (highest - paths.cost()) as i32))
             };
             match change {
-                Some(Change::Refused) => continue,
-                Some(Change::Grafted { link, cut, end }) => {
-                    self.done.extend([Done::Cut(cut), Done::Joined(link)]);
+                Some(EndMove::Refused) => continue,
+                Some(EndMove::Rotated { link, cut, end }) => {
+                    self.applied.extend([AppliedMove::Cut(cut), AppliedMove::Joined(link)]);
                     ends[chosen] = end;
                     continue;
                 }
-                Some(Change::Joined(link)) => self.done.push(Done::Joined(link)),
+                Some(EndMove::Joined(link)) => self.applied.push(AppliedMove::Joined(link)),
                 None => {}
             }
             ends[chosen] = ends[count - 1];
@@ -83,23 +85,23 @@ impl Diver {
         }
     }
 
-    /// Cuts a link of a triangle inside a path, over an edge at random. Returns the end beyond; `None` where there is no link or the cut is
-    /// too dear.
-    fn open(&mut self, paths: &mut Paths, t: u32, highest: i64) -> Option<u32> {
+    /// Cuts a link of a triangle inside a path, over an edge chosen at random. Returns the end beyond; `None` if there is no link or
+    /// the cut is too expensive.
+    fn open(&mut self, paths: &mut PricedPaths, t: u32, highest: i64) -> Option<u32> {
         let link = 4 * t + self.random.below(3) as u32;
         if paths.mask(t) >> (link % 4) & 1 == 0 || paths.cost() + i64::from(paths.cut_rise(link)) > highest {
             return None;
         }
         paths.cut(link);
-        self.done.push(Done::Cut(link));
-        Some(paths.twin(link) / 4)
+        self.applied.push(AppliedMove::Cut(link));
+        Some(paths.across(link) / 4)
     }
 
-    fn undo(&mut self, paths: &mut Paths) {
-        for done in self.done.drain(..).rev() {
-            match done {
-                Done::Joined(link) => _ = paths.cut(link),
-                Done::Cut(link) => _ = paths.join(link),
+    fn undo(&mut self, paths: &mut PricedPaths) {
+        for applied in self.applied.drain(..).rev() {
+            match applied {
+                AppliedMove::Joined(link) => _ = paths.cut(link),
+                AppliedMove::Cut(link) => _ = paths.join(link),
             }
         }
     }

@@ -1,62 +1,62 @@
-//! A path cover that knows its cost and the ends of its paths, for searches that change it at its ends.
+//! A path cover that maintains its cost and the ends of its paths, for searches that change it at the ends.
 //!
 //! ```text
-//!   e ━━ ∙ ━━ t ┄┄ u ━━ ∙ ━━ f       each end knows the other end of its path: joining t–u pairs e with f,
+//!   e ━━ ∙ ━━ t ┄┄ u ━━ ∙ ━━ f       each end stores the other end of its path: joining t–u pairs e with f,
 //!                                    cutting t–u pairs e with t and u with f
 //! ```
-//! There are two changes, *join* and *cut*, and each tells exactly by how much the cost rises: by the swaps on the link itself and
-//! on the links next to it, by a strip's price, and by the repeats at the starts of the paths that it touches. Anything else
-//! is made of them, and undone by them in the opposite order.
+//! There are two elementary moves, *join* and *cut*, and each returns the exact rise of the cost: from the swaps on the link itself and
+//! on the links next to it, from a strip's price, and from the repeats at the starts of the paths that it touches. All other moves
+//! consist of these two, and are undone by the inverse moves in reverse order.
 //!
 //! # Complexity
-//! 16 bytes and a bit a triangle. A join takes O(1); a cut as many steps as there are to the nearer end of its path.
+//! 16 bytes and one bit per triangle. A join takes O(1); a cut takes as many steps as there are to the nearer end of its path.
 
 mod dynamic;
 mod flips;
 
 use super::PathCover;
-use super::diagonals::{Diagonals, by_threes};
+use super::diagonals::{Diagonals, to_graph_half_edge, to_path_half_edge};
 use crate::dual::DualGraph;
 use crate::dual::Triangulation;
 use crate::mesh::Faces;
 
-/// No twin.
-pub(crate) const NONE: u32 = u32::MAX;
-/// Bits of a node's state that say over which of its edges it is linked; the others are its partner.
+/// A half-edge without a twin, in the packed nodes only: [`PricedPaths::twin`] returns an `Option`.
+const NO_TWIN: u32 = u32::MAX;
+/// Bits of a node's state: the edges over which it is linked. The other bits are its partner.
 const EDGES: u32 = 7;
-/// More triangles than this cannot be numbered beside the edges.
+/// The largest number of triangles: a triangle's number and its edges share 32 bits.
 pub(crate) const TRIANGLE_LIMIT: usize = 1 << 29;
 
 /// A triangle. Half-edges are numbered by fours here: edge e of triangle t is 4 t + e.
 #[derive(Debug, Clone, Copy)]
-struct Node {
+struct PathNode {
     twins: [u32; 3],
     /// The edges over which it is linked and, at an end, the other end of its path.
     state: u32,
 }
 
-/// Prices, in indices.
+/// The prices of a strip and of a swap, in indices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Prices {
+pub(crate) struct StripPrices {
     pub(crate) strip: i32,
     pub(crate) swap: i32,
 }
 
-/// Paths over triangles, and what they cost.
+/// Paths over triangles and their cost.
 #[derive(Debug, Clone)]
-pub(crate) struct Paths {
-    nodes: Vec<Node>,
+pub(crate) struct PricedPaths {
+    nodes: Vec<PathNode>,
     diagonals: Diagonals,
-    /// A bit for each triangle that is linked over fewer than two edges.
+    /// One bit per triangle: whether it is linked over fewer than two edges.
     ends: Vec<u64>,
-    prices: Prices,
+    prices: StripPrices,
     strips: usize,
-    /// What the strips cost beyond one index a triangle.
+    /// The cost of the strips beyond one index per triangle.
     cost: i64,
 }
 
-/// Which side a triangle that is linked over the edges of a mask (3 bits) and entered over an edge (2 bits) turns to: 1 where it
-/// goes on over the next edge, 2 for the previous one, 0 where it does not go on.
+/// The side to which a path turns in a triangle that is linked over the edges of a mask (3 bits) and entered over an edge (2 bits): 1 if
+/// it leaves over the next edge, 2 for the previous one, 0 if it ends.
 const TURNS: [u8; 32] = {
     let mut turns = [0; 32];
     let mut edge = 0;
@@ -70,32 +70,30 @@ const TURNS: [u8; 32] = {
     turns
 };
 
-/// Gives the turn of a triangle linked over a mask of edges and entered over one of them.
+/// Returns the turn in a triangle that is linked over a mask of edges and entered over one of them.
 #[inline]
 pub(crate) fn turn(mask: u32, edge: u32) -> u8 {
     TURNS[((mask & EDGES) << 2 | edge & 3) as usize]
 }
 
-/// Tells whether the turns on the two sides of a link, each seen from the link, make a swap: a walk over it turns to one side twice.
+/// Returns 1 if the turns on the two sides of a link, each seen from the link, cause a swap: a walk over it turns to one side twice.
 #[inline]
 pub(crate) fn is_swap(here: u8, there: u8) -> i32 {
     i32::from(here ^ there == 3)
 }
 
-impl Paths {
-    /// Takes over a cover of a triangulation of faces.
+impl PricedPaths {
+    /// Creates the paths of a cover of a triangulation of faces.
     pub(crate) fn new(
         faces: &Faces,
         triangulation: &Triangulation<'_>,
         cover: &PathCover,
-        prices: Prices,
+        prices: StripPrices,
     ) -> Self {
-        let by_fours = |h: &u32| if *h == NONE { NONE } else { h / 3 * 4 + h % 3 };
-        let nodes = triangulation
-            .graph()
-            .twins()
-            .chunks_exact(3)
-            .map(|t| Node { twins: [by_fours(&t[0]), by_fours(&t[1]), by_fours(&t[2])], state: 0 });
+        let graph = triangulation.graph();
+        let twin = |h: u32| graph.twin_of(h).map_or(NO_TWIN, to_path_half_edge);
+        let nodes = (0..graph.face_count() as u32)
+            .map(|t| PathNode { twins: [twin(3 * t), twin(3 * t + 1), twin(3 * t + 2)], state: 0 });
         let mut paths = Self {
             nodes: nodes.collect(),
             diagonals: Diagonals::new(faces, triangulation),
@@ -115,7 +113,7 @@ impl Paths {
         paths
     }
 
-    /// Finds the partners and the cost.
+    /// Computes the partners and the cost.
     fn pair_ends(&mut self) {
         (0..self.nodes.len() as u32).for_each(|t| self.set_partner(t, t));
         let mut swaps = 0;
@@ -128,7 +126,7 @@ impl Paths {
             while edge < 3 {
                 let link = 4 * end + edge;
                 swaps += self.swap_at(link);
-                let twin = self.twin(link);
+                let twin = self.across(link);
                 end = twin / 4;
                 edge = (self.mask(end) & !(1 << (twin % 4))).trailing_zeros();
             }
@@ -145,7 +143,7 @@ impl Paths {
         self.nodes.len()
     }
 
-    /// What the strips cost beyond one index a triangle.
+    /// Returns the cost of the strips beyond one index per triangle.
     pub(crate) fn cost(&self) -> i64 {
         self.cost
     }
@@ -154,17 +152,17 @@ impl Paths {
         self.strips
     }
 
-    pub(crate) fn prices(&self) -> Prices {
+    pub(crate) fn prices(&self) -> StripPrices {
         self.prices
     }
 
-    /// Ends among 64 triangles, a bit each.
+    /// Returns which of 64 triangles are ends, one bit per triangle.
     #[inline]
     pub(crate) fn ends_of(&self, block: usize) -> u64 {
         self.ends[block]
     }
 
-    /// The edges over which a triangle is linked, a bit each.
+    /// Returns the edges over which a triangle is linked, one bit per edge.
     #[inline]
     pub(crate) fn mask(&self, t: u32) -> u32 {
         self.nodes[t as usize].state & EDGES
@@ -175,14 +173,29 @@ impl Paths {
         self.mask(t).count_ones()
     }
 
-    /// The other end of the path that ends at a triangle.
+    /// Returns the other end of the path that ends at a triangle.
     #[inline]
     pub(crate) fn partner(&self, end: u32) -> u32 {
         self.nodes[end as usize].state >> 3
     }
 
+    /// Returns the half-edge on the other side, or `None` at a boundary.
     #[inline]
-    pub(crate) fn twin(&self, half_edge: u32) -> u32 {
+    pub(crate) fn twin(&self, half_edge: u32) -> Option<u32> {
+        let twin = self.packed_twin(half_edge);
+        (twin != NO_TWIN).then_some(twin)
+    }
+
+    /// Returns the half-edge on the other side of one that is not at a boundary: a link or a diagonal.
+    #[inline]
+    pub(crate) fn across(&self, half_edge: u32) -> u32 {
+        let twin = self.packed_twin(half_edge);
+        debug_assert_ne!(twin, NO_TWIN, "a boundary");
+        twin
+    }
+
+    #[inline]
+    fn packed_twin(&self, half_edge: u32) -> u32 {
         self.nodes[half_edge as usize / 4].twins[half_edge as usize % 4]
     }
 
@@ -192,41 +205,41 @@ impl Paths {
         *state = *state & EDGES | other << 3;
     }
 
-    /// The swap on a link.
+    /// Counts the swap on a link.
     #[inline]
     fn swap_at(&self, link: u32) -> i32 {
-        let twin = self.twin(link);
+        let twin = self.across(link);
         is_swap(turn(self.mask(link / 4), link % 4), turn(self.mask(twin / 4), twin % 4))
     }
 
-    /// The swap on the other link of the triangle that a link leaves.
+    /// Counts the swap on the other link of the triangle that a link leaves.
     #[inline]
     fn swap_behind(&self, link: u32) -> i32 {
         let behind = (self.mask(link / 4) & !(1 << (link % 4))).trailing_zeros();
         if behind < 3 { self.swap_at(link & !3 | behind) } else { 0 }
     }
 
-    /// Tells whether a strip from this end begins with the turn that takes a swap.
+    /// Returns whether a strip from this end begins with the turn that requires a swap.
     #[inline]
-    fn begins_wrong(&self, end: u32) -> bool {
+    fn begins_with_swap(&self, end: u32) -> bool {
         let edge = self.mask(end).trailing_zeros();
         if edge > 2 {
             return false;
         }
-        let twin = self.nodes[end as usize].twins[edge as usize];
+        let twin = self.across(4 * end + edge);
         turn(self.mask(twin / 4), twin % 4) == 1
     }
 
-    /// The swap at the start of the path between two ends.
+    /// Counts the swap at the start of the path between two ends.
     #[inline]
     pub(crate) fn start_swap(&self, end: u32, other: u32) -> i32 {
-        i32::from(self.begins_wrong(end) && self.begins_wrong(other))
+        i32::from(self.begins_with_swap(end) && self.begins_with_swap(other))
     }
 
-    /// Links two ends of different paths. Returns by how much the cost rises; `None` where it would close a path.
+    /// Links two ends of different paths. Returns the rise of the cost; `None` if the link would close a path.
     #[inline]
     pub(crate) fn join(&mut self, link: u32) -> Option<i32> {
-        let twin = self.twin(link);
+        let twin = self.across(link);
         let (t, u) = (link / 4, twin / 4);
         let (e, f) = (self.partner(t), self.partner(u));
         debug_assert!(self.degree(t) < 2 && self.degree(u) < 2);
@@ -234,7 +247,7 @@ impl Paths {
             return None;
         }
         let before = self.start_swap(e, t) + self.start_swap(u, f);
-        self.flip(link, twin);
+        self.toggle_link(link, twin);
         self.set_partner(e, f);
         self.set_partner(f, e);
         let after =
@@ -245,16 +258,16 @@ impl Paths {
         Some(rise)
     }
 
-    /// Takes a link away. Returns by how much the cost rises.
+    /// Removes a link. Returns the rise of the cost.
     #[inline]
     pub(crate) fn cut(&mut self, link: u32) -> i32 {
-        let twin = self.twin(link);
+        let twin = self.across(link);
         let (t, u) = (link / 4, twin / 4);
         debug_assert!(self.mask(t) >> (link % 4) & 1 == 1);
         let (e, f) = self.ends_beyond(link, twin);
         let before =
             self.swap_at(link) + self.swap_behind(link) + self.swap_behind(twin) + self.start_swap(e, f);
-        self.flip(link, twin);
+        self.toggle_link(link, twin);
         self.set_partner(e, t);
         self.set_partner(t, e);
         self.set_partner(f, u);
@@ -266,22 +279,22 @@ impl Paths {
         rise
     }
 
-    /// By how much a cut raises the cost, but for the repeats at the starts of paths.
+    /// Returns the rise of the cost by a cut, without the repeats at the starts of paths.
     #[inline]
     pub(crate) fn cut_rise(&self, link: u32) -> i32 {
-        let swaps = self.swap_at(link) + self.swap_behind(link) + self.swap_behind(self.twin(link));
+        let swaps = self.swap_at(link) + self.swap_behind(link) + self.swap_behind(self.across(link));
         self.prices.strip - swaps * self.prices.swap
     }
 
-    /// By how much it raises the cost to cut a triangle's link and to link it over `link`'s twin instead, but for the repeats at the
-    /// starts of paths. The link begins at an end, and the cut at the triangle across.
+    /// Returns the rise of the cost if a triangle's link over `cut` is removed and the triangle is linked over `link`'s twin instead,
+    /// without the repeats at the starts of paths. `link` begins at an end, and `cut` at the triangle across.
     #[inline]
-    pub(crate) fn graft_rise(&self, link: u32, cut: u32) -> i32 {
-        let (twin, cut_twin) = (self.twin(link), self.twin(cut));
+    pub(crate) fn rotation_rise(&self, link: u32, cut: u32) -> i32 {
+        let (twin, cut_twin) = (self.across(link), self.across(cut));
         let (w, v, a) = (link / 4, cut / 4, cut_twin / 4);
         let mask_v = self.mask(v);
         let kept = (mask_v & !(1 << (cut % 4))).trailing_zeros();
-        let kept_twin = self.twin(4 * v + kept);
+        let kept_twin = self.across(4 * v + kept);
         let beyond_kept = turn(self.mask(kept_twin / 4), kept_twin % 4);
         let before =
             is_swap(turn(mask_v, kept), beyond_kept) + self.swap_at(cut) + self.swap_behind(cut_twin);
@@ -291,8 +304,8 @@ impl Paths {
         let mut after =
             is_swap(turn(new_v, kept), beyond_kept) + is_swap(turn(new_w, link % 4), turn(new_v, twin % 4));
         if inner < 3 {
-            let twin = self.twin(4 * w + inner);
-            // Past the new end nothing turns.
+            let twin = self.across(4 * w + inner);
+            // There is no turn at the new end.
             if twin / 4 != a {
                 after += is_swap(turn(new_w, inner), turn(self.mask(twin / 4), twin % 4));
             }
@@ -302,7 +315,7 @@ impl Paths {
 
     /// Links or unlinks two triangles.
     #[inline]
-    fn flip(&mut self, link: u32, twin: u32) {
+    fn toggle_link(&mut self, link: u32, twin: u32) {
         for h in [link, twin] {
             let t = h / 4;
             self.nodes[t as usize].state ^= 1 << (h % 4);
@@ -312,7 +325,7 @@ impl Paths {
         }
     }
 
-    /// The end on the side of `link` and the one on the side of `twin`: walks both ways at once, to the nearer of the two.
+    /// Returns the end on the side of `link` and the one on the side of `twin`: walks both ways at once, up to the nearer of the two.
     #[inline]
     fn ends_beyond(&self, link: u32, twin: u32) -> (u32, u32) {
         let (mut here, mut there) = (link, twin);
@@ -326,31 +339,32 @@ impl Paths {
             if on_there == 0 {
                 return (self.partner(u), u);
             }
-            here = self.nodes[t as usize].twins[on_here.trailing_zeros() as usize];
-            there = self.nodes[u as usize].twins[on_there.trailing_zeros() as usize];
+            here = self.across(4 * t + on_here.trailing_zeros());
+            there = self.across(4 * u + on_there.trailing_zeros());
         }
     }
 
-    /// Returns the triangulation and the cover of the paths; the triangulation is the one that they were made from, which stays where there are no polygons.
+    /// Returns the triangulation and the cover of the paths; without polygons the triangulation is the one that they were created from.
     pub(crate) fn to_parts<'a>(&self, triangulation: &Triangulation<'a>) -> (Triangulation<'a>, PathCover) {
         let triangulation = match self.diagonals.corners() {
             None => triangulation.clone(),
             Some(corners) => {
-                let twins = self.nodes.iter().flat_map(|node| node.twins).map(by_threes).collect();
-                Triangulation::from_parts(corners.to_vec(), DualGraph::from_triangle_twins(twins))
+                let half_edges = (0..self.nodes.len() as u32).flat_map(|t| 4 * t..4 * t + 3);
+                let twins = half_edges.map(|h| self.twin(h).map(to_graph_half_edge));
+                Triangulation::from_parts(corners.to_vec(), DualGraph::of_triangle_twins(twins))
             }
         };
         (triangulation, self.to_cover())
     }
 
-    /// The paths as a cover.
+    /// Returns the paths as a cover.
     fn to_cover(&self) -> PathCover {
         let mut cover = PathCover::isolated(self.len());
         for t in 0..self.len() as u32 {
             for e in 0..3 {
-                let twin = self.nodes[t as usize].twins[e as usize];
-                if self.mask(t) >> e & 1 == 1 && 4 * t + e < twin {
-                    cover.link_unchecked(3 * t + e, by_threes(twin));
+                let is_linked = self.mask(t) >> e & 1 == 1;
+                if is_linked && 4 * t + e < self.across(4 * t + e) {
+                    cover.link_unchecked(3 * t + e, to_graph_half_edge(self.across(4 * t + e)));
                 }
             }
         }

@@ -1,9 +1,9 @@
-//! Faces seen as corners, the same for triangles and polygons, and what is counted over them.
+//! Corner access that is the same for triangles and polygons, and the edge counts that use it.
 
 use crate::csr::Csr;
 use crate::mesh::Faces;
 
-/// Gives the first corner of each face, with the end of the last, and the face of each corner.
+/// Returns the first corner of each face, followed by the end of the last face, and the face of each corner.
 pub(super) fn polygon_shape(faces: &Faces) -> (Vec<u32>, Vec<u32>) {
     let mut offsets = Vec::with_capacity(faces.face_count() + 1);
     let mut face_of = Vec::with_capacity(faces.corner_count());
@@ -15,14 +15,14 @@ pub(super) fn polygon_shape(faces: &Faces) -> (Vec<u32>, Vec<u32>) {
     (offsets, face_of)
 }
 
-/// What the pairing asks of faces of one shape; the functions are called for every half-edge, so that they are inlined.
+/// The corners of faces of one shape. The functions are called for every half-edge, so they are inlined.
 pub(super) trait Corners {
     /// Whether faces may have more than three corners.
     const LARGER: bool;
     fn vertices(&self) -> &[u32];
-    /// The corner after this one in its face.
+    /// Returns the corner after this one in its face.
     fn next(&self, corner: usize) -> usize;
-    /// The corner before this one in its face.
+    /// Returns the corner before this one in its face.
     fn previous(&self, corner: usize) -> usize;
     fn face(&self, corner: usize) -> usize;
 }
@@ -79,10 +79,10 @@ impl Corners for PolygonCorners<'_> {
     }
 }
 
-/// Counts the half-edges over each edge of the faces: `edge` is called with the number of forward half-edges, which run from
-/// the lower vertex to the higher, and of backward ones, once for each edge, in order of their vertices.
+/// Counts the half-edges over each edge of the faces: `edge` is called once per edge, in order of the vertices, with the number of
+/// forward half-edges, which run from the lower vertex to the higher one, and the number of backward half-edges.
 ///
-/// The half-edges are sorted by their lower vertex by counting, and those of each vertex, mostly a handful, by comparing.
+/// A counting sort groups the half-edges by their lower vertex; those of each vertex, mostly a few, are sorted by comparison.
 pub(crate) fn for_each_edge(faces: &Faces, edge: impl FnMut(usize, usize)) {
     if faces.as_triangles().is_some() {
         return count_edges(&TriangleCorners { corners: faces.corners() }, edge);

@@ -1,40 +1,41 @@
 //! Pairs half-edges into twins, by the rule that [`super`] states.
 //!
 //! # Algorithm
-//! Where no two half-edges have the same direction over the same vertices, and none is its own face's reverse, there is nothing
-//! to choose, and twins are found vertex by vertex through marks.
+//! If no two half-edges have the same direction over the same vertices, and no face contains both half-edges of an edge, there is
+//! nothing to choose, and marks find the twins vertex by vertex.
 //!
-//! Else half-edges are taken in order. Each waits in the list of its lower vertex until a half-edge of opposite direction over the
-//! same vertices comes, and is then paired and taken off. The list lives in the slots of the twins that are still unknown,
-//! so that only its heads need memory. Where a vertex has so many open edges that its list grows long, the pairing is done by
-//! sorting instead, with the same result.
+//! Otherwise half-edges are processed in order. Each waits in the list of its lower vertex until a half-edge of opposite direction
+//! over the same vertices comes, and is then paired and removed from the list. The lists are stored in the slots of the twins that
+//! are still unknown, so only their heads need memory. If a vertex has so many open edges that its list grows long, the pairing is
+//! done by sorting instead, with the same result.
 //!
 //! # Complexity
 //! See [`super`].
 
-use super::NONE;
 use super::corners::Corners;
 use crate::csr::Csr;
 
-/// How many open half-edges over one edge are looked at before a new one is left to wait.
+/// The value of a half-edge without a twin in the packed array; while the pairing runs, also the end of a waiting list.
+pub(super) const NO_TWIN: u32 = u32::MAX;
+/// Number of open half-edges over one edge that are examined before a new one is left to wait.
 const CANDIDATES: usize = 8;
-/// Steps over waiting half-edges, for each half-edge on average, after which the pairing is done by sorting.
+/// Steps over waiting half-edges, per half-edge on average, after which the pairing is done by sorting.
 const STEPS_PER_HALF_EDGE: usize = 32;
 
-/// Pairs all half-edges; gives the twin of each, or `NONE`.
+/// Pairs all half-edges. Returns the twin of each, or `NO_TWIN`.
 pub(super) fn pair(corners: &impl Corners) -> Vec<u32> {
     pair_simple(corners).or_else(|| pair_by_lists(corners)).unwrap_or_else(|| pair_by_sorting(corners))
 }
 
-/// The pairing where no two half-edges have the same direction over the same vertices, so that there is nothing to choose;
-/// `None` where two have. Goes over the vertices: each marks where its outgoing half-edges lead, and each incoming one reads
-/// the mark of where it comes from. Hardly a branch depends on the data, which is what makes it fast.
+/// Pairs half-edges of which no two have the same direction over the same vertices, so that there is nothing to choose; returns
+/// `None` if two have. Iterates over the vertices: each marks the targets of its outgoing half-edges, and each incoming half-edge
+/// reads the mark of its origin. Hardly any branch depends on the data, which makes it fast.
 fn pair_simple<C: Corners>(corners: &C) -> Option<Vec<u32>> {
     let vertices = corners.vertices();
     let vertex_count = vertices.iter().max().map_or(0, |&v| v as usize + 1);
     let by_vertex = Csr::group(vertices.iter().copied(), vertex_count);
-    // For each vertex: the half-edge that leads to it from the vertex named with it, counted from 1. Memory that is zero at
-    // first needs no pass of its own.
+    // For each vertex: the origin, counted from 1, of the last half-edge that leads to it, and that half-edge. Zeroed memory
+    // needs no pass of its own.
     let mut marks = vec![(0, 0); vertex_count];
     let mut twins = vec![0; vertices.len()];
     for (v, here) in (1_u32..).zip(by_vertex.rows()) {
@@ -42,7 +43,7 @@ fn pair_simple<C: Corners>(corners: &C) -> Option<Vec<u32>> {
             let to = vertices[corners.next(corner as usize)];
             let mark = &mut marks[to as usize];
             if mark.0 == v || to + 1 == v {
-                return None; // two of one direction, or one of no length
+                return None; // two of equal direction, or one of zero length
             }
             *mark = (v, corner);
         }
@@ -50,34 +51,34 @@ fn pair_simple<C: Corners>(corners: &C) -> Option<Vec<u32>> {
             let incoming = corners.previous(corner as usize);
             let (marked_by, outgoing) = marks[vertices[incoming] as usize];
             if C::LARGER && marked_by == v && corners.face(outgoing as usize) == corners.face(incoming) {
-                return None; // a face that passes an edge there and back; a triangle then has one of no length
+                return None; // a face with both half-edges of an edge; a triangle then has one of zero length
             }
-            twins[incoming] = if marked_by == v { outgoing } else { NONE };
+            twins[incoming] = if marked_by == v { outgoing } else { NO_TWIN };
         }
     }
     Some(twins)
 }
 
-/// Tells whether two half-edges over the same vertices may be twins: they run in opposite directions, in different faces.
+/// Returns whether two half-edges over the same vertices may be twins: they have opposite directions and different faces.
 #[inline]
 fn opposite(corners: &impl Corners, h: usize, other: usize) -> bool {
     corners.vertices()[h] != corners.vertices()[other] && corners.face(h) != corners.face(other)
 }
 
-/// Tells whether the two faces at twins fold back onto each other, as a face and its own reverse do.
+/// Returns whether the two faces at twins fold back onto each other, as a face and its own reverse do.
 #[inline]
 fn folds_back(corners: &impl Corners, h: usize, other: usize) -> bool {
     let v = corners.vertices();
     v[corners.next(corners.next(h))] == v[corners.previous(other)]
 }
 
-/// The pairing by waiting lists; `None` where the lists of some vertices are too long for it.
+/// Pairs half-edges by waiting lists; returns `None` if the lists of some vertices grow too long.
 fn pair_by_lists(corners: &impl Corners) -> Option<Vec<u32>> {
     let vertices = corners.vertices();
     let vertex_count = vertices.iter().max().map_or(0, |&v| v as usize + 1);
-    let mut heads = vec![NONE; vertex_count];
-    // The twin where it is known, else the next half-edge that waits at the same vertex.
-    let mut twins = vec![NONE; vertices.len()];
+    let mut heads = vec![NO_TWIN; vertex_count];
+    // The twin if it is known, otherwise the next half-edge that waits at the same vertex.
+    let mut twins = vec![NO_TWIN; vertices.len()];
     let mut steps = 0;
     let limit = STEPS_PER_HALF_EDGE * vertices.len() + 1024;
     let mut folded = false;
@@ -85,9 +86,9 @@ fn pair_by_lists(corners: &impl Corners) -> Option<Vec<u32>> {
         let (from, to) = (vertices[h], vertices[corners.next(h)]);
         let (low, high) = (from.min(to), from.max(to));
         let head = &mut heads[low as usize];
-        let (mut before, mut waiting, mut seen) = (NONE, *head, 0);
+        let (mut before, mut waiting, mut seen) = (NO_TWIN, *head, 0);
         let found = loop {
-            if waiting == NONE || seen == CANDIDATES {
+            if waiting == NO_TWIN || seen == CANDIDATES {
                 break None;
             }
             steps += 1;
@@ -108,7 +109,7 @@ fn pair_by_lists(corners: &impl Corners) -> Option<Vec<u32>> {
         };
         if let Some(w) = found {
             let after = twins[w];
-            if before == NONE {
+            if before == NO_TWIN {
                 *head = after
             } else {
                 twins[before as usize] = after
@@ -123,12 +124,12 @@ fn pair_by_lists(corners: &impl Corners) -> Option<Vec<u32>> {
             return None;
         }
     }
-    // What still waits has no twin, unless it was passed over because it folds back.
+    // A half-edge that still waits has no twin, unless it was skipped because it folds back.
     let mut left = Vec::new();
     for head in heads {
         let mut waiting = head;
-        while waiting != NONE {
-            let next = std::mem::replace(&mut twins[waiting as usize], NONE);
+        while waiting != NO_TWIN {
+            let next = std::mem::replace(&mut twins[waiting as usize], NO_TWIN);
             if folded {
                 left.push(waiting);
             }
@@ -139,9 +140,9 @@ fn pair_by_lists(corners: &impl Corners) -> Option<Vec<u32>> {
     Some(twins)
 }
 
-/// The pairing by sorting, with the same result: half-edges grouped by edge, in order, and the same rule in each group.
+/// Pairs half-edges by sorting, with the same result: groups them by edge, in order, and applies the same rule to each group.
 fn pair_by_sorting(corners: &impl Corners) -> Vec<u32> {
-    let mut twins = vec![NONE; corners.vertices().len()];
+    let mut twins = vec![NO_TWIN; corners.vertices().len()];
     let mut left = Vec::new();
     let mut waiting: Vec<u32> = Vec::new();
     for group in sorted_by_edge(corners, (0..twins.len() as u32).collect()).chunk_by(|a, b| a.0 == b.0) {
@@ -166,7 +167,7 @@ fn pair_by_sorting(corners: &impl Corners) -> Vec<u32> {
     twins
 }
 
-/// Pairs what is left over each edge, forward half-edges with backward ones, in order.
+/// Pairs the remaining half-edges over each edge, forward ones with backward ones, in order.
 fn pair_leftovers(corners: &impl Corners, left: Vec<u32>, twins: &mut [u32]) {
     let (mut forward, mut backward) = (Vec::new(), Vec::new());
     for group in sorted_by_edge(corners, left).chunk_by(|a, b| a.0 == b.0) {
@@ -189,7 +190,7 @@ fn pair_leftovers(corners: &impl Corners, left: Vec<u32>, twins: &mut [u32]) {
     }
 }
 
-/// Sorts half-edges by their edge (lower vertex, then higher), in order within an edge; those of no length are left out.
+/// Sorts half-edges by their edge (lower vertex, then higher), in order within an edge; those of zero length are omitted.
 fn sorted_by_edge(corners: &impl Corners, half_edges: Vec<u32>) -> Vec<(u64, u32)> {
     let vertices = corners.vertices();
     let mut keyed: Vec<(u64, u32)> = half_edges
@@ -213,17 +214,17 @@ mod tests {
     use crate::mesh::Faces;
     use proptest::prelude::*;
 
-    /// The pairing rule as it reads: every half-edge in order, every earlier one looked at.
+    /// The pairing rule, literally: for every half-edge in order, examines every earlier one.
     fn naive(corners: &impl Corners) -> Vec<u32> {
         let vertices = corners.vertices();
         let edge = |h: usize| {
             let (a, b) = (vertices[h], vertices[corners.next(h)]);
             (a.min(b), a.max(b))
         };
-        let mut twins = vec![NONE; vertices.len()];
+        let mut twins = vec![NO_TWIN; vertices.len()];
         for h in 0..vertices.len() {
             let waiting =
-                (0..h).rev().filter(|&w| twins[w] == NONE && edge(w) == edge(h) && edge(h).0 != edge(h).1);
+                (0..h).rev().filter(|&w| twins[w] == NO_TWIN && edge(w) == edge(h) && edge(h).0 != edge(h).1);
             let found =
                 waiting.take(CANDIDATES).find(|&w| opposite(corners, h, w) && !folds_back(corners, h, w));
             if let Some(w) = found {
@@ -231,12 +232,12 @@ mod tests {
                 twins[h] = w as u32;
             }
         }
-        let left = (0..vertices.len() as u32).filter(|&h| twins[h as usize] == NONE).collect();
+        let left = (0..vertices.len() as u32).filter(|&h| twins[h as usize] == NO_TWIN).collect();
         pair_leftovers(corners, left, &mut twins);
         twins
     }
 
-    /// Holds every way of pairing to the rule wherever it gives an answer, and the count of edges to sorting.
+    /// Compares every pairing algorithm with the rule if it returns a result, and the edge counts with sorting.
     fn compare_by(corners: &impl Corners, faces: &Faces) {
         let expected = naive(corners);
         assert_eq!(DualGraph::new(faces).twins, expected);
@@ -277,7 +278,7 @@ mod tests {
         let (offsets, face_of) = polygon_shape(faces);
         let corners = PolygonCorners { corners: faces.corners(), offsets: &offsets, face_of: &face_of };
         compare_by(&corners, faces);
-        // The same vertices under numbers far apart, which are numbered anew.
+        // The same vertices with sparse numbers, which are renumbered.
         let apart = faces.corners().iter().map(|v| 1000 * v).collect();
         let apart = Faces::from_offsets(offsets.clone(), apart).unwrap();
         assert_eq!(DualGraph::new(&apart).twins, naive(&corners));
@@ -302,7 +303,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn names_of_vertices_do_not_matter(corners in prop::collection::vec((0..9_u32, 0..9_u32, 0..9_u32), 0..60)) {
+        fn vertex_numbers_do_not_matter(corners in prop::collection::vec((0..9_u32, 0..9_u32, 0..9_u32), 0..60)) {
             let corners: Vec<u32> = corners.into_iter().filter(|t| t.0 != t.1 && t.1 != t.2 && t.0 != t.2)
                 .flat_map(|t| [8 - t.0, 8 - t.1, 8 - t.2]).collect();
             let faces = Faces::from_triangles(corners).unwrap();
@@ -311,19 +312,21 @@ mod tests {
     }
 
     #[test]
-    fn faces_that_pass_an_edge_twice_are_not_joined_with_themselves() {
+    fn faces_with_both_half_edges_of_an_edge_are_not_connected_to_themselves() {
         compare(&Faces::from_triangles(vec![0, 1, 0, 1, 0, 2, 3, 3, 3]).unwrap());
         compare(&Faces::from_polygons([vec![0, 1, 2, 1], vec![2, 1, 3], vec![4, 4]]).unwrap());
     }
 
     #[test]
-    fn every_way_of_pairing_is_reached() {
-        // A tetrahedron; with a face twice; a fan, whose open edges leave the lists long.
+    fn every_pairing_algorithm_is_reached() {
+        // A tetrahedron; one with a face twice; triangles around a vertex whose open edges make its list long.
         let closed = vec![0, 1, 2, 0, 2, 3, 0, 3, 1, 3, 2, 1];
         let doubled = [&closed[..], &closed[..3]].concat();
         let star: Vec<u32> = (0..300).flat_map(|i| [0, 1 + 2 * i, 2 + 2 * i]).collect();
         assert!(pair_simple(&TriangleCorners { corners: &closed }).is_some());
         assert!(pair_simple(&TriangleCorners { corners: &doubled }).is_none());
+        assert!(pair_by_lists(&TriangleCorners { corners: &doubled }).is_some());
+        assert!(pair_by_lists(&TriangleCorners { corners: &star }).is_none());
         for corners in [closed, doubled, star] {
             compare(&Faces::from_triangles(corners).unwrap());
         }
@@ -337,8 +340,8 @@ mod tests {
     }
 
     #[test]
-    fn doubled_faces_join_their_neighbours_first() {
-        // Two triangles that share an edge, each with its own reverse.
+    fn doubled_faces_are_connected_to_their_neighbours_first() {
+        // Two triangles that share an edge, each with its reverse.
         let faces = Faces::from_triangles(vec![0, 1, 2, 0, 2, 1, 2, 1, 3, 2, 3, 1]).unwrap();
         let graph = DualGraph::new(&faces);
         let over_shared_edge: Vec<_> = (0..12)

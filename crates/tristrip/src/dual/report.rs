@@ -1,14 +1,15 @@
-//! What a mesh is like: counts that decide how well it can be stripped, and defects that a user wants to know of.
+//! Properties of a mesh: counts that determine how well it can be stripped, and defects that a user should know about.
 //!
 //! # Complexity
-//! O(n) time for meshes of bounded valence, O(n log n) at worst; 16 bytes a triangle and 4 a vertex in use meanwhile.
+//! O(n) time for meshes of bounded valence, O(n log n) at worst; temporarily 16 bytes per triangle and 4 per vertex in use.
 
 use super::{DualGraph, for_each_edge};
 use crate::csr::Csr;
+use crate::ids::FaceId;
 use crate::mesh::{Faces, Mesh};
 use crate::prepare::{PreparedCounts, PreparedFaces};
 
-/// The counts of a mesh. Edges are those of the surface's faces, between two vertices.
+/// The counts of a mesh. Edges are those of the prepared faces, between two vertices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub struct MeshReport {
@@ -18,38 +19,38 @@ pub struct MeshReport {
     pub unreferenced_vertices: usize,
     /// Faces of the mesh, degenerate ones included.
     pub faces: usize,
-    /// Triangles that the faces which draw something make.
+    /// Triangles of the prepared faces: k − 2 per face of k corners.
     pub triangles: usize,
-    /// Parts of the dual graph that no shared edge joins.
+    /// Connected components of the dual graph.
     pub components: usize,
     /// Edges of one face.
     pub boundary_edges: usize,
     /// Edges of more than two faces.
     pub non_manifold_edges: usize,
-    /// Edges of two faces that are wound in opposite senses there; no strip passes over them.
+    /// Edges of two faces with inconsistent winding; no strip crosses them.
     pub inconsistent_edges: usize,
     /// Faces that share no edge with another.
     pub isolated_faces: usize,
-    /// Faces that have the same vertices in the same winding as an earlier one; they are drawn, too.
+    /// Faces with the same vertices and winding as an earlier face; they are drawn as well.
     pub duplicate_faces: usize,
-    /// What was changed to make the faces ready.
+    /// The changes by which the faces were prepared.
     pub surface: PreparedCounts,
 }
 
 impl MeshReport {
-    /// Counts a mesh, its surface and its dual graph.
+    /// Computes the counts of a mesh, its prepared faces and their dual graph.
     ///
     /// ```
     /// use tristrip::{DualGraph, Faces, Mesh, PreparedFaces, dual::MeshReport};
     /// let mesh = Mesh::new(vec![[0.0; 3]; 5], Faces::from_triangles(vec![0, 1, 2, 2, 1, 3])?)?;
-    /// let surface = PreparedFaces::new(&mesh, false);
-    /// let graph = DualGraph::new(surface.faces());
-    /// let report = MeshReport::of(&mesh, &surface, &graph);
+    /// let prepared = PreparedFaces::new(&mesh, false);
+    /// let graph = DualGraph::new(prepared.faces());
+    /// let report = MeshReport::of(&mesh, &prepared, &graph);
     /// assert_eq!((report.components, report.boundary_edges, report.unreferenced_vertices), (1, 4, 1));
     /// # Ok::<(), tristrip::Error>(())
     /// ```
-    pub fn of(mesh: &Mesh, surface: &PreparedFaces<'_>, graph: &DualGraph) -> Self {
-        let faces = &*surface.faces().compact();
+    pub fn of(mesh: &Mesh, prepared: &PreparedFaces<'_>, graph: &DualGraph) -> Self {
+        let faces = &*prepared.faces().compact();
         let corners = mesh.faces().compact();
         let mut used = vec![false; corners.corners().iter().max().map_or(0, |&v| v as usize + 1)];
         corners.corners().iter().for_each(|&v| used[v as usize] = true);
@@ -59,7 +60,7 @@ impl MeshReport {
             faces: mesh.faces().face_count(),
             triangles: faces.triangle_count(),
             components: graph.components().1,
-            surface: surface.counts(),
+            surface: prepared.counts(),
             ..Self::default()
         };
         for_each_edge(faces, |forward, backward| match (forward, backward) {
@@ -70,14 +71,14 @@ impl MeshReport {
         });
         let faces_of_graph = 0..graph.face_count() as u32;
         report.isolated_faces =
-            faces_of_graph.filter(|&f| graph.neighbours(crate::dual::FaceId(f)).next().is_none()).count();
+            faces_of_graph.filter(|&f| graph.neighbours(FaceId(f)).next().is_none()).count();
         report.duplicate_faces = duplicates(faces);
         report
     }
 }
 
-/// Counts the faces that repeat an earlier one, whatever corner they begin with: the faces are sorted by their lowest vertex
-/// by counting, and those of each vertex by comparing.
+/// Counts the faces that repeat an earlier one, from whatever corner they begin: a counting sort groups the faces by their lowest
+/// vertex, and those of each vertex are sorted by comparison.
 fn duplicates(faces: &Faces) -> usize {
     let lowest = |polygon: &[u32]| (0..polygon.len()).min_by_key(|&k| polygon[k]).unwrap_or(0);
     let whole = |face: u32| {
@@ -101,7 +102,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn duplicates_are_what_a_set_has_seen(polygons in prop::collection::vec((3..5_usize, 0..6_u32, 1..4_u32), 0..40)) {
+        fn duplicates_are_those_of_a_set(polygons in prop::collection::vec((3..5_usize, 0..6_u32, 1..4_u32), 0..40)) {
             let polygons = polygons.into_iter().map(|(n, first, step)| {
                 (0..n as u32).map(|i| (first + i * step) % 7).collect::<Vec<_>>()
             });
@@ -116,13 +117,13 @@ mod tests {
     }
 
     #[test]
-    fn few_vertices_of_many_give_the_same_report() {
+    fn sparse_vertices_have_the_same_report() {
         let report = |scale: u32, vertex_count: usize| {
             let corners = [0, 1, 2, 2, 1, 3, 1, 2, 0, 4, 4, 1].map(|v| v * scale).to_vec();
             let faces = Faces::from_triangles(corners).unwrap();
             let mesh = Mesh::new(vec![[0.0; 3]; vertex_count], faces).unwrap();
-            let surface = PreparedFaces::new(&mesh, false);
-            MeshReport::of(&mesh, &surface, &DualGraph::new(surface.faces()))
+            let prepared = PreparedFaces::new(&mesh, false);
+            MeshReport::of(&mesh, &prepared, &DualGraph::new(prepared.faces()))
         };
         let dense = report(1, 5);
         assert_eq!((dense.duplicate_faces, dense.non_manifold_edges, dense.unreferenced_vertices), (1, 1, 0));
@@ -131,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn counts_duplicates_whatever_stands_between_them() {
+    fn counts_duplicates_that_are_not_adjacent() {
         let fan = |last: u32| vec![0, 1, 2, last, 9];
         let faces = Faces::from_polygons([fan(3), fan(4), vec![9, 0, 1, 2, 3], fan(4)]).unwrap();
         assert_eq!(duplicates(&faces), 2);

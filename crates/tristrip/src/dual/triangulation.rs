@@ -1,21 +1,19 @@
-//! Triangulations of a surface: which diagonals a method chose, and the dual graph of the triangles that they make.
+//! Triangulations of prepared faces: the diagonals that a method chose, and the dual graph of the resulting triangles.
 //!
-//! A face of k corners makes k − 2 triangles, which stand together, the faces in order. Across a face's own edges the
-//! triangles are joined just as the faces are; across a diagonal, as the diagonal's two sides.
+//! A face of k corners has k − 2 consecutive triangles, the faces in order. Across a face's own edges the triangles are connected
+//! like the faces; across a diagonal, the triangles at its two sides are connected.
 //!
 //! # Complexity
-//! 24 bytes a triangle and 4 a corner while it is built; nothing where every face is a triangle, which is borrowed.
+//! 24 bytes per triangle and 4 per corner while building; nothing if every face is a triangle: the triangles are borrowed.
 
 use std::borrow::Cow;
 
 use super::DualGraph;
-use crate::ids::HalfEdge;
+use crate::ids::OptionalId;
 use crate::mesh::Faces;
 use crate::prepare::PreparedFaces;
 
-const NONE: u32 = u32::MAX;
-
-/// The triangles of a surface and how they are joined.
+/// The triangles of prepared faces and their connections.
 #[derive(Debug, Clone)]
 pub struct Triangulation<'a> {
     triangles: Cow<'a, [u32]>,
@@ -23,32 +21,32 @@ pub struct Triangulation<'a> {
 }
 
 impl<'a> Triangulation<'a> {
-    /// Takes a surface of triangles as it is; `None` where it has a larger face.
-    pub fn of_triangles(surface: &'a PreparedFaces<'_>, graph: &'a DualGraph) -> Option<Self> {
-        let triangles = surface.faces().as_triangles()?;
+    /// Borrows faces that are all triangles; returns `None` if there is a larger face.
+    pub fn of_triangles(prepared: &'a PreparedFaces<'_>, graph: &'a DualGraph) -> Option<Self> {
+        let triangles = prepared.faces().as_triangles()?;
         Some(Self { triangles: Cow::Borrowed(triangles), graph: Cow::Borrowed(graph) })
     }
 
-    /// Takes triangles and their dual graph, which the caller knows to be a triangulation of the surface.
+    /// Creates a triangulation from triangles and their dual graph, which the caller knows to triangulate the faces.
     pub(crate) fn from_parts(triangles: Vec<u32>, graph: DualGraph) -> Self {
         Self { triangles: Cow::Owned(triangles), graph: Cow::Owned(graph) }
     }
 
-    /// Cuts every face from its first corner.
+    /// Cuts every face into a fan around its first corner.
     ///
     /// ```
     /// use tristrip::{DualGraph, Faces, Mesh, PreparedFaces, dual::Triangulation};
     /// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
     /// let mesh = Mesh::new(corners, Faces::from_polygons([[0, 1, 2, 3]])?)?;
-    /// let surface = PreparedFaces::new(&mesh, false);
-    /// let graph = DualGraph::new(surface.faces());
-    /// assert_eq!(Triangulation::fan(&surface, &graph).triangles(), [0, 1, 2, 0, 2, 3]);
+    /// let prepared = PreparedFaces::new(&mesh, false);
+    /// let graph = DualGraph::new(prepared.faces());
+    /// assert_eq!(Triangulation::fan(&prepared, &graph).triangles(), [0, 1, 2, 0, 2, 3]);
     /// # Ok::<(), tristrip::Error>(())
     /// ```
-    pub fn fan(surface: &'a PreparedFaces<'_>, graph: &'a DualGraph) -> Self {
-        Self::of_triangles(surface, graph).unwrap_or_else(|| {
-            let mut builder = TriangulationBuilder::new(surface.faces(), graph);
-            for (face, polygon) in surface.faces().iter().enumerate() {
+    pub fn fan(prepared: &'a PreparedFaces<'_>, graph: &'a DualGraph) -> Self {
+        Self::of_triangles(prepared, graph).unwrap_or_else(|| {
+            let mut builder = TriangulationBuilder::new(prepared.faces(), graph);
+            for (face, polygon) in prepared.faces().iter().enumerate() {
                 (1..polygon.len() as u32 - 1).for_each(|i| {
                     builder.add(face, [0, i, i + 1]);
                 });
@@ -57,22 +55,22 @@ impl<'a> Triangulation<'a> {
         })
     }
 
-    /// Cuts every face by alternate left and right turns from its first edge, so that it is one strip without a swap
+    /// Cuts every face by alternate left and right turns from its first edge, so that the face is one strip without swaps
     /// (Evans et al. 1996, figure 5b).
     ///
     /// ```
     /// # use tristrip::{DualGraph, Faces, Mesh, PreparedFaces, dual::Triangulation};
     /// # let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
     /// # let mesh = Mesh::new(corners, Faces::from_polygons([[0, 1, 2, 3]])?)?;
-    /// let surface = PreparedFaces::new(&mesh, false);
-    /// let graph = DualGraph::new(surface.faces());
-    /// assert_eq!(Triangulation::zigzag(&surface, &graph).triangles(), [0, 1, 3, 1, 2, 3]);
+    /// let prepared = PreparedFaces::new(&mesh, false);
+    /// let graph = DualGraph::new(prepared.faces());
+    /// assert_eq!(Triangulation::zigzag(&prepared, &graph).triangles(), [0, 1, 3, 1, 2, 3]);
     /// # Ok::<(), tristrip::Error>(())
     /// ```
-    pub fn zigzag(surface: &'a PreparedFaces<'_>, graph: &'a DualGraph) -> Self {
-        Self::of_triangles(surface, graph).unwrap_or_else(|| {
-            let mut builder = TriangulationBuilder::new(surface.faces(), graph);
-            for (face, polygon) in surface.faces().iter().enumerate() {
+    pub fn zigzag(prepared: &'a PreparedFaces<'_>, graph: &'a DualGraph) -> Self {
+        Self::of_triangles(prepared, graph).unwrap_or_else(|| {
+            let mut builder = TriangulationBuilder::new(prepared.faces(), graph);
+            for (face, polygon) in prepared.faces().iter().enumerate() {
                 let (mut low, mut high) = (0, polygon.len() as u32 - 1);
                 let mut at_high = true;
                 while high - low > 1 {
@@ -90,12 +88,12 @@ impl<'a> Triangulation<'a> {
         })
     }
 
-    /// Gives three vertices for each triangle, in its winding.
+    /// Returns three vertices per triangle, in its winding.
     pub fn triangles(&self) -> &[u32] {
         &self.triangles
     }
 
-    /// Gives the dual graph of the triangles.
+    /// Returns the dual graph of the triangles.
     pub fn graph(&self) -> &DualGraph {
         &self.graph
     }
@@ -106,15 +104,15 @@ impl<'a> Triangulation<'a> {
     }
 }
 
-/// Collects the triangles that a method cuts from the faces, in any order of the faces.
+/// Collects the triangles that a method cuts the faces into, in any order of the faces.
 #[derive(Debug)]
 pub(crate) struct TriangulationBuilder<'a> {
     faces: &'a Faces,
     graph: &'a DualGraph,
     triangles: Vec<u32>,
-    /// The face's corner whose edge a triangle's edge is; `NONE` for a diagonal.
-    edges: Vec<u32>,
-    /// The next triangle of each face.
+    /// The corner of the face whose edge a triangle's edge is; none for a diagonal.
+    edges: Vec<OptionalId>,
+    /// The next free triangle of each face.
     next: Vec<u32>,
 }
 
@@ -130,10 +128,16 @@ impl<'a> TriangulationBuilder<'a> {
             })
             .collect();
         let corner_count = 3 * total as usize;
-        Self { faces, graph, triangles: vec![NONE; corner_count], edges: vec![NONE; corner_count], next }
+        Self {
+            faces,
+            graph,
+            triangles: vec![0; corner_count],
+            edges: vec![OptionalId::NONE; corner_count],
+            next,
+        }
     }
 
-    /// Adds a triangle of a face, by the places of its corners within the face, in the face's winding.
+    /// Adds a triangle of a face, by the indices of its corners within the face, in the face's winding.
     /// Returns its number; its edges are numbered from `corners[0]` on.
     pub(crate) fn add(&mut self, face: usize, corners: [u32; 3]) -> u32 {
         let triangle = self.next[face];
@@ -144,47 +148,57 @@ impl<'a> TriangulationBuilder<'a> {
             let slot = 3 * triangle as usize + i;
             self.triangles[slot] = self.faces.corners()[range.start + corner as usize];
             if after == corner + 1 || (after == 0 && corner as usize + 1 == range.len()) {
-                self.edges[slot] = range.start as u32 + corner;
+                self.edges[slot] = OptionalId::some(range.start as u32 + corner);
             }
         }
         triangle
     }
 
-    /// Joins the triangles. Every face must have got all of its own.
+    /// Returns whether all triangles of every face were added.
+    fn is_complete(&self) -> bool {
+        let mut end = 0;
+        self.faces.iter().zip(&self.next).all(|(polygon, &next)| {
+            end += polygon.len() as u32 - 2;
+            next == end
+        })
+    }
+
+    /// Connects the triangles. All triangles of every face must have been added.
     pub(crate) fn finish(self) -> Triangulation<'a> {
-        debug_assert!(self.triangles.iter().all(|&v| v != NONE), "a face has not got all of its triangles");
-        let mut at_corner = vec![NONE; self.faces.corner_count()];
-        for (half_edge, &corner) in self.edges.iter().enumerate() {
-            if corner != NONE {
-                at_corner[corner as usize] = half_edge as u32;
+        debug_assert!(self.is_complete(), "triangles of a face are missing");
+        let mut at_corner = vec![OptionalId::NONE; self.faces.corner_count()];
+        for (half_edge, corner) in self.edges.iter().enumerate() {
+            if let Some(corner) = corner.get() {
+                at_corner[corner as usize] = OptionalId::some(half_edge as u32);
             }
         }
-        let mut twins = vec![NONE; self.edges.len()];
+        let mut twins = vec![OptionalId::NONE; self.edges.len()];
         let mut diagonals: Vec<(u32, u32, u32)> = Vec::new();
         let mut start = 0;
         for face in 0..self.faces.face_count() {
             let end = start + 3 * (self.faces.range(face).len() - 2);
             diagonals.clear();
             for half_edge in start..end {
-                let corner = self.edges[half_edge];
-                if corner == NONE {
+                let Some(corner) = self.edges[half_edge].get() else {
                     let from = self.triangles[half_edge];
                     let to = self.triangles[if half_edge % 3 == 2 { half_edge - 2 } else { half_edge + 1 }];
                     diagonals.push((from.min(to), from.max(to), half_edge as u32));
-                } else if let Some(twin) = self.graph.twin(HalfEdge(corner)) {
-                    twins[half_edge] = at_corner[twin.0 as usize];
+                    continue;
+                };
+                if let Some(twin) = self.graph.twin_of(corner) {
+                    twins[half_edge] = at_corner[twin as usize];
                 }
             }
             diagonals.sort_unstable();
             for pair in diagonals.chunks_exact(2) {
-                twins[pair[0].2 as usize] = pair[1].2;
-                twins[pair[1].2 as usize] = pair[0].2;
+                twins[pair[0].2 as usize] = OptionalId::some(pair[1].2);
+                twins[pair[1].2 as usize] = OptionalId::some(pair[0].2);
             }
             start = end;
         }
         Triangulation {
             triangles: Cow::Owned(self.triangles),
-            graph: Cow::Owned(DualGraph::from_triangle_twins(twins)),
+            graph: Cow::Owned(DualGraph::of_triangle_twins(twins.into_iter().map(OptionalId::get))),
         }
     }
 }
@@ -195,8 +209,8 @@ mod tests {
     use crate::mesh::Mesh;
 
     #[test]
-    fn joins_triangles_as_the_faces_and_across_diagonals() {
-        // A hexagon with a quad on each of two sides.
+    fn connects_triangles_like_the_faces_and_across_diagonals() {
+        // A hexagon with quads at two sides.
         let positions: Vec<[f32; 3]> = (0..6)
             .map(|i| (i as f32 * std::f32::consts::FRAC_PI_3).sin_cos())
             .chain([(3.0, 0.0), (3.0, 1.0), (-3.0, 0.0), (-3.0, 1.0)])
@@ -204,10 +218,11 @@ mod tests {
             .collect();
         let polygons = [vec![0, 1, 2, 3, 4, 5], vec![1, 0, 6, 7], vec![4, 3, 8, 9]];
         let mesh = Mesh::new(positions, Faces::from_polygons(polygons).unwrap()).unwrap();
-        let surface = PreparedFaces::new(&mesh, false);
-        let graph = DualGraph::new(surface.faces());
-        for triangulation in [Triangulation::fan(&surface, &graph), Triangulation::zigzag(&surface, &graph)] {
-            assert_eq!(triangulation.triangle_count(), surface.faces().triangle_count());
+        let prepared = PreparedFaces::new(&mesh, false);
+        let graph = DualGraph::new(prepared.faces());
+        for triangulation in [Triangulation::fan(&prepared, &graph), Triangulation::zigzag(&prepared, &graph)]
+        {
+            assert_eq!(triangulation.triangle_count(), prepared.faces().triangle_count());
             assert_eq!(triangulation.graph().check(), Ok(()));
             let again = DualGraph::new(&Faces::from_triangles(triangulation.triangles().to_vec()).unwrap());
             assert_eq!(triangulation.graph(), &again);

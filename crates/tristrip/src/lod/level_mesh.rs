@@ -17,7 +17,6 @@
 //! A collapse or a split takes O(k log k) time where k triangles stand around the vertices that it names; 36 bytes a triangle and 8 a vertex.
 
 use crate::collapse::{Collapse, CollapseSequence};
-use crate::cover::priced::NONE;
 use crate::mesh::is_degenerate;
 
 /// Triangles that collapses rename and drop. Corner e of triangle t is 3 t + e.
@@ -131,7 +130,12 @@ impl LevelMesh {
 
     /// Tells of each half-edge at a vertex that is not removed, on either side of an edge there, what its other side is, knowing what it
     /// was. They are numbered by fours, as paths have them: edge e of triangle t is 4 t + e.
-    pub(super) fn sides_around(&mut self, v: u32, was: impl Fn(u32) -> u32, mut tell: impl FnMut(u32, u32)) {
+    pub(super) fn sides_around(
+        &mut self,
+        v: u32,
+        was: impl Fn(u32) -> Option<u32>,
+        mut tell: impl FnMut(u32, Option<u32>),
+    ) {
         let [mut sides, mut waiting] = [&mut self.sides, &mut self.waiting].map(std::mem::take);
         sides.clear();
         for corner in self.around(v) {
@@ -152,28 +156,29 @@ impl LevelMesh {
             if let [one, other] = *edge
                 && (one ^ other) & 1 == 1
             {
-                tell(half_edge(one), half_edge(other));
-                tell(half_edge(other), half_edge(one));
+                tell(half_edge(one), Some(half_edge(other)));
+                tell(half_edge(other), Some(half_edge(one)));
                 continue;
             }
             let place = |h: u32| edge.binary_search_by_key(&h, |&side| half_edge(side)).ok();
-            let keeps = |side: u64| place(was(half_edge(side))).filter(|&i| (edge[i] ^ side) & 1 == 1);
+            let keeps =
+                |side: u64| was(half_edge(side)).and_then(place).filter(|&i| (edge[i] ^ side) & 1 == 1);
             waiting.clear();
             for &side in edge {
                 if let Some(other) = keeps(side) {
-                    tell(half_edge(side), half_edge(edge[other]));
+                    tell(half_edge(side), Some(half_edge(edge[other])));
                     continue;
                 }
                 // All that wait have one direction.
                 match waiting.pop_if(|last| (*last ^ side) & 1 == 1) {
                     Some(last) => {
-                        tell(half_edge(last), half_edge(side));
-                        tell(half_edge(side), half_edge(last));
+                        tell(half_edge(last), Some(half_edge(side)));
+                        tell(half_edge(side), Some(half_edge(last)));
                     }
                     None => waiting.push(side),
                 }
             }
-            waiting.iter().for_each(|&side| tell(half_edge(side), NONE));
+            waiting.iter().for_each(|&side| tell(half_edge(side), None));
         }
         self.waiting = waiting;
         self.sides = sides;

@@ -61,8 +61,8 @@ use super::level_mesh::LevelMesh;
 
 use crate::collapse::CollapseSequence;
 use crate::cover::PathCover;
-use crate::cover::local_search::Diver;
-use crate::cover::priced::{NONE, Paths, TRIANGLE_LIMIT};
+use crate::cover::local_search::LocalSearch;
+use crate::cover::priced::{PricedPaths, TRIANGLE_LIMIT};
 use crate::dual::DualGraph;
 use crate::dual::Triangulation;
 use crate::effort::Effort;
@@ -159,11 +159,11 @@ pub struct Repair<'a> {
     level: usize,
     triangle_count: usize,
     surface: LevelMesh,
-    paths: Paths,
-    diver: Diver,
+    paths: PricedPaths,
+    local_search: LocalSearch,
     work: Work,
     /// Half-edges whose other sides change, and those that come in their place.
-    changes: Vec<[u32; 2]>,
+    changes: Vec<(u32, Option<u32>)>,
     /// Pairs of half-edges between which a link has gone.
     gaps: Vec<[u32; 2]>,
     near: Near,
@@ -214,7 +214,7 @@ impl<'a> Repair<'a> {
         let mut repair = Self::start(sequence, strips, level, options)?;
         let all: Vec<u32> = (0..repair.paths.len() as u32).filter(|&t| repair.surface.is_drawn(t)).collect();
         for _ in 0..repair.work.all_rounds {
-            all.iter().for_each(|&t| repair.diver.dive(&mut repair.paths, t));
+            all.iter().for_each(|&t| repair.local_search.improve_at(&mut repair.paths, t));
         }
         Ok(repair)
     }
@@ -236,8 +236,8 @@ impl<'a> Repair<'a> {
             level,
             triangle_count: 0,
             surface,
-            paths: Paths::empty(slots, options.cost.prices()),
-            diver: Diver::new(options.seed),
+            paths: PricedPaths::empty(slots, options.cost.prices()),
+            local_search: LocalSearch::new(options.seed),
             work: WORK[usize::from(options.effort.level())],
             changes: Vec::new(),
             gaps: Vec::new(),
@@ -246,7 +246,7 @@ impl<'a> Repair<'a> {
         for t in 0..slots as u32 {
             if repair.surface.is_drawn(t) {
                 repair.triangle_count += 1;
-                repair.paths.put_in(t);
+                repair.paths.insert_triangle(t);
             }
         }
         repair.link_neighbours(&order);
@@ -265,10 +265,10 @@ impl<'a> Repair<'a> {
         for &place in order.iter().filter(|place| self.surface.is_drawn(place.triangle)) {
             if let Some(before) = last.filter(|last| last.strip == place.strip) {
                 let shared = self.surface.shared(before.triangle, place.triangle);
-                let free = shared.filter(|sides| sides.iter().all(|&h| self.paths.twin(h) == NONE));
+                let free = shared.filter(|sides| sides.iter().all(|&h| self.paths.twin(h).is_none()));
                 if let Some([a, b]) = free.min_by_key(|&[_, side]| side != place.entry) {
-                    self.paths.set_twin(a, b);
-                    self.paths.set_twin(b, a);
+                    self.paths.set_twin(a, Some(b));
+                    self.paths.set_twin(b, Some(a));
                     self.paths.join(a);
                 }
             }
@@ -308,11 +308,11 @@ impl<'a> Repair<'a> {
             self.cut_out(t);
         }
         self.surface.collapse(&collapse);
-        collapse.dropped.iter().for_each(|&t| self.paths.take_out(t));
+        collapse.dropped.iter().for_each(|&t| self.paths.remove_triangle(t));
         let gaps = std::mem::take(&mut self.gaps);
         self.pair_around(collapse.renames.iter().map(|rename| rename.kept));
         for &[a, b] in &gaps {
-            if self.paths.twin(a) == b {
+            if self.paths.twin(a) == Some(b) {
                 self.join(a);
             }
         }
@@ -330,13 +330,15 @@ impl<'a> Repair<'a> {
         let collapse = self.sequence.collapse(self.level);
         let vertices = || collapse.renames.iter().flat_map(|rename| [rename.kept, rename.removed]);
         self.surface.split(&collapse);
-        collapse.dropped.iter().for_each(|&t| self.paths.put_in(t));
+        collapse.dropped.iter().for_each(|&t| self.paths.insert_triangle(t));
         self.gaps.clear();
         self.pair_around(vertices());
         let gaps = std::mem::take(&mut self.gaps);
         for &gap in &gaps {
-            let [a, b] = gap.map(|h| self.paths.twin(h));
-            if a != NONE && b != NONE && a / 4 == b / 4 && collapse.dropped.contains(&(a / 4)) {
+            if let [Some(a), Some(b)] = gap.map(|h| self.paths.twin(h))
+                && a / 4 == b / 4
+                && collapse.dropped.contains(&(a / 4))
+            {
                 gap.into_iter().for_each(|h| self.join(h));
             }
         }
@@ -354,7 +356,8 @@ impl<'a> Repair<'a> {
 
     /// Cuts what is linked to a triangle; where that is two others, there is a gap between them.
     fn cut_out(&mut self, t: u32) {
-        let links = [0, 1, 2].map(|e| (self.paths.mask(t) >> e & 1 == 1).then(|| self.paths.twin(4 * t + e)));
+        let links =
+            [0, 1, 2].map(|e| (self.paths.mask(t) >> e & 1 == 1).then(|| self.paths.across(4 * t + e)));
         let mut links = links.into_iter().flatten();
         if let (Some(a), b) = (links.next(), links.next()) {
             self.paths.cut(a);
@@ -372,23 +375,23 @@ impl<'a> Repair<'a> {
         for v in vertices {
             let note = |h, twin| {
                 if paths.twin(h) != twin {
-                    changes.push([h, twin]);
+                    changes.push((h, twin));
                 }
             };
             self.surface.sides_around(v, |h| paths.twin(h), note);
         }
-        for &[h, _] in &*changes {
+        for &(h, _) in &*changes {
             if paths.mask(h / 4) >> (h % 4) & 1 == 1 {
-                self.gaps.push([h, paths.twin(h)]);
+                self.gaps.push([h, paths.across(h)]);
                 paths.cut(h);
             }
         }
-        changes.iter().for_each(|&[h, twin]| paths.set_twin(h, twin));
+        changes.iter().for_each(|&(h, twin)| paths.set_twin(h, twin));
     }
 
     /// Links two triangles over a half-edge, if neither is inside a path and it does not close one.
     fn join(&mut self, h: u32) {
-        if [h, self.paths.twin(h)].iter().all(|h| self.paths.degree(h / 4) < 2) {
+        if [h, self.paths.across(h)].iter().all(|h| self.paths.degree(h / 4) < 2) {
             self.paths.join(h);
         }
     }
@@ -398,14 +401,14 @@ impl<'a> Repair<'a> {
         let corners = vertices.flat_map(|v| self.surface.around(v));
         self.near.find(&self.paths, corners.map(|corner| corner / 3), self.work.near);
         for _ in 0..self.work.rounds {
-            self.near.triangles.iter().for_each(|&t| self.diver.dive(&mut self.paths, t));
+            self.near.triangles.iter().for_each(|&t| self.local_search.improve_at(&mut self.paths, t));
         }
     }
 
     /// Makes the strips that are drawn, in O(n) time.
     pub fn strips(&self) -> Strips {
         // Numbered without those that are not drawn.
-        let mut number = vec![NONE; self.surface.triangle_count()];
+        let mut number = vec![0; self.surface.triangle_count()];
         let (mut corners, mut drawn) = (Vec::new(), Vec::new());
         for t in (0..number.len() as u32).filter(|&t| self.surface.is_drawn(t)) {
             number[t as usize] = drawn.len() as u32;
@@ -417,14 +420,17 @@ impl<'a> Repair<'a> {
         for (&t, i) in drawn.iter().zip(0..) {
             for e in 0..3 {
                 let twin = self.paths.twin(4 * t + e);
-                let there = if twin == NONE { NONE } else { 3 * number[twin as usize / 4] + twin % 4 };
+                let there = twin.map(|twin| 3 * number[twin as usize / 4] + twin % 4);
                 twins.push(there);
-                if self.paths.mask(t) >> e & 1 == 1 && 4 * t + e < twin {
+                if let (Some(twin), Some(there)) = (twin, there)
+                    && self.paths.mask(t) >> e & 1 == 1
+                    && 4 * t + e < twin
+                {
                     cover.link_unchecked(3 * i + e, there);
                 }
             }
         }
-        emit(&Triangulation::from_parts(corners, DualGraph::from_triangle_twins(twins)), &cover)
+        emit(&Triangulation::from_parts(corners, DualGraph::of_triangle_twins(twins)), &cover)
     }
 }
 
@@ -439,14 +445,14 @@ struct Near {
 
 impl Near {
     /// Finds the triangles nearest to those of the start, these included, up to a number.
-    fn find(&mut self, paths: &Paths, start: impl Iterator<Item = u32>, most: usize) {
+    fn find(&mut self, paths: &PricedPaths, start: impl Iterator<Item = u32>, most: usize) {
         self.search = self.search.wrapping_add(1);
         self.triangles.clear();
         start.for_each(|t| self.add(t));
         let mut seen = 0;
         while seen < self.triangles.len() && self.triangles.len() < most {
             let t = self.triangles[seen];
-            (0..3).map(|e| paths.twin(4 * t + e)).filter(|&h| h != NONE).for_each(|h| self.add(h / 4));
+            (0..3).filter_map(|e| paths.twin(4 * t + e)).for_each(|h| self.add(h / 4));
             seen += 1;
         }
         self.triangles.truncate(most);
@@ -470,7 +476,7 @@ fn check_size(sequence: &CollapseSequence) -> Result<(), Error> {
         }
     };
     over("triangles", triangles, TRIANGLE_LIMIT)?;
-    over("corners and vertices", 3 * triangles + vertices, NONE as usize - 1)
+    over("corners and vertices", 3 * triangles + vertices, u32::MAX as usize - 1)
 }
 
 /// A triangle of the full mesh in a strip.

@@ -1,18 +1,20 @@
-//! One numbering for the vertices of several meshes, by position, so that what two files draw can be compared.
+//! A common numbering for the vertices of several meshes, by position, so that the drawings of two files can be compared.
 //!
-//! Vertices are one where their positions have the same bits; −0.0 counts as 0.0. Other attributes are not looked at.
+//! Vertices get the same number if their positions have the same bits; −0.0 counts as 0.0. Other attributes are ignored.
 //!
 //! # Complexity
-//! O(n) time over the corners; about 40 bytes for each position that a face uses, and 4 bytes a vertex unless the faces use few
-//! of them. Positions that several meshes share are looked at once.
+//! O(n) time over the corners; about 40 bytes per position that a face uses, and 4 bytes per vertex unless the faces use few
+//! of them. Positions that several meshes share are numbered once.
 
 use std::collections::HashMap;
-use std::sync::Arc;
 
+use super::vertex_subset::SPARSE;
 use super::{Faces, Mesh};
 use crate::error::Error;
+use crate::ids::{OptionalId, check_count};
 
-/// The numbers of positions, in the order in which they were first seen.
+/// The numbers of positions, in order of their first occurrence. They do not depend on the hash function, whose random seed protects
+/// against files with colliding positions.
 ///
 /// ```
 /// use tristrip::{Faces, Mesh, mesh::PositionIds};
@@ -31,36 +33,36 @@ pub struct PositionIds {
 }
 
 impl PositionIds {
-    /// Gives the faces of all meshes, one after the other, over the common numbers.
+    /// Returns the faces of all meshes, one after the other, with the common numbers as vertices.
     ///
     /// # Errors
-    /// The meshes together have more corners, faces or positions than 32-bit ids can name.
+    /// The meshes together have too many corners, faces or positions for 32-bit ids.
     pub fn faces(&mut self, meshes: &[&Mesh]) -> Result<Faces, Error> {
-        let mut known: HashMap<usize, Vec<u32>> = HashMap::new();
+        let mut known: HashMap<usize, Vec<OptionalId>> = HashMap::new();
         let corner_count = meshes.iter().map(|m| m.faces().corner_count()).sum();
         let mut corners = Vec::with_capacity(corner_count);
         for mesh in meshes {
-            let all = mesh.faces().corners();
-            if mesh.vertex_count() / super::SPARSE > corner_count {
-                corners.extend(all.iter().map(|&v| self.number(mesh.positions[v as usize])));
+            let (all, positions) = (mesh.faces().corners(), mesh.positions());
+            if mesh.vertex_count() / SPARSE > corner_count {
+                corners.extend(all.iter().map(|&v| self.number(positions[v as usize])));
             } else {
-                // The number of each vertex, counted from 1; 0 for one that no face has named.
-                let known = known.entry(Arc::as_ptr(&mesh.positions) as usize);
-                let known = known.or_insert_with(|| vec![0; mesh.vertex_count()]);
+                // The number of each vertex that a face has used, by the address of the positions.
+                let known = known.entry(positions.as_ptr().addr());
+                let known = known.or_insert_with(|| vec![OptionalId::NONE; positions.len()]);
                 corners.extend(all.iter().map(|&v| {
-                    let slot = &mut known[v as usize];
-                    if *slot == 0 {
-                        *slot = self.number(mesh.positions[v as usize]) + 1;
-                    }
-                    *slot - 1
+                    known[v as usize].get().unwrap_or_else(|| {
+                        let number = self.number(positions[v as usize]);
+                        known[v as usize] = OptionalId::some(number);
+                        number
+                    })
                 }));
             }
-            super::check_count("positions", self.positions.len())?;
+            check_count("positions", self.positions.len())?;
         }
         if meshes.iter().all(|m| m.faces().as_triangles().is_some()) {
             return Faces::from_triangles(corners);
         }
-        super::check_count("corners", corners.len())?;
+        check_count("corners", corners.len())?;
         let mut end = 0;
         let sizes = meshes.iter().flat_map(|m| m.faces().iter().map(<[u32]>::len));
         let ends = sizes.map(|size| {
@@ -71,16 +73,16 @@ impl PositionIds {
         Faces::from_offsets(offsets, corners)
     }
 
-    /// Gives the position of a number, in mesh units.
+    /// Returns the position with a number, in mesh units.
     ///
     /// # Panics
-    /// The number was not given by this numbering.
+    /// No position has this number.
     pub fn position(&self, id: u32) -> [f32; 3] {
         self.positions[id as usize]
     }
 
     fn number(&mut self, position: [f32; 3]) -> u32 {
-        // Adding 0.0 makes −0.0 into 0.0 and leaves every other finite number as it is.
+        // Adding 0.0 turns −0.0 into 0.0 and does not change any other finite number.
         let position = position.map(|x| x + 0.0);
         let next = self.positions.len() as u32;
         let id = *self.id_of.entry(position.map(f32::to_bits)).or_insert(next);
@@ -94,6 +96,7 @@ impl PositionIds {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::sync::Arc;
 
     #[test]
     fn concatenates_faces_of_any_size_over_shared_positions() {

@@ -1,4 +1,4 @@
-//! What is asked of three vertices: whether they are a triangle at all, and which one it is, whatever corner it begins with.
+//! Triangles as three vertices: whether they are degenerate, and a canonical form that does not depend on the first corner.
 
 /// Returns the triangle rotated to begin with its lowest vertex, so that equal triangles of one winding are equal arrays.
 ///
@@ -13,7 +13,7 @@ pub fn canonical_triangle(triangle: [u32; 3]) -> [u32; 3] {
     }
 }
 
-/// Returns whether a triangle names a vertex more than once, so that it draws nothing.
+/// Returns whether a triangle contains a vertex more than once, so that it draws nothing.
 ///
 /// ```
 /// assert!(tristrip::mesh::is_degenerate([4, 9, 4]));
@@ -21,6 +21,14 @@ pub fn canonical_triangle(triangle: [u32; 3]) -> [u32; 3] {
 #[inline]
 pub fn is_degenerate([a, b, c]: [u32; 3]) -> bool {
     a == b || b == c || a == c
+}
+
+/// Returns the triangles that are not degenerate, in canonical form and sorted: equal lists draw the same.
+pub(crate) fn canonical_triangles(triangles: impl IntoIterator<Item = [u32; 3]>) -> Vec<[u32; 3]> {
+    let real = triangles.into_iter().filter(|&t| !is_degenerate(t));
+    let mut all: Vec<_> = real.map(canonical_triangle).collect();
+    all.sort_unstable();
+    all
 }
 
 /// Returns triangle `t` of a triangle list.

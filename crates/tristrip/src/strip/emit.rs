@@ -1,21 +1,21 @@
-//! The emitter: a path cover becomes strips, each path at the least cost that it has.
+//! The emitter: converts a path cover into strips, each path at its least cost.
 //!
 //! ```text
-//!   enter p → q, third vertex w        even place in the strip: sent … p q w, drawn (p, q, w)
+//!   enter p → q, third vertex w        even position in the strip: sent … p q w, drawn (p, q, w)
 //!         w                            the last two are (q, w): leaving across q → w is free,
-//!        / \                           leaving across w → p takes a swap: … p q p w
-//!       /   \                          odd place: sent … q p w, drawn (p, q, w)
+//!        / \                           leaving across w → p requires a swap: … p q p w
+//!       /   \                          odd position: sent … q p w, drawn (p, q, w)
 //!      p ──▶ q                         the last two are (p, w): leaving across w → p is free
 //! ```
-//! A strip begins with the vertex that the first exit leaves behind, so that the first triangle is wound right. Whether the turn
-//! after it is free depends on its side: a strip that begins with the wrong turn would need a winding repeat, and a swap at that
-//! turn costs the same. Read from its other end the same path may begin well, so that both ends are priced.
+//! A strip begins with the vertex opposite the first exit, so the first triangle has the right winding. Whether the next turn
+//! is free depends on its side: a strip that begins with the wrong turn would need a winding repeat, and a swap at that
+//! turn costs the same. From its other end the same path may begin with the right turn, so both ends are priced.
 //!
 //! # References
 //! Evans, Skiena, Varshney: *Efficiently Generating Triangle Strips for Fast Rendering*, 1996, section 1 and figure 3.
 //!
 //! # Complexity
-//! O(n); no memory but the strips, one byte a triangle, and one path.
+//! O(n); no memory except the strips, one byte per triangle, and one path.
 
 use super::Strips;
 use crate::cover::PathCover;
@@ -23,25 +23,25 @@ use crate::dual::DualGraph;
 use crate::dual::Triangulation;
 use crate::ids::{FaceId, HalfEdge};
 
-/// No edge, where an edge of a triangle is named.
+/// The value of an absent edge (0–2) of a triangle.
 pub(crate) const OPEN: u32 = 3;
 
-/// Turns each path of a cover into a strip, the strips in order of their lowest triangles.
+/// Converts each path of a cover into a strip, the strips in order of their lowest triangles.
 ///
 /// ```
 /// use tristrip::{DualGraph, Faces, HalfEdge, Mesh, PathCover, PreparedFaces, dual::Triangulation, strip::emit};
 /// let faces = Faces::from_triangles(vec![0, 1, 2, 2, 1, 3])?;
 /// let mesh = Mesh::new(vec![[0.0; 3]; 4], faces)?;
-/// let surface = PreparedFaces::new(&mesh, false);
-/// let graph = DualGraph::new(surface.faces());
-/// let triangulation = Triangulation::fan(&surface, &graph);
+/// let prepared = PreparedFaces::new(&mesh, false);
+/// let graph = DualGraph::new(prepared.faces());
+/// let triangulation = Triangulation::fan(&prepared, &graph);
 /// let mut cover = PathCover::isolated(2);
 /// cover.join(&graph, HalfEdge(1));
 /// assert_eq!(emit(&triangulation, &cover).vertices(), [3, 2, 1, 0]);
 /// # Ok::<(), tristrip::Error>(())
 /// ```
 pub fn emit(triangulation: &Triangulation<'_>, cover: &PathCover) -> Strips {
-    let (triangles, twins) = (triangulation.triangles(), triangulation.graph().twins());
+    let (triangles, graph) = (triangulation.triangles(), triangulation.graph());
     let mut strips = Strips::with_capacity(cover.len() + cover.len() / 3, cover.path_count());
     let mut seen = vec![false; cover.len()];
     let (mut back, mut ahead, mut path) = (Vec::new(), Vec::new(), Vec::new());
@@ -53,12 +53,12 @@ pub fn emit(triangulation: &Triangulation<'_>, cover: &PathCover) -> Strips {
         let (first, second) = cover.packed_edges(lowest);
         back.clear();
         ahead.clear();
-        // Both ways at once: a step waits for memory, and the two do not wait for each other.
+        // Both directions at once: a step waits for memory, and the two do not wait for each other.
         let mut walks = [Walk { triangle: lowest, exit: first }, Walk { triangle: lowest, exit: second }];
         while walks.iter().any(|walk| walk.exit != OPEN) {
             let [backward, forward] = &mut walks;
-            back.extend(backward.step(twins, cover, &mut seen));
-            ahead.extend(forward.step(twins, cover, &mut seen));
+            back.extend(backward.step(graph, cover, &mut seen));
+            ahead.extend(forward.step(graph, cover, &mut seen));
         }
         path.clear();
         path.extend(back.iter().rev().map(Step::reversed));
@@ -74,17 +74,18 @@ pub fn emit(triangulation: &Triangulation<'_>, cover: &PathCover) -> Strips {
     strips
 }
 
-/// Turns paths into strips in an order that the caller chose: each path from the end `order` names, the paths as they come there.
+/// Converts paths into strips in an order that the caller chose: `order` has the first triangle of each path, in drawing order.
 ///
-/// Their order is [kept](Strips::with_kept_order). Paths that `order` does not name are not drawn. A path whose first turn is dear in that direction pays for it.
+/// The order is [kept](Strips::with_kept_order). Paths that `order` does not contain are not drawn. A path whose first turn requires a
+/// swap in that direction gets the swap.
 ///
 /// ```
 /// use tristrip::{DualGraph, FaceId, Faces, HalfEdge, Mesh, PathCover, PreparedFaces, dual::Triangulation, strip::emit_in_order};
 /// let faces = Faces::from_triangles(vec![0, 1, 2, 2, 1, 3, 4, 5, 6])?;
 /// let mesh = Mesh::new(vec![[0.0; 3]; 7], faces)?;
-/// let surface = PreparedFaces::new(&mesh, false);
-/// let graph = DualGraph::new(surface.faces());
-/// let triangulation = Triangulation::fan(&surface, &graph);
+/// let prepared = PreparedFaces::new(&mesh, false);
+/// let graph = DualGraph::new(prepared.faces());
+/// let triangulation = Triangulation::fan(&prepared, &graph);
 /// let mut cover = PathCover::isolated(3);
 /// cover.join(&graph, HalfEdge(1));
 /// let strips = emit_in_order(&triangulation, &cover, &[FaceId(2), FaceId(1)]);
@@ -101,7 +102,7 @@ pub fn emit_in_order(triangulation: &Triangulation<'_>, cover: &PathCover, order
     strips.with_kept_order()
 }
 
-/// Walks along a path from one of its ends.
+/// Iterates over a path from one of its ends.
 pub(crate) fn path_steps<'a>(
     graph: &'a DualGraph,
     cover: &'a PathCover,
@@ -115,7 +116,7 @@ pub(crate) fn path_steps<'a>(
     })
 }
 
-/// A triangle of a path and the edges (0–2) over which the path enters and leaves it, `OPEN` at its ends.
+/// A triangle of a path and the edges (0–2) over which the path enters and leaves it, `OPEN` at the ends of the path.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Step {
     pub(crate) triangle: u32,
@@ -128,27 +129,30 @@ impl Step {
         Self { triangle: self.triangle, entry: self.exit, exit: self.entry }
     }
 
-    /// Tells whether leaving is free at an even place of the strip; at an odd place the other side is.
+    /// Returns whether leaving is free at an even position in the strip; at an odd position the other side is free.
     #[inline]
     pub(crate) fn is_free_at_even(&self) -> bool {
         self.exit == if self.entry == 2 { 0 } else { self.entry + 1 }
     }
 }
 
-/// A walk along a path: the triangle where it stands and the edge over which it goes on, `OPEN` at the path's end.
+/// A walk along a path: the current triangle and the edge over which it continues, `OPEN` at the path's end.
 struct Walk {
     triangle: u32,
     exit: u32,
 }
 
 impl Walk {
-    /// Goes on by one triangle, unless the path ends; ends it where it is closed, which a cover's paths are not.
+    /// Advances by one triangle, unless the path ends; stops if the path is closed, which a valid cover's paths are not.
     #[inline]
-    fn step(&mut self, twins: &[u32], cover: &PathCover, seen: &mut [bool]) -> Option<Step> {
+    fn step(&mut self, graph: &DualGraph, cover: &PathCover, seen: &mut [bool]) -> Option<Step> {
         if self.exit == OPEN {
             return None;
         }
-        let twin = twins[(3 * self.triangle + self.exit) as usize];
+        let Some(twin) = graph.twin_of(3 * self.triangle + self.exit) else {
+            self.exit = OPEN;
+            return None;
+        };
         self.triangle = twin / 3;
         self.exit = OPEN;
         if std::mem::replace(&mut seen[self.triangle as usize], true) {
@@ -161,7 +165,7 @@ impl Walk {
     }
 }
 
-/// Counts the swap that the first turn takes: the triangle after the first stands at an odd place.
+/// Counts the swap that the first turn requires: the second triangle is at an odd position.
 fn swaps_at_start(path: &[Step]) -> usize {
     let turns = path.len().saturating_sub(2);
     path.get(1).map_or(0, |step| usize::from(turns > 0 && step.is_free_at_even()))
@@ -172,16 +176,16 @@ fn swaps_at_start_reversed(path: &[Step]) -> usize {
     path.len().checked_sub(2).map_or(0, |i| usize::from(turns > 0 && path[i].reversed().is_free_at_even()))
 }
 
-/// Counts the swaps between neighbouring turns to the same side, which are the same in both directions.
+/// Counts the swaps between adjacent turns to the same side, which are the same in both directions.
 fn swaps_inside(path: &[Step]) -> usize {
     let turns = path.get(1..path.len().saturating_sub(1)).unwrap_or_default();
     turns.windows(2).filter(|w| w[0].is_free_at_even() == w[1].is_free_at_even()).count()
 }
 
-/// Sends the vertices of one path.
+/// Appends the vertices of one path.
 #[inline]
 pub(crate) fn send_path(triangles: &[u32], path: impl Iterator<Item = Step>, out: &mut Vec<u32>) {
-    // The vertex across from an edge comes two corners after it begins.
+    // The vertex opposite an edge is two corners after the edge's start.
     let corner = |triangle: u32, edge: u32| {
         triangles[(3 * triangle + if edge >= 3 { edge - 3 } else { edge }) as usize]
     };
@@ -208,13 +212,13 @@ pub(crate) fn send_path(triangles: &[u32], path: impl Iterator<Item = Step>, out
     }
 }
 
-/// Counts the vertices that the path from `start` costs, as [`emit`] will send it: for methods that weigh alternatives.
+/// Counts the vertices of the strip that [`emit`] creates from the path at `start`, for methods that compare alternatives.
 pub fn path_cost(graph: &DualGraph, cover: &PathCover, start: FaceId) -> usize {
     let path: Vec<Step> = path_steps(graph, cover, start).collect();
     path.len() + 2 + swaps_inside(&path) + swaps_at_start(&path).min(swaps_at_start_reversed(&path))
 }
 
-/// Counts the vertices and restarts that a cover costs, one restart for each strip: for choosing between covers.
+/// Counts the vertices and restarts of a cover's strips, one restart per strip, for methods that compare covers.
 pub(crate) fn cover_cost(graph: &DualGraph, cover: &PathCover) -> usize {
     cover.path_starts(graph).map(|start| path_cost(graph, cover, start) + 1).sum()
 }
@@ -222,14 +226,14 @@ pub(crate) fn cover_cost(graph: &DualGraph, cover: &PathCover) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{Faces, Mesh};
+    use crate::mesh::{Faces, Mesh, canonical_triangle, canonical_triangles, is_degenerate};
     use crate::prepare::PreparedFaces;
     use proptest::prelude::*;
 
-    /// The cheapest strip for a path, found by trying every place for repeats: breadth first over (triangle, last two vertices).
+    /// The length of the shortest strip for a path, by trying every position for repeats: breadth first over (triangle, last two vertices).
     fn cheapest(triangles: &[[u32; 3]]) -> usize {
         let same =
-            |t: &[u32; 3], a: u32, b: u32, c: u32| *t == [a, b, c] || *t == [b, c, a] || *t == [c, a, b];
+            |t: [u32; 3], a: u32, b: u32, c: u32| canonical_triangle(t) == canonical_triangle([a, b, c]);
         let vertices: Vec<u32> = triangles.iter().flatten().copied().collect();
         let mut states: Vec<(usize, usize, u32, u32)> = Vec::new(); // triangles drawn, parity, last two
         for &a in &vertices {
@@ -241,11 +245,10 @@ mod tests {
             let mut next = Vec::new();
             for &(drawn, parity, a, b) in &states {
                 for &c in &vertices {
-                    let degenerate = a == b || b == c || a == c;
                     let (x, y) = if parity == 0 { (a, b) } else { (b, a) };
                     let drawn = match () {
-                        () if degenerate => drawn,
-                        () if same(&triangles[drawn], x, y, c) => drawn + 1,
+                        () if is_degenerate([a, b, c]) => drawn,
+                        () if same(triangles[drawn], x, y, c) => drawn + 1,
                         () => continue,
                     };
                     if drawn == triangles.len() {
@@ -264,7 +267,7 @@ mod tests {
     proptest! {
         #[test]
         fn is_the_cheapest_over_both_directions(turns in prop::collection::vec(any::<bool>(), 0..7)) {
-            // A path of triangles in general position: each takes one edge of the last and a new vertex.
+            // A path of triangles in general position: each has one edge of the last and a new vertex.
             let mut path = vec![[0, 1, 2_u32]];
             for (i, &left) in turns.iter().enumerate() {
                 let [a, b, c] = path[i];
@@ -274,29 +277,17 @@ mod tests {
             let corners: Vec<u32> = path.iter().flatten().copied().collect();
             let vertex_count = 3 + turns.len();
             let mesh = Mesh::new(vec![[0.0; 3]; vertex_count], Faces::from_triangles(corners).unwrap()).unwrap();
-            let surface = PreparedFaces::new(&mesh, false);
-            let graph = DualGraph::new(surface.faces());
+            let prepared = PreparedFaces::new(&mesh, false);
+            let graph = DualGraph::new(prepared.faces());
             let mut cover = PathCover::isolated(path.len());
             (0..graph.half_edge_count() as u32).for_each(|h| { cover.join(&graph, HalfEdge(h)); });
             prop_assert_eq!(cover.path_count(), 1);
-            let triangulation = Triangulation::fan(&surface, &graph);
+            let triangulation = Triangulation::fan(&prepared, &graph);
             let strips = emit(&triangulation, &cover);
             let backward: Vec<_> = path.iter().rev().copied().collect();
             prop_assert_eq!(strips.vertices_sent(), cheapest(&path).min(cheapest(&backward)));
             prop_assert_eq!(strips.vertices_sent(), path_cost(&graph, &cover, FaceId(0)));
-            let mut drawn: Vec<_> = strips.triangles().map(canonical).collect();
-            let mut wanted: Vec<_> = path.into_iter().map(canonical).collect();
-            drawn.sort_unstable();
-            wanted.sort_unstable();
-            prop_assert_eq!(drawn, wanted);
+            prop_assert_eq!(canonical_triangles(strips.triangles()), canonical_triangles(path));
         }
-    }
-
-    fn canonical(t: [u32; 3]) -> [u32; 3] {
-        let mut t = t;
-        while t[0] > t[1] || t[0] > t[2] {
-            t.rotate_left(1);
-        }
-        t
     }
 }

@@ -1,4 +1,4 @@
-//! Index buffers from strips, in the four layouts that files and graphics interfaces know; and back from the joined one.
+//! Index buffers of strips, in the four layouts that files and graphics APIs support; and the inverse of the joined layout.
 //!
 //! # References
 //! Evans, Skiena, Varshney: *Efficiently Generating Triangle Strips for Fast Rendering*, 1996, section 1 (swaps by repeated
@@ -6,21 +6,21 @@
 
 use super::{Strips, join, strip_triangles};
 
-/// How strips are laid out in an index buffer.
+/// The layout of strips in an index buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Layout {
     /// Strips separated by the restart index.
     Restart,
     /// One strip, joined by degenerate triangles, winding kept.
     Degenerate,
-    /// One draw call, or primitive, a strip.
+    /// One draw call, or primitive, per strip.
     Separate,
     /// A triangle list, in strip order.
     List,
 }
 
 impl Strips {
-    /// Lays the strips out with `restart` between them.
+    /// Returns the index buffer with `restart` between strips.
     ///
     /// ```
     /// let mut strips = tristrip::Strips::default();
@@ -39,11 +39,11 @@ impl Strips {
         out
     }
 
-    /// Joins the strips into one by degenerate triangles, each strip keeping its winding.
+    /// Joins the strips into one by degenerate triangles; each strip keeps its winding.
     ///
-    /// A join repeats the last vertex and the next strip's first one, and once more where the next strip would begin at an odd
-    /// place; but nothing where the next strip begins with the vertex that was sent last. So the strips are taken in an order
-    /// in which as many do as can be, from their first vertex or from their last; but as they stand where their order is
+    /// A join repeats the last vertex and the next strip's first one, and once more if the next strip would begin at an odd
+    /// position; but nothing if the next strip begins with the vertex that was sent last. The strips are therefore drawn in an order
+    /// in which this holds for as many as possible, from their first vertex or from their last; or in the present order if it is
     /// [kept](Strips::with_kept_order).
     ///
     /// ```
@@ -60,7 +60,7 @@ impl Strips {
         out
     }
 
-    /// Unrolls the strips into a triangle list, in the order in which they are drawn.
+    /// Converts the strips into a triangle list, in drawing order.
     ///
     /// ```
     /// let mut strips = tristrip::Strips::default();
@@ -72,24 +72,24 @@ impl Strips {
     }
 }
 
-/// Walks over the strips that degenerate triangles join: an index buffer is cut where a vertex follows itself, and pieces that draw
-/// nothing are left out. A vertex that is repeated at the very start, for the winding, stays with its strip.
+/// Iterates over the strips that degenerate triangles join: cuts an index buffer between equal consecutive vertices, and omits
+/// parts that draw nothing. A vertex that is repeated at the very start, for the winding, stays with its strip.
 ///
-/// Later strips may have begun at an odd place, so that their winding is the other one when they stand alone.
+/// Later strips may have begun at an odd position; their winding is then reversed when they are drawn alone.
 ///
 /// ```
-/// use tristrip::strip::layout::pieces;
-/// let strips: Vec<&[u32]> = pieces(&[0, 1, 2, 3, 3, 4, 4, 5, 6, 5, 7]).collect();
+/// use tristrip::strip::layout::split_joined;
+/// let strips: Vec<&[u32]> = split_joined(&[0, 1, 2, 3, 3, 4, 4, 5, 6, 5, 7]).collect();
 /// assert_eq!(strips, [&[0, 1, 2, 3][..], &[4, 5, 6, 5, 7]]);
 /// ```
-pub fn pieces(indices: &[u32]) -> impl Iterator<Item = &[u32]> {
+pub fn split_joined(indices: &[u32]) -> impl Iterator<Item = &[u32]> {
     let mut end = 0;
-    let cut = indices.chunk_by(|a, b| a != b).map(move |piece| {
+    let cut = indices.chunk_by(|a, b| a != b).map(move |part| {
         let start = end;
-        end += piece.len();
-        if start == 1 { &indices[..end] } else { piece }
+        end += part.len();
+        if start == 1 { &indices[..end] } else { part }
     });
-    cut.filter(|piece| strip_triangles(piece).next().is_some())
+    cut.filter(|part| strip_triangles(part).next().is_some())
 }
 
 #[cfg(test)]
@@ -98,7 +98,7 @@ mod tests {
     use crate::verify::verify_drawing;
     use proptest::prelude::*;
 
-    /// The join as it is usually done: the strips in order, two repeats between them, three after an odd number of vertices.
+    /// The usual join: the strips in order, two repeats between them, three after an odd number of vertices.
     fn plain_join(strips: &Strips) -> Vec<u32> {
         let mut out: Vec<u32> = Vec::new();
         for strip in strips.iter() {
@@ -111,8 +111,8 @@ mod tests {
         out
     }
 
-    /// The fewest trails over strips as edges between vertices with parities: in each component as many as pairs of nodes with an odd
-    /// number of edges, at least one.
+    /// The least number of trails over strips as edges between vertices with parities: in each component the number of pairs of nodes of
+    /// odd degree, at least one.
     fn fewest_trails(strips: &Strips) -> usize {
         let node = |vertex: u32, odd: bool| vertex as usize * 2 + usize::from(odd);
         let edges = strips.iter().map(|s| (node(s[0], false), node(s[s.len() - 1], s.len() % 2 == 1)));
@@ -155,26 +155,26 @@ mod tests {
         }
 
         #[test]
-        fn what_was_joined_comes_apart(indices in prop::collection::vec(0..5_u32, 0..40)) {
+        fn split_undoes_join(indices in prop::collection::vec(0..5_u32, 0..40)) {
             let count = |strip: &[u32]| strip_triangles(strip).count();
-            let pieces: Vec<&[u32]> = pieces(&indices).collect();
-            prop_assert_eq!(pieces.iter().map(|piece| count(piece)).sum::<usize>(), count(&indices));
-            for (i, piece) in pieces.iter().enumerate() {
-                prop_assert!(count(piece) > 0);
-                let repeat = piece[0] == piece[1];
-                prop_assert!(piece[1..].windows(2).all(|w| w[0] != w[1]) && (i == 0 || !repeat));
+            let parts: Vec<&[u32]> = split_joined(&indices).collect();
+            prop_assert_eq!(parts.iter().map(|part| count(part)).sum::<usize>(), count(&indices));
+            for (i, part) in parts.iter().enumerate() {
+                prop_assert!(count(part) > 0);
+                let repeat = part[0] == part[1];
+                prop_assert!(part[1..].windows(2).all(|w| w[0] != w[1]) && (i == 0 || !repeat));
             }
             let mut strips = Strips::default();
-            pieces.iter().for_each(|piece| strips.push(piece));
-            prop_assert_eq!(super::pieces(&strips.to_degenerate()).count(), strips.len());
+            parts.iter().for_each(|part| strips.push(part));
+            prop_assert_eq!(split_joined(&strips.to_degenerate()).count(), strips.len());
         }
 
         #[test]
-        fn little_stands_between_strips(
+        fn few_indices_separate_strips(
             lengths in prop::collection::vec(4..8_usize, 1..20),
             vertices in prop::collection::vec(0..9_u32, 40),
         ) {
-            // Strips of many vertices, but for their ends, which are a few.
+            // Strips whose inner vertices differ and whose ends are few.
             let mut strips = Strips::default();
             for (length, ends) in lengths.into_iter().zip(vertices.chunks_exact(2)) {
                 let mut strip: Vec<u32> = (90..90 + length as u32).collect();
@@ -182,7 +182,7 @@ mod tests {
                 strip[length - 1] = ends[1];
                 strips.push(&strip);
             }
-            // Two indices between trails, one at the beginning, and one where the parity is another.
+            // Two indices between trails, one at the start, and one where the parity changes.
             let most = strips.vertices_sent() + 2 * (fewest_trails(&strips) - 1) + 2;
             let found = strips.to_degenerate().len();
             prop_assert!(found <= most, "{} {}", found, most);

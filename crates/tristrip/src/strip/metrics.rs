@@ -1,9 +1,9 @@
-//! What strips cost: every figure of the project has its one definition here.
+//! The cost of strips: the single definition of every metric of the project.
 
-use super::Strips;
-use crate::cover::priced::Prices;
+use super::{Strips, count_triangles};
+use crate::cover::priced::StripPrices;
 
-/// A cost that a search can minimize, and a user name.
+/// A cost that a search can minimize and a user can select.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
 pub enum Cost {
@@ -14,12 +14,12 @@ pub enum Cost {
     OpenGl,
     /// The index buffer of one strip joined by degenerate triangles: [`Metrics::indices_degenerate`].
     Degenerate,
-    /// The vertices sent with swaps free, so that only strips count: [`Metrics::gl_cost`].
+    /// The vertices sent with free swaps, so that only strips count: [`Metrics::gl_cost`].
     Gl,
 }
 
 impl Cost {
-    /// Picks this cost from the figures of strips.
+    /// Returns this cost from the metrics of strips.
     ///
     /// ```
     /// use tristrip::{Strips, strip::{Cost, Metrics}};
@@ -37,32 +37,32 @@ impl Cost {
         }
     }
 
-    /// Returns what a strip and a swap cost beyond one index per triangle. Joining strips by degenerate triangles costs one index or
-    /// two, as measured: the joined strips share many vertices. Tuned on cow, fandisk, bunny and horse.
-    pub(crate) fn prices(self) -> Prices {
+    /// Returns the cost of a strip and of a swap beyond one index per triangle. A join by degenerate triangles costs one or two indices,
+    /// as measured: the joined strips share many vertices. Tuned on cow, fandisk, bunny and horse.
+    pub(crate) fn prices(self) -> StripPrices {
         match self {
-            Self::Restart | Self::Degenerate => Prices { strip: 3, swap: 1 },
-            Self::OpenGl => Prices { strip: 2, swap: 1 },
-            Self::Gl => Prices { strip: 2, swap: 0 },
+            Self::Restart | Self::Degenerate => StripPrices { strip: 3, swap: 1 },
+            Self::OpenGl => StripPrices { strip: 2, swap: 1 },
+            Self::Gl => StripPrices { strip: 2, swap: 0 },
         }
     }
 }
 
-/// The figures of a set of strips. Counts are of indices, triangles or strips, as their names say.
+/// The metrics of a set of strips. All are counts of indices, triangles or strips.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub struct Metrics {
     /// Real triangles drawn.
     pub triangles: usize,
-    /// Strips.
+    /// Number of strips.
     pub strips: usize,
     /// Strips of one triangle.
     pub isolated: usize,
-    /// Vertices repeated inside a strip or at its start, each of which draws a degenerate triangle or two.
+    /// Vertices repeated inside a strip or at its start, each of which draws one or two degenerate triangles.
     pub swaps: usize,
-    /// The sum of the strips' lengths, swaps and winding repeats included (the OpenGL cost).
+    /// The sum of the strip lengths, swaps and winding repeats included (the OpenGL cost).
     pub vertices_sent: usize,
-    /// The same with swaps free (the GL cost, one bit each).
+    /// The same with free swaps (the GL cost, one bit each).
     pub gl_cost: usize,
     /// Length of the index buffer with a restart between strips: `vertices_sent + strips − 1`.
     pub indices_restart: usize,
@@ -91,7 +91,7 @@ impl Metrics {
             ..Self::default()
         };
         for strip in strips.iter() {
-            let real = strip.windows(3).filter(|w| w[0] != w[1] && w[1] != w[2] && w[0] != w[2]).count();
+            let real = count_triangles(strip);
             metrics.triangles += real;
             metrics.isolated += usize::from(real == 1);
             metrics.swaps += (strip.len().saturating_sub(2)) - real;
@@ -100,24 +100,24 @@ impl Metrics {
         metrics
     }
 
-    /// Divides `vertices_sent` by the triangles; 0 where there is none.
+    /// Returns `vertices_sent` per triangle; 0 without triangles.
     pub fn vertices_per_triangle(&self) -> f64 {
         per(self.vertices_sent, self.triangles)
     }
 
-    /// Divides `indices_restart` by the triangles; 0 where there is none.
+    /// Returns `indices_restart` per triangle; 0 without triangles.
     pub fn indices_restart_per_triangle(&self) -> f64 {
         per(self.indices_restart, self.triangles)
     }
 
-    /// Divides `indices_degenerate` by the triangles; 0 where there is none.
+    /// Returns `indices_degenerate` per triangle; 0 without triangles.
     pub fn indices_degenerate_per_triangle(&self) -> f64 {
         per(self.indices_degenerate, self.triangles)
     }
 }
 
-/// Adds the figures of a part to those of others. `indices_restart` is the length of one index buffer for all of them,
-/// `vertices_sent + strips − 1` still; `indices_degenerate` is the sum of an index buffer each.
+/// Adds the metrics of two parts. `indices_restart` is the length of one index buffer for both, `vertices_sent + strips − 1` as
+/// before; `indices_degenerate` is the sum over one index buffer per part.
 ///
 /// ```
 /// use tristrip::{Strips, strip::Metrics};
@@ -146,7 +146,7 @@ impl std::ops::Add for Metrics {
     }
 }
 
-/// Sums the figures of a model's parts.
+/// Sums the metrics of a model's parts.
 impl std::iter::Sum for Metrics {
     fn sum<I: Iterator<Item = Self>>(parts: I) -> Self {
         parts.fold(Self::default(), |sum, part| sum + part)
@@ -162,7 +162,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn parts_add_up_to_one_list_but_for_degenerate_joins() {
+    fn parts_add_up_to_one_list_except_for_degenerate_joins() {
         let strips = [&[0, 1, 2][..], &[3, 4, 5, 6], &[7, 8, 9, 8, 10], &[11, 12, 13], &[14, 15, 16, 17]];
         let list = |range: std::ops::Range<usize>| {
             let mut list = Strips::default();

@@ -1,24 +1,22 @@
-//! The order of first use: vertices numbered as an index buffer meets them, so that they are fetched from memory one after the
-//! other.
+//! The order of first use: vertices numbered in the order in which an index buffer uses them, so that they are fetched from memory
+//! sequentially.
 //!
 //! ```text
 //! indices          7 2 9 2 4         new_to_old   7 2 9 4   0 1 3 5 6 8
-//! after            0 1 2 1 3                      in use    in use by nobody
+//! after            0 1 2 1 3                      used      unused
 //! ```
-//! The triangles stay as they are, and so does whatever a vertex buffer holds: only the numbers are others. Vertices that no
-//! index names come last, in their old order; none is lost, so that every order has an inverse.
+//! The triangles stay the same, and so do the hits of a vertex cache: only the numbers change. Unused vertices come last, in their
+//! old order; none is lost, so every order has an inverse.
 //!
 //! # Complexity
-//! Linear time; 8 bytes a vertex.
+//! Linear time; 8 bytes per vertex.
 
 use super::Strips;
 use crate::error::{Error, MeshProblem};
-use crate::mesh::{Attribute, AttributeData, Faces, MAX_COUNT, Mesh};
+use crate::ids::{OptionalId, check_count};
+use crate::mesh::{Attribute, Faces, Mesh, select};
 
-/// Stands for "no number yet"; no vertex has it, as there are at most [`MAX_COUNT`].
-const NONE: u32 = u32::MAX;
-
-/// A new numbering of the vertices of one vertex buffer, and the way back.
+/// A new numbering of the vertices of one array, in both directions.
 ///
 /// ```
 /// use tristrip::{Strips, strip::VertexOrder};
@@ -38,10 +36,10 @@ pub struct VertexOrder {
 }
 
 impl VertexOrder {
-    /// Leaves every vertex its number.
+    /// Creates the order in which every vertex keeps its number.
     ///
     /// # Errors
-    /// There are more vertices than 32-bit ids can name.
+    /// There are too many vertices for 32-bit ids.
     ///
     /// ```
     /// assert_eq!(tristrip::strip::VertexOrder::identity(3)?.new_to_old(), [0, 1, 2]);
@@ -51,11 +49,11 @@ impl VertexOrder {
         Self::of_indices(vertex_count, [])
     }
 
-    /// Numbers vertices 0 to `vertex_count` − 1 by their first use in the strips, one strip after the other, as they are drawn. Strips
-    /// of several parts over the same vertices share one order.
+    /// Numbers vertices 0 to `vertex_count` − 1 by their first use in the strips, in drawing order. Strips of several parts over the
+    /// same vertices share one order.
     ///
     /// # Errors
-    /// A strip has a vertex that is not less than `vertex_count`, or there are more vertices than 32-bit ids can name.
+    /// A strip has a vertex that is not less than `vertex_count`, or there are too many vertices for 32-bit ids.
     ///
     /// ```
     /// use tristrip::{Strips, strip::VertexOrder};
@@ -75,10 +73,10 @@ impl VertexOrder {
         )
     }
 
-    /// Numbers vertices 0 to `vertex_count` − 1 by their first use in an index buffer, which has no restart index.
+    /// Numbers vertices 0 to `vertex_count` − 1 by their first use in an index buffer without restart indices.
     ///
     /// # Errors
-    /// An index is not less than `vertex_count`, or there are more vertices than 32-bit ids can name.
+    /// An index is not less than `vertex_count`, or there are too many vertices for 32-bit ids.
     ///
     /// ```
     /// let order = tristrip::strip::VertexOrder::of_indices(4, [2, 2, 3, 0])?;
@@ -86,32 +84,32 @@ impl VertexOrder {
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     pub fn of_indices(vertex_count: usize, indices: impl IntoIterator<Item = u32>) -> Result<Self, Error> {
-        if vertex_count > MAX_COUNT {
-            let (what, found) = ("vertices", vertex_count as u64);
-            return Err(Error::LimitExceeded { what, found, limit: MAX_COUNT as u64 });
-        }
-        let mut old_to_new = vec![NONE; vertex_count];
+        check_count("vertices", vertex_count)?;
+        let mut numbers = vec![OptionalId::NONE; vertex_count];
         let mut new_to_old = Vec::with_capacity(vertex_count);
         for (at, vertex) in indices.into_iter().enumerate() {
-            let Some(new) = old_to_new.get_mut(vertex as usize) else {
+            let Some(new) = numbers.get_mut(vertex as usize) else {
                 return Err(out_of_range(at, vertex, vertex_count));
             };
-            if *new == NONE {
-                *new = new_to_old.len() as u32;
+            if new.is_none() {
+                *new = OptionalId::some(new_to_old.len() as u32);
                 new_to_old.push(vertex);
             }
         }
-        for (vertex, new) in (0..).zip(&mut old_to_new).filter(|(_, new)| **new == NONE) {
-            *new = new_to_old.len() as u32;
-            new_to_old.push(vertex);
-        }
+        let old_to_new = (0..).zip(numbers).map(|(vertex, new)| {
+            new.get().unwrap_or_else(|| {
+                new_to_old.push(vertex);
+                new_to_old.len() as u32 - 1
+            })
+        });
+        let old_to_new = old_to_new.collect();
         Ok(Self { new_to_old, old_to_new })
     }
 
-    /// Takes an order from elsewhere: for each new number the old one.
+    /// Creates an order from the old number of each new one.
     ///
     /// # Errors
-    /// Not every number below the length stands there once, or there are more vertices than 32-bit ids can name.
+    /// Not every number below the length occurs once, or there are too many vertices for 32-bit ids.
     ///
     /// ```
     /// use tristrip::strip::VertexOrder;
@@ -121,29 +119,29 @@ impl VertexOrder {
     /// ```
     pub fn from_new_to_old(new_to_old: &[u32]) -> Result<Self, Error> {
         let order = Self::of_indices(new_to_old.len(), new_to_old.iter().copied())?;
-        if let Some(place) = (0..new_to_old.len()).find(|&i| order.new_to_old[i] != new_to_old[i]) {
-            let found = format!("vertex {} a second time, at {place}", new_to_old[place]);
+        if let Some(at) = (0..new_to_old.len()).find(|&i| order.new_to_old[i] != new_to_old[i]) {
+            let found = format!("vertex {} a second time, at {at}", new_to_old[at]);
             return Err(Error::Parameter { name: "new_to_old", found, expected: "every vertex once" });
         }
         Ok(order)
     }
 
-    /// Gives for each new number the old one.
+    /// Returns the old number of each new one.
     pub fn new_to_old(&self) -> &[u32] {
         &self.new_to_old
     }
 
-    /// Gives for each old number the new one.
+    /// Returns the new number of each old one.
     pub fn old_to_new(&self) -> &[u32] {
         &self.old_to_new
     }
 
-    /// Counts the vertices, in use or not.
+    /// Counts the vertices, used or not.
     pub fn vertex_count(&self) -> usize {
         self.new_to_old.len()
     }
 
-    /// Counts the vertices whose number is another one.
+    /// Counts the vertices whose number changes.
     ///
     /// ```
     /// let order = tristrip::strip::VertexOrder::of_indices(4, [0, 3])?;
@@ -154,12 +152,12 @@ impl VertexOrder {
         (0..).zip(&self.new_to_old).filter(|&(new, &old)| new != old).count()
     }
 
-    /// Gives the way back: what one order does, its inverse undoes.
+    /// Returns the inverse order, which undoes this one.
     ///
     /// ```
     /// let order = tristrip::strip::VertexOrder::of_indices(4, [2, 3, 0])?;
-    /// let there = order.values(&[10, 11, 12, 13], 1)?;
-    /// assert_eq!(order.inverse().values(&there, 1)?, [10, 11, 12, 13]);
+    /// let ordered = order.values(&[10, 11, 12, 13], 1)?;
+    /// assert_eq!(order.inverse().values(&ordered, 1)?, [10, 11, 12, 13]);
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     #[must_use]
@@ -167,17 +165,17 @@ impl VertexOrder {
         Self { new_to_old: self.old_to_new.clone(), old_to_new: self.new_to_old.clone() }
     }
 
-    /// Tells whether both directions name every vertex once and undo each other.
+    /// Returns whether both directions contain every vertex once and undo each other.
     pub fn check(&self) -> bool {
         let undone = |new: u32, old: u32| self.old_to_new.get(old as usize) == Some(&new);
         self.new_to_old.len() == self.old_to_new.len()
             && (0..).zip(&self.new_to_old).all(|(new, &old)| undone(new, old))
     }
 
-    /// Puts values that stand in the old order into the new one, `components` of them for each vertex.
+    /// Reorders values from the old order into the new one, `components` of them per vertex.
     ///
     /// # Errors
-    /// There are not `components` values for each vertex.
+    /// There are not `components` values per vertex.
     ///
     /// ```
     /// let order = tristrip::strip::VertexOrder::of_indices(3, [2])?;
@@ -191,21 +189,13 @@ impl VertexOrder {
             let expected = self.vertex_count() as u64;
             return Err(MeshProblem::AttributeLength { name: "values".into(), found, expected }.into());
         }
-        if components == 1 {
-            return Ok(self.new_to_old.iter().map(|&old| values[old as usize]).collect());
-        }
-        let mut out = Vec::with_capacity(values.len());
-        for &old in &self.new_to_old {
-            let first = old as usize * components;
-            out.extend_from_slice(&values[first..first + components]);
-        }
-        Ok(out)
+        Ok(select(values, components, &self.new_to_old))
     }
 
-    /// Puts the values of an attribute into the new order.
+    /// Reorders the values of an attribute.
     ///
     /// # Errors
-    /// The attribute has not one value for each vertex.
+    /// The attribute does not have one value per vertex.
     ///
     /// ```
     /// use tristrip::{Attribute, AttributeData, strip::VertexOrder};
@@ -216,28 +206,16 @@ impl VertexOrder {
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     pub fn attribute(&self, attribute: &Attribute) -> Result<Attribute, Error> {
-        let n = usize::from(attribute.components.max(1));
-        let data = match &attribute.data {
-            AttributeData::F32(v) => self.values(v, n).map(AttributeData::F32),
-            AttributeData::F64(v) => self.values(v, n).map(AttributeData::F64),
-            AttributeData::U8(v) => self.values(v, n).map(AttributeData::U8),
-            AttributeData::I8(v) => self.values(v, n).map(AttributeData::I8),
-            AttributeData::U16(v) => self.values(v, n).map(AttributeData::U16),
-            AttributeData::I16(v) => self.values(v, n).map(AttributeData::I16),
-            AttributeData::U32(v) => self.values(v, n).map(AttributeData::U32),
-            AttributeData::I32(v) => self.values(v, n).map(AttributeData::I32),
-        };
-        let data = data.map_err(|error| match error {
-            Error::Mesh(MeshProblem::AttributeLength { found, expected, .. }) => {
-                let name = attribute.name.clone();
-                MeshProblem::AttributeLength { name, found, expected }.into()
-            }
-            other => other,
-        })?;
-        Ok(Attribute { data, name: attribute.name.clone(), ..*attribute })
+        let components = usize::from(attribute.components.max(1));
+        if Some(attribute.data.len()) != self.vertex_count().checked_mul(components) {
+            let found = (attribute.data.len() / components) as u64;
+            let (name, expected) = (attribute.name.clone(), self.vertex_count() as u64);
+            return Err(MeshProblem::AttributeLength { name, found, expected }.into());
+        }
+        Ok(attribute.of_vertices(&self.new_to_old))
     }
 
-    /// Writes the new number for each index.
+    /// Returns the new number of each index.
     ///
     /// # Errors
     /// An index is not less than the number of vertices.
@@ -255,7 +233,7 @@ impl VertexOrder {
         indices.iter().enumerate().map(new).collect()
     }
 
-    /// Gives the same strips over the new numbers.
+    /// Returns the same strips with the new numbers.
     ///
     /// # Errors
     /// A strip has a vertex that is not less than the number of vertices.
@@ -263,7 +241,7 @@ impl VertexOrder {
         Ok(Strips { vertices: self.indices(&strips.vertices)?, ..strips.clone() })
     }
 
-    /// Gives the same faces, in their order, over the new numbers.
+    /// Returns the same faces, in their order, with the new numbers.
     ///
     /// # Errors
     /// A face has a vertex that is not less than the number of vertices.
@@ -279,10 +257,10 @@ impl VertexOrder {
         faces.with_corners(self.indices(faces.corners())?)
     }
 
-    /// Gives the same mesh with positions, attributes and faces in the new order.
+    /// Returns the same mesh with positions, attributes and faces in the new order.
     ///
     /// # Errors
-    /// The mesh has another number of vertices.
+    /// The mesh has a different number of vertices.
     ///
     /// ```
     /// use tristrip::{Faces, Mesh, strip::VertexOrder};
@@ -304,7 +282,7 @@ impl VertexOrder {
     }
 }
 
-/// Makes the error for an index that names no vertex.
+/// Returns the error for an index without a vertex.
 fn out_of_range(at: usize, vertex: u32, vertex_count: usize) -> Error {
     let found = format!("index {vertex} at {at}, over {vertex_count} vertices");
     Error::Parameter { name: "indices", found, expected: "less than the number of vertices" }
@@ -313,6 +291,7 @@ fn out_of_range(at: usize, vertex: u32, vertex_count: usize) -> Error {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::{AttributeData, MAX_COUNT};
     use crate::strip::Metrics;
     use crate::verify::verify;
     use crate::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
@@ -329,7 +308,7 @@ mod tests {
         })
     }
 
-    /// The order from a table of first places: used vertices by place, the others after them.
+    /// The order from a table of first positions: used vertices by position, the others after them.
     fn naive(vertex_count: usize, indices: &[u32]) -> Vec<u32> {
         let mut first: BTreeMap<u32, usize> = BTreeMap::new();
         for at in (0..indices.len()).rev() {
@@ -342,26 +321,26 @@ mod tests {
 
     proptest! {
         #[test]
-        fn numbers_rise_by_first_use(strips in some_strips(40), others in some_strips(40)) {
+        fn numbers_increase_by_first_use(strips in some_strips(40), others in some_strips(40)) {
             let both = [strips.vertices(), others.vertices()].concat();
             let order = VertexOrder::of_strips(40, [&strips, &others]).unwrap();
             prop_assert!(order.check());
             prop_assert_eq!(order.new_to_old(), naive(40, &both));
-            // Seen from the new numbers, every first use is the next number.
+            // In the new numbers, every first use is the next number.
             let mut next = 0;
             for new in order.indices(&both).unwrap() {
                 prop_assert!(new <= next);
                 next = next.max(new + 1);
             }
-            // The others follow in their old order.
+            // The unused ones follow in their old order.
             prop_assert!(order.new_to_old()[next as usize..].is_sorted());
-            // And what is in order stays as it is.
+            // Indices that are in order stay the same.
             let again = VertexOrder::of_indices(40, order.indices(&both).unwrap()).unwrap();
             prop_assert_eq!(again.moved_count(), 0);
         }
 
         #[test]
-        fn there_and_back_is_the_identity(
+        fn the_inverse_undoes_an_order(
             strips in some_strips(30),
             values in prop::collection::vec(any::<u16>(), 90),
             corners in prop::collection::vec(0..30_u32, 60),
@@ -378,22 +357,22 @@ mod tests {
             let polygons = [&corners[..4], &corners[4..7], &corners[7..7], &corners[7..]];
             let mesh = Mesh::new(positions, Faces::from_polygons(polygons).unwrap()).unwrap();
             let mesh = mesh.with_attribute(attribute).unwrap();
-            let there = order.mesh(&mesh).unwrap();
-            prop_assert_eq!(&back.mesh(&there).unwrap(), &mesh);
+            let ordered = order.mesh(&mesh).unwrap();
+            prop_assert_eq!(&back.mesh(&ordered).unwrap(), &mesh);
             for (new, &old) in order.new_to_old().iter().enumerate() {
-                prop_assert_eq!(there.positions()[new].map(f32::to_bits), mesh.positions()[old as usize].map(f32::to_bits));
+                prop_assert_eq!(ordered.positions()[new].map(f32::to_bits), mesh.positions()[old as usize].map(f32::to_bits));
             }
             prop_assert_eq!(VertexOrder::from_new_to_old(order.new_to_old()).unwrap(), order);
         }
 
         #[test]
-        fn what_is_drawn_and_what_it_costs_stay(strips in some_strips(20), places in 3..20_u32) {
+        fn drawing_and_cost_stay_the_same(strips in some_strips(20), entries in 3..20_u32) {
             let positions = vec![[0.0; 3]; 20];
             let mesh = Mesh::new(positions, Faces::from_triangles(strips.to_list()).unwrap()).unwrap();
             let order = VertexOrder::of_strips(20, [&strips]).unwrap();
-            let (there, ordered) = (order.mesh(&mesh).unwrap(), order.strips(&strips).unwrap());
-            prop_assert!(verify(&there, &ordered).is_ok());
-            let misses = |strips| VertexCacheStatistics::of(strips, VertexCache::fifo(places), FlushPolicy::Keep, 20);
+            let (ordered_mesh, ordered) = (order.mesh(&mesh).unwrap(), order.strips(&strips).unwrap());
+            prop_assert!(verify(&ordered_mesh, &ordered).is_ok());
+            let misses = |strips| VertexCacheStatistics::of(strips, VertexCache::fifo(entries), FlushPolicy::Keep, 20);
             prop_assert_eq!(misses(&ordered), misses(&strips));
             let (a, b) = (Metrics::of(&strips), Metrics::of(&ordered));
             prop_assert_eq!((a.vertices_sent, a.swaps, a.indices_restart), (b.vertices_sent, b.swaps, b.indices_restart));
@@ -401,15 +380,16 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_fit_is_refused() {
+    fn refuses_values_and_indices_that_do_not_match() {
         let order = VertexOrder::of_indices(3, [2]).unwrap();
-        let say = |error: Error| error.to_string();
+        let message = |error: Error| error.to_string();
         assert_eq!(
-            say(VertexOrder::of_indices(3, [0, 3]).unwrap_err()),
+            message(VertexOrder::of_indices(3, [0, 3]).unwrap_err()),
             "parameter `indices`: found index 3 at 1, over 3 vertices, expected less than the number of vertices"
         );
         assert!(
-            say(VertexOrder::from_new_to_old(&[1, 1]).unwrap_err()).contains("vertex 1 a second time, at 1")
+            message(VertexOrder::from_new_to_old(&[1, 1]).unwrap_err())
+                .contains("vertex 1 a second time, at 1")
         );
         assert!(VertexOrder::from_new_to_old(&[1, 2]).is_err());
         assert!(order.values(&[0; 4], 1).is_err() && order.values(&[0; 3], 0).is_err());
@@ -421,8 +401,8 @@ mod tests {
             data: AttributeData::U8(vec![1]),
         };
         assert_eq!(
-            say(order.attribute(&attribute).unwrap_err()),
-            "attribute `id`: found 1 values, expected 3 (one for each vertex)"
+            message(order.attribute(&attribute).unwrap_err()),
+            "attribute `id`: found 1 values, expected 3 (one per vertex)"
         );
         assert!(order.mesh(&Mesh::default()).is_err());
         let wrong = VertexOrder { new_to_old: vec![0, 0], old_to_new: vec![0, 0] };

@@ -35,7 +35,7 @@ mod anneal;
 mod tests;
 
 use super::{Effort, Patches, StripPlan, Watch, input, sequential, stripe};
-use crate::cover::priced::{Paths, TRIANGLE_LIMIT};
+use crate::cover::priced::{PricedPaths, TRIANGLE_LIMIT};
 use crate::dual::DualGraph;
 use crate::prepare::PreparedFaces;
 use crate::strip::{Cost, cover_cost};
@@ -62,9 +62,9 @@ pub(super) fn plan<'a>(
     if phases.is_empty() || start.cover.is_empty() || start.cover.len() > TRIANGLE_LIMIT {
         return start;
     }
-    let mut paths = Paths::new(surface.faces(), &start.triangulation, &start.cover, cost.prices());
+    let mut paths = PricedPaths::new(surface.faces(), &start.triangulation, &start.cover, cost.prices());
     // The prices of the search are those of the result, but where strips are joined.
-    let price = |paths: &Paths, plan: &StripPlan<'_>| match cost {
+    let price = |paths: &PricedPaths, plan: &StripPlan<'_>| match cost {
         Cost::Degenerate => joined(plan).cast_signed() as i64,
         _ => paths.cost(),
     };

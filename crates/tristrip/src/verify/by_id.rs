@@ -1,47 +1,48 @@
-//! The proof that strips draw exactly the faces that they came from: each once, with its winding.
+//! The proof by vertex id that strips draw exactly the faces that they were made from: each once, with its winding.
 //!
 //! # Algorithm
 //! *Triangles*: the two multisets of oriented triangles, each rotated to begin with its lowest vertex, are sorted and compared.
 //!
-//! *Polygons*: a triangle belongs to a polygon whose corners include its own. Polygons that a triangle could belong to in common
-//! form a group, mostly of one polygon. A group is proven where it has the k − 2 triangles of each of its polygons, and its
-//! triangles' oriented edges add up to the polygons' oriented edges: diagonals cancel, boundaries remain. So diagonals
-//! may run as the method liked, but nothing is missing, doubled, flipped or outside.
+//! *Polygons*: a triangle belongs to a polygon whose corners include its own. Polygons to which the same triangle may belong
+//! form a group, usually of one polygon. A group is proven if it has the k − 2 triangles of each of its polygons, and its
+//! triangles' oriented edges add up to the polygons' oriented edges: diagonals cancel, boundaries remain. Any diagonals are therefore
+//! accepted, but nothing is missing, doubled, flipped or outside.
 //!
-//! Corners that repeat the one before, and faces without three different corners in a row, draw nothing on either side. A polygon
-//! that passes a vertex twice is held to its oriented edges only, as its triangles may lose their area.
+//! Corners that repeat the one before, and faces with fewer than three corners after that, draw nothing on either side. For a polygon
+//! that contains a vertex twice only the oriented edges are compared, as some of its triangles may be degenerate.
 //!
 //! # Complexity
-//! O(n log n) time, 24 bytes a triangle; for polygons O(n · valence) time.
+//! O(n log n) time, 24 bytes per triangle; for polygons O(n · valence) time.
 
-use crate::mesh::{Faces, Mesh, canonical_triangle};
+use crate::csr::Csr;
+use crate::mesh::{Faces, Mesh, canonical_triangles, triangles_of, without_repeats};
 use crate::strip::Strips;
 use crate::union_find::UnionFind;
 
-/// What was proven.
+/// The result of a successful proof.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Proof {
-    /// Faces that were compared.
+    /// Number of faces compared.
     pub faces: usize,
-    /// Triangles that draw them.
+    /// Number of triangles that draw them.
     pub triangles: usize,
 }
 
-/// Says why a drawing is not that of the faces.
+/// The reason why triangles do not draw the faces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Unproven {
     /// Triangles differ from the faces.
     #[error("{missing} triangles are missing and {extra} are extra or flipped; the first is {first:?}")]
     Triangles {
-        /// Faces that no triangle draws.
+        /// Number of faces that no triangle draws.
         missing: usize,
-        /// Triangles that no face asks for.
+        /// Number of triangles without a face.
         extra: usize,
-        /// The vertices of the first one at fault.
+        /// The vertices of the first of them.
         first: [u32; 3],
     },
-    /// A triangle lies in no polygon.
+    /// A triangle is not part of any polygon.
     #[error("triangle {triangle:?} lies in no face")]
     Outside {
         /// Its vertices.
@@ -50,19 +51,19 @@ pub enum Unproven {
     /// A polygon has too few or too many triangles.
     #[error("face {face}: found {found} triangles, expected {expected}")]
     Count {
-        /// A face of the group that is at fault.
+        /// A face of the group.
         face: u32,
-        /// Triangles that lie in the group.
+        /// Number of triangles in the group.
         found: usize,
-        /// Triangles that its polygons make.
+        /// Number of triangles of its polygons.
         expected: usize,
     },
-    /// The edges of a polygon's triangles do not add up to its own.
+    /// The edges of a polygon's triangles do not add up to those of the polygon.
     #[error("face {face}: its triangles do not have its boundary at edge {edge:?}")]
     Boundary {
-        /// A face of the group that is at fault.
+        /// A face of the group.
         face: u32,
-        /// The vertices of the first edge at fault.
+        /// The vertices of the first edge that differs.
         edge: [u32; 2],
     },
 }
@@ -70,7 +71,7 @@ pub enum Unproven {
 /// Proves that strips draw a mesh's faces, each once, with its winding.
 ///
 /// # Errors
-/// What is wrong, with the first place.
+/// The first difference found.
 ///
 /// ```
 /// use tristrip::{Faces, Mesh, Strips, verify::verify};
@@ -87,37 +88,26 @@ pub fn verify(mesh: &Mesh, strips: &Strips) -> Result<Proof, Unproven> {
     verify_drawing(mesh.faces(), &triangles)
 }
 
-/// Proves that triangles draw faces, where both name the same vertices alike.
+/// Proves that triangles draw faces; both refer to the same vertices.
 ///
 /// # Errors
-/// What is wrong, with the first place.
+/// The first difference found.
 pub fn verify_drawing(faces: &Faces, triangles: &[[u32; 3]]) -> Result<Proof, Unproven> {
     let proof = Proof { faces: faces.face_count(), triangles: triangles.len() };
-    let mut drawn: Vec<[u32; 3]> = triangles
-        .iter()
-        .filter(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0])
-        .copied()
-        .map(canonical_triangle)
-        .collect();
-    drawn.sort_unstable();
+    let drawn = canonical_triangles(triangles.iter().copied());
     match faces.as_triangles() {
         Some(corners) => {
-            let asked = corners.chunks_exact(3).map(|t| [t[0], t[1], t[2]]);
-            let mut asked: Vec<_> = asked
-                .filter(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0])
-                .map(canonical_triangle)
-                .collect();
-            asked.sort_unstable();
-            if asked == drawn { Ok(proof) } else { Err(first_difference(&asked, &drawn)) }
+            let expected = canonical_triangles(triangles_of(corners));
+            if expected == drawn { Ok(proof) } else { Err(first_difference(&expected, &drawn)) }
         }
         None => verify_polygons(faces, &drawn).map(|()| proof),
     }
 }
 
-fn first_difference(asked: &[[u32; 3]], drawn: &[[u32; 3]]) -> Unproven {
+fn first_difference(expected: &[[u32; 3]], drawn: &[[u32; 3]]) -> Unproven {
     let (mut i, mut j, mut missing, mut extra, mut first) = (0, 0, 0, 0, None);
-    while i < asked.len() || j < drawn.len() {
-        match (asked.get(i), drawn.get(j)) {
+    while i < expected.len() || j < drawn.len() {
+        match (expected.get(i), drawn.get(j)) {
             (Some(a), Some(d)) if a == d => (i, j) = (i + 1, j + 1),
             (Some(a), d) if d.is_none_or(|d| a < d) => {
                 first = first.or(Some(*a));
@@ -132,13 +122,12 @@ fn first_difference(asked: &[[u32; 3]], drawn: &[[u32; 3]]) -> Unproven {
     Unproven::Triangles { missing, extra, first: first.unwrap_or_default() }
 }
 
-/// Polygons with what repeats left out, and which polygons each vertex is a corner of.
+/// Polygons without repeated corners, and the polygons around each vertex.
 struct Corners {
     faces: Faces,
-    /// The face's number in the input, and whether a vertex comes twice in it.
+    /// The number of each polygon's face in the input, and whether it contains a vertex twice.
     origin: Vec<(u32, bool)>,
-    incident_ends: Vec<u32>,
-    incident: Vec<u32>,
+    incident: Csr,
 }
 
 impl Corners {
@@ -147,12 +136,7 @@ impl Corners {
         let mut sorted: Vec<u32> = Vec::new();
         let mut polygon: Vec<u32> = Vec::new();
         for (face, all) in faces.iter().enumerate() {
-            polygon.clear();
-            polygon.extend_from_slice(all);
-            polygon.dedup();
-            while polygon.len() > 1 && polygon.first() == polygon.last() {
-                polygon.pop();
-            }
+            without_repeats(all, &mut polygon);
             if polygon.len() < 3 {
                 continue;
             }
@@ -164,33 +148,18 @@ impl Corners {
             offsets.push(corners.len() as u32);
         }
         let vertex_count = corners.iter().max().map_or(0, |&v| v as usize + 1);
-        let mut incident_ends = vec![0_u32; vertex_count];
-        corners.iter().for_each(|&v| incident_ends[v as usize] += 1);
-        let mut total = 0;
-        for end in &mut incident_ends {
-            total += std::mem::replace(end, total);
-        }
-        let mut incident = vec![0; corners.len()];
-        for (face, range) in offsets.windows(2).enumerate() {
-            for &v in &corners[range[0] as usize..range[1] as usize] {
-                incident[incident_ends[v as usize] as usize] = face as u32;
-                incident_ends[v as usize] += 1;
-            }
-        }
+        let sizes = (0_u32..).zip(offsets.windows(2).map(|range| range[1] - range[0]));
+        let face_of: Vec<u32> =
+            sizes.flat_map(|(face, size)| std::iter::repeat_n(face, size as usize)).collect();
+        let mut incident = Csr::group(corners.iter().copied(), vertex_count);
+        incident.map_items(|corner| face_of[corner as usize]);
         let faces = Faces::from_offsets(offsets, corners).unwrap_or_default();
-        Self { faces, origin, incident_ends, incident }
+        Self { faces, origin, incident }
     }
 
-    /// The polygons that a vertex is a corner of, in order.
+    /// Returns the polygons that have a vertex as a corner, ascending.
     fn at(&self, vertex: u32) -> &[u32] {
-        let v = vertex as usize;
-        match self.incident_ends.get(v) {
-            Some(&end) => {
-                let start = if v == 0 { 0 } else { self.incident_ends[v - 1] };
-                &self.incident[start as usize..end as usize]
-            }
-            None => &[],
-        }
+        if (vertex as usize) < self.incident.key_count() { self.incident.row(vertex) } else { &[] }
     }
 
     /// Calls `each` with every polygon that has all three vertices.
@@ -199,6 +168,8 @@ impl Corners {
         lists.sort_unstable_by_key(|list| list.len());
         let mut last = None;
         for &face in lists[0] {
+            #[cfg(test)]
+            tests::LOOKUPS.set(tests::LOOKUPS.get() + 1);
             let in_all = lists[1].binary_search(&face).is_ok() && lists[2].binary_search(&face).is_ok();
             if in_all && last != Some(face) {
                 each(face);
@@ -208,15 +179,15 @@ impl Corners {
     }
 }
 
-/// Holds sorted triangles to polygons.
+/// Compares sorted triangles with polygons.
 fn verify_polygons(faces: &Faces, drawn: &[[u32; 3]]) -> Result<(), Unproven> {
     let corners = Corners::new(faces);
     let mut groups = UnionFind::new(corners.faces.face_count());
-    let mut home: Vec<u32> = Vec::with_capacity(drawn.len());
+    let mut owners: Vec<u32> = Vec::with_capacity(drawn.len());
     for (i, &triangle) in drawn.iter().enumerate() {
-        // A triangle that comes as often as its polygon does is looked up once, or many would take their square of time.
+        // A triangle that is repeated as often as its polygon is looked up once: otherwise the time would be quadratic.
         if i > 0 && drawn[i - 1] == triangle {
-            home.push(home[i - 1]);
+            owners.push(owners[i - 1]);
             continue;
         }
         let mut first = None;
@@ -224,9 +195,9 @@ fn verify_polygons(faces: &Faces, drawn: &[[u32; 3]]) -> Result<(), Unproven> {
             None => first = Some(face),
             Some(first) => groups.unite(first, face),
         });
-        home.push(first.ok_or(Unproven::Outside { triangle })?);
+        owners.push(first.ok_or(Unproven::Outside { triangle })?);
     }
-    // Triangles and oriented edges of every group; (group, low, high) is counted up one way and down the other.
+    // Triangles and oriented edges of every group: (group, low, high) counts +1 in one direction and −1 in the other.
     let mut count: Vec<(usize, usize, bool)> = vec![(0, 0, false); corners.faces.face_count()];
     let mut edges: Vec<(u32, u32, u32, i32)> =
         Vec::with_capacity(3 * drawn.len() + corners.faces.corner_count());
@@ -242,7 +213,7 @@ fn verify_polygons(faces: &Faces, drawn: &[[u32; 3]]) -> Result<(), Unproven> {
             add(group, from, polygon[(i + 1) % polygon.len()], 1);
         }
     }
-    for (&face, t) in home.iter().zip(drawn) {
+    for (&face, t) in owners.iter().zip(drawn) {
         let group = groups.find(face);
         count[group as usize].0 += 1;
         (0..3).for_each(|i| add(group, t[i], t[(i + 1) % 3], -1));
@@ -265,13 +236,19 @@ fn verify_polygons(faces: &Faces, drawn: &[[u32; 3]]) -> Result<(), Unproven> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::cell::Cell;
+
+    thread_local! {
+        /// Number of polygons that lookups have examined.
+        pub(super) static LOOKUPS: Cell<usize> = const { Cell::new(0) };
+    }
 
     fn quads() -> Faces {
         Faces::from_polygons([vec![0, 1, 2, 3], vec![3, 2, 4], vec![2, 1, 5, 6, 7]]).unwrap()
     }
 
     #[test]
-    fn accepts_any_triangulation_and_nothing_else() {
+    fn accepts_every_triangulation_and_nothing_else() {
         let good = [[0, 1, 3], [1, 2, 3], [4, 3, 2], [1, 5, 2], [5, 7, 2], [7, 5, 6]];
         assert_eq!(verify_drawing(&quads(), &good), Ok(Proof { faces: 3, triangles: 6 }));
         let changed = |i: usize, t: [u32; 3]| {
@@ -295,11 +272,15 @@ mod tests {
     }
 
     #[test]
-    fn many_polygons_over_the_same_corners_take_no_square_of_time() {
-        let faces = Faces::from_polygons(vec![[0, 1, 2, 3]; 60_000]).unwrap();
-        let drawn = [[0, 1, 2], [0, 2, 3]].repeat(60_000);
+    fn many_polygons_over_the_same_corners_take_linear_time() {
+        let count = 60_000;
+        let faces = Faces::from_polygons(vec![[0, 1, 2, 3]; count]).unwrap();
+        let drawn = [[0, 1, 2], [0, 2, 3]].repeat(count);
+        LOOKUPS.set(0);
         assert!(verify_drawing(&faces, &drawn).is_ok());
         assert!(verify_drawing(&faces, &drawn[1..]).is_err());
+        // Each proof examines all polygons once for each of two distinct triangles.
+        assert_eq!(LOOKUPS.get(), 2 * 2 * count);
     }
 
     #[test]

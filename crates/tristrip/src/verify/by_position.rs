@@ -1,22 +1,22 @@
-//! The proof over two models from anywhere: that one draws exactly the faces of the other, wherever its vertices stand.
+//! The proof by position that one model draws exactly the faces of another, for any numbering of their vertices.
 //!
 //! # Algorithm
 //! 1. The vertices of both are numbered by position ([`PositionIds`]), all meshes of a model one after the other.
-//! 2. Where the result is all triangles it is held to the source as in [`verify_drawing`].
-//! 3. Where the result has polygons, faces that both models have cancel, as often as both have them. What is left is compared as
-//!    a drawing: of the source by triangles, or, where only the source is triangles by then, of the result by those. Polygons left on
-//!    both sides are other polygons; the result's are then drawn as fans.
+//! 2. If the result has only triangles, [`verify_drawing`] compares it with the source.
+//! 3. If the result has polygons, faces that both models have cancel, as often as both have them. The rest is compared as a drawing:
+//!    of the source by the result's triangles or, if only the source consists of triangles by then, of the result by the source's.
+//!    Polygons that remain on both sides differ; those of the result are then cut into fans.
 //!
 //! # Complexity
-//! O(n log n) time; about 70 bytes a vertex and 60 bytes a triangle, both models together.
+//! O(n log n) time; about 70 bytes per vertex and 60 bytes per triangle, both models together.
 
 use std::cmp::Ordering;
 
 use super::by_id::{Proof, Unproven, verify_drawing};
 use crate::error::Error;
-use crate::mesh::{Faces, Mesh, PositionIds, canonical_triangle};
+use crate::mesh::{Faces, Mesh, PositionIds, canonical_triangles, triangles_of};
 
-/// Says where two models draw different things. Positions are in mesh units; faces are those of the source, counted over all its
+/// A difference between the drawings of two models. Positions are in mesh units; faces are those of the source, counted over all its
 /// meshes.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -27,16 +27,16 @@ pub enum Difference {
         at(first)
     )]
     Triangles {
-        /// Triangles of the source that the result lacks.
+        /// Number of triangles of the source that the result lacks.
         missing: usize,
-        /// Triangles of the result that the source lacks.
+        /// Number of triangles of the result that the source lacks.
         extra: usize,
-        /// Triangles that the result draws with the opposite winding.
+        /// Number of triangles that the result draws with the opposite winding.
         flipped: usize,
-        /// The corners of the first one at fault.
+        /// The corners of the first of them.
         first: [[f32; 3]; 3],
     },
-    /// A triangle lies in no polygon.
+    /// A triangle is not part of any polygon.
     #[error("a triangle lies in no face of the source: {}", at(triangle))]
     Outside {
         /// Its corners.
@@ -45,24 +45,24 @@ pub enum Difference {
     /// A polygon has too few or too many triangles.
     #[error("face {face} of the source at {}: found {found} triangles, expected {expected}", at(&[*position]))]
     Count {
-        /// A face at fault, of the source.
+        /// A face of the source.
         face: u32,
         /// Its first corner.
         position: [f32; 3],
-        /// Triangles found in it, and in faces over the same corners.
+        /// Number of triangles found in it and in faces over the same corners.
         found: usize,
-        /// Triangles that it makes, with faces over the same corners.
+        /// Number of triangles of it and of faces over the same corners.
         expected: usize,
     },
-    /// The edges of a polygon's triangles do not add up to its own.
+    /// The edges of a polygon's triangles do not add up to those of the polygon.
     #[error(
         "face {face} of the source: its triangles do not have its boundary, first at the edge {}",
         at(edge)
     )]
     Boundary {
-        /// A face at fault, of the source.
+        /// A face of the source.
         face: u32,
-        /// The ends of the first edge at fault.
+        /// The ends of the first edge that differs.
         edge: [[f32; 3]; 2],
     },
 }
@@ -73,7 +73,7 @@ fn at(positions: &[[f32; 3]]) -> String {
 }
 
 /// Proves that the meshes of a result draw exactly the faces of a source's meshes, each once, with its winding. Vertices
-/// are compared by the bits of their positions; 0.0 and −0.0 are one.
+/// are compared by the bits of their positions; 0.0 and −0.0 are equal.
 ///
 /// # Errors
 /// The models together are too large for 32-bit ids.
@@ -92,38 +92,38 @@ pub fn verify_models(source: &[&Mesh], result: &[&Mesh]) -> Result<Result<Proof,
     let source = ids.faces(source)?;
     let result = ids.faces(result)?;
     let proof = Proof { faces: source.face_count(), triangles: result.triangle_count() };
-    let verdict = match result.as_triangles() {
-        Some(_) => draws(&source, &result, &ids, &|face| face),
+    let comparison = match result.as_triangles() {
+        Some(_) => compare_drawing(&source, &result, &ids, &|face| face),
         None => compare_polygons(&source, &result, &ids)?,
     };
-    Ok(verdict.map(|()| proof))
+    Ok(comparison.map(|()| proof))
 }
 
-/// Compares models of which the result has polygons.
+/// Compares models if the result has polygons.
 fn compare_polygons(
     source: &Faces,
     result: &Faces,
     ids: &PositionIds,
 ) -> Result<Result<(), Difference>, Error> {
     let (source_left, result_left) = uncommon(source, result);
-    let pick =
+    let select =
         |faces: &Faces, kept: &[u32]| Faces::from_polygons(kept.iter().map(|&f| faces.face(f as usize)));
-    let (asked, found) = (pick(source, &source_left)?, pick(result, &result_left)?);
+    let (expected, found) = (select(source, &source_left)?, select(result, &result_left)?);
     let number = |face: u32| source_left.get(face as usize).copied().unwrap_or(face);
-    if found.as_triangles().is_none() && asked.as_triangles().is_some() {
-        return Ok(draws(&found, &asked, ids, &number).map_err(Difference::seen_from_the_other_side));
+    if found.as_triangles().is_none() && expected.as_triangles().is_some() {
+        return Ok(compare_drawing(&found, &expected, ids, &number).map_err(Difference::exchanged));
     }
-    Ok(draws(&asked, &found, ids, &number))
+    Ok(compare_drawing(&expected, &found, ids, &number))
 }
 
 impl Difference {
-    /// Says the same where source and result changed places.
-    fn seen_from_the_other_side(self) -> Self {
+    /// Returns the same difference with source and result exchanged.
+    fn exchanged(self) -> Self {
         match self {
             Self::Triangles { missing, extra, flipped, first } => {
                 Self::Triangles { missing: extra, extra: missing, flipped, first }
             }
-            // The faces at fault are the result's here; only their places mean something to the reader.
+            // The faces are the result's here; only their positions are useful to the reader.
             Self::Count { position, .. } => {
                 Self::Triangles { missing: 0, extra: 1, flipped: 0, first: [position; 3] }
             }
@@ -137,7 +137,7 @@ impl Difference {
     }
 }
 
-/// Gives the faces of each side that the other lacks, where equal ones cancel one for one.
+/// Returns the faces of each side that the other lacks; equal faces cancel one for one.
 fn uncommon(a: &Faces, b: &Faces) -> (Vec<u32>, Vec<u32>) {
     let sorted = |faces: &Faces| {
         let mut all: Vec<(Vec<u32>, u32)> =
@@ -165,13 +165,19 @@ fn uncommon(a: &Faces, b: &Faces) -> (Vec<u32>, Vec<u32>) {
     left
 }
 
-/// Gives the corners of a face from its lowest on; where that comes twice, the lowest of the readings. Two starts are compared
-/// at a time, and what lies between them and their first difference cannot be a better one (Shiloach 1981): O(n).
+/// Returns the lexicographically least rotation of a face.
 fn rotated(face: &[u32]) -> Vec<u32> {
+    let start = least_rotation(face, u32::cmp);
+    [&face[start..], &face[..start]].concat()
+}
+
+/// Returns the start of the lexicographically least rotation, in O(n). Two candidates are compared at a time, and no start between
+/// one of them and their first difference can be better (Shiloach 1981).
+fn least_rotation(face: &[u32], mut compare: impl FnMut(&u32, &u32) -> Ordering) -> usize {
     let n = face.len();
     let (mut best, mut other, mut same) = (0, 1, 0);
     while best < n && other < n && same < n {
-        match face[(best + same) % n].cmp(&face[(other + same) % n]) {
+        match compare(&face[(best + same) % n], &face[(other + same) % n]) {
             Ordering::Equal => same += 1,
             Ordering::Less => (other, same) = (other + same + 1, 0),
             Ordering::Greater => (best, same) = (best + same + 1, 0),
@@ -180,12 +186,11 @@ fn rotated(face: &[u32]) -> Vec<u32> {
             other += 1;
         }
     }
-    let start = best.min(other);
-    [&face[start..], &face[..start]].concat()
+    best.min(other)
 }
 
-/// Holds the triangles of one side, polygons as fans, to the faces of the other.
-fn draws(
+/// Compares the triangles of one side, polygons cut into fans, with the faces of the other.
+fn compare_drawing(
     faces: &Faces,
     drawing: &Faces,
     ids: &PositionIds,
@@ -195,7 +200,7 @@ fn draws(
         face.windows(2).skip(1).map(|edge| [face[0], edge[0], edge[1]]).collect()
     };
     let triangles: Vec<[u32; 3]> = match drawing.as_triangles() {
-        Some(corners) => corners.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect(),
+        Some(corners) => triangles_of(corners).collect(),
         None => drawing.iter().flat_map(fan).collect(),
     };
     let Err(unproven) = verify_drawing(faces, &triangles) else { return Ok(()) };
@@ -212,18 +217,12 @@ fn draws(
     })
 }
 
-/// Counts what is missing, extra and flipped.
+/// Counts the missing, extra and flipped triangles.
 fn triangle_difference(faces: &Faces, drawn: &[[u32; 3]], ids: &PositionIds) -> Difference {
-    let real = |t: &[u32; 3]| t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
-    let sorted = |all: &mut dyn Iterator<Item = [u32; 3]>| {
-        let mut all: Vec<_> = all.filter(real).map(canonical_triangle).collect();
-        all.sort_unstable();
-        all
-    };
-    let asked = sorted(&mut faces.iter().map(|f| [f[0], f[1], f[2]]));
-    let drawn = sorted(&mut drawn.iter().copied());
-    let (missing, extra) = subtract(&asked, &drawn);
-    let reversed = sorted(&mut extra.iter().map(|&[a, b, c]| [a, c, b]));
+    let expected = canonical_triangles(faces.iter().map(|f| [f[0], f[1], f[2]]));
+    let drawn = canonical_triangles(drawn.iter().copied());
+    let (missing, extra) = subtract(&expected, &drawn);
+    let reversed = canonical_triangles(extra.iter().map(|&[a, b, c]| [a, c, b]));
     let (lost, not_flipped) = subtract(&missing, &reversed);
     let first = missing.first().into_iter().chain(extra.first()).min().copied().unwrap_or_default();
     Difference::Triangles {
@@ -234,7 +233,7 @@ fn triangle_difference(faces: &Faces, drawn: &[[u32; 3]], ids: &PositionIds) -> 
     }
 }
 
-/// Gives what each of two sorted lists has that the other lacks, as often as it has it more.
+/// Returns the differences of two sorted multisets in both directions.
 fn subtract(a: &[[u32; 3]], b: &[[u32; 3]]) -> (Vec<[u32; 3]>, Vec<[u32; 3]>) {
     let (mut i, mut j, mut only) = (0, 0, (Vec::new(), Vec::new()));
     while i < a.len() && j < b.len() {
@@ -261,51 +260,51 @@ mod tests {
     use proptest::prelude::*;
     use std::collections::BTreeMap;
 
-    /// Points of a plane: vertex v stands at (v, v², 0), so that no two are one.
+    /// Points of a plane: vertex v is at (v, v², 0), so all positions differ.
     fn mesh(polygons: &[&[u32]]) -> Mesh {
         let positions: Vec<_> = (0..10).map(|v| [v as f32, (v * v) as f32, 0.0]).collect();
         Mesh::new(positions, Faces::from_polygons(polygons).unwrap()).unwrap()
     }
 
-    fn verdict(source: &[&[u32]], result: &[&[u32]]) -> Result<Proof, Difference> {
+    fn compare(source: &[&[u32]], result: &[&[u32]]) -> Result<Proof, Difference> {
         verify_models(&[&mesh(source)], &[&mesh(result)]).unwrap()
     }
 
     #[test]
     fn counts_missing_extra_and_flipped_triangles() {
         let source: &[&[u32]] = &[&[0, 1, 2], &[2, 1, 3], &[3, 4, 5], &[3, 4, 5]];
-        let found = verdict(source, &[&[1, 2, 0], &[1, 2, 3], &[4, 5, 3], &[6, 7, 8]]);
+        let found = compare(source, &[&[1, 2, 0], &[1, 2, 3], &[4, 5, 3], &[6, 7, 8]]);
         let first = [[1.0, 1.0, 0.0], [2.0, 4.0, 0.0], [3.0, 9.0, 0.0]];
         assert_eq!(found, Err(Difference::Triangles { missing: 1, extra: 1, flipped: 1, first }));
         assert_eq!(
             found.unwrap_err().to_string(),
             "triangles missing: 1, extra: 1, flipped: 1; the first is at (1, 1, 0) (2, 4, 0) (3, 9, 0)"
         );
-        assert_eq!(verdict(source, source), Ok(Proof { faces: 4, triangles: 4 }));
+        assert_eq!(compare(source, source), Ok(Proof { faces: 4, triangles: 4 }));
     }
 
     #[test]
     fn polygons_may_stay_be_cut_or_be_joined() {
         let quads: &[&[u32]] = &[&[0, 1, 2, 3], &[3, 2, 4, 5], &[3, 2, 4, 5], &[6, 7, 8]];
-        assert!(verdict(quads, &[&[2, 3, 0, 1], &[3, 2, 4, 5], &[2, 4, 5, 3], &[7, 8, 6]]).is_ok());
+        assert!(compare(quads, &[&[2, 3, 0, 1], &[3, 2, 4, 5], &[2, 4, 5, 3], &[7, 8, 6]]).is_ok());
         let cut: &[&[u32]] = &[&[0, 1, 2], &[2, 3, 0], &[3, 2, 4, 5], &[3, 2, 4], &[4, 5, 3], &[6, 7, 8]];
-        assert!(verdict(quads, cut).is_ok());
-        assert!(verdict(cut, quads).is_ok(), "triangles joined to polygons");
-        assert!(verdict(quads, &cut[1..]).is_err());
-        assert!(verdict(&cut[1..], quads).is_err());
-        assert!(verdict(quads, &quads[1..]).is_err());
-        assert!(verdict(quads, &[&[3, 2, 1, 0], &[3, 2, 4, 5], &[3, 2, 4, 5], &[6, 7, 8]]).is_err());
+        assert!(compare(quads, cut).is_ok());
+        assert!(compare(cut, quads).is_ok(), "triangles joined to polygons");
+        assert!(compare(quads, &cut[1..]).is_err());
+        assert!(compare(&cut[1..], quads).is_err());
+        assert!(compare(quads, &quads[1..]).is_err());
+        assert!(compare(quads, &[&[3, 2, 1, 0], &[3, 2, 4, 5], &[3, 2, 4, 5], &[6, 7, 8]]).is_err());
     }
 
     #[test]
-    fn a_face_at_fault_has_the_number_that_the_source_gave_it() {
+    fn a_reported_face_has_its_number_in_the_source() {
         let source: &[&[u32]] = &[&[0, 1, 2, 3], &[3, 2, 4, 5], &[5, 4, 6, 7]];
-        let found = verdict(source, &[&[0, 1, 2, 3], &[3, 2, 4, 5], &[5, 4, 6]]);
+        let found = compare(source, &[&[0, 1, 2, 3], &[3, 2, 4, 5], &[5, 4, 6]]);
         assert!(matches!(found, Err(Difference::Count { face: 2, found: 1, expected: 2, .. })), "{found:?}");
     }
 
     #[test]
-    fn vertices_at_one_place_are_one() {
+    fn vertices_at_one_position_are_equal() {
         let seam =
             [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [-0.0, 1.0, 0.0], [1.0, -0.0, 0.0], [1.0; 3]];
         let source =
@@ -316,31 +315,42 @@ mod tests {
         assert!(verify_models(&[&source], &[&result]).unwrap().is_ok());
     }
 
-    /// How often each oriented triangle is drawn, by its corners' positions.
+    /// The number of times that each oriented triangle is drawn.
     fn multiset(triangles: &[[u32; 3]]) -> BTreeMap<[u32; 3], usize> {
         let mut all = BTreeMap::new();
-        let real = triangles.iter().filter(|t| t[0] != t[1] && t[1] != t[2] && t[2] != t[0]);
-        real.for_each(|&t| *all.entry(canonical_triangle(t)).or_default() += 1);
+        canonical_triangles(triangles.iter().copied())
+            .into_iter()
+            .for_each(|t| *all.entry(t).or_default() += 1);
         all
     }
 
     #[test]
-    fn a_large_face_over_one_corner_takes_no_square_of_time() {
-        assert_eq!(rotated(&vec![7; 1_000_000]).len(), 1_000_000);
-        let mut face = vec![0; 100_000];
-        face.extend([1, 0]);
-        assert_eq!(rotated(&face)[100_000..], [0, 1]);
+    fn the_least_rotation_of_a_large_face_takes_linear_time() {
+        let n = 100_000;
+        let mut almost_constant = vec![0; n];
+        almost_constant.extend([1, 0]);
+        let alternating: Vec<u32> = (0..n as u32).map(|i| i % 2).collect();
+        let rising: Vec<u32> = (0..n as u32).collect();
+        for (face, start) in [(vec![7; n], 0), (almost_constant, n + 1), (alternating, 0), (rising, 0)] {
+            let mut steps = 0;
+            let found = least_rotation(&face, |a, b| {
+                steps += 1;
+                a.cmp(b)
+            });
+            assert_eq!(found, start);
+            assert!(steps <= 3 * face.len(), "{steps} comparisons of {} corners", face.len());
+        }
     }
 
     proptest! {
         #[test]
-        fn the_lowest_reading_is_that_of_all(face in prop::collection::vec(0..3_u32, 0..12)) {
+        fn the_least_rotation_is_that_of_all(face in prop::collection::vec(0..3_u32, 0..12)) {
             let all = (0..face.len()).map(|i| [&face[i..], &face[..i]].concat());
             prop_assert_eq!(rotated(&face), all.min().unwrap_or_default());
         }
 
         #[test]
-        fn triangles_are_equal_when_their_multisets_are(
+        fn triangles_are_equal_if_their_multisets_are(
             source in prop::collection::vec([0..5_u32, 0..5, 0..5], 0..8),
             change in prop::option::of((0..8_usize, [0..5_u32, 0..5, 0..5])),
             cut in 0..8_usize,
@@ -352,15 +362,15 @@ mod tests {
             }
             let polygons = |all: &[[u32; 3]]| mesh(&all.iter().map(<[u32; 3]>::as_slice).collect::<Vec<_>>());
             let (first, second) = result.split_at(cut.min(result.len()));
-            let verdict = verify_models(&[&polygons(&source)], &[&polygons(first), &polygons(second)]).unwrap();
-            prop_assert_eq!(verdict.is_ok(), multiset(&source) == multiset(&result));
-            if let Err(Difference::Triangles { missing, extra, flipped, .. }) = verdict {
-                let (asked, found) = (multiset(&source), multiset(&result));
+            let comparison = verify_models(&[&polygons(&source)], &[&polygons(first), &polygons(second)]).unwrap();
+            prop_assert_eq!(comparison.is_ok(), multiset(&source) == multiset(&result));
+            if let Err(Difference::Triangles { missing, extra, flipped, .. }) = comparison {
+                let (expected, found) = (multiset(&source), multiset(&result));
                 let lacks = |a: &BTreeMap<_, usize>, b: &BTreeMap<_, usize>| -> usize {
                     a.iter().map(|(t, n)| n.saturating_sub(*b.get(t).unwrap_or(&0))).sum()
                 };
-                prop_assert_eq!(missing + flipped, lacks(&asked, &found));
-                prop_assert_eq!(extra + flipped, lacks(&found, &asked));
+                prop_assert_eq!(missing + flipped, lacks(&expected, &found));
+                prop_assert_eq!(extra + flipped, lacks(&found, &expected));
             }
         }
     }

@@ -1,53 +1,54 @@
-//! Generalized triangle meshes: a machine that is sent vertices, and references to the last ones that it was sent.
+//! Generalized triangle meshes: a machine that receives vertices, and references to the last vertices that it received.
 //!
-//! Its buffer holds k vertices. A strip names one vertex a triangle (and two more at its start): one that the buffer holds by a
-//! reference of ⌈lg k⌉ bits, another one by transmitting it, whereupon it enters the buffer. The cost is the vertices
-//! transmitted; the bits of references and swaps are counted apart.
+//! Its cache holds k vertices. A strip names one vertex per triangle (and two more at its start): one that is in the cache by a
+//! reference of ⌈lg k⌉ bits, any other one by transmitting it; it then enters the cache. The cost is the number of vertices
+//! transmitted; the bits of references and swaps are counted separately.
 //!
 //! ```text
 //!     3───4         strip     0 1 2   3     swap 1…        named: 0 1 2 3 4; swaps name nothing
-//!     │ ╲ │         at hand   01 12   23    the two vertices of the edge over which the strip goes on
+//!     │ ╲ │         at hand   01 12   23    the two vertices of the edge over which the strip continues
 //! 0───1───2         fifo:2    01 12   23    the same two: the machine of the first strips
 //! ```
 //!
-//! # What the study says, and what it leaves open
-//! Section 6 of the reference says: the buffer holds k ≥ 2 vertices; a reference costs ⌈lg k⌉ bits, left out of its figures; FIFO
-//! never rearranges the buffer but for swaps, which exchange the two latest vertices; LRU makes a vertex that is used the most
-//! recent one; the buffer is flushed between two meshes. It does not say what follows, and is taken here to be so:
+//! # What the study specifies, and what it leaves open
+//! Section 6 of the reference specifies: the cache holds k ≥ 2 vertices; a reference costs ⌈lg k⌉ bits, which its results do not
+//! include; FIFO never rearranges the cache except for swaps, which exchange the two latest vertices; LRU makes a vertex that is used
+//! the most recent one; the cache is flushed between two meshes. It leaves the following open, which this module decides so:
 //!
-//! - A mesh of the study is a strip: [`FlushPolicy::Flush`] empties the buffer between strips. [`FlushPolicy::Keep`] does not.
-//! - The two vertices of the edge over which a strip goes on are at hand, whether or not they are still in the buffer, and need
-//!   no reference. In a buffer of two they are what it holds.
-//! - Naming a vertex is its only use: LRU does not make the vertices at hand more recent as triangles are drawn over them.
-//! - A swap costs one bit. It exchanges the turns of the two vertices at hand, in FIFO where both are still in the buffer; in
-//!   LRU the older one becomes the most recent. For a buffer of two, or while nothing was named by reference, these are the
-//!   two latest. A vertex repeated at once, as for the winding of a first triangle, changes nothing and costs nothing.
+//! - A mesh of the study is a strip: [`FlushPolicy::Flush`] flushes the cache between strips. [`FlushPolicy::Keep`] does not.
+//! - The two vertices of the edge over which a strip continues are at hand, whether or not they are still in the cache, and need
+//!   no reference. In a cache of two entries they are its contents.
+//! - Naming a vertex is its only use: LRU does not make the vertices at hand more recent when triangles are drawn over them.
+//! - A swap costs one bit. It exchanges the two vertices at hand in the order of eviction, with FIFO if both are still in the cache;
+//!   with LRU the older one becomes the most recent. With two entries, or as long as nothing was named by reference, these are the
+//!   two latest vertices. A vertex repeated immediately, as for the winding of a first triangle, changes nothing and costs nothing.
 //!
 //! # Relation to the GL cost
-//! With two places, FIFO or LRU, flushed, the vertices transmitted are [`Metrics::gl_cost`](crate::strip::Metrics::gl_cost)
-//! for every strip of two vertices or more in which no vertex follows itself but the first one: buffer and vertices at hand
-//! are then the same, and each real triangle names a third one. Strips that the library emits are of this kind. An LRU of more
-//! places never transmits more; a FIFO may, as first in, first out does not keep what a smaller buffer would.
+//! With two entries, FIFO or LRU, flushed, the number of vertices transmitted is [`Metrics::gl_cost`](crate::strip::Metrics::gl_cost)
+//! for every strip of two vertices or more in which no vertex except the first is repeated immediately: the cache and the vertices at
+//! hand are then the same, and each real triangle names a third one. Strips that the library emits are of this kind. A larger LRU
+//! cache never transmits more; a larger FIFO cache may.
 //!
 //! # References
 //! Evans, Skiena, Varshney: *Efficiently Generating Triangle Strips for Fast Rendering*, 1996, sections 1 and 6; Deering: *Geometry
 //! compression*, SIGGRAPH 1995 (generalized triangle meshes).
 //!
 //! # Complexity
-//! O(1) an index, with the bytes of a vertex buffer.
+//! O(1) per index, with the memory of one simulated vertex cache.
 
-use super::stream::{VertexStream, real_triangles};
-use super::{FlushPolicy, VertexCache, VertexCacheSimulator};
-use crate::strip::Strips;
+use super::policy::{FlushPolicy, VertexCache};
+use super::simulator::VertexCacheSimulator;
+use super::stream::VertexStream;
+use crate::strip::{Strips, count_triangles};
 
-/// What it costs to send strips as generalized triangle meshes.
+/// The cost of sending strips as generalized triangle meshes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct GeneralizedCost {
     /// Vertices transmitted: the cost in the studies of strips.
     pub transmitted: usize,
-    /// Vertices named by a reference to the buffer.
+    /// Vertices named by a reference to the cache.
     pub references: usize,
-    /// Bits of these references, ⌈lg k⌉ each for k places.
+    /// Bits of these references, ⌈lg k⌉ each for k entries.
     pub reference_bits: u64,
     /// Swaps, of one bit each.
     pub swaps: usize,
@@ -56,7 +57,7 @@ pub struct GeneralizedCost {
 }
 
 impl GeneralizedCost {
-    /// Sends strips over vertices 0 to `vertex_count` − 1, the buffer empty at first.
+    /// Simulates strips over vertices 0 to `vertex_count` − 1 with an initially empty cache.
     ///
     /// # Panics
     /// A strip has a vertex that is not less than `vertex_count`.
@@ -70,28 +71,28 @@ impl GeneralizedCost {
     /// let eight = GeneralizedCost::of(&strips, VertexCache::fifo(8), FlushPolicy::Flush, 5);
     /// assert_eq!((eight.transmitted, eight.references, eight.reference_bits), (5, 1, 3));
     /// ```
-    pub fn of(strips: &Strips, buffer: VertexCache, between: FlushPolicy, vertex_count: usize) -> Self {
+    pub fn of(strips: &Strips, cache: VertexCache, flush: FlushPolicy, vertex_count: usize) -> Self {
         let sent = VertexStream::strips(strips, vertex_count);
-        let mut queue = VertexCacheSimulator::new(buffer, sent.vertex_count);
+        let mut simulator = VertexCacheSimulator::new(cache, sent.vertex_count);
         let mut cost = Self::default();
         sent.runs(FlushPolicy::Flush, |strip| {
-            if between == FlushPolicy::Flush {
-                queue.flush();
+            if flush == FlushPolicy::Flush {
+                simulator.flush();
             }
-            cost.triangles += real_triangles(strip);
-            cost.send(strip, &mut queue);
+            cost.triangles += count_triangles(strip);
+            cost.send(strip, &mut simulator);
         });
-        cost.transmitted = queue.misses();
-        cost.reference_bits = cost.references as u64 * u64::from(bits(buffer.entries));
+        cost.transmitted = simulator.misses();
+        cost.reference_bits = cost.references as u64 * u64::from(reference_bits(cache.entries));
         cost
     }
 
-    /// Divides the vertices transmitted by the real triangles; 0 where there is none.
+    /// Returns the vertices transmitted per real triangle; 0 without triangles.
     pub fn transmitted_per_triangle(&self) -> f64 {
         if self.triangles == 0 { 0.0 } else { self.transmitted as f64 / self.triangles as f64 }
     }
 
-    fn send(&mut self, strip: &[u32], queue: &mut VertexCacheSimulator) {
+    fn send(&mut self, strip: &[u32], simulator: &mut VertexCacheSimulator) {
         let (mut older, mut newer) = (None, None);
         for &vertex in strip {
             if newer == Some(vertex) {
@@ -101,16 +102,16 @@ impl GeneralizedCost {
                 && first == vertex
             {
                 self.swaps += 1;
-                queue.swap(first, second);
+                simulator.swap(first, second);
             } else {
-                self.references += usize::from(queue.send(vertex));
+                self.references += usize::from(simulator.send(vertex));
             }
             (older, newer) = (newer, Some(vertex));
         }
     }
 }
 
-/// Sums what parts with vertices of their own cost.
+/// Sums the costs of parts that do not share vertices.
 impl std::iter::Sum for GeneralizedCost {
     fn sum<I: Iterator<Item = Self>>(parts: I) -> Self {
         parts.fold(Self::default(), |a, b| Self {
@@ -123,7 +124,7 @@ impl std::iter::Sum for GeneralizedCost {
     }
 }
 
-/// Counts the bits that tell so many places apart.
-fn bits(places: u32) -> u32 {
-    u32::BITS - places.saturating_sub(1).leading_zeros()
+/// Returns the number of bits of a reference to one of `entries`.
+fn reference_bits(entries: u32) -> u32 {
+    u32::BITS - entries.saturating_sub(1).leading_zeros()
 }

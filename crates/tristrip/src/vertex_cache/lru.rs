@@ -1,37 +1,37 @@
-//! A buffer that the vertex leaves which was not sent for the longest time.
+//! A cache that evicts the least recently used vertex.
 //!
 //! ```text
 //! log      4  7  4  9  7  2  9        what was sent, the newest at the right
-//!          ·  ·  4  ·  7  2  9        last times only: from left to right the order in which vertices leave
-//!                   ↑ tail            in a buffer of three places, 4 has left
+//!          ·  ·  4  ·  7  2  9        last uses only: from left to right the order of eviction
+//!                   ↑ tail            from a cache of three entries, 4 has been evicted
 //! ```
 
-use super::fifo::MOST_PLACES;
+use super::fifo::LARGEST_CACHE;
 
-/// Entries that the log has at least before it is written anew.
+/// The least length of the log at which it is rewritten.
 const LOG: usize = 1 << 12;
 
-/// A vertex was sent last at the place of the log that its stamp names: `stamp - base - 1`.
+/// The slot of the log in which a vertex was sent last is `last - base - 1`.
 ///
-/// Invariant: those with stamps after `base + tail` are in the buffer; they are `inside`, at most `places`.
+/// Invariant: the vertices whose `last` is after `base + tail` are in the cache; their number is `inside`, at most `entries`.
 #[derive(Debug, Clone)]
 pub(super) struct Lru {
-    places: usize,
+    entries: usize,
     inside: usize,
     misses: usize,
-    /// When the log begins.
+    /// The time at which the log begins.
     base: u32,
     tail: usize,
     log: Vec<u32>,
-    /// For each vertex when it was sent last, counted from 1; 0 for never.
+    /// The time at which each vertex was sent last, counted from 1; 0 for never.
     last: Vec<u32>,
 }
 
 impl Lru {
-    pub(super) fn new(places: u32, vertex_count: usize) -> Self {
-        let places = (places as usize).min(vertex_count).min(MOST_PLACES as usize);
+    pub(super) fn new(entries: u32, vertex_count: usize) -> Self {
+        let entries = (entries as usize).min(vertex_count).min(LARGEST_CACHE as usize);
         Self {
-            places,
+            entries,
             inside: 0,
             misses: 0,
             base: 0,
@@ -47,14 +47,14 @@ impl Lru {
         self.misses == before
     }
 
-    /// Sends vertices; as many as the log has room for enter it together, and are looked at afterwards.
+    /// Sends vertices. As many as fit are appended to the log at once, and processed afterwards.
     pub(super) fn send_all(&mut self, mut vertices: &[u32]) {
         while !vertices.is_empty() {
             if self.log.len() >= self.longest_log() {
                 self.rewrite();
             }
-            let room = self.longest_log() - self.log.len();
-            let (block, later) = vertices.split_at(room.min(vertices.len()));
+            let free = self.longest_log() - self.log.len();
+            let (block, later) = vertices.split_at(free.min(vertices.len()));
             let mut now = self.base + self.log.len() as u32;
             self.log.extend_from_slice(block);
             for &vertex in block {
@@ -63,8 +63,8 @@ impl Lru {
                 if last <= self.base + self.tail as u32 {
                     self.misses += 1;
                     self.inside += 1;
-                    if self.inside > self.places {
-                        self.drive_out();
+                    if self.inside > self.entries {
+                        self.evict();
                     }
                 }
             }
@@ -86,11 +86,11 @@ impl Lru {
     }
 
     fn longest_log(&self) -> usize {
-        LOG.max(3 * self.places)
+        LOG.max(3 * self.entries)
     }
 
-    /// Moves the tail past the oldest last time.
-    fn drive_out(&mut self) {
+    /// Advances the tail past the oldest last use.
+    fn evict(&mut self) {
         self.inside -= 1;
         loop {
             let vertex = self.log[self.tail];
@@ -101,9 +101,9 @@ impl Lru {
         }
     }
 
-    /// Begins a log that has the last times of what is inside and nothing else.
+    /// Rewrites the log with only the last uses of the vertices in the cache.
     fn rewrite(&mut self) {
-        self.make_room();
+        self.rewind_times();
         let mut kept = 0;
         let next = self.base + self.log.len() as u32;
         for i in self.tail..self.log.len() {
@@ -119,8 +119,8 @@ impl Lru {
         self.log.truncate(kept);
     }
 
-    /// Winds times back before they run over: what is inside moves, what has left becomes 1.
-    fn make_room(&mut self) {
+    /// Rewinds times before they overflow: those of vertices in the cache move, those of evicted vertices become 1.
+    fn rewind_times(&mut self) {
         if self.base < u32::MAX - 3 * self.longest_log() as u32 {
             return;
         }
@@ -130,7 +130,8 @@ impl Lru {
         }
         self.base = 1;
     }
-    /// Makes the times run over soon.
+
+    /// Advances the times so that they overflow soon.
     #[cfg(test)]
     pub(super) fn with_late_times(mut self, left: u32) -> Self {
         self.base = u32::MAX - 3 * self.longest_log() as u32 - left;

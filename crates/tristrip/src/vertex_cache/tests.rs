@@ -1,23 +1,26 @@
 use super::distances::Distances;
+use super::fifo::Fifo;
+use super::lru::Lru;
 use super::*;
+use crate::strip::Strips;
 use proptest::prelude::*;
 use std::collections::VecDeque;
 
-/// The buffer as a queue of its vertices, searched from end to end; tells the hits.
-fn hits_of_a_queue(indices: &[u32], buffer: VertexCache) -> Vec<bool> {
+/// The cache as a queue of its vertices, searched linearly. Returns the hits.
+fn hits_of_a_queue(indices: &[u32], cache: VertexCache) -> Vec<bool> {
     let mut queue = VecDeque::new();
     let send = |v: &u32| {
         let found = queue.iter().position(|inside| inside == v);
-        if buffer.replacement == Replacement::Lru
-            && let Some(place) = found
+        if cache.replacement == Replacement::Lru
+            && let Some(at) = found
         {
-            queue.remove(place);
+            queue.remove(at);
             queue.push_back(*v);
         }
         if found.is_none() {
             queue.push_back(*v);
         }
-        if queue.len() > buffer.entries as usize {
+        if queue.len() > cache.entries as usize {
             queue.pop_front();
         }
         found.is_some()
@@ -25,17 +28,17 @@ fn hits_of_a_queue(indices: &[u32], buffer: VertexCache) -> Vec<bool> {
     indices.iter().map(send).collect()
 }
 
-fn misses_of_a_queue(strips: &Strips, buffer: VertexCache, between: FlushPolicy) -> usize {
-    let runs: Vec<&[u32]> = match between {
+fn misses_of_a_queue(strips: &Strips, cache: VertexCache, flush: FlushPolicy) -> usize {
+    let runs: Vec<&[u32]> = match flush {
         FlushPolicy::Keep => vec![strips.vertices()],
         FlushPolicy::Flush => strips.iter().collect(),
     };
-    runs.iter().flat_map(|run| hits_of_a_queue(run, buffer)).filter(|hit| !hit).count()
+    runs.iter().flat_map(|run| hits_of_a_queue(run, cache)).filter(|hit| !hit).count()
 }
 
-fn any_buffer() -> impl Strategy<Value = VertexCache> {
+fn any_cache() -> impl Strategy<Value = VertexCache> {
     (any::<bool>(), 0..50_u32)
-        .prop_map(|(fifo, places)| if fifo { VertexCache::fifo(places) } else { VertexCache::lru(places) })
+        .prop_map(|(fifo, entries)| if fifo { VertexCache::fifo(entries) } else { VertexCache::lru(entries) })
 }
 
 fn any_strips() -> impl Strategy<Value = Strips> {
@@ -46,7 +49,7 @@ fn any_strips() -> impl Strategy<Value = Strips> {
     })
 }
 
-/// Strips that turn often, in which no vertex follows itself but the first one.
+/// Strips with many swaps, in which no vertex except the first is repeated immediately.
 fn any_turning_strips() -> impl Strategy<Value = Strips> {
     prop::collection::vec((any::<bool>(), prop::collection::vec(0..9_u32, 2..30)), 0..20).prop_map(|all| {
         let mut strips = Strips::default();
@@ -63,12 +66,12 @@ fn any_turning_strips() -> impl Strategy<Value = Strips> {
     })
 }
 
-/// The machine with its buffer as a queue, the oldest first, and the vertices at hand as a list.
-fn cost_by_a_queue(strips: &Strips, buffer: VertexCache, between: FlushPolicy) -> GeneralizedCost {
+/// The machine with its cache as a queue, the oldest first, and the vertices at hand as a list.
+fn cost_by_a_queue(strips: &Strips, cache: VertexCache, flush: FlushPolicy) -> GeneralizedCost {
     let mut cost = GeneralizedCost { triangles: strips.triangles().count(), ..GeneralizedCost::default() };
     let mut queue: Vec<u32> = Vec::new();
     for strip in strips.iter() {
-        if between == FlushPolicy::Flush {
+        if flush == FlushPolicy::Flush {
             queue.clear();
         }
         let mut hand: Vec<u32> = Vec::new();
@@ -80,7 +83,7 @@ fn cost_by_a_queue(strips: &Strips, buffer: VertexCache, between: FlushPolicy) -
             if hand.contains(&v) {
                 cost.swaps += 1;
                 let other = queue.iter().position(|u| hand.last() == Some(u));
-                match (buffer.replacement, inside, other) {
+                match (cache.replacement, inside, other) {
                     (Replacement::Fifo, Some(a), Some(b)) => queue.swap(a, b),
                     (Replacement::Lru, Some(a), _) => queue[a..].rotate_left(1),
                     _ => {}
@@ -92,15 +95,15 @@ fn cost_by_a_queue(strips: &Strips, buffer: VertexCache, between: FlushPolicy) -
                 None => {
                     cost.transmitted += 1;
                     queue.push(v);
-                    if queue.len() > buffer.entries as usize {
+                    if queue.len() > cache.entries as usize {
                         queue.remove(0);
                     }
                 }
                 Some(a) => {
                     cost.references += 1;
                     cost.reference_bits +=
-                        (0..32).find(|bits| 1_u64 << bits >= u64::from(buffer.entries)).unwrap();
-                    if buffer.replacement == Replacement::Lru {
+                        (0..32).find(|bits| 1_u64 << bits >= u64::from(cache.entries)).unwrap();
+                    if cache.replacement == Replacement::Lru {
                         queue[a..].rotate_left(1);
                     }
                 }
@@ -120,107 +123,107 @@ proptest! {
     #[test]
     fn hits_are_those_of_a_queue(
         indices in prop::collection::vec(0..40_u32, 0..300),
-        buffer in any_buffer(),
+        cache in any_cache(),
     ) {
-        let mut real = VertexCacheSimulator::new(buffer, 40);
-        let hits: Vec<bool> = indices.iter().map(|&v| real.send(v)).collect();
-        prop_assert_eq!(&hits, &hits_of_a_queue(&indices, buffer));
-        prop_assert_eq!(real.misses(), hits.iter().filter(|hit| !*hit).count());
-        let mut at_once = VertexCacheSimulator::new(buffer, 40);
-        at_once.send_all(&indices);
-        prop_assert_eq!(at_once.misses(), real.misses());
+        let mut simulator = VertexCacheSimulator::new(cache, 40);
+        let hits: Vec<bool> = indices.iter().map(|&v| simulator.send(v)).collect();
+        prop_assert_eq!(&hits, &hits_of_a_queue(&indices, cache));
+        prop_assert_eq!(simulator.misses(), hits.iter().filter(|hit| !*hit).count());
+        let mut together = VertexCacheSimulator::new(cache, 40);
+        together.send_all(&indices);
+        prop_assert_eq!(together.misses(), simulator.misses());
     }
 
     #[test]
-    fn strips_cost_what_a_queue_says(strips in any_strips(), buffer in any_buffer()) {
-        for between in BOTH {
-            let used = VertexCacheStatistics::of(&strips, buffer, between, 40);
-            prop_assert_eq!(used.misses, misses_of_a_queue(&strips, buffer, between));
+    fn strips_cost_the_same_as_with_a_queue(strips in any_strips(), cache in any_cache()) {
+        for flush in BOTH {
+            let used = VertexCacheStatistics::of(&strips, cache, flush, 40);
+            prop_assert_eq!(used.misses, misses_of_a_queue(&strips, cache, flush));
             prop_assert_eq!(used.triangles, strips.triangles().count());
-            prop_assert_eq!(used, VertexCacheStatistics::of(&strips, buffer, between, 400_000));
+            prop_assert_eq!(used, VertexCacheStatistics::of(&strips, cache, flush, 400_000));
         }
     }
 
     #[test]
-    fn a_list_costs_what_its_indices_do(
+    fn a_list_costs_the_same_as_its_indices(
         indices in prop::collection::vec(0..40_u32, 0..100),
-        buffer in any_buffer(),
+        cache in any_cache(),
     ) {
-        let used = VertexCacheStatistics::of_list(&indices, buffer, 40);
-        let hits = hits_of_a_queue(&indices, buffer);
+        let used = VertexCacheStatistics::of_list(&indices, cache, 40);
+        let hits = hits_of_a_queue(&indices, cache);
         prop_assert_eq!(used.misses, hits.iter().filter(|hit| !*hit).count());
     }
 
     #[test]
-    fn many_buffers_cost_what_each_does(
+    fn many_caches_cost_the_same_as_each(
         strips in any_strips(),
-        buffers in prop::collection::vec(any_buffer(), 0..20),
+        caches in prop::collection::vec(any_cache(), 0..20),
     ) {
-        for between in BOTH {
-            let each = VertexCacheStatistics::of_each(&strips, &buffers, between, 40);
-            let one_by_one: Vec<_> = buffers.iter().map(|&b| VertexCacheStatistics::of(&strips, b, between, 40)).collect();
+        for flush in BOTH {
+            let each = VertexCacheStatistics::of_each(&strips, &caches, flush, 40);
+            let one_by_one: Vec<_> = caches.iter().map(|&b| VertexCacheStatistics::of(&strips, b, flush, 40)).collect();
             prop_assert_eq!(each, one_by_one);
         }
-        let each = VertexCacheStatistics::of_list_each(strips.vertices(), &buffers, 40);
-        let one_by_one: Vec<_> = buffers.iter().map(|&b| VertexCacheStatistics::of_list(strips.vertices(), b, 40)).collect();
+        let each = VertexCacheStatistics::of_list_each(strips.vertices(), &caches, 40);
+        let one_by_one: Vec<_> = caches.iter().map(|&b| VertexCacheStatistics::of_list(strips.vertices(), b, 40)).collect();
         prop_assert_eq!(each, one_by_one);
     }
 
     #[test]
-    fn a_profile_has_the_misses_of_every_size(strips in any_strips(), most in 0..50_u32) {
-        for between in BOTH {
-            let profile = lru_profile(&strips, most, between, 40);
+    fn a_profile_has_the_misses_of_every_size(strips in any_strips(), largest in 0..50_u32) {
+        for flush in BOTH {
+            let profile = lru_profile(&strips, largest, flush, 40);
             let expected: Vec<_> =
-                (1..=most).map(|places| misses_of_a_queue(&strips, VertexCache::lru(places), between)).collect();
+                (1..=largest).map(|entries| misses_of_a_queue(&strips, VertexCache::lru(entries), flush)).collect();
             prop_assert_eq!(profile, expected);
         }
     }
 
     #[test]
-    fn strips_one_by_one_add_up(strips in any_strips(), buffer in any_buffer()) {
-        for between in BOTH {
-            let each = StripCacheStatistics::of(&strips, buffer, between, 40);
+    fn statistics_of_single_strips_add_up(strips in any_strips(), cache in any_cache()) {
+        for flush in BOTH {
+            let each = StripCacheStatistics::of(&strips, cache, flush, 40);
             prop_assert!(each.iter().map(|one| one.length).eq(strips.iter().map(<[u32]>::len)));
-            let used = VertexCacheStatistics::of(&strips, buffer, between, 40);
+            let used = VertexCacheStatistics::of(&strips, cache, flush, 40);
             prop_assert_eq!(each.iter().map(|one| one.misses).sum::<usize>(), used.misses);
             prop_assert_eq!(each.iter().map(|one| one.triangles).sum::<usize>(), used.triangles);
         }
     }
 
     #[test]
-    fn a_generalized_mesh_costs_what_a_queue_says(strips in any_turning_strips(), buffer in any_buffer()) {
-        for between in BOTH {
-            let cost = GeneralizedCost::of(&strips, buffer, between, 9);
-            prop_assert_eq!(cost, cost_by_a_queue(&strips, buffer, between));
+    fn a_generalized_mesh_costs_the_same_as_with_a_queue(strips in any_turning_strips(), cache in any_cache()) {
+        for flush in BOTH {
+            let cost = GeneralizedCost::of(&strips, cache, flush, 9);
+            prop_assert_eq!(cost, cost_by_a_queue(&strips, cache, flush));
         }
     }
 
     #[test]
-    fn two_places_transmit_the_gl_cost(strips in any_turning_strips()) {
-        for buffer in [VertexCache::fifo(2), VertexCache::lru(2)] {
-            let cost = GeneralizedCost::of(&strips, buffer, FlushPolicy::Flush, 9);
+    fn two_entries_transmit_the_gl_cost(strips in any_turning_strips()) {
+        for cache in [VertexCache::fifo(2), VertexCache::lru(2)] {
+            let cost = GeneralizedCost::of(&strips, cache, FlushPolicy::Flush, 9);
             let metrics = crate::strip::Metrics::of(&strips);
             prop_assert_eq!((cost.transmitted, cost.references), (metrics.gl_cost, 0));
             prop_assert_eq!(cost.triangles, metrics.triangles);
             prop_assert!(cost.swaps <= metrics.swaps);
         }
         let lru: Vec<_> = (2..12)
-            .map(|places| GeneralizedCost::of(&strips, VertexCache::lru(places), FlushPolicy::Flush, 9).transmitted)
+            .map(|entries| GeneralizedCost::of(&strips, VertexCache::lru(entries), FlushPolicy::Flush, 9).transmitted)
             .collect();
         prop_assert!(lru.is_sorted_by(|small, large| small >= large), "{:?}", lru);
     }
 
     #[test]
-    fn a_clock_that_runs_over_changes_nothing(
+    fn a_clock_overflow_changes_nothing(
         indices in prop::collection::vec(0..40_u32, 0..300),
-        places in 1..50_u32,
+        entries in 1..50_u32,
         left in 0..100_i32,
-        flush in 0..300_usize,
+        flush_at in 0..300_usize,
     ) {
-        let mut late = Fifo::new([places, 3], 40).with_late_clocks(left + 50);
-        let mut usual = Fifo::new([places, 3], 40);
+        let mut late = Fifo::new([entries, 3], 40).with_late_clocks(left + 50);
+        let mut usual = Fifo::new([entries, 3], 40);
         for (i, &v) in indices.iter().enumerate() {
-            if i == flush {
+            if i == flush_at {
                 late.flush();
                 usual.flush();
             }
@@ -232,26 +235,30 @@ proptest! {
 }
 
 #[test]
-fn a_long_run_rewrites_the_log_and_winds_times_back() {
+fn a_long_run_rewrites_the_log_and_rewinds_times() {
     let mut state = 1_u32;
     let mut next = || {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         (state >> 16) % 3000
     };
     let indices: Vec<u32> = (0..60_000).map(|_| next()).collect();
-    for places in [1, 7, 100, 2000] {
-        let expected = hits_of_a_queue(&indices, VertexCache::lru(places));
-        for mut buffer in [Lru::new(places, 3000), Lru::new(places, 3000).with_late_times(9000)] {
-            let hits: Vec<bool> = indices.iter().map(|&v| buffer.send(v)).collect();
-            assert_eq!(hits, expected, "{places} places");
+    for entries in [1, 7, 100, 2000] {
+        let expected = hits_of_a_queue(&indices, VertexCache::lru(entries));
+        for mut cache in [Lru::new(entries, 3000), Lru::new(entries, 3000).with_late_times(9000)] {
+            let hits: Vec<bool> = indices.iter().map(|&v| cache.send(v)).collect();
+            assert_eq!(hits, expected, "{entries} entries");
         }
         let misses = expected.iter().filter(|hit| !*hit).count();
-        for most in [places, 2500] {
-            let usual = Distances::new(most as usize, 3000);
-            let late = Distances::new(most as usize, 3000).with_late_times(9000);
+        for largest in [entries, 2500] {
+            let usual = Distances::new(largest as usize, 3000);
+            let late = Distances::new(largest as usize, 3000).with_late_times(9000);
             for mut distances in [usual, late] {
                 distances.send_all(&indices);
-                assert_eq!(distances.misses()[places as usize - 1], misses, "{places} of {most} places");
+                assert_eq!(
+                    distances.misses()[entries as usize - 1],
+                    misses,
+                    "{entries} of {largest} entries"
+                );
             }
         }
     }
@@ -261,8 +268,8 @@ fn a_long_run_rewrites_the_log_and_winds_times_back() {
 fn a_swap_is_a_hit_and_no_triangle() {
     let mut strips = Strips::default();
     strips.push(&[0, 1, 2, 1, 3]);
-    for buffer in [VertexCache::fifo(3), VertexCache::lru(3)] {
-        let used = VertexCacheStatistics::of(&strips, buffer, FlushPolicy::Keep, 9);
+    for cache in [VertexCache::fifo(3), VertexCache::lru(3)] {
+        let used = VertexCacheStatistics::of(&strips, cache, FlushPolicy::Keep, 9);
         assert_eq!(used, VertexCacheStatistics { misses: 4, triangles: 2, vertices: 4 });
     }
     assert!(
@@ -271,35 +278,35 @@ fn a_swap_is_a_hit_and_no_triangle() {
 }
 
 #[test]
-fn nothing_and_almost_nothing() {
+fn empty_and_single_vertex_strips() {
     let mut one = Strips::default();
     one.push(&[]);
     one.push(&[5]);
-    for buffer in [
+    for cache in [
         VertexCache::fifo(0),
         VertexCache::lru(0),
         VertexCache::fifo(1),
         VertexCache::lru(u32::MAX),
         VertexCache::fifo(u32::MAX),
     ] {
-        for between in BOTH {
+        for flush in BOTH {
             assert_eq!(
-                VertexCacheStatistics::of(&Strips::default(), buffer, between, 0),
+                VertexCacheStatistics::of(&Strips::default(), cache, flush, 0),
                 VertexCacheStatistics::default()
             );
             assert_eq!(
-                VertexCacheStatistics::of(&one, buffer, between, 6),
+                VertexCacheStatistics::of(&one, cache, flush, 6),
                 VertexCacheStatistics { misses: 1, triangles: 0, vertices: 1 }
             );
         }
-        assert_eq!(VertexCacheStatistics::of_list(&[], buffer, 0), VertexCacheStatistics::default());
+        assert_eq!(VertexCacheStatistics::of_list(&[], cache, 0), VertexCacheStatistics::default());
     }
 }
 
 #[test]
-fn buffers_are_read_as_they_are_written() {
+fn caches_are_parsed_as_they_are_written() {
     for text in ["fifo:1", "lru:65536", "fifo:16"] {
-        assert_eq!(text.parse::<VertexCache>().map(|buffer| buffer.to_string()), Ok(text.to_string()));
+        assert_eq!(text.parse::<VertexCache>().map(|cache| cache.to_string()), Ok(text.to_string()));
     }
     for text in
         ["", "fifo", "fifo:", ":16", "fifo:0", "lru:65537", "lru:+4", "lru: 4", "mru:4", "fifo:4:4", "FIFO:4"]

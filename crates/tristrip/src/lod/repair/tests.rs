@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 
-use super::{NONE, Repair, RepairOptions};
+use super::{Repair, RepairOptions};
 use crate::collapse::{CollapseSequence, Rename};
 use crate::cover::PathCover;
 use crate::dual::DualGraph;
@@ -34,7 +34,7 @@ fn check_twins(repair: &Repair<'_>) -> Result<(), TestCaseError> {
     let slots = 0..repair.paths.len() as u32;
     let twins = |t: u32| (4 * t..4 * t + 3).map(|h| repair.paths.twin(h));
     for t in slots.clone().filter(|&t| !repair.surface.is_drawn(t)) {
-        prop_assert!(twins(t).all(|twin| twin == NONE));
+        prop_assert!(twins(t).all(|twin| twin.is_none()));
     }
     let sides: Vec<(u32, [u32; 2])> = slots
         .filter(|&t| repair.surface.is_drawn(t))
@@ -47,10 +47,9 @@ fn check_twins(repair: &Repair<'_>) -> Result<(), TestCaseError> {
         let twin = repair.paths.twin(h);
         let across: Vec<u32> =
             sides.iter().filter(|side| side.1 == [to, from]).map(|&(other, _)| other).collect();
-        if twin == NONE {
-            prop_assert!(across.iter().all(|&other| repair.paths.twin(other) != NONE));
-        } else {
-            prop_assert!(across.contains(&twin) && repair.paths.twin(twin) == h);
+        match twin {
+            None => prop_assert!(across.iter().all(|&other| repair.paths.twin(other).is_some())),
+            Some(twin) => prop_assert!(across.contains(&twin) && repair.paths.twin(twin) == Some(h)),
         }
     }
     Ok(())
@@ -67,9 +66,8 @@ fn check(repair: &Repair<'_>) -> Result<(), TestCaseError> {
         prop_assert_eq!(repair.paths.ends_of(t as usize / 64) >> (t % 64) & 1 == 1, is_end);
     }
     let half_edges = || (0..4 * repair.paths.len() as u32).filter(|h| h % 4 < 3);
-    let by_threes = |h: u32| if h == NONE { NONE } else { h / 4 * 3 + h % 4 };
-    let graph =
-        DualGraph::from_triangle_twins(half_edges().map(|h| by_threes(repair.paths.twin(h))).collect());
+    let by_threes = |h: u32| h / 4 * 3 + h % 4;
+    let graph = DualGraph::of_triangle_twins(half_edges().map(|h| repair.paths.twin(h).map(by_threes)));
     let mut cover = PathCover::isolated(repair.paths.len());
     for h in half_edges() {
         if repair.paths.mask(h / 4) >> (h % 4) & 1 == 1 {

@@ -18,8 +18,8 @@
 //! # Complexity
 //! A sweep takes O(n) and, for each graft accepted, as many steps as there are to the nearer end of the path that it cuts.
 
-use crate::cover::moves::{Change, change_end, cut, turn};
-use crate::cover::priced::Paths;
+use crate::cover::moves::{EndMove, cut, flip_diagonal, move_end};
+use crate::cover::priced::PricedPaths;
 use crate::random::Random;
 use crate::random::metropolis;
 use crate::stripify::{Progress, Watch};
@@ -88,7 +88,7 @@ impl<'a> Annealer<'a> {
     }
 
     /// Anneals. Returns whether the watcher wants it to go on; if not, only the last sweeps are still done.
-    pub(super) fn run(&mut self, paths: &mut Paths, phase: Phase) -> bool {
+    pub(super) fn run(&mut self, paths: &mut PricedPaths, phase: Phase) -> bool {
         self.lowest = self.lowest.min(paths.cost());
         let mut goes_on = true;
         for sweep in 0..phase.sweeps {
@@ -108,7 +108,7 @@ impl<'a> Annealer<'a> {
     }
 
     /// Goes over all triangles once. Returns whether the watcher wants to go on.
-    fn sweep(&mut self, paths: &mut Paths, asks: bool) -> bool {
+    fn sweep(&mut self, paths: &mut PricedPaths, asks: bool) -> bool {
         for block in 0..(paths.len() as u32).div_ceil(BLOCK) {
             self.steps += 1;
             if asks && self.steps.is_multiple_of(WATCH_PERIOD) && !self.watch.go_on(self.progress(paths)) {
@@ -123,7 +123,7 @@ impl<'a> Annealer<'a> {
         true
     }
 
-    fn progress(&self, paths: &Paths) -> Progress {
+    fn progress(&self, paths: &PricedPaths) -> Progress {
         Progress {
             steps: self.steps,
             step_limit: Some(self.step_limit),
@@ -134,7 +134,7 @@ impl<'a> Annealer<'a> {
 
     /// Tries changes at each end of a block, also at those that come to be behind the one at hand.
     #[inline]
-    fn change_ends(&mut self, paths: &mut Paths, block: u32) {
+    fn change_ends(&mut self, paths: &mut PricedPaths, block: u32) {
         let mut left = u64::MAX;
         loop {
             let ends = paths.ends_of(block as usize) & left;
@@ -152,18 +152,18 @@ impl<'a> Annealer<'a> {
 
     /// Tries a join or a graft at an end. Returns the end that is there in its place.
     #[inline]
-    fn change_end(&mut self, paths: &mut Paths, w: u32) -> Option<u32> {
+    fn change_end(&mut self, paths: &mut PricedPaths, w: u32) -> Option<u32> {
         let draw = self.random.next_u64();
-        match change_end(paths, w, draw, self.highest_rise(draw as u32)) {
-            Change::Refused => Some(w),
-            Change::Joined(_) => None,
-            Change::Grafted { end, .. } => Some(end),
+        match move_end(paths, w, draw, self.highest_rise(draw as u32)) {
+            EndMove::Refused => Some(w),
+            EndMove::Joined(_) => None,
+            EndMove::Rotated { end, .. } => Some(end),
         }
     }
 
     /// Tries to cut as many links of a block as there are triangles.
     #[inline]
-    fn cut_links(&mut self, paths: &mut Paths, block: u32) {
+    fn cut_links(&mut self, paths: &mut PricedPaths, block: u32) {
         for _ in 0..BLOCK {
             let draw = self.random.next_u64();
             let t = block * BLOCK + (draw >> 58) as u32;
@@ -176,14 +176,14 @@ impl<'a> Annealer<'a> {
     }
 
     /// Tries to turn diagonals of a block.
-    fn turn_diagonals(&mut self, paths: &mut Paths, block: u32) {
+    fn turn_diagonals(&mut self, paths: &mut PricedPaths, block: u32) {
         for _ in 0..TURNS {
             let draw = self.random.next_u64();
             let t = block * BLOCK + (draw >> 58) as u32;
             let edge = (draw >> 32 & 0xffff) as u32 * 3 / 0x1_0000;
             if (t as usize) < paths.len() && paths.diagonals(t) >> edge & 1 == 1 {
                 let highest_rise = self.highest_rise(draw as u32);
-                turn(paths, 4 * t + edge, draw >> 57 & 1 == 1, highest_rise);
+                flip_diagonal(paths, 4 * t + edge, draw >> 57 & 1 == 1, highest_rise);
             }
         }
     }

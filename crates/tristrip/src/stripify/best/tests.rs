@@ -5,8 +5,8 @@ use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering::Relaxed};
 
 use super::{Annealer, Phase};
 use crate::cover::PathCover;
-use crate::cover::local_search::Diver;
-use crate::cover::priced::{NONE, Paths, Prices};
+use crate::cover::local_search::LocalSearch;
+use crate::cover::priced::{PricedPaths, StripPrices};
 use crate::dual::DualGraph;
 use crate::dual::Triangulation;
 use crate::effort::Effort;
@@ -21,20 +21,20 @@ use crate::verify::verify;
 const COSTS: [Cost; 4] = [Cost::Restart, Cost::OpenGl, Cost::Degenerate, Cost::Gl];
 
 /// What paths cost beyond one index a triangle, every path priced as a whole.
-fn naive_cost(triangulation: &Triangulation<'_>, cover: &PathCover, prices: Prices) -> i64 {
+fn naive_cost(triangulation: &Triangulation<'_>, cover: &PathCover, prices: StripPrices) -> i64 {
     let strips = cover.path_count();
     let swaps = cover_cost(triangulation.graph(), cover) - cover.len() - 3 * strips;
     let times = |count: usize, price: i32| count.cast_signed() as i64 * i64::from(price);
     times(strips, prices.strip) + times(swaps, prices.swap)
 }
 
-fn to_plan<'a>(paths: &Paths, start: &Triangulation<'a>) -> StripPlan<'a> {
+fn to_plan<'a>(paths: &PricedPaths, start: &Triangulation<'a>) -> StripPlan<'a> {
     let (triangulation, cover) = paths.to_parts(start);
     StripPlan::new(triangulation, cover)
 }
 
 fn check_paths(
-    paths: &Paths,
+    paths: &PricedPaths,
     surface: &PreparedFaces<'_>,
     start: &Triangulation<'_>,
 ) -> Result<(), TestCaseError> {
@@ -43,7 +43,7 @@ fn check_paths(
     prop_assert_eq!(plan.cover.check(plan.triangulation.graph()), Ok(()));
     prop_assert_eq!(paths.cost(), naive_cost(&plan.triangulation, &plan.cover, paths.prices()));
     prop_assert_eq!(paths.strip_count(), plan.cover.path_count());
-    let anew = Paths::new(surface.faces(), &plan.triangulation, &plan.cover, paths.prices());
+    let anew = PricedPaths::new(surface.faces(), &plan.triangulation, &plan.cover, paths.prices());
     for t in 0..paths.len() as u32 {
         prop_assert_eq!(paths.mask(t), anew.mask(t));
         prop_assert_eq!([0, 1, 2].map(|e| paths.twin(4 * t + e)), [0, 1, 2].map(|e| anew.twin(4 * t + e)));
@@ -55,18 +55,15 @@ fn check_paths(
 }
 
 /// What the swaps at the starts of all paths cost.
-fn starts(paths: &Paths) -> i64 {
+fn starts(paths: &PricedPaths) -> i64 {
     let ends = (0..paths.len() as u32).filter(|&t| paths.mask(t).count_ones() < 2 && paths.partner(t) > t);
     let swaps: i32 = ends.map(|t| paths.start_swap(t, paths.partner(t))).sum();
     i64::from(swaps * paths.prices().swap)
 }
 
 /// Tries one change at a half-edge, as far as it makes sense there, and checks its price.
-fn change(paths: &mut Paths, link: u32, kind: u8) -> Result<(), TestCaseError> {
-    let twin = paths.twin(link);
-    if twin == NONE {
-        return Ok(());
-    }
+fn change(paths: &mut PricedPaths, link: u32, kind: u8) -> Result<(), TestCaseError> {
+    let Some(twin) = paths.twin(link) else { return Ok(()) };
     let (before, starts_before) = (paths.cost(), starts(paths));
     let ends = [link, twin].map(|h| paths.mask(h / 4).count_ones() < 2);
     if paths.mask(link / 4) >> (link % 4) & 1 == 1 {
@@ -84,8 +81,8 @@ fn change(paths: &mut Paths, link: u32, kind: u8) -> Result<(), TestCaseError> {
         let mask = paths.mask(twin / 4);
         let cut_edge = if kind.is_multiple_of(2) { mask.trailing_zeros() } else { mask.ilog2() };
         let cut = twin & !3 | cut_edge;
-        if paths.twin(cut) / 4 != link / 4 {
-            let inside = paths.graft_rise(link, cut);
+        if paths.across(cut) / 4 != link / 4 {
+            let inside = paths.rotation_rise(link, cut);
             let rise = paths.cut(cut);
             if let Some(more) = paths.join(link) {
                 prop_assert_eq!(i64::from(rise + more - inside), starts(paths) - starts_before);
@@ -128,8 +125,8 @@ proptest! {
         let start = Triangulation::fan(&surface, &graph);
         let mut cover = PathCover::isolated(graph.face_count());
         (0..graph.half_edge_count() as u32).step_by(2).for_each(|h| { cover.join(&graph, HalfEdge(h)); });
-        let prices = Prices { strip: prices.0, swap: prices.1 };
-        let mut paths = Paths::new(surface.faces(), &start, &cover, prices);
+        let prices = StripPrices { strip: prices.0, swap: prices.1 };
+        let mut paths = PricedPaths::new(surface.faces(), &start, &cover, prices);
         check_paths(&paths, &surface, &start)?;
         for (place, kind) in changes {
             let h = place.index(graph.half_edge_count()) as u32;
@@ -144,9 +141,9 @@ proptest! {
         let surface = PreparedFaces::new(&mesh, false);
         let graph = DualGraph::new(surface.faces());
         let start = Triangulation::zigzag(&surface, &graph);
-        let prices = Prices { strip: 3, swap: 1 };
+        let prices = StripPrices { strip: 3, swap: 1 };
         let cover = PathCover::isolated(start.triangle_count());
-        let mut paths = Paths::new(surface.faces(), &start, &cover, prices);
+        let mut paths = PricedPaths::new(surface.faces(), &start, &cover, prices);
         let phase = Phase { sweeps: 20, hottest, coldest: 0.15 };
         Annealer::new(seed, &(), &[phase], cover.len(), cover.len()).run(&mut paths, phase);
         check_paths(&paths, &surface, &start)?;
@@ -165,13 +162,13 @@ proptest! {
         let surface = PreparedFaces::new(&mesh, false);
         let graph = DualGraph::new(surface.faces());
         let start = Triangulation::zigzag(&surface, &graph);
-        let prices = Prices { strip: prices.0, swap: prices.1 };
+        let prices = StripPrices { strip: prices.0, swap: prices.1 };
         let cover = PathCover::isolated(start.triangle_count());
-        let mut paths = Paths::new(surface.faces(), &start, &cover, prices);
-        let mut diver = Diver::new(seed);
+        let mut paths = PricedPaths::new(surface.faces(), &start, &cover, prices);
+        let mut search = LocalSearch::new(seed);
         for t in (0..paths.len() as u32).chain(0..paths.len() as u32) {
             let before = paths.cost();
-            diver.dive(&mut paths, t);
+            search.improve_at(&mut paths, t);
             prop_assert!(paths.cost() <= before);
             check_paths(&paths, &surface, &start)?;
         }
@@ -208,8 +205,8 @@ fn diagonals_turn_around_and_back() {
     let graph = DualGraph::new(surface.faces());
     let start = Triangulation::zigzag(&surface, &graph);
     let cover = PathCover::isolated(start.triangle_count());
-    let mut paths = Paths::new(surface.faces(), &start, &cover, Prices { strip: 3, swap: 1 });
-    let cut = |paths: &Paths| to_plan(paths, &start).triangulation.triangles().to_vec();
+    let mut paths = PricedPaths::new(surface.faces(), &start, &cover, StripPrices { strip: 3, swap: 1 });
+    let cut = |paths: &PricedPaths| to_plan(paths, &start).triangulation.triangles().to_vec();
     let diagonals: Vec<u32> = (0..4 * paths.len() as u32)
         .filter(|h| h % 4 < 3 && paths.diagonals(h / 4) >> (h % 4) & 1 == 1)
         .collect();
@@ -217,7 +214,7 @@ fn diagonals_turn_around_and_back() {
     for diagonal in diagonals {
         let before = cut(&paths);
         for turn in 1..=4 {
-            paths.turn_diagonal(diagonal);
+            paths.flip_diagonal(diagonal);
             check_paths(&paths, &surface, &start).unwrap();
             let plan = to_plan(&paths, &start);
             assert!(verify(&mesh, &plan.strips()).is_ok());

@@ -1,0 +1,114 @@
+//! Vertex attributes other than the position: normals, texture coordinates, colours and others.
+
+/// The values of one vertex attribute, `components` of them per vertex.
+#[derive(Debug, Clone, PartialEq)]
+pub enum AttributeData {
+    /// 32-bit floats.
+    F32(Vec<f32>),
+    /// 64-bit floats.
+    F64(Vec<f64>),
+    /// Unsigned bytes.
+    U8(Vec<u8>),
+    /// Signed bytes.
+    I8(Vec<i8>),
+    /// Unsigned 16-bit integers.
+    U16(Vec<u16>),
+    /// Signed 16-bit integers.
+    I16(Vec<i16>),
+    /// Unsigned 32-bit integers.
+    U32(Vec<u32>),
+    /// Signed 32-bit integers.
+    I32(Vec<i32>),
+}
+
+impl AttributeData {
+    /// Counts the values, over all vertices and components.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::F32(v) => v.len(),
+            Self::F64(v) => v.len(),
+            Self::U8(v) => v.len(),
+            Self::I8(v) => v.len(),
+            Self::U16(v) => v.len(),
+            Self::I16(v) => v.len(),
+            Self::U32(v) => v.len(),
+            Self::I32(v) => v.len(),
+        }
+    }
+
+    /// Returns whether there is no value.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+/// One value, of one or more components, per vertex.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Attribute {
+    /// The glTF name if there is one (`NORMAL`, `TEXCOORD_0`, `COLOR_0`), otherwise the name in the file.
+    pub name: String,
+    /// Number of values per vertex, at least 1.
+    pub components: u8,
+    /// Whether integers represent fractions of their range.
+    pub normalized: bool,
+    /// The values, vertex after vertex.
+    pub data: AttributeData,
+}
+
+impl Attribute {
+    /// Returns the values of some vertices, in their order.
+    ///
+    /// # Panics
+    /// There is no such vertex.
+    ///
+    /// ```
+    /// use tristrip::{Attribute, AttributeData};
+    /// let data = AttributeData::U8(vec![0, 1, 10, 11, 20, 21]);
+    /// let pairs = Attribute { name: "pairs".into(), components: 2, normalized: false, data };
+    /// assert_eq!(pairs.of_vertices(&[2, 0]).data, AttributeData::U8(vec![20, 21, 0, 1]));
+    /// ```
+    #[must_use]
+    pub fn of_vertices(&self, vertices: &[u32]) -> Self {
+        let n = usize::from(self.components.max(1));
+        let data = match &self.data {
+            AttributeData::F32(values) => AttributeData::F32(select(values, n, vertices)),
+            AttributeData::F64(values) => AttributeData::F64(select(values, n, vertices)),
+            AttributeData::U8(values) => AttributeData::U8(select(values, n, vertices)),
+            AttributeData::I8(values) => AttributeData::I8(select(values, n, vertices)),
+            AttributeData::U16(values) => AttributeData::U16(select(values, n, vertices)),
+            AttributeData::I16(values) => AttributeData::I16(select(values, n, vertices)),
+            AttributeData::U32(values) => AttributeData::U32(select(values, n, vertices)),
+            AttributeData::I32(values) => AttributeData::I32(select(values, n, vertices)),
+        };
+        Self { name: self.name.clone(), data, ..*self }
+    }
+
+    /// Appends the bits of a vertex's values to a key.
+    pub(crate) fn append_bits(&self, vertex: usize, key: &mut Vec<u8>) {
+        let n = usize::from(self.components.max(1));
+        let range = vertex * n..(vertex + 1) * n;
+        match &self.data {
+            AttributeData::F32(d) => d[range].iter().for_each(|x| key.extend(x.to_bits().to_le_bytes())),
+            AttributeData::F64(d) => d[range].iter().for_each(|x| key.extend(x.to_bits().to_le_bytes())),
+            AttributeData::U8(d) => key.extend(&d[range]),
+            AttributeData::I8(d) => d[range].iter().for_each(|x| key.extend(x.to_le_bytes())),
+            AttributeData::U16(d) => d[range].iter().for_each(|x| key.extend(x.to_le_bytes())),
+            AttributeData::I16(d) => d[range].iter().for_each(|x| key.extend(x.to_le_bytes())),
+            AttributeData::U32(d) => d[range].iter().for_each(|x| key.extend(x.to_le_bytes())),
+            AttributeData::I32(d) => d[range].iter().for_each(|x| key.extend(x.to_le_bytes())),
+        }
+    }
+}
+
+/// Returns the values of some vertices, `components` each, in the order of `vertices`.
+pub(crate) fn select<T: Copy>(values: &[T], components: usize, vertices: &[u32]) -> Vec<T> {
+    if components == 1 {
+        return vertices.iter().map(|&v| values[v as usize]).collect();
+    }
+    let mut selected = Vec::with_capacity(components * vertices.len());
+    for &v in vertices {
+        let first = v as usize * components;
+        selected.extend_from_slice(&values[first..first + components]);
+    }
+    selected
+}

@@ -1,0 +1,233 @@
+//! Polygon faces of any size, with compact storage for triangles.
+
+use std::borrow::Cow;
+
+use super::vertex_subset::{SPARSE, VertexSubset};
+use crate::error::{Error, MeshProblem};
+use crate::ids::check_count;
+
+/// Faces of any size; the winding of a face is the order of its corners.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Faces {
+    corners: Vec<u32>,
+    /// `face_count + 1` entries; `None` if every face is a triangle.
+    offsets: Option<Vec<u32>>,
+}
+
+impl Faces {
+    /// Creates triangles from three indices each.
+    ///
+    /// # Errors
+    /// The number of indices is not a multiple of three, or too large for 32-bit ids.
+    ///
+    /// ```
+    /// let faces = tristrip::Faces::from_triangles(vec![0, 1, 2, 2, 1, 3])?;
+    /// assert_eq!(faces.face_count(), 2);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn from_triangles(corners: Vec<u32>) -> Result<Self, Error> {
+        check_count("corners", corners.len())?;
+        if !corners.len().is_multiple_of(3) {
+            let found = corners.len() as u64;
+            return Err(MeshProblem::CornerCount { found, expected: "a multiple of 3".into() }.into());
+        }
+        Ok(Self { corners, offsets: None })
+    }
+
+    /// Creates polygons from all corners and the offset of each face's first corner; `offsets` has one entry more than there are
+    /// faces, starts at 0, never decreases and ends at the number of corners. Faces may have any size, including 0.
+    ///
+    /// # Errors
+    /// The offsets do not match the corners, or the corners of the faces or of their triangles are too many for 32-bit ids.
+    ///
+    /// ```
+    /// let quad_and_triangle = tristrip::Faces::from_offsets(vec![0, 4, 7], vec![0, 1, 2, 3, 3, 2, 4])?;
+    /// assert_eq!(quad_and_triangle.face(1), [3, 2, 4]);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn from_offsets(offsets: Vec<u32>, corners: Vec<u32>) -> Result<Self, Error> {
+        check_count("corners", corners.len())?;
+        check_count("faces", offsets.len())?;
+        let good = offsets.first() == Some(&0)
+            && offsets.last().is_some_and(|&end| end as usize == corners.len())
+            && offsets.is_sorted();
+        if !good {
+            let expected = match offsets.last() {
+                Some(end) => format!("{end}, by offsets that start at 0 and never decrease"),
+                None => "offsets that start at 0".into(),
+            };
+            return Err(MeshProblem::CornerCount { found: corners.len() as u64, expected }.into());
+        }
+        let all_triangles = offsets.windows(2).all(|w| w[1] - w[0] == 3);
+        let faces = Self { corners, offsets: (!all_triangles).then_some(offsets) };
+        // The triangles of a large polygon have up to three times as many corners.
+        check_count("corners of the triangles of the faces", faces.triangle_count().saturating_mul(3))?;
+        Ok(faces)
+    }
+
+    /// Creates faces from a list of polygons.
+    ///
+    /// # Errors
+    /// There are too many corners for 32-bit ids.
+    ///
+    /// ```
+    /// let faces = tristrip::Faces::from_polygons([vec![0, 1, 2, 3], vec![3, 2, 4]])?;
+    /// assert_eq!(faces.corner_count(), 7);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn from_polygons<P: AsRef<[u32]>>(polygons: impl IntoIterator<Item = P>) -> Result<Self, Error> {
+        let mut offsets = vec![0];
+        let mut corners = Vec::new();
+        for polygon in polygons {
+            corners.extend_from_slice(polygon.as_ref());
+            check_count("corners", corners.len())?;
+            offsets.push(corners.len() as u32);
+        }
+        Self::from_offsets(offsets, corners)
+    }
+
+    /// Counts the faces.
+    pub fn face_count(&self) -> usize {
+        self.offsets.as_ref().map_or(self.corners.len() / 3, |offsets| offsets.len() - 1)
+    }
+
+    /// Counts the corners of all faces.
+    pub fn corner_count(&self) -> usize {
+        self.corners.len()
+    }
+
+    /// Returns the vertex of every corner, face after face.
+    pub fn corners(&self) -> &[u32] {
+        &self.corners
+    }
+
+    /// Returns the range of a face's corners within [`Faces::corners`].
+    ///
+    /// # Panics
+    /// `face` is not less than [`Faces::face_count`].
+    pub fn range(&self, face: usize) -> std::ops::Range<usize> {
+        match &self.offsets {
+            Some(offsets) => offsets[face] as usize..offsets[face + 1] as usize,
+            None => 3 * face..3 * face + 3,
+        }
+    }
+
+    /// Returns the vertices of a face in its winding.
+    ///
+    /// # Panics
+    /// `face` is not less than [`Faces::face_count`].
+    pub fn face(&self, face: usize) -> &[u32] {
+        &self.corners[self.range(face)]
+    }
+
+    /// Iterates over the faces in order.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = &[u32]> + Clone {
+        (0..self.face_count()).map(|face| self.face(face))
+    }
+
+    /// Returns the index buffer if every face is a triangle.
+    pub fn as_triangles(&self) -> Option<&[u32]> {
+        self.offsets.is_none().then_some(&self.corners)
+    }
+
+    /// Returns faces of the same sizes with other corners.
+    ///
+    /// # Errors
+    /// The number of corners differs.
+    ///
+    /// ```
+    /// let faces = tristrip::Faces::from_polygons([vec![0, 1, 2, 3], vec![3, 2, 4]])?;
+    /// let renamed = faces.with_corners(vec![4, 3, 2, 1, 1, 2, 0])?;
+    /// assert_eq!(renamed.face(1), [1, 2, 0]);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn with_corners(&self, corners: Vec<u32>) -> Result<Self, Error> {
+        if corners.len() != self.corners.len() {
+            let (found, expected) = (corners.len() as u64, self.corners.len().to_string());
+            return Err(MeshProblem::CornerCount { found, expected }.into());
+        }
+        Ok(self.renamed(corners))
+    }
+
+    /// Returns faces of the same sizes with other corners, of which there are as many.
+    pub(crate) fn renamed(&self, corners: Vec<u32>) -> Self {
+        debug_assert_eq!(corners.len(), self.corners.len());
+        Self { corners, offsets: self.offsets.clone() }
+    }
+
+    /// Returns the same faces over a [`VertexSubset`], in the same order, if they use few of the vertices up to the highest one;
+    /// otherwise borrows the faces. Memory that is proportional to the highest vertex is then proportional to the corners.
+    pub(crate) fn compact(&self) -> Cow<'_, Self> {
+        let highest = self.corners.iter().max().map_or(0, |&v| v as usize);
+        if highest / SPARSE < self.corners.len() {
+            return Cow::Borrowed(self);
+        }
+        Cow::Owned(self.renamed(VertexSubset::of(&self.corners).numbers(&self.corners)))
+    }
+
+    /// Returns the same faces with vertices numbered in order of their first use: vertices of nearby faces are then close in
+    /// memory. Allocates 4 bytes per vertex up to the highest one.
+    pub(crate) fn in_order_of_use(&self) -> Self {
+        let highest = self.corners.iter().max().map_or(0, |&v| v as usize);
+        let mut number = vec![0_u32; highest + 1]; // counted from 1
+        let mut count = 0;
+        let renumber = |&v: &u32| {
+            let number = &mut number[v as usize];
+            if *number == 0 {
+                count += 1;
+                *number = count;
+            }
+            *number - 1
+        };
+        Self { corners: self.corners.iter().map(renumber).collect(), offsets: self.offsets.clone() }
+    }
+
+    /// Counts the triangles of the faces: a face of k corners has k − 2.
+    pub fn triangle_count(&self) -> usize {
+        match &self.offsets {
+            Some(offsets) => offsets.windows(2).map(|w| ((w[1] - w[0]) as usize).saturating_sub(2)).sum(),
+            None => self.face_count(),
+        }
+    }
+}
+
+/// Copies a polygon without the corners that repeat the one before, cyclically.
+pub(crate) fn without_repeats(face: &[u32], polygon: &mut Vec<u32>) {
+    polygon.clear();
+    polygon.extend_from_slice(face);
+    polygon.dedup();
+    while polygon.len() > 1 && polygon.first() == polygon.last() {
+        polygon.pop();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn triangles_given_as_polygons_are_triangles() {
+        let faces = Faces::from_polygons([[0, 1, 2], [2, 1, 3]]).unwrap();
+        assert_eq!(faces.as_triangles(), Some(&[0, 1, 2, 2, 1, 3][..]));
+        let mixed = Faces::from_polygons([vec![0, 1], vec![0, 1, 2, 3, 4]]).unwrap();
+        assert_eq!((mixed.triangle_count(), mixed.face_count()), (3, 2));
+    }
+
+    #[test]
+    fn refuses_wrong_numbers_of_corners() {
+        assert!(Faces::from_triangles(vec![0, 1]).is_err());
+        assert!(Faces::from_offsets(vec![0, 4, 3], vec![0, 1, 2]).is_err());
+        assert!(Faces::from_offsets(vec![], vec![]).is_err());
+    }
+
+    #[test]
+    fn sparse_vertices_are_renumbered_in_order() {
+        let sparse = Faces::from_polygons([vec![1000, 7, 900_000, 8], vec![8, 7, 1000]]).unwrap();
+        let expected = Faces::from_polygons([vec![2, 0, 3, 1], vec![1, 0, 2]]).unwrap();
+        assert_eq!(*sparse.compact(), expected);
+        let dense = Faces::from_triangles(vec![0, 1, 47]).unwrap();
+        assert!(matches!(dense.compact(), Cow::Borrowed(_)));
+        assert!(matches!(Faces::from_triangles(vec![0, 1, 48]).unwrap().compact(), Cow::Owned(_)));
+        assert_eq!(*Faces::default().compact(), Faces::default());
+    }
+}

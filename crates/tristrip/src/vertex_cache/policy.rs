@@ -1,0 +1,111 @@
+//! The parameters of a simulated vertex cache: replacement, size, and flushes between strips.
+
+use crate::error::Error;
+
+/// The vertex that is evicted from a full cache.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Replacement {
+    /// The one that entered first.
+    #[default]
+    Fifo,
+    /// The one that was not used for the longest time.
+    Lru,
+}
+
+impl std::fmt::Display for Replacement {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Fifo => "fifo",
+            Self::Lru => "lru",
+        })
+    }
+}
+
+impl std::str::FromStr for Replacement {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<Self, Error> {
+        match name {
+            "fifo" => Ok(Self::Fifo),
+            "lru" => Ok(Self::Lru),
+            _ => {
+                Err(Error::Parameter { name: "replacement", found: name.into(), expected: "`fifo` or `lru`" })
+            }
+        }
+    }
+}
+
+/// A vertex cache: its replacement policy and its number of entries. Written and parsed as `fifo:16`.
+///
+/// ```
+/// use tristrip::vertex_cache::{Replacement, VertexCache};
+/// let cache: VertexCache = "lru:32".parse()?;
+/// assert_eq!(cache, VertexCache { replacement: Replacement::Lru, entries: 32 });
+/// assert_eq!(VertexCache::default().to_string(), "fifo:16");
+/// assert!("lru:0".parse::<VertexCache>().is_err());
+/// # Ok::<(), tristrip::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct VertexCache {
+    /// The vertex that is evicted when the cache is full.
+    pub replacement: Replacement,
+    /// The number of vertices that it holds; without entries there are no hits.
+    pub entries: u32,
+}
+
+impl VertexCache {
+    /// The largest number of entries that is parsed.
+    pub const MAX_ENTRIES: u32 = 1 << 16;
+
+    /// Creates a first-in, first-out cache.
+    pub const fn fifo(entries: u32) -> Self {
+        Self { replacement: Replacement::Fifo, entries }
+    }
+
+    /// Creates a cache that evicts the least recently used vertex.
+    pub const fn lru(entries: u32) -> Self {
+        Self { replacement: Replacement::Lru, entries }
+    }
+}
+
+/// The cache with which strips are usually measured: 16 entries, first in, first out.
+impl Default for VertexCache {
+    fn default() -> Self {
+        Self::fifo(16)
+    }
+}
+
+impl std::fmt::Display for VertexCache {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}:{}", self.replacement, self.entries)
+    }
+}
+
+impl std::str::FromStr for VertexCache {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self, Error> {
+        let wrong = || Error::Parameter {
+            name: "vertex_cache",
+            found: format!("`{text}`"),
+            expected: "`fifo:N` or `lru:N`, N from 1 to 65536",
+        };
+        let (name, entries) = text.split_once(':').ok_or_else(wrong)?;
+        let replacement = name.parse().map_err(|_| wrong())?;
+        let digits = entries.bytes().all(|b| b.is_ascii_digit());
+        match entries.parse() {
+            Ok(entries @ 1..=Self::MAX_ENTRIES) if digits => Ok(Self { replacement, entries }),
+            _ => Err(wrong()),
+        }
+    }
+}
+
+/// Whether the cache is flushed between two strips.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum FlushPolicy {
+    /// It keeps its vertices, as a graphics processor does within one draw call.
+    #[default]
+    Keep,
+    /// It is flushed, as before each draw call, or in studies of single strips.
+    Flush,
+}

@@ -1,0 +1,246 @@
+//! Vertex-cache statistics: of strips or a list with one cache or many, strip by strip, and for all sizes of an LRU cache.
+
+use super::distances::Distances;
+use super::fifo::Fifo;
+use super::policy::{FlushPolicy, Replacement, VertexCache};
+use super::simulator::VertexCacheSimulator;
+use super::stream::VertexStream;
+use crate::strip::{Strips, count_triangles};
+
+/// FIFO caches that are simulated side by side: one vector register of stamps. Eight are not faster on bunny, and slower on dragon,
+/// whose stamps no longer fit in the processor's caches then.
+const LANES: usize = 4;
+
+/// The number of LRU sizes from which on one pass by stack distances is faster than one pass per size, on bunny and dragon.
+const SIZES: usize = 4;
+
+/// Vertex-cache statistics of strips or of a triangle list.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct VertexCacheStatistics {
+    /// Vertices that were not in the cache when they were sent.
+    pub misses: usize,
+    /// Real triangles drawn.
+    pub triangles: usize,
+    /// Distinct vertices that were sent.
+    pub vertices: usize,
+}
+
+impl VertexCacheStatistics {
+    /// Simulates strips over vertices 0 to `vertex_count` − 1 with an initially empty cache.
+    ///
+    /// # Panics
+    /// A strip has a vertex that is not less than `vertex_count`.
+    ///
+    /// ```
+    /// use tristrip::{Strips, vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics}};
+    /// let mut strips = Strips::default();
+    /// strips.push(&[0, 1, 2, 3]);
+    /// strips.push(&[2, 3, 4]);
+    /// let used = VertexCacheStatistics::of(&strips, VertexCache::fifo(16), FlushPolicy::Keep, 5);
+    /// assert_eq!((used.misses, used.triangles, used.vertices), (5, 3, 5));
+    /// assert_eq!((used.acmr(), used.atvr()), (5.0 / 3.0, 1.0));
+    /// assert_eq!(VertexCacheStatistics::of(&strips, VertexCache::fifo(16), FlushPolicy::Flush, 5).misses, 7);
+    /// ```
+    pub fn of(strips: &Strips, cache: VertexCache, flush: FlushPolicy, vertex_count: usize) -> Self {
+        Self::of_stream(&VertexStream::strips(strips, vertex_count), cache, flush)
+    }
+
+    /// Simulates a triangle list, three indices per triangle, over vertices 0 to `vertex_count` − 1 with an initially empty cache.
+    /// All indices are sent; triangles with two equal ones do not count as real.
+    ///
+    /// # Panics
+    /// An index is not less than `vertex_count`.
+    ///
+    /// ```
+    /// use tristrip::vertex_cache::{VertexCache, VertexCacheStatistics};
+    /// let used = VertexCacheStatistics::of_list(&[0, 1, 2, 2, 1, 3], VertexCache::fifo(16), 4);
+    /// assert_eq!((used.misses, used.triangles, used.vertices), (4, 2, 4));
+    /// ```
+    pub fn of_list(indices: &[u32], cache: VertexCache, vertex_count: usize) -> Self {
+        Self::of_stream(&VertexStream::list(indices, vertex_count), cache, FlushPolicy::Keep)
+    }
+
+    fn of_stream(stream: &VertexStream<'_>, cache: VertexCache, flush: FlushPolicy) -> Self {
+        let misses = misses(stream, cache, flush);
+        Self { misses, triangles: stream.triangles, vertices: stream.vertices() }
+    }
+
+    /// Returns the misses per real triangle (the ACMR); 0 without triangles.
+    pub fn acmr(&self) -> f64 {
+        if self.triangles == 0 { 0.0 } else { self.misses as f64 / self.triangles as f64 }
+    }
+
+    /// Returns the misses per vertex in use (the ATVR); 0 without vertices.
+    pub fn atvr(&self) -> f64 {
+        if self.vertices == 0 { 0.0 } else { self.misses as f64 / self.vertices as f64 }
+    }
+
+    /// Simulates strips with each of several caches, like [`VertexCacheStatistics::of`] but faster. Returns the statistics in the order
+    /// of the caches.
+    ///
+    /// All LRU sizes come from one pass by stack distances. FIFO caches are simulated four at a time.
+    ///
+    /// # Panics
+    /// A strip has a vertex that is not less than `vertex_count`.
+    ///
+    /// ```
+    /// use tristrip::{Strips, vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics}};
+    /// let mut strips = Strips::default();
+    /// strips.push(&[0, 1, 2, 3, 0]);
+    /// let caches = [VertexCache::fifo(3), VertexCache::fifo(4), VertexCache::lru(4)];
+    /// let used = VertexCacheStatistics::of_each(&strips, &caches, FlushPolicy::Keep, 4);
+    /// assert_eq!([used[0].misses, used[1].misses, used[2].misses], [5, 4, 4]);
+    /// ```
+    pub fn of_each(
+        strips: &Strips,
+        caches: &[VertexCache],
+        flush: FlushPolicy,
+        vertex_count: usize,
+    ) -> Vec<Self> {
+        Self::of_stream_each(&VertexStream::strips(strips, vertex_count), caches, flush)
+    }
+
+    /// Simulates a triangle list with each of several caches, like [`VertexCacheStatistics::of_list`] but faster. Returns the statistics
+    /// in the order of the caches.
+    ///
+    /// # Panics
+    /// An index is not less than `vertex_count`.
+    ///
+    /// ```
+    /// use tristrip::vertex_cache::{VertexCache, VertexCacheStatistics};
+    /// let caches = [VertexCache::fifo(1), VertexCache::lru(2)];
+    /// let used = VertexCacheStatistics::of_list_each(&[0, 1, 2, 2, 1, 3], &caches, 4);
+    /// assert_eq!((used[0].misses, used[1].misses), (5, 4));
+    /// ```
+    pub fn of_list_each(indices: &[u32], caches: &[VertexCache], vertex_count: usize) -> Vec<Self> {
+        Self::of_stream_each(&VertexStream::list(indices, vertex_count), caches, FlushPolicy::Keep)
+    }
+
+    fn of_stream_each(stream: &VertexStream<'_>, caches: &[VertexCache], flush: FlushPolicy) -> Vec<Self> {
+        let mut misses = vec![0; caches.len()];
+        let with = |replacement| {
+            let numbered = caches.iter().enumerate();
+            numbered.filter(move |(_, cache)| cache.replacement == replacement).collect::<Vec<_>>()
+        };
+        for lanes in with(Replacement::Fifo).chunks(LANES) {
+            let entries = std::array::from_fn(|lane| lanes.get(lane).map_or(1, |(_, cache)| cache.entries));
+            let found = fifo_misses::<LANES>(stream, entries, flush);
+            lanes.iter().zip(found).for_each(|(&(i, _), found)| misses[i] = found);
+        }
+        let lru = with(Replacement::Lru);
+        let small = |cache: &VertexCache| (1..=VertexCache::MAX_ENTRIES).contains(&cache.entries);
+        let in_profile = lru.iter().filter(|(_, cache)| small(cache));
+        let largest = in_profile.clone().map(|(_, cache)| cache.entries).max().unwrap_or(0);
+        let profile =
+            if in_profile.count() < SIZES { Vec::new() } else { lru_misses(stream, largest, flush) };
+        for (i, &cache) in lru {
+            let size = (cache.entries as usize).wrapping_sub(1);
+            misses[i] = profile.get(size).copied().unwrap_or_else(|| self::misses(stream, cache, flush));
+        }
+        let (triangles, vertices) = (stream.triangles, stream.vertices());
+        misses.into_iter().map(|misses| Self { misses, triangles, vertices }).collect()
+    }
+}
+
+/// Counts the misses of one cache.
+fn misses(stream: &VertexStream<'_>, cache: VertexCache, flush: FlushPolicy) -> usize {
+    let mut simulator = VertexCacheSimulator::new(cache, stream.vertex_count);
+    stream.runs(flush, |run| {
+        simulator.flush();
+        simulator.send_all(run);
+    });
+    simulator.misses()
+}
+
+/// Counts the misses of several FIFO caches.
+fn fifo_misses<const N: usize>(
+    stream: &VertexStream<'_>,
+    entries: [u32; N],
+    flush: FlushPolicy,
+) -> [usize; N] {
+    let mut caches = Fifo::<N>::new(entries, stream.vertex_count);
+    stream.runs(flush, |run| {
+        caches.flush();
+        caches.send_all(run);
+    });
+    caches.misses()
+}
+
+/// Counts the misses of LRU caches of 1 to `largest` entries.
+fn lru_misses(stream: &VertexStream<'_>, largest: u32, flush: FlushPolicy) -> Vec<usize> {
+    let mut distances = Distances::new(largest as usize, stream.vertex_count);
+    stream.runs(flush, |run| {
+        distances.flush();
+        distances.send_all(run);
+    });
+    distances.misses()
+}
+
+/// Sums the statistics of parts that do not share vertices.
+impl std::iter::Sum for VertexCacheStatistics {
+    fn sum<I: Iterator<Item = Self>>(parts: I) -> Self {
+        parts.fold(Self::default(), |a, b| Self {
+            misses: a.misses + b.misses,
+            triangles: a.triangles + b.triangles,
+            vertices: a.vertices + b.vertices,
+        })
+    }
+}
+
+/// Vertex-cache statistics of one strip.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct StripCacheStatistics {
+    /// Vertices sent, swaps and winding repeats included.
+    pub length: usize,
+    /// Real triangles drawn.
+    pub triangles: usize,
+    /// Vertices that were not in the cache when they were sent.
+    pub misses: usize,
+}
+
+impl StripCacheStatistics {
+    /// Simulates strips as [`VertexCacheStatistics::of`] does. Returns the statistics of each, in order.
+    ///
+    /// # Panics
+    /// A strip has a vertex that is not less than `vertex_count`.
+    ///
+    /// ```
+    /// use tristrip::{Strips, vertex_cache::{FlushPolicy, StripCacheStatistics, VertexCache}};
+    /// let mut strips = Strips::default();
+    /// strips.push(&[0, 1, 2, 3]);
+    /// strips.push(&[2, 3, 4]);
+    /// let each = StripCacheStatistics::of(&strips, VertexCache::fifo(16), FlushPolicy::Keep, 5);
+    /// assert_eq!(each[1], StripCacheStatistics { length: 3, triangles: 1, misses: 1 });
+    /// ```
+    pub fn of(strips: &Strips, cache: VertexCache, flush: FlushPolicy, vertex_count: usize) -> Vec<Self> {
+        let sent = VertexStream::strips(strips, vertex_count);
+        let mut simulator = VertexCacheSimulator::new(cache, sent.vertex_count);
+        let mut each = Vec::with_capacity(strips.len());
+        sent.runs(FlushPolicy::Flush, |strip| {
+            if flush == FlushPolicy::Flush {
+                simulator.flush();
+            }
+            let before = simulator.misses();
+            simulator.send_all(strip);
+            let misses = simulator.misses() - before;
+            each.push(Self { length: strip.len(), triangles: count_triangles(strip), misses });
+        });
+        each
+    }
+}
+
+/// Counts the misses of LRU caches of 1 to `largest` entries in one pass; item i is for i + 1 entries. `largest` is limited to
+/// [`VertexCache::MAX_ENTRIES`]; misses never increase with the size.
+///
+/// # Panics
+/// A strip has a vertex that is not less than `vertex_count`.
+///
+/// ```
+/// use tristrip::{Strips, vertex_cache::{FlushPolicy, lru_profile}};
+/// let mut strips = Strips::default();
+/// strips.push(&[0, 1, 2, 3, 0]);
+/// assert_eq!(lru_profile(&strips, 5, FlushPolicy::Keep, 4), [5, 5, 5, 4, 4]);
+/// ```
+pub fn lru_profile(strips: &Strips, largest: u32, flush: FlushPolicy, vertex_count: usize) -> Vec<usize> {
+    lru_misses(&VertexStream::strips(strips, vertex_count), largest.min(VertexCache::MAX_ENTRIES), flush)
+}
