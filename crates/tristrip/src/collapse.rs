@@ -1,9 +1,9 @@
 //! The collapses of a simplification, in order, over the triangles of the full mesh.
 //!
-//! A half-edge collapse renames one vertex, the *removed* one, to a neighbour, the *kept* one; triangles in which both stood lose their
-//! area and are dropped. A vertex that lies on an attribute seam is several vertices of one position, and they are renamed together,
-//! in one collapse. Nothing else changes: so every level of detail is the full mesh with some vertices renamed, and the
-//! collapses are all that there is to store.
+//! A half-edge collapse renames one vertex, the *removed* one, to a neighbour, the *kept* one; triangles that have both become
+//! degenerate and are dropped. A point on an attribute seam has several vertices of one position, which are renamed together
+//! in one collapse. Nothing else changes: every level of detail is the full mesh with some vertices renamed, and only the
+//! collapses have to be stored.
 //!
 //! ```text
 //!  level 0                                                level n
@@ -11,11 +11,11 @@
 //!            ◀ collapse 0 ─      ◀ collapse 1 ─     ◀ collapse n−1 ─
 //! ```
 //!
-//! Collapse i leads from level i + 1 to level i, and is undone by the vertex split i. The first collapse that a simplification finds is
-//! therefore n − 1.
+//! Collapse i leads from level i + 1 to level i, and the vertex split i undoes it. The first collapse of a simplification is
+//! therefore collapse n − 1.
 //!
 //! # Complexity
-//! 12 bytes a triangle of the full mesh, and for a collapse that renames one vertex and drops two triangles 28 bytes.
+//! 12 bytes per triangle of the full mesh, and 28 bytes per collapse that renames one vertex and drops two triangles.
 //!
 //! # References
 //! Hoppe: *Progressive Meshes*, 1996. Kim, Park, Yang, Neelamkavil: *A Rendering-Efficient Progressive Transmission of 3D Meshes*,
@@ -24,24 +24,25 @@
 use crate::error::{Error, MeshProblem};
 use crate::mesh::{is_degenerate, triangle_at, triangles_of};
 
-/// One vertex that takes the place of another.
+/// The replacement of one vertex by another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Rename {
-    /// The vertex that is not drawn any more.
+    /// The vertex that is no longer drawn.
     pub removed: u32,
-    /// The vertex that stands in its place.
+    /// The vertex that replaces it.
     pub kept: u32,
 }
 
 /// One collapse of a sequence.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Collapse<'a> {
-    /// The vertices renamed: one, or all those of one position where attributes differ.
+    /// The vertices renamed: one, or all of one position if their attributes differ.
     pub renames: &'a [Rename],
-    /// The triangles dropped, by their number in the full mesh, rising.
+    /// The triangles dropped, by their number in the full mesh, ascending.
     pub dropped: &'a [u32],
-    /// How far the surface is from the full one here, in mesh units: the greater of the distance of the removed vertex from the triangles
-    /// that took the place of its own, and the root of the mean of its squared distances to the planes of the full mesh that it stood for.
+    /// The local distance from the full surface, in mesh units: the maximum of the distance of the removed vertex from the triangles
+    /// that replace its own, and the root mean square of the kept vertex's distances to the planes of the full mesh that the removed
+    /// vertex represents.
     pub error: f32,
 }
 
@@ -62,9 +63,9 @@ pub struct Collapse<'a> {
 pub struct CollapseSequence {
     vertex_count: usize,
     triangles: Vec<u32>,
-    /// Triangles of the full mesh that draw nothing.
+    /// Degenerate triangles of the full mesh.
     degenerate_count: usize,
-    /// What follows is in the order in which the collapses were done, from the full mesh on.
+    // These are in the order in which the collapses were done, from the full mesh on.
     errors: Vec<f32>,
     renames: Vec<Rename>,
     rename_ends: Vec<u32>,
@@ -73,10 +74,10 @@ pub struct CollapseSequence {
 }
 
 impl CollapseSequence {
-    /// Starts a sequence without collapses.
+    /// Creates a sequence without collapses.
     ///
     /// # Errors
-    /// The corners are not a multiple of three, or a vertex does not exist.
+    /// The number of corners is not a multiple of three, or a vertex does not exist.
     pub(crate) fn new(vertex_count: usize, triangles: Vec<u32>) -> Result<Self, Error> {
         if !triangles.len().is_multiple_of(3) {
             let found = triangles.len() as u64;
@@ -96,12 +97,12 @@ impl CollapseSequence {
         Ok(Self { vertex_count, triangles, degenerate_count, ..Self::default() })
     }
 
-    /// Makes a sequence from the triangles of the full mesh and the collapses, the first from the full mesh on, each with its error. Takes
-    /// memory by the number of vertices.
+    /// Builds a sequence from the triangles of the full mesh and the collapses with their errors, in order from the full mesh. The memory
+    /// is proportional to the number of vertices.
     ///
     /// # Errors
-    /// The corners are not a multiple of three, or a vertex does not exist; a collapse renames a vertex that no
-    /// triangle has any more, or renames to one that is renamed itself, or has an error that is negative or not a number.
+    /// The number of corners is not a multiple of three, or a vertex does not exist; a collapse renames a vertex that no triangle uses
+    /// any more, or to a vertex that is renamed itself, or has an error that is negative or not a number.
     pub fn from_collapses<'a>(
         vertex_count: usize,
         triangles: Vec<u32>,
@@ -151,7 +152,7 @@ impl CollapseSequence {
         Ok(sequence)
     }
 
-    /// Adds the next collapse toward the base mesh, whose dropped triangles rise.
+    /// Appends the next collapse toward the base mesh; its dropped triangles are in ascending order.
     pub(crate) fn push(&mut self, renames: &[Rename], dropped: &[u32], error: f32) {
         self.renames.extend_from_slice(renames);
         self.rename_ends.push(self.renames.len() as u32);
@@ -160,27 +161,27 @@ impl CollapseSequence {
         self.errors.push(error);
     }
 
-    /// Counts the collapses, which is the level of the full mesh.
+    /// Counts the collapses, which is also the level of the full mesh.
     pub fn len(&self) -> usize {
         self.errors.len()
     }
 
-    /// Tells whether there is no collapse, so that the base mesh is the full one.
+    /// Checks whether there is no collapse, so that the base mesh is the full mesh.
     pub fn is_empty(&self) -> bool {
         self.errors.is_empty()
     }
 
-    /// Counts the vertices that may be named, drawn or not.
+    /// Counts the vertices of the mesh, drawn or not.
     pub fn vertex_count(&self) -> usize {
         self.vertex_count
     }
 
-    /// Gives the triangles of the full mesh, three vertices each.
+    /// Returns the triangles of the full mesh, three vertices each.
     pub fn triangles(&self) -> &[u32] {
         &self.triangles
     }
 
-    /// Gives the collapse that leads from `level` + 1 to `level`; undone, it is the split of that level.
+    /// Returns the collapse that leads from `level` + 1 to `level`; the split of that level undoes it.
     ///
     /// # Panics
     /// `level` is not less than [`CollapseSequence::len`].
@@ -194,12 +195,12 @@ impl CollapseSequence {
         }
     }
 
-    /// Walks over the collapses from the full mesh to the base mesh.
+    /// Iterates over the collapses from the full mesh to the base mesh.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = Collapse<'_>> + DoubleEndedIterator {
         (0..self.len()).rev().map(|level| self.collapse(level))
     }
 
-    /// Counts the triangles drawn at a level: those of the full mesh less those that are dropped on the way.
+    /// Counts the triangles drawn at a level: those of the full mesh minus those dropped by the collapses to the level.
     ///
     /// # Panics
     /// `level` is greater than [`CollapseSequence::len`].
@@ -209,7 +210,7 @@ impl CollapseSequence {
         self.triangles.len() / 3 - self.degenerate_count - dropped
     }
 
-    /// Gives the greatest error of the collapses that lead to a level, in mesh units; 0 for the full mesh.
+    /// Returns the largest error of the collapses that lead to a level, in mesh units; 0 for the full mesh.
     ///
     /// # Panics
     /// `level` is greater than [`CollapseSequence::len`].
@@ -217,7 +218,7 @@ impl CollapseSequence {
         self.errors[..self.len() - level].iter().fold(0.0, |most, &error| most.max(error))
     }
 
-    /// Gives the highest level that has at most so many triangles; 0 where none has so few.
+    /// Returns the highest level with at most this number of triangles; 0 if there is none.
     pub fn level_of_triangles(&self, triangle_count: usize) -> usize {
         let to_drop = self.triangle_count(self.len()).saturating_sub(triangle_count);
         if to_drop == 0 {
@@ -227,13 +228,13 @@ impl CollapseSequence {
         self.len().saturating_sub(done)
     }
 
-    /// Gives the lowest level before which no collapse has a greater error.
+    /// Returns the lowest level to which no collapse from the full mesh on has a larger error.
     pub fn level_of_error(&self, error: f32) -> usize {
         let within = self.errors.iter().take_while(|&&e| e <= error).count();
         self.len() - within
     }
 
-    /// Gives for each vertex the one that stands in its place at a level.
+    /// Returns for each vertex the one that replaces it at a level.
     ///
     /// # Panics
     /// `level` is greater than [`CollapseSequence::len`].
@@ -241,28 +242,28 @@ impl CollapseSequence {
         let mut now: Vec<u32> = (0..self.vertex_count as u32).collect();
         let done = self.len() - level;
         let end = if done == 0 { 0 } else { self.rename_ends[done - 1] as usize };
-        // The last first: what is kept has its place before what is renamed to it asks for it.
+        // In reverse order a kept vertex is final before the vertices that are renamed to it.
         for &Rename { removed, kept } in self.renames[..end].iter().rev() {
             now[removed as usize] = now[kept as usize];
         }
         now
     }
 
-    /// Gives the triangles at a level, in the order of the full mesh, found by renaming all vertices of the full mesh and leaving out what
-    /// is degenerate. This is the oracle of everything that draws a level of detail.
+    /// Returns the triangles at a level, in the order of the full mesh: all vertices of the full mesh are renamed, and degenerate
+    /// triangles left out. This is the oracle of everything that draws a level of detail.
     ///
     /// # Panics
     /// `level` is greater than [`CollapseSequence::len`].
     pub fn drawn(&self, level: usize) -> Vec<[u32; 3]> {
         let now = self.renaming(level);
-        let named = self.triangles.chunks_exact(3).map(|t| [t[0], t[1], t[2]].map(|v| now[v as usize]));
-        named.filter(|triangle| !is_degenerate(*triangle)).collect()
+        let renamed = triangles_of(&self.triangles).map(|triangle| triangle.map(|v| now[v as usize]));
+        renamed.filter(|&triangle| !is_degenerate(triangle)).collect()
     }
 
-    /// Checks that the collapses are what doing them one by one gives.
+    /// Checks that the collapses, done one by one, drop the triangles that the sequence states.
     ///
     /// # Errors
-    /// As [`CollapseSequence::from_collapses`], or another set of triangles is dropped than stands here.
+    /// As [`CollapseSequence::from_collapses`], or a collapse drops other triangles than stated.
     pub fn check(&self) -> Result<(), Error> {
         let collapses = self.iter().map(|collapse| (collapse.renames, collapse.error));
         let done = Self::from_collapses(self.vertex_count, self.triangles.clone(), collapses)?;
@@ -271,7 +272,7 @@ impl CollapseSequence {
             Err(Error::Parameter {
                 name: "collapses",
                 found: format!("other triangles dropped by collapse {i} from the full mesh"),
-                expected: "those that lose their area",
+                expected: "those that become degenerate",
             })
         })
     }
@@ -282,7 +283,7 @@ mod tests {
     use super::*;
 
     fn fan() -> CollapseSequence {
-        // A hexagon around 6, whose corners 0 to 5 collapse one after the other to the next.
+        // A hexagon around vertex 6, whose corners 0, 1 and 2 collapse one after the other to the next corner.
         let triangles = (0..6).flat_map(|i| [i, (i + 1) % 6, 6]).collect();
         let renames = [
             [Rename { removed: 0, kept: 1 }],
@@ -310,14 +311,14 @@ mod tests {
     }
 
     #[test]
-    fn other_dropped_triangles_are_found() {
+    fn wrong_dropped_triangles_are_detected() {
         let mut fan = fan();
         fan.dropped.swap(0, 1);
         assert!(fan.check().unwrap_err().to_string().contains("other triangles dropped by collapse 0"));
     }
 
     #[test]
-    fn collapses_of_what_is_not_there_are_refused() {
+    fn collapses_of_missing_vertices_are_refused() {
         let collapse = |removed, kept| {
             let renames = [[Rename { removed: 3, kept: 2 }], [Rename { removed, kept }]];
             let collapses = renames.iter().map(|r| (&r[..], 0.0));
@@ -338,8 +339,8 @@ mod tests {
     }
 
     #[test]
-    fn both_sides_of_a_seam_are_renamed_at_once() {
-        // 1 and 4 are one position, 2 and 5 another.
+    fn both_sides_of_a_seam_are_renamed_together() {
+        // Vertices 1 and 4 are at one position, 2 and 5 at another.
         let renames = [Rename { removed: 1, kept: 2 }, Rename { removed: 4, kept: 5 }];
         let sequence =
             CollapseSequence::from_collapses(7, vec![0, 1, 2, 4, 3, 5, 3, 4, 6], [(&renames[..], 0.0)])

@@ -38,25 +38,16 @@ impl PositionIds {
     /// # Errors
     /// The meshes together have too many corners, faces or positions for 32-bit ids.
     pub fn faces(&mut self, meshes: &[&Mesh]) -> Result<Faces, Error> {
+        // The numbers of the vertices that faces have used, by the address of the positions.
         let mut known: HashMap<usize, Vec<OptionalId>> = HashMap::new();
         let corner_count = meshes.iter().map(|m| m.faces().corner_count()).sum();
         let mut corners = Vec::with_capacity(corner_count);
         for mesh in meshes {
-            let (all, positions) = (mesh.faces().corners(), mesh.positions());
-            if mesh.vertex_count() / SPARSE > corner_count {
-                corners.extend(all.iter().map(|&v| self.number(positions[v as usize])));
-            } else {
-                // The number of each vertex that a face has used, by the address of the positions.
-                let known = known.entry(positions.as_ptr().addr());
-                let known = known.or_insert_with(|| vec![OptionalId::NONE; positions.len()]);
-                corners.extend(all.iter().map(|&v| {
-                    known[v as usize].get().unwrap_or_else(|| {
-                        let number = self.number(positions[v as usize]);
-                        known[v as usize] = OptionalId::some(number);
-                        number
-                    })
-                }));
-            }
+            let positions = mesh.positions();
+            let (address, vertex_count) = (positions.as_ptr().addr(), mesh.vertex_count());
+            let known = known.entry(address).or_insert_with(|| unknown_numbers(vertex_count, corner_count));
+            let all = mesh.faces().corners().iter();
+            corners.extend(all.map(|&v| self.number_of_vertex(positions, v, known)));
             check_count("positions", self.positions.len())?;
         }
         if meshes.iter().all(|m| m.faces().as_triangles().is_some()) {
@@ -81,6 +72,26 @@ impl PositionIds {
         self.positions[id as usize]
     }
 
+    /// Returns the number of the position of each corner; the corners are vertices of one list of positions.
+    pub(crate) fn numbers(&mut self, positions: &[[f32; 3]], corners: &[u32]) -> Vec<u32> {
+        let mut known = unknown_numbers(positions.len(), corners.len());
+        corners.iter().map(|&v| self.number_of_vertex(positions, v, &mut known)).collect()
+    }
+
+    /// Returns the number of a vertex's position, from `known` if it is not empty and the vertex was used before.
+    #[inline]
+    fn number_of_vertex(&mut self, positions: &[[f32; 3]], v: u32, known: &mut [OptionalId]) -> u32 {
+        let slot = known.get_mut(v as usize);
+        if let Some(number) = slot.as_ref().and_then(|slot| slot.get()) {
+            return number;
+        }
+        let number = self.number(positions[v as usize]);
+        if let Some(slot) = slot {
+            *slot = OptionalId::some(number);
+        }
+        number
+    }
+
     fn number(&mut self, position: [f32; 3]) -> u32 {
         // Adding 0.0 turns −0.0 into 0.0 and does not change any other finite number.
         let position = position.map(|x| x + 0.0);
@@ -91,6 +102,11 @@ impl PositionIds {
         }
         id
     }
+}
+
+/// Returns a list for the numbers of all vertices, or an empty one if the corners use few of them.
+fn unknown_numbers(vertex_count: usize, corner_count: usize) -> Vec<OptionalId> {
+    if vertex_count / SPARSE > corner_count { Vec::new() } else { vec![OptionalId::NONE; vertex_count] }
 }
 
 #[cfg(test)]

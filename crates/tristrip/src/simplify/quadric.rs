@@ -1,14 +1,14 @@
-//! Quadrics: the sum of weighted squared distances from a point to planes, as ten numbers.
+//! Quadrics: the sum of weighted squared distances from a point to planes, as ten coefficients.
 //!
-//! A plane of unit normal (a, b, c) and offset d is at distance ax + by + cz + d from (x, y, z). The square of that is a
-//! polynomial of degree two, and so is any sum of such squares: planes are added by adding coefficients.
+//! A plane of unit normal (a, b, c) and offset d has distance ax + by + cz + d from (x, y, z). The square of that is a
+//! polynomial of degree two, and so is a sum of such squares: planes are added by adding coefficients.
 //!
 //! # References
 //! Garland, Heckbert: *Surface Simplification Using Quadric Error Metrics*, 1997, section 4.
 
 use crate::vector::{Point, dot};
 
-/// The sum of weighted squared distances to planes, and the weight of those that faces gave.
+/// The sum of weighted squared distances to planes, and the weight of the planes.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Quadric {
     /// Coefficients of x², y², z².
@@ -18,14 +18,14 @@ pub(super) struct Quadric {
     /// Coefficients of x, y, z.
     lines: [f64; 3],
     constant: f64,
-    /// The weight of the faces' planes; those of borders do not count.
+    /// The weight of the planes of faces, without those of borders and seams.
     pub(super) weight: f64,
     /// The weight of all planes.
     pub(super) whole_weight: f64,
 }
 
 impl Quadric {
-    /// Takes the plane through a point with a unit normal, for its square to count so many times.
+    /// Returns the quadric of the plane through a point with a unit normal.
     pub(super) fn plane(normal: Point, through: Point, weight: f64) -> Self {
         let [a, b, c] = normal;
         let d = -dot(normal, through);
@@ -39,12 +39,12 @@ impl Quadric {
         }
     }
 
-    /// Says that the planes are those of faces of a weight.
+    /// Returns the quadric with its planes counted as those of faces of a weight.
     pub(super) fn of_faces(self, weight: f64) -> Self {
         Self { weight, ..self }
     }
 
-    /// Adds the planes of another.
+    /// Adds the planes of another quadric.
     pub(super) fn add(&mut self, other: &Self) {
         for k in 0..3 {
             self.squares[k] += other.squares[k];
@@ -56,7 +56,7 @@ impl Quadric {
         self.whole_weight += other.whole_weight;
     }
 
-    /// Gives the sum at a point; what rounding takes below zero counts as zero.
+    /// Returns the sum at a point; a sum that rounding makes negative counts as zero.
     #[inline]
     pub(super) fn at(&self, [x, y, z]: Point) -> f64 {
         let [xx, yy, zz] = self.squares;
@@ -73,25 +73,22 @@ impl Quadric {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::vector::sub;
+    use proptest::array::uniform3;
     use proptest::prelude::*;
-
-    fn point() -> impl Strategy<Value = Point> {
-        [-1.0..1.0_f64, -1.0..1.0_f64, -1.0..1.0_f64]
-    }
 
     proptest! {
         #[test]
         fn is_the_sum_of_squared_distances(
-            planes in prop::collection::vec((point(), point(), 0.0..2.0_f64), 1..6),
-            at in point(),
+            planes in prop::collection::vec((uniform3(-1.0..1.0), uniform3(-1.0..1.0), 0.0..2.0), 1..6),
+            at in uniform3(-1.0..1.0),
         ) {
             let (mut quadric, mut sum, mut weights) = (Quadric::default(), 0.0, 0.0);
             for (normal, through, weight) in planes {
                 let length = dot(normal, normal).sqrt();
                 prop_assume!(length > 0.01);
                 let normal = normal.map(|x| x / length);
-                let offset = [0, 1, 2].map(|k| at[k] - through[k]);
-                sum += weight * dot(normal, offset).powi(2);
+                sum += weight * dot(normal, sub(at, through)).powi(2);
                 weights += weight;
                 quadric.add(&Quadric::plane(normal, through, weight).of_faces(weight));
             }

@@ -1,96 +1,95 @@
-//! A queue of numbered things by cost: the cheapest first, of equal ones the lowest number, so that the order never depends on how
-//! the queue came to be. Costs may change while a thing waits.
+//! A queue of numbered items by cost: the cheapest first, of equal ones the lowest number, so that the order does not depend on the
+//! history of the queue. Costs may change while an item waits.
 //!
 //! # Complexity
-//! A heap of four children a node: O(log n) a change. 12 bytes a thing.
+//! A heap with four children per node: O(log n) per change. 12 bytes per item.
 
-const NONE: u32 = u32::MAX;
+use crate::ids::OptionalId;
+
 const CHILDREN: usize = 4;
 
 #[derive(Debug, Clone, Copy)]
-struct Entry {
+struct CostEntry {
     cost: f32,
-    thing: u32,
+    item: u32,
 }
 
-impl Entry {
+impl CostEntry {
     fn is_before(self, other: Self) -> bool {
-        self.cost < other.cost || self.cost.total_cmp(&other.cost).is_eq() && self.thing < other.thing
+        self.cost < other.cost || self.cost.total_cmp(&other.cost).is_eq() && self.item < other.item
     }
 }
 
 #[derive(Debug)]
-pub(super) struct Queue {
-    /// Where each thing stands in the heap.
-    places: Vec<u32>,
-    heap: Vec<Entry>,
+pub(super) struct CostQueue {
+    /// The index of each waiting item in the heap.
+    slots: Vec<OptionalId>,
+    heap: Vec<CostEntry>,
 }
 
-impl Queue {
-    /// Makes an empty queue for things numbered below a count.
+impl CostQueue {
+    /// Creates an empty queue for items numbered below a count.
     pub(super) fn new(count: usize) -> Self {
-        Self { places: vec![NONE; count], heap: Vec::with_capacity(count) }
+        Self { slots: vec![OptionalId::NONE; count], heap: Vec::with_capacity(count) }
     }
 
-    /// Gives the cheapest.
+    /// Returns the cheapest item.
     pub(super) fn first(&self) -> Option<u32> {
-        self.heap.first().map(|entry| entry.thing)
+        self.heap.first().map(|entry| entry.item)
     }
 
-    /// Gives the cost of one that waits.
-    pub(super) fn cost(&self, thing: u32) -> Option<f32> {
-        self.heap.get(self.places[thing as usize] as usize).map(|entry| entry.cost)
+    /// Returns the cost of an item that waits.
+    pub(super) fn cost(&self, item: u32) -> Option<f32> {
+        self.slots[item as usize].get().map(|slot| self.heap[slot as usize].cost)
     }
 
-    /// Puts one in, or changes its cost.
-    pub(super) fn set(&mut self, thing: u32, cost: f32) {
-        let (place, entry) = (self.places[thing as usize] as usize, Entry { cost, thing });
-        match self.heap.get(place) {
+    /// Inserts an item, or changes its cost.
+    pub(super) fn set(&mut self, item: u32, cost: f32) {
+        let entry = CostEntry { cost, item };
+        match self.slots[item as usize].get() {
             None => {
                 self.heap.push(entry);
                 self.rise(self.heap.len() - 1, entry);
             }
-            Some(was) if entry.is_before(*was) => self.rise(place, entry),
-            Some(_) => self.sink(place, entry),
+            Some(slot) if entry.is_before(self.heap[slot as usize]) => self.rise(slot as usize, entry),
+            Some(slot) => self.sink(slot as usize, entry),
         }
     }
 
-    /// Takes one out, if it waits.
-    pub(super) fn remove(&mut self, thing: u32) {
-        let place = std::mem::replace(&mut self.places[thing as usize], NONE) as usize;
-        if place >= self.heap.len() {
-            return;
-        }
-        let gone = self.heap.swap_remove(place);
-        if let Some(&moved) = self.heap.get(place) {
-            if moved.is_before(gone) {
-                self.rise(place, moved);
+    /// Removes an item, if it waits.
+    pub(super) fn remove(&mut self, item: u32) {
+        let slot = std::mem::replace(&mut self.slots[item as usize], OptionalId::NONE);
+        let Some(slot) = slot.get().map(|slot| slot as usize) else { return };
+        let removed = self.heap.swap_remove(slot);
+        if let Some(&moved) = self.heap.get(slot) {
+            if moved.is_before(removed) {
+                self.rise(slot, moved);
             } else {
-                self.sink(place, moved);
+                self.sink(slot, moved);
             }
         }
     }
 
-    fn put(&mut self, place: usize, entry: Entry) {
-        self.heap[place] = entry;
-        self.places[entry.thing as usize] = place as u32;
+    fn put(&mut self, slot: usize, entry: CostEntry) {
+        self.heap[slot] = entry;
+        self.slots[entry.item as usize] = OptionalId::some(slot as u32);
     }
 
-    fn rise(&mut self, mut place: usize, entry: Entry) {
-        while place > 0 {
-            let parent = (place - 1) / CHILDREN;
+    fn rise(&mut self, mut slot: usize, entry: CostEntry) {
+        while slot > 0 {
+            let parent = (slot - 1) / CHILDREN;
             if !entry.is_before(self.heap[parent]) {
                 break;
             }
-            self.put(place, self.heap[parent]);
-            place = parent;
+            self.put(slot, self.heap[parent]);
+            slot = parent;
         }
-        self.put(place, entry);
+        self.put(slot, entry);
     }
 
-    fn sink(&mut self, mut place: usize, entry: Entry) {
+    fn sink(&mut self, mut slot: usize, entry: CostEntry) {
         loop {
-            let first = CHILDREN * place + 1;
+            let first = CHILDREN * slot + 1;
             let end = (first + CHILDREN).min(self.heap.len());
             let Some(children) = self.heap.get(first..end).filter(|children| !children.is_empty()) else {
                 break;
@@ -104,10 +103,10 @@ impl Queue {
             if !children[least].is_before(entry) {
                 break;
             }
-            self.put(place, children[least]);
-            place = first + least;
+            self.put(slot, children[least]);
+            slot = first + least;
         }
-        self.put(place, entry);
+        self.put(slot, entry);
     }
 }
 
@@ -118,22 +117,22 @@ mod tests {
 
     proptest! {
         #[test]
-        fn gives_the_least_cost_and_then_the_least_number(
+        fn returns_the_least_cost_and_then_the_lowest_number(
             changes in prop::collection::vec((0..20_u32, prop::option::of(0..6_u8)), 0..200),
         ) {
-            let mut queue = Queue::new(20);
+            let mut queue = CostQueue::new(20);
             let mut oracle = std::collections::BTreeMap::new();
-            for (thing, cost) in changes {
+            for (item, cost) in changes {
                 if let Some(cost) = cost {
-                    queue.set(thing, f32::from(cost));
-                    oracle.insert(thing, cost);
+                    queue.set(item, f32::from(cost));
+                    oracle.insert(item, cost);
                 } else {
-                    queue.remove(thing);
-                    oracle.remove(&thing);
+                    queue.remove(item);
+                    oracle.remove(&item);
                 }
-                let least = oracle.iter().min_by_key(|&(&thing, &cost)| (cost, thing)).map(|(&thing, _)| thing);
+                let least = oracle.iter().min_by_key(|&(&item, &cost)| (cost, item)).map(|(&item, _)| item);
                 prop_assert_eq!(queue.first(), least);
-                prop_assert_eq!(queue.cost(thing), oracle.get(&thing).map(|&cost| f32::from(cost)));
+                prop_assert_eq!(queue.cost(item), oracle.get(&item).map(|&cost| f32::from(cost)));
             }
         }
     }

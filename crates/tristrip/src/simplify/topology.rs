@@ -1,18 +1,23 @@
-//! Triangles over points, and around each point the triangles that meet there.
+//! Triangles over points, and the triangles around each point, while half-edge collapses change them.
 //!
-//! A *point* is a position; vertices of one position are one point, so that a mesh whose attributes have seams is whole where it looks
-//! whole. Which vertex a corner has is kept beside it, where that is not always the same one.
+//! A *point* is a position; vertices of one position are one point, so that a mesh with attribute seams has the connectivity that
+//! it appears to have. The vertex of each corner is stored separately, if points have several vertices.
 //!
 //! ```text
-//!        u ───── w        A corner of the point b, in the triangle (b, u, w). The ring of b holds its corners, in any order.
+//!        u ───── w        A corner of the point b, in the triangle (b, u, w). The ring of b contains its corners, in any order.
 //!       ╱ ╲     ╱ ╲       Around an inner point every neighbour is the u of one corner and the w of another; around a border
-//!      ╱   ╲   ╱   ╲      point two are but one of both: the neighbours along the border.
+//!      ╱   ╲   ╱   ╲      point two neighbours are only one of these: those along the border.
 //!     ╱     ╲ ╱     ╲
 //!    ·────── b ──────·
 //! ```
 //!
+//! A ring is a range of one array: pricing reads the whole ring of a point several times per collapse, and a range is read in order.
+//! Levels of detail need the opposite: their collapses and splits read each ring once, and a split has to restore the ring in constant
+//! time, which the linked rings of `lod::level_mesh` do. A removed corner is replaced by the last one here, and the order of a ring determines
+//! the order in which normals are added, so that the two cannot share one structure without loss of speed or other results.
+//!
 //! # Complexity
-//! 12 bytes a triangle, 12 more where there are seams, some 30 for the rings; 18 bytes a point, and about 60 a vertex on a seam.
+//! 12 bytes per triangle, 12 more if there are seams, some 30 for the rings; 18 bytes per point, and about 60 per vertex on a seam.
 
 mod corner;
 mod fans;
@@ -21,80 +26,69 @@ mod rings;
 
 use std::collections::HashMap;
 
-pub(super) use corner::Corner;
-use corner::{LAST, NEXT, corners};
-use fans::Fans;
-pub(super) use fans::Kind;
-use points::{Numbering, alike};
-use rings::Rings;
-
 use crate::collapse::Rename;
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, PositionIds, triangles_of};
+pub(super) use corner::CornerId;
+use corner::corners;
+use fans::FanClassifier;
+pub(super) use fans::PointKind;
+use points::{equal_vertices, lowest_vertices};
+use rings::CornerRings;
 
-/// As many triangles as are taken: rings that grow move to the end of their array, which some ten corners a triangle do not fill.
+/// Most triangles of a mesh: rings that grow move to the end of their array, which about ten corners per triangle do not fill.
 pub(super) const MOST_TRIANGLES: usize = 1 << 27;
 
-/// From so many corners on a ring is not walked along where that can be done without.
+/// Most corners of a ring that is searched if there is another way.
 pub(super) const LONG_RING: usize = 64;
-/// Triangles that can be taken away and whose corners can move to other points.
+
+/// Triangles that can be removed and whose corners can move to other points.
 #[derive(Debug)]
 pub(super) struct Topology {
-    /// The points of each triangle; of one that is gone, those that it had last.
+    /// The points of each triangle; of a removed one, its last points.
     pub(super) triangles: Vec<[u32; 3]>,
-    /// The vertex at each corner; empty where each point is one vertex.
+    /// The vertex at each corner; empty if each point has one vertex.
     wedges: Vec<u32>,
-    /// For each vertex of a point that is several the first one of it with the same attributes, bit for bit.
-    alike: HashMap<u32, u32>,
-    /// A vertex of each point.
+    /// For each vertex of a point with several vertices the first one of the point with the same attributes, bit for bit.
+    equal_vertices: HashMap<u32, u32>,
+    /// The lowest vertex of each point.
     vertex_of: Vec<u32>,
-    /// Whether a point is more than one vertex; empty where none is.
+    /// Whether a point has several vertices; empty if none has.
     on_seam: Vec<bool>,
-    kinds: Vec<Kind>,
-    rings: Rings,
+    kinds: Vec<PointKind>,
+    rings: CornerRings,
 }
 
 impl Topology {
-    /// Joins triangles of vertices at points of equal position.
+    /// Connects triangles of vertices at points of equal position.
     pub(super) fn new(mesh: &Mesh, vertices: &[u32]) -> Self {
-        let numbering = Numbering::new(mesh.positions(), vertices);
-        let point = |corner: usize| numbering.points[corner];
-        let triangles: Vec<[u32; 3]> =
-            (0..vertices.len() / 3).map(|t| [3 * t, 3 * t + 1, 3 * t + 2].map(point)).collect();
-        let is_other = |(&v, &p): (&u32, &u32)| (numbering.vertex_of[p as usize] != v).then_some(p);
+        let points = PositionIds::default().numbers(mesh.positions(), vertices);
+        let vertex_of = lowest_vertices(vertices, &points);
+        let triangles: Vec<[u32; 3]> = triangles_of(&points).collect();
+        let is_other = |(&v, &p): (&u32, &u32)| (vertex_of[p as usize] != v).then_some(p);
         let mut on_seam = Vec::new();
-        for point in vertices.iter().zip(&numbering.points).filter_map(is_other) {
-            on_seam.resize(numbering.vertex_of.len(), false);
+        for point in vertices.iter().zip(&points).filter_map(is_other) {
+            on_seam.resize(vertex_of.len(), false);
             on_seam[point as usize] = true;
         }
-        let alike = alike(mesh, vertices, &numbering.points, &on_seam);
-        let rings = Rings::new(&triangles, vertices, numbering.vertex_of.len());
-        let mut topology = Self {
-            triangles,
-            wedges: if on_seam.is_empty() { Vec::new() } else { vertices.to_vec() },
-            alike,
-            on_seam,
-            kinds: vec![Kind::Complex; numbering.vertex_of.len()],
-            vertex_of: numbering.vertex_of,
-            rings,
-        };
-        let mut fans = Fans::new(topology.point_count());
-        for point in 0..topology.point_count() as u32 {
-            topology.kinds[point as usize] = fans.kind(&topology, point);
-        }
-        topology
+        let equal_vertices = equal_vertices(mesh, vertices, &points, &on_seam);
+        let rings = CornerRings::new(&triangles, vertices, vertex_of.len());
+        let mut fans = FanClassifier::new(vertex_of.len());
+        let kinds = (0..vertex_of.len() as u32).map(|p| fans.kind(&triangles, rings.of(p))).collect();
+        let wedges = if on_seam.is_empty() { Vec::new() } else { vertices.to_vec() };
+        Self { triangles, wedges, equal_vertices, vertex_of, on_seam, kinds, rings }
     }
 
     pub(super) fn point_count(&self) -> usize {
         self.vertex_of.len()
     }
 
-    /// Gives the lowest vertex of a point.
+    /// Returns the lowest vertex of a point.
     pub(super) fn vertex_of(&self, point: u32) -> u32 {
         self.vertex_of[point as usize]
     }
 
-    /// Gives the vertex at a corner.
-    pub(super) fn wedge(&self, corner: Corner) -> u32 {
+    /// Returns the vertex at a corner.
+    fn wedge(&self, corner: CornerId) -> u32 {
         if self.wedges.is_empty() {
             self.vertex_of[self.point(corner) as usize]
         } else {
@@ -102,33 +96,32 @@ impl Topology {
         }
     }
 
-    pub(super) fn kind(&self, point: u32) -> Kind {
+    pub(super) fn kind(&self, point: u32) -> PointKind {
         self.kinds[point as usize]
     }
 
-    /// Gives the corners of a point.
-    pub(super) fn ring(&self, point: u32) -> &[Corner] {
+    /// Returns the corners of a point.
+    pub(super) fn ring(&self, point: u32) -> &[CornerId] {
         self.rings.of(point)
     }
 
-    /// Gives the point of a corner.
+    /// Returns the point of a corner.
     #[inline]
-    pub(super) fn point(&self, corner: Corner) -> u32 {
-        self.triangles[corner.triangle()][corner.place()]
+    pub(super) fn point(&self, corner: CornerId) -> u32 {
+        self.triangles[corner.triangle()][corner.within()]
     }
 
-    /// Gives the two other points of a corner's triangle, in its winding.
+    /// Returns the points of the two other corners of a corner's triangle, in its winding.
     #[inline]
-    pub(super) fn others(&self, corner: Corner) -> [u32; 2] {
-        let triangle = &self.triangles[corner.triangle()];
-        [triangle[NEXT[corner.place()]], triangle[LAST[corner.place()]]]
+    pub(super) fn others(&self, corner: CornerId) -> [u32; 2] {
+        corner.others(&self.triangles)
     }
 
-    /// Collects the neighbours of a point that is not complex, each once; those along a border last, two of them.
+    /// Collects the distinct neighbours of a point that is not complex; the two along a border come last.
     pub(super) fn neighbours(&self, point: u32, found: &mut Vec<u32>) {
         found.clear();
         found.extend(self.ring(point).iter().map(|&corner| self.others(corner)[0]));
-        if self.kind(point) == Kind::Border {
+        if self.kind(point) == PointKind::Border {
             let ring = self.ring(point);
             let is_w = |u: u32| ring.iter().any(|&corner| self.others(corner)[1] == u);
             if let Some(first) = found.iter().position(|&u| !is_w(u)) {
@@ -140,20 +133,22 @@ impl Topology {
         }
     }
 
-    /// Counts the triangles that have all of some points, up to two, looked for around the point with the fewest.
+    /// Counts the triangles that have all of the given points, up to two, around the point with the fewest triangles.
     pub(super) fn triangles_with<const N: usize>(&self, points: [u32; N]) -> usize {
         let around = points.into_iter().min_by_key(|&p| self.ring(p).len());
-        let has_all = |corner: &&Corner| points.iter().all(|p| self.triangles[corner.triangle()].contains(p));
+        let has_all =
+            |corner: &&CornerId| points.iter().all(|p| self.triangles[corner.triangle()].contains(p));
         around.map_or(0, |p| self.ring(p).iter().filter(has_all).take(2).count())
     }
 
-    /// Tells whether two vertices of one position have the same attributes.
-    fn are_alike(&self, a: u32, b: u32) -> bool {
-        a == b || self.alike.get(&a).is_some_and(|of_a| self.alike.get(&b) == Some(of_a))
+    /// Checks whether two vertices of one position have the same attributes.
+    fn are_equal(&self, a: u32, b: u32) -> bool {
+        let first_equal = |v: u32| self.equal_vertices.get(&v);
+        a == b || first_equal(a).is_some_and(|of_a| first_equal(b) == Some(of_a))
     }
 
-    /// Gives the vertex that each vertex at `removed` becomes where it is joined to `kept`: `None` where neither it nor one like it has a
-    /// triangle with `kept`, or such triangles have different vertices there.
+    /// Collects the vertex that each vertex at `removed` becomes if that point collapses to `kept`. Returns `None` if neither it nor an
+    /// equal vertex has a triangle with `kept`, or if such triangles have different vertices there.
     pub(super) fn renames(&self, removed: u32, kept: u32, found: &mut Vec<Rename>) -> Option<()> {
         found.clear();
         if self.on_seam.is_empty() || !self.on_seam[removed as usize] && !self.on_seam[kept as usize] {
@@ -162,13 +157,13 @@ impl Topology {
         }
         for &corner in self.ring(removed) {
             let with_kept =
-                [corner.next(), corner.last()].into_iter().find(|&other| self.point(other) == kept);
+                [corner.next(), corner.previous()].into_iter().find(|&other| self.point(other) == kept);
             let Some(with_kept) = with_kept else { continue };
             let rename = Rename { removed: self.wedge(corner), kept: self.wedge(with_kept) };
             let differs = |known: &&Rename| {
                 known.removed == rename.removed && known.kept != rename.kept
-                    || self.are_alike(known.removed, rename.removed)
-                        && !self.are_alike(known.kept, rename.kept)
+                    || self.are_equal(known.removed, rename.removed)
+                        && !self.are_equal(known.kept, rename.kept)
             };
             if found.iter().any(|known| differs(&known)) {
                 return None;
@@ -180,19 +175,19 @@ impl Topology {
         for &corner in self.ring(removed) {
             let vertex = self.wedge(corner);
             if found.iter().all(|known| known.removed != vertex) {
-                let kept = found.iter().find(|known| self.are_alike(known.removed, vertex))?.kept;
+                let kept = found.iter().find(|known| self.are_equal(known.removed, vertex))?.kept;
                 found.push(Rename { removed: vertex, kept });
             }
         }
         Some(())
     }
 
-    /// Moves all corners of one point to another, and takes away the triangles that had both, whose numbers it gives, rising.
+    /// Moves all corners of one point to another. Removes the triangles that had both, and writes their numbers to `dropped`, ascending.
     pub(super) fn collapse(&mut self, removed: u32, kept: u32, renames: &[Rename], dropped: &mut Vec<u32>) {
         dropped.clear();
         for i in 0..self.ring(removed).len() {
             let corner = self.ring(removed)[i];
-            let (t, k) = (corner.triangle(), corner.place());
+            let (t, k) = (corner.triangle(), corner.within());
             if self.triangles[t].contains(&kept) {
                 dropped.push(t as u32);
                 continue;
@@ -208,29 +203,29 @@ impl Topology {
         }
         for &t in &*dropped {
             for (k, &p) in self.triangles[t as usize].iter().enumerate() {
-                self.rings.remove(p, Corner::new(t as usize, k));
+                self.rings.remove(p, CornerId::new(t as usize, k));
             }
         }
         self.rings.append(removed, kept);
         dropped.sort_unstable();
     }
 
-    /// Walks over the sides of triangles at borders and seams: the corner that each starts from, and whether there is nothing beyond.
-    pub(super) fn open_edges(&self) -> impl Iterator<Item = (Corner, bool)> {
-        // Between two points of many triangles each, sides are looked up.
+    /// Iterates over the sides of triangles at borders and seams: the corner at which each begins, and whether it is a border.
+    pub(super) fn open_edges(&self) -> impl Iterator<Item = (CornerId, bool)> {
+        // Sides between two points of many triangles each are found in a map.
         let is_long = |p: u32| self.ring(p).len() > LONG_RING;
         let mut long = HashMap::new();
         if (0..self.point_count() as u32).any(is_long) {
-            let side = |corner: Corner| [self.point(corner), self.others(corner)[1]];
-            let between = |corner: &Corner| side(*corner).into_iter().all(is_long);
+            let side = |corner: CornerId| [self.point(corner), self.others(corner)[1]];
+            let between = |corner: &CornerId| side(*corner).into_iter().all(is_long);
             long.extend(corners(self.triangles.len()).filter(between).map(|corner| (side(corner), corner)));
         }
         corners(self.triangles.len()).filter_map(move |corner| {
             let (from, [to, _]) = (self.point(corner), self.others(corner));
-            if self.wedges.is_empty() && self.kind(from) == Kind::Inner {
+            if self.wedges.is_empty() && self.kind(from) == PointKind::Inner {
                 return None;
             }
-            // The corner at the same point of the triangle beyond, looked for where there is less to look through.
+            // The corner at the same point of the adjacent triangle, searched around the point of fewer corners.
             let other = if is_long(from) && is_long(to) {
                 long.get(&[from, to]).copied()
             } else if self.ring(from).len() <= self.ring(to).len() {
@@ -239,10 +234,10 @@ impl Topology {
                 self.ring(to).iter().find(|&&other| self.others(other)[0] == from).map(|other| other.next())
             };
             let Some(other) = other else { return Some((corner, true)) };
-            let torn = [(corner, other), (corner.next(), other.last())]
+            let is_seam = [(corner, other), (corner.next(), other.previous())]
                 .iter()
-                .any(|&(a, b)| !self.are_alike(self.wedge(a), self.wedge(b)));
-            torn.then_some((corner, false))
+                .any(|&(a, b)| !self.are_equal(self.wedge(a), self.wedge(b)));
+            is_seam.then_some((corner, false))
         })
     }
 }
@@ -260,7 +255,7 @@ mod tests {
         Topology::new(&mesh(positions, vertices), vertices)
     }
 
-    /// The same where no two vertices have the same attributes.
+    /// Builds the topology of vertices of which no two have the same attributes.
     fn seamed(positions: &[[f32; 3]], vertices: &[u32]) -> Topology {
         let data = AttributeData::U32((0..positions.len() as u32).collect());
         let number = Attribute { name: "number".into(), components: 1, normalized: false, data };
@@ -273,32 +268,32 @@ mod tests {
 
     #[test]
     fn kinds_of_points() {
-        // A fan around 0 that is closed, then one that is open, then two of them.
+        // A closed fan around vertex 0, an open one, and points that are neither.
         let fan = |n: u32, closed: bool| {
             (1..=n).filter(move |&i| closed || i < n).flat_map(move |i| [0, i, i % n + 1])
         };
         let kind = |vertices: Vec<u32>| topology(&line(12), &vertices).kind(0);
-        assert_eq!(kind(fan(5, true).collect()), Kind::Inner);
-        assert_eq!(kind(fan(5, false).collect()), Kind::Border);
-        assert_eq!(kind(vec![0, 1, 2, 0, 3, 4]), Kind::Complex);
-        assert_eq!(kind(vec![0, 1, 2, 0, 1, 3]), Kind::Complex, "wound against each other");
-        assert_eq!(kind(vec![0, 1, 2, 2, 1, 3, 0, 2, 1]), Kind::Inner, "two faces back to back");
+        assert_eq!(kind(fan(5, true).collect()), PointKind::Inner);
+        assert_eq!(kind(fan(5, false).collect()), PointKind::Border);
+        assert_eq!(kind(vec![0, 1, 2, 0, 3, 4]), PointKind::Complex);
+        assert_eq!(kind(vec![0, 1, 2, 0, 1, 3]), PointKind::Complex, "inconsistent winding");
+        assert_eq!(kind(vec![0, 1, 2, 2, 1, 3, 0, 2, 1]), PointKind::Inner, "two faces back to back");
         assert_eq!(
             kind(fan(3, true).chain([0, 4, 5, 0, 5, 6, 0, 6, 4]).collect()),
-            Kind::Complex,
+            PointKind::Complex,
             "two closed fans"
         );
     }
 
     #[test]
-    fn points_of_one_position_are_joined() {
+    fn vertices_of_one_position_are_one_point() {
         let mut positions = line(6);
         positions[4] = positions[1];
         positions[5] = [2.0, -0.0, 0.0];
         let topology = seamed(&positions, &[0, 1, 2, 5, 4, 3]);
         assert_eq!(topology.triangles, [[0, 1, 2], [2, 1, 3]]);
         assert_eq!(
-            [0, 1, 2, 3].map(|corner| topology.wedge(Corner::new(corner / 3, corner % 3))),
+            [0, 1, 2, 3].map(|corner| topology.wedge(CornerId::new(corner / 3, corner % 3))),
             [0, 1, 2, 5]
         );
         let open: Vec<(usize, bool)> =
@@ -308,7 +303,7 @@ mod tests {
 
     #[test]
     fn both_vertices_of_a_seam_are_renamed_along_it_only() {
-        // 1 and 4, 2 and 5 are pairs; the seam goes from point 1 to point 2.
+        // Vertices 1 and 4 are one point, 2 and 5 another; the seam is between these points.
         let mut positions = line(8);
         positions[4] = positions[1];
         positions[5] = positions[2];
@@ -319,7 +314,7 @@ mod tests {
         assert_eq!(found, [Rename { removed: 1, kept: 2 }, Rename { removed: 4, kept: 5 }]);
         assert!(seam.renames(1, 0, &mut found).is_none());
         assert!(seam.renames(0, 1, &mut found).is_some());
-        // Vertices that differ in nothing are no seam: both go anywhere.
+        // Vertices with the same attributes are no seam: both may go anywhere.
         let whole = topology(&positions, &faces);
         assert!(whole.open_edges().all(|(_, is_border)| is_border));
         assert!(whole.renames(1, 0, &mut found).is_some());
@@ -327,7 +322,7 @@ mod tests {
     }
 
     #[test]
-    fn a_collapse_moves_corners_and_takes_triangles_away() {
+    fn a_collapse_moves_corners_and_removes_triangles() {
         let fan: Vec<u32> = (1..=6).flat_map(|i| [0, i, i % 6 + 1]).collect();
         let mut topology = topology(&line(7), &fan);
         let at = |v: u32| (0..7).find(|&p| topology.vertex_of(p) == v).unwrap();

@@ -1,16 +1,17 @@
 //! Corners of triangles, by number.
 
-/// A corner of a triangle: the triangle in the upper bits, the place in the lowest two, so that both come without a division.
+/// A corner of a triangle: the triangle in the upper bits, the index within the triangle in the lowest two, so that neither needs a
+/// division.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
-pub(in crate::simplify) struct Corner(u32);
+pub(in crate::simplify) struct CornerId(u32);
 
-/// Places one and two further on.
-pub(super) const NEXT: [usize; 4] = [1, 2, 0, 0];
-pub(super) const LAST: [usize; 4] = [2, 0, 1, 0];
+/// The indices of the next and of the previous corner.
+const NEXT: [usize; 4] = [1, 2, 0, 0];
+const PREVIOUS: [usize; 4] = [2, 0, 1, 0];
 
-impl Corner {
-    pub(in crate::simplify) fn new(triangle: usize, place: usize) -> Self {
-        Self((triangle << 2 | place) as u32)
+impl CornerId {
+    pub(in crate::simplify) fn new(triangle: usize, k: usize) -> Self {
+        Self((triangle << 2 | k) as u32)
     }
 
     #[inline]
@@ -18,26 +19,34 @@ impl Corner {
         (self.0 >> 2) as usize
     }
 
+    /// Returns the index within the triangle.
     #[inline]
-    pub(in crate::simplify) fn place(self) -> usize {
+    pub(super) fn within(self) -> usize {
         (self.0 & 3) as usize
     }
 
     pub(super) fn next(self) -> Self {
-        Self::new(self.triangle(), NEXT[self.place()])
+        Self::new(self.triangle(), NEXT[self.within()])
     }
 
-    pub(super) fn last(self) -> Self {
-        Self::new(self.triangle(), LAST[self.place()])
+    pub(super) fn previous(self) -> Self {
+        Self::new(self.triangle(), PREVIOUS[self.within()])
     }
 
-    /// Where this corner stands among all, counted triangle by triangle.
+    /// Returns the number of this corner among all, counted triangle by triangle.
     pub(super) fn index(self) -> usize {
-        3 * self.triangle() + self.place()
+        3 * self.triangle() + self.within()
+    }
+
+    /// Returns the points of the two other corners of the triangle, in its winding.
+    #[inline]
+    pub(super) fn others(self, triangles: &[[u32; 3]]) -> [u32; 2] {
+        let triangle = &triangles[self.triangle()];
+        [triangle[NEXT[self.within()]], triangle[PREVIOUS[self.within()]]]
     }
 }
 
-/// Gives all corners of so many triangles.
-pub(super) fn corners(triangle_count: usize) -> impl Iterator<Item = Corner> {
-    (0..triangle_count).flat_map(|t| (0..3).map(move |k| Corner::new(t, k)))
+/// Iterates over all corners of a number of triangles.
+pub(super) fn corners(triangle_count: usize) -> impl Iterator<Item = CornerId> {
+    (0..triangle_count).flat_map(|t| (0..3).map(move |k| CornerId::new(t, k)))
 }

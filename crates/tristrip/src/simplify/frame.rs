@@ -1,0 +1,52 @@
+//! The local frame of the positions, and the quadrics of the points of a full mesh.
+
+use super::quadric::Quadric;
+use super::topology::Topology;
+use crate::vector::{Point, cross, dot, normal_of, sub};
+
+/// The weight of a plane along a border relative to a face of the same size: a large penalty, as Garland and Heckbert, section 6, have it.
+const BORDER_WEIGHT: f64 = 10.0;
+/// The same for a seam, across which only attributes differ.
+const SEAM_WEIGHT: f64 = 1.0;
+
+/// Returns positions in a frame in which the longest side of their bounding box is 1, and the length of that side.
+pub(super) fn frame(positions: impl Iterator<Item = [f32; 3]> + Clone) -> (Vec<Point>, f64) {
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for p in positions.clone() {
+        for k in 0..3 {
+            low[k] = low[k].min(f64::from(p[k]));
+            high[k] = high[k].max(f64::from(p[k]));
+        }
+    }
+    let side = (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max);
+    let unit = if side > 0.0 { side } else { 1.0 };
+    (positions.map(|p| [0, 1, 2].map(|k| (f64::from(p[k]) - low[k]) / unit)).collect(), unit)
+}
+
+/// Returns for each point the planes of its triangles, weighted by area, and planes perpendicular to them along borders and seams.
+pub(super) fn quadrics(topology: &Topology, positions: &[Point]) -> Vec<Quadric> {
+    let mut quadrics = vec![Quadric::default(); positions.len()];
+    let unit_normal = |t: usize| {
+        let normal = normal_of(topology.triangles[t].map(|p| positions[p as usize]));
+        let length = dot(normal, normal).sqrt();
+        (length > 0.0).then(|| (normal.map(|x| x / length), length))
+    };
+    for (t, triangle) in topology.triangles.iter().enumerate() {
+        let Some((normal, weight)) = unit_normal(t) else { continue };
+        let plane = Quadric::plane(normal, positions[triangle[0] as usize], weight).of_faces(weight);
+        triangle.iter().for_each(|&p| quadrics[p as usize].add(&plane));
+    }
+    for (corner, is_border) in topology.open_edges() {
+        let [from, to] = [topology.point(corner), topology.others(corner)[0]];
+        let Some((normal, _)) = unit_normal(corner.triangle()) else { continue };
+        let edge = sub(positions[to as usize], positions[from as usize]);
+        let across = cross(edge, normal);
+        let length = dot(across, across).sqrt();
+        if length > 0.0 {
+            let weight = dot(edge, edge) * if is_border { BORDER_WEIGHT } else { SEAM_WEIGHT };
+            let plane = Quadric::plane(across.map(|x| x / length), positions[from as usize], weight);
+            [from, to].iter().for_each(|&p| quadrics[p as usize].add(&plane));
+        }
+    }
+    quadrics
+}
