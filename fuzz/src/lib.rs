@@ -124,12 +124,14 @@ pub struct Model {
 /// make. `None` where the mesh has no strips.
 pub fn model(bytes: &mut Bytes) -> Option<Model> {
     let [kind, method, attributes] = [0; 3].map(|_| bytes.next());
-    let choices: Vec<[u8; 4]> = (0..kind / 8).map(|_| [0; 4].map(|_| bytes.next())).collect();
+    let is_simplified = kind.is_multiple_of(2);
+    let choice_count = if is_simplified { 0 } else { kind / 8 };
+    let choices: Vec<[u8; 4]> = (0..choice_count).map(|_| [0; 4].map(|_| bytes.next())).collect();
     let mesh = with_attributes(mesh(bytes), attributes);
     let methods = [Method::Input, Method::Sequential, Method::Sgi, Method::STRIPE, Method::Fewest];
     let options = StripifyOptions::default().with_method(methods[usize::from(method) % methods.len()]);
     let strips = stripify(&mesh, &options).ok()?;
-    let sequence = if kind.is_multiple_of(2) {
+    let sequence = if is_simplified {
         simplified(&mesh, strips.to_list(), &simplify::SimplifyOptions::default()).sequence
     } else {
         collapsed(mesh.vertex_count(), strips.to_list(), &choices)

@@ -1,42 +1,42 @@
 #!/usr/bin/env python3
-"""Proves many files by a checker of single files, one process a core.
+"""Proves many files with a checker of single files, one process per core.
 
     check_files.py CHECKER LIST
 
-CHECKER: a Python program whose main([source, result]) returns 0 where the result draws what the source does, and whose
-read(path) reads a model. LIST: lines of source, tab, result. Sources are read once for a run of results.
-Exit 0 where every file is proven, 1 where one is not.
+CHECKER: a Python program whose main([source, result]) returns 0 if the result draws what the source draws, and whose
+read(path) reads a model. LIST: lines of source, tab, result. A source is read once per run of results.
+Exits with 0 if every file is proven, with 1 otherwise.
 """
 import contextlib, functools, importlib.util, io, itertools, multiprocessing, os, sys
 
-RUN = 6  # results that are checked with one reading of their source
+RUN = 6  # results that are checked per reading of their source
 
 
 def start(checker):
-    """Loads the checker into this process, its reader with a memory for the source."""
+    """Loads the checker into this process, with a reader that caches the source."""
     global check
     spec = importlib.util.spec_from_file_location('checker', checker)
     check = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(check)
     read = check.read
-    remembered = functools.lru_cache(maxsize=1)(read)
-    check.read = lambda path: remembered(path) if path == start.source else read(path)
+    cached = functools.lru_cache(maxsize=1)(read)
+    check.read = lambda path: cached(path) if path == start.source else read(path)
 
 
 def prove(run):
-    """Gives a line for each result of a run that is not proven."""
+    """Returns the number of results of a run, and a line for each that is not proven."""
     source, results = run
-    start.source, faults = source, []
+    start.source, problems = source, []
     for result in results:
-        said = io.StringIO()
+        output = io.StringIO()
         try:
-            with contextlib.redirect_stdout(said):
+            with contextlib.redirect_stdout(output):
                 code = check.main([source, result, '--json'])
         except (Exception, SystemExit) as error:
-            code, said = 2, io.StringIO(f'{type(error).__name__}: {error}')
+            code, output = 2, io.StringIO(f'{type(error).__name__}: {error}')
         if code:
-            faults.append(f'{os.path.basename(result)}: {said.getvalue().strip()[:400]}')
-    return len(results), faults
+            problems.append(f'{os.path.basename(result)}: {output.getvalue().strip()[:400]}')
+    return len(results), problems
 
 
 def main(checker, listed):
@@ -49,10 +49,10 @@ def main(checker, listed):
     runs.sort(key=lambda run: -sum(map(os.path.getsize, run[1])))
     proven = failed = 0
     with multiprocessing.Pool(initializer=start, initargs=(checker,)) as pool:
-        for count, faults in pool.imap_unordered(prove, runs):
-            for fault in faults:
-                print('not proven:', fault, file=sys.stderr)
-            proven, failed = proven + count - len(faults), failed + len(faults)
+        for count, problems in pool.imap_unordered(prove, runs):
+            for problem in problems:
+                print('not proven:', problem, file=sys.stderr)
+            proven, failed = proven + count - len(problems), failed + len(problems)
     print(f'checker: {proven} files proven, {failed} not')
     return 1 if failed or not proven else 0
 

@@ -1,10 +1,10 @@
-// Runs the Khronos glTF validator over files: node validate.mjs FILE...
-// Exits with 1 if any file has an error or a warning, and prints the first of those; with 0 otherwise.
+// Runs the Khronos glTF validator on files: node validate.mjs FILE...
+// Exits with 1 if any file has an error or a warning, and prints the first ones; with 0 otherwise.
 //
 // The validator does not know the draft KHR_mesh_primitive_restart, which allows the highest value of the index type in
-// strips, fans and loops. In a document that lists it in extensionsRequired, these two are therefore not counted:
-//   ACCESSOR_INDEX_PRIMITIVE_RESTART  at the indices of primitives of modes 2, 3, 5 and 6,
-//   ACCESSOR_INDEX_OOB                there as well, where the index is the restart value.
+// strips, fans and loops. In a document that lists it in extensionsRequired, these two messages are ignored:
+//   ACCESSOR_INDEX_PRIMITIVE_RESTART  for the indices of primitives of modes 2, 3, 5 and 6,
+//   ACCESSOR_INDEX_OOB                for the same indices, if the index is the restart value.
 // (Its UNSUPPORTED_EXTENSION is information, not a warning.)
 
 import { readFileSync } from "node:fs";
@@ -16,13 +16,13 @@ const MODES = new Set([2, 3, 5, 6]);
 const ERROR = 0;
 const WARNING = 1;
 
-/** The JSON of a GLB or glTF file. */
+/** Returns the JSON of a GLB or glTF file. */
 function documentOf(bytes) {
   if (bytes.toString("latin1", 0, 4) !== "glTF") return JSON.parse(bytes.toString("utf8"));
   return JSON.parse(bytes.toString("utf8", 20, 20 + bytes.readUInt32LE(12)));
 }
 
-/** JSON pointers of the indices in which a restart is allowed, with the value that restarts. */
+/** Returns the JSON pointers of the indices that may contain a restart, with the restart value. */
 function restartIndices(document) {
   const allowed = new Map();
   if (!(document.extensionsRequired ?? []).includes(EXTENSION)) return allowed;
