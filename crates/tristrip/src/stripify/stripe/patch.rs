@@ -12,8 +12,8 @@
 //!        south               └───┴───┴───┘
 //! ```
 //! 1. The grid height of every quad half-edge is computed from that of the half-edge above it.
-//! 2. The grid heights along a line are a histogram: a patch with its south row on the line is as high as the least grid height between its
-//!    columns. The largest patches are found with a stack.
+//! 2. The grid heights along a line are a histogram: a patch with its south row on the line is as high as the least grid height
+//!    between its columns. The largest patches are found with a stack.
 //! 3. All patches as large as the largest are taken, except those that meet one already taken. Steps 1 to 3 are repeated
 //!    until the largest is below the cutoff.
 //!

@@ -48,7 +48,7 @@ struct CornerRings {
 
 /// One side of a face that a strip passes through.
 #[derive(Debug, Clone, Copy)]
-struct Side {
+struct RingSide {
     first: u32,
     last: u32,
     corner_count: u32,
@@ -257,8 +257,13 @@ impl<'a> RemainingFaces<'a> {
             return;
         }
         let mut sides = [
-            Side { first: self.next(entry), last: exit, corner_count: exit_offset, remains: rests[0] },
-            Side { first: self.next(exit), last: entry, corner_count: size - exit_offset, remains: rests[1] },
+            RingSide { first: self.next(entry), last: exit, corner_count: exit_offset, remains: rests[0] },
+            RingSide {
+                first: self.next(exit),
+                last: entry,
+                corner_count: size - exit_offset,
+                remains: rests[1],
+            },
         ];
         self.consume(entry);
         self.consume(exit);
