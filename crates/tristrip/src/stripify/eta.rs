@@ -13,8 +13,8 @@
 //! 6. *Complement*, if a tunnel was found; identifiers are written only then.
 //! 7. *The next terminal.*
 //!
-//! When lengths of some dozens find few tunnels, the maximum length is used, and terminals *move*: of a search that fails, the part that came
-//! nearest to another terminal is complemented, which makes a triangle there the terminal in place of the first, with the same
+//! When lengths of some dozens find few tunnels, the maximum length is used, and terminals *move*: of a search that fails, the part that
+//! came nearest to another terminal is complemented, which makes a triangle there the terminal in place of the first, with the same
 //! number of strips. It ends when that has found nothing for a while, or when no star contains a terminal of another strip.
 //!
 //! ```text

@@ -6,6 +6,7 @@ use crate::stripify::tunnel::accesses::{AccessCounter, SearchOutcome};
 use crate::stripify::tunnel::context::SearchContext;
 use crate::stripify::tunnel::partial_tunnel::PartialTunnel;
 use crate::stripify::tunnel::path_tags::TunnelStep;
+use std::ops::ControlFlow;
 
 /// How far a search goes.
 #[derive(Debug, Clone, Copy)]
@@ -44,16 +45,10 @@ impl EtaSearch {
         self.add_candidates(context, star, terminal, limits.length, random);
         let mut nearest = u32::MAX;
         for _ in 0..limits.accesses {
-            let Some(step) = self.tunnel.next_candidate() else { break };
-            if !counter.count(context.cover) {
-                return SearchOutcome::Stopped;
-            }
-            let Some(v) = context.across(step.red) else { continue };
-            let Some(b) = step.black.get().and_then(|black| context.across(black)) else {
-                if self.tunnel.try_end(context, step, v) {
-                    return SearchOutcome::Found;
-                }
-                continue;
+            let (step, [v, b]) = match self.tunnel.visit_next(context, counter) {
+                ControlFlow::Break(outcome) => return outcome,
+                ControlFlow::Continue(None) => continue,
+                ControlFlow::Continue(Some(step)) => step,
             };
             if !self.tunnel.try_step(context, step, [v, b], limits.loops) {
                 continue;

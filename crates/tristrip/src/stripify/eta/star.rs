@@ -9,7 +9,7 @@
 //! O(star) time; 12 bytes per triangle.
 
 use crate::stripify::tunnel::accesses::AccessCounter;
-use crate::stripify::tunnel::context::SearchContext;
+use crate::stripify::tunnel::context::{DualArc, SearchContext};
 
 /// Edges that the star extends beyond the nearest terminal. Tuned on fandisk, cessna and bunny: 0 leaves half as many strips again,
 /// 20 takes a third more time and gains nothing.
@@ -64,7 +64,7 @@ impl Star {
         while !ring.is_empty() && length <= max_length {
             for i in ring.clone() {
                 let tip = self.queue[i];
-                for v in context.red_edges(tip).map(|red| red.target()) {
+                for v in context.red_edges(tip).map(DualArc::target) {
                     if context.is_terminal(v) && context.tags.path(v) != own_path {
                         self.terminals.push(v);
                         max_length = max_length.min(length + MARGIN);

@@ -9,7 +9,7 @@ use crate::cover::PathCover;
 use crate::dual::DualGraph;
 use crate::prepare::PreparedFaces;
 use crate::stripify::sequential::tests::{mesh, polygons};
-use crate::stripify::tunnel::context::SearchContext;
+use crate::stripify::tunnel::context::{DualArc, SearchContext};
 use crate::stripify::tunnel::path_tags::PathTags;
 use crate::stripify::tunnel::tests::{check_watch, graph_and_cover, torus};
 use crate::stripify::{EtaOptions, Method, Start, StripifyOptions, plan};
@@ -64,7 +64,7 @@ fn leaves_no_terminals_of_two_strips_side_by_side() {
         let tags = PathTags::new(&graph, &cover);
         let context = SearchContext { graph: &graph, cover: &cover, tags: &tags };
         for t in (0..cover.len() as u32).filter(|&t| context.is_terminal(t)) {
-            for v in context.red_edges(t).map(|red| red.target()).filter(|&v| context.is_terminal(v)) {
+            for v in context.red_edges(t).map(DualArc::target).filter(|&v| context.is_terminal(v)) {
                 assert_eq!(tags.path(v), tags.path(t), "{t} {v}");
                 pair_count += 1;
             }

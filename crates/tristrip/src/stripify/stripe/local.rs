@@ -1,15 +1,15 @@
-//! The local algorithms: a strip goes on to the neighbour that has the fewest neighbours itself.
+//! The local algorithms: a strip continues with the neighbour that has the fewest neighbours itself.
 //!
 //! # Algorithm
-//! 1. A strip starts at a free piece with the fewest free neighbours.
-//! 2. It goes on to a free neighbour of the strip's end that has the fewest free neighbours; of several that have, the rule for
-//!    ties takes one. Where polygons are not cut beforehand, the choice is among all edges of the polygon.
-//! 3. When it is stuck it is turned around, and grows from its start.
-//! 4. Where polygons are cut, a part that would keep fewer than two free neighbours is not left behind: it goes into the strip.
+//! 1. A strip starts at a free face with the fewest free neighbours.
+//! 2. It continues with a free neighbour of the strip's end that has the fewest free neighbours; the rule for
+//!    ties chooses among several. Where polygons are not cut beforehand, all edges of the polygon are candidates.
+//! 3. When it is stuck it is reversed, and grows from its start.
+//! 4. Where polygons are cut, a rest that would keep fewer than two free neighbours does not remain: it goes into the strip.
 //!
-//! Two departures from the paper. Step 4 is ours: a triangle with one neighbour left ends a strip, with none it is one, and costs
-//! three vertices where a swap costs one. And whether a way needs a swap is asked of the best order of turns in all polygons
-//! passed so far, not of one that was settled at each of them; see [`super::letters`].
+//! Two departures from the paper. Step 4 is ours: a triangle with one neighbour left ends a strip, one with none is a strip, and costs
+//! three vertices where a swap costs one. And whether an exit needs a swap depends on the best order of turns in all polygons
+//! passed so far, not on one that was fixed at each of them; see [`super::turn_sequence`].
 //!
 //! # References
 //! Section 3.1 of the paper; see [`super`].
@@ -17,205 +17,210 @@
 //! # Complexity
 //! O(n) for triangles and for whole polygons, O(n log n) at worst where parts are cut out.
 
-use super::letters::{A, B, Counts, Swaps};
-use super::pieces::{Pieces, REACH};
-use super::weave::{Sink, Step};
+use super::polygon_triangulator::{StripFace, StripSink};
+use super::remaining_faces::{REACH, RemainingFaces};
+use super::turn_sequence::{A, B, LeastSwaps, TurnCounts};
+use crate::random::Random;
 use crate::stripify::Ties;
 
-/// How many neighbours a way may lead to more, before a swap is preferred, where a strip is reluctant to swap. Over eight
+/// How many more neighbours an exit may lead to before a swap is preferred, under [`ExitRule::FewSwaps`]. Over eight
 /// polygon models 2 and 3 send 0.4 % fewer vertices than 1.
 const SWAP_WEIGHT: u32 = 2;
 
-/// Which way a strip goes on.
+/// How the exit of a strip is chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Rule {
-    /// Least adjacency; the rule says what is done about ties.
+pub(super) enum ExitRule {
+    /// Least adjacency; the inner rule breaks ties.
     Adjacency(Ties),
-    /// Least sum of adjacency and weighted swaps; of ties, the way after which there are the most.
-    Reluctant,
+    /// Least sum of adjacency and weighted swaps; of ties, the exit whose face has neighbours of the most adjacency.
+    FewSwaps,
 }
 
-/// Makes strips by walking over pieces.
+/// Builds strips from the remaining faces.
 #[derive(Debug)]
-pub(super) struct Walker<'a> {
-    pieces: Pieces<'a>,
-    rule: Rule,
-    random: SplitMix,
-    strip: Vec<Step>,
-    /// The swaps up to the entry of the strip's last piece.
-    swaps: Swaps,
-    /// The side to which the strip turned last: the letter of which it needed fewer.
+pub(super) struct LocalStripper<'a> {
+    remaining: RemainingFaces<'a>,
+    rule: ExitRule,
+    random: Random,
+    strip: Vec<StripFace>,
+    /// The swaps up to the entry of the strip's last face.
+    swaps: LeastSwaps,
+    /// The side to which the strip turned last: the turn of which it needed fewer.
     side: Option<usize>,
-    tied: Vec<Exit>,
+    tied: Vec<ExitCandidate>,
 }
 
-/// A way on from the end of a strip.
+/// An exit from the end of a strip.
 #[derive(Debug, Clone, Copy)]
-struct Exit {
+struct ExitCandidate {
     half_edge: u32,
-    /// The corner's place after the entry in its piece.
-    place: u32,
-    counts: Counts,
+    /// The number of corners from the entry to the exit in the face.
+    offset: u32,
+    counts: TurnCounts,
     rests: [bool; 2],
-    entry: u32,
-    piece: u32,
+    next_entry: u32,
+    next_face: u32,
 }
 
-impl<'a> Walker<'a> {
-    pub(super) fn new(pieces: Pieces<'a>, rule: Rule, seed: u64) -> Self {
+impl<'a> LocalStripper<'a> {
+    pub(super) fn new(remaining: RemainingFaces<'a>, rule: ExitRule, seed: u64) -> Self {
         Self {
-            pieces,
+            remaining,
             rule,
-            random: SplitMix(seed),
+            random: Random::new(seed),
             strip: Vec::new(),
-            swaps: Swaps::FREE,
+            swaps: LeastSwaps::FREE,
             side: None,
             tied: Vec::new(),
         }
     }
 
-    /// Makes strips of all that is left.
-    pub(super) fn run(&mut self, sink: &mut impl Sink) {
-        while let Some(piece) = self.pieces.fewest_neighbours() {
+    /// Builds strips from all faces that remain.
+    pub(super) fn strip_all(&mut self, sink: &mut impl StripSink) {
+        while let Some(face) = self.remaining.fewest_neighbours() {
             self.strip.clear();
-            self.enter(piece, None);
-            self.turned();
+            self.enter(face, None);
+            self.recount_swaps();
             self.finish_strip(sink);
         }
     }
 
-    /// Makes strips along ways through whole pieces, each given by the half-edges that lead from one piece to the next and one
-    /// more. What is in a strip already divides a way; parts of fewer than `shortest` pieces are left. The strips grow at both
-    /// ends, when all parts have been taken.
-    pub(super) fn follow(&mut self, ways: &[Vec<u32>], shortest: usize, sink: &mut impl Sink) {
-        let mut parts = Vec::new();
-        for way in ways {
-            let free_or_not = way.chunk_by(|&a, &b| self.is_free_at(a) == self.is_free_at(b));
-            parts.extend(free_or_not.filter(|part| part.len() >= shortest && self.is_free_at(part[0])));
+    /// Builds strips along paths through whole faces, each given by the half-edges that lead from one face to the next and one
+    /// more. Faces that are in a strip already divide a path; sections of fewer than `min_length` faces are skipped. The strips grow at
+    /// both ends, after the faces of all sections have been taken.
+    pub(super) fn strip_along(&mut self, paths: &[Vec<u32>], min_length: usize, sink: &mut impl StripSink) {
+        let mut sections = Vec::new();
+        for path in paths {
+            let free_or_taken = path.chunk_by(|&a, &b| self.is_untouched_at(a) == self.is_untouched_at(b));
+            sections.extend(
+                free_or_taken
+                    .filter(|section| section.len() >= min_length && self.is_untouched_at(section[0])),
+            );
         }
-        for &exit in parts.iter().copied().flatten() {
-            self.pieces.take(self.pieces.face(exit));
+        for &exit in sections.iter().copied().flatten() {
+            self.remaining.take(self.remaining.original_face(exit));
         }
-        for part in parts {
+        for section in sections {
             self.strip.clear();
             let mut entry = None;
-            for (i, &exit) in part.iter().enumerate() {
-                let exit_or_end = (i + 1 < part.len()).then_some(exit);
+            for (i, &exit) in section.iter().enumerate() {
+                let exit_or_end = (i + 1 < section.len()).then_some(exit);
                 let counts = entry.map_or([0; 2], |entry| self.counts_between(entry, exit));
-                let piece = self.pieces.face(exit);
-                self.strip.push(Step { piece, entry, exit: exit_or_end, counts, rests: [false; 2] });
+                let face = self.remaining.original_face(exit);
+                self.strip.push(StripFace { face, entry, exit: exit_or_end, counts, rests: [false; 2] });
                 if let (Some(entry), Some(exit)) = (entry, exit_or_end)
-                    && self.pieces.partial()
+                    && self.remaining.is_partial()
                 {
-                    self.pieces.cut(piece, [entry, exit], counts[A] + 1, [false; 2]);
+                    self.remaining.cut(face, [entry, exit], counts[A] + 1, [false; 2]);
                 }
-                entry = self.pieces.twin(exit);
+                entry = self.remaining.twin(exit);
             }
-            self.turned();
+            self.recount_swaps();
             self.finish_strip(sink);
         }
     }
 
-    /// Tells whether a half-edge's face is whole and in no strip.
-    fn is_free_at(&self, half_edge: u32) -> bool {
-        self.pieces.is_untouched(self.pieces.face(half_edge))
+    /// Checks whether a half-edge's face is whole and in no strip.
+    fn is_untouched_at(&self, half_edge: u32) -> bool {
+        self.remaining.is_untouched(self.remaining.original_face(half_edge))
     }
 
-    /// Counts the letters from an entry to an exit of a whole piece.
-    fn counts_between(&self, entry: u32, exit: u32) -> Counts {
-        let size = self.pieces.size(self.pieces.face(exit));
-        let mut corner = self.pieces.next(entry);
-        let mut place = 1;
-        while corner != exit && place + 1 < size {
-            corner = self.pieces.next(corner);
-            place += 1;
+    /// Counts the turns from an entry to an exit of a whole face.
+    fn counts_between(&self, entry: u32, exit: u32) -> TurnCounts {
+        let size = self.remaining.size(self.remaining.original_face(exit));
+        let mut corner = self.remaining.next(entry);
+        let mut offset = 1;
+        while corner != exit && offset + 1 < size {
+            corner = self.remaining.next(corner);
+            offset += 1;
         }
-        [place - 1, size - 1 - place]
+        [offset - 1, size - 1 - offset]
     }
 
-    /// Lets the strip grow at both ends, and hands it on.
-    fn finish_strip(&mut self, sink: &mut impl Sink) {
+    /// Grows the strip at both ends, and passes it to the sink.
+    fn finish_strip(&mut self, sink: &mut impl StripSink) {
         self.grow();
-        self.turn_around();
+        self.reverse();
         self.grow();
-        sink.take(&self.strip, &self.pieces);
-        if self.pieces.partial() {
+        sink.receive(&self.strip, &self.remaining);
+        if self.remaining.is_partial() {
             let ends = [self.strip.first(), self.strip.last()];
-            ends.into_iter().flatten().for_each(|step| self.pieces.finish(step.piece));
+            ends.into_iter().flatten().for_each(|end| self.remaining.finish(end.face));
         }
     }
 
-    /// Lets the strip go on for as long as it can.
+    /// Extends the strip for as long as it can be extended.
     fn grow(&mut self) {
-        while let Some(exit) = self.choose() {
+        while let Some(exit) = self.choose_exit() {
             self.leave(exit);
-            self.enter(exit.piece, Some(exit.entry));
+            self.enter(exit.next_face, Some(exit.next_entry));
         }
     }
 
-    fn enter(&mut self, piece: u32, entry: Option<u32>) {
-        self.pieces.take(piece);
-        self.strip.push(Step { piece, entry, exit: None, counts: [0; 2], rests: [false; 2] });
+    /// Adds a face to the end of the strip.
+    fn enter(&mut self, face: u32, entry: Option<u32>) {
+        self.remaining.take(face);
+        self.strip.push(StripFace { face, entry, exit: None, counts: [0; 2], rests: [false; 2] });
     }
 
-    /// Leaves the strip's last piece.
-    fn leave(&mut self, exit: Exit) {
-        let Some(step) = self.strip.last_mut() else { return };
-        step.exit = Some(exit.half_edge);
-        if let Some(entry) = step.entry {
-            (step.counts, step.rests) = (exit.counts, exit.rests);
-            if self.pieces.partial() {
-                self.pieces.cut(step.piece, [entry, exit.half_edge], exit.place, exit.rests);
+    /// Leaves the strip's last face.
+    fn leave(&mut self, exit: ExitCandidate) {
+        let Some(last) = self.strip.last_mut() else { return };
+        last.exit = Some(exit.half_edge);
+        if let Some(entry) = last.entry {
+            (last.counts, last.rests) = (exit.counts, exit.rests);
+            if self.remaining.is_partial() {
+                self.remaining.cut(last.face, [entry, exit.half_edge], exit.offset, exit.rests);
             }
-            self.pass(exit.counts);
+            self.count_face(exit.counts);
         }
     }
 
-    /// Keeps account of a piece that the strip has passed.
-    fn pass(&mut self, counts: Counts) {
+    /// Adds a face that the strip has passed to the swaps, and notes its side.
+    fn count_face(&mut self, counts: TurnCounts) {
         self.swaps = self.swaps.through(counts);
         if counts[A] != counts[B] {
             self.side = Some(usize::from(counts[B] < counts[A]));
         }
     }
 
-    /// Turns the strip around, so that it may grow from its start.
-    fn turn_around(&mut self) {
+    /// Reverses the strip, so that it can grow from its start.
+    fn reverse(&mut self) {
         self.strip.reverse();
-        for step in &mut self.strip {
-            (step.entry, step.exit) = (step.exit, step.entry);
-            step.counts.swap(A, B);
-            step.rests.swap(A, B);
+        for face in &mut self.strip {
+            (face.entry, face.exit) = (face.exit, face.entry);
+            face.counts.swap(A, B);
+            face.rests.swap(A, B);
         }
-        self.turned();
+        self.recount_swaps();
     }
 
-    /// Takes account of all pieces of the strip, from the first on.
-    fn turned(&mut self) {
-        (self.swaps, self.side) = (Swaps::FREE, None);
+    /// Counts the swaps of the whole strip from its first face.
+    fn recount_swaps(&mut self) {
+        (self.swaps, self.side) = (LeastSwaps::FREE, None);
         for i in 1..self.strip.len().saturating_sub(1) {
-            self.pass(self.strip[i].counts);
+            self.count_face(self.strip[i].counts);
         }
     }
 
-    /// Chooses the way on.
-    fn choose(&mut self) -> Option<Exit> {
-        let Step { piece, entry, .. } = *self.strip.last()?;
-        self.list_exits(piece, entry);
+    /// Chooses the exit from the strip's last face.
+    fn choose_exit(&mut self) -> Option<ExitCandidate> {
+        let StripFace { face, entry, .. } = *self.strip.last()?;
+        self.list_exits(face, entry);
         match self.rule {
             _ if self.tied.len() < 2 => self.tied.first().copied(),
-            Rule::Reluctant => self.tied.iter().max_by_key(|exit| self.look_ahead(exit)).copied(),
-            Rule::Adjacency(Ties::Arbitrary) => self.tied.first().copied(),
-            // Of those that are still equal the last; with the first, sgi sends 1.5 % more vertices for power lines.
-            Rule::Adjacency(Ties::LookAhead) => {
+            ExitRule::FewSwaps => self.tied.iter().max_by_key(|exit| self.look_ahead(exit)).copied(),
+            ExitRule::Adjacency(Ties::Arbitrary) => self.tied.first().copied(),
+            // The last of those that are still equal; with the first, sgi sends 1.5 % more vertices for power lines.
+            ExitRule::Adjacency(Ties::LookAhead) => {
                 self.tied.iter().rev().min_by_key(|exit| self.look_ahead(exit)).copied()
             }
-            Rule::Adjacency(Ties::Alternate) => {
-                self.tied.iter().min_by_key(|exit| self.same_side(exit)).copied()
+            ExitRule::Adjacency(Ties::Alternate) => {
+                self.tied.iter().min_by_key(|exit| self.turns_to_last_side(exit)).copied()
             }
-            Rule::Adjacency(Ties::Random) => self.pick(),
-            Rule::Adjacency(Ties::Sequential) => {
-                let swaps = |exit: &Exit| self.swaps.through(exit.counts).least();
+            ExitRule::Adjacency(Ties::Random) => self.pick(),
+            ExitRule::Adjacency(Ties::Sequential) => {
+                let swaps = |exit: &ExitCandidate| self.swaps.through(exit.counts).least();
                 if entry.is_some() {
                     let least = self.tied.iter().map(swaps).min()?;
                     let mut tied = std::mem::take(&mut self.tied);
@@ -227,39 +232,40 @@ impl<'a> Walker<'a> {
         }
     }
 
-    /// Lists the best ways on, in order around the piece.
-    fn list_exits(&mut self, piece: u32, entry: Option<u32>) {
+    /// Lists the best exits, in order around the face.
+    fn list_exits(&mut self, face: u32, entry: Option<u32>) {
         self.tied.clear();
-        let size = self.pieces.size(piece);
+        let size = self.remaining.size(face);
         let (mut corner, first) = match entry {
-            Some(entry) => (self.pieces.next(entry), 1),
-            None => (self.pieces.corner(piece), 0),
+            Some(entry) => (self.remaining.next(entry), 1),
+            None => (self.remaining.corner(face), 0),
         };
-        let reach = if self.pieces.partial() { REACH.min(size) } else { size };
+        let reach = if self.remaining.is_partial() { REACH.min(size) } else { size };
         let mut least = u32::MAX;
-        for place in first..size.min(first + reach) {
-            self.consider(corner, place, (entry, size), &mut least);
-            corner = self.pieces.next(corner);
+        for offset in first..size.min(first + reach) {
+            self.consider(corner, offset, (entry, size), &mut least);
+            corner = self.remaining.next(corner);
         }
-        let mut corner = entry.unwrap_or_else(|| self.pieces.corner(piece));
-        for place in (first + reach..size).rev().take(reach as usize) {
-            corner = self.pieces.previous(corner);
-            self.consider(corner, place, (entry, size), &mut least);
+        let mut corner = entry.unwrap_or_else(|| self.remaining.corner(face));
+        for offset in (first + reach..size).rev().take(reach as usize) {
+            corner = self.remaining.previous(corner);
+            self.consider(corner, offset, (entry, size), &mut least);
         }
     }
 
-    /// Puts a way on the list, if no way seen so far is better.
+    /// Adds an exit to the list, if no exit seen so far is better.
     #[inline]
-    fn consider(&mut self, half_edge: u32, place: u32, (from, size): (Option<u32>, u32), least: &mut u32) {
-        let Some((entry, piece)) = self.pieces.across(half_edge) else { return };
-        let mut weight = self.pieces.adjacency(piece);
-        let mut exit = Exit { half_edge, place, counts: [0; 2], rests: [false; 2], entry, piece };
+    fn consider(&mut self, half_edge: u32, offset: u32, (entry, size): (Option<u32>, u32), least: &mut u32) {
+        let Some((next_entry, next_face)) = self.remaining.across(half_edge) else { return };
+        let mut weight = self.remaining.adjacency(next_face);
+        let mut exit =
+            ExitCandidate { half_edge, offset, counts: [0; 2], rests: [false; 2], next_entry, next_face };
         if weight > *least {
             return;
         }
-        if let Some(from) = from {
-            self.divide(&mut exit, from, size);
-            if self.rule == Rule::Reluctant {
+        if let Some(entry) = entry {
+            self.set_counts(&mut exit, entry, size);
+            if self.rule == ExitRule::FewSwaps {
                 weight += SWAP_WEIGHT * (self.swaps.through(exit.counts).least() - self.swaps.least());
             }
         }
@@ -272,14 +278,15 @@ impl<'a> Walker<'a> {
         }
     }
 
-    /// Says what of a piece a strip takes on a way through it: step 4.
-    fn divide(&self, exit: &mut Exit, entry: u32, size: u32) {
-        exit.counts = [exit.place - 1, size - 1 - exit.place];
-        if self.pieces.partial() {
-            let firsts = [self.pieces.next(entry), self.pieces.next(exit.half_edge)];
+    /// Determines which part of a face a strip takes on its way from an entry to an exit: step 4.
+    fn set_counts(&self, exit: &mut ExitCandidate, entry: u32, size: u32) {
+        exit.counts = [exit.offset - 1, size - 1 - exit.offset];
+        if self.remaining.is_partial() {
+            let firsts = [self.remaining.next(entry), self.remaining.next(exit.half_edge)];
             for side in [A, B] {
-                let edges = exit.counts[side];
-                exit.rests[side] = edges > 1 && self.pieces.has_two_neighbours(firsts[side], edges);
+                let edge_count = exit.counts[side];
+                exit.rests[side] =
+                    edge_count > 1 && self.remaining.has_two_neighbours(firsts[side], edge_count);
                 if exit.rests[side] {
                     exit.counts[side] = 1;
                 }
@@ -287,47 +294,32 @@ impl<'a> Walker<'a> {
         }
     }
 
-    /// Takes one of the tied ways at random.
-    fn pick(&mut self) -> Option<Exit> {
-        let i = self.random.below(self.tied.len());
-        self.tied.get(i).copied()
+    /// Chooses one of the tied exits at random.
+    fn pick(&mut self) -> Option<ExitCandidate> {
+        let draw = u128::from(self.random.next_u64()) * self.tied.len() as u128;
+        self.tied.get((draw >> 64) as usize).copied()
     }
 
-    /// Gives the least adjacency of the pieces after the one that a way leads to.
-    fn look_ahead(&self, exit: &Exit) -> u32 {
-        let mut corner = exit.entry;
+    /// Returns the least adjacency of the faces after the one that an exit leads to.
+    fn look_ahead(&self, exit: &ExitCandidate) -> u32 {
+        let mut corner = exit.next_entry;
         let mut least = u32::MAX;
-        for _ in 1..self.pieces.size(exit.piece).min(2 * REACH) {
-            corner = self.pieces.next(corner);
-            if let Some((_, piece)) = self.pieces.across(corner) {
-                least = least.min(self.pieces.adjacency(piece));
+        for _ in 1..self.remaining.size(exit.next_face).min(2 * REACH) {
+            corner = self.remaining.next(corner);
+            if let Some((_, face)) = self.remaining.across(corner) {
+                least = least.min(self.remaining.adjacency(face));
             }
         }
         least
     }
 
-    /// Says how far a way turns to the side to which the strip turned last.
-    fn same_side(&self, exit: &Exit) -> i64 {
+    /// Returns how far an exit turns to the side to which the strip turned last.
+    fn turns_to_last_side(&self, exit: &ExitCandidate) -> i64 {
         let [a, b] = exit.counts.map(i64::from);
         match self.side {
             Some(A) => b - a,
             Some(_) => a - b,
             None => 0,
         }
-    }
-}
-
-/// The generator of Steele, Lea and Flood, 2014: the same numbers on every machine.
-#[derive(Debug)]
-struct SplitMix(u64);
-
-impl SplitMix {
-    fn below(&mut self, n: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^= z >> 31;
-        ((u128::from(z) * n as u128) >> 64) as usize
     }
 }

@@ -1,43 +1,44 @@
 //! Patches: rectangular regions of quadrilaterals, the largest first.
 //!
 //! # Algorithm
-//! Going straight through a quadrilateral means to leave it across the edge opposite to the one of entry; so every edge of a
-//! quadrilateral is a heading, and headings form lines, open or closed.
+//! A straight path leaves a quadrilateral across the edge opposite to its entry. So every half-edge of a
+//! quadrilateral is a direction through it, and these directions form lines, open or closed.
 //!
 //! ```text
 //!        north                   ┌───┬───┐
-//!      ┌───────┐                 │   │   │      the rung of h: in how many rows, from this one northward, the
+//!      ┌───────┐                 │   │   │      the grid height of h: in how many rows, from this one northward, the
 //! west │   q   │ h: east     ┌───┼───┼───┤      columns of the two quadrilaterals that h joins are neighbours; here 2
 //!      └───────┘             │   │ h─┼─▶ │
 //!        south               └───┴───┴───┘
 //! ```
-//! 1. Every heading learns its rung, from the rung above it.
-//! 2. The rungs along a line are a histogram: a patch with its south row on the line is as high as the lowest rung between its
-//!    columns. The largest patches are found with a stack.
-//! 3. All patches as large as the largest are taken, except those that meet one already taken. Steps 1 to 3 are done again
+//! 1. The grid height of every quad half-edge is computed from that of the half-edge above it.
+//! 2. The grid heights along a line are a histogram: a patch with its south row on the line is as high as the least grid height
+//!    between its columns. The largest patches are found with a stack.
+//! 3. All patches as large as the largest are taken, except those that meet one already taken. Steps 1 to 3 are repeated
 //!    until the largest is below the cutoff.
 //!
-//! The paper walks over the faces once for each patch. Here a round takes many. When the work exceeds a fixed amount, a round
-//! takes patches of at least half the largest's size, so that the time stays near linear whatever comes; on a grid of a
+//! The paper traverses the faces once for each patch. Here a round takes many. When the work exceeds a fixed amount, a round
+//! takes patches of at least half the largest's size, so that the time stays near linear for any input; on a grid of a
 //! million quadrilaterals with holes that changed the cost by less than 0.1 %.
 //!
 //! # References
 //! Section 3.2 of the paper; see [`super`].
 //!
 //! # Complexity
-//! O(n) for each round, and a few rounds for each halving of the largest patch. 45 bytes a quadrilateral.
+//! O(n) per round, and a few rounds each time that the largest patch halves. 45 bytes per quadrilateral.
 
 use crate::dual::DualGraph;
-use crate::ids::{FaceId, HalfEdge};
+use crate::ids::{FaceId, HalfEdge, OptionalId};
 
-const NONE: u32 = u32::MAX;
-/// Quadrilaterals looked at before a round may take patches that are not the largest.
+/// The grid height of half-edges on the column that is being followed.
+const ON_COLUMN: u32 = u32::MAX;
+/// Quadrilaterals examined before a round may take patches that are not the largest.
 const EXACT_WORK: usize = 500_000;
 
-/// A rectangular patch: where it starts, and how far it goes.
+/// A rectangular patch: where it starts, and how far it extends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) struct Patch {
-    /// The eastward heading of its south-west quadrilateral.
+struct Patch {
+    /// The eastward half-edge of its south-west quadrilateral.
     corner: u32,
     width: u32,
     height: u32,
@@ -49,21 +50,21 @@ impl Patch {
     }
 }
 
-/// Finds patches. Quadrilateral q has the headings 4q to 4q + 3, in its winding.
+/// Finds patches. Quadrilateral q has the quad half-edges 4q to 4q + 3, in its winding.
 #[derive(Debug)]
-pub(super) struct Patches {
-    /// The heading on the other side of each one's edge; `NONE` where there is no quadrilateral.
-    twins: Vec<u32>,
+pub(super) struct PatchFinder {
+    /// The quad half-edge on the other side of each one, where there is a quadrilateral.
+    twins: Vec<OptionalId>,
     /// The face's first corner.
     corners: Vec<u32>,
     /// Whether a quadrilateral is in no patch, and those that are in none.
     free: Vec<bool>,
-    left: Vec<u32>,
-    /// By heading.
-    rung: Vec<u32>,
+    free_quads: Vec<u32>,
+    /// By quad half-edge.
+    grid_heights: Vec<u32>,
 }
 
-impl Patches {
+impl PatchFinder {
     pub(super) fn new(graph: &DualGraph) -> Self {
         let corners: Vec<u32> = (0..graph.face_count() as u32)
             .filter_map(|face| {
@@ -72,21 +73,21 @@ impl Patches {
                 (corners.next_back()?.0 - first == 3).then_some(first)
             })
             .collect();
-        let heading = |h: HalfEdge| {
+        let quad_half_edge = |h: HalfEdge| {
             let first = graph.half_edges(graph.face_of(h)).next()?.0;
             corners.binary_search(&first).ok().map(|quad| 4 * quad as u32 + h.0 - first)
         };
         let mut twins = Vec::with_capacity(4 * corners.len());
         for h in corners.iter().flat_map(|&first| first..first + 4) {
-            twins.push(graph.twin(HalfEdge(h)).and_then(heading).unwrap_or(NONE));
+            twins.push(OptionalId::from(graph.twin(HalfEdge(h)).and_then(quad_half_edge)));
         }
         let free = vec![true; corners.len()];
-        let left = (0..corners.len() as u32).collect();
-        let rung = vec![0; twins.len()];
-        Self { twins, corners, free, left, rung }
+        let free_quads = (0..corners.len() as u32).collect();
+        let grid_heights = vec![0; twins.len()];
+        Self { twins, corners, free, free_quads, grid_heights }
     }
 
-    /// Finds all patches of at least `cutoff` quadrilaterals, in the order in which they are found. Each is given as its rows,
+    /// Finds all patches of at least `cutoff` quadrilaterals, in the order in which they are found. Each is returned as its rows,
     /// and these as the half-edges across which their quadrilaterals are left from west to east; rows are not shorter than
     /// columns.
     pub(super) fn find(mut self, cutoff: u32) -> Vec<Vec<Vec<u32>>> {
@@ -94,76 +95,75 @@ impl Patches {
         let mut found = Vec::new();
         let mut work = 0;
         loop {
-            self.left.retain(|&quad| self.free[quad as usize]);
-            work += self.left.len();
-            self.measure();
+            self.free_quads.retain(|&quad| self.free[quad as usize]);
+            work += self.free_quads.len();
+            self.measure_heights();
             let share = if work <= EXACT_WORK { 1 } else { 2 };
             let before = found.len();
             for (i, patch) in self.candidates(cutoff, share).into_iter().enumerate() {
-                found.extend(self.claim(patch, cutoff, i > 0));
+                found.extend(self.claim(patch, cutoff, i == 0));
             }
             if found.len() == before {
-                let half_edge = |h: &mut u32| *h = self.corners[*h as usize / 4] + *h % 4;
-                found.iter_mut().flatten().flatten().for_each(half_edge);
+                let to_half_edge = |h: &mut u32| *h = self.corners[*h as usize / 4] + *h % 4;
+                found.iter_mut().flatten().flatten().for_each(to_half_edge);
                 return found;
             }
         }
     }
 
-    /// The heading by which another one enters the next quadrilateral backward, if there is one.
+    /// Returns the quad half-edge on the other side, if its quadrilateral is free.
     #[inline]
-    fn enters(&self, heading: u32) -> Option<u32> {
-        let twin = self.twins[heading as usize];
-        (twin != NONE && self.free[twin as usize / 4]).then_some(twin)
+    fn free_twin(&self, h: u32) -> Option<u32> {
+        self.twins[h as usize].get().filter(|&twin| self.free[twin as usize / 4])
     }
 
-    /// The same heading one quadrilateral on.
+    /// Returns the half-edge in the same direction one quadrilateral further.
     #[inline]
-    fn ahead(&self, heading: u32) -> Option<u32> {
-        self.enters(heading).map(|h| turn(h, 2))
+    fn ahead(&self, h: u32) -> Option<u32> {
+        self.free_twin(h).map(|twin| rotate(twin, 2))
     }
 
-    /// The eastward heading of the quadrilateral to the north.
+    /// Returns the eastward half-edge of the quadrilateral to the north.
     #[inline]
-    fn north(&self, heading: u32) -> Option<u32> {
-        self.enters(turn(heading, 1)).map(|h| turn(h, 1))
+    fn north(&self, h: u32) -> Option<u32> {
+        self.free_twin(rotate(h, 1)).map(|twin| rotate(twin, 1))
     }
 
-    /// The eastward heading one row to the north, where both quadrilaterals that this one joins have neighbours there that it
+    /// Returns the eastward half-edge one row to the north, if both quadrilaterals that this one joins have neighbours there that it
     /// joins in turn.
     #[inline]
-    fn rung_above(&self, heading: u32) -> Option<u32> {
-        let above = self.north(heading)?;
-        let east = self.ahead(heading)?;
+    fn next_of_column(&self, h: u32) -> Option<u32> {
+        let above = self.north(h)?;
+        let east = self.ahead(h)?;
         (self.ahead(above)? == self.north(east)?).then_some(above)
     }
 
-    /// Step 1.
-    fn measure(&mut self) {
-        let mut rung = std::mem::take(&mut self.rung);
-        let headings = || self.left.iter().flat_map(|&quad| 4 * quad..4 * quad + 4);
-        headings().for_each(|h| rung[h as usize] = 0);
+    /// Measures the grid heights: step 1.
+    fn measure_heights(&mut self) {
+        let mut heights = std::mem::take(&mut self.grid_heights);
+        let half_edges = || self.free_quads.iter().flat_map(|&quad| 4 * quad..4 * quad + 4);
+        half_edges().for_each(|h| heights[h as usize] = 0);
         let mut column = Vec::new();
-        for h in headings().filter(|&h| self.enters(h).is_some()) {
-            // Northward to the end or to what is known; where it comes around, all are on the same ring.
+        for h in half_edges().filter(|&h| self.free_twin(h).is_some()) {
+            // Northward to the end or to a known height; a column that comes back to itself has one height all around.
             column.clear();
-            let mut at = Some(h);
-            while let Some(h) = at.filter(|&h| rung[h as usize] == 0) {
-                rung[h as usize] = NONE;
+            let mut next = Some(h);
+            while let Some(h) = next.filter(|&h| heights[h as usize] == 0) {
+                heights[h as usize] = ON_COLUMN;
                 column.push(h);
-                at = self.rung_above(h);
+                next = self.next_of_column(h);
             }
-            let around = at.is_some_and(|h| rung[h as usize] == NONE);
-            let known = at.filter(|_| !around).map_or(0, |h| rung[h as usize]);
+            let is_ring = next.is_some_and(|h| heights[h as usize] == ON_COLUMN);
+            let known = next.filter(|_| !is_ring).map_or(0, |h| heights[h as usize]);
             for (above, &h) in column.iter().rev().enumerate() {
-                let height = if around { column.len() } else { above + 1 };
-                rung[h as usize] = known + height as u32;
+                let height = if is_ring { column.len() } else { above + 1 };
+                heights[h as usize] = known + height as u32;
             }
         }
-        self.rung = rung;
+        self.grid_heights = heights;
     }
 
-    /// Step 2: the largest patches, those of an area of at least a `share` of the largest, and at least the cutoff.
+    /// Finds the largest patches, those of an area of at least `1 / share` of the largest, and at least the cutoff: step 2.
     fn candidates(&self, cutoff: u64, share: u64) -> Vec<Patch> {
         let mut found: Vec<Patch> = Vec::new();
         let mut largest = 0;
@@ -178,20 +178,20 @@ impl Patches {
             largest = largest.max(area);
             found.push(patch);
         };
-        let mut seen = vec![false; self.rung.len()];
+        let mut seen = vec![false; self.grid_heights.len()];
         let (mut line, mut stack) = (Vec::new(), Vec::new());
         // Lines that have a beginning first; closed ones begin anywhere.
-        for closed in [false, true] {
-            for h in self.left.iter().flat_map(|&quad| 4 * quad..4 * quad + 4) {
-                if seen[h as usize] || !(closed || self.enters(turn(h, 2)).is_none()) {
+        for is_closed in [false, true] {
+            for h in self.free_quads.iter().flat_map(|&quad| 4 * quad..4 * quad + 4) {
+                if seen[h as usize] || !(is_closed || self.free_twin(rotate(h, 2)).is_none()) {
                     continue;
                 }
                 line.clear();
                 let mut next = Some(h);
-                while let Some(heading) = next.filter(|&heading| !seen[heading as usize]) {
-                    seen[heading as usize] = true;
-                    line.push(heading);
-                    next = self.ahead(heading);
+                while let Some(h) = next.filter(|&h| !seen[h as usize]) {
+                    seen[h as usize] = true;
+                    line.push(h);
+                    next = self.ahead(h);
                 }
                 self.search_line(&line, &mut stack, &mut add);
             }
@@ -201,7 +201,7 @@ impl Patches {
         found
     }
 
-    /// Gives every patch that is as high and wide as it can be, with its south row on a line.
+    /// Passes every maximal patch with its south row on a line to a function.
     fn search_line(&self, line: &[u32], stack: &mut Vec<(usize, u32)>, add: &mut impl FnMut(Patch)) {
         // A column by itself is a row of another line, unless it is a single quadrilateral.
         if let [only] = *line {
@@ -209,40 +209,40 @@ impl Patches {
         }
         stack.clear();
         for i in 0..line.len() {
-            let rung = if i + 1 < line.len() { self.rung[line[i] as usize] } else { 0 };
+            let grid_height = if i + 1 < line.len() { self.grid_heights[line[i] as usize] } else { 0 };
             let mut start = i;
             while let Some(&(from, height)) = stack.last()
-                && height >= rung
+                && height >= grid_height
             {
                 stack.pop();
                 start = from;
-                if height > rung {
+                if height > grid_height {
                     add(Patch { corner: line[from], width: (i - from + 1) as u32, height });
                 }
             }
-            stack.push((start, rung));
+            stack.push((start, grid_height));
         }
     }
 
-    /// Step 3: takes a patch; `None` where it meets another one. What is left of the patch where its lines cross themselves
-    /// will do if there is no `other`.
-    fn claim(&mut self, patch: Patch, cutoff: u64, other: bool) -> Option<Vec<Vec<u32>>> {
+    /// Takes a patch and returns its rows, `None` if it meets another one: step 3. Of the first patch of a round, whose lines may cross
+    /// themselves, the part that is free is enough.
+    fn claim(&mut self, patch: Patch, cutoff: u64, is_first: bool) -> Option<Vec<Vec<u32>>> {
         let mut rows: Vec<Vec<u32>> = Vec::new();
         let (mut first, mut width) = (Some(patch.corner), patch.width as usize);
         while let Some(start) = first.filter(|_| rows.len() < patch.height as usize) {
             let mut row = Vec::with_capacity(width);
-            let mut heading = Some(start);
-            while let Some(h) = heading.filter(|_| row.len() < width) {
+            let mut next = Some(start);
+            while let Some(h) = next.filter(|_| row.len() < width) {
                 if !std::mem::take(&mut self.free[h as usize / 4]) {
                     break;
                 }
                 row.push(h);
-                heading = self.ahead(h);
+                next = self.ahead(h);
             }
-            let whole = row.len() == width;
-            if rows.is_empty() && !other {
+            let is_whole = row.len() == width;
+            if rows.is_empty() && is_first {
                 width = row.len();
-            } else if !whole {
+            } else if !is_whole {
                 self.release(&row);
                 break;
             }
@@ -250,13 +250,13 @@ impl Patches {
             first = self.north(start);
         }
         let area = (rows.len() * width) as u64;
-        if area < cutoff || (other && area < patch.area()) {
+        if area < cutoff || (!is_first && area < patch.area()) {
             rows.iter().for_each(|row| self.release(row));
             return None;
         }
         if rows.len() > width {
-            // Columns are longer: the patch is turned around its north-west corner.
-            let column = |i: usize| rows.iter().map(|row| turn(row[i], 1)).collect();
+            // Columns are longer: the patch is rotated about its north-west corner.
+            let column = |i: usize| rows.iter().map(|row| rotate(row[i], 1)).collect();
             rows = (0..width).rev().map(column).collect();
         }
         Some(rows)
@@ -267,31 +267,31 @@ impl Patches {
     }
 }
 
-/// Gives the heading of the same quadrilateral, some corners on.
+/// Returns the half-edge of the same quadrilateral a number of corners on.
 #[inline]
-fn turn(heading: u32, corners: u32) -> u32 {
-    heading & !3 | (heading + corners) & 3
+fn rotate(h: u32, corners: u32) -> u32 {
+    h & !3 | (h + corners) & 3
 }
 
-/// Gives the half-edges of one way through all rows of a patch, every other row from east to west.
-pub(super) fn winding(graph: &DualGraph, rows: &[Vec<u32>]) -> Vec<u32> {
-    let turn = |h: u32, corners: u32| {
+/// Returns the half-edges of one path through all rows of a patch, every other row from east to west.
+pub(super) fn serpentine(graph: &DualGraph, rows: &[Vec<u32>]) -> Vec<u32> {
+    let rotate = |h: u32, corners: u32| {
         let first = graph.half_edges(graph.face_of(HalfEdge(h))).next().map_or(0, |h| h.0);
         first + ((h - first + corners) & 3)
     };
-    let mut way = Vec::with_capacity(rows.iter().map(Vec::len).sum());
+    let mut path = Vec::with_capacity(rows.iter().map(Vec::len).sum());
     for (i, row) in rows.iter().enumerate() {
-        let eastward = i % 2 == 0;
-        if eastward {
-            way.extend_from_slice(row);
+        let is_eastward = i % 2 == 0;
+        if is_eastward {
+            path.extend_from_slice(row);
         } else {
-            way.extend(row.iter().rev().map(|&h| turn(h, 2)));
+            path.extend(row.iter().rev().map(|&h| rotate(h, 2)));
         }
-        if let Some(last) = way.last_mut() {
-            *last = turn(*last, if eastward { 1 } else { 3 });
+        if let Some(last) = path.last_mut() {
+            *last = rotate(*last, if is_eastward { 1 } else { 3 });
         }
     }
-    way
+    path
 }
 
 #[cfg(test)]
@@ -300,7 +300,7 @@ mod tests {
     use crate::mesh::Faces;
     use proptest::prelude::*;
 
-    /// A grid whose quadrilaterals start at any of their corners, without those that are not `kept`.
+    /// Builds a grid of the `kept` quadrilaterals, which start at any of their corners.
     fn grid(width: u32, height: u32, around: bool, kept: impl Fn(u32, u32) -> bool) -> DualGraph {
         let v = |x: u32, y: u32| y * (width + 1) + if around { x % width } else { x };
         let mut polygons = Vec::new();
@@ -312,8 +312,9 @@ mod tests {
         DualGraph::new(&Faces::from_polygons(polygons).unwrap())
     }
 
-    fn sizes(graph: &DualGraph, cutoff: u32) -> Vec<(usize, usize)> {
-        let found = Patches::new(graph).find(cutoff);
+    /// Finds patches, checks them, and returns their rows and columns.
+    fn checked_sizes(graph: &DualGraph, cutoff: u32) -> Vec<(usize, usize)> {
+        let found = PatchFinder::new(graph).find(cutoff);
         let mut seen = vec![false; graph.face_count()];
         for rows in &found {
             let face = |&h: &u32| graph.face_of(HalfEdge(h));
@@ -326,8 +327,8 @@ mod tests {
                     assert_eq!(graph.twin(HalfEdge(w[0])).map(|t| graph.face_of(t)), Some(face(&w[1])));
                 }
             }
-            // The way through the whole patch leaves each quadrilateral toward the next.
-            for w in winding(graph, rows).windows(2) {
+            // The path through the whole patch leaves each quadrilateral toward the next.
+            for w in serpentine(graph, rows).windows(2) {
                 assert_eq!(graph.twin(HalfEdge(w[0])).map(|t| graph.face_of(t)), Some(face(&w[1])));
             }
         }
@@ -336,17 +337,21 @@ mod tests {
 
     #[test]
     fn finds_the_largest_first_and_stops_at_the_cutoff() {
-        assert_eq!(sizes(&grid(7, 3, false, |_, _| true), 5), [(3, 7)]);
-        assert_eq!(sizes(&grid(2, 6, false, |_, _| true), 5), [(2, 6)], "rows run along the longer side");
+        assert_eq!(checked_sizes(&grid(7, 3, false, |_, _| true), 5), [(3, 7)]);
+        assert_eq!(
+            checked_sizes(&grid(2, 6, false, |_, _| true), 5),
+            [(2, 6)],
+            "rows run along the longer side"
+        );
         let corner_gone = grid(6, 4, false, |x, y| x < 3 || y < 2);
-        assert_eq!(sizes(&corner_gone, 5), [(3, 4), (2, 3)]);
-        assert_eq!(sizes(&corner_gone, 7), [(3, 4)]);
-        assert_eq!(sizes(&grid(2, 2, false, |_, _| true), 5), []);
-        assert_eq!(sizes(&grid(9, 2, true, |_, _| true), 5), [(2, 9)], "around a cylinder");
+        assert_eq!(checked_sizes(&corner_gone, 5), [(3, 4), (2, 3)]);
+        assert_eq!(checked_sizes(&corner_gone, 7), [(3, 4)]);
+        assert_eq!(checked_sizes(&grid(2, 2, false, |_, _| true), 5), []);
+        assert_eq!(checked_sizes(&grid(9, 2, true, |_, _| true), 5), [(2, 9)], "around a cylinder");
     }
 
-    /// The area of the largest rectangle, by trying all.
-    fn largest(width: u32, height: u32, kept: impl Fn(u32, u32) -> bool) -> usize {
+    /// Returns the area of the largest rectangle by brute force.
+    fn largest_area(width: u32, height: u32, kept: impl Fn(u32, u32) -> bool) -> usize {
         let mut best = 0;
         for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
             for (x1, y1) in (y..height).flat_map(|y1| (x..width).map(move |x1| (x1, y1))) {
@@ -360,12 +365,12 @@ mod tests {
 
     proptest! {
         #[test]
-        fn is_as_large_as_the_largest_found_by_trying_all(
+        fn the_first_patch_is_the_largest_rectangle(
             width in 1..8_u32, height in 1..8_u32, holes in any::<u64>(), cutoff in 1..12_u32,
         ) {
             let kept = |x: u32, y: u32| holes.wrapping_mul(0x9e37_79b9) >> ((y * 8 + x) % 61) & 3 != 0;
-            let found = sizes(&grid(width, height, false, kept), cutoff);
-            let area = largest(width, height, kept);
+            let found = checked_sizes(&grid(width, height, false, kept), cutoff);
+            let area = largest_area(width, height, kept);
             let expected = (area >= cutoff as usize).then_some(area);
             prop_assert_eq!(found.first().map(|&(rows, columns)| rows * columns), expected);
             prop_assert!(found.iter().all(|&(rows, columns)| rows * columns >= cutoff as usize));

@@ -1,13 +1,13 @@
 //! Tests of the local and global algorithms over whole meshes.
 
-use super::local::{Rule, Walker};
-use super::pieces::Pieces;
-use super::weave::{Sink, Step, Weaver};
+use super::local::{ExitRule, LocalStripper};
+use super::polygon_triangulator::{PolygonTriangulator, StripFace, StripSink, brute_force_swaps};
+use super::remaining_faces::RemainingFaces;
 use crate::dual::DualGraph;
 use crate::mesh::{Faces, Mesh};
 use crate::prepare::PreparedFaces;
 use crate::strip::{Metrics, Strips};
-use crate::stripify::{FaceTriangulation, Method, Patches, StripifyOptions, Ties, plan};
+use crate::stripify::{FaceTriangulation, Method, Patches, StripPlan, StripifyOptions, Ties, plan};
 use crate::verify::verify;
 use proptest::prelude::*;
 
@@ -25,12 +25,12 @@ fn methods() -> Vec<Method> {
     [Method::Sgi].into_iter().chain(local).chain(global).collect()
 }
 
-/// Makes strips and proves them.
+/// Builds strips and proves them.
 fn strips(mesh: &Mesh, method: Method, seed: u64) -> Strips {
-    let surface = PreparedFaces::new(mesh, false);
-    let graph = DualGraph::new(surface.faces());
+    let prepared = PreparedFaces::new(mesh, false);
+    let graph = DualGraph::new(prepared.faces());
     let options = StripifyOptions::default().with_method(method).with_seed(seed);
-    let plan = plan(&surface, &graph, &options).unwrap();
+    let plan = plan(&prepared, &graph, &options).unwrap();
     assert_eq!(plan.cover.check(plan.triangulation.graph()), Ok(()), "{method:?}");
     let strips = plan.strips();
     assert_eq!(strips.len(), plan.cover.path_count());
@@ -40,7 +40,7 @@ fn strips(mesh: &Mesh, method: Method, seed: u64) -> Strips {
     strips
 }
 
-/// A mesh of flat positions, where every polygon without a repeated corner is convex.
+/// Builds a mesh of flat positions, where every polygon without a repeated corner is convex.
 fn mesh(polygons: &[Vec<u32>]) -> Mesh {
     let count = polygons.iter().flatten().max().map_or(0, |&v| v as usize + 1);
     Mesh::new(vec![[0.0; 3]; count], Faces::from_polygons(polygons).unwrap()).unwrap()
@@ -59,7 +59,7 @@ fn cube() -> Mesh {
 }
 
 #[test]
-fn rows_of_a_grid_cost_two_vertices_each() {
+fn a_quadrilateral_in_a_row_costs_two_vertices() {
     for (width, height, rows) in [(5, 1, 1), (7, 4, 4), (3, 9, 3), (6, 6, 6)] {
         let strips = strips(&mesh(&grid(width, height)), Method::STRIPE, 0);
         let m = Metrics::of(&strips);
@@ -69,8 +69,8 @@ fn rows_of_a_grid_cost_two_vertices_each() {
 }
 
 #[test]
-fn a_full_patch_costs_three_swaps_a_turn() {
-    // Where the two ends of the strip do not suit its winding, one vertex more.
+fn a_full_patch_costs_three_swaps_per_row_change() {
+    // One vertex more where neither end of the strip suits its winding.
     for (width, height, repeat) in [(5, 1, 0), (7, 4, 0), (6, 6, 0), (20, 3, 1)] {
         let full = Method::StripeGlobal { patches: Patches::Full, cutoff: 5 };
         let m = Metrics::of(&strips(&mesh(&grid(width, height)), full, 0));
@@ -79,7 +79,7 @@ fn a_full_patch_costs_three_swaps_a_turn() {
 }
 
 #[test]
-fn the_cutoff_decides_what_is_a_patch() {
+fn the_cutoff_is_the_size_of_the_smallest_patch() {
     // A grid of twelve and a triangle.
     let mut polygons = grid(4, 3);
     polygons.push(vec![18, 17, 20]);
@@ -88,12 +88,12 @@ fn the_cutoff_decides_what_is_a_patch() {
         strips(&mesh(&polygons), method, 0).len()
     };
     assert!(rows(12) > rows(13), "three rows where the grid is a patch: {} and {}", rows(12), rows(13));
-    let surface_mesh = mesh(&grid(2, 2));
-    let surface = PreparedFaces::new(&surface_mesh, false);
-    let graph = DualGraph::new(surface.faces());
+    let small = mesh(&grid(2, 2));
+    let prepared = PreparedFaces::new(&small, false);
+    let graph = DualGraph::new(prepared.faces());
     let none =
         StripifyOptions::default().with_method(Method::StripeGlobal { patches: Patches::Rows, cutoff: 0 });
-    assert!(plan(&surface, &graph, &none).is_err());
+    assert!(plan(&prepared, &graph, &none).is_err());
 }
 
 #[test]
@@ -105,7 +105,7 @@ fn a_cube_is_one_strip_when_its_diagonals_are_free() {
 }
 
 #[test]
-fn a_polygon_is_cut_for_the_way_through_it() {
+fn a_polygon_is_cut_for_the_path_through_it() {
     // Quadrilaterals on opposite sides of an octagon: the five faces are one strip without a swap.
     let octagon = vec![10, 11, 12, 13, 14, 15, 16, 17];
     let (west, east) = (vec![15, 14, 20, 21], vec![11, 10, 30, 31]);
@@ -142,17 +142,37 @@ fn random_ties_follow_the_seed() {
     assert!((1..9).any(|seed| strips(&m, random, seed) != strips(&m, random, 0)));
 }
 
-/// Checks the pieces at the end of every strip.
-struct Checked<'a>(Weaver<'a>);
+/// Checks the remaining faces at the end of every strip, and counts the swaps that the strips should cost, by brute force over the turns.
+struct CheckingSink<'a> {
+    triangulator: PolygonTriangulator<'a>,
+    swaps: usize,
+}
 
-impl Sink for Checked<'_> {
-    fn take(&mut self, strip: &[Step], pieces: &Pieces<'_>) {
-        assert_eq!(pieces.check(), Ok(()));
-        self.0.take(strip, pieces);
+impl StripSink for CheckingSink<'_> {
+    fn receive(&mut self, strip: &[StripFace], remaining: &RemainingFaces<'_>) {
+        assert_eq!(remaining.check(), Ok(()));
+        if !remaining.is_partial() {
+            self.swaps += brute_force_swaps(strip, remaining);
+        }
+        self.triangulator.receive(strip, remaining);
     }
 }
 
-/// Quadrilaterals, triangles and larger faces: a grid some of whose neighbours are merged, cut, doubled, reversed or missing.
+/// Plans strips of whole or partial faces, with checks, and returns the swaps that they should cost.
+fn checked_plan<'a>(
+    prepared: &'a PreparedFaces<'_>,
+    graph: &'a DualGraph,
+    partial: bool,
+    ties: Ties,
+) -> (StripPlan<'a>, usize) {
+    let triangulator = PolygonTriangulator::new(prepared.faces(), graph);
+    let mut sink = CheckingSink { triangulator, swaps: 0 };
+    let remaining = RemainingFaces::new(graph, partial);
+    LocalStripper::new(remaining, ExitRule::Adjacency(ties), 3).strip_all(&mut sink);
+    (sink.triangulator.finish(), sink.swaps)
+}
+
+/// Generates quadrilaterals, triangles and larger faces: a grid some of whose faces are merged, cut, doubled, reversed or missing.
 fn any_polygons() -> impl Strategy<Value = Vec<Vec<u32>>> {
     (1..7_u32, 1..7_u32, prop::collection::vec(0..12_u8, 36)).prop_map(|(width, height, changes)| {
         let mut polygons: Vec<Vec<u32>> = Vec::new();
@@ -167,7 +187,7 @@ fn any_polygons() -> impl Strategy<Value = Vec<Vec<u32>>> {
                 _ => polygons.push(quad),
             }
         }
-        // Rows of quadrilaterals become one face where the first of them asks for it.
+        // A quadrilateral is merged with the faces before it in its row, as the changes tell.
         let mut merged: Vec<Vec<u32>> = Vec::new();
         for (i, quad) in polygons.into_iter().enumerate() {
             match merged.last_mut() {
@@ -188,7 +208,7 @@ fn any_polygons() -> impl Strategy<Value = Vec<Vec<u32>>> {
     })
 }
 
-/// Polygons with any corners at all, few enough of them that edges meet often.
+/// Generates polygons of any corners, of so few vertices that edges meet often.
 fn soup() -> impl Strategy<Value = Vec<Vec<u32>>> {
     prop::collection::vec(prop::collection::vec(0..9_u32, 3..8), 1..30)
 }
@@ -212,35 +232,22 @@ proptest! {
     }
 
     #[test]
-    fn pieces_know_their_neighbours(
+    fn remaining_faces_stay_valid(
         polygons in prop_oneof![any_polygons(), soup()], partial in any::<bool>(), ties in 0..5_usize,
     ) {
         let mesh = mesh(&polygons);
-        let surface = PreparedFaces::new(&mesh, false);
-        let graph = DualGraph::new(surface.faces());
-        let mut sink = Checked(Weaver::new(surface.faces(), &graph));
-        Walker::new(Pieces::new(&graph, partial), Rule::Adjacency(TIES[ties]), 3).run(&mut sink);
-        let plan = sink.0.finish();
+        let prepared = PreparedFaces::new(&mesh, false);
+        let graph = DualGraph::new(prepared.faces());
+        let (plan, _) = checked_plan(&prepared, &graph, partial, TIES[ties]);
         prop_assert_eq!(plan.cover.check(plan.triangulation.graph()), Ok(()));
     }
 
     #[test]
-    fn letters_promise_the_swaps_that_the_emitter_pays(polygons in any_polygons(), ties in 0..5_usize) {
-        /// Counts what the strips should cost by their faces' counts alone, trying every order of turns.
-        struct Priced<'a>(Weaver<'a>, usize);
-        impl Sink for Priced<'_> {
-            fn take(&mut self, strip: &[Step], pieces: &Pieces<'_>) {
-                self.1 += super::weave::fewest_swaps(strip, pieces);
-                self.0.take(strip, pieces);
-            }
-        }
+    fn strips_have_the_fewest_swaps_that_their_faces_allow(polygons in any_polygons(), ties in 0..5_usize) {
         let mesh = mesh(&polygons);
-        let surface = PreparedFaces::new(&mesh, false);
-        let graph = DualGraph::new(surface.faces());
-        let mut sink = Priced(Weaver::new(surface.faces(), &graph), 0);
-        Walker::new(Pieces::new(&graph, false), Rule::Adjacency(TIES[ties]), 3).run(&mut sink);
-        let Priced(weaver, promised) = sink;
-        let plan = weaver.finish();
-        prop_assert_eq!(Metrics::of(&plan.strips()).swaps, promised);
+        let prepared = PreparedFaces::new(&mesh, false);
+        let graph = DualGraph::new(prepared.faces());
+        let (plan, swaps) = checked_plan(&prepared, &graph, false, TIES[ties]);
+        prop_assert_eq!(Metrics::of(&plan.strips()).swaps, swaps);
     }
 }

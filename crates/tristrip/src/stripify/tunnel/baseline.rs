@@ -21,6 +21,7 @@ use super::path_tags::PathTags;
 use crate::cover::PathCover;
 use crate::dual::DualGraph;
 use crate::ids::FaceId;
+use std::ops::ControlFlow;
 
 /// Joins paths of a cover by tunnels, until none of at most this length is left or the watch stops it.
 pub(super) fn join(
@@ -80,16 +81,11 @@ impl TunnelSearch {
         self.tunnel.begin(context, terminal);
         self.was_cut_short = false;
         self.tunnel.add_all_candidates(context, terminal);
-        while let Some(step) = self.tunnel.next_candidate() {
-            if !counter.count(context.cover) {
-                return SearchOutcome::Stopped;
-            }
-            let Some(v) = context.across(step.red) else { continue };
-            let Some(b) = step.black.get().and_then(|black| context.across(black)) else {
-                if self.tunnel.try_end(context, step, v) {
-                    return SearchOutcome::Found;
-                }
-                continue;
+        loop {
+            let (step, [v, b]) = match self.tunnel.visit_next(context, counter) {
+                ControlFlow::Break(outcome) => return outcome,
+                ControlFlow::Continue(None) => continue,
+                ControlFlow::Continue(Some(step)) => step,
             };
             // A path of n steps has 2 n edges, and one more at its end.
             if 2 * self.tunnel.steps().len() as u64 + 3 > u64::from(length) {
@@ -98,6 +94,5 @@ impl TunnelSearch {
                 self.tunnel.add_all_candidates(context, b);
             }
         }
-        SearchOutcome::NotFound
     }
 }

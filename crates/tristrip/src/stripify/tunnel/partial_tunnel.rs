@@ -1,8 +1,10 @@
 //! A tunnel under construction: its steps so far, and the steps that a depth-first search has still to try.
 
+use super::accesses::{AccessCounter, SearchOutcome};
 use super::context::SearchContext;
 use super::path_intervals::PathIntervals;
 use super::path_tags::TunnelStep;
+use std::ops::ControlFlow;
 
 /// The state of a depth-first search from one terminal.
 #[derive(Debug, Default)]
@@ -46,33 +48,36 @@ impl PartialTunnel {
         context.for_each_step(&self.steps, from, |step, _| candidates.push((depth, step)));
     }
 
-    /// Takes the next step to try, and undoes the steps that do not precede it.
+    /// Takes the next step to try, counts an access, and undoes the steps that do not precede it. A step that ends the tunnel without a loop
+    /// is added. Returns a step over two triangles `v` and `b`, `None` for an end that leaves a loop, or the outcome of the search.
     #[inline]
-    pub(in crate::stripify) fn next_candidate(&mut self) -> Option<TunnelStep> {
-        let (depth, step) = self.candidates.pop()?;
+    pub(in crate::stripify) fn visit_next(
+        &mut self,
+        context: &SearchContext<'_>,
+        counter: &mut AccessCounter<'_>,
+    ) -> ControlFlow<SearchOutcome, Option<(TunnelStep, [u32; 2])>> {
+        let Some((depth, step)) = self.candidates.pop() else {
+            return ControlFlow::Break(SearchOutcome::NotFound);
+        };
+        if !counter.count(context.cover) {
+            return ControlFlow::Break(SearchOutcome::Stopped);
+        }
         while self.steps.len() > depth {
             self.steps.pop();
             self.intervals.undo();
         }
-        Some(step)
+        let Some(v) = context.across(step.red) else { return ControlFlow::Continue(None) };
+        let Some(b) = step.black.get().and_then(|black| context.across(black)) else {
+            if self.intervals.may_end_at(context.tags, v) {
+                self.steps.push(step);
+                return ControlFlow::Break(SearchOutcome::Found);
+            }
+            return ControlFlow::Continue(None);
+        };
+        ControlFlow::Continue(Some((step, [v, b])))
     }
 
-    /// Ends the tunnel at triangle `v` if no loop is left then. Returns whether it did.
-    #[inline]
-    pub(in crate::stripify) fn try_end(
-        &mut self,
-        context: &SearchContext<'_>,
-        step: TunnelStep,
-        v: u32,
-    ) -> bool {
-        let may_end = self.intervals.may_end_at(context.tags, v);
-        if may_end {
-            self.steps.push(step);
-        }
-        may_end
-    }
-
-    /// Goes one step over triangle `v` to `b`, if their black edge is not cut and at most `max_loops` loops are closed then. Returns
+    /// Adds a step over triangle `v` to `b`, if their black edge is not cut and at most `max_loops` loops are closed then. Returns
     /// whether it did.
     #[inline]
     pub(in crate::stripify) fn try_step(

@@ -80,8 +80,8 @@ impl PathTags {
         self.ends[path as usize][1].get().map_or(0, |last| self.position(last))
     }
 
-    /// Complements a tunnel: cuts its black edges, links its red ones, and rewrites the tags of the paths that changed. Returns the number of
-    /// tags written.
+    /// Complements a tunnel: cuts its black edges, links its red ones, and rewrites the tags of the paths that changed. Returns the
+    /// number of tags written.
     pub(in crate::stripify) fn complement(
         &mut self,
         graph: &DualGraph,
