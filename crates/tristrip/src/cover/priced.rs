@@ -226,7 +226,7 @@ impl PricedPaths {
         if edge > 2 {
             return false;
         }
-        let twin = self.across(4 * end + edge);
+        let twin = self.nodes[end as usize].twins[edge as usize];
         turn(self.mask(twin / 4), twin % 4) == 1
     }
 
@@ -339,8 +339,8 @@ impl PricedPaths {
             if on_there == 0 {
                 return (self.partner(u), u);
             }
-            here = self.across(4 * t + on_here.trailing_zeros());
-            there = self.across(4 * u + on_there.trailing_zeros());
+            here = self.nodes[t as usize].twins[on_here.trailing_zeros() as usize];
+            there = self.nodes[u as usize].twins[on_there.trailing_zeros() as usize];
         }
     }
 
