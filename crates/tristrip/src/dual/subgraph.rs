@@ -11,10 +11,6 @@ use super::DualGraph;
 impl DualGraph {
     /// Returns the graph of some triangles, numbered from 0 in the given order. No shared edge may lead to other triangles.
     /// `renumber` maps a half-edge of the whole graph to the half-edge of the subgraph.
-    #[cfg_attr(
-        not(feature = "rayon"),
-        allow(dead_code, reason = "components are stripped separately by several threads only")
-    )]
     pub(crate) fn subgraph(
         &self,
         triangles: impl IntoIterator<Item = u32>,

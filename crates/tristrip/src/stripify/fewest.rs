@@ -100,8 +100,7 @@ pub(super) fn plan<'a>(
 ) -> StripPlan<'a> {
     let StripPlan { triangulation, mut cover, .. } = sequential::plan(prepared, graph);
     let lower_bounds = strip_lower_bounds(triangulation.graph());
-    let (effort, seed) = (options.effort(), options.seed());
-    reduce_paths(triangulation.graph(), &mut cover, &lower_bounds, effort, seed, watch);
+    reduce_paths(triangulation.graph(), &mut cover, &lower_bounds, options, watch);
     StripPlan::new(triangulation, cover)
 }
 
@@ -110,14 +109,13 @@ fn reduce_paths(
     graph: &DualGraph,
     cover: &mut PathCover,
     lower_bounds: &[usize],
-    effort: Effort,
-    seed: u64,
+    options: &StripifyOptions,
     watch: &dyn Watch,
 ) {
     let mut components = components::unfinished(graph, cover, lower_bounds);
-    let step_limit = components.iter().map(|c| step_budget(c.triangle_count(), effort)).sum();
+    let step_limit = components.iter().map(|c| step_budget(c.triangle_count(), options.effort())).sum();
     let shared = SharedProgress::new(watch, step_limit, cover.path_count());
-    let search = |component: &mut UnfinishedComponent| search_component(component, effort, seed, &shared);
+    let search = |component: &mut UnfinishedComponent| search_component(component, options, &shared);
     #[cfg(feature = "rayon")]
     {
         use rayon::prelude::*;
@@ -138,12 +136,12 @@ fn step_budget(triangle_count: usize, effort: Effort) -> u64 {
 /// Searches one component: tunnels first, then walks.
 fn search_component(
     component: &mut UnfinishedComponent,
-    effort: Effort,
-    seed: u64,
+    options: &StripifyOptions,
     shared: &SharedProgress<'_>,
 ) {
+    let seed = options.seed();
     let (first, lower_bound) = (u64::from(component.first_triangle()), component.lower_bound());
-    let mut budget = step_budget(component.triangle_count(), effort);
+    let mut budget = step_budget(component.triangle_count(), options.effort());
     let (graph, cover) = component.graph_and_cover();
     if cover.len() <= TUNNEL_LIMIT {
         let reported = Mutex::new((0, cover.path_count()));

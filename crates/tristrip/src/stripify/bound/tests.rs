@@ -32,15 +32,10 @@ pub(super) fn graph(triangles: std::ops::Range<usize>) -> impl Strategy<Value = 
                         (twins[a], twins[b]) = (Some(b as u32), Some(a as u32));
                     }
                 }
-                graph_of_twins(twins)
+                DualGraph::of_triangle_twins(twins)
             },
         )
     })
-}
-
-/// Builds the dual graph of triangles from the twin of each half-edge.
-fn graph_of_twins(twins: Vec<Option<u32>>) -> DualGraph {
-    DualGraph::from_triangle_twins(twins.into_iter().map(|twin| twin.unwrap_or(u32::MAX)).collect())
 }
 
 /// Builds a tree of triangles, each joined to a free edge of an earlier one.
@@ -51,7 +46,7 @@ fn tree(parents: &[prop::sample::Index]) -> DualGraph {
         let (a, b) = (*parent.get(&free), 3 * i + 3);
         (twins[a], twins[b]) = (Some(b as u32), Some(a as u32));
     }
-    graph_of_twins(twins)
+    DualGraph::of_triangle_twins(twins)
 }
 
 /// Lists the arcs of a graph, one per pair of triangles.

@@ -41,10 +41,8 @@ impl UnfinishedComponent {
         number: &[u32],
         lower_bound: usize,
     ) -> Self {
-        let renumbered = |twin: u32| 3 * number[twin as usize / 3] + twin % 3;
-        let half_edges = triangles.iter().flat_map(|&t| 3 * t..3 * t + 3);
-        let twins = half_edges.map(|h| graph.twin_of(h).map_or(u32::MAX, renumbered)).collect();
-        let graph = DualGraph::from_triangle_twins(twins);
+        let renumber = |half_edge: u32| 3 * number[half_edge as usize / 3] + half_edge % 3;
+        let graph = graph.subgraph(triangles.iter().copied(), renumber);
         let mut own_cover = PathCover::isolated(triangles.len());
         for (n, &t) in (0..).zip(triangles) {
             for half_edge in cover.edges(FaceId(t)).into_iter().flatten() {

@@ -7,7 +7,7 @@ use super::*;
 use crate::ids::HalfEdge;
 use crate::mesh::{Faces, Mesh};
 use crate::stripify::bound::Bound;
-use crate::stripify::sequential::tests::{mesh, polygons};
+use crate::stripify::generated_meshes::{mesh, polygons};
 use crate::verify::verify;
 
 /// Stops a search after a number of calls.
@@ -19,12 +19,8 @@ impl Watch for Calls {
     }
 }
 
-fn effort(level: u8) -> Effort {
-    Effort::new(level).unwrap()
-}
-
 fn options(level: u8, seed: u64) -> StripifyOptions {
-    StripifyOptions::default().with_effort(effort(level)).with_seed(seed)
+    StripifyOptions::default().with_effort(Effort::new(level).unwrap()).with_seed(seed)
 }
 
 /// Runs a test on inputs that are the same in every run.
@@ -107,7 +103,7 @@ fn finds_the_fewest_on_small_graphs() {
         let graph = small_graph(&triangles);
         let mut cover = PathCover::isolated(graph.face_count());
         let lower_bounds = vec![1; graph.components().1];
-        reduce_paths(&graph, &mut cover, &lower_bounds, effort(3), 1, &());
+        reduce_paths(&graph, &mut cover, &lower_bounds, &options(3, 1), &());
         prop_assert_eq!(cover.check(&graph), Ok(()));
         prop_assert_eq!(cover.path_count(), fewest_by_brute_force(&graph));
         Ok(())
@@ -133,7 +129,7 @@ fn covers_closed_lattices_by_one_path() {
         let prepared = PreparedFaces::new(&mesh, false);
         let graph = DualGraph::new(prepared.faces());
         let mut cover = PathCover::isolated(graph.face_count());
-        reduce_paths(&graph, &mut cover, &[1], effort(5), 1, &());
+        reduce_paths(&graph, &mut cover, &[1], &options(5, 1), &());
         assert_eq!(cover.check(&graph), Ok(()));
         assert_eq!(cover.path_count(), 1, "{around} x {through}");
         let mut cover = PathCover::isolated(graph.face_count());
@@ -151,7 +147,7 @@ fn does_not_touch_components_at_their_lower_bound() {
     let start = sequential::plan(&prepared, &graph).cover;
     assert!(start.path_count() > 1, "there is something to join");
     let mut cover = start.clone();
-    reduce_paths(&graph, &mut cover, &[start.path_count()], effort(5), 1, &());
+    reduce_paths(&graph, &mut cover, &[start.path_count()], &options(5, 1), &());
     assert_eq!(cover, start);
 }
 
@@ -163,7 +159,7 @@ fn stops_with_a_valid_cover_on_request() {
     let mut counts = Vec::new();
     for calls in [0, 3, 1_000_000] {
         let mut cover = PathCover::isolated(graph.face_count());
-        reduce_paths(&graph, &mut cover, &[1], effort(5), 1, &Calls(AtomicU64::new(0), calls));
+        reduce_paths(&graph, &mut cover, &[1], &options(5, 1), &Calls(AtomicU64::new(0), calls));
         assert_eq!(cover.check(&graph), Ok(()));
         counts.push(cover.path_count());
     }
@@ -187,7 +183,13 @@ fn ends_when_the_effort_is_used_up() {
     for level in [0, 4] {
         let furthest = Furthest(AtomicU64::new(0), AtomicU64::new(0));
         // No cover has zero paths, so that only the effort ends the search.
-        reduce_paths(&graph, &mut PathCover::isolated(graph.face_count()), &[0], effort(level), 1, &furthest);
+        reduce_paths(
+            &graph,
+            &mut PathCover::isolated(graph.face_count()),
+            &[0],
+            &options(level, 1),
+            &furthest,
+        );
         let (found, limit) = (furthest.0.into_inner(), furthest.1.into_inner());
         assert!(found <= limit + limit / 4, "{found} of {limit} steps at level {level}");
         steps.push(found);
@@ -206,7 +208,7 @@ fn another_component_does_not_change_the_cover() {
         let graph = DualGraph::new(&Faces::from_triangles(corners).unwrap());
         let mut cover = PathCover::isolated(graph.face_count());
         let lower_bounds = vec![1; graph.components().1];
-        reduce_paths(&graph, &mut cover, &lower_bounds, effort(5), 1, &());
+        reduce_paths(&graph, &mut cover, &lower_bounds, &options(5, 1), &());
         assert_eq!(cover.check(&graph), Ok(()));
         cover
     };

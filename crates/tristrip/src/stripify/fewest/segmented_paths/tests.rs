@@ -4,7 +4,7 @@ use proptest::prelude::*;
 
 use super::*;
 use crate::dual::DualGraph;
-use crate::stripify::sequential::tests::triangle_graph;
+use crate::stripify::generated_meshes::triangle_graph;
 
 impl SegmentedPaths<'_> {
     /// Lists the triangles of each path by its segments, from head to tail.
