@@ -27,12 +27,16 @@ use super::edge::next;
 use super::policy::STRIP_COST;
 use crate::cover::PathCover;
 use crate::dual::DualGraph;
+use crate::random::Random;
 use crate::strip::OPEN;
 use crate::union_find::UnionFind;
 
 /// Maximum number of steps of a walk to the end of a path, after which a move is rejected. Tuned on bunny, horse and armadillo:
 /// 64 costs 0.2 % more indices, 1024 saves less than 0.1 %.
 const WALK_LIMIT: u32 = 256;
+
+/// The seed of the choices between equal moves.
+const SEED: u64 = 0;
 
 /// Applies moves until none at any end lowers the cost; `strip_of` is the path of each triangle. Then runs plateau passes, which
 /// also apply moves of zero gain, one at random of equal ones. Returns by how much the cost fell according to the prices of the
@@ -46,7 +50,7 @@ pub(super) fn improve(
 ) -> u64 {
     let strip_count = strip_of.iter().max().map_or(0, |&s| s as usize + 1);
     let mixed = UnionFind::new(strip_count);
-    let mut search = EndSearch { graph, cover, strip_of, mixed, random: 0x9e37_79b9_7f4a_7c15 };
+    let mut search = EndSearch { graph, cover, strip_of, mixed, random: Random::new(SEED) };
     let mut saved = 0;
     for pass in 0..=plateau_passes {
         for t in 0..search.cover.len() as u32 {
@@ -83,8 +87,7 @@ struct EndSearch<'a> {
     strip_of: Vec<u32>,
     /// Strips that moves have mixed: triangles whose strips are in different sets are on different paths.
     mixed: UnionFind,
-    /// State of a xorshift generator.
-    random: u64,
+    random: Random,
 }
 
 impl EndSearch<'_> {
@@ -233,7 +236,7 @@ impl EndSearch<'_> {
 
     /// Checks whether a price is lower than the best, or, where equal prices are allowed, equal to it and chosen at random.
     #[inline]
-    fn beats(&mut self, price: i32, best: i32, highest: i32, equals: &mut u64) -> bool {
+    fn beats(&mut self, price: i32, best: i32, highest: i32, equals: &mut usize) -> bool {
         if price < best || highest < 0 {
             *equals = 1;
             return price < best;
@@ -242,10 +245,7 @@ impl EndSearch<'_> {
             return false;
         }
         *equals += 1;
-        self.random ^= self.random << 13;
-        self.random ^= self.random >> 7;
-        self.random ^= self.random << 17;
-        self.random.is_multiple_of(*equals)
+        self.random.below(*equals) == 0
     }
 
     /// Checks whether a tunnel closes no path. The cut between v and a leaves two parts of a path, one with v and one with a.
