@@ -6,7 +6,6 @@ use crate::stripify::tunnel::accesses::{AccessCounter, SearchOutcome};
 use crate::stripify::tunnel::context::SearchContext;
 use crate::stripify::tunnel::partial_tunnel::PartialTunnel;
 use crate::stripify::tunnel::path_tags::TunnelStep;
-use std::ops::ControlFlow;
 
 /// How far a search goes.
 #[derive(Debug, Clone, Copy)]
@@ -40,27 +39,38 @@ impl EtaSearch {
         random: &mut Random,
         counter: &mut AccessCounter<'_>,
     ) -> SearchOutcome {
-        self.tunnel.begin(context, terminal);
-        self.nearest.clear();
-        self.add_candidates(context, star, terminal, limits.length, random);
-        let mut nearest = u32::MAX;
-        for _ in 0..limits.accesses {
-            let (step, [v, b]) = match self.tunnel.visit_next(context, counter) {
-                ControlFlow::Break(outcome) => return outcome,
-                ControlFlow::Continue(None) => continue,
-                ControlFlow::Continue(Some(step)) => step,
-            };
-            if !self.tunnel.try_step(context, step, [v, b], limits.loops) {
-                continue;
+        let Self { tunnel, nearest, sorted } = self;
+        nearest.clear();
+        let mut nearest_distance = u32::MAX;
+        let mut add_candidates = |tunnel: &mut PartialTunnel, from| {
+            let depth = tunnel.steps().len() as u64;
+            sorted.clear();
+            context.for_each_step(tunnel.steps(), from, |step, target| {
+                let Some(b) = target else { return sorted.push((0, random.next_u64(), step)) };
+                if let Some(distance) = star.distance(b)
+                    && 2 * (depth + 1) + u64::from(distance) <= u64::from(limits.length)
+                {
+                    sorted.push((distance, random.next_u64(), step));
+                }
+            });
+            // The best is tried first, so it is added last.
+            sorted.sort_unstable_by_key(|&(distance, random, _)| std::cmp::Reverse((distance, random)));
+            tunnel.add_candidates(sorted.iter().map(|&(_, _, step)| step));
+        };
+        tunnel.begin(context, terminal);
+        add_candidates(tunnel, terminal);
+        tunnel.search(context, counter, u64::from(limits.accesses), |tunnel, step, [v, b]| {
+            if !tunnel.try_step(context, step, [v, b], limits.loops) {
+                return;
             }
-            if let Some(distance) = star.distance(b).filter(|&d| d < nearest && self.tunnel.loops() == 0) {
-                nearest = distance;
-                self.nearest.clear();
-                self.nearest.extend_from_slice(self.tunnel.steps());
+            if let Some(distance) = star.distance(b).filter(|&d| d < nearest_distance && tunnel.loops() == 0)
+            {
+                nearest_distance = distance;
+                nearest.clear();
+                nearest.extend_from_slice(tunnel.steps());
             }
-            self.add_candidates(context, star, b, limits.length, random);
-        }
-        SearchOutcome::NotFound
+            add_candidates(tunnel, b);
+        })
     }
 
     /// Returns the tunnel that was found.
@@ -71,28 +81,5 @@ impl EtaSearch {
     /// Returns the part of a tunnel that came nearest to another terminal, for a search that found none.
     pub(super) fn nearest(&self) -> &[TunnelStep] {
         &self.nearest
-    }
-
-    /// Adds the steps from a triangle to those to try, the best last.
-    fn add_candidates(
-        &mut self,
-        context: &SearchContext<'_>,
-        star: &Star,
-        from: u32,
-        length: u32,
-        random: &mut Random,
-    ) {
-        let (depth, sorted) = (self.tunnel.steps().len() as u64, &mut self.sorted);
-        sorted.clear();
-        context.for_each_step(self.tunnel.steps(), from, |step, target| {
-            let Some(b) = target else { return sorted.push((0, random.next_u64(), step)) };
-            if let Some(distance) = star.distance(b)
-                && 2 * (depth + 1) + u64::from(distance) <= u64::from(length)
-            {
-                sorted.push((distance, random.next_u64(), step));
-            }
-        });
-        sorted.sort_unstable_by_key(|&(distance, random, _)| std::cmp::Reverse((distance, random)));
-        self.tunnel.add_candidates(sorted.iter().map(|&(_, _, step)| step));
     }
 }

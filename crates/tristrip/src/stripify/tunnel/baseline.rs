@@ -21,7 +21,6 @@ use super::path_tags::PathTags;
 use crate::cover::PathCover;
 use crate::dual::DualGraph;
 use crate::ids::FaceId;
-use std::ops::ControlFlow;
 
 /// Joins paths of a cover by tunnels, until none of at most this length is left or the watch stops it.
 pub(super) fn join(
@@ -78,21 +77,16 @@ impl TunnelSearch {
         length: u32,
         counter: &mut AccessCounter<'_>,
     ) -> SearchOutcome {
-        self.tunnel.begin(context, terminal);
         self.was_cut_short = false;
+        self.tunnel.begin(context, terminal);
         self.tunnel.add_all_candidates(context, terminal);
-        loop {
-            let (step, [v, b]) = match self.tunnel.visit_next(context, counter) {
-                ControlFlow::Break(outcome) => return outcome,
-                ControlFlow::Continue(None) => continue,
-                ControlFlow::Continue(Some(step)) => step,
-            };
+        self.tunnel.search(context, counter, u64::MAX, |tunnel, step, [v, b]| {
             // A path of n steps has 2 n edges, and one more at its end.
-            if 2 * self.tunnel.steps().len() as u64 + 3 > u64::from(length) {
+            if 2 * tunnel.steps().len() as u64 + 3 > u64::from(length) {
                 self.was_cut_short = true;
-            } else if self.tunnel.try_step(context, step, [v, b], u32::MAX) {
-                self.tunnel.add_all_candidates(context, b);
+            } else if tunnel.try_step(context, step, [v, b], u32::MAX) {
+                tunnel.add_all_candidates(context, b);
             }
-        }
+        })
     }
 }

@@ -4,7 +4,6 @@ use super::accesses::{AccessCounter, SearchOutcome};
 use super::context::SearchContext;
 use super::path_intervals::PathIntervals;
 use super::path_tags::TunnelStep;
-use std::ops::ControlFlow;
 
 /// The state of a depth-first search from one terminal.
 #[derive(Debug, Default)]
@@ -48,33 +47,34 @@ impl PartialTunnel {
         context.for_each_step(&self.steps, from, |step, _| candidates.push((depth, step)));
     }
 
-    /// Takes the next step to try, counts an access, and undoes the steps that do not precede it. A step that ends the tunnel without a loop
-    /// is added. Returns a step over two triangles `v` and `b`, `None` for an end that leaves a loop, or the outcome of the search.
+    /// Tries steps until one ends the tunnel without a loop, there are none left, or `max_accesses` have been tried. Every step over two
+    /// triangles `v` and `b` is passed to a function, which may add it and further steps to try.
     #[inline]
-    pub(in crate::stripify) fn visit_next(
+    pub(in crate::stripify) fn search(
         &mut self,
         context: &SearchContext<'_>,
         counter: &mut AccessCounter<'_>,
-    ) -> ControlFlow<SearchOutcome, Option<(TunnelStep, [u32; 2])>> {
-        let Some((depth, step)) = self.candidates.pop() else {
-            return ControlFlow::Break(SearchOutcome::NotFound);
-        };
-        if !counter.count(context.cover) {
-            return ControlFlow::Break(SearchOutcome::Stopped);
-        }
-        while self.steps.len() > depth {
-            self.steps.pop();
-            self.intervals.undo();
-        }
-        let Some(v) = context.across(step.red) else { return ControlFlow::Continue(None) };
-        let Some(b) = step.black.get().and_then(|black| context.across(black)) else {
-            if self.intervals.may_end_at(context.tags, v) {
-                self.steps.push(step);
-                return ControlFlow::Break(SearchOutcome::Found);
+        max_accesses: u64,
+        mut visit: impl FnMut(&mut Self, TunnelStep, [u32; 2]),
+    ) -> SearchOutcome {
+        for _ in 0..max_accesses {
+            let Some((depth, step)) = self.candidates.pop() else { break };
+            if !counter.count(context.cover) {
+                return SearchOutcome::Stopped;
             }
-            return ControlFlow::Continue(None);
-        };
-        ControlFlow::Continue(Some((step, [v, b])))
+            while self.steps.len() > depth {
+                self.steps.pop();
+                self.intervals.undo();
+            }
+            let Some(v) = context.across(step.red) else { continue };
+            if let Some(b) = step.black.get().and_then(|black| context.across(black)) {
+                visit(self, step, [v, b]);
+            } else if self.intervals.may_end_at(context.tags, v) {
+                self.steps.push(step);
+                return SearchOutcome::Found;
+            }
+        }
+        SearchOutcome::NotFound
     }
 
     /// Adds a step over triangle `v` to `b`, if their black edge is not cut and at most `max_loops` loops are closed then. Returns

@@ -91,7 +91,8 @@ impl PathTags {
         self.changed_paths.clear();
         self.end_candidates.clear();
         for h in tunnel.iter().flat_map(|step| step.half_edges()) {
-            for t in [Some(h), graph.twin_of(h)].into_iter().flatten().map(|h| h / 3) {
+            let Some(twin) = graph.twin_of(h) else { continue };
+            for t in [h / 3, twin / 3] {
                 self.changed_paths.push(self.path(t));
                 self.end_candidates.push(t);
             }
