@@ -22,9 +22,9 @@ pub const THREADS: [usize; 3] = [1, 2, 7];
 /// Models with more triangles are checked with only one method of each family.
 pub const LARGE: usize = 300_000;
 /// Models with more triangles are written with only one method of each family, unless all files are requested.
-pub const MEDIUM: usize = 16_000;
+pub const MEDIUM: usize = 8_000;
 /// Models with at most this number of triangles are written in every kind of file.
-pub const SMALL: usize = 8_000;
+pub const SMALL: usize = 4_000;
 
 /// How many problems of a part's levels are reported.
 const MOST_PROBLEMS: usize = 3;
