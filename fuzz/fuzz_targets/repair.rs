@@ -13,7 +13,7 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     let [effort, cost, seed, jump] = [0; 4].map(|_| bytes.next());
     let Some(Model { strips, sequence }) = model(&mut bytes) else { return };
     let cost = [Cost::Restart, Cost::OpenGl, Cost::Degenerate, Cost::Gl][usize::from(cost) % 4];
-    let options = Options::default().with_effort(Effort::new(effort % 5).expect("effort 0 to 9"));
+    let options = RepairOptions::default().with_effort(Effort::new(effort % 5).expect("effort 0 to 9"));
     let options = options.with_cost(cost).with_seed(seed.into());
     let oracle: Vec<Vec<[u32; 3]>> =
         (0..=sequence.len()).map(|level| sorted(sequence.drawn(level))).collect();

@@ -15,7 +15,7 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     let triangles: Vec<u32> = mesh.faces().iter().flat_map(fan).collect();
     let locked: Vec<bool> =
         (0..u32::from(locked) % 32).map(|v| u32::from(locked).rotate_left(v) & 1 == 1).collect();
-    let mut options = Options::default().with_triangles(goal.into()).with_locked(locked.clone());
+    let mut options = SimplifyOptions::default().with_triangles(goal.into()).with_locked(locked.clone());
     let most = f32::from(allowed) / 8.0;
     if allowed < 128 {
         options = options.with_error(most);

@@ -3,11 +3,13 @@
 #![no_main]
 
 use tristrip::strip::{Cost, Metrics, strip_triangles};
-use tristrip::verify::verify;
-use tristrip::vertex_cache::VertexCache;
 use tristrip::stripify::bound::Bound;
 use tristrip::stripify::{Effort, EtaOptions, Objective, Start, plan};
-use tristrip::{DualGraph, Error, FaceTriangulation, Mesh, Method, Patches, PreparedFaces, StripifyOptions, Strips, Ties};
+use tristrip::verify::verify;
+use tristrip::vertex_cache::VertexCache;
+use tristrip::{
+    DualGraph, Error, FaceTriangulation, Mesh, Method, Patches, PreparedFaces, StripifyOptions, Strips, Ties,
+};
 use tristrip_fuzz::{Bytes, mesh, sorted};
 
 const RESTART: u32 = u32::MAX;
@@ -28,9 +30,11 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
         let level = if method == Method::Cache { 5 } else { u8::from(method == Method::Best) };
         let effort = Effort::new(level).expect("effort 0 to 9");
         let options = StripifyOptions::default().with_method(method).with_weld(weld).with_seed(seed);
-        let buffer = if cutoff.is_multiple_of(2) { VertexCache::fifo(cutoff) } else { VertexCache::lru(cutoff) };
+        let buffer =
+            if cutoff.is_multiple_of(2) { VertexCache::fifo(cutoff) } else { VertexCache::lru(cutoff) };
         let prefer = [Objective::Indices, Objective::Balanced, Objective::Misses][cutoff as usize % 3];
-        let options = options.with_cost(cost).with_effort(effort).with_vertex_cache(buffer).with_objective(prefer);
+        let options =
+            options.with_cost(cost).with_effort(effort).with_vertex_cache(buffer).with_objective(prefer);
         let plan = match plan(&surface, &graph, &options) {
             Ok(plan) => plan,
             Err(Error::Parameter { .. }) => continue,

@@ -2,7 +2,7 @@
 
 use tristrip::CollapseSequence;
 use tristrip::collapse::Rename;
-use tristrip::simplify::{Simplification, self};
+use tristrip::simplify::{self, Simplification};
 use tristrip::{Attribute, AttributeData, Faces, Mesh, Method, StripifyOptions, Strips, stripify};
 
 /// The bytes that are left; zeros when there are none.
