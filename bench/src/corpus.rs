@@ -168,7 +168,7 @@ fn index_buffers(model: &Model, strips: &[Strips]) -> [(&'static str, String); 5
     ]
 }
 
-/// Makes the strips of every part, in parallel and in order, as the command does.
+/// Finds the strips of every part, in parallel and in order, as the command does.
 fn strip(model: &Model, options: &StripifyOptions) -> Result<Vec<Strips>, tristrip::Error> {
     model.parts.par_iter().map(|part| stripify(&part.mesh, options)).collect()
 }

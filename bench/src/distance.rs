@@ -150,7 +150,7 @@ fn mean_square(from: &[[Point; 3]], to: &CellGrid<'_>, points: usize) -> f64 {
 fn to_triangle(p: Point, [a, b, c]: [Point; 3]) -> f64 {
     let (ab, ac, ap) = (sub(b, a), sub(c, a), sub(p, a));
     let square = |q: Point| dot(sub(p, q), sub(p, q));
-    let along = |from: Point, way: Point, share: f64| [0, 1, 2].map(|k| from[k] + share * way[k]);
+    let along = |from: Point, edge: Point, t: f64| [0, 1, 2].map(|k| from[k] + t * edge[k]);
     let (d1, d2) = (dot(ab, ap), dot(ac, ap));
     if d1 <= 0.0 && d2 <= 0.0 {
         return square(a);

@@ -155,7 +155,7 @@ fn settings(triangles: usize) -> Vec<NamedMethod> {
     usual.into_iter().chain(longer).chain([best]).collect()
 }
 
-/// Makes strips once and proves them.
+/// Finds strips once and proves them.
 fn point(
     mesh: &Mesh,
     name: &str,

@@ -1,4 +1,4 @@
-//! What the fuzz targets share: a mesh, strips and collapses made of bytes, and the comparison of triangles.
+//! What the fuzz targets share: a mesh, strips and collapses built from bytes, and the comparison of triangles.
 
 use tristrip::CollapseSequence;
 use tristrip::collapse::Rename;
@@ -146,7 +146,7 @@ pub fn simplified(mesh: &Mesh, triangles: Vec<u32>, options: &simplify::Simplify
     result
 }
 
-/// Makes a sequence of arbitrary collapses: of edges mostly, of two vertices at once, or of any two vertices.
+/// Builds a sequence of arbitrary collapses: of edges mostly, of two vertices at once, or of any two vertices.
 fn collapsed(vertex_count: usize, list: Vec<u32>, choices: &[[u8; 4]]) -> CollapseSequence {
     let mut now = list.clone();
     let mut collapses: Vec<Vec<Rename>> = Vec::new();

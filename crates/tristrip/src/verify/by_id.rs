@@ -123,14 +123,14 @@ fn first_difference(expected: &[[u32; 3]], drawn: &[[u32; 3]]) -> Unproven {
 }
 
 /// Polygons without repeated corners, and the polygons around each vertex.
-struct Corners {
+struct IncidentPolygons {
     faces: Faces,
     /// The number of each polygon's face in the input, and whether it contains a vertex twice.
     origin: Vec<(u32, bool)>,
     incident: Csr,
 }
 
-impl Corners {
+impl IncidentPolygons {
     fn new(faces: &Faces) -> Self {
         let (mut corners, mut offsets, mut origin): (Vec<u32>, _, _) = (Vec::new(), vec![0], Vec::new());
         let mut sorted: Vec<u32> = Vec::new();
@@ -181,7 +181,7 @@ impl Corners {
 
 /// Compares sorted triangles with polygons.
 fn verify_polygons(faces: &Faces, drawn: &[[u32; 3]]) -> Result<(), Unproven> {
-    let corners = Corners::new(faces);
+    let corners = IncidentPolygons::new(faces);
     let mut groups = UnionFind::new(corners.faces.face_count());
     let mut owners: Vec<u32> = Vec::with_capacity(drawn.len());
     for (i, &triangle) in drawn.iter().enumerate() {

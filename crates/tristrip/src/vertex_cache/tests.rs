@@ -2,6 +2,7 @@ use super::distances::Distances;
 use super::fifo::Fifo;
 use super::lru::Lru;
 use super::*;
+use crate::random::Random;
 use crate::strip::Strips;
 use proptest::prelude::*;
 use std::collections::VecDeque;
@@ -236,12 +237,8 @@ proptest! {
 
 #[test]
 fn a_long_run_rewrites_the_log_and_rewinds_times() {
-    let mut state = 1_u32;
-    let mut next = || {
-        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        (state >> 16) % 3000
-    };
-    let indices: Vec<u32> = (0..60_000).map(|_| next()).collect();
+    let mut random = Random::new(1);
+    let indices: Vec<u32> = (0..60_000).map(|_| random.below(3000) as u32).collect();
     for entries in [1, 7, 100, 2000] {
         let expected = hits_of_a_queue(&indices, VertexCache::lru(entries));
         for mut cache in [Lru::new(entries, 3000), Lru::new(entries, 3000).with_late_times(9000)] {

@@ -12,6 +12,7 @@ use crate::effort::Effort;
 use crate::ids::HalfEdge;
 use crate::mesh::Faces;
 use crate::prepare::PreparedFaces;
+use crate::random::Random;
 use crate::strip::{Cost, Metrics, cover_cost};
 use crate::stripify::generated_meshes::{mesh, polygons};
 use crate::stripify::{Method, Progress, StripPlan, StripifyOptions, Watch, plan};
@@ -228,12 +229,11 @@ fn four_flips_of_a_diagonal_restore_the_triangulation() {
 /// Returns a torus of quadrilaterals, each cut along a random diagonal.
 fn torus(side: u32) -> Vec<Vec<u32>> {
     let v = |x, y| y % side * side + x % side;
-    let mut random = 1_u32;
+    let mut random = Random::new(1);
     let cells = (0..side * side).flat_map(|i| {
         let (x, y) = (i % side, i / side);
-        random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         let [a, b, c, d] = [v(x, y), v(x + 1, y), v(x + 1, y + 1), v(x, y + 1)];
-        if random >> 31 == 1 { [vec![a, b, c], vec![a, c, d]] } else { [vec![a, b, d], vec![b, c, d]] }
+        if random.coin() { [vec![a, b, c], vec![a, c, d]] } else { [vec![a, b, d], vec![b, c, d]] }
     });
     cells.collect()
 }

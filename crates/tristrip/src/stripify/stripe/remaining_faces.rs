@@ -27,7 +27,7 @@ pub(super) const REACH: u32 = 32;
 pub(super) struct RemainingFaces<'a> {
     graph: &'a DualGraph,
     /// The corners of the remaining faces, where polygons may be cut; otherwise they are those of the graph.
-    rings: Option<CornerRings>,
+    rings: Option<FaceRings>,
     /// By face: edges that lead to a face which is free, or was when this one was taken.
     adjacency: Vec<u32>,
     taken: Vec<bool>,
@@ -36,7 +36,7 @@ pub(super) struct RemainingFaces<'a> {
 
 /// Corners in rings, one per remaining face. A corner stands for the edge to the next one of its ring.
 #[derive(Debug)]
-struct CornerRings {
+struct FaceRings {
     next: Vec<u32>,
     previous: Vec<u32>,
     /// The remaining face that an original edge belongs to; none once a strip has taken the edge.
@@ -65,7 +65,7 @@ impl<'a> RemainingFaces<'a> {
         let mut queue = BucketQueue::default();
         (0..face_count).rev().for_each(|face| queue.put(face, adjacency[face as usize]));
         let has_polygons = graph.half_edge_count() > 3 * graph.face_count();
-        let rings = (partial && has_polygons).then(|| CornerRings::new(graph));
+        let rings = (partial && has_polygons).then(|| FaceRings::new(graph));
         Self { graph, rings, adjacency, taken: vec![false; face_count as usize], queue }
     }
 
@@ -329,7 +329,7 @@ fn previous_in_original(graph: &DualGraph, corner: u32) -> u32 {
     }
 }
 
-impl CornerRings {
+impl FaceRings {
     fn new(graph: &DualGraph) -> Self {
         let corner_count = graph.half_edge_count();
         let mut rings = Self {
