@@ -34,8 +34,9 @@ pub(crate) use triangulation::TriangulationBuilder;
 use corners::{PolygonCorners, TriangleCorners, polygon_shape};
 use pair::{NO_TWIN, pair};
 
-use crate::ids::{FaceId, HalfEdge, OptionalId};
+use crate::ids::{FaceId, HalfEdge};
 use crate::mesh::Faces;
+use crate::union_find::UnionFind;
 
 /// The number of corners above which vertices are renumbered for the pairing, whose result does not depend on the numbers: the
 /// processor's caches no longer hold a vertex until its next use, unless the numbers follow the order of the faces.
@@ -189,27 +190,20 @@ impl DualGraph {
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     pub fn components(&self) -> (Vec<u32>, usize) {
-        let mut component = vec![OptionalId::NONE; self.face_count()];
-        let mut count = 0;
-        let mut open = Vec::new();
-        for first in 0..component.len() {
-            if !component[first].is_none() {
-                continue;
-            }
-            component[first] = OptionalId::some(count);
-            open.push(FaceId(first as u32));
-            while let Some(face) = open.pop() {
-                for next in self.neighbours(face) {
-                    if component[next.0 as usize].is_none() {
-                        component[next.0 as usize] = OptionalId::some(count);
-                        open.push(next);
-                    }
-                }
-            }
-            count += 1;
+        let mut sets = UnionFind::new(self.face_count());
+        for face in 0..self.face_count() as u32 {
+            let earlier = self.neighbours(FaceId(face)).filter(|next| next.0 < face);
+            earlier.for_each(|next| sets.unite(face, next.0));
         }
-        // Every face has got a component.
-        (component.into_iter().map(|id| id.get().unwrap_or_default()).collect(), count as usize)
+        // The root of a set is its first face, so that the components are in the order of their first faces.
+        let mut count = 0;
+        let mut component = vec![0; self.face_count()];
+        for face in 0..self.face_count() as u32 {
+            let root = sets.find(face);
+            component[face as usize] = if root == face { count } else { component[root as usize] };
+            count += u32::from(root == face);
+        }
+        (component, count as usize)
     }
 
     /// Checks that twins refer to each other and never to a half-edge of the same face.
