@@ -9,9 +9,10 @@ use std::time::Duration;
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use tristrip::stripify::Effort;
+use tristrip_pipeline::VertexCacheList;
 
 use crate::method::{CostName, MethodArgs, WeldArgs};
-use crate::values::{VertexCacheList, effort_parser};
+use crate::values::effort_parser;
 pub(crate) use detail::{LodArgs, SimplifyArgs};
 use groups::ThreadArgs;
 pub(crate) use groups::{FromArgs, GeneralArgs, OutputArgs, ReportArgs};
