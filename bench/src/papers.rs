@@ -7,11 +7,11 @@ use serde::Deserialize;
 use crate::failure::Failure;
 
 /// Porcu, Scateni: *Partitioning Meshes into Strips using the Enhanced Tunnelling Algorithm (ETA)*, 2006.
-pub const ETA_2006: &str = include_str!("../../crates/tristrip-cli/src/repro/papers/003.json");
+pub const ETA_2006: &str = include_str!("../../crates/tristrip-lab/src/repro/papers/003.json");
 /// Evans, Skiena, Varshney: *Efficiently Generating Triangle Strips for Fast Rendering*, 1996.
-pub const STRIPE_1996: &str = include_str!("../../crates/tristrip-cli/src/repro/papers/004.json");
+pub const STRIPE_1996: &str = include_str!("../../crates/tristrip-lab/src/repro/papers/004.json");
 /// El-Sana et al.: *Efficiently Computing and Updating Triangle Strips for Real-Time Rendering*, 2000.
-pub const STRIPE_2000: &str = include_str!("../../crates/tristrip-cli/src/repro/papers/000.json");
+pub const STRIPE_2000: &str = include_str!("../../crates/tristrip-lab/src/repro/papers/000.json");
 
 #[derive(Deserialize)]
 struct Paper {

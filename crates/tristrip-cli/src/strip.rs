@@ -1,9 +1,12 @@
 //! `tristrip strip`: builds strips, verifies them, writes them, and reports their metrics.
 
+use std::path::Path;
+
 use serde::Serialize;
 use tristrip::StripifyOptions;
 use tristrip_io::Model;
 use tristrip_lab::pareto::{self, ParetoObserver, ParetoPoint};
+use tristrip_lab::render::{self, RenderOptions};
 use tristrip_pipeline::text::counted;
 use tristrip_pipeline::{
     BoundGap, Chosen, EncodeOptions, Event, Figures, MeshFigures, MethodReport, Observer, PreparedModel,
@@ -49,6 +52,9 @@ struct StripReport {
     vertex_order: Option<Vec<GroupReport>>,
     /// The costs of all methods; `null` unless requested.
     pareto: Option<Vec<ParetoPoint>>,
+    /// The picture of the strips, if it was requested.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    picture: Option<String>,
     error: Option<String>,
 }
 
@@ -76,6 +82,7 @@ pub(crate) fn run(task: &StripTask, console: &mut Console) -> bool {
         layout: None,
         vertex_order: None,
         pareto: None,
+        picture: None,
         error: None,
     };
     let show = |job: &Job, report: &StripReport, title: &str, console: &mut Console| {
@@ -119,6 +126,10 @@ fn strip(
     }
     if let Some(target) = &job.output {
         write(target, task, &model, &stripped, console, report)?;
+    }
+    if let Some(path) = &task.picture {
+        draw(path, &model, &stripped, console)?;
+        report.picture = Some(path.display().to_string());
     }
     let Some(wanted) = &task.pareto else { return Ok(()) };
     let prepared = PreparedModel::new(&model, stripped.options.weld());
@@ -187,6 +198,19 @@ fn write(
     })?;
     report.output = Some(target.name());
     report.layout = Some(layout_name(target.layout));
+    Ok(())
+}
+
+/// Draws the strips, and writes the picture.
+fn draw(path: &Path, model: &Model, stripped: &Stripped, console: &Console) -> Result<(), Failure> {
+    console.doing("picture");
+    let options = RenderOptions::default();
+    let positions = model.parts.iter().map(|part| part.mesh.positions());
+    let parts: Vec<_> = positions.zip(&stripped.strips).collect();
+    let (picture, seconds) = timed(|| render::strips(&parts, &options));
+    tristrip_io::replace_file(path, &picture?).map_err(|error| Failure::writing(&error))?;
+    let what = format!("{}, {} × {} pixels", path.display(), options.width, options.height);
+    console.stage("picture", &what, Some(seconds));
     Ok(())
 }
 

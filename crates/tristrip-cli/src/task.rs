@@ -43,6 +43,8 @@ pub(crate) struct StripTask {
     pub(crate) reorder: bool,
     pub(crate) verify: bool,
     pub(crate) pareto: Option<ParetoTask>,
+    /// The PNG file to draw the strips in.
+    pub(crate) picture: Option<PathBuf>,
 }
 
 /// A chart of all methods.
@@ -217,7 +219,11 @@ fn validate(command: Command, papers: &[&str]) -> Result<(Task, Shared), String>
                 args.pareto.map(|path| pareto_task(path, args.method.effort(), &jobs)).transpose()?;
             let budget = args.method.budget();
             let (reorder, verify) = (args.reorder_vertices, !args.output.target.no_verify);
-            (Task::Strip(StripTask { jobs, options, budget, reorder, verify, pareto }), shared)
+            let picture = args.picture;
+            if let Some(path) = &picture {
+                check_picture(path, &jobs)?;
+            }
+            (Task::Strip(StripTask { jobs, options, budget, reorder, verify, pareto, picture }), shared)
         }
         Command::Compare(args) => {
             let options = StripifyOptions::default()
@@ -329,6 +335,17 @@ fn pareto_task(path: PathBuf, effort: Option<Effort>, jobs: &[Job]) -> Result<Pa
     check_chart("--pareto", &path, jobs.len())?;
     check_distinct_files("--pareto", &path, jobs)?;
     Ok(ParetoTask { path, effort })
+}
+
+/// Checks that a picture of one input can be written to this file.
+fn check_picture(path: &PathBuf, jobs: &[Job]) -> Result<(), String> {
+    if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("png")) {
+        return Err(format!("{}: --picture writes PNG; use the extension .png", path.display()));
+    }
+    if jobs.len() > 1 {
+        return Err("--picture takes one input".into());
+    }
+    check_distinct_files("--picture", path, jobs)
 }
 
 /// Checks that a chart and the outputs are different files.

@@ -32,9 +32,12 @@ pub enum Error {
     /// The data of a paper is invalid.
     #[error("{0}")]
     Data(String),
-    /// A chart or picture could not be drawn.
+    /// A chart could not be drawn.
     #[error("chart: {0}")]
     Chart(String),
+    /// A picture cannot be drawn as requested.
+    #[error("picture: {0}")]
+    Picture(String),
     /// The user interrupted before all results were there.
     #[error("{0}: interrupted")]
     Interrupted(&'static str),
