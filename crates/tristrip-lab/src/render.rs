@@ -8,14 +8,15 @@
 //! 1. The vertices that triangles use are projected along the direction of view, without perspective, and scaled to fill the picture.
 //! 2. A corner has the mean normal of the triangles around its vertex, unless the surface has a crease there; a light from the upper left
 //!    shades both sides.
-//! 3. Each strip gets the colour of a palette that its neighbours do not have ([`colours`]).
-//! 4. Bands of rows are drawn in parallel, with [`raster::SAMPLES`]² samples per pixel and the nearest triangle at each.
+//! 3. Each strip gets the colour of a palette that its neighbours do not have (`colours.rs`).
+//! 4. Bands of rows are drawn in parallel, with 4 × 4 samples per pixel and the nearest triangle at each.
 //!
 //! Only sums, products, quotients, square roots and `libm` decide, so that a picture has the same bytes on every machine. There is a crate
 //! for software rendering, `euc`, but its published version is years old, and it does not state this.
 //!
 //! # Complexity
-//! Time per triangle and per sample; 100 bytes per triangle, and 8 bytes per sample of the bands that are drawn at the same time.
+//! Linear time in triangles and samples, and a test of each triangle per band. 150 bytes per triangle, and about as much again while a part
+//! is added; 20 bytes per sample of the bands that are drawn at the same time.
 
 mod colours;
 mod options;

@@ -28,7 +28,7 @@ use serde::Serialize;
 
 use crate::error::Error;
 pub use observer::ReproObserver;
-pub use paper::keys;
+pub use paper::{keys, published};
 pub use paper_report::PaperReport;
 use runner::Runner;
 

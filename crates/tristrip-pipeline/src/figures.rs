@@ -120,9 +120,9 @@ pub fn rounded(x: f64) -> f64 {
 pub struct MeshFigures {
     /// Vertices; those that parts share are counted once.
     pub vertices: usize,
-    /// Faces that draw something.
+    /// Faces, degenerate ones included.
     pub faces: usize,
-    /// Triangles that draw them.
+    /// Triangles of the prepared faces: k − 2 per face of k corners.
     pub triangles: usize,
     /// Connected components of the dual graphs.
     pub components: usize,

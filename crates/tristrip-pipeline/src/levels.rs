@@ -121,7 +121,7 @@ pub struct DisplayedLevel {
 /// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
 /// let levels = levels(&model, &LevelsOptions::default())?;
 /// let base = levels.display(0, DisplayFilter::Repair, RepairOptions::default(), &())?;
-/// assert_eq!((base.figures.triangles, base.proven), (2, true));
+/// assert_eq!((base.figures.triangles, base.proven), (1, true));
 /// # Ok::<(), tristrip_pipeline::Error>(())
 /// ```
 pub fn levels(model: &Model, options: &LevelsOptions) -> Result<ModelLevels, Error> {

@@ -11,8 +11,9 @@ pub(super) type Vector = [f64; 3];
 /// The part of the width and height that the margins on both sides leave for the model.
 const FILLED: f64 = 0.94;
 
-/// The least cosine of the angle between the normal of a triangle and that of its vertex; at a sharper crease, the triangle is flat.
-const CREASE: f64 = 0.6;
+/// The least cosine of the angle between the normal of a triangle and that of its vertex; at a sharper crease, such as an edge of a cube, the
+/// triangle is flat.
+const CREASE: f64 = 0.8;
 
 /// A triangle of the picture.
 #[derive(Debug, Clone, Copy)]

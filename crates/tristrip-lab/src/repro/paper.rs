@@ -344,6 +344,15 @@ pub fn keys() -> impl Iterator<Item = &'static str> {
     PAPERS.iter().map(|(key, _)| *key)
 }
 
+/// Returns the published results of a paper as JSON, by its key.
+///
+/// ```
+/// assert!(tristrip_lab::repro::published("003").is_some_and(|data| data.contains("Porcu")));
+/// ```
+pub fn published(key: &str) -> Option<&'static str> {
+    PAPERS.iter().find(|(known, _)| *known == key).map(|(_, data)| *data)
+}
+
 /// Loads papers by their keys, in the order of the keys.
 pub(crate) fn load(keys: &BTreeSet<String>) -> Result<Vec<Paper>, Error> {
     let chosen = PAPERS.iter().filter(|(key, _)| keys.contains(*key));

@@ -23,7 +23,7 @@ use crate::text::table;
 /// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
 /// let levels = levels(&model, &LevelsOptions::default())?;
 /// let rows = measure_levels(&TrafficModel::new(&levels), &levels.order.evenly(20), Default::default(), true)?;
-/// assert_eq!(rows.iter().map(|row| row.triangles).collect::<Vec<_>>(), [2, 4]);
+/// assert_eq!(rows.iter().map(|row| row.triangles).collect::<Vec<_>>(), [1, 2, 4]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn measure_levels(

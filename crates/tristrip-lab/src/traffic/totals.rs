@@ -46,7 +46,7 @@ fn sent_by_level(part: &LevelPart, options: RepairOptions) -> Result<Vec<Vec<usi
 /// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
 /// let levels = levels(&model, &LevelsOptions::default())?;
 /// let totals = tristrip_lab::traffic::totals(&levels, Default::default())?;
-/// assert_eq!((totals[0].filter.as_str(), totals[0].vertices_sent), ("triangles", 3 * (2 + 4)));
+/// assert_eq!((totals[0].filter.as_str(), totals[0].vertices_sent), ("triangles", 3 * (1 + 2 + 4)));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn totals(levels: &ModelLevels, repair: RepairOptions) -> Result<Vec<FilterTotal>, Error> {
