@@ -21,6 +21,15 @@ pub struct Curve {
 ///
 /// # Errors
 /// The drawing library fails; no input is known that causes this.
+///
+/// ```
+/// use tristrip_lab::analysis::{Curve, draw};
+/// let model = tristrip_io::read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", tristrip_io::Format::Obj)?;
+/// let analysis = tristrip_pipeline::analyze(&model, &Default::default());
+/// let curve = Curve { file: "a.obj".into(), each: analysis.vertex_caches, lengths: analysis.lengths };
+/// assert!(draw(&[curve], false)?.starts_with("<svg"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn draw(curves: &[Curve], flushed: bool) -> Result<String, Error> {
     let mut panels = vec![misses(curves, flushed)];
     if curves.iter().any(|curve| !curve.lengths.bins().is_empty()) {

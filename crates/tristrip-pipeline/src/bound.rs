@@ -56,6 +56,13 @@ pub fn bound(model: &Model, weld: bool) -> Result<Bounded, Error> {
 ///
 /// # Errors
 /// The observer cancelled.
+///
+/// ```
+/// use tristrip_io::{Format, read};
+/// let model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Format::Obj)?;
+/// assert_eq!(tristrip_pipeline::bound_observed(&model, false, &())?.bounds.indices_restart, 3);
+/// # Ok::<(), tristrip_pipeline::Error>(())
+/// ```
 pub fn bound_observed(model: &Model, weld: bool, observer: &dyn Observer) -> Result<Bounded, Error> {
     let options = StripifyOptions::default().with_weld(weld);
     let Survey { prepared, mesh, notes, .. } = Survey::new(model, options, observer)?;

@@ -93,6 +93,17 @@ pub fn convert(model: &Model, options: &ConvertOptions) -> Result<Converted, Err
 ///
 /// # Errors
 /// The format cannot store the model, the bytes are not proven, or the observer cancelled.
+///
+/// ```
+/// use tristrip::Layout;
+/// use tristrip_io::{Format, read};
+/// use tristrip_pipeline::{ConvertOptions, convert_observed};
+/// let model = read(b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n", Format::Obj)?;
+/// let options = ConvertOptions::new(Format::Glb).with_layout(Layout::Restart);
+/// let converted = convert_observed(&model, &options, &())?;
+/// assert_eq!(converted.strips[0].as_ref().map(|strips| strips.len()), Some(1));
+/// # Ok::<(), tristrip_pipeline::Error>(())
+/// ```
 pub fn convert_observed(
     model: &Model,
     options: &ConvertOptions,
@@ -108,6 +119,14 @@ pub fn convert_observed(
 ///
 /// # Errors
 /// The observer cancelled.
+///
+/// ```
+/// use tristrip_io::{Format, read};
+/// use tristrip_pipeline::{ConvertOptions, strips_as_stored};
+/// let model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Format::Obj)?;
+/// assert!(strips_as_stored(&model, &ConvertOptions::new(Format::Ply), &())?[0].is_none());
+/// # Ok::<(), tristrip_pipeline::Error>(())
+/// ```
 pub fn strips_as_stored(
     model: &Model,
     options: &ConvertOptions,

@@ -106,6 +106,26 @@ pub fn encode(model: &Model, drawings: &[Drawing<'_>], options: &EncodeOptions) 
 ///
 /// # Errors
 /// The drawings do not fit the model, the format cannot store it, the bytes are not proven, or the observer cancelled.
+///
+/// ```
+/// use std::sync::atomic::{AtomicUsize, Ordering};
+/// use tristrip_io::{Drawing, Format, read};
+/// use tristrip_pipeline::{EncodeOptions, Event, Observer, encode_observed};
+/// #[derive(Default)]
+/// struct Size(AtomicUsize);
+/// impl Observer for Size {
+///     fn event(&self, event: Event<'_>) {
+///         if let Event::Encoded { bytes } = event {
+///             self.0.store(bytes, Ordering::Relaxed);
+///         }
+///     }
+/// }
+/// let model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Format::Obj)?;
+/// let size = Size::default();
+/// let encoded = encode_observed(&model, &[Drawing::Faces], &EncodeOptions::new(Format::Ply), &size)?;
+/// assert_eq!(size.0.into_inner(), encoded.bytes.len());
+/// # Ok::<(), tristrip_pipeline::Error>(())
+/// ```
 pub fn encode_observed(
     model: &Model,
     drawings: &[Drawing<'_>],

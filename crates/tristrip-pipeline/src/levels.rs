@@ -132,6 +132,19 @@ pub fn levels(model: &Model, options: &LevelsOptions) -> Result<ModelLevels, Err
 ///
 /// # Errors
 /// A part is too large, an option has an invalid value, the strips are not proven, or the observer cancelled.
+///
+/// ```
+/// use tristrip::lod::RepairOptions;
+/// use tristrip_io::{Format, read};
+/// use tristrip_pipeline::{DisplayFilter, EncodeOptions, LevelsOptions, levels_observed};
+/// let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\n";
+/// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
+/// let levels = levels_observed(&model, &LevelsOptions::default(), &())?;
+/// let half = levels.display(levels.collapse_count() / 2, DisplayFilter::Linked, RepairOptions::default(), &())?;
+/// let file = levels.encode(&model, &half, &EncodeOptions::new(Format::Glb), &())?;
+/// assert_eq!(file.faces, Some(half.figures.triangles));
+/// # Ok::<(), tristrip_pipeline::Error>(())
+/// ```
 pub fn levels_observed(
     model: &Model,
     options: &LevelsOptions,

@@ -94,6 +94,18 @@ pub fn simplify(model: &Model, options: &SimplifyOptions) -> Result<Simplified, 
 ///
 /// # Errors
 /// The maximum error is negative or not a number, a part is too large, the collapses are not proven, or the observer cancelled.
+///
+/// ```
+/// use tristrip_io::{Format, read};
+/// use tristrip_pipeline::{Deviation, Goal, SimplifyOptions, simplify_observed};
+/// let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\n";
+/// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
+/// let goal = Goal { amount: None, deviation: Some(Deviation::Percent(1.0)) };
+/// let simplified = simplify_observed(&model, &SimplifyOptions::new(goal), &())?;
+/// assert!(simplified.collapses.surface_error <= 0.03);
+/// assert_eq!(simplified.encode(&())?.faces, Some(simplified.collapses.triangles_after));
+/// # Ok::<(), tristrip_pipeline::Error>(())
+/// ```
 pub fn simplify_observed(
     model: &Model,
     options: &SimplifyOptions,

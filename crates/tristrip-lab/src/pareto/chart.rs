@@ -14,6 +14,17 @@ const MAX_NAMES: usize = 3;
 ///
 /// # Errors
 /// The drawing library fails; no input is known that causes this.
+///
+/// ```
+/// use tristrip::{StripifyOptions, stripify::Effort};
+/// use tristrip_io::{Format, read};
+/// use tristrip_lab::pareto::{draw, measure};
+/// let model = read(b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n", Format::Obj)?;
+/// let prepared = tristrip_pipeline::PreparedModel::new(&model, false);
+/// let (points, _) = measure(&prepared, &StripifyOptions::default(), Effort::new(0), &())?;
+/// assert!(draw(&[("square".into(), &points)])?.starts_with("<svg"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn draw(models: &[(String, &[ParetoPoint])]) -> Result<String, Error> {
     let panels: Vec<Panel> = models.iter().map(|(name, points)| panel(name, points)).collect();
     svg(&panels, 1)

@@ -9,6 +9,16 @@ use tristrip_pipeline::DisplayFilter;
 ///
 /// # Errors
 /// The drawing library fails; no input is known that causes this.
+///
+/// ```
+/// use tristrip_io::{Format, read};
+/// use tristrip_lab::traffic::{TrafficModel, draw, measure_levels};
+/// let model = read(b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n", Format::Obj)?;
+/// let levels = tristrip_pipeline::levels(&model, &Default::default())?;
+/// let rows = measure_levels(&TrafficModel::new(&levels), &levels.order.evenly(9), Default::default(), true)?;
+/// assert!(draw(&[("square".into(), &rows)])?.starts_with("<svg"));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn draw(models: &[(String, &[LevelRow])]) -> Result<String, Error> {
     let panels: Vec<Panel> = models.iter().map(|(name, rows)| panel(name, rows)).collect();
     svg(&panels, 1)

@@ -213,7 +213,7 @@ pub(super) fn vertices_of(parts: &[StoredPart<'_>]) -> usize {
     used.values().map(|used| used.iter().filter(|&&used| used).count()).sum()
 }
 
-/// Sums over parts; shared vertices are counted once per part, see [`vertices_of`].
+/// Sums over parts; shared vertices are counted once per part.
 impl std::iter::Sum for StoredFigures {
     fn sum<I: Iterator<Item = Self>>(parts: I) -> Self {
         let add = |a: Option<usize>, b: Option<usize>| a.map_or(b, |a| Some(a + b.unwrap_or(0)));
