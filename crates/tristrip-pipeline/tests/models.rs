@@ -1,5 +1,8 @@
 //! Whole models from memory to bytes: several parts, observers, cancellation, and arguments that do not fit.
 
+#![expect(clippy::unwrap_used, reason = "a test that panics fails")]
+
+use std::fmt::Write as _;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -17,13 +20,13 @@ use tristrip_pipeline::{
 fn two_parts() -> Model {
     let mut text = String::new();
     for y in 0..9 {
-        (0..9).for_each(|x| text.push_str(&format!("v {x} {y} {}\n", (x * y) % 3)));
+        (0..9).for_each(|x| writeln!(text, "v {x} {y} {}", (x * y) % 3).unwrap());
     }
     for (material, columns) in [("left", 0..4), ("right", 4..8)] {
-        text.push_str(&format!("usemtl {material}\n"));
+        writeln!(text, "usemtl {material}").unwrap();
         for (x, y) in columns.flat_map(|x| (0..8).map(move |y| (x, y))) {
             let at = 9 * y + x + 1;
-            text.push_str(&format!("f {} {} {} {}\n", at, at + 1, at + 10, at + 9));
+            writeln!(text, "f {} {} {} {}", at, at + 1, at + 10, at + 9).unwrap();
         }
     }
     read(text.as_bytes(), Format::Obj).unwrap()
