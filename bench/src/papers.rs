@@ -3,15 +3,16 @@
 use std::collections::BTreeMap;
 
 use serde::Deserialize;
+use tristrip_lab::repro::published;
 
 use crate::failure::Failure;
 
 /// Porcu, Scateni: *Partitioning Meshes into Strips using the Enhanced Tunnelling Algorithm (ETA)*, 2006.
-pub const ETA_2006: &str = include_str!("../../crates/tristrip-cli/src/repro/papers/003.json");
+pub const ETA_2006: &str = "003";
 /// Evans, Skiena, Varshney: *Efficiently Generating Triangle Strips for Fast Rendering*, 1996.
-pub const STRIPE_1996: &str = include_str!("../../crates/tristrip-cli/src/repro/papers/004.json");
+pub const STRIPE_1996: &str = "004";
 /// El-Sana et al.: *Efficiently Computing and Updating Triangle Strips for Real-Time Rendering*, 2000.
-pub const STRIPE_2000: &str = include_str!("../../crates/tristrip-cli/src/repro/papers/000.json");
+pub const STRIPE_2000: &str = "000";
 
 #[derive(Deserialize)]
 struct Paper {
@@ -40,12 +41,13 @@ struct PaperRow {
     published: Vec<f64>,
 }
 
-/// Returns a column of a paper's table by model, without models that are replaced by a stand-in.
+/// Returns a column of the table of a paper, by its key, by model, without models that are replaced by a stand-in.
 ///
 /// # Errors
-/// The data are malformed, or have no such table or column.
+/// There is no such paper, table or column.
 pub fn column(paper: &str, table: &str, column: &str) -> Result<BTreeMap<String, f64>, Failure> {
-    let paper: Paper = serde_json::from_str(paper)?;
+    let data = published(paper).ok_or_else(|| format!("no paper {paper}"))?;
+    let paper: Paper = serde_json::from_str(data)?;
     let found = paper.tables.iter().find(|known| known.name == table).ok_or_else(|| format!("no {table}"))?;
     let mut published = found.columns.iter().filter(|column| !column.ours);
     let at = published.position(|known| known.name == column).ok_or_else(|| format!("no column {column}"))?;

@@ -2,6 +2,8 @@
 
 use std::fmt::Write as _;
 
+use tristrip_lab::text;
+
 use crate::measure::{MethodRow, Outcome};
 use crate::scaling::Scaling;
 use crate::searches::SearchResults;
@@ -29,37 +31,19 @@ impl Table {
 
     /// Writes the table with aligned columns.
     pub fn aligned(&self) -> String {
-        let wide = |i: usize| {
-            let cells = self.rows.iter().filter_map(|row| row.get(i)).map(|cell| cell.chars().count());
-            cells.chain([self.heads[i].chars().count()]).max().unwrap_or(0)
-        };
-        let widths: Vec<usize> = (0..self.heads.len()).map(wide).collect();
-        let heads: Vec<String> = self.heads.iter().map(ToString::to_string).collect();
-        let mut out = String::new();
-        for row in std::iter::once(&heads).chain(&self.rows) {
-            let mut line = String::from(" ");
-            for (i, cell) in row.iter().enumerate() {
-                let pad = " ".repeat(widths[i].saturating_sub(cell.chars().count()));
-                let (before, after) =
-                    if i < self.text_columns { ("", pad.as_str()) } else { (pad.as_str(), "") };
-                let _ = write!(line, " {before}{cell}{after} ");
-            }
-            out.push_str(line.trim_end());
-            out.push('\n');
-        }
-        out
+        let mut rows = self.with_heads();
+        rows.iter_mut().filter_map(|row| row.first_mut()).for_each(|cell| cell.insert_str(0, "  "));
+        text::table(&rows, self.text_columns..self.heads.len())
     }
 
     /// Writes the table as Markdown.
     pub fn markdown(&self) -> String {
-        let mut out = format!("| {} |\n|", self.heads.join(" | "));
-        (0..self.heads.len())
-            .for_each(|i| out.push_str(if i < self.text_columns { "---|" } else { "---:|" }));
-        out.push('\n');
-        for row in &self.rows {
-            let _ = writeln!(out, "| {} |", row.join(" | "));
-        }
-        out
+        text::markdown(&self.with_heads(), self.text_columns..self.heads.len())
+    }
+
+    fn with_heads(&self) -> Vec<Vec<String>> {
+        let heads = self.heads.iter().map(ToString::to_string).collect();
+        std::iter::once(heads).chain(self.rows.iter().cloned()).collect()
     }
 }
 

@@ -1,24 +1,20 @@
 //! `tristrip analyze`: index and vertex-cache statistics of a file as stored. No strips are built.
 
-mod chart;
-mod stored;
-
 use std::cell::RefCell;
 
 use serde::Serialize;
 use tristrip::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
-use tristrip_io::Part;
+use tristrip_lab::analysis::{self, Curve};
+use tristrip_lab::text::table;
+use tristrip_pipeline::text::{count, counted};
+use tristrip_pipeline::{DrawMode, LengthBin, StoredFigures, rounded};
 
 use crate::batch::{self, InputReport, Outcome};
 use crate::console::Console;
 use crate::failure::Failure;
-use crate::figures::rounded;
-use crate::input::{load, short_name};
-use crate::stages::{Pool, timed};
+use crate::input::short_name;
+use crate::stage::{load_timed, timed};
 use crate::task::{AnalyzeTask, Input};
-use crate::text::{count, counted, table};
-use chart::Curve;
-use stored::{DrawMode, LengthBin, StoredFigures, StoredPart, StripLengths, vertices_of};
 
 /// The maximum number of parts listed in the text.
 const MAX_LISTED_PARTS: usize = 24;
@@ -78,13 +74,13 @@ impl InputReport for AnalyzeReport {
 }
 
 /// Analyzes all inputs in order, and draws the chart; returns whether all succeeded.
-pub(crate) fn run(task: &AnalyzeTask, pool: &Pool, console: &mut Console) -> bool {
-    let flushed = task.flush_policy == FlushPolicy::Flush;
+pub(crate) fn run(task: &AnalyzeTask, console: &mut Console) -> bool {
+    let flushed = task.options.flush_policy == FlushPolicy::Flush;
     let new_report =
         |input: &Input| AnalyzeReport { file: input.name(), flushed, ..AnalyzeReport::default() };
     let curves = RefCell::new(Vec::new());
     let process = |input: &Input, console: &mut Console, report: &mut AnalyzeReport| {
-        curves.borrow_mut().extend(analyze(input, task, pool, console, report)?);
+        curves.borrow_mut().extend(analyze(input, task, console, report)?);
         Ok(())
     };
     let show = |_: &Input, report: &AnalyzeReport, title: &str, console: &mut Console| {
@@ -93,7 +89,12 @@ pub(crate) fn run(task: &AnalyzeTask, pool: &Pool, console: &mut Console) -> boo
     let mut reports = batch::process_all(&task.inputs, None, console, new_report, process, show);
     let curves = curves.into_inner();
     if let Some(path) = task.plot.as_ref().filter(|_| !curves.is_empty())
-        && batch::write_chart(path, chart::draw(&curves, flushed), &mut reports, console)
+        && batch::write_chart(
+            path,
+            analysis::draw(&curves, flushed).map_err(Failure::from),
+            &mut reports,
+            console,
+        )
     {
         for report in reports.iter_mut().filter(|report| report.error.is_none()) {
             report.plot = Some(path.display().to_string());
@@ -106,13 +107,10 @@ pub(crate) fn run(task: &AnalyzeTask, pool: &Pool, console: &mut Console) -> boo
 fn analyze(
     input: &Input,
     task: &AnalyzeTask,
-    pool: &Pool,
     console: &mut Console,
     report: &mut AnalyzeReport,
 ) -> Result<Option<Curve>, Failure> {
-    console.doing("load");
-    let (model, seconds) = timed(|| load(input));
-    let model = model?;
+    let (model, seconds) = load_timed(input, console)?;
     report.seconds.load = Some(seconds);
     report.parts = Some(model.parts.len());
     report.notes.clone_from(&model.notes);
@@ -120,49 +118,32 @@ fn analyze(
     model.notes.iter().for_each(|note| console.note(note));
 
     console.doing("analyze");
-    let caches = &task.vertex_caches.0;
-    let parts: Vec<&Part> = model.parts.iter().collect();
-    let (measured, seconds) = timed(|| {
-        pool.map(&parts, |&part| {
-            let stored = StoredPart::of(part);
-            let each = stored.simulate(caches, task.flush_policy);
-            let curve = task.curve.as_ref().map(|list| stored.simulate(&list.0, task.flush_policy));
-            (stored, each, curve)
-        })
-    });
-    report.seconds.analyze = Some(seconds);
-    console.stage("analyze", &counted(caches.len(), "vertex cache"), Some(seconds));
+    let for_curve = task.curve.clone().map(|list| task.options.clone().with_vertex_caches(list));
+    let (analysis, seconds) = timed(|| tristrip_pipeline::analyze(&model, &task.options));
+    let (curve, curve_seconds) =
+        timed(|| for_curve.map(|options| tristrip_pipeline::analyze(&model, &options).vertex_caches));
+    report.seconds.analyze = Some(seconds + curve_seconds);
+    let caches = counted(analysis.vertex_caches.len(), "vertex cache");
+    console.stage("analyze", &caches, report.seconds.analyze);
 
-    let (mut stored, mut curves) = (Vec::new(), Vec::new());
-    for (part, (one, each, curve)) in model.parts.iter().zip(measured) {
-        report.by_part.push(PartRow {
-            name: part.name.clone(),
-            material: part.material.clone(),
-            figures: one.figures,
-            misses: each.iter().map(|used| used.misses).collect(),
-        });
-        stored.push(one);
-        curves.extend(curve);
-    }
-    let figures =
-        StoredFigures { vertices: vertices_of(&stored), ..stored.iter().map(|one| one.figures).sum() };
-    let (triangles, vertices) = (figures.triangles, figures.vertices);
-    let total = |misses| VertexCacheStatistics { misses, triangles, vertices };
-    let sum = |i: usize| total(report.by_part.iter().map(|part| part.misses[i]).sum());
+    let parts = model.parts.iter().zip(&analysis.parts).map(|(part, analyzed)| PartRow {
+        name: part.name.clone(),
+        material: part.material.clone(),
+        figures: analyzed.figures,
+        misses: analyzed.misses.clone(),
+    });
+    report.by_part = parts.collect();
     report.vertex_caches =
-        caches.iter().enumerate().map(|(i, &cache)| VertexCacheRow::of(cache, sum(i))).collect();
+        analysis.vertex_caches.iter().map(|&(cache, used)| VertexCacheRow::of(cache, used)).collect();
+    let figures = analysis.figures;
     report.indices_per_triangle = Some(match figures.triangles {
         0 => 0.0,
         triangles => rounded(figures.indices as f64 / triangles as f64),
     });
-    let lengths: StripLengths = stored.into_iter().map(|one| one.lengths).sum();
-    report.lengths = lengths.bins().to_vec();
+    report.lengths = analysis.lengths.bins().to_vec();
     report.figures = Some(figures);
-    Ok(task.curve.as_ref().map(|list| {
-        let sum = |i: usize| total(curves.iter().map(|curve| curve[i].misses).sum());
-        let each = list.0.iter().enumerate().map(|(i, &cache)| (cache, sum(i))).collect();
-        Curve { file: short_name(&report.file), each, lengths }
-    }))
+    let lengths = analysis.lengths;
+    Ok(curve.map(|each| Curve { file: short_name(&report.file), each, lengths }))
 }
 
 impl VertexCacheRow {
@@ -257,7 +238,7 @@ fn drawn_as(drawn: DrawMode) -> &'static str {
         DrawMode::List => "a list",
         DrawMode::Strips => "strips",
         DrawMode::Fans => "fans",
-        DrawMode::Mixed => "lists, strips or fans by part",
+        _ => "lists, strips or fans by part",
     }
 }
 

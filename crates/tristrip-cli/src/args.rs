@@ -9,9 +9,10 @@ use std::time::Duration;
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use tristrip::stripify::Effort;
+use tristrip_pipeline::VertexCacheList;
 
 use crate::method::{CostName, MethodArgs, WeldArgs};
-use crate::values::{VertexCacheList, effort_parser};
+use crate::values::effort_parser;
 pub(crate) use detail::{LodArgs, SimplifyArgs};
 use groups::ThreadArgs;
 pub(crate) use groups::{FromArgs, GeneralArgs, OutputArgs, ReportArgs};
@@ -55,6 +56,7 @@ pub(crate) enum Command {
   tristrip strip horse.ply --method fewest --budget 5s
   tristrip strip bunny.ply --method stripe --json   no file: only the report
   tristrip strip bunny.ply --pareto bunny.svg       all methods in one chart
+  tristrip strip bunny.ply --picture strips.png     a picture, one colour per strip
   cat bunny.ply | tristrip strip - -o - --to glb > bunny.glb")]
 pub(crate) struct StripArgs {
     #[command(flatten)]
@@ -78,6 +80,12 @@ pub(crate) struct StripArgs {
     /// at --effort. --budget applies to each search; --seed and --weld apply to all. Up to three inputs.
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub(crate) pareto: Option<PathBuf>,
+    /// Draw the strips in a PNG file, one colour per strip
+    ///
+    /// 1200 x 900 pixels, seen from the front with the y axis up. Strips that share an edge have different colours. The parts of a scene
+    /// are drawn without the transformations of their nodes. One input.
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    pub(crate) picture: Option<PathBuf>,
 }
 
 /// Compare all methods on a model

@@ -2,17 +2,19 @@
 
 use serde::Serialize;
 use tristrip::{Method, StripifyOptions};
+use tristrip_lab::text::{markdown, table};
+use tristrip_pipeline::text::{counted, grouped};
+use tristrip_pipeline::{
+    Chosen, Event, Figures, MeshFigures, MethodReport, PreparedModel, Search, Stopped, Survey,
+    methods_to_compare,
+};
 
 use crate::batch::{self, InputReport, Outcome};
 use crate::console::Console;
 use crate::failure::Failure;
-use crate::figures::{Figures, MeshFigures};
-use crate::method::{Chosen, MethodReport, methods_to_compare};
-use crate::search::{SearchWatch, Stopped, interrupted};
-use crate::stages::{FoundStrips, Pool, Prepared, Seconds, find_strips, prove, timed};
-use crate::survey::{Loaded, Surveyed};
+use crate::search::{SearchWatch, interrupted};
+use crate::stage::{Seconds, Stages, load_timed, timed};
 use crate::task::{CompareTask, Input};
-use crate::text::{counted, grouped, markdown, table};
 
 /// The report of one input; the keys are those of the JSON output.
 #[derive(Debug, Serialize)]
@@ -71,7 +73,7 @@ fn ratio(x: f64) -> String {
 }
 
 /// Compares the methods on all inputs in order; returns whether all results are proven.
-pub(crate) fn run(task: &CompareTask, pool: &Pool, console: &mut Console) -> bool {
+pub(crate) fn run(task: &CompareTask, console: &mut Console) -> bool {
     let methods = methods_to_compare(task.every_variant);
     let new_report = |input: &Input| CompareReport {
         file: input.name(),
@@ -83,7 +85,7 @@ pub(crate) fn run(task: &CompareTask, pool: &Pool, console: &mut Console) -> boo
         error: None,
     };
     let process = |input: &Input, console: &mut Console, report: &mut CompareReport| {
-        let result = compare(input, task, &methods, pool, console, report);
+        let result = compare(input, task, &methods, console, report);
         for row in report.methods.iter().filter(|row| !row.proven) {
             let why = row.error.as_deref().unwrap_or("not proven");
             console.error(&format!("{}: {}: {why}", report.file, row.method.label()));
@@ -102,33 +104,37 @@ fn compare(
     input: &Input,
     task: &CompareTask,
     methods: &[Method],
-    pool: &Pool,
     console: &Console,
     report: &mut CompareReport,
 ) -> Result<(), Failure> {
-    let loaded = Loaded::new(input, task.options, console)?;
-    let options = loaded.options;
-    let Surveyed { parts, mesh, notes, seconds } = loaded.survey(pool, console);
-    (report.seconds, report.notes) = (seconds, notes);
-    (report.parts, report.mesh) = (Some(parts.len()), Some(mesh));
+    let (model, load) = load_timed(input, console)?;
+    report.seconds.load = Some(load);
+    let show = |event: Event<'_>, seconds: f64| {
+        if let Event::Prepared = event {
+            report.seconds.dual = Some(seconds);
+        }
+    };
+    let survey = Survey::new(&model, task.options, &Stages::new(console, load, show))?;
+    report.notes = survey.notes;
+    (report.parts, report.mesh) = (Some(survey.prepared.parts().len()), Some(survey.mesh));
     for &method in methods {
         if interrupted() {
             return Err(Failure::Input("not processed: interrupted".into()));
         }
-        let mut options = options.with_method(method);
+        let mut options = survey.options.with_method(method);
         if method != Method::Auto {
             options = options.with_effort(task.effort);
         }
         console.doing(&MethodReport::of(&options).label());
         let watch = SearchWatch::new(console.progress(), task.budget, &options);
-        report.methods.push(row(&parts, &options, pool, &watch));
+        report.methods.push(row(&survey.prepared, &options, &watch));
         console.step();
     }
     Ok(())
 }
 
 /// Runs one method; its row has figures only if the result is proven.
-fn row(parts: &[Prepared<'_>], options: &StripifyOptions, pool: &Pool, watch: &SearchWatch) -> MethodRow {
+fn row(prepared: &PreparedModel<'_>, options: &StripifyOptions, watch: &SearchWatch) -> MethodRow {
     let mut row = MethodRow {
         method: MethodReport::of(options),
         chosen: None,
@@ -138,21 +144,19 @@ fn row(parts: &[Prepared<'_>], options: &StripifyOptions, pool: &Pool, watch: &S
         stopped: None,
         error: None,
     };
-    let (found, seconds) = timed(|| find_strips(pool, parts, options, watch));
+    let (found, seconds) = timed(|| prepared.find_strips(options, watch));
     row.stopped = watch.stopped();
     row.seconds.stripify = Some(seconds);
-    let proof = found.and_then(|FoundStrips { strips, chosen }| {
-        row.chosen = Some(Chosen::of(&chosen));
-        let (proof, seconds) = timed(|| prove(pool, parts, &strips, options));
+    let figures = found.and_then(|found| {
+        row.chosen = Some(Chosen::of(&found.chosen));
+        let (proof, seconds) = timed(|| prepared.prove(&found.strips));
         row.seconds.verify = Some(seconds);
-        proof.map(|()| strips)
+        proof?;
+        prepared.figures(&found.strips, options)
     });
-    match proof {
-        Ok(strips) => {
-            row.proven = true;
-            row.figures = Some(Figures::of(pool, parts, &strips, options));
-        }
-        Err(failure) => row.error = Some(failure.to_string()),
+    match figures {
+        Ok(figures) => (row.proven, row.figures) = (true, Some(figures)),
+        Err(error) => row.error = Some(Failure::from(error).to_string()),
     }
     row
 }

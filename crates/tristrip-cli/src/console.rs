@@ -7,9 +7,9 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
+use tristrip_lab::text;
 
 use crate::task::Shared;
-use crate::text;
 
 /// The two output streams and their settings.
 pub(crate) struct Console {

@@ -3,6 +3,9 @@
 use std::io;
 use std::path::Path;
 
+use tristrip_lab::system_message;
+use tristrip_pipeline::text::count;
+
 /// Why an input could not be processed.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Failure {
@@ -21,8 +24,8 @@ impl Failure {
     /// Converts a reader's error about the file of this name, without repeating the name.
     pub(crate) fn reading(name: &str, error: &tristrip_io::Error) -> Self {
         Self::Input(match error {
-            tristrip_io::Error::Io { path, source } if path == name => plain(source),
-            tristrip_io::Error::Io { path, source } => format!("{path}: {}", plain(source)),
+            tristrip_io::Error::Io { path, source } if path == name => system_message(source),
+            tristrip_io::Error::Io { path, source } => format!("{path}: {}", system_message(source)),
             other => other.to_string(),
         })
     }
@@ -30,14 +33,14 @@ impl Failure {
     /// Converts a writer's error, which contains the name of the output.
     pub(crate) fn writing(error: &tristrip_io::Error) -> Self {
         Self::Output(match error {
-            tristrip_io::Error::Io { path, source } => format!("{path}: {}", plain(source)),
+            tristrip_io::Error::Io { path, source } => format!("{path}: {}", system_message(source)),
             other => other.to_string(),
         })
     }
 
     /// Converts a system error about a file or directory.
     pub(crate) fn system(path: &Path, error: &io::Error) -> Self {
-        Self::Output(format!("{}: {}", path.display(), plain(error)))
+        Self::Output(format!("{}: {}", path.display(), system_message(error)))
     }
 }
 
@@ -47,14 +50,26 @@ impl From<tristrip::Error> for Failure {
     }
 }
 
-/// Returns the message of a system error, without its number.
-fn plain(error: &io::Error) -> String {
-    if error.kind() == io::ErrorKind::NotFound {
-        return "no such file or directory".into();
+impl From<tristrip_pipeline::Error> for Failure {
+    fn from(error: tristrip_pipeline::Error) -> Self {
+        use tristrip_pipeline::Error;
+        match error {
+            Error::Unproven(why) => Self::Unproven(why),
+            Error::Format(error) => Self::writing(&error),
+            Error::Level { found, last } => {
+                let (found, last) = (count(found), count(last));
+                Self::Input(format!("level: found {found}, expected at most {last}, the full mesh"))
+            }
+            other => Self::Input(other.to_string()),
+        }
     }
-    let message = error.to_string();
-    match message.find(" (os error") {
-        Some(end) => message[..end].to_lowercase(),
-        None => message,
+}
+
+impl From<tristrip_lab::Error> for Failure {
+    fn from(error: tristrip_lab::Error) -> Self {
+        match error {
+            tristrip_lab::Error::Pipeline(error) => error.into(),
+            other => Self::Output(other.to_string()),
+        }
     }
 }

@@ -3,7 +3,6 @@
 use std::io::Read;
 use std::path::Path;
 
-use tristrip::{Mesh, StripifyOptions};
 use tristrip_io::{Format, Model};
 
 use crate::failure::Failure;
@@ -35,22 +34,7 @@ pub(crate) fn load(input: &Input) -> Result<Model, Failure> {
     }
 }
 
-/// Returns the options adapted to a model: welding is disabled, with a note, if vertices may differ in values that were not read.
-pub(crate) fn fitted(options: StripifyOptions, model: &mut Model) -> StripifyOptions {
-    if options.weld() && tristrip_io::gltf::has_unread_vertex_values(model) {
-        let why = "vertices may differ in morph targets or in attributes that were not decoded";
-        model.notes.push(format!("not welded: {why}"));
-        return options.with_weld(false);
-    }
-    options
-}
-
 /// Returns a file name without its directories, for charts.
 pub(crate) fn short_name(file: &str) -> String {
     Path::new(file).file_name().map_or_else(|| file.to_owned(), |name| name.to_string_lossy().into_owned())
-}
-
-/// Returns the meshes of a model's parts, in order.
-pub(crate) fn meshes(model: &Model) -> Vec<&Mesh> {
-    model.parts.iter().map(|part| &part.mesh).collect()
 }

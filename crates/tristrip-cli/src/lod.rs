@@ -1,51 +1,33 @@
 //! `tristrip lod`: levels of detail drawn with the strips of the full mesh.
-//!
-//! ```text
-//! load ─ strips of the full mesh ─ their triangles ─ simplify ─▶ collapses of each part ─ levels of the model
-//!                  └──────── vertices renamed for a level ─ filter ─▶ display strips ─ prove ─ write ─ read again, prove
-//! ```
 
-mod chart;
-pub(crate) mod levels;
-pub(crate) mod measure;
-pub(crate) mod part;
 mod report;
-pub(crate) mod rows;
-pub(crate) mod totals;
 
-use tristrip::Strips;
-use tristrip_io::{Drawing, Model};
+use tristrip_io::Model;
+use tristrip_lab::traffic::{self, TrafficModel, measure_levels, totals, totals_as_text};
+use tristrip_pipeline::text::{count, counted};
+use tristrip_pipeline::{EncodeOptions, Event, LevelsOptions, MethodReport, ModelLevels, levels_observed};
 
 use crate::batch;
 use crate::console::Console;
 use crate::failure::Failure;
-use crate::figures::Figures;
+use crate::figures;
 use crate::input::short_name;
-use crate::method::{Chosen, MethodReport};
-use crate::output::{self, ModelDrawing};
-use crate::search::{SearchWatch, interrupted};
-use crate::simplify::{Part, diagonal, ends, locked_note, percent_of, simplify_all};
-use crate::stages::{self, FoundStrips, Pool, Prepared, find_strips, timed};
-use crate::survey::Loaded;
-use crate::task::{Job, LodTask, Output};
-use crate::text::{count, counted};
-use crate::values::{Amount, layout_name};
-use levels::Levels;
-use measure::measure_levels;
-use part::LodPart;
-use report::{LodReport, LodSeconds};
-use totals::totals;
+use crate::output::{self, WriteReport};
+use crate::search::interrupted;
+use crate::stage::{Stages, load_timed, timed};
+use crate::task::{Job, LodTask};
+use crate::values::layout_name;
+use report::LodReport;
 
 /// Steps of a table, and of a curve of the chart, from the base mesh to the full mesh.
 const TABLE_STEPS: usize = 20;
 const CURVE_STEPS: usize = 100;
 
 /// Processes all inputs in order; returns whether all succeeded.
-pub(crate) fn run(task: &LodTask, pool: &Pool, console: &mut Console) -> bool {
+pub(crate) fn run(task: &LodTask, console: &mut Console) -> bool {
     let new_report = |job: &Job| LodReport::new(job.input.name(), MethodReport::of(&task.options), task);
-    let process = |job: &Job, console: &mut Console, report: &mut LodReport| {
-        run_stages(job, task, pool, console, report)
-    };
+    let process =
+        |job: &Job, console: &mut Console, report: &mut LodReport| run_stages(job, task, console, report);
     let show = |job: &Job, report: &LodReport, title: &str, console: &mut Console| {
         let requested = job.output.is_none() || task.table || task.compare;
         console.result(&format!("{title}{}", summary(report, task)), requested);
@@ -55,7 +37,7 @@ pub(crate) fn run(task: &LodTask, pool: &Pool, console: &mut Console) -> bool {
         let done = reports.iter().filter(|report| report.error.is_none());
         let measured: Vec<_> = done.map(|report| (short_name(&report.file), &report.rows[..])).collect();
         if !measured.is_empty() {
-            let chart = chart::draw(&measured);
+            let chart = traffic::draw(&measured).map_err(Failure::from);
             if batch::write_chart(path, chart, &mut reports, console) {
                 for report in reports.iter_mut().filter(|report| report.error.is_none()) {
                     report.plot = Some(path.display().to_string());
@@ -70,194 +52,141 @@ pub(crate) fn run(task: &LodTask, pool: &Pool, console: &mut Console) -> bool {
 fn run_stages(
     job: &Job,
     task: &LodTask,
-    pool: &Pool,
     console: &mut Console,
     report: &mut LodReport,
 ) -> Result<(), Failure> {
     if interrupted() {
         return Err(Failure::Input("not done: interrupted".into()));
     }
-    // 1. The strips of the full mesh.
-    let loaded = Loaded::new(&job.input, task.options, console)?;
-    let surveyed = loaded.survey(pool, console);
-    let (load, dual) = (surveyed.seconds.load, surveyed.seconds.dual);
-    report.seconds = LodSeconds { load, dual, ..LodSeconds::default() };
-    report.notes.clone_from(&surveyed.notes);
-    report.parts = Some(surveyed.parts.len());
-    let prepared = surveyed.parts;
-    let strips = full_strips(task, &loaded, &prepared, pool, console, report)?;
-
-    // 2. The collapses.
-    let meshes = prepared.iter().map(|part| part.mesh);
-    let parts = Part::of_all(meshes.zip(strips.iter().map(Strips::to_list)).collect())?;
-    let parts = simplify_parts(task, parts, &strips, pool, console, report)?;
-    let levels = Levels::new(parts.iter().map(LodPart::sequence).collect());
-
-    // 3. The display strips of the level.
-    let level = task.level.of(levels.len())?;
-    let of_parts = levels.of_parts(level);
-    console.doing("filter");
-    let (displays, seconds) = timed(|| {
-        let pairs: Vec<_> = parts.iter().zip(&of_parts).collect();
-        pool.map(&pairs, |(part, level)| {
-            part.display(**level, &part.index_map(**level), task.filter, task.repair())
-        })
-    });
-    let displays = displays.into_iter().collect::<Result<Vec<_>, _>>()?;
-    report.seconds.filter = Some(seconds);
+    let (model, load) = load_timed(&job.input, console)?;
+    report.seconds.load = Some(load);
+    let options = LevelsOptions::default().with_stripify(task.options);
+    let options = options.with_base(task.base).with_verify(task.verify);
+    let show = |event: Event<'_>, seconds: f64| show_building(event, seconds, console, report);
+    let stages = Stages::new(console, load, show).with_budget(task.budget);
+    let levels = levels_observed(&model, &options, &stages)?;
+    let level = task.level.of(levels.collapse_count())?;
     report.level = Some(level);
-    let error = levels.error(&of_parts);
-    report.surface_error = Some(error);
-    report.surface_error_percent = Some(percent_of(error, report.diagonal.unwrap_or(0.0)));
-    let figures = Figures::of(pool, &prepared, &displays, &loaded.options);
-    let (strips, triangles) = (counted(figures.strips, "strip"), counted(figures.triangles, "triangle"));
-    let what = format!("level {}: {triangles} in {strips} (filter {})", count(level), task.filter.name());
-    console.stage("filter", &what, Some(seconds));
-    report.figures = Some(figures);
+    draw(&model, &levels, level, job, task, console, report)
+}
 
-    // 4. The proof that they draw exactly the triangles of the level.
-    if task.verify {
-        console.doing("verify");
-        let (proof, seconds) = timed(|| prove(pool, &parts, &of_parts, &displays));
-        proof?;
-        report.seconds.verify = Some(seconds);
-        report.proven = Some(true);
-        console.stage("verify", "proven: exactly the level's triangles and winding", Some(seconds));
-    } else {
-        console.stage("verify", "skipped", None);
-    }
-
-    // 5. The tables.
-    if task.table || task.plot.is_some() {
-        console.doing("table");
-        let steps = if task.plot.is_some() { CURVE_STEPS } else { TABLE_STEPS };
-        let at = levels.evenly(steps);
-        let (measured, seconds) =
-            timed(|| measure_levels(pool, &parts, &levels, &at, task.repair(), task.verify));
-        report.rows = measured?;
-        console.stage("table", &format!("{}, all filters", counted(at.len(), "level")), Some(seconds));
-        if task.table {
-            let in_table = levels.evenly(TABLE_STEPS);
-            report.table =
-                Some(report.rows.iter().filter(|row| in_table.contains(&row.level)).cloned().collect());
+/// Prints and reports an event of the strips and collapses.
+fn show_building(event: Event<'_>, seconds: f64, console: &Console, report: &mut LodReport) {
+    match event {
+        Event::Prepared => report.seconds.dual = Some(seconds),
+        Event::Surveyed { parts, notes, .. } => {
+            (report.parts, report.notes) = (Some(parts), notes.to_vec());
         }
+        Event::Stripified { strips, chosen, stopped } => {
+            report.seconds.stripify = Some(seconds);
+            let method = report.method.description(chosen);
+            let what = format!("{} of the full mesh ({method})", counted(strips, "strip"));
+            console.stage("stripify", &what, Some(seconds));
+            (report.chosen, report.stopped) = (Some(chosen.clone()), stopped);
+            if let Some(stopped) = stopped {
+                console.note(stopped.note());
+                report.notes.push(stopped.note().into());
+            }
+        }
+        Event::Simplified(collapses) => {
+            report.seconds.simplify = Some(seconds);
+            report.diagonal = Some(collapses.diagonal);
+            report.levels = Some(collapses.collapse_count);
+            report.triangles_full = Some(collapses.triangles_before);
+            report.triangles_base = Some(collapses.triangles_after);
+            let base = counted(collapses.triangles_after, "triangle");
+            let what = format!("{} to a base mesh of {base}", counted(collapses.collapse_count, "collapse"));
+            console.stage("simplify", &what, Some(seconds));
+        }
+        Event::Note(note) => report.notes.push(note.into()),
+        _ => (),
     }
-
-    if task.compare {
-        console.doing("all levels");
-        let (all, seconds) = timed(|| totals(pool, &parts, &levels, task.repair()));
-        console.stage(
-            "compare",
-            &format!("{}, all filters", counted(levels.len() + 1, "level")),
-            Some(seconds),
-        );
-        report.compare = Some(all?);
-    }
-
-    // 6. The file.
-    let Some(target) = &job.output else { return Ok(()) };
-    write(target, &loaded.model, &parts, &of_parts, &displays, task.verify, console, report)
 }
 
-/// Computes the strips of the full mesh and proves them.
-fn full_strips(
-    task: &LodTask,
-    loaded: &Loaded,
-    parts: &[Prepared<'_>],
-    pool: &Pool,
-    console: &Console,
-    report: &mut LodReport,
-) -> Result<Vec<Strips>, Failure> {
-    console.doing("stripify");
-    let watch = SearchWatch::new(console.progress(), task.budget, &loaded.options);
-    let (found, seconds) = timed(|| find_strips(pool, parts, &loaded.options, &watch));
-    let FoundStrips { strips, chosen } = found?;
-    report.stopped = watch.stopped();
-    report.seconds.stripify = Some(seconds);
-    report.chosen = Some(Chosen::of(&chosen));
-    let count = strips.iter().map(Strips::len).sum();
-    let method = report.method.description(&Chosen::of(&chosen));
-    let what = format!("{} of the full mesh ({method})", counted(count, "strip"));
-    console.stage("stripify", &what, Some(seconds));
-    if let Some(stopped) = report.stopped {
-        console.note(stopped.note());
-        report.notes.push(stopped.note().into());
-    }
-    if task.verify {
-        stages::prove(pool, parts, &strips, &loaded.options)?;
-    }
-    Ok(strips)
-}
-
-/// Simplifies the triangles of the strips to the base mesh, and reports the result.
-fn simplify_parts<'a>(
-    task: &LodTask,
-    parts: Vec<Part<'a>>,
-    strips: &[Strips],
-    pool: &Pool,
-    console: &Console,
-    report: &mut LodReport,
-) -> Result<Vec<LodPart<'a>>, Failure> {
-    console.doing("simplify");
-    let triangles: Vec<usize> = parts.iter().map(Part::triangle_count).collect();
-    let shares = Amount::Ratio(task.base).shares(&triangles);
-    let (done, seconds) = timed(|| simplify_all(pool, &parts, &shares, None));
-    let done = done?;
-    report.seconds.simplify = Some(seconds);
-    report.diagonal = Some(diagonal(&parts));
-    report.levels = Some(done.iter().map(|done| done.sequence.len()).sum());
-    report.triangles_full = Some(triangles.iter().sum());
-    let base = done.iter().map(|done| done.sequence.triangle_count(0)).sum();
-    report.triangles_base = Some(base);
-    let collapses = counted(report.levels.unwrap_or(0), "collapse");
-    let what = format!("{collapses} to a base mesh of {}", counted(base, "triangle"));
-    console.stage("simplify", &what, Some(seconds));
-    let locked = parts.iter().map(Part::locked_count).sum();
-    for note in locked_note(locked).into_iter().chain(ends(&done, Some(&shares))) {
-        console.note(&note);
-        report.notes.push(note);
-    }
-    Ok(LodPart::all(parts, strips, done))
-}
-
-/// Proves the display strips of every part.
-fn prove(pool: &Pool, parts: &[LodPart<'_>], levels: &[usize], displays: &[Strips]) -> Result<(), Failure> {
-    let all: Vec<_> = parts.iter().zip(levels).zip(displays).collect();
-    let proofs = pool.map(&all, |((part, level), display)| part.prove(**level, display));
-    proofs.into_iter().collect()
-}
-
-/// Writes the display strips of a level, over the vertices that they use.
-#[allow(clippy::too_many_arguments, reason = "the level, the target and the report")]
-fn write(
-    target: &Output,
+/// Draws a level, measures the tables, and writes the file.
+fn draw(
     model: &Model,
-    parts: &[LodPart<'_>],
-    levels: &[usize],
-    displays: &[Strips],
-    verify: bool,
+    levels: &ModelLevels,
+    level: usize,
+    job: &Job,
+    task: &LodTask,
     console: &mut Console,
     report: &mut LodReport,
 ) -> Result<(), Failure> {
-    let triangles = parts.iter().zip(levels).map(|(part, &level)| part.triangles(level)).collect();
-    let failure = |error| Failure::writing(&error);
-    let smaller = tristrip_io::with_triangles(model, triangles, target.format).map_err(failure)?;
-    let outward = parts.iter().zip(displays).map(|(part, display)| part.outward(display));
-    let strips = outward.enumerate().map(|(part, strips)| smaller.strips(part, &strips));
-    let strips: Vec<Strips> = strips.collect::<Result<_, _>>().map_err(failure)?;
-    let drawings: Vec<_> = strips.iter().map(Drawing::Strips).collect();
-    let drawing = ModelDrawing { model: &smaller.model, drawings: &drawings, layout: target.layout };
-    let written = output::write(target, &smaller.model, drawing, verify, console)?;
-    written.record(&mut report.seconds.write, &mut report.seconds.verify, &mut report.notes);
+    let show = |event: Event<'_>, seconds: f64| match event {
+        Event::Filtered => report.seconds.filter = Some(seconds),
+        Event::Measured(figures) => {
+            let strips = counted(figures.strips, "strip");
+            let triangles = counted(figures.triangles, "triangle");
+            let level = count(level);
+            let what = format!("level {level}: {triangles} in {strips} (filter {})", task.filter);
+            console.stage("filter", &what, report.seconds.filter);
+            report.figures = Some(figures.clone());
+        }
+        Event::Proven { .. } => {
+            (report.seconds.verify, report.proven) = (Some(seconds), Some(true));
+            console.stage("verify", "proven: exactly the level's triangles and winding", Some(seconds));
+        }
+        _ => (),
+    };
+    let displayed = levels.display(level, task.filter, task.repair(), &Stages::new(console, 0.0, show))?;
+    report.surface_error = Some(displayed.surface_error);
+    report.surface_error_percent = Some(displayed.surface_error_percent);
+    if !task.verify {
+        console.stage("verify", "skipped", None);
+    }
+    measure(levels, task, console, report)?;
+    let Some(target) = &job.output else { return Ok(()) };
+    let options = EncodeOptions::new(target.format).with_layout(target.layout).with_verify(task.verify);
+    let fields = WriteReport {
+        write: &mut report.seconds.write,
+        verify: &mut report.seconds.verify,
+        notes: &mut report.notes,
+        vertex_order: None,
+    };
+    output::write(target, !displayed.strips.is_empty(), console, fields, |observer| {
+        levels.encode(model, &displayed, &options, observer)
+    })?;
     report.output = Some(target.name());
     report.layout = Some(layout_name(target.layout));
     Ok(())
 }
 
+/// Measures the requested tables.
+fn measure(
+    levels: &ModelLevels,
+    task: &LodTask,
+    console: &Console,
+    report: &mut LodReport,
+) -> Result<(), Failure> {
+    if task.table || task.plot.is_some() {
+        console.doing("table");
+        let steps = if task.plot.is_some() { CURVE_STEPS } else { TABLE_STEPS };
+        let at = levels.order.evenly(steps);
+        let traffic = TrafficModel::new(levels);
+        let (measured, seconds) = timed(|| measure_levels(&traffic, &at, task.repair(), task.verify));
+        report.rows = measured?;
+        console.stage("table", &format!("{}, all filters", counted(at.len(), "level")), Some(seconds));
+        if task.table {
+            let in_table = levels.order.evenly(TABLE_STEPS);
+            let rows = report.rows.iter().filter(|row| in_table.contains(&row.level));
+            report.table = Some(rows.cloned().collect());
+        }
+    }
+    if task.compare {
+        console.doing("all levels");
+        let (all, seconds) = timed(|| totals(levels, task.repair()));
+        let what = format!("{}, all filters", counted(levels.collapse_count() + 1, "level"));
+        console.stage("compare", &what, Some(seconds));
+        report.compare = Some(all?);
+    }
+    Ok(())
+}
+
 /// Formats the summary of a report, with the requested tables.
 fn summary(report: &LodReport, task: &LodTask) -> String {
-    let figures = report.figures.as_ref().map(Figures::summary).unwrap_or_default();
-    let table = if task.table { report.table.as_deref().map(measure::as_text) } else { None };
-    let totals = report.compare.as_deref().map(totals::as_text);
+    let figures = report.figures.as_ref().map(figures::summary).unwrap_or_default();
+    let table = if task.table { report.table.as_deref().map(traffic::as_text) } else { None };
+    let totals = report.compare.as_deref().map(totals_as_text);
     [Some(figures), table, totals].into_iter().flatten().collect()
 }

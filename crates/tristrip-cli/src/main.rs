@@ -1,7 +1,7 @@
 //! The `tristrip` command: builds verified triangle strips for polygon meshes.
 //!
 //! ```text
-//! args ─▶ task ─▶ input ─▶ stages ─▶ output ─▶ figures ─▶ console
+//! args ─▶ task ─▶ input ─▶ tristrip-pipeline, tristrip-lab ─▶ output ─▶ figures ─▶ console
 //!                 strip │ compare │ bound │ analyze │ verify │ convert │ simplify │ lod │ repro
 //! ```
 //! Exit code 0: everything was done and proven. 1: something was not proven, or an input or output was bad. 2: wrong usage.
@@ -12,7 +12,6 @@ mod analyze;
 mod args;
 mod batch;
 mod bound;
-mod chart;
 mod compare;
 mod console;
 mod convert;
@@ -22,45 +21,62 @@ mod input;
 mod lod;
 mod method;
 mod output;
-mod pareto;
 mod reorder;
 mod repro;
 mod search;
 mod simplify;
-mod stages;
+mod stage;
 mod strip;
-mod survey;
 mod task;
-mod text;
 mod values;
 mod verify;
 
 use std::process::ExitCode;
 
+use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
+
 use console::Console;
 use task::Task;
 
+/// The stack of each thread: that of a main thread, since tasks run on these threads.
+const STACK_BYTES: usize = 8 << 20;
+
 fn main() -> ExitCode {
-    let papers: Vec<&str> = repro::keys().collect();
+    let papers: Vec<&str> = tristrip_lab::repro::keys().collect();
     let (task, shared) = task::parse(&papers);
     let mut console = Console::new(&shared, task.output_is_stdout());
-    let pool = match stages::Pool::new(shared.threads) {
+    let pool = match pool(shared.threads) {
         Ok(pool) => pool,
-        Err(failure) => {
-            console.error(&failure.to_string());
+        Err(error) => {
+            console.error(&format!("threads: {error}"));
             return ExitCode::FAILURE;
         }
     };
-    let succeeded = match &task {
-        Task::Strip(task) => strip::run(task, &pool, &mut console),
-        Task::Compare(task) => compare::run(task, &pool, &mut console),
-        Task::Bound(task) => bound::run(task, &pool, &mut console),
-        Task::Analyze(task) => analyze::run(task, &pool, &mut console),
-        Task::Verify(task) => verify::run(task, &mut console),
-        Task::Convert(task) => convert::run(task, &pool, &mut console),
-        Task::Simplify(task) => simplify::run(task, &pool, &mut console),
-        Task::Lod(task) => lod::run(task, &pool, &mut console),
-        Task::Repro(task) => repro::run(task, &pool, &mut console),
-    };
+    let succeeded = pool.install(|| run(&task, &mut console));
     if succeeded && console.finish() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+/// Builds the threads of the command. With one thread, it is the calling thread.
+fn pool(threads: Option<usize>) -> Result<ThreadPool, ThreadPoolBuildError> {
+    let builder = ThreadPoolBuilder::new().stack_size(STACK_BYTES);
+    match threads {
+        Some(1) => builder.num_threads(1).use_current_thread().build(),
+        Some(n) => builder.num_threads(n).build(),
+        None => builder.build(),
+    }
+}
+
+/// Runs a task; returns whether everything was done and proven.
+fn run(task: &Task, console: &mut Console) -> bool {
+    match task {
+        Task::Strip(task) => strip::run(task, console),
+        Task::Compare(task) => compare::run(task, console),
+        Task::Bound(task) => bound::run(task, console),
+        Task::Analyze(task) => analyze::run(task, console),
+        Task::Verify(task) => verify::run(task, console),
+        Task::Convert(task) => convert::run(task, console),
+        Task::Simplify(task) => simplify::run(task, console),
+        Task::Lod(task) => lod::run(task, console),
+        Task::Repro(task) => repro::run(task, console),
+    }
 }

@@ -1,18 +1,15 @@
-//! Stripification methods and their options: as typed, as the library takes them, and as reports name them.
+//! Stripification methods and their options: as typed, and as the library takes them.
 
 use std::time::Duration;
 
 use clap::{Args, ValueEnum};
-use serde::Serialize;
 use tristrip::strip::Cost;
 use tristrip::stripify::{Effort, EtaOptions, Objective, Start};
 use tristrip::vertex_cache::VertexCache;
 use tristrip::{FaceTriangulation, Method, Patches, StripifyOptions, Ties};
+use tristrip_pipeline::TUNNEL_LENGTH;
 
 use crate::values::{effort_parser, name_of};
-
-/// The default maximum length of a tunnel for `tunnel`: beyond it, every two more edges multiply the time several times.
-const TUNNEL_LENGTH: u32 = 9;
 
 /// A method by its name on the command line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -349,233 +346,73 @@ impl From<PatchesName> for Patches {
     }
 }
 
-/// Returns the name of the value of a command-line enumeration that stands for a value of the library.
-fn library_name<E: ValueEnum + Copy, T: From<E> + PartialEq + Copy>(value: T) -> Option<String> {
-    E::value_variants().iter().find(|&&name| T::from(name) == value).map(|&name| name_of(name))
-}
-
-/// A method and its options in the words of the command line; the keys are those of the JSON report.
-#[derive(Debug, Clone, PartialEq, Default, Serialize)]
-pub(crate) struct MethodReport {
-    method: String,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    triangulation: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    ties: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    patches: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    cutoff: Option<u32>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    cost: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    vertex_cache: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    objective: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    effort: Option<u8>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    tunnel_length: Option<u32>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    threshold: Option<u32>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    start: Option<String>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    seed: Option<u64>,
-}
-
-impl MethodReport {
-    pub(crate) fn of(options: &StripifyOptions) -> Self {
-        let plain = |method| Self { method: name_of(method), ..Self::default() };
-        let search = |method| Self {
-            cost: library_name::<CostName, _>(options.cost()),
-            effort: Some(options.effort().level()),
-            seed: Some(options.seed()),
-            ..plain(method)
-        };
-        match options.method() {
-            Method::Sequential => plain(MethodName::Sequential),
-            Method::Input => plain(MethodName::Input),
-            Method::Sgi => plain(MethodName::Sgi),
-            Method::StripeLocal { triangulation, ties } => Self {
-                triangulation: library_name::<TriangulationName, _>(triangulation),
-                ties: library_name::<TiesName, _>(ties),
-                seed: Some(options.seed()),
-                ..plain(MethodName::StripeLocal)
-            },
-            Method::StripeGlobal { patches, cutoff } => Self {
-                patches: library_name::<PatchesName, _>(patches),
-                cutoff: Some(cutoff),
-                seed: Some(options.seed()),
-                ..plain(MethodName::StripeGlobal)
-            },
-            Method::Best => search(MethodName::Best),
-            Method::Fewest => Self { cost: None, ..search(MethodName::Fewest) },
-            Method::Cache => Self {
-                cost: None,
-                vertex_cache: Some(options.vertex_cache().to_string()),
-                objective: library_name::<ObjectiveName, _>(options.objective()),
-                ..search(MethodName::Cache)
-            },
-            Method::Tunnel { length } => Self { tunnel_length: Some(length), ..plain(MethodName::Tunnel) },
-            Method::Eta(eta) => Self {
-                tunnel_length: Some(eta.length()),
-                threshold: Some(eta.threshold()),
-                start: library_name::<StartName, _>(eta.start()),
-                seed: Some(options.seed()),
-                ..plain(MethodName::Eta)
-            },
-            _ => search(MethodName::Auto),
-        }
-    }
-
-    /// Returns the name of the method.
-    pub(crate) fn method(&self) -> &str {
-        &self.method
-    }
-
-    /// Returns the objective of `cache`; `None` for other methods.
-    pub(crate) fn objective(&self) -> Option<&str> {
-        self.objective.as_deref()
-    }
-
-    /// Returns the effort; `None` for methods that do not search.
-    pub(crate) fn effort(&self) -> Option<u8> {
-        self.effort
-    }
-
-    /// Returns a short name of the method and its options: `stripe-local whole sequential`.
-    pub(crate) fn label(&self) -> String {
-        let words = [
-            &self.triangulation,
-            &self.ties,
-            &self.patches,
-            &self.cost,
-            &self.vertex_cache,
-            &self.objective,
-            &self.start,
-        ];
-        let numbers = [self.cutoff, self.effort.map(u32::from), self.tunnel_length];
-        let words = [Some(self.method.clone())].into_iter().chain(words.into_iter().cloned()).flatten();
-        let numbers = numbers.into_iter().flatten().map(|n| n.to_string());
-        words.chain(numbers).collect::<Vec<_>>().join(" ")
-    }
-
-    /// Describes the method and its options: `method best, cost restart, effort 2`. `auto` goes by the methods that it chose.
-    pub(crate) fn description(&self, chosen: &Chosen) -> String {
-        let names: Vec<&str> = chosen.0.iter().map(|(name, _)| name.as_str()).collect();
-        let method = if names.is_empty() { self.method.clone() } else { names.join(" or ") };
-        let number = |n: Option<u32>| n.map(|n| n.to_string());
-        let options = [
-            ("triangulation", self.triangulation.clone()),
-            ("ties", self.ties.clone()),
-            ("patches", self.patches.clone()),
-            ("cutoff", number(self.cutoff)),
-            ("cost", self.cost.clone()),
-            ("vertex cache", self.vertex_cache.clone()),
-            ("objective", self.objective.clone()),
-            ("effort", number(self.effort.map(u32::from))),
-            ("tunnel length", number(self.tunnel_length)),
-            ("threshold", number(self.threshold)),
-            ("start", self.start.clone()),
-        ];
-        let options = options.into_iter().filter_map(|(name, value)| Some(format!("{name} {}", value?)));
-        std::iter::once(format!("method {method}")).chain(options).collect::<Vec<_>>().join(", ")
-    }
-}
-
-/// The methods that were used, with the number of parts of each, in the order of [`MethodName`].
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub(crate) struct Chosen(Vec<(String, usize)>);
-
-impl Chosen {
-    pub(crate) fn of(methods: &[Method]) -> Self {
-        let mut counts: Vec<(String, usize)> =
-            MethodName::value_variants().iter().map(|&method| (name_of(method), 0)).collect();
-        for &method in methods {
-            let name = MethodReport::of(&StripifyOptions::default().with_method(method)).method;
-            if let Some((_, count)) = counts.iter_mut().find(|(known, _)| *known == name) {
-                *count += 1;
-            }
-        }
-        counts.retain(|(_, count)| *count > 0);
-        Self(counts)
-    }
-}
-
-/// Serializes as an object of names and counts.
-impl Serialize for Chosen {
-    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_map(self.0.iter().map(|(name, count)| (name, count)))
-    }
-}
-
-/// Returns the methods to compare: one or a few per family, or every variant.
-pub(crate) fn methods_to_compare(every_variant: bool) -> Vec<Method> {
-    let mut methods = vec![
-        Method::Auto,
-        Method::Best,
-        Method::Fewest,
-        Method::Cache,
-        Method::Input,
-        Method::Sequential,
-        Method::Sgi,
-    ];
-    let local = |triangulation, ties| Method::StripeLocal { triangulation, ties };
-    let global = |patches, cutoff| Method::StripeGlobal { patches, cutoff };
-    if every_variant {
-        methods.extend([Method::Tunnel { length: TUNNEL_LENGTH }, Method::Eta(EtaOptions::default())]);
-        for &triangulation in TriangulationName::value_variants() {
-            let ties = TiesName::value_variants().iter();
-            methods.extend(ties.map(|&ties| local(triangulation.into(), ties.into())));
-        }
-        for &patches in PatchesName::value_variants() {
-            methods.extend([5, 10, 15, 20, 25].map(|cutoff| global(patches.into(), cutoff)));
-        }
-    } else {
-        methods.extend([
-            local(FaceTriangulation::Static, Ties::Sequential),
-            local(FaceTriangulation::Whole, Ties::Sequential),
-            local(FaceTriangulation::Partial, Ties::Sequential),
-            local(FaceTriangulation::Whole, Ties::LookAhead),
-            global(Patches::Rows, 5),
-            global(Patches::Full, 5),
-        ]);
-    }
-    methods
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::collections::HashSet;
+    use clap::Parser;
+    use tristrip_pipeline::{MethodReport, parse_method};
 
-    #[test]
-    fn all_variants_have_distinct_names() {
-        let label = |method| MethodReport::of(&StripifyOptions::default().with_method(method)).label();
-        let labels: HashSet<String> = methods_to_compare(true).into_iter().map(label).collect();
-        assert_eq!(labels.len(), 9 + 15 + 10);
-        assert!(
-            labels.contains("stripe-local partial look-ahead") && labels.contains("stripe-global full 25")
-        );
-        assert!(methods_to_compare(false).into_iter().all(|method| labels.contains(&label(method))));
+    #[derive(Debug, Parser)]
+    struct MethodFlags {
+        #[command(flatten)]
+        method: MethodArgs,
     }
 
-    #[test]
-    fn chosen_methods_are_counted_by_name() {
-        let chosen = Chosen::of(&[Method::Input, Method::Best, Method::Input]);
-        assert_eq!(serde_json::to_string(&chosen).unwrap(), r#"{"best":1,"input":2}"#);
-        assert_eq!(Chosen::of(&[]), Chosen::default());
+    fn typed(flags: &str) -> Result<StripifyOptions, String> {
+        let words = std::iter::once("tristrip").chain(flags.split_whitespace());
+        let flags = MethodFlags::try_parse_from(words).map_err(|error| error.to_string())?;
+        flags.method.validate(false)
     }
 
+    /// Returns the flags of every value of an enumeration.
+    fn each<E: ValueEnum + Copy>(method: &str, flag: &str) -> Vec<String> {
+        E::value_variants()
+            .iter()
+            .map(|&name| format!("--method {method} {flag} {}", name_of(name)))
+            .collect()
+    }
+
+    /// The recipes of papers are flags of the command, which the library parses by itself.
     #[test]
-    fn auto_is_described_as_the_method_that_it_chose() {
-        let auto = MethodReport::of(&StripifyOptions::default());
-        assert_eq!(auto.description(&Chosen::of(&[Method::Best])), "method best, cost restart, effort 2");
-        let local = StripifyOptions::default().with_method(Method::STRIPE);
-        assert_eq!(
-            MethodReport::of(&local).description(&Chosen::default()),
-            "method stripe-global, patches rows, cutoff 5"
-        );
+    fn flags_mean_the_same_to_the_command_and_to_the_library() {
+        let methods: Vec<String> =
+            MethodName::value_variants().iter().map(|&name| format!("--method {}", name_of(name))).collect();
+        let all = [
+            methods,
+            each::<CostName>("best", "--cost"),
+            each::<ObjectiveName>("cache", "--objective"),
+            each::<StartName>("eta", "--start"),
+            each::<TriangulationName>("stripe-local", "--triangulation"),
+            each::<TiesName>("stripe-local", "--ties"),
+            each::<PatchesName>("stripe-global", "--patches"),
+            [
+                "",
+                "--method stripe --cutoff 25 --seed 7",
+                "--method tunnel --tunnel-length 1001",
+                "--method eta --tunnel-length 20 --threshold 9",
+                "--method cache --vertex-cache lru:24 --effort 4",
+                "--method fewest --effort 9",
+            ]
+            .map(String::from)
+            .to_vec(),
+        ];
+        for flags in all.concat() {
+            assert_eq!(typed(&flags).ok(), parse_method(&flags).ok(), "{flags}");
+            let options = parse_method(&flags).unwrap();
+            let report = serde_json::to_value(MethodReport::of(&options)).unwrap();
+            let last = flags.split_whitespace().last().unwrap_or("auto");
+            let named = report.as_object().unwrap().values();
+            let names: Vec<String> = named.map(|value| value.to_string().replace('"', "")).collect();
+            assert!(names.iter().any(|name| name == last) || last == "stripe", "{flags}: {report}");
+        }
+        for wrong in [
+            "--method sgi --start input",
+            "--colour red",
+            "--method best --effort 10",
+            "--method",
+            "--cutoff 5",
+        ] {
+            assert!(typed(wrong).is_err() && parse_method(wrong).is_err(), "{wrong}");
+        }
     }
 }

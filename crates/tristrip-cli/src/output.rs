@@ -2,87 +2,73 @@
 
 use std::fs;
 
-use tristrip::Layout;
-use tristrip::verify::verify_models;
-use tristrip_io::{Drawing, Model};
+use tristrip_lab::text;
+use tristrip_pipeline::text::counted;
+use tristrip_pipeline::{Encoded, Error, Event, Observer};
 
 use crate::console::Console;
 use crate::failure::Failure;
-use crate::input::meshes;
-use crate::stages::timed;
+use crate::reorder::{self, GroupReport};
+use crate::stage::{Stages, timed};
 use crate::task::Output;
-use crate::text::{self, counted};
 use crate::values::layout_name;
 
-/// The outcome of a write.
-pub(crate) struct Written {
-    /// Notes on what the format cannot store.
-    pub(crate) losses: Vec<String>,
-    /// The time to verify the bytes.
-    pub(crate) verify_seconds: Option<f64>,
-    /// The time to lay out and write the bytes.
-    pub(crate) write_seconds: f64,
+/// The fields of a report that a write fills in.
+pub(crate) struct WriteReport<'a> {
+    pub(crate) write: &'a mut Option<f64>,
+    pub(crate) verify: &'a mut Option<f64>,
+    pub(crate) notes: &'a mut Vec<String>,
+    pub(crate) vertex_order: Option<&'a mut Option<Vec<GroupReport>>>,
 }
 
-impl Written {
-    /// Adds the times and notes to those of a report.
-    pub(crate) fn record(self, write: &mut Option<f64>, verify: &mut Option<f64>, notes: &mut Vec<String>) {
-        *write = Some(self.write_seconds);
-        if let Some(seconds) = self.verify_seconds {
-            *verify = Some(verify.unwrap_or(0.0) + seconds);
-        }
-        notes.extend(self.losses);
-    }
-}
-
-/// A model, how each part is drawn, and the layout of the strips.
-#[derive(Clone, Copy)]
-pub(crate) struct ModelDrawing<'a> {
-    pub(crate) model: &'a Model,
-    pub(crate) drawings: &'a [Drawing<'a>],
-    pub(crate) layout: Layout,
-}
-
-/// Writes a model: lays out its strips, proves that the bytes draw the source if `verify` is set, and writes them to the output.
+/// Writes a model: encodes it, which proves that the bytes draw the source unless the user did not want it, and writes them to the
+/// output. `strips` states whether any part is drawn as strips.
 pub(crate) fn write(
     output: &Output,
-    source: &Model,
-    ModelDrawing { model, drawings, layout }: ModelDrawing<'_>,
-    verify: bool,
+    strips: bool,
     console: &mut Console,
-) -> Result<Written, Failure> {
-    console.doing("write");
-    let (encoded, encode_seconds) = timed(|| tristrip_io::write(model, drawings, output.format, layout));
-    let bytes = encoded.map_err(|error| Failure::writing(&error))?;
-    let mut verify_seconds = None;
-    if verify {
-        console.doing("verify");
-        let (proof, seconds) = timed(|| prove(output, source, &bytes));
-        let what = format!("proven: the file draws the {}", counted(proof?, "face"));
-        console.stage("verify", &what, Some(seconds));
-        verify_seconds = Some(seconds);
-    }
-    let (written, bytes_seconds) = timed(|| write_bytes(output, &bytes, console));
+    report: WriteReport<'_>,
+    encode: impl FnOnce(&dyn Observer) -> Result<Encoded, Error>,
+) -> Result<(), Failure> {
+    let WriteReport { write, verify, notes, mut vertex_order } = report;
+    let mut write_seconds = 0.0;
+    let show = |event: Event<'_>, seconds: f64| match event {
+        Event::Reordered(groups) => {
+            console.stage("reorder", &reorder::line(groups), Some(seconds));
+            write_seconds += seconds;
+            if let Some(order) = &mut vertex_order {
+                **order = Some(groups.iter().map(GroupReport::of).collect());
+            }
+        }
+        Event::Encoded { .. } => write_seconds += seconds,
+        Event::ReadBack { faces } => {
+            let what = format!("proven: the file draws the {}", counted(faces, "face"));
+            console.stage("verify", &what, Some(seconds));
+            *verify = Some(verify.unwrap_or(0.0) + seconds);
+        }
+        Event::Note(note) => notes.push(note.into()),
+        _ => (),
+    };
+    let encoded = encode(&Stages::new(console, 0.0, show)).map_err(|error| not_written(output, error))?;
+    let (written, bytes_seconds) = timed(|| write_bytes(output, &encoded.bytes, console));
     written?;
-    let write_seconds = encode_seconds + bytes_seconds;
+    write_seconds += bytes_seconds;
     if output.path.is_some() {
-        let strips = drawings.iter().any(|drawing| matches!(drawing, Drawing::Strips(_)));
         let how = if strips { layout_name(output.layout) } else { "faces" };
-        let what = format!("{}, {}, {how}", output.name(), text::bytes(bytes.len()));
+        let what = format!("{}, {}, {how}", output.name(), text::bytes(encoded.bytes.len()));
         console.stage("write", &what, Some(write_seconds));
     }
-    let losses = tristrip_io::losses(model, output.format);
-    losses.iter().for_each(|loss| console.note(loss));
-    Ok(Written { losses, verify_seconds, write_seconds })
+    encoded.losses.iter().for_each(|loss| console.note(loss));
+    *write = Some(write_seconds);
+    notes.extend(encoded.losses);
+    Ok(())
 }
 
-/// Reads the bytes back, proves that they draw the source, and returns the number of faces.
-fn prove(output: &Output, source: &Model, bytes: &[u8]) -> Result<usize, Failure> {
-    let unproven = |why: String| Failure::Unproven(format!("{} was not written: {why}", output.name()));
-    let again = tristrip_io::read(bytes, output.format).map_err(|error| unproven(error.to_string()))?;
-    match verify_models(&meshes(source), &meshes(&again))? {
-        Ok(proof) => Ok(proof.faces),
-        Err(difference) => Err(unproven(difference.to_string())),
+/// Names the output in the error of a result that is not proven.
+fn not_written(output: &Output, error: Error) -> Failure {
+    match error {
+        Error::Unproven(why) => Failure::Unproven(format!("{} was not written: {why}", output.name())),
+        other => other.into(),
     }
 }
 
@@ -102,8 +88,9 @@ fn write_bytes(output: &Output, bytes: &[u8], console: &mut Console) -> Result<(
 mod tests {
     use super::*;
     use crate::task::Shared;
-    use tristrip::Strips;
-    use tristrip_io::Format;
+    use tristrip::{Layout, Strips};
+    use tristrip_io::{Drawing, Format};
+    use tristrip_pipeline::{EncodeOptions, encode_observed};
 
     #[test]
     fn unproven_results_are_not_written() {
@@ -123,8 +110,17 @@ mod tests {
         strips.push(&[1, 2, 0]);
         let mut write = |strips: &Strips, verify| {
             let drawings = [Drawing::Strips(strips)];
-            let drawing = ModelDrawing { model: &model, drawings: &drawings, layout: output.layout };
-            write(&output, &model, drawing, verify, &mut console).map(drop)
+            let options = EncodeOptions::new(Format::Ply).with_verify(verify);
+            let (mut seconds, mut proof, mut notes) = (None, None, Vec::new());
+            let report = WriteReport {
+                write: &mut seconds,
+                verify: &mut proof,
+                notes: &mut notes,
+                vertex_order: None,
+            };
+            write(&output, true, &mut console, report, |observer| {
+                encode_observed(&model, &drawings, &options, observer)
+            })
         };
         let Err(Failure::Unproven(why)) = write(&strips, true) else { panic!("half a square was written") };
         assert!(why.contains("square.ply was not written: triangles missing: 1, extra: 0"), "{why}");

@@ -8,11 +8,10 @@ use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 use indicatif::ProgressBar;
-use serde::Serialize;
 use tristrip::stripify::{Objective, Progress, Watch};
 use tristrip::{Method, StripifyOptions};
-
-use crate::text::{count, counted};
+use tristrip_pipeline::text::{count, counted};
+use tristrip_pipeline::{Search, Stopped};
 
 /// The exit code of a command that was ended by Ctrl-C, as shells define it.
 const INTERRUPTED_CODE: i32 = 130;
@@ -26,24 +25,6 @@ static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 /// Returns whether a search was stopped by Ctrl-C.
 pub(crate) fn interrupted() -> bool {
     INTERRUPTED.load(Ordering::Relaxed)
-}
-
-/// Why a search was stopped early.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "lowercase")]
-pub(crate) enum Stopped {
-    Budget,
-    Interrupt,
-}
-
-impl Stopped {
-    /// Returns the note for the report.
-    pub(crate) fn note(self) -> &'static str {
-        match self {
-            Self::Budget => "the time budget ended the search: another run may give a different result",
-            Self::Interrupt => "interrupted: this is the best result found so far",
-        }
-    }
 }
 
 /// The lowest effort at which `cache` searches for every objective.
@@ -85,15 +66,6 @@ impl SearchWatch {
         }
     }
 
-    /// Returns why the search was stopped, if it was.
-    pub(crate) fn stopped(&self) -> Option<Stopped> {
-        if interrupted() {
-            Some(Stopped::Interrupt)
-        } else {
-            self.over_budget.load(Ordering::Relaxed).then_some(Stopped::Budget)
-        }
-    }
-
     fn show(&self, progress: &Progress, elapsed: Duration) {
         let now = elapsed.as_millis() as u64;
         let last = self.shown.load(Ordering::Relaxed);
@@ -117,6 +89,16 @@ impl Watch for SearchWatch {
             self.over_budget.store(true, Ordering::Relaxed);
         }
         self.stopped().is_none()
+    }
+}
+
+impl Search for SearchWatch {
+    fn stopped(&self) -> Option<Stopped> {
+        if interrupted() {
+            Some(Stopped::Interrupt)
+        } else {
+            self.over_budget.load(Ordering::Relaxed).then_some(Stopped::Budget)
+        }
     }
 }
 

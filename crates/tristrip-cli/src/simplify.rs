@@ -1,31 +1,17 @@
 //! `tristrip simplify`: reduces the number of triangles by half-edge collapses.
-//!
-//! ```text
-//! load ─ prepare ─▶ triangles of each part ─ lock shared vertices ─ simplify ─▶ base meshes ─ prove ─ write ─ read back, prove
-//! ```
-
-mod parts;
 
 use serde::Serialize;
-use tristrip::dual::Triangulation;
-use tristrip::simplify::Simplification;
-use tristrip::{Layout, Mesh, StripifyOptions, Strips};
-use tristrip_io::{Drawing, Format, Redrawn};
+use tristrip_io::Format;
+use tristrip_lab::text::table;
+use tristrip_pipeline::text::{count, counted};
+use tristrip_pipeline::{Collapses, Event, SimplifyOptions, simplify_observed};
 
 use crate::batch::{self, InputReport, Outcome};
 use crate::console::Console;
 use crate::failure::Failure;
-use crate::figures::rounded;
-use crate::input::meshes;
-use crate::output::{self, ModelDrawing};
-use crate::stages::{Pool, timed};
-use crate::survey::{Loaded, Surveyed};
-use crate::task::{Job, Output, SimplifyTask};
-use crate::text::{count, counted, table};
-pub(crate) use parts::{Compact, Part, diagonal, simplify_all};
-
-/// The maximum number of parts with a note of their own on where they stopped.
-const MAX_NAMED_PARTS: usize = 8;
+use crate::output::{self, WriteReport};
+use crate::stage::{Stages, load_timed};
+use crate::task::{Job, SimplifyTask};
 
 /// The time of each stage in seconds; `null` for a stage that did not run.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
@@ -74,11 +60,10 @@ impl InputReport for SimplifyReport {
 }
 
 /// Simplifies all inputs in order; returns whether all succeeded.
-pub(crate) fn run(task: &SimplifyTask, pool: &Pool, console: &mut Console) -> bool {
+pub(crate) fn run(task: &SimplifyTask, console: &mut Console) -> bool {
     let new_report = |job: &Job| SimplifyReport { file: job.input.name(), ..SimplifyReport::default() };
-    let process = |job: &Job, console: &mut Console, report: &mut SimplifyReport| {
-        simplify(job, task, pool, console, report)
-    };
+    let process =
+        |job: &Job, console: &mut Console, report: &mut SimplifyReport| simplify(job, task, console, report);
     let show = |job: &Job, report: &SimplifyReport, title: &str, console: &mut Console| {
         console.result(&format!("{title}{}", summary(report)), job.output.is_none());
     };
@@ -89,157 +74,69 @@ pub(crate) fn run(task: &SimplifyTask, pool: &Pool, console: &mut Console) -> bo
 fn simplify(
     job: &Job,
     task: &SimplifyTask,
-    pool: &Pool,
     console: &mut Console,
     report: &mut SimplifyReport,
 ) -> Result<(), Failure> {
-    // 1. The triangles of each part.
-    let loaded = Loaded::new(&job.input, StripifyOptions::default(), console)?;
-    let surveyed = loaded.survey(pool, console);
-    let (load, dual) = (surveyed.seconds.load, surveyed.seconds.dual);
-    report.seconds = SimplifySeconds { load, dual, ..SimplifySeconds::default() };
-    report.notes.clone_from(&surveyed.notes);
-    report.parts = Some(surveyed.parts.len());
-    let parts = fans(pool, &surveyed)?;
-    let before: Vec<usize> = parts.iter().map(Part::triangle_count).collect();
-    report.triangles_before = Some(before.iter().sum());
-    report.vertices_before = Some(surveyed.mesh.vertices - surveyed.mesh.unreferenced_vertices);
-    let diagonal = diagonal(&parts);
-    report.diagonal = Some(diagonal);
-
-    // 2. The collapses.
-    let shares = task.goal.amount.map_or_else(|| vec![0; parts.len()], |amount| amount.shares(&before));
-    let error = task.goal.deviation.map(|deviation| deviation.units(diagonal));
-    report.target_triangles = task.goal.amount.map(|_| shares.iter().sum());
-    report.target_error = error;
-    console.doing("simplify");
-    let (done, seconds) = timed(|| simplify_all(pool, &parts, &shares, error));
-    let done = done?;
-    report.seconds.simplify = Some(seconds);
-    report.collapses = Some(done.iter().map(|done| done.sequence.len()).sum());
-    report.triangles_after = Some(done.iter().map(|done| done.sequence.triangle_count(0)).sum());
-    report.reached = Some(
-        done.iter()
-            .zip(&shares)
-            .all(|(done, &share)| task.goal.amount.is_none() || done.sequence.triangle_count(0) <= share),
-    );
-    let reached = done.iter().map(|done| done.sequence.error(0)).fold(0.0, f32::max);
-    report.surface_error = Some(reached);
-    report.surface_error_percent = Some(percent_of(reached, diagonal));
-    console.stage("simplify", &line(report), Some(seconds));
-    let locked = parts.iter().map(Part::locked_count).sum();
-    report.locked_vertices = Some(locked);
-    let wanted = task.goal.amount.map(|_| &shares[..]);
-    for note in locked_note(locked).into_iter().chain(ends(&done, wanted)) {
-        console.note(&note);
-        report.notes.push(note);
-    }
-
-    // 3. The proof of the collapses.
-    if task.verify {
-        console.doing("verify");
-        let (proof, seconds) = timed(|| prove(pool, &done));
-        proof?;
-        report.seconds.verify = Some(seconds);
-        report.proven = Some(true);
-        let what = "proven: replaying the collapses removes exactly these triangles";
-        console.stage("verify", what, Some(seconds));
-    } else {
+    let (model, load) = load_timed(&job.input, console)?;
+    report.seconds.load = Some(load);
+    let format = job.output.as_ref().map_or(Format::Ply, |output| output.format);
+    let options = SimplifyOptions::new(task.goal).with_verify(task.verify).with_format(format);
+    let show = |event: Event<'_>, seconds: f64| show(event, seconds, console, report);
+    let simplified = simplify_observed(&model, &options, &Stages::new(console, load, show))?;
+    if !task.verify {
         console.stage("verify", "skipped", None);
     }
-
-    // 4. The file.
-    let base = |(part, done): (&Part<'_>, &Simplification)| {
-        let mut corners = done.sequence.drawn(0).into_flattened();
-        part.compact.outward(&mut corners);
-        corners
-    };
-    let triangles = parts.iter().zip(&done).map(base).collect();
-    let format = job.output.as_ref().map_or(Format::Ply, |output| output.format);
-    let smaller = tristrip_io::with_triangles(&loaded.model, triangles, format);
-    let smaller = smaller.map_err(|error| Failure::writing(&error))?;
-    report.vertices_after = Some(smaller.used);
+    report.vertices_after = Some(simplified.redrawn.used);
     let Some(target) = &job.output else { return Ok(()) };
-    write(target, &smaller, task.verify, console, report)
-}
-
-/// Returns the triangles of all parts, polygons as fans around their first corner.
-fn fans<'a>(pool: &Pool, surveyed: &Surveyed<'a>) -> Result<Vec<Part<'a>>, Failure> {
-    let triangles =
-        pool.map(&surveyed.parts, |part| Triangulation::fan(&part.surface, &part.graph).triangles().to_vec());
-    let meshes = surveyed.parts.iter().map(|part| part.mesh);
-    Ok(Part::of_all(meshes.zip(triangles).collect())?)
-}
-
-/// Replays the collapses of each part, and compares the triangles that they remove.
-fn prove(pool: &Pool, done: &[Simplification]) -> Result<(), Failure> {
-    let proofs = pool.map(done, |done| done.sequence.check());
-    proofs.into_iter().collect::<Result<(), _>>().map_err(|why| Failure::Unproven(why.to_string()))
-}
-
-/// Writes the simplified model.
-fn write(
-    target: &Output,
-    smaller: &Redrawn,
-    verify: bool,
-    console: &mut Console,
-    report: &mut SimplifyReport,
-) -> Result<(), Failure> {
-    let in_scene = smaller.model.scene.is_some() && target.format == Format::Glb;
-    if smaller.kept > 0 && in_scene {
-        let kept = counted(smaller.kept, "unused vertex");
-        let note = format!("kept {kept}: other parts of the scene may refer to them");
-        console.note(&note);
-        report.notes.push(note);
-    }
-    // When a scene is written, parts drawn as faces keep their old indices; one strip per triangle gives them new ones.
-    let single_triangles: Vec<Strips> =
-        meshes(&smaller.model).iter().filter(|_| in_scene).map(|mesh| one_strip_per_triangle(mesh)).collect();
-    let drawings: Vec<Drawing<'_>> = if in_scene {
-        single_triangles.iter().map(Drawing::Strips).collect()
-    } else {
-        smaller.model.parts.iter().map(|_| Drawing::Faces).collect()
+    let fields = WriteReport {
+        write: &mut report.seconds.write,
+        verify: &mut report.seconds.verify,
+        notes: &mut report.notes,
+        vertex_order: None,
     };
-    let drawing = ModelDrawing { model: &smaller.model, drawings: &drawings, layout: Layout::List };
-    let written = output::write(target, &smaller.model, drawing, verify, console)?;
-    written.record(&mut report.seconds.write, &mut report.seconds.verify, &mut report.notes);
+    let strips = simplified.draws_strips();
+    output::write(target, strips, console, fields, |observer| simplified.encode(observer))?;
     report.output = Some(target.name());
     Ok(())
 }
 
-/// Builds one strip per triangle.
-fn one_strip_per_triangle(mesh: &Mesh) -> Strips {
-    let mut strips = Strips::default();
-    mesh.faces().iter().for_each(|triangle| strips.push(triangle));
-    strips
-}
-
-/// Returns a note on the number of locked vertices, if there are any.
-pub(crate) fn locked_note(locked: usize) -> Option<String> {
-    (locked > 0).then(|| format!("locked {} at positions that several parts use", counted(locked, "vertex")))
-}
-
-/// Returns notes on the parts that stopped before their goal, and why.
-pub(crate) fn ends(done: &[Simplification], shares: Option<&[usize]>) -> Vec<String> {
-    let Some(shares) = shares else { return Vec::new() };
-    let mut notes = Vec::new();
-    for (part, (done, &share)) in done.iter().zip(shares).enumerate() {
-        if let Some(stopped) = done.stopped.as_ref().filter(|_| done.sequence.triangle_count(0) > share) {
-            let name = if shares.len() > 1 { format!("part {part}: ") } else { String::new() };
-            notes.push(format!("{name}target {}, {stopped}", count(share)));
+/// Prints and reports an event.
+fn show(event: Event<'_>, seconds: f64, console: &Console, report: &mut SimplifyReport) {
+    match event {
+        Event::Prepared => report.seconds.dual = Some(seconds),
+        Event::Surveyed { parts, mesh, notes } => {
+            report.parts = Some(parts);
+            report.notes = notes.to_vec();
+            report.vertices_before = Some(mesh.vertices - mesh.unreferenced_vertices);
         }
+        Event::Simplified(collapses) => {
+            report.seconds.simplify = Some(seconds);
+            report.record(collapses);
+            console.stage("simplify", &line(report), Some(seconds));
+        }
+        Event::Note(note) => report.notes.push(note.into()),
+        Event::Proven { .. } => {
+            (report.seconds.verify, report.proven) = (Some(seconds), Some(true));
+            let what = "proven: replaying the collapses removes exactly these triangles";
+            console.stage("verify", what, Some(seconds));
+        }
+        _ => (),
     }
-    let more = notes.len().saturating_sub(MAX_NAMED_PARTS);
-    if more > 0 {
-        notes.truncate(MAX_NAMED_PARTS);
-        notes.push(format!("{} more stopped before their targets", counted(more, "part")));
-    }
-    notes
 }
 
-/// Returns a distance in percent of a model's diagonal.
-pub(crate) fn percent_of(distance: f32, diagonal: f64) -> f64 {
-    if diagonal > 0.0 { rounded(100.0 * f64::from(distance) / diagonal) } else { 0.0 }
+impl SimplifyReport {
+    fn record(&mut self, collapses: &Collapses) {
+        self.target_triangles = collapses.target_triangles;
+        self.target_error = collapses.target_error;
+        self.reached = Some(collapses.reached);
+        self.triangles_before = Some(collapses.triangles_before);
+        self.triangles_after = Some(collapses.triangles_after);
+        self.collapses = Some(collapses.collapse_count);
+        self.surface_error = Some(collapses.surface_error);
+        self.surface_error_percent = Some(collapses.surface_error_percent());
+        self.diagonal = Some(collapses.diagonal);
+        self.locked_vertices = Some(collapses.locked_vertices);
+    }
 }
 
 /// Returns a line on the triangles left and the collapses.

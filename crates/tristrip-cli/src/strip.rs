@@ -1,24 +1,29 @@
 //! `tristrip strip`: builds strips, verifies them, writes them, and reports their metrics.
 
+use std::path::Path;
+
 use serde::Serialize;
-use tristrip::{Method, Strips};
-use tristrip_io::{Drawing, Model, Reordered};
+use tristrip::StripifyOptions;
+use tristrip_io::Model;
+use tristrip_lab::pareto::{self, ParetoObserver, ParetoPoint};
+use tristrip_lab::render::{self, RenderOptions};
+use tristrip_pipeline::text::counted;
+use tristrip_pipeline::{
+    BoundGap, Chosen, EncodeOptions, Event, Figures, MeshFigures, MethodReport, Observer, PreparedModel,
+    Search, Stopped, StripOptions, Stripped, encode_observed, strip_observed,
+};
 
 use crate::batch::{self, InputReport, Outcome};
-use crate::bound::{BoundGap, Bounds};
+use crate::bound::gap_line;
 use crate::console::Console;
 use crate::failure::Failure;
-use crate::figures::{Figures, MeshFigures};
+use crate::figures::summary;
 use crate::input::short_name;
-use crate::method::{Chosen, MethodReport};
-use crate::output::{self, ModelDrawing};
-use crate::pareto::{self, ParetoPoint, Searches};
-use crate::reorder::{self, GroupReport};
-use crate::search::{SearchWatch, Stopped, interrupted};
-use crate::stages::{FoundStrips, Pool, Seconds, find_strips, prove, timed};
-use crate::survey::{Loaded, Surveyed};
+use crate::output::{self, WriteReport};
+use crate::reorder::GroupReport;
+use crate::search::{SearchWatch, interrupted};
+use crate::stage::{Seconds, Stages, load_timed, timed};
 use crate::task::{Job, Output, ParetoTask, StripTask};
-use crate::text::counted;
 use crate::values::layout_name;
 
 /// The report of one input; the keys are those of the JSON output.
@@ -47,6 +52,9 @@ struct StripReport {
     vertex_order: Option<Vec<GroupReport>>,
     /// The costs of all methods; `null` unless requested.
     pareto: Option<Vec<ParetoPoint>>,
+    /// The picture of the strips, if it was requested.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    picture: Option<String>,
     error: Option<String>,
 }
 
@@ -57,7 +65,7 @@ impl InputReport for StripReport {
 }
 
 /// Processes all inputs in order; returns whether all succeeded.
-pub(crate) fn run(task: &StripTask, pool: &Pool, console: &mut Console) -> bool {
+pub(crate) fn run(task: &StripTask, console: &mut Console) -> bool {
     let new_report = |job: &Job| StripReport {
         file: job.input.name(),
         method: MethodReport::of(&task.options),
@@ -74,22 +82,23 @@ pub(crate) fn run(task: &StripTask, pool: &Pool, console: &mut Console) -> bool 
         layout: None,
         vertex_order: None,
         pareto: None,
+        picture: None,
         error: None,
     };
     let show = |job: &Job, report: &StripReport, title: &str, console: &mut Console| {
-        let figures = report.figures.as_ref().map(Figures::summary).unwrap_or_default();
+        let figures = report.figures.as_ref().map(summary).unwrap_or_default();
         let methods = report.pareto.as_deref().map(pareto::as_text).unwrap_or_default();
         console.result(&format!("{title}{figures}{methods}"), job.output.is_none());
     };
     let process =
-        |job: &Job, console: &mut Console, report: &mut StripReport| strip(job, task, pool, console, report);
+        |job: &Job, console: &mut Console, report: &mut StripReport| strip(job, task, console, report);
     let mut reports = batch::process_all(&task.jobs, None, console, new_report, process, show);
     if let Some(ParetoTask { path, .. }) = &task.pareto {
         let points =
             reports.iter().filter_map(|report| Some((short_name(&report.file), report.pareto.as_deref()?)));
         let points: Vec<_> = points.collect();
         if !points.is_empty() {
-            let chart = pareto::draw(&points);
+            let chart = pareto::draw(&points).map_err(Failure::from);
             batch::write_chart(path, chart, &mut reports, console);
         }
     }
@@ -100,64 +109,32 @@ pub(crate) fn run(task: &StripTask, pool: &Pool, console: &mut Console) -> bool 
 fn strip(
     job: &Job,
     task: &StripTask,
-    pool: &Pool,
     console: &mut Console,
     report: &mut StripReport,
 ) -> Result<(), Failure> {
     if interrupted() {
         return Err(Failure::Input("not processed: interrupted".into()));
     }
-    let loaded = Loaded::new(&job.input, task.options, console)?;
-    let (model, options) = (&loaded.model, loaded.options);
-    let Surveyed { parts, mesh, notes, seconds } = loaded.survey(pool, console);
-    let faces = mesh.faces;
-    (report.seconds, report.notes) = (seconds, notes);
-    (report.parts, report.mesh) = (Some(parts.len()), Some(mesh));
-
-    console.doing("stripify");
-    let watch = SearchWatch::new(console.progress(), task.budget, &options);
-    let (found, seconds) = timed(|| find_strips(pool, &parts, &options, &watch));
-    let FoundStrips { strips, chosen } = found?;
-    report.stopped = watch.stopped();
-    drop(watch);
-    report.seconds.stripify = Some(seconds);
-    let figures = Figures::of(pool, &parts, &strips, &options);
-    let chosen = Chosen::of(&chosen);
-    let what = format!("{} ({})", counted(figures.strips, "strip"), report.method.description(&chosen));
-    console.stage("stripify", &what, Some(seconds));
-    report.chosen = Some(chosen);
-    if let Some(stopped) = report.stopped {
-        console.note(stopped.note());
-        report.notes.push(stopped.note().into());
-    }
-    if matches!(options.method(), Method::Best | Method::Fewest) {
-        console.doing("bound");
-        let (bounds, seconds) = timed(|| Bounds::of(pool, &parts));
-        report.bound = bounds.gap(&options, &figures);
-        if let Some(gap) = &report.bound {
-            console.stage("bound", &gap.line(), Some(seconds));
-        }
-    }
-    report.figures = Some(figures);
-
-    if task.verify {
-        console.doing("verify");
-        let (proof, seconds) = timed(|| prove(pool, &parts, &strips, &options));
-        proof?;
-        report.seconds.verify = Some(seconds);
-        report.proven = Some(true);
-        console.stage("verify", &proven(faces), Some(seconds));
-    } else {
+    let (model, load) = load_timed(&job.input, console)?;
+    report.seconds.load = Some(load);
+    let options = StripOptions::default().with_stripify(task.options).with_verify(task.verify);
+    let show = |event: Event<'_>, seconds: f64| show(event, seconds, console, report);
+    let stages = Stages::new(console, load, show).with_budget(task.budget);
+    let stripped = strip_observed(&model, &options, &stages)?;
+    if !task.verify {
         console.stage("verify", "skipped", None);
     }
-    // Only the chart of all methods still needs the prepared parts; otherwise free them before writing.
-    let parts = task.pareto.as_ref().map(|wanted| (wanted, parts));
     if let Some(target) = &job.output {
-        write(target, task, model, strips, console, report)?;
+        write(target, task, &model, &stripped, console, report)?;
     }
-    let Some((wanted, parts)) = parts else { return Ok(()) };
-    let searches = Searches { effort: wanted.effort, budget: task.budget };
-    let (points, seconds) = timed(|| pareto::measure(pool, &parts, &options, searches, console));
+    if let Some(path) = &task.picture {
+        draw(path, &model, &stripped, console)?;
+        report.picture = Some(path.display().to_string());
+    }
+    let Some(wanted) = &task.pareto else { return Ok(()) };
+    let prepared = PreparedModel::new(&model, stripped.options.weld());
+    let searches = Searches { console, task };
+    let (points, seconds) = timed(|| pareto::measure(&prepared, &stripped.options, wanted.effort, &searches));
     let (points, notes) = points?;
     console.stage("pareto", &pareto::line(&points), Some(seconds));
     notes.iter().for_each(|note| console.note(note));
@@ -166,38 +143,97 @@ fn strip(
     Ok(())
 }
 
+/// Prints and reports an event.
+fn show(event: Event<'_>, seconds: f64, console: &Console, report: &mut StripReport) {
+    match event {
+        Event::Prepared => report.seconds.dual = Some(seconds),
+        Event::Surveyed { parts, mesh, notes } => {
+            (report.parts, report.mesh) = (Some(parts), Some(mesh.clone()));
+            report.notes = notes.to_vec();
+        }
+        Event::Stripified { strips, chosen, stopped } => {
+            report.seconds.stripify = Some(seconds);
+            let method = report.method.description(chosen);
+            console.stage("stripify", &format!("{} ({method})", counted(strips, "strip")), Some(seconds));
+            (report.chosen, report.stopped) = (Some(chosen.clone()), stopped);
+            if let Some(stopped) = stopped {
+                console.note(stopped.note());
+                report.notes.push(stopped.note().into());
+            }
+        }
+        Event::Measured(figures) => report.figures = Some(figures.clone()),
+        Event::Bounded(gap) => {
+            if let Some(gap) = gap {
+                console.stage("bound", &gap_line(gap), Some(seconds));
+            }
+            report.bound = gap.cloned();
+        }
+        Event::Proven { faces } => {
+            (report.seconds.verify, report.proven) = (Some(seconds), Some(true));
+            console.stage("verify", &proven(faces), Some(seconds));
+        }
+        _ => (),
+    }
+}
+
 /// Writes the strips, with the vertices in order of first use if requested.
 fn write(
     target: &Output,
     task: &StripTask,
-    source: &Model,
-    strips: Vec<Strips>,
+    model: &Model,
+    stripped: &Stripped,
     console: &mut Console,
     report: &mut StripReport,
 ) -> Result<(), Failure> {
-    let (mut model, mut strips, mut layout, mut reorder_seconds) = (source, strips, target.layout, 0.0);
-    let reordered;
-    if task.reorder {
-        console.doing("reorder");
-        let (result, seconds) = timed(|| tristrip_io::reorder(source, &strips, target.format, layout));
-        let Reordered { model: moved, strips: renamed, layout: fitting, groups } =
-            result.map_err(|error| Failure::writing(&error))?;
-        console.stage("reorder", &reorder::line(&groups), Some(seconds));
-        let kept = reorder::kept(&groups);
-        kept.iter().for_each(|note| console.note(note));
-        report.notes.extend(kept);
-        report.vertex_order = Some(groups.iter().map(GroupReport::of).collect());
-        reordered = moved;
-        (model, strips, layout, reorder_seconds) = (&reordered, renamed, fitting, seconds);
-    }
-    let drawings: Vec<_> = strips.iter().map(Drawing::Strips).collect();
-    let drawing = ModelDrawing { model, drawings: &drawings, layout };
-    let mut written = output::write(target, source, drawing, task.verify, console)?;
-    written.write_seconds += reorder_seconds;
-    written.record(&mut report.seconds.write, &mut report.seconds.verify, &mut report.notes);
+    let options = EncodeOptions::new(target.format).with_layout(target.layout);
+    let options = options.with_reorder(task.reorder).with_verify(task.verify);
+    let fields = WriteReport {
+        write: &mut report.seconds.write,
+        verify: &mut report.seconds.verify,
+        notes: &mut report.notes,
+        vertex_order: Some(&mut report.vertex_order),
+    };
+    output::write(target, !stripped.strips.is_empty(), console, fields, |observer| {
+        encode_observed(model, &stripped.drawings(), &options, observer)
+    })?;
     report.output = Some(target.name());
     report.layout = Some(layout_name(target.layout));
     Ok(())
+}
+
+/// Draws the strips, and writes the picture.
+fn draw(path: &Path, model: &Model, stripped: &Stripped, console: &Console) -> Result<(), Failure> {
+    console.doing("picture");
+    let options = RenderOptions::default();
+    let positions = model.parts.iter().map(|part| part.mesh.positions());
+    let parts: Vec<_> = positions.zip(&stripped.strips).collect();
+    let (picture, seconds) = timed(|| render::strips(&parts, &options));
+    tristrip_io::replace_file(path, &picture?).map_err(|error| Failure::writing(&error))?;
+    let what = format!("{}, {} × {} pixels", path.display(), options.width, options.height);
+    console.stage("picture", &what, Some(seconds));
+    Ok(())
+}
+
+/// Watches the methods of a chart.
+struct Searches<'a> {
+    console: &'a Console,
+    task: &'a StripTask,
+}
+
+impl Observer for Searches<'_> {
+    fn search(&self, options: &StripifyOptions) -> Box<dyn Search + '_> {
+        Box::new(SearchWatch::new(self.console.progress(), self.task.budget, options))
+    }
+
+    fn is_cancelled(&self) -> bool {
+        interrupted()
+    }
+}
+
+impl ParetoObserver for Searches<'_> {
+    fn method(&self, label: &str) {
+        self.console.doing(label);
+    }
 }
 
 /// Returns a line on what was proven.

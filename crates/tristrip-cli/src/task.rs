@@ -10,11 +10,12 @@ use tristrip::stripify::Effort;
 use tristrip::vertex_cache::FlushPolicy;
 use tristrip::{Layout, StripifyOptions};
 use tristrip_io::Format;
+use tristrip_pipeline::{
+    Amount, AnalyzeOptions, DisplayFilter, Goal, Level, Ratio, VertexCacheList, default_layout,
+};
 
 use crate::args::{self, AnalyzeArgs, Command, GeneralArgs, LodArgs, OutputArgs, ReportArgs};
-use crate::values::{
-    Amount, FilterName, Goal, LayoutName, Level, ModelName, Ratio, VertexCacheList, WRITTEN_FORMATS,
-};
+use crate::values::{FilterName, LayoutName, ModelName, WRITTEN_FORMATS, name_of};
 
 /// The maximum number of inputs in one chart: with more, the curves cannot be told apart.
 const MAX_PLOTTED_INPUTS: usize = 3;
@@ -42,6 +43,8 @@ pub(crate) struct StripTask {
     pub(crate) reorder: bool,
     pub(crate) verify: bool,
     pub(crate) pareto: Option<ParetoTask>,
+    /// The PNG file to draw the strips in.
+    pub(crate) picture: Option<PathBuf>,
 }
 
 /// A chart of all methods.
@@ -73,8 +76,7 @@ pub(crate) struct BoundTask {
 #[derive(Debug)]
 pub(crate) struct AnalyzeTask {
     pub(crate) inputs: Vec<Input>,
-    pub(crate) vertex_caches: VertexCacheList,
-    pub(crate) flush_policy: FlushPolicy,
+    pub(crate) options: AnalyzeOptions,
     /// The SVG file to write.
     pub(crate) plot: Option<PathBuf>,
     /// The vertex caches of its curves.
@@ -111,8 +113,8 @@ pub(crate) struct LodTask {
     /// The ratio of triangles that the base mesh keeps.
     pub(crate) base: Ratio,
     pub(crate) level: Level,
-    pub(crate) filter: FilterName,
-    /// The effort of [`FilterName::Repair`].
+    pub(crate) filter: DisplayFilter,
+    /// The effort of [`DisplayFilter::Repair`].
     pub(crate) filter_effort: Effort,
     pub(crate) table: bool,
     pub(crate) compare: bool,
@@ -217,7 +219,11 @@ fn validate(command: Command, papers: &[&str]) -> Result<(Task, Shared), String>
                 args.pareto.map(|path| pareto_task(path, args.method.effort(), &jobs)).transpose()?;
             let budget = args.method.budget();
             let (reorder, verify) = (args.reorder_vertices, !args.output.target.no_verify);
-            (Task::Strip(StripTask { jobs, options, budget, reorder, verify, pareto }), shared)
+            let picture = args.picture;
+            if let Some(path) = &picture {
+                check_picture(path, &jobs)?;
+            }
+            (Task::Strip(StripTask { jobs, options, budget, reorder, verify, pareto, picture }), shared)
         }
         Command::Compare(args) => {
             let options = StripifyOptions::default()
@@ -271,7 +277,7 @@ fn validate(command: Command, papers: &[&str]) -> Result<(Task, Shared), String>
 }
 
 impl LodTask {
-    /// Returns the options of [`FilterName::Repair`].
+    /// Returns the options of [`DisplayFilter::Repair`].
     pub(crate) fn repair(&self) -> RepairOptions {
         RepairOptions::default().with_effort(self.filter_effort)
     }
@@ -291,7 +297,7 @@ fn lod_task(args: LodArgs) -> Result<(Task, Shared), String> {
         model: args.model,
         base: args.base,
         level: args.level,
-        filter: args.filter,
+        filter: args.filter.into(),
         filter_effort,
         table: args.table,
         compare: args.compare,
@@ -306,7 +312,7 @@ fn filter_effort(args: &LodArgs) -> Result<Effort, String> {
     let is_used = args.filter == FilterName::Repair || args.table || args.compare || args.plot.is_some();
     match args.filter_effort {
         Some(_) if !is_used => {
-            Err(format!("--filter-effort belongs to --filter repair, not to {}", args.filter.name()))
+            Err(format!("--filter-effort belongs to --filter repair, not to {}", name_of(args.filter)))
         }
         effort => Ok(effort.unwrap_or_default()),
     }
@@ -320,7 +326,8 @@ fn analyze_task(args: AnalyzeArgs) -> Result<(Task, Shared), String> {
     let curve = args.plot.as_ref().map(|_| args.vertex_caches.clone().unwrap_or_else(VertexCacheList::curve));
     let flush_policy = if args.flush { FlushPolicy::Flush } else { FlushPolicy::Keep };
     let vertex_caches = args.vertex_caches.unwrap_or_default();
-    let task = AnalyzeTask { inputs, vertex_caches, flush_policy, plot: args.plot, curve };
+    let options = AnalyzeOptions::default().with_vertex_caches(vertex_caches).with_flush_policy(flush_policy);
+    let task = AnalyzeTask { inputs, options, plot: args.plot, curve };
     Ok((Task::Analyze(task), shared))
 }
 
@@ -328,6 +335,17 @@ fn pareto_task(path: PathBuf, effort: Option<Effort>, jobs: &[Job]) -> Result<Pa
     check_chart("--pareto", &path, jobs.len())?;
     check_distinct_files("--pareto", &path, jobs)?;
     Ok(ParetoTask { path, effort })
+}
+
+/// Checks that a picture of one input can be written to this file.
+fn check_picture(path: &PathBuf, jobs: &[Job]) -> Result<(), String> {
+    if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("png")) {
+        return Err(format!("{}: --picture writes PNG; use the extension .png", path.display()));
+    }
+    if jobs.len() > 1 {
+        return Err("--picture takes one input".into());
+    }
+    check_distinct_files("--picture", path, jobs)
 }
 
 /// Checks that a chart and the outputs are different files.
@@ -499,7 +517,6 @@ fn layout(args: &OutputArgs, format: Format) -> Result<Layout, String> {
         (Format::Obj, None | Some(Layout::List)) => Ok(Layout::List),
         (Format::Obj, Some(_)) => Err("OBJ has no strips, only --layout list; use .glb or .ply".into()),
         (_, Some(layout)) => Ok(layout),
-        (Format::Ply, None) => Ok(Layout::Restart),
-        (_, None) => Ok(Layout::Degenerate),
+        (_, None) => Ok(default_layout(format)),
     }
 }

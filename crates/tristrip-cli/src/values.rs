@@ -2,20 +2,12 @@
 //!
 //! These types depend on no other part of the command, so that flags, tasks and subcommands can share them.
 
-mod goal;
-mod level;
-mod vertex_caches;
-
 use clap::ValueEnum;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use tristrip::Layout;
-use tristrip::lod::filter::Filter;
 use tristrip::stripify::Effort;
 use tristrip_io::Format;
-
-pub(crate) use goal::{Amount, Deviation, Goal, Ratio};
-pub(crate) use level::Level;
-pub(crate) use vertex_caches::VertexCacheList;
+use tristrip_pipeline::DisplayFilter;
 
 /// The formats that can be written.
 pub(crate) const WRITTEN_FORMATS: [Format; 3] = [Format::Glb, Format::Ply, Format::Obj];
@@ -82,13 +74,6 @@ pub(crate) enum ModelName {
     Progressive,
 }
 
-impl ModelName {
-    /// Returns the name on the command line.
-    pub(crate) fn name(self) -> String {
-        name_of(self)
-    }
-}
-
 /// A filter: how the strips of a level become display strips.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub(crate) enum FilterName {
@@ -106,20 +91,16 @@ pub(crate) enum FilterName {
 
 impl FilterName {
     pub(crate) const DEFAULT: Self = Self::Repair;
+}
 
-    /// Returns the name on the command line.
-    pub(crate) fn name(self) -> String {
-        name_of(self)
-    }
-
-    /// Returns the filter that scans each strip by itself; `None` for the filter that searches.
-    pub(crate) fn scanner(self) -> Option<Filter> {
-        match self {
-            Self::None => Some(Filter::None),
-            Self::Stss => Some(Filter::Stss),
-            Self::Dtfs => Some(Filter::Dtfs),
-            Self::Linked => Some(Filter::Linked),
-            Self::Repair => None,
+impl From<FilterName> for DisplayFilter {
+    fn from(name: FilterName) -> Self {
+        match name {
+            FilterName::None => Self::None,
+            FilterName::Stss => Self::Stss,
+            FilterName::Dtfs => Self::Dtfs,
+            FilterName::Linked => Self::Linked,
+            FilterName::Repair => Self::Repair,
         }
     }
 }
@@ -133,5 +114,12 @@ mod tests {
         for &name in LayoutName::value_variants() {
             assert_eq!(name_of(name), layout_name(name.into()));
         }
+    }
+
+    #[test]
+    fn filters_have_the_names_of_the_library() {
+        let names =
+            FilterName::value_variants().iter().map(|&name| (name_of(name), DisplayFilter::from(name)));
+        assert!(names.eq(DisplayFilter::ALL.map(|filter| (filter.to_string(), filter))));
     }
 }

@@ -1,14 +1,14 @@
 //! `tristrip verify`: proves that a file from any source draws exactly the faces of another.
 
 use serde::Serialize;
-use tristrip::verify::{Difference, verify_models};
+use tristrip::verify::Difference;
+use tristrip_pipeline::text::counted;
+use tristrip_pipeline::{DifferenceReport, verify};
 
 use crate::console::Console;
 use crate::failure::Failure;
-use crate::input::{load, meshes};
-use crate::stages::{Seconds, timed};
+use crate::stage::{Seconds, load_timed, timed};
 use crate::task::VerifyTask;
-use crate::text::counted;
 
 /// The report; the keys are those of the JSON output.
 #[derive(Debug, Serialize)]
@@ -25,20 +25,6 @@ struct VerifyReport {
     difference: Option<DifferenceReport>,
     notes: Vec<String>,
     error: Option<String>,
-}
-
-/// How a result differs from its source.
-#[derive(Debug, Default, Serialize)]
-struct DifferenceReport {
-    /// `triangles`, `outside`, `count` or `boundary`.
-    kind: &'static str,
-    missing: Option<usize>,
-    extra: Option<usize>,
-    flipped: Option<usize>,
-    /// The face of the source, counted from 0 over all parts.
-    face: Option<u32>,
-    /// The positions of the first difference.
-    first: Vec<[f32; 3]>,
 }
 
 /// Compares both files; returns whether the result is proven.
@@ -91,12 +77,9 @@ fn compare(
     console: &Console,
     report: &mut VerifyReport,
 ) -> Result<Result<usize, Difference>, String> {
-    console.doing("load");
     let named = |name: String| move |failure: Failure| format!("{name}: {failure}");
-    let (source, source_seconds) = timed(|| load(&task.source).map_err(named(task.source.name())));
-    let source = source?;
-    let (result, result_seconds) = timed(|| load(&task.result).map_err(named(task.result.name())));
-    let result = result?;
+    let (source, source_seconds) = load_timed(&task.source, console).map_err(named(task.source.name()))?;
+    let (result, result_seconds) = load_timed(&task.result, console).map_err(named(task.result.name()))?;
     report.seconds.load = Some(source_seconds + result_seconds);
     for (name, model, seconds) in
         [(&report.source, &source, source_seconds), (&report.result, &result, result_seconds)]
@@ -109,7 +92,7 @@ fn compare(
         report.notes.extend(notes);
     }
     console.doing("verify");
-    let (verdict, seconds) = timed(|| verify_models(&meshes(&source), &meshes(&result)));
+    let (verdict, seconds) = timed(|| verify(&source, &result));
     report.seconds.verify = Some(seconds);
     report.faces = Some(source.parts.iter().map(|part| part.mesh.faces().face_count()).sum());
     report.triangles = Some(result.parts.iter().map(|part| part.mesh.faces().triangle_count()).sum());
@@ -117,34 +100,4 @@ fn compare(
     let outcome = if verdict.is_ok() { "the same faces" } else { "not the same faces" };
     console.stage("verify", outcome, Some(seconds));
     Ok(verdict.map(|proof| proof.faces))
-}
-
-impl DifferenceReport {
-    fn of(difference: &Difference) -> Self {
-        match *difference {
-            Difference::Triangles { missing, extra, flipped, first } => Self {
-                kind: "triangles",
-                missing: Some(missing),
-                extra: Some(extra),
-                flipped: Some(flipped),
-                first: first.to_vec(),
-                ..Self::default()
-            },
-            Difference::Outside { triangle } => {
-                Self { kind: "outside", first: triangle.to_vec(), ..Self::default() }
-            }
-            Difference::Count { face, position, found, expected } => Self {
-                kind: "count",
-                missing: Some(expected.saturating_sub(found)),
-                extra: Some(found.saturating_sub(expected)),
-                face: Some(face),
-                first: vec![position],
-                ..Self::default()
-            },
-            Difference::Boundary { face, edge } => {
-                Self { kind: "boundary", face: Some(face), first: edge.to_vec(), ..Self::default() }
-            }
-            _ => Self { kind: "other", ..Self::default() },
-        }
-    }
 }

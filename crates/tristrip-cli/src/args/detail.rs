@@ -4,10 +4,11 @@ use std::path::PathBuf;
 
 use clap::Args;
 use tristrip::stripify::Effort;
+use tristrip_pipeline::{Deviation, Level, Ratio};
 
 use super::groups::{GeneralArgs, OutputArgs, TargetArgs};
 use crate::method::MethodArgs;
-use crate::values::{Deviation, FilterName, Level, ModelName, Ratio, effort_parser};
+use crate::values::{FilterName, ModelName, effort_parser};
 
 /// Simplify a mesh by half-edge collapses
 ///

@@ -1,13 +1,12 @@
 //! The report of `tristrip lod`: the keys are those of the JSON output.
 
 use serde::Serialize;
+use tristrip_lab::traffic::{FilterTotal, LevelRow};
+use tristrip_pipeline::{Chosen, Figures, MethodReport, Stopped};
 
-use super::rows::{FilterTotal, LevelRow};
 use crate::batch::{InputReport, Outcome};
-use crate::figures::Figures;
-use crate::method::{Chosen, MethodReport};
-use crate::search::Stopped;
 use crate::task::LodTask;
+use crate::values::name_of;
 
 /// The time of each stage in seconds; `null` for a stage that did not run.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
@@ -68,8 +67,8 @@ impl LodReport {
             file,
             method,
             chosen: None,
-            model: task.model.name(),
-            filter: task.filter.name(),
+            model: name_of(task.model),
+            filter: task.filter.to_string(),
             filter_effort: task.filter_effort.level(),
             proven: None,
             seconds: LodSeconds::default(),

@@ -8,6 +8,7 @@ mod convert;
 mod documents;
 mod lod;
 mod pareto;
+mod picture;
 mod reorder;
 mod repro;
 mod simplify;

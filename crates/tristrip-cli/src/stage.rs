@@ -1,0 +1,104 @@
+//! The stages of an input as the command shows them: an observer of the pipeline that measures their times and watches searches.
+
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+use serde::Serialize;
+use tristrip::StripifyOptions;
+use tristrip_io::Model;
+use tristrip_pipeline::text::counted;
+use tristrip_pipeline::{Event, MeshFigures, Observer, Search};
+
+use crate::console::Console;
+use crate::failure::Failure;
+use crate::figures::mesh_line;
+use crate::input::load;
+use crate::search::SearchWatch;
+use crate::task::Input;
+
+/// The time of each stage in seconds; `null` for a stage that did not run.
+#[derive(Debug, Clone, Copy, Default, Serialize)]
+pub(crate) struct Seconds {
+    pub(crate) load: Option<f64>,
+    pub(crate) dual: Option<f64>,
+    pub(crate) stripify: Option<f64>,
+    pub(crate) verify: Option<f64>,
+    pub(crate) write: Option<f64>,
+}
+
+/// Calls `work`, and returns its result and its time in seconds.
+pub(crate) fn timed<R>(work: impl FnOnce() -> R) -> (R, f64) {
+    let start = Instant::now();
+    let result = work();
+    (result, start.elapsed().as_secs_f64())
+}
+
+/// Loads an input, and returns it with the time in seconds.
+pub(crate) fn load_timed(input: &Input, console: &Console) -> Result<(Model, f64), Failure> {
+    console.doing("load");
+    let (model, seconds) = timed(|| load(input));
+    Ok((model?, seconds))
+}
+
+/// Shows the stages of an input. `handle` receives each event with the time of its stage in seconds, to report it.
+pub(crate) struct Stages<'a, F> {
+    console: &'a Console,
+    budget: Option<Duration>,
+    load_seconds: f64,
+    handle: Mutex<(F, Times)>,
+}
+
+/// When the current stage began, and how long the dual graph took, which is shown after the report on the mesh.
+struct Times {
+    started: Instant,
+    dual: f64,
+}
+
+impl<'a, F: FnMut(Event<'_>, f64) + Send> Stages<'a, F> {
+    /// Shows the stages of an input that was loaded in this time.
+    pub(crate) fn new(console: &'a Console, load_seconds: f64, handle: F) -> Self {
+        let times = Times { started: Instant::now(), dual: 0.0 };
+        Self { console, budget: None, load_seconds, handle: Mutex::new((handle, times)) }
+    }
+
+    /// Stops each search after a time.
+    pub(crate) fn with_budget(self, budget: Option<Duration>) -> Self {
+        Self { budget, ..self }
+    }
+
+    fn show_mesh(&self, parts: usize, mesh: &MeshFigures, notes: &[String], seconds: f64, dual: f64) {
+        let faces = counted(mesh.faces, "face");
+        let size = format!("{faces}, {}", counted(mesh.vertices, "vertex"));
+        self.console.stage("load", &size, Some(self.load_seconds));
+        self.console.stage("mesh", &mesh_line(mesh, parts), Some(seconds));
+        notes.iter().for_each(|note| self.console.note(note));
+        self.console.stage("dual", &format!("{faces} joined across shared edges"), Some(dual));
+    }
+}
+
+impl<F: FnMut(Event<'_>, f64) + Send> Observer for Stages<'_, F> {
+    fn event(&self, event: Event<'_>) {
+        // Events come from the thread that runs the pipeline, so that nobody else holds the lock.
+        let Ok(mut handle) = self.handle.lock() else { return };
+        let (handle, times) = &mut *handle;
+        let seconds = times.started.elapsed().as_secs_f64();
+        match event {
+            Event::Begin(stage) => {
+                self.console.doing(&stage.to_string());
+                times.started = Instant::now();
+                return;
+            }
+            Event::Prepared => times.dual = seconds,
+            Event::Surveyed { parts, mesh, notes } => {
+                self.show_mesh(parts, mesh, notes, seconds, times.dual);
+            }
+            Event::Note(note) => self.console.note(note),
+            _ => (),
+        }
+        handle(event, seconds);
+    }
+
+    fn search(&self, options: &StripifyOptions) -> Box<dyn Search + '_> {
+        Box::new(SearchWatch::new(self.console.progress(), self.budget, options))
+    }
+}

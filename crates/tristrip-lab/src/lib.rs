@@ -1,0 +1,24 @@
+//! Measurements around triangle strips: reproductions of the papers, charts of methods and of levels of detail, pictures of
+//! strips.
+//!
+//! ```text
+//! PreparedModel ─▶ pareto: every method, indices against misses   ─▶ chart (SVG)
+//! ModelLevels   ─▶ traffic: what every filter sends               ─▶ tables, chart
+//! Analysis      ─▶ analysis: misses by cache size, strip lengths  ─▶ chart
+//! models, papers ─▶ repro: published beside measured              ─▶ pages, charts
+//! positions, strips ─▶ render: one colour per strip               ─▶ picture (PNG)
+//! ```
+//! All texts and pictures have the same bytes on every machine.
+
+#![forbid(unsafe_code)]
+
+pub mod analysis;
+mod chart;
+mod error;
+pub mod pareto;
+pub mod render;
+pub mod repro;
+pub mod text;
+pub mod traffic;
+
+pub use error::{Error, system_message};

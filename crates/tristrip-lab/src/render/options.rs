@@ -1,0 +1,59 @@
+//! How a picture is drawn: its size, the direction of view and the background.
+
+/// The greatest width and height in pixels.
+pub const MAX_SIZE: u32 = 8192;
+
+/// How a picture is drawn. The default is 1200 × 900 pixels on white, seen from the front and a little from above and the right.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct RenderOptions {
+    /// The width in pixels, from 1 to [`MAX_SIZE`].
+    pub width: u32,
+    /// The height in pixels, from 1 to [`MAX_SIZE`].
+    pub height: u32,
+    /// The direction of view.
+    pub view: View,
+    /// The colour of the background, in sRGB; `None` for a transparent one.
+    pub background: Option<[u8; 3]>,
+}
+
+/// The direction from which a model is seen.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct View {
+    /// The direction from the model to the eye, of any length.
+    pub from: [f64; 3],
+    /// The direction that is up in the picture, of any length; not parallel to `from`.
+    pub up: [f64; 3],
+}
+
+impl Default for View {
+    fn default() -> Self {
+        Self { from: [0.35, 0.25, 1.0], up: [0.0, 1.0, 0.0] }
+    }
+}
+
+impl Default for RenderOptions {
+    fn default() -> Self {
+        Self { width: 1200, height: 900, view: View::default(), background: Some([255; 3]) }
+    }
+}
+
+impl RenderOptions {
+    /// Sets the size in pixels.
+    #[must_use]
+    pub fn with_size(self, width: u32, height: u32) -> Self {
+        Self { width, height, ..self }
+    }
+
+    /// Sets the direction of view.
+    #[must_use]
+    pub fn with_view(self, view: View) -> Self {
+        Self { view, ..self }
+    }
+
+    /// Sets the colour of the background, in sRGB; `None` for a transparent one.
+    #[must_use]
+    pub fn with_background(self, background: Option<[u8; 3]>) -> Self {
+        Self { background, ..self }
+    }
+}

@@ -1,0 +1,410 @@
+//! The published results of a paper as data: tables, figures and claims, and the measurements with which they are compared.
+//!
+//! A paper is a JSON file in `papers/`. A new table, figure or claim is an entry there; a new kind of measurement is a variant of
+//! [`Quantity`], [`ChartKind`] or [`Statistic`]. Strips are given by the flags of the command that computes them, so that each measured
+//! value can be reproduced by hand: `tristrip strip MODEL` with the same flags.
+
+use std::collections::BTreeSet;
+
+use serde::{Deserialize, Deserializer, Serialize};
+use tristrip::vertex_cache::FlushPolicy;
+
+use crate::error::Error;
+
+/// Key and text of each paper.
+const PAPERS: [(&str, &str); 4] = [
+    ("000", include_str!("papers/000.json")),
+    ("001", include_str!("papers/001.json")),
+    ("003", include_str!("papers/003.json")),
+    ("004", include_str!("papers/004.json")),
+];
+
+/// A paper: what is compared with measurements.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Paper {
+    pub(crate) key: String,
+    pub(crate) authors: String,
+    pub(crate) title: String,
+    pub(crate) year: u16,
+    pub(crate) tables: Vec<PublishedTable>,
+    pub(crate) charts: Vec<ChartData>,
+    pub(crate) claims: Vec<Claim>,
+    pub(crate) left_out: Vec<LeftOut>,
+}
+
+/// A published table.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct PublishedTable {
+    pub(crate) name: String,
+    pub(crate) shows: String,
+    /// Whether the published models have polygons, so that a page must note files with triangles only.
+    #[serde(default)]
+    pub(crate) polygons: bool,
+    pub(crate) columns: Vec<PublishedColumn>,
+    pub(crate) rows: Vec<PublishedRow>,
+}
+
+/// A column of a table, and the measurement with which it is compared.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct PublishedColumn {
+    pub(crate) name: String,
+    pub(crate) quantity: Quantity,
+    pub(crate) better: Better,
+    pub(crate) tolerance: Tolerance,
+    /// The number of decimals.
+    pub(crate) digits: usize,
+    /// Whether the paper has no such column.
+    #[serde(default)]
+    pub(crate) ours: bool,
+}
+
+/// The measurement of a column.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub(crate) enum Quantity {
+    /// A figure of strips: a key of the report of `tristrip strip`, or the misses per triangle of a vertex cache: `acmr_lru_32`.
+    Strips {
+        flags: String,
+        figure: String,
+        /// The number of node accesses after which a search is stopped.
+        steps: Option<u64>,
+    },
+    /// A figure of levels of detail, drawn with the strips of these flags; `level_figures.rs` lists the figures.
+    Levels { flags: String, figure: String },
+    /// A figure of the mesh: a key of `mesh` in that report.
+    Mesh(String),
+    /// By how many percent one column is below another, by their indices.
+    Saving { of: usize, than: usize },
+    /// None: the column cannot be reproduced.
+    Unmeasured,
+}
+
+/// The published values of a model.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct PublishedRow {
+    pub(crate) model: String,
+    /// The file of the model, or of its stand-in.
+    pub(crate) file: Option<String>,
+    /// Whether the file is a stand-in although its size is that of the model.
+    #[serde(default)]
+    pub(crate) stand_in: bool,
+    pub(crate) vertices: usize,
+    pub(crate) triangles: usize,
+    /// One value per column that is not ours.
+    pub(crate) published: Vec<f64>,
+}
+
+impl PublishedRow {
+    /// Returns the published size of the model.
+    pub(crate) fn size(&self) -> ModelSize {
+        ModelSize { vertices: self.vertices, triangles: self.triangles }
+    }
+}
+
+/// The numbers of vertices and triangles of a model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+pub(crate) struct ModelSize {
+    pub(crate) vertices: usize,
+    pub(crate) triangles: usize,
+}
+
+/// Which of two values is better.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum Better {
+    Lower,
+    Higher,
+    #[default]
+    Neither,
+}
+
+/// The difference up to which two values match.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum Tolerance {
+    /// Percent of the published value.
+    Percent(f64),
+    /// In the unit of the value.
+    Absolute(f64),
+}
+
+/// A figure of the paper, drawn from measured values.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct ChartData {
+    pub(crate) name: String,
+    pub(crate) file: String,
+    pub(crate) shows: String,
+    pub(crate) kind: ChartKind,
+}
+
+/// What a chart shows.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub(crate) enum ChartKind {
+    /// A figure of each model in the folder by model size; one series per method.
+    Corpus { panels: Vec<CorpusPanel>, series: Vec<MethodSeries> },
+    /// The cost of generalized triangle meshes by the size of the vertex cache; one panel per model.
+    VertexCaches { flags: String, models: Vec<String>, columns: usize },
+    /// Figures of levels of detail by level; one panel per method, one series per figure.
+    Levels { model: String, panels: Vec<LevelPanel>, axis: String, series: Vec<LevelSeries> },
+    /// The number of strips by node accesses; one panel per model, one series per method.
+    Convergence { models: Vec<String>, steps: u64, series: Vec<MethodSeries> },
+}
+
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct CorpusPanel {
+    pub(crate) title: String,
+    pub(crate) axis: String,
+    pub(crate) figure: String,
+    pub(crate) per_triangle: bool,
+}
+
+/// The flags for the strips of the full mesh, with the panel's title.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct LevelPanel {
+    pub(crate) title: String,
+    pub(crate) flags: String,
+}
+
+/// A figure of levels, with its name in the legend.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct LevelSeries {
+    pub(crate) name: String,
+    pub(crate) figure: String,
+}
+
+/// A method, with its name in the legend.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct MethodSeries {
+    pub(crate) name: String,
+    pub(crate) flags: String,
+}
+
+/// A number stated in the text of a paper.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Claim {
+    pub(crate) at: String,
+    pub(crate) says: String,
+    pub(crate) published: f64,
+    #[serde(default)]
+    pub(crate) expects: Expects,
+    pub(crate) unit: String,
+    pub(crate) digits: usize,
+    #[serde(default)]
+    pub(crate) better: Better,
+    #[serde(default = "exact")]
+    pub(crate) tolerance: Tolerance,
+    pub(crate) statistic: Statistic,
+}
+
+fn exact() -> Tolerance {
+    Tolerance::Absolute(0.0)
+}
+
+/// How a claim bounds the measured value.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum Expects {
+    #[default]
+    About,
+    AtLeast,
+    AtMost,
+}
+
+/// The measurement of a claim.
+#[derive(Debug, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub(crate) enum Statistic {
+    /// By how many percent a figure is below that of another method.
+    Saving { over: SavingOver, figure: String, flags: String, than: String, models: ModelSet },
+    /// By how many percent a figure is above the number of triangles plus 2, on average.
+    Excess { figure: String, flags: String, models: ModelSet },
+    /// The mean of a figure.
+    Mean { figure: String, flags: String, models: ModelSet },
+    /// The exponent with which a figure grows with the number of triangles: the slope of the regression line of their logarithms.
+    Exponent { figure: String, flags: String, models: ModelSet },
+    /// The rank among variants by the sum of a figure per triangle, from 1.
+    Rank { figure: String, flags: String, among: StripeVariants, models: ModelSet },
+    /// The mean of a figure of levels of detail.
+    Levels { figure: String, flags: String, models: ModelSet },
+    /// A figure of the levels of detail of a model.
+    LevelsOf { figure: String, flags: String, model: String },
+    /// A figure of a mesh.
+    Mesh { figure: String, model: String },
+    /// By how many percent LRU transmits less than FIFO, on average over a range of vertex-cache sizes and a chart's models.
+    LruSaving {
+        chart: String,
+        entries: (u32, u32),
+        #[serde(deserialize_with = "flush_policy")]
+        flush_policy: FlushPolicy,
+    },
+    /// The saving of an LRU vertex cache of a size in percent of the saving of the largest, on average over a chart's models.
+    SavedBy {
+        chart: String,
+        entries: u32,
+        #[serde(deserialize_with = "flush_policy")]
+        flush_policy: FlushPolicy,
+    },
+    /// The steps of the first series of a chart divided by those after which the second series has as few strips.
+    Speed { chart: String, model: String },
+}
+
+/// Reads a flush policy by its name: `flush` or `keep`.
+fn flush_policy<'de, D: Deserializer<'de>>(deserializer: D) -> Result<FlushPolicy, D::Error> {
+    #[derive(Deserialize)]
+    #[serde(rename_all = "snake_case")]
+    enum PolicyName {
+        Flush,
+        Keep,
+    }
+    Ok(match PolicyName::deserialize(deserializer)? {
+        PolicyName::Flush => FlushPolicy::Flush,
+        PolicyName::Keep => FlushPolicy::Keep,
+    })
+}
+
+/// How the savings of several models are combined.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum SavingOver {
+    Mean,
+    Greatest,
+    /// The saving of the sums of the figures per triangle.
+    Sum,
+}
+
+/// The models of a claim.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum ModelSet {
+    /// The models of the paper's tables that are in the folder; no stand-ins.
+    Table,
+    /// All models that have a face of more than three corners.
+    Polygons,
+    All,
+}
+
+/// Variants of STRIPE that are ranked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub(crate) enum StripeVariants {
+    /// Rows and full patches with five cutoffs.
+    Global,
+    /// Partial faces with five tie-breaking rules.
+    Partial,
+    /// The global variants, and whole and partial faces with five tie-breaking rules.
+    Twenty,
+}
+
+impl StripeVariants {
+    /// Returns the flags of the variants.
+    pub(crate) fn flags(self) -> Vec<String> {
+        let global = || {
+            ["rows", "full"].into_iter().flat_map(|patches| {
+                [5, 10, 15, 20, 25]
+                    .map(|cutoff| format!("--method stripe-global --patches {patches} --cutoff {cutoff}"))
+            })
+        };
+        let local = |faces: &str| {
+            ["arbitrary", "look-ahead", "alternate", "random", "sequential"]
+                .map(|ties| format!("--method stripe-local --triangulation {faces} --ties {ties}"))
+        };
+        match self {
+            Self::Global => global().collect(),
+            Self::Partial => local("partial").into(),
+            Self::Twenty => global().chain(local("whole")).chain(local("partial")).collect(),
+        }
+    }
+}
+
+/// A part of a paper that is not reproduced, with the reason.
+#[derive(Debug, Clone, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct LeftOut {
+    pub(crate) what: String,
+    pub(crate) why: String,
+}
+
+/// Iterates over the keys of all papers.
+///
+/// ```
+/// assert!(tristrip_lab::repro::keys().any(|key| key == "003"));
+/// ```
+pub fn keys() -> impl Iterator<Item = &'static str> {
+    PAPERS.iter().map(|(key, _)| *key)
+}
+
+/// Returns the published results of a paper as JSON, by its key.
+///
+/// ```
+/// assert!(tristrip_lab::repro::published("003").is_some_and(|data| data.contains("Porcu")));
+/// ```
+pub fn published(key: &str) -> Option<&'static str> {
+    PAPERS.iter().find(|(known, _)| *known == key).map(|(_, data)| *data)
+}
+
+/// Loads papers by their keys, in the order of the keys.
+pub(crate) fn load(keys: &BTreeSet<String>) -> Result<Vec<Paper>, Error> {
+    let chosen = PAPERS.iter().filter(|(key, _)| keys.contains(*key));
+    chosen
+        .map(|(key, text)| {
+            serde_json::from_str(text).map_err(|error| Error::Data(format!("paper {key}: {error}")))
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tristrip_pipeline::parse_method;
+
+    #[test]
+    fn every_paper_is_complete() {
+        let papers = load(&keys().map(String::from).collect()).unwrap();
+        assert_eq!(papers.len(), PAPERS.len());
+        for (paper, key) in papers.iter().zip(keys()) {
+            assert_eq!(paper.key, key);
+            for table in &paper.tables {
+                let published = table.columns.iter().filter(|column| !column.ours).count();
+                for row in &table.rows {
+                    assert_eq!(row.published.len(), published, "{key}, {}, {}", table.name, row.model);
+                }
+                for column in &table.columns {
+                    if let Quantity::Strips { flags, .. } | Quantity::Levels { flags, .. } = &column.quantity
+                    {
+                        assert!(parse_method(flags).is_ok(), "{flags}");
+                    }
+                }
+            }
+            for claim in &paper.claims {
+                if let Statistic::LruSaving { chart, .. }
+                | Statistic::SavedBy { chart, .. }
+                | Statistic::Speed { chart, .. } = &claim.statistic
+                {
+                    assert!(paper.charts.iter().any(|known| known.name == *chart), "{chart}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn variants_are_those_of_the_paper() {
+        for (among, count) in
+            [(StripeVariants::Global, 10), (StripeVariants::Partial, 5), (StripeVariants::Twenty, 20)]
+        {
+            let flags = among.flags();
+            assert_eq!(flags.iter().collect::<BTreeSet<_>>().len(), count);
+            assert!(flags.iter().all(|flags| parse_method(flags).is_ok()));
+        }
+    }
+}

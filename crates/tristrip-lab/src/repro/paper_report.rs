@@ -1,0 +1,94 @@
+//! The results of a paper: what becomes JSON and pages.
+
+use serde::Serialize;
+
+use super::paper::{LeftOut, ModelSize};
+use super::verdict::Verdict;
+
+/// A paper with published and measured values.
+#[derive(Debug, Serialize)]
+#[non_exhaustive]
+pub struct PaperReport {
+    /// The number of the paper.
+    pub key: String,
+    pub(crate) authors: String,
+    pub(crate) title: String,
+    pub(crate) year: u16,
+    /// The path of the page.
+    pub page: Option<String>,
+    pub(crate) tables: Vec<TableReport>,
+    pub(crate) charts: Vec<ChartReport>,
+    pub(crate) claims: Vec<ClaimReport>,
+    pub(crate) left_out: Vec<LeftOut>,
+}
+
+#[derive(Debug, Serialize)]
+pub(crate) struct TableReport {
+    pub(crate) name: String,
+    pub(crate) rows: Vec<RowReport>,
+}
+
+#[derive(Debug, Serialize)]
+pub(crate) struct RowReport {
+    pub(crate) model: String,
+    /// The measured file.
+    pub(crate) file: Option<String>,
+    pub(crate) published: ModelSize,
+    pub(crate) measured: Option<ModelSize>,
+    /// Whether the file has faces of more than three corners.
+    pub(crate) polygons: Option<bool>,
+    pub(crate) columns: Vec<CellReport>,
+    pub(crate) verdict: String,
+}
+
+#[derive(Debug, Serialize)]
+pub(crate) struct CellReport {
+    pub(crate) column: String,
+    /// The flags of `tristrip strip` or `tristrip lod`, if strips were measured.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) flags: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) steps: Option<u64>,
+    pub(crate) published: Option<f64>,
+    pub(crate) measured: Option<f64>,
+    /// `null` if the published or the measured value is missing.
+    pub(crate) verdict: Option<Verdict>,
+}
+
+#[derive(Debug, Serialize)]
+pub(crate) struct ClaimReport {
+    pub(crate) at: String,
+    pub(crate) says: String,
+    pub(crate) unit: String,
+    pub(crate) expects: &'static str,
+    pub(crate) published: f64,
+    pub(crate) measured: Option<f64>,
+    pub(crate) models: usize,
+    pub(crate) verdict: Verdict,
+    #[serde(skip)]
+    pub(crate) digits: usize,
+}
+
+/// A figure of the paper, drawn from measured values.
+#[derive(Debug, Serialize)]
+pub(crate) struct ChartReport {
+    pub(crate) name: String,
+    pub(crate) file: String,
+    pub(crate) panels: Vec<PanelReport>,
+    #[serde(skip)]
+    pub(crate) svg: String,
+}
+
+#[derive(Debug, Serialize)]
+pub(crate) struct PanelReport {
+    pub(crate) title: String,
+    pub(crate) series: Vec<SeriesReport>,
+}
+
+#[derive(Debug, Serialize)]
+pub(crate) struct SeriesReport {
+    pub(crate) name: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) flags: Option<String>,
+    pub(crate) points: Vec<(f64, f64)>,
+}

@@ -1,0 +1,18 @@
+//! What levels of detail send: the vertices of every filter at each level, and the updates between levels.
+//!
+//! ```text
+//! ModelLevels ─▶ TrafficModel ─▶ measure_levels: rows of chosen levels    ─▶ table, chart
+//!                            └▶ totals: sums over all levels, each once
+//! ```
+
+mod chart;
+mod measure;
+mod rows;
+mod totals;
+mod updates;
+
+pub use chart::draw;
+pub use measure::{as_text, measure_levels};
+pub use rows::{FilterTotal, LevelRow, Refinement, SINGLE_TRIANGLES, VerticesSent};
+pub use totals::{as_text as totals_as_text, totals};
+pub use updates::TrafficModel;

@@ -1,0 +1,260 @@
+//! The statistics of a part of a file as stored.
+//!
+//! Restarts separate strips. A repeated vertex inside joins two strips by degenerate triangles: they are counted as two strips, but
+//! simulated as stored. Polygons are drawn as triangle fans.
+
+use std::borrow::Cow;
+use std::collections::HashMap;
+
+use serde::Serialize;
+use tristrip::strip::Metrics;
+use tristrip::strip::layout::split_joined;
+use tristrip::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
+use tristrip::{Mesh, Strips};
+use tristrip_io::Part;
+
+/// How a part is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+#[non_exhaustive]
+pub enum DrawMode {
+    /// As a triangle list, polygons as fans.
+    List,
+    /// As strips.
+    Strips,
+    /// As fans.
+    Fans,
+    /// The parts differ.
+    Mixed,
+}
+
+impl DrawMode {
+    /// Returns the name in reports.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::List => "list",
+            Self::Strips => "strips",
+            Self::Fans => "fans",
+            Self::Mixed => "mixed",
+        }
+    }
+}
+
+/// The figures of a part, or the sum over all parts; the keys are those of the JSON report. Figures of strips are `None` if there are
+/// none.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[non_exhaustive]
+pub struct StoredFigures {
+    /// How the triangles are drawn.
+    pub drawn: DrawMode,
+    /// Real triangles.
+    pub triangles: usize,
+    /// Used vertices.
+    pub vertices: usize,
+    /// As stored, including restarts.
+    pub indices: usize,
+    /// Restart indices.
+    pub restarts: usize,
+    /// Triangles with a repeated vertex.
+    pub degenerate: usize,
+    /// Strips, split where they are joined by degenerate triangles.
+    pub strips: Option<usize>,
+    /// Strips of one triangle.
+    pub isolated: Option<usize>,
+    /// Vertices repeated inside strips.
+    pub swaps: Option<usize>,
+    /// Vertices sent without joins.
+    pub vertices_sent: Option<usize>,
+}
+
+/// A histogram of strip lengths: bin k counts the strips of 2ᵏ to 2ᵏ⁺¹ − 1 triangles.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct StripLengths(Vec<LengthBin>);
+
+/// The strips of a range of lengths.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[non_exhaustive]
+pub struct LengthBin {
+    /// The minimum length in triangles.
+    pub from: usize,
+    /// The maximum length in triangles.
+    pub to: usize,
+    /// Strips of these lengths.
+    pub strips: usize,
+    /// Their triangles.
+    pub triangles: usize,
+}
+
+impl StripLengths {
+    fn of(strips: &Strips) -> Self {
+        let mut lengths = Self::default();
+        for strip in strips.iter() {
+            lengths.add(tristrip::strip::strip_triangles(strip).count(), 1);
+        }
+        lengths
+    }
+
+    /// Adds strips of one bin, with their total number of triangles.
+    fn add(&mut self, triangles: usize, strips: usize) {
+        let Some(k) = (triangles / strips.max(1)).checked_ilog2() else { return };
+        while self.0.len() <= k as usize {
+            let from = 1 << self.0.len();
+            self.0.push(LengthBin { from, to: 2 * from - 1, ..LengthBin::default() });
+        }
+        let bin = &mut self.0[k as usize];
+        bin.strips += strips;
+        bin.triangles += triangles;
+    }
+
+    /// Returns the bins, the shortest strips first.
+    pub fn bins(&self) -> &[LengthBin] {
+        &self.0
+    }
+}
+
+impl LengthBin {
+    /// Returns the range of lengths as text.
+    pub fn name(&self) -> String {
+        if self.from == self.to { self.from.to_string() } else { format!("{}–{}", self.from, self.to) }
+    }
+}
+
+/// A part, with what is computed once for all vertex caches.
+#[derive(Debug)]
+pub(crate) struct StoredPart<'a> {
+    part: &'a Part,
+    /// The indices of a list.
+    list: Cow<'a, [u32]>,
+    /// The strips, split where they are joined by degenerate triangles.
+    strips: Strips,
+    pub(super) figures: StoredFigures,
+    pub(super) lengths: StripLengths,
+}
+
+impl<'a> StoredPart<'a> {
+    /// Counts the triangles, indices and strips of a part.
+    pub(super) fn of(part: &'a Part) -> Self {
+        let mut strips = Strips::default();
+        let mut list = Cow::default();
+        let vertex_count = part.mesh.vertex_count();
+        let mut figures = StoredFigures {
+            drawn: DrawMode::List,
+            triangles: 0,
+            vertices: 0,
+            indices: 0,
+            restarts: 0,
+            degenerate: 0,
+            strips: None,
+            isolated: None,
+            swaps: None,
+            vertices_sent: None,
+        };
+        if let Some(stored) = &part.stored {
+            figures.indices = stored.indices();
+            figures.restarts = stored.restarts;
+            figures.triangles = part.mesh.faces().face_count();
+            figures.vertices =
+                VertexCacheStatistics::of(&stored.runs, ANY_CACHE, FlushPolicy::Keep, vertex_count).vertices;
+            let drawn: usize = stored.runs.iter().map(|run| run.len().saturating_sub(2)).sum();
+            figures.degenerate = drawn.saturating_sub(figures.triangles);
+            figures.drawn = if stored.fans { DrawMode::Fans } else { DrawMode::Strips };
+            if !stored.fans {
+                stored.runs.iter().flat_map(split_joined).for_each(|strip| strips.push(strip));
+                let metrics = Metrics::of(&strips);
+                figures.strips = Some(metrics.strips);
+                figures.isolated = Some(metrics.isolated);
+                figures.swaps = Some(metrics.swaps);
+                figures.vertices_sent = Some(metrics.vertices_sent);
+            }
+        } else {
+            list = triangle_list(&part.mesh);
+            figures.indices = list.len();
+            let used = VertexCacheStatistics::of_list(&list, ANY_CACHE, vertex_count);
+            (figures.triangles, figures.vertices) = (used.triangles, used.vertices);
+            figures.degenerate = list.len() / 3 - figures.triangles;
+        }
+        let lengths = StripLengths::of(&strips);
+        Self { part, list, strips, figures, lengths }
+    }
+
+    /// Returns the vertices of the indices, in order.
+    fn sent(&self) -> &[u32] {
+        self.part.stored.as_ref().map_or(&*self.list, |stored| stored.runs.vertices())
+    }
+
+    /// Simulates each vertex cache. If caches are flushed between strips, the degenerate triangles that join strips are not sent.
+    pub(super) fn simulate(
+        &self,
+        caches: &[VertexCache],
+        flush_policy: FlushPolicy,
+    ) -> Vec<VertexCacheStatistics> {
+        let count = self.part.mesh.vertex_count();
+        let mut each = match &self.part.stored {
+            None => VertexCacheStatistics::of_list_each(&self.list, caches, count),
+            Some(stored) if stored.fans || flush_policy == FlushPolicy::Keep => {
+                VertexCacheStatistics::of_each(&stored.runs, caches, flush_policy, count)
+            }
+            Some(_) => VertexCacheStatistics::of_each(&self.strips, caches, flush_policy, count),
+        };
+        // The simulation counts the triangles of a fan as if it were a strip.
+        each.iter_mut().for_each(|used| used.triangles = self.figures.triangles);
+        each
+    }
+}
+
+/// Counts the vertices that parts use. Vertices that parts share are counted once.
+pub(super) fn vertices_of(parts: &[StoredPart<'_>]) -> usize {
+    let mut used: HashMap<*const [f32; 3], Vec<bool>> = HashMap::new();
+    for part in parts {
+        let positions = part.part.mesh.positions();
+        let used = used.entry(positions.as_ptr()).or_insert_with(|| vec![false; positions.len()]);
+        part.sent().iter().for_each(|&vertex| used[vertex as usize] = true);
+    }
+    used.values().map(|used| used.iter().filter(|&&used| used).count()).sum()
+}
+
+/// Sums over parts; shared vertices are counted once per part.
+impl std::iter::Sum for StoredFigures {
+    fn sum<I: Iterator<Item = Self>>(parts: I) -> Self {
+        let add = |a: Option<usize>, b: Option<usize>| a.map_or(b, |a| Some(a + b.unwrap_or(0)));
+        let both = |a: Self, b: Self| Self {
+            drawn: if a.drawn == b.drawn { a.drawn } else { DrawMode::Mixed },
+            triangles: a.triangles + b.triangles,
+            vertices: a.vertices + b.vertices,
+            indices: a.indices + b.indices,
+            restarts: a.restarts + b.restarts,
+            degenerate: a.degenerate + b.degenerate,
+            strips: add(a.strips, b.strips),
+            isolated: add(a.isolated, b.isolated),
+            swaps: add(a.swaps, b.swaps),
+            vertices_sent: add(a.vertices_sent, b.vertices_sent),
+        };
+        parts.reduce(both).unwrap_or_else(|| StoredPart::of(&Part::default()).figures)
+    }
+}
+
+/// Sums over parts.
+impl std::iter::Sum for StripLengths {
+    fn sum<I: Iterator<Item = Self>>(parts: I) -> Self {
+        let mut sum = Self::default();
+        for bin in parts.flat_map(|part| part.0) {
+            sum.add(bin.triangles, bin.strips);
+        }
+        sum
+    }
+}
+
+/// A vertex cache for statistics that do not depend on it.
+const ANY_CACHE: VertexCache = VertexCache::fifo(1);
+
+/// Returns a mesh as a triangle list, polygons as fans around their first corner.
+fn triangle_list(mesh: &Mesh) -> Cow<'_, [u32]> {
+    match mesh.faces().as_triangles() {
+        Some(corners) => Cow::Borrowed(corners),
+        None => mesh
+            .faces()
+            .iter()
+            .flat_map(|face| (2..face.len()).flat_map(|i| [face[0], face[i - 1], face[i]]))
+            .collect(),
+    }
+}

@@ -1,0 +1,39 @@
+//! What the collapses of a whole model reached.
+
+use crate::figures::rounded;
+
+/// The collapses of a model, summed over its parts.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[non_exhaustive]
+pub struct Collapses {
+    /// The number of collapses.
+    pub collapse_count: usize,
+    /// Triangles of the source.
+    pub triangles_before: usize,
+    /// Triangles of the result.
+    pub triangles_after: usize,
+    /// The requested number of triangles; `None` for no limit.
+    pub target_triangles: Option<usize>,
+    /// The maximum error in mesh units; `None` for no limit.
+    pub target_error: Option<f32>,
+    /// Whether each part has at most its target number of triangles.
+    pub reached: bool,
+    /// The greatest error of a collapse, in mesh units.
+    pub surface_error: f32,
+    /// The diagonal of the bounding box of all triangles, in mesh units.
+    pub diagonal: f64,
+    /// Vertices that stayed because several parts use their positions.
+    pub locked_vertices: usize,
+}
+
+impl Collapses {
+    /// Returns the greatest error in percent of the diagonal.
+    pub fn surface_error_percent(&self) -> f64 {
+        percent_of(self.surface_error, self.diagonal)
+    }
+}
+
+/// Returns a distance in percent of a model's diagonal.
+pub(crate) fn percent_of(distance: f32, diagonal: f64) -> f64 {
+    if diagonal > 0.0 { rounded(100.0 * f64::from(distance) / diagonal) } else { 0.0 }
+}

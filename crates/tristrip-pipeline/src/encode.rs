@@ -1,0 +1,203 @@
+//! Files in memory: a model is laid out, read back and proven before its bytes are returned.
+
+use std::collections::BTreeMap;
+
+use tristrip::verify::verify_models;
+use tristrip::{Layout, Strips};
+use tristrip_io::{Drawing, Format, Model, Reordered, VertexGroup};
+
+use crate::error::Error;
+use crate::observer::{Event, Observer, Stage, begin};
+use crate::parts::meshes;
+use crate::text::counted;
+
+/// The format and layout of a file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct EncodeOptions {
+    /// The format of the file.
+    pub format: Format,
+    /// The layout of strips in its index buffers.
+    pub layout: Layout,
+    /// Whether vertices are numbered in the order in which the strips first use them.
+    pub reorder: bool,
+    /// Whether the bytes are read back and proven.
+    pub verify: bool,
+}
+
+impl EncodeOptions {
+    /// Chooses a format, with the layout that every reader of it draws; proven, with the vertices in their order.
+    pub fn new(format: Format) -> Self {
+        Self { format, layout: default_layout(format), reorder: false, verify: true }
+    }
+
+    /// Sets the layout of strips.
+    #[must_use]
+    pub fn with_layout(self, layout: Layout) -> Self {
+        Self { layout, ..self }
+    }
+
+    /// Sets whether vertices are numbered in the order in which the strips first use them; every part must be drawn as strips.
+    #[must_use]
+    pub fn with_reorder(self, reorder: bool) -> Self {
+        Self { reorder, ..self }
+    }
+
+    /// Sets whether the bytes are read back and proven.
+    #[must_use]
+    pub fn with_verify(self, verify: bool) -> Self {
+        Self { verify, ..self }
+    }
+}
+
+/// Returns the layout of strips that readers of a format draw: degenerate for GLB, restart for PLY, a list for OBJ, which has no strips.
+///
+/// ```
+/// use tristrip::Layout;
+/// use tristrip_io::Format;
+/// assert_eq!(tristrip_pipeline::default_layout(Format::Glb), Layout::Degenerate);
+/// ```
+pub fn default_layout(format: Format) -> Layout {
+    match format {
+        Format::Obj => Layout::List,
+        Format::Ply => Layout::Restart,
+        _ => Layout::Degenerate,
+    }
+}
+
+/// The bytes of a file.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct Encoded {
+    /// The file.
+    pub bytes: Vec<u8>,
+    /// The number of faces that the bytes are proven to draw; `None` if they were not proven.
+    pub faces: Option<usize>,
+    /// The new order of the vertices, if it was requested.
+    pub groups: Option<Vec<VertexGroup>>,
+    /// Notes on vertices that kept their order or stayed although unused.
+    pub notes: Vec<String>,
+    /// Notes on what the format cannot store.
+    pub losses: Vec<String>,
+}
+
+/// Encodes a model as a file with one drawing for each part, and proves that the bytes draw the model.
+///
+/// # Errors
+/// As of [`encode_observed`].
+///
+/// ```
+/// use tristrip_io::{Drawing, Format, read};
+/// use tristrip_pipeline::{EncodeOptions, Error, encode};
+/// let model = read(b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n", Format::Obj)?;
+/// let ply = encode(&model, &[Drawing::Faces], &EncodeOptions::new(Format::Ply))?;
+/// assert_eq!(ply.faces, Some(2));
+/// let mut half = tristrip::Strips::default();
+/// half.push(&[1, 2, 0]);
+/// let half = encode(&model, &[Drawing::Strips(&half)], &EncodeOptions::new(Format::Ply));
+/// assert!(matches!(half, Err(Error::Unproven(_))));
+/// # Ok::<(), Error>(())
+/// ```
+pub fn encode(model: &Model, drawings: &[Drawing<'_>], options: &EncodeOptions) -> Result<Encoded, Error> {
+    encode_observed(model, drawings, options, &())
+}
+
+/// Does the same, and reports each stage to an observer.
+///
+/// # Errors
+/// The drawings do not fit the model, the format cannot store it, the bytes are not proven, or the observer cancelled.
+///
+/// ```
+/// use std::sync::atomic::{AtomicUsize, Ordering};
+/// use tristrip_io::{Drawing, Format, read};
+/// use tristrip_pipeline::{EncodeOptions, Event, Observer, encode_observed};
+/// #[derive(Default)]
+/// struct Size(AtomicUsize);
+/// impl Observer for Size {
+///     fn event(&self, event: Event<'_>) {
+///         if let Event::Encoded { bytes } = event {
+///             self.0.store(bytes, Ordering::Relaxed);
+///         }
+///     }
+/// }
+/// let model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Format::Obj)?;
+/// let size = Size::default();
+/// let encoded = encode_observed(&model, &[Drawing::Faces], &EncodeOptions::new(Format::Ply), &size)?;
+/// assert_eq!(size.0.into_inner(), encoded.bytes.len());
+/// # Ok::<(), tristrip_pipeline::Error>(())
+/// ```
+pub fn encode_observed(
+    model: &Model,
+    drawings: &[Drawing<'_>],
+    options: &EncodeOptions,
+    observer: &dyn Observer,
+) -> Result<Encoded, Error> {
+    let EncodeOptions { format, layout, .. } = *options;
+    let mut notes = Vec::new();
+    let reordered =
+        if options.reorder { Some(reorder(model, drawings, *options, observer, &mut notes)?) } else { None };
+    begin(observer, Stage::Encode)?;
+    let bytes = match &reordered {
+        None => tristrip_io::write(model, drawings, format, layout)?,
+        Some(moved) => {
+            let drawings: Vec<_> = moved.strips.iter().map(Drawing::Strips).collect();
+            tristrip_io::write(&moved.model, &drawings, format, moved.layout)?
+        }
+    };
+    observer.event(Event::Encoded { bytes: bytes.len() });
+    let mut faces = None;
+    if options.verify {
+        begin(observer, Stage::ReadBack)?;
+        let proven = prove(model, &bytes, format)?;
+        observer.event(Event::ReadBack { faces: proven });
+        faces = Some(proven);
+    }
+    let written = reordered.as_ref().map_or(model, |moved| &moved.model);
+    let losses = tristrip_io::losses(written, format);
+    Ok(Encoded { bytes, faces, groups: reordered.map(|moved| moved.groups), notes, losses })
+}
+
+/// Numbers the vertices in the order of their first use, and notes why some of them kept their order.
+fn reorder(
+    model: &Model,
+    drawings: &[Drawing<'_>],
+    options: EncodeOptions,
+    observer: &dyn Observer,
+    notes: &mut Vec<String>,
+) -> Result<Reordered, Error> {
+    begin(observer, Stage::Reorder)?;
+    let strips = drawings.iter().map(|drawing| match drawing {
+        Drawing::Strips(strips) => Ok(Strips::clone(strips)),
+        Drawing::Faces => {
+            let message = "reorder: found a part drawn as faces, expected strips of every part";
+            Err(tristrip_io::Error::Unsupported(message.into()))
+        }
+    });
+    let strips = strips.collect::<Result<Vec<_>, _>>()?;
+    let reordered = tristrip_io::reorder(model, &strips, options.format, options.layout)?;
+    observer.event(Event::Reordered(&reordered.groups));
+    notes.extend(kept(&reordered.groups));
+    notes.iter().for_each(|note| observer.event(Event::Note(note)));
+    Ok(reordered)
+}
+
+/// Returns a note per reason for which parts kept their vertex order.
+fn kept(groups: &[VertexGroup]) -> Vec<String> {
+    let mut by_reason: BTreeMap<&str, usize> = BTreeMap::new();
+    for group in groups {
+        if let Some(why) = &group.kept {
+            *by_reason.entry(why).or_default() += group.parts.len();
+        }
+    }
+    let note = |(why, parts)| format!("vertices not re-ordered in {}: {why}", counted(parts, "part"));
+    by_reason.into_iter().map(note).collect()
+}
+
+/// Reads the bytes back, proves that they draw the source, and returns the number of faces.
+fn prove(source: &Model, bytes: &[u8], format: Format) -> Result<usize, Error> {
+    let again = tristrip_io::read(bytes, format).map_err(|error| Error::Unproven(error.to_string()))?;
+    match verify_models(&meshes(source), &meshes(&again))? {
+        Ok(proof) => Ok(proof.faces),
+        Err(difference) => Err(Error::Unproven(difference.to_string())),
+    }
+}

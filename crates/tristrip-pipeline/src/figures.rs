@@ -1,0 +1,204 @@
+//! The figures of a model: the library's metrics summed over its parts.
+
+use std::collections::HashMap;
+
+use serde::Serialize;
+use tristrip::dual::MeshReport;
+use tristrip::strip::Metrics;
+use tristrip::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
+use tristrip::{Method, StripifyOptions, Strips};
+
+use crate::error::Error;
+use crate::parts::{PreparedPart, check_vertices, map};
+use crate::text::counted;
+
+/// The metrics of the strips of a model; the keys are those of the JSON report. Ratios are rounded to six decimals.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+#[non_exhaustive]
+pub struct Figures {
+    /// Real triangles.
+    pub triangles: usize,
+    /// Number of strips.
+    pub strips: usize,
+    /// Strips of one triangle.
+    pub isolated: usize,
+    /// Vertices repeated inside strips.
+    pub swaps: usize,
+    /// Vertices sent, swaps and winding repeats included (OpenGL cost).
+    pub vertices_sent: usize,
+    /// Vertices sent with free swaps (GL cost).
+    pub gl_cost: usize,
+    /// Indices with a restart between strips.
+    pub indices_restart: usize,
+    /// Indices of the strips joined by degenerate triangles.
+    pub indices_degenerate: usize,
+    /// Vertices sent per triangle.
+    pub vertices_per_triangle: f64,
+    /// Indices with restarts per triangle.
+    pub indices_restart_per_triangle: f64,
+    /// Indices with degenerate joins per triangle.
+    pub indices_degenerate_per_triangle: f64,
+    /// Misses per triangle of a FIFO vertex cache of 16 entries.
+    pub acmr_fifo_16: f64,
+    /// Misses per triangle of a FIFO vertex cache of 32 entries.
+    pub acmr_fifo_32: f64,
+    /// Misses per used vertex of a FIFO vertex cache of 16 entries.
+    pub atvr_fifo_16: f64,
+    /// Misses per used vertex of a FIFO vertex cache of 32 entries.
+    pub atvr_fifo_32: f64,
+    /// Misses per triangle of the vertex cache that the method optimizes for; `None` for other methods.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub acmr: Option<f64>,
+    /// Misses per used vertex of the vertex cache that the method optimizes for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub atvr: Option<f64>,
+    /// The vertex cache that the method optimizes for, and its misses.
+    #[serde(skip)]
+    pub optimized_cache: Option<(VertexCache, usize)>,
+    /// Misses of a FIFO vertex cache of 16 entries.
+    #[serde(skip)]
+    pub misses_fifo_16: usize,
+    /// Misses of a FIFO vertex cache of 32 entries.
+    #[serde(skip)]
+    pub misses_fifo_32: usize,
+}
+
+impl Figures {
+    /// Measures the strips of all parts, drawn one part after the other; each part with its number of vertices.
+    ///
+    /// # Errors
+    /// Strips name a vertex that their part does not have.
+    pub(crate) fn of(parts: &[(&Strips, usize)], options: &StripifyOptions) -> Result<Self, Error> {
+        check_vertices(parts)?;
+        let optimized_cache = (options.method() == Method::Cache).then(|| options.vertex_cache());
+        let measured = map(parts, |&(strips, vertices)| {
+            let simulate = |cache| VertexCacheStatistics::of(strips, cache, FlushPolicy::Keep, vertices);
+            let (fifo_16, fifo_32) = (simulate(VertexCache::fifo(16)), simulate(VertexCache::fifo(32)));
+            (Metrics::of(strips), fifo_16, fifo_32, optimized_cache.map(simulate))
+        });
+        let metrics: Metrics = measured.iter().map(|m| m.0).sum();
+        let fifo_16: VertexCacheStatistics = measured.iter().map(|m| m.1).sum();
+        let fifo_32: VertexCacheStatistics = measured.iter().map(|m| m.2).sum();
+        let optimized: VertexCacheStatistics = measured.iter().filter_map(|m| m.3).sum();
+        Ok(Self {
+            triangles: metrics.triangles,
+            strips: metrics.strips,
+            isolated: metrics.isolated,
+            swaps: metrics.swaps,
+            vertices_sent: metrics.vertices_sent,
+            gl_cost: metrics.gl_cost,
+            indices_restart: metrics.indices_restart,
+            indices_degenerate: metrics.indices_degenerate,
+            vertices_per_triangle: rounded(metrics.vertices_per_triangle()),
+            indices_restart_per_triangle: rounded(metrics.indices_restart_per_triangle()),
+            indices_degenerate_per_triangle: rounded(metrics.indices_degenerate_per_triangle()),
+            acmr_fifo_16: rounded(fifo_16.acmr()),
+            acmr_fifo_32: rounded(fifo_32.acmr()),
+            atvr_fifo_16: rounded(fifo_16.atvr()),
+            atvr_fifo_32: rounded(fifo_32.atvr()),
+            acmr: optimized_cache.map(|_| rounded(optimized.acmr())),
+            atvr: optimized_cache.map(|_| rounded(optimized.atvr())),
+            optimized_cache: optimized_cache.map(|cache| (cache, optimized.misses)),
+            misses_fifo_16: fifo_16.misses,
+            misses_fifo_32: fifo_32.misses,
+        })
+    }
+}
+
+/// Rounds a ratio to six decimals, the precision of reports.
+///
+/// ```
+/// assert_eq!(tristrip_pipeline::rounded(2.0 / 3.0).to_string(), "0.666667");
+/// ```
+pub fn rounded(x: f64) -> f64 {
+    (x * 1e6).round() / 1e6
+}
+
+/// The counts of a model's mesh; the keys are those of the JSON report.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
+#[non_exhaustive]
+pub struct MeshFigures {
+    /// Vertices; those that parts share are counted once.
+    pub vertices: usize,
+    /// Faces, degenerate ones included.
+    pub faces: usize,
+    /// Triangles of the prepared faces: k − 2 per face of k corners.
+    pub triangles: usize,
+    /// Connected components of the dual graphs.
+    pub components: usize,
+    /// Edges of one face.
+    pub boundary_edges: usize,
+    /// Edges of more than two faces.
+    pub non_manifold_edges: usize,
+    /// Edges that two faces traverse in the same direction.
+    pub inconsistent_edges: usize,
+    /// Faces without a neighbour.
+    pub isolated_faces: usize,
+    /// Faces that draw nothing, which were dropped.
+    pub degenerate_faces: usize,
+    /// Faces that repeat another one.
+    pub duplicate_faces: usize,
+    /// Vertices that no face uses.
+    pub unreferenced_vertices: usize,
+    /// Non-convex polygons that were triangulated in advance.
+    pub cut_polygons: usize,
+    /// Polygons that were triangulated as fans, because ear clipping failed.
+    pub fanned_polygons: usize,
+    /// Vertices that were welded to others.
+    pub welded_vertices: usize,
+}
+
+impl MeshFigures {
+    /// Sums the counts of all parts. Vertices that several parts share are counted once; edges and components do not cross parts.
+    pub(crate) fn of(parts: &[PreparedPart<'_>]) -> Self {
+        let reports = map(parts, |part| MeshReport::of(part.mesh, &part.surface, &part.graph));
+        let mut sum = Self::default();
+        for report in reports {
+            sum.faces += report.faces;
+            sum.triangles += report.triangles;
+            sum.components += report.components;
+            sum.boundary_edges += report.boundary_edges;
+            sum.non_manifold_edges += report.non_manifold_edges;
+            sum.inconsistent_edges += report.inconsistent_edges;
+            sum.isolated_faces += report.isolated_faces;
+            sum.duplicate_faces += report.duplicate_faces;
+            sum.degenerate_faces += report.surface.degenerate_faces;
+            sum.cut_polygons += report.surface.cut_polygons;
+            sum.fanned_polygons += report.surface.fanned_polygons;
+            sum.welded_vertices += report.surface.welded_vertices;
+        }
+        (sum.vertices, sum.unreferenced_vertices) = count_vertices(parts);
+        sum
+    }
+}
+
+impl MeshFigures {
+    /// Returns a note on each kind of faces or vertices that were dropped, changed or unusual.
+    pub fn remarks(&self) -> Vec<String> {
+        let mut remarks = Vec::new();
+        let mut add = |n: usize, noun: &str, rest: &str| {
+            if n > 0 {
+                remarks.push(format!("{}{rest}", counted(n, noun)));
+            }
+        };
+        add(self.degenerate_faces, "degenerate face", " dropped: they draw nothing");
+        add(self.duplicate_faces, "duplicate face", " kept: each is drawn");
+        add(self.cut_polygons, "non-convex polygon", " triangulated in advance");
+        add(self.fanned_polygons, "polygon", " triangulated as a fan, because ear clipping failed");
+        add(self.welded_vertices, "vertex", " welded to others with the same bits");
+        add(self.unreferenced_vertices, "vertex", " not used by any face");
+        remarks
+    }
+}
+
+/// Counts the vertices of all parts, and those that no part uses. Vertices that parts share are counted once.
+fn count_vertices(parts: &[PreparedPart<'_>]) -> (usize, usize) {
+    let mut used: HashMap<*const [f32; 3], Vec<bool>> = HashMap::new();
+    for part in parts {
+        let positions = part.mesh.positions();
+        let used = used.entry(positions.as_ptr()).or_insert_with(|| vec![false; positions.len()]);
+        part.mesh.faces().corners().iter().for_each(|&v| used[v as usize] = true);
+    }
+    let unused = used.values().map(|used| used.iter().filter(|&&u| !u).count()).sum();
+    (used.values().map(Vec::len).sum(), unused)
+}

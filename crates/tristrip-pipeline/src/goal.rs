@@ -1,0 +1,161 @@
+//! The goals of a simplification, also as typed, and their distribution over the parts of a model.
+
+use std::str::FromStr;
+
+/// A ratio from 0 to 1, of triangles or collapses: `0.05` or `5%`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ratio(f64);
+
+impl Ratio {
+    /// The ratio 0.
+    pub const ZERO: Self = Self(0.0);
+
+    /// Returns a ratio from 0 to 1; `None` for any other number.
+    ///
+    /// ```
+    /// use tristrip_pipeline::Ratio;
+    /// assert_eq!(Ratio::new(0.05).map(|ratio| ratio.of(1000)), Some(50));
+    /// assert!(Ratio::new(1.1).is_none());
+    /// ```
+    pub fn new(ratio: f64) -> Option<Self> {
+        (0.0..=1.0).contains(&ratio).then_some(Self(ratio))
+    }
+
+    /// Multiplies a count, and rounds to the nearest integer.
+    #[allow(clippy::cast_sign_loss, reason = "a ratio is not negative")]
+    pub fn of(self, count: usize) -> usize {
+        (self.0 * count as f64).round() as usize
+    }
+}
+
+impl FromStr for Ratio {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (number, unit) = text.strip_suffix('%').map_or((text, 1.0), |number| (number, 100.0));
+        let ratio = number.parse::<f64>().ok().map(|number| number / unit);
+        ratio.and_then(Self::new).ok_or_else(|| {
+            format!("found `{text}`, expected a ratio from 0 to 1 such as 0.05, or a percentage such as 5%")
+        })
+    }
+}
+
+/// A distance as typed: `0.01` in mesh units, or `0.1%` of the diagonal of the bounding box.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Deviation {
+    /// In mesh units.
+    Units(f64),
+    /// In percent of the diagonal of the bounding box.
+    Percent(f64),
+}
+
+impl Deviation {
+    /// Returns the distance in mesh units, for a model whose bounding box has this diagonal.
+    pub fn units(self, diagonal: f64) -> f32 {
+        (match self {
+            Self::Units(units) => units,
+            Self::Percent(percent) => percent / 100.0 * diagonal,
+        }) as f32
+    }
+}
+
+impl FromStr for Deviation {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let parsed = match text.strip_suffix('%') {
+            Some(number) => number.parse().map(Self::Percent),
+            None => text.parse().map(Self::Units),
+        };
+        let is_distance = |&(Self::Units(x) | Self::Percent(x)): &Self| x.is_finite() && x >= 0.0;
+        parsed.ok().filter(is_distance).ok_or_else(|| {
+            format!("found `{text}`, expected a distance such as 0.01, or a percentage such as 0.1%")
+        })
+    }
+}
+
+/// The number of triangles to keep.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Amount {
+    /// The same ratio of each part.
+    Ratio(Ratio),
+    /// The sum over all parts.
+    Triangles(usize),
+}
+
+impl Amount {
+    /// Returns the number of triangles to keep for each part, given the triangle counts of the parts.
+    ///
+    /// A sum is distributed in proportion; the remainder goes to the parts with the greatest rounding loss, ties to the first part, so
+    /// that the sum is met exactly.
+    ///
+    /// ```
+    /// use tristrip_pipeline::Amount;
+    /// assert_eq!(Amount::Triangles(10).shares(&[100, 100, 100]), [4, 3, 3]);
+    /// ```
+    pub fn shares(self, triangles: &[usize]) -> Vec<usize> {
+        let wanted = match self {
+            Self::Ratio(ratio) => return triangles.iter().map(|&count| ratio.of(count)).collect(),
+            Self::Triangles(wanted) => wanted as u128,
+        };
+        let all = triangles.iter().sum::<usize>() as u128;
+        if wanted >= all {
+            return triangles.to_vec();
+        }
+        let exact = |&count: &usize| count as u128 * wanted;
+        let mut shares: Vec<usize> = triangles.iter().map(|count| (exact(count) / all) as usize).collect();
+        let mut by_remainder: Vec<usize> = (0..triangles.len()).collect();
+        by_remainder.sort_by_key(|&part| std::cmp::Reverse(exact(&triangles[part]) % all));
+        let remainder = wanted as usize - shares.iter().sum::<usize>();
+        by_remainder.iter().take(remainder).for_each(|&part| shares[part] += 1);
+        shares
+    }
+}
+
+/// The goal of a simplification. Without a goal, a model is simplified as far as its surface allows.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Goal {
+    /// The number of triangles to keep.
+    pub amount: Option<Amount>,
+    /// The maximum error of a collapse.
+    pub deviation: Option<Deviation>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ratios_parse_as_fractions_and_percentages() {
+        let read = |text: &str| text.parse::<Ratio>().map(|ratio| ratio.of(1000));
+        assert_eq!(
+            ["0.05", "5%", "0", "100%", "1"].map(|text| read(text).ok()),
+            [50, 50, 0, 1000, 1000].map(Some)
+        );
+        for invalid in ["1.1", "-0.1", "101%", "", "%", "nan", "five", "5 %x"] {
+            assert!(read(invalid).is_err(), "{invalid}");
+        }
+    }
+
+    #[test]
+    fn distances_parse_as_units_and_percentages() {
+        let read = |text: &str| text.parse::<Deviation>().ok().map(|distance| distance.units(50.0));
+        assert_eq!(["2", "2%", "0", "1e-3"].map(read), [2.0, 1.0, 0.0, 1e-3].map(Some));
+        assert_eq!(["-1", "inf", "nan%", "x", ""].map(read), [None; 5]);
+    }
+
+    #[test]
+    fn a_sum_is_distributed_exactly() {
+        let shares = |wanted, triangles: &[usize]| Amount::Triangles(wanted).shares(triangles);
+        assert_eq!(shares(10, &[100, 100, 100]), [4, 3, 3]);
+        assert_eq!(shares(7, &[10, 0, 90]), [1, 0, 6]);
+        assert_eq!(shares(500, &[10, 20]), [10, 20]);
+        assert_eq!(shares(0, &[10, 20]), [0, 0]);
+        assert_eq!(shares(0, &[]), [0; 0]);
+        let all = [17, 3, 999, 51];
+        assert!((0..=1070).all(|wanted| {
+            let given = shares(wanted, &all);
+            given.iter().sum::<usize>() == wanted && given.iter().zip(&all).all(|(g, a)| g <= a)
+        }));
+    }
+}

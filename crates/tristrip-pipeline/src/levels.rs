@@ -1,0 +1,307 @@
+//! Levels of detail of a whole model, drawn with the strips of its full mesh.
+//!
+//! ```text
+//! Model ─ strips of the full mesh ─ their triangles ─ simplify ─▶ collapses of each part ─ one order over all parts
+//!                  └──────── vertices renamed for a level ─ filter ─▶ display strips ─ proof ─ encode ─ read back, proof
+//! ```
+
+mod filter;
+mod level;
+mod order;
+mod part;
+
+use tristrip::lod::RepairOptions;
+use tristrip::{Mesh, StripifyOptions, Strips};
+use tristrip_io::{Drawing, Model};
+
+use crate::collapses::{Collapses, percent_of};
+use crate::encode::{EncodeOptions, Encoded, encode_observed};
+use crate::error::Error;
+use crate::figures::{Figures, MeshFigures};
+use crate::goal::{Amount, Ratio};
+use crate::method::Chosen;
+use crate::observer::{Event, Observer, Stage, Stopped, begin};
+use crate::parts::{check_vertices, map};
+use crate::prepared::{FoundStrips, PreparedModel, Survey};
+use crate::simplify::{Part, diagonal, end_notes, simplify_all};
+pub use filter::DisplayFilter;
+pub use level::Level;
+pub use order::LevelOrder;
+pub use part::LevelPart;
+
+/// How levels of detail are built. The base mesh of the default is what the surface allows; everything is proven.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct LevelsOptions {
+    /// The method of the strips of the full mesh, and its options.
+    pub stripify: StripifyOptions,
+    /// The ratio of triangles that the base mesh keeps.
+    pub base: Ratio,
+    /// Whether strips and levels are proven.
+    pub verify: bool,
+}
+
+impl Default for LevelsOptions {
+    fn default() -> Self {
+        Self { stripify: StripifyOptions::default(), base: Ratio::ZERO, verify: true }
+    }
+}
+
+impl LevelsOptions {
+    /// Sets the method of the strips of the full mesh.
+    #[must_use]
+    pub fn with_stripify(self, stripify: StripifyOptions) -> Self {
+        Self { stripify, ..self }
+    }
+
+    /// Sets the ratio of triangles that the base mesh keeps.
+    #[must_use]
+    pub fn with_base(self, base: Ratio) -> Self {
+        Self { base, ..self }
+    }
+
+    /// Sets whether strips and levels are proven.
+    #[must_use]
+    pub fn with_verify(self, verify: bool) -> Self {
+        Self { verify, ..self }
+    }
+}
+
+/// The levels of detail of a model, from the base mesh at level 0 to the full mesh at [`ModelLevels::collapse_count`].
+#[derive(Debug)]
+#[non_exhaustive]
+pub struct ModelLevels {
+    /// The parts in their order.
+    pub parts: Vec<LevelPart>,
+    /// The collapses of all parts in one order.
+    pub order: LevelOrder,
+    /// The collapses to the base mesh.
+    pub collapses: Collapses,
+    /// The methods of the strips of the full mesh, with their numbers of parts.
+    pub chosen: Chosen,
+    /// The counts of the full mesh.
+    pub mesh: MeshFigures,
+    /// Why the search of the strips was stopped early, if it was.
+    pub stopped: Option<Stopped>,
+    /// Notes of the reader, on what was dropped, on locked vertices, and on parts that stopped before the base mesh.
+    pub notes: Vec<String>,
+    options: LevelsOptions,
+}
+
+/// A level as it is drawn.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct DisplayedLevel {
+    /// The level.
+    pub level: usize,
+    /// The level of each part.
+    pub of_parts: Vec<usize>,
+    /// The display strips of each part, over the vertices of its collapses; see [`LevelPart::outward`].
+    pub strips: Vec<Strips>,
+    /// The metrics of the display strips.
+    pub figures: Figures,
+    /// The greatest error of the collapses of the level, in mesh units.
+    pub surface_error: f32,
+    /// The same in percent of the diagonal of the model.
+    pub surface_error_percent: f64,
+    /// Whether the display strips are proven to draw exactly the triangles of the level.
+    pub proven: bool,
+}
+
+/// Builds the levels of detail of a model.
+///
+/// # Errors
+/// As of [`levels_observed`].
+///
+/// ```
+/// use tristrip::lod::RepairOptions;
+/// use tristrip_io::{Format, read};
+/// use tristrip_pipeline::{DisplayFilter, LevelsOptions, levels};
+/// let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\n";
+/// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
+/// let levels = levels(&model, &LevelsOptions::default())?;
+/// let base = levels.display(0, DisplayFilter::Repair, RepairOptions::default(), &())?;
+/// assert_eq!((base.figures.triangles, base.proven), (1, true));
+/// # Ok::<(), tristrip_pipeline::Error>(())
+/// ```
+pub fn levels(model: &Model, options: &LevelsOptions) -> Result<ModelLevels, Error> {
+    levels_observed(model, options, &())
+}
+
+/// Does the same, and reports each stage to an observer.
+///
+/// # Errors
+/// A part is too large, an option has an invalid value, the strips are not proven, or the observer cancelled.
+///
+/// ```
+/// use tristrip::lod::RepairOptions;
+/// use tristrip_io::{Format, read};
+/// use tristrip_pipeline::{DisplayFilter, EncodeOptions, LevelsOptions, levels_observed};
+/// let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\n";
+/// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
+/// let levels = levels_observed(&model, &LevelsOptions::default(), &())?;
+/// let half = levels.display(levels.collapse_count() / 2, DisplayFilter::Linked, RepairOptions::default(), &())?;
+/// let file = levels.encode(&model, &half, &EncodeOptions::new(Format::Glb), &())?;
+/// assert_eq!(file.faces, Some(half.figures.triangles));
+/// # Ok::<(), tristrip_pipeline::Error>(())
+/// ```
+pub fn levels_observed(
+    model: &Model,
+    options: &LevelsOptions,
+    observer: &dyn Observer,
+) -> Result<ModelLevels, Error> {
+    // 1. The strips of the full mesh.
+    let Survey { prepared, options: stripify, mesh, mut notes } =
+        Survey::new(model, options.stripify, observer)?;
+    let (FoundStrips { strips, .. }, chosen, stopped) = prepared.search(&stripify, observer)?;
+    if options.verify {
+        begin(observer, Stage::Prove)?;
+        prepared.prove(&strips)?;
+        observer.event(Event::Proven { faces: mesh.faces });
+    }
+
+    // 2. The collapses.
+    begin(observer, Stage::Simplify)?;
+    let mut all = ModelLevels::from_strips(&prepared, &strips, options.base)?;
+    observer.event(Event::Simplified(&all.collapses));
+    all.notes.iter().for_each(|note| observer.event(Event::Note(note)));
+    notes.append(&mut all.notes);
+    let options = LevelsOptions { stripify, ..*options };
+    Ok(ModelLevels { chosen, mesh, stopped, notes, options, ..all })
+}
+
+impl ModelLevels {
+    /// Builds levels of detail from strips of the full mesh, which are those of a prepared model. The report on the mesh is left empty.
+    ///
+    /// # Errors
+    /// The strips do not fit the model, or it is too large.
+    ///
+    /// ```
+    /// use tristrip::StripifyOptions;
+    /// use tristrip_pipeline::{ModelLevels, PreparedModel, Ratio};
+    /// let model = tristrip_io::read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", tristrip_io::Format::Obj)?;
+    /// let prepared = PreparedModel::new(&model, false);
+    /// let found = prepared.find_strips(&StripifyOptions::default(), &())?;
+    /// let levels = ModelLevels::from_strips(&prepared, &found.strips, Ratio::ZERO)?;
+    /// assert_eq!((levels.collapse_count(), levels.triangle_count(0)?), (0, 1));
+    /// # Ok::<(), tristrip_pipeline::Error>(())
+    /// ```
+    pub fn from_strips(prepared: &PreparedModel<'_>, strips: &[Strips], base: Ratio) -> Result<Self, Error> {
+        if strips.len() != prepared.parts().len() {
+            let (found, expected) = (strips.len(), prepared.parts().len());
+            return Err(Error::Unproven(format!("found strips of {found} parts, expected {expected}")));
+        }
+        let meshes = prepared.parts().iter().map(|part| part.mesh);
+        let vertex_counts = meshes.clone().map(Mesh::vertex_count);
+        check_vertices(&strips.iter().zip(vertex_counts).collect::<Vec<_>>())?;
+        let parts = Part::of_all(meshes.zip(strips.iter().map(Strips::to_list)).collect())?;
+        let triangles: Vec<usize> = parts.iter().map(Part::triangle_count).collect();
+        let shares = Amount::Ratio(base).shares(&triangles);
+        let done = simplify_all(&parts, &shares, None)?;
+        let after = done.iter().map(|done| done.sequence.triangle_count(0));
+        let collapses = Collapses {
+            collapse_count: done.iter().map(|done| done.sequence.len()).sum(),
+            triangles_before: triangles.iter().sum(),
+            triangles_after: after.clone().sum(),
+            target_triangles: Some(shares.iter().sum()),
+            target_error: None,
+            reached: after.zip(&shares).all(|(after, &share)| after <= share),
+            surface_error: done.iter().map(|done| done.sequence.error(0)).fold(0.0, f32::max),
+            diagonal: diagonal(&parts),
+            locked_vertices: parts.iter().map(Part::locked_count).sum(),
+        };
+        let notes = end_notes(collapses.locked_vertices, &done, Some(&shares));
+        let all = parts.into_iter().zip(prepared.parts()).zip(strips).zip(done);
+        let parts = all.map(|(((part, prepared), strips), done)| {
+            LevelPart::new(part.compact.used, prepared.mesh.vertex_count(), strips, done.sequence)
+        });
+        let parts: Vec<LevelPart> = parts.collect();
+        Ok(Self {
+            order: LevelOrder::new(parts.iter().map(LevelPart::sequence)),
+            parts,
+            collapses,
+            notes,
+            chosen: Chosen::default(),
+            mesh: MeshFigures::default(),
+            stopped: None,
+            options: LevelsOptions { base, ..LevelsOptions::default() },
+        })
+    }
+
+    /// Returns the number of collapses, which is the level of the full mesh.
+    pub fn collapse_count(&self) -> usize {
+        self.order.collapse_count()
+    }
+
+    /// Returns the number of triangles of a level.
+    ///
+    /// # Errors
+    /// [`Error::Level`]: there is no such level.
+    pub fn triangle_count(&self, level: usize) -> Result<usize, Error> {
+        let of_parts = self.order.of_parts(level)?;
+        Ok(self.parts.iter().zip(of_parts).map(|(part, level)| part.sequence().triangle_count(level)).sum())
+    }
+
+    /// Builds the display strips of a level, measures and proves them. The stages are reported to the observer.
+    ///
+    /// # Errors
+    /// There is no such level, the display strips are not proven, or the observer cancelled.
+    pub fn display(
+        &self,
+        level: usize,
+        filter: DisplayFilter,
+        repair: RepairOptions,
+        observer: &dyn Observer,
+    ) -> Result<DisplayedLevel, Error> {
+        begin(observer, Stage::Filter)?;
+        let of_parts = self.order.of_parts(level)?;
+        let pairs: Vec<_> = self.parts.iter().zip(&of_parts).collect();
+        let strips = map(&pairs, |(part, level)| part.display(**level, filter, repair));
+        let strips = strips.into_iter().collect::<Result<Vec<_>, Error>>()?;
+        observer.event(Event::Filtered);
+        begin(observer, Stage::Measure)?;
+        let vertex_counts = self.parts.iter().map(LevelPart::vertex_count);
+        let measured: Vec<_> = strips.iter().zip(vertex_counts).collect();
+        let figures = Figures::of(&measured, &self.options.stripify)?;
+        observer.event(Event::Measured(&figures));
+        let errors = self.parts.iter().zip(&of_parts).map(|(part, &level)| part.sequence().error(level));
+        let surface_error = errors.fold(0.0, f32::max);
+        if self.options.verify {
+            begin(observer, Stage::Prove)?;
+            let all: Vec<_> = pairs.iter().zip(&strips).collect();
+            let proofs = map(&all, |((part, level), strips)| part.prove(**level, strips));
+            proofs.into_iter().collect::<Result<(), Error>>()?;
+            observer.event(Event::Proven { faces: self.triangle_count(level)? });
+        }
+        Ok(DisplayedLevel {
+            level,
+            of_parts,
+            strips,
+            figures,
+            surface_error,
+            surface_error_percent: percent_of(surface_error, self.collapses.diagonal),
+            proven: self.options.verify,
+        })
+    }
+
+    /// Encodes a level of the model as a file that draws its display strips over the vertices that they use, and proves the bytes.
+    ///
+    /// # Errors
+    /// The level is of another model, the format cannot store it, the bytes are not proven, or the observer cancelled.
+    pub fn encode(
+        &self,
+        model: &Model,
+        displayed: &DisplayedLevel,
+        options: &EncodeOptions,
+        observer: &dyn Observer,
+    ) -> Result<Encoded, Error> {
+        let levels = self.parts.iter().zip(&displayed.of_parts);
+        let triangles = levels.map(|(part, &level)| part.triangles(level)).collect::<Result<_, _>>()?;
+        let smaller = tristrip_io::with_triangles(model, triangles, options.format)?;
+        let outward = self.parts.iter().zip(&displayed.strips).map(|(part, strips)| part.outward(strips));
+        let strips = outward.enumerate().map(|(part, strips)| Ok(smaller.strips(part, &strips?)?));
+        let strips: Vec<Strips> = strips.collect::<Result<_, Error>>()?;
+        let drawings: Vec<_> = strips.iter().map(Drawing::Strips).collect();
+        encode_observed(&smaller.model, &drawings, options, observer)
+    }
+}

@@ -1,0 +1,72 @@
+//! Filters: how the strips of a level become display strips.
+
+use std::fmt;
+use std::str::FromStr;
+
+use tristrip::lod::Filter;
+
+/// A filter of display strips: one that scans each strip by itself, or a search that follows the collapses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[non_exhaustive]
+pub enum DisplayFilter {
+    /// Draws the renamed strips unchanged, degenerate triangles included.
+    None,
+    /// The simple triangle strip scanner of El-Sana et al. 2000.
+    Stss,
+    /// The degenerate-triangle-free scanner of Kim et al. 2005.
+    Dtfs,
+    /// Valid triangles only, in the same order, at the least cost for this order.
+    Linked,
+    /// Keeps paths over the triangles of the level, and repairs them by a local search where collapses cut them.
+    #[default]
+    Repair,
+}
+
+impl DisplayFilter {
+    /// All filters, in the order of reports.
+    pub const ALL: [Self; 5] = [Self::None, Self::Stss, Self::Dtfs, Self::Linked, Self::Repair];
+
+    /// Returns the name in reports and on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::None => "none",
+            Self::Stss => "stss",
+            Self::Dtfs => "dtfs",
+            Self::Linked => "linked",
+            Self::Repair => "repair",
+        }
+    }
+
+    /// Returns the filter that scans each strip by itself; `None` for the one that searches.
+    pub fn scanner(self) -> Option<Filter> {
+        match self {
+            Self::None => Some(Filter::None),
+            Self::Stss => Some(Filter::Stss),
+            Self::Dtfs => Some(Filter::Dtfs),
+            Self::Linked => Some(Filter::Linked),
+            Self::Repair => None,
+        }
+    }
+}
+
+impl fmt::Display for DisplayFilter {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// Parses the name of a filter.
+///
+/// ```
+/// use tristrip_pipeline::DisplayFilter;
+/// assert_eq!("dtfs".parse(), Ok(DisplayFilter::Dtfs));
+/// assert!(DisplayFilter::ALL.iter().all(|filter| filter.to_string().parse() == Ok(*filter)));
+/// ```
+impl FromStr for DisplayFilter {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let found = Self::ALL.into_iter().find(|filter| filter.name() == text);
+        found.ok_or_else(|| format!("found `{text}`, expected none, stss, dtfs, linked or repair"))
+    }
+}

@@ -1,0 +1,152 @@
+//! A part at any level: its strips with renamed vertices, filtered, and the proof that they draw exactly the triangles of the level.
+
+use tristrip::lod::{RESTART, Repair, RepairOptions};
+use tristrip::verify::verify_drawing;
+use tristrip::{CollapseSequence, Faces, Strips};
+
+use super::filter::DisplayFilter;
+use crate::error::Error;
+use crate::parts::check_vertices;
+use crate::simplify::UsedVertices;
+
+/// A part: the strips of its full mesh, and its collapses. Both are over the vertices that its triangles use if these are few of many,
+/// otherwise over the vertices of the part; [`LevelPart::outward`] converts.
+#[derive(Debug, Clone)]
+pub struct LevelPart {
+    used: UsedVertices,
+    /// The number of vertices of the part in the model.
+    vertex_count: usize,
+    sequence: CollapseSequence,
+    strips: Strips,
+}
+
+impl LevelPart {
+    /// Builds a part from the strips of its full mesh, over its own vertices, and its collapses.
+    pub(crate) fn new(
+        used: UsedVertices,
+        vertex_count: usize,
+        strips: &Strips,
+        sequence: CollapseSequence,
+    ) -> Self {
+        let strips = mapped(strips, |strip| used.inward(strip));
+        Self { used, vertex_count, sequence, strips }
+    }
+
+    /// Returns the strips of the full mesh, over the vertices of the collapses.
+    pub fn strips(&self) -> &Strips {
+        &self.strips
+    }
+
+    /// Returns the collapses.
+    pub fn sequence(&self) -> &CollapseSequence {
+        &self.sequence
+    }
+
+    /// Returns the number of vertices of the part in the model.
+    pub fn vertex_count(&self) -> usize {
+        self.vertex_count
+    }
+
+    /// Returns the index map at a level: the strips with renamed vertices, and [`RESTART`] between them.
+    ///
+    /// # Errors
+    /// [`Error::Level`]: the part does not have this level.
+    pub fn index_map(&self, level: usize) -> Result<Vec<u32>, Error> {
+        self.check(level)?;
+        let renaming = self.sequence.renaming(level);
+        let renamed = |v: u32| if v == RESTART { RESTART } else { renaming[v as usize] };
+        Ok(self.strips.to_restart(RESTART).into_iter().map(renamed).collect())
+    }
+
+    /// Returns the display strips of a level.
+    ///
+    /// # Errors
+    /// The part does not have this level.
+    pub fn display(
+        &self,
+        level: usize,
+        filter: DisplayFilter,
+        repair: RepairOptions,
+    ) -> Result<Strips, Error> {
+        let map = self.index_map(level)?;
+        let Some(scanner) = filter.scanner() else {
+            return Ok(Repair::at(&self.sequence, &self.strips, level, repair)?.strips());
+        };
+        let mut display = Strips::default();
+        scanner.map_to(&map, &mut display);
+        Ok(display)
+    }
+
+    /// Returns strips over the part's own vertices in the model.
+    ///
+    /// # Errors
+    /// The strips name a vertex that the collapses do not have.
+    pub fn outward(&self, strips: &Strips) -> Result<Strips, Error> {
+        check_vertices(&[(strips, self.used.count().unwrap_or(self.vertex_count))])?;
+        Ok(mapped(strips, |strip| self.used.outward(strip)))
+    }
+
+    /// Returns the triangles of a level, over the part's own vertices in the model.
+    ///
+    /// # Errors
+    /// [`Error::Level`]: the part does not have this level.
+    pub fn triangles(&self, level: usize) -> Result<Vec<u32>, Error> {
+        self.check(level)?;
+        let mut corners = self.sequence.drawn(level).into_flattened();
+        self.used.outward(&mut corners);
+        Ok(corners)
+    }
+
+    /// Proves that display strips draw exactly the triangles of a level.
+    ///
+    /// # Errors
+    /// [`Error::Unproven`], or the part does not have this level.
+    pub fn prove(&self, level: usize, display: &Strips) -> Result<(), Error> {
+        self.check(level)?;
+        let expected = Faces::from_triangles(self.sequence.drawn(level).into_flattened())?;
+        let drawn: Vec<[u32; 3]> = display.triangles().collect();
+        verify_drawing(&expected, &drawn).map_err(|why| Error::Unproven(format!("level {level}: {why}")))?;
+        Ok(())
+    }
+
+    fn check(&self, level: usize) -> Result<(), Error> {
+        let last = self.sequence.len();
+        if level > last { Err(Error::Level { found: level, last }) } else { Ok(()) }
+    }
+}
+
+/// Returns strips with mapped vertices.
+fn mapped(strips: &Strips, map: impl Fn(&mut [u32])) -> Strips {
+    let (mut out, mut mapped) = (Strips::default(), Vec::new());
+    for strip in strips.iter() {
+        mapped.clear();
+        mapped.extend_from_slice(strip);
+        map(&mut mapped);
+        out.push(&mapped);
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tristrip::collapse::Rename;
+
+    #[test]
+    fn every_filter_draws_exactly_the_triangles_of_the_level() {
+        let mut strips = Strips::default();
+        strips.push(&[0, 1, 2, 3, 4, 5]);
+        let rename = [Rename { removed: 3, kept: 2 }];
+        let sequence = CollapseSequence::from_collapses(6, strips.to_list(), [(&rename[..], 1.0)]).unwrap();
+        let part = LevelPart::new(UsedVertices::default(), 6, &strips, sequence);
+        assert_eq!(part.index_map(1).unwrap(), strips.vertices());
+        assert_eq!(part.index_map(0).unwrap(), [0, 1, 2, 2, 4, 5]);
+        for filter in DisplayFilter::ALL {
+            let display = part.display(0, filter, RepairOptions::default()).unwrap();
+            part.prove(0, &display).unwrap();
+            assert!(matches!(part.prove(1, &display), Err(Error::Unproven(_))));
+        }
+        assert_eq!(part.triangles(0).unwrap(), [0, 1, 2, 4, 2, 5]);
+        assert!(matches!(part.triangles(2), Err(Error::Level { found: 2, last: 1 })));
+    }
+}

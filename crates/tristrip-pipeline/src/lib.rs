@@ -1,0 +1,68 @@
+//! What happens to a whole model, from the parts that a reader returned to the bytes that a writer stores: strips, simplification,
+//! levels of detail, bounds, analysis and conversion, each with its proof.
+//!
+//! ```text
+//! Model ─▶ PreparedModel ─▶ strips of each part ─ proof ─▶ encode ─ read back, proof ─▶ bytes
+//!   │            └▶ bounds, figures of the mesh     │
+//!   ├▶ simplify: shared borders locked ─▶ smaller model
+//!   └▶ levels: strips ─ collapses of all parts in one order ─▶ display strips of any level, proven
+//! ```
+//! The functions take a model in memory and return owned results. They read no files, no clock and no terminal: an [`Observer`] learns
+//! of every stage, may measure its time, and may stop a search or cancel. All parts are processed in parallel, on the threads of the
+//! current `rayon` pool; the results are the same for any number of threads.
+//!
+//! ```
+//! use tristrip_io::{Format, read};
+//! use tristrip_pipeline::{EncodeOptions, StripOptions, strip};
+//! let model = read(b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n", Format::Obj)?;
+//! let stripped = strip(&model, &StripOptions::default())?;
+//! assert_eq!((stripped.figures.strips, stripped.figures.indices_restart, stripped.proven), (1, 4, true));
+//! let encoded = stripped.encode(&model, &EncodeOptions::new(Format::Glb))?;
+//! assert!(encoded.bytes.starts_with(b"glTF"));
+//! # Ok::<(), tristrip_pipeline::Error>(())
+//! ```
+
+#![forbid(unsafe_code)]
+
+mod analyze;
+mod bound;
+mod bounds;
+mod collapses;
+mod convert;
+mod encode;
+mod error;
+mod figures;
+mod goal;
+mod levels;
+mod method;
+mod observer;
+mod parts;
+mod prepared;
+mod simplify;
+mod strip;
+pub mod text;
+mod verify;
+
+pub use analyze::{
+    Analysis, AnalyzeOptions, DrawMode, LengthBin, PartAnalysis, StoredFigures, StripLengths,
+    VertexCacheList, analyze,
+};
+pub use bound::{Bounded, PartBound, bound, bound_observed};
+pub use bounds::{BoundGap, Bounds};
+pub use collapses::Collapses;
+pub use convert::{ConvertOptions, Converted, convert, convert_observed, strips_as_stored};
+pub use encode::{EncodeOptions, Encoded, default_layout, encode, encode_observed};
+pub use error::Error;
+pub use figures::{Figures, MeshFigures, rounded};
+pub use goal::{Amount, Deviation, Goal, Ratio};
+pub use levels::{
+    DisplayFilter, DisplayedLevel, Level, LevelOrder, LevelPart, LevelsOptions, ModelLevels, levels,
+    levels_observed,
+};
+pub use method::{Chosen, MethodReport, TUNNEL_LENGTH, methods_to_compare, parse_method};
+pub use observer::{Event, Observer, Search, Stage, Stopped};
+pub use parts::{PreparedPart, meshes};
+pub use prepared::{FoundStrips, PreparedModel, Survey};
+pub use simplify::{Simplified, SimplifyOptions, simplify, simplify_observed};
+pub use strip::{StripOptions, Stripped, strip, strip_observed};
+pub use verify::{DifferenceReport, verify};

@@ -1,0 +1,436 @@
+//! The names of methods and their options: what reports, tables and charts call them.
+
+use std::str::FromStr;
+
+use serde::Serialize;
+use tristrip::strip::Cost;
+use tristrip::stripify::{Effort, EtaOptions, Objective, Start};
+use tristrip::{Error, FaceTriangulation, Method, Patches, StripifyOptions, Ties};
+
+/// The default maximum length of a tunnel for `tunnel`: beyond it, every two more edges multiply the time several times.
+pub const TUNNEL_LENGTH: u32 = 9;
+
+/// The names of all methods, in the order of the help.
+const METHOD_NAMES: [&str; 12] = [
+    "auto",
+    "sequential",
+    "best",
+    "fewest",
+    "cache",
+    "input",
+    "sgi",
+    "stripe",
+    "stripe-local",
+    "stripe-global",
+    "tunnel",
+    "eta",
+];
+
+const COSTS: [(&str, Cost); 4] = [
+    ("restart", Cost::Restart),
+    ("opengl", Cost::OpenGl),
+    ("degenerate", Cost::Degenerate),
+    ("gl", Cost::Gl),
+];
+const OBJECTIVES: [(&str, Objective); 3] =
+    [("indices", Objective::Indices), ("balanced", Objective::Balanced), ("misses", Objective::Misses)];
+const STARTS: [(&str, Start); 4] = [
+    ("isolated", Start::Isolated),
+    ("input", Start::Input),
+    ("sgi", Start::Sgi),
+    ("sequential", Start::Sequential),
+];
+const TRIANGULATIONS: [(&str, FaceTriangulation); 3] = [
+    ("static", FaceTriangulation::Static),
+    ("whole", FaceTriangulation::Whole),
+    ("partial", FaceTriangulation::Partial),
+];
+const TIES: [(&str, Ties); 5] = [
+    ("arbitrary", Ties::Arbitrary),
+    ("look-ahead", Ties::LookAhead),
+    ("alternate", Ties::Alternate),
+    ("random", Ties::Random),
+    ("sequential", Ties::Sequential),
+];
+const PATCHES: [(&str, Patches); 2] = [("rows", Patches::Rows), ("full", Patches::Full)];
+
+/// Returns the name of a value.
+fn name_of<T: PartialEq>(names: &[(&str, T)], value: &T) -> Option<String> {
+    names.iter().find(|(_, known)| known == value).map(|(name, _)| (*name).to_owned())
+}
+
+/// A method and its options in the words of the command line; the keys are those of the JSON report.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct MethodReport {
+    method: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    triangulation: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    ties: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    patches: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cutoff: Option<u32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cost: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    vertex_cache: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    objective: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    effort: Option<u8>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    tunnel_length: Option<u32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    threshold: Option<u32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    start: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    seed: Option<u64>,
+}
+
+impl MethodReport {
+    /// Names a method and those of its options that apply to it.
+    ///
+    /// ```
+    /// use tristrip_pipeline::MethodReport;
+    /// assert_eq!(MethodReport::of(&tristrip::StripifyOptions::default()).label(), "auto restart 2");
+    /// ```
+    pub fn of(options: &StripifyOptions) -> Self {
+        let plain = |method: &str| Self { method: method.into(), ..Self::default() };
+        let search = |method: &str| Self {
+            cost: name_of(&COSTS, &options.cost()),
+            effort: Some(options.effort().level()),
+            seed: Some(options.seed()),
+            ..plain(method)
+        };
+        match options.method() {
+            Method::Sequential => plain("sequential"),
+            Method::Input => plain("input"),
+            Method::Sgi => plain("sgi"),
+            Method::StripeLocal { triangulation, ties } => Self {
+                triangulation: name_of(&TRIANGULATIONS, &triangulation),
+                ties: name_of(&TIES, &ties),
+                seed: Some(options.seed()),
+                ..plain("stripe-local")
+            },
+            Method::StripeGlobal { patches, cutoff } => Self {
+                patches: name_of(&PATCHES, &patches),
+                cutoff: Some(cutoff),
+                seed: Some(options.seed()),
+                ..plain("stripe-global")
+            },
+            Method::Best => search("best"),
+            Method::Fewest => Self { cost: None, ..search("fewest") },
+            Method::Cache => Self {
+                cost: None,
+                vertex_cache: Some(options.vertex_cache().to_string()),
+                objective: name_of(&OBJECTIVES, &options.objective()),
+                ..search("cache")
+            },
+            Method::Tunnel { length } => Self { tunnel_length: Some(length), ..plain("tunnel") },
+            Method::Eta(eta) => Self {
+                tunnel_length: Some(eta.length()),
+                threshold: Some(eta.threshold()),
+                start: name_of(&STARTS, &eta.start()),
+                seed: Some(options.seed()),
+                ..plain("eta")
+            },
+            _ => search("auto"),
+        }
+    }
+
+    /// Returns the name of the method.
+    pub fn method(&self) -> &str {
+        &self.method
+    }
+
+    /// Returns the objective of `cache`; `None` for other methods.
+    pub fn objective(&self) -> Option<&str> {
+        self.objective.as_deref()
+    }
+
+    /// Returns the effort; `None` for methods that do not search.
+    pub fn effort(&self) -> Option<u8> {
+        self.effort
+    }
+
+    /// Returns a short name of the method and its options: `stripe-local whole sequential`.
+    pub fn label(&self) -> String {
+        let words = [
+            &self.triangulation,
+            &self.ties,
+            &self.patches,
+            &self.cost,
+            &self.vertex_cache,
+            &self.objective,
+            &self.start,
+        ];
+        let numbers = [self.cutoff, self.effort.map(u32::from), self.tunnel_length];
+        let words = [Some(self.method.clone())].into_iter().chain(words.into_iter().cloned()).flatten();
+        let numbers = numbers.into_iter().flatten().map(|n| n.to_string());
+        words.chain(numbers).collect::<Vec<_>>().join(" ")
+    }
+
+    /// Describes the method and its options: `method best, cost restart, effort 2`. `auto` goes by the methods that it chose.
+    pub fn description(&self, chosen: &Chosen) -> String {
+        let names: Vec<&str> = chosen.0.iter().map(|(name, _)| name.as_str()).collect();
+        let method = if names.is_empty() { self.method.clone() } else { names.join(" or ") };
+        let number = |n: Option<u32>| n.map(|n| n.to_string());
+        let options = [
+            ("triangulation", self.triangulation.clone()),
+            ("ties", self.ties.clone()),
+            ("patches", self.patches.clone()),
+            ("cutoff", number(self.cutoff)),
+            ("cost", self.cost.clone()),
+            ("vertex cache", self.vertex_cache.clone()),
+            ("objective", self.objective.clone()),
+            ("effort", number(self.effort.map(u32::from))),
+            ("tunnel length", number(self.tunnel_length)),
+            ("threshold", number(self.threshold)),
+            ("start", self.start.clone()),
+        ];
+        let options = options.into_iter().filter_map(|(name, value)| Some(format!("{name} {}", value?)));
+        std::iter::once(format!("method {method}")).chain(options).collect::<Vec<_>>().join(", ")
+    }
+}
+
+/// The methods that were used, with the number of parts of each, in the order of the help.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Chosen(Vec<(String, usize)>);
+
+impl Chosen {
+    /// Counts the methods of all parts.
+    ///
+    /// ```
+    /// use tristrip::Method;
+    /// use tristrip_pipeline::Chosen;
+    /// assert_eq!(Chosen::of(&[Method::Input, Method::Best, Method::Input]).iter().collect::<Vec<_>>(), [("best", 1), ("input", 2)]);
+    /// ```
+    pub fn of(methods: &[Method]) -> Self {
+        let mut counts: Vec<(String, usize)> =
+            METHOD_NAMES.iter().map(|&name| (name.to_owned(), 0)).collect();
+        for &method in methods {
+            let name = MethodReport::of(&StripifyOptions::default().with_method(method)).method;
+            if let Some((_, count)) = counts.iter_mut().find(|(known, _)| *known == name) {
+                *count += 1;
+            }
+        }
+        counts.retain(|(_, count)| *count > 0);
+        Self(counts)
+    }
+
+    /// Iterates over the names of the methods and their numbers of parts.
+    pub fn iter(&self) -> impl Iterator<Item = (&str, usize)> {
+        self.0.iter().map(|(name, count)| (name.as_str(), *count))
+    }
+}
+
+/// Serializes as an object of names and counts.
+impl Serialize for Chosen {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_map(self.iter())
+    }
+}
+
+/// Returns the methods to compare: one or a few per family, or every variant.
+///
+/// ```
+/// assert_eq!(tristrip_pipeline::methods_to_compare(true).len(), 34);
+/// ```
+pub fn methods_to_compare(every_variant: bool) -> Vec<Method> {
+    let mut methods = vec![
+        Method::Auto,
+        Method::Best,
+        Method::Fewest,
+        Method::Cache,
+        Method::Input,
+        Method::Sequential,
+        Method::Sgi,
+    ];
+    let local = |triangulation, ties| Method::StripeLocal { triangulation, ties };
+    let global = |patches, cutoff| Method::StripeGlobal { patches, cutoff };
+    if every_variant {
+        methods.extend([Method::Tunnel { length: TUNNEL_LENGTH }, Method::Eta(EtaOptions::default())]);
+        for (_, triangulation) in TRIANGULATIONS {
+            methods.extend(TIES.map(|(_, ties)| local(triangulation, ties)));
+        }
+        for (_, patches) in PATCHES {
+            methods.extend([5, 10, 15, 20, 25].map(|cutoff| global(patches, cutoff)));
+        }
+    } else {
+        methods.extend([
+            local(FaceTriangulation::Static, Ties::Sequential),
+            local(FaceTriangulation::Whole, Ties::Sequential),
+            local(FaceTriangulation::Partial, Ties::Sequential),
+            local(FaceTriangulation::Whole, Ties::LookAhead),
+            global(Patches::Rows, 5),
+            global(Patches::Full, 5),
+        ]);
+    }
+    methods
+}
+
+/// Parses a method and its options in the flags of the command: `--method eta --start input`. Flags that are not given have the default of
+/// the method.
+///
+/// # Errors
+/// A flag is unknown, has an unknown value, or belongs to another method.
+///
+/// ```
+/// use tristrip_pipeline::{MethodReport, parse_method};
+/// let options = parse_method("--method stripe-local --ties random")?;
+/// assert_eq!(MethodReport::of(&options).label(), "stripe-local whole random");
+/// assert!(parse_method("--method sgi --start input").is_err());
+/// # Ok::<(), tristrip::Error>(())
+/// ```
+pub fn parse_method(flags: &str) -> Result<StripifyOptions, Error> {
+    let mut flags = Flags::of(flags)?;
+    let options = flags.options()?;
+    match flags.0.first() {
+        None => Ok(options),
+        Some((flag, _)) => Err(invalid("flag", flag, "a flag that belongs to the method")),
+    }
+}
+
+/// Flags that are not used yet, with their values.
+struct Flags<'a>(Vec<(&'a str, &'a str)>);
+
+impl<'a> Flags<'a> {
+    fn of(text: &'a str) -> Result<Self, Error> {
+        let words: Vec<&str> = text.split_whitespace().collect();
+        let (pairs, rest) = words.as_chunks();
+        match rest {
+            [] => Ok(Self(pairs.iter().map(|&[flag, value]| (flag, value)).collect())),
+            _ => Err(invalid("flags", text, "pairs of a flag and a value")),
+        }
+    }
+
+    /// Removes a flag, and returns its value.
+    fn take(&mut self, flag: &str) -> Option<&'a str> {
+        let at = self.0.iter().position(|(name, _)| *name == flag)?;
+        Some(self.0.remove(at).1)
+    }
+
+    fn number<T: FromStr>(&mut self, flag: &'static str) -> Result<Option<T>, Error> {
+        let number =
+            |text: &str| text.parse().map_err(|_| invalid(flag, text, "a number in the range of the flag"));
+        self.take(flag).map(number).transpose()
+    }
+
+    fn named<T: Copy>(&mut self, flag: &'static str, names: &[(&str, T)]) -> Result<Option<T>, Error> {
+        let value = |text: &str| {
+            let found = names.iter().find(|(name, _)| *name == text);
+            found.map(|(_, value)| *value).ok_or_else(|| invalid(flag, text, "a value of the flag"))
+        };
+        self.take(flag).map(value).transpose()
+    }
+
+    fn options(&mut self) -> Result<StripifyOptions, Error> {
+        let name = self.take("--method").unwrap_or("auto");
+        let method = self.method(name)?;
+        let mut options = StripifyOptions::default().with_method(method);
+        if matches!(name, "auto" | "best")
+            && let Some(cost) = self.named("--cost", &COSTS)?
+        {
+            options = options.with_cost(cost);
+        }
+        if name == "cache" {
+            if let Some(objective) = self.named("--objective", &OBJECTIVES)? {
+                options = options.with_objective(objective);
+            }
+            if let Some(cache) = self.take("--vertex-cache") {
+                options = options.with_vertex_cache(cache.parse()?);
+            }
+        }
+        if matches!(name, "auto" | "best" | "fewest" | "cache")
+            && let Some(level) = self.number("--effort")?
+        {
+            let effort = Effort::new(level);
+            options =
+                options.with_effort(effort.ok_or_else(|| invalid("--effort", &level.to_string(), "0 to 9"))?);
+        }
+        if !matches!(name, "sequential" | "input" | "sgi" | "tunnel")
+            && let Some(seed) = self.number("--seed")?
+        {
+            options = options.with_seed(seed);
+        }
+        Ok(options)
+    }
+
+    fn method(&mut self, name: &str) -> Result<Method, Error> {
+        Ok(match name {
+            "auto" => Method::Auto,
+            "sequential" => Method::Sequential,
+            "best" => Method::Best,
+            "fewest" => Method::Fewest,
+            "cache" => Method::Cache,
+            "input" => Method::Input,
+            "sgi" => Method::Sgi,
+            "stripe-local" => Method::StripeLocal {
+                triangulation: self.named("--triangulation", &TRIANGULATIONS)?.unwrap_or_default(),
+                ties: self.named("--ties", &TIES)?.unwrap_or_default(),
+            },
+            "stripe" | "stripe-global" => Method::StripeGlobal {
+                patches: self.named("--patches", &PATCHES)?.unwrap_or_default(),
+                cutoff: self.number("--cutoff")?.unwrap_or(5),
+            },
+            "tunnel" => Method::Tunnel { length: self.number("--tunnel-length")?.unwrap_or(TUNNEL_LENGTH) },
+            "eta" => Method::Eta(self.eta()?),
+            _ => return Err(invalid("--method", name, "the name of a method")),
+        })
+    }
+
+    fn eta(&mut self) -> Result<EtaOptions, Error> {
+        let mut eta = EtaOptions::default();
+        if let Some(length) = self.number("--tunnel-length")? {
+            eta = eta.with_length(length);
+        }
+        if let Some(threshold) = self.number("--threshold")? {
+            eta = eta.with_threshold(threshold);
+        }
+        if let Some(start) = self.named("--start", &STARTS)? {
+            eta = eta.with_start(start);
+        }
+        Ok(eta)
+    }
+}
+
+fn invalid(name: &'static str, found: &str, expected: &'static str) -> Error {
+    Error::Parameter { name, found: found.into(), expected }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::HashSet;
+
+    #[test]
+    fn all_variants_have_distinct_names() {
+        let label = |method| MethodReport::of(&StripifyOptions::default().with_method(method)).label();
+        let labels: HashSet<String> = methods_to_compare(true).into_iter().map(label).collect();
+        assert_eq!(labels.len(), 9 + 15 + 10);
+        assert!(
+            labels.contains("stripe-local partial look-ahead") && labels.contains("stripe-global full 25")
+        );
+        assert!(methods_to_compare(false).into_iter().all(|method| labels.contains(&label(method))));
+    }
+
+    #[test]
+    fn chosen_methods_are_counted_by_name() {
+        let chosen = Chosen::of(&[Method::Input, Method::Best, Method::Input]);
+        assert_eq!(serde_json::to_string(&chosen).unwrap(), r#"{"best":1,"input":2}"#);
+        assert_eq!(Chosen::of(&[]), Chosen::default());
+    }
+
+    #[test]
+    fn auto_is_described_as_the_method_that_it_chose() {
+        let auto = MethodReport::of(&StripifyOptions::default());
+        assert_eq!(auto.description(&Chosen::of(&[Method::Best])), "method best, cost restart, effort 2");
+        let local = StripifyOptions::default().with_method(Method::STRIPE);
+        assert_eq!(
+            MethodReport::of(&local).description(&Chosen::default()),
+            "method stripe-global, patches rows, cutoff 5"
+        );
+    }
+}

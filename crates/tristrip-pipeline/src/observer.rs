@@ -1,0 +1,204 @@
+//! Progress and cancellation: what a caller learns while a model is processed.
+//!
+//! The pipeline reads no clock. A caller that reports times takes them from the events: each stage begins with [`Event::Begin`] and ends
+//! with the event of its result.
+
+use std::fmt;
+
+use serde::Serialize;
+use tristrip::StripifyOptions;
+use tristrip::stripify::Watch;
+use tristrip_io::VertexGroup;
+
+use crate::bounds::BoundGap;
+use crate::collapses::Collapses;
+use crate::error::Error;
+use crate::figures::{Figures, MeshFigures};
+use crate::method::Chosen;
+
+/// A stage of the processing of a model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Stage {
+    /// Faces are prepared and dual graphs built.
+    Prepare,
+    /// The mesh is measured.
+    Survey,
+    /// Strips are built.
+    Stripify,
+    /// The strips are measured.
+    Measure,
+    /// Lower bounds are computed.
+    Bound,
+    /// A result is proven in memory.
+    Prove,
+    /// Half-edges are collapsed.
+    Simplify,
+    /// Strips of a level of detail are filtered.
+    Filter,
+    /// Vertices are numbered in the order of their first use.
+    Reorder,
+    /// Bytes are laid out.
+    Encode,
+    /// The bytes are read back and proven.
+    ReadBack,
+}
+
+impl fmt::Display for Stage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Prepare => "dual graph",
+            Self::Survey => "mesh",
+            Self::Stripify => "stripify",
+            Self::Measure => "measure",
+            Self::Bound => "bound",
+            Self::Prove | Self::ReadBack => "verify",
+            Self::Simplify => "simplify",
+            Self::Filter => "filter",
+            Self::Reorder => "reorder",
+            Self::Encode => "write",
+        })
+    }
+}
+
+/// What happened to a model. The data is that of the stage that ended.
+#[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
+pub enum Event<'a> {
+    /// A stage begins.
+    Begin(Stage),
+    /// [`Stage::Prepare`] ended.
+    Prepared,
+    /// [`Stage::Survey`] ended.
+    Surveyed {
+        /// The number of parts.
+        parts: usize,
+        /// The counts of the mesh.
+        mesh: &'a MeshFigures,
+        /// Notes of the reader, and on what was dropped, changed or unusual.
+        notes: &'a [String],
+    },
+    /// [`Stage::Stripify`] ended.
+    Stripified {
+        /// The number of strips.
+        strips: usize,
+        /// The methods used.
+        chosen: &'a Chosen,
+        /// Why the search was stopped, if it was.
+        stopped: Option<Stopped>,
+    },
+    /// [`Stage::Measure`] ended.
+    Measured(&'a Figures),
+    /// [`Stage::Bound`] ended; for a search, with the gap between its result and the bound.
+    Bounded(Option<&'a BoundGap>),
+    /// [`Stage::Prove`] ended: the result is proven.
+    Proven {
+        /// The number of faces drawn.
+        faces: usize,
+    },
+    /// [`Stage::Simplify`] ended.
+    Simplified(&'a Collapses),
+    /// [`Stage::Filter`] ended.
+    Filtered,
+    /// [`Stage::Reorder`] ended.
+    Reordered(&'a [VertexGroup]),
+    /// [`Stage::Encode`] ended.
+    Encoded {
+        /// The size of the file in bytes.
+        bytes: usize,
+    },
+    /// [`Stage::ReadBack`] ended: the bytes are proven.
+    ReadBack {
+        /// The number of faces drawn.
+        faces: usize,
+    },
+    /// A note on the result, such as why simplification stopped early.
+    Note(&'a str),
+}
+
+/// Why a search was stopped before its end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+#[non_exhaustive]
+pub enum Stopped {
+    /// A time budget ended.
+    Budget,
+    /// The user interrupted.
+    Interrupt,
+}
+
+impl Stopped {
+    /// Returns a note for a report.
+    ///
+    /// ```
+    /// assert!(tristrip_pipeline::Stopped::Budget.note().contains("budget"));
+    /// ```
+    pub fn note(self) -> &'static str {
+        match self {
+            Self::Budget => "the time budget ended the search: another run may give a different result",
+            Self::Interrupt => "interrupted: this is the best result found so far",
+        }
+    }
+}
+
+/// Watches the searches of all parts of a model, which may run at the same time. Dropped when they end.
+pub trait Search: Watch {
+    /// Returns why the searches were stopped, if they were.
+    fn stopped(&self) -> Option<Stopped>;
+}
+
+/// Never stops a search.
+impl Search for () {
+    fn stopped(&self) -> Option<Stopped> {
+        None
+    }
+}
+
+/// Learns of the stages of a model, watches its searches, and may cancel. All methods have defaults, which do nothing.
+///
+/// ```
+/// use std::sync::Mutex;
+/// use tristrip_io::{Format, read};
+/// use tristrip_pipeline::{Event, Observer, Stage, StripOptions, strip_observed};
+/// #[derive(Default)]
+/// struct Stages(Mutex<Vec<Stage>>);
+/// impl Observer for Stages {
+///     fn event(&self, event: Event<'_>) {
+///         if let (Event::Begin(stage), Ok(mut stages)) = (event, self.0.lock()) {
+///             stages.push(stage);
+///         }
+///     }
+/// }
+/// let model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Format::Obj)?;
+/// let stages = Stages::default();
+/// strip_observed(&model, &StripOptions::default(), &stages)?;
+/// let seen = stages.0.into_inner().unwrap_or_default();
+/// assert_eq!(seen, [Stage::Prepare, Stage::Survey, Stage::Stripify, Stage::Measure, Stage::Prove]);
+/// # Ok::<(), tristrip_pipeline::Error>(())
+/// ```
+pub trait Observer: Sync {
+    /// Receives an event, on the thread that called the pipeline.
+    fn event(&self, _event: Event<'_>) {}
+
+    /// Returns the watch of the searches that begin now, with the options of their method.
+    fn search(&self, _options: &StripifyOptions) -> Box<dyn Search + '_> {
+        Box::new(())
+    }
+
+    /// Returns whether to cancel. Asked at the beginning of each stage, which then returns [`Error::Cancelled`].
+    fn is_cancelled(&self) -> bool {
+        false
+    }
+}
+
+/// Ignores all events.
+impl Observer for () {}
+
+/// Begins a stage, unless the observer cancels.
+pub(crate) fn begin(observer: &dyn Observer, stage: Stage) -> Result<(), Error> {
+    if observer.is_cancelled() {
+        return Err(Error::Cancelled);
+    }
+    observer.event(Event::Begin(stage));
+    Ok(())
+}

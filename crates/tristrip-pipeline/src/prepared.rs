@@ -1,0 +1,197 @@
+//! A model prepared for strips: the faces and the dual graph of each part. Methods, bounds and measurements share them.
+//!
+//! Each stage processes all parts in parallel; the results are in the order of the parts for any number of threads.
+
+use tristrip::stripify::Watch;
+use tristrip::verify::{verify, verify_models};
+use tristrip::{DualGraph, Faces, Mesh, Method, PreparedFaces, StripifyOptions, Strips, stripify};
+use tristrip_io::Model;
+
+use crate::error::Error;
+use crate::figures::{Figures, MeshFigures};
+use crate::method::Chosen;
+use crate::observer::{Event, Observer, Stage, Stopped, begin};
+use crate::parts::{PreparedPart, map, meshes};
+
+/// The prepared parts of a model, in their order. The memory is that of the prepared faces and the dual graphs.
+///
+/// ```
+/// use tristrip::{Method, StripifyOptions};
+/// use tristrip_io::{Format, read};
+/// use tristrip_pipeline::PreparedModel;
+/// let model = read(b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n", Format::Obj)?;
+/// let prepared = PreparedModel::new(&model, false);
+/// let options = StripifyOptions::default().with_method(Method::Sgi);
+/// let found = prepared.find_strips(&options, &())?;
+/// prepared.prove(&found.strips)?;
+/// assert_eq!(prepared.figures(&found.strips, &options)?.vertices_sent, 4);
+/// # Ok::<(), tristrip_pipeline::Error>(())
+/// ```
+#[derive(Debug)]
+pub struct PreparedModel<'a> {
+    parts: Vec<PreparedPart<'a>>,
+    weld: bool,
+}
+
+/// The strips of each part, and the method that built them, in the order of the parts.
+#[derive(Debug, Clone, Default)]
+#[non_exhaustive]
+pub struct FoundStrips {
+    /// The strips, over the vertices of their parts.
+    pub strips: Vec<Strips>,
+    /// The methods; for [`Method::Auto`] the one that it chose.
+    pub chosen: Vec<Method>,
+}
+
+impl<'a> PreparedModel<'a> {
+    /// Prepares the faces and builds the dual graph of each part. With `weld`, vertices with the same bits in all attributes are one.
+    pub fn new(model: &'a Model, weld: bool) -> Self {
+        Self::of_meshes(&meshes(model), weld)
+    }
+
+    /// Prepares some of the meshes of a model.
+    pub fn of_meshes(meshes: &[&'a Mesh], weld: bool) -> Self {
+        let parts = map(meshes, |&mesh| {
+            let surface = PreparedFaces::new(mesh, weld);
+            let graph = DualGraph::new(surface.faces());
+            PreparedPart { mesh, surface, graph }
+        });
+        Self { parts, weld }
+    }
+
+    /// Returns the parts in their order.
+    pub fn parts(&self) -> &[PreparedPart<'a>] {
+        &self.parts
+    }
+
+    /// Counts faces, edges and vertices of all parts.
+    pub fn mesh_figures(&self) -> MeshFigures {
+        MeshFigures::of(&self.parts)
+    }
+
+    /// Builds the strips of each part. Searches report their progress to the watch; they are welded as the model was prepared.
+    ///
+    /// # Errors
+    /// A part is too large, or an option has an invalid value.
+    pub fn find_strips(&self, options: &StripifyOptions, watch: &dyn Watch) -> Result<FoundStrips, Error> {
+        let found = map(&self.parts, |part| {
+            let (method, plan) = stripify::choose_watched(&part.surface, &part.graph, options, watch)?;
+            Ok((plan.strips(), method))
+        });
+        let (strips, chosen) = found.into_iter().collect::<Result<Vec<_>, Error>>()?.into_iter().unzip();
+        Ok(FoundStrips { strips, chosen })
+    }
+
+    /// Builds the strips of each part under the watch of an observer.
+    pub(crate) fn search(
+        &self,
+        options: &StripifyOptions,
+        observer: &dyn Observer,
+    ) -> Result<(FoundStrips, Chosen, Option<Stopped>), Error> {
+        begin(observer, Stage::Stripify)?;
+        let watch = observer.search(options);
+        let found = self.find_strips(options, &*watch)?;
+        let stopped = watch.stopped();
+        drop(watch);
+        let chosen = Chosen::of(&found.chosen);
+        let strips = found.strips.iter().map(Strips::len).sum();
+        observer.event(Event::Stripified { strips, chosen: &chosen, stopped });
+        Ok((found, chosen, stopped))
+    }
+
+    /// Measures the strips of all parts.
+    ///
+    /// # Errors
+    /// Strips name a vertex that their part does not have.
+    pub fn figures(&self, strips: &[Strips], options: &StripifyOptions) -> Result<Figures, Error> {
+        let vertex_counts = self.parts.iter().map(|part| part.mesh.vertex_count());
+        Figures::of(&strips.iter().zip(vertex_counts).collect::<Vec<_>>(), options)
+    }
+
+    /// Proves that the strips of each part draw its mesh. Strips of welded parts are compared by position.
+    ///
+    /// # Errors
+    /// [`Error::Unproven`], with the number of the part if there are several.
+    pub fn prove(&self, strips: &[Strips]) -> Result<(), Error> {
+        if strips.len() != self.parts.len() {
+            let (found, expected) = (strips.len(), self.parts.len());
+            return Err(Error::Unproven(format!("found strips of {found} parts, expected {expected}")));
+        }
+        let pairs: Vec<_> = self.parts.iter().zip(strips).collect();
+        let proofs = map(&pairs, |(part, strips)| prove_part(part, strips, self.weld));
+        for (number, proof) in proofs.into_iter().enumerate() {
+            proof.map_err(|why| match self.parts.len() {
+                1 => Error::Unproven(why),
+                _ => Error::Unproven(format!("part {number}: {why}")),
+            })?;
+        }
+        Ok(())
+    }
+}
+
+fn prove_part(part: &PreparedPart<'_>, strips: &Strips, weld: bool) -> Result<(), String> {
+    if !weld {
+        return verify(part.mesh, strips).map(drop).map_err(|why| why.to_string());
+    }
+    // A welded vertex has the index of the first of its vertices, which has the same position.
+    let drawn = Faces::from_triangles(strips.to_list())
+        .and_then(|faces| part.mesh.with_faces(faces))
+        .and_then(|drawn| verify_models(&[part.mesh], &[&drawn]));
+    match drawn {
+        Ok(Ok(_)) => Ok(()),
+        Ok(Err(difference)) => Err(difference.to_string()),
+        Err(error) => Err(error.to_string()),
+    }
+}
+
+/// A prepared model with the report on its mesh: the first stages of every function of this crate that builds or bounds strips.
+#[derive(Debug)]
+#[non_exhaustive]
+pub struct Survey<'a> {
+    /// The prepared model.
+    pub prepared: PreparedModel<'a>,
+    /// The options, adapted to the model: it is not welded if vertices may differ in values that were not read.
+    pub options: StripifyOptions,
+    /// The counts of the mesh.
+    pub mesh: MeshFigures,
+    /// Notes of the reader, and on what was dropped, changed or unusual.
+    pub notes: Vec<String>,
+}
+
+impl<'a> Survey<'a> {
+    /// Prepares a model for a method, and reports each stage to an observer.
+    ///
+    /// # Errors
+    /// The observer cancelled.
+    ///
+    /// ```
+    /// use tristrip::StripifyOptions;
+    /// use tristrip_pipeline::Survey;
+    /// let model = tristrip_io::read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 2\n", tristrip_io::Format::Obj)?;
+    /// let survey = Survey::new(&model, StripifyOptions::default(), &())?;
+    /// assert_eq!((survey.mesh.faces, survey.mesh.degenerate_faces, survey.notes.len()), (2, 1, 1));
+    /// # Ok::<(), tristrip_pipeline::Error>(())
+    /// ```
+    pub fn new(model: &'a Model, options: StripifyOptions, observer: &dyn Observer) -> Result<Self, Error> {
+        let mut notes = model.notes.clone();
+        let options = fitted(options, model, &mut notes);
+        begin(observer, Stage::Prepare)?;
+        let prepared = PreparedModel::new(model, options.weld());
+        observer.event(Event::Prepared);
+        begin(observer, Stage::Survey)?;
+        let mesh = prepared.mesh_figures();
+        notes.extend(mesh.remarks());
+        observer.event(Event::Surveyed { parts: prepared.parts().len(), mesh: &mesh, notes: &notes });
+        Ok(Self { prepared, options, mesh, notes })
+    }
+}
+
+/// Returns the options adapted to a model: welding is disabled, with a note, if vertices may differ in values that were not read.
+fn fitted(options: StripifyOptions, model: &Model, notes: &mut Vec<String>) -> StripifyOptions {
+    if options.weld() && tristrip_io::gltf::has_unread_vertex_values(model) {
+        let why = "vertices may differ in morph targets or in attributes that were not decoded";
+        notes.push(format!("not welded: {why}"));
+        return options.with_weld(false);
+    }
+    options
+}

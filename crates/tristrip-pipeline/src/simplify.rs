@@ -1,0 +1,238 @@
+//! Simplification of a whole model: shared borders locked, the collapses proven, the vertices that become unused dropped.
+
+mod parts;
+
+use tristrip::dual::Triangulation;
+use tristrip::simplify::Simplification;
+use tristrip::{Mesh, StripifyOptions, Strips};
+use tristrip_io::{Drawing, Format, Model, Redrawn};
+
+use crate::collapses::Collapses;
+use crate::encode::{EncodeOptions, Encoded, encode_observed};
+use crate::error::Error;
+use crate::figures::MeshFigures;
+use crate::goal::Goal;
+use crate::observer::{Event, Observer, Stage, begin};
+use crate::parts::{map, meshes};
+use crate::prepared::{PreparedModel, Survey};
+use crate::text::{count, counted};
+pub(crate) use parts::{Part, UsedVertices, diagonal, simplify_all};
+
+/// The maximum number of parts with a note of their own on where they stopped.
+const MAX_NAMED_PARTS: usize = 8;
+
+/// How a model is simplified.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct SimplifyOptions {
+    /// The number of triangles to keep, and the maximum error.
+    pub goal: Goal,
+    /// Whether the collapses, and the bytes of a file, are proven.
+    pub verify: bool,
+    /// The format in which the result will be written. A scene that is written as GLB keeps its unused vertices, since other parts of it
+    /// may refer to them by number.
+    pub format: Format,
+}
+
+impl SimplifyOptions {
+    /// Sets the goal.
+    pub fn new(goal: Goal) -> Self {
+        Self { goal, verify: true, format: Format::Ply }
+    }
+
+    /// Sets whether the collapses are proven.
+    #[must_use]
+    pub fn with_verify(self, verify: bool) -> Self {
+        Self { verify, ..self }
+    }
+
+    /// Sets the format in which the result will be written.
+    #[must_use]
+    pub fn with_format(self, format: Format) -> Self {
+        Self { format, ..self }
+    }
+}
+
+/// A simplified model.
+#[derive(Debug)]
+#[non_exhaustive]
+pub struct Simplified {
+    /// The model with fewer triangles, over the vertices that it uses.
+    pub redrawn: Redrawn,
+    /// The collapses, and how they ended.
+    pub collapses: Collapses,
+    /// The counts of the source mesh.
+    pub mesh: MeshFigures,
+    /// Notes of the reader, on what was dropped, on locked vertices, and on parts that stopped before their goal.
+    pub notes: Vec<String>,
+    /// Whether the collapses are proven.
+    pub proven: bool,
+    options: SimplifyOptions,
+}
+
+/// Simplifies a model by half-edge collapses, the cheapest first. Vertices whose position several parts use stay.
+///
+/// # Errors
+/// As of [`simplify_observed`].
+///
+/// ```
+/// use tristrip_io::{Format, read};
+/// use tristrip_pipeline::{Amount, Goal, SimplifyOptions, simplify};
+/// // A flat fan of four triangles around a vertex, which one collapse removes.
+/// let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\n";
+/// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
+/// let goal = Goal { amount: Some(Amount::Triangles(2)), deviation: None };
+/// let simplified = simplify(&model, &SimplifyOptions::new(goal))?;
+/// assert_eq!((simplified.collapses.triangles_after, simplified.redrawn.used, simplified.proven), (2, 4, true));
+/// # Ok::<(), tristrip_pipeline::Error>(())
+/// ```
+pub fn simplify(model: &Model, options: &SimplifyOptions) -> Result<Simplified, Error> {
+    simplify_observed(model, options, &())
+}
+
+/// Does the same, and reports each stage to an observer.
+///
+/// # Errors
+/// The maximum error is negative or not a number, a part is too large, the collapses are not proven, or the observer cancelled.
+///
+/// ```
+/// use tristrip_io::{Format, read};
+/// use tristrip_pipeline::{Deviation, Goal, SimplifyOptions, simplify_observed};
+/// let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\n";
+/// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
+/// let goal = Goal { amount: None, deviation: Some(Deviation::Percent(1.0)) };
+/// let simplified = simplify_observed(&model, &SimplifyOptions::new(goal), &())?;
+/// assert!(simplified.collapses.surface_error <= 0.03);
+/// assert_eq!(simplified.encode(&())?.faces, Some(simplified.collapses.triangles_after));
+/// # Ok::<(), tristrip_pipeline::Error>(())
+/// ```
+pub fn simplify_observed(
+    model: &Model,
+    options: &SimplifyOptions,
+    observer: &dyn Observer,
+) -> Result<Simplified, Error> {
+    // 1. The triangles of each part.
+    let surveyed = Survey::new(model, StripifyOptions::default(), observer)?;
+    let parts = fans(&surveyed.prepared)?;
+    let (mesh, mut notes) = (surveyed.mesh, surveyed.notes);
+
+    // 2. The collapses.
+    begin(observer, Stage::Simplify)?;
+    let before: Vec<usize> = parts.iter().map(Part::triangle_count).collect();
+    let diagonal = diagonal(&parts);
+    let shares = options.goal.amount.map(|amount| amount.shares(&before));
+    let target_error = options.goal.deviation.map(|deviation| deviation.units(diagonal));
+    let no_limit = vec![0; parts.len()];
+    let done = simplify_all(&parts, shares.as_ref().unwrap_or(&no_limit), target_error)?;
+    let after = |done: &Simplification| done.sequence.triangle_count(0);
+    let reaches = |shares: &Vec<usize>| done.iter().zip(shares).all(|(done, &share)| after(done) <= share);
+    let collapses = Collapses {
+        collapse_count: done.iter().map(|done| done.sequence.len()).sum(),
+        triangles_before: before.iter().sum(),
+        triangles_after: done.iter().map(after).sum(),
+        target_triangles: shares.as_ref().map(|shares| shares.iter().sum()),
+        target_error,
+        reached: shares.as_ref().is_none_or(reaches),
+        surface_error: done.iter().map(|done| done.sequence.error(0)).fold(0.0, f32::max),
+        diagonal,
+        locked_vertices: parts.iter().map(Part::locked_count).sum(),
+    };
+    observer.event(Event::Simplified(&collapses));
+    let ends = end_notes(collapses.locked_vertices, &done, shares.as_deref());
+    ends.iter().for_each(|note| observer.event(Event::Note(note)));
+    notes.extend(ends);
+
+    // 3. The proof of the collapses.
+    if options.verify {
+        begin(observer, Stage::Prove)?;
+        let proofs = map(&done, |done| done.sequence.check());
+        proofs.into_iter().collect::<Result<(), _>>().map_err(|why| Error::Unproven(why.to_string()))?;
+        observer.event(Event::Proven { faces: collapses.triangles_after });
+    }
+
+    // 4. The model without the vertices that became unused.
+    let base = |(part, done): (&Part<'_>, &Simplification)| {
+        let mut corners = done.sequence.drawn(0).into_flattened();
+        part.compact.used.outward(&mut corners);
+        corners
+    };
+    let triangles = parts.iter().zip(&done).map(base).collect();
+    let redrawn = tristrip_io::with_triangles(model, triangles, options.format)?;
+    Ok(Simplified { redrawn, collapses, mesh, notes, proven: options.verify, options: *options })
+}
+
+impl Simplified {
+    /// Returns whether the file draws strips: a scene gets new indices only where its parts are drawn as strips, one per triangle.
+    pub fn draws_strips(&self) -> bool {
+        let model = &self.redrawn.model;
+        model.scene.is_some() && self.options.format == Format::Glb && !model.parts.is_empty()
+    }
+
+    /// Encodes the simplified model as a triangle list in the format of the options, and proves the bytes if requested.
+    ///
+    /// # Errors
+    /// The format cannot store the model, the bytes are not proven, or the observer cancelled.
+    pub fn encode(&self, observer: &dyn Observer) -> Result<Encoded, Error> {
+        let (redrawn, format) = (&self.redrawn, self.options.format);
+        let in_scene = self.draws_strips();
+        let mut notes = Vec::new();
+        if redrawn.kept > 0 && in_scene {
+            let kept = counted(redrawn.kept, "unused vertex");
+            let note = format!("kept {kept}: other parts of the scene may refer to them");
+            observer.event(Event::Note(&note));
+            notes.push(note);
+        }
+        // When a scene is written, parts drawn as faces keep their old indices; one strip per triangle gives them new ones.
+        let meshes = meshes(&redrawn.model).into_iter().filter(|_| in_scene);
+        let single_triangles: Vec<Strips> = meshes.map(one_strip_per_triangle).collect();
+        let drawings: Vec<Drawing<'_>> = if in_scene {
+            single_triangles.iter().map(Drawing::Strips).collect()
+        } else {
+            redrawn.model.parts.iter().map(|_| Drawing::Faces).collect()
+        };
+        let options = EncodeOptions::new(format).with_layout(tristrip::Layout::List);
+        let options = options.with_verify(self.options.verify);
+        let encoded = encode_observed(&redrawn.model, &drawings, &options, observer)?;
+        Ok(Encoded { notes, ..encoded })
+    }
+}
+
+/// Returns the triangles of all parts, polygons as fans around their first corner.
+fn fans<'a>(prepared: &PreparedModel<'a>) -> Result<Vec<Part<'a>>, Error> {
+    let triangles =
+        map(prepared.parts(), |part| Triangulation::fan(&part.surface, &part.graph).triangles().to_vec());
+    let meshes = prepared.parts().iter().map(|part| part.mesh);
+    Ok(Part::of_all(meshes.zip(triangles).collect())?)
+}
+
+/// Builds one strip per triangle.
+fn one_strip_per_triangle(mesh: &Mesh) -> Strips {
+    let mut strips = Strips::default();
+    mesh.faces().iter().for_each(|triangle| strips.push(triangle));
+    strips
+}
+
+/// Returns notes on the locked vertices, and on the parts that stopped before their goal.
+pub(crate) fn end_notes(locked: usize, done: &[Simplification], shares: Option<&[usize]>) -> Vec<String> {
+    let locked = (locked > 0)
+        .then(|| format!("locked {} at positions that several parts use", counted(locked, "vertex")));
+    locked.into_iter().chain(ends(done, shares)).collect()
+}
+
+/// Returns notes on the parts that stopped before their goal, and why.
+fn ends(done: &[Simplification], shares: Option<&[usize]>) -> Vec<String> {
+    let Some(shares) = shares else { return Vec::new() };
+    let mut notes = Vec::new();
+    for (part, (done, &share)) in done.iter().zip(shares).enumerate() {
+        if let Some(stopped) = done.stopped.as_ref().filter(|_| done.sequence.triangle_count(0) > share) {
+            let name = if shares.len() > 1 { format!("part {part}: ") } else { String::new() };
+            notes.push(format!("{name}target {}, {stopped}", count(share)));
+        }
+    }
+    let more = notes.len().saturating_sub(MAX_NAMED_PARTS);
+    if more > 0 {
+        notes.truncate(MAX_NAMED_PARTS);
+        notes.push(format!("{} more stopped before their targets", counted(more, "part")));
+    }
+    notes
+}

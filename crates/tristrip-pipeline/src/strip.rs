@@ -1,0 +1,154 @@
+//! Strips of a whole model: built, measured, compared with their lower bounds and proven.
+
+use tristrip::{Method, StripifyOptions, Strips};
+use tristrip_io::{Drawing, Model};
+
+use crate::bounds::{BoundGap, Bounds};
+use crate::encode::{EncodeOptions, Encoded, encode_observed};
+use crate::error::Error;
+use crate::figures::{Figures, MeshFigures};
+use crate::method::Chosen;
+use crate::observer::{Event, Observer, Stage, Stopped, begin};
+use crate::prepared::{FoundStrips, Survey};
+
+/// How strips are built. The default is [`Method::Auto`], proven.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct StripOptions {
+    /// The method and its options.
+    pub stripify: StripifyOptions,
+    /// Whether the strips are proven to draw exactly the faces of the model.
+    pub verify: bool,
+}
+
+impl Default for StripOptions {
+    fn default() -> Self {
+        Self { stripify: StripifyOptions::default(), verify: true }
+    }
+}
+
+impl StripOptions {
+    /// Sets the method and its options.
+    #[must_use]
+    pub fn with_stripify(self, stripify: StripifyOptions) -> Self {
+        Self { stripify, ..self }
+    }
+
+    /// Sets whether the strips are proven.
+    #[must_use]
+    pub fn with_verify(self, verify: bool) -> Self {
+        Self { verify, ..self }
+    }
+}
+
+/// The strips of a model.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct Stripped {
+    /// The strips of each part, over its own vertices, in the order of the parts.
+    pub strips: Vec<Strips>,
+    /// The methods used, with their numbers of parts.
+    pub chosen: Chosen,
+    /// The metrics of the strips.
+    pub figures: Figures,
+    /// The counts of the mesh.
+    pub mesh: MeshFigures,
+    /// The gap between the result of `best` or `fewest` and its lower bound; `None` for other methods.
+    pub bound: Option<BoundGap>,
+    /// The options of the method, adapted to the model.
+    pub options: StripifyOptions,
+    /// Why the search was stopped early, if it was.
+    pub stopped: Option<Stopped>,
+    /// Notes of the reader, and on what was dropped, changed or unusual.
+    pub notes: Vec<String>,
+    /// Whether the strips are proven to draw exactly the faces of the model.
+    pub proven: bool,
+}
+
+impl Stripped {
+    /// Encodes the model as a file that draws these strips, and proves it.
+    ///
+    /// # Errors
+    /// As of [`encode_observed`].
+    pub fn encode(&self, model: &Model, options: &EncodeOptions) -> Result<Encoded, Error> {
+        encode_observed(model, &self.drawings(), options, &())
+    }
+
+    /// Returns how a writer draws each part: as its strips.
+    pub fn drawings(&self) -> Vec<Drawing<'_>> {
+        self.strips.iter().map(Drawing::Strips).collect()
+    }
+}
+
+/// Builds the strips of a model, measures and proves them.
+///
+/// # Errors
+/// As of [`strip_observed`].
+///
+/// ```
+/// use tristrip::{Method, StripifyOptions};
+/// use tristrip_io::{Format, read};
+/// use tristrip_pipeline::{StripOptions, strip};
+/// let model = read(b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n", Format::Obj)?;
+/// let fewest = StripifyOptions::default().with_method(Method::Fewest);
+/// let stripped = strip(&model, &StripOptions::default().with_stripify(fewest))?;
+/// assert_eq!(stripped.bound.map(|gap| (gap.found, gap.optimal)), Some((1, true)));
+/// assert_eq!(stripped.strips[0].len(), 1);
+/// # Ok::<(), tristrip_pipeline::Error>(())
+/// ```
+pub fn strip(model: &Model, options: &StripOptions) -> Result<Stripped, Error> {
+    strip_observed(model, options, &())
+}
+
+/// Does the same, and reports each stage to an observer.
+///
+/// # Errors
+/// A part is too large, an option has an invalid value, the strips are not proven, or the observer cancelled.
+///
+/// ```
+/// use tristrip_io::{Format, read};
+/// use tristrip_pipeline::{Error, Observer, StripOptions, strip_observed};
+/// struct Impatient;
+/// impl Observer for Impatient {
+///     fn is_cancelled(&self) -> bool {
+///         true
+///     }
+/// }
+/// let model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Format::Obj)?;
+/// let stripped = strip_observed(&model, &StripOptions::default(), &Impatient);
+/// assert!(matches!(stripped, Err(Error::Cancelled)));
+/// # Ok::<(), Error>(())
+/// ```
+pub fn strip_observed(
+    model: &Model,
+    options: &StripOptions,
+    observer: &dyn Observer,
+) -> Result<Stripped, Error> {
+    let Survey { prepared, options: stripify, mesh, notes } = Survey::new(model, options.stripify, observer)?;
+    let (FoundStrips { strips, .. }, chosen, stopped) = prepared.search(&stripify, observer)?;
+    begin(observer, Stage::Measure)?;
+    let figures = prepared.figures(&strips, &stripify)?;
+    observer.event(Event::Measured(&figures));
+    let mut bound = None;
+    if matches!(stripify.method(), Method::Best | Method::Fewest) {
+        begin(observer, Stage::Bound)?;
+        bound = Bounds::of(prepared.parts()).gap(&stripify, &figures);
+        observer.event(Event::Bounded(bound.as_ref()));
+    }
+    if options.verify {
+        begin(observer, Stage::Prove)?;
+        prepared.prove(&strips)?;
+        observer.event(Event::Proven { faces: mesh.faces });
+    }
+    Ok(Stripped {
+        strips,
+        chosen,
+        figures,
+        mesh,
+        bound,
+        options: stripify,
+        stopped,
+        notes,
+        proven: options.verify,
+    })
+}

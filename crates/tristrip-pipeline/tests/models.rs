@@ -1,0 +1,201 @@
+//! Whole models from memory to bytes: several parts, observers, cancellation, and arguments that do not fit.
+
+#![expect(clippy::unwrap_used, reason = "a test that panics fails")]
+
+use std::fmt::Write as _;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use tristrip::lod::RepairOptions;
+use tristrip::stripify::{Effort, Progress, Watch};
+use tristrip::{Layout, Method, StripifyOptions, Strips};
+use tristrip_io::{Drawing, Format, Model, read};
+use tristrip_pipeline::{
+    Amount, ConvertOptions, DisplayFilter, EncodeOptions, Error, Event, Goal, LevelsOptions, ModelLevels,
+    Observer, PreparedModel, Ratio, Search, SimplifyOptions, Stage, Stopped, StripOptions, bound, convert,
+    encode, levels, simplify, strip, strip_observed, verify,
+};
+
+/// Returns a grid of squares in two parts, left and right of the middle, which share the vertices between them.
+fn two_parts() -> Model {
+    let mut text = String::new();
+    for y in 0..9 {
+        (0..9).for_each(|x| writeln!(text, "v {x} {y} {}", (x * y) % 3).unwrap());
+    }
+    for (material, columns) in [("left", 0..4), ("right", 4..8)] {
+        writeln!(text, "usemtl {material}").unwrap();
+        for (x, y) in columns.flat_map(|x| (0..8).map(move |y| (x, y))) {
+            let at = 9 * y + x + 1;
+            writeln!(text, "f {} {} {} {}", at, at + 1, at + 10, at + 9).unwrap();
+        }
+    }
+    read(text.as_bytes(), Format::Obj).unwrap()
+}
+
+#[test]
+fn strips_of_all_parts_are_written_and_proven_in_every_format() {
+    let model = two_parts();
+    let stripped = strip(&model, &StripOptions::default()).unwrap();
+    assert_eq!((stripped.strips.len(), stripped.mesh.faces, stripped.proven), (2, 64, true));
+    for format in [Format::Glb, Format::Ply, Format::Obj] {
+        for reorder in [false, true] {
+            let encoded = stripped.encode(&model, &EncodeOptions::new(format).with_reorder(reorder)).unwrap();
+            assert_eq!((encoded.faces, encoded.groups.is_some()), (Some(64), reorder));
+            let again = read(&encoded.bytes, format).unwrap();
+            assert_eq!(verify(&model, &again).unwrap().map(|proof| proof.faces), Ok(64));
+        }
+    }
+    let faces = [Drawing::Faces, Drawing::Faces];
+    let reordered = encode(&model, &faces, &EncodeOptions::new(Format::Ply).with_reorder(true));
+    assert!(matches!(reordered, Err(Error::Format(_))), "faces have no order of first use");
+}
+
+#[test]
+fn no_strips_are_better_than_the_bound() {
+    let model = two_parts();
+    let bounded = bound(&model, false).unwrap();
+    assert_eq!(bounded.parts.len(), 2);
+    for method in [Method::Fewest, Method::Best, Method::Input] {
+        let options = StripOptions::default().with_stripify(StripifyOptions::default().with_method(method));
+        let figures = strip(&model, &options).unwrap().figures;
+        assert!(figures.strips >= bounded.bounds.strips);
+        assert!(figures.indices_restart >= bounded.bounds.indices_restart);
+    }
+}
+
+#[test]
+fn shared_borders_stay_when_parts_are_simplified() {
+    let model = two_parts();
+    let goal = Goal { amount: Some(Amount::Triangles(40)), deviation: None };
+    let simplified = simplify(&model, &SimplifyOptions::new(goal)).unwrap();
+    assert_eq!((simplified.collapses.locked_vertices, simplified.collapses.reached), (18, true));
+    assert!(simplified.notes.iter().any(|note| note.contains("locked 18 vertices")));
+    for part in &simplified.redrawn.model.parts {
+        let middle = part.mesh.faces().corners().iter().map(|&v| part.mesh.positions()[v as usize]);
+        let mut border: Vec<u32> =
+            middle.filter(|p| p[0].to_bits() == 4.0_f32.to_bits()).map(|p| p[1].to_bits()).collect();
+        border.sort_unstable();
+        border.dedup();
+        assert_eq!(border.len(), 9, "no gap opens between the parts");
+    }
+    assert_eq!(simplified.encode(&()).unwrap().faces, Some(simplified.collapses.triangles_after));
+}
+
+#[test]
+fn every_level_and_filter_is_proven_and_can_be_written() {
+    let model = two_parts();
+    let all = levels(&model, &LevelsOptions::default().with_base("10%".parse().unwrap())).unwrap();
+    let last = all.collapse_count();
+    assert!(last > 20, "{last}");
+    for level in [0, 1, last / 2, last] {
+        for filter in DisplayFilter::ALL {
+            let displayed = all.display(level, filter, RepairOptions::default(), &()).unwrap();
+            assert_eq!(
+                (displayed.figures.triangles, displayed.proven),
+                (all.triangle_count(level).unwrap(), true)
+            );
+            if matches!(filter, DisplayFilter::Linked | DisplayFilter::Repair) {
+                let encoded = all.encode(&model, &displayed, &EncodeOptions::new(Format::Glb), &()).unwrap();
+                assert_eq!(encoded.faces, Some(displayed.figures.triangles));
+            }
+        }
+    }
+    let above = all.display(last + 1, DisplayFilter::Linked, RepairOptions::default(), &());
+    assert!(matches!(above, Err(Error::Level { .. })));
+}
+
+#[test]
+fn strips_of_another_model_are_refused() {
+    let (model, mut strips) = (two_parts(), Strips::default());
+    strips.push(&[0, 1, 1000]);
+    let prepared = PreparedModel::new(&model, false);
+    let both = [strips.clone(), strips.clone()];
+    assert!(matches!(prepared.prove(&both), Err(Error::Unproven(_))));
+    assert!(matches!(prepared.prove(&both[..1]), Err(Error::Unproven(_))));
+    assert!(prepared.figures(&both, &StripifyOptions::default()).is_err());
+    assert!(ModelLevels::from_strips(&prepared, &both, Ratio::ZERO).is_err());
+    assert!(ModelLevels::from_strips(&prepared, &both[..1], Ratio::ZERO).is_err());
+    let all = levels(&model, &LevelsOptions::default()).unwrap();
+    assert!(all.parts[0].outward(&strips).is_err());
+}
+
+#[test]
+fn converted_strips_stay_strips_and_faces_stay_faces() {
+    let model = two_parts();
+    let faces = convert(&model, &ConvertOptions::new(Format::Ply)).unwrap();
+    assert!(faces.strips.iter().all(Option::is_none));
+    let strips = convert(&model, &ConvertOptions::new(Format::Glb).with_layout(Layout::Degenerate)).unwrap();
+    assert!(strips.strips.iter().all(Option::is_some));
+    let again = read(&strips.encoded.bytes, Format::Glb).unwrap();
+    let kept = convert(&again, &ConvertOptions::new(Format::Ply)).unwrap();
+    assert!(kept.strips.iter().all(Option::is_some));
+    let as_list = convert(&again, &ConvertOptions::new(Format::Obj)).unwrap();
+    assert!(as_list.strips.iter().all(Option::is_none));
+}
+
+/// Cancels at the stage with a number, and stops searches at once.
+struct Stopping {
+    cancel_at: usize,
+    stages: Mutex<Vec<Stage>>,
+    searches: AtomicUsize,
+}
+
+impl Stopping {
+    fn new(cancel_at: usize) -> Self {
+        Self { cancel_at, stages: Mutex::default(), searches: AtomicUsize::new(0) }
+    }
+}
+
+struct AtOnce<'a>(&'a AtomicUsize);
+
+impl Watch for AtOnce<'_> {
+    fn go_on(&self, _: Progress) -> bool {
+        self.0.fetch_add(1, Ordering::Relaxed);
+        false
+    }
+}
+
+impl Search for AtOnce<'_> {
+    fn stopped(&self) -> Option<Stopped> {
+        (self.0.load(Ordering::Relaxed) > 0).then_some(Stopped::Interrupt)
+    }
+}
+
+impl Observer for Stopping {
+    fn event(&self, event: Event<'_>) {
+        if let Event::Begin(stage) = event {
+            self.stages.lock().unwrap().push(stage);
+        }
+    }
+
+    fn search(&self, _: &StripifyOptions) -> Box<dyn Search + '_> {
+        Box::new(AtOnce(&self.searches))
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.stages.lock().unwrap().len() >= self.cancel_at
+    }
+}
+
+#[test]
+fn an_observer_cancels_at_each_stage_and_stops_searches() {
+    let model = two_parts();
+    let best = StripifyOptions::default().with_method(Method::Best).with_effort(Effort::new(9).unwrap());
+    let options = StripOptions::default().with_stripify(best);
+    let run = |cancel_at| {
+        let observer = Stopping::new(cancel_at);
+        let result = strip_observed(&model, &options, &observer);
+        (result, observer.stages.into_inner().unwrap())
+    };
+    let (stopped, stages) = run(usize::MAX);
+    let stopped = stopped.unwrap();
+    assert_eq!((stopped.stopped, stopped.proven), (Some(Stopped::Interrupt), true));
+    let expected =
+        [Stage::Prepare, Stage::Survey, Stage::Stripify, Stage::Measure, Stage::Bound, Stage::Prove];
+    assert_eq!(stages, expected);
+    for count in 0..expected.len() {
+        let (result, stages) = run(count);
+        assert!(matches!(result, Err(Error::Cancelled)));
+        assert_eq!(stages, expected[..count]);
+    }
+}
