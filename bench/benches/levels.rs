@@ -8,9 +8,11 @@
 )]
 
 use std::hint::black_box;
+use std::sync::Arc;
 
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
-use tristrip::lod::progressive::{Encoding, ProgressiveStrips};
+use tristrip::lod::LevelCursor;
+use tristrip::lod::progressive::{Encoding, ProgressiveStrips, ProgressiveStripsCursor};
 use tristrip::lod::{Filter, traffic};
 use tristrip::simplify::{self, simplify};
 use tristrip::verify::verify_drawing;
@@ -24,12 +26,13 @@ const LEVELS: usize = 20;
 
 /// Returns the decoded index maps of levels over the whole sequence, after checking that every filter draws what the oracle draws.
 fn proven_maps(strips: &Strips, sequence: &CollapseSequence) -> Vec<Vec<u32>> {
-    let mut model = ProgressiveStrips::new(strips, sequence, Encoding::Offsets).expect("a model of strips");
+    let model = ProgressiveStrips::new(strips, sequence, Encoding::Offsets).expect("a model of strips");
+    let mut cursor = Arc::new(model).cursor();
     let map_of = |step: usize| {
-        model.go_to(sequence.len() * step / LEVELS);
-        let drawn = Faces::from_triangles(sequence.drawn(model.level()).concat()).expect("triangles");
+        cursor.set_level(sequence.len() * step / LEVELS).expect("a level");
+        let drawn = Faces::from_triangles(sequence.drawn(cursor.level()).concat()).expect("triangles");
         let (mut map, mut display) = (Vec::new(), Strips::default());
-        model.decode_to(&mut map);
+        cursor.decode_to(&mut map);
         for filter in Filter::ALL {
             display.clear();
             filter.map_to(&map, &mut display);
@@ -75,12 +78,13 @@ fn levels(criterion: &mut Criterion) {
         let mut group = criterion.benchmark_group(format!("{}, splits", source.name));
         group.throughput(Throughput::Elements(sequence.len() as u64)).sample_size(20);
         for encoding in [Encoding::Naive, Encoding::Offsets] {
-            let mut base = ProgressiveStrips::new(&strips, &sequence, encoding).expect("a model of strips");
-            base.go_to(0);
+            let model = ProgressiveStrips::new(&strips, &sequence, encoding).expect("a model of strips");
+            let mut base = Arc::new(model).cursor();
+            base.set_level(0).expect("the base mesh");
             group.bench_function(format!("{encoding:?}"), |b| {
-                let refine = |mut model: ProgressiveStrips| {
-                    model.go_to(model.len());
-                    model
+                let refine = |mut cursor: ProgressiveStripsCursor| {
+                    while cursor.refine() {}
+                    cursor
                 };
                 b.iter_batched(|| base.clone(), refine, BatchSize::LargeInput);
             });

@@ -7,8 +7,10 @@
 
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-use tristrip::lod::Filter;
+use std::sync::Arc;
+
 use tristrip::lod::progressive::{Encoding, ProgressiveMesh, ProgressiveStrips};
+use tristrip::lod::{Filter, LevelCursor};
 use tristrip::lod::{Repair, RepairOptions};
 use tristrip::simplify::{self, simplify};
 use tristrip::stripify::Effort;
@@ -113,19 +115,21 @@ impl LevelCheck<'_> {
     /// Compares the progressive mesh and both progressive strips, each through every filter.
     fn representations(&mut self, count: usize) -> Result<(), Failure> {
         let (strips, sequence) = (self.strips, self.sequence);
-        let mut mesh = ProgressiveMesh::new(sequence)?;
-        let naive = ProgressiveStrips::new(strips, sequence, Encoding::Naive)?;
-        let mut models = [naive, ProgressiveStrips::new(strips, sequence, Encoding::Offsets)?];
-        let full = models.clone();
+        let mut mesh = Arc::new(ProgressiveMesh::new(sequence)?).cursor();
+        let cursor = |encoding| -> Result<_, Failure> {
+            Ok(Arc::new(ProgressiveStrips::new(strips, sequence, encoding)?).cursor())
+        };
+        let mut cursors = [cursor(Encoding::Naive)?, cursor(Encoding::Offsets)?];
+        let full = cursors.each_ref().map(|cursor| cursor.entries().to_vec());
         let (mut maps, mut display) = ([Vec::new(), Vec::new()], Strips::default());
         for level in levels(sequence, count) {
             let oracle = DrawingSum::of(sequence.drawn(level).into_iter());
-            mesh.go_to(level);
+            mesh.set_level(level)?;
             let drawn = DrawingSum::of(mesh.corners().chunks_exact(3).map(|t| [t[0], t[1], t[2]]));
             self.compare(level, "the progressive mesh", &drawn, &oracle);
-            for (model, map) in models.iter_mut().zip(&mut maps) {
-                model.go_to(level);
-                model.decode_to(map);
+            for (cursor, map) in cursors.iter_mut().zip(&mut maps) {
+                cursor.set_level(level)?;
+                cursor.decode_to(map);
             }
             self.hashes.add("progressive mesh", mesh.corners());
             self.hashes.add("index map", &maps[0]);
@@ -142,10 +146,11 @@ impl LevelCheck<'_> {
             }
             self.checked.levels += 1;
         }
-        for (model, full) in models.iter_mut().zip(full) {
-            model.go_to(sequence.len());
-            if *model != full {
-                let problem = format!("{:?}: refining does not restore the full mesh", model.encoding());
+        for (cursor, full) in cursors.iter_mut().zip(full) {
+            cursor.set_level(sequence.len())?;
+            if cursor.entries() != full {
+                let problem =
+                    format!("{}: refining does not restore the full mesh", cursor.model().encoding());
                 self.checked.problems.push(problem);
             }
         }
@@ -155,11 +160,11 @@ impl LevelCheck<'_> {
     /// Compares the strips that are repaired step by step, down to the base mesh and back.
     fn repaired(&mut self, count: usize) -> Result<(), Failure> {
         let options = RepairOptions::default().with_effort(Effort::new(1).unwrap_or_default());
-        let mut repair = Repair::new(self.sequence, self.strips, options)?;
+        let mut repair = Repair::new(self.sequence.clone(), self.strips, options)?;
         let down: Vec<usize> = levels(self.sequence, count).collect();
         let up = down.iter().rev().step_by(10);
         for &level in down.iter().chain(up) {
-            repair.go_to(level);
+            repair.set_level(level)?;
             let strips = repair.strips();
             self.hashes.add("repair", strips.to_restart(u32::MAX));
             let oracle = DrawingSum::of(self.sequence.drawn(level).into_iter());

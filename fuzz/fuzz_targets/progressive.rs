@@ -2,9 +2,11 @@
 //! every filter, and return to the entries that they had.
 #![no_main]
 
+use std::sync::Arc;
+
 use tristrip::Strips;
-use tristrip::lod::progressive::Encoding;
-use tristrip::lod::{Filter, ProgressiveMesh, ProgressiveStrips, RESTART};
+use tristrip::lod::progressive::{Encoding, ProgressiveStripsCursor};
+use tristrip::lod::{Filter, LevelCursor, ProgressiveMesh, ProgressiveStrips, RESTART};
 use tristrip::strip::strip_triangles;
 use tristrip_fuzz::{Bytes, Model, model, sorted, triangles_of};
 
@@ -14,26 +16,28 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     let oracle: Vec<Vec<[u32; 3]>> =
         (0..=sequence.len()).map(|level| sorted(sequence.drawn(level))).collect();
     for encoding in [Encoding::Naive, Encoding::Offsets] {
-        let Ok(mut model) = ProgressiveStrips::new(&strips, &sequence, encoding) else { continue };
-        let mut entries = vec![model.entries().to_vec()];
-        draws(&model, &oracle);
-        while model.coarsen() {
-            entries.push(model.entries().to_vec());
-            draws(&model, &oracle);
+        let Ok(model) = ProgressiveStrips::new(&strips, &sequence, encoding) else { continue };
+        let mut cursor = Arc::new(model).cursor();
+        let mut entries = vec![cursor.entries().to_vec()];
+        draws(&mut cursor, &oracle);
+        while cursor.coarsen() {
+            entries.push(cursor.entries().to_vec());
+            draws(&mut cursor, &oracle);
         }
         entries.reverse();
-        assert_eq!((model.level(), entries.len()), (0, oracle.len()));
-        while model.refine() {
-            assert_eq!(model.entries(), entries[model.level()]);
+        assert_eq!((cursor.level(), entries.len()), (0, oracle.len()));
+        while cursor.refine() {
+            assert_eq!(cursor.entries(), entries[cursor.level()]);
         }
-        assert_eq!(model.level(), sequence.len());
+        assert_eq!(cursor.level(), sequence.len());
         let middle = data.len() % oracle.len();
-        model.go_to(middle);
-        assert_eq!(model.entries(), entries[middle]);
+        cursor.set_level(middle).expect("a level of the sequence");
+        assert_eq!(cursor.entries(), entries[middle]);
+        assert!(cursor.set_level(oracle.len()).is_err());
     }
 
-    let mut mesh = ProgressiveMesh::new(&sequence).expect("few triangles");
-    mesh.go_to(0);
+    let mut mesh = Arc::new(ProgressiveMesh::new(&sequence).expect("few triangles")).cursor();
+    mesh.set_level(0).expect("the base mesh");
     loop {
         assert_eq!(sorted(triangles_of(mesh.corners())), oracle[mesh.level()]);
         if !mesh.refine() {
@@ -44,14 +48,15 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
 });
 
 /// Compares the map of a model's level, and its display strips by every filter, with the oracle.
-fn draws(model: &ProgressiveStrips, oracle: &[Vec<[u32; 3]>]) {
-    let (mut map, expected) = (Vec::new(), &oracle[model.level()]);
-    model.decode_to(&mut map);
+fn draws(cursor: &mut ProgressiveStripsCursor, oracle: &[Vec<[u32; 3]>]) {
+    let (mut map, expected) = (Vec::new(), &oracle[cursor.level()]);
+    assert_eq!(&sorted(cursor.strips().triangles()), expected);
+    cursor.decode_to(&mut map);
     assert_eq!(&sorted(map.split(|&v| v == RESTART).flat_map(strip_triangles)), expected);
     for filter in Filter::ALL {
         let mut display = Strips::default();
         filter.map_to(&map, &mut display);
-        assert_eq!(&sorted(display.triangles()), expected, "{filter:?} at level {}", model.level());
+        assert_eq!(&sorted(display.triangles()), expected, "{filter:?} at level {}", cursor.level());
         let sent = filter.sent_by_map(&map);
         assert_eq!((sent.vertices, sent.strips), (display.vertices_sent(), display.len()), "{filter:?}");
     }

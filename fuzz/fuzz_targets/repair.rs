@@ -2,8 +2,9 @@
 //! for one level at once, and the vertices sent are those of the strips.
 #![no_main]
 
-use tristrip::lod::Repair;
-use tristrip::lod::RepairOptions;
+use std::sync::Arc;
+
+use tristrip::lod::{LevelCursor, Repair, RepairOptions};
 use tristrip::strip::Cost;
 use tristrip::stripify::Effort;
 use tristrip_fuzz::{Bytes, Model, model, sorted};
@@ -19,25 +20,27 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
         (0..=sequence.len()).map(|level| sorted(sequence.drawn(level))).collect();
     let jump = usize::from(jump) % oracle.len();
 
-    let mut repair = Repair::new(&sequence, &strips, options).expect("strips of the sequence");
-    draws(&repair, &oracle);
+    let sequence = Arc::new(sequence);
+    let mut repair = Repair::new(Arc::clone(&sequence), &strips, options).expect("strips of the sequence");
+    draws(&mut repair, &oracle);
     while repair.coarsen() {
-        draws(&repair, &oracle);
+        draws(&mut repair, &oracle);
     }
     assert_eq!(repair.level(), 0);
     while repair.refine() {
-        draws(&repair, &oracle);
+        draws(&mut repair, &oracle);
     }
     assert_eq!(repair.level(), sequence.len());
-    repair.go_to(jump);
+    repair.set_level(jump).expect("a level of the sequence");
     assert_eq!(repair.level(), jump);
-    draws(&repair, &oracle);
-    draws(&Repair::at(&sequence, &strips, jump, options).expect("a level of the sequence"), &oracle);
+    draws(&mut repair, &oracle);
+    let mut direct = Repair::at(sequence, &strips, jump, options).expect("a level of the sequence");
+    draws(&mut direct, &oracle);
 });
 
 /// Compares the strips and counts of a level with the oracle.
-fn draws(repair: &Repair<'_>, oracle: &[Vec<[u32; 3]>]) {
-    let (strips, expected) = (repair.strips(), &oracle[repair.level()]);
+fn draws(repair: &mut Repair, oracle: &[Vec<[u32; 3]>]) {
+    let (strips, expected) = (repair.strips().clone(), &oracle[repair.level()]);
     assert_eq!(&sorted(strips.triangles()), expected, "level {}", repair.level());
     let counts = (repair.triangle_count(), repair.strip_count(), repair.vertices_sent());
     assert_eq!(counts, (expected.len(), strips.len(), strips.vertices_sent()), "level {}", repair.level());

@@ -12,12 +12,13 @@ use std::fmt::Write as _;
 use std::fs;
 use std::hint::black_box;
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::Instant;
 
 use clap::Parser;
 use tristrip::lod::progressive::{Encoding, ProgressiveStrips};
 use tristrip::lod::{Filter, traffic};
-use tristrip::lod::{Repair, RepairOptions};
+use tristrip::lod::{LevelCursor, Repair, RepairOptions};
 use tristrip::simplify::{self, Simplification, simplify};
 use tristrip::stripify::Effort;
 use tristrip::{CollapseSequence, Mesh, Method, StripifyOptions, Strips, stripify};
@@ -222,9 +223,10 @@ fn follow(
     })?;
     let mut fractions: Vec<f64> = Filter::ALL.iter().map(|&filter| totals.fraction(filter)).collect();
 
+    let sequence = Arc::new(sequence);
     let start = Instant::now();
-    let mut repair =
-        Repair::new(&sequence, &strips, RepairOptions::default().with_effort(Effort::default()))?;
+    let options = RepairOptions::default().with_effort(Effort::default());
+    let mut repair = Repair::new(Arc::clone(&sequence), &strips, options)?;
     let mut sent = repair.vertices_sent() as u64;
     while repair.coarsen() {
         sent += repair.vertices_sent() as u64;
@@ -248,15 +250,14 @@ fn follow(
 
 /// Times STSS and DTFS, alternating, over index maps of 21 levels.
 fn filter_speeds(strips: &Strips, sequence: &CollapseSequence, rounds: usize) -> Result<[f64; 2], Failure> {
-    let mut model = ProgressiveStrips::new(strips, sequence, Encoding::Naive)?;
-    let maps: Vec<Vec<u32>> = (0..=20)
-        .map(|step| {
-            let mut map = Vec::new();
-            model.go_to(sequence.len() * step / 20);
-            model.decode_to(&mut map);
-            map
-        })
-        .collect();
+    let mut cursor = Arc::new(ProgressiveStrips::new(strips, sequence, Encoding::Naive)?).cursor();
+    let map_at = |step: usize| {
+        let mut map = Vec::new();
+        cursor.set_level(sequence.len() * step / 20)?;
+        cursor.decode_to(&mut map);
+        Ok(map)
+    };
+    let maps = (0..=20).map(map_at).collect::<Result<Vec<Vec<u32>>, tristrip::Error>>()?;
     let entries: usize = maps.iter().map(Vec::len).sum();
     let (mut times, mut display) = ([Vec::new(), Vec::new()], Strips::default());
     for _ in 0..3 * rounds {
@@ -276,12 +277,12 @@ fn filter_speeds(strips: &Strips, sequence: &CollapseSequence, rounds: usize) ->
 fn split_speeds(strips: &Strips, sequence: &CollapseSequence, rounds: usize) -> Result<[f64; 2], Failure> {
     let mut speeds = [0.0; 2];
     for (encoding, speed) in [Encoding::Naive, Encoding::Offsets].into_iter().zip(&mut speeds) {
-        let mut model = ProgressiveStrips::new(strips, sequence, encoding)?;
+        let mut cursor = Arc::new(ProgressiveStrips::new(strips, sequence, encoding)?).cursor();
         let mut times = Vec::new();
         for _ in 0..rounds {
-            model.go_to(0);
+            cursor.set_level(0)?;
             let start = Instant::now();
-            while model.refine() {}
+            while cursor.refine() {}
             times.push(start.elapsed().as_secs_f64());
         }
         *speed = sequence.len() as f64 / median(times);

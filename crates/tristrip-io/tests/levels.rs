@@ -3,9 +3,10 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests fail by panicking")]
 
 use std::path::Path;
+use std::sync::Arc;
 
 use tristrip::lod::progressive::{Encoding, ProgressiveMesh, ProgressiveStrips};
-use tristrip::lod::{Filter, traffic};
+use tristrip::lod::{Filter, LevelCursor, traffic};
 use tristrip::simplify::{self, simplify};
 use tristrip::{CollapseSequence, Mesh, Method, Strips, stripify};
 
@@ -38,20 +39,20 @@ fn sorted(triangles: impl Iterator<Item = [u32; 3]>) -> Vec<[u32; 3]> {
 }
 
 fn check(name: &str, strips: &Strips, sequence: &CollapseSequence) {
-    let mut mesh = ProgressiveMesh::new(sequence).unwrap();
-    let encodings = [Encoding::Naive, Encoding::Offsets];
-    let mut models = encodings.map(|encoding| ProgressiveStrips::new(strips, sequence, encoding).unwrap());
-    let full = models.clone();
+    let mut mesh = Arc::new(ProgressiveMesh::new(sequence).unwrap()).cursor();
+    let model = |encoding| ProgressiveStrips::new(strips, sequence, encoding).unwrap();
+    let mut cursors = Encoding::ALL.map(|encoding| Arc::new(model(encoding)).cursor());
+    let full = cursors.each_ref().map(|cursor| cursor.entries().to_vec());
     let (mut map, mut display) = (Vec::new(), Strips::default());
     for step in (0..=LEVELS).rev() {
         let level = sequence.len() * step / LEVELS;
         let drawn = sorted(sequence.drawn(level).into_iter());
-        mesh.go_to(level);
+        mesh.set_level(level).unwrap();
         let corners = mesh.corners().chunks_exact(3).map(|t| [t[0], t[1], t[2]]);
         assert_eq!(sorted(corners), drawn, "{name}, level {level}");
-        for model in &mut models {
-            model.go_to(level);
-            model.decode_to(&mut map);
+        for cursor in &mut cursors {
+            cursor.set_level(level).unwrap();
+            cursor.decode_to(&mut map);
             for filter in Filter::ALL {
                 display.clear();
                 filter.map_to(&map, &mut display);
@@ -59,9 +60,9 @@ fn check(name: &str, strips: &Strips, sequence: &CollapseSequence) {
             }
         }
     }
-    for (model, full) in models.iter_mut().zip(full) {
-        model.go_to(sequence.len());
-        assert_eq!(*model, full, "{name}");
+    for (cursor, full) in cursors.iter_mut().zip(full) {
+        cursor.set_level(sequence.len()).unwrap();
+        assert_eq!(cursor.entries(), full, "{name}");
     }
 }
 

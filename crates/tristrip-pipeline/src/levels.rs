@@ -217,7 +217,7 @@ impl ModelLevels {
         });
         let parts: Vec<LevelPart> = parts.collect();
         Ok(Self {
-            order: LevelOrder::new(parts.iter().map(LevelPart::sequence)),
+            order: LevelOrder::new(parts.iter().map(|part| &**part.sequence())),
             parts,
             collapses,
             notes,

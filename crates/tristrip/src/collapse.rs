@@ -176,6 +176,19 @@ impl CollapseSequence {
         self.vertex_count
     }
 
+    /// Returns the memory of the sequence in bytes.
+    ///
+    /// ```
+    /// let sequence = tristrip::CollapseSequence::from_collapses(3, vec![0, 1, 2], [])?;
+    /// assert_eq!(sequence.memory(), 12);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn memory(&self) -> usize {
+        let lists = [&self.triangles, &self.rename_ends, &self.dropped, &self.dropped_ends];
+        let numbers: usize = lists.map(|list| size_of_val(&list[..])).iter().sum();
+        numbers + size_of_val(&self.errors[..]) + size_of_val(&self.renames[..])
+    }
+
     /// Returns the triangles of the full mesh, three vertices each.
     pub fn triangles(&self) -> &[u32] {
         &self.triangles

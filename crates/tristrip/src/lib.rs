@@ -17,6 +17,8 @@
 mod csr;
 mod effort;
 mod ids;
+mod index;
+mod names;
 mod union_find;
 mod vector;
 
@@ -39,7 +41,11 @@ pub use cover::PathCover;
 pub use dual::DualGraph;
 pub use error::{Error, MeshProblem};
 pub use ids::{FaceId, HalfEdge};
+pub use index::Index;
 pub use mesh::{Attribute, AttributeData, Faces, Mesh};
 pub use prepare::PreparedFaces;
 pub use strip::{Layout, Strips};
-pub use stripify::{FaceTriangulation, Method, Patches, StripifyOptions, Ties, stripify};
+pub use stripify::{
+    FaceTriangulation, Method, Patches, StripifyOptions, Ties, stripify, stripify_indices,
+    stripify_indices_with,
+};

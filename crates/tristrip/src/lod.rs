@@ -9,7 +9,8 @@
 //! Complete example:
 //!
 //! ```
-//! use tristrip::lod::{Filter, ProgressiveStrips, progressive::Encoding};
+//! use std::sync::Arc;
+//! use tristrip::lod::{Encoding, LevelCursor, ProgressiveStrips};
 //! use tristrip::simplify::{SimplifyOptions, simplify};
 //! use tristrip::{Faces, Mesh, Strips, stripify};
 //! // A flat grid of 8 × 8 quadrilaterals.
@@ -19,14 +20,15 @@
 //! let strips = stripify(&mesh, &tristrip::StripifyOptions::default())?;
 //! let sequence = simplify(&mesh, strips.to_list(), &SimplifyOptions::default())?.sequence;
 //!
-//! let mut model = ProgressiveStrips::new(&strips, &sequence, Encoding::Offsets)?;
-//! let (mut map, mut display) = (Vec::new(), Strips::default());
+//! let model = Arc::new(ProgressiveStrips::new(&strips, &sequence, Encoding::Offsets)?);
+//! let mut cursor = model.cursor();
+//! let mut buffer: Vec<u16> = Vec::new();
 //! for triangles in [2, 20, 100] {
-//!     model.go_to(sequence.level_of_triangles(triangles));
-//!     model.decode_to(&mut map);
-//!     display.clear();
-//!     Filter::Linked.map_to(&map, &mut display);
-//!     assert_eq!(display.triangles().count(), sequence.triangle_count(model.level()));
+//!     cursor.set_level(sequence.level_of_triangles(triangles))?;
+//!     assert_eq!(cursor.strips().triangles().count(), cursor.levels().triangle_count(cursor.level())?);
+//!     // Only these ranges of the buffer have to be sent to the graphics processor.
+//!     let changed = cursor.strips().update_indices(tristrip::Layout::Restart, &mut buffer)?;
+//!     assert!(!changed.is_empty());
 //! }
 //! # Ok::<(), tristrip::Error>(())
 //! ```
@@ -34,6 +36,7 @@
 pub mod filter;
 mod index_map;
 mod level_mesh;
+mod level_model;
 pub mod progressive;
 pub mod repair;
 mod replay;
@@ -43,5 +46,6 @@ pub mod traffic;
 
 pub use filter::{DrawCost, Filter};
 pub use index_map::RESTART;
-pub use progressive::{ProgressiveMesh, ProgressiveStrips};
-pub use repair::{Repair, RepairOptions};
+pub use level_model::{LevelCursor, LevelModel, LevelTable, View};
+pub use progressive::{Encoding, ProgressiveMesh, ProgressiveStrips};
+pub use repair::{Repair, RepairOptions, RepairedStrips};

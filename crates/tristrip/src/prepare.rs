@@ -79,6 +79,14 @@ impl<'a> PreparedFaces<'a> {
         Self { faces, vertex_count: mesh.vertex_count(), counts }
     }
 
+    /// Prepares triangles, for which no positions are needed.
+    pub(crate) fn of_triangles(faces: &'a Faces, vertex_count: usize) -> Self {
+        debug_assert!(faces.as_triangles().is_some());
+        let mut counts = PreparedCounts::default();
+        let faces = clean(faces, &[], &mut counts).map_or(Cow::Borrowed(faces), Cow::Owned);
+        Self { faces, vertex_count, counts }
+    }
+
     /// Returns the faces.
     pub fn faces(&self) -> &Faces {
         &self.faces
@@ -129,7 +137,8 @@ fn clean(faces: &Faces, positions: &[[f32; 3]], counts: &mut PreparedCounts) -> 
             }
         }
     }
-    Faces::from_offsets(offsets, corners).ok()
+    // Preparing adds no triangles, so that the faces are as few as before.
+    Some(Faces::from_valid_offsets(offsets, corners))
 }
 
 fn all_different(polygon: &[u32]) -> bool {

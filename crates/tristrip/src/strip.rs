@@ -126,6 +126,17 @@ impl Strips {
         self.ends.push(self.vertices.len() as u32);
     }
 
+    /// Returns the memory of the strips in bytes.
+    ///
+    /// ```
+    /// let mut strips = tristrip::Strips::default();
+    /// strips.push(&[0, 1, 2, 3]);
+    /// assert_eq!(strips.memory(), 20);
+    /// ```
+    pub fn memory(&self) -> usize {
+        size_of_val(&self.vertices[..]) + size_of_val(&self.ends[..])
+    }
+
     /// Counts the strips.
     pub fn len(&self) -> usize {
         self.ends.len()

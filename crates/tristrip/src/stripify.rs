@@ -10,6 +10,7 @@ pub mod eta;
 mod fewest;
 #[cfg(test)]
 mod generated_meshes;
+mod indices;
 pub mod input;
 mod options;
 mod plan;
@@ -25,6 +26,7 @@ use crate::error::Error;
 use crate::mesh::Mesh;
 use crate::prepare::PreparedFaces;
 use crate::strip::Strips;
+pub use indices::{stripify_indices, stripify_indices_with};
 pub use options::{EtaOptions, FaceTriangulation, Method, Objective, Patches, Start, StripifyOptions, Ties};
 pub use plan::StripPlan;
 pub use watch::{Progress, Watch};
@@ -93,22 +95,14 @@ pub fn choose<'a>(
 /// An option is invalid for the method.
 ///
 /// ```
-/// use std::sync::atomic::{AtomicU64, Ordering};
 /// use tristrip::{DualGraph, Faces, Mesh, Method, PreparedFaces, StripifyOptions};
-/// use tristrip::stripify::{Progress, Watch, choose_watched};
-///
-/// struct StepLimit(AtomicU64);
-/// impl Watch for StepLimit {
-///     fn go_on(&self, progress: Progress) -> bool {
-///         self.0.fetch_max(progress.steps, Ordering::Relaxed) < 1000
-///     }
-/// }
+/// use tristrip::stripify::{Progress, choose_watched};
 ///
 /// let mesh = Mesh::new(vec![[0.0; 3]; 5], Faces::from_triangles(vec![0, 1, 2, 4, 2, 3, 2, 1, 3])?)?;
 /// let prepared = PreparedFaces::new(&mesh, false);
 /// let graph = DualGraph::new(prepared.faces());
 /// let options = StripifyOptions::default().with_method(Method::Best);
-/// let (_, plan) = choose_watched(&prepared, &graph, &options, &StepLimit(AtomicU64::new(0)))?;
+/// let (_, plan) = choose_watched(&prepared, &graph, &options, &|progress: Progress| progress.steps < 1000)?;
 /// assert_eq!(plan.indices_restart(), 5);
 /// # Ok::<(), tristrip::Error>(())
 /// ```

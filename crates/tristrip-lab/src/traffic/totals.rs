@@ -3,6 +3,8 @@
 //! `repair` follows the collapses from the full mesh; the other filters read the strips of each level independently.
 //! A model of several parts has the collapses of all of them in one order; a collapse of one part leaves the others unchanged.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 use tristrip::Error as MeshError;
 use tristrip::lod::traffic;
@@ -25,7 +27,7 @@ fn sent_by_level(part: &LevelPart, options: RepairOptions) -> Result<Vec<Vec<usi
         counts.push(scanners().map(sent).collect());
     })?;
     // The searching filter follows the collapses.
-    let mut repair = Repair::new(sequence, strips, options)?;
+    let mut repair = Repair::new(Arc::clone(sequence), strips, options)?;
     for counts in &mut counts {
         let own = counts.iter_mut().zip(scanners()).filter(|(_, scanner)| scanner.is_none());
         own.for_each(|(sent, _)| *sent = repair.vertices_sent());

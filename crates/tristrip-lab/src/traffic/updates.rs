@@ -2,11 +2,11 @@
 
 use std::iter::Sum;
 use std::ops::Range;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use tristrip::Strips;
 use tristrip::lod::progressive::{Encoding, ProgressiveStrips};
-use tristrip::lod::{Repair, RepairOptions};
+use tristrip::lod::{LevelCursor, Repair, RepairOptions};
 use tristrip_pipeline::{LevelPart, ModelLevels, rounded};
 
 use super::rows::Refinement;
@@ -105,12 +105,12 @@ pub(super) fn sent_by_repair(
     options: RepairOptions,
     verify: bool,
 ) -> Result<Vec<usize>, Error> {
-    let mut repair = Repair::new(part.sequence(), part.strips(), options)?;
+    let mut repair = Repair::new(Arc::clone(part.sequence()), part.strips(), options)?;
     let mut sent = Vec::with_capacity(levels.len());
     for &level in levels.iter().rev() {
-        repair.go_to(level);
+        repair.set_level(level)?;
         if verify {
-            part.prove(level, &repair.strips())?;
+            part.prove(level, repair.strips())?;
         }
         sent.push(repair.vertices_sent());
     }

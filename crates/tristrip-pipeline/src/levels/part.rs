@@ -1,6 +1,8 @@
 //! A part at any level: its strips with renamed vertices, filtered, and the proof that they draw exactly the triangles of the level.
 
-use tristrip::lod::{RESTART, Repair, RepairOptions};
+use std::sync::Arc;
+
+use tristrip::lod::{LevelCursor, RESTART, Repair, RepairOptions};
 use tristrip::verify::verify_drawing;
 use tristrip::{CollapseSequence, Faces, Strips};
 
@@ -16,7 +18,7 @@ pub struct LevelPart {
     used: UsedVertices,
     /// The number of vertices of the part in the model.
     vertex_count: usize,
-    sequence: CollapseSequence,
+    sequence: Arc<CollapseSequence>,
     strips: Strips,
 }
 
@@ -29,7 +31,7 @@ impl LevelPart {
         sequence: CollapseSequence,
     ) -> Self {
         let strips = mapped(strips, |strip| used.inward(strip));
-        Self { used, vertex_count, sequence, strips }
+        Self { used, vertex_count, sequence: Arc::new(sequence), strips }
     }
 
     /// Returns the strips of the full mesh, over the vertices of the collapses.
@@ -38,7 +40,7 @@ impl LevelPart {
     }
 
     /// Returns the collapses.
-    pub fn sequence(&self) -> &CollapseSequence {
+    pub fn sequence(&self) -> &Arc<CollapseSequence> {
         &self.sequence
     }
 
@@ -70,7 +72,8 @@ impl LevelPart {
     ) -> Result<Strips, Error> {
         let map = self.index_map(level)?;
         let Some(scanner) = filter.scanner() else {
-            return Ok(Repair::at(&self.sequence, &self.strips, level, repair)?.strips());
+            let mut repaired = Repair::at(Arc::clone(&self.sequence), &self.strips, level, repair)?;
+            return Ok(repaired.strips().clone());
         };
         let mut display = Strips::default();
         scanner.map_to(&map, &mut display);

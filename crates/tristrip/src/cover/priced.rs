@@ -83,6 +83,11 @@ pub(crate) fn is_swap(here: u8, there: u8) -> i32 {
 }
 
 impl PricedPaths {
+    /// Returns the memory of the paths in bytes; triangle meshes have no diagonals.
+    pub(crate) fn memory(&self) -> usize {
+        size_of_val(&self.nodes[..]) + size_of_val(&self.ends[..])
+    }
+
     /// Creates the paths of a cover of a triangulation of faces.
     pub(crate) fn new(
         faces: &Faces,

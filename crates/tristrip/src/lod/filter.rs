@@ -31,6 +31,7 @@ mod valid;
 mod tests;
 
 use super::index_map::RESTART;
+use crate::names::names;
 use crate::strip::Strips;
 pub(crate) use dtfs::Dtfs;
 pub(crate) use linked::Linked;
@@ -54,10 +55,15 @@ pub enum Filter {
     Linked,
 }
 
-impl Filter {
-    /// All filters, ordered by how much they remove.
-    pub const ALL: [Self; 4] = [Self::None, Self::Stss, Self::Dtfs, Self::Linked];
+names! {
+    "tristrip::lod::Filter", Filter, "filter",
+    None => "none", "Draw the renamed strips unchanged, degenerate triangles included";
+    Stss => "stss", "Simple triangle strip scanner: send repeated pairs of vertices once (El-Sana et al. 2000)";
+    Dtfs => "dtfs", "Degenerate-triangle-free scanner: send valid triangles only (Kim et al. 2005)";
+    Linked => "linked", "Send valid triangles only, in the same order, at the least cost for this order";
+}
 
+impl Filter {
     /// Filters one simplified strip and appends its display strips.
     ///
     /// ```

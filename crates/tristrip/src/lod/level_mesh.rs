@@ -61,6 +61,11 @@ impl LevelMesh {
         surface
     }
 
+    /// Returns the memory of the mesh in bytes.
+    pub(super) fn memory(&self) -> usize {
+        [&self.corners, &self.next, &self.previous].map(|list| size_of_val(&list[..])).iter().sum()
+    }
+
     pub(super) fn triangle_count(&self) -> usize {
         self.corners.len() / 3
     }

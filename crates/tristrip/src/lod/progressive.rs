@@ -13,7 +13,7 @@
 //! accumulate slots, and u grows with them; [`encoded`] keeps it near three.
 //!
 //! # References
-//! Hoppe: *Progressive Meshes*, 1996 ([`pm`]). Kim, Park, Yang, Neelamkavil: *A Rendering-Efficient Progressive Transmission of 3D
+//! Hoppe: *Progressive Meshes*, 1996 ([`ProgressiveMesh`]). Kim, Park, Yang, Neelamkavil: *A Rendering-Efficient Progressive Transmission of 3D
 //! Meshes*, 2005, section 3.
 //!
 //! # Complexity
@@ -21,18 +21,23 @@
 
 pub mod encoded;
 pub mod naive;
-pub mod pm;
+mod pm;
 
 #[cfg(test)]
 mod tests;
 
-pub use pm::ProgressiveMesh;
+pub use pm::{ProgressiveMesh, ProgressiveMeshCursor, VertexSplit};
 
+use std::sync::Arc;
+
+use super::filter::Filter;
 use super::index_map::RESTART;
-use super::replay::Replay;
+use super::level_model::{LevelCursor, LevelModel, LevelTable};
 pub use super::replay::SlotUpdate;
+use super::replay::{Records, Replay};
 use crate::collapse::CollapseSequence;
 use crate::error::{Error, MeshProblem};
+use crate::names::names;
 use crate::strip::Strips;
 
 /// What a collapse writes into the slots of the removed vertex.
@@ -45,45 +50,65 @@ pub enum Encoding {
     Offsets,
 }
 
-/// The strips of a mesh at any level of a collapse sequence, as an index map that is updated in slot.
+names! {
+    "tristrip::lod::progressive::Encoding", Encoding, "encoding",
+    Naive => "naive", "Progressive strips that store every slot that a collapse renames";
+    Offsets => "offsets", "E-PS: slots that follow a neighbour are stored once (Kim et al. 2005)";
+}
+
+/// The strips of a mesh at all levels of a collapse sequence: an index map, and what each collapse renames in it. Immutable; a
+/// [`ProgressiveStripsCursor`] has the map of one level.
 ///
 /// ```
-/// use tristrip::lod::{Filter, progressive::{Encoding, ProgressiveStrips}};
+/// use std::sync::Arc;
+/// use tristrip::lod::{LevelCursor, progressive::{Encoding, ProgressiveStrips}};
 /// use tristrip::{CollapseSequence, Strips, collapse::Rename};
 /// let mut strips = Strips::default();
 /// strips.push(&[0, 1, 2, 3]);
 /// let rename = [Rename { removed: 3, kept: 2 }];
 /// let sequence = CollapseSequence::from_collapses(4, strips.to_list(), [(&rename[..], 0.5)])?;
 ///
-/// let mut model = ProgressiveStrips::new(&strips, &sequence, Encoding::Offsets)?;
-/// model.go_to(0);
-/// let (mut map, mut display) = (Vec::new(), Strips::default());
-/// model.decode_to(&mut map);
+/// let model = Arc::new(ProgressiveStrips::new(&strips, &sequence, Encoding::Offsets)?);
+/// let mut cursor = model.cursor();
+/// cursor.set_level(0)?;
+/// let mut map = Vec::new();
+/// cursor.decode_to(&mut map);
 /// assert_eq!(map, [0, 1, 2, 2]);
-/// Filter::Linked.map_to(&map, &mut display);
-/// assert_eq!(display.vertices(), [0, 1, 2]);
+/// assert_eq!(cursor.strips().vertices(), [0, 1, 2]);
 /// # Ok::<(), tristrip::Error>(())
 /// ```
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct ProgressiveStrips {
-    replay: Replay,
+    /// The entries of the full mesh.
+    full: Vec<u32>,
+    records: Records,
+    levels: LevelTable,
     encoding: Encoding,
+    filter: Filter,
 }
 
 impl ProgressiveStrips {
-    /// Builds the model of strips under a sequence of collapses, at the level of the full mesh.
+    /// Builds the model of strips under a sequence of collapses.
     ///
     /// # Errors
     /// A strip has a vertex that the sequence does not have; there are more than 2³² − 5 vertices, or more than 256 renamed slots per entry of
     /// the map.
     pub fn new(strips: &Strips, sequence: &CollapseSequence, encoding: Encoding) -> Result<Self, Error> {
-        let map = strips.to_restart(RESTART);
         check(strips, sequence)?;
-        let replay = match encoding {
-            Encoding::Naive => naive::replay(map, sequence, |_| u32::MAX)?,
-            Encoding::Offsets => encoded::replay(&map, sequence)?,
+        let map = strips.to_restart(RESTART);
+        let (full, records) = match encoding {
+            Encoding::Naive => naive::record(map, sequence, |_| u32::MAX)?,
+            Encoding::Offsets => encoded::record(&map, sequence)?,
         };
-        Ok(Self { replay, encoding })
+        let levels = LevelTable::of(sequence);
+        Ok(Self { full, records, levels, encoding, filter: Filter::default() })
+    }
+
+    /// Sets the filter of the display strips; the default is [`Filter::Linked`].
+    #[must_use]
+    pub fn with_filter(mut self, filter: Filter) -> Self {
+        self.filter = filter;
+        self
     }
 
     /// Returns what collapses write.
@@ -91,37 +116,65 @@ impl ProgressiveStrips {
         self.encoding
     }
 
-    /// Returns the number of collapses, which is the level of the full mesh.
-    pub fn len(&self) -> usize {
-        self.replay.records.len()
+    /// Returns a cursor at the level of the full mesh.
+    pub fn cursor(self: &Arc<Self>) -> ProgressiveStripsCursor {
+        let replay = Replay { entries: self.full.clone(), level: self.records.len() };
+        ProgressiveStripsCursor { model: Arc::clone(self), replay, map: Vec::new(), display: None }
     }
 
-    /// Returns whether there is no collapse.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
+    /// Returns what the split from `level` to the next one writes: an update per restored vertex; `None` if there is no such split.
+    pub fn split(&self, level: usize) -> Option<impl ExactSizeIterator<Item = SlotUpdate<'_>>> {
+        (level < self.records.len()).then(|| self.records.split_of(level))
     }
 
-    /// Returns the level of the map.
-    pub fn level(&self) -> usize {
-        self.replay.level
+    /// Returns the number of slots that the split from `level` to the next one writes: the u of the literature; 0 if there is no such
+    /// split.
+    pub fn slot_count(&self, level: usize) -> usize {
+        self.split(level).into_iter().flatten().map(|update| update.slots.len()).sum()
+    }
+}
+
+impl LevelModel for ProgressiveStrips {
+    fn levels(&self) -> &LevelTable {
+        &self.levels
+    }
+
+    fn memory(&self) -> usize {
+        size_of_val(&self.full[..]) + self.records.memory() + self.levels.memory()
+    }
+
+    fn start(self: Arc<Self>) -> Box<dyn LevelCursor> {
+        Box::new(self.cursor())
+    }
+}
+
+/// The index map of [`ProgressiveStrips`] at one level.
+#[derive(Debug, Clone)]
+pub struct ProgressiveStripsCursor {
+    model: Arc<ProgressiveStrips>,
+    replay: Replay,
+    /// Memory for the decoded map.
+    map: Vec<u32>,
+    /// The display strips of the level, once they have been asked for.
+    display: Option<Strips>,
+}
+
+impl ProgressiveStripsCursor {
+    /// Returns the model.
+    pub fn model(&self) -> &Arc<ProgressiveStrips> {
+        &self.model
     }
 
     /// Splits a vertex: one level up. Returns `false` at the full mesh.
     pub fn refine(&mut self) -> bool {
-        self.replay.refine()
+        self.display = None;
+        self.replay.refine(&self.model.records)
     }
 
     /// Collapses a vertex: one level down. Returns `false` at the base mesh.
     pub fn coarsen(&mut self) -> bool {
-        self.replay.coarsen()
-    }
-
-    /// Moves to a level, step by step.
-    ///
-    /// # Panics
-    /// `level` is greater than [`ProgressiveStrips::len`].
-    pub fn go_to(&mut self, level: usize) {
-        self.replay.go_to(level);
+        self.display = None;
+        self.replay.coarsen(&self.model.records)
     }
 
     /// Returns the entries of the map at its level: vertices, [`RESTART`] between strips, and the [symbols](encoded::offset) of [`Encoding::Offsets`].
@@ -131,26 +184,50 @@ impl ProgressiveStrips {
 
     /// Fills `map` with the vertices at the level, [`RESTART`] between strips. Its contents are replaced and its memory is reused.
     pub fn decode_to(&self, map: &mut Vec<u32>) {
-        match self.encoding {
+        match self.model.encoding {
             Encoding::Naive => map.clone_from(&self.replay.entries),
             Encoding::Offsets => encoded::decode(&self.replay.entries, map),
         }
     }
+}
 
-    /// Returns what the split from `level` to the next one writes: an update per restored vertex.
-    ///
-    /// # Panics
-    /// `level` is not less than [`ProgressiveStrips::len`].
-    pub fn split(&self, level: usize) -> impl ExactSizeIterator<Item = SlotUpdate<'_>> {
-        self.replay.records.split(level)
+impl LevelCursor for ProgressiveStripsCursor {
+    fn levels(&self) -> &LevelTable {
+        &self.model.levels
     }
 
-    /// Returns the number of slots that the split from `level` to the next one writes: the u of the literature.
-    ///
-    /// # Panics
-    /// `level` is not less than [`ProgressiveStrips::len`].
-    pub fn slot_count(&self, level: usize) -> usize {
-        self.split(level).map(|update| update.slots.len()).sum()
+    fn level(&self) -> usize {
+        self.replay.level
+    }
+
+    fn set_level(&mut self, level: usize) -> Result<(), Error> {
+        self.model.levels.check(level)?;
+        if level != self.replay.level {
+            self.display = None;
+            self.replay.go_to(level, &self.model.records);
+        }
+        Ok(())
+    }
+
+    fn strips(&mut self) -> &Strips {
+        let display = match self.display.take() {
+            Some(display) => display,
+            None => {
+                let mut map = std::mem::take(&mut self.map);
+                self.decode_to(&mut map);
+                let mut display = Strips::default();
+                self.model.filter.map_to(&map, &mut display);
+                self.map = map;
+                display
+            }
+        };
+        self.display.insert(display)
+    }
+
+    fn memory(&self) -> usize {
+        size_of_val(&self.replay.entries[..])
+            + size_of_val(&self.map[..])
+            + self.display.as_ref().map_or(0, Strips::memory)
     }
 }
 

@@ -57,7 +57,10 @@
 #[cfg(test)]
 mod tests;
 
+use std::sync::Arc;
+
 use super::level_mesh::LevelMesh;
+use super::level_model::{LevelCursor, LevelModel, LevelTable};
 
 use crate::collapse::CollapseSequence;
 use crate::cover::PathCover;
@@ -137,14 +140,15 @@ impl RepairOptions {
 /// The strips of a level of detail that follow collapses and splits.
 ///
 /// ```
-/// use tristrip::{CollapseSequence, Strips, collapse::Rename, lod::{Repair, RepairOptions}};
+/// use tristrip::{CollapseSequence, Strips, collapse::Rename};
+/// use tristrip::lod::{LevelCursor, Repair, RepairOptions};
 /// // A strip of four triangles over two rows of vertices; 1 collapses to 0, which drops the first triangle.
 /// let mut strips = Strips::default();
 /// strips.push(&[0, 1, 2, 3, 4, 5]);
 /// let rename = [Rename { removed: 1, kept: 0 }];
 /// let triangles = strips.triangles().flatten().collect();
 /// let sequence = CollapseSequence::from_collapses(6, triangles, [(&rename[..], 0.5)])?;
-/// let mut repair = Repair::new(&sequence, &strips, RepairOptions::default())?;
+/// let mut repair = Repair::new(sequence, &strips, RepairOptions::default())?;
 /// assert_eq!((repair.level(), repair.vertices_sent()), (1, 6));
 /// assert!(repair.coarsen());
 /// assert_eq!((repair.level(), repair.strips().vertices()), (0, &[5, 4, 3, 2, 0][..]));
@@ -153,8 +157,9 @@ impl RepairOptions {
 /// # Ok::<(), tristrip::Error>(())
 /// ```
 #[derive(Debug, Clone)]
-pub struct Repair<'a> {
-    sequence: &'a CollapseSequence,
+pub struct Repair {
+    sequence: Arc<CollapseSequence>,
+    levels: Arc<LevelTable>,
     level: usize,
     triangle_count: usize,
     mesh: LevelMesh,
@@ -166,19 +171,23 @@ pub struct Repair<'a> {
     /// Pairs of half-edges between which a link was cut.
     gaps: Vec<[u32; 2]>,
     near: NearbyTriangles,
+    /// The strips of the level, once they have been asked for as a cursor's.
+    display: Option<Strips>,
 }
 
-impl<'a> Repair<'a> {
+impl Repair {
     /// Starts from the strips of the full mesh.
     ///
     /// # Errors
     /// The strips do not draw the triangles of the full mesh, each once with its winding, or there are too many triangles.
     pub fn new(
-        sequence: &'a CollapseSequence,
+        sequence: impl Into<Arc<CollapseSequence>>,
         strips: &Strips,
         options: RepairOptions,
     ) -> Result<Self, Error> {
-        Self::start(sequence, strips, sequence.len(), options)
+        let sequence = sequence.into();
+        let level = sequence.len();
+        Self::linked_at(sequence, strips, level, options)
     }
 
     /// Computes the display strips of one level directly from the strips of the full mesh.
@@ -187,22 +196,23 @@ impl<'a> Repair<'a> {
     /// As [`Repair::new`], or the level does not exist.
     ///
     /// ```
-    /// # use tristrip::{CollapseSequence, Strips, collapse::Rename, lod::{Repair, RepairOptions}};
+    /// # use tristrip::{CollapseSequence, Strips, collapse::Rename, lod::{LevelCursor, Repair, RepairOptions}};
     /// # let mut strips = Strips::default();
     /// # strips.push(&[0, 1, 2, 3, 4, 5]);
     /// # let rename = [Rename { removed: 1, kept: 0 }];
     /// # let triangles = strips.triangles().flatten().collect();
     /// # let sequence = CollapseSequence::from_collapses(6, triangles, [(&rename[..], 0.5)])?;
-    /// let repair = Repair::at(&sequence, &strips, 0, RepairOptions::default())?;
+    /// let mut repair = Repair::at(sequence, &strips, 0, RepairOptions::default())?;
     /// assert_eq!(repair.strips().vertices(), [5, 4, 3, 2, 0]);
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     pub fn at(
-        sequence: &'a CollapseSequence,
+        sequence: impl Into<Arc<CollapseSequence>>,
         strips: &Strips,
         level: usize,
         options: RepairOptions,
     ) -> Result<Self, Error> {
+        let sequence = sequence.into();
         if level > sequence.len() {
             return Err(Error::Parameter {
                 name: "level",
@@ -210,7 +220,7 @@ impl<'a> Repair<'a> {
                 expected: "a level of the sequence",
             });
         }
-        let mut repair = Self::start(sequence, strips, level, options)?;
+        let mut repair = Self::linked_at(sequence, strips, level, options)?;
         let all: Vec<u32> = (0..repair.paths.len() as u32).filter(|&t| repair.mesh.is_drawn(t)).collect();
         for _ in 0..repair.work.all_rounds {
             all.iter().for_each(|&t| repair.local_search.improve_at(&mut repair.paths, t));
@@ -219,19 +229,20 @@ impl<'a> Repair<'a> {
     }
 
     /// Links the rest of the strips at a level, without a search.
-    fn start(
-        sequence: &'a CollapseSequence,
+    fn linked_at(
+        sequence: Arc<CollapseSequence>,
         strips: &Strips,
         level: usize,
         options: RepairOptions,
     ) -> Result<Self, Error> {
-        check_size(sequence)?;
-        let mut mesh = LevelMesh::new(sequence);
+        check_size(&sequence)?;
+        let mut mesh = LevelMesh::new(&sequence);
         let order = order_of(strips, &mesh)?;
         (level..sequence.len()).rev().for_each(|level| mesh.collapse(&sequence.collapse(level)));
         let slots = mesh.triangle_count();
         let mut repair = Self {
-            sequence,
+            levels: Arc::new(LevelTable::of(&sequence)),
+            sequence: Arc::clone(&sequence),
             level,
             triangle_count: 0,
             mesh,
@@ -241,6 +252,7 @@ impl<'a> Repair<'a> {
             changes: Vec::new(),
             gaps: Vec::new(),
             near: NearbyTriangles { marks: vec![0; slots], ..NearbyTriangles::default() },
+            display: None,
         };
         for t in 0..slots as u32 {
             if repair.mesh.is_drawn(t) {
@@ -275,11 +287,6 @@ impl<'a> Repair<'a> {
         }
     }
 
-    /// Returns the current level.
-    pub fn level(&self) -> usize {
-        self.level
-    }
-
     /// Returns the number of triangles drawn.
     pub fn triangle_count(&self) -> usize {
         self.triangle_count
@@ -301,7 +308,9 @@ impl<'a> Repair<'a> {
     /// Moves to the next coarser level; returns `false` at the base mesh.
     pub fn coarsen(&mut self) -> bool {
         let Some(level) = self.level.checked_sub(1) else { return false };
-        let collapse = self.sequence.collapse(level);
+        self.display = None;
+        let sequence = Arc::clone(&self.sequence);
+        let collapse = sequence.collapse(level);
         self.gaps.clear();
         for &t in collapse.dropped {
             self.cut_out(t);
@@ -326,7 +335,9 @@ impl<'a> Repair<'a> {
         if self.level == self.sequence.len() {
             return false;
         }
-        let collapse = self.sequence.collapse(self.level);
+        self.display = None;
+        let sequence = Arc::clone(&self.sequence);
+        let collapse = sequence.collapse(self.level);
         let vertices = || collapse.renames.iter().flat_map(|rename| [rename.kept, rename.removed]);
         self.mesh.split(&collapse);
         collapse.dropped.iter().for_each(|&t| self.paths.insert_triangle(t));
@@ -345,12 +356,6 @@ impl<'a> Repair<'a> {
         (self.level, self.triangle_count) = (self.level + 1, self.triangle_count + collapse.dropped.len());
         self.search(vertices());
         true
-    }
-
-    /// Moves to a level step by step, or to the full mesh if there is no such level.
-    pub fn go_to(&mut self, level: usize) {
-        while self.level > level && self.coarsen() {}
-        while self.level < level && self.refine() {}
     }
 
     /// Cuts the links of a triangle and records the gap between two former neighbours.
@@ -404,8 +409,8 @@ impl<'a> Repair<'a> {
         }
     }
 
-    /// Returns the strips, in O(n) time.
-    pub fn strips(&self) -> Strips {
+    /// Builds the strips of the level, in O(n) time.
+    fn emit(&self) -> Strips {
         // Triangles are renumbered without those that are not drawn.
         let mut number = vec![0; self.mesh.triangle_count()];
         let (mut corners, mut drawn) = (Vec::new(), Vec::new());
@@ -430,6 +435,91 @@ impl<'a> Repair<'a> {
             }
         }
         emit(&Triangulation::from_parts(corners, DualGraph::of_triangle_twins(twins)), &cover)
+    }
+}
+
+impl LevelCursor for Repair {
+    fn levels(&self) -> &LevelTable {
+        &self.levels
+    }
+
+    fn level(&self) -> usize {
+        self.level
+    }
+
+    /// Moves to a level step by step: the strips depend on the levels on the way.
+    fn set_level(&mut self, level: usize) -> Result<(), Error> {
+        self.levels.check(level)?;
+        while self.level > level && self.coarsen() {}
+        while self.level < level && self.refine() {}
+        Ok(())
+    }
+
+    fn strips(&mut self) -> &Strips {
+        let display = self.display.take().unwrap_or_else(|| self.emit());
+        self.display.insert(display)
+    }
+
+    fn memory(&self) -> usize {
+        let near = size_of_val(&self.near.marks[..]) + size_of_val(&self.near.triangles[..]);
+        self.mesh.memory() + self.paths.memory() + near + self.display.as_ref().map_or(0, Strips::memory)
+    }
+}
+
+/// The strips of a mesh at all levels, repaired by each cursor as it moves: the full strips and the collapses.
+///
+/// ```
+/// use std::sync::Arc;
+/// use tristrip::{CollapseSequence, Strips, collapse::Rename};
+/// use tristrip::lod::{LevelModel, RepairOptions, RepairedStrips};
+/// let mut strips = Strips::default();
+/// strips.push(&[0, 1, 2, 3, 4, 5]);
+/// let rename = [Rename { removed: 1, kept: 0 }];
+/// let sequence = CollapseSequence::from_collapses(6, strips.to_list(), [(&rename[..], 0.5)])?;
+/// let model = Arc::new(RepairedStrips::new(sequence, strips, RepairOptions::default())?);
+/// let mut cursor = model.start();
+/// cursor.set_level(0)?;
+/// assert_eq!(cursor.strips().vertices(), [5, 4, 3, 2, 0]);
+/// # Ok::<(), tristrip::Error>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct RepairedStrips {
+    /// The cursor at the full mesh, of which all others are copies.
+    full: Repair,
+}
+
+impl RepairedStrips {
+    /// Builds the model from the strips of the full mesh.
+    ///
+    /// # Errors
+    /// As [`Repair::new`].
+    pub fn new(
+        sequence: impl Into<Arc<CollapseSequence>>,
+        strips: Strips,
+        options: RepairOptions,
+    ) -> Result<Self, Error> {
+        let mut full = Repair::new(sequence, &strips, options)?;
+        full.display = Some(strips);
+        Ok(Self { full })
+    }
+
+    /// Returns a cursor at the level of the full mesh.
+    pub fn cursor(&self) -> Repair {
+        self.full.clone()
+    }
+}
+
+impl LevelModel for RepairedStrips {
+    fn levels(&self) -> &LevelTable {
+        &self.full.levels
+    }
+
+    fn memory(&self) -> usize {
+        LevelCursor::memory(&self.full) + self.full.sequence.memory() + self.full.levels.memory()
+    }
+
+    fn start(self: Arc<Self>) -> Box<dyn LevelCursor> {
+        Box::new(self.cursor())
     }
 }
 

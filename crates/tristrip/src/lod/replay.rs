@@ -16,46 +16,41 @@ pub struct SlotUpdate<'a> {
     pub slots: &'a [u32],
 }
 
-/// The entries of a map at a level, and the records that lead to other levels.
+/// The entries of a map at a level, which records lead to other levels.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Replay {
     pub(super) entries: Vec<u32>,
     pub(super) level: usize,
-    pub(super) records: Records,
 }
 
 impl Replay {
-    pub(super) fn refine(&mut self) -> bool {
-        if self.level == self.records.len() {
+    pub(super) fn refine(&mut self, records: &Records) -> bool {
+        if self.level >= records.len() {
             return false;
         }
-        for update in self.records.split(self.level) {
+        for update in records.split_of(self.level) {
             update.slots.iter().for_each(|&slot| self.entries[slot as usize] = update.vertex);
         }
         self.level += 1;
         true
     }
 
-    pub(super) fn coarsen(&mut self) -> bool {
+    pub(super) fn coarsen(&mut self, records: &Records) -> bool {
         if self.level == 0 {
             return false;
         }
         self.level -= 1;
-        let range = self.records.slots_of(self.level);
-        for (&slot, &entry) in self.records.slots[range.clone()].iter().zip(&self.records.coarse[range]) {
+        let range = records.slots_of(self.level);
+        for (&slot, &entry) in records.slots[range.clone()].iter().zip(&records.coarse[range]) {
             self.entries[slot as usize] = entry;
         }
         true
     }
 
-    pub(super) fn go_to(&mut self, level: usize) {
-        assert!(level <= self.records.len(), "level {level} of {}", self.records.len());
-        while self.level < level {
-            self.refine();
-        }
-        while self.level > level {
-            self.coarsen();
-        }
+    /// Moves to a level, which must exist.
+    pub(super) fn go_to(&mut self, level: usize, records: &Records) {
+        while self.level < level && self.refine(records) {}
+        while self.level > level && self.coarsen(records) {}
     }
 }
 
@@ -78,6 +73,12 @@ impl Records {
         self.vertex_ends.len()
     }
 
+    /// Returns the memory of the records in bytes.
+    pub(super) fn memory(&self) -> usize {
+        let lists = [&self.vertex_ends, &self.vertices, &self.slot_ends, &self.slots, &self.coarse];
+        lists.map(|list| size_of_val(&list[..])).iter().sum()
+    }
+
     pub(super) fn vertices_of(&self, level: usize) -> std::ops::Range<usize> {
         range(&self.vertex_ends, self.len() - 1 - level)
     }
@@ -88,7 +89,8 @@ impl Records {
         end(vertices.start)..end(vertices.end)
     }
 
-    pub(super) fn split(&self, level: usize) -> impl ExactSizeIterator<Item = SlotUpdate<'_>> {
+    /// Returns the updates of the split from `level`, which must be less than [`Records::len`].
+    pub(super) fn split_of(&self, level: usize) -> impl ExactSizeIterator<Item = SlotUpdate<'_>> {
         self.vertices_of(level)
             .map(|i| SlotUpdate { vertex: self.vertices[i], slots: &self.slots[range(&self.slot_ends, i)] })
     }

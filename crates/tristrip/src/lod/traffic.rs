@@ -20,7 +20,10 @@
 //! A collapse rescans a few blocks per slot that it changes, whatever the length of the strips: the bunny's 33,000 levels take 0.25 seconds, and 0.35 as
 //! two strips in total. 3 bytes per entry, beside the models.
 
+use std::sync::Arc;
+
 use super::filter::{BLOCK, DrawCost, DrawTally, Dtfs, Filter, Gatherer, Linked, Scanner, Stss};
+use super::level_model::LevelCursor;
 use super::progressive::{Encoding, ProgressiveStrips};
 use crate::collapse::CollapseSequence;
 use crate::error::Error;
@@ -203,24 +206,25 @@ pub fn walk(
     sequence: &CollapseSequence,
     mut show: impl FnMut(&LevelTraffic),
 ) -> Result<TrafficTotals, Error> {
-    let mut model = ProgressiveStrips::new(strips, sequence, Encoding::Naive)?;
+    let model = Arc::new(ProgressiveStrips::new(strips, sequence, Encoding::Naive)?);
     let encoded = ProgressiveStrips::new(strips, sequence, Encoding::Offsets)?;
-    let mut counts = FilterCosts::new(model.entries());
+    let mut cursor = model.cursor();
+    let mut counts = FilterCosts::new(cursor.entries());
     let (mut totals, mut split) = (TrafficTotals::default(), None);
     loop {
-        let level = model.level();
+        let level = cursor.level();
         let triangles = sequence.triangle_count(level);
         let now = LevelTraffic { level, triangles, sent: counts.sent(), split };
         show(&now);
         totals.add(&now, sequence.len());
-        if !model.coarsen() {
+        if !cursor.coarsen() {
             return Ok(totals);
         }
-        let level = model.level();
-        let slots = model.split(level).flat_map(|update| update.slots);
-        counts.update(model.entries(), slots);
+        let level = cursor.level();
+        let updates = || model.split(level).into_iter().flatten();
+        counts.update(cursor.entries(), updates().flat_map(|update| update.slots));
         split = Some(SplitTraffic {
-            vertices: model.split(level).len(),
+            vertices: updates().count(),
             naive_slots: model.slot_count(level),
             encoded_slots: encoded.slot_count(level),
         });
@@ -334,18 +338,20 @@ mod tests {
             let mut levels = Vec::new();
             let totals = walk(strips, sequence, |level| levels.push(*level)).unwrap();
             prop_assert_eq!((levels.len(), totals.levels), (sequence.len() + 1, sequence.len() + 1));
-            let mut model = ProgressiveStrips::new(strips, sequence, Encoding::Offsets).unwrap();
+            let model = Arc::new(ProgressiveStrips::new(strips, sequence, Encoding::Offsets).unwrap());
+            let mut cursor = model.cursor();
             let mut map = Vec::new();
             for found in &levels {
-                prop_assert_eq!(found.level, model.level());
-                model.decode_to(&mut map);
-                prop_assert_eq!(found.triangles, sequence.drawn(model.level()).len());
+                prop_assert_eq!(found.level, cursor.level());
+                cursor.decode_to(&mut map);
+                prop_assert_eq!(found.triangles, sequence.drawn(cursor.level()).len());
                 for filter in Filter::ALL {
                     prop_assert_eq!(found.sent(filter), filter.sent_by_map(&map));
                 }
-                let slots = (model.level() < model.len()).then(|| model.slot_count(model.level()));
+                let level = cursor.level();
+                let slots = (level < sequence.len()).then(|| model.slot_count(level));
                 prop_assert_eq!(found.split.map(|split| split.encoded_slots), slots);
-                model.coarsen();
+                cursor.coarsen();
             }
             for filter in Filter::ALL {
                 let sent: u64 = levels.iter().map(|level| level.sent(filter).vertices as u64).sum();

@@ -58,11 +58,16 @@ impl Faces {
             };
             return Err(MeshProblem::CornerCount { found: corners.len() as u64, expected }.into());
         }
-        let all_triangles = offsets.windows(2).all(|w| w[1] - w[0] == 3);
-        let faces = Self { corners, offsets: (!all_triangles).then_some(offsets) };
+        let faces = Self::from_valid_offsets(offsets, corners);
         // The triangles of a large polygon have up to three times as many corners.
         check_count("corners of the triangles of the faces", faces.triangle_count().saturating_mul(3))?;
         Ok(faces)
+    }
+
+    /// Creates polygons as [`Faces::from_offsets`] does, from offsets that are known to match the corners.
+    pub(crate) fn from_valid_offsets(offsets: Vec<u32>, corners: Vec<u32>) -> Self {
+        let all_triangles = offsets.windows(2).all(|w| w[1] - w[0] == 3);
+        Self { corners, offsets: (!all_triangles).then_some(offsets) }
     }
 
     /// Creates faces from a list of polygons.

@@ -48,19 +48,39 @@ impl DirectedStrip<'_> {
         self.is_odd != (self.reversed && self.strip.len() % 2 == 1)
     }
 
-    /// Appends the strip to an index buffer, and the indices between: the last vertex and the first one again if they differ, and
+    /// Appends the strip to a joined buffer, and the indices between: the last vertex and the first one again if they differ, and
     /// the first one once more if the strip would otherwise begin at a position of the wrong parity.
-    pub(super) fn join_to(self, out: &mut Vec<u32>) {
+    pub(super) fn join_to(self, joined: &mut Joined<impl FnMut(u32)>) {
         let Some(first) = self.vertices().next() else { return };
-        if let Some(&last) = out.last()
+        if let Some(last) = joined.last
             && last != first
         {
-            out.extend([last, first]);
+            joined.send(last);
+            joined.send(first);
         }
-        if (out.len() % 2 == 1) != self.starts_at_odd() {
-            out.push(first);
+        if joined.is_odd != self.starts_at_odd() {
+            joined.send(first);
         }
-        out.extend(self.vertices());
+        self.vertices().for_each(|v| joined.send(v));
+    }
+}
+
+/// A buffer of joined strips: the parity of its length, its last index, and where its indices go.
+pub(super) struct Joined<F> {
+    is_odd: bool,
+    last: Option<u32>,
+    send: F,
+}
+
+impl<F: FnMut(u32)> Joined<F> {
+    /// Starts an empty buffer.
+    pub(super) fn new(send: F) -> Self {
+        Self { is_odd: false, last: None, send }
+    }
+
+    fn send(&mut self, vertex: u32) {
+        (self.send)(vertex);
+        (self.is_odd, self.last) = (!self.is_odd, Some(vertex));
     }
 }
 

@@ -4,7 +4,15 @@
 //! Evans, Skiena, Varshney: *Efficiently Generating Triangle Strips for Fast Rendering*, 1996, section 1 (swaps by repeated
 //! vertices); the draft glTF extension `KHR_mesh_primitive_restart`.
 
+use std::ops::Range;
+
 use super::{Strips, join, strip_triangles};
+use crate::error::{Error, MeshProblem};
+use crate::index::Index;
+use crate::names::names;
+
+/// Fewer equal indices than these between two changed ranges are sent with them: a transfer has a cost of its own.
+const MIN_EQUAL_RUN: usize = 16;
 
 /// The layout of strips in an index buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -19,8 +27,233 @@ pub enum Layout {
     List,
 }
 
+names! {
+    "tristrip::Layout", Layout, "layout",
+    Restart => "restart", "Strips separated by the restart index";
+    Degenerate => "degenerate", "One strip joined by degenerate triangles, winding kept";
+    Separate => "separate", "One primitive per strip";
+    List => "list", "A triangle list, in strip order";
+}
+
 impl Strips {
-    /// Returns the index buffer with `restart` between strips.
+    /// Returns the index buffer in a layout, with indices of 8, 16 or 32 bits. With [`Layout::Separate`], the strips follow each other
+    /// without anything between them; [`Strips::iter`] has their lengths.
+    ///
+    /// # Errors
+    /// A vertex does not fit the type of the indices, or is the restart value in a buffer with restarts.
+    ///
+    /// ```
+    /// use tristrip::{Layout, Strips};
+    /// let mut strips = Strips::default();
+    /// strips.push(&[0, 1, 2]);
+    /// strips.push(&[3, 4, 5]);
+    /// let buffer: Vec<u16> = strips.to_indices(Layout::Restart)?;
+    /// assert_eq!(buffer, [0, 1, 2, 65_535, 3, 4, 5]);
+    /// assert_eq!(strips.to_indices::<u8>(Layout::Degenerate)?, [0, 1, 2, 2, 3, 3, 4, 5]);
+    /// strips.push(&[6, 7, 255]);
+    /// assert!(strips.to_indices::<u8>(Layout::Restart).is_err());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn to_indices<I: Index>(&self, layout: Layout) -> Result<Vec<I>, Error> {
+        self.check_indices::<I>(layout)?;
+        let mut out = Vec::with_capacity(self.vertices_sent() + self.len());
+        self.send_indices(layout, |index| out.push(index));
+        Ok(out)
+    }
+
+    /// Writes the index buffer in a layout to the start of a slice, for example one of mapped memory. Returns the number of indices, of
+    /// which [`Strips::index_count`] tells how many there will be.
+    ///
+    /// # Errors
+    /// As [`Strips::to_indices`], or the slice is too short; nothing is written then.
+    ///
+    /// ```
+    /// use tristrip::{Layout, Strips};
+    /// let mut strips = Strips::default();
+    /// strips.push(&[0, 1, 2, 3]);
+    /// let mut upload = [0_u16; 8];
+    /// assert_eq!(strips.write_indices(Layout::List, &mut upload)?, 6);
+    /// assert_eq!(upload, [0, 1, 2, 2, 1, 3, 0, 0]);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn write_indices<I: Index>(&self, layout: Layout, out: &mut [I]) -> Result<usize, Error> {
+        self.check_indices::<I>(layout)?;
+        let count = self.index_count(layout);
+        let available = out.len();
+        let Some(out) = out.get_mut(..count) else {
+            let found = format!("a slice of {available} indices for {count}");
+            return Err(Error::Parameter { name: "out", found, expected: "room for the index buffer" });
+        };
+        let mut free = out.iter_mut();
+        self.send_indices(layout, |index| {
+            if let Some(place) = free.next() {
+                *place = index;
+            }
+        });
+        Ok(count)
+    }
+
+    /// Brings an index buffer up to date: it gets the indices of a layout, and the ranges are returned in which it has changed, so that
+    /// only these have to be sent to a graphics processor. Ranges with fewer than 16 equal indices between them are one.
+    ///
+    /// # Errors
+    /// As [`Strips::to_indices`]; the buffer is unchanged then.
+    ///
+    /// ```
+    /// use tristrip::{Layout, Strips};
+    /// let mut strips = Strips::default();
+    /// strips.push(&[0, 1, 2, 3]);
+    /// let mut buffer = vec![0_u16, 1, 7, 3, 4];
+    /// assert_eq!(strips.update_indices(Layout::Restart, &mut buffer)?, [2..3]);
+    /// assert_eq!(buffer, [0, 1, 2, 3]);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn update_indices<I: Index>(
+        &self,
+        layout: Layout,
+        buffer: &mut Vec<I>,
+    ) -> Result<Vec<Range<usize>>, Error> {
+        self.check_indices::<I>(layout)?;
+        let mut changed: Vec<Range<usize>> = Vec::new();
+        let mut count = 0;
+        self.send_indices(layout, |index: I| {
+            let place = count;
+            count += 1;
+            match buffer.get_mut(place) {
+                Some(old) if *old == index => return,
+                Some(old) => *old = index,
+                None => buffer.push(index),
+            }
+            match changed.last_mut() {
+                Some(last) if place < last.end + MIN_EQUAL_RUN => last.end = place + 1,
+                _ => changed.push(place..place + 1),
+            }
+        });
+        buffer.truncate(count);
+        Ok(changed)
+    }
+
+    /// Counts the indices of a layout. For [`Layout::Degenerate`] the strips are joined to count them.
+    ///
+    /// ```
+    /// use tristrip::{Layout, Strips};
+    /// let mut strips = Strips::default();
+    /// strips.push(&[0, 1, 2, 3]);
+    /// strips.push(&[4, 5, 6]);
+    /// let counts: Vec<usize> = Layout::ALL.iter().map(|&layout| strips.index_count(layout)).collect();
+    /// assert_eq!(counts, [8, 9, 7, 9]);
+    /// ```
+    pub fn index_count(&self, layout: Layout) -> usize {
+        let mut count = 0;
+        match layout {
+            Layout::Restart => count = self.vertices_sent() + self.len().saturating_sub(1),
+            Layout::Separate => count = self.vertices_sent(),
+            Layout::List => count = 3 * self.triangles().count(),
+            Layout::Degenerate => self.join(|_| count += 1),
+        }
+        count
+    }
+
+    /// Reads strips from an index buffer. Of a buffer with degenerate triangles, the joined strips become strips of their own, with
+    /// the same winding; a buffer without anything between strips ([`Layout::Separate`]) is one strip, and of a list each triangle is one.
+    /// Parts that draw nothing are left out.
+    ///
+    /// # Errors
+    /// An index needs more than 32 bits, or a list does not have three indices per triangle.
+    ///
+    /// ```
+    /// use tristrip::{Layout, Strips};
+    /// let strips = Strips::from_indices(&[0_u16, 1, 2, 3, 65_535, 4, 5, 6], Layout::Restart)?;
+    /// assert_eq!(strips.iter().collect::<Vec<_>>(), [&[0, 1, 2, 3][..], &[4, 5, 6]]);
+    /// // The second strip begins at an odd position of the buffer: a repeat keeps its winding.
+    /// let strips = Strips::from_indices(&[0_u8, 1, 2, 2, 3, 3, 4, 5, 6], Layout::Degenerate)?;
+    /// assert_eq!(strips.iter().collect::<Vec<_>>(), [&[0, 1, 2][..], &[3, 3, 4, 5, 6]]);
+    /// assert_eq!(strips.triangles().collect::<Vec<_>>(), [[0, 1, 2], [4, 3, 5], [4, 5, 6]]);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn from_indices<I: Index>(indices: &[I], layout: Layout) -> Result<Self, Error> {
+        let mut strips = Self::default();
+        match layout {
+            Layout::Restart => {
+                for part in indices.split(|&index| index == I::RESTART) {
+                    strips.push_drawing(&vertices_of(part)?);
+                }
+            }
+            Layout::Separate => strips.push_drawing(&vertices_of(indices)?),
+            Layout::Degenerate => strips.push_joined(&vertices_of(indices)?),
+            Layout::List => {
+                let (triangles, rest) = indices.as_chunks::<3>();
+                if !rest.is_empty() {
+                    let found = indices.len() as u64;
+                    return Err(MeshProblem::CornerCount { found, expected: "a multiple of 3".into() }.into());
+                }
+                for triangle in triangles {
+                    strips.push_drawing(&vertices_of(triangle)?);
+                }
+            }
+        }
+        Ok(strips)
+    }
+
+    /// Appends a strip unless it draws nothing.
+    fn push_drawing(&mut self, strip: &[u32]) {
+        if strip_triangles(strip).next().is_some() {
+            self.push(strip);
+        }
+    }
+
+    /// Appends the strips that degenerate triangles join. One that begins at an odd position is reversed or repeats its first vertex.
+    fn push_joined(&mut self, joined: &[u32]) {
+        for (start, strip) in split_with_starts(joined) {
+            if start % 2 == 0 {
+                self.push(strip);
+            } else if strip.len() % 2 == 1 {
+                self.push(&strip.iter().rev().copied().collect::<Vec<_>>());
+            } else {
+                self.push(&[&strip[..1], strip].concat());
+            }
+        }
+    }
+
+    /// Checks that all vertices fit a type of indices.
+    fn check_indices<I: Index>(&self, layout: Layout) -> Result<(), Error> {
+        let is_free =
+            |vertex| I::from_vertex(vertex).is_some_and(|i| layout != Layout::Restart || i != I::RESTART);
+        let Some(&found) = self.vertices.iter().find(|&&vertex| !is_free(vertex)) else { return Ok(()) };
+        let highest = I::RESTART.to_vertex().unwrap_or(u32::MAX);
+        let limit = u64::from(highest) - u64::from(layout == Layout::Restart);
+        Err(Error::LimitExceeded { what: I::DESCRIPTION, found: u64::from(found), limit })
+    }
+
+    /// Sends the indices of a layout; those that do not fit their type, which the caller has excluded, are the restart value.
+    fn send_indices<I: Index>(&self, layout: Layout, mut send: impl FnMut(I)) {
+        let index = |vertex| I::from_vertex(vertex).unwrap_or(I::RESTART);
+        match layout {
+            Layout::Restart => {
+                for (number, strip) in self.iter().enumerate() {
+                    if number > 0 {
+                        send(I::RESTART);
+                    }
+                    strip.iter().for_each(|&v| send(index(v)));
+                }
+            }
+            Layout::Separate => self.vertices.iter().for_each(|&v| send(index(v))),
+            Layout::List => self.triangles().flatten().for_each(|v| send(index(v))),
+            Layout::Degenerate => self.join(|v| send(index(v))),
+        }
+    }
+
+    /// Sends the strips joined by degenerate triangles.
+    fn join(&self, send: impl FnMut(u32)) {
+        let mut joined = join::Joined::new(send);
+        if self.keeps_order {
+            join::in_order(self).for_each(|strip| strip.join_to(&mut joined));
+        } else {
+            join::order(self).into_iter().for_each(|strip| strip.join_to(&mut joined));
+        }
+    }
+
+    /// Returns the index buffer with `restart` between strips, whatever it is; see [`Strips::to_indices`] for one that is checked.
     ///
     /// ```
     /// let mut strips = tristrip::Strips::default();
@@ -55,8 +288,7 @@ impl Strips {
     /// ```
     pub fn to_degenerate(&self) -> Vec<u32> {
         let mut out: Vec<u32> = Vec::with_capacity(self.vertices_sent() + 3 * self.len());
-        let ways = if self.keeps_order { join::in_order(self).collect() } else { join::order(self) };
-        ways.into_iter().for_each(|way| way.join_to(&mut out));
+        self.join(|v| out.push(v));
         out
     }
 
@@ -72,6 +304,21 @@ impl Strips {
     }
 }
 
+/// Returns the vertices of indices.
+///
+/// # Errors
+/// An index needs more than 32 bits.
+pub(crate) fn vertices_of<I: Index>(indices: &[I]) -> Result<Vec<u32>, Error> {
+    let vertex = |(place, index): (usize, &I)| {
+        index.to_vertex().ok_or_else(|| Error::Parameter {
+            name: "indices",
+            found: format!("{index:?} at {place}"),
+            expected: "indices of at most 32 bits",
+        })
+    };
+    indices.iter().enumerate().map(vertex).collect()
+}
+
 /// Iterates over the strips that degenerate triangles join: cuts an index buffer between equal consecutive vertices, and omits
 /// parts that draw nothing. A vertex that is repeated at the very start, for the winding, stays with its strip.
 ///
@@ -83,13 +330,18 @@ impl Strips {
 /// assert_eq!(strips, [&[0, 1, 2, 3][..], &[4, 5, 6, 5, 7]]);
 /// ```
 pub fn split_joined(indices: &[u32]) -> impl Iterator<Item = &[u32]> {
+    split_with_starts(indices).map(|(_, strip)| strip)
+}
+
+/// Iterates over the strips of [`split_joined`], each with its position in the buffer.
+fn split_with_starts(indices: &[u32]) -> impl Iterator<Item = (usize, &[u32])> {
     let mut end = 0;
     let cut = indices.chunk_by(|a, b| a != b).map(move |part| {
         let start = end;
         end += part.len();
-        if start == 1 { &indices[..end] } else { part }
+        if start == 1 { (0, &indices[..end]) } else { (start, part) }
     });
-    cut.filter(|part| strip_triangles(part).next().is_some())
+    cut.filter(|(_, part)| strip_triangles(part).next().is_some())
 }
 
 #[cfg(test)]
@@ -133,6 +385,29 @@ mod tests {
         used.into_iter().map(|c| (ends(c) / 2).max(1)).sum()
     }
 
+    #[test]
+    fn indices_that_do_not_fit_are_refused() {
+        let mut strips = Strips::default();
+        strips.push(&[0, 1, 65_535]);
+        let message = |result: Result<Vec<u16>, Error>| result.unwrap_err().to_string();
+        assert_eq!(
+            message(strips.to_indices(Layout::Restart)),
+            "16-bit index: found 65535, the limit is 65534"
+        );
+        assert_eq!(strips.to_indices::<u16>(Layout::List).unwrap(), [0, 1, 65_535]);
+        strips.push(&[1, 2, 65_536]);
+        assert_eq!(message(strips.to_indices(Layout::List)), "16-bit index: found 65536, the limit is 65535");
+        let mut short = [7_u32; 5];
+        let error = strips.write_indices(Layout::List, &mut short).unwrap_err().to_string();
+        assert_eq!(
+            error,
+            "parameter `out`: found a slice of 5 indices for 6, expected room for the index buffer"
+        );
+        assert_eq!(short, [7; 5]);
+        let error = Strips::from_indices(&[1_u8, 2], Layout::List).unwrap_err().to_string();
+        assert_eq!(error, "faces: found 2 corners, expected a multiple of 3");
+    }
+
     proptest! {
         #[test]
         fn every_layout_draws_the_same(lengths in prop::collection::vec(3..9_usize, 0..12), seed in 0..60_u64) {
@@ -150,6 +425,32 @@ mod tests {
             let restart = strips.to_restart(99);
             let drawn: Vec<_> = restart.split(|&v| v == 99).flat_map(strip_triangles).collect();
             prop_assert!(verify_drawing(&faces, &drawn).is_ok());
+        }
+
+        /// Every layout, in every width, is read back to the same triangles.
+        #[test]
+        fn buffers_are_read_back(lengths in prop::collection::vec(3..9_usize, 0..12), seed in 0..60_u64) {
+            let mut strips = Strips::default();
+            let mut random = Random::new(seed);
+            for length in lengths {
+                strips.push(&(0..length).map(|_| random.below(16) as u32).collect::<Vec<_>>());
+            }
+            let sorted = |strips: &Strips| {
+                let mut triangles: Vec<_> = strips.triangles().map(crate::mesh::canonical_triangle).collect();
+                triangles.sort_unstable();
+                triangles
+            };
+            for layout in [Layout::Restart, Layout::Degenerate, Layout::List] {
+                let narrow: Vec<u8> = strips.to_indices(layout).unwrap();
+                let wide: Vec<usize> = strips.to_indices(layout).unwrap();
+                prop_assert_eq!(narrow.len(), strips.index_count(layout));
+                let from_narrow = Strips::from_indices(&narrow, layout).unwrap();
+                prop_assert_eq!(sorted(&from_narrow), sorted(&strips));
+                prop_assert_eq!(&from_narrow, &Strips::from_indices(&wide, layout).unwrap());
+                let mut upload = vec![99; narrow.len() + 1];
+                prop_assert_eq!(strips.write_indices(layout, &mut upload).unwrap(), narrow.len());
+                prop_assert_eq!((&upload[..narrow.len()], upload[narrow.len()]), (&narrow[..], 99));
+            }
         }
 
         #[test]

@@ -2,6 +2,7 @@
 
 use super::{Strips, count_triangles};
 use crate::cover::priced::StripPrices;
+use crate::names::names;
 
 /// A cost that a search can minimize and a user can select.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -16,6 +17,14 @@ pub enum Cost {
     Degenerate,
     /// The vertices sent with free swaps, so that only strips count: [`Metrics::gl_cost`].
     Gl,
+}
+
+names! {
+    "tristrip::strip::Cost", Cost, "cost",
+    Restart => "restart", "Indices, with a restart between strips";
+    OpenGl => "opengl", "Vertices sent, including swaps and winding repeats";
+    Degenerate => "degenerate", "Indices of the strips joined by degenerate triangles";
+    Gl => "gl", "Vertices sent, with free swaps";
 }
 
 impl Cost {

@@ -1,6 +1,8 @@
 //! The stripification methods and their options.
 
 use crate::effort::Effort;
+use crate::error::Error;
+use crate::names::names;
 use crate::strip::Cost;
 use crate::vertex_cache::VertexCache;
 
@@ -46,9 +48,102 @@ pub enum Method {
     Eta(EtaOptions),
 }
 
+/// The default maximum length of a tunnel of [`Method::Tunnel`]: beyond it, every two more edges multiply the time several times.
+const TUNNEL_LENGTH: u32 = 9;
+
 impl Method {
+    /// One method of each name, with the default values of its parameters.
+    pub const ALL: &'static [Self] = &[
+        Self::Auto,
+        Self::Sequential,
+        Self::Best,
+        Self::Fewest,
+        Self::Cache,
+        Self::Input,
+        Self::Sgi,
+        Self::StripeLocal { triangulation: FaceTriangulation::Whole, ties: Ties::Sequential },
+        Self::STRIPE,
+        Self::Tunnel { length: TUNNEL_LENGTH },
+        Self::Eta(EtaOptions::DEFAULT),
+    ];
+
+    /// Returns the name of the method, without its parameters, as the command line and JSON have it.
+    ///
+    /// ```
+    /// use tristrip::Method;
+    /// assert_eq!("tunnel".parse::<Method>()?, Method::Tunnel { length: 9 });
+    /// assert_eq!(Method::Tunnel { length: 5 }.name(), "tunnel");
+    /// assert!(Method::ALL.iter().all(|method| method.name().parse() == Ok(*method)));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Sequential => "sequential",
+            Self::Best => "best",
+            Self::Fewest => "fewest",
+            Self::Cache => "cache",
+            Self::Input => "input",
+            Self::Sgi => "sgi",
+            Self::StripeLocal { .. } => "stripe-local",
+            Self::StripeGlobal { .. } => "stripe-global",
+            Self::Tunnel { .. } => "tunnel",
+            Self::Eta(_) => "eta",
+        }
+    }
+
+    /// Returns a line on the method, as the help of the command has it.
+    ///
+    /// ```
+    /// assert_eq!(tristrip::Method::Input.summary(), "Strips in the order of the input");
+    /// ```
+    pub const fn summary(self) -> &'static str {
+        match self {
+            Self::Auto => "The same as best at effort 2: less than a second for a million triangles",
+            Self::Sequential => {
+                "Fast, with few indices: cheapest runs first, swaps only where they cost less than a restart"
+            }
+            Self::Best => "A search for the least cost, see --cost and --effort",
+            Self::Fewest => "A search for the fewest strips, see --effort",
+            Self::Cache => "Strips ordered for a vertex cache, see --vertex-cache and --objective",
+            Self::Input => "Strips in the order of the input",
+            Self::Sgi => "The SGI algorithm: least adjacency, one level of look-ahead",
+            Self::StripeLocal { .. } => "STRIPE's local algorithms",
+            Self::StripeGlobal { .. } => {
+                "STRIPE's global algorithms: patches of quadrilaterals first, the rest locally"
+            }
+            Self::Tunnel { .. } => {
+                "Stewart's tunneling operator, short tunnels first, starting from isolated triangles"
+            }
+            Self::Eta(_) => "The Enhanced Tunneling Algorithm of Porcu and Scateni",
+        }
+    }
+
     /// STRIPE with its authors' recommended settings: rows or columns of patches of at least 5 quadrilaterals.
     pub const STRIPE: Self = Self::StripeGlobal { patches: Patches::Rows, cutoff: 5 };
+}
+
+impl std::fmt::Display for Method {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// Parses a [name](Method::name) to the method with the default values of its parameters; `stripe` is [`Method::STRIPE`].
+impl std::str::FromStr for Method {
+    type Err = Error;
+
+    fn from_str(name: &str) -> Result<Self, Error> {
+        if name == "stripe" {
+            return Ok(Self::STRIPE);
+        }
+        let method = Self::ALL.iter().copied().find(|method| method.name() == name);
+        method.ok_or_else(|| Error::Parameter {
+            name: "method",
+            found: format!("`{name}`"),
+            expected: "auto, sequential, best, fewest, cache, input, sgi, stripe, stripe-local, stripe-global, tunnel or eta",
+        })
+    }
 }
 
 /// When STRIPE triangulates polygons (Evans et al. 1996, section 3.1).
@@ -87,6 +182,43 @@ pub enum Patches {
     Rows,
     /// One strip per patch, extended backward and forward.
     Full,
+}
+
+names! {
+    "tristrip::FaceTriangulation", FaceTriangulation, "triangulation",
+    Static => "static", "In advance, by alternate left and right turns";
+    Whole => "whole", "Completely, when a strip enters the face";
+    Partial => "partial", "Only as far as the strip needs to leave the face";
+}
+
+names! {
+    "tristrip::Ties", Ties, "ties",
+    Arbitrary => "arbitrary", "The first one found";
+    LookAhead => "look-ahead", "The one whose neighbours have the least adjacency";
+    Alternate => "alternate", "The one on the other side from the previous turn";
+    Random => "random", "One chosen at random, by the seed";
+    Sequential => "sequential", "One that needs no swap, else one chosen at random";
+}
+
+names! {
+    "tristrip::Patches", Patches, "patches",
+    Rows => "rows", "One strip per row or column";
+    Full => "full", "One strip per patch, extended at both ends";
+}
+
+names! {
+    "tristrip::stripify::Objective", Objective, "objective",
+    Indices => "indices", "About as few indices as best, in an order that reduces misses";
+    Balanced => "balanced", "Fewer misses, as long as they cost few indices";
+    Misses => "misses", "The fewest misses";
+}
+
+names! {
+    "tristrip::stripify::Start", Start, "start",
+    Isolated => "isolated", "One strip per triangle";
+    Input => "input", "The strips of input";
+    Sgi => "sgi", "The strips of sgi";
+    Sequential => "sequential", "The strips of sequential";
 }
 
 /// The options of a stripification.
@@ -242,11 +374,13 @@ pub enum Start {
 /// Tunnels of up to 1000 edges, 512 node accesses per search, starting from the strips of `sequential`.
 impl Default for EtaOptions {
     fn default() -> Self {
-        Self { length: 1000, threshold: 512, start: Start::default() }
+        Self::DEFAULT
     }
 }
 
 impl EtaOptions {
+    const DEFAULT: Self = Self { length: 1000, threshold: 512, start: Start::Sequential };
+
     /// Sets the maximum length of a tunnel, in edges.
     #[must_use]
     pub fn with_length(mut self, length: u32) -> Self {

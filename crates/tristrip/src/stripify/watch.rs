@@ -23,6 +23,21 @@ pub trait Watch: Sync {
     fn go_on(&self, progress: Progress) -> bool;
 }
 
+/// A closure watches: it receives the progress, and returns whether the search is to continue.
+///
+/// ```
+/// use tristrip::stripify::{Progress, Watch};
+/// fn is_stopped(watch: &dyn Watch) -> bool {
+///     !watch.go_on(Progress::default())
+/// }
+/// assert!(is_stopped(&|progress: Progress| progress.steps > 0));
+/// ```
+impl<F: Fn(Progress) -> bool + Sync> Watch for F {
+    fn go_on(&self, progress: Progress) -> bool {
+        self(progress)
+    }
+}
+
 /// Ignores the progress and never stops a search.
 impl Watch for () {
     fn go_on(&self, _: Progress) -> bool {

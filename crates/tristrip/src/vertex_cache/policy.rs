@@ -1,6 +1,7 @@
 //! The parameters of a simulated vertex cache: replacement, size, and flushes between strips.
 
 use crate::error::Error;
+use crate::names::names;
 
 /// The vertex that is evicted from a full cache.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -12,27 +13,10 @@ pub enum Replacement {
     Lru,
 }
 
-impl std::fmt::Display for Replacement {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::Fifo => "fifo",
-            Self::Lru => "lru",
-        })
-    }
-}
-
-impl std::str::FromStr for Replacement {
-    type Err = Error;
-
-    fn from_str(name: &str) -> Result<Self, Error> {
-        match name {
-            "fifo" => Ok(Self::Fifo),
-            "lru" => Ok(Self::Lru),
-            _ => {
-                Err(Error::Parameter { name: "replacement", found: name.into(), expected: "`fifo` or `lru`" })
-            }
-        }
-    }
+names! {
+    "tristrip::vertex_cache::Replacement", Replacement, "replacement",
+    Fifo => "fifo", "Evicts the vertex that entered first";
+    Lru => "lru", "Evicts the vertex that was not used for the longest time";
 }
 
 /// A vertex cache: its replacement policy and its number of entries. Written and parsed as `fifo:16`.
@@ -108,4 +92,10 @@ pub enum FlushPolicy {
     Keep,
     /// It is flushed, as before each draw call, or in studies of single strips.
     Flush,
+}
+
+names! {
+    "tristrip::vertex_cache::FlushPolicy", FlushPolicy, "flush_policy",
+    Keep => "keep", "The cache keeps its vertices from one strip to the next";
+    Flush => "flush", "The cache is flushed between strips";
 }

@@ -33,7 +33,7 @@
 use crate::collapse::{CollapseSequence, Rename};
 use crate::error::Error;
 use crate::lod::index_map::RESTART;
-use crate::lod::replay::{Records, Replay, VertexSlots};
+use crate::lod::replay::{Records, VertexSlots};
 
 /// The number of vertices whose ids are below the symbols.
 pub(super) const MAX_VERTEX_COUNT: u32 = u32::MAX - 4;
@@ -62,8 +62,8 @@ fn symbol(offset: i8) -> u32 {
     MAX_VERTEX_COUNT + SYMBOLS.iter().take_while(|&&other| other != offset).count() as u32
 }
 
-/// Records all collapses over a map of vertices and restarts.
-pub(super) fn replay(map: &[u32], sequence: &CollapseSequence) -> Result<Replay, Error> {
+/// Records all collapses over a map of vertices and restarts; returns the entries of the full mesh, and the records.
+pub(super) fn record(map: &[u32], sequence: &CollapseSequence) -> Result<(Vec<u32>, Records), Error> {
     let full = encode_repeats(map);
     let mut roots = VertexSlots::of(map, sequence.vertex_count(), |slot| full[slot] == map[slot]);
     let mut entries = full.clone();
@@ -88,7 +88,7 @@ pub(super) fn replay(map: &[u32], sequence: &CollapseSequence) -> Result<Replay,
         }
         records.end(map.len())?;
     }
-    Ok(Replay { level: records.len(), entries: full, records })
+    Ok((full, records))
 }
 
 /// Writes symbols for vertices that occur one or two slots before in the same strip.

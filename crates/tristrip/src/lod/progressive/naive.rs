@@ -11,15 +11,15 @@
 
 use crate::collapse::{CollapseSequence, Rename};
 use crate::error::Error;
-use crate::lod::replay::{Records, Replay, VertexSlots};
+use crate::lod::replay::{Records, VertexSlots};
 
-/// Records all collapses over a map of vertices and restarts. The entries from `live(level)` on are not drawn at that level or below it,
+/// Records all collapses over a map of vertices and restarts; returns the entries of the full mesh, and the records. The entries from `live(level)` on are not drawn at that level or below it,
 /// and stay as they were.
-pub(super) fn replay(
+pub(super) fn record(
     map: Vec<u32>,
     sequence: &CollapseSequence,
     live: impl Fn(usize) -> u32,
-) -> Result<Replay, Error> {
+) -> Result<(Vec<u32>, Records), Error> {
     let mut of_vertex = VertexSlots::of(&map, sequence.vertex_count(), |_| true);
     let (mut records, mut taken) = (Records::default(), Vec::new());
     for (i, collapse) in sequence.iter().enumerate() {
@@ -32,5 +32,5 @@ pub(super) fn replay(
         }
         records.end(map.len())?;
     }
-    Ok(Replay { level: records.len(), entries: map, records })
+    Ok((map, records))
 }

@@ -19,31 +19,39 @@
 //! # Complexity
 //! 12 bytes per triangle; about four corners of 8 bytes, and 28 bytes, per collapse.
 
+use std::sync::Arc;
+
 use super::naive;
 use crate::collapse::CollapseSequence;
 use crate::error::Error;
 use crate::ids::OptionalId;
-use crate::lod::replay::Replay;
+use crate::lod::level_model::{LevelCursor, LevelModel, LevelTable};
+use crate::lod::replay::{Records, Replay};
 use crate::mesh::{is_degenerate, triangles_of};
+use crate::strip::Strips;
 
-/// The triangles of a mesh at any level of a collapse sequence, as a list that is updated in slot.
+/// The triangles of a mesh at all levels of a collapse sequence: a list, and what each collapse renames in it. Immutable; a
+/// [`ProgressiveMeshCursor`] has the list of one level.
 ///
 /// ```
+/// use std::sync::Arc;
 /// use tristrip::{CollapseSequence, collapse::Rename, lod::progressive::ProgressiveMesh};
 /// let rename = [Rename { removed: 3, kept: 2 }];
 /// let sequence = CollapseSequence::from_collapses(4, vec![2, 1, 3, 0, 1, 2], [(&rename[..], 0.5)])?;
-/// let mut model = ProgressiveMesh::new(&sequence)?;
-/// assert_eq!(model.corners(), [0, 1, 2, 2, 1, 3]);
-/// assert_eq!(model.splits(0).next().map(|split| split.wings), Some([None, Some(1)]));
-/// model.coarsen();
-/// assert_eq!(model.corners(), [0, 1, 2]);
+/// let model = Arc::new(ProgressiveMesh::new(&sequence)?);
+/// let mut cursor = model.cursor();
+/// assert_eq!(cursor.corners(), [0, 1, 2, 2, 1, 3]);
+/// assert_eq!(model.splits(0).unwrap().next().map(|split| split.wings), Some([None, Some(1)]));
+/// cursor.coarsen();
+/// assert_eq!(cursor.corners(), [0, 1, 2]);
 /// # Ok::<(), tristrip::Error>(())
 /// ```
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct ProgressiveMesh {
-    replay: Replay,
-    /// The number of triangles at each level.
-    triangle_counts: Vec<u32>,
+    /// The corners of the full mesh.
+    full: Vec<u32>,
+    records: Records,
+    levels: LevelTable,
     /// The kept vertex of each renamed vertex, in the order of the records.
     kept: Vec<u32>,
     /// The wings of each renamed vertex, in the same order.
@@ -63,87 +71,48 @@ pub struct VertexSplit {
 }
 
 impl ProgressiveMesh {
-    /// Builds the model of a sequence of collapses, at the level of the full mesh.
+    /// Builds the model of a sequence of collapses.
     ///
     /// # Errors
     /// There are more than 256 corners to rename per corner of the mesh.
     pub fn new(sequence: &CollapseSequence) -> Result<Self, Error> {
-        let (corners, triangle_counts) = in_order_of_splits(sequence);
-        let replay = naive::replay(corners, sequence, |level| 3 * triangle_counts[level])?;
+        let levels = LevelTable::of(sequence);
+        let corners = in_order_of_splits(sequence);
+        let (full, records) =
+            naive::record(corners, sequence, |level| 3 * levels.triangles_at(level) as u32)?;
         let kept = sequence.iter().flat_map(|c| c.renames.iter().map(|rename| rename.kept)).collect();
-        let mut model = Self { replay, triangle_counts, kept, wings: Vec::new() };
+        let mut model = Self { full, records, levels, kept, wings: Vec::new() };
         model.wings = model.find_wings();
         Ok(model)
     }
 
-    /// Returns the number of collapses, which is the level of the full mesh.
-    pub fn len(&self) -> usize {
-        self.replay.records.len()
+    /// Returns a cursor at the level of the full mesh.
+    pub fn cursor(self: &Arc<Self>) -> ProgressiveMeshCursor {
+        let replay = Replay { entries: self.full.clone(), level: self.records.len() };
+        ProgressiveMeshCursor { model: Arc::clone(self), replay, display: None }
     }
 
-    /// Returns whether there is no collapse.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
-    /// Returns the level of the list.
-    pub fn level(&self) -> usize {
-        self.replay.level
-    }
-
-    /// Splits a vertex: one level up. Returns `false` at the full mesh.
-    pub fn refine(&mut self) -> bool {
-        self.replay.refine()
-    }
-
-    /// Collapses a vertex: one level down. Returns `false` at the base mesh.
-    pub fn coarsen(&mut self) -> bool {
-        self.replay.coarsen()
-    }
-
-    /// Moves to a level, step by step.
-    ///
-    /// # Panics
-    /// `level` is greater than [`ProgressiveMesh::len`].
-    pub fn go_to(&mut self, level: usize) {
-        self.replay.go_to(level);
-    }
-
-    /// Returns the triangles at the level, three vertices each, those of coarser levels first.
-    pub fn corners(&self) -> &[u32] {
-        &self.replay.entries[..3 * self.triangle_counts[self.replay.level] as usize]
-    }
-
-    /// Returns the number of triangles at a level.
-    ///
-    /// # Panics
-    /// `level` is greater than [`ProgressiveMesh::len`].
-    pub fn triangle_count(&self, level: usize) -> usize {
-        self.triangle_counts[level] as usize
-    }
-
-    /// Returns the vertex splits that lead from `level` to the next one: one, or several of one position where attributes differ.
-    ///
-    /// # Panics
-    /// `level` is not less than [`ProgressiveMesh::len`].
-    pub fn splits(&self, level: usize) -> impl ExactSizeIterator<Item = VertexSplit> {
-        self.replay.records.vertices_of(level).map(move |i| VertexSplit {
-            vertex: self.replay.records.vertices[i],
+    /// Returns the vertex splits that lead from `level` to the next one: one, or several of one position where attributes differ; `None`
+    /// if there is no such split.
+    pub fn splits(&self, level: usize) -> Option<impl ExactSizeIterator<Item = VertexSplit>> {
+        let split = |i: usize| VertexSplit {
+            vertex: self.records.vertices[i],
             kept: self.kept[i],
             wings: self.wings[i].map(OptionalId::get),
-        })
+        };
+        (level < self.records.len()).then(|| self.records.vertices_of(level).map(split))
     }
 
-    /// Finds the wings of each collapse from the triangles that it drops. Leaves the list unchanged.
-    fn find_wings(&mut self) -> Vec<[OptionalId; 2]> {
+    /// Finds the wings of each collapse from the triangles that it drops.
+    fn find_wings(&self) -> Vec<[OptionalId; 2]> {
         let mut wings = vec![[OptionalId::NONE; 2]; self.kept.len()];
-        for level in (0..self.len()).rev() {
-            let dropped =
-                3 * self.triangle_counts[level] as usize..3 * self.triangle_counts[level + 1] as usize;
-            for i in self.replay.records.vertices_of(level) {
-                let (removed, kept) = (self.replay.records.vertices[i], self.kept[i]);
+        let mut replay = Replay { entries: self.full.clone(), level: self.records.len() };
+        for level in (0..self.records.len()).rev() {
+            let dropped = 3 * self.levels.triangles_at(level)..3 * self.levels.triangles_at(level + 1);
+            for i in self.records.vertices_of(level) {
+                let (removed, kept) = (self.records.vertices[i], self.kept[i]);
                 // Backward, so that the first triangle decides.
-                for t in self.replay.entries[dropped.clone()].chunks_exact(3).rev() {
+                for t in replay.entries[dropped.clone()].chunks_exact(3).rev() {
                     for [a, b, c] in [[t[0], t[1], t[2]], [t[1], t[2], t[0]], [t[2], t[0], t[1]]] {
                         match () {
                             () if [a, b] == [kept, removed] => wings[i][0] = OptionalId::some(c),
@@ -153,26 +122,103 @@ impl ProgressiveMesh {
                     }
                 }
             }
-            self.replay.coarsen();
+            replay.coarsen(&self.records);
         }
-        self.replay.go_to(self.len());
         wings
     }
 }
 
-/// Returns the corners of all triangles, those of coarser levels first, and the number of triangles at each level. Triangles that are
-/// degenerate in the full mesh are left out.
-fn in_order_of_splits(sequence: &CollapseSequence) -> (Vec<u32>, Vec<u32>) {
+impl LevelModel for ProgressiveMesh {
+    fn levels(&self) -> &LevelTable {
+        &self.levels
+    }
+
+    fn memory(&self) -> usize {
+        let lists = size_of_val(&self.full[..]) + size_of_val(&self.kept[..]) + size_of_val(&self.wings[..]);
+        lists + self.records.memory() + self.levels.memory()
+    }
+
+    fn start(self: Arc<Self>) -> Box<dyn LevelCursor> {
+        Box::new(self.cursor())
+    }
+}
+
+/// The list of a [`ProgressiveMesh`] at one level.
+#[derive(Debug, Clone)]
+pub struct ProgressiveMeshCursor {
+    model: Arc<ProgressiveMesh>,
+    replay: Replay,
+    /// A strip per triangle of the level, once they have been asked for.
+    display: Option<Strips>,
+}
+
+impl ProgressiveMeshCursor {
+    /// Returns the model.
+    pub fn model(&self) -> &Arc<ProgressiveMesh> {
+        &self.model
+    }
+
+    /// Splits a vertex: one level up. Returns `false` at the full mesh.
+    pub fn refine(&mut self) -> bool {
+        self.display = None;
+        self.replay.refine(&self.model.records)
+    }
+
+    /// Collapses a vertex: one level down. Returns `false` at the base mesh.
+    pub fn coarsen(&mut self) -> bool {
+        self.display = None;
+        self.replay.coarsen(&self.model.records)
+    }
+
+    /// Returns the triangles at the level, three vertices each, those of coarser levels first.
+    pub fn corners(&self) -> &[u32] {
+        &self.replay.entries[..3 * self.model.levels.triangles_at(self.replay.level)]
+    }
+}
+
+impl LevelCursor for ProgressiveMeshCursor {
+    fn levels(&self) -> &LevelTable {
+        &self.model.levels
+    }
+
+    fn level(&self) -> usize {
+        self.replay.level
+    }
+
+    fn set_level(&mut self, level: usize) -> Result<(), Error> {
+        self.model.levels.check(level)?;
+        if level != self.replay.level {
+            self.display = None;
+            self.replay.go_to(level, &self.model.records);
+        }
+        Ok(())
+    }
+
+    /// Returns one strip per triangle: the progressive mesh is drawn as a list.
+    fn strips(&mut self) -> &Strips {
+        let display = self.display.take().unwrap_or_else(|| {
+            let mut single = Strips::default();
+            self.corners().chunks_exact(3).for_each(|triangle| single.push(triangle));
+            single
+        });
+        self.display.insert(display)
+    }
+
+    fn memory(&self) -> usize {
+        size_of_val(&self.replay.entries[..]) + self.display.as_ref().map_or(0, Strips::memory)
+    }
+}
+
+/// Returns the corners of all triangles, those of coarser levels first. Triangles that are degenerate in the full mesh are left out.
+fn in_order_of_splits(sequence: &CollapseSequence) -> Vec<u32> {
     let triangles = sequence.triangles();
     let corners_of = |t: usize| &triangles[3 * t..3 * t + 3];
     let mut is_in_base: Vec<bool> = triangles_of(triangles).map(|t| !is_degenerate(t)).collect();
     sequence.iter().flat_map(|c| c.dropped).for_each(|&t| is_in_base[t as usize] = false);
     let base = (0..is_in_base.len()).filter(|&t| is_in_base[t]);
     let mut corners: Vec<u32> = base.flat_map(corners_of).copied().collect();
-    let mut counts = vec![(corners.len() / 3) as u32];
     for level in 0..sequence.len() {
         corners.extend(sequence.collapse(level).dropped.iter().flat_map(|&t| corners_of(t as usize)));
-        counts.push((corners.len() / 3) as u32);
     }
-    (corners, counts)
+    corners
 }

@@ -1,10 +1,11 @@
 use proptest::prelude::*;
+use std::sync::Arc;
 
 use super::encoded::offset;
-use super::{Encoding, ProgressiveMesh, ProgressiveStrips};
+use super::{Encoding, ProgressiveMesh, ProgressiveStrips, ProgressiveStripsCursor};
 use crate::collapse::{CollapseSequence, Rename};
 use crate::lod::samples::{samples, sorted};
-use crate::lod::{Filter, RESTART};
+use crate::lod::{Filter, LevelCursor, RESTART};
 use crate::strip::{Strips, strip_triangles};
 
 const ENCODINGS: [Encoding; 2] = [Encoding::Naive, Encoding::Offsets];
@@ -21,8 +22,12 @@ fn sequence(strips: &Strips, collapses: &[(u32, u32)]) -> CollapseSequence {
     CollapseSequence::from_collapses(count, strips.to_list(), renames.iter().map(|r| (&r[..], 0.0))).unwrap()
 }
 
+fn cursor(strips: &Strips, sequence: &CollapseSequence, encoding: Encoding) -> ProgressiveStripsCursor {
+    Arc::new(ProgressiveStrips::new(strips, sequence, encoding).unwrap()).cursor()
+}
+
 /// Formats the entries for people.
-fn text(model: &ProgressiveStrips) -> String {
+fn text(model: &ProgressiveStripsCursor) -> String {
     let entry = |&e: &u32| match offset(e) {
         Some(offset) => format!("{offset:+}"),
         None if e == RESTART => "R".into(),
@@ -31,7 +36,7 @@ fn text(model: &ProgressiveStrips) -> String {
     model.entries().iter().map(entry).collect::<Vec<_>>().join(" ")
 }
 
-fn decoded(model: &ProgressiveStrips) -> Vec<u32> {
+fn decoded(model: &ProgressiveStripsCursor) -> Vec<u32> {
     let mut map = vec![77; 3];
     model.decode_to(&mut map);
     map
@@ -41,9 +46,9 @@ fn decoded(model: &ProgressiveStrips) -> Vec<u32> {
 fn the_example_of_the_head() {
     let strips = strips(&[&[0, 1, 2, 3, 4], &[3, 2, 5]]);
     let sequence = sequence(&strips, &[(4, 2), (3, 2)]);
-    let mut model = ProgressiveStrips::new(&strips, &sequence, Encoding::Naive).unwrap();
+    let mut model = cursor(&strips, &sequence, Encoding::Naive);
     assert_eq!(
-        (text(&model).as_str(), model.slot_count(1), model.slot_count(0)),
+        (text(&model).as_str(), model.model().slot_count(1), model.model().slot_count(0)),
         ("0 1 2 3 4 R 3 2 5", 1, 2)
     );
     model.coarsen();
@@ -56,11 +61,11 @@ fn the_example_of_the_head() {
 fn followers_of_a_place_need_no_update() {
     let strips = strips(&[&[0, 1, 2, 3, 4, 5]]);
     let sequence = sequence(&strips, &[(4, 3), (3, 2)]);
-    let mut model = ProgressiveStrips::new(&strips, &sequence, Encoding::Offsets).unwrap();
-    assert_eq!([0, 1].map(|level| model.slot_count(level)), [1, 1]);
-    model.go_to(1);
+    let mut model = cursor(&strips, &sequence, Encoding::Offsets);
+    assert_eq!([0, 1].map(|level| model.model().slot_count(level)), [1, 1]);
+    model.set_level(1).unwrap();
     assert_eq!((text(&model).as_str(), decoded(&model)), ("0 1 2 3 -1 5", vec![0, 1, 2, 3, 3, 5]));
-    model.go_to(0);
+    model.set_level(0).unwrap();
     assert_eq!((text(&model).as_str(), decoded(&model)), ("0 1 2 -1 -1 5", vec![0, 1, 2, 2, 2, 5]));
 }
 
@@ -68,7 +73,7 @@ fn followers_of_a_place_need_no_update() {
 fn a_swap_follows_the_vertex_that_it_repeats() {
     let strips = strips(&[&[0, 1, 2, 1, 3]]);
     let sequence = sequence(&strips, &[(1, 3)]);
-    let mut model = ProgressiveStrips::new(&strips, &sequence, Encoding::Offsets).unwrap();
+    let mut model = cursor(&strips, &sequence, Encoding::Offsets);
     assert_eq!(text(&model), "0 1 2 -2 3");
     model.coarsen();
     // The root is three slots from 3. Its follower is next to it, but is not considered.
@@ -80,7 +85,7 @@ fn a_closed_vertex_is_encoded_on_one_side_only() {
     // A spiral passes vertex 1 twice; its second slot is next to vertex 5.
     let strips = strips(&[&[0, 1, 2, 3, 4, 1, 5]]);
     let sequence = sequence(&strips, &[(1, 5)]);
-    let mut model = ProgressiveStrips::new(&strips, &sequence, Encoding::Offsets).unwrap();
+    let mut model = cursor(&strips, &sequence, Encoding::Offsets);
     model.coarsen();
     assert_eq!(text(&model), "0 5 2 3 4 +1 5");
 }
@@ -89,8 +94,8 @@ fn a_closed_vertex_is_encoded_on_one_side_only() {
 fn symbols_end_at_restarts() {
     let strips = strips(&[&[0, 1, 2], &[3, 1, 4], &[2, 5, 4]]);
     let sequence = sequence(&strips, &[(2, 3), (5, 1)]);
-    let mut model = ProgressiveStrips::new(&strips, &sequence, Encoding::Offsets).unwrap();
-    model.go_to(0);
+    let mut model = cursor(&strips, &sequence, Encoding::Offsets);
+    model.set_level(0).unwrap();
     assert_eq!(text(&model), "0 1 3 R 3 1 4 R 3 1 4");
 }
 
@@ -122,7 +127,7 @@ fn a_hostile_sequence_hits_the_limit() {
     // The mesh drops triangles and their corners: two to rename at each collapse.
     assert!(ProgressiveMesh::new(&sequence).is_ok());
     let encoded = ProgressiveStrips::new(&strips, &sequence, Encoding::Offsets).unwrap();
-    assert!((0..encoded.len()).all(|level| encoded.slot_count(level) == 1));
+    assert!((0..sequence.len()).all(|level| encoded.slot_count(level) == 1));
 }
 
 proptest! {
@@ -130,13 +135,13 @@ proptest! {
     fn every_level_draws_what_the_oracle_draws(sample in samples()) {
         let (strips, sequence) = (&sample.strips, &sample.sequence);
         let full = strips.to_restart(RESTART);
-        let mut mesh = ProgressiveMesh::new(sequence).unwrap();
-        let mut models = ENCODINGS.map(|e| ProgressiveStrips::new(strips, sequence, e).unwrap());
+        let mut mesh = Arc::new(ProgressiveMesh::new(sequence).unwrap()).cursor();
+        let mut models = ENCODINGS.map(|e| cursor(strips, sequence, e));
         for level in (0..=sequence.len()).rev() {
             let drawn = sorted(sequence.drawn(level));
             let corners = mesh.corners().chunks_exact(3).map(|t| [t[0], t[1], t[2]]);
             prop_assert_eq!(&sorted(corners), &drawn);
-            prop_assert_eq!(mesh.triangle_count(level), drawn.len());
+            prop_assert_eq!(mesh.levels().triangle_count(level).unwrap(), drawn.len());
             let now = sequence.renaming(level);
             let renamed = |&v: &u32| if v == RESTART { v } else { now[v as usize] };
             let expected: Vec<u32> = full.iter().map(renamed).collect();
@@ -160,7 +165,7 @@ proptest! {
     #[test]
     fn steps_and_jumps_lead_to_the_same_entries(sample in samples(), jumps in prop::collection::vec(any::<usize>(), 1..9)) {
         for encoding in ENCODINGS {
-            let mut model = ProgressiveStrips::new(&sample.strips, &sample.sequence, encoding).unwrap();
+            let mut model = cursor(&sample.strips, &sample.sequence, encoding);
             let mut levels = vec![model.entries().to_vec()];
             while model.coarsen() {
                 levels.push(model.entries().to_vec());
@@ -168,35 +173,37 @@ proptest! {
             levels.reverse();
             for &jump in &jumps {
                 let level = jump % levels.len();
-                model.go_to(level);
+                model.set_level(level).unwrap();
                 prop_assert_eq!((model.level(), model.entries()), (level, &levels[level][..]));
             }
-            model.go_to(0);
+            model.set_level(0).unwrap();
             while model.refine() {
                 prop_assert_eq!(model.entries(), &levels[model.level()][..]);
             }
-            prop_assert_eq!(model.level(), model.len());
+            prop_assert_eq!(model.level(), sample.sequence.len());
         }
-        let mut mesh = ProgressiveMesh::new(&sample.sequence).unwrap();
+        let mut mesh = Arc::new(ProgressiveMesh::new(&sample.sequence).unwrap()).cursor();
         let full = mesh.corners().to_vec();
-        jumps.iter().for_each(|jump| mesh.go_to(jump % (mesh.len() + 1)));
-        mesh.go_to(mesh.len());
+        let count = sample.sequence.len();
+        jumps.iter().for_each(|jump| mesh.set_level(jump % (count + 1)).unwrap());
+        mesh.set_level(count).unwrap();
         prop_assert_eq!(mesh.corners(), &full[..]);
     }
 
     #[test]
     fn a_split_writes_its_vertex_where_it_stands(sample in samples()) {
-        let [naive, encoded] = ENCODINGS.map(|e| ProgressiveStrips::new(&sample.strips, &sample.sequence, e).unwrap());
-        for level in 0..naive.len() {
+        let [naive, encoded] = ENCODINGS.map(|e| cursor(&sample.strips, &sample.sequence, e));
+        for level in 0..sample.sequence.len() {
             let removed: Vec<u32> = sample.sequence.collapse(level).renames.iter().map(|r| r.removed).collect();
             for model in [&naive, &encoded] {
-                prop_assert_eq!(model.split(level).map(|update| update.vertex).collect::<Vec<_>>(), &removed[..]);
-                prop_assert!(model.split(level).all(|update| update.slots.is_sorted()));
+                let split = || model.model().split(level).unwrap();
+                prop_assert_eq!(split().map(|update| update.vertex).collect::<Vec<_>>(), &removed[..]);
+                prop_assert!(split().all(|update| update.slots.is_sorted()));
             }
-            prop_assert!(encoded.slot_count(level) <= naive.slot_count(level));
+            prop_assert!(encoded.model().slot_count(level) <= naive.model().slot_count(level));
             let mut at = naive.clone();
-            at.go_to(level + 1);
-            for update in at.split(level) {
+            at.set_level(level + 1).unwrap();
+            for update in naive.model().split(level).unwrap() {
                 let slots = (0..at.entries().len() as u32).filter(|&p| at.entries()[p as usize] == update.vertex);
                 prop_assert_eq!(slots.collect::<Vec<_>>(), update.slots);
             }
@@ -215,7 +222,7 @@ fn wings_of_a_grid() {
     let renames = renames.iter().map(|r| (&r[..], 0.0));
     let sequence = CollapseSequence::from_collapses(6, triangles, renames).unwrap();
     let model = ProgressiveMesh::new(&sequence).unwrap();
-    let wings = |level| model.splits(level).map(|s| (s.kept, s.vertex, s.wings)).collect::<Vec<_>>();
+    let wings = |level| model.splits(level).unwrap().map(|s| (s.kept, s.vertex, s.wings)).collect::<Vec<_>>();
     assert_eq!(wings(1), [(1, 4, [Some(3), Some(2)])]);
     assert_eq!(wings(0), [(0, 1, [Some(3), None])]);
 }

@@ -8,6 +8,7 @@ use crate::cover::PathCover;
 use crate::dual::DualGraph;
 use crate::effort::Effort;
 use crate::ids::HalfEdge;
+use crate::lod::LevelCursor;
 use crate::lod::samples::{Sample, samples};
 use crate::mesh::{Faces, Mesh};
 use crate::simplify::{self, simplify};
@@ -30,7 +31,7 @@ fn waves(side: u32) -> Sample {
 
 /// Checks twins by all pairs of half-edges: they are mutual, and no two half-edges of opposite direction over an edge are both
 /// without a twin.
-fn check_twins(repair: &Repair<'_>) -> Result<(), TestCaseError> {
+fn check_twins(repair: &Repair) -> Result<(), TestCaseError> {
     let slots = 0..repair.paths.len() as u32;
     let twins = |t: u32| (4 * t..4 * t + 3).map(|h| repair.paths.twin(h));
     for t in slots.clone().filter(|&t| !repair.mesh.is_drawn(t)) {
@@ -56,7 +57,7 @@ fn check_twins(repair: &Repair<'_>) -> Result<(), TestCaseError> {
 }
 
 /// Compares a repair with a computation from scratch.
-fn check(repair: &Repair<'_>) -> Result<(), TestCaseError> {
+fn check(repair: &Repair) -> Result<(), TestCaseError> {
     let level = repair.level();
     let drawn = repair.sequence.drawn(level);
     prop_assert_eq!(repair.triangle_count(), drawn.len());
@@ -84,7 +85,7 @@ fn check(repair: &Repair<'_>) -> Result<(), TestCaseError> {
         .sum();
     prop_assert_eq!(repair.vertices_sent(), costs);
 
-    let strips = repair.strips();
+    let strips = repair.emit();
     prop_assert_eq!((strips.len(), strips.vertices_sent()), (repair.strip_count(), costs));
     let faces = Faces::from_triangles(drawn.concat()).unwrap();
     prop_assert!(verify_drawing(&faces, &strips.triangles().collect::<Vec<_>>()).is_ok());
@@ -101,7 +102,7 @@ proptest! {
         let Sample { strips, sequence } = sample;
         let cost = if restarts { Cost::Restart } else { Cost::OpenGl };
         let options = options(effort).with_seed(seed).with_cost(cost);
-        let mut repair = Repair::new(&sequence, &strips, options).unwrap();
+        let mut repair = Repair::new(sequence.clone(), &strips, options).unwrap();
         prop_assert_eq!(repair.vertices_sent(), strips.vertices_sent());
         check(&repair)?;
         while repair.coarsen() {
@@ -117,11 +118,12 @@ proptest! {
     #[test]
     fn any_way_to_a_level_draws_it(sample in samples(), ways in prop::collection::vec(0..40_usize, 0..12)) {
         let Sample { strips, sequence } = sample;
-        let mut repair = Repair::at(&sequence, &strips, sequence.len() / 2, options(1)).unwrap();
+        let mut repair = Repair::at(sequence.clone(), &strips, sequence.len() / 2, options(1)).unwrap();
         check(&repair)?;
         for level in ways {
-            repair.go_to(level);
-            prop_assert_eq!(repair.level(), level.min(sequence.len()));
+            let level = level.min(sequence.len());
+            repair.set_level(level).unwrap();
+            prop_assert_eq!(repair.level(), level);
             check(&repair)?;
         }
     }
@@ -130,10 +132,10 @@ proptest! {
     fn a_level_at_once_is_drawn_and_no_effort_makes_it_dearer(sample in samples()) {
         let Sample { strips, sequence } = sample;
         for level in 0..=sequence.len() {
-            let no_search = Repair::at(&sequence, &strips, level, options(0)).unwrap();
+            let no_search = Repair::at(sequence.clone(), &strips, level, options(0)).unwrap();
             check(&no_search)?;
             for effort in 1..4 {
-                let repair = Repair::at(&sequence, &strips, level, options(effort)).unwrap();
+                let repair = Repair::at(sequence.clone(), &strips, level, options(effort)).unwrap();
                 check(&repair)?;
                 prop_assert!(repair.vertices_sent() <= no_search.vertices_sent());
             }
@@ -145,10 +147,10 @@ proptest! {
 fn the_same_steps_give_the_same_strips() {
     let Sample { strips, sequence } = waves(20);
     let run = |seed| {
-        let mut repair = Repair::new(&sequence, &strips, options(5).with_seed(seed)).unwrap();
+        let mut repair = Repair::new(sequence.clone(), &strips, options(5).with_seed(seed)).unwrap();
         [sequence.len() / 2, 0, sequence.len() / 2].map(|level| {
-            repair.go_to(level);
-            repair.strips()
+            repair.set_level(level).unwrap();
+            repair.strips().clone()
         })
     };
     assert_eq!(run(1), run(1));
@@ -158,14 +160,14 @@ fn the_same_steps_give_the_same_strips() {
 #[test]
 fn strips_of_another_mesh_are_refused() {
     let Sample { mut strips, sequence } = waves(4);
-    assert!(Repair::at(&sequence, &strips, sequence.len() + 1, options(5)).is_err());
+    assert!(Repair::at(sequence.clone(), &strips, sequence.len() + 1, options(5)).is_err());
     strips.push(&[0, 1, 2]);
-    let error = Repair::new(&sequence, &strips, options(5)).unwrap_err().to_string();
+    let error = Repair::new(sequence.clone(), &strips, options(5)).unwrap_err().to_string();
     assert!(error.contains("19 triangles, not all of the full mesh"), "{error}");
     let mut flipped = Strips::default();
     flipped.push(&[1, 0, 2]);
     let one = CollapseSequence::from_collapses(3, vec![0, 1, 2], []).unwrap();
-    assert!(Repair::new(&one, &flipped, options(5)).is_err());
+    assert!(Repair::new(one, &flipped, options(5)).is_err());
 }
 
 #[test]
@@ -176,7 +178,7 @@ fn a_path_is_led_over_what_is_dropped_and_back() {
     let rename = [Rename { removed: 3, kept: 1 }];
     let corners = strips.triangles().flatten().collect();
     let sequence = CollapseSequence::from_collapses(8, corners, [(&rename[..], 0.0)]).unwrap();
-    let mut repair = Repair::new(&sequence, &strips, options(0)).unwrap();
+    let mut repair = Repair::new(sequence.clone(), &strips, options(0)).unwrap();
     repair.work.near = 0;
     assert!(repair.coarsen());
     assert_eq!((repair.triangle_count(), repair.strip_count()), (5, 1));
@@ -188,7 +190,7 @@ fn a_path_is_led_over_what_is_dropped_and_back() {
 fn the_search_holds_the_cost_down_at_every_level() {
     let Sample { strips, sequence } = waves(60);
     let mut share = |effort| {
-        let mut repair = Repair::new(&sequence, &strips, options(effort)).unwrap();
+        let mut repair = Repair::new(sequence.clone(), &strips, options(effort)).unwrap();
         let mut sum = [0, 0];
         while repair.coarsen() {
             sum = [sum[0] + repair.vertices_sent(), sum[1] + 3 * repair.triangle_count()];

@@ -1,0 +1,48 @@
+//! The types of indices in buffers: 8, 16 and 32 bits as graphics interfaces take them, and `usize` as programs compute them.
+
+/// A type of the indices in a buffer. The largest value of the type is its restart value.
+///
+/// ```
+/// use tristrip::Index;
+/// assert_eq!((u16::RESTART, u8::from_vertex(300), 7_u16.to_vertex()), (65_535, None, Some(7)));
+/// ```
+pub trait Index: Copy + Eq + std::fmt::Debug + private::Sealed + 'static {
+    /// The value that ends a strip in a buffer with restarts.
+    const RESTART: Self;
+    /// What an index is called in errors, by its number of bits.
+    const DESCRIPTION: &'static str;
+
+    /// Converts a vertex; `None` if it does not fit.
+    fn from_vertex(vertex: u32) -> Option<Self>;
+
+    /// Converts an index to a vertex; `None` if it needs more than 32 bits.
+    fn to_vertex(self) -> Option<u32>;
+}
+
+/// The types are those of this file: code over indices relies on what they promise.
+mod private {
+    pub trait Sealed {}
+}
+
+macro_rules! index_types {
+    ($($type:ty: $description:literal),+) => {$(
+        impl private::Sealed for $type {}
+
+        impl Index for $type {
+            const RESTART: Self = Self::MAX;
+            const DESCRIPTION: &'static str = $description;
+
+            #[inline]
+            fn from_vertex(vertex: u32) -> Option<Self> {
+                Self::try_from(vertex).ok()
+            }
+
+            #[inline]
+            fn to_vertex(self) -> Option<u32> {
+                u32::try_from(self).ok()
+            }
+        }
+    )+};
+}
+
+index_types!(u8: "8-bit index", u16: "16-bit index", u32: "32-bit index", usize: "index");

@@ -1,0 +1,345 @@
+//! What all level-of-detail models have in common: an immutable model, and cursors that stand at one of its levels.
+//!
+//! A model is built once, shared by everything that draws it, and never changes. A cursor is small: one per instance of the model in a
+//! scene, or per view. It moves between levels, and returns the display strips of its level. How a model stores its levels is its own affair.
+//!
+//! ```text
+//! Arc<model> ──▶ cursor: set_level, set_error, set_pixels ──▶ strips ──▶ update_indices: the ranges of the buffer that changed
+//!            └─▶ cursor of another instance
+//! ```
+//! The levels themselves are the same in all models of one [`CollapseSequence`]: the [`LevelTable`] has the triangles and the error of each.
+
+use std::sync::Arc;
+
+use crate::collapse::CollapseSequence;
+use crate::error::Error;
+use crate::strip::Strips;
+
+/// A mesh at all levels of detail.
+///
+/// ```
+/// use std::sync::Arc;
+/// use tristrip::lod::{Encoding, LevelModel, ProgressiveMesh, ProgressiveStrips};
+/// use tristrip::{CollapseSequence, Strips, collapse::Rename};
+/// let mut strips = Strips::default();
+/// strips.push(&[0, 1, 2, 3]);
+/// let rename = [Rename { removed: 3, kept: 2 }];
+/// let sequence = CollapseSequence::from_collapses(4, strips.to_list(), [(&rename[..], 0.5)])?;
+/// let models: [Arc<dyn LevelModel>; 2] = [
+///     Arc::new(ProgressiveMesh::new(&sequence)?),
+///     Arc::new(ProgressiveStrips::new(&strips, &sequence, Encoding::Offsets)?),
+/// ];
+/// for model in models {
+///     let mut cursor = model.start();
+///     assert_eq!(cursor.strips().triangles().count(), 2);
+///     // An error of half a mesh unit is allowed: that is level 0.
+///     assert_eq!(cursor.set_error(0.5)?, 0);
+///     assert_eq!(cursor.strips().triangles().collect::<Vec<_>>(), [[0, 1, 2]]);
+/// }
+/// # Ok::<(), tristrip::Error>(())
+/// ```
+pub trait LevelModel: Send + Sync {
+    /// Returns the triangles and the error of each level.
+    fn levels(&self) -> &LevelTable;
+
+    /// Returns the memory of the model in bytes, without that of its cursors.
+    fn memory(&self) -> usize;
+
+    /// Returns a cursor at the level of the full mesh.
+    fn start(self: Arc<Self>) -> Box<dyn LevelCursor>;
+}
+
+/// The current level of a model, for one instance or view.
+pub trait LevelCursor: Send {
+    /// Returns the triangles and the error of each level.
+    fn levels(&self) -> &LevelTable;
+
+    /// Returns the current level: 0 for the base mesh, the number of collapses for the full mesh.
+    fn level(&self) -> usize;
+
+    /// Moves to a level.
+    ///
+    /// # Errors
+    /// There is no such level; the cursor stays where it is.
+    fn set_level(&mut self, level: usize) -> Result<(), Error>;
+
+    /// Returns the display strips of the level.
+    fn strips(&mut self) -> &Strips;
+
+    /// Returns the memory of the cursor in bytes, without that of the model.
+    fn memory(&self) -> usize;
+
+    /// Moves to the coarsest level within an error, in mesh units, and returns it.
+    ///
+    /// # Errors
+    /// The error is negative or not a number.
+    fn set_error(&mut self, error: f32) -> Result<usize, Error> {
+        let level = self.levels().level_of_error(error)?;
+        self.set_level(level)?;
+        Ok(level)
+    }
+
+    /// Moves to the coarsest level whose error covers at most this number of pixels of a view, and returns it.
+    ///
+    /// # Errors
+    /// The number of pixels is negative or not a number.
+    fn set_pixels(&mut self, pixels: f32, view: View) -> Result<usize, Error> {
+        self.set_error(view.length_of(pixels))
+    }
+}
+
+/// How large lengths near an object appear.
+///
+/// ```
+/// use tristrip::lod::View;
+/// // An image of 1080 rows at a vertical angle of 90 degrees, and an object 540 mesh units away: a pixel covers one unit.
+/// assert_eq!(View::perspective(540.0, 1.0, 1080.0)?.length_of(2.0), 2.0);
+/// # Ok::<(), tristrip::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct View {
+    /// Pixels per mesh unit.
+    scale: f32,
+}
+
+impl View {
+    /// Creates a perspective view: the distance to the nearest point of the object in mesh units, the vertical scale of the projection (the
+    /// element of its matrix in the second row and second column: 1 / tan of half the vertical angle), and the rows of the image.
+    ///
+    /// # Errors
+    /// A value is not positive. An object at or behind the eye has no distance: draw its full mesh.
+    pub fn perspective(distance: f32, vertical_scale: f32, rows: f32) -> Result<Self, Error> {
+        for (name, value) in [("distance", distance), ("vertical_scale", vertical_scale), ("rows", rows)] {
+            check_positive(name, value)?;
+        }
+        Ok(Self { scale: vertical_scale * rows / (2.0 * distance) })
+    }
+
+    /// Creates a parallel view from the pixels per mesh unit.
+    ///
+    /// # Errors
+    /// The value is not positive.
+    ///
+    /// ```
+    /// assert_eq!(tristrip::lod::View::parallel(4.0)?.length_of(1.0), 0.25);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn parallel(pixels_per_unit: f32) -> Result<Self, Error> {
+        check_positive("pixels_per_unit", pixels_per_unit)?;
+        Ok(Self { scale: pixels_per_unit })
+    }
+
+    /// Returns the length in mesh units that covers a number of pixels.
+    ///
+    /// ```
+    /// assert_eq!(tristrip::lod::View::parallel(2.0)?.length_of(3.0), 1.5);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn length_of(self, pixels: f32) -> f32 {
+        pixels / self.scale
+    }
+}
+
+fn check_positive(name: &'static str, value: f32) -> Result<(), Error> {
+    if value > 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    Err(Error::Parameter { name, found: value.to_string(), expected: "a positive number" })
+}
+
+/// The number of triangles and the error of each level. 8 bytes per level.
+///
+/// ```
+/// use tristrip::{CollapseSequence, collapse::Rename, lod::LevelTable};
+/// let renames = [[Rename { removed: 3, kept: 2 }], [Rename { removed: 2, kept: 1 }]];
+/// let collapses = renames.iter().zip([0.5, 0.25]).map(|(renames, error)| (&renames[..], error));
+/// let levels = LevelTable::of(&CollapseSequence::from_collapses(4, vec![0, 1, 2, 2, 1, 3], collapses)?);
+/// assert_eq!((levels.collapse_count(), levels.triangle_count(1)?, levels.error(0)?), (2, 1, 0.5));
+/// assert!(levels.error(3).is_err());
+/// # Ok::<(), tristrip::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+pub struct LevelTable {
+    triangle_counts: Vec<u32>,
+    errors: Vec<f32>,
+}
+
+impl LevelTable {
+    /// Builds the table of a sequence of collapses.
+    pub fn of(sequence: &CollapseSequence) -> Self {
+        let levels = 0..=sequence.len();
+        Self {
+            triangle_counts: levels.clone().map(|level| sequence.triangle_count(level) as u32).collect(),
+            errors: levels.map(|level| sequence.error(level)).collect(),
+        }
+    }
+
+    /// Returns the number of collapses, which is the level of the full mesh. There is one level more.
+    ///
+    /// ```
+    /// # use tristrip::{CollapseSequence, lod::LevelTable};
+    /// let levels = LevelTable::of(&CollapseSequence::from_collapses(3, vec![0, 1, 2], [])?);
+    /// assert_eq!(levels.collapse_count(), 0);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn collapse_count(&self) -> usize {
+        self.errors.len() - 1
+    }
+
+    /// Returns the number of triangles at a level.
+    ///
+    /// # Errors
+    /// There is no such level.
+    ///
+    /// ```
+    /// # use tristrip::{CollapseSequence, lod::LevelTable};
+    /// let levels = LevelTable::of(&CollapseSequence::from_collapses(3, vec![0, 1, 2], [])?);
+    /// assert_eq!(levels.triangle_count(0)?, 1);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn triangle_count(&self, level: usize) -> Result<usize, Error> {
+        self.check(level).map(|()| self.triangles_at(level))
+    }
+
+    /// Returns the largest error of the collapses that lead to a level, in mesh units; 0 for the full mesh.
+    ///
+    /// # Errors
+    /// There is no such level.
+    ///
+    /// ```
+    /// # use tristrip::{CollapseSequence, lod::LevelTable};
+    /// let levels = LevelTable::of(&CollapseSequence::from_collapses(3, vec![0, 1, 2], [])?);
+    /// assert_eq!(levels.error(0)?, 0.0);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn error(&self, level: usize) -> Result<f32, Error> {
+        self.check(level).map(|()| self.errors[level])
+    }
+
+    /// Returns the lowest level whose error is not larger, in mesh units.
+    ///
+    /// # Errors
+    /// The error is negative or not a number.
+    ///
+    /// ```
+    /// # use tristrip::{CollapseSequence, lod::LevelTable};
+    /// let levels = LevelTable::of(&CollapseSequence::from_collapses(3, vec![0, 1, 2], [])?);
+    /// assert_eq!(levels.level_of_error(0.1)?, 0);
+    /// assert!(levels.level_of_error(f32::NAN).is_err());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn level_of_error(&self, error: f32) -> Result<usize, Error> {
+        if error.is_nan() || error < 0.0 {
+            return Err(Error::Parameter { name: "error", found: error.to_string(), expected: "0 or more" });
+        }
+        // Errors fall from the base mesh to the full mesh, which has none.
+        Ok(self.errors.partition_point(|&e| e > error).min(self.collapse_count()))
+    }
+
+    /// Returns the highest level with at most this number of triangles; 0 if there is none.
+    ///
+    /// ```
+    /// # use tristrip::{CollapseSequence, lod::LevelTable};
+    /// let levels = LevelTable::of(&CollapseSequence::from_collapses(3, vec![0, 1, 2], [])?);
+    /// assert_eq!(levels.level_of_triangles(7), 0);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn level_of_triangles(&self, triangle_count: usize) -> usize {
+        self.triangle_counts.partition_point(|&count| count as usize <= triangle_count).saturating_sub(1)
+    }
+
+    /// Checks that there is a level.
+    pub(super) fn check(&self, level: usize) -> Result<(), Error> {
+        if level < self.errors.len() {
+            return Ok(());
+        }
+        let found = format!("{level} of {}", self.collapse_count());
+        Err(Error::Parameter { name: "level", found, expected: "at most the level of the full mesh" })
+    }
+
+    /// Returns the number of triangles at a level that exists.
+    pub(super) fn triangles_at(&self, level: usize) -> usize {
+        self.triangle_counts[level] as usize
+    }
+
+    /// Returns the memory of the table in bytes.
+    pub(super) fn memory(&self) -> usize {
+        size_of_val(&self.triangle_counts[..]) + size_of_val(&self.errors[..])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::lod::samples::{Sample, samples, sorted};
+    use crate::lod::{Encoding, Filter, ProgressiveMesh, ProgressiveStrips, RepairOptions, RepairedStrips};
+    use crate::strip::Layout;
+
+    /// Every model of a sample.
+    fn models(sample: &Sample) -> Vec<Arc<dyn LevelModel>> {
+        let Sample { strips, sequence } = sample;
+        let mut models: Vec<Arc<dyn LevelModel>> = vec![Arc::new(ProgressiveMesh::new(sequence).unwrap())];
+        for encoding in Encoding::ALL {
+            for filter in Filter::ALL {
+                let model = ProgressiveStrips::new(strips, sequence, encoding).unwrap();
+                models.push(Arc::new(model.with_filter(filter)));
+            }
+        }
+        let repaired = RepairedStrips::new(sequence.clone(), strips.clone(), RepairOptions::default());
+        models.push(Arc::new(repaired.unwrap()));
+        models
+    }
+
+    proptest! {
+        /// The oracle is the triangles that the sequence leaves.
+        #[test]
+        fn every_model_draws_every_level(sample in samples(), jumps in prop::collection::vec(any::<usize>(), 1..9)) {
+            let sequence = &sample.sequence;
+            for model in models(&sample) {
+                prop_assert_eq!(model.levels().collapse_count(), sequence.len());
+                prop_assert!(model.memory() > 0);
+                let mut cursor = Arc::clone(&model).start();
+                let mut buffer: Vec<u16> = Vec::new();
+                let mut last = sequence.len();
+                for jump in jumps.iter().map(|jump| jump % (sequence.len() + 1)) {
+                    cursor.set_level(jump).unwrap();
+                    prop_assert_eq!(cursor.level(), jump);
+                    let strips = cursor.strips();
+                    prop_assert_eq!(sorted(strips.triangles()), sorted(sequence.drawn(jump)));
+                    let before = buffer.clone();
+                    let changed = strips.update_indices(Layout::Restart, &mut buffer).unwrap();
+                    prop_assert_eq!(&buffer, &strips.to_indices::<u16>(Layout::Restart).unwrap());
+                    let is_changed = |i: usize| changed.iter().any(|range| range.contains(&i));
+                    prop_assert!((0..buffer.len()).all(|i| is_changed(i) || before.get(i) == Some(&buffer[i])));
+                    prop_assert!(jump != last || before.is_empty() || changed.is_empty());
+                    prop_assert!(cursor.memory() > 0 || sequence.triangles().is_empty());
+                    last = jump;
+                }
+                let level = cursor.level();
+                let error = cursor.set_level(sequence.len() + 1).unwrap_err().to_string();
+                prop_assert!(error.ends_with("expected at most the level of the full mesh"), "{error}");
+                prop_assert!(cursor.set_error(-1.0).is_err() && cursor.level() == level);
+            }
+        }
+
+        #[test]
+        fn the_table_has_the_figures_of_the_sequence(sample in samples(), error in 0.0..2.0_f32, count in 0..60_usize) {
+            let (sequence, levels) = (&sample.sequence, LevelTable::of(&sample.sequence));
+            for level in 0..=sequence.len() {
+                prop_assert_eq!(levels.triangle_count(level).unwrap(), sequence.triangle_count(level));
+                prop_assert_eq!(levels.error(level).unwrap().to_bits(), sequence.error(level).to_bits());
+            }
+            prop_assert_eq!(levels.level_of_error(error).unwrap(), sequence.level_of_error(error));
+            prop_assert_eq!(levels.level_of_triangles(count), sequence.level_of_triangles(count));
+        }
+    }
+
+    #[test]
+    fn views_without_a_size_are_refused() {
+        assert!(View::perspective(0.0, 1.0, 1.0).is_err());
+        assert!(View::perspective(1.0, f32::NAN, 1.0).is_err());
+        assert!(View::parallel(-1.0).is_err() && View::parallel(f32::INFINITY).is_err());
+    }
+}

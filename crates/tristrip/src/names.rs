@@ -1,0 +1,60 @@
+//! Names of the values of an enumeration: one table gives the name and a line of help of each, `Display`, and `FromStr`.
+
+/// Gives the values of an enumeration the names that the command line and JSON use. The first argument is the path for the examples
+/// of the documentation.
+macro_rules! names {
+    ($path:literal, $type:ident, $what:literal, $($value:ident => $name:literal, $summary:literal);+ $(;)?) => {
+        impl $type {
+            /// All values.
+            pub const ALL: [Self; [$($name),+].len()] = [$(Self::$value),+];
+
+            /// Returns the name of the value, as the command line and JSON have it.
+            ///
+            /// ```
+            #[doc = concat!("use ", $path, ";")]
+            #[doc = concat!("let names: Vec<&str> = ", stringify!($type), "::ALL.iter().map(|value| value.name()).collect();")]
+            #[doc = concat!("assert_eq!(names, [", $("\"", $name, "\", ",)+ "]);")]
+            #[doc = concat!("assert_eq!(names[0].parse::<", stringify!($type), ">()?, ", stringify!($type), "::ALL[0]);")]
+            /// # Ok::<(), tristrip::Error>(())
+            /// ```
+            pub const fn name(self) -> &'static str {
+                match self {
+                    $(Self::$value => $name),+
+                }
+            }
+
+            /// Returns a line on the value, as the help of the command has it.
+            ///
+            /// ```
+            #[doc = concat!("use ", $path, ";")]
+            #[doc = concat!("let lines: Vec<&str> = ", stringify!($type), "::ALL.iter().map(|value| value.summary()).collect();")]
+            #[doc = concat!("assert_eq!(lines, [", $("\"", $summary, "\", ",)+ "]);")]
+            /// ```
+            pub const fn summary(self) -> &'static str {
+                match self {
+                    $(Self::$value => $summary),+
+                }
+            }
+        }
+
+        impl std::fmt::Display for $type {
+            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                f.pad(self.name())
+            }
+        }
+
+        impl std::str::FromStr for $type {
+            type Err = $crate::error::Error;
+
+            fn from_str(name: &str) -> Result<Self, Self::Err> {
+                let value = Self::ALL.into_iter().find(|value| value.name() == name);
+                value.ok_or_else(|| $crate::error::Error::Parameter {
+                    name: $what,
+                    found: format!("`{name}`"),
+                    expected: concat!("one of:" $(, " ", $name)+),
+                })
+            }
+        }
+    };
+}
+pub(crate) use names;

@@ -1,0 +1,111 @@
+//! Strips of an index buffer: without positions, and without a mesh.
+
+use super::{StripifyOptions, plan};
+use crate::dual::DualGraph;
+use crate::error::{Error, MeshProblem};
+use crate::index::Index;
+use crate::mesh::Faces;
+use crate::prepare::PreparedFaces;
+use crate::strip::Strips;
+use crate::strip::layout::vertices_of;
+
+/// Computes triangle strips for the triangles of an index buffer, three indices of 8, 16 or 32 bits or `usize` each, with the default
+/// options. Triangles with a repeated vertex draw nothing and are left out.
+///
+/// # Errors
+/// The number of indices is not a multiple of three, or an index is not less than `vertex_count`.
+///
+/// ```
+/// use tristrip::Layout;
+/// let indices: [u16; 12] = [0, 1, 2, 2, 1, 3, 2, 3, 4, 4, 3, 5];
+/// let strips = tristrip::stripify_indices(&indices, 6)?;
+/// let buffer: Vec<u16> = strips.to_indices(Layout::Restart)?;
+/// assert_eq!(buffer.len(), 6);
+/// # Ok::<(), tristrip::Error>(())
+/// ```
+pub fn stripify_indices<I: Index>(indices: &[I], vertex_count: usize) -> Result<Strips, Error> {
+    stripify_indices_with(indices, vertex_count, &StripifyOptions::default())
+}
+
+/// Computes triangle strips for the triangles of an index buffer as [`stripify_indices`] does, with options.
+///
+/// # Errors
+/// As [`stripify_indices`]; or an option is invalid for the method, or vertices are to be welded, for which there are no positions.
+///
+/// ```
+/// use tristrip::{Method, StripifyOptions, stripify_indices_with};
+/// let options = StripifyOptions::default().with_method(Method::Cache);
+/// let strips = stripify_indices_with(&[0_u32, 1, 2, 2, 1, 3], 4, &options)?;
+/// assert_eq!(strips.vertices_sent(), 4);
+/// assert!(stripify_indices_with(&[0_u32, 1, 2], 2, &options).is_err());
+/// # Ok::<(), tristrip::Error>(())
+/// ```
+pub fn stripify_indices_with<I: Index>(
+    indices: &[I],
+    vertex_count: usize,
+    options: &StripifyOptions,
+) -> Result<Strips, Error> {
+    if options.weld() {
+        let found = "true for an index buffer without positions".into();
+        return Err(Error::Parameter { name: "weld", found, expected: "false, or a mesh" });
+    }
+    let faces = Faces::from_triangles(vertices_of(indices)?)?;
+    check_range(&faces, vertex_count)?;
+    let prepared = PreparedFaces::of_triangles(&faces, vertex_count);
+    let graph = DualGraph::new(prepared.faces());
+    Ok(plan(&prepared, &graph, options)?.strips())
+}
+
+/// Checks that every index is less than the number of vertices.
+fn check_range(faces: &Faces, vertex_count: usize) -> Result<(), Error> {
+    let corner = faces.corners().iter().position(|&v| v as usize >= vertex_count);
+    corner.map_or(Ok(()), |corner| {
+        let (face, found) = ((corner / 3) as u32, faces.corners()[corner]);
+        let vertex_count = vertex_count as u32;
+        Err(MeshProblem::VertexIndex { face, corner: (corner % 3) as u32, found, vertex_count }.into())
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::Mesh;
+    use crate::stripify::{Method, generated_meshes, stripify};
+    use proptest::prelude::*;
+
+    proptest! {
+        /// An index buffer gets the strips of the mesh that has its triangles.
+        #[test]
+        fn indices_get_the_strips_of_their_mesh(polygons in generated_meshes::polygons(true, 1..4)) {
+            let list: Vec<u32> = polygons.iter().filter(|p| p.len() == 3).flatten().copied().collect();
+            let vertex_count = list.iter().max().map_or(0, |&v| v as usize + 1);
+            let mesh = Mesh::new(vec![[0.0; 3]; vertex_count], Faces::from_triangles(list.clone()).unwrap()).unwrap();
+            for method in Method::ALL {
+                let options = StripifyOptions::default().with_method(*method);
+                let found = stripify_indices_with(&list, vertex_count, &options).unwrap();
+                prop_assert_eq!(found, stripify(&mesh, &options).unwrap());
+            }
+        }
+    }
+
+    #[test]
+    fn wrong_buffers_are_refused_with_the_place() {
+        let message = |result: Result<Strips, Error>| result.unwrap_err().to_string();
+        assert_eq!(
+            message(stripify_indices(&[0_u8, 1, 2, 1, 9, 2], 9)),
+            "face 1, corner 1: found vertex index 9, expected less than 9"
+        );
+        assert_eq!(
+            message(stripify_indices(&[0_u16, 1], 9)),
+            "faces: found 2 corners, expected a multiple of 3"
+        );
+        let weld = StripifyOptions::default().with_weld(true);
+        assert!(message(stripify_indices_with(&[0_u16, 1, 2], 3, &weld)).starts_with("parameter `weld`"));
+        assert!(stripify_indices::<usize>(&[], 0).unwrap().is_empty());
+        #[cfg(target_pointer_width = "64")]
+        assert_eq!(
+            message(stripify_indices(&[0, 1, usize::MAX], 9)),
+            "parameter `indices`: found 18446744073709551615 at 2, expected indices of at most 32 bits"
+        );
+    }
+}
