@@ -1,10 +1,10 @@
 //! Accessors: the byte ranges of their values in the buffers, checked once, and decoded into arrays within a budget.
 
-use serde_json::{Map, Value};
 use tristrip::AttributeData;
 
-use super::buffer::SharedBytes;
 use super::document::{Located, uses};
+use super::json::Members;
+use super::shared_bytes::SharedBytes;
 use crate::error::Error;
 
 /// The number of bytes that positions and indices of any file may take when decoded; 16 for each byte of its buffers are
@@ -96,7 +96,7 @@ impl DecodeBudget {
 
 /// A document and its buffers: finds the bytes that accessors refer to.
 pub(super) struct AccessorResolver<'a> {
-    pub(super) root: &'a Map<String, Value>,
+    pub(super) root: &'a Members,
     pub(super) buffers: &'a [SharedBytes],
 }
 
@@ -295,7 +295,7 @@ impl AccessorValues<'_> {
     /// Decodes positions; integers are allowed under `KHR_mesh_quantization`.
     pub(super) fn positions(
         &self,
-        root: &Map<String, Value>,
+        root: &Members,
         budget: &mut DecodeBudget,
     ) -> Result<Vec<[f32; 3]>, Error> {
         if self.components != 3 {

@@ -9,9 +9,10 @@ use std::sync::Arc;
 use base64::Engine;
 use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
-use serde_json::{Map, Value};
 
-use super::document::Located;
+use super::document::{Document, Located, list_mut};
+use super::json::Value;
+use super::shared_bytes::{SharedBytes, whole_of};
 use crate::error::Error;
 
 const BASE64: GeneralPurpose = GeneralPurpose::new(
@@ -19,46 +20,16 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
     GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
 );
 
-/// A range of bytes that are shared, never copied.
-#[derive(Clone, Default)]
-pub(super) struct SharedBytes {
-    owner: Arc<Vec<u8>>,
-    range: Range<usize>,
-}
-
-impl SharedBytes {
-    pub(super) fn as_slice(&self) -> &[u8] {
-        &self.owner[self.range.clone()]
-    }
-
-    pub(super) fn len(&self) -> usize {
-        self.range.len()
-    }
-}
-
-impl From<Vec<u8>> for SharedBytes {
-    fn from(bytes: Vec<u8>) -> Self {
-        let (owner, range) = whole_of(Arc::new(bytes));
-        Self { owner, range }
-    }
-}
-
-impl std::fmt::Debug for SharedBytes {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "SharedBytes({})", self.len())
-    }
-}
-
 /// Loads every buffer, and removes the `uri` of each from the document: the bytes are kept, not their text.
 pub(super) fn load(
-    root: &mut Map<String, Value>,
+    document: &mut Document,
     file: &Arc<Vec<u8>>,
     bin: Option<&Range<usize>>,
     base_dir: Option<&Path>,
 ) -> Result<Vec<SharedBytes>, Error> {
     let mut buffers = Vec::new();
     let mut files: HashMap<PathBuf, Arc<Vec<u8>>> = HashMap::new();
-    for (index, buffer) in Located::entries(root, "buffers")?.enumerate() {
+    for (index, buffer) in Located::entries(&document.root, "buffers")?.enumerate() {
         let length_at = buffer.need("byteLength")?;
         let length = length_at.size()?;
         let (owner, range) = match buffer.field("uri") {
@@ -80,17 +51,10 @@ pub(super) fn load(
         }
         buffers.push(SharedBytes { owner, range: range.start..range.start + length });
     }
-    if let Some(Value::Array(entries)) = root.get_mut("buffers") {
-        for entry in entries.iter_mut().filter_map(Value::as_object_mut) {
-            entry.shift_remove("uri");
-        }
+    if !buffers.is_empty() {
+        remove_uris(document)?;
     }
     Ok(buffers)
-}
-
-fn whole_of(owner: Arc<Vec<u8>>) -> (Arc<Vec<u8>>, Range<usize>) {
-    let range = 0..owner.len();
-    (owner, range)
 }
 
 fn decode_data_uri(uri: &Located<'_>, data: &str) -> Result<Vec<u8>, Error> {
@@ -100,6 +64,22 @@ fn decode_data_uri(uri: &Located<'_>, data: &str) -> Result<Vec<u8>, Error> {
     BASE64
         .decode(text)
         .map_err(|e| Error::format(uri.at.clone(), e.to_string().trim_end_matches('.'), "base64"))
+}
+
+/// Removes the `uri` of each buffer, and the text of those that hold data.
+fn remove_uris(document: &mut Document) -> Result<(), Error> {
+    let has_uri = |buffer: &&mut Value| buffer.get("uri").is_some();
+    let mut data = false;
+    for buffer in list_mut(&mut document.root, "buffers")?.iter_mut().filter(has_uri) {
+        data |= buffer.get("uri").and_then(Value::as_str).is_some_and(|uri| uri.starts_with("data:"));
+        if let Some(members) = buffer.as_object_mut() {
+            members.remove("uri");
+        }
+    }
+    if data {
+        *document = std::mem::take(document).compacted()?;
+    }
+    Ok(())
 }
 
 /// Reads a file in the document's folder, once for all buffers that name it.

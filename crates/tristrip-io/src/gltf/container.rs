@@ -3,6 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use super::shared_bytes::SharedBytes;
 use crate::error::Error;
 
 const MAGIC: &[u8; 4] = b"glTF";
@@ -16,6 +17,13 @@ pub(super) struct GlbContainer {
     pub(super) file: Arc<Vec<u8>>,
     pub(super) json: Range<usize>,
     pub(super) bin: Option<Range<usize>>,
+}
+
+impl GlbContainer {
+    /// Returns the JSON, which shares the bytes of the file.
+    pub(super) fn json_bytes(&self) -> SharedBytes {
+        SharedBytes { owner: Arc::clone(&self.file), range: self.json.clone() }
+    }
 }
 
 /// Finds the chunks of a GLB, or treats the whole of a `.gltf` as JSON.

@@ -4,11 +4,11 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::path::Path;
 
-use serde_json::{Map, Value};
+use super::json::{Members, Value};
 use tristrip::{Attribute, Faces, Mesh};
 
 use super::accessor::{AccessorResolver, DecodeBudget, StripIndices, check_views};
-use super::document::{Located, array, parse, uses};
+use super::document::{Document, Located, array, uses};
 use super::scene::{PrimitiveRef, Scene};
 use super::spec::{ORDER_EXTENSIONS, RESTART_EXTENSION, TRIANGLE_FAN, TRIANGLE_STRIP, TRIANGLES};
 use super::{buffer, container};
@@ -37,12 +37,13 @@ const DRACO: &str = "KHR_draco_mesh_compression";
 pub fn read(bytes: impl Into<Vec<u8>>, base_dir: Option<&Path>) -> Result<Model, Error> {
     let mut notes = Vec::new();
     let container = container::open(bytes.into(), &mut notes)?;
-    let mut root = parse(&container.file[container.json.clone()])?;
-    let buffers = buffer::load(&mut root, &container.file, container.bin.as_ref(), base_dir)?;
-    let resolver = AccessorResolver { root: &root, buffers: &buffers };
-    refuse_compressed_views(&root)?;
+    let mut document = Document::parse(container.json_bytes())?;
+    let buffers = buffer::load(&mut document, &container.file, container.bin.as_ref(), base_dir)?;
+    let root = &document.root;
+    let resolver = AccessorResolver { root, buffers: &buffers };
+    refuse_compressed_views(root)?;
     check_views(&resolver)?;
-    check_nodes(&root)?;
+    check_nodes(root)?;
     let mut reader = PrimitiveReader {
         positions: HashMap::new(),
         vertices: HashMap::new(),
@@ -54,9 +55,9 @@ pub fn read(bytes: impl Into<Vec<u8>>, base_dir: Option<&Path>) -> Result<Model,
     };
     let parts = reader.parts()?;
     let PrimitiveReader { counts, primitives, .. } = reader;
-    counts.add_notes(&root, &mut notes);
-    note_document(&root, &mut notes)?;
-    Ok(Model { parts, notes, scene: Some(Scene { root, buffers, primitives }) })
+    counts.add_notes(root, &mut notes);
+    note_document(root, &mut notes)?;
+    Ok(Model { parts, notes, scene: Some(Scene { document, buffers, primitives }) })
 }
 
 struct PrimitiveReader<'a> {
@@ -231,7 +232,7 @@ impl<'a> PrimitiveReader<'a> {
 }
 
 impl ReadCounts {
-    fn add_notes(&self, root: &Map<String, Value>, notes: &mut Vec<String>) {
+    fn add_notes(&self, root: &Members, notes: &mut Vec<String>) {
         let mut note = |text: &str, count: u64| {
             if count > 0 {
                 notes.push(format!("{text}: {count}"));
@@ -257,10 +258,10 @@ impl ReadCounts {
     }
 }
 
-fn refuse_compressed_views(root: &Map<String, Value>) -> Result<(), Error> {
+fn refuse_compressed_views(root: &Members) -> Result<(), Error> {
     for (index, view) in array(root, "bufferViews")?.iter().enumerate() {
-        let Some(Value::Object(extensions)) = view.get("extensions") else { continue };
-        if let Some(name) = COMPRESSIONS.iter().find(|name| extensions.contains_key(**name)) {
+        let Some(extensions) = view.get("extensions").and_then(Value::as_object) else { continue };
+        if let Some(name) = COMPRESSIONS.iter().find(|name| extensions.contains_key(name)) {
             return Err(Error::Unsupported(format!("bufferViews[{index}]: {name} is not supported")));
         }
     }
@@ -268,7 +269,7 @@ fn refuse_compressed_views(root: &Map<String, Value>) -> Result<(), Error> {
 }
 
 /// Checks that children exist and that no node is its own ancestor.
-fn check_nodes(root: &Map<String, Value>) -> Result<(), Error> {
+fn check_nodes(root: &Members) -> Result<(), Error> {
     let count = array(root, "nodes")?.len();
     let mut children: Vec<Vec<usize>> = vec![Vec::new(); count];
     let mut parent_count = vec![0u32; count];
@@ -303,7 +304,7 @@ fn check_nodes(root: &Map<String, Value>) -> Result<(), Error> {
 }
 
 /// Notes how a GLB written from this document will differ from it, other than in indices and modes.
-fn note_document(root: &Map<String, Value>, notes: &mut Vec<String>) -> Result<(), Error> {
+fn note_document(root: &Members, notes: &mut Vec<String>) -> Result<(), Error> {
     let buffer_count = array(root, "buffers")?.len();
     if buffer_count > 1 {
         notes.push(format!("buffers that a GLB joins into one: {buffer_count}"));
