@@ -33,9 +33,11 @@
 //!
 //! # Complexity
 //! Linear time. The file's bytes are kept once, plus 12 bytes per vertex for each `POSITION` accessor, 12 bytes per
-//! triangle, and the other attributes in their own width. [`DECODED_LIMIT`] bounds what is decoded.
+//! triangle, and the other attributes in their own width. [`GEOMETRY_LIMIT`], [`ATTRIBUTE_LIMIT`] and [`TRIANGLE_LIMIT`] bound what is decoded beyond
+//! what the bytes pay for. Primitives with the same indices are decoded once.
 
 mod accessor;
+mod budget;
 mod buffer;
 mod build;
 mod container;
@@ -50,6 +52,7 @@ pub(crate) mod reorder;
 pub(crate) mod scene;
 mod shared_bytes;
 mod spec;
+mod triangles;
 
 use self::json::{Members, Value};
 use tristrip::Layout;
@@ -57,7 +60,7 @@ use tristrip::Layout;
 use crate::error::Error;
 use crate::model::{Drawing, Model};
 
-pub use accessor::DECODED_LIMIT;
+pub use budget::{ATTRIBUTE_LIMIT, GEOMETRY_LIMIT, TRIANGLE_LIMIT, TRIANGLES_PER_PRIMITIVE};
 pub use build::losses;
 pub use document::JSON_VALUE_LIMIT;
 pub use read::read;

@@ -2,14 +2,11 @@
 
 use tristrip::AttributeData;
 
+use super::budget::DecodeBudget;
 use super::document::{Located, uses};
 use super::json::Members;
 use super::shared_bytes::SharedBytes;
 use crate::error::Error;
-
-/// The number of bytes that positions and indices of any file may take when decoded; 16 for each byte of its buffers are
-/// added.
-pub const DECODED_LIMIT: u64 = 64 << 20;
 
 /// The extension that allows integer positions.
 const QUANTIZATION: &str = "KHR_mesh_quantization";
@@ -61,39 +58,6 @@ impl ComponentType {
     }
 }
 
-/// A limit on the bytes that are decoded.
-pub(super) struct DecodeBudget {
-    limit: u64,
-    used: u64,
-}
-
-impl DecodeBudget {
-    /// Allows `factor` bytes per byte of the buffers, plus [`DECODED_LIMIT`].
-    pub(super) fn new(buffers: &[SharedBytes], factor: u64) -> Self {
-        let input: u64 = buffers.iter().map(|b| b.len() as u64).sum();
-        Self { limit: DECODED_LIMIT.saturating_add(input.saturating_mul(factor)), used: 0 }
-    }
-
-    /// Charges `count` values to the budget.
-    ///
-    /// # Errors
-    /// The budget is exceeded; `at` says what was to be decoded.
-    pub(super) fn charge(&mut self, at: &str, count: usize, bytes_each: usize) -> Result<(), Error> {
-        let used = self.used.saturating_add((count as u64).saturating_mul(bytes_each as u64));
-        if used > self.limit {
-            let at = format!("{at}, bytes decoded so far");
-            return Err(Error::LimitExceeded { at, found: used, limit: self.limit });
-        }
-        self.used = used;
-        Ok(())
-    }
-
-    /// Charges `count` values to the budget if it has room for them, and returns whether it has.
-    pub(super) fn try_charge(&mut self, count: usize, bytes_each: usize) -> bool {
-        self.charge("", count, bytes_each).is_ok()
-    }
-}
-
 /// A document and its buffers: finds the bytes that accessors refer to.
 pub(super) struct AccessorResolver<'a> {
     pub(super) root: &'a Members,
@@ -120,8 +84,16 @@ pub(super) struct AccessorValues<'a> {
     pub(super) normalized: bool,
     /// `None` for zeros.
     base: Option<(&'a [u8], usize)>,
-    /// The indices of the values that are replaced, ascending, and the new values.
-    sparse: Option<(Vec<u32>, &'a [u8])>,
+    sparse: Option<SparseValues<'a>>,
+}
+
+/// The values that are replaced; their indices have not been decoded.
+struct SparseValues<'a> {
+    /// The JSON path of the indices.
+    at: String,
+    component: ComponentType,
+    indices: &'a [u8],
+    values: &'a [u8],
 }
 
 impl<'a> AccessorResolver<'a> {
@@ -224,12 +196,7 @@ impl<'a> AccessorResolver<'a> {
         }
     }
 
-    fn sparse(
-        &self,
-        sparse: &Located<'a>,
-        element: usize,
-        count: usize,
-    ) -> Result<(Vec<u32>, &'a [u8]), Error> {
+    fn sparse(&self, sparse: &Located<'a>, element: usize, count: usize) -> Result<SparseValues<'a>, Error> {
         let count_at = sparse.need("count")?;
         let sparse_count = count_at.size()?;
         if sparse_count == 0 || sparse_count > count {
@@ -246,26 +213,39 @@ impl<'a> AccessorResolver<'a> {
             self.strided(array, &array.need("bufferView")?, offset, element, sparse_count)
         };
         let (bytes, _) = bytes_of(&indices, component.bytes())?;
-        let mut replaced = Vec::with_capacity(sparse_count);
-        for (i, raw) in bytes.chunks_exact(component.bytes()).take(sparse_count).enumerate() {
-            let index = index_of(component, raw);
+        let (values, _) = bytes_of(&sparse.need("values")?, element)?;
+        let (indices, at) = (&bytes[..sparse_count * component.bytes()], indices.at);
+        Ok(SparseValues { at, component, indices, values: &values[..sparse_count * element] })
+    }
+}
+
+impl SparseValues<'_> {
+    /// Decodes the indices, ascending and below `count`.
+    fn indices(&self, count: usize) -> Result<Vec<u32>, Error> {
+        let mut replaced = Vec::with_capacity(self.indices.len() / self.component.bytes());
+        for (i, raw) in self.indices.chunks_exact(self.component.bytes()).enumerate() {
+            let index = index_of(self.component, raw);
             if index as usize >= count || replaced.last().is_some_and(|&last| index <= last) {
                 return Err(Error::format(
-                    format!("{}, index {i}", indices.at),
+                    format!("{}, index {i}", self.at),
                     index.to_string(),
                     format!("ascending indices below {count}"),
                 ));
             }
             replaced.push(index);
         }
-        let (values, _) = bytes_of(&sparse.need("values")?, element)?;
-        Ok((replaced, &values[..sparse_count * element]))
+        Ok(replaced)
     }
 }
 
 impl AccessorValues<'_> {
+    /// Checks the indices of the values that are replaced.
+    pub(super) fn check_sparse_indices(&self) -> Result<(), Error> {
+        self.sparse.as_ref().map_or(Ok(()), |sparse| sparse.indices(self.count).map(drop))
+    }
+
     /// Decodes all values; each value has `per` numbers of type `T`.
-    fn decode<T: Copy>(&self, per: usize, push: impl Fn(&[u8], &mut Vec<T>)) -> Vec<T> {
+    fn decode<T: Copy>(&self, per: usize, push: impl Fn(&[u8], &mut Vec<T>)) -> Result<Vec<T>, Error> {
         let element = self.element;
         let mut out = Vec::with_capacity(self.count * per);
         match self.base {
@@ -280,16 +260,17 @@ impl AccessorValues<'_> {
                 (0..self.count).for_each(|_| push(&zeros[..element], &mut out));
             }
         }
-        if let Some((replaced, values)) = &self.sparse {
+        if let Some(sparse) = &self.sparse {
             let mut one = Vec::with_capacity(per);
-            for (&index, raw) in replaced.iter().zip(values.chunks_exact(element)) {
+            let replaced = sparse.indices(self.count)?;
+            for (index, raw) in replaced.into_iter().zip(sparse.values.chunks_exact(element)) {
                 one.clear();
                 push(raw, &mut one);
                 let at = index as usize * per;
                 out[at..at + per].copy_from_slice(&one);
             }
         }
-        out
+        Ok(out)
     }
 
     /// Decodes positions; integers are allowed under `KHR_mesh_quantization`.
@@ -337,7 +318,7 @@ impl AccessorValues<'_> {
             ComponentType::U16 | ComponentType::U32 => {
                 self.decode(1, |raw, out| out.push(vector(raw, |b| f32::from(u16::from_le_bytes(b)) / scale)))
             }
-        };
+        }?;
         let bad = out.iter().enumerate().find(|(_, p)| !p.iter().all(|x| x.is_finite()));
         if let Some((element, p)) = bad {
             let found = p.iter().copied().find(|x| !x.is_finite()).unwrap_or(f32::NAN);
@@ -384,13 +365,13 @@ impl AccessorValues<'_> {
             ));
         }
         budget.charge(&self.at, self.count, size_of::<u32>())?;
-        Ok(match self.component {
+        match self.component {
             ComponentType::U8 => self.decode(1, |raw, out| out.push(u32::from(raw[0]))),
             ComponentType::U16 => {
                 self.decode(1, |raw, out| out.push(u32::from(u16::from_le_bytes([raw[0], raw[1]]))))
             }
             _ => self.decode(1, |raw, out| out.push(index_of(ComponentType::U32, raw))),
-        })
+        }
     }
 
     fn check_indices(
@@ -411,19 +392,23 @@ impl AccessorValues<'_> {
     }
 
     /// Decodes the values of any attribute.
-    pub(super) fn attribute(&self) -> AttributeData {
+    pub(super) fn attribute(&self) -> Result<AttributeData, Error> {
         let per = self.components;
-        match self.component {
-            ComponentType::I8 => AttributeData::I8(self.flat(per, i8::from_le_bytes)),
-            ComponentType::U8 => AttributeData::U8(self.flat(per, u8::from_le_bytes)),
-            ComponentType::I16 => AttributeData::I16(self.flat(per, i16::from_le_bytes)),
-            ComponentType::U16 => AttributeData::U16(self.flat(per, u16::from_le_bytes)),
-            ComponentType::U32 => AttributeData::U32(self.flat(per, u32::from_le_bytes)),
-            ComponentType::F32 => AttributeData::F32(self.flat(per, f32::from_le_bytes)),
-        }
+        Ok(match self.component {
+            ComponentType::I8 => AttributeData::I8(self.flat(per, i8::from_le_bytes)?),
+            ComponentType::U8 => AttributeData::U8(self.flat(per, u8::from_le_bytes)?),
+            ComponentType::I16 => AttributeData::I16(self.flat(per, i16::from_le_bytes)?),
+            ComponentType::U16 => AttributeData::U16(self.flat(per, u16::from_le_bytes)?),
+            ComponentType::U32 => AttributeData::U32(self.flat(per, u32::from_le_bytes)?),
+            ComponentType::F32 => AttributeData::F32(self.flat(per, f32::from_le_bytes)?),
+        })
     }
 
-    fn flat<const N: usize, T: Copy>(&self, per: usize, read: impl Fn([u8; N]) -> T) -> Vec<T> {
+    fn flat<const N: usize, T: Copy>(
+        &self,
+        per: usize,
+        read: impl Fn([u8; N]) -> T,
+    ) -> Result<Vec<T>, Error> {
         self.decode(per, |raw, out| {
             out.extend(raw.as_chunks::<N>().0.iter().map(|&b| read(b)));
         })

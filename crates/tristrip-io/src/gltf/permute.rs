@@ -5,7 +5,8 @@ use std::ops::Range;
 
 use tristrip::strip::VertexOrder;
 
-use super::accessor::{AccessorResolver, DecodeBudget};
+use super::accessor::AccessorResolver;
+use super::budget::DecodeBudget;
 use super::document::{Located, array, index};
 use super::json::{Members, Value};
 use super::references::has_number;
@@ -94,6 +95,7 @@ impl AccessorLayout {
         let number = Value::from(accessor);
         let reference = Located { value: &number, at: format!("accessors[{accessor}]") };
         let values = resolver.values(&reference).map_err(|error| error.to_string())?;
+        values.check_sparse_indices().map_err(|error| error.to_string())?;
         let (count, element) = (values.count, values.element);
         let view = |holder: &Value| {
             array(resolver.root, "bufferViews").ok()?.get(holder.get("bufferView").and_then(index)?)

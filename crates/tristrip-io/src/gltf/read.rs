@@ -7,10 +7,12 @@ use std::path::Path;
 use super::json::{Members, Value};
 use tristrip::{Attribute, Faces, Mesh};
 
-use super::accessor::{AccessorResolver, DecodeBudget, StripIndices, check_views};
+use super::accessor::{AccessorResolver, check_views};
+use super::budget::{ATTRIBUTE_LIMIT, DecodeBudget, GEOMETRY_LIMIT};
 use super::document::{Document, Located, array, uses};
 use super::scene::{PrimitiveRef, Scene};
 use super::spec::{ORDER_EXTENSIONS, RESTART_EXTENSION, TRIANGLE_FAN, TRIANGLE_STRIP, TRIANGLES};
+use super::triangles::{TriangleCounts, TriangleReader};
 use super::{buffer, container};
 use crate::error::Error;
 use crate::model::{Model, Part, StoredStrips};
@@ -47,15 +49,16 @@ pub fn read(bytes: impl Into<Vec<u8>>, base_dir: Option<&Path>) -> Result<Model,
     let mut reader = PrimitiveReader {
         positions: HashMap::new(),
         vertices: HashMap::new(),
-        geometry: DecodeBudget::new(&buffers, GEOMETRY_FACTOR),
-        attributes: DecodeBudget::new(&buffers, ATTRIBUTE_FACTOR),
+        geometry: DecodeBudget::new(GEOMETRY_LIMIT, GEOMETRY_FACTOR, &buffers),
+        attributes: DecodeBudget::new(ATTRIBUTE_LIMIT, ATTRIBUTE_FACTOR, &buffers),
+        triangles: TriangleReader::default(),
         counts: ReadCounts::default(),
         primitives: Vec::new(),
         resolver,
     };
     let parts = reader.parts()?;
-    let PrimitiveReader { counts, primitives, .. } = reader;
-    counts.add_notes(root, &mut notes);
+    let PrimitiveReader { counts, triangles, primitives, .. } = reader;
+    counts.add_notes(triangles.counts, root, &mut notes);
     note_document(root, &mut notes)?;
     Ok(Model { parts, notes, scene: Some(Scene { document, buffers, primitives }) })
 }
@@ -69,6 +72,7 @@ struct PrimitiveReader<'a> {
     vertices: HashMap<Vec<(&'a str, usize)>, Mesh>,
     geometry: DecodeBudget,
     attributes: DecodeBudget,
+    triangles: TriangleReader,
     counts: ReadCounts,
     primitives: Vec<PrimitiveRef>,
 }
@@ -77,9 +81,6 @@ struct PrimitiveReader<'a> {
 #[derive(Default)]
 struct ReadCounts {
     other_modes: u64,
-    degenerate: u64,
-    restarts: u64,
-    incomplete_triangle_indices: u64,
     attributes_over_budget: u64,
     matrix_attributes: u64,
 }
@@ -101,7 +102,7 @@ impl<'a> PrimitiveReader<'a> {
                     self.counts.other_modes += 1;
                     continue;
                 }
-                let (mesh_of_part, stored) = self.mesh(&located, mode)?;
+                let (mesh_of_part, stored) = self.mesh(&located, mode, &parts)?;
                 self.primitives.push(PrimitiveRef { mesh, primitive, mode });
                 let material = self.material(&located)?;
                 let stripped = mode == TRIANGLE_STRIP || mode == TRIANGLE_FAN;
@@ -117,39 +118,20 @@ impl<'a> PrimitiveReader<'a> {
         Ok(material.field("name").and_then(|n| n.value.as_str()).map(str::to_owned))
     }
 
-    fn mesh(&mut self, primitive: &Located<'a>, mode: u64) -> Result<(Mesh, Option<StoredStrips>), Error> {
+    fn mesh(
+        &mut self,
+        primitive: &Located<'a>,
+        mode: u64,
+        parts: &[Part],
+    ) -> Result<(Mesh, Option<StoredStrips>), Error> {
         let extensions = primitive.field("extensions");
         if extensions.and_then(|e| e.field(DRACO)).is_some() {
             return Err(Error::Unsupported(format!("{}: {DRACO} is not supported", primitive.at)));
         }
         // 1. Vertices, shared between primitives and checked once.
         let vertices = self.vertices(&primitive.need("attributes")?)?;
-        let vertex_count = vertices.vertex_count();
-        // 2. Indices: those of the file, or every vertex in order.
-        let values = primitive.field("indices").map(|indices| self.resolver.values(&indices)).transpose()?;
-        if values.is_none() {
-            self.geometry.charge(&primitive.at, vertex_count, size_of::<u32>())?;
-        }
-        // 3. Triangles.
-        let (corners, stored) = if mode == TRIANGLES {
-            let mut corners = match values {
-                Some(values) => values.list_indices(vertex_count, &mut self.geometry)?,
-                None => (0..vertex_count as u32).collect(),
-            };
-            let incomplete = corners.len() % 3;
-            self.counts.incomplete_triangle_indices += incomplete as u64;
-            corners.truncate(corners.len() - incomplete);
-            (corners, None)
-        } else {
-            let indices = match values {
-                Some(values) => values.strip_indices(vertex_count, &mut self.geometry)?,
-                None => StripIndices::all_vertices(vertex_count),
-            };
-            self.geometry.charge(&primitive.at, indices.len(), 3 * size_of::<u32>())?;
-            let stored = StoredStrips::from_runs(indices.runs(), mode == TRIANGLE_FAN);
-            (self.unpack(&indices, mode), Some(stored))
-        };
-        Ok((vertices.with_faces(Faces::from_triangles(corners)?)?, stored))
+        // 2. Triangles, shared likewise.
+        self.triangles.read(&self.resolver, primitive, mode, &vertices, parts, &mut self.geometry)
     }
 
     /// Decodes positions and attributes, unless an earlier primitive had the same.
@@ -201,48 +183,23 @@ impl<'a> PrimitiveReader<'a> {
             name: name.to_owned(),
             components: values.components as u8,
             normalized: values.normalized,
-            data: values.attribute(),
+            data: values.attribute()?,
         }))
-    }
-
-    /// Unpacks strips or fans; triangles with a repeated corner draw nothing and are dropped.
-    fn unpack(&mut self, indices: &StripIndices, mode: u64) -> Vec<u32> {
-        let mut corners = Vec::with_capacity(3 * indices.len());
-        for run in indices.runs() {
-            self.counts.restarts += 1;
-            for i in 2..run.len() {
-                let [a, b, c] = if mode == TRIANGLE_FAN {
-                    [run[0], run[i - 1], run[i]]
-                } else if i % 2 == 0 {
-                    [run[i - 2], run[i - 1], run[i]]
-                } else {
-                    [run[i - 1], run[i - 2], run[i]]
-                };
-                if a == b || b == c || a == c {
-                    self.counts.degenerate += 1;
-                } else {
-                    corners.extend([a, b, c]);
-                }
-            }
-        }
-        self.counts.restarts -= 1;
-        debug_assert!(mode == TRIANGLE_FAN || mode == TRIANGLE_STRIP);
-        corners
     }
 }
 
 impl ReadCounts {
-    fn add_notes(&self, root: &Members, notes: &mut Vec<String>) {
+    fn add_notes(&self, triangles: TriangleCounts, root: &Members, notes: &mut Vec<String>) {
         let mut note = |text: &str, count: u64| {
             if count > 0 {
                 notes.push(format!("{text}: {count}"));
             }
         };
         note("primitives of points or lines, kept only in a GLB", self.other_modes);
-        note("dropped degenerate triangles of strips and fans", self.degenerate);
+        note("dropped degenerate triangles of strips and fans", triangles.degenerate);
         note(
             "dropped indices at the end of triangle lists, fewer than a triangle needs",
-            self.incomplete_triangle_indices,
+            triangles.incomplete_indices,
         );
         note(
             "vertex attributes not decoded because of their size, kept only in a GLB",
@@ -252,7 +209,7 @@ impl ReadCounts {
         if !uses(root, RESTART_EXTENSION) {
             note(
                 &format!("restart indices accepted although the file does not use {RESTART_EXTENSION}"),
-                self.restarts,
+                triangles.restarts,
             );
         }
     }

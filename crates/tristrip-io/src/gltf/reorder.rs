@@ -18,8 +18,8 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 
 use super::json::{Members, Value};
 
-use super::accessor::{AccessorResolver, DecodeBudget};
-
+use super::accessor::AccessorResolver;
+use super::budget::{ATTRIBUTE_LIMIT, DecodeBudget};
 use super::document::{array, index, items, values};
 use super::permute::{AccessorLayout, ByteOwners, OVER_BUDGET, PermutedBuffers};
 use super::references::{ExtensionNumbers, has_number, skin_and_animation_accessors};
@@ -101,7 +101,7 @@ pub(crate) fn groups(scene: &Scene, part_count: usize) -> Result<Vec<SceneGroup>
 /// keeps its vertex order, with the reason in [`VertexGroup::kept`].
 pub(crate) fn apply(scene: &Scene, found: &[SceneGroup], groups: &mut [VertexGroup]) -> Result<Scene, Error> {
     let resolver = AccessorResolver { root: &scene.document.root, buffers: &scene.buffers };
-    let mut budget = DecodeBudget::new(&scene.buffers, FACTOR);
+    let mut budget = DecodeBudget::new(ATTRIBUTE_LIMIT, FACTOR, &scene.buffers);
     let mut arrays: Vec<Vec<AccessorLayout>> = Vec::with_capacity(groups.len());
     for (group, found) in groups.iter_mut().zip(found) {
         let mut list = Vec::new();
