@@ -25,11 +25,11 @@ use crate::{gltf, obj, off, ply, stl};
 /// # Ok::<(), tristrip_io::Error>(())
 /// ```
 pub fn read(bytes: &[u8], format: Format) -> Result<Model, Error> {
-    read_in_folder(bytes, format, None)
+    read_in_folders(bytes, format, &[])
 }
 
-/// Reads a model whose external buffers, if any, are in `base_dir`.
-pub(crate) fn read_in_folder(bytes: &[u8], format: Format, base_dir: Option<&Path>) -> Result<Model, Error> {
+/// Reads a model whose external buffers, if any, are in the first of several folders that has them.
+pub(crate) fn read_in_folders(bytes: &[u8], format: Format, folders: &[&Path]) -> Result<Model, Error> {
     if bytes.is_empty() {
         return Err(Error::format("byte 0", "an empty file", format!("a file in {}", format.name())));
     }
@@ -38,7 +38,7 @@ pub(crate) fn read_in_folder(bytes: &[u8], format: Format, base_dir: Option<&Pat
         Format::Ply => ply::read(bytes),
         Format::Off => off::read(bytes),
         Format::Stl => stl::read(bytes),
-        Format::Gltf | Format::Glb => gltf::read(bytes, base_dir),
+        Format::Gltf | Format::Glb => gltf::read_in_folders(bytes.to_vec(), folders),
     }
 }
 

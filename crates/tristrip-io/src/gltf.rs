@@ -64,6 +64,7 @@ pub use budget::{ATTRIBUTE_LIMIT, GEOMETRY_LIMIT, TRIANGLE_LIMIT, TRIANGLES_PER_
 pub use build::losses;
 pub use document::JSON_VALUE_LIMIT;
 pub use read::read;
+pub(crate) use read::read_in_folders;
 pub use scene::Scene;
 
 /// Checks whether a model's document has vertex data that the meshes of its parts do not hold: morph targets, and

@@ -6,10 +6,8 @@ use super::budget::DecodeBudget;
 use super::document::{Located, uses};
 use super::json::Members;
 use super::shared_bytes::SharedBytes;
+use super::spec::QUANTIZATION;
 use crate::error::Error;
-
-/// The extension that allows integer positions.
-const QUANTIZATION: &str = "KHR_mesh_quantization";
 
 /// The largest `byteStride` that the specification allows.
 const MAX_STRIDE: usize = 252;

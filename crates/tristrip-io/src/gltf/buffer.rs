@@ -1,4 +1,7 @@
 //! The buffers of a document: the GLB's own bytes, data URIs, and files in the document's folder, never outside it.
+//!
+//! A document that was opened through a link has two folders: that of the link, where the path that was given says that its
+//! files are, and that of the file which the link leads to. The first that has the file is used.
 
 use std::collections::HashMap;
 use std::io::Read;
@@ -25,7 +28,7 @@ pub(super) fn load(
     document: &mut Document,
     file: &Arc<Vec<u8>>,
     bin: Option<&Range<usize>>,
-    base_dir: Option<&Path>,
+    folders: &[&Path],
 ) -> Result<Vec<SharedBytes>, Error> {
     let mut buffers = Vec::new();
     let mut files: HashMap<PathBuf, Arc<Vec<u8>>> = HashMap::new();
@@ -42,7 +45,7 @@ pub(super) fn load(
             },
             Some(uri) => whole_of(match uri.text()?.strip_prefix("data:") {
                 Some(data) => Arc::new(decode_data_uri(&uri, data)?),
-                None => load_file(&uri, base_dir, &mut files)?,
+                None => load_file(&uri, folders, &mut files)?,
             }),
         };
         if range.len() < length {
@@ -82,26 +85,25 @@ fn remove_uris(document: &mut Document) -> Result<(), Error> {
     Ok(())
 }
 
-/// Reads a file in the document's folder, once for all buffers that name it.
+/// Reads a file in one of the document's folders, once for all buffers that name it.
 fn load_file(
     uri: &Located<'_>,
-    base_dir: Option<&Path>,
+    folders: &[&Path],
     files: &mut HashMap<PathBuf, Arc<Vec<u8>>>,
 ) -> Result<Arc<Vec<u8>>, Error> {
     let text = uri.text()?;
     let Some(relative) = relative_path(text) else {
         return Err(uri.wrong("a data URI, or a file in the folder of the document"));
     };
-    let Some(base_dir) = base_dir else {
+    let Some(first) = folders.first() else {
         return Err(uri.wrong("a data URI: the folder of the document is not known"));
     };
-    // A document named without a folder is in the current one.
-    let base_dir = if base_dir.as_os_str().is_empty() { Path::new(".") } else { base_dir };
-    let io_error = |source| Error::Io { path: base_dir.join(&relative).display().to_string(), source };
-    let folder = base_dir.canonicalize().map_err(io_error)?;
-    let path = folder.join(&relative).canonicalize().map_err(io_error)?;
-    // A link may lead outside the folder although the name does not.
-    if !path.starts_with(&folder) || !path.is_file() {
+    let io_error = |source| Error::Io { path: first.join(&relative).display().to_string(), source };
+    let folders: Vec<PathBuf> =
+        folders.iter().map(real_folder).collect::<Result<_, _>>().map_err(io_error)?;
+    let path = find(&folders, &relative).map_err(io_error)?;
+    // A link may lead outside the folders although the name does not.
+    if !folders.iter().any(|folder| path.starts_with(folder)) || !path.is_file() {
         return Err(uri.wrong("a data URI, or a file in the folder of the document"));
     }
     if let Some(bytes) = files.get(&path) {
@@ -112,6 +114,18 @@ fn load_file(
     let bytes = Arc::new(bytes);
     files.insert(path, Arc::clone(&bytes));
     Ok(bytes)
+}
+
+/// Returns a folder without links; a document named without a folder is in the current one.
+fn real_folder(folder: &&Path) -> std::io::Result<PathBuf> {
+    if folder.as_os_str().is_empty() { Path::new(".").canonicalize() } else { folder.canonicalize() }
+}
+
+/// Finds a file in the first folder that has it, links followed; the error is that of the first folder.
+fn find(folders: &[PathBuf], relative: &Path) -> std::io::Result<PathBuf> {
+    let mut found = folders.iter().map(|folder| folder.join(relative).canonicalize());
+    let first = found.next().unwrap_or_else(|| Err(std::io::ErrorKind::NotFound.into()));
+    first.or_else(|error| found.find_map(Result::ok).ok_or(error))
 }
 
 /// Returns the path of a relative URI, if it has no `..`, root or drive.

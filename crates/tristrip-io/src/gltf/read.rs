@@ -11,9 +11,11 @@ use super::accessor::{AccessorResolver, check_views};
 use super::budget::{ATTRIBUTE_LIMIT, DecodeBudget, GEOMETRY_LIMIT};
 use super::document::{Document, Located, array, uses};
 use super::scene::{PrimitiveRef, Scene};
-use super::spec::{ORDER_EXTENSIONS, RESTART_EXTENSION, TRIANGLE_FAN, TRIANGLE_STRIP, TRIANGLES};
+use super::spec::{
+    ORDER_EXTENSIONS, QUANTIZATION, RESTART_EXTENSION, TRIANGLE_FAN, TRIANGLE_STRIP, TRIANGLES,
+};
 use super::triangles::{TriangleCounts, TriangleReader};
-use super::{buffer, container};
+use super::{buffer, container, container::GlbContainer};
 use crate::error::Error;
 use crate::model::{Model, Part, StoredStrips};
 
@@ -24,6 +26,10 @@ const ATTRIBUTE_FACTOR: u64 = 4;
 /// Extensions that compress the bytes of a buffer view.
 const COMPRESSIONS: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 const DRACO: &str = "KHR_draco_mesh_compression";
+
+/// How the names of extensions begin that do not concern geometry.
+const NOT_GEOMETRY: [&str; 5] =
+    ["KHR_materials_", "KHR_texture_", "EXT_texture_", "KHR_lights_", "EXT_lights_"];
 
 /// Reads a GLB, or the JSON of a `.gltf` whose buffers are data URIs or files inside `base_dir`.
 ///
@@ -37,13 +43,35 @@ const DRACO: &str = "KHR_draco_mesh_compression";
 /// # Ok::<(), tristrip_io::Error>(())
 /// ```
 pub fn read(bytes: impl Into<Vec<u8>>, base_dir: Option<&Path>) -> Result<Model, Error> {
+    let folders: Vec<&Path> = base_dir.into_iter().collect();
+    read_in_folders(bytes.into(), &folders)
+}
+
+/// Reads a document whose external buffers are in the first of several folders that has them.
+pub(crate) fn read_in_folders(bytes: Vec<u8>, folders: &[&Path]) -> Result<Model, Error> {
     let mut notes = Vec::new();
-    let container = container::open(bytes.into(), &mut notes)?;
-    let mut document = Document::parse(container.json_bytes())?;
-    let buffers = buffer::load(&mut document, &container.file, container.bin.as_ref(), base_dir)?;
+    let container = container::open(bytes, &mut notes)?;
+    let document = Document::parse(container.json_bytes())?;
+    let unknown = unknown_requirements(&document.root);
+    read_document(document, &container, folders, notes).map_err(|error| match error {
+        Error::Format { .. } if !unknown.is_empty() => {
+            let names = unknown.join(" and ");
+            Error::Unsupported(format!("{error}; the file requires {names}, which is not supported"))
+        }
+        other => other,
+    })
+}
+
+fn read_document(
+    mut document: Document,
+    container: &GlbContainer,
+    folders: &[&Path],
+    mut notes: Vec<String>,
+) -> Result<Model, Error> {
+    refuse_compressed_views(&document.root)?;
+    let buffers = buffer::load(&mut document, &container.file, container.bin.as_ref(), folders)?;
     let root = &document.root;
     let resolver = AccessorResolver { root, buffers: &buffers };
-    refuse_compressed_views(root)?;
     check_views(&resolver)?;
     check_nodes(root)?;
     let mut reader = PrimitiveReader {
@@ -213,6 +241,16 @@ impl ReadCounts {
             );
         }
     }
+}
+
+/// Returns the extensions that a document requires and that may be the reason why its geometry cannot be read.
+fn unknown_requirements(root: &Members) -> Vec<String> {
+    let names = root.get("extensionsRequired").and_then(Value::as_array).unwrap_or_default();
+    let names = names.iter().filter_map(Value::as_str);
+    let is_known = |name: &str| {
+        name == QUANTIZATION || name == RESTART_EXTENSION || NOT_GEOMETRY.iter().any(|p| name.starts_with(p))
+    };
+    names.filter(|name| !is_known(name)).map(str::to_owned).collect()
 }
 
 fn refuse_compressed_views(root: &Members) -> Result<(), Error> {
