@@ -71,7 +71,7 @@ pub(crate) fn write(
         let what = format!("{}, {}, {how}", output.name(), text::bytes(bytes.len()));
         console.stage("write", &what, Some(write_seconds));
     }
-    let losses = tristrip_io::losses(model, output.format);
+    let losses = tristrip_io::losses(model, drawings, output.format);
     losses.iter().for_each(|loss| console.note(loss));
     Ok(Written { losses, verify_seconds, write_seconds })
 }

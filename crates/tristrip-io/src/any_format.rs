@@ -73,20 +73,21 @@ pub fn write(model: &Model, drawings: &[Drawing], format: Format, layout: Layout
     }
 }
 
-/// Lists what a format cannot hold of a model, in words, with counts, the scene around the parts included. The writers of
-/// OBJ and PLY put the same words into the file as comments.
+/// Lists what a format cannot hold of a model with one drawing for each part, in words, with counts, the scene around the
+/// parts included. The writers of OBJ and PLY put the same words into the file as comments.
 ///
 /// ```
-/// use tristrip_io::{Format, losses, read};
+/// use tristrip_io::{Drawing, Format, losses, read};
 /// let model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\nusemtl b\nf 1 3 2\n", Format::Obj)?;
-/// assert_eq!(losses(&model, Format::Ply), ["parts joined into one: 2", "material names not written: 2"]);
+/// let lost = losses(&model, &[Drawing::Faces; 2], Format::Ply);
+/// assert_eq!(lost, ["parts joined into one: 2", "material names not written: 2"]);
 /// # Ok::<(), tristrip_io::Error>(())
 /// ```
-pub fn losses(model: &Model, format: Format) -> Vec<String> {
+pub fn losses(model: &Model, drawings: &[Drawing], format: Format) -> Vec<String> {
     match format {
-        Format::Obj => obj::losses(model),
+        Format::Obj => obj::losses(model, drawings),
         Format::Ply => ply::losses(model),
-        Format::Glb => gltf::losses(model),
+        Format::Glb => gltf::losses(model, drawings),
         Format::Off | Format::Stl | Format::Gltf => Vec::new(),
     }
 }

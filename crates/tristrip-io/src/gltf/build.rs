@@ -17,13 +17,14 @@ use super::container;
 use super::index::{IndexRun, pack_runs, runs};
 use super::spec::{ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER, RESTART_EXTENSION};
 use crate::error::Error;
-use crate::model::{Drawing, Model};
+use crate::join;
+use crate::model::{Drawing, Model, Part};
 
 /// How far the length of a normal may be from 1; the Khronos validator allows 0.00674.
 const UNIT_TOLERANCE: f64 = 0.006;
 
 /// Lists what a GLB cannot hold of a model, or holds in another form, in words, with counts. Empty for a model with a
-/// scene, which keeps everything.
+/// scene, which keeps everything. There is one drawing for each part.
 ///
 /// ```
 /// use tristrip::{Attribute, AttributeData, Faces, Mesh};
@@ -33,24 +34,21 @@ const UNIT_TOLERANCE: f64 = 0.006;
 /// })?;
 /// let model = Model { parts: vec![Part { mesh, ..Part::default() }], ..Model::default() };
 /// assert_eq!(
-///     gltf::losses(&model),
+///     gltf::losses(&model, &[tristrip_io::Drawing::Faces]),
 ///     ["attribute `quality` not written: glTF has no 64-bit floats or 32-bit integers for vertices: 1"],
 /// );
 /// # Ok::<(), tristrip_io::Error>(())
 /// ```
-pub fn losses(model: &Model) -> Vec<String> {
+pub fn losses(model: &Model, drawings: &[Drawing<'_>]) -> Vec<String> {
     if model.scene.is_some() {
         return Vec::new();
     }
-    let (mut empty, mut polygons) = (0, 0);
+    let mut empty = 0;
     let mut attributes: BTreeMap<String, usize> = BTreeMap::new();
     for mesh in model.parts.iter().map(|part| &part.mesh) {
         if mesh.vertex_count() == 0 {
             empty += 1;
             continue;
-        }
-        if mesh.faces().as_triangles().is_none() {
-            polygons += mesh.faces().iter().filter(|face| face.len() > 3).count();
         }
         for (attribute, chosen) in mesh.attributes().iter().zip(attribute_names(mesh)) {
             let name = &attribute.name;
@@ -62,9 +60,11 @@ pub fn losses(model: &Model) -> Vec<String> {
             *attributes.entry(words).or_default() += 1;
         }
     }
+    let polygons_of = |part: &Part| part.mesh.faces().iter().filter(|face| face.len() > 3).count();
+    let polygons: usize = join::drawn_by_faces(model, drawings).map(polygons_of).sum();
     let counts = [
         ("parts without vertices, not written".to_owned(), empty),
-        ("polygons, cut into fans where they are not drawn as strips".to_owned(), polygons),
+        ("polygons cut into fans".to_owned(), polygons),
     ];
     let counted = counts.into_iter().filter(|(_, count)| *count > 0).chain(attributes);
     counted.map(|(words, count)| format!("{words}: {count}")).collect()
