@@ -1,5 +1,6 @@
 //! Reading and writing in a format that is chosen at run time.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use tristrip::Layout;
@@ -25,20 +26,24 @@ use crate::{gltf, obj, off, ply, stl};
 /// # Ok::<(), tristrip_io::Error>(())
 /// ```
 pub fn read(bytes: &[u8], format: Format) -> Result<Model, Error> {
-    read_in_folders(bytes, format, &[])
+    read_in_folders(bytes.into(), format, &[])
 }
 
 /// Reads a model whose external buffers, if any, are in the first of several folders that has them.
-pub(crate) fn read_in_folders(bytes: &[u8], format: Format, folders: &[&Path]) -> Result<Model, Error> {
+pub(crate) fn read_in_folders(
+    bytes: Cow<'_, [u8]>,
+    format: Format,
+    folders: &[&Path],
+) -> Result<Model, Error> {
     if bytes.is_empty() {
         return Err(Error::format("byte 0", "an empty file", format!("a file in {}", format.name())));
     }
     match format {
-        Format::Obj => obj::read(bytes),
-        Format::Ply => ply::read(bytes),
-        Format::Off => off::read(bytes),
-        Format::Stl => stl::read(bytes),
-        Format::Gltf | Format::Glb => gltf::read_in_folders(bytes.to_vec(), folders),
+        Format::Obj => obj::read(&bytes),
+        Format::Ply => ply::read(&bytes),
+        Format::Off => off::read(&bytes),
+        Format::Stl => stl::read(&bytes),
+        Format::Gltf | Format::Glb => gltf::read_in_folders(bytes.into_owned(), folders),
     }
 }
 

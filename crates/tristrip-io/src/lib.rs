@@ -26,6 +26,7 @@ pub mod error;
 mod format;
 pub mod gltf;
 mod join;
+mod le_bytes;
 pub mod model;
 mod obj;
 mod off;

@@ -37,7 +37,7 @@ pub fn read_path(path: impl AsRef<Path>) -> Result<Model, Error> {
     // A pipe has no folder of its own.
     let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
     let folders: Vec<&Path> = [path, &target].into_iter().filter_map(Path::parent).collect();
-    read_in_folders(&bytes, format, &folders)
+    read_in_folders(bytes.into(), format, &folders)
 }
 
 /// Writes a model to a file in the format of its extension, with [`write()`] and [`replace_file`].

@@ -242,30 +242,31 @@ impl AccessorValues<'_> {
         self.sparse.as_ref().map_or(Ok(()), |sparse| sparse.indices(self.count).map(drop))
     }
 
-    /// Decodes all values; each value has `per` numbers of type `T`.
-    fn decode<T: Copy>(&self, per: usize, push: impl Fn(&[u8], &mut Vec<T>)) -> Result<Vec<T>, Error> {
-        let element = self.element;
+    /// Decodes all values, each of `per` items of `N` bytes.
+    fn decode<T: Copy, const N: usize>(
+        &self,
+        per: usize,
+        read: impl Fn([u8; N]) -> T,
+    ) -> Result<Vec<T>, Error> {
+        let append = |raw: &[u8], out: &mut Vec<T>| {
+            out.extend(raw.as_chunks::<N>().0.iter().map(|&item| read(item)));
+        };
         let mut out = Vec::with_capacity(self.count * per);
         match self.base {
-            Some((bytes, stride)) if stride == element => {
-                bytes.chunks_exact(element).take(self.count).for_each(|raw| push(raw, &mut out));
-            }
+            Some((bytes, stride)) if stride == per * N => append(&bytes[..self.count * stride], &mut out),
             Some((bytes, stride)) => {
-                bytes.chunks(stride).take(self.count).for_each(|raw| push(&raw[..element], &mut out));
+                let values = bytes.chunks(stride).take(self.count);
+                values.for_each(|value| append(&value[..per * N], &mut out));
             }
-            None => {
-                let zeros = [0; 64];
-                (0..self.count).for_each(|_| push(&zeros[..element], &mut out));
-            }
+            None => out.resize(self.count * per, read([0; N])),
         }
         if let Some(sparse) = &self.sparse {
             let mut one = Vec::with_capacity(per);
             let replaced = sparse.indices(self.count)?;
-            for (index, raw) in replaced.into_iter().zip(sparse.values.chunks_exact(element)) {
+            for (index, raw) in replaced.into_iter().zip(sparse.values.chunks_exact(self.element)) {
                 one.clear();
-                push(raw, &mut one);
-                let at = index as usize * per;
-                out[at..at + per].copy_from_slice(&one);
+                append(raw, &mut one);
+                out[index as usize * per..][..per].copy_from_slice(&one);
             }
         }
         Ok(out)
@@ -300,21 +301,20 @@ impl AccessorValues<'_> {
             (true, ComponentType::U16) => 65535.0,
             _ => 1.0,
         };
+        let signed = |x: f32| (x / scale).max(lowest(scale));
         let out = match self.component {
-            ComponentType::F32 => self.decode(1, |raw, out| out.push(vector(raw, f32_of))),
-            ComponentType::I8 => self.decode(1, |raw, out| {
-                out.push(vector(raw, |b: [u8; 1]| {
-                    (f32::from(i8::from_le_bytes(b)) / scale).max(lowest(scale))
-                }));
-            }),
-            ComponentType::U8 => {
-                self.decode(1, |raw, out| out.push(vector(raw, |b: [u8; 1]| f32::from(b[0]) / scale)))
+            ComponentType::F32 => self.decode(1, |raw: [u8; 12]| vector(&raw, f32::from_le_bytes)),
+            ComponentType::I8 => {
+                self.decode(1, |raw: [u8; 3]| vector(&raw, |b| signed(i8::from_le_bytes(b).into())))
             }
-            ComponentType::I16 => self.decode(1, |raw, out| {
-                out.push(vector(raw, |b| (f32::from(i16::from_le_bytes(b)) / scale).max(lowest(scale))));
-            }),
+            ComponentType::U8 => {
+                self.decode(1, |raw: [u8; 3]| vector(&raw, |b| f32::from(u8::from_le_bytes(b)) / scale))
+            }
+            ComponentType::I16 => {
+                self.decode(1, |raw: [u8; 6]| vector(&raw, |b| signed(i16::from_le_bytes(b).into())))
+            }
             ComponentType::U16 | ComponentType::U32 => {
-                self.decode(1, |raw, out| out.push(vector(raw, |b| f32::from(u16::from_le_bytes(b)) / scale)))
+                self.decode(1, |raw: [u8; 6]| vector(&raw, |b| f32::from(u16::from_le_bytes(b)) / scale))
             }
         }?;
         let bad = out.iter().enumerate().find(|(_, p)| !p.iter().all(|x| x.is_finite()));
@@ -364,11 +364,9 @@ impl AccessorValues<'_> {
         }
         budget.charge(&self.at, self.count, size_of::<u32>())?;
         match self.component {
-            ComponentType::U8 => self.decode(1, |raw, out| out.push(u32::from(raw[0]))),
-            ComponentType::U16 => {
-                self.decode(1, |raw, out| out.push(u32::from(u16::from_le_bytes([raw[0], raw[1]]))))
-            }
-            _ => self.decode(1, |raw, out| out.push(index_of(ComponentType::U32, raw))),
+            ComponentType::U8 => self.decode(1, |b| u8::from_le_bytes(b).into()),
+            ComponentType::U16 => self.decode(1, |b| u16::from_le_bytes(b).into()),
+            _ => self.decode(1, u32::from_le_bytes),
         }
     }
 
@@ -378,7 +376,11 @@ impl AccessorValues<'_> {
         vertex_count: usize,
         is_restart: impl Fn(u32) -> bool,
     ) -> Result<(), Error> {
-        let is_valid = |i: u32| (i as usize) < vertex_count || is_restart(i);
+        let is_valid = |i: u32| ((i as usize) < vertex_count) | is_restart(i);
+        // Without an early end, and so several at a time; a second pass finds the place.
+        if indices.iter().fold(true, |all, &i| all & is_valid(i)) {
+            return Ok(());
+        }
         match indices.iter().enumerate().find(|&(_, &i)| !is_valid(i)) {
             None => Ok(()),
             Some((element, found)) => Err(Error::format(
@@ -393,22 +395,12 @@ impl AccessorValues<'_> {
     pub(super) fn attribute(&self) -> Result<AttributeData, Error> {
         let per = self.components;
         Ok(match self.component {
-            ComponentType::I8 => AttributeData::I8(self.flat(per, i8::from_le_bytes)?),
-            ComponentType::U8 => AttributeData::U8(self.flat(per, u8::from_le_bytes)?),
-            ComponentType::I16 => AttributeData::I16(self.flat(per, i16::from_le_bytes)?),
-            ComponentType::U16 => AttributeData::U16(self.flat(per, u16::from_le_bytes)?),
-            ComponentType::U32 => AttributeData::U32(self.flat(per, u32::from_le_bytes)?),
-            ComponentType::F32 => AttributeData::F32(self.flat(per, f32::from_le_bytes)?),
-        })
-    }
-
-    fn flat<const N: usize, T: Copy>(
-        &self,
-        per: usize,
-        read: impl Fn([u8; N]) -> T,
-    ) -> Result<Vec<T>, Error> {
-        self.decode(per, |raw, out| {
-            out.extend(raw.as_chunks::<N>().0.iter().map(|&b| read(b)));
+            ComponentType::I8 => AttributeData::I8(self.decode(per, i8::from_le_bytes)?),
+            ComponentType::U8 => AttributeData::U8(self.decode(per, u8::from_le_bytes)?),
+            ComponentType::I16 => AttributeData::I16(self.decode(per, i16::from_le_bytes)?),
+            ComponentType::U16 => AttributeData::U16(self.decode(per, u16::from_le_bytes)?),
+            ComponentType::U32 => AttributeData::U32(self.decode(per, u32::from_le_bytes)?),
+            ComponentType::F32 => AttributeData::F32(self.decode(per, f32::from_le_bytes)?),
         })
     }
 }
@@ -447,10 +439,6 @@ pub(super) fn check_views(source: &AccessorResolver<'_>) -> Result<(), Error> {
 /// Returns the lowest value that a signed integer can represent: normalized ones are clamped to −1.
 fn lowest(scale: f32) -> f32 {
     if scale > 1.0 { -1.0 } else { f32::MIN }
-}
-
-fn f32_of(raw: [u8; 4]) -> f32 {
-    f32::from_le_bytes(raw)
 }
 
 /// Reads three components; the raw value must have at least three.

@@ -18,6 +18,7 @@ use super::index::{IndexRun, pack_runs, runs};
 use super::spec::{ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER, RESTART_EXTENSION};
 use crate::error::Error;
 use crate::join;
+use crate::le_bytes::{append, fill_rows};
 use crate::model::{Drawing, Model, Part};
 
 /// How far the length of a normal may be from 1; the Khronos validator allows 0.00674.
@@ -187,12 +188,11 @@ impl<'a> DocumentBuilder<'a> {
     fn positions(&mut self, positions: &[[f32; 3]]) -> usize {
         let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
         let start = self.bytes.len();
-        self.bytes.reserve(12 * positions.len());
+        append(&mut self.bytes, positions.as_flattened(), f32::to_le_bytes);
         for p in positions {
             for (axis, &x) in p.iter().enumerate() {
                 low[axis] = low[axis].min(x);
                 high[axis] = high[axis].max(x);
-                self.bytes.extend(x.to_le_bytes());
             }
         }
         let view = self.view(start, ARRAY_BUFFER, None);
@@ -210,11 +210,11 @@ impl<'a> DocumentBuilder<'a> {
         let components = usize::from(attribute.components);
         let start = self.bytes.len();
         let component = match &attribute.data {
-            AttributeData::U8(v) => self.values(v, components, ComponentType::U8, |x| [*x]),
-            AttributeData::I8(v) => self.values(v, components, ComponentType::I8, |x| x.to_le_bytes()),
-            AttributeData::U16(v) => self.values(v, components, ComponentType::U16, |x| x.to_le_bytes()),
-            AttributeData::I16(v) => self.values(v, components, ComponentType::I16, |x| x.to_le_bytes()),
-            AttributeData::F32(v) => self.values(v, components, ComponentType::F32, |x| x.to_le_bytes()),
+            AttributeData::U8(v) => self.values(v, components, ComponentType::U8, u8::to_le_bytes),
+            AttributeData::I8(v) => self.values(v, components, ComponentType::I8, i8::to_le_bytes),
+            AttributeData::U16(v) => self.values(v, components, ComponentType::U16, u16::to_le_bytes),
+            AttributeData::I16(v) => self.values(v, components, ComponentType::I16, i16::to_le_bytes),
+            AttributeData::F32(v) => self.values(v, components, ComponentType::F32, f32::to_le_bytes),
             // `attribute_names` has excluded these.
             AttributeData::F64(_) | AttributeData::U32(_) | AttributeData::I32(_) => ComponentType::F32,
         };
@@ -235,21 +235,21 @@ impl<'a> DocumentBuilder<'a> {
     }
 
     /// Appends values; those of each vertex are aligned to four bytes.
-    fn values<T, const N: usize>(
+    fn values<T: Copy, const N: usize>(
         &mut self,
         values: &[T],
         components: usize,
         component: ComponentType,
-        bytes: impl Fn(&T) -> [u8; N],
+        bytes: impl Fn(T) -> [u8; N],
     ) -> ComponentType {
-        for vertex in values.chunks(components) {
-            self.bytes.extend(vertex.iter().flat_map(&bytes));
-            self.align();
-        }
+        let stride = (components * N).next_multiple_of(4);
+        let start = self.bytes.len();
+        self.bytes.resize(start + values.len() / components * stride, 0);
+        fill_rows(&mut self.bytes[start..], stride, 0, values, components, bytes);
         component
     }
 
-    fn indices(&mut self, runs: &[IndexRun]) -> Vec<usize> {
+    fn indices(&mut self, runs: &[IndexRun<'_>]) -> Vec<usize> {
         let start = self.bytes.len();
         let offsets = pack_runs(runs, &mut self.bytes);
         let view = self.view(start, ELEMENT_ARRAY_BUFFER, None);

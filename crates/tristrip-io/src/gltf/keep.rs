@@ -88,7 +88,7 @@ struct DrawnPrimitive {
 }
 
 impl DrawnPrimitive {
-    fn has_shape_of(&self, run: &IndexRun) -> bool {
+    fn has_shape_of(&self, run: &IndexRun<'_>) -> bool {
         (self.mode, self.component, self.count) == (run.mode, run.component().code(), run.count())
     }
 }
@@ -115,7 +115,7 @@ impl IndexWriter {
         &mut self,
         root: &mut Members,
         source: PrimitiveRef,
-        runs: &[IndexRun],
+        runs: &[IndexRun<'_>],
     ) -> Result<Vec<DrawnPrimitive>, Error> {
         // 1. The bytes: one view for all runs of the primitive.
         let start = self.bytes.len().next_multiple_of(ALIGNMENT);
