@@ -39,6 +39,8 @@
 mod accessor;
 mod budget;
 mod buffer;
+#[cfg(feature = "fs")]
+mod buffer_files;
 mod build;
 mod container;
 mod document;
