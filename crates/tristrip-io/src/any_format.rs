@@ -1,5 +1,6 @@
 //! Reading and writing in a format that is chosen at run time.
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use tristrip::Layout;
@@ -25,20 +26,24 @@ use crate::{gltf, obj, off, ply, stl};
 /// # Ok::<(), tristrip_io::Error>(())
 /// ```
 pub fn read(bytes: &[u8], format: Format) -> Result<Model, Error> {
-    read_in_folder(bytes, format, None)
+    read_in_folders(bytes.into(), format, &[])
 }
 
-/// Reads a model whose external buffers, if any, are in `base_dir`.
-pub(crate) fn read_in_folder(bytes: &[u8], format: Format, base_dir: Option<&Path>) -> Result<Model, Error> {
+/// Reads a model whose external buffers, if any, are in the first of several folders that has them.
+pub(crate) fn read_in_folders(
+    bytes: Cow<'_, [u8]>,
+    format: Format,
+    folders: &[&Path],
+) -> Result<Model, Error> {
     if bytes.is_empty() {
         return Err(Error::format("byte 0", "an empty file", format!("a file in {}", format.name())));
     }
     match format {
-        Format::Obj => obj::read(bytes),
-        Format::Ply => ply::read(bytes),
-        Format::Off => off::read(bytes),
-        Format::Stl => stl::read(bytes),
-        Format::Gltf | Format::Glb => gltf::read(bytes, base_dir),
+        Format::Obj => obj::read(&bytes),
+        Format::Ply => ply::read(&bytes),
+        Format::Off => off::read(&bytes),
+        Format::Stl => stl::read(&bytes),
+        Format::Gltf | Format::Glb => gltf::read_in_folders(bytes.into_owned(), folders),
     }
 }
 
@@ -73,20 +78,21 @@ pub fn write(model: &Model, drawings: &[Drawing], format: Format, layout: Layout
     }
 }
 
-/// Lists what a format cannot hold of a model, in words, with counts, the scene around the parts included. The writers of
-/// OBJ and PLY put the same words into the file as comments.
+/// Lists what a format cannot hold of a model with one drawing for each part, in words, with counts, the scene around the
+/// parts included. The writers of OBJ and PLY put the same words into the file as comments.
 ///
 /// ```
-/// use tristrip_io::{Format, losses, read};
+/// use tristrip_io::{Drawing, Format, losses, read};
 /// let model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\nusemtl b\nf 1 3 2\n", Format::Obj)?;
-/// assert_eq!(losses(&model, Format::Ply), ["parts joined into one: 2", "material names not written: 2"]);
+/// let lost = losses(&model, &[Drawing::Faces; 2], Format::Ply);
+/// assert_eq!(lost, ["parts joined into one: 2", "material names not written: 2"]);
 /// # Ok::<(), tristrip_io::Error>(())
 /// ```
-pub fn losses(model: &Model, format: Format) -> Vec<String> {
+pub fn losses(model: &Model, drawings: &[Drawing], format: Format) -> Vec<String> {
     match format {
-        Format::Obj => obj::losses(model),
+        Format::Obj => obj::losses(model, drawings),
         Format::Ply => ply::losses(model),
-        Format::Glb => gltf::losses(model),
+        Format::Glb => gltf::losses(model, drawings),
         Format::Off | Format::Stl | Format::Gltf => Vec::new(),
     }
 }

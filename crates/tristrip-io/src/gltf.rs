@@ -1,8 +1,7 @@
 //! glTF 2.0 and GLB: reads the triangles of a scene, and writes them back as strips without changing the rest of the
 //! document.
 //!
-//! A document is kept as JSON values, in the order and with the digits that were read, together with the bytes of its
-//! buffers. Reading copies positions, indices and attributes out of it; writing replaces its indices.
+//! A document is kept as JSON values with the text that they were read from, together with the bytes of its buffers. Reading copies positions, indices and attributes out of it; writing replaces its indices.
 //!
 //! ```text
 //! bytes ─ container ─▶ JSON, BIN ─ buffer ─▶ buffers ─ accessor ─ read ─▶ parts
@@ -34,32 +33,40 @@
 //!
 //! # Complexity
 //! Linear time. The file's bytes are kept once, plus 12 bytes per vertex for each `POSITION` accessor, 12 bytes per
-//! triangle, and the other attributes in their own width. [`DECODED_LIMIT`] bounds what is decoded.
+//! triangle, and the other attributes in their own width. [`GEOMETRY_LIMIT`], [`ATTRIBUTE_LIMIT`] and [`TRIANGLE_LIMIT`] bound what is decoded beyond
+//! what the bytes pay for. Primitives with the same indices are decoded once.
 
 mod accessor;
+mod budget;
 mod buffer;
+#[cfg(feature = "fs")]
+mod buffer_files;
 mod build;
 mod container;
 mod document;
 mod index;
+mod json;
 mod keep;
 mod permute;
 mod read;
 mod references;
 pub(crate) mod reorder;
 pub(crate) mod scene;
+mod shared_bytes;
 mod spec;
+mod triangles;
 
-use serde_json::{Map, Value};
+use self::json::{Members, Value};
 use tristrip::Layout;
 
 use crate::error::Error;
 use crate::model::{Drawing, Model};
 
-pub use accessor::DECODED_LIMIT;
+pub use budget::{ATTRIBUTE_LIMIT, GEOMETRY_LIMIT, TRIANGLE_LIMIT, TRIANGLES_PER_PRIMITIVE};
 pub use build::losses;
 pub use document::JSON_VALUE_LIMIT;
 pub use read::read;
+pub(crate) use read::read_in_folders;
 pub use scene::Scene;
 
 /// Checks whether a model's document has vertex data that the meshes of its parts do not hold: morph targets, and
@@ -72,11 +79,11 @@ pub use scene::Scene;
 /// ```
 pub fn has_unread_vertex_values(model: &Model) -> bool {
     let Some(scene) = &model.scene else { return false };
-    let meshes = document::array(&scene.root, "meshes").unwrap_or_default();
+    let meshes = document::array(&scene.document.root, "meshes").unwrap_or_default();
     scene.primitives.iter().zip(&model.parts).any(|(source, part)| {
         let Some(mesh) = meshes.get(source.mesh) else { return false };
         document::items(mesh, "primitives").get(source.primitive).is_some_and(|primitive| {
-            let attributes = primitive.get("attributes").and_then(Value::as_object).map_or(0, Map::len);
+            let attributes = primitive.get("attributes").and_then(Value::as_object).map_or(0, Members::len);
             // The position is an attribute of the primitive, but not one of the mesh.
             !document::items(primitive, "targets").is_empty() || attributes > part.mesh.attributes().len() + 1
         })

@@ -8,7 +8,7 @@ use tristrip::{Attribute, AttributeData, Mesh};
 
 use crate::error::Error;
 use crate::gltf::scene::Scene;
-use crate::model::Model;
+use crate::model::{Drawing, Model, Part};
 
 /// The vertices of all parts, one block after the other.
 #[derive(Debug)]
@@ -53,6 +53,15 @@ fn same_vertices(a: &Mesh, b: &Mesh) -> bool {
     a.shares_vertices(b) || (a.vertex_count() == b.vertex_count() && a.attributes() == b.attributes())
 }
 
+/// Iterates over the parts that are drawn by their faces, not by strips.
+pub(crate) fn drawn_by_faces<'a>(
+    model: &'a Model,
+    drawings: &[Drawing<'_>],
+) -> impl Iterator<Item = &'a Part> {
+    let drawn = model.parts.iter().zip(drawings);
+    drawn.filter(|(_, drawing)| matches!(drawing, Drawing::Faces)).map(|(part, _)| part)
+}
+
 /// Lists the content of the scene, for formats that hold only parts.
 pub(crate) fn scene_losses(model: &Model) -> impl Iterator<Item = String> {
     let scene = model.scene.iter().flat_map(Scene::beyond_parts);
@@ -92,7 +101,6 @@ pub(crate) fn clean(name: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::Part;
     use tristrip::Faces;
 
     fn part(mesh: &Mesh) -> Part {

@@ -12,6 +12,9 @@
 //! never to a count that they state. Its errors name the position in the file, what was found and what was expected. A
 //! reader counts what it drops in [`Model::notes`]; [`losses`] lists what a writer has to drop.
 //!
+//! Files are touched only under the feature `fs`, which is on by default. Without it, bytes are read and written, and the crate
+//! compiles for `wasm32-unknown-unknown`.
+//!
 //! ```
 //! use tristrip_io::{Drawing, Format, read, write};
 //! let model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Format::Obj)?;
@@ -26,9 +29,11 @@ pub mod error;
 mod format;
 pub mod gltf;
 mod join;
+mod le_bytes;
 pub mod model;
 mod obj;
 mod off;
+#[cfg(feature = "fs")]
 mod path;
 mod ply;
 mod polygons;
@@ -43,6 +48,7 @@ pub use any_format::{losses, read, write};
 pub use error::Error;
 pub use format::Format;
 pub use model::{Drawing, Model, Part, StoredStrips};
+#[cfg(feature = "fs")]
 pub use path::{read_path, replace_file, write_path};
 pub use redraw::{Redrawn, with_triangles};
 pub use reorder::{Reordered, reorder};

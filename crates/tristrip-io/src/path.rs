@@ -7,12 +7,14 @@ use std::path::{Path, PathBuf};
 
 use tristrip::Layout;
 
-use crate::any_format::{read_in_folder, write};
+use crate::any_format::{read_in_folders, write};
 use crate::error::Error;
 use crate::format::Format;
 use crate::model::{Drawing, Model};
 
-/// Reads a model from a file, in the format of its extension, or of its content if the extension is unknown.
+/// Reads a model from a file, in the format of its extension, or of its content if the extension is unknown. The separate
+/// buffers of a `.gltf` are looked for in the folder of the path and, where that is a link, then in the folder of the file
+/// that it leads to; never outside these.
 ///
 /// # Errors
 /// The file cannot be read, and the errors of [`read`](crate::read).
@@ -32,7 +34,10 @@ pub fn read_path(path: impl AsRef<Path>) -> Result<Model, Error> {
     }
     let bytes = fs::read(path).map_err(io_error)?;
     let format = Format::from_path(path).unwrap_or_else(|| Format::from_bytes(&bytes));
-    read_in_folder(&bytes, format, Some(path.parent().unwrap_or(Path::new(""))))
+    // A pipe has no folder of its own.
+    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
+    let folders: Vec<&Path> = [path, &target].into_iter().filter_map(Path::parent).collect();
+    read_in_folders(bytes.into(), format, &folders)
 }
 
 /// Writes a model to a file in the format of its extension, with [`write()`] and [`replace_file`].

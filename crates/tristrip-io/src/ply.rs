@@ -23,6 +23,7 @@
 //! One pass; only the file's bytes and the arrays of the result are held.
 
 mod columns;
+mod fixed_rows;
 mod header;
 mod read;
 mod rows;

@@ -19,9 +19,19 @@ impl Polygons {
         Self { corners: Vec::with_capacity(corner_count), ..Self::default() }
     }
 
+    /// Reserves capacity for more corners; the caller has checked that the file can hold them.
+    pub(crate) fn reserve(&mut self, corner_count: usize) {
+        self.corners.reserve(corner_count);
+    }
+
     /// Adds a corner to the current face.
     pub(crate) fn push(&mut self, vertex: u32) {
         self.corners.push(vertex);
+    }
+
+    /// Adds corners to the current face.
+    pub(crate) fn extend(&mut self, vertices: impl Iterator<Item = u32>) {
+        self.corners.extend(vertices);
     }
 
     /// Ends the current face.

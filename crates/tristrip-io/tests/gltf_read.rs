@@ -247,6 +247,87 @@ fn names_the_compression_that_it_cannot_read() {
 }
 
 #[test]
+fn names_the_extension_whose_absence_makes_a_file_unreadable() {
+    // As gltfpack writes it: the second buffer exists only after decompression.
+    for (name, required) in [("EXT_meshopt_compression", true), ("KHR_meshopt_compression", false)] {
+        let mut draft = one(U8, &[0, 1, 2], LIST);
+        let fallback = json!({ "byteLength": 400, "extensions": { name: { "fallback": true } } });
+        push(&mut draft.json["buffers"], fallback);
+        draft.json["bufferViews"][0]["extensions"] = json!({ name: { "buffer": 0, "byteLength": 8 } });
+        draft.json["bufferViews"][0]["buffer"] = 1.into();
+        draft.json[if required { "extensionsRequired" } else { "extensionsUsed" }] = json!([name]);
+        let error = gltf::read(draft.glb(), None).unwrap_err();
+        assert_eq!(error.to_string(), format!("bufferViews[0]: {name} is not supported"));
+    }
+    let mut draft = one(U8, &[0, 1, 2], LIST);
+    draft.json["extensionsRequired"] =
+        json!(["KHR_materials_unlit", "VENDOR_geometry", "KHR_mesh_quantization"]);
+    assert!(gltf::read(draft.glb(), None).is_ok());
+    draft.json["meshes"][0]["primitives"][0]["attributes"] = json!({});
+    let error = gltf::read(draft.glb(), None).unwrap_err();
+    let place = "meshes[0].primitives[0].attributes.POSITION: found nothing, expected a value";
+    let expected = format!("{place}; the file requires VENDOR_geometry, which is not supported");
+    assert_eq!(error.to_string(), expected);
+}
+
+#[test]
+fn json_padded_with_zeros_or_with_a_byte_order_mark_is_read() {
+    let draft = one(U8, &[0, 1, 2], LIST);
+    let glb = draft.glb();
+    let length = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
+    let json = glb[20..20 + length].trim_ascii_end();
+    for (before, after) in [("\u{feff}", ""), ("", "\0\0\0"), ("\u{feff} ", " \0\n \0")] {
+        let text = [before.as_bytes(), json, after.as_bytes()].concat();
+        let model = gltf::read(glb_of(&text, Some(&draft.bin)), None).unwrap();
+        assert_eq!(triangles(&model, 0), [[0, 1, 2]]);
+        let gltf = [before.as_bytes(), &draft.gltf(), after.as_bytes()].concat();
+        assert_eq!(triangles(&gltf::read(gltf, None).unwrap(), 0), [[0, 1, 2]]);
+    }
+    let error = gltf::read(glb_of(b"\0{}", None), None).unwrap_err().to_string();
+    assert_eq!(error, "JSON line 1, column 1: found expected value, expected JSON");
+}
+
+#[cfg(unix)]
+#[test]
+fn a_document_behind_a_link_finds_its_buffers() {
+    use std::os::unix::fs::symlink;
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    for name in ["real/sub", "links/sub", "outside"] {
+        std::fs::create_dir_all(at(name)).unwrap();
+    }
+    let mut draft = Draft::new();
+    let positions = draft.positions(&bent(3));
+    draft.primitive(positions, None, LIST);
+    draft.json["buffers"][0] = json!({ "byteLength": draft.bin.len(), "uri": "sub/a.bin" });
+    std::fs::write(at("real/scene.gltf"), serde_json::to_vec(&draft.json).unwrap()).unwrap();
+    std::fs::write(at("real/sub/a.bin"), &draft.bin).unwrap();
+    symlink(at("real/scene.gltf"), at("links/scene.gltf")).unwrap();
+    let first = || {
+        tristrip_io::read_path(at("links/scene.gltf")).map(|m| m.parts[0].mesh.positions()[0][0].to_bits())
+    };
+    // 1. Beside the file that the link leads to.
+    assert_eq!(first().unwrap(), 0);
+    // 2. Beside the link comes before it; a buffer may be a link, too, into either folder.
+    symlink(at("real/sub/a.bin"), at("links/sub/a.bin")).unwrap();
+    assert_eq!(first().unwrap(), 0);
+    std::fs::remove_file(at("links/sub/a.bin")).unwrap();
+    std::fs::write(at("links/sub/a.bin"), floats(&[7.0; 9])).unwrap();
+    assert_eq!(first().unwrap(), 7.0_f32.to_bits());
+    // 3. Never outside both.
+    std::fs::remove_file(at("links/sub/a.bin")).unwrap();
+    std::fs::write(at("outside/a.bin"), &draft.bin).unwrap();
+    symlink(at("outside/a.bin"), at("links/sub/a.bin")).unwrap();
+    let error = first().unwrap_err().to_string();
+    assert!(error.ends_with("expected a data URI, or a file in the folder of the document"), "{error}");
+    // 4. A missing file is named beside the link.
+    std::fs::remove_file(at("links/sub/a.bin")).unwrap();
+    std::fs::remove_file(at("real/sub/a.bin")).unwrap();
+    let error = first().unwrap_err().to_string();
+    assert!(error.contains("links/sub/a.bin: "), "{error}");
+}
+
+#[test]
 fn many_primitives_over_one_accessor_stay_small() {
     let mut draft = Draft::new();
     let positions = draft.positions(&bent(1000));

@@ -462,7 +462,7 @@ fn writes_attributes_under_valid_names() {
     ]);
     let model = model_of([good, bad]);
     assert_eq!(
-        gltf::losses(&model),
+        gltf::losses(&model, &[Drawing::Faces; 2]),
         [
             "attribute `COLOR_01` written as `_COLOR_01`: 1",
             "attribute `COLOR_0` written as `_COLOR_0`: 1",
@@ -509,7 +509,7 @@ fn parts_that_share_positions_share_them_in_the_file() {
     assert_eq!(json["meshes"][1]["primitives"][0]["material"], 0);
     assert_eq!(json["nodes"], json!([{ "name": "a", "mesh": 0 }, { "name": "b", "mesh": 1 }]));
     assert_eq!(json["materials"], json!([{ "name": "m" }, { "name": "n" }]));
-    assert_eq!(gltf::losses(&model), ["polygons, cut into fans where they are not drawn as strips: 1"]);
+    assert_eq!(gltf::losses(&model, &[Drawing::Faces; 3]), ["polygons cut into fans: 1"]);
     let back = gltf::read(glb.clone(), None).unwrap();
     assert_eq!(triangles(&back, 1), [[7, 9, 8], [6, 9, 7]]);
     validate("parts_that_share", &[("shared.glb".into(), glb)]);

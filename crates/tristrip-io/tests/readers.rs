@@ -151,3 +151,87 @@ fn ply_rows_may_wrap_and_lists_may_be_anywhere() {
         ["values of face property `red` dropped: 2", "values of face property `uv` dropped: 2"]
     );
 }
+
+/// A PLY file from rows of numbers, each with its type.
+fn ply(encoding: &str, vertices: &[[f64; 8]], lists: &[(&str, Vec<f64>)]) -> Vec<u8> {
+    let kinds = ["float", "double", "short", "uchar", "float", "float", "float", "int"];
+    let names = ["x", "y", "z", "tag", "nx", "ny", "nz", "id"];
+    let mut header = format!("ply\nformat {encoding} 1.0\nelement vertex {}\n", vertices.len());
+    header.extend(kinds.iter().zip(names).map(|(kind, name)| format!("property {kind} {name}\n")));
+    for name in ["face", "tristrips"] {
+        let rows = lists.iter().filter(|(element, _)| *element == name).count();
+        let count = if name == "face" { "uchar" } else { "int" };
+        let element = format!("element {name} {rows}\nproperty list {count} int vertex_indices\n");
+        header.push_str(&element);
+    }
+    let mut out = (header + "end_header\n").into_bytes();
+    let mut put = |kind: &str, value: f64, end: &str| {
+        let mut bytes = match kind {
+            "float" => (value as f32).to_le_bytes().to_vec(),
+            "double" => value.to_le_bytes().to_vec(),
+            "short" => (value as i16).to_le_bytes().to_vec(),
+            "uchar" => (value as i16).to_le_bytes()[..1].to_vec(),
+            _ => (value as i32).to_le_bytes().to_vec(),
+        };
+        match encoding {
+            "ascii" => bytes = format!("{value}{end}").into_bytes(),
+            "binary_big_endian" => bytes.reverse(),
+            _ => {}
+        }
+        out.extend(bytes);
+    };
+    for row in vertices {
+        for (i, (kind, &value)) in kinds.iter().zip(row).enumerate() {
+            put(kind, value, if i == 7 { "\n" } else { " " });
+        }
+    }
+    for element in ["face", "tristrips"] {
+        for (_, list) in lists.iter().filter(|(name, _)| *name == element) {
+            let end = |i: usize| if i == list.len() { "\n" } else { " " };
+            put(if element == "face" { "uchar" } else { "int" }, list.len() as f64, end(0));
+            (1..).zip(list).for_each(|(i, &value)| put("int", value, end(i)));
+        }
+    }
+    out
+}
+
+#[test]
+fn ply_means_the_same_in_text_and_in_both_byte_orders() {
+    let mut vertices = vec![[0.5, 0.1, -7.0, 250.0, 0.0, 1.0, 0.25, -9.0]; 5];
+    vertices[2][4] = f64::NAN;
+    let triangle = || ("face", vec![0.0, 1.0, 2.0]);
+    let faces =
+        vec![triangle(), triangle(), ("face", vec![4.0, 3.0, 2.0, 1.0]), ("face", vec![]), triangle()];
+    let strips =
+        vec![("tristrips", vec![-1.0, 0.0, 1.0, 2.0, 3.0, -1.0, -1.0, 4.0, 1.0]), ("tristrips", vec![])];
+    let load = |encoding: &str, vertices: &[[f64; 8]], lists: &[(&str, Vec<f64>)]| {
+        read(&ply(encoding, vertices, lists), Format::Ply)
+    };
+    for lists in [faces.clone(), strips] {
+        let text = load("ascii", &vertices, &lists).unwrap();
+        let expected =
+            ["vertices rounded to 32-bit floats: 5", "values of NORMAL not finite, replaced by 0: 1"];
+        assert_eq!(text.notes[..2], expected);
+        for encoding in ["binary_little_endian", "binary_big_endian"] {
+            let model = load(encoding, &vertices, &lists).unwrap();
+            assert_eq!(model.parts[0].mesh, text.parts[0].mesh);
+            assert_eq!((&model.notes, &model.parts[0].stored), (&text.notes, &text.parts[0].stored));
+        }
+    }
+    // What was found is the same, too; only the place differs.
+    let what = |encoding: &str, vertices: &[[f64; 8]], lists: &[(&str, Vec<f64>)]| {
+        let message = load(encoding, vertices, lists).unwrap_err().to_string();
+        message.split_once(": ").unwrap().1.to_owned()
+    };
+    let mut infinite = vertices.clone();
+    infinite[3][1] = f64::INFINITY;
+    for encoding in ["ascii", "binary_little_endian", "binary_big_endian"] {
+        let expected = "found inf, expected a finite 32-bit number for `y`";
+        assert_eq!(what(encoding, &infinite, &faces), expected, "{encoding}");
+        for (name, index) in [("face", 5), ("face", -2), ("tristrips", 5), ("tristrips", -2)] {
+            let lists = [triangle(), (name, vec![0.0, 1.0, f64::from(index)])];
+            let expected = format!("found vertex index {index}, expected 0 or more, below 5");
+            assert_eq!(what(encoding, &vertices, &lists), expected, "{encoding}");
+        }
+    }
+}

@@ -231,7 +231,7 @@ fn losses_list_what_a_format_cannot_hold() {
         .with_attribute(attribute("COLOR_0", 4, true, AttributeData::U16(vec![9; 8])))
         .unwrap();
     assert_eq!(
-        losses(&model(mesh.clone()), Format::Obj),
+        losses(&model(mesh.clone()), &[Drawing::Faces], Format::Obj),
         [
             "attribute _ID not written",
             "alpha of COLOR_0 not written",
@@ -242,7 +242,7 @@ fn losses_list_what_a_format_cannot_hold() {
     let mut two = model(mesh);
     two.parts.push(bare);
     assert_eq!(
-        losses(&two, Format::Ply),
+        losses(&two, &[Drawing::Faces; 2], Format::Ply),
         [
             "parts joined into one: 2",
             "attribute _ID not written: some parts lack it",
@@ -256,17 +256,25 @@ fn losses_include_the_scene() {
     let json = br#"{"asset":{"version":"2.0"},"nodes":[{"scale":[2,2,2]}],"cameras":[{}]}"#;
     let scene = read(json, Format::Gltf).unwrap();
     let beyond = ["not written: nodes with a transform: 1", "not written: cameras: 1"];
-    assert_eq!(losses(&scene, Format::Ply), beyond);
-    assert_eq!(losses(&scene, Format::Obj), beyond);
-    assert!(losses(&scene, Format::Glb).is_empty());
-    let obj = write(&scene, &[], Format::Obj, Layout::List).unwrap();
-    assert!(obj.starts_with(b"# not written: nodes with a transform: 1\n"));
+    assert_eq!(losses(&scene, &[], Format::Ply), beyond);
+    assert_eq!(losses(&scene, &[], Format::Obj), beyond);
+    assert!(losses(&scene, &[], Format::Glb).is_empty());
+    let ply = write(&scene, &[], Format::Ply, Layout::List).unwrap();
+    assert!(String::from_utf8_lossy(&ply).contains("\ncomment not written: nodes with a transform: 1\n"));
+}
+
+#[test]
+fn losses_know_which_parts_are_drawn_by_strips() {
     let quad = Faces::from_polygons([[0, 1, 2, 3]]).unwrap();
     let polygons = model(Mesh::new(vec![[0.0; 3]; 4], quad).unwrap());
-    assert_eq!(
-        losses(&polygons, Format::Glb),
-        ["polygons, cut into fans where they are not drawn as strips: 1"]
-    );
+    let mut strips = Strips::default();
+    strips.push(&[0, 1, 3, 2]);
+    assert_eq!(losses(&polygons, &[Drawing::Faces], Format::Glb), ["polygons cut into fans: 1"]);
+    assert!(losses(&polygons, &[Drawing::Strips(&strips)], Format::Glb).is_empty());
+    let small = model(Mesh::new(vec![[0.0; 3]; 2], Faces::from_polygons([[0, 1]]).unwrap()).unwrap());
+    let note = ["faces of fewer than three corners not written: 1"];
+    assert_eq!(losses(&small, &[Drawing::Faces], Format::Obj), note);
+    assert!(losses(&small, &[Drawing::Strips(&Strips::default())], Format::Obj).is_empty());
 }
 
 #[test]

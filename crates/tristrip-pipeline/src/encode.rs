@@ -153,7 +153,7 @@ pub fn encode_observed(
         faces = Some(proven);
     }
     let written = reordered.as_ref().map_or(model, |moved| &moved.model);
-    let losses = tristrip_io::losses(written, format);
+    let losses = tristrip_io::losses(written, drawings, format);
     Ok(Encoded { bytes, faces, groups: reordered.map(|moved| moved.groups), notes, losses })
 }
 

@@ -73,6 +73,19 @@ fn losses_of_a_format_are_reported() {
 }
 
 #[test]
+fn polygons_are_cut_into_fans_only_where_no_strips_draw_them() {
+    let dir = tempfile::tempdir().unwrap();
+    let quad = dir.path().join("quad.obj");
+    fs::write(&quad, "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n").unwrap();
+    let notes = |command: &str| {
+        let output = dir.path().join("quad.glb");
+        json(tristrip().args([command, "--json"]).arg(&quad).arg("-o").arg(output))["notes"].to_string()
+    };
+    assert!(notes("convert").contains("polygons cut into fans: 1"), "{}", notes("convert"));
+    assert!(!notes("strip").contains("polygons"), "{}", notes("strip"));
+}
+
+#[test]
 fn strips_stay_strips_without_a_layout() {
     let dir = tempfile::tempdir().unwrap();
     let path = |name: &str| dir.path().join(name);

@@ -1,18 +1,13 @@
 //! Accessors: the byte ranges of their values in the buffers, checked once, and decoded into arrays within a budget.
 
-use serde_json::{Map, Value};
 use tristrip::AttributeData;
 
-use super::buffer::SharedBytes;
+use super::budget::DecodeBudget;
 use super::document::{Located, uses};
+use super::json::Members;
+use super::shared_bytes::SharedBytes;
+use super::spec::QUANTIZATION;
 use crate::error::Error;
-
-/// The number of bytes that positions and indices of any file may take when decoded; 16 for each byte of its buffers are
-/// added.
-pub const DECODED_LIMIT: u64 = 64 << 20;
-
-/// The extension that allows integer positions.
-const QUANTIZATION: &str = "KHR_mesh_quantization";
 
 /// The largest `byteStride` that the specification allows.
 const MAX_STRIDE: usize = 252;
@@ -61,42 +56,9 @@ impl ComponentType {
     }
 }
 
-/// A limit on the bytes that are decoded.
-pub(super) struct DecodeBudget {
-    limit: u64,
-    used: u64,
-}
-
-impl DecodeBudget {
-    /// Allows `factor` bytes per byte of the buffers, plus [`DECODED_LIMIT`].
-    pub(super) fn new(buffers: &[SharedBytes], factor: u64) -> Self {
-        let input: u64 = buffers.iter().map(|b| b.len() as u64).sum();
-        Self { limit: DECODED_LIMIT.saturating_add(input.saturating_mul(factor)), used: 0 }
-    }
-
-    /// Charges `count` values to the budget.
-    ///
-    /// # Errors
-    /// The budget is exceeded; `at` says what was to be decoded.
-    pub(super) fn charge(&mut self, at: &str, count: usize, bytes_each: usize) -> Result<(), Error> {
-        let used = self.used.saturating_add((count as u64).saturating_mul(bytes_each as u64));
-        if used > self.limit {
-            let at = format!("{at}, bytes decoded so far");
-            return Err(Error::LimitExceeded { at, found: used, limit: self.limit });
-        }
-        self.used = used;
-        Ok(())
-    }
-
-    /// Charges `count` values to the budget if it has room for them, and returns whether it has.
-    pub(super) fn try_charge(&mut self, count: usize, bytes_each: usize) -> bool {
-        self.charge("", count, bytes_each).is_ok()
-    }
-}
-
 /// A document and its buffers: finds the bytes that accessors refer to.
 pub(super) struct AccessorResolver<'a> {
-    pub(super) root: &'a Map<String, Value>,
+    pub(super) root: &'a Members,
     pub(super) buffers: &'a [SharedBytes],
 }
 
@@ -120,8 +82,16 @@ pub(super) struct AccessorValues<'a> {
     pub(super) normalized: bool,
     /// `None` for zeros.
     base: Option<(&'a [u8], usize)>,
-    /// The indices of the values that are replaced, ascending, and the new values.
-    sparse: Option<(Vec<u32>, &'a [u8])>,
+    sparse: Option<SparseValues<'a>>,
+}
+
+/// The values that are replaced; their indices have not been decoded.
+struct SparseValues<'a> {
+    /// The JSON path of the indices.
+    at: String,
+    component: ComponentType,
+    indices: &'a [u8],
+    values: &'a [u8],
 }
 
 impl<'a> AccessorResolver<'a> {
@@ -224,12 +194,7 @@ impl<'a> AccessorResolver<'a> {
         }
     }
 
-    fn sparse(
-        &self,
-        sparse: &Located<'a>,
-        element: usize,
-        count: usize,
-    ) -> Result<(Vec<u32>, &'a [u8]), Error> {
+    fn sparse(&self, sparse: &Located<'a>, element: usize, count: usize) -> Result<SparseValues<'a>, Error> {
         let count_at = sparse.need("count")?;
         let sparse_count = count_at.size()?;
         if sparse_count == 0 || sparse_count > count {
@@ -246,56 +211,71 @@ impl<'a> AccessorResolver<'a> {
             self.strided(array, &array.need("bufferView")?, offset, element, sparse_count)
         };
         let (bytes, _) = bytes_of(&indices, component.bytes())?;
-        let mut replaced = Vec::with_capacity(sparse_count);
-        for (i, raw) in bytes.chunks_exact(component.bytes()).take(sparse_count).enumerate() {
-            let index = index_of(component, raw);
+        let (values, _) = bytes_of(&sparse.need("values")?, element)?;
+        let (indices, at) = (&bytes[..sparse_count * component.bytes()], indices.at);
+        Ok(SparseValues { at, component, indices, values: &values[..sparse_count * element] })
+    }
+}
+
+impl SparseValues<'_> {
+    /// Decodes the indices, ascending and below `count`.
+    fn indices(&self, count: usize) -> Result<Vec<u32>, Error> {
+        let mut replaced = Vec::with_capacity(self.indices.len() / self.component.bytes());
+        for (i, raw) in self.indices.chunks_exact(self.component.bytes()).enumerate() {
+            let index = index_of(self.component, raw);
             if index as usize >= count || replaced.last().is_some_and(|&last| index <= last) {
                 return Err(Error::format(
-                    format!("{}, index {i}", indices.at),
+                    format!("{}, index {i}", self.at),
                     index.to_string(),
                     format!("ascending indices below {count}"),
                 ));
             }
             replaced.push(index);
         }
-        let (values, _) = bytes_of(&sparse.need("values")?, element)?;
-        Ok((replaced, &values[..sparse_count * element]))
+        Ok(replaced)
     }
 }
 
 impl AccessorValues<'_> {
-    /// Decodes all values; each value has `per` numbers of type `T`.
-    fn decode<T: Copy>(&self, per: usize, push: impl Fn(&[u8], &mut Vec<T>)) -> Vec<T> {
-        let element = self.element;
+    /// Checks the indices of the values that are replaced.
+    pub(super) fn check_sparse_indices(&self) -> Result<(), Error> {
+        self.sparse.as_ref().map_or(Ok(()), |sparse| sparse.indices(self.count).map(drop))
+    }
+
+    /// Decodes all values, each of `per` items of `N` bytes.
+    fn decode<T: Copy, const N: usize>(
+        &self,
+        per: usize,
+        read: impl Fn([u8; N]) -> T,
+    ) -> Result<Vec<T>, Error> {
+        let append = |raw: &[u8], out: &mut Vec<T>| {
+            out.extend(raw.as_chunks::<N>().0.iter().map(|&item| read(item)));
+        };
         let mut out = Vec::with_capacity(self.count * per);
         match self.base {
-            Some((bytes, stride)) if stride == element => {
-                bytes.chunks_exact(element).take(self.count).for_each(|raw| push(raw, &mut out));
-            }
+            Some((bytes, stride)) if stride == per * N => append(&bytes[..self.count * stride], &mut out),
             Some((bytes, stride)) => {
-                bytes.chunks(stride).take(self.count).for_each(|raw| push(&raw[..element], &mut out));
+                let values = bytes.chunks(stride).take(self.count);
+                values.for_each(|value| append(&value[..per * N], &mut out));
             }
-            None => {
-                let zeros = [0; 64];
-                (0..self.count).for_each(|_| push(&zeros[..element], &mut out));
-            }
+            None => out.resize(self.count * per, read([0; N])),
         }
-        if let Some((replaced, values)) = &self.sparse {
+        if let Some(sparse) = &self.sparse {
             let mut one = Vec::with_capacity(per);
-            for (&index, raw) in replaced.iter().zip(values.chunks_exact(element)) {
+            let replaced = sparse.indices(self.count)?;
+            for (index, raw) in replaced.into_iter().zip(sparse.values.chunks_exact(self.element)) {
                 one.clear();
-                push(raw, &mut one);
-                let at = index as usize * per;
-                out[at..at + per].copy_from_slice(&one);
+                append(raw, &mut one);
+                out[index as usize * per..][..per].copy_from_slice(&one);
             }
         }
-        out
+        Ok(out)
     }
 
     /// Decodes positions; integers are allowed under `KHR_mesh_quantization`.
     pub(super) fn positions(
         &self,
-        root: &Map<String, Value>,
+        root: &Members,
         budget: &mut DecodeBudget,
     ) -> Result<Vec<[f32; 3]>, Error> {
         if self.components != 3 {
@@ -321,23 +301,22 @@ impl AccessorValues<'_> {
             (true, ComponentType::U16) => 65535.0,
             _ => 1.0,
         };
+        let signed = |x: f32| (x / scale).max(lowest(scale));
         let out = match self.component {
-            ComponentType::F32 => self.decode(1, |raw, out| out.push(vector(raw, f32_of))),
-            ComponentType::I8 => self.decode(1, |raw, out| {
-                out.push(vector(raw, |b: [u8; 1]| {
-                    (f32::from(i8::from_le_bytes(b)) / scale).max(lowest(scale))
-                }));
-            }),
+            ComponentType::F32 => self.decode(1, |raw: [u8; 12]| vector(&raw, f32::from_le_bytes)),
+            ComponentType::I8 => {
+                self.decode(1, |raw: [u8; 3]| vector(&raw, |b| signed(i8::from_le_bytes(b).into())))
+            }
             ComponentType::U8 => {
-                self.decode(1, |raw, out| out.push(vector(raw, |b: [u8; 1]| f32::from(b[0]) / scale)))
+                self.decode(1, |raw: [u8; 3]| vector(&raw, |b| f32::from(u8::from_le_bytes(b)) / scale))
             }
-            ComponentType::I16 => self.decode(1, |raw, out| {
-                out.push(vector(raw, |b| (f32::from(i16::from_le_bytes(b)) / scale).max(lowest(scale))));
-            }),
+            ComponentType::I16 => {
+                self.decode(1, |raw: [u8; 6]| vector(&raw, |b| signed(i16::from_le_bytes(b).into())))
+            }
             ComponentType::U16 | ComponentType::U32 => {
-                self.decode(1, |raw, out| out.push(vector(raw, |b| f32::from(u16::from_le_bytes(b)) / scale)))
+                self.decode(1, |raw: [u8; 6]| vector(&raw, |b| f32::from(u16::from_le_bytes(b)) / scale))
             }
-        };
+        }?;
         let bad = out.iter().enumerate().find(|(_, p)| !p.iter().all(|x| x.is_finite()));
         if let Some((element, p)) = bad {
             let found = p.iter().copied().find(|x| !x.is_finite()).unwrap_or(f32::NAN);
@@ -384,13 +363,11 @@ impl AccessorValues<'_> {
             ));
         }
         budget.charge(&self.at, self.count, size_of::<u32>())?;
-        Ok(match self.component {
-            ComponentType::U8 => self.decode(1, |raw, out| out.push(u32::from(raw[0]))),
-            ComponentType::U16 => {
-                self.decode(1, |raw, out| out.push(u32::from(u16::from_le_bytes([raw[0], raw[1]]))))
-            }
-            _ => self.decode(1, |raw, out| out.push(index_of(ComponentType::U32, raw))),
-        })
+        match self.component {
+            ComponentType::U8 => self.decode(1, |b| u8::from_le_bytes(b).into()),
+            ComponentType::U16 => self.decode(1, |b| u16::from_le_bytes(b).into()),
+            _ => self.decode(1, u32::from_le_bytes),
+        }
     }
 
     fn check_indices(
@@ -399,7 +376,11 @@ impl AccessorValues<'_> {
         vertex_count: usize,
         is_restart: impl Fn(u32) -> bool,
     ) -> Result<(), Error> {
-        let is_valid = |i: u32| (i as usize) < vertex_count || is_restart(i);
+        let is_valid = |i: u32| ((i as usize) < vertex_count) | is_restart(i);
+        // Without an early end, and so several at a time; a second pass finds the place.
+        if indices.iter().fold(true, |all, &i| all & is_valid(i)) {
+            return Ok(());
+        }
         match indices.iter().enumerate().find(|&(_, &i)| !is_valid(i)) {
             None => Ok(()),
             Some((element, found)) => Err(Error::format(
@@ -411,21 +392,15 @@ impl AccessorValues<'_> {
     }
 
     /// Decodes the values of any attribute.
-    pub(super) fn attribute(&self) -> AttributeData {
+    pub(super) fn attribute(&self) -> Result<AttributeData, Error> {
         let per = self.components;
-        match self.component {
-            ComponentType::I8 => AttributeData::I8(self.flat(per, i8::from_le_bytes)),
-            ComponentType::U8 => AttributeData::U8(self.flat(per, u8::from_le_bytes)),
-            ComponentType::I16 => AttributeData::I16(self.flat(per, i16::from_le_bytes)),
-            ComponentType::U16 => AttributeData::U16(self.flat(per, u16::from_le_bytes)),
-            ComponentType::U32 => AttributeData::U32(self.flat(per, u32::from_le_bytes)),
-            ComponentType::F32 => AttributeData::F32(self.flat(per, f32::from_le_bytes)),
-        }
-    }
-
-    fn flat<const N: usize, T: Copy>(&self, per: usize, read: impl Fn([u8; N]) -> T) -> Vec<T> {
-        self.decode(per, |raw, out| {
-            out.extend(raw.as_chunks::<N>().0.iter().map(|&b| read(b)));
+        Ok(match self.component {
+            ComponentType::I8 => AttributeData::I8(self.decode(per, i8::from_le_bytes)?),
+            ComponentType::U8 => AttributeData::U8(self.decode(per, u8::from_le_bytes)?),
+            ComponentType::I16 => AttributeData::I16(self.decode(per, i16::from_le_bytes)?),
+            ComponentType::U16 => AttributeData::U16(self.decode(per, u16::from_le_bytes)?),
+            ComponentType::U32 => AttributeData::U32(self.decode(per, u32::from_le_bytes)?),
+            ComponentType::F32 => AttributeData::F32(self.decode(per, f32::from_le_bytes)?),
         })
     }
 }
@@ -464,10 +439,6 @@ pub(super) fn check_views(source: &AccessorResolver<'_>) -> Result<(), Error> {
 /// Returns the lowest value that a signed integer can represent: normalized ones are clamped to −1.
 fn lowest(scale: f32) -> f32 {
     if scale > 1.0 { -1.0 } else { f32::MIN }
-}
-
-fn f32_of(raw: [u8; 4]) -> f32 {
-    f32::from_le_bytes(raw)
 }
 
 /// Reads three components; the raw value must have at least three.

@@ -1,17 +1,18 @@
-//! The buffers of a document: the GLB's own bytes, data URIs, and files in the document's folder, never outside it.
+//! The buffers of a document: the GLB's own bytes, data URIs, and files.
 
-use std::collections::HashMap;
-use std::io::Read;
 use std::ops::Range;
-use std::path::{Component, Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use base64::Engine;
 use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
-use serde_json::{Map, Value};
 
-use super::document::Located;
+#[cfg(feature = "fs")]
+use super::buffer_files::BufferFiles;
+use super::document::{Document, Located, list_mut};
+use super::json::Value;
+use super::shared_bytes::{SharedBytes, whole_of};
 use crate::error::Error;
 
 const BASE64: GeneralPurpose = GeneralPurpose::new(
@@ -19,46 +20,17 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
     GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
 );
 
-/// A range of bytes that are shared, never copied.
-#[derive(Clone, Default)]
-pub(super) struct SharedBytes {
-    owner: Arc<Vec<u8>>,
-    range: Range<usize>,
-}
-
-impl SharedBytes {
-    pub(super) fn as_slice(&self) -> &[u8] {
-        &self.owner[self.range.clone()]
-    }
-
-    pub(super) fn len(&self) -> usize {
-        self.range.len()
-    }
-}
-
-impl From<Vec<u8>> for SharedBytes {
-    fn from(bytes: Vec<u8>) -> Self {
-        let (owner, range) = whole_of(Arc::new(bytes));
-        Self { owner, range }
-    }
-}
-
-impl std::fmt::Debug for SharedBytes {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "SharedBytes({})", self.len())
-    }
-}
-
 /// Loads every buffer, and removes the `uri` of each from the document: the bytes are kept, not their text.
 pub(super) fn load(
-    root: &mut Map<String, Value>,
+    document: &mut Document,
     file: &Arc<Vec<u8>>,
     bin: Option<&Range<usize>>,
-    base_dir: Option<&Path>,
+    folders: &[&Path],
 ) -> Result<Vec<SharedBytes>, Error> {
     let mut buffers = Vec::new();
-    let mut files: HashMap<PathBuf, Arc<Vec<u8>>> = HashMap::new();
-    for (index, buffer) in Located::entries(root, "buffers")?.enumerate() {
+    #[cfg_attr(not(feature = "fs"), allow(unused_mut, reason = "only files are remembered"))]
+    let mut files = BufferFiles::new(folders);
+    for (index, buffer) in Located::entries(&document.root, "buffers")?.enumerate() {
         let length_at = buffer.need("byteLength")?;
         let length = length_at.size()?;
         let (owner, range) = match buffer.field("uri") {
@@ -71,7 +43,7 @@ pub(super) fn load(
             },
             Some(uri) => whole_of(match uri.text()?.strip_prefix("data:") {
                 Some(data) => Arc::new(decode_data_uri(&uri, data)?),
-                None => load_file(&uri, base_dir, &mut files)?,
+                None => files.load(&uri)?,
             }),
         };
         if range.len() < length {
@@ -80,17 +52,10 @@ pub(super) fn load(
         }
         buffers.push(SharedBytes { owner, range: range.start..range.start + length });
     }
-    if let Some(Value::Array(entries)) = root.get_mut("buffers") {
-        for entry in entries.iter_mut().filter_map(Value::as_object_mut) {
-            entry.shift_remove("uri");
-        }
+    if !buffers.is_empty() {
+        remove_uris(document)?;
     }
     Ok(buffers)
-}
-
-fn whole_of(owner: Arc<Vec<u8>>) -> (Arc<Vec<u8>>, Range<usize>) {
-    let range = 0..owner.len();
-    (owner, range)
 }
 
 fn decode_data_uri(uri: &Located<'_>, data: &str) -> Result<Vec<u8>, Error> {
@@ -102,102 +67,34 @@ fn decode_data_uri(uri: &Located<'_>, data: &str) -> Result<Vec<u8>, Error> {
         .map_err(|e| Error::format(uri.at.clone(), e.to_string().trim_end_matches('.'), "base64"))
 }
 
-/// Reads a file in the document's folder, once for all buffers that name it.
-fn load_file(
-    uri: &Located<'_>,
-    base_dir: Option<&Path>,
-    files: &mut HashMap<PathBuf, Arc<Vec<u8>>>,
-) -> Result<Arc<Vec<u8>>, Error> {
-    let text = uri.text()?;
-    let Some(relative) = relative_path(text) else {
-        return Err(uri.wrong("a data URI, or a file in the folder of the document"));
-    };
-    let Some(base_dir) = base_dir else {
-        return Err(uri.wrong("a data URI: the folder of the document is not known"));
-    };
-    // A document named without a folder is in the current one.
-    let base_dir = if base_dir.as_os_str().is_empty() { Path::new(".") } else { base_dir };
-    let io_error = |source| Error::Io { path: base_dir.join(&relative).display().to_string(), source };
-    let folder = base_dir.canonicalize().map_err(io_error)?;
-    let path = folder.join(&relative).canonicalize().map_err(io_error)?;
-    // A link may lead outside the folder although the name does not.
-    if !path.starts_with(&folder) || !path.is_file() {
-        return Err(uri.wrong("a data URI, or a file in the folder of the document"));
-    }
-    if let Some(bytes) = files.get(&path) {
-        return Ok(Arc::clone(bytes));
-    }
-    let mut bytes = Vec::new();
-    std::fs::File::open(&path).and_then(|mut f| f.read_to_end(&mut bytes)).map_err(io_error)?;
-    let bytes = Arc::new(bytes);
-    files.insert(path, Arc::clone(&bytes));
-    Ok(bytes)
-}
-
-/// Returns the path of a relative URI, if it has no `..`, root or drive.
-fn relative_path(uri: &str) -> Option<PathBuf> {
-    let decoded = percent_decode(uri)?;
-    if decoded.contains(['\\', ':', '\0']) {
-        return None;
-    }
-    let path = PathBuf::from(decoded);
-    let mut named = false;
-    for component in path.components() {
-        match component {
-            Component::Normal(_) => named = true,
-            Component::CurDir => {}
-            _ => return None,
+/// Removes the `uri` of each buffer, and the text of those that hold data.
+fn remove_uris(document: &mut Document) -> Result<(), Error> {
+    let has_uri = |buffer: &&mut Value| buffer.get("uri").is_some();
+    let mut data = false;
+    for buffer in list_mut(&mut document.root, "buffers")?.iter_mut().filter(has_uri) {
+        data |= buffer.get("uri").and_then(Value::as_str).is_some_and(|uri| uri.starts_with("data:"));
+        if let Some(members) = buffer.as_object_mut() {
+            members.remove("uri");
         }
     }
-    named.then_some(path)
-}
-
-fn percent_decode(text: &str) -> Option<String> {
-    let mut out = Vec::with_capacity(text.len());
-    let mut rest = text.as_bytes();
-    while let Some((&first, after)) = rest.split_first() {
-        if first == b'%' {
-            let digits = std::str::from_utf8(after.get(..2)?).ok()?;
-            if !digits.bytes().all(|b| b.is_ascii_hexdigit()) {
-                return None;
-            }
-            out.push(u8::from_str_radix(digits, 16).ok()?);
-            rest = &after[2..];
-        } else {
-            out.push(first);
-            rest = after;
-        }
+    if data {
+        *document = std::mem::take(document).compacted()?;
     }
-    String::from_utf8(out).ok()
+    Ok(())
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
+/// The files of a document, where no file is read.
+#[cfg(not(feature = "fs"))]
+struct BufferFiles;
 
-    #[test]
-    fn relative_paths_stay_inside_the_folder() {
-        let ok = |uri| relative_path(uri).map(|p| p.display().to_string());
-        assert_eq!(ok("a%20b/c.bin").as_deref(), Some("a b/c.bin"));
-        assert_eq!(ok("./c.bin").as_deref(), Some("./c.bin"));
-        for bad in [
-            "",
-            ".",
-            "../c.bin",
-            "a/../../c.bin",
-            "/etc/passwd",
-            "%2e%2e/c.bin",
-            "a\\b",
-            "c:b",
-            "http://x/y",
-            "file:///etc/passwd",
-            "%",
-            "%zz",
-            "%+1",
-            "a%00b",
-            "%ff",
-        ] {
-            assert_eq!(ok(bad), None, "{bad}");
-        }
+#[cfg(not(feature = "fs"))]
+impl BufferFiles {
+    fn new(_folders: &[&Path]) -> Self {
+        Self
+    }
+
+    #[allow(clippy::unused_self, reason = "called like the one that reads files")]
+    fn load(&self, uri: &Located<'_>) -> Result<Arc<Vec<u8>>, Error> {
+        Err(uri.wrong("a data URI: this program reads no files"))
     }
 }

@@ -17,13 +17,15 @@ use super::container;
 use super::index::{IndexRun, pack_runs, runs};
 use super::spec::{ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER, RESTART_EXTENSION};
 use crate::error::Error;
-use crate::model::{Drawing, Model};
+use crate::join;
+use crate::le_bytes::{append, fill_rows};
+use crate::model::{Drawing, Model, Part};
 
 /// How far the length of a normal may be from 1; the Khronos validator allows 0.00674.
 const UNIT_TOLERANCE: f64 = 0.006;
 
 /// Lists what a GLB cannot hold of a model, or holds in another form, in words, with counts. Empty for a model with a
-/// scene, which keeps everything.
+/// scene, which keeps everything. There is one drawing for each part.
 ///
 /// ```
 /// use tristrip::{Attribute, AttributeData, Faces, Mesh};
@@ -33,24 +35,21 @@ const UNIT_TOLERANCE: f64 = 0.006;
 /// })?;
 /// let model = Model { parts: vec![Part { mesh, ..Part::default() }], ..Model::default() };
 /// assert_eq!(
-///     gltf::losses(&model),
+///     gltf::losses(&model, &[tristrip_io::Drawing::Faces]),
 ///     ["attribute `quality` not written: glTF has no 64-bit floats or 32-bit integers for vertices: 1"],
 /// );
 /// # Ok::<(), tristrip_io::Error>(())
 /// ```
-pub fn losses(model: &Model) -> Vec<String> {
+pub fn losses(model: &Model, drawings: &[Drawing<'_>]) -> Vec<String> {
     if model.scene.is_some() {
         return Vec::new();
     }
-    let (mut empty, mut polygons) = (0, 0);
+    let mut empty = 0;
     let mut attributes: BTreeMap<String, usize> = BTreeMap::new();
     for mesh in model.parts.iter().map(|part| &part.mesh) {
         if mesh.vertex_count() == 0 {
             empty += 1;
             continue;
-        }
-        if mesh.faces().as_triangles().is_none() {
-            polygons += mesh.faces().iter().filter(|face| face.len() > 3).count();
         }
         for (attribute, chosen) in mesh.attributes().iter().zip(attribute_names(mesh)) {
             let name = &attribute.name;
@@ -62,9 +61,11 @@ pub fn losses(model: &Model) -> Vec<String> {
             *attributes.entry(words).or_default() += 1;
         }
     }
+    let polygons_of = |part: &Part| part.mesh.faces().iter().filter(|face| face.len() > 3).count();
+    let polygons: usize = join::drawn_by_faces(model, drawings).map(polygons_of).sum();
     let counts = [
         ("parts without vertices, not written".to_owned(), empty),
-        ("polygons, cut into fans where they are not drawn as strips".to_owned(), polygons),
+        ("polygons cut into fans".to_owned(), polygons),
     ];
     let counted = counts.into_iter().filter(|(_, count)| *count > 0).chain(attributes);
     counted.map(|(words, count)| format!("{words}: {count}")).collect()
@@ -187,12 +188,11 @@ impl<'a> DocumentBuilder<'a> {
     fn positions(&mut self, positions: &[[f32; 3]]) -> usize {
         let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
         let start = self.bytes.len();
-        self.bytes.reserve(12 * positions.len());
+        append(&mut self.bytes, positions.as_flattened(), f32::to_le_bytes);
         for p in positions {
             for (axis, &x) in p.iter().enumerate() {
                 low[axis] = low[axis].min(x);
                 high[axis] = high[axis].max(x);
-                self.bytes.extend(x.to_le_bytes());
             }
         }
         let view = self.view(start, ARRAY_BUFFER, None);
@@ -210,11 +210,11 @@ impl<'a> DocumentBuilder<'a> {
         let components = usize::from(attribute.components);
         let start = self.bytes.len();
         let component = match &attribute.data {
-            AttributeData::U8(v) => self.values(v, components, ComponentType::U8, |x| [*x]),
-            AttributeData::I8(v) => self.values(v, components, ComponentType::I8, |x| x.to_le_bytes()),
-            AttributeData::U16(v) => self.values(v, components, ComponentType::U16, |x| x.to_le_bytes()),
-            AttributeData::I16(v) => self.values(v, components, ComponentType::I16, |x| x.to_le_bytes()),
-            AttributeData::F32(v) => self.values(v, components, ComponentType::F32, |x| x.to_le_bytes()),
+            AttributeData::U8(v) => self.values(v, components, ComponentType::U8, u8::to_le_bytes),
+            AttributeData::I8(v) => self.values(v, components, ComponentType::I8, i8::to_le_bytes),
+            AttributeData::U16(v) => self.values(v, components, ComponentType::U16, u16::to_le_bytes),
+            AttributeData::I16(v) => self.values(v, components, ComponentType::I16, i16::to_le_bytes),
+            AttributeData::F32(v) => self.values(v, components, ComponentType::F32, f32::to_le_bytes),
             // `attribute_names` has excluded these.
             AttributeData::F64(_) | AttributeData::U32(_) | AttributeData::I32(_) => ComponentType::F32,
         };
@@ -235,21 +235,21 @@ impl<'a> DocumentBuilder<'a> {
     }
 
     /// Appends values; those of each vertex are aligned to four bytes.
-    fn values<T, const N: usize>(
+    fn values<T: Copy, const N: usize>(
         &mut self,
         values: &[T],
         components: usize,
         component: ComponentType,
-        bytes: impl Fn(&T) -> [u8; N],
+        bytes: impl Fn(T) -> [u8; N],
     ) -> ComponentType {
-        for vertex in values.chunks(components) {
-            self.bytes.extend(vertex.iter().flat_map(&bytes));
-            self.align();
-        }
+        let stride = (components * N).next_multiple_of(4);
+        let start = self.bytes.len();
+        self.bytes.resize(start + values.len() / components * stride, 0);
+        fill_rows(&mut self.bytes[start..], stride, 0, values, components, bytes);
         component
     }
 
-    fn indices(&mut self, runs: &[IndexRun]) -> Vec<usize> {
+    fn indices(&mut self, runs: &[IndexRun<'_>]) -> Vec<usize> {
         let start = self.bytes.len();
         let offsets = pack_runs(runs, &mut self.bytes);
         let view = self.view(start, ELEMENT_ARRAY_BUFFER, None);

@@ -3,11 +3,14 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use super::shared_bytes::SharedBytes;
 use crate::error::Error;
 
 const MAGIC: &[u8; 4] = b"glTF";
 const JSON_CHUNK: u32 = 0x4E4F_534A;
 const BIN_CHUNK: u32 = 0x004E_4942;
+/// The byte order mark of UTF-8.
+const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 const HEADER_BYTES: usize = 12;
 const CHUNK_HEADER_BYTES: usize = 8;
 
@@ -16,6 +19,21 @@ pub(super) struct GlbContainer {
     pub(super) file: Arc<Vec<u8>>,
     pub(super) json: Range<usize>,
     pub(super) bin: Option<Range<usize>>,
+}
+
+impl GlbContainer {
+    /// Returns the JSON, which shares the bytes of the file, without a byte order mark and without the zeros that some
+    /// writers pad it with.
+    pub(super) fn json_bytes(&self) -> SharedBytes {
+        let Range { mut start, mut end } = self.json;
+        if self.file[start..end].starts_with(BYTE_ORDER_MARK) {
+            start += BYTE_ORDER_MARK.len();
+        }
+        while end > start && matches!(self.file[end - 1], 0 | b' ' | b'\t' | b'\r' | b'\n') {
+            end -= 1;
+        }
+        SharedBytes { owner: Arc::clone(&self.file), range: start..end }
+    }
 }
 
 /// Finds the chunks of a GLB, or treats the whole of a `.gltf` as JSON.
@@ -74,7 +92,7 @@ pub(super) fn open(bytes: Vec<u8>, notes: &mut Vec<String>) -> Result<GlbContain
 }
 
 fn open_json(file: Arc<Vec<u8>>) -> Result<GlbContainer, Error> {
-    let start = if file.starts_with(b"\xEF\xBB\xBF") { 3 } else { 0 };
+    let start = if file.starts_with(BYTE_ORDER_MARK) { BYTE_ORDER_MARK.len() } else { 0 };
     let first = file[start..].iter().find(|b| !b.is_ascii_whitespace());
     if first != Some(&b'{') {
         let found = match file.len() {
@@ -83,7 +101,7 @@ fn open_json(file: Arc<Vec<u8>>) -> Result<GlbContainer, Error> {
         };
         return Err(Error::format("byte 0", found, "`glTF` of a GLB or `{` of JSON"));
     }
-    let json = start..file.len();
+    let json = 0..file.len();
     Ok(GlbContainer { file, json, bin: None })
 }
 

@@ -1,14 +1,47 @@
-//! The JSON of a document: parsed under a limit, and read with errors that name the JSON path.
+//! The JSON of a document: parsed under a limit, read with errors that name the JSON path, and written with the text of
+//! everything that was not changed.
 
-use serde_json::{Map, Value};
+use super::json::{self, Content, Members, Value};
+use super::shared_bytes::SharedBytes;
 
 use crate::error::Error;
 
 /// The largest number of values that the JSON of a document may have.
 pub const JSON_VALUE_LIMIT: u64 = 4 << 20;
 
-/// Parses a document and checks that it is glTF 2.
-pub(super) fn parse(json: &[u8]) -> Result<Map<String, Value>, Error> {
+/// The JSON of a document and the text that it was parsed from.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Document {
+    pub(super) root: Members,
+    text: SharedBytes,
+}
+
+impl Document {
+    /// Parses a document and checks that it is glTF 2.
+    pub(super) fn parse(text: SharedBytes) -> Result<Self, Error> {
+        let root = root_of(text.as_slice())?;
+        let version = Located::root(&root, "asset")?.need("version")?;
+        if !version.text()?.starts_with("2.") {
+            return Err(version.wrong("\"2.0\""));
+        }
+        Ok(Self { root, text })
+    }
+
+    /// Returns the JSON, with the text that was read for every value that has not been changed.
+    pub(super) fn to_bytes(&self) -> Vec<u8> {
+        let mut out = Vec::with_capacity(self.text.len());
+        self.root.write(self.text.as_slice(), &mut out);
+        out
+    }
+
+    /// Parses the JSON as it is now, so that the text of removed values is dropped.
+    pub(super) fn compacted(self) -> Result<Self, Error> {
+        let text = SharedBytes::from(self.to_bytes());
+        Ok(Self { root: root_of(text.as_slice())?, text })
+    }
+}
+
+fn root_of(json: &[u8]) -> Result<Members, Error> {
     // Each value but the first follows one of these; inside strings they only make the count too high.
     let values = json.iter().filter(|b| matches!(b, b',' | b'[' | b'{')).count() as u64;
     if values > JSON_VALUE_LIMIT {
@@ -18,19 +51,11 @@ pub(super) fn parse(json: &[u8]) -> Result<Map<String, Value>, Error> {
             limit: JSON_VALUE_LIMIT,
         });
     }
-    let root: Value = serde_json::from_slice(json).map_err(|e| {
-        let text = e.to_string();
-        let what = text.split(" at line ").next().unwrap_or(&text).to_owned();
-        Error::format(format!("JSON line {}, column {}", e.line(), e.column()), what, "JSON")
-    })?;
-    let Value::Object(root) = root else {
-        return Err(Error::format("JSON", describe(&root), "an object"));
-    };
-    let version = Located::root(&root, "asset")?.need("version")?;
-    if !version.text()?.starts_with("2.") {
-        return Err(version.wrong("\"2.0\""));
+    let root = json::parse(json)?;
+    match root.content {
+        Content::Object(members) => Ok(members),
+        _ => Err(Error::format("JSON", describe(&root), "an object")),
     }
-    Ok(root)
 }
 
 /// A JSON value and its path in the document.
@@ -42,7 +67,7 @@ pub(super) struct Located<'a> {
 
 impl<'a> Located<'a> {
     /// Returns a member of the document.
-    pub(super) fn root(root: &'a Map<String, Value>, name: &str) -> Result<Self, Error> {
+    pub(super) fn root(root: &'a Members, name: &str) -> Result<Self, Error> {
         match root.get(name) {
             Some(value) => Ok(Self { value, at: name.to_owned() }),
             None => Err(Error::format(name, "nothing", "an object")),
@@ -51,7 +76,7 @@ impl<'a> Located<'a> {
 
     /// Iterates over the entries of one of the document's arrays.
     pub(super) fn entries(
-        root: &'a Map<String, Value>,
+        root: &'a Members,
         list: &'static str,
     ) -> Result<impl Iterator<Item = Self>, Error> {
         let entries = array(root, list)?.iter().enumerate();
@@ -59,7 +84,7 @@ impl<'a> Located<'a> {
     }
 
     /// Returns the entry of one of the document's arrays that the value is an index of.
-    pub(super) fn target(&self, root: &'a Map<String, Value>, list: &str) -> Result<Self, Error> {
+    pub(super) fn target(&self, root: &'a Members, list: &str) -> Result<Self, Error> {
         let (index, entries) = (self.size()?, array(root, list)?);
         match entries.get(index) {
             Some(value) => Ok(Self { value, at: format!("{list}[{index}]") }),
@@ -80,18 +105,16 @@ impl<'a> Located<'a> {
 
     /// Returns the entries of an array.
     pub(super) fn items(&self) -> Result<impl Iterator<Item = Located<'a>> + use<'a>, Error> {
-        let Value::Array(items) = self.value else { return Err(self.wrong("an array")) };
+        let Some(items) = self.value.as_array() else { return Err(self.wrong("an array")) };
         let at = self.at.clone();
         Ok(items.iter().enumerate().map(move |(i, value)| Located { value, at: format!("{at}[{i}]") }))
     }
 
     /// Returns the members of an object.
     pub(super) fn members(&self) -> Result<impl Iterator<Item = (&'a str, Located<'a>)> + use<'a>, Error> {
-        let Value::Object(members) = self.value else { return Err(self.wrong("an object")) };
+        let Some(members) = self.value.as_object() else { return Err(self.wrong("an object")) };
         let at = self.at.clone();
-        Ok(members
-            .iter()
-            .map(move |(name, value)| (name.as_str(), Located { value, at: format!("{at}.{name}") })))
+        Ok(members.iter().map(move |(name, value)| (name, Located { value, at: format!("{at}.{name}") })))
     }
 
     /// Returns the value as a whole number.
@@ -121,43 +144,42 @@ impl<'a> Located<'a> {
 }
 
 /// Returns the entries of one of the document's arrays; none where it is missing.
-pub(super) fn array<'a>(root: &'a Map<String, Value>, list: &str) -> Result<&'a [Value], Error> {
-    match root.get(list) {
-        None => Ok(&[]),
-        Some(Value::Array(entries)) => Ok(entries),
-        Some(other) => Err(Error::format(list, describe(other), "an array")),
-    }
+pub(super) fn array<'a>(root: &'a Members, list: &str) -> Result<&'a [Value], Error> {
+    let Some(value) = root.get(list) else { return Ok(&[]) };
+    value.as_array().ok_or_else(|| Error::format(list, describe(value), "an array"))
 }
 
 /// Returns a value as a whole number; some writers put `3.0` for `3`.
 pub(super) fn whole(value: &Value) -> Option<u64> {
     const EXACT: f64 = 9_007_199_254_740_992.0;
-    value.as_u64().or_else(|| {
-        let x = value.as_f64()?;
-        #[allow(clippy::cast_sign_loss, reason = "the range is checked")]
-        (x.fract() == 0.0 && (0.0..EXACT).contains(&x)).then_some(x as u64)
-    })
+    match &value.content {
+        Content::Whole(number) => Some(*number),
+        Content::Number(text) => {
+            let x: f64 = text.parse().ok()?;
+            #[allow(clippy::cast_sign_loss, reason = "the range is checked")]
+            (x.fract() == 0.0 && (0.0..EXACT).contains(&x)).then_some(x as u64)
+        }
+        _ => None,
+    }
 }
 
 /// Returns the entries of one of the document's arrays, which is created if it is missing.
-pub(super) fn list_mut<'a>(
-    root: &'a mut Map<String, Value>,
-    list: &str,
-) -> Result<&'a mut Vec<Value>, Error> {
-    match root.entry(list).or_insert_with(|| Value::Array(Vec::new())) {
-        Value::Array(entries) => Ok(entries),
-        _ => Err(Error::format(list, "something else", "an array")),
+pub(super) fn list_mut<'a>(root: &'a mut Members, list: &str) -> Result<&'a mut Vec<Value>, Error> {
+    if !root.contains_key(list) {
+        root.insert(list, Value::from(Content::Array(Vec::new())));
     }
+    let entries = root.get_mut(list).and_then(Value::as_array_mut);
+    entries.ok_or_else(|| Error::format(list, "something else", "an array"))
 }
 
 /// Returns the entries of an array that is a member of a value; none where it is missing.
 pub(super) fn items<'a>(value: &'a Value, name: &str) -> &'a [Value] {
-    value.get(name).and_then(Value::as_array).map_or(&[], Vec::as_slice)
+    value.get(name).and_then(Value::as_array).unwrap_or_default()
 }
 
 /// Iterates over the member values of an object.
 pub(super) fn values(object: &Value) -> impl Iterator<Item = &Value> {
-    object.as_object().into_iter().flat_map(Map::values)
+    object.as_object().into_iter().flat_map(Members::values)
 }
 
 /// Returns a value as an index.
@@ -166,21 +188,23 @@ pub(super) fn index(value: &Value) -> Option<usize> {
 }
 
 /// Checks whether a document declares that it uses an extension.
-pub(super) fn uses(root: &Map<String, Value>, extension: &str) -> bool {
-    ["extensionsUsed", "extensionsRequired"].iter().any(|list| {
-        root.get(*list).and_then(Value::as_array).is_some_and(|names| names.iter().any(|n| n == extension))
+pub(super) fn uses(root: &Members, extension: &str) -> bool {
+    ["extensionsUsed", "extensionsRequired"].into_iter().any(|list| {
+        let names = root.get(list).and_then(Value::as_array).unwrap_or_default();
+        names.iter().any(|name| name.as_str() == Some(extension))
     })
 }
 
 /// Describes a value in a few words.
 fn describe(value: &Value) -> String {
-    match value {
-        Value::Null => "null".into(),
-        Value::Bool(b) => b.to_string(),
-        Value::Number(n) => n.to_string().chars().take(40).collect(),
-        Value::String(s) if s.chars().count() <= 40 => format!("{s:?}"),
-        Value::String(s) => format!("{:?}...", s.chars().take(40).collect::<String>()),
-        Value::Array(_) => "an array".into(),
-        Value::Object(_) => "an object".into(),
+    match &value.content {
+        Content::Null => "null".into(),
+        Content::Bool(b) => b.to_string(),
+        Content::Whole(n) => n.to_string(),
+        Content::Number(n) => n.chars().take(40).collect(),
+        Content::String(s) if s.chars().count() <= 40 => format!("{s:?}"),
+        Content::String(s) => format!("{:?}...", s.chars().take(40).collect::<String>()),
+        Content::Array(_) => "an array".into(),
+        Content::Object(_) => "an object".into(),
     }
 }

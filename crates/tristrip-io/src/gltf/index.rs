@@ -1,28 +1,33 @@
 //! Index buffers for drawings: which runs of indices to draw in which mode, and their index type.
 
+use std::borrow::Cow;
+
 use serde_json::{Value, json};
 use tristrip::strip::strip_triangles;
 use tristrip::{Layout, Mesh, Strips};
 
 use super::accessor::ComponentType;
 use super::spec::{TRIANGLE_STRIP, TRIANGLES};
+use crate::le_bytes::append;
 use crate::model::Drawing;
 
 /// The restart index as a 32-bit number, before it is truncated to the index type.
 const RESTART: u32 = u32::MAX;
 
 /// The indices that one primitive draws.
-pub(super) struct IndexRun {
+pub(super) struct IndexRun<'a> {
     pub(super) mode: u64,
     /// At least one index; [`RESTART`] between strips.
-    indices: Vec<u32>,
+    indices: Cow<'a, [u32]>,
     /// The highest index, restarts excluded.
     highest: u32,
 }
 
-impl IndexRun {
-    fn new(mode: u64, indices: Vec<u32>) -> Self {
-        let highest = indices.iter().copied().filter(|&i| i != RESTART).max().unwrap_or(0);
+impl<'a> IndexRun<'a> {
+    fn new(mode: u64, indices: impl Into<Cow<'a, [u32]>>) -> Self {
+        let indices = indices.into();
+        // Without a branch, and so several at a time.
+        let highest = indices.iter().fold(0, |highest, &i| highest.max(if i == RESTART { 0 } else { i }));
         Self { mode, indices, highest }
     }
 
@@ -61,15 +66,15 @@ impl IndexRun {
     fn pack(&self, out: &mut Vec<u8>) {
         // Truncation turns the restart index into the highest value of the type.
         match self.component() {
-            ComponentType::U8 => out.extend(self.indices.iter().map(|&i| i as u8)),
-            ComponentType::U16 => out.extend(self.indices.iter().flat_map(|&i| (i as u16).to_le_bytes())),
-            _ => out.extend(self.indices.iter().flat_map(|i| i.to_le_bytes())),
+            ComponentType::U8 => append(out, &self.indices, |i| [i as u8]),
+            ComponentType::U16 => append(out, &self.indices, |i| (i as u16).to_le_bytes()),
+            _ => append(out, &self.indices, u32::to_le_bytes),
         }
     }
 }
 
 /// Appends the indices of runs, each aligned to four bytes; returns the offset of each from the previous end of `out`.
-pub(super) fn pack_runs(runs: &[IndexRun], out: &mut Vec<u8>) -> Vec<usize> {
+pub(super) fn pack_runs(runs: &[IndexRun<'_>], out: &mut Vec<u8>) -> Vec<usize> {
     let start = out.len();
     let mut offsets = Vec::with_capacity(runs.len());
     for run in runs {
@@ -82,16 +87,14 @@ pub(super) fn pack_runs(runs: &[IndexRun], out: &mut Vec<u8>) -> Vec<usize> {
 
 /// Lays a drawing out: one run, or with [`Layout::Separate`] one for each strip; at least one. The caller has checked the
 /// drawing's indices.
-pub(super) fn runs(mesh: &Mesh, drawing: Drawing<'_>, layout: Layout) -> Vec<IndexRun> {
+pub(super) fn runs<'a>(mesh: &'a Mesh, drawing: Drawing<'a>, layout: Layout) -> Vec<IndexRun<'a>> {
     let mut runs = match drawing {
         Drawing::Faces => vec![IndexRun::new(TRIANGLES, face_triangles(mesh))],
         Drawing::Strips(strips) => match layout {
             Layout::Restart => vec![IndexRun::new(TRIANGLE_STRIP, to_restart(strips))],
             Layout::Degenerate => vec![IndexRun::new(TRIANGLE_STRIP, strips.to_degenerate())],
             Layout::List => vec![IndexRun::new(TRIANGLES, strips.to_list())],
-            Layout::Separate => {
-                visible(strips).map(|strip| IndexRun::new(TRIANGLE_STRIP, strip.to_vec())).collect()
-            }
+            Layout::Separate => visible(strips).map(|strip| IndexRun::new(TRIANGLE_STRIP, strip)).collect(),
         },
     };
     runs.retain(|run| !run.indices.is_empty());
@@ -116,9 +119,9 @@ fn to_restart(strips: &Strips) -> Vec<u32> {
 }
 
 /// Returns faces as triangles, polygons as fans around their first corner.
-fn face_triangles(mesh: &Mesh) -> Vec<u32> {
+fn face_triangles(mesh: &Mesh) -> Cow<'_, [u32]> {
     match mesh.faces().as_triangles() {
-        Some(corners) => corners.to_vec(),
+        Some(corners) => corners.into(),
         None => mesh
             .faces()
             .iter()

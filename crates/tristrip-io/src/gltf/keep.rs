@@ -15,7 +15,7 @@ mod unused;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::ops::Range;
 
-use serde_json::{Map, Value, json};
+use serde_json::json;
 use tristrip::Layout;
 
 use self::compact::{ALIGNMENT, BufferCompaction, set_buffer};
@@ -24,6 +24,7 @@ use self::unused::UnusedEntries;
 use super::container;
 use super::document::{array, index, items, list_mut, whole};
 use super::index::{IndexRun, pack_runs, runs};
+use super::json::{Content, Members, Value};
 use super::scene::{PrimitiveRef, Scene};
 use super::spec::{ELEMENT_ARRAY_BUFFER, RESTART_EXTENSION, TRIANGLES};
 use crate::error::Error;
@@ -37,15 +38,16 @@ pub(super) fn write(
     layout: Layout,
 ) -> Result<Vec<u8>, Error> {
     scene.check_part_count(model.parts.len())?;
-    let mut root = scene.root.clone();
+    let mut document = scene.document.clone();
+    let root = &mut document.root;
     let rewritten: HashSet<(usize, usize)> = (scene.primitives.iter().zip(drawings))
         .filter(|(source, drawing)| !(source.mode == TRIANGLES && matches!(drawing, Drawing::Faces)))
         .map(|(source, _)| (source.mesh, source.primitive))
         .collect();
 
     // 1. The entries and bytes that become unused.
-    let unused = UnusedEntries::find(&root, &rewritten)?;
-    let compaction = BufferCompaction::plan(&root, &scene.buffers, &unused)?;
+    let unused = UnusedEntries::find(root, &rewritten)?;
+    let compaction = BufferCompaction::plan(root, &scene.buffers, &unused)?;
 
     // 2. New indices, part by part.
     let mut writer =
@@ -56,25 +58,24 @@ pub(super) fn write(
         if rewritten.contains(&(source.mesh, source.primitive)) {
             let runs = runs(&part.mesh, *drawing, layout);
             restarts |= runs.iter().any(IndexRun::has_restarts);
-            drawn.insert((source.mesh, source.primitive), writer.add(&mut root, *source, &runs)?);
+            drawn.insert((source.mesh, source.primitive), writer.add(root, *source, &runs)?);
         }
     }
-    set_primitives(&mut root, &drawn)?;
+    set_primitives(root, &drawn)?;
 
     // 3. Extensions.
-    drop_order_extensions(&mut root, &rewritten)?;
+    drop_order_extensions(root, &rewritten)?;
     if restarts {
-        declare(&mut root, RESTART_EXTENSION)?;
-    } else if !has_line_strips(&root)? {
-        undeclare(&mut root, RESTART_EXTENSION);
+        declare(root, RESTART_EXTENSION)?;
+    } else if !has_line_strips(root)? {
+        undeclare(root, RESTART_EXTENSION);
     }
 
     // 4. Buffers.
-    compaction.apply(&mut root, &writer.views)?;
+    compaction.apply(root, &writer.views)?;
     let new = &writer.bytes;
-    set_buffer(&mut root, if new.is_empty() { compaction.end } else { compaction.new_start() + new.len() })?;
-    let json = serde_json::to_vec(&root).map_err(|e| Error::Unsupported(e.to_string()))?;
-    container::write(&json, &compaction.slices(&scene.buffers, new))
+    set_buffer(root, if new.is_empty() { compaction.end } else { compaction.new_start() + new.len() })?;
+    container::write(&document.to_bytes(), &compaction.slices(&scene.buffers, new))
 }
 
 /// The new mode and indices of a primitive.
@@ -87,7 +88,7 @@ struct DrawnPrimitive {
 }
 
 impl DrawnPrimitive {
-    fn has_shape_of(&self, run: &IndexRun) -> bool {
+    fn has_shape_of(&self, run: &IndexRun<'_>) -> bool {
         (self.mode, self.component, self.count) == (run.mode, run.component().code(), run.count())
     }
 }
@@ -112,9 +113,9 @@ struct IndexWriter {
 impl IndexWriter {
     fn add(
         &mut self,
-        root: &mut Map<String, Value>,
+        root: &mut Members,
         source: PrimitiveRef,
-        runs: &[IndexRun],
+        runs: &[IndexRun<'_>],
     ) -> Result<Vec<DrawnPrimitive>, Error> {
         // 1. The bytes: one view for all runs of the primitive.
         let start = self.bytes.len().next_multiple_of(ALIGNMENT);
@@ -143,13 +144,13 @@ impl IndexWriter {
             "byteLength": self.bytes.len() - start,
             "target": ELEMENT_ARRAY_BUFFER,
         });
-        let view = put(root, "bufferViews", old_view, view)?;
+        let view = put(root, "bufferViews", old_view, view.into())?;
         self.views.insert(view, start);
         // 3. The accessors, the first instead of the old one.
         let mut drawn = Vec::with_capacity(runs.len());
         for (i, (run, offset)) in runs.iter().zip(offsets).enumerate() {
             let accessor = run.accessor(view, offset);
-            let accessor = put(root, "accessors", old_unused.filter(|_| i == 0), accessor)?;
+            let accessor = put(root, "accessors", old_unused.filter(|_| i == 0), accessor.into())?;
             drawn.push(DrawnPrimitive {
                 mode: run.mode,
                 accessor,
@@ -166,22 +167,16 @@ impl IndexWriter {
 }
 
 /// Replaces an entry of a list, of which name, extras and extensions stay, or appends one; returns the index of the entry.
-fn put(
-    root: &mut Map<String, Value>,
-    list: &str,
-    replaced: Option<usize>,
-    value: Value,
-) -> Result<usize, Error> {
+fn put(root: &mut Members, list: &str, replaced: Option<usize>, value: Value) -> Result<usize, Error> {
     let entries = list_mut(root, list)?;
     let Some(replaced) = replaced else {
         entries.push(value);
         return Ok(entries.len() - 1);
     };
-    if let (Some(Value::Object(old)), Value::Object(mut new)) = (entries.get_mut(replaced), value) {
-        for key in ["name", "extras", "extensions"] {
-            if let Some(kept) = old.shift_remove(key) {
-                new.insert(key.to_owned(), kept);
-            }
+    let old = entries.get_mut(replaced).and_then(Value::as_object_mut);
+    if let (Some(old), Content::Object(mut new)) = (old, value.content) {
+        for name in ["name", "extras", "extensions"] {
+            new.take_from(old, name);
         }
         *old = new;
     }
@@ -190,26 +185,28 @@ fn put(
 
 /// Sets the modes and indices of primitives; a primitive that is drawn as several is split into as many.
 fn set_primitives(
-    root: &mut Map<String, Value>,
+    root: &mut Members,
     drawn: &HashMap<(usize, usize), Vec<DrawnPrimitive>>,
 ) -> Result<(), Error> {
-    for (m, mesh) in list_mut(root, "meshes")?.iter_mut().enumerate() {
-        let Some(Value::Array(primitives)) = mesh.get_mut("primitives") else { continue };
+    let changed: HashSet<usize> = drawn.keys().map(|&(mesh, _)| mesh).collect();
+    for (m, mesh) in list_mut(root, "meshes")?.iter_mut().enumerate().filter(|(m, _)| changed.contains(m)) {
+        let members = mesh.as_object_mut();
+        let primitives = members.and_then(|mesh| mesh.get_mut("primitives")).and_then(Value::as_array_mut);
+        let Some(primitives) = primitives else { continue };
         let old = std::mem::take(primitives);
-        for (p, mut primitive) in old.into_iter().enumerate() {
+        for (p, primitive) in old.into_iter().enumerate() {
             let Some(drawn) = drawn.get(&(m, p)) else {
                 primitives.push(primitive);
                 continue;
             };
-            for (i, one) in drawn.iter().enumerate() {
-                let last = i + 1 == drawn.len();
-                let mut copy = if last { std::mem::take(&mut primitive) } else { primitive.clone() };
-                if let Value::Object(members) = &mut copy {
-                    members.insert("indices".into(), one.accessor.into());
+            for one in drawn {
+                let mut copy = primitive.clone();
+                if let Some(members) = copy.as_object_mut() {
+                    members.insert("indices", one.accessor);
                     if members.get("mode").map_or(TRIANGLES, |mode| whole(mode).unwrap_or(TRIANGLES))
                         != one.mode
                     {
-                        members.insert("mode".into(), one.mode.into());
+                        members.insert("mode", one.mode);
                     }
                 }
                 primitives.push(copy);

@@ -3,13 +3,14 @@
 use std::collections::HashSet;
 use std::ops::Range;
 
-use serde_json::{Map, Value};
 use tristrip::strip::VertexOrder;
 
-use super::accessor::{AccessorResolver, DecodeBudget};
-use super::buffer::SharedBytes;
+use super::accessor::AccessorResolver;
+use super::budget::DecodeBudget;
 use super::document::{Located, array, index};
+use super::json::{Members, Value};
 use super::references::has_number;
+use super::shared_bytes::SharedBytes;
 use crate::error::Error;
 
 pub(super) const OVER_BUDGET: &str = "the buffers hold more data than the limits allow to check";
@@ -26,7 +27,7 @@ struct StridedRange {
 
 impl StridedRange {
     /// Returns the slots of `count` values in the view that `holder` refers to; the reader has checked their range.
-    fn of(root: &Map<String, Value>, holder: &Value, element: usize, count: usize) -> Option<Self> {
+    fn of(root: &Members, holder: &Value, element: usize, count: usize) -> Option<Self> {
         let view = array(root, "bufferViews").ok()?.get(holder.get("bufferView").and_then(index)?)?;
         let field = |object: &Value, name| object.get(name).and_then(index);
         Some(Self {
@@ -94,6 +95,7 @@ impl AccessorLayout {
         let number = Value::from(accessor);
         let reference = Located { value: &number, at: format!("accessors[{accessor}]") };
         let values = resolver.values(&reference).map_err(|error| error.to_string())?;
+        values.check_sparse_indices().map_err(|error| error.to_string())?;
         let (count, element) = (values.count, values.element);
         let view = |holder: &Value| {
             array(resolver.root, "bufferViews").ok()?.get(holder.get("bufferView").and_then(index)?)
@@ -114,7 +116,7 @@ impl AccessorLayout {
             Some([slots(indices, width)?, slots(values, element)?])
         });
         let may_name_vertices = |object: &Value| {
-            ["extensions", "extras"].iter().filter_map(|key| object.get(*key)).any(has_number)
+            ["extensions", "extras"].iter().filter_map(|key| object.get(key)).any(has_number)
         };
         if (holders.iter())
             .any(|holder| may_name_vertices(holder) || view(holder).is_some_and(may_name_vertices))

@@ -4,14 +4,18 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::path::Path;
 
-use serde_json::{Map, Value};
+use super::json::{Members, Value};
 use tristrip::{Attribute, Faces, Mesh};
 
-use super::accessor::{AccessorResolver, DecodeBudget, StripIndices, check_views};
-use super::document::{Located, array, parse, uses};
+use super::accessor::{AccessorResolver, check_views};
+use super::budget::{ATTRIBUTE_LIMIT, DecodeBudget, GEOMETRY_LIMIT};
+use super::document::{Document, Located, array, uses};
 use super::scene::{PrimitiveRef, Scene};
-use super::spec::{ORDER_EXTENSIONS, RESTART_EXTENSION, TRIANGLE_FAN, TRIANGLE_STRIP, TRIANGLES};
-use super::{buffer, container};
+use super::spec::{
+    ORDER_EXTENSIONS, QUANTIZATION, RESTART_EXTENSION, TRIANGLE_FAN, TRIANGLE_STRIP, TRIANGLES,
+};
+use super::triangles::{TriangleCounts, TriangleReader};
+use super::{buffer, container, container::GlbContainer};
 use crate::error::Error;
 use crate::model::{Model, Part, StoredStrips};
 
@@ -22,6 +26,10 @@ const ATTRIBUTE_FACTOR: u64 = 4;
 /// Extensions that compress the bytes of a buffer view.
 const COMPRESSIONS: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 const DRACO: &str = "KHR_draco_mesh_compression";
+
+/// How the names of extensions begin that do not concern geometry.
+const NOT_GEOMETRY: [&str; 5] =
+    ["KHR_materials_", "KHR_texture_", "EXT_texture_", "KHR_lights_", "EXT_lights_"];
 
 /// Reads a GLB, or the JSON of a `.gltf` whose buffers are data URIs or files inside `base_dir`.
 ///
@@ -35,28 +43,52 @@ const DRACO: &str = "KHR_draco_mesh_compression";
 /// # Ok::<(), tristrip_io::Error>(())
 /// ```
 pub fn read(bytes: impl Into<Vec<u8>>, base_dir: Option<&Path>) -> Result<Model, Error> {
+    let folders: Vec<&Path> = base_dir.into_iter().collect();
+    read_in_folders(bytes.into(), &folders)
+}
+
+/// Reads a document whose external buffers are in the first of several folders that has them.
+pub(crate) fn read_in_folders(bytes: Vec<u8>, folders: &[&Path]) -> Result<Model, Error> {
     let mut notes = Vec::new();
-    let container = container::open(bytes.into(), &mut notes)?;
-    let mut root = parse(&container.file[container.json.clone()])?;
-    let buffers = buffer::load(&mut root, &container.file, container.bin.as_ref(), base_dir)?;
-    let resolver = AccessorResolver { root: &root, buffers: &buffers };
-    refuse_compressed_views(&root)?;
+    let container = container::open(bytes, &mut notes)?;
+    let document = Document::parse(container.json_bytes())?;
+    let unknown = unknown_requirements(&document.root);
+    read_document(document, &container, folders, notes).map_err(|error| match error {
+        Error::Format { .. } if !unknown.is_empty() => {
+            let names = unknown.join(" and ");
+            Error::Unsupported(format!("{error}; the file requires {names}, which is not supported"))
+        }
+        other => other,
+    })
+}
+
+fn read_document(
+    mut document: Document,
+    container: &GlbContainer,
+    folders: &[&Path],
+    mut notes: Vec<String>,
+) -> Result<Model, Error> {
+    refuse_compressed_views(&document.root)?;
+    let buffers = buffer::load(&mut document, &container.file, container.bin.as_ref(), folders)?;
+    let root = &document.root;
+    let resolver = AccessorResolver { root, buffers: &buffers };
     check_views(&resolver)?;
-    check_nodes(&root)?;
+    check_nodes(root)?;
     let mut reader = PrimitiveReader {
         positions: HashMap::new(),
         vertices: HashMap::new(),
-        geometry: DecodeBudget::new(&buffers, GEOMETRY_FACTOR),
-        attributes: DecodeBudget::new(&buffers, ATTRIBUTE_FACTOR),
+        geometry: DecodeBudget::new(GEOMETRY_LIMIT, GEOMETRY_FACTOR, &buffers),
+        attributes: DecodeBudget::new(ATTRIBUTE_LIMIT, ATTRIBUTE_FACTOR, &buffers),
+        triangles: TriangleReader::default(),
         counts: ReadCounts::default(),
         primitives: Vec::new(),
         resolver,
     };
     let parts = reader.parts()?;
-    let PrimitiveReader { counts, primitives, .. } = reader;
-    counts.add_notes(&root, &mut notes);
-    note_document(&root, &mut notes)?;
-    Ok(Model { parts, notes, scene: Some(Scene { root, buffers, primitives }) })
+    let PrimitiveReader { counts, triangles, primitives, .. } = reader;
+    counts.add_notes(triangles.counts, root, &mut notes);
+    note_document(root, &mut notes)?;
+    Ok(Model { parts, notes, scene: Some(Scene { document, buffers, primitives }) })
 }
 
 struct PrimitiveReader<'a> {
@@ -68,6 +100,7 @@ struct PrimitiveReader<'a> {
     vertices: HashMap<Vec<(&'a str, usize)>, Mesh>,
     geometry: DecodeBudget,
     attributes: DecodeBudget,
+    triangles: TriangleReader,
     counts: ReadCounts,
     primitives: Vec<PrimitiveRef>,
 }
@@ -76,9 +109,6 @@ struct PrimitiveReader<'a> {
 #[derive(Default)]
 struct ReadCounts {
     other_modes: u64,
-    degenerate: u64,
-    restarts: u64,
-    incomplete_triangle_indices: u64,
     attributes_over_budget: u64,
     matrix_attributes: u64,
 }
@@ -100,7 +130,7 @@ impl<'a> PrimitiveReader<'a> {
                     self.counts.other_modes += 1;
                     continue;
                 }
-                let (mesh_of_part, stored) = self.mesh(&located, mode)?;
+                let (mesh_of_part, stored) = self.mesh(&located, mode, &parts)?;
                 self.primitives.push(PrimitiveRef { mesh, primitive, mode });
                 let material = self.material(&located)?;
                 let stripped = mode == TRIANGLE_STRIP || mode == TRIANGLE_FAN;
@@ -116,39 +146,20 @@ impl<'a> PrimitiveReader<'a> {
         Ok(material.field("name").and_then(|n| n.value.as_str()).map(str::to_owned))
     }
 
-    fn mesh(&mut self, primitive: &Located<'a>, mode: u64) -> Result<(Mesh, Option<StoredStrips>), Error> {
+    fn mesh(
+        &mut self,
+        primitive: &Located<'a>,
+        mode: u64,
+        parts: &[Part],
+    ) -> Result<(Mesh, Option<StoredStrips>), Error> {
         let extensions = primitive.field("extensions");
         if extensions.and_then(|e| e.field(DRACO)).is_some() {
             return Err(Error::Unsupported(format!("{}: {DRACO} is not supported", primitive.at)));
         }
         // 1. Vertices, shared between primitives and checked once.
         let vertices = self.vertices(&primitive.need("attributes")?)?;
-        let vertex_count = vertices.vertex_count();
-        // 2. Indices: those of the file, or every vertex in order.
-        let values = primitive.field("indices").map(|indices| self.resolver.values(&indices)).transpose()?;
-        if values.is_none() {
-            self.geometry.charge(&primitive.at, vertex_count, size_of::<u32>())?;
-        }
-        // 3. Triangles.
-        let (corners, stored) = if mode == TRIANGLES {
-            let mut corners = match values {
-                Some(values) => values.list_indices(vertex_count, &mut self.geometry)?,
-                None => (0..vertex_count as u32).collect(),
-            };
-            let incomplete = corners.len() % 3;
-            self.counts.incomplete_triangle_indices += incomplete as u64;
-            corners.truncate(corners.len() - incomplete);
-            (corners, None)
-        } else {
-            let indices = match values {
-                Some(values) => values.strip_indices(vertex_count, &mut self.geometry)?,
-                None => StripIndices::all_vertices(vertex_count),
-            };
-            self.geometry.charge(&primitive.at, indices.len(), 3 * size_of::<u32>())?;
-            let stored = StoredStrips::from_runs(indices.runs(), mode == TRIANGLE_FAN);
-            (self.unpack(&indices, mode), Some(stored))
-        };
-        Ok((vertices.with_faces(Faces::from_triangles(corners)?)?, stored))
+        // 2. Triangles, shared likewise.
+        self.triangles.read(&self.resolver, primitive, mode, &vertices, parts, &mut self.geometry)
     }
 
     /// Decodes positions and attributes, unless an earlier primitive had the same.
@@ -200,48 +211,23 @@ impl<'a> PrimitiveReader<'a> {
             name: name.to_owned(),
             components: values.components as u8,
             normalized: values.normalized,
-            data: values.attribute(),
+            data: values.attribute()?,
         }))
-    }
-
-    /// Unpacks strips or fans; triangles with a repeated corner draw nothing and are dropped.
-    fn unpack(&mut self, indices: &StripIndices, mode: u64) -> Vec<u32> {
-        let mut corners = Vec::with_capacity(3 * indices.len());
-        for run in indices.runs() {
-            self.counts.restarts += 1;
-            for i in 2..run.len() {
-                let [a, b, c] = if mode == TRIANGLE_FAN {
-                    [run[0], run[i - 1], run[i]]
-                } else if i % 2 == 0 {
-                    [run[i - 2], run[i - 1], run[i]]
-                } else {
-                    [run[i - 1], run[i - 2], run[i]]
-                };
-                if a == b || b == c || a == c {
-                    self.counts.degenerate += 1;
-                } else {
-                    corners.extend([a, b, c]);
-                }
-            }
-        }
-        self.counts.restarts -= 1;
-        debug_assert!(mode == TRIANGLE_FAN || mode == TRIANGLE_STRIP);
-        corners
     }
 }
 
 impl ReadCounts {
-    fn add_notes(&self, root: &Map<String, Value>, notes: &mut Vec<String>) {
+    fn add_notes(&self, triangles: TriangleCounts, root: &Members, notes: &mut Vec<String>) {
         let mut note = |text: &str, count: u64| {
             if count > 0 {
                 notes.push(format!("{text}: {count}"));
             }
         };
         note("primitives of points or lines, kept only in a GLB", self.other_modes);
-        note("dropped degenerate triangles of strips and fans", self.degenerate);
+        note("dropped degenerate triangles of strips and fans", triangles.degenerate);
         note(
             "dropped indices at the end of triangle lists, fewer than a triangle needs",
-            self.incomplete_triangle_indices,
+            triangles.incomplete_indices,
         );
         note(
             "vertex attributes not decoded because of their size, kept only in a GLB",
@@ -251,16 +237,26 @@ impl ReadCounts {
         if !uses(root, RESTART_EXTENSION) {
             note(
                 &format!("restart indices accepted although the file does not use {RESTART_EXTENSION}"),
-                self.restarts,
+                triangles.restarts,
             );
         }
     }
 }
 
-fn refuse_compressed_views(root: &Map<String, Value>) -> Result<(), Error> {
+/// Returns the extensions that a document requires and that may be the reason why its geometry cannot be read.
+fn unknown_requirements(root: &Members) -> Vec<String> {
+    let names = root.get("extensionsRequired").and_then(Value::as_array).unwrap_or_default();
+    let names = names.iter().filter_map(Value::as_str);
+    let is_known = |name: &str| {
+        name == QUANTIZATION || name == RESTART_EXTENSION || NOT_GEOMETRY.iter().any(|p| name.starts_with(p))
+    };
+    names.filter(|name| !is_known(name)).map(str::to_owned).collect()
+}
+
+fn refuse_compressed_views(root: &Members) -> Result<(), Error> {
     for (index, view) in array(root, "bufferViews")?.iter().enumerate() {
-        let Some(Value::Object(extensions)) = view.get("extensions") else { continue };
-        if let Some(name) = COMPRESSIONS.iter().find(|name| extensions.contains_key(**name)) {
+        let Some(extensions) = view.get("extensions").and_then(Value::as_object) else { continue };
+        if let Some(name) = COMPRESSIONS.iter().find(|name| extensions.contains_key(name)) {
             return Err(Error::Unsupported(format!("bufferViews[{index}]: {name} is not supported")));
         }
     }
@@ -268,7 +264,7 @@ fn refuse_compressed_views(root: &Map<String, Value>) -> Result<(), Error> {
 }
 
 /// Checks that children exist and that no node is its own ancestor.
-fn check_nodes(root: &Map<String, Value>) -> Result<(), Error> {
+fn check_nodes(root: &Members) -> Result<(), Error> {
     let count = array(root, "nodes")?.len();
     let mut children: Vec<Vec<usize>> = vec![Vec::new(); count];
     let mut parent_count = vec![0u32; count];
@@ -303,7 +299,7 @@ fn check_nodes(root: &Map<String, Value>) -> Result<(), Error> {
 }
 
 /// Notes how a GLB written from this document will differ from it, other than in indices and modes.
-fn note_document(root: &Map<String, Value>, notes: &mut Vec<String>) -> Result<(), Error> {
+fn note_document(root: &Members, notes: &mut Vec<String>) -> Result<(), Error> {
     let buffer_count = array(root, "buffers")?.len();
     if buffer_count > 1 {
         notes.push(format!("buffers that a GLB joins into one: {buffer_count}"));

@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use serde_json::{Map, Value};
+use super::json::{Content, Members, Value};
 
 use super::document::{array, index, items};
 use crate::error::Error;
@@ -17,7 +17,7 @@ pub(super) struct ExtensionNumbers {
 
 impl ExtensionNumbers {
     /// Collects the numbers of a document.
-    pub(super) fn of(root: &Map<String, Value>) -> Self {
+    pub(super) fn of(root: &Members) -> Self {
         let mut found = Self::default();
         root.iter().for_each(|(key, value)| found.add(key, value, false));
         found
@@ -26,10 +26,10 @@ impl ExtensionNumbers {
     fn add(&mut self, key: &str, value: &Value, inside: bool) {
         let inside_now = inside || key == "extensions" || key == "extras";
         self.names_bytes |= inside && matches!(key, "buffer" | "byteOffset" | "byteLength");
-        match value {
-            Value::Object(members) => members.iter().for_each(|(k, v)| self.add(k, v, inside_now)),
-            Value::Array(items) => items.iter().for_each(|v| self.add("", v, inside_now)),
-            Value::Number(_) if inside_now => self.numbers.extend(index(value)),
+        match &value.content {
+            Content::Object(members) => members.iter().for_each(|(k, v)| self.add(k, v, inside_now)),
+            Content::Array(items) => items.iter().for_each(|v| self.add("", v, inside_now)),
+            Content::Whole(_) | Content::Number(_) if inside_now => self.numbers.extend(index(value)),
             _ => {}
         }
     }
@@ -37,22 +37,22 @@ impl ExtensionNumbers {
 
 /// Checks whether a value contains a whole number.
 pub(super) fn has_number(value: &Value) -> bool {
-    match value {
-        Value::Array(items) => items.iter().any(has_number),
-        Value::Object(members) => members.values().any(has_number),
-        other => index(other).is_some(),
+    match &value.content {
+        Content::Array(items) => items.iter().any(has_number),
+        Content::Object(members) => members.values().any(has_number),
+        _ => index(value).is_some(),
     }
 }
 
 /// Returns the accessors that skins and animations refer to.
-pub(super) fn skin_and_animation_accessors(root: &Map<String, Value>) -> Result<HashSet<usize>, Error> {
+pub(super) fn skin_and_animation_accessors(root: &Members) -> Result<HashSet<usize>, Error> {
     let mut used = HashSet::new();
     for skin in array(root, "skins")? {
         used.extend(skin.get("inverseBindMatrices").and_then(index));
     }
     for animation in array(root, "animations")? {
         for sampler in items(animation, "samplers") {
-            used.extend(["input", "output"].iter().filter_map(|key| sampler.get(*key)).filter_map(index));
+            used.extend(["input", "output"].iter().filter_map(|key| sampler.get(key)).filter_map(index));
         }
     }
     Ok(used)

@@ -16,10 +16,10 @@
 
 use std::collections::{BTreeSet, HashMap, HashSet};
 
-use serde_json::{Map, Value};
+use super::json::{Members, Value};
 
-use super::accessor::{AccessorResolver, DecodeBudget};
-
+use super::accessor::AccessorResolver;
+use super::budget::{ATTRIBUTE_LIMIT, DecodeBudget};
 use super::document::{array, index, items, values};
 use super::permute::{AccessorLayout, ByteOwners, OVER_BUDGET, PermutedBuffers};
 use super::references::{ExtensionNumbers, has_number, skin_and_animation_accessors};
@@ -52,7 +52,7 @@ pub(crate) struct SceneGroup {
 /// The scene has another number of parts.
 pub(crate) fn groups(scene: &Scene, part_count: usize) -> Result<Vec<SceneGroup>, Error> {
     scene.check_part_count(part_count)?;
-    let root = &scene.root;
+    let root = &scene.document.root;
     let parts: HashMap<(usize, usize), usize> =
         (scene.primitives.iter().enumerate()).map(|(part, p)| ((p.mesh, p.primitive), part)).collect();
     let mut sets = PrimitiveSets::default();
@@ -100,8 +100,8 @@ pub(crate) fn groups(scene: &Scene, part_count: usize) -> Result<Vec<SceneGroup>
 /// Returns the scene with the values of each group's vertices in the group's order. A group for which that is not possible
 /// keeps its vertex order, with the reason in [`VertexGroup::kept`].
 pub(crate) fn apply(scene: &Scene, found: &[SceneGroup], groups: &mut [VertexGroup]) -> Result<Scene, Error> {
-    let resolver = AccessorResolver { root: &scene.root, buffers: &scene.buffers };
-    let mut budget = DecodeBudget::new(&scene.buffers, FACTOR);
+    let resolver = AccessorResolver { root: &scene.document.root, buffers: &scene.buffers };
+    let mut budget = DecodeBudget::new(ATTRIBUTE_LIMIT, FACTOR, &scene.buffers);
     let mut arrays: Vec<Vec<AccessorLayout>> = Vec::with_capacity(groups.len());
     for (group, found) in groups.iter_mut().zip(found) {
         let mut list = Vec::new();
@@ -154,8 +154,9 @@ fn vertex_accessors(primitive: &Value) -> impl Iterator<Item = usize> {
 /// Checks whether extensions or extras of a mesh or primitive may refer to vertices by number.
 fn may_name_vertices(mesh: &Value, primitive: &Value) -> bool {
     [mesh, primitive].into_iter().any(|object| {
-        let extensions = object.get("extensions").and_then(Value::as_object).into_iter().flatten();
-        let names_vertices = |(name, value): (&String, &Value)| match name.as_str() {
+        let extensions =
+            object.get("extensions").and_then(Value::as_object).into_iter().flat_map(Members::iter);
+        let names_vertices = |(name, value): (&str, &Value)| match name {
             FEATURES => !items(value, "featureIds").iter().all(has_stored_ids),
             // Extensions about the index order are dropped with the old indices.
             name => {
@@ -168,11 +169,11 @@ fn may_name_vertices(mesh: &Value, primitive: &Value) -> bool {
 
 /// Checks whether the ids of a set of features are stored in an attribute or texture.
 fn has_stored_ids(features: &Value) -> bool {
-    ["attribute", "texture"].iter().any(|key| features.get(*key).is_some())
+    ["attribute", "texture"].iter().any(|key| features.get(key).is_some())
 }
 
 /// Returns the accessors that are used other than for vertices.
-fn other_uses(root: &Map<String, Value>) -> Result<HashSet<usize>, Error> {
+fn other_uses(root: &Members) -> Result<HashSet<usize>, Error> {
     let mut used = skin_and_animation_accessors(root)?;
     for mesh in array(root, "meshes")? {
         used.extend(items(mesh, "primitives").iter().filter_map(|p| p.get("indices")).filter_map(index));

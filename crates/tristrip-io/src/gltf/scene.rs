@@ -1,9 +1,9 @@
 //! The glTF document around the parts of a model, kept as it was read.
 
-use serde_json::{Map, Value};
+use super::json::Value;
 
-use super::buffer::SharedBytes;
-use super::document::{array, items, whole};
+use super::document::{Document, array, items, whole};
+use super::shared_bytes::SharedBytes;
 use super::spec::TRIANGLES;
 use crate::error::Error;
 
@@ -11,7 +11,7 @@ use crate::error::Error;
 #[derive(Debug, Clone, Default)]
 pub struct Scene {
     /// The JSON, with the `uri` of each buffer removed.
-    pub(super) root: Map<String, Value>,
+    pub(super) document: Document,
     /// The bytes of each buffer, `byteLength` of them.
     pub(super) buffers: Vec<SharedBytes>,
     /// The primitive of each part of the model, in order.
@@ -37,9 +37,9 @@ impl Scene {
     /// # Ok::<(), tristrip_io::Error>(())
     /// ```
     pub fn beyond_parts(&self) -> Vec<String> {
-        let list = |name| array(&self.root, name).unwrap_or_default();
+        let list = |name| array(&self.document.root, name).unwrap_or_default();
         let is_transformed = |node: &&Value| {
-            ["matrix", "translation", "rotation", "scale"].iter().any(|key| node.get(*key).is_some())
+            ["matrix", "translation", "rotation", "scale"].iter().any(|key| node.get(key).is_some())
         };
         let primitives = || list("meshes").iter().flat_map(|mesh| items(mesh, "primitives"));
         let of_triangles = |p: &&Value| p.get("mode").and_then(whole).is_none_or(|mode| mode >= TRIANGLES);

@@ -10,6 +10,9 @@ pub(super) const ARRAY_BUFFER: u32 = 34962;
 /// The `target` of a buffer view with indices.
 pub(super) const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 
+/// The extension that allows integer positions.
+pub(super) const QUANTIZATION: &str = "KHR_mesh_quantization";
+
 /// The extension that allows the restart index.
 pub(super) const RESTART_EXTENSION: &str = "KHR_mesh_primitive_restart";
 

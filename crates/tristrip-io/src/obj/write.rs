@@ -12,8 +12,12 @@ use crate::model::{Drawing, Model, Part};
 pub(crate) fn write(model: &Model, drawings: &[Drawing]) -> Result<Vec<u8>, Error> {
     model.check_drawings(drawings)?;
     let blocks = join::blocks(model)?;
+    if blocks.vertex_count == 0 {
+        let message = "nothing to write: the model has no vertices, and an OBJ file needs at least one";
+        return Err(Error::Unsupported(message.into()));
+    }
     let mut out = String::new();
-    for loss in losses(model) {
+    for loss in losses(model, drawings) {
         out.push_str("# ");
         out.push_str(&loss);
         out.push('\n');
@@ -51,7 +55,7 @@ pub(crate) fn write(model: &Model, drawings: &[Drawing]) -> Result<Vec<u8>, Erro
 }
 
 /// Lists what OBJ cannot hold of a model.
-pub(crate) fn losses(model: &Model) -> Vec<String> {
+pub(crate) fn losses(model: &Model, drawings: &[Drawing]) -> Vec<String> {
     let mut out: Vec<String> = Vec::new();
     for attribute in model.parts.iter().flat_map(|part| part.mesh.attributes()) {
         let kept = match attribute.name.as_str() {
@@ -69,7 +73,7 @@ pub(crate) fn losses(model: &Model) -> Vec<String> {
         }
     }
     let small = |part: &Part| part.mesh.faces().iter().filter(|face| face.len() < 3).count();
-    let small: usize = model.parts.iter().map(small).sum();
+    let small: usize = join::drawn_by_faces(model, drawings).map(small).sum();
     if small > 0 {
         out.push(format!("faces of fewer than three corners not written: {small}"));
     }

@@ -2,6 +2,7 @@
 
 use tristrip::{Attribute, AttributeData};
 
+use super::fixed_rows::FixedRows;
 use super::header::{Element, Scalar};
 
 /// One vertex attribute while it is read.
@@ -28,6 +29,28 @@ impl VertexColumn {
             AttributeData::I16(v) => v.reserve_exact(n),
             AttributeData::U32(v) => v.reserve_exact(n),
             AttributeData::I32(v) => v.reserve_exact(n),
+        }
+    }
+
+    /// Appends the values of rows of the same size.
+    pub(super) fn gather(&mut self, rows: &FixedRows<'_>) {
+        let from = &self.from;
+        match (&mut self.attribute.data, rows.kind(from[0])) {
+            // Attributes with a name of glTF are 32-bit floats.
+            (AttributeData::F32(v), Scalar::F64) => rows.gather(from, v, |b| f64::from_le_bytes(b) as f32),
+            (AttributeData::F32(v), _) => rows.gather(from, v, f32::from_le_bytes),
+            (AttributeData::F64(v), _) => rows.gather(from, v, f64::from_le_bytes),
+            (AttributeData::U8(v), _) => rows.gather(from, v, u8::from_le_bytes),
+            (AttributeData::I8(v), _) => rows.gather(from, v, i8::from_le_bytes),
+            (AttributeData::U16(v), _) => rows.gather(from, v, u16::from_le_bytes),
+            (AttributeData::I16(v), _) => rows.gather(from, v, i16::from_le_bytes),
+            (AttributeData::U32(v), _) => rows.gather(from, v, u32::from_le_bytes),
+            (AttributeData::I32(v), _) => rows.gather(from, v, i32::from_le_bytes),
+        }
+        if let (true, AttributeData::F32(values)) = (self.finite, &mut self.attribute.data) {
+            for value in values.iter_mut().filter(|value| !value.is_finite()) {
+                (*value, self.replaced) = (0.0, self.replaced + 1);
+            }
         }
     }
 

@@ -4,15 +4,19 @@ use tristrip::mesh::MAX_COUNT;
 use tristrip::strip::strip_triangles;
 use tristrip::{Attribute, Mesh};
 
-use super::columns::columns;
+use super::columns::{VertexColumn, columns};
+use super::fixed_rows::FixedRows;
 use super::header::{self, Element, Encoding, Header, Property, Scalar};
 use super::rows::{AsciiRows, BinaryRows, Rows};
 use crate::error::Error;
 use crate::model::{Model, Part, StoredStrips};
 use crate::polygons::Polygons;
 
-/// The restart index of `tristrips` as a signed and as an unsigned 32-bit number.
-const RESTARTS: [i64; 2] = [-1, u32::MAX as i64];
+/// The restart index of `tristrips`; no vertex has it, as a mesh has fewer vertices.
+const RESTART: u32 = u32::MAX;
+
+/// The restart index as a signed and as an unsigned number.
+const RESTARTS: [i64; 2] = [-1, RESTART as i64];
 
 /// Reads a PLY file.
 pub(crate) fn read(bytes: &[u8]) -> Result<Model, Error> {
@@ -106,6 +110,13 @@ impl<R: Rows> PlyReader<R> {
         }
         let row_count = element.row_count as usize;
         let mut columns = columns(element, [x, y, z]);
+        if let Some(rows) = self.rows.fixed_rows(&element.properties, row_count) {
+            let (positions, rounded) = positions(&rows, element, [x, y, z])?;
+            self.positions = positions;
+            columns.iter_mut().for_each(|column| column.gather(&rows));
+            self.note_vertices(rounded, columns);
+            return Ok(());
+        }
         for column in &mut columns {
             column.reserve(row_count);
         }
@@ -136,14 +147,20 @@ impl<R: Rows> PlyReader<R> {
                 column.push(&row);
             }
         }
-        if rounded > 0 {
-            self.notes.push(format!("vertices rounded to 32-bit floats: {rounded}"));
-        }
         for property in element.properties.iter().filter(|property| property.count.is_some()) {
             self.notes.push(format!("vertex property `{}`, a list, dropped", property.name));
         }
         if list_values > 0 {
             self.notes.push(format!("values in lists of vertices dropped: {list_values}"));
+        }
+        self.note_vertices(rounded, columns);
+        Ok(())
+    }
+
+    /// Stores the attributes of the vertices; notes what was changed.
+    fn note_vertices(&mut self, rounded: u64, columns: Vec<VertexColumn>) {
+        if rounded > 0 {
+            self.notes.push(format!("vertices rounded to 32-bit floats: {rounded}"));
         }
         for column in columns {
             if column.replaced > 0 {
@@ -152,7 +169,6 @@ impl<R: Rows> PlyReader<R> {
             }
             self.attributes.push(column.attribute);
         }
-        Ok(())
     }
 
     fn read_faces(&mut self, element: &Element) -> Result<(), Error> {
@@ -164,13 +180,25 @@ impl<R: Rows> PlyReader<R> {
         if self.polygons.face_count() == 0 {
             self.polygons = Polygons::with_capacity(capacity);
         }
-        for _ in 0..element.row_count {
+        let mut row = 0;
+        while row < element.row_count {
+            if let [list] = &element.properties[..] {
+                let most = element.row_count - row;
+                row += self.rows.push_triangles(list, most, self.vertex_count, &mut self.polygons);
+                if row == element.row_count {
+                    break;
+                }
+            }
             for (i, property) in element.properties.iter().enumerate() {
                 if i == index {
-                    for _ in 0..self.list_count(property)? {
-                        let value = self.rows.value(property.value, &property.name)?;
-                        let vertex = self.vertex(value)?;
-                        self.polygons.push(vertex);
+                    let count = self.list_count(property)?;
+                    let (bound, out) = (self.vertex_count, &mut self.polygons);
+                    if !self.rows.push_indices(property.value, count as usize, bound, out) {
+                        for _ in 0..count {
+                            let value = self.rows.value(property.value, &property.name)?;
+                            let vertex = self.vertex(value)?;
+                            self.polygons.push(vertex);
+                        }
                     }
                     self.polygons.end_face();
                 } else {
@@ -178,6 +206,7 @@ impl<R: Rows> PlyReader<R> {
                 }
             }
             self.rows.end_row(element)?;
+            row += 1;
         }
         self.note_dropped(element, index);
         Ok(())
@@ -187,23 +216,23 @@ impl<R: Rows> PlyReader<R> {
         let index = index_list(element)?;
         let Some(index) = index else { return Ok(()) };
         let mut stored = StoredStrips::default();
-        let (mut run, mut short) = (Vec::new(), 0u64);
+        let mut short = 0u64;
         for _ in 0..element.row_count {
             for (i, property) in element.properties.iter().enumerate() {
                 if i != index {
                     self.skip_property(property)?;
                     continue;
                 }
-                for _ in 0..self.list_count(property)? {
-                    let value = self.rows.value(property.value, &property.name)?;
-                    if RESTARTS.contains(&(value as i64)) {
-                        stored.restarts += 1;
-                        short += u64::from(self.end_strip(&mut run, &mut stored));
-                    } else {
-                        run.push(self.vertex(value)?);
-                    }
+                let count = self.list_count(property)?;
+                let row = match self.rows.strip_row(property.value, count as usize, self.vertex_count) {
+                    Some(row) => row,
+                    None => self.strip_row(property, count)?,
+                };
+                self.polygons.reserve(3 * row.len());
+                for (r, run) in row.split(|&index| index == RESTART).enumerate() {
+                    stored.restarts += usize::from(r > 0);
+                    short += u64::from(self.add_strip(run, &mut stored));
                 }
-                short += u64::from(self.end_strip(&mut run, &mut stored));
                 if stored.indices() > MAX_COUNT {
                     let (at, found) = (element.position(), stored.indices() as u64);
                     return Err(Error::LimitExceeded { at, found, limit: MAX_COUNT as u64 });
@@ -219,16 +248,24 @@ impl<R: Rows> PlyReader<R> {
         Ok(())
     }
 
-    /// Stores a strip and its triangles; returns whether it is too short to draw one.
-    fn end_strip(&mut self, run: &mut Vec<u32>, stored: &mut StoredStrips) -> bool {
-        strip_triangles(run).for_each(|triangle| self.polygons.push_face(&triangle));
-        let short = run.len() < 3;
-        if run.is_empty() {
-            return false;
+    /// Reads the indices of a row of strips one by one.
+    fn strip_row(&mut self, property: &Property, count: u64) -> Result<Vec<u32>, Error> {
+        let mut row = Vec::new();
+        for _ in 0..count {
+            let value = self.rows.value(property.value, &property.name)?;
+            let is_restart = RESTARTS.contains(&(value as i64));
+            row.push(if is_restart { RESTART } else { self.vertex(value)? });
         }
-        stored.runs.push(run);
-        run.clear();
-        short
+        Ok(row)
+    }
+
+    /// Stores a strip and its triangles; returns whether it is too short to draw one.
+    fn add_strip(&mut self, run: &[u32], stored: &mut StoredStrips) -> bool {
+        strip_triangles(run).for_each(|triangle| self.polygons.push_face(&triangle));
+        if !run.is_empty() {
+            stored.runs.push(run);
+        }
+        (1..3).contains(&run.len())
     }
 
     /// Skips an element that a mesh cannot hold.
@@ -295,6 +332,44 @@ impl<R: Rows> PlyReader<R> {
             }
         }
     }
+}
+
+/// Returns the positions of vertices in rows of the same size, and how many of them were rounded.
+fn positions(
+    rows: &FixedRows<'_>,
+    element: &Element,
+    axes: [usize; 3],
+) -> Result<(Vec<[f32; 3]>, u64), Error> {
+    let mut rounded = 0;
+    let positions = if axes.iter().all(|&axis| rows.kind(axis) == Scalar::F32) {
+        let mut flat = Vec::new();
+        rows.gather(&axes, &mut flat, f32::from_le_bytes);
+        flat.as_chunks::<3>().0.to_vec()
+    } else {
+        let [xs, ys, zs] = axes.map(|axis| rows.wide(axis));
+        let wide = xs.into_iter().zip(ys).zip(zs).map(|((x, y), z)| [x, y, z]);
+        let narrow = |position: [f64; 3]| {
+            let narrow = position.map(|value| value as f32);
+            let is_exact = |(&x, wide): (&f32, f64)| f64::from(x).to_bits() == wide.to_bits();
+            rounded += u64::from(!narrow.iter().zip(position).all(is_exact));
+            narrow
+        };
+        wide.map(narrow).collect()
+    };
+    let is_finite = |position: &[f32; 3]| position.iter().all(|x| x.is_finite());
+    match positions.iter().position(|position| !is_finite(position)) {
+        None => Ok((positions, rounded)),
+        Some(row) => Err(not_finite(rows, element, axes, row)),
+    }
+}
+
+/// Returns the error for the first coordinate of a row that is not finite.
+fn not_finite(rows: &FixedRows<'_>, element: &Element, mut axes: [usize; 3], row: usize) -> Error {
+    axes.sort_unstable();
+    let found = axes.map(|axis| (axis, rows.wide(axis)[row]));
+    let bad = found.into_iter().find(|(_, value)| !(*value as f32).is_finite()).unwrap_or(found[0]);
+    let expected = format!("a finite 32-bit number for `{}`", element.properties[bad.0].name);
+    Error::format(format!("byte {}", rows.offset(row, bad.0)), format!("{:?}", bad.1), expected)
 }
 
 /// Returns the property with the list of vertices; `None` if the element has no rows.

@@ -1,7 +1,9 @@
 //! The rows as a stream of numbers, with one interface for text and for both byte orders.
 
+use super::fixed_rows::FixedRows;
 use super::header::{Element, Property, Scalar};
 use crate::error::Error;
+use crate::polygons::Polygons;
 use crate::text::{Text, integer, quote};
 
 /// Reads numbers in the order of the file. 64-bit floats represent the numbers of every PLY type exactly.
@@ -10,6 +12,23 @@ pub(super) trait Rows {
     fn value(&mut self, kind: Scalar, name: &str) -> Result<f64, Error>;
     /// Describes the position of the last number.
     fn position(&self) -> String;
+    /// Reads rows of the same size as a whole, if there are as many and these are binary.
+    fn fixed_rows(&mut self, _properties: &[Property], _row_count: usize) -> Option<FixedRows<'_>> {
+        None
+    }
+    /// Appends a list of vertex indices, if these are binary numbers of 32 bits and all below a bound. Otherwise nothing is read.
+    fn push_indices(&mut self, _kind: Scalar, _count: usize, _bound: u32, _out: &mut Polygons) -> bool {
+        false
+    }
+    /// Reads the next rows, `most` at most, as long as they are triangles in lists as most programs write them: a binary count of
+    /// 8 bits and indices of 32 bits, all below a bound. Returns how many.
+    fn push_triangles(&mut self, _list: &Property, _most: u64, _bound: u32, _out: &mut Polygons) -> u64 {
+        0
+    }
+    /// Reads the indices of a row of strips, under the same conditions as [`Rows::push_indices`]; all bits of a restart are set.
+    fn strip_row(&mut self, _kind: Scalar, _count: usize, _bound: u32) -> Option<Vec<u32>> {
+        None
+    }
     /// Ends a row.
     fn end_row(&mut self, element: &Element) -> Result<(), Error>;
     /// Returns the largest number of values that the remaining bytes can hold.
@@ -101,6 +120,11 @@ impl AsciiRows<'_> {
     }
 }
 
+/// Checks whether numbers have 32 bits and can be compared with a bound as unsigned ones: negative numbers are above it then.
+fn are_32_bit_indices(kind: Scalar, bound: u32) -> bool {
+    matches!(kind, Scalar::I32 | Scalar::U32) && bound <= 1 << 31
+}
+
 /// Rows of binary numbers.
 pub(super) struct BinaryRows<'a, const BIG: bool> {
     bytes: &'a [u8],
@@ -126,6 +150,16 @@ impl<'a, const BIG: bool> BinaryRows<'a, BIG> {
             }
             None => Err(self.end_of_file(N, name)),
         }
+    }
+
+    /// Returns the next numbers without reading them, if they may be indices of 32 bits.
+    fn indices(&self, kind: Scalar, count: usize, bound: u32) -> Option<&'a [[u8; 4]]> {
+        let bytes = self.bytes.get(self.at..)?.get(..count.checked_mul(4)?)?;
+        are_32_bit_indices(kind, bound).then_some(bytes.as_chunks::<4>().0)
+    }
+
+    fn index(bytes: [u8; 4]) -> u32 {
+        if BIG { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) }
     }
 
     #[cold]
@@ -161,8 +195,60 @@ impl<const BIG: bool> Rows for BinaryRows<'_, BIG> {
         Ok(())
     }
 
+    #[inline]
     fn values_left(&self, kind: Scalar) -> u64 {
-        (self.bytes_left() / kind.size()) as u64
+        // Sizes are powers of two.
+        (self.bytes_left() >> kind.size().trailing_zeros()) as u64
+    }
+
+    fn fixed_rows(&mut self, properties: &[Property], row_count: usize) -> Option<FixedRows<'_>> {
+        if properties.iter().any(|property| property.count.is_some()) {
+            return None;
+        }
+        let size: usize = properties.iter().map(|property| property.value.size()).sum();
+        let start = self.at;
+        let rows = self.bytes.get(start..start.checked_add(row_count.checked_mul(size)?)?)?;
+        self.at += rows.len();
+        Some(FixedRows::new(start, rows, properties, BIG))
+    }
+
+    #[inline]
+    fn push_indices(&mut self, kind: Scalar, count: usize, bound: u32, out: &mut Polygons) -> bool {
+        let Some(indices) = self.indices(kind, count, bound) else { return false };
+        if !indices.iter().all(|bytes| Self::index(*bytes) < bound) {
+            return false;
+        }
+        out.extend(indices.iter().map(|bytes| Self::index(*bytes)));
+        self.at += 4 * count;
+        true
+    }
+
+    fn push_triangles(&mut self, list: &Property, most: u64, bound: u32, out: &mut Polygons) -> u64 {
+        if list.count != Some(Scalar::U8) || !are_32_bit_indices(list.value, bound) {
+            return 0;
+        }
+        let mut read = 0;
+        for row in self.bytes.get(self.at..).unwrap_or_default().as_chunks::<13>().0 {
+            let &[count, a0, a1, a2, a3, b0, b1, b2, b3, c0, c1, c2, c3] = row;
+            let triangle = [[a0, a1, a2, a3], [b0, b1, b2, b3], [c0, c1, c2, c3]].map(Self::index);
+            if read == most || count != 3 || triangle.iter().any(|&vertex| vertex >= bound) {
+                break;
+            }
+            out.push_face(&triangle);
+            read += 1;
+        }
+        self.at += 13 * read as usize;
+        read
+    }
+
+    fn strip_row(&mut self, kind: Scalar, count: usize, bound: u32) -> Option<Vec<u32>> {
+        let row: Vec<u32> =
+            self.indices(kind, count, bound)?.iter().map(|bytes| Self::index(*bytes)).collect();
+        if !row.iter().all(|&index| index < bound || index == u32::MAX) {
+            return None;
+        }
+        self.at += 4 * count;
+        Some(row)
     }
 
     fn rows_left(&self, properties: &[Property]) -> u64 {

@@ -6,6 +6,7 @@ use tristrip::{Attribute, AttributeData, Error as MeshError, Layout};
 
 use crate::error::Error;
 use crate::join::{self, clean};
+use crate::le_bytes::{append, fill_rows};
 use crate::model::{Drawing, Model};
 
 /// The restart index of `tristrips`, −1, as an unsigned number.
@@ -49,23 +50,24 @@ pub(crate) fn write(model: &Model, drawings: &[Drawing], layout: Layout) -> Resu
 
     // 2. The vertices.
     let mut out = header.into_bytes();
+    let row: usize = 12 + columns.iter().map(WrittenAttribute::bytes).sum::<usize>();
     for &part in &blocks.parts {
         let mesh = &model.parts[part].mesh;
-        let attributes: Vec<Option<&Attribute>> =
-            columns.iter().map(|column| column.find(mesh.attributes())).collect();
-        for (vertex, position) in mesh.positions().iter().enumerate() {
-            for x in position {
-                out.extend_from_slice(&x.to_le_bytes());
+        let start = out.len();
+        out.resize(start + row * mesh.vertex_count(), 0);
+        let rows = &mut out[start..];
+        fill_rows(rows, row, 0, mesh.positions().as_flattened(), 3, f32::to_le_bytes);
+        let mut offset = 12;
+        for column in &columns {
+            if let Some(attribute) = column.find(mesh.attributes()) {
+                column.fill(attribute, rows, row, offset);
             }
-            for (column, attribute) in columns.iter().zip(&attributes) {
-                if let Some(attribute) = attribute {
-                    column.write(attribute, vertex, &mut out);
-                }
-            }
+            offset += column.bytes();
         }
     }
 
     // 3. The faces.
+    out.reserve(rows.face_count * (1 + 3 * size_of::<u32>()));
     rows.for_each_face(drawings, model, |face, base| {
         if count_type == "uint" {
             out.extend_from_slice(&(face.len() as u32).to_le_bytes());
@@ -80,9 +82,7 @@ pub(crate) fn write(model: &Model, drawings: &[Drawing], layout: Layout) -> Resu
     // 4. The strips.
     for strip in &rows.strips {
         out.extend_from_slice(&(strip.len() as u32).to_le_bytes());
-        for v in strip {
-            out.extend_from_slice(&v.to_le_bytes());
-        }
+        append(&mut out, strip, u32::to_le_bytes);
     }
     Ok(out)
 }
@@ -216,23 +216,33 @@ impl WrittenAttribute {
         attributes.iter().find(|attribute| alike(attribute, &self.like))
     }
 
-    fn write(&self, attribute: &Attribute, vertex: usize, out: &mut Vec<u8>) {
+    /// Returns the number of bytes that each vertex takes.
+    fn bytes(&self) -> usize {
+        let each = match self.kind() {
+            "char" | "uchar" => 1,
+            "short" | "ushort" => 2,
+            "double" => 8,
+            _ => 4,
+        };
+        each * self.names.len()
+    }
+
+    /// Writes the values of all vertices into rows of `stride` bytes.
+    fn fill(&self, attribute: &Attribute, rows: &mut [u8], stride: usize, offset: usize) {
         let n = self.names.len();
-        for i in vertex * n..(vertex + 1) * n {
-            if Self::as_floats(attribute) {
-                out.extend_from_slice(&join::float(attribute, i).to_le_bytes());
-                continue;
-            }
-            match &attribute.data {
-                AttributeData::F32(v) => out.extend_from_slice(&v[i].to_le_bytes()),
-                AttributeData::F64(v) => out.extend_from_slice(&v[i].to_le_bytes()),
-                AttributeData::U8(v) => out.push(v[i]),
-                AttributeData::I8(v) => out.extend_from_slice(&v[i].to_le_bytes()),
-                AttributeData::U16(v) => out.extend_from_slice(&v[i].to_le_bytes()),
-                AttributeData::I16(v) => out.extend_from_slice(&v[i].to_le_bytes()),
-                AttributeData::U32(v) => out.extend_from_slice(&v[i].to_le_bytes()),
-                AttributeData::I32(v) => out.extend_from_slice(&v[i].to_le_bytes()),
-            }
+        if Self::as_floats(attribute) && !matches!(attribute.data, AttributeData::F32(_)) {
+            let floats: Vec<f32> = (0..attribute.data.len()).map(|i| join::float(attribute, i)).collect();
+            return fill_rows(rows, stride, offset, &floats, n, f32::to_le_bytes);
+        }
+        match &attribute.data {
+            AttributeData::F32(v) => fill_rows(rows, stride, offset, v, n, f32::to_le_bytes),
+            AttributeData::F64(v) => fill_rows(rows, stride, offset, v, n, f64::to_le_bytes),
+            AttributeData::U8(v) => fill_rows(rows, stride, offset, v, n, u8::to_le_bytes),
+            AttributeData::I8(v) => fill_rows(rows, stride, offset, v, n, i8::to_le_bytes),
+            AttributeData::U16(v) => fill_rows(rows, stride, offset, v, n, u16::to_le_bytes),
+            AttributeData::I16(v) => fill_rows(rows, stride, offset, v, n, i16::to_le_bytes),
+            AttributeData::U32(v) => fill_rows(rows, stride, offset, v, n, u32::to_le_bytes),
+            AttributeData::I32(v) => fill_rows(rows, stride, offset, v, n, i32::to_le_bytes),
         }
     }
 }

@@ -3,12 +3,13 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use serde_json::{Map, Value, json};
+use serde_json::json;
 
 use super::unused::UnusedEntries;
 use crate::error::Error;
-use crate::gltf::buffer::SharedBytes;
 use crate::gltf::document::{array, index, list_mut};
+use crate::gltf::json::{Members, Value};
+use crate::gltf::shared_bytes::SharedBytes;
 
 /// The largest alignment of buffer views that a known extension requires.
 pub(super) const ALIGNMENT: usize = 8;
@@ -27,7 +28,7 @@ pub(super) struct BufferCompaction {
 impl BufferCompaction {
     /// Plans the compaction: the bytes of unused views are removed, except those that another view uses.
     pub(super) fn plan(
-        root: &Map<String, Value>,
+        root: &Members,
         buffers: &[SharedBytes],
         unused: &UnusedEntries,
     ) -> Result<Self, Error> {
@@ -65,32 +66,27 @@ impl BufferCompaction {
     }
 
     /// Updates the offsets of all views; `new` has the offsets of new views within the new bytes.
-    pub(super) fn apply(
-        &self,
-        root: &mut Map<String, Value>,
-        new: &BTreeMap<usize, usize>,
-    ) -> Result<(), Error> {
+    pub(super) fn apply(&self, root: &mut Members, new: &BTreeMap<usize, usize>) -> Result<(), Error> {
         if !root.contains_key("bufferViews") {
             return Ok(());
         }
         for (v, view) in list_mut(root, "bufferViews")?.iter_mut().enumerate() {
-            let Value::Object(members) = view else { continue };
-            let offset = members.get("byteOffset").and_then(index).unwrap_or(0);
+            let field = |name| view.get(name).and_then(index).unwrap_or(0);
+            let (buffer, offset) = (field("buffer"), field("byteOffset"));
             let moved = if let Some(start) = new.get(&v) {
                 self.new_start() + start
             } else {
-                let buffer = members.get("buffer").and_then(index).unwrap_or(0);
-                if buffer != 0 {
-                    members.insert("buffer".into(), 0.into());
-                }
                 let Some((removed, base)) = self.removed.get(buffer).zip(self.bases.get(buffer)) else {
                     continue;
                 };
                 let before = removed.partition_point(|(range, _)| range.end <= offset);
                 base + offset - before.checked_sub(1).map_or(0, |last| removed[last].1)
             };
-            if moved != offset {
-                members.insert("byteOffset".into(), moved.into());
+            let changes = [("buffer", buffer, 0), ("byteOffset", offset, moved)];
+            for (name, _, new) in changes.into_iter().filter(|(_, old, new)| old != new) {
+                if let Some(members) = view.as_object_mut() {
+                    members.insert(name, new);
+                }
             }
         }
         Ok(())
@@ -177,19 +173,20 @@ fn subtract(freed: Vec<Range<usize>>, kept: &[Range<usize>]) -> Vec<Range<usize>
 }
 
 /// Replaces all buffers by one of a length; by none where there are no bytes.
-pub(super) fn set_buffer(root: &mut Map<String, Value>, length: usize) -> Result<(), Error> {
+pub(super) fn set_buffer(root: &mut Members, length: usize) -> Result<(), Error> {
     if length == 0 && !root.contains_key("buffers") {
         return Ok(());
     }
     let buffers = list_mut(root, "buffers")?;
     buffers.truncate(1);
     match buffers.first_mut() {
-        Some(Value::Object(buffer)) => {
-            if buffer.get("byteLength").and_then(index) != Some(length) {
-                buffer.insert("byteLength".into(), length.into());
+        None => buffers.push(json!({ "byteLength": length }).into()),
+        Some(buffer) if buffer.get("byteLength").and_then(index) == Some(length) => {}
+        Some(buffer) => {
+            if let Some(members) = buffer.as_object_mut() {
+                members.insert("byteLength", length);
             }
         }
-        _ => buffers.push(json!({ "byteLength": length })),
     }
     Ok(())
 }

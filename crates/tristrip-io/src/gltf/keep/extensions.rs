@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use serde_json::{Map, Value};
+use crate::gltf::json::{Members, Value};
 
 use crate::error::Error;
 use crate::gltf::document::{array, items, list_mut, uses, whole};
@@ -10,7 +10,7 @@ use crate::gltf::spec::ORDER_EXTENSIONS;
 
 /// Removes extensions that describe the order of indices from the meshes whose indices are new.
 pub(super) fn drop_order_extensions(
-    root: &mut Map<String, Value>,
+    root: &mut Members,
     rewritten: &HashSet<(usize, usize)>,
 ) -> Result<(), Error> {
     if !ORDER_EXTENSIONS.iter().any(|name| uses(root, name)) {
@@ -19,24 +19,17 @@ pub(super) fn drop_order_extensions(
     let rewritten_meshes: HashSet<usize> = rewritten.iter().map(|&(mesh, _)| mesh).collect();
     let mut still_used: HashSet<&str> = HashSet::new();
     for (m, mesh) in list_mut(root, "meshes")?.iter_mut().enumerate() {
-        let mut remove = |object: &mut Value| {
-            let Some(Value::Object(extensions)) = object.get_mut("extensions") else { return };
-            for name in ORDER_EXTENSIONS {
-                if rewritten_meshes.contains(&m) {
-                    extensions.shift_remove(name);
-                } else if extensions.contains_key(name) {
-                    still_used.insert(name);
-                }
-            }
-            if extensions.is_empty()
-                && let Value::Object(members) = object
-            {
-                members.shift_remove("extensions");
-            }
-        };
-        remove(mesh);
-        if let Some(Value::Array(primitives)) = mesh.get_mut("primitives") {
-            primitives.iter_mut().for_each(remove);
+        if !rewritten_meshes.contains(&m) {
+            still_used.extend(order_extensions(mesh));
+            items(mesh, "primitives")
+                .iter()
+                .for_each(|primitive| still_used.extend(order_extensions(primitive)));
+            continue;
+        }
+        remove_order_extensions(mesh);
+        if items(mesh, "primitives").iter().any(|primitive| order_extensions(primitive).next().is_some()) {
+            let primitives = mesh.as_object_mut().and_then(|mesh| mesh.get_mut("primitives")?.as_array_mut());
+            primitives.into_iter().flatten().for_each(remove_order_extensions);
         }
     }
     for name in ORDER_EXTENSIONS.iter().filter(|name| !still_used.contains(*name)) {
@@ -45,34 +38,52 @@ pub(super) fn drop_order_extensions(
     Ok(())
 }
 
+/// Iterates over the extensions of an object that describe the order of indices.
+fn order_extensions(object: &Value) -> impl Iterator<Item = &'static str> {
+    let extensions = object.get("extensions").and_then(Value::as_object);
+    ORDER_EXTENSIONS.into_iter().filter(move |name| extensions.is_some_and(|e| e.contains_key(name)))
+}
+
+/// Removes them; an object of extensions that is then empty is removed, too.
+fn remove_order_extensions(object: &mut Value) {
+    let names: Vec<&str> = order_extensions(object).collect();
+    let Some(members) = object.as_object_mut().filter(|_| !names.is_empty()) else { return };
+    let Some(extensions) = members.get_mut("extensions").and_then(Value::as_object_mut) else { return };
+    names.into_iter().for_each(|name| extensions.remove(name));
+    if extensions.is_empty() {
+        members.remove("extensions");
+    }
+}
+
 /// Checks whether there are line strips or loops, which may have restarts; triangle strips and fans are always rewritten.
-pub(super) fn has_line_strips(root: &Map<String, Value>) -> Result<bool, Error> {
+pub(super) fn has_line_strips(root: &Members) -> Result<bool, Error> {
     Ok(array(root, "meshes")?.iter().any(|mesh| {
         items(mesh, "primitives").iter().any(|p| matches!(p.get("mode").and_then(whole), Some(2 | 3)))
     }))
 }
 
 /// Lists an extension as used and required.
-pub(super) fn declare(root: &mut Map<String, Value>, name: &str) -> Result<(), Error> {
+pub(super) fn declare(root: &mut Members, name: &str) -> Result<(), Error> {
     for list in ["extensionsUsed", "extensionsRequired"] {
-        let names = list_mut(root, list)?;
-        if !names.iter().any(|n| n == name) {
-            names.push(name.into());
+        if !array(root, list)?.iter().any(|n| n.as_str() == Some(name)) {
+            list_mut(root, list)?.push(name.into());
         }
     }
     Ok(())
 }
 
 /// Removes an extension from both lists.
-pub(super) fn undeclare(root: &mut Map<String, Value>, name: &str) {
+pub(super) fn undeclare(root: &mut Members, name: &str) {
     for list in ["extensionsUsed", "extensionsRequired"] {
-        if let Some(Value::Array(names)) = root.get_mut(list) {
-            let before = names.len();
-            names.retain(|n| n != name);
-            // An empty list is not allowed.
-            if names.is_empty() && before > 0 {
-                root.shift_remove(list);
-            }
+        let names = root.get(list).and_then(Value::as_array).unwrap_or_default();
+        if !names.iter().any(|n| n.as_str() == Some(name)) {
+            continue;
+        }
+        let Some(names) = root.get_mut(list).and_then(Value::as_array_mut) else { continue };
+        names.retain(|n| n.as_str() != Some(name));
+        // An empty list is not allowed.
+        if names.is_empty() {
+            root.remove(list);
         }
     }
 }

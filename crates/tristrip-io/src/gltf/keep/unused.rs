@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use serde_json::{Map, Value};
+use crate::gltf::json::Members;
 
 use crate::error::Error;
 use crate::gltf::document::{array, index, items, values};
@@ -18,10 +18,7 @@ pub(super) struct UnusedEntries {
 
 impl UnusedEntries {
     /// Finds them; `rewritten` has the mesh and number of each primitive with new indices.
-    pub(super) fn find(
-        root: &Map<String, Value>,
-        rewritten: &HashSet<(usize, usize)>,
-    ) -> Result<Self, Error> {
+    pub(super) fn find(root: &Members, rewritten: &HashSet<(usize, usize)>) -> Result<Self, Error> {
         let possible = ExtensionNumbers::of(root);
 
         // Accessors: old indices, except those that something else refers to.

@@ -1,0 +1,133 @@
+//! The files of a document: in its folder, never outside it.
+//!
+//! A document that was opened through a link has two folders: that of the link, where the path that was given says that its
+//! files are, and that of the file which the link leads to. The first that has the file is used.
+
+use std::collections::HashMap;
+use std::io::Read;
+use std::path::{Component, Path, PathBuf};
+use std::sync::Arc;
+
+use super::document::Located;
+use crate::error::Error;
+
+/// The folders of a document, and the files that have been read.
+pub(super) struct BufferFiles<'a> {
+    folders: &'a [&'a Path],
+    files: HashMap<PathBuf, Arc<Vec<u8>>>,
+}
+
+impl<'a> BufferFiles<'a> {
+    /// Looks in the first folder first.
+    pub(super) fn new(folders: &'a [&'a Path]) -> Self {
+        Self { folders, files: HashMap::new() }
+    }
+
+    /// Reads a file in one of the document's folders, once for all buffers that name it.
+    pub(super) fn load(&mut self, uri: &Located<'_>) -> Result<Arc<Vec<u8>>, Error> {
+        let folders = self.folders;
+        let text = uri.text()?;
+        let Some(relative) = relative_path(text) else {
+            return Err(uri.wrong("a data URI, or a file in the folder of the document"));
+        };
+        let Some(first) = folders.first() else {
+            return Err(uri.wrong("a data URI: the folder of the document is not known"));
+        };
+        let io_error = |source| Error::Io { path: first.join(&relative).display().to_string(), source };
+        let folders: Vec<PathBuf> =
+            folders.iter().map(real_folder).collect::<Result<_, _>>().map_err(io_error)?;
+        let path = find(&folders, &relative).map_err(io_error)?;
+        // A link may lead outside the folders although the name does not.
+        if !folders.iter().any(|folder| path.starts_with(folder)) || !path.is_file() {
+            return Err(uri.wrong("a data URI, or a file in the folder of the document"));
+        }
+        if let Some(bytes) = self.files.get(&path) {
+            return Ok(Arc::clone(bytes));
+        }
+        let mut bytes = Vec::new();
+        std::fs::File::open(&path).and_then(|mut f| f.read_to_end(&mut bytes)).map_err(io_error)?;
+        let bytes = Arc::new(bytes);
+        self.files.insert(path, Arc::clone(&bytes));
+        Ok(bytes)
+    }
+}
+
+/// Returns a folder without links; a document named without a folder is in the current one.
+fn real_folder(folder: &&Path) -> std::io::Result<PathBuf> {
+    if folder.as_os_str().is_empty() { Path::new(".").canonicalize() } else { folder.canonicalize() }
+}
+
+/// Finds a file in the first folder that has it, links followed; the error is that of the first folder.
+fn find(folders: &[PathBuf], relative: &Path) -> std::io::Result<PathBuf> {
+    let mut found = folders.iter().map(|folder| folder.join(relative).canonicalize());
+    let first = found.next().unwrap_or_else(|| Err(std::io::ErrorKind::NotFound.into()));
+    first.or_else(|error| found.find_map(Result::ok).ok_or(error))
+}
+
+/// Returns the path of a relative URI, if it has no `..`, root or drive.
+fn relative_path(uri: &str) -> Option<PathBuf> {
+    let decoded = percent_decode(uri)?;
+    if decoded.contains(['\\', ':', '\0']) {
+        return None;
+    }
+    let path = PathBuf::from(decoded);
+    let mut named = false;
+    for component in path.components() {
+        match component {
+            Component::Normal(_) => named = true,
+            Component::CurDir => {}
+            _ => return None,
+        }
+    }
+    named.then_some(path)
+}
+
+fn percent_decode(text: &str) -> Option<String> {
+    let mut out = Vec::with_capacity(text.len());
+    let mut rest = text.as_bytes();
+    while let Some((&first, after)) = rest.split_first() {
+        if first == b'%' {
+            let digits = std::str::from_utf8(after.get(..2)?).ok()?;
+            if !digits.bytes().all(|b| b.is_ascii_hexdigit()) {
+                return None;
+            }
+            out.push(u8::from_str_radix(digits, 16).ok()?);
+            rest = &after[2..];
+        } else {
+            out.push(first);
+            rest = after;
+        }
+    }
+    String::from_utf8(out).ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn relative_paths_stay_inside_the_folder() {
+        let ok = |uri| relative_path(uri).map(|p| p.display().to_string());
+        assert_eq!(ok("a%20b/c.bin").as_deref(), Some("a b/c.bin"));
+        assert_eq!(ok("./c.bin").as_deref(), Some("./c.bin"));
+        for bad in [
+            "",
+            ".",
+            "../c.bin",
+            "a/../../c.bin",
+            "/etc/passwd",
+            "%2e%2e/c.bin",
+            "a\\b",
+            "c:b",
+            "http://x/y",
+            "file:///etc/passwd",
+            "%",
+            "%zz",
+            "%+1",
+            "a%00b",
+            "%ff",
+        ] {
+            assert_eq!(ok(bad), None, "{bad}");
+        }
+    }
+}
