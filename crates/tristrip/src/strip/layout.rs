@@ -49,7 +49,7 @@ impl Strips {
     /// strips.push(&[3, 4, 5]);
     /// let buffer: Vec<u16> = strips.to_indices(Layout::Restart)?;
     /// assert_eq!(buffer, [0, 1, 2, 65_535, 3, 4, 5]);
-    /// assert_eq!(strips.to_indices::<u8>(Layout::Degenerate)?, [0, 1, 2, 2, 3, 3, 4, 5]);
+    /// assert_eq!(strips.to_indices::<u8>(Layout::Degenerate)?, [0, 1, 2, 2, 5, 5, 4, 3]);
     /// strips.push(&[6, 7, 255]);
     /// assert!(strips.to_indices::<u8>(Layout::Restart).is_err());
     /// # Ok::<(), tristrip::Error>(())
