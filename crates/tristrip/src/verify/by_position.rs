@@ -205,7 +205,9 @@ fn compare_drawing(
     };
     let Err(unproven) = verify_drawing(faces, &triangles) else { return Ok(()) };
     Err(match unproven {
-        Unproven::Triangles { .. } => triangle_difference(faces, &triangles, ids),
+        Unproven::Triangles { first, .. } => {
+            triangle_difference(faces, &triangles, first.map(|v| ids.position(v)))
+        }
         Unproven::Outside { triangle } => Difference::Outside { triangle: triangle.map(|v| ids.position(v)) },
         Unproven::Count { face, found, expected } => {
             let position = faces.face(face as usize).first().map_or([0.0; 3], |&v| ids.position(v));
@@ -217,19 +219,18 @@ fn compare_drawing(
     })
 }
 
-/// Counts the missing, extra and flipped triangles.
-fn triangle_difference(faces: &Faces, drawn: &[[u32; 3]], ids: &PositionIds) -> Difference {
+/// Counts the missing, extra and flipped triangles, of which the first is known.
+fn triangle_difference(faces: &Faces, drawn: &[[u32; 3]], first: [[f32; 3]; 3]) -> Difference {
     let expected = canonical_triangles(faces.iter().map(|f| [f[0], f[1], f[2]]));
     let drawn = canonical_triangles(drawn.iter().copied());
     let (missing, extra) = subtract(&expected, &drawn);
     let reversed = canonical_triangles(extra.iter().map(|&[a, b, c]| [a, c, b]));
     let (lost, not_flipped) = subtract(&missing, &reversed);
-    let first = missing.first().into_iter().chain(extra.first()).min().copied().unwrap_or_default();
     Difference::Triangles {
         missing: lost.len(),
         extra: not_flipped.len(),
         flipped: missing.len() - lost.len(),
-        first: first.map(|v| ids.position(v)),
+        first,
     }
 }
 
