@@ -18,6 +18,7 @@ pub mod corpus;
 pub mod distance;
 pub mod docs;
 pub mod failure;
+pub mod hostile;
 pub mod levels;
 pub mod measure;
 pub mod memory;

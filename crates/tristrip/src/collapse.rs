@@ -15,7 +15,7 @@
 //! therefore collapse n − 1.
 //!
 //! # Complexity
-//! 12 bytes per triangle of the full mesh, and 28 bytes per collapse that renames one vertex and drops two triangles.
+//! 12 bytes per triangle of the full mesh, and 32 bytes per collapse that renames one vertex and drops two triangles.
 //!
 //! # References
 //! Hoppe: *Progressive Meshes*, 1996. Kim, Park, Yang, Neelamkavil: *A Rendering-Efficient Progressive Transmission of 3D Meshes*,
@@ -67,6 +67,8 @@ pub struct CollapseSequence {
     degenerate_count: usize,
     // These are in the order in which the collapses were done, from the full mesh on.
     errors: Vec<f32>,
+    /// The largest error so far.
+    largest_errors: Vec<f32>,
     renames: Vec<Rename>,
     rename_ends: Vec<u32>,
     dropped: Vec<u32>,
@@ -159,6 +161,8 @@ impl CollapseSequence {
         self.dropped.extend_from_slice(dropped);
         self.dropped_ends.push(self.dropped.len() as u32);
         self.errors.push(error);
+        let largest = self.largest_errors.last().copied().unwrap_or(0.0);
+        self.largest_errors.push(largest.max(error));
     }
 
     /// Counts the collapses, which is also the level of the full mesh.
@@ -228,7 +232,8 @@ impl CollapseSequence {
     /// # Panics
     /// `level` is greater than [`CollapseSequence::len`].
     pub fn error(&self, level: usize) -> f32 {
-        self.errors[..self.len() - level].iter().fold(0.0, |most, &error| most.max(error))
+        let done = self.len() - level;
+        if done == 0 { 0.0 } else { self.largest_errors[done - 1] }
     }
 
     /// Returns the highest level with at most this number of triangles; 0 if there is none.
@@ -243,8 +248,7 @@ impl CollapseSequence {
 
     /// Returns the lowest level to which no collapse from the full mesh on has a larger error.
     pub fn level_of_error(&self, error: f32) -> usize {
-        let within = self.errors.iter().take_while(|&&e| e <= error).count();
-        self.len() - within
+        self.len() - self.largest_errors.partition_point(|&largest| largest <= error)
     }
 
     /// Returns for each vertex the one that replaces it at a level.

@@ -52,12 +52,23 @@ const RENUMBER_ABOVE: usize = 3 << 20;
 /// assert_eq!(graph.twin(HalfEdge(0)), None);
 /// # Ok::<(), tristrip::Error>(())
 /// ```
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone)]
 pub struct DualGraph {
     /// The twin of each half-edge, `NO_TWIN` at a boundary.
     twins: Vec<u32>,
     shape: Shape,
+    /// Whether it is known that no two half-edges have the same direction over the same vertices.
+    is_simple: bool,
 }
+
+/// Graphs are equal if they connect the same half-edges, however they were made.
+impl PartialEq for DualGraph {
+    fn eq(&self, other: &Self) -> bool {
+        self.twins == other.twins && self.shape == other.shape
+    }
+}
+
+impl Eq for DualGraph {}
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Shape {
@@ -77,12 +88,13 @@ impl DualGraph {
             &*compact
         };
         if faces.as_triangles().is_some() {
-            let twins = pair(&TriangleCorners { corners: faces.corners() });
-            return Self { twins, shape: Shape::Triangles };
+            let (twins, is_simple) = pair(&TriangleCorners { corners: faces.corners() });
+            return Self { twins, shape: Shape::Triangles, is_simple };
         }
         let (offsets, face_of) = polygon_shape(faces);
         let corners = PolygonCorners { corners: faces.corners(), offsets: &offsets, face_of: &face_of };
-        Self { twins: pair(&corners), shape: Shape::Polygons { offsets, face_of } }
+        let (twins, is_simple) = pair(&corners);
+        Self { twins, shape: Shape::Polygons { offsets, face_of }, is_simple }
     }
 
     /// Creates the graph of triangles from the twin of each half-edge. The caller has paired the twins.
@@ -92,7 +104,7 @@ impl DualGraph {
 
     /// Creates the graph of triangles from packed twins: `u32::MAX` at a boundary.
     pub(crate) fn from_triangle_twins(twins: Vec<u32>) -> Self {
-        Self { twins, shape: Shape::Triangles }
+        Self { twins, shape: Shape::Triangles, is_simple: false }
     }
 
     /// Counts the faces, the nodes of the graph.
@@ -175,9 +187,29 @@ impl DualGraph {
         triangles.iter().map(|twins| twins.iter().map(|&twin| u8::from(twin != NO_TWIN)).sum())
     }
 
+    /// Returns whether it is known that no two half-edges have the same direction over the same vertices, so that every edge has one face, or
+    /// two of opposite direction.
+    pub(crate) fn is_simple(&self) -> bool {
+        self.is_simple
+    }
+
+    /// Counts the half-edges without a twin.
+    pub(crate) fn boundary_count(&self) -> usize {
+        self.twins.iter().filter(|&&twin| twin == NO_TWIN).count()
+    }
+
+    /// Counts the faces without a neighbour.
+    pub(crate) fn isolated_count(&self) -> usize {
+        if let Shape::Triangles = self.shape {
+            return self.neighbour_counts().filter(|&count| count == 0).count();
+        }
+        (0..self.face_count() as u32).filter(|&face| self.neighbours(FaceId(face)).next().is_none()).count()
+    }
+
     /// Sets the twin of one half-edge. The caller sets the other side, too.
     #[inline]
     pub(crate) fn set_twin(&mut self, half_edge: u32, twin: Option<u32>) {
+        self.is_simple = false;
         self.twins[half_edge as usize] = twin.unwrap_or(NO_TWIN);
     }
 

@@ -4,6 +4,7 @@
 
 pub mod by_id;
 pub mod by_position;
+mod triangle_sets;
 
 pub use by_id::{Proof, Unproven, verify, verify_drawing};
 pub use by_position::{Difference, verify_models};

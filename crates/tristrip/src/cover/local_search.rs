@@ -19,7 +19,7 @@
 //! # Complexity
 //! A few moves per chain, each in O(length of the paths that it cuts).
 
-use super::moves::{EndMove, move_end};
+use super::moves::{EndMove, Join, move_end};
 use super::priced::PricedPaths;
 use crate::random::Random;
 
@@ -36,7 +36,7 @@ pub(crate) struct LocalSearch {
 /// An elementary move, by its half-edge.
 #[derive(Debug, Clone, Copy)]
 enum AppliedMove {
-    Joined(u32),
+    Joined(Join),
     Cut(u32),
 }
 
@@ -69,12 +69,12 @@ impl LocalSearch {
             };
             match change {
                 Some(EndMove::Refused) => continue,
-                Some(EndMove::Rotated { link, cut, end }) => {
-                    self.applied.extend([AppliedMove::Cut(cut), AppliedMove::Joined(link)]);
+                Some(EndMove::Rotated { cut, join, end }) => {
+                    self.applied.extend([AppliedMove::Cut(cut), AppliedMove::Joined(join)]);
                     ends[chosen] = end;
                     continue;
                 }
-                Some(EndMove::Joined(link)) => self.applied.push(AppliedMove::Joined(link)),
+                Some(EndMove::Joined(join)) => self.applied.push(AppliedMove::Joined(join)),
                 None => {}
             }
             ends[chosen] = ends[count - 1];
@@ -85,14 +85,14 @@ impl LocalSearch {
         }
     }
 
-    /// Cuts a link of a triangle inside a path, over an edge chosen at random. Returns the end beyond; `None` if there is no link or
-    /// the cut is too expensive.
+    /// Cuts a link of a triangle inside a path, over an edge chosen at random. Returns the end beyond; `None` if there is no link, the cut
+    /// is too expensive, or the ends are too far.
     fn open(&mut self, paths: &mut PricedPaths, t: u32, highest: i64) -> Option<u32> {
         let link = 4 * t + self.random.below(3) as u32;
         if paths.mask(t) >> (link % 4) & 1 == 0 || paths.cost() + i64::from(paths.cut_rise(link)) > highest {
             return None;
         }
-        paths.cut(link);
+        paths.try_cut(link)?;
         self.applied.push(AppliedMove::Cut(link));
         Some(paths.across(link) / 4)
     }
@@ -100,7 +100,7 @@ impl LocalSearch {
     fn undo(&mut self, paths: &mut PricedPaths) {
         for applied in self.applied.drain(..).rev() {
             match applied {
-                AppliedMove::Joined(link) => _ = paths.cut(link),
+                AppliedMove::Joined(join) => join.undo(paths),
                 AppliedMove::Cut(link) => _ = paths.join(link),
             }
         }

@@ -14,10 +14,33 @@ use super::priced::PricedPaths;
 pub(crate) enum EndMove {
     /// Nothing changed.
     Refused,
-    /// The end was linked to another end over this half-edge.
-    Joined(u32),
-    /// The end was linked over `link` to a triangle whose link over `cut` was removed; `end` is the end that replaces it.
-    Rotated { link: u32, cut: u32, end: u32 },
+    /// The end was linked to another end.
+    Joined(Join),
+    /// The link over `cut` was removed from a triangle, to which the end was then linked; `end` is the end that replaces it.
+    Rotated { cut: u32, join: Join, end: u32 },
+}
+
+/// A join that was made, and what undoes it while the paths are as it left them.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Join {
+    link: u32,
+    /// The outer ends of the two paths.
+    ends: [u32; 2],
+}
+
+impl Join {
+    /// Joins two ends. Returns the join and the rise of the cost; `None` if it would close a path.
+    #[inline]
+    fn make(paths: &mut PricedPaths, link: u32) -> Option<(Self, i32)> {
+        let ends = paths.outer_ends(link);
+        paths.join(link).map(|rise| (Self { link, ends }, rise))
+    }
+
+    /// Undoes the join.
+    #[inline]
+    pub(crate) fn undo(self, paths: &mut PricedPaths) {
+        paths.cut_between(self.link, self.ends);
+    }
 }
 
 /// Tries a join or a rotation at an end, chosen by the random bits `draw`, unless it raises the cost by more than a limit. The low half of
@@ -28,11 +51,11 @@ pub(crate) fn move_end(paths: &mut PricedPaths, w: u32, draw: u64, highest_rise:
     let Some(twin) = paths.twin(link) else { return EndMove::Refused };
     let mask = paths.mask(twin / 4);
     if mask.count_ones() < 2 {
-        return if join(paths, link, highest_rise) { EndMove::Joined(link) } else { EndMove::Refused };
+        return join(paths, link, highest_rise).map_or(EndMove::Refused, EndMove::Joined);
     }
     let lowest_edge = mask.trailing_zeros();
     let cut = twin & !3 | if draw >> 63 == 1 { lowest_edge } else { mask.ilog2() };
-    rotate(paths, link, cut, highest_rise).map_or(EndMove::Refused, |end| EndMove::Rotated { link, cut, end })
+    rotate(paths, link, cut, highest_rise).unwrap_or(EndMove::Refused)
 }
 
 /// Selects one of the edges over which an end is not linked.
@@ -44,82 +67,88 @@ fn free_edge(mask: u32, draw: u32) -> u32 {
 
 /// Links two ends unless that raises the cost by more than a limit.
 #[inline]
-fn join(paths: &mut PricedPaths, link: u32, highest_rise: i32) -> bool {
-    let Some(rise) = paths.join(link) else { return false };
+fn join(paths: &mut PricedPaths, link: u32, highest_rise: i32) -> Option<Join> {
+    let (join, rise) = Join::make(paths, link)?;
     if rise > highest_rise {
-        paths.cut(link);
+        join.undo(paths);
+        return None;
     }
-    rise <= highest_rise
+    Some(join)
 }
 
-/// Cuts a link unless that raises the cost by more than a limit.
+/// Cuts a link unless that raises the cost by more than a limit, or its ends are too far.
 #[inline]
 pub(crate) fn cut(paths: &mut PricedPaths, link: u32, highest_rise: i32) {
     // The repeat at the start of the path may go, too.
     if paths.cut_rise(link) > highest_rise + paths.prices().swap {
         return;
     }
-    if paths.cut(link) > highest_rise {
+    if paths.try_cut(link).is_some_and(|rise| rise > highest_rise) {
         paths.join(link);
     }
 }
 
 /// Cuts a link of the triangle across `link` and links the triangle over `link` instead, unless that raises the cost by more than a
-/// limit. Returns the new end.
+/// limit, or the ends are too far.
 #[inline]
-fn rotate(paths: &mut PricedPaths, link: u32, cut: u32, highest_rise: i32) -> Option<u32> {
+fn rotate(paths: &mut PricedPaths, link: u32, cut: u32, highest_rise: i32) -> Option<EndMove> {
     let released = paths.across(cut) / 4;
     // Repeats at starts are not counted, so a rotation is occasionally refused that they would have paid for: walking to the ends
     // for each rotation takes more than twice the time.
     if released == link / 4 || paths.rotation_rise(link, cut) > highest_rise {
         return None;
     }
-    let rise = paths.cut(cut);
-    if let Some(more) = paths.join(link) {
+    let rise = paths.try_cut(cut)?;
+    if let Some((join, more)) = Join::make(paths, link) {
         if rise + more <= highest_rise {
-            return Some(released);
+            return Some(EndMove::Rotated { cut, join, end: released });
         }
-        paths.cut(link);
+        join.undo(paths);
     }
     paths.join(cut);
     None
 }
 
-/// Flips a diagonal and restores as many of the links around it as possible, unless that raises the cost by more than a limit.
-/// The diagonal is linked first or last.
+/// Flips a diagonal and restores as many of the links around it as possible, unless that raises the cost by more than a limit, or the
+/// ends are too far. The diagonal is linked first or last.
 pub(crate) fn flip_diagonal(paths: &mut PricedPaths, diagonal: u32, diagonal_first: bool, highest_rise: i32) {
     let before = paths.cost();
     // The edges around are identified by their other sides, which do not change.
     let [a, b, c, d] = paths.around(diagonal).map(|h| paths.twin(h));
     let links = if diagonal_first { [Some(diagonal), a, b, c, d] } else { [a, b, c, d, Some(diagonal)] };
-    let cut = cut_all(paths, links);
+    let (cut, is_complete) = cut_all(paths, links);
+    if !is_complete {
+        join_all(paths, cut);
+        return;
+    }
     paths.flip_diagonal(diagonal);
     // The diagonal may be linked now even if it was not before.
     let mut wanted = cut;
     wanted[if diagonal_first { 0 } else { 4 }] = Some(diagonal);
-    join_all(paths, wanted);
+    let joined = join_all(paths, wanted);
     if paths.cost() - before > i64::from(highest_rise) {
-        cut_all(paths, links);
+        joined.into_iter().rev().flatten().for_each(|join| join.undo(paths));
         (0..3).for_each(|_| paths.flip_diagonal(diagonal));
         join_all(paths, cut);
     }
 }
 
-/// Cuts those of some half-edges that are linked, and returns them.
-fn cut_all(paths: &mut PricedPaths, links: [Option<u32>; 5]) -> [Option<u32>; 5] {
-    links.map(|link| {
-        let linked = link.filter(|h| paths.mask(h / 4) >> (h % 4) & 1 == 1)?;
-        paths.cut(linked);
-        Some(linked)
-    })
+/// Cuts those of some half-edges that are linked. Returns those cut, and whether they are all.
+fn cut_all(paths: &mut PricedPaths, links: [Option<u32>; 5]) -> ([Option<u32>; 5], bool) {
+    let mut is_complete = true;
+    let cut = links.map(|link| {
+        let linked = link.filter(|h| is_complete && paths.mask(h / 4) >> (h % 4) & 1 == 1)?;
+        is_complete = paths.try_cut(linked).is_some();
+        is_complete.then_some(linked)
+    });
+    (cut, is_complete)
 }
 
-/// Joins those of some half-edges that can be joined.
-fn join_all(paths: &mut PricedPaths, links: [Option<u32>; 5]) {
-    for link in links.into_iter().flatten() {
-        let twin = paths.across(link);
-        if [link, twin].iter().all(|h| paths.mask(h / 4).count_ones() < 2) {
-            paths.join(link);
-        }
-    }
+/// Joins those of some half-edges that can be joined, and returns the joins.
+fn join_all(paths: &mut PricedPaths, links: [Option<u32>; 5]) -> [Option<Join>; 5] {
+    links.map(|link| {
+        let link = link?;
+        let is_free = [link, paths.across(link)].iter().all(|h| paths.mask(h / 4).count_ones() < 2);
+        if is_free { Join::make(paths, link).map(|(join, _)| join) } else { None }
+    })
 }

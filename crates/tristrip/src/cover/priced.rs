@@ -8,8 +8,12 @@
 //! on the links next to it, from a strip's price, and from the repeats at the starts of the paths that it touches. All other moves
 //! consist of these two, and are undone by the inverse moves in reverse order.
 //!
+//! A cut walks to the nearer end of its path, which in a mesh of one regular strip is far. A search therefore states how many steps of
+//! walks its cuts may take in all; once they are used up, it can only cut near the ends of paths.
+//!
 //! # Complexity
-//! 16 bytes and one bit per triangle. A join takes O(1); a cut takes as many steps as there are to the nearer end of its path.
+//! 16 bytes and one bit per triangle. A join takes O(1), and so does its undoing; a cut takes as many steps as there are to the nearer
+//! end of its path.
 
 mod dynamic;
 mod flips;
@@ -24,6 +28,8 @@ use crate::mesh::Faces;
 const NO_TWIN: u32 = u32::MAX;
 /// Bits of a node's state: the edges over which it is linked. The other bits are its partner.
 const EDGES: u32 = 7;
+/// Steps of a walk that are always allowed.
+const SHORT_WALK: u64 = 64;
 /// The largest number of triangles: a triangle's number and its edges share 32 bits.
 pub(crate) const TRIANGLE_LIMIT: usize = 1 << 29;
 
@@ -53,6 +59,8 @@ pub(crate) struct PricedPaths {
     strips: usize,
     /// The cost of the strips beyond one index per triangle.
     cost: i64,
+    /// Steps that the walks of a search may still take.
+    walk_steps: u64,
 }
 
 /// The side to which a path turns in a triangle that is linked over the edges of a mask (3 bits) and entered over an edge (2 bits): 1 if
@@ -106,6 +114,7 @@ impl PricedPaths {
             prices,
             strips: 0,
             cost: 0,
+            walk_steps: 0,
         };
         for t in 0..cover.len() as u32 {
             let (first, second) = cover.packed_edges(t);
@@ -263,13 +272,40 @@ impl PricedPaths {
         Some(rise)
     }
 
+    /// Allows the walks of a search this number of steps in all, instead of those that were left.
+    pub(crate) fn allow_walks(&mut self, steps: u64) {
+        self.walk_steps = steps;
+    }
+
+    /// Returns the ends of the two paths that a join would link, each on its side of the link. They undo the join.
+    #[inline]
+    pub(crate) fn outer_ends(&self, link: u32) -> [u32; 2] {
+        [link, self.across(link)].map(|h| self.partner(h / 4))
+    }
+
     /// Removes a link. Returns the rise of the cost.
     #[inline]
     pub(crate) fn cut(&mut self, link: u32) -> i32 {
+        let ends = self.ends_beyond(link, &mut u64::MAX.clone());
+        ends.map_or(0, |ends| self.cut_between(link, ends))
+    }
+
+    /// Removes a link, for a search. Returns the rise of the cost; `None` if both ends are too far.
+    #[inline]
+    pub(crate) fn try_cut(&mut self, link: u32) -> Option<i32> {
+        let mut steps = self.walk_steps.max(SHORT_WALK);
+        let before = steps;
+        let ends = self.ends_beyond(link, &mut steps);
+        self.walk_steps = self.walk_steps.saturating_sub(before - steps);
+        ends.map(|ends| self.cut_between(link, ends))
+    }
+
+    /// Removes a link between two known ends, the first on its side of the link. Returns the rise of the cost.
+    #[inline]
+    pub(crate) fn cut_between(&mut self, link: u32, [e, f]: [u32; 2]) -> i32 {
         let twin = self.across(link);
         let (t, u) = (link / 4, twin / 4);
         debug_assert!(self.mask(t) >> (link % 4) & 1 == 1);
-        let (e, f) = self.ends_beyond(link, twin);
         let before =
             self.swap_at(link) + self.swap_behind(link) + self.swap_behind(twin) + self.start_swap(e, f);
         self.toggle_link(link, twin);
@@ -330,20 +366,22 @@ impl PricedPaths {
         }
     }
 
-    /// Returns the end on the side of `link` and the one on the side of `twin`: walks both ways at once, up to the nearer of the two.
+    /// Returns the end on the side of `link` and the one on the side of its twin: walks both ways at once, up to the nearer of the two, and
+    /// counts down the steps. Returns `None` if none are left.
     #[inline]
-    fn ends_beyond(&self, link: u32, twin: u32) -> (u32, u32) {
-        let (mut here, mut there) = (link, twin);
+    fn ends_beyond(&self, link: u32, steps: &mut u64) -> Option<[u32; 2]> {
+        let (mut here, mut there) = (link, self.across(link));
         loop {
             let (t, u) = (here / 4, there / 4);
             let on_here = self.mask(t) & !(1 << (here % 4));
             if on_here == 0 {
-                return (t, self.partner(t));
+                return Some([t, self.partner(t)]);
             }
             let on_there = self.mask(u) & !(1 << (there % 4));
             if on_there == 0 {
-                return (self.partner(u), u);
+                return Some([self.partner(u), u]);
             }
+            *steps = steps.checked_sub(1)?;
             here = self.nodes[t as usize].twins[on_here.trailing_zeros() as usize];
             there = self.nodes[u as usize].twins[on_there.trailing_zeros() as usize];
         }

@@ -22,9 +22,12 @@ const CANDIDATES: usize = 8;
 /// Steps over waiting half-edges, per half-edge on average, after which the pairing is done by sorting.
 const STEPS_PER_HALF_EDGE: usize = 32;
 
-/// Pairs all half-edges. Returns the twin of each, or `NO_TWIN`.
-pub(super) fn pair(corners: &impl Corners) -> Vec<u32> {
-    pair_simple(corners).or_else(|| pair_by_lists(corners)).unwrap_or_else(|| pair_by_sorting(corners))
+/// Pairs all half-edges. Returns the twin of each, or `NO_TWIN`, and whether there was nothing to choose.
+pub(super) fn pair(corners: &impl Corners) -> (Vec<u32>, bool) {
+    if let Some(twins) = pair_simple(corners) {
+        return (twins, true);
+    }
+    (pair_by_lists(corners).unwrap_or_else(|| pair_by_sorting(corners)), false)
 }
 
 /// Pairs half-edges of which no two have the same direction over the same vertices, so that there is nothing to choose; returns

@@ -119,7 +119,13 @@ impl ProgressiveStrips {
     /// Returns a cursor at the level of the full mesh.
     pub fn cursor(self: &Arc<Self>) -> ProgressiveStripsCursor {
         let replay = Replay { entries: self.full.clone(), level: self.records.len() };
-        ProgressiveStripsCursor { model: Arc::clone(self), replay, map: Vec::new(), display: None }
+        ProgressiveStripsCursor {
+            model: Arc::clone(self),
+            replay,
+            map: Vec::new(),
+            display: Strips::default(),
+            is_current: false,
+        }
     }
 
     /// Returns what the split from `level` to the next one writes: an update per restored vertex; `None` if there is no such split.
@@ -155,8 +161,9 @@ pub struct ProgressiveStripsCursor {
     replay: Replay,
     /// Memory for the decoded map.
     map: Vec<u32>,
-    /// The display strips of the level, once they have been asked for.
-    display: Option<Strips>,
+    /// The display strips, and whether they are those of the level.
+    display: Strips,
+    is_current: bool,
 }
 
 impl ProgressiveStripsCursor {
@@ -167,13 +174,13 @@ impl ProgressiveStripsCursor {
 
     /// Splits a vertex: one level up. Returns `false` at the full mesh.
     pub fn refine(&mut self) -> bool {
-        self.display = None;
+        self.is_current = false;
         self.replay.refine(&self.model.records)
     }
 
     /// Collapses a vertex: one level down. Returns `false` at the base mesh.
     pub fn coarsen(&mut self) -> bool {
-        self.display = None;
+        self.is_current = false;
         self.replay.coarsen(&self.model.records)
     }
 
@@ -203,31 +210,25 @@ impl LevelCursor for ProgressiveStripsCursor {
     fn set_level(&mut self, level: usize) -> Result<(), Error> {
         self.model.levels.check(level)?;
         if level != self.replay.level {
-            self.display = None;
+            self.is_current = false;
             self.replay.go_to(level, &self.model.records);
         }
         Ok(())
     }
 
     fn strips(&mut self) -> &Strips {
-        let display = match self.display.take() {
-            Some(display) => display,
-            None => {
-                let mut map = std::mem::take(&mut self.map);
-                self.decode_to(&mut map);
-                let mut display = Strips::default();
-                self.model.filter.map_to(&map, &mut display);
-                self.map = map;
-                display
-            }
-        };
-        self.display.insert(display)
+        if !self.is_current {
+            let mut map = std::mem::take(&mut self.map);
+            self.decode_to(&mut map);
+            self.display.clear();
+            self.model.filter.map_to(&map, &mut self.display);
+            (self.map, self.is_current) = (map, true);
+        }
+        &self.display
     }
 
     fn memory(&self) -> usize {
-        size_of_val(&self.replay.entries[..])
-            + size_of_val(&self.map[..])
-            + self.display.as_ref().map_or(0, Strips::memory)
+        size_of_val(&self.replay.entries[..]) + size_of_val(&self.map[..]) + self.display.memory()
     }
 }
 

@@ -84,6 +84,11 @@ struct SearchAmount {
     all_rounds: u32,
 }
 
+/// Steps of the walks to the ends of paths that the searches next to a change may take, and of those for each triangle that a search
+/// starts from. The test models take less than 20,000 next to a change.
+const WALK_STEPS: u64 = 1 << 14;
+const WALK_STEPS_PER_SEARCH: u64 = 128;
+
 /// The amount of search by effort. Tuned on the bunny.
 const SEARCH_AMOUNTS: [SearchAmount; 10] = [
     SearchAmount { near: 6, rounds: 1, all_rounds: 0 },
@@ -187,7 +192,7 @@ impl Repair {
     ) -> Result<Self, Error> {
         let sequence = sequence.into();
         let level = sequence.len();
-        Self::linked_at(sequence, strips, level, options)
+        Self::linked_at(&sequence, strips, level, options)
     }
 
     /// Computes the display strips of one level directly from the strips of the full mesh.
@@ -220,8 +225,9 @@ impl Repair {
                 expected: "a level of the sequence",
             });
         }
-        let mut repair = Self::linked_at(sequence, strips, level, options)?;
+        let mut repair = Self::linked_at(&sequence, strips, level, options)?;
         let all: Vec<u32> = (0..repair.paths.len() as u32).filter(|&t| repair.mesh.is_drawn(t)).collect();
+        repair.allow_walks(repair.work.all_rounds, all.len());
         for _ in 0..repair.work.all_rounds {
             all.iter().for_each(|&t| repair.local_search.improve_at(&mut repair.paths, t));
         }
@@ -230,19 +236,19 @@ impl Repair {
 
     /// Links the rest of the strips at a level, without a search.
     fn linked_at(
-        sequence: Arc<CollapseSequence>,
+        sequence: &Arc<CollapseSequence>,
         strips: &Strips,
         level: usize,
         options: RepairOptions,
     ) -> Result<Self, Error> {
-        check_size(&sequence)?;
-        let mut mesh = LevelMesh::new(&sequence);
+        check_size(sequence)?;
+        let mut mesh = LevelMesh::new(sequence);
         let order = order_of(strips, &mesh)?;
         (level..sequence.len()).rev().for_each(|level| mesh.collapse(&sequence.collapse(level)));
         let slots = mesh.triangle_count();
         let mut repair = Self {
-            levels: Arc::new(LevelTable::of(&sequence)),
-            sequence: Arc::clone(&sequence),
+            levels: Arc::new(LevelTable::of(sequence)),
+            sequence: Arc::clone(sequence),
             level,
             triangle_count: 0,
             mesh,
@@ -404,9 +410,16 @@ impl Repair {
     fn search(&mut self, vertices: impl Iterator<Item = u32>) {
         let corners = vertices.flat_map(|v| self.mesh.around(v));
         self.near.find(&self.paths, corners.map(|corner| corner / 3), self.work.near);
+        self.allow_walks(self.work.rounds, self.near.triangles.len());
         for _ in 0..self.work.rounds {
             self.near.triangles.iter().for_each(|&t| self.local_search.improve_at(&mut self.paths, t));
         }
+    }
+
+    /// Limits the walks of the searches from some triangles.
+    fn allow_walks(&mut self, rounds: u32, triangle_count: usize) {
+        let searches = u64::from(rounds) * triangle_count as u64;
+        self.paths.allow_walks(WALK_STEPS + WALK_STEPS_PER_SEARCH * searches);
     }
 
     /// Builds the strips of the level, in O(n) time.

@@ -1,10 +1,12 @@
 //! The proof by vertex id that strips draw exactly the faces that they were made from: each once, with its winding.
 //!
 //! # Algorithm
-//! *Triangles*: the two multisets of oriented triangles, each rotated to begin with its lowest vertex, are sorted and compared.
+//! *Triangles*: the two multisets of oriented triangles are compared (see `triangle_sets`). If they differ, both are sorted to find the
+//! first difference.
 //!
 //! *Polygons*: a triangle belongs to a polygon whose corners include its own. Polygons to which the same triangle may belong
-//! form a group, usually of one polygon. A group is proven if it has the k − 2 triangles of each of its polygons, and its
+//! form a group, usually of one polygon. A search for the polygons of a triangle passes over those whose group it has found already,
+//! so that polygons over almost the same corners, once united, count as one. A group is proven if it has the k − 2 triangles of each of its polygons, and its
 //! triangles' oriented edges add up to the polygons' oriented edges: diagonals cancel, boundaries remain. Any diagonals are therefore
 //! accepted, but nothing is missing, doubled, flipped or outside.
 //!
@@ -12,12 +14,16 @@
 //! that contains a vertex twice only the oriented edges are compared, as some of its triangles may be degenerate.
 //!
 //! # Complexity
-//! O(n log n) time, 24 bytes per triangle; for polygons O(n · valence) time.
+//! O(n) time for meshes of bounded valence, O(n log n) at worst; 12 bytes per triangle, and 24 to describe a difference; for polygons O(n · groups per vertex) time and 80 bytes per triangle.
+
+use std::ops::Range;
 
 use crate::csr::Csr;
+use crate::ids::OptionalId;
 use crate::mesh::{Faces, Mesh, canonical_triangles, triangles_of, without_repeats};
 use crate::strip::Strips;
 use crate::union_find::UnionFind;
+use crate::verify::triangle_sets::same_triangles;
 
 /// The result of a successful proof.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -94,17 +100,19 @@ pub fn verify(mesh: &Mesh, strips: &Strips) -> Result<Proof, Unproven> {
 /// The first difference found.
 pub fn verify_drawing(faces: &Faces, triangles: &[[u32; 3]]) -> Result<Proof, Unproven> {
     let proof = Proof { faces: faces.face_count(), triangles: triangles.len() };
-    let drawn = canonical_triangles(triangles.iter().copied());
-    match faces.as_triangles() {
+    let difference = match faces.as_triangles() {
+        Some(corners) if same_triangles(corners.as_chunks().0, triangles) => None,
         Some(corners) => {
             let expected = canonical_triangles(triangles_of(corners));
-            if expected == drawn { Ok(proof) } else { Err(first_difference(&expected, &drawn)) }
+            first_difference(&expected, &canonical_triangles(triangles.iter().copied()))
         }
-        None => verify_polygons(faces, &drawn).map(|()| proof),
-    }
+        None => verify_polygons(faces, &canonical_triangles(triangles.iter().copied())).err(),
+    };
+    difference.map_or(Ok(proof), Err)
 }
 
-fn first_difference(expected: &[[u32; 3]], drawn: &[[u32; 3]]) -> Unproven {
+/// Compares sorted triangles; returns `None` if they are equal.
+fn first_difference(expected: &[[u32; 3]], drawn: &[[u32; 3]]) -> Option<Unproven> {
     let (mut i, mut j, mut missing, mut extra, mut first) = (0, 0, 0, 0, None);
     while i < expected.len() || j < drawn.len() {
         match (expected.get(i), drawn.get(j)) {
@@ -119,70 +127,158 @@ fn first_difference(expected: &[[u32; 3]], drawn: &[[u32; 3]]) -> Unproven {
             }
         }
     }
-    Unproven::Triangles { missing, extra, first: first.unwrap_or_default() }
+    first.map(|first| Unproven::Triangles { missing, extra, first })
 }
 
-/// Polygons without repeated corners, and the polygons around each vertex.
-struct IncidentPolygons {
-    faces: Faces,
+/// Polygons without repeated corners.
+struct SimplePolygons {
+    corners: Vec<u32>,
+    /// The first corner of each polygon, and the number of corners.
+    offsets: Vec<u32>,
     /// The number of each polygon's face in the input, and whether it contains a vertex twice.
     origin: Vec<(u32, bool)>,
-    incident: Csr,
 }
 
-impl IncidentPolygons {
+impl SimplePolygons {
     fn new(faces: &Faces) -> Self {
-        let (mut corners, mut offsets, mut origin): (Vec<u32>, _, _) = (Vec::new(), vec![0], Vec::new());
+        let mut all = Self { corners: Vec::new(), offsets: vec![0], origin: Vec::new() };
         let mut sorted: Vec<u32> = Vec::new();
         let mut polygon: Vec<u32> = Vec::new();
-        for (face, all) in faces.iter().enumerate() {
-            without_repeats(all, &mut polygon);
+        for (face, corners) in (0..).zip(faces.iter()) {
+            without_repeats(corners, &mut polygon);
             if polygon.len() < 3 {
                 continue;
             }
             sorted.clear();
             sorted.extend_from_slice(&polygon);
             sorted.sort_unstable();
-            origin.push((face as u32, sorted.windows(2).any(|w| w[0] == w[1])));
-            corners.extend_from_slice(&polygon);
-            offsets.push(corners.len() as u32);
+            all.origin.push((face, sorted.windows(2).any(|w| w[0] == w[1])));
+            all.corners.extend_from_slice(&polygon);
+            all.offsets.push(all.corners.len() as u32);
         }
-        let vertex_count = corners.iter().max().map_or(0, |&v| v as usize + 1);
-        let sizes = (0_u32..).zip(offsets.windows(2).map(|range| range[1] - range[0]));
-        let face_of: Vec<u32> =
-            sizes.flat_map(|(face, size)| std::iter::repeat_n(face, size as usize)).collect();
-        let mut incident = Csr::group(corners.iter().copied(), vertex_count);
-        incident.map_items(|corner| face_of[corner as usize]);
-        let faces = Faces::from_offsets(offsets, corners).unwrap_or_default();
-        Self { faces, origin, incident }
+        all
     }
 
-    /// Returns the polygons that have a vertex as a corner, ascending.
-    fn at(&self, vertex: u32) -> &[u32] {
-        if (vertex as usize) < self.incident.key_count() { self.incident.row(vertex) } else { &[] }
+    fn count(&self) -> usize {
+        self.origin.len()
     }
 
-    /// Calls `each` with every polygon that has all three vertices.
-    fn common(&self, triangle: [u32; 3], mut each: impl FnMut(u32)) {
-        let mut lists = triangle.map(|v| self.at(v));
-        lists.sort_unstable_by_key(|list| list.len());
-        let mut last = None;
-        for &face in lists[0] {
-            #[cfg(test)]
-            tests::LOOKUPS.set(tests::LOOKUPS.get() + 1);
-            let in_all = lists[1].binary_search(&face).is_ok() && lists[2].binary_search(&face).is_ok();
-            if in_all && last != Some(face) {
-                each(face);
-                last = Some(face);
+    fn iter(&self) -> impl Iterator<Item = &[u32]> {
+        self.offsets.windows(2).map(|range| &self.corners[range[0] as usize..range[1] as usize])
+    }
+
+    /// Returns the polygons that have each vertex as a corner, ascending.
+    fn by_vertex(&self) -> Csr {
+        let vertex_count = self.corners.iter().max().map_or(0, |&v| v as usize + 1);
+        let sizes = (0_u32..).zip(self.iter().map(<[u32]>::len));
+        let polygon_of: Vec<u32> =
+            sizes.flat_map(|(polygon, size)| std::iter::repeat_n(polygon, size)).collect();
+        let mut by_vertex = Csr::group(self.corners.iter().copied(), vertex_count);
+        by_vertex.map_items(|corner| polygon_of[corner as usize]);
+        by_vertex
+    }
+}
+
+/// Polygons, united to groups by the triangles that may belong to several of them.
+struct Groups {
+    sets: UnionFind,
+    /// Number of unions so far.
+    unions: usize,
+    by_vertex: Csr,
+    /// The same rows, in runs of polygons of one group, and the end of the run that begins at a slot.
+    runs: Vec<u32>,
+    run_ends: Vec<u32>,
+    vertices: Vec<VertexRuns>,
+}
+
+/// The state of the runs at a vertex.
+#[derive(Clone, Copy, Default)]
+struct VertexRuns {
+    /// Polygons examined since the last regrouping, and the unions at that time.
+    examined: usize,
+    unions: usize,
+    /// The polygon that was found last.
+    found: OptionalId,
+}
+
+impl Groups {
+    fn new(polygons: &SimplePolygons) -> Self {
+        let by_vertex = polygons.by_vertex();
+        let runs: Vec<u32> = by_vertex.rows().flatten().copied().collect();
+        Self {
+            sets: UnionFind::new(polygons.count()),
+            unions: 0,
+            run_ends: (1..=runs.len() as u32).collect(),
+            runs,
+            vertices: vec![VertexRuns::default(); by_vertex.key_count()],
+            by_vertex,
+        }
+    }
+
+    /// Returns whether a polygon has two vertices, which are corners of some polygon.
+    fn has(&self, polygon: u32, vertices: [u32; 2]) -> bool {
+        vertices.iter().all(|&v| self.by_vertex.row(v).binary_search(&polygon).is_ok())
+    }
+
+    /// Unites all polygons that have the three vertices of a triangle. Returns one of them, if there is any.
+    fn unite_around(&mut self, triangle: [u32; 3]) -> Option<u32> {
+        if triangle.iter().any(|&v| v as usize >= self.vertices.len()) {
+            return None;
+        }
+        let [a, others @ ..] = self.fewest_first(triangle);
+        let row = self.by_vertex.range(a);
+        let mut found = self.vertices[a as usize].found.get().filter(|&polygon| self.has(polygon, others));
+        let (mut slot, mut examined) = (row.start, 0);
+        while slot < row.end {
+            let end = self.run_ends[slot] as usize;
+            let is_known =
+                found.is_some_and(|known| self.sets.find(known) == self.sets.find(self.runs[slot]));
+            let run = if is_known { slot..slot } else { slot..end };
+            let hit = run.clone().find(|&slot| self.has(self.runs[slot], others));
+            examined += 1 + hit.map_or(run.len(), |hit| hit - slot);
+            if let Some(hit) = hit {
+                let polygon = self.runs[hit];
+                self.unions += usize::from(found.is_some());
+                self.sets.unite(*found.get_or_insert(polygon), polygon);
             }
+            slot = end;
+        }
+        #[cfg(test)]
+        tests::LOOKUPS.set(tests::LOOKUPS.get() + examined);
+        let state = &mut self.vertices[a as usize];
+        state.found = found.into();
+        state.examined += examined;
+        if state.examined >= row.len() && state.unions != self.unions {
+            *state = VertexRuns { examined: 0, unions: self.unions, ..*state };
+            self.regroup(row);
+        }
+        found
+    }
+
+    /// Returns the vertices of a triangle, that of the fewest polygons first.
+    fn fewest_first(&self, mut triangle: [u32; 3]) -> [u32; 3] {
+        triangle.sort_by_key(|&v| self.by_vertex.range(v).len());
+        triangle
+    }
+
+    /// Sorts a row by group, and notes where the runs end.
+    fn regroup(&mut self, row: Range<usize>) {
+        let sets = &mut self.sets;
+        self.runs[row.clone()].sort_unstable_by_key(|&polygon| (sets.find(polygon), polygon));
+        let mut end = row.end;
+        for slot in row.rev() {
+            if slot + 1 < end && sets.find(self.runs[slot]) != sets.find(self.runs[slot + 1]) {
+                end = slot + 1;
+            }
+            self.run_ends[slot] = end as u32;
         }
     }
 }
 
 /// Compares sorted triangles with polygons.
 fn verify_polygons(faces: &Faces, drawn: &[[u32; 3]]) -> Result<(), Unproven> {
-    let corners = IncidentPolygons::new(faces);
-    let mut groups = UnionFind::new(corners.faces.face_count());
+    let polygons = SimplePolygons::new(faces);
+    let mut groups = Groups::new(&polygons);
     let mut owners: Vec<u32> = Vec::with_capacity(drawn.len());
     for (i, &triangle) in drawn.iter().enumerate() {
         // A triangle that is repeated as often as its polygon is looked up once: otherwise the time would be quadratic.
@@ -190,44 +286,39 @@ fn verify_polygons(faces: &Faces, drawn: &[[u32; 3]]) -> Result<(), Unproven> {
             owners.push(owners[i - 1]);
             continue;
         }
-        let mut first = None;
-        corners.common(triangle, |face| match first {
-            None => first = Some(face),
-            Some(first) => groups.unite(first, face),
-        });
-        owners.push(first.ok_or(Unproven::Outside { triangle })?);
+        owners.push(groups.unite_around(triangle).ok_or(Unproven::Outside { triangle })?);
     }
+    let Groups { sets: mut groups, .. } = groups;
     // Triangles and oriented edges of every group: (group, low, high) counts +1 in one direction and −1 in the other.
-    let mut count: Vec<(usize, usize, bool)> = vec![(0, 0, false); corners.faces.face_count()];
-    let mut edges: Vec<(u32, u32, u32, i32)> =
-        Vec::with_capacity(3 * drawn.len() + corners.faces.corner_count());
+    let mut count: Vec<(usize, usize, bool)> = vec![(0, 0, false); polygons.count()];
+    let mut edges: Vec<(u32, u32, u32, i32)> = Vec::with_capacity(3 * drawn.len() + polygons.corners.len());
     let mut add = |group: u32, from: u32, to: u32, sign: i32| {
         edges.push(if from < to { (group, from, to, sign) } else { (group, to, from, -sign) });
     };
-    for (face, polygon) in corners.faces.iter().enumerate() {
-        let group = groups.find(face as u32);
+    for ((number, polygon), &(_, repeats)) in (0..).zip(polygons.iter()).zip(&polygons.origin) {
+        let group = groups.find(number);
         let c = &mut count[group as usize];
         c.1 += polygon.len() - 2;
-        c.2 |= corners.origin[face].1;
+        c.2 |= repeats;
         for (i, &from) in polygon.iter().enumerate() {
             add(group, from, polygon[(i + 1) % polygon.len()], 1);
         }
     }
-    for (&face, t) in owners.iter().zip(drawn) {
-        let group = groups.find(face);
+    for (&polygon, t) in owners.iter().zip(drawn) {
+        let group = groups.find(polygon);
         count[group as usize].0 += 1;
         (0..3).for_each(|i| add(group, t[i], t[(i + 1) % 3], -1));
     }
     for (group, &(found, expected, repeats)) in count.iter().enumerate() {
         if found != expected && !repeats {
-            return Err(Unproven::Count { face: corners.origin[group].0, found, expected });
+            return Err(Unproven::Count { face: polygons.origin[group].0, found, expected });
         }
     }
     edges.sort_unstable_by_key(|e| (e.0, e.1, e.2));
     for edge in edges.chunk_by(|a, b| (a.0, a.1, a.2) == (b.0, b.1, b.2)) {
         if edge.iter().map(|e| e.3).sum::<i32>() != 0 {
             let (group, a, b, _) = edge[0];
-            return Err(Unproven::Boundary { face: corners.origin[group as usize].0, edge: [a, b] });
+            return Err(Unproven::Boundary { face: polygons.origin[group as usize].0, edge: [a, b] });
         }
     }
     Ok(())
@@ -236,6 +327,7 @@ fn verify_polygons(faces: &Faces, drawn: &[[u32; 3]]) -> Result<(), Unproven> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
     use std::cell::Cell;
 
     thread_local! {
@@ -280,7 +372,72 @@ mod tests {
         assert!(verify_drawing(&faces, &drawn).is_ok());
         assert!(verify_drawing(&faces, &drawn[1..]).is_err());
         // Each proof examines all polygons once for each of two distinct triangles.
-        assert_eq!(LOOKUPS.get(), 2 * 2 * count);
+        assert!(LOOKUPS.get() <= 2 * 2 * (count + 1), "{}", LOOKUPS.get());
+    }
+
+    #[test]
+    fn many_polygons_over_almost_the_same_corners_take_linear_time() {
+        // Polygons of 255 common corners, from various ones on, and one of their own; each is cut from its own corner.
+        let polygon = |i: u32, size: u32| {
+            let common = (0..size - 1).map(move |k| (k + 7 * i) % (size - 1));
+            common.chain([size + i]).collect::<Vec<_>>()
+        };
+        for (count, size) in [(250, 256), (1000, 256), (4000, 16)] {
+            let polygons: Vec<Vec<u32>> = (0..count).map(|i| polygon(i, size)).collect();
+            let faces = Faces::from_polygons(&polygons).unwrap();
+            let fans = |middle: usize| {
+                let cut = move |p: &Vec<u32>| {
+                    let (n, p) = (p.len(), p.clone());
+                    (1..n - 1).map(move |i| [p[middle], p[(middle + i) % n], p[(middle + i + 1) % n]])
+                };
+                polygons.iter().flat_map(cut).collect::<Vec<_>>()
+            };
+            for drawn in [fans(0), fans(size as usize / 2), fans(size as usize - 1)] {
+                LOOKUPS.set(0);
+                assert!(verify_drawing(&faces, &drawn).is_ok());
+                assert!(LOOKUPS.get() <= 4 * faces.corner_count(), "{} {count} {size}", LOOKUPS.get());
+                assert!(verify_drawing(&faces, &drawn[1..]).is_err());
+            }
+        }
+    }
+
+    /// The groups by their definition: polygons that have all vertices of a triangle are united.
+    fn naive_groups(polygons: &SimplePolygons, drawn: &[[u32; 3]]) -> Option<Vec<u32>> {
+        let mut sets = UnionFind::new(polygons.count());
+        for triangle in drawn {
+            let mut with_all =
+                (0..).zip(polygons.iter()).filter(|(_, p)| triangle.iter().all(|v| p.contains(v)));
+            let (first, _) = with_all.next()?;
+            with_all.for_each(|(other, _)| sets.unite(first, other));
+        }
+        Some((0..polygons.count() as u32).map(|polygon| sets.find(polygon)).collect())
+    }
+
+    proptest! {
+        #[test]
+        fn groups_are_those_of_the_definition(
+            polygons in prop::collection::vec(prop::collection::vec(0..9_u32, 3..7), 1..12),
+            picks in prop::collection::vec(any::<[prop::sample::Index; 4]>(), 0..60),
+            stray in prop::option::of([0..11_u32, 0..11, 0..11]),
+        ) {
+            let simple = SimplePolygons::new(&Faces::from_polygons(&polygons).unwrap());
+            let inside = picks.iter().map(|[p, rest @ ..]| {
+                let polygon = &polygons[p.index(polygons.len())];
+                [0, 1, 2].map(|i: usize| polygon[rest[i].index(polygon.len())])
+            });
+            let drawn = canonical_triangles(inside.chain(stray));
+            let mut groups = Groups::new(&simple);
+            let owners: Option<Vec<u32>> = drawn.iter().map(|&t| groups.unite_around(t)).collect();
+            let expected = naive_groups(&simple, &drawn);
+            prop_assert_eq!(owners.is_some(), expected.is_some());
+            if let (Some(owners), Some(expected)) = (owners, expected) {
+                let found: Vec<u32> = (0..simple.count() as u32).map(|p| groups.sets.find(p)).collect();
+                prop_assert_eq!(found, expected);
+                let all: Vec<&[u32]> = simple.iter().collect();
+                let lies_in = |(owner, t): (&u32, &[u32; 3])| t.iter().all(|v| all[*owner as usize].contains(v));
+                prop_assert!(owners.iter().zip(&drawn).all(lies_in));
+            }
+        }
     }
 
     #[test]

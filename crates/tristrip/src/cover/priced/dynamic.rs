@@ -21,6 +21,7 @@ impl PricedPaths {
             prices,
             strips: 0,
             cost: 0,
+            walk_steps: 0,
         }
     }
 

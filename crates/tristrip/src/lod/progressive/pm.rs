@@ -89,7 +89,12 @@ impl ProgressiveMesh {
     /// Returns a cursor at the level of the full mesh.
     pub fn cursor(self: &Arc<Self>) -> ProgressiveMeshCursor {
         let replay = Replay { entries: self.full.clone(), level: self.records.len() };
-        ProgressiveMeshCursor { model: Arc::clone(self), replay, display: None }
+        ProgressiveMeshCursor {
+            model: Arc::clone(self),
+            replay,
+            display: Strips::default(),
+            is_current: false,
+        }
     }
 
     /// Returns the vertex splits that lead from `level` to the next one: one, or several of one position where attributes differ; `None`
@@ -148,8 +153,9 @@ impl LevelModel for ProgressiveMesh {
 pub struct ProgressiveMeshCursor {
     model: Arc<ProgressiveMesh>,
     replay: Replay,
-    /// A strip per triangle of the level, once they have been asked for.
-    display: Option<Strips>,
+    /// A strip per triangle, and whether they are those of the level.
+    display: Strips,
+    is_current: bool,
 }
 
 impl ProgressiveMeshCursor {
@@ -160,13 +166,13 @@ impl ProgressiveMeshCursor {
 
     /// Splits a vertex: one level up. Returns `false` at the full mesh.
     pub fn refine(&mut self) -> bool {
-        self.display = None;
+        self.is_current = false;
         self.replay.refine(&self.model.records)
     }
 
     /// Collapses a vertex: one level down. Returns `false` at the base mesh.
     pub fn coarsen(&mut self) -> bool {
-        self.display = None;
+        self.is_current = false;
         self.replay.coarsen(&self.model.records)
     }
 
@@ -188,7 +194,7 @@ impl LevelCursor for ProgressiveMeshCursor {
     fn set_level(&mut self, level: usize) -> Result<(), Error> {
         self.model.levels.check(level)?;
         if level != self.replay.level {
-            self.display = None;
+            self.is_current = false;
             self.replay.go_to(level, &self.model.records);
         }
         Ok(())
@@ -196,16 +202,17 @@ impl LevelCursor for ProgressiveMeshCursor {
 
     /// Returns one strip per triangle: the progressive mesh is drawn as a list.
     fn strips(&mut self) -> &Strips {
-        let display = self.display.take().unwrap_or_else(|| {
-            let mut single = Strips::default();
-            self.corners().chunks_exact(3).for_each(|triangle| single.push(triangle));
-            single
-        });
-        self.display.insert(display)
+        if !self.is_current {
+            let (triangles, display) = (self.model.levels.triangles_at(self.replay.level), &mut self.display);
+            display.clear();
+            self.replay.entries[..3 * triangles].chunks_exact(3).for_each(|triangle| display.push(triangle));
+            self.is_current = true;
+        }
+        &self.display
     }
 
     fn memory(&self) -> usize {
-        size_of_val(&self.replay.entries[..]) + self.display.as_ref().map_or(0, Strips::memory)
+        size_of_val(&self.replay.entries[..]) + self.display.memory()
     }
 }
 

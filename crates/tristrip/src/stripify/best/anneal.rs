@@ -17,7 +17,8 @@
 //! longer ones without further moves.
 //!
 //! # Complexity
-//! A sweep takes O(n) and, per accepted rotation, as many steps as there are to the nearer end of the path that it cuts.
+//! A sweep takes O(n). A rotation or a cut takes as many steps as there are to the nearer end of the path that it cuts; the steps of a
+//! phase are limited, and when they are used up only cuts near an end are tried.
 
 use crate::cover::moves::{EndMove, cut, flip_diagonal, move_end};
 use crate::cover::priced::PricedPaths;
@@ -34,6 +35,11 @@ const MOVES_PER_END: u32 = 2;
 const FLIPS: u32 = 16;
 /// The number of blocks between two calls of the watcher.
 const WATCH_PERIOD: u64 = 1 << 10;
+/// Steps per triangle and sweep of the walks to the ends of paths: at least, and at most in meshes whose sweep takes less than
+/// [`WALK_STEPS`] in all. The test models need up to 16, those of more than 50,000 triangles up to 2; meshes of a few long strips would
+/// need as many as a strip has triangles.
+const WALK_STEPS_PER_TRIANGLE: (u64, u64) = (4, 64);
+const WALK_STEPS: u64 = 1 << 20;
 /// The highest rise that is ever accepted.
 const RISES: usize = 8;
 
@@ -88,9 +94,17 @@ impl<'a> Annealer<'a> {
         }
     }
 
+    /// Returns the steps that the walks of a phase may take.
+    pub(super) fn walk_steps(triangle_count: usize, phase: AnnealingPhase) -> u64 {
+        let [least, most] =
+            <[u64; 2]>::from(WALK_STEPS_PER_TRIANGLE).map(|steps| steps * triangle_count as u64);
+        WALK_STEPS.clamp(least, most) * u64::from(phase.sweeps + phase.final_sweeps())
+    }
+
     /// Runs one phase. Returns whether the watcher lets the search continue; if not, only the final sweeps of the phase are run.
     pub(super) fn run(&mut self, paths: &mut PricedPaths, phase: AnnealingPhase) -> bool {
         self.lowest = self.lowest.min(paths.cost());
+        paths.allow_walks(Self::walk_steps(paths.len(), phase));
         let mut goes_on = true;
         for sweep in 0..phase.sweeps {
             let progress = f64::from(sweep + 1) / f64::from(phase.sweeps);

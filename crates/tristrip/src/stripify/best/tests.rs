@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering::Relaxed};
 use super::{Annealer, AnnealingPhase};
 use crate::cover::PathCover;
 use crate::cover::local_search::LocalSearch;
+use crate::cover::moves::{cut, flip_diagonal, move_end};
 use crate::cover::priced::{PricedPaths, StripPrices};
 use crate::dual::{DualGraph, Triangulation};
 use crate::effort::Effort;
@@ -263,4 +264,71 @@ fn a_watcher_stops_the_search_and_more_effort_lowers_the_cost() {
         whole < little && little < none && whole < stopped && stopped <= none,
         "{whole} {little} {none} {stopped}"
     );
+}
+
+/// Returns the cover of a triangulated polygon by one path over all of its diagonals.
+fn one_path(triangulation: &Triangulation<'_>) -> PathCover {
+    let graph = triangulation.graph();
+    let mut cover = PathCover::isolated(graph.face_count());
+    (0..graph.half_edge_count() as u32).for_each(|h| _ = cover.link(graph, HalfEdge(h)));
+    assert_eq!(cover.path_count(), 1);
+    cover
+}
+
+#[test]
+fn without_steps_a_search_cuts_only_near_the_ends() {
+    let mesh = mesh(&[(0..1000).collect()]);
+    let prepared = PreparedFaces::new(&mesh, false);
+    let graph = DualGraph::new(prepared.faces());
+    let start = Triangulation::zigzag(&prepared, &graph);
+    let prices = StripPrices { strip: 3, swap: 1 };
+    let mut paths = PricedPaths::new(prepared.faces(), &start, &one_path(&start), prices);
+    let link_of = |paths: &PricedPaths, t: u32| 4 * t + paths.mask(t).trailing_zeros();
+    // The triangles of the only path are in its order, 498 of them on each side of the middle.
+    let middle = link_of(&paths, 499);
+    assert_eq!(paths.try_cut(middle), None);
+    paths.allow_walks(490);
+    assert_eq!(paths.try_cut(middle), None);
+    check_paths(&paths, &prepared, &start).unwrap();
+    let near = link_of(&paths, 40);
+    let rise = paths.try_cut(near).unwrap();
+    assert_eq!(paths.join(near), Some(-rise));
+    paths.allow_walks(600);
+    assert!(paths.try_cut(middle).is_some());
+    check_paths(&paths, &prepared, &start).unwrap();
+}
+
+#[test]
+fn moves_that_lack_steps_leave_the_paths_as_they_were() {
+    let mesh = mesh(&[(0..600).collect(), (300..900).collect()]);
+    let prepared = PreparedFaces::new(&mesh, false);
+    let graph = DualGraph::new(prepared.faces());
+    let start = Triangulation::zigzag(&prepared, &graph);
+    let mut cover = PathCover::isolated(start.triangle_count());
+    (0..graph.half_edge_count() as u32).for_each(|h| _ = cover.join(start.graph(), HalfEdge(h)));
+    let prices = StripPrices { strip: 3, swap: 1 };
+    let mut paths = PricedPaths::new(prepared.faces(), &start, &cover, prices);
+    let mut random = Random::new(1);
+    for round in 0..4000 {
+        let h = 4 * random.below(paths.len()) as u32 + random.below(3) as u32;
+        let highest_rise = i32::from(random.below(5) as u8);
+        if paths.diagonals(h / 4) >> (h % 4) & 1 == 1 && random.coin() {
+            flip_diagonal(&mut paths, h, random.coin(), highest_rise);
+        } else if paths.mask(h / 4) >> (h % 4) & 1 == 1 {
+            cut(&mut paths, h, highest_rise);
+        } else if paths.degree(h / 4) < 2 {
+            move_end(&mut paths, h / 4, random.next_u64(), highest_rise);
+        }
+        if round % 100 == 0 {
+            check_paths(&paths, &prepared, &start).unwrap();
+        }
+    }
+    assert!(verify(&mesh, &to_plan(&paths, &start).strips()).is_ok());
+}
+
+#[test]
+fn the_walks_of_a_phase_are_limited() {
+    let phase = AnnealingPhase { sweeps: 3, hottest: 0.5, coldest: 0.1 };
+    let steps = |count| Annealer::walk_steps(count, phase);
+    assert_eq!([1000, 100_000, 1_000_000].map(steps), [4 * 64_000, 4 << 20, 4 * 4_000_000]);
 }

@@ -1,14 +1,20 @@
 //! Tags: which path each triangle is on, and where, so that a search finds out whether a step would close a loop.
 //!
 //! Porcu and Scateni tag every node with its strip, and rewrite the tags node by node whenever a search links or cuts. Here a tag is a
-//! path and a position on it, and a search writes none (see `path_intervals`). Only a complement that is kept writes tags, those of the
-//! paths that it changed.
+//! path and a position on it, and a search writes none (see `path_intervals`). Only a complement that is kept writes tags. It divides
+//! the paths that it changes into intervals and links those to new paths; the longest interval of each keeps its tags.
+//!
+//! ```text
+//!   path 4:  0 ━ 1 ━ 2 ━ 3 ┃ 4 ━ 5        cut between 3 and 4, 3 linked with the first of path 9:
+//!   path 9:  0 ━ 1 ━ 2                    0 ━ 1 ━ 2 ━ 3 ━ 4 ━ 5 ━ 6 is path 4, only the tags of path 9 are rewritten
+//! ```
+//! Positions count from a start that each path has, so that a path can grow at both ends.
 //!
 //! # References
 //! Porcu, Scateni: *An Iterative Stripification Algorithm Based on Dual Graph Operations*, 2003.
 //!
 //! # Complexity
-//! 8 bytes per triangle and 8 per path. A complement takes O(length of the paths that it changes).
+//! 8 bytes per triangle and 12 per path. A complement takes O(steps · log steps + length of the intervals that do not keep their tags).
 
 use crate::cover::PathCover;
 use crate::dual::DualGraph;
@@ -21,10 +27,31 @@ pub(in crate::stripify) struct PathTags {
     position: Vec<u32>,
     /// The first and the last triangle of each path; none for a path that was joined to another.
     ends: Vec<[OptionalId; 2]>,
+    /// The stored position of each path's first triangle.
+    starts: Vec<u32>,
     /// The paths that a complement changes.
     changed_paths: Vec<u32>,
-    /// Triangles that may be ends of the changed paths.
-    end_candidates: Vec<u32>,
+    /// Their intervals, by path and position.
+    intervals: Vec<TagInterval>,
+}
+
+/// Triangles of a path between two cuts.
+#[derive(Debug, Clone, Copy)]
+struct TagInterval {
+    path: u32,
+    /// The positions of the first and the last triangle, and the triangles.
+    positions: [u32; 2],
+    triangles: [u32; 2],
+    /// The interval and the side that each side is linked with.
+    links: [Option<(u32, usize)>; 2],
+    /// Whether it belongs to a new path already.
+    is_used: bool,
+}
+
+impl TagInterval {
+    fn len(&self) -> u32 {
+        self.positions[1] - self.positions[0] + 1
+    }
 }
 
 /// A step of a tunnel: over a red edge, then over a black one. The last step has no black edge.
@@ -56,9 +83,10 @@ impl PathTags {
         Self {
             path: numbering.path,
             position: numbering.position,
+            starts: vec![0; ends.len()],
             ends: ends.into_iter().map(|ends| ends.map(OptionalId::some)).collect(),
             changed_paths: Vec::new(),
-            end_candidates: Vec::new(),
+            intervals: Vec::new(),
         }
     }
 
@@ -71,7 +99,7 @@ impl PathTags {
     /// Returns the position of a triangle on its path.
     #[inline]
     pub(in crate::stripify) fn position(&self, triangle: u32) -> u32 {
-        self.position[triangle as usize]
+        self.position[triangle as usize].wrapping_sub(self.starts[self.path(triangle) as usize])
     }
 
     /// Returns the position of a path's last triangle.
@@ -80,58 +108,143 @@ impl PathTags {
         self.ends[path as usize][1].get().map_or(0, |last| self.position(last))
     }
 
-    /// Complements a tunnel: cuts its black edges, links its red ones, and rewrites the tags of the paths that changed. Returns the
-    /// number of tags written.
+    /// Complements a tunnel: cuts its black edges, links its red ones, and rewrites the tags that change. Returns the length of the paths
+    /// that changed.
     pub(in crate::stripify) fn complement(
         &mut self,
         graph: &DualGraph,
         cover: &mut PathCover,
         tunnel: &[TunnelStep],
     ) -> u64 {
-        self.changed_paths.clear();
-        self.end_candidates.clear();
-        for h in tunnel.iter().flat_map(|step| step.half_edges()) {
-            let Some(twin) = graph.twin_of(h) else { continue };
-            for t in [h / 3, twin / 3] {
-                self.changed_paths.push(self.path(t));
-                self.end_candidates.push(t);
-            }
+        let crossed = |h: u32| graph.twin_of(h).map(|twin| [h / 3, twin / 3]);
+        self.divide(tunnel, crossed);
+        for [a, b] in tunnel.iter().filter_map(|step| crossed(step.red)) {
+            self.link_intervals(a, b);
         }
         complement_links(graph, cover, tunnel);
-        self.changed_paths.sort_unstable();
-        self.changed_paths.dedup();
         for &path in &self.changed_paths {
-            let ends = std::mem::take(&mut self.ends[path as usize]);
-            self.end_candidates.extend(ends.into_iter().filter_map(OptionalId::get));
+            self.ends[path as usize] = [OptionalId::NONE; 2];
         }
-        let written = self.write_tags(graph, cover);
+        // Where several new paths could keep the tags of one old path, the longest interval does.
+        let mut longest_first: Vec<u32> = (0..self.intervals.len() as u32).collect();
+        longest_first.sort_by_key(|&i| std::cmp::Reverse(self.intervals[i as usize].len()));
+        for &i in &longest_first {
+            let path = self.intervals[i as usize].path;
+            if !self.intervals[i as usize].is_used && self.ends[path as usize][0].is_none() {
+                self.write_around(graph, cover, i);
+            }
+        }
+        // The other new paths take the numbers of paths that are no more.
+        for &i in &longest_first {
+            if !self.intervals[i as usize].is_used {
+                self.write_all(graph, cover, i);
+            }
+        }
         #[cfg(test)]
         assert!(cover.len() > 4096 || cover.check(graph).is_ok() && self.check(graph, cover));
-        written
+        self.intervals.iter().map(|interval| u64::from(interval.len())).sum()
     }
 
-    /// Renumbers the changed paths, each from an end that is not yet known as the other end of a renumbered one.
-    fn write_tags(&mut self, graph: &DualGraph, cover: &PathCover) -> u64 {
-        let mut written = 0;
-        let mut free_paths = self.changed_paths.iter();
-        self.end_candidates.retain(|&t| cover.degree(FaceId(t)) < 2);
-        self.end_candidates.sort_unstable();
-        self.end_candidates.dedup();
-        for &start in &self.end_candidates {
-            if self.ends[self.path(start) as usize].contains(&OptionalId::some(start)) {
+    /// Divides the paths of a tunnel at its black edges.
+    fn divide(&mut self, tunnel: &[TunnelStep], crossed: impl Fn(u32) -> Option<[u32; 2]>) {
+        let edges = tunnel.iter().flat_map(|step| step.half_edges());
+        let triangles = edges.filter_map(&crossed).flatten();
+        self.changed_paths.clear();
+        self.changed_paths.extend(triangles.map(|t| self.path[t as usize]));
+        self.changed_paths.sort_unstable();
+        self.changed_paths.dedup();
+        // The triangles before and after each cut.
+        let black = tunnel.iter().filter_map(|step| crossed(step.black.get()?));
+        let mut cuts: Vec<[u32; 2]> =
+            black.map(|[a, b]| if self.position(a) < self.position(b) { [a, b] } else { [b, a] }).collect();
+        cuts.sort_unstable_by_key(|&[before, _]| (self.path(before), self.position(before)));
+        let mut cuts = cuts.into_iter().peekable();
+        self.intervals.clear();
+        for i in 0..self.changed_paths.len() {
+            let path = self.changed_paths[i];
+            let [Some(mut first), Some(last)] = self.ends[path as usize].map(OptionalId::get) else {
                 continue;
+            };
+            while let Some([before, after]) = cuts.next_if(|&[before, _]| self.path(before) == path) {
+                self.add_interval(path, [first, before]);
+                first = after;
             }
-            let Some(&path) = free_paths.next() else { break };
-            let mut last = start;
-            for (position, (face, _, _)) in cover.walk(graph, FaceId(start)).enumerate() {
-                self.path[face.0 as usize] = path;
-                self.position[face.0 as usize] = position as u32;
-                last = face.0;
-                written += 1;
-            }
-            self.ends[path as usize] = [start, last].map(OptionalId::some);
+            self.add_interval(path, [first, last]);
         }
-        written
+    }
+
+    fn add_interval(&mut self, path: u32, triangles: [u32; 2]) {
+        let positions = triangles.map(|t| self.position(t));
+        self.intervals.push(TagInterval { path, positions, triangles, links: [None; 2], is_used: false });
+    }
+
+    /// Links the ends of two intervals.
+    fn link_intervals(&mut self, a: u32, b: u32) {
+        let (a, b) = (self.free_side(a), self.free_side(b));
+        self.intervals[a.0 as usize].links[a.1] = Some(b);
+        self.intervals[b.0 as usize].links[b.1] = Some(a);
+    }
+
+    /// Finds the interval that ends at a triangle, and its side there that is not linked.
+    fn free_side(&self, triangle: u32) -> (u32, usize) {
+        let key = (self.path(triangle), self.position(triangle));
+        let i = self.intervals.partition_point(|interval| (interval.path, interval.positions[1]) < key);
+        let interval = &self.intervals[i];
+        (i as u32, usize::from(interval.triangles[0] != triangle || interval.links[0].is_some()))
+    }
+
+    /// Follows a new path beyond a side of an interval, and marks its intervals. Returns their length in triangles and the triangle at the
+    /// end.
+    fn follow(&mut self, interval: u32, side: usize) -> (u32, u32) {
+        let (mut at, mut length) = ((interval, side), 0_u32);
+        while let Some((next, entry)) = self.intervals[at.0 as usize].links[at.1] {
+            self.intervals[next as usize].is_used = true;
+            length += self.intervals[next as usize].len();
+            at = (next, 1 - entry);
+        }
+        (length, self.intervals[at.0 as usize].triangles[at.1])
+    }
+
+    /// Writes the tags of a new path, except for one interval, which keeps its own.
+    fn write_around(&mut self, graph: &DualGraph, cover: &PathCover, interval: u32) {
+        let kept = self.intervals[interval as usize];
+        let start = self.starts[kept.path as usize];
+        let [low, high] = kept.positions.map(|position| start.wrapping_add(position));
+        self.intervals[interval as usize].is_used = true;
+        let ((before, first), (after, last)) = (self.follow(interval, 0), self.follow(interval, 1));
+        let new_start = low.wrapping_sub(before);
+        self.write(graph, cover, first, before, (kept.path, new_start, 1));
+        self.write(graph, cover, last, after, (kept.path, high.wrapping_add(after), u32::MAX));
+        self.starts[kept.path as usize] = new_start;
+        self.ends[kept.path as usize] = [first, last].map(OptionalId::some);
+    }
+
+    /// Writes all tags of a new path, with the number of a path that is no more.
+    fn write_all(&mut self, graph: &DualGraph, cover: &PathCover, interval: u32) {
+        let free = self.changed_paths.iter().copied().find(|&path| self.ends[path as usize][0].is_none());
+        let Some(path) = free else { return };
+        self.intervals[interval as usize].is_used = true;
+        let ((before, first), (after, last)) = (self.follow(interval, 0), self.follow(interval, 1));
+        let length = before + self.intervals[interval as usize].len() + after;
+        self.write(graph, cover, first, length, (path, 0, 1));
+        self.starts[path as usize] = 0;
+        self.ends[path as usize] = [first, last].map(OptionalId::some);
+    }
+
+    /// Writes tags from the end of a path on: the path, and positions by a step from the first on.
+    fn write(
+        &mut self,
+        graph: &DualGraph,
+        cover: &PathCover,
+        end: u32,
+        count: u32,
+        (path, mut position, step): (u32, u32, u32),
+    ) {
+        for (face, _, _) in cover.walk(graph, FaceId(end)).take(count as usize) {
+            self.path[face.0 as usize] = path;
+            self.position[face.0 as usize] = position;
+            position = position.wrapping_add(step);
+        }
     }
 
     /// Checks that the tags are those of the cover, whatever the paths' numbers and directions.

@@ -1,0 +1,194 @@
+//! Measures every default method, and levels of detail, on the hostile shapes at two sizes: time per triangle, and growth.
+//!
+//! ```sh
+//! cargo run --release -p tristrip-bench --bin hostile -- --triangles 1000000
+//! ```
+//!
+//! Every run is a process of its own with a time limit; its result is proven before its time is printed. A run *violates* the bar if it
+//! takes longer than a second and the method's share per triangle, or if it takes more than five times as long as one of a quarter of
+//! the triangles.
+#![allow(clippy::print_stdout, clippy::print_stderr, reason = "a program that prints")]
+
+use std::io::Read as _;
+use std::process::{Child, Command, ExitCode, Stdio};
+use std::time::{Duration, Instant};
+
+use clap::Parser;
+use serde_json::{Value, json};
+use tristrip_bench::failure::Failure;
+use tristrip_bench::hostile::{HostileMethod, HostileShape, METHODS, shapes};
+use tristrip_bench::text::Table;
+
+/// The factor by which the larger size is larger, and the most by which its time may be longer.
+const SIZES: u32 = 4;
+const MOST_GROWTH: f64 = 5.0;
+/// The shortest time of which growth is compared, in seconds.
+const SHORT: f64 = 0.25;
+
+/// Measure every default method on hostile shapes
+#[derive(Debug, Parser)]
+#[command(version)]
+struct Args {
+    /// Triangles of the larger size
+    #[arg(long, default_value_t = 1_000_000, value_name = "N")]
+    triangles: u32,
+    /// Only shapes whose names contain this; repeatable
+    #[arg(long, value_name = "TEXT")]
+    shape: Vec<String>,
+    /// Only this method; repeatable
+    #[arg(long, value_name = "NAME")]
+    method: Vec<String>,
+    /// Seconds after which a run ends
+    #[arg(long, default_value_t = 30, value_name = "SECONDS")]
+    limit: u64,
+    /// Print violations only
+    #[arg(long)]
+    violations: bool,
+    /// Run one shape with one method in this process, and print its figures as JSON
+    #[arg(long, num_args = 2, value_names = ["SHAPE", "METHOD"], conflicts_with_all = ["shape", "method"])]
+    one: Option<Vec<String>>,
+}
+
+/// The figures of a run; none if it was ended.
+#[derive(Debug, Clone, Copy)]
+struct Figures {
+    triangles: f64,
+    seconds: f64,
+    proof_seconds: f64,
+    strips: u64,
+}
+
+fn main() -> Result<ExitCode, Failure> {
+    let args = Args::parse();
+    if let Some([shape, method]) = args.one.as_deref() {
+        return one(shape, method, args.triangles);
+    }
+    let chosen = |shape: &HostileShape| {
+        args.shape.is_empty() || args.shape.iter().any(|text| shape.name.contains(text.as_str()))
+    };
+    let mut table = Table::new(
+        2,
+        &["shape", "method", "triangles", "strips", "s", "µs/triangle", "growth", "proof s", "bar"],
+    );
+    let (mut runs, mut violations) = (0, 0);
+    for shape in shapes().iter().filter(|shape| chosen(shape)) {
+        for method in METHODS {
+            if !args.method.is_empty() && !args.method.iter().any(|name| name == method.name) {
+                continue;
+            }
+            let small = run(shape.name, method.name, args.triangles / SIZES, args.limit)?;
+            let large = run(shape.name, method.name, args.triangles, args.limit)?;
+            let violation = violation(&method, small, large);
+            runs += 1;
+            violations += usize::from(violation.is_some());
+            if violation.is_some() || !args.violations {
+                table.push(row(shape.name, &method, small, large, violation, args.limit));
+                eprintln!("{}", table_line(shape.name, &method, small, large, violation));
+            }
+        }
+    }
+    print!("{}", table.aligned());
+    println!("hostile: {violations} of {runs} runs violate the bar");
+    Ok(if violations == 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// Runs a shape in this process.
+fn one(shape: &str, method: &str, triangles: u32) -> Result<ExitCode, Failure> {
+    let all = shapes();
+    let shape = all.iter().find(|each| each.name == shape).ok_or("there is no such shape")?;
+    let method = HostileMethod::of_name(method).ok_or("there is no such method")?;
+    let run = method.run(&shape.mesh(triangles)?)?;
+    let (seconds, proof) = (run.seconds, run.proof_seconds);
+    println!(
+        "{}",
+        json!({"triangles": run.triangles, "seconds": seconds, "proof": proof, "strips": run.strips})
+    );
+    Ok(ExitCode::SUCCESS)
+}
+
+/// Runs a shape in a process of its own; returns `None` if it takes too long.
+fn run(shape: &str, method: &str, triangles: u32, limit: u64) -> Result<Option<Figures>, Failure> {
+    let mut child = Command::new(std::env::current_exe()?)
+        .args(["--triangles", &triangles.to_string(), "--one", shape, method])
+        .stdout(Stdio::piped())
+        .spawn()?;
+    if !ends_within(&mut child, Duration::from_secs(limit))? {
+        child.kill()?;
+        child.wait()?;
+        return Ok(None);
+    }
+    let mut text = String::new();
+    child.stdout.take().ok_or("no output")?.read_to_string(&mut text)?;
+    if !child.wait()?.success() {
+        return Err(format!("{shape}, {method}: not proven").into());
+    }
+    let figures: Value = serde_json::from_str(&text)?;
+    let number = |key: &str| figures[key].as_f64().ok_or_else(|| format!("no {key}"));
+    Ok(Some(Figures {
+        triangles: number("triangles")?,
+        seconds: number("seconds")?,
+        proof_seconds: number("proof")?,
+        strips: figures["strips"].as_u64().ok_or("no strips")?,
+    }))
+}
+
+fn ends_within(child: &mut Child, limit: Duration) -> Result<bool, Failure> {
+    let start = Instant::now();
+    while child.try_wait()?.is_none() {
+        if start.elapsed() > limit {
+            return Ok(false);
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    Ok(true)
+}
+
+/// Returns how a run violates the bar.
+fn violation(method: &HostileMethod, small: Option<Figures>, large: Option<Figures>) -> Option<&'static str> {
+    let Some(large) = large else { return Some("limit") };
+    if large.seconds > 1.0 + 1e-6 * method.microseconds * large.triangles {
+        return Some("time");
+    }
+    let grows = small.is_none_or(|small| large.seconds > MOST_GROWTH * small.seconds);
+    (grows && large.seconds > SHORT).then_some("growth")
+}
+
+fn row(
+    shape: &str,
+    method: &HostileMethod,
+    small: Option<Figures>,
+    large: Option<Figures>,
+    violation: Option<&str>,
+    limit: u64,
+) -> Vec<String> {
+    let mut cells = vec![shape.into(), method.name.into()];
+    match large {
+        Some(large) => {
+            let growth = small.map_or("-".into(), |small| format!("{:.1}", large.seconds / small.seconds));
+            cells.extend([
+                format!("{:.0}", large.triangles),
+                large.strips.to_string(),
+                format!("{:.2}", large.seconds),
+                format!("{:.2}", 1e6 * large.seconds / large.triangles),
+                growth,
+                format!("{:.2}", large.proof_seconds),
+            ]);
+        }
+        None => {
+            cells.extend(["-".into(), "-".into(), format!("> {limit}"), "-".into(), "-".into(), "-".into()])
+        }
+    }
+    cells.push(violation.unwrap_or("ok").into());
+    cells
+}
+
+/// Formats a row as it is done.
+fn table_line(
+    shape: &str,
+    method: &HostileMethod,
+    small: Option<Figures>,
+    large: Option<Figures>,
+    violation: Option<&str>,
+) -> String {
+    row(shape, method, small, large, violation, 0).join("\t")
+}
