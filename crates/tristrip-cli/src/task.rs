@@ -39,6 +39,8 @@ pub(crate) struct StripTask {
     pub(crate) jobs: Vec<Job>,
     pub(crate) options: StripifyOptions,
     pub(crate) budget: Option<Duration>,
+    /// Whether a part may be written as a list: not if the user chose a layout.
+    pub(crate) list: bool,
     /// Whether to write vertices in the order of first use.
     pub(crate) reorder: bool,
     pub(crate) verify: bool,
@@ -218,12 +220,13 @@ fn validate(command: Command, papers: &[&str]) -> Result<(Task, Shared), String>
             let pareto =
                 args.pareto.map(|path| pareto_task(path, args.method.effort(), &jobs)).transpose()?;
             let budget = args.method.budget();
-            let (reorder, verify) = (args.reorder_vertices, !args.output.target.no_verify);
+            let (list, reorder) = (args.output.layout.is_none(), args.reorder_vertices);
+            let verify = !args.output.target.no_verify;
             let picture = args.picture;
             if let Some(path) = &picture {
                 check_picture(path, &jobs)?;
             }
-            (Task::Strip(StripTask { jobs, options, budget, reorder, verify, pareto, picture }), shared)
+            (Task::Strip(StripTask { jobs, options, budget, list, reorder, verify, pareto, picture }), shared)
         }
         Command::Compare(args) => {
             let options = StripifyOptions::default()

@@ -32,6 +32,10 @@ fn meshes(model: &Model) -> Vec<&Mesh> {
     model.parts.iter().map(|part| &part.mesh).collect()
 }
 
+fn drawn(strips: &[Strips]) -> Vec<Drawing<'_>> {
+    strips.iter().map(Drawing::Strips).collect()
+}
+
 /// Checks that the first uses in a list of indices are `next`, `next` + 1 and so on; returns the first number not used.
 fn check_first_uses(indices: impl IntoIterator<Item = u32>, mut next: u32) -> u32 {
     for index in indices {
@@ -44,9 +48,8 @@ fn check_first_uses(indices: impl IntoIterator<Item = u32>, mut next: u32) -> u3
 /// Reorders a model for a format, and checks the result against its orders, and the file against its source.
 fn check(model: &Model, format: Format, layout: Layout) -> (Reordered, Vec<u8>) {
     let strips = strips_of(model);
-    let reordered = reorder(model, &strips, format, layout).unwrap();
-    let drawings: Vec<_> = reordered.strips.iter().map(Drawing::Strips).collect();
-    let bytes = write(&reordered.model, &drawings, format, reordered.layout).unwrap();
+    let reordered = reorder(model, &drawn(&strips), format, layout).unwrap();
+    let bytes = write(&reordered.model, &reordered.drawings(), format, reordered.layout).unwrap();
     // Each part is in exactly one group, and its vertices are the old ones in the group's order.
     let mut parts: Vec<usize> = reordered.groups.iter().flat_map(|group| group.parts.clone()).collect();
     parts.sort_unstable();
@@ -223,17 +226,18 @@ fn models_without_triangles_or_in_order_stay() {
     assert!(reorder(&model, &[], Format::Glb, Layout::Restart).is_err());
     let mut strips = vec![Strips::default(); 4];
     strips[2].push(&[0, 1, 3]);
-    assert!(reorder(&model, &strips, Format::Glb, Layout::Restart).is_err());
+    assert!(reorder(&model, &drawn(&strips), Format::Glb, Layout::Restart).is_err());
     let mut other = gltf::read(shared_scene(2).glb(), None).unwrap();
     other.parts.pop();
-    let wrong = reorder(&other, &[Strips::default(), Strips::default()], Format::Glb, Layout::Restart);
+    let wrong =
+        reorder(&other, &drawn(&[Strips::default(), Strips::default()]), Format::Glb, Layout::Restart);
     assert!(wrong.unwrap_err().to_string().contains("expected 3 as in the scene"));
     // The meshes of a scene's parts may have been replaced.
     other.parts.push(Part {
         mesh: Mesh::new(bent(4), Faces::from_triangles(vec![3, 2, 1]).unwrap()).unwrap(),
         ..Part::default()
     });
-    let reordered = reorder(&other, &strips_of(&other), Format::Glb, Layout::Restart).unwrap();
+    let reordered = reorder(&other, &drawn(&strips_of(&other)), Format::Glb, Layout::Restart).unwrap();
     assert!(reordered.groups[1].kept.as_ref().unwrap().contains("a value for each vertex"));
 }
 
@@ -587,9 +591,8 @@ fn mutations_never_panic() {
         }
         let Ok(model) = gltf::read(changed, None) else { continue };
         let strips = strips_of(&model);
-        let reordered = reorder(&model, &strips, Format::Glb, Layout::Restart).unwrap();
-        let drawings: Vec<_> = reordered.strips.iter().map(Drawing::Strips).collect();
-        let bytes = write(&reordered.model, &drawings, Format::Glb, reordered.layout).unwrap();
+        let reordered = reorder(&model, &drawn(&strips), Format::Glb, Layout::Restart).unwrap();
+        let bytes = write(&reordered.model, &reordered.drawings(), Format::Glb, reordered.layout).unwrap();
         let back = gltf::read(bytes, None).unwrap();
         assert!(verify_models(&meshes(&model), &meshes(&back)).unwrap().is_ok());
         for (ordered, back) in reordered.model.parts.iter().zip(&back.parts) {
