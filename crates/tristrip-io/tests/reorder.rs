@@ -61,7 +61,7 @@ fn check(model: &Model, format: Format, layout: Layout) -> (Reordered, Vec<u8>) 
         for &part in &group.parts {
             let (old, new) = (&model.parts[part].mesh, &reordered.model.parts[part].mesh);
             assert_eq!(group.order.mesh(old).unwrap(), *new);
-            let strips = &reordered.strips[part];
+            let strips = reordered.strips[part].as_ref().unwrap();
             if group.kept.is_none() {
                 let listed =
                     if layout == Layout::List { strips.to_list() } else { strips.vertices().to_vec() };
@@ -72,6 +72,28 @@ fn check(model: &Model, format: Format, layout: Layout) -> (Reordered, Vec<u8>) 
     let back = read(&bytes, format).unwrap();
     assert!(verify_models(&meshes(model), &meshes(&back)).unwrap().is_ok());
     (reordered, bytes)
+}
+
+#[test]
+fn parts_drawn_by_their_faces_are_numbered_by_first_use() {
+    let corners = vec![3, 0, 2, 1, 3, 0];
+    let part = |z: f32| {
+        let positions = (0..4).map(|i| [i as f32, (i * i) as f32, z]).collect::<Vec<_>>();
+        let mesh = Mesh::new(positions, Faces::from_triangles(corners.clone()).unwrap()).unwrap();
+        Part { mesh, ..Part::default() }
+    };
+    let model = Model { parts: vec![part(0.0), part(1.0)], ..Model::default() };
+    let strips = strips_of(&model);
+    for format in [Format::Glb, Format::Ply, Format::Obj] {
+        let drawings = [Drawing::Faces, Drawing::Strips(&strips[1])];
+        let reordered = reorder(&model, &drawings, format, Layout::Degenerate).unwrap();
+        assert!(reordered.strips[0].is_none() && reordered.strips[1].is_some());
+        assert_eq!(reordered.groups[0].order.new_to_old(), [3, 0, 2, 1]);
+        assert_eq!(reordered.model.parts[0].mesh.faces().corners(), [0, 1, 2, 3, 0, 1]);
+        let bytes = write(&reordered.model, &reordered.drawings(), format, reordered.layout).unwrap();
+        let back = read(&bytes, format).unwrap();
+        assert!(verify_models(&meshes(&model), &meshes(&back)).unwrap().is_ok());
+    }
 }
 
 /// A grid of triangles with shuffled vertex numbers; some vertices are unused.
@@ -127,7 +149,7 @@ fn ply_attributes_move_with_their_vertices() {
         assert_eq!(plain.len(), bytes.len());
         if layout == Layout::Restart || layout == Layout::Degenerate {
             // The file ends with the row of strips.
-            let strips = &reordered.strips[0];
+            let strips = reordered.strips[0].as_ref().unwrap();
             let length = strips.vertices_sent() + strips.len() - 1;
             let (row, _) = bytes[bytes.len() - 4 * length..].as_chunks::<4>();
             check_first_uses(row.iter().map(|b| u32::from_le_bytes(*b)).filter(|&v| v != u32::MAX), 0);
