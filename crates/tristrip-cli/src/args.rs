@@ -215,6 +215,7 @@ pub(crate) struct ConvertArgs {
 ///
 /// Write a page per paper, and its figures as SVG, into the folder `reproduction` of a directory. Each result is proven before its
 /// figures are shown. Pages contain no times, so they are the same on every machine. Rows whose model is missing are marked.
+/// A page that was measured on more models than are found now is kept, and so are its figures; a note says so.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Papers:
   000  El-Sana et al., Efficiently Computing and Updating Triangle Strips, 2000
