@@ -138,16 +138,12 @@ fn strips_for_a_vertex_cache_are_drawn_as_they_are() {
     assert_eq!(found.draw(&model, &EncodeOptions::new(Format::Glb)).drawn_as, [DrawnAs::Found]);
 }
 
+/// Also the textured scenes of the folder that the environment variable `TRISTRIP_MODELS` names.
 #[test]
 fn scenes_and_models_never_grow() {
     let own = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../testdata/models");
-    let shared = std::env::var_os("TRISTRIP_MODELS").map(PathBuf::from);
-    let shared = shared.or_else(|| {
-        let beside = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/models");
-        beside.is_dir().then_some(beside)
-    });
-    let textured = shared.map(|shared| shared.join("textured"));
-    let mut folders: Vec<PathBuf> = [Some(own), textured].into_iter().flatten().collect();
+    let textured = std::env::var_os("TRISTRIP_MODELS").map(|folder| PathBuf::from(folder).join("textured"));
+    let mut folders: Vec<PathBuf> = textured.into_iter().chain([own]).collect();
     let mut checked = 0;
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(folder).unwrap() {

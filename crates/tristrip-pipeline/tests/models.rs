@@ -94,10 +94,8 @@ fn every_level_and_filter_is_proven_and_can_be_written() {
                 (displayed.figures.triangles, displayed.proven),
                 (all.triangle_count(level).unwrap(), true)
             );
-            if matches!(filter, DisplayFilter::Linked | DisplayFilter::Repair) {
-                let encoded = all.encode(&model, &displayed, &EncodeOptions::new(Format::Glb), &()).unwrap();
-                assert_eq!(encoded.faces, Some(displayed.figures.triangles));
-            }
+            let encoded = all.encode(&model, &displayed, &EncodeOptions::new(Format::Glb), &()).unwrap();
+            assert_eq!(encoded.faces, Some(displayed.figures.triangles));
         }
     }
     let above = all.display(last + 1, DisplayFilter::Linked, RepairOptions::default(), &());
