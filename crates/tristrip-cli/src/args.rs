@@ -6,27 +6,40 @@ mod groups;
 use std::path::PathBuf;
 use std::time::Duration;
 
+use clap::builder::styling::{AnsiColor, Styles};
 use clap::error::ErrorKind;
-use clap::{Args, CommandFactory, Parser, Subcommand};
+use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap_complete::Shell;
 use tristrip::stripify::Effort;
 use tristrip_pipeline::VertexCacheList;
 
 use crate::method::{CostName, MethodArgs, WeldArgs};
 use crate::values::effort_parser;
 pub(crate) use detail::{LodArgs, SimplifyArgs};
-use groups::ThreadArgs;
-pub(crate) use groups::{FromArgs, GeneralArgs, OutputArgs, ReportArgs};
+pub(crate) use groups::{FromArgs, GeneralArgs, OutputArgs, SharedArgs};
+
+/// The colours of help and errors on a terminal; NO_COLOR=1 disables them.
+const STYLES: Styles = Styles::styled()
+    .header(AnsiColor::Green.on_default().bold())
+    .usage(AnsiColor::Green.on_default().bold())
+    .literal(AnsiColor::Cyan.on_default().bold())
+    .placeholder(AnsiColor::Cyan.on_default())
+    .error(AnsiColor::Red.on_default().bold())
+    .valid(AnsiColor::Green.on_default())
+    .invalid(AnsiColor::Yellow.on_default());
 
 /// Build and verify triangle strips for polygon meshes
 ///
 /// Reads OBJ, PLY, OFF, STL, glTF and GLB; writes GLB, PLY and OBJ. Before a result is written, it is proven to draw exactly the
 /// faces of its source, each once, with its winding.
 #[derive(Debug, Parser)]
-#[command(name = "tristrip", version, propagate_version = true, max_term_width = 100)]
+#[command(name = "tristrip", version, propagate_version = true, max_term_width = 100, styles = STYLES)]
 #[command(
     after_help = "Exit codes: 0 done and proven; 1 not proven, or a bad input or output; 2 wrong usage."
 )]
 struct Cli {
+    #[command(flatten)]
+    shared: SharedArgs,
     #[command(subcommand)]
     command: Command,
 }
@@ -42,6 +55,8 @@ pub(crate) enum Command {
     Simplify(SimplifyArgs),
     Lod(Box<LodArgs>),
     Repro(ReproArgs),
+    Completions(CompletionsArgs),
+    Man(ManArgs),
 }
 
 /// Build triangle strips, verify them, and write them
@@ -111,7 +126,7 @@ pub(crate) struct CompareArgs {
     #[arg(long, value_name = "TIME", value_parser = humantime::parse_duration)]
     pub(crate) budget: Option<Duration>,
     /// Print Markdown tables
-    #[arg(long, conflicts_with = "json")]
+    #[arg(long)]
     pub(crate) markdown: bool,
     /// The seed of methods that break ties at random
     #[arg(long, value_name = "N", default_value_t = 0)]
@@ -179,8 +194,6 @@ pub(crate) struct VerifyArgs {
     pub(crate) result: PathBuf,
     #[command(flatten)]
     pub(crate) from: FromArgs,
-    #[command(flatten)]
-    pub(crate) report: ReportArgs,
 }
 
 /// Convert between formats or strip layouts, without building new strips
@@ -202,6 +215,7 @@ pub(crate) struct ConvertArgs {
 ///
 /// Write a page per paper, and its figures as SVG, into the folder `reproduction` of a directory. Each result is proven before its
 /// figures are shown. Pages contain no times, so they are the same on every machine. Rows whose model is missing are marked.
+/// A page that was measured on more models than are found now is kept, and so are its figures; a note says so.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Papers:
   000  El-Sana et al., Efficiently Computing and Updating Triangle Strips, 2000
@@ -221,22 +235,45 @@ pub(crate) struct ReproArgs {
     /// The directory that contains the folder `reproduction`
     #[arg(short, long, value_name = "DIRECTORY", help_heading = "Output")]
     pub(crate) output: PathBuf,
-    #[command(flatten)]
-    pub(crate) report: ReportArgs,
-    #[command(flatten)]
-    pub(crate) threads: ThreadArgs,
+}
+
+/// Print completions for a shell
+///
+/// The flags, subcommands and values are those of this version.
+#[derive(Debug, Args)]
+#[command(after_long_help = "Examples:
+  tristrip completions bash > ~/.local/share/bash-completion/completions/tristrip
+  tristrip completions zsh > ~/.zfunc/_tristrip
+  tristrip completions fish > ~/.config/fish/completions/tristrip.fish")]
+pub(crate) struct CompletionsArgs {
+    /// The shell
+    #[arg(value_name = "SHELL")]
+    pub(crate) shell: Shell,
+}
+
+/// Print the man page of the command or of a subcommand
+#[derive(Debug, Args)]
+#[command(after_long_help = "Examples:
+  tristrip man > ~/.local/share/man/man1/tristrip.1
+  tristrip man strip | man -l -")]
+pub(crate) struct ManArgs {
+    /// The subcommand [default: the command]
+    #[arg(value_name = "SUBCOMMAND")]
+    pub(crate) subcommand: Option<String>,
 }
 
 /// A command line whose flags clap accepted.
 #[derive(Debug)]
 pub(crate) struct ParsedCommand {
     pub(crate) command: Command,
+    pub(crate) shared: SharedArgs,
     pub(crate) subcommand: &'static str,
 }
 
 /// Parses the command line; exits with the help, the version, or exit code 2 for wrong usage.
 pub(crate) fn parse() -> ParsedCommand {
-    let command = Cli::parse().command;
+    let parsed = Cli::from_arg_matches(&command_line().get_matches());
+    let Cli { shared, command } = parsed.unwrap_or_else(|error| error.format(&mut command_line()).exit());
     let subcommand = match &command {
         Command::Strip(_) => "strip",
         Command::Compare(_) => "compare",
@@ -247,13 +284,20 @@ pub(crate) fn parse() -> ParsedCommand {
         Command::Simplify(_) => "simplify",
         Command::Lod(_) => "lod",
         Command::Repro(_) => "repro",
+        Command::Completions(_) => "completions",
+        Command::Man(_) => "man",
     };
-    ParsedCommand { command, subcommand }
+    ParsedCommand { command, shared, subcommand }
+}
+
+/// Returns the command with all subcommands, of which `--version` prints the name of the command.
+pub(crate) fn command_line() -> clap::Command {
+    Cli::command().mut_subcommands(|subcommand| subcommand.display_name("tristrip"))
 }
 
 /// Exits with code 2 and a message about flags that do not fit together.
 pub(crate) fn exit_with_usage_error(subcommand: &str, message: &str) -> ! {
-    let mut command = Cli::command();
+    let mut command = command_line();
     command.build();
     match command.find_subcommand_mut(subcommand) {
         Some(found) => found.error(ErrorKind::ArgumentConflict, message).exit(),
@@ -267,6 +311,6 @@ mod tests {
 
     #[test]
     fn the_command_line_is_consistent() {
-        Cli::command().debug_assert();
+        command_line().debug_assert();
     }
 }

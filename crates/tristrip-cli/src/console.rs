@@ -5,6 +5,8 @@
 use std::io::{self, IsTerminal, Write};
 use std::time::Duration;
 
+use anstream::{AutoStream, ColorChoice};
+use clap::builder::styling::{AnsiColor, Style};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde::Serialize;
 use tristrip_lab::text;
@@ -19,7 +21,12 @@ pub(crate) struct Console {
     ticking: bool,
     bar: ProgressBar,
     stdout: Stream,
+    /// Whether standard error shows colours: it is a terminal, and `NO_COLOR` is not set.
+    colours: bool,
 }
+
+/// The style of the name before an error.
+const ERROR: Style = AnsiColor::Red.on_default().bold();
 
 /// How results are printed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -51,6 +58,7 @@ impl Console {
             ticking: shared.threads != Some(1),
             bar: ProgressBar::hidden(),
             stdout: Stream::Open,
+            colours: AutoStream::choice(&io::stderr()) != ColorChoice::Never,
         }
     }
 
@@ -106,7 +114,8 @@ impl Console {
 
     /// Prints an error, also in quiet mode.
     pub(crate) fn error(&self, message: &str) {
-        self.write_stderr(&format!("tristrip: {message}"));
+        let name = if self.colours { format!("{ERROR}tristrip:{ERROR:#}") } else { "tristrip:".into() };
+        self.write_stderr(&format!("{name} {message}"));
     }
 
     /// Prints a text result to standard output, or to standard error if a mesh is written to standard output.

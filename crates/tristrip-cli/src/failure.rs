@@ -24,7 +24,15 @@ impl Failure {
     /// Converts a reader's error about the file of this name, without repeating the name.
     pub(crate) fn reading(name: &str, error: &tristrip_io::Error) -> Self {
         Self::Input(match error {
-            tristrip_io::Error::Io { path, source } if path == name => system_message(source),
+            tristrip_io::Error::Io { path, source } if path == name => match is_pattern(path) {
+                true if source.kind() == io::ErrorKind::NotFound => {
+                    format!(
+                        "{}; a pattern in quotes is not expanded: remove the quotes",
+                        system_message(source)
+                    )
+                }
+                _ => system_message(source),
+            },
             tristrip_io::Error::Io { path, source } => format!("{path}: {}", system_message(source)),
             other => other.to_string(),
         })
@@ -42,6 +50,11 @@ impl Failure {
     pub(crate) fn system(path: &Path, error: &io::Error) -> Self {
         Self::Output(format!("{}: {}", path.display(), system_message(error)))
     }
+}
+
+/// Returns whether a shell would expand a name.
+fn is_pattern(name: &str) -> bool {
+    name.contains(['*', '?', '['])
 }
 
 impl From<tristrip::Error> for Failure {

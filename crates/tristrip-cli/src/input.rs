@@ -34,6 +34,12 @@ pub(crate) fn load(input: &Input) -> Result<Model, Failure> {
     }
 }
 
+/// Returns the size of an input in bytes; `None` for standard input, and for a .gltf, whose buffers may be in other files.
+pub(crate) fn file_bytes(input: &Input) -> Option<u64> {
+    let path = input.path.as_ref().filter(|path| Format::from_path(path) != Some(Format::Gltf))?;
+    Some(std::fs::metadata(path).ok()?.len())
+}
+
 /// Returns a file name without its directories, for charts.
 pub(crate) fn short_name(file: &str) -> String {
     Path::new(file).file_name().map_or_else(|| file.to_owned(), |name| name.to_string_lossy().into_owned())

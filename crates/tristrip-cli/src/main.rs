@@ -24,6 +24,7 @@ mod output;
 mod reorder;
 mod repro;
 mod search;
+mod shell;
 mod simplify;
 mod stage;
 mod strip;
@@ -78,5 +79,9 @@ fn run(task: &Task, console: &mut Console) -> bool {
         Task::Simplify(task) => simplify::run(task, console),
         Task::Lod(task) => lod::run(task, console),
         Task::Repro(task) => repro::run(task, console),
+        Task::Print(text) => {
+            console.write_stdout(text);
+            true
+        }
     }
 }

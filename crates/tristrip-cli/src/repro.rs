@@ -46,10 +46,6 @@ impl ReproObserver for Measuring<'_> {
         self.show(|console| console.doing(flags));
     }
 
-    fn unreadable(&self, why: &str) {
-        self.show(|console| console.note(why));
-    }
-
     fn model_done(&self) {
         self.show(Console::end);
     }
@@ -63,7 +59,10 @@ pub(crate) fn run(task: &ReproTask, console: &mut Console) -> bool {
     let Ok(console) = observer.0.into_inner() else { return false };
     console.end();
     match done.map_err(Failure::from) {
-        Ok(()) => console.result(&summary(&report), false),
+        Ok(()) => {
+            report.notes.iter().for_each(|note| console.note(note));
+            console.result(&summary(&report), false);
+        }
         Err(failure) => {
             console.error(&failure.to_string());
             report.error = Some(failure.to_string());
@@ -84,7 +83,7 @@ fn summary(report: &ReproReport) -> String {
             format!("{} better", counts.better),
             format!("{} worse or different", counts.worse),
             format!("{} without model", counts.without_model),
-            paper.page.clone().unwrap_or_default(),
+            paper.page.clone().unwrap_or_else(|| "not written".into()),
         ]
     };
     let rows: Vec<_> = report.papers.iter().map(row).collect();

@@ -7,10 +7,12 @@ use tristrip::StripifyOptions;
 use tristrip_io::Model;
 use tristrip_lab::pareto::{self, ParetoObserver, ParetoPoint};
 use tristrip_lab::render::{self, RenderOptions};
-use tristrip_pipeline::text::counted;
+use tristrip_lab::text as lab_text;
+use tristrip_pipeline::text::{count, counted};
 use tristrip_pipeline::{
-    BoundGap, Chosen, EncodeOptions, Event, Figures, MeshFigures, MethodReport, Observer, PreparedModel,
-    Search, Stopped, StripOptions, Stripped, encode_observed, strip_observed,
+    BoundGap, Chosen, DrawCost, DrawnAs, DrawnParts, EncodeOptions, Event, Figures, MeshFigures,
+    MethodReport, Observer, PreparedModel, Search, Stopped, StripOptions, Stripped, encode_observed, rounded,
+    strip_observed,
 };
 
 use crate::batch::{self, InputReport, Outcome};
@@ -18,7 +20,7 @@ use crate::bound::gap_line;
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::figures::summary;
-use crate::input::short_name;
+use crate::input::{file_bytes, short_name};
 use crate::output::{self, WriteReport};
 use crate::reorder::GroupReport;
 use crate::search::{SearchWatch, interrupted};
@@ -48,6 +50,12 @@ struct StripReport {
     notes: Vec<String>,
     output: Option<String>,
     layout: Option<&'static str>,
+    /// What the parts are drawn as in the file that was written.
+    drawn: Option<DrawnParts>,
+    /// The input as it was read; `null` unless a file was written.
+    before: Option<FileFigures>,
+    /// The file that was written.
+    after: Option<FileFigures>,
     /// The new vertex order; `null` unless requested.
     vertex_order: Option<Vec<GroupReport>>,
     /// The costs of all methods; `null` unless requested.
@@ -56,6 +64,33 @@ struct StripReport {
     #[serde(skip_serializing_if = "Option::is_none")]
     picture: Option<String>,
     error: Option<String>,
+}
+
+/// What a file draws, and its size.
+#[derive(Debug, Serialize)]
+struct FileFigures {
+    indices: usize,
+    acmr_fifo_16: f64,
+    /// `null` for standard input, and for a .gltf, of which parts may be in other files.
+    bytes: Option<u64>,
+}
+
+impl FileFigures {
+    fn of(cost: &DrawCost, bytes: Option<u64>) -> Self {
+        Self { indices: cost.indices, acmr_fifo_16: rounded(cost.acmr()), bytes }
+    }
+
+    fn row(&self, name: &str) -> Vec<String> {
+        let bytes = self.bytes.map_or_else(|| "unknown".into(), |bytes| lab_text::bytes(bytes as usize));
+        vec![format!("  {name}"), count(self.indices), format!("{:.3}", self.acmr_fifo_16), bytes]
+    }
+}
+
+/// Returns a table of the input and the file that was written; nothing if none was.
+fn before_and_after(report: &StripReport) -> String {
+    let (Some(before), Some(after)) = (&report.before, &report.after) else { return String::new() };
+    let head = ["", "indices", "ACMR, FIFO 16", "file"].map(str::to_owned).to_vec();
+    lab_text::table(&[head, before.row("before"), after.row("after")], 1..4)
 }
 
 impl InputReport for StripReport {
@@ -80,6 +115,9 @@ pub(crate) fn run(task: &StripTask, console: &mut Console) -> bool {
         notes: Vec::new(),
         output: None,
         layout: None,
+        drawn: None,
+        before: None,
+        after: None,
         vertex_order: None,
         pareto: None,
         picture: None,
@@ -88,7 +126,8 @@ pub(crate) fn run(task: &StripTask, console: &mut Console) -> bool {
     let show = |job: &Job, report: &StripReport, title: &str, console: &mut Console| {
         let figures = report.figures.as_ref().map(summary).unwrap_or_default();
         let methods = report.pareto.as_deref().map(pareto::as_text).unwrap_or_default();
-        console.result(&format!("{title}{figures}{methods}"), job.output.is_none());
+        let files = before_and_after(report);
+        console.result(&format!("{title}{figures}{files}{methods}"), job.output.is_none());
     };
     let process =
         |job: &Job, console: &mut Console, report: &mut StripReport| strip(job, task, console, report);
@@ -125,7 +164,7 @@ fn strip(
         console.stage("verify", "skipped", None);
     }
     if let Some(target) = &job.output {
-        write(target, task, &model, &stripped, console, report)?;
+        write(job, target, task, &model, &stripped, console, report)?;
     }
     if let Some(path) = &task.picture {
         draw(path, &model, &stripped, console)?;
@@ -176,8 +215,9 @@ fn show(event: Event<'_>, seconds: f64, console: &Console, report: &mut StripRep
     }
 }
 
-/// Writes the strips, with the vertices in order of first use if requested.
+/// Writes each part as strips or as a list, whichever has fewer indices, with the vertices in order of first use if requested.
 fn write(
+    job: &Job,
     target: &Output,
     task: &StripTask,
     model: &Model,
@@ -185,17 +225,29 @@ fn write(
     console: &mut Console,
     report: &mut StripReport,
 ) -> Result<(), Failure> {
-    let options = EncodeOptions::new(target.format).with_layout(target.layout);
+    let options = EncodeOptions::new(target.format).with_layout(target.layout).with_list(task.list);
     let options = options.with_reorder(task.reorder).with_verify(task.verify);
+    let drawn = stripped.draw(model, &options);
+    for note in drawn.parts().notes() {
+        console.note(&note);
+        report.notes.push(note);
+    }
+    let mut bytes = None;
     let fields = WriteReport {
         write: &mut report.seconds.write,
         verify: &mut report.seconds.verify,
         notes: &mut report.notes,
         vertex_order: Some(&mut report.vertex_order),
     };
-    output::write(target, !stripped.strips.is_empty(), console, fields, |observer| {
-        encode_observed(model, &stripped.drawings(), &options, observer)
+    let any_strips = drawn.drawn_as.iter().any(|&kind| kind != DrawnAs::List);
+    output::write(target, any_strips, console, fields, |observer| {
+        let encoded = encode_observed(model, &drawn.drawings, &options, observer)?;
+        bytes = Some(encoded.bytes.len() as u64);
+        Ok(encoded)
     })?;
+    report.drawn = Some(drawn.parts());
+    report.before = Some(FileFigures::of(&drawn.before, file_bytes(&job.input)));
+    report.after = Some(FileFigures::of(&drawn.after, bytes));
     report.output = Some(target.name());
     report.layout = Some(layout_name(target.layout));
     Ok(())

@@ -14,7 +14,8 @@ use tristrip_pipeline::{
     Amount, AnalyzeOptions, DisplayFilter, Goal, Level, Ratio, VertexCacheList, default_layout,
 };
 
-use crate::args::{self, AnalyzeArgs, Command, GeneralArgs, LodArgs, OutputArgs, ReportArgs};
+use crate::args::{self, AnalyzeArgs, Command, GeneralArgs, LodArgs, OutputArgs, SharedArgs};
+use crate::shell;
 use crate::values::{FilterName, LayoutName, ModelName, WRITTEN_FORMATS, name_of};
 
 /// The maximum number of inputs in one chart: with more, the curves cannot be told apart.
@@ -32,6 +33,8 @@ pub(crate) enum Task {
     Simplify(SimplifyTask),
     Lod(LodTask),
     Repro(ReproTask),
+    /// A text to print: completions, or a man page.
+    Print(Vec<u8>),
 }
 
 #[derive(Debug)]
@@ -39,6 +42,8 @@ pub(crate) struct StripTask {
     pub(crate) jobs: Vec<Job>,
     pub(crate) options: StripifyOptions,
     pub(crate) budget: Option<Duration>,
+    /// Whether a part may be written as a list: not if the user chose a layout.
+    pub(crate) list: bool,
     /// Whether to write vertices in the order of first use.
     pub(crate) reorder: bool,
     pub(crate) verify: bool,
@@ -173,7 +178,27 @@ impl Task {
             | Self::Convert(ConvertTask { jobs, .. })
             | Self::Simplify(SimplifyTask { jobs, .. })
             | Self::Lod(LodTask { jobs, .. }) => write_to_stdout(jobs),
-            Self::Compare(_) | Self::Bound(_) | Self::Analyze(_) | Self::Verify(_) | Self::Repro(_) => false,
+            Self::Compare(_)
+            | Self::Bound(_)
+            | Self::Analyze(_)
+            | Self::Verify(_)
+            | Self::Repro(_)
+            | Self::Print(_) => false,
+        }
+    }
+}
+
+impl Task {
+    /// Returns the task if the shared options fit it: these may stand before the subcommand, where clap does not compare them with its flags.
+    fn fitting(self, shared: &Shared) -> Result<Self, String> {
+        match &self {
+            Self::Compare(CompareTask { markdown: true, .. }) if shared.json => {
+                Err("--markdown cannot be used with --json".into())
+            }
+            task if task.output_is_stdout() && shared.json => {
+                Err("-o - and --json both write to standard output".into())
+            }
+            _ => Ok(self),
         }
     }
 }
@@ -201,59 +226,61 @@ fn display_name(path: Option<&Path>) -> String {
 /// be reproduced.
 pub(crate) fn parse(papers: &[&str]) -> (Task, Shared) {
     let parsed = args::parse();
-    let subcommand = parsed.subcommand;
-    validate(parsed.command, papers)
-        .unwrap_or_else(|message| args::exit_with_usage_error(subcommand, &message))
+    let shared = shared(&parsed.shared);
+    let task = validate(parsed.command, papers).and_then(|task| task.fitting(&shared));
+    let task = task.unwrap_or_else(|message| args::exit_with_usage_error(parsed.subcommand, &message));
+    (task, shared)
 }
 
 /// Builds a task from flags.
 ///
 /// # Errors
 /// Flags do not fit together; the message names them.
-fn validate(command: Command, papers: &[&str]) -> Result<(Task, Shared), String> {
+fn validate(command: Command, papers: &[&str]) -> Result<Task, String> {
     Ok(match command {
         Command::Strip(args) => {
-            let (jobs, shared) = jobs_and_shared(args.general, &args.output)?;
+            let jobs = jobs_of(args.general, &args.output)?;
             let options = args.method.validate(args.pareto.is_some())?;
             let pareto =
                 args.pareto.map(|path| pareto_task(path, args.method.effort(), &jobs)).transpose()?;
             let budget = args.method.budget();
-            let (reorder, verify) = (args.reorder_vertices, !args.output.target.no_verify);
+            let (list, reorder) = (args.output.layout.is_none(), args.reorder_vertices);
+            let verify = !args.output.target.no_verify;
             let picture = args.picture;
             if let Some(path) = &picture {
                 check_picture(path, &jobs)?;
             }
-            (Task::Strip(StripTask { jobs, options, budget, reorder, verify, pareto, picture }), shared)
+            Task::Strip(StripTask { jobs, options, budget, list, reorder, verify, pareto, picture })
         }
         Command::Compare(args) => {
             let options = StripifyOptions::default()
                 .with_seed(args.seed)
                 .with_weld(args.weld.weld)
                 .with_cost(args.cost.into());
-            let (inputs, shared) = inputs_and_shared(args.general)?;
+            let inputs = inputs_of(args.general)?;
             let (every_variant, markdown) = (args.all, args.markdown);
             let (effort, budget) = (args.effort, args.budget);
             let task = CompareTask { inputs, every_variant, markdown, options, effort, budget };
-            (Task::Compare(task), shared)
+            Task::Compare(task)
         }
         Command::Bound(args) => {
             let options = StripifyOptions::default().with_weld(args.weld.weld);
-            let (inputs, shared) = inputs_and_shared(args.general)?;
-            (Task::Bound(BoundTask { inputs, options }), shared)
+            let inputs = inputs_of(args.general)?;
+            Task::Bound(BoundTask { inputs, options })
         }
         Command::Analyze(args) => analyze_task(args)?,
         Command::Verify(args) => {
             let both = inputs(vec![args.source, args.result], args.from.from)?;
             let [source, result]: [Input; 2] = both.try_into().map_err(|_| "two files are needed")?;
-            (Task::Verify(VerifyTask { source, result }), shared(&args.report, Some(1)))
+            Task::Verify(VerifyTask { source, result })
         }
         Command::Convert(args) => {
             if args.output.target.output.is_none() {
                 return Err("-o is needed: name the file to write".into());
             }
             let (as_strips, verify) = (args.output.layout.is_some(), !args.output.target.no_verify);
-            let (jobs, shared) = jobs_and_shared(args.general, &args.output)?;
-            (Task::Convert(ConvertTask { jobs, as_strips, verify }), shared)
+            let jobs = jobs_of(args.general, &args.output)?;
+            Task::Convert(ConvertTask { jobs, as_strips, verify })
         }
         Command::Simplify(args) => {
             let amount = args.ratio.map(Amount::Ratio).or(args.triangles.map(Amount::Triangles));
@@ -263,16 +290,18 @@ fn validate(command: Command, papers: &[&str]) -> Result<(Task, Shared), String>
             }
             let verify = !args.target.no_verify;
             let output = OutputArgs { target: args.target, layout: Some(LayoutName::List) };
-            let (jobs, shared) = jobs_and_shared(args.general, &output)?;
-            (Task::Simplify(SimplifyTask { jobs, goal, verify }), shared)
+            let jobs = jobs_of(args.general, &output)?;
+            Task::Simplify(SimplifyTask { jobs, goal, verify })
         }
         Command::Lod(args) => lod_task(*args)?,
         Command::Repro(args) => {
             let papers = select_papers(args.papers, papers)?;
             let models = args.models.unwrap_or_else(default_models);
             let task = ReproTask { papers, models, output: args.output };
-            (Task::Repro(task), shared(&args.report, args.threads.threads))
+            Task::Repro(task)
         }
+        Command::Completions(args) => Task::Print(shell::completions(args.shell)),
+        Command::Man(args) => Task::Print(shell::man(args.subcommand.as_deref())?),
     })
 }
 
@@ -283,9 +312,9 @@ impl LodTask {
     }
 }
 
-fn lod_task(args: LodArgs) -> Result<(Task, Shared), String> {
+fn lod_task(args: LodArgs) -> Result<Task, String> {
     let filter_effort = filter_effort(&args)?;
-    let (jobs, shared) = jobs_and_shared(args.general, &args.output)?;
+    let jobs = jobs_of(args.general, &args.output)?;
     if let Some(path) = &args.plot {
         check_chart("--plot", path, jobs.len())?;
         check_distinct_files("--plot", path, &jobs)?;
@@ -304,7 +333,7 @@ fn lod_task(args: LodArgs) -> Result<(Task, Shared), String> {
         plot: args.plot,
         verify: !args.output.target.no_verify,
     };
-    Ok((Task::Lod(task), shared))
+    Ok(Task::Lod(task))
 }
 
 /// Returns the effort of [`FilterName::Repair`].
@@ -318,8 +347,8 @@ fn filter_effort(args: &LodArgs) -> Result<Effort, String> {
     }
 }
 
-fn analyze_task(args: AnalyzeArgs) -> Result<(Task, Shared), String> {
-    let (inputs, shared) = inputs_and_shared(args.general)?;
+fn analyze_task(args: AnalyzeArgs) -> Result<Task, String> {
+    let inputs = inputs_of(args.general)?;
     if let Some(path) = &args.plot {
         check_chart("--plot", path, inputs.len())?;
     }
@@ -328,7 +357,7 @@ fn analyze_task(args: AnalyzeArgs) -> Result<(Task, Shared), String> {
     let vertex_caches = args.vertex_caches.unwrap_or_default();
     let options = AnalyzeOptions::default().with_vertex_caches(vertex_caches).with_flush_policy(flush_policy);
     let task = AnalyzeTask { inputs, options, plot: args.plot, curve };
-    Ok((Task::Analyze(task), shared))
+    Ok(Task::Analyze(task))
 }
 
 fn pareto_task(path: PathBuf, effort: Option<Effort>, jobs: &[Job]) -> Result<ParetoTask, String> {
@@ -385,23 +414,17 @@ fn default_models() -> PathBuf {
     if shared.is_dir() { shared } else { "testdata/models".into() }
 }
 
-fn shared(report: &ReportArgs, threads: Option<u16>) -> Shared {
-    Shared { json: report.json, quiet: report.quiet, threads: threads.map(usize::from) }
+fn shared(args: &SharedArgs) -> Shared {
+    Shared { json: args.json, quiet: args.quiet, threads: args.threads.map(usize::from) }
 }
 
-fn inputs_and_shared(args: GeneralArgs) -> Result<(Vec<Input>, Shared), String> {
-    let shared = shared(&args.report, args.threads.threads);
-    Ok((inputs(args.inputs, args.from.from)?, shared))
+fn inputs_of(args: GeneralArgs) -> Result<Vec<Input>, String> {
+    inputs(args.inputs, args.from.from)
 }
 
 /// Returns the jobs of a subcommand that writes files.
-fn jobs_and_shared(args: GeneralArgs, output: &OutputArgs) -> Result<(Vec<Job>, Shared), String> {
-    let (inputs, shared) = inputs_and_shared(args)?;
-    let jobs = jobs(inputs, output)?;
-    if write_to_stdout(&jobs) && shared.json {
-        return Err("-o - and --json both write to standard output".into());
-    }
-    Ok((jobs, shared))
+fn jobs_of(args: GeneralArgs, output: &OutputArgs) -> Result<Vec<Job>, String> {
+    jobs(inputs_of(args)?, output)
 }
 
 fn inputs(paths: Vec<PathBuf>, format: Option<Format>) -> Result<Vec<Input>, String> {

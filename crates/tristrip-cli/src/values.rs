@@ -36,7 +36,7 @@ pub(crate) fn name_of<E: ValueEnum + Copy>(value: E) -> String {
 /// A layout of strips in an index buffer.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 pub(crate) enum LayoutName {
-    /// Strips separated by the restart index (in glTF: the draft extension for primitive restart)
+    /// Strips separated by the restart index (in glTF: a draft extension, which three.js and other viewers ignore and draw wrong)
     Restart,
     /// One strip, joined by degenerate triangles; every glTF viewer draws it
     Degenerate,

@@ -1,4 +1,4 @@
-//! Models with their vertices in the order in which strips first use them, so that drawing them fetches vertices
+//! Models with their vertices in the order in which their drawings first use them, so that drawing them fetches vertices
 //! sequentially.
 //!
 //! ```text
@@ -7,7 +7,7 @@
 //! # Algorithm
 //! 1. Parts whose vertices the file stores once form one group: in PLY and OBJ those with positions and attributes in common,
 //!    in a GLB those with the same positions, and in a scene those that share any accessor.
-//! 2. The order of a group is that of the index buffers that the writer builds from its strips. In the degenerate layout the
+//! 2. The order of a group is that of the index buffers that the writer builds from its drawings. In the degenerate layout the
 //!    strips are joined before: how they are joined depends on the vertex numbers.
 //! 3. Positions, attributes, faces and strips are renumbered; in a scene also all other data per vertex. Parts that shared
 //!    their vertices share them again.
@@ -25,27 +25,34 @@ use crate::model::{Drawing, Model, Part};
 use crate::shared_vertices::{parts_by_vertices, renumber};
 use crate::vertex_group::VertexGroup;
 
-/// A model with its vertices in a new order, and the strips that draw it.
+/// A model with its vertices in a new order, and how it is drawn.
 #[derive(Debug)]
 pub struct Reordered {
     /// The parts in their order, each over re-ordered vertices.
     pub model: Model,
-    /// The strips over the new vertex numbers, for each part.
-    pub strips: Vec<Strips>,
+    /// The strips over the new vertex numbers, for each part; `None` for a part that is drawn by its faces.
+    pub strips: Vec<Option<Strips>>,
     /// The layout to write them in: [`Layout::Separate`] for strips that are already joined.
     pub layout: Layout,
     /// The groups in the order of their first parts; every part is in exactly one group.
     pub groups: Vec<VertexGroup>,
 }
 
-/// Numbers vertices in the order in which strips, written in a format and layout, first use them; vertices that no strip
-/// uses are last, in their old order. The result must be written with its own strips and layout.
+impl Reordered {
+    /// Returns how each part is drawn.
+    pub fn drawings(&self) -> Vec<Drawing<'_>> {
+        self.strips.iter().map(|strips| strips.as_ref().map_or(Drawing::Faces, Drawing::Strips)).collect()
+    }
+}
+
+/// Numbers vertices in the order in which drawings, written in a format and layout, first use them; vertices that no drawing
+/// uses are last, in their old order. The result must be written with its own drawings and layout.
 ///
 /// Where something else in a scene depends on the vertex numbers, or may depend on them, the vertices keep their order;
 /// [`VertexGroup::kept`] has the reason.
 ///
 /// # Errors
-/// There are not strips for each part, the scene has another number of parts, or strips name a vertex that their part does
+/// There is not one drawing for each part, the scene has another number of parts, or strips name a vertex that their part does
 /// not have.
 ///
 /// ```
@@ -53,27 +60,37 @@ pub struct Reordered {
 /// let model = read(b"v 9 9 9\nv 0 1 0\nv 0 0 0\nv 1 0 0\nf 3 4 2\n", Format::Obj)?;
 /// let mut strips = tristrip::Strips::default();
 /// strips.push(&[2, 3, 1]);
-/// let reordered = reorder(&model, &[strips], Format::Ply, tristrip::Layout::Restart)?;
+/// let reordered = reorder(&model, &[Drawing::Strips(&strips)], Format::Ply, tristrip::Layout::Restart)?;
 /// assert_eq!(reordered.groups[0].order.new_to_old(), [2, 3, 1, 0]);
-/// assert_eq!(reordered.strips[0].vertices(), [0, 1, 2]);
-/// let drawings = [Drawing::Strips(&reordered.strips[0])];
-/// let ply = write(&reordered.model, &drawings, Format::Ply, reordered.layout)?;
+/// assert_eq!(reordered.strips[0].as_ref().map(|strips| strips.vertices()), Some(&[0, 1, 2][..]));
+/// let ply = write(&reordered.model, &reordered.drawings(), Format::Ply, reordered.layout)?;
 /// assert_eq!(read(&ply, Format::Ply)?.parts[0].mesh.positions()[3], [9.0; 3]);
 /// # Ok::<(), tristrip_io::Error>(())
 /// ```
-pub fn reorder(model: &Model, strips: &[Strips], format: Format, layout: Layout) -> Result<Reordered, Error> {
-    let drawings: Vec<_> = strips.iter().map(Drawing::Strips).collect();
-    model.check_drawings(&drawings)?;
+pub fn reorder(
+    model: &Model,
+    drawings: &[Drawing<'_>],
+    format: Format,
+    layout: Layout,
+) -> Result<Reordered, Error> {
+    model.check_drawings(drawings)?;
     let layout = if format == Format::Obj { Layout::List } else { layout };
-    let (strips, layout) = match layout {
-        Layout::Degenerate => (strips.iter().map(joined).collect(), Layout::Separate),
-        other => (strips.to_vec(), other),
-    };
+    let join = layout == Layout::Degenerate;
+    let layout = if join { Layout::Separate } else { layout };
+    let strips: Vec<Option<Strips>> = drawings
+        .iter()
+        .map(|drawing| match *drawing {
+            Drawing::Faces => None,
+            Drawing::Strips(strips) => Some(if join { joined(strips) } else { strips.clone() }),
+        })
+        .collect();
     // 1. Groups, and their orders.
     let order = |parts: Vec<usize>, kept: Option<String>| {
         let vertex_count = parts.first().map_or(0, |&part| model.parts[part].mesh.vertex_count());
-        let indices =
-            parts.iter().filter(|_| kept.is_none()).flat_map(|&part| indices(&strips[part], layout));
+        let indices = parts.iter().filter(|_| kept.is_none()).flat_map(|&part| match &strips[part] {
+            Some(strips) => indices(strips, layout),
+            None => model.parts[part].mesh.faces().corners().to_vec(),
+        });
         Ok(VertexGroup { order: VertexOrder::of_indices(vertex_count, indices)?, parts, kept })
     };
     let scene = model.scene.as_ref().filter(|_| format == Format::Glb);
@@ -91,10 +108,10 @@ pub fn reorder(model: &Model, strips: &[Strips], format: Format, layout: Layout)
     };
     // 3. Parts and strips.
     let parts = reordered_parts(model, &groups)?;
-    let mut out = vec![Strips::default(); strips.len()];
+    let mut out = vec![None; strips.len()];
     for group in &groups {
         for &part in &group.parts {
-            out[part] = group.order.strips(&strips[part])?;
+            out[part] = strips[part].as_ref().map(|strips| group.order.strips(strips)).transpose()?;
         }
     }
     let model = Model { parts, notes: model.notes.clone(), scene };

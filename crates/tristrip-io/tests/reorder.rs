@@ -32,6 +32,10 @@ fn meshes(model: &Model) -> Vec<&Mesh> {
     model.parts.iter().map(|part| &part.mesh).collect()
 }
 
+fn drawn(strips: &[Strips]) -> Vec<Drawing<'_>> {
+    strips.iter().map(Drawing::Strips).collect()
+}
+
 /// Checks that the first uses in a list of indices are `next`, `next` + 1 and so on; returns the first number not used.
 fn check_first_uses(indices: impl IntoIterator<Item = u32>, mut next: u32) -> u32 {
     for index in indices {
@@ -44,9 +48,8 @@ fn check_first_uses(indices: impl IntoIterator<Item = u32>, mut next: u32) -> u3
 /// Reorders a model for a format, and checks the result against its orders, and the file against its source.
 fn check(model: &Model, format: Format, layout: Layout) -> (Reordered, Vec<u8>) {
     let strips = strips_of(model);
-    let reordered = reorder(model, &strips, format, layout).unwrap();
-    let drawings: Vec<_> = reordered.strips.iter().map(Drawing::Strips).collect();
-    let bytes = write(&reordered.model, &drawings, format, reordered.layout).unwrap();
+    let reordered = reorder(model, &drawn(&strips), format, layout).unwrap();
+    let bytes = write(&reordered.model, &reordered.drawings(), format, reordered.layout).unwrap();
     // Each part is in exactly one group, and its vertices are the old ones in the group's order.
     let mut parts: Vec<usize> = reordered.groups.iter().flat_map(|group| group.parts.clone()).collect();
     parts.sort_unstable();
@@ -58,7 +61,7 @@ fn check(model: &Model, format: Format, layout: Layout) -> (Reordered, Vec<u8>) 
         for &part in &group.parts {
             let (old, new) = (&model.parts[part].mesh, &reordered.model.parts[part].mesh);
             assert_eq!(group.order.mesh(old).unwrap(), *new);
-            let strips = &reordered.strips[part];
+            let strips = reordered.strips[part].as_ref().unwrap();
             if group.kept.is_none() {
                 let listed =
                     if layout == Layout::List { strips.to_list() } else { strips.vertices().to_vec() };
@@ -69,6 +72,28 @@ fn check(model: &Model, format: Format, layout: Layout) -> (Reordered, Vec<u8>) 
     let back = read(&bytes, format).unwrap();
     assert!(verify_models(&meshes(model), &meshes(&back)).unwrap().is_ok());
     (reordered, bytes)
+}
+
+#[test]
+fn parts_drawn_by_their_faces_are_numbered_by_first_use() {
+    let corners = vec![3, 0, 2, 1, 3, 0];
+    let part = |z: f32| {
+        let positions = (0..4).map(|i| [i as f32, (i * i) as f32, z]).collect::<Vec<_>>();
+        let mesh = Mesh::new(positions, Faces::from_triangles(corners.clone()).unwrap()).unwrap();
+        Part { mesh, ..Part::default() }
+    };
+    let model = Model { parts: vec![part(0.0), part(1.0)], ..Model::default() };
+    let strips = strips_of(&model);
+    for format in [Format::Glb, Format::Ply, Format::Obj] {
+        let drawings = [Drawing::Faces, Drawing::Strips(&strips[1])];
+        let reordered = reorder(&model, &drawings, format, Layout::Degenerate).unwrap();
+        assert!(reordered.strips[0].is_none() && reordered.strips[1].is_some());
+        assert_eq!(reordered.groups[0].order.new_to_old(), [3, 0, 2, 1]);
+        assert_eq!(reordered.model.parts[0].mesh.faces().corners(), [0, 1, 2, 3, 0, 1]);
+        let bytes = write(&reordered.model, &reordered.drawings(), format, reordered.layout).unwrap();
+        let back = read(&bytes, format).unwrap();
+        assert!(verify_models(&meshes(&model), &meshes(&back)).unwrap().is_ok());
+    }
 }
 
 /// A grid of triangles with shuffled vertex numbers; some vertices are unused.
@@ -124,7 +149,7 @@ fn ply_attributes_move_with_their_vertices() {
         assert_eq!(plain.len(), bytes.len());
         if layout == Layout::Restart || layout == Layout::Degenerate {
             // The file ends with the row of strips.
-            let strips = &reordered.strips[0];
+            let strips = reordered.strips[0].as_ref().unwrap();
             let length = strips.vertices_sent() + strips.len() - 1;
             let (row, _) = bytes[bytes.len() - 4 * length..].as_chunks::<4>();
             check_first_uses(row.iter().map(|b| u32::from_le_bytes(*b)).filter(|&v| v != u32::MAX), 0);
@@ -223,17 +248,18 @@ fn models_without_triangles_or_in_order_stay() {
     assert!(reorder(&model, &[], Format::Glb, Layout::Restart).is_err());
     let mut strips = vec![Strips::default(); 4];
     strips[2].push(&[0, 1, 3]);
-    assert!(reorder(&model, &strips, Format::Glb, Layout::Restart).is_err());
+    assert!(reorder(&model, &drawn(&strips), Format::Glb, Layout::Restart).is_err());
     let mut other = gltf::read(shared_scene(2).glb(), None).unwrap();
     other.parts.pop();
-    let wrong = reorder(&other, &[Strips::default(), Strips::default()], Format::Glb, Layout::Restart);
+    let wrong =
+        reorder(&other, &drawn(&[Strips::default(), Strips::default()]), Format::Glb, Layout::Restart);
     assert!(wrong.unwrap_err().to_string().contains("expected 3 as in the scene"));
     // The meshes of a scene's parts may have been replaced.
     other.parts.push(Part {
         mesh: Mesh::new(bent(4), Faces::from_triangles(vec![3, 2, 1]).unwrap()).unwrap(),
         ..Part::default()
     });
-    let reordered = reorder(&other, &strips_of(&other), Format::Glb, Layout::Restart).unwrap();
+    let reordered = reorder(&other, &drawn(&strips_of(&other)), Format::Glb, Layout::Restart).unwrap();
     assert!(reordered.groups[1].kept.as_ref().unwrap().contains("a value for each vertex"));
 }
 
@@ -587,9 +613,8 @@ fn mutations_never_panic() {
         }
         let Ok(model) = gltf::read(changed, None) else { continue };
         let strips = strips_of(&model);
-        let reordered = reorder(&model, &strips, Format::Glb, Layout::Restart).unwrap();
-        let drawings: Vec<_> = reordered.strips.iter().map(Drawing::Strips).collect();
-        let bytes = write(&reordered.model, &drawings, Format::Glb, reordered.layout).unwrap();
+        let reordered = reorder(&model, &drawn(&strips), Format::Glb, Layout::Restart).unwrap();
+        let bytes = write(&reordered.model, &reordered.drawings(), Format::Glb, reordered.layout).unwrap();
         let back = gltf::read(bytes, None).unwrap();
         assert!(verify_models(&meshes(&model), &meshes(&back)).unwrap().is_ok());
         for (ordered, back) in reordered.model.parts.iter().zip(&back.parts) {

@@ -8,6 +8,7 @@
 //! values, which is not an error; a result that is not proven is an error.
 
 mod comparison;
+mod coverage;
 mod draw;
 mod identity;
 mod level_figures;
@@ -27,10 +28,12 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use crate::error::Error;
+use coverage::Coverage;
 pub use observer::ReproObserver;
 pub use paper::{keys, published};
 pub use paper_report::PaperReport;
 use runner::Runner;
+use tristrip_pipeline::text::counted;
 
 /// The subfolder of the output directory for the pages.
 const FOLDER: &str = "reproduction";
@@ -43,7 +46,7 @@ pub struct ReproReport {
     pub models: String,
     /// The papers, each with published and measured values.
     pub papers: Vec<PaperReport>,
-    /// The models that could not be read, each with the reason.
+    /// The models that could not be read, and the pages that were not written, each with the reason.
     pub notes: Vec<String>,
     /// The written files.
     pub outputs: Vec<String>,
@@ -66,7 +69,8 @@ pub struct VerdictCounts {
 }
 
 /// Reproduces papers, by their [`keys`], with the models of a folder: writes a page per paper and its figures into the folder `reproduction`
-/// of a directory. After an error, the report has what was written before.
+/// of a directory. A page for which nothing was measured is not written, and a page that was measured on more models is kept, with a note.
+/// After an error, the report has what was written before.
 ///
 /// # Errors
 /// A file or directory cannot be read or written, a result is not proven, or the observer cancelled.
@@ -100,15 +104,46 @@ pub fn reproduce(
         let charts = paper.charts.iter().map(|chart| draw::draw(chart, &runner)).collect::<Result<_, _>>()?;
         let mut compared = comparison::compare(paper, charts, &runner);
         let text = page::page(paper, &compared);
-        for chart in &compared.charts {
-            report.outputs.push(write(&folder.join(&chart.file), &chart.svg)?);
+        let path = folder.join(format!("{}.md", paper.key));
+        match reason_to_keep(&path, &text)? {
+            Some(why) => report.notes.push(format!("{} and its figures {why}", path.display())),
+            None => {
+                for chart in &compared.charts {
+                    let path = folder.join(&chart.file);
+                    // The page needs the file, so that an empty chart is written if there is none.
+                    if chart.is_measured() || !path.exists() {
+                        report.outputs.push(write(&path, &chart.svg)?);
+                    }
+                }
+                let path = write(&path, &text)?;
+                compared.page = Some(path.clone());
+                report.outputs.push(path);
+            }
         }
-        let path = write(&folder.join(format!("{}.md", paper.key)), &text)?;
-        compared.page = Some(path.clone());
-        report.outputs.push(path);
         report.papers.push(compared);
     }
     Ok(())
+}
+
+/// Returns why a page is not written: nothing was measured for it, or the page that is there was measured on more models.
+fn reason_to_keep(path: &Path, text: &str) -> Result<Option<String>, Error> {
+    let new = Coverage::of(text);
+    if new.is_empty() {
+        return Ok(Some("were not written: none of the models was found".into()));
+    }
+    if !path.exists() {
+        return Ok(None);
+    }
+    let old = std::fs::read_to_string(path).map_err(|error| Error::io(path, error))?;
+    let old = Coverage::of(&old);
+    let missing = new.missing(&old);
+    let why = |first: &&str| {
+        let rows = counted(missing.len(), "row");
+        format!(
+            "were kept: {rows} of the page have measurements on models that were not found now, the first is {first}"
+        )
+    };
+    Ok(missing.first().map(why))
 }
 
 /// Creates the folder of the pages and the output directory. A missing parent of the output directory is an error, because it is

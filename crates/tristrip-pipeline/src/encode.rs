@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use tristrip::Layout;
 use tristrip::verify::verify_models;
-use tristrip::{Layout, Strips};
 use tristrip_io::{Drawing, Format, Model, Reordered, VertexGroup};
 
 use crate::error::Error;
@@ -19,25 +19,34 @@ pub struct EncodeOptions {
     pub format: Format,
     /// The layout of strips in its index buffers.
     pub layout: Layout,
-    /// Whether vertices are numbered in the order in which the strips first use them.
+    /// Whether [`Stripped::encode`](crate::Stripped::encode) may draw a part as a list where that takes fewer indices than strips.
+    pub list: bool,
+    /// Whether vertices are numbered in the order in which the drawings first use them.
     pub reorder: bool,
     /// Whether the bytes are read back and proven.
     pub verify: bool,
 }
 
 impl EncodeOptions {
-    /// Chooses a format, with the layout that every reader of it draws; proven, with the vertices in their order.
+    /// Chooses a format, with the layout that every reader of it draws, or a list for a part where that takes fewer indices; proven, with
+    /// the vertices in their order.
     pub fn new(format: Format) -> Self {
-        Self { format, layout: default_layout(format), reorder: false, verify: true }
+        Self { format, layout: default_layout(format), list: true, reorder: false, verify: true }
     }
 
-    /// Sets the layout of strips.
+    /// Sets the layout of strips; no part is drawn as a list instead.
     #[must_use]
     pub fn with_layout(self, layout: Layout) -> Self {
-        Self { layout, ..self }
+        Self { layout, list: false, ..self }
     }
 
-    /// Sets whether vertices are numbered in the order in which the strips first use them; every part must be drawn as strips.
+    /// Sets whether a part may be drawn as a list where that takes fewer indices than strips.
+    #[must_use]
+    pub fn with_list(self, list: bool) -> Self {
+        Self { list, ..self }
+    }
+
+    /// Sets whether vertices are numbered in the order in which the drawings first use them.
     #[must_use]
     pub fn with_reorder(self, reorder: bool) -> Self {
         Self { reorder, ..self }
@@ -75,7 +84,7 @@ pub struct Encoded {
     pub faces: Option<usize>,
     /// The new order of the vertices, if it was requested.
     pub groups: Option<Vec<VertexGroup>>,
-    /// Notes on vertices that kept their order or stayed although unused.
+    /// Notes on vertices that kept their order or stayed although unused, and on viewers that cannot draw the file.
     pub notes: Vec<String>,
     /// Notes on what the format cannot store.
     pub losses: Vec<String>,
@@ -136,13 +145,14 @@ pub fn encode_observed(
     let mut notes = Vec::new();
     let reordered =
         if options.reorder { Some(reorder(model, drawings, *options, observer, &mut notes)?) } else { None };
+    if has_restarts(drawings, *options) {
+        observer.event(Event::Note(RESTART_NOTE));
+        notes.push(RESTART_NOTE.into());
+    }
     begin(observer, Stage::Encode)?;
     let bytes = match &reordered {
         None => tristrip_io::write(model, drawings, format, layout)?,
-        Some(moved) => {
-            let drawings: Vec<_> = moved.strips.iter().map(Drawing::Strips).collect();
-            tristrip_io::write(&moved.model, &drawings, format, moved.layout)?
-        }
+        Some(moved) => tristrip_io::write(&moved.model, &moved.drawings(), format, moved.layout)?,
     };
     observer.event(Event::Encoded { bytes: bytes.len() });
     let mut faces = None;
@@ -157,6 +167,16 @@ pub fn encode_observed(
     Ok(Encoded { bytes, faces, groups: reordered.map(|moved| moved.groups), notes, losses })
 }
 
+/// The note on a GLB with restarts.
+const RESTART_NOTE: &str = "restarts in a GLB need the draft extension KHR_mesh_primitive_restart: viewers that ignore it, such as three.js, \
+                            draw this file wrong; every viewer draws layout degenerate";
+
+/// Returns whether a GLB gets restarts between strips.
+fn has_restarts(drawings: &[Drawing<'_>], options: EncodeOptions) -> bool {
+    let several = |drawing: &Drawing<'_>| matches!(drawing, Drawing::Strips(strips) if strips.len() > 1);
+    options.format == Format::Glb && options.layout == Layout::Restart && drawings.iter().any(several)
+}
+
 /// Numbers the vertices in the order of their first use, and notes why some of them kept their order.
 fn reorder(
     model: &Model,
@@ -166,15 +186,7 @@ fn reorder(
     notes: &mut Vec<String>,
 ) -> Result<Reordered, Error> {
     begin(observer, Stage::Reorder)?;
-    let strips = drawings.iter().map(|drawing| match drawing {
-        Drawing::Strips(strips) => Ok(Strips::clone(strips)),
-        Drawing::Faces => {
-            let message = "reorder: found a part drawn as faces, expected strips of every part";
-            Err(tristrip_io::Error::Unsupported(message.into()))
-        }
-    });
-    let strips = strips.collect::<Result<Vec<_>, _>>()?;
-    let reordered = tristrip_io::reorder(model, &strips, options.format, options.layout)?;
+    let reordered = tristrip_io::reorder(model, drawings, options.format, options.layout)?;
     observer.event(Event::Reordered(&reordered.groups));
     notes.extend(kept(&reordered.groups));
     notes.iter().for_each(|note| observer.event(Event::Note(note)));

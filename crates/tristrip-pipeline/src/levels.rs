@@ -28,6 +28,7 @@ pub use filter::DisplayFilter;
 pub use level::Level;
 pub use order::LevelOrder;
 pub use part::LevelPart;
+use part::without_unused;
 
 /// How levels of detail are built. The base mesh of the default is what the surface allows; everything is proven.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -296,10 +297,15 @@ impl ModelLevels {
         observer: &dyn Observer,
     ) -> Result<Encoded, Error> {
         let levels = self.parts.iter().zip(&displayed.of_parts);
-        let triangles = levels.map(|(part, &level)| part.triangles(level)).collect::<Result<_, _>>()?;
+        let triangles: Vec<_> =
+            levels.map(|(part, &level)| part.triangles(level)).collect::<Result<_, _>>()?;
+        let drawn = self.parts.iter().zip(&displayed.strips).zip(&triangles);
+        let outward = drawn.map(|((part, strips), drawn)| {
+            Ok(without_unused(&part.outward(strips)?, drawn, part.vertex_count()))
+        });
+        let strips = outward.collect::<Result<Vec<Strips>, Error>>()?;
         let smaller = tristrip_io::with_triangles(model, triangles, options.format)?;
-        let outward = self.parts.iter().zip(&displayed.strips).map(|(part, strips)| part.outward(strips));
-        let strips = outward.enumerate().map(|(part, strips)| Ok(smaller.strips(part, &strips?)?));
+        let strips = strips.iter().enumerate().map(|(part, strips)| Ok(smaller.strips(part, strips)?));
         let strips: Vec<Strips> = strips.collect::<Result<_, Error>>()?;
         let drawings: Vec<_> = strips.iter().map(Drawing::Strips).collect();
         encode_observed(&smaller.model, &drawings, options, observer)

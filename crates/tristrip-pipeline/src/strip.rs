@@ -1,9 +1,10 @@
 //! Strips of a whole model: built, measured, compared with their lower bounds and proven.
 
 use tristrip::{Method, StripifyOptions, Strips};
-use tristrip_io::{Drawing, Model};
+use tristrip_io::Model;
 
 use crate::bounds::{BoundGap, Bounds};
+use crate::drawing::{Drawn, choose};
 use crate::encode::{EncodeOptions, Encoded, encode_observed};
 use crate::error::Error;
 use crate::figures::{Figures, MeshFigures};
@@ -66,17 +67,29 @@ pub struct Stripped {
 }
 
 impl Stripped {
-    /// Encodes the model as a file that draws these strips, and proves it.
+    /// Encodes the model as a file that draws each part as [`Stripped::draw`] chooses, and proves it.
     ///
     /// # Errors
     /// As of [`encode_observed`].
     pub fn encode(&self, model: &Model, options: &EncodeOptions) -> Result<Encoded, Error> {
-        encode_observed(model, &self.drawings(), options, &())
+        encode_observed(model, &self.draw(model, options).drawings, options, &())
     }
 
-    /// Returns how a writer draws each part: as its strips.
-    pub fn drawings(&self) -> Vec<Drawing<'_>> {
-        self.strips.iter().map(Drawing::Strips).collect()
+    /// Chooses how each part is drawn, by the fewest indices: as the strips found, as the strips that the
+    /// source stores, or as a list. The strips of [`Method::Cache`], which optimizes misses and not indices, are always drawn.
+    ///
+    /// ```
+    /// use tristrip_io::{Format, read};
+    /// use tristrip_pipeline::{DrawnAs, EncodeOptions, StripOptions, strip};
+    /// let flat = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 4 5 6\n";
+    /// let model = read(flat, Format::Obj)?;
+    /// let stripped = strip(&model, &StripOptions::default())?;
+    /// let drawn = stripped.draw(&model, &EncodeOptions::new(Format::Glb));
+    /// assert_eq!((drawn.drawn_as[0], drawn.before.indices, drawn.after.indices), (DrawnAs::List, 6, 6));
+    /// # Ok::<(), tristrip_pipeline::Error>(())
+    /// ```
+    pub fn draw<'a>(&'a self, model: &'a Model, options: &EncodeOptions) -> Drawn<'a> {
+        choose(model, &self.strips, options, self.options.method() == Method::Cache)
     }
 }
 

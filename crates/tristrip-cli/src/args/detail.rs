@@ -68,8 +68,8 @@ pub(crate) struct LodArgs {
     /// The level to draw: the number of undone collapses, or a percentage of all collapses such as 40%
     ///
     /// P% of n collapses is level P n / 100, rounded to the nearest integer. In a model of several parts, the levels undo the collapses
-    /// of all parts, the greatest error first.
-    #[arg(long, value_name = "LEVEL", default_value = "100%", help_heading = "Levels")]
+    /// of all parts, the greatest error first. 0 is the base mesh, 100% the full mesh.
+    #[arg(long, value_name = "LEVEL", default_value = "10%", help_heading = "Levels")]
     pub(crate) level: Level,
     /// How strips are filtered before they are drawn
     #[arg(long, value_enum, value_name = "FILTER", default_value_t = FilterName::DEFAULT, help_heading = "Levels")]

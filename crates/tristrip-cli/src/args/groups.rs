@@ -15,10 +15,6 @@ pub(crate) struct GeneralArgs {
     pub(crate) inputs: Vec<PathBuf>,
     #[command(flatten)]
     pub(crate) from: FromArgs,
-    #[command(flatten)]
-    pub(crate) report: ReportArgs,
-    #[command(flatten)]
-    pub(crate) threads: ThreadArgs,
 }
 
 #[derive(Debug, Args)]
@@ -31,26 +27,22 @@ pub(crate) struct FromArgs {
     pub(crate) from: Option<Format>,
 }
 
+/// The flags of all subcommands, which may also stand before the subcommand.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "General")]
-pub(crate) struct ReportArgs {
+pub(crate) struct SharedArgs {
     /// Print the results as JSON on standard output
     ///
     /// One object for one input, an array for several. FORMAT.md describes the keys.
-    #[arg(long)]
+    #[arg(long, global = true)]
     pub(crate) json: bool,
     /// Print only errors and requested results: JSON, a table, a report without -o
-    #[arg(short, long)]
+    #[arg(short, long, global = true)]
     pub(crate) quiet: bool,
-}
-
-#[derive(Debug, Args)]
-#[command(next_help_heading = "General")]
-pub(crate) struct ThreadArgs {
     /// The number of threads [default: one per core]
     ///
     /// The result does not depend on it.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, global = true, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) threads: Option<u16>,
 }
 
@@ -60,6 +52,9 @@ pub(crate) struct OutputArgs {
     #[command(flatten)]
     pub(crate) target: TargetArgs,
     /// The layout of strips in the index buffer [default: degenerate for GLB, restart for PLY, list for OBJ]
+    ///
+    /// By default, `strip` writes a part as a triangle list where that takes fewer indices than strips. A GLB in layout restart needs the
+    /// draft extension KHR_mesh_primitive_restart: viewers that ignore it, such as three.js, draw it wrong.
     #[arg(long, value_enum, value_name = "LAYOUT", requires = "output")]
     pub(crate) layout: Option<LayoutName>,
 }

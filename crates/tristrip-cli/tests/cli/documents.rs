@@ -16,7 +16,19 @@ fn the_docs_contain_the_help() {
         "# The command\n\nGenerated from the help of each subcommand; `TRISTRIP_BLESS=1 cargo test -p tristrip-cli` \
          regenerates it.\n",
     );
-    for subcommand in ["", "strip", "compare", "bound", "analyze", "verify", "convert", "simplify", "lod"] {
+    for subcommand in [
+        "",
+        "strip",
+        "compare",
+        "bound",
+        "analyze",
+        "verify",
+        "convert",
+        "simplify",
+        "lod",
+        "completions",
+        "man",
+    ] {
         let mut command = tristrip();
         command.env_remove("COLUMNS").args(Some(subcommand).filter(|name| !name.is_empty())).arg("--help");
         let help = command.assert().success().get_output().stdout.clone();

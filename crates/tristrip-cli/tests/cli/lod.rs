@@ -27,6 +27,11 @@ fn levels_range_from_the_base_mesh_to_the_full_mesh() {
     let of = |level: &str| lod("hand.ply", &["--level", level]);
     let (base, some, full) = (of("0"), of("40%"), of("100%"));
     let levels = number(&full, "levels");
+    assert_eq!(
+        lod("hand.ply", &[])["level"],
+        of("10%")["level"],
+        "the default shows a level of detail, not the full mesh"
+    );
     assert_eq!((number(&base, "level"), number(&full, "level")), (0, levels));
     assert_eq!(number(&some, "level"), (4 * levels + 5) / 10);
     assert_eq!(number(&full, "triangles"), number(&full, "triangles_full"));
@@ -43,7 +48,7 @@ fn levels_range_from_the_base_mesh_to_the_full_mesh() {
     // The full mesh is drawn by its own strips.
     let strip = json(tristrip().args(["strip", "--json", "-m", "stripe"]).arg(model("hand.ply")));
     assert!(number(&full, "vertices_sent") <= number(&strip, "vertices_sent"));
-    let unfiltered = lod("hand.ply", &["--filter", "none"]);
+    let unfiltered = lod("hand.ply", &["--filter", "none", "--level", "100%"]);
     assert_eq!(
         (&unfiltered["vertices_sent"], &unfiltered["strips"]),
         (&strip["vertices_sent"], &strip["strips"])

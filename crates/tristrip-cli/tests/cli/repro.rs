@@ -81,6 +81,33 @@ fn pages_are_the_same_every_time() {
 }
 
 #[test]
+fn pages_with_more_measurements_are_kept() {
+    let (all, output) = (models().unwrap(), tempfile::tempdir().unwrap());
+    let read = |name: &str| fs::read(output.path().join("reproduction").join(name)).unwrap();
+    let files = ["003.md", "003-figure-7.svg"];
+    repro("003", all.path(), output.path()).assert().success();
+    let before = files.map(read);
+    fs::remove_file(all.path().join("hand.ply")).unwrap();
+    let report = json(repro("003", all.path(), output.path()).arg("--json"));
+    assert_eq!(files.map(read), before, "a run without the hand keeps the page");
+    let note = report["notes"].to_string();
+    assert!(note.contains("003.md and its figures were kept: ") && note.contains("Hand"), "{note}");
+    assert_eq!(
+        (&report["outputs"], &report["papers"][0]["page"]),
+        (&serde_json::json!([]), &serde_json::Value::Null)
+    );
+    // With all models again, the page is written.
+    fs::copy(model("wingnut.ply"), all.path().join("hand.ply")).unwrap();
+    repro("003", all.path(), output.path()).assert().success();
+    assert_ne!(files.map(read), before);
+    // Without any model nothing is written.
+    let (none, empty) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let report = json(repro("003", none.path(), empty.path()).arg("--json"));
+    assert!(report["notes"][0].as_str().unwrap().ends_with("were not written: none of the models was found"));
+    assert_eq!(fs::read_dir(empty.path().join("reproduction")).unwrap().count(), 0);
+}
+
+#[test]
 fn nothing_is_measured_if_a_folder_cannot_be_read_or_written() {
     let (models, output) = (models().unwrap(), tempfile::tempdir().unwrap());
     let file = output.path().join("file");

@@ -66,6 +66,9 @@ fn json_has_the_documented_keys_in_order() {
         "notes",
         "output",
         "layout",
+        "drawn",
+        "before",
+        "after",
         "vertex_order",
         "pareto",
         "error",
@@ -189,6 +192,34 @@ fn the_default_layout_depends_on_the_format() {
 }
 
 #[test]
+fn a_flat_shaded_model_is_written_as_a_list() {
+    let dir = tempfile::tempdir().unwrap();
+    let triangle =
+        |i: usize| format!("v {i} 0 0\nv {i} 1 0\nv {i} 0 1\nf {} {} {}\n", 3 * i + 1, 3 * i + 2, 3 * i + 3);
+    let (input, output) = (dir.path().join("flat.obj"), dir.path().join("flat.glb"));
+    fs::write(&input, (0..30).map(triangle).collect::<String>()).unwrap();
+    let run = |extra: &[&str]| {
+        let mut command = tristrip();
+        command.args(["strip", "--json"]).args(extra).arg(&input).arg("-o").arg(&output);
+        json(&mut command)
+    };
+    let report = run(&[]);
+    assert_eq!(report["drawn"].to_string(), r#"{"found":0,"stored":0,"list":1}"#);
+    assert_eq!((&report["before"]["indices"], &report["after"]["indices"]), (&90.into(), &90.into()));
+    assert_eq!(report["before"]["bytes"], fs::metadata(&input).unwrap().len());
+    assert_eq!(report["after"]["bytes"], fs::metadata(&output).unwrap().len());
+    assert!(report["notes"][0].as_str().unwrap().starts_with("1 part drawn as a triangle list"));
+    let report = run(&["--layout", "degenerate"]);
+    assert_eq!((&report["drawn"]["found"], &report["before"]["indices"]), (&1.into(), &90.into()));
+    assert!(report["after"]["indices"].as_u64() > Some(90));
+    let restart = run(&["--layout", "restart"]);
+    assert!(restart["notes"].to_string().contains("three.js"));
+    let text = tristrip().arg("strip").arg(&input).arg("-o").arg(&output).assert().success();
+    text.stdout(contains("before").and(contains("after")))
+        .stderr(contains("flat.glb, ").and(contains(", faces")));
+}
+
+#[test]
 fn any_number_of_threads_writes_the_same_bytes() {
     let dir = tempfile::tempdir().unwrap();
     for name in ["milktruck.glb", "hand.ply", "self_intersect_a.ply"] {
@@ -257,7 +288,7 @@ fn a_bad_input_does_not_stop_the_others() {
     assert_eq!(proven, [Some(true), None, None, Some(true)]);
     assert_eq!(reports[1]["error"], "line 1: found `zero`, expected a number for z");
     assert_eq!(reports[0]["error"], Value::Null);
-    assert_eq!(keys(&reports[1]).len(), 18, "no figures for what could not be read");
+    assert_eq!(keys(&reports[1]).len(), 21, "no figures for what could not be read");
     let mut written: Vec<_> = fs::read_dir(&out).unwrap().map(|e| e.unwrap().file_name()).collect();
     written.sort();
     assert_eq!(written, ["fish_control.ply", "milktruck.ply"]);

@@ -144,5 +144,66 @@ fn help_has_a_short_and_a_long_form() {
         .assert()
         .success()
         .stdout(format!("tristrip {}\n", env!("CARGO_PKG_VERSION")));
-    tristrip().assert().code(2).stderr(contains("Usage: tristrip <COMMAND>"));
+    for subcommand in ["strip", "verify", "man"] {
+        let version = tristrip().args([subcommand, "--version"]).assert().success();
+        version.stdout(format!("tristrip {}\n", env!("CARGO_PKG_VERSION")));
+    }
+    tristrip().assert().code(2).stderr(contains("Usage: tristrip [OPTIONS] <COMMAND>"));
+}
+
+#[test]
+fn shared_flags_may_stand_before_the_subcommand() {
+    let fish = model("fish_control.ply");
+    let before = tristrip().args(["-q", "--json", "--threads", "1", "strip"]).arg(&fish).assert().success();
+    let after =
+        tristrip().arg("strip").arg(&fish).args(["-q", "--json", "--threads", "1"]).assert().success();
+    let report = |assert: &assert_cmd::assert::Assert| -> serde_json::Value {
+        serde_json::from_slice(&assert.get_output().stdout).unwrap()
+    };
+    assert_eq!(report(&before.stderr(""))["vertices_sent"], report(&after.stderr(""))["vertices_sent"]);
+    refused(&["--json", "strip", "a.ply", "-o", "-", "--to", "glb"], "both write to standard output");
+    refused(&["--json", "compare", "a.ply", "--markdown"], "cannot be used with");
+}
+
+#[test]
+fn a_pattern_in_quotes_has_a_hint() {
+    let hint = contains("models/*.obj: no such file or directory; a pattern in quotes is not expanded");
+    tristrip().args(["strip", "models/*.obj"]).assert().code(1).stderr(hint);
+    let plain = tristrip().args(["strip", "none.obj"]).assert().code(1);
+    plain.stderr(contains("none.obj: no such file or directory\n"));
+}
+
+#[test]
+fn completions_and_man_pages_name_every_flag() {
+    for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
+        let output = tristrip().args(["completions", shell]).assert().success().get_output().stdout.clone();
+        let text = String::from_utf8(output).unwrap();
+        assert!(
+            ["strip", "reorder-vertices", "filter-effort"].iter().all(|name| text.contains(name)),
+            "{shell}"
+        );
+    }
+    let page = |arguments: &[&str]| {
+        let output = tristrip().arg("man").args(arguments).assert().success().get_output().stdout.clone();
+        String::from_utf8(output).unwrap()
+    };
+    let (whole, lod) = (page(&[]), page(&["lod"]));
+    assert!(whole.contains(".TH tristrip 1") && whole.contains("Exit codes"));
+    assert!(["strip", "compare", "simplify"].iter().all(|name| whole.contains(name)));
+    assert!(lod.contains(".TH tristrip-lod 1") && lod.contains("filter\\-effort"), "{lod}");
+    refused(&["man", "paint"], "unknown subcommand \"paint\"");
+    refused(&["completions", "cmd"], "possible values: bash");
+}
+
+#[test]
+fn colours_are_for_terminals() {
+    let error = |variables: &[(&str, &str)]| {
+        let mut command = tristrip();
+        command.args(["strip", "none.ply"]).env_remove("NO_COLOR").env_remove("CLICOLOR_FORCE");
+        let assert = command.envs(variables.iter().copied()).assert().code(1);
+        String::from_utf8(assert.get_output().stderr.clone()).unwrap()
+    };
+    assert!(!error(&[]).contains('\x1b'), "no terminal");
+    assert!(error(&[("CLICOLOR_FORCE", "1")]).contains("\x1b[1m\x1b[31mtristrip:\x1b[0m none.ply"));
+    assert!(!error(&[("CLICOLOR_FORCE", "1"), ("NO_COLOR", "1")]).contains('\x1b'));
 }

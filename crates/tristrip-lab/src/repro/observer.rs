@@ -8,8 +8,6 @@ pub trait ReproObserver: Observer {
     fn model(&self, _name: &str) {}
     /// Receives the flags of the strips that are measured next. Recipes are measured in parallel.
     fn recipe(&self, _flags: &str) {}
-    /// Receives the reason for which the model cannot be read.
-    fn unreadable(&self, _why: &str) {}
     /// The model is measured, or cannot be read.
     fn model_done(&self) {}
 }

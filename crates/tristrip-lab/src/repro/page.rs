@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use super::coverage::CLAIMS;
 use super::paper::{Better, ModelSize, Paper, PublishedColumn, PublishedTable, Quantity, Tolerance};
 use super::paper_report::{ClaimReport, PaperReport, RowReport, TableReport};
 use crate::text::markdown;
@@ -22,7 +23,7 @@ pub(super) fn page(paper: &Paper, report: &PaperReport) -> String {
         out.push_str(&columns(table));
     }
     if !report.claims.is_empty() {
-        let _ = writeln!(out, "## Claims in the text\n\n{}", claims(&report.claims));
+        let _ = writeln!(out, "## {CLAIMS}\n\n{}", claims(&report.claims));
     }
     for (data, chart) in paper.charts.iter().zip(&report.charts) {
         let _ = writeln!(

@@ -14,7 +14,7 @@ pub struct PaperReport {
     pub(crate) authors: String,
     pub(crate) title: String,
     pub(crate) year: u16,
-    /// The path of the page.
+    /// The path of the page; `None` if it was not written.
     pub page: Option<String>,
     pub(crate) tables: Vec<TableReport>,
     pub(crate) charts: Vec<ChartReport>,
@@ -77,6 +77,13 @@ pub(crate) struct ChartReport {
     pub(crate) panels: Vec<PanelReport>,
     #[serde(skip)]
     pub(crate) svg: String,
+}
+
+impl ChartReport {
+    /// Returns whether any panel has a point.
+    pub(super) fn is_measured(&self) -> bool {
+        self.panels.iter().flat_map(|panel| &panel.series).any(|series| !series.points.is_empty())
+    }
 }
 
 #[derive(Debug, Serialize)]

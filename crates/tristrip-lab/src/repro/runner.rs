@@ -122,7 +122,6 @@ impl Runner {
             let measured = match read(path) {
                 Ok(model) => MeasuredModel::measure(&model, name, recipes, observer),
                 Err(why) => {
-                    observer.unreadable(&why);
                     observer.model_done();
                     notes.push(format!("{name}: {why}"));
                     continue;

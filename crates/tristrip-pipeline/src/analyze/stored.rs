@@ -7,11 +7,13 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 
 use serde::Serialize;
+use tristrip::Strips;
 use tristrip::strip::Metrics;
 use tristrip::strip::layout::split_joined;
 use tristrip::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
-use tristrip::{Mesh, Strips};
 use tristrip_io::Part;
+
+use crate::parts::triangle_list;
 
 /// How a part is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -246,15 +248,3 @@ impl std::iter::Sum for StripLengths {
 
 /// A vertex cache for statistics that do not depend on it.
 const ANY_CACHE: VertexCache = VertexCache::fifo(1);
-
-/// Returns a mesh as a triangle list, polygons as fans around their first corner.
-fn triangle_list(mesh: &Mesh) -> Cow<'_, [u32]> {
-    match mesh.faces().as_triangles() {
-        Some(corners) => Cow::Borrowed(corners),
-        None => mesh
-            .faces()
-            .iter()
-            .flat_map(|face| (2..face.len()).flat_map(|i| [face[0], face[i - 1], face[i]]))
-            .collect(),
-    }
-}

@@ -118,6 +118,17 @@ impl LevelPart {
     }
 }
 
+/// Returns strips that draw the same triangles without vertices that only degenerate triangles use, which the file does not have.
+///
+/// All such vertices become one that the triangles use. Equal vertices stay equal, so degenerate triangles stay degenerate; the others do not
+/// change. Without triangles there are no strips.
+pub(super) fn without_unused(strips: &Strips, triangles: &[u32], vertex_count: usize) -> Strips {
+    let Some(&any) = triangles.first() else { return Strips::default() };
+    let mut is_used = vec![false; vertex_count];
+    triangles.iter().for_each(|&v| is_used[v as usize] = true);
+    mapped(strips, |strip| strip.iter_mut().filter(|v| !is_used[**v as usize]).for_each(|v| *v = any))
+}
+
 /// Returns strips with mapped vertices.
 fn mapped(strips: &Strips, map: impl Fn(&mut [u32])) -> Strips {
     let (mut out, mut mapped) = (Strips::default(), Vec::new());
@@ -134,6 +145,19 @@ fn mapped(strips: &Strips, map: impl Fn(&mut [u32])) -> Strips {
 mod tests {
     use super::*;
     use tristrip::collapse::Rename;
+
+    #[test]
+    fn vertices_of_degenerate_triangles_only_are_replaced() {
+        let mut strips = Strips::default();
+        strips.push(&[0, 1, 2, 2, 4, 4, 5, 5, 3, 3, 6, 7]);
+        strips.push(&[5, 5, 4]);
+        let triangles = strips.to_list();
+        assert_eq!(triangles, [0, 1, 2, 6, 3, 7]);
+        let replaced = without_unused(&strips, &triangles, 8);
+        assert_eq!(replaced.vertices(), [0, 1, 2, 2, 0, 0, 0, 0, 3, 3, 6, 7, 0, 0, 0]);
+        assert_eq!(replaced.to_list(), triangles);
+        assert!(without_unused(&strips, &[], 8).is_empty());
+    }
 
     #[test]
     fn every_filter_draws_exactly_the_triangles_of_the_level() {

@@ -1,0 +1,194 @@
+//! How each part of a model is drawn in a file: by the fewest indices, so that strips make no file worse.
+//!
+//! Strips pay for themselves only where triangles share edges: a strip of one triangle takes four indices with its restart, and six where it
+//! is joined by degenerate triangles, but three in a list. A flat-shaded model, in which every edge is a seam, is smaller as a list.
+//!
+//! # Algorithm
+//! Per part, the fewest indices win: the strips found, in the layout of the file; the strips that the source stores, in the same layout; or
+//! the faces, as a list, if the options allow it. Between equal numbers the first of these wins.
+//!
+//! # Complexity
+//! Linear time; 4 bytes per vertex while the vertex cache of a part is simulated.
+
+use serde::Serialize;
+use tristrip::strip::Metrics;
+use tristrip::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
+use tristrip::{Layout, Mesh, Strips};
+use tristrip_io::{Drawing, Format, Model, Part};
+
+use crate::encode::EncodeOptions;
+use crate::parts::{map, triangle_list};
+use crate::text::counted;
+
+/// The vertex cache of the report.
+const CACHE: VertexCache = VertexCache::fifo(16);
+
+/// What a part is drawn as.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum DrawnAs {
+    /// The strips that a method found.
+    Found,
+    /// The strips that the source stores.
+    Stored,
+    /// The faces, as a list.
+    List,
+}
+
+/// The indices of a model, and their vertex-cache misses, summed over its parts.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub struct DrawCost {
+    /// The indices, restarts and degenerate triangles included. Polygons count as fans.
+    pub indices: usize,
+    /// Real triangles.
+    pub triangles: usize,
+    /// Misses of a FIFO vertex cache of 16 entries; each part starts with an empty cache.
+    pub misses: usize,
+}
+
+impl DrawCost {
+    /// Returns the misses per triangle.
+    ///
+    /// ```
+    /// assert_eq!(tristrip_pipeline::DrawCost::default().acmr().to_string(), "0");
+    /// ```
+    pub fn acmr(&self) -> f64 {
+        if self.triangles == 0 { 0.0 } else { self.misses as f64 / self.triangles as f64 }
+    }
+
+    /// Measures a mesh drawn as a triangle list, polygons as fans.
+    fn of_faces(mesh: &Mesh) -> Self {
+        let list = triangle_list(mesh);
+        let used = VertexCacheStatistics::of_list(&list, CACHE, mesh.vertex_count());
+        Self { indices: list.len(), triangles: used.triangles, misses: used.misses }
+    }
+
+    /// Measures strips.
+    fn of_strips(strips: &Strips, indices: usize, vertex_count: usize) -> Self {
+        let used = VertexCacheStatistics::of(strips, CACHE, FlushPolicy::Keep, vertex_count);
+        Self { indices, triangles: used.triangles, misses: used.misses }
+    }
+
+    /// Measures a part as its file draws it.
+    fn of_source(part: &Part, list: Self) -> Self {
+        let Some(stored) = &part.stored else { return list };
+        let used = Self::of_strips(&stored.runs, stored.indices(), part.mesh.vertex_count());
+        // The simulation counts the triangles of a fan as if it were a strip.
+        Self { triangles: part.mesh.faces().face_count(), ..used }
+    }
+}
+
+impl std::iter::Sum for DrawCost {
+    fn sum<I: Iterator<Item = Self>>(parts: I) -> Self {
+        parts.fold(Self::default(), |a, b| Self {
+            indices: a.indices + b.indices,
+            triangles: a.triangles + b.triangles,
+            misses: a.misses + b.misses,
+        })
+    }
+}
+
+/// The numbers of parts by what they are drawn as; the keys are those of the JSON report.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
+#[non_exhaustive]
+pub struct DrawnParts {
+    /// Parts drawn as the strips that the method found.
+    pub found: usize,
+    /// Parts drawn as the strips of the source.
+    pub stored: usize,
+    /// Parts drawn as a list.
+    pub list: usize,
+}
+
+impl DrawnParts {
+    /// Returns a note for each kind of parts that are not drawn as the strips found.
+    pub fn notes(&self) -> Vec<String> {
+        let stored =
+            format!("{} drawn as the strips of the input: fewer indices", counted(self.stored, "part"));
+        let list =
+            format!("{} drawn as a triangle list: fewer indices than strips", counted(self.list, "part"));
+        [(self.stored, stored), (self.list, list)]
+            .into_iter()
+            .filter(|(n, _)| *n > 0)
+            .map(|(_, note)| note)
+            .collect()
+    }
+}
+
+/// How a model is drawn in a file, and what that costs.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct Drawn<'a> {
+    /// How a writer draws each part, in their order.
+    pub drawings: Vec<Drawing<'a>>,
+    /// What each part is drawn as, in their order.
+    pub drawn_as: Vec<DrawnAs>,
+    /// The cost of the source as it was read.
+    pub before: DrawCost,
+    /// The cost of the drawings in the layout of the file.
+    pub after: DrawCost,
+}
+
+impl Drawn<'_> {
+    /// Counts the parts by what they are drawn as.
+    pub fn parts(&self) -> DrawnParts {
+        let count = |kind| self.drawn_as.iter().filter(|&&one| one == kind).count();
+        DrawnParts {
+            found: count(DrawnAs::Found),
+            stored: count(DrawnAs::Stored),
+            list: count(DrawnAs::List),
+        }
+    }
+}
+
+/// Chooses how each part is drawn. With `keep_found`, the strips found are drawn whatever their number of indices.
+pub(crate) fn choose<'a>(
+    model: &'a Model,
+    strips: &'a [Strips],
+    options: &EncodeOptions,
+    keep_found: bool,
+) -> Drawn<'a> {
+    // OBJ has no strips: the triangles are written in strip order.
+    let layout = if options.format == Format::Obj { Layout::List } else { options.layout };
+    let keep_found = keep_found || layout == Layout::List;
+    let pairs: Vec<_> = model.parts.iter().zip(strips).collect();
+    let chosen = map(&pairs, |&(part, found)| {
+        let list = DrawCost::of_faces(&part.mesh);
+        let before = DrawCost::of_source(part, list);
+        let cost_of =
+            |strips| DrawCost::of_strips(strips, index_count(strips, layout), part.mesh.vertex_count());
+        let mut best = (DrawnAs::Found, Drawing::Strips(found), cost_of(found));
+        let mut fewest = best.2.indices;
+        if keep_found {
+            return (best, before);
+        }
+        if let Some(stored) = part.stored.as_ref().filter(|stored| !stored.fans) {
+            let cost = cost_of(&stored.runs);
+            if cost.indices < fewest {
+                (best, fewest) = ((DrawnAs::Stored, Drawing::Strips(&stored.runs), cost), cost.indices);
+            }
+        }
+        let written =
+            if options.format == Format::Ply { part.mesh.faces().corner_count() } else { list.indices };
+        if options.list && written < fewest {
+            best = (DrawnAs::List, Drawing::Faces, list);
+        }
+        (best, before)
+    });
+    let before = chosen.iter().map(|(_, before)| *before).sum();
+    let after = chosen.iter().map(|((.., cost), _)| *cost).sum();
+    let (drawn_as, drawings) = chosen.iter().map(|((kind, drawing, _), _)| (*kind, *drawing)).unzip();
+    Drawn { drawings, drawn_as, before, after }
+}
+
+/// Returns the number of indices of strips in a layout.
+fn index_count(strips: &Strips, layout: Layout) -> usize {
+    let metrics = Metrics::of(strips);
+    match layout {
+        Layout::Restart => metrics.indices_restart,
+        Layout::Degenerate => metrics.indices_degenerate,
+        Layout::Separate => metrics.vertices_sent,
+        Layout::List => 3 * metrics.triangles,
+    }
+}
