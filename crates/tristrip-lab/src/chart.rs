@@ -10,7 +10,8 @@
 //! ```
 //! No font is read: text is positioned by its anchor, and text widths are estimated where space must be reserved. Logarithms come from
 //! `libm`, not from the platform. So the same data gives the same bytes on every machine. The background is white, so that the chart is
-//! readable on a dark page, too. Series differ in the shape of their symbols, not only in colour.
+//! readable on a dark page, too. Series differ in the shape of their symbols, not only in colour, and a
+//! line that another one hides is known by its symbols.
 
 mod axis;
 mod labels;
@@ -140,6 +141,58 @@ mod tests {
         };
         assert!(label_count(panel.clone()) < 14);
         assert_eq!(label_count(panel.with_every_label()), 14);
+    }
+
+    /// Returns how many elements of an SVG are drawn in a colour, and the different shapes of those that are no lines across the chart.
+    fn symbols(text: &str, colour: &str) -> Vec<String> {
+        let drawn = text.lines().filter(|line| line.contains(colour) && !line.contains("<text"));
+        drawn.map(|line| line.split_whitespace().next().unwrap_or_default().to_owned()).collect()
+    }
+
+    #[test]
+    fn lines_have_the_symbols_of_their_legend_and_hidden_lines_show_theirs() {
+        let curve: Vec<(f64, f64)> = (0..=100).map(|i| (f64::from(i), f64::from(i % 7))).collect();
+        let series = ["FIFO", "LRU"].map(|name| Series::new(name, Mark::Line, curve.clone())).to_vec();
+        let axis = |title| Axis::new(title, linear());
+        let text = svg(&[Panel::new("The same", axis("x"), axis("y"), series)], 1).unwrap();
+        // The discs of the first and the squares of the second: one in the legend, and those of the line.
+        let (fifo, lru) = (symbols(&text, "#0072B2"), symbols(&text, "#D55E00"));
+        assert!((10..=14).contains(&fifo.iter().filter(|shape| *shape == "<circle").count()), "{fifo:?}");
+        assert!((10..=14).contains(&lru.iter().filter(|shape| *shape == "<rect").count()), "{lru:?}");
+        // No symbol covers another one.
+        let at = |shape: &str, name: &str| -> Vec<String> {
+            let lines = text.lines().filter(|line| line.starts_with(shape) && line.contains("opacity"));
+            let value = |line: &str| {
+                line.split(&format!("{name}=\""))
+                    .nth(1)
+                    .and_then(|rest| rest.split('"').next().map(str::to_owned))
+            };
+            lines.filter_map(value).collect()
+        };
+        let discs = at("<circle", "cx");
+        let squares: Vec<String> =
+            at("<rect", "x").iter().filter_map(|x| Some((x.parse::<i32>().ok()? + 3).to_string())).collect();
+        assert!(discs.len() > 9 && discs[1..].iter().all(|x| !squares.contains(x)), "{discs:?} {squares:?}");
+    }
+
+    #[test]
+    fn eight_series_have_eight_symbols() {
+        let points = |i: i32| vec![(f64::from(i), 1.0), (f64::from(i), 2.0)];
+        let axis = |title| Axis::new(title, linear());
+        let shapes: Vec<String> = (0..series::SYMBOLS)
+            .map(|index| {
+                // The series before have no points, so that all symbols are those of one series.
+                let empty = |n: usize| Series::new(&n.to_string(), Mark::Bars, Vec::new()).faint();
+                let mut all: Vec<Series> = (0..index).map(empty).collect();
+                all.push(Series::new("one", Mark::Points, points(1)).faint());
+                let text = svg(&[Panel::new("", axis("x"), axis("y"), all)], 1).unwrap();
+                let drawn =
+                    text.lines().filter(|line| line.contains("#9E9E9E") && !line.starts_with("<text"));
+                drawn.map(|line| line.chars().filter(|c| !c.is_ascii_digit()).collect::<String>()).collect()
+            })
+            .collect();
+        let different: std::collections::BTreeSet<&String> = shapes.iter().collect();
+        assert_eq!(different.len(), series::SYMBOLS, "{shapes:?}");
     }
 
     #[test]

@@ -11,8 +11,8 @@ use super::style::{
     Area, DrawResult, FAINT, FAINT_INK, GRID, INK, printable, text_style, text_width, title_style,
 };
 
-/// Lines of more points get no symbols.
-const MARKED_POINTS: usize = 24;
+/// The maximum number of symbols on a line.
+const SYMBOLS_PER_LINE: usize = 12;
 
 type Plot<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<AxisSpan, AxisSpan>>;
 
@@ -88,13 +88,18 @@ impl Panel {
             .axis_style(INK)
             .draw()?;
 
-        // 4. Series, in reverse order, so that the first is on top.
+        // 4. Series, in reverse order, so that the first is on top; symbols last, so that no line hides them.
         let mut bar = bars;
         for (index, series) in self.series.iter().enumerate().rev() {
             if series.mark == Mark::Bars {
                 bar -= 1;
             }
-            self.draw_series((root, &mut plot), series, (index, bar, bars), &y)?;
+            self.draw_series(&mut plot, series, (index, bar, bars), &y)?;
+        }
+        for (index, series) in self.series.iter().enumerate().rev() {
+            for (x, y) in self.marked(index, series) {
+                draw_symbol(root, plot.backend_coord(&(x, y)), index, series.colour(index))?;
+            }
         }
         self.draw_labels((root, &plot), &x, &y)
     }
@@ -106,9 +111,26 @@ impl Panel {
         })
     }
 
+    /// Returns the points of a series that have a symbol: of a line, a few. Those of several lines alternate, so that where one line hides
+    /// another the symbols of both are seen.
+    fn marked(&self, index: usize, series: &Series) -> Vec<(f64, f64)> {
+        let points: Vec<(f64, f64)> = self.coordinates(series).map(|(_, at)| at).collect();
+        match series.mark {
+            Mark::Bars => Vec::new(),
+            Mark::Points | Mark::Steps => points,
+            Mark::Line => {
+                let lines = self.series.iter().filter(|series| series.mark == Mark::Line).count();
+                let stride = points.len().div_ceil(SYMBOLS_PER_LINE).max(lines.min(points.len())).max(1);
+                // The first symbols of the lines are spread over a stride.
+                let first = (index * stride / lines.max(1)) % stride;
+                points.into_iter().skip(first).step_by(stride).collect()
+            }
+        }
+    }
+
     fn draw_series(
         &self,
-        (root, plot): (&Area<'_>, &mut Plot<'_, '_>),
+        plot: &mut Plot<'_, '_>,
         series: &Series,
         (index, bar, bars): (usize, usize, usize),
         y: &AxisSpan,
@@ -127,12 +149,6 @@ impl Panel {
         }
         if series.mark == Mark::Steps {
             plot.draw_series(LineSeries::new(with_corners(coordinates()), colour.stroke_width(2)))?;
-        }
-        if matches!(series.mark, Mark::Points | Mark::Steps) || series.points.len() <= MARKED_POINTS {
-            for (x, y) in coordinates() {
-                let at = plot.backend_coord(&(x, y));
-                draw_symbol(root, at, index, colour)?;
-            }
         }
         Ok(())
     }

@@ -7,7 +7,7 @@ use super::style::{Area, DrawResult, FAINT, series_colour};
 /// How a series is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Mark {
-    /// A line through the points in their order; each point has a symbol if there are few.
+    /// A line through the points in their order; some points have a symbol.
     Line,
     /// A step function: horizontal from each point to the x of the next, then vertical; each point has a symbol.
     Steps,
@@ -58,13 +58,31 @@ impl Series {
     }
 }
 
-/// Draws the symbol of a series: a disc, a square, a triangle or a cross, by the index of the series.
-pub(super) fn draw_symbol(area: &Area<'_>, at: (i32, i32), index: usize, colour: RGBColor) -> DrawResult {
-    match index % 4 {
-        0 => area.draw(&Circle::new(at, 4, colour.filled())),
-        1 => area.draw(&Rectangle::new([(at.0 - 3, at.1 - 3), (at.0 + 4, at.1 + 4)], colour.filled())),
-        2 => area.draw(&TriangleMarker::new(at, 5, colour.filled())),
-        _ => area.draw(&Cross::new(at, 4, colour.stroke_width(2))),
+/// The number of different symbols; a chart with more series repeats them.
+pub(super) const SYMBOLS: usize = 8;
+
+/// Draws the symbol of a series, by its index: a disc, a square, a triangle, a cross, a diamond, a ring, a triangle that points down, a plus.
+pub(super) fn draw_symbol(area: &Area<'_>, (x, y): (i32, i32), index: usize, colour: RGBColor) -> DrawResult {
+    let polygon = |corners: &[(i32, i32)]| {
+        Polygon::new(corners.iter().map(|(dx, dy)| (x + dx, y + dy)).collect::<Vec<_>>(), colour.filled())
+    };
+    let bar =
+        |dx: i32, dy: i32| PathElement::new(vec![(x - dx, y - dy), (x + dx, y + dy)], colour.stroke_width(2));
+    match index % SYMBOLS {
+        0 => area.draw(&Circle::new((x, y), 4, colour.filled())),
+        1 => area.draw(&Rectangle::new([(x - 3, y - 3), (x + 4, y + 4)], colour.filled())),
+        2 => area.draw(&TriangleMarker::new((x, y), 5, colour.filled())),
+        3 => area.draw(&Cross::new((x, y), 4, colour.stroke_width(2))),
+        4 => area.draw(&polygon(&[(0, -5), (5, 0), (0, 5), (-5, 0)])),
+        5 => {
+            area.draw(&Circle::new((x, y), 4, WHITE.filled()))?;
+            area.draw(&Circle::new((x, y), 4, colour.stroke_width(2)))
+        }
+        6 => area.draw(&polygon(&[(-4, -3), (4, -3), (0, 5)])),
+        _ => {
+            area.draw(&bar(5, 0))?;
+            area.draw(&bar(0, 5))
+        }
     }
 }
 
