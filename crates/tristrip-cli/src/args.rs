@@ -18,7 +18,7 @@ use crate::values::effort_parser;
 pub(crate) use detail::{LodArgs, SimplifyArgs};
 pub(crate) use groups::{FromArgs, GeneralArgs, OutputArgs, SharedArgs};
 
-/// The colours of help and errors on a terminal; NO_COLOR=1 disables them.
+/// The colours of help and errors on a terminal; `NO_COLOR=1` disables them.
 const STYLES: Styles = Styles::styled()
     .header(AnsiColor::Green.on_default().bold())
     .usage(AnsiColor::Green.on_default().bold())

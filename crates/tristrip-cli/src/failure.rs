@@ -6,6 +6,9 @@ use std::path::Path;
 use tristrip_lab::system_message;
 use tristrip_pipeline::text::count;
 
+/// What to do about a missing file with a name that a shell would expand.
+const PATTERN_HINT: &str = "; a pattern in quotes is not expanded: remove the quotes";
+
 /// Why an input could not be processed.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Failure {
@@ -24,15 +27,11 @@ impl Failure {
     /// Converts a reader's error about the file of this name, without repeating the name.
     pub(crate) fn reading(name: &str, error: &tristrip_io::Error) -> Self {
         Self::Input(match error {
-            tristrip_io::Error::Io { path, source } if path == name => match is_pattern(path) {
-                true if source.kind() == io::ErrorKind::NotFound => {
-                    format!(
-                        "{}; a pattern in quotes is not expanded: remove the quotes",
-                        system_message(source)
-                    )
-                }
-                _ => system_message(source),
-            },
+            tristrip_io::Error::Io { path, source } if path == name => {
+                let is_pattern = source.kind() == io::ErrorKind::NotFound && path.contains(['*', '?', '[']);
+                let hint = if is_pattern { PATTERN_HINT } else { "" };
+                format!("{}{hint}", system_message(source))
+            }
             tristrip_io::Error::Io { path, source } => format!("{path}: {}", system_message(source)),
             other => other.to_string(),
         })
@@ -50,11 +49,6 @@ impl Failure {
     pub(crate) fn system(path: &Path, error: &io::Error) -> Self {
         Self::Output(format!("{}: {}", path.display(), system_message(error)))
     }
-}
-
-/// Returns whether a shell would expand a name.
-fn is_pattern(name: &str) -> bool {
-    name.contains(['*', '?', '['])
 }
 
 impl From<tristrip::Error> for Failure {

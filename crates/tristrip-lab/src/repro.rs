@@ -105,20 +105,19 @@ pub fn reproduce(
         let mut compared = comparison::compare(paper, charts, &runner);
         let text = page::page(paper, &compared);
         let path = folder.join(format!("{}.md", paper.key));
-        match reason_to_keep(&path, &text)? {
-            Some(why) => report.notes.push(format!("{} and its figures {why}", path.display())),
-            None => {
-                for chart in &compared.charts {
-                    let path = folder.join(&chart.file);
-                    // The page needs the file, so that an empty chart is written if there is none.
-                    if chart.is_measured() || !path.exists() {
-                        report.outputs.push(write(&path, &chart.svg)?);
-                    }
+        if let Some(why) = reason_to_keep(&path, &text)? {
+            report.notes.push(format!("{} and its figures {why}", path.display()));
+        } else {
+            for chart in &compared.charts {
+                let path = folder.join(&chart.file);
+                // The page needs the file, so that an empty chart is written if there is none.
+                if chart.is_measured() || !path.exists() {
+                    report.outputs.push(write(&path, &chart.svg)?);
                 }
-                let path = write(&path, &text)?;
-                compared.page = Some(path.clone());
-                report.outputs.push(path);
             }
+            let path = write(&path, &text)?;
+            compared.page = Some(path.clone());
+            report.outputs.push(path);
         }
         report.papers.push(compared);
     }

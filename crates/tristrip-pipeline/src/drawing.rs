@@ -146,7 +146,7 @@ impl Drawn<'_> {
 pub(crate) fn choose<'a>(
     model: &'a Model,
     strips: &'a [Strips],
-    options: &EncodeOptions,
+    options: EncodeOptions,
     keep_found: bool,
 ) -> Drawn<'a> {
     // OBJ has no strips: the triangles are written in strip order.

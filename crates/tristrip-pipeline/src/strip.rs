@@ -89,7 +89,7 @@ impl Stripped {
     /// # Ok::<(), tristrip_pipeline::Error>(())
     /// ```
     pub fn draw<'a>(&'a self, model: &'a Model, options: &EncodeOptions) -> Drawn<'a> {
-        choose(model, &self.strips, options, self.options.method() == Method::Cache)
+        choose(model, &self.strips, *options, self.options.method() == Method::Cache)
     }
 }
 

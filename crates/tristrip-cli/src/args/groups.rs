@@ -54,7 +54,7 @@ pub(crate) struct OutputArgs {
     /// The layout of strips in the index buffer [default: degenerate for GLB, restart for PLY, list for OBJ]
     ///
     /// By default, `strip` writes a part as a triangle list where that takes fewer indices than strips. A GLB in layout restart needs the
-    /// draft extension KHR_mesh_primitive_restart: viewers that ignore it, such as three.js, draw it wrong.
+    /// draft extension for primitive restart: viewers that ignore it, such as three.js, draw it wrong.
     #[arg(long, value_enum, value_name = "LAYOUT", requires = "output")]
     pub(crate) layout: Option<LayoutName>,
 }
