@@ -17,6 +17,7 @@ use tristrip::{Layout, Mesh, Strips};
 use tristrip_io::{Drawing, Format, Model, Part};
 
 use crate::encode::EncodeOptions;
+use crate::figures::PartFigures;
 use crate::parts::{map, triangle_list};
 use crate::text::counted;
 
@@ -62,6 +63,13 @@ impl DrawCost {
         let list = triangle_list(mesh);
         let used = VertexCacheStatistics::of_list(&list, CACHE, mesh.vertex_count());
         Self { indices: list.len(), triangles: used.triangles, misses: used.misses }
+    }
+
+    /// Returns the cost of strips that were measured, with the same vertex cache.
+    fn of_found(figures: &PartFigures, layout: Layout) -> Self {
+        let PartFigures { metrics, fifo_16 } = figures;
+        let indices = index_count(metrics, layout);
+        Self { indices, triangles: metrics.triangles, misses: fifo_16.misses }
     }
 
     /// Measures strips.
@@ -145,26 +153,25 @@ impl Drawn<'_> {
 /// Chooses how each part is drawn. With `keep_found`, the strips found are drawn whatever their number of indices.
 pub(crate) fn choose<'a>(
     model: &'a Model,
-    strips: &'a [Strips],
+    (strips, figures): (&'a [Strips], &[PartFigures]),
     options: EncodeOptions,
     keep_found: bool,
 ) -> Drawn<'a> {
     // OBJ has no strips: the triangles are written in strip order.
     let layout = if options.format == Format::Obj { Layout::List } else { options.layout };
     let keep_found = keep_found || layout == Layout::List;
-    let pairs: Vec<_> = model.parts.iter().zip(strips).collect();
-    let chosen = map(&pairs, |&(part, found)| {
+    let all: Vec<_> = model.parts.iter().zip(strips).zip(figures).collect();
+    let chosen = map(&all, |&((part, found), figures)| {
         let list = DrawCost::of_faces(&part.mesh);
         let before = DrawCost::of_source(part, list);
-        let cost_of =
-            |strips| DrawCost::of_strips(strips, index_count(strips, layout), part.mesh.vertex_count());
-        let mut best = (DrawnAs::Found, Drawing::Strips(found), cost_of(found));
+        let mut best = (DrawnAs::Found, Drawing::Strips(found), DrawCost::of_found(figures, layout));
         let mut fewest = best.2.indices;
         if keep_found {
             return (best, before);
         }
         if let Some(stored) = part.stored.as_ref().filter(|stored| !stored.fans) {
-            let cost = cost_of(&stored.runs);
+            let indices = index_count(&Metrics::of(&stored.runs), layout);
+            let cost = DrawCost::of_strips(&stored.runs, indices, part.mesh.vertex_count());
             if cost.indices < fewest {
                 (best, fewest) = ((DrawnAs::Stored, Drawing::Strips(&stored.runs), cost), cost.indices);
             }
@@ -183,8 +190,7 @@ pub(crate) fn choose<'a>(
 }
 
 /// Returns the number of indices of strips in a layout.
-fn index_count(strips: &Strips, layout: Layout) -> usize {
-    let metrics = Metrics::of(strips);
+fn index_count(metrics: &Metrics, layout: Layout) -> usize {
     match layout {
         Layout::Restart => metrics.indices_restart,
         Layout::Degenerate => metrics.indices_degenerate,

@@ -63,12 +63,27 @@ pub struct Figures {
     pub misses_fifo_32: usize,
 }
 
+/// The figures of a part that decide how it is drawn.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PartFigures {
+    pub(crate) metrics: Metrics,
+    pub(crate) fifo_16: VertexCacheStatistics,
+}
+
 impl Figures {
     /// Measures the strips of all parts, drawn one part after the other; each part with its number of vertices.
     ///
     /// # Errors
     /// Strips name a vertex that their part does not have.
     pub(crate) fn of(parts: &[(&Strips, usize)], options: &StripifyOptions) -> Result<Self, Error> {
+        Ok(Self::with_parts(parts, options)?.0)
+    }
+
+    /// Does the same, and returns the figures of each part too.
+    pub(crate) fn with_parts(
+        parts: &[(&Strips, usize)],
+        options: &StripifyOptions,
+    ) -> Result<(Self, Vec<PartFigures>), Error> {
         check_vertices(parts)?;
         let optimized_cache = (options.method() == Method::Cache).then(|| options.vertex_cache());
         let measured = map(parts, |&(strips, vertices)| {
@@ -80,7 +95,8 @@ impl Figures {
         let fifo_16: VertexCacheStatistics = measured.iter().map(|m| m.1).sum();
         let fifo_32: VertexCacheStatistics = measured.iter().map(|m| m.2).sum();
         let optimized: VertexCacheStatistics = measured.iter().filter_map(|m| m.3).sum();
-        Ok(Self {
+        let of_parts = measured.iter().map(|m| PartFigures { metrics: m.0, fifo_16: m.1 }).collect();
+        let figures = Self {
             triangles: metrics.triangles,
             strips: metrics.strips,
             isolated: metrics.isolated,
@@ -101,7 +117,8 @@ impl Figures {
             optimized_cache: optimized_cache.map(|cache| (cache, optimized.misses)),
             misses_fifo_16: fifo_16.misses,
             misses_fifo_32: fifo_32.misses,
-        })
+        };
+        Ok((figures, of_parts))
     }
 }
 

@@ -8,7 +8,7 @@ use tristrip::{DualGraph, Faces, Mesh, Method, PreparedFaces, StripifyOptions, S
 use tristrip_io::Model;
 
 use crate::error::Error;
-use crate::figures::{Figures, MeshFigures};
+use crate::figures::{Figures, MeshFigures, PartFigures};
 use crate::method::Chosen;
 use crate::observer::{Event, Observer, Stage, Stopped, begin};
 use crate::parts::{PreparedPart, map, meshes};
@@ -104,8 +104,17 @@ impl<'a> PreparedModel<'a> {
     /// # Errors
     /// Strips name a vertex that their part does not have.
     pub fn figures(&self, strips: &[Strips], options: &StripifyOptions) -> Result<Figures, Error> {
+        Ok(self.figures_with_parts(strips, options)?.0)
+    }
+
+    /// Does the same, and returns the figures of each part too.
+    pub(crate) fn figures_with_parts(
+        &self,
+        strips: &[Strips],
+        options: &StripifyOptions,
+    ) -> Result<(Figures, Vec<PartFigures>), Error> {
         let vertex_counts = self.parts.iter().map(|part| part.mesh.vertex_count());
-        Figures::of(&strips.iter().zip(vertex_counts).collect::<Vec<_>>(), options)
+        Figures::with_parts(&strips.iter().zip(vertex_counts).collect::<Vec<_>>(), options)
     }
 
     /// Proves that the strips of each part draw its mesh. Strips of welded parts are compared by position.

@@ -7,7 +7,7 @@ use crate::bounds::{BoundGap, Bounds};
 use crate::drawing::{Drawn, choose};
 use crate::encode::{EncodeOptions, Encoded, encode_observed};
 use crate::error::Error;
-use crate::figures::{Figures, MeshFigures};
+use crate::figures::{Figures, MeshFigures, PartFigures};
 use crate::method::Chosen;
 use crate::observer::{Event, Observer, Stage, Stopped, begin};
 use crate::prepared::{FoundStrips, Survey};
@@ -64,6 +64,8 @@ pub struct Stripped {
     pub notes: Vec<String>,
     /// Whether the strips are proven to draw exactly the faces of the model.
     pub proven: bool,
+    /// The figures of each part.
+    of_parts: Vec<PartFigures>,
 }
 
 impl Stripped {
@@ -89,7 +91,7 @@ impl Stripped {
     /// # Ok::<(), tristrip_pipeline::Error>(())
     /// ```
     pub fn draw<'a>(&'a self, model: &'a Model, options: &EncodeOptions) -> Drawn<'a> {
-        choose(model, &self.strips, *options, self.options.method() == Method::Cache)
+        choose(model, (&self.strips, &self.of_parts), *options, self.options.method() == Method::Cache)
     }
 }
 
@@ -140,7 +142,7 @@ pub fn strip_observed(
     let Survey { prepared, options: stripify, mesh, notes } = Survey::new(model, options.stripify, observer)?;
     let (FoundStrips { strips, .. }, chosen, stopped) = prepared.search(&stripify, observer)?;
     begin(observer, Stage::Measure)?;
-    let figures = prepared.figures(&strips, &stripify)?;
+    let (figures, of_parts) = prepared.figures_with_parts(&strips, &stripify)?;
     observer.event(Event::Measured(&figures));
     let mut bound = None;
     if matches!(stripify.method(), Method::Best | Method::Fewest) {
@@ -163,5 +165,6 @@ pub fn strip_observed(
         stopped,
         notes,
         proven: options.verify,
+        of_parts,
     })
 }
