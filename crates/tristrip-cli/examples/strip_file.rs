@@ -1,4 +1,4 @@
-//! Reads a mesh, builds strips, verifies them and writes a GLB: the five lines of the README.
+//! Reads a mesh, builds strips, verifies them and writes a GLB: the lines of the README.
 
 use tristrip::Layout;
 use tristrip_io::Drawing;
