@@ -11,8 +11,6 @@ use tristrip::{CollapseSequence, Faces, Mesh, Method, StripifyOptions, Strips, s
 
 use crate::failure::Failure;
 
-/// The maximum length of a plain tunnel, the default of the command.
-const TUNNEL_LENGTH: u32 = 9;
 /// Levels of the table of the levels of detail.
 const LEVELS: usize = 20;
 /// The share of triangles that the base mesh keeps, in percent, the default of the command.
@@ -42,11 +40,7 @@ pub const METHODS: [HostileMethod; 7] = [
     HostileMethod { name: "cache", microseconds: 3.0, task: Task::Strips(Method::Cache) },
     HostileMethod { name: "best", microseconds: 12.0, task: Task::Strips(Method::Best) },
     HostileMethod { name: "fewest", microseconds: 12.0, task: Task::Strips(Method::Fewest) },
-    HostileMethod {
-        name: "tunnel",
-        microseconds: 3.0,
-        task: Task::Strips(Method::Tunnel { length: TUNNEL_LENGTH }),
-    },
+    HostileMethod { name: "tunnel", microseconds: 3.0, task: Task::Strips(Method::TUNNEL) },
     HostileMethod { name: "lod", microseconds: 12.0, task: Task::Levels },
 ];
 

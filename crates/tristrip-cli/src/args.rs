@@ -10,11 +10,12 @@ use clap::builder::styling::{AnsiColor, Styles};
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use clap_complete::Shell;
+use tristrip::strip::Cost;
 use tristrip::stripify::Effort;
 use tristrip_pipeline::VertexCacheList;
 
-use crate::method::{CostName, MethodArgs, WeldArgs};
-use crate::values::effort_parser;
+use crate::method::{MethodArgs, WeldArgs};
+use crate::values::{effort_parser, named};
 pub(crate) use detail::{LodArgs, SimplifyArgs};
 pub(crate) use groups::{FromArgs, GeneralArgs, OutputArgs, SharedArgs};
 
@@ -120,8 +121,8 @@ pub(crate) struct CompareArgs {
     #[arg(long, value_name = "LEVEL", default_value = "3", value_parser = effort_parser())]
     pub(crate) effort: Effort,
     /// The cost that best minimizes
-    #[arg(long, value_enum, value_name = "COST", default_value_t = CostName::Restart)]
-    pub(crate) cost: CostName,
+    #[arg(long, value_parser = named(Cost::ALL, Cost::name, Cost::summary), value_name = "COST", default_value_t = Cost::Restart)]
+    pub(crate) cost: Cost,
     /// Stop each search after a time such as 5s or 500ms
     #[arg(long, value_name = "TIME", value_parser = humantime::parse_duration)]
     pub(crate) budget: Option<Duration>,

@@ -10,7 +10,6 @@ use crate::failure::Failure;
 use crate::output::{self, WriteReport};
 use crate::stage::{Seconds, Stages, load_timed};
 use crate::task::{ConvertTask, Job};
-use crate::values::layout_name;
 
 /// The report of one input; the keys are those of the JSON output.
 #[derive(Debug, Default, Serialize)]
@@ -86,7 +85,7 @@ fn convert(
     let drawn = strips.iter().any(Option::is_some);
     output::write(target, drawn, console, fields, |observer| options.encode(&model, &strips, observer))?;
     report.output = Some(target.name());
-    report.layout = any.then(|| layout_name(target.layout));
+    report.layout = any.then(|| target.layout.name());
     report.proven = task.verify.then_some(true);
     Ok(())
 }

@@ -16,7 +16,6 @@ use crate::output::{self, WriteReport};
 use crate::search::interrupted;
 use crate::stage::{Stages, load_timed, timed};
 use crate::task::{Job, LodTask};
-use crate::values::layout_name;
 use report::LodReport;
 
 /// Steps of a table, and of a curve of the chart, from the base mesh to the full mesh.
@@ -148,7 +147,7 @@ fn draw(
         levels.encode(model, &displayed, &options, observer)
     })?;
     report.output = Some(target.name());
-    report.layout = Some(layout_name(target.layout));
+    report.layout = Some(target.layout.name());
     Ok(())
 }
 

@@ -11,7 +11,6 @@ use crate::failure::Failure;
 use crate::reorder::{self, GroupReport};
 use crate::stage::{Stages, timed};
 use crate::task::Output;
-use crate::values::layout_name;
 
 /// The fields of a report that a write fills in.
 pub(crate) struct WriteReport<'a> {
@@ -54,7 +53,7 @@ pub(crate) fn write(
     written?;
     write_seconds += bytes_seconds;
     if output.path.is_some() {
-        let how = if strips { layout_name(output.layout) } else { "faces" };
+        let how = if strips { output.layout.name() } else { "faces" };
         let what = format!("{}, {}, {how}", output.name(), text::bytes(encoded.bytes.len()));
         console.stage("write", &what, Some(write_seconds));
     }

@@ -26,7 +26,6 @@ use crate::reorder::GroupReport;
 use crate::search::{SearchWatch, interrupted};
 use crate::stage::{Seconds, Stages, load_timed, timed};
 use crate::task::{Job, Output, ParetoTask, StripTask};
-use crate::values::layout_name;
 
 /// The report of one input; the keys are those of the JSON output.
 #[derive(Debug, Serialize)]
@@ -249,7 +248,7 @@ fn write(
     report.before = Some(FileFigures::of(&drawn.before, file_bytes(&job.input)));
     report.after = Some(FileFigures::of(&drawn.after, bytes));
     report.output = Some(target.name());
-    report.layout = Some(layout_name(target.layout));
+    report.layout = Some(target.layout.name());
     Ok(())
 }
 

@@ -16,7 +16,7 @@ use tristrip_pipeline::{
 
 use crate::args::{self, AnalyzeArgs, Command, GeneralArgs, LodArgs, OutputArgs, SharedArgs};
 use crate::shell;
-use crate::values::{FilterName, LayoutName, ModelName, WRITTEN_FORMATS, name_of};
+use crate::values::{ModelName, WRITTEN_FORMATS};
 
 /// The maximum number of inputs in one chart: with more, the curves cannot be told apart.
 const MAX_PLOTTED_INPUTS: usize = 3;
@@ -256,7 +256,7 @@ fn validate(command: Command, papers: &[&str]) -> Result<Task, String> {
             let options = StripifyOptions::default()
                 .with_seed(args.seed)
                 .with_weld(args.weld.weld)
-                .with_cost(args.cost.into());
+                .with_cost(args.cost);
             let inputs = inputs_of(args.general)?;
             let (every_variant, markdown) = (args.all, args.markdown);
             let (effort, budget) = (args.effort, args.budget);
@@ -289,7 +289,7 @@ fn validate(command: Command, papers: &[&str]) -> Result<Task, String> {
                 return Err("--ratio, --triangles or --error is needed".into());
             }
             let verify = !args.target.no_verify;
-            let output = OutputArgs { target: args.target, layout: Some(LayoutName::List) };
+            let output = OutputArgs { target: args.target, layout: Some(Layout::List) };
             let jobs = jobs_of(args.general, &output)?;
             Task::Simplify(SimplifyTask { jobs, goal, verify })
         }
@@ -326,7 +326,7 @@ fn lod_task(args: LodArgs) -> Result<Task, String> {
         model: args.model,
         base: args.base,
         level: args.level,
-        filter: args.filter.into(),
+        filter: args.filter,
         filter_effort,
         table: args.table,
         compare: args.compare,
@@ -336,12 +336,12 @@ fn lod_task(args: LodArgs) -> Result<Task, String> {
     Ok(Task::Lod(task))
 }
 
-/// Returns the effort of [`FilterName::Repair`].
+/// Returns the effort of [`DisplayFilter::Repair`].
 fn filter_effort(args: &LodArgs) -> Result<Effort, String> {
-    let is_used = args.filter == FilterName::Repair || args.table || args.compare || args.plot.is_some();
+    let is_used = args.filter == DisplayFilter::Repair || args.table || args.compare || args.plot.is_some();
     match args.filter_effort {
         Some(_) if !is_used => {
-            Err(format!("--filter-effort belongs to --filter repair, not to {}", name_of(args.filter)))
+            Err(format!("--filter-effort belongs to --filter repair, not to {}", args.filter))
         }
         effort => Ok(effort.unwrap_or_default()),
     }
@@ -536,7 +536,7 @@ fn jobs_to_directory(inputs: Vec<Input>, directory: &Path, args: &OutputArgs) ->
 
 /// Returns the requested layout, or the default of the format.
 fn layout(args: &OutputArgs, format: Format) -> Result<Layout, String> {
-    match (format, args.layout.map(Into::into)) {
+    match (format, args.layout) {
         (Format::Obj, None | Some(Layout::List)) => Ok(Layout::List),
         (Format::Obj, Some(_)) => Err("OBJ has no strips, only --layout list; use .glb or .ply".into()),
         (_, Some(layout)) => Ok(layout),

@@ -2,12 +2,13 @@
 //!
 //! These types depend on no other part of the command, so that flags, tasks and subcommands can share them.
 
+use std::str::FromStr;
+
 use clap::ValueEnum;
-use clap::builder::{PossibleValuesParser, TypedValueParser};
-use tristrip::Layout;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use tristrip::stripify::Effort;
+use tristrip::{Layout, Method};
 use tristrip_io::Format;
-use tristrip_pipeline::DisplayFilter;
 
 /// The formats that can be written.
 pub(crate) const WRITTEN_FORMATS: [Format; 3] = [Format::Glb, Format::Ply, Format::Obj];
@@ -33,37 +34,38 @@ pub(crate) fn name_of<E: ValueEnum + Copy>(value: E) -> String {
     value.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
 }
 
-/// A layout of strips in an index buffer.
-#[derive(Debug, Clone, Copy, ValueEnum)]
-pub(crate) enum LayoutName {
-    /// Strips separated by the restart index (in glTF: a draft extension, which three.js and other viewers ignore and draw wrong)
-    Restart,
-    /// One strip, joined by degenerate triangles; every glTF viewer draws it
-    Degenerate,
-    /// One primitive (glTF) or row (PLY) per strip
-    Separate,
-    /// A triangle list in strip order
-    List,
+/// Returns a parser for the values of a type of the library, by their names and with a line of help each.
+pub(crate) fn named<T>(
+    values: impl IntoIterator<Item = T>,
+    name: fn(T) -> &'static str,
+    help: fn(T) -> &'static str,
+) -> impl TypedValueParser<Value = T>
+where
+    T: FromStr<Err: std::fmt::Display> + Copy + Send + Sync + 'static,
+{
+    let values = values.into_iter().map(|value| PossibleValue::new(name(value)).help(help(value)));
+    PossibleValuesParser::new(values).try_map(|text| text.parse::<T>().map_err(|error| error.to_string()))
 }
 
-impl From<LayoutName> for Layout {
-    fn from(name: LayoutName) -> Self {
-        match name {
-            LayoutName::Restart => Self::Restart,
-            LayoutName::Degenerate => Self::Degenerate,
-            LayoutName::Separate => Self::Separate,
-            LayoutName::List => Self::List,
-        }
-    }
+/// Returns a parser for the names of methods; `stripe` is one of them with its authors' settings.
+pub(crate) fn method_parser() -> impl TypedValueParser<Value = Method> {
+    let mut names: Vec<(&str, &str)> =
+        Method::ALL.iter().map(|method| (method.name(), method.summary())).collect();
+    let first = names.iter().position(|(name, _)| name.starts_with("stripe")).unwrap_or(names.len());
+    names.insert(first, ("stripe", "STRIPE as its authors recommend it: stripe-global by rows, cutoff 5"));
+    let values = names.into_iter().map(|(name, help)| PossibleValue::new(name).help(help));
+    PossibleValuesParser::new(values).try_map(|text| text.parse::<Method>())
 }
 
-/// Returns the name of a layout on the command line.
-pub(crate) fn layout_name(layout: Layout) -> &'static str {
+/// Returns a line on a layout, in the words of files.
+pub(crate) fn layout_help(layout: Layout) -> &'static str {
     match layout {
-        Layout::Restart => "restart",
-        Layout::Degenerate => "degenerate",
-        Layout::Separate => "separate",
-        Layout::List => "list",
+        Layout::Restart => {
+            "Strips separated by the restart index (in glTF: a draft extension, which three.js and other viewers ignore and draw wrong)"
+        }
+        Layout::Degenerate => "One strip, joined by degenerate triangles; every glTF viewer draws it",
+        Layout::Separate => "One primitive (glTF) or row (PLY) per strip",
+        Layout::List => "A triangle list in strip order",
     }
 }
 
@@ -72,54 +74,4 @@ pub(crate) fn layout_name(layout: Layout) -> &'static str {
 pub(crate) enum ModelName {
     /// Progressive strips: collapses and vertex splits in one fixed order (Kim et al. 2005)
     Progressive,
-}
-
-/// A filter: how the strips of a level become display strips.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum FilterName {
-    /// Draw the renamed strips unchanged, degenerate triangles included
-    None,
-    /// Simple triangle strip scanner: send repeated pairs of vertices once (El-Sana et al. 2000)
-    Stss,
-    /// Degenerate-triangle-free scanner: send valid triangles only (Kim et al. 2005)
-    Dtfs,
-    /// Send valid triangles only, in the same order, at the least cost for this order
-    Linked,
-    /// Keep paths over the triangles of the level, and repair them by a local search where collapses cut them
-    Repair,
-}
-
-impl FilterName {
-    pub(crate) const DEFAULT: Self = Self::Repair;
-}
-
-impl From<FilterName> for DisplayFilter {
-    fn from(name: FilterName) -> Self {
-        match name {
-            FilterName::None => Self::None,
-            FilterName::Stss => Self::Stss,
-            FilterName::Dtfs => Self::Dtfs,
-            FilterName::Linked => Self::Linked,
-            FilterName::Repair => Self::Repair,
-        }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn layouts_have_the_same_name_in_both_directions() {
-        for &name in LayoutName::value_variants() {
-            assert_eq!(name_of(name), layout_name(name.into()));
-        }
-    }
-
-    #[test]
-    fn filters_have_the_names_of_the_library() {
-        let names =
-            FilterName::value_variants().iter().map(|&name| (name_of(name), DisplayFilter::from(name)));
-        assert!(names.eq(DisplayFilter::ALL.map(|filter| (filter.to_string(), filter))));
-    }
 }

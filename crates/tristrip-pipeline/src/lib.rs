@@ -61,7 +61,7 @@ pub use levels::{
     DisplayFilter, DisplayedLevel, Level, LevelOrder, LevelPart, LevelsOptions, ModelLevels, levels,
     levels_observed,
 };
-pub use method::{Chosen, MethodReport, TUNNEL_LENGTH, methods_to_compare, parse_method};
+pub use method::{Chosen, MethodReport, methods_to_compare, parse_method};
 pub use observer::{Event, Observer, Search, Stage, Stopped};
 pub use parts::{PreparedPart, meshes};
 pub use prepared::{FoundStrips, PreparedModel, Survey};

@@ -3,61 +3,8 @@
 use std::str::FromStr;
 
 use serde::Serialize;
-use tristrip::strip::Cost;
-use tristrip::stripify::{Effort, EtaOptions, Objective, Start};
+use tristrip::stripify::{Effort, EtaOptions};
 use tristrip::{Error, FaceTriangulation, Method, Patches, StripifyOptions, Ties};
-
-/// The default maximum length of a tunnel for `tunnel`: beyond it, every two more edges multiply the time several times.
-pub const TUNNEL_LENGTH: u32 = 9;
-
-/// The names of all methods, in the order of the help.
-const METHOD_NAMES: [&str; 12] = [
-    "auto",
-    "sequential",
-    "best",
-    "fewest",
-    "cache",
-    "input",
-    "sgi",
-    "stripe",
-    "stripe-local",
-    "stripe-global",
-    "tunnel",
-    "eta",
-];
-
-const COSTS: [(&str, Cost); 4] = [
-    ("restart", Cost::Restart),
-    ("opengl", Cost::OpenGl),
-    ("degenerate", Cost::Degenerate),
-    ("gl", Cost::Gl),
-];
-const OBJECTIVES: [(&str, Objective); 3] =
-    [("indices", Objective::Indices), ("balanced", Objective::Balanced), ("misses", Objective::Misses)];
-const STARTS: [(&str, Start); 4] = [
-    ("isolated", Start::Isolated),
-    ("input", Start::Input),
-    ("sgi", Start::Sgi),
-    ("sequential", Start::Sequential),
-];
-const TRIANGULATIONS: [(&str, FaceTriangulation); 3] = [
-    ("static", FaceTriangulation::Static),
-    ("whole", FaceTriangulation::Whole),
-    ("partial", FaceTriangulation::Partial),
-];
-const TIES: [(&str, Ties); 5] = [
-    ("arbitrary", Ties::Arbitrary),
-    ("look-ahead", Ties::LookAhead),
-    ("alternate", Ties::Alternate),
-    ("random", Ties::Random),
-    ("sequential", Ties::Sequential),
-];
-const PATCHES: [(&str, Patches); 2] = [("rows", Patches::Rows), ("full", Patches::Full)];
-
-/// Returns the name of a value.
-fn name_of<T: PartialEq>(names: &[(&str, T)], value: &T) -> Option<String> {
-    names.iter().find(|(_, known)| known == value).map(|(name, _)| (*name).to_owned())
-}
 
 /// A method and its options in the words of the command line; the keys are those of the JSON report.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
@@ -97,46 +44,33 @@ impl MethodReport {
     /// assert_eq!(MethodReport::of(&tristrip::StripifyOptions::default()).label(), "auto restart 2");
     /// ```
     pub fn of(options: &StripifyOptions) -> Self {
-        let plain = |method: &str| Self { method: method.into(), ..Self::default() };
-        let search = |method: &str| Self {
-            cost: name_of(&COSTS, &options.cost()),
-            effort: Some(options.effort().level()),
-            seed: Some(options.seed()),
-            ..plain(method)
-        };
+        let plain = Self { method: options.method().to_string(), ..Self::default() };
+        let seeded = Self { seed: Some(options.seed()), ..plain.clone() };
+        let search = Self { effort: Some(options.effort().level()), ..seeded.clone() };
         match options.method() {
-            Method::Sequential => plain("sequential"),
-            Method::Input => plain("input"),
-            Method::Sgi => plain("sgi"),
             Method::StripeLocal { triangulation, ties } => Self {
-                triangulation: name_of(&TRIANGULATIONS, &triangulation),
-                ties: name_of(&TIES, &ties),
-                seed: Some(options.seed()),
-                ..plain("stripe-local")
+                triangulation: Some(triangulation.to_string()),
+                ties: Some(ties.to_string()),
+                ..seeded
             },
-            Method::StripeGlobal { patches, cutoff } => Self {
-                patches: name_of(&PATCHES, &patches),
-                cutoff: Some(cutoff),
-                seed: Some(options.seed()),
-                ..plain("stripe-global")
-            },
-            Method::Best => search("best"),
-            Method::Fewest => Self { cost: None, ..search("fewest") },
+            Method::StripeGlobal { patches, cutoff } => {
+                Self { patches: Some(patches.to_string()), cutoff: Some(cutoff), ..seeded }
+            }
+            Method::Auto | Method::Best => Self { cost: Some(options.cost().to_string()), ..search },
+            Method::Fewest => search,
             Method::Cache => Self {
-                cost: None,
                 vertex_cache: Some(options.vertex_cache().to_string()),
-                objective: name_of(&OBJECTIVES, &options.objective()),
-                ..search("cache")
+                objective: Some(options.objective().to_string()),
+                ..search
             },
-            Method::Tunnel { length } => Self { tunnel_length: Some(length), ..plain("tunnel") },
+            Method::Tunnel { length } => Self { tunnel_length: Some(length), ..plain },
             Method::Eta(eta) => Self {
                 tunnel_length: Some(eta.length()),
                 threshold: Some(eta.threshold()),
-                start: name_of(&STARTS, &eta.start()),
-                seed: Some(options.seed()),
-                ..plain("eta")
+                start: Some(eta.start().to_string()),
+                ..seeded
             },
-            _ => search("auto"),
+            _ => plain,
         }
     }
 
@@ -208,16 +142,9 @@ impl Chosen {
     /// assert_eq!(Chosen::of(&[Method::Input, Method::Best, Method::Input]).iter().collect::<Vec<_>>(), [("best", 1), ("input", 2)]);
     /// ```
     pub fn of(methods: &[Method]) -> Self {
-        let mut counts: Vec<(String, usize)> =
-            METHOD_NAMES.iter().map(|&name| (name.to_owned(), 0)).collect();
-        for &method in methods {
-            let name = MethodReport::of(&StripifyOptions::default().with_method(method)).method;
-            if let Some((_, count)) = counts.iter_mut().find(|(known, _)| *known == name) {
-                *count += 1;
-            }
-        }
-        counts.retain(|(_, count)| *count > 0);
-        Self(counts)
+        let count = |name: &str| methods.iter().filter(|method| method.name() == name).count();
+        let counts = Method::ALL.iter().map(|method| (method.to_string(), count(method.name())));
+        Self(counts.filter(|(_, count)| *count > 0).collect())
     }
 
     /// Iterates over the names of the methods and their numbers of parts.
@@ -251,11 +178,11 @@ pub fn methods_to_compare(every_variant: bool) -> Vec<Method> {
     let local = |triangulation, ties| Method::StripeLocal { triangulation, ties };
     let global = |patches, cutoff| Method::StripeGlobal { patches, cutoff };
     if every_variant {
-        methods.extend([Method::Tunnel { length: TUNNEL_LENGTH }, Method::Eta(EtaOptions::default())]);
-        for (_, triangulation) in TRIANGULATIONS {
-            methods.extend(TIES.map(|(_, ties)| local(triangulation, ties)));
+        methods.extend([Method::TUNNEL, Method::Eta(EtaOptions::default())]);
+        for triangulation in FaceTriangulation::ALL {
+            methods.extend(Ties::ALL.map(|ties| local(triangulation, ties)));
         }
-        for (_, patches) in PATCHES {
+        for patches in Patches::ALL {
             methods.extend([5, 10, 15, 20, 25].map(|cutoff| global(patches, cutoff)));
         }
     } else {
@@ -318,12 +245,8 @@ impl<'a> Flags<'a> {
         self.take(flag).map(number).transpose()
     }
 
-    fn named<T: Copy>(&mut self, flag: &'static str, names: &[(&str, T)]) -> Result<Option<T>, Error> {
-        let value = |text: &str| {
-            let found = names.iter().find(|(name, _)| *name == text);
-            found.map(|(_, value)| *value).ok_or_else(|| invalid(flag, text, "a value of the flag"))
-        };
-        self.take(flag).map(value).transpose()
+    fn named<T: FromStr<Err = Error>>(&mut self, flag: &str) -> Result<Option<T>, Error> {
+        self.take(flag).map(str::parse).transpose()
     }
 
     fn options(&mut self) -> Result<StripifyOptions, Error> {
@@ -331,16 +254,16 @@ impl<'a> Flags<'a> {
         let method = self.method(name)?;
         let mut options = StripifyOptions::default().with_method(method);
         if matches!(name, "auto" | "best")
-            && let Some(cost) = self.named("--cost", &COSTS)?
+            && let Some(cost) = self.named("--cost")?
         {
             options = options.with_cost(cost);
         }
         if name == "cache" {
-            if let Some(objective) = self.named("--objective", &OBJECTIVES)? {
+            if let Some(objective) = self.named("--objective")? {
                 options = options.with_objective(objective);
             }
-            if let Some(cache) = self.take("--vertex-cache") {
-                options = options.with_vertex_cache(cache.parse()?);
+            if let Some(cache) = self.named("--vertex-cache")? {
+                options = options.with_vertex_cache(cache);
             }
         }
         if matches!(name, "auto" | "best" | "fewest" | "cache")
@@ -359,25 +282,20 @@ impl<'a> Flags<'a> {
     }
 
     fn method(&mut self, name: &str) -> Result<Method, Error> {
-        Ok(match name {
-            "auto" => Method::Auto,
-            "sequential" => Method::Sequential,
-            "best" => Method::Best,
-            "fewest" => Method::Fewest,
-            "cache" => Method::Cache,
-            "input" => Method::Input,
-            "sgi" => Method::Sgi,
-            "stripe-local" => Method::StripeLocal {
-                triangulation: self.named("--triangulation", &TRIANGULATIONS)?.unwrap_or_default(),
-                ties: self.named("--ties", &TIES)?.unwrap_or_default(),
+        Ok(match name.parse()? {
+            Method::StripeLocal { triangulation, ties } => Method::StripeLocal {
+                triangulation: self.named("--triangulation")?.unwrap_or(triangulation),
+                ties: self.named("--ties")?.unwrap_or(ties),
             },
-            "stripe" | "stripe-global" => Method::StripeGlobal {
-                patches: self.named("--patches", &PATCHES)?.unwrap_or_default(),
-                cutoff: self.number("--cutoff")?.unwrap_or(5),
+            Method::StripeGlobal { patches, cutoff } => Method::StripeGlobal {
+                patches: self.named("--patches")?.unwrap_or(patches),
+                cutoff: self.number("--cutoff")?.unwrap_or(cutoff),
             },
-            "tunnel" => Method::Tunnel { length: self.number("--tunnel-length")?.unwrap_or(TUNNEL_LENGTH) },
-            "eta" => Method::Eta(self.eta()?),
-            _ => return Err(invalid("--method", name, "the name of a method")),
+            Method::Tunnel { length } => {
+                Method::Tunnel { length: self.number("--tunnel-length")?.unwrap_or(length) }
+            }
+            Method::Eta(_) => Method::Eta(self.eta()?),
+            method => method,
         })
     }
 
@@ -389,7 +307,7 @@ impl<'a> Flags<'a> {
         if let Some(threshold) = self.number("--threshold")? {
             eta = eta.with_threshold(threshold);
         }
-        if let Some(start) = self.named("--start", &STARTS)? {
+        if let Some(start) = self.named("--start")? {
             eta = eta.with_start(start);
         }
         Ok(eta)

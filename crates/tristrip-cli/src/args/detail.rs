@@ -4,11 +4,11 @@ use std::path::PathBuf;
 
 use clap::Args;
 use tristrip::stripify::Effort;
-use tristrip_pipeline::{Deviation, Level, Ratio};
+use tristrip_pipeline::{Deviation, DisplayFilter, Level, Ratio};
 
 use super::groups::{GeneralArgs, OutputArgs, TargetArgs};
 use crate::method::MethodArgs;
-use crate::values::{FilterName, ModelName, effort_parser};
+use crate::values::{ModelName, effort_parser, named};
 
 /// Simplify a mesh by half-edge collapses
 ///
@@ -72,8 +72,8 @@ pub(crate) struct LodArgs {
     #[arg(long, value_name = "LEVEL", default_value = "10%", help_heading = "Levels")]
     pub(crate) level: Level,
     /// How strips are filtered before they are drawn
-    #[arg(long, value_enum, value_name = "FILTER", default_value_t = FilterName::DEFAULT, help_heading = "Levels")]
-    pub(crate) filter: FilterName,
+    #[arg(long, value_parser = named(DisplayFilter::ALL, DisplayFilter::name, DisplayFilter::summary), value_name = "FILTER", default_value_t = DisplayFilter::default(), help_heading = "Levels")]
+    pub(crate) filter: DisplayFilter,
     /// The search effort of --filter repair, from 0 to 9 [default: 5]
     #[arg(long, value_name = "LEVEL", value_parser = effort_parser(), help_heading = "Levels")]
     pub(crate) filter_effort: Option<Effort>,

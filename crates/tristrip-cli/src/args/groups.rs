@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use tristrip::Layout;
 use tristrip_io::Format;
 
-use crate::values::{LayoutName, WRITTEN_FORMATS, format_parser};
+use crate::values::{WRITTEN_FORMATS, format_parser, layout_help, named};
 
 /// The flags of every subcommand that takes a list of inputs.
 #[derive(Debug, Args)]
@@ -55,8 +56,8 @@ pub(crate) struct OutputArgs {
     ///
     /// By default, `strip` writes a part as a triangle list where that takes fewer indices than strips. A GLB in layout restart needs the
     /// draft extension for primitive restart: viewers that ignore it, such as three.js, draw it wrong.
-    #[arg(long, value_enum, value_name = "LAYOUT", requires = "output")]
-    pub(crate) layout: Option<LayoutName>,
+    #[arg(long, value_parser = named(Layout::ALL, Layout::name, layout_help), value_name = "LAYOUT", requires = "output")]
+    pub(crate) layout: Option<Layout>,
 }
 
 #[derive(Debug, Args)]

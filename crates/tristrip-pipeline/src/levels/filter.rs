@@ -28,13 +28,18 @@ impl DisplayFilter {
 
     /// Returns the name in reports and on the command line.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::None => "none",
-            Self::Stss => "stss",
-            Self::Dtfs => "dtfs",
-            Self::Linked => "linked",
-            Self::Repair => "repair",
-        }
+        self.scanner().map_or("repair", Filter::name)
+    }
+
+    /// Returns a line on the filter, as the help of the command has it.
+    ///
+    /// ```
+    /// use tristrip_pipeline::DisplayFilter;
+    /// assert!(DisplayFilter::Dtfs.summary().ends_with("(Kim et al. 2005)"));
+    /// ```
+    pub fn summary(self) -> &'static str {
+        let repair = "Keep paths over the triangles of the level, and repair them by a local search where collapses cut them";
+        self.scanner().map_or(repair, Filter::summary)
     }
 
     /// Returns the filter that scans each strip by itself; `None` for the one that searches.

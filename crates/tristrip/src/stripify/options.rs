@@ -48,9 +48,6 @@ pub enum Method {
     Eta(EtaOptions),
 }
 
-/// The default maximum length of a tunnel of [`Method::Tunnel`]: beyond it, every two more edges multiply the time several times.
-const TUNNEL_LENGTH: u32 = 9;
-
 impl Method {
     /// One method of each name, with the default values of its parameters.
     pub const ALL: &'static [Self] = &[
@@ -63,7 +60,7 @@ impl Method {
         Self::Sgi,
         Self::StripeLocal { triangulation: FaceTriangulation::Whole, ties: Ties::Sequential },
         Self::STRIPE,
-        Self::Tunnel { length: TUNNEL_LENGTH },
+        Self::TUNNEL,
         Self::Eta(EtaOptions::DEFAULT),
     ];
 
@@ -119,6 +116,8 @@ impl Method {
         }
     }
 
+    /// The tunnelling operator up to length 9: beyond it, every two more edges multiply the time several times.
+    pub const TUNNEL: Self = Self::Tunnel { length: 9 };
     /// STRIPE with its authors' recommended settings: rows or columns of patches of at least 5 quadrilaterals.
     pub const STRIPE: Self = Self::StripeGlobal { patches: Patches::Rows, cutoff: 5 };
 }
