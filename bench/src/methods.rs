@@ -5,31 +5,8 @@ use tristrip::stripify::{Effort, EtaOptions, Objective};
 use tristrip::vertex_cache::VertexCache;
 use tristrip::{FaceTriangulation, Method, Patches, StripifyOptions, Ties};
 
-const TRIANGULATIONS: [(FaceTriangulation, &str); 3] = [
-    (FaceTriangulation::Static, "static"),
-    (FaceTriangulation::Whole, "whole"),
-    (FaceTriangulation::Partial, "partial"),
-];
-const TIES: [(Ties, &str); 5] = [
-    (Ties::Arbitrary, "arbitrary"),
-    (Ties::LookAhead, "look-ahead"),
-    (Ties::Alternate, "alternate"),
-    (Ties::Random, "random"),
-    (Ties::Sequential, "sequential"),
-];
-const PATCHES: [(Patches, &str); 2] = [(Patches::Rows, "rows"), (Patches::Full, "full")];
 const CUTOFFS: [u32; 5] = [5, 10, 15, 20, 25];
-/// The costs under the names that the command uses.
-pub const COSTS: [(Cost, &str); 4] = [
-    (Cost::Restart, "restart"),
-    (Cost::OpenGl, "opengl"),
-    (Cost::Degenerate, "degenerate"),
-    (Cost::Gl, "gl"),
-];
-/// The objectives of `cache` under the names that the command uses.
-pub const OBJECTIVES: [(Objective, &str); 3] =
-    [(Objective::Indices, "indices"), (Objective::Balanced, "balanced"), (Objective::Misses, "misses")];
-/// The name of `best` among the main methods: for restarts, at an effort that suits an asset build.
+/// The name of `best` among the main methods: for restarts, at the default effort.
 pub const BEST: &str = "best 2";
 /// The name of `fewest` among the main methods: at the lowest effort, because it runs on every model many times.
 pub const FEWEST: &str = "fewest 0";
@@ -61,10 +38,8 @@ impl NamedMethod {
     /// `effort` is greater than 9.
     #[expect(clippy::expect_used, reason = "the levels are constants of the benchmarks")]
     pub fn search(method: Method, effort: u8, cost: Cost) -> Self {
-        let name = if method == Method::Fewest { "fewest" } else { "best" };
-        let of_cost = COSTS.iter().find(|(each, _)| *each == cost && cost != Cost::default());
-        let of_cost = of_cost.map(|(_, cost)| format!(" {cost}")).unwrap_or_default();
-        let mut named = Self::new(format!("{name} {effort}{of_cost}"), method);
+        let of_cost = if cost == Cost::default() { String::new() } else { format!(" {cost}") };
+        let mut named = Self::new(format!("{method} {effort}{of_cost}"), method);
         let effort = Effort::new(effort).expect("a level from 0 to 9");
         named.options = named.options.with_effort(effort).with_cost(cost);
         named
@@ -72,9 +47,7 @@ impl NamedMethod {
 
     /// Creates `cache` for a vertex cache and an objective, named by both.
     pub fn cache(cache: VertexCache, objective: Objective) -> Self {
-        let objective_name =
-            OBJECTIVES.iter().find(|(each, _)| *each == objective).map_or("", |(_, name)| *name);
-        let mut named = Self::new(format!("cache {cache} {objective_name}"), Method::Cache);
+        let mut named = Self::new(format!("cache {cache} {objective}"), Method::Cache);
         named.options = named.options.with_vertex_cache(cache).with_objective(objective);
         named
     }
@@ -102,7 +75,6 @@ pub fn main_methods() -> Vec<NamedMethod> {
     let named = |name: &str, method| NamedMethod::new(name, method);
     vec![
         named("sequential", Method::Sequential),
-        named("auto", Method::Auto),
         named("input", Method::Input),
         named("sgi", Method::Sgi),
         named("stripe", Method::STRIPE),
@@ -117,24 +89,24 @@ pub fn main_methods() -> Vec<NamedMethod> {
 /// Returns every method with all its options: those without options, the 15 and 10 of STRIPE, and `best` for each cost.
 pub fn all_methods() -> Vec<NamedMethod> {
     let mut methods = main_methods();
-    for (triangulation, when) in TRIANGULATIONS {
-        for (ties, rule) in TIES {
+    for triangulation in FaceTriangulation::ALL {
+        for ties in Ties::ALL {
             let method = Method::StripeLocal { triangulation, ties };
             if method != LOCAL.1 {
-                methods.push(NamedMethod::new(format!("stripe-local {when} {rule}"), method));
+                methods.push(NamedMethod::new(format!("stripe-local {triangulation} {ties}"), method));
             }
         }
     }
-    for (patches, how) in PATCHES {
+    for patches in Patches::ALL {
         for cutoff in CUTOFFS {
             let method = Method::StripeGlobal { patches, cutoff };
             if method != Method::STRIPE {
-                methods.push(NamedMethod::new(format!("stripe-global {how} {cutoff}"), method));
+                methods.push(NamedMethod::new(format!("stripe-global {patches} {cutoff}"), method));
             }
         }
     }
     let caches = [VertexCache::fifo(16), VertexCache::lru(8)];
-    for (cache, (objective, _)) in caches.into_iter().flat_map(|cache| OBJECTIVES.map(|each| (cache, each))) {
+    for (cache, objective) in caches.into_iter().flat_map(|cache| Objective::ALL.map(|each| (cache, each))) {
         if (cache, objective) != (VertexCache::default(), Objective::default()) {
             methods.push(NamedMethod::cache(cache, objective));
         }
@@ -142,7 +114,7 @@ pub fn all_methods() -> Vec<NamedMethod> {
     methods.push(NamedMethod::new("eta", Method::Eta(EtaOptions::default())));
     methods
         .push(NamedMethod::new(format!("tunnel {TUNNEL_LENGTH}"), Method::Tunnel { length: TUNNEL_LENGTH }));
-    methods.extend(COSTS.map(|(cost, _)| NamedMethod::search(Method::Best, 1, cost)));
+    methods.extend(Cost::ALL.map(|cost| NamedMethod::search(Method::Best, 1, cost)));
     methods
 }
 
@@ -154,9 +126,10 @@ mod tests {
     #[test]
     fn every_variant_comes_once() {
         let methods = all_methods();
-        assert_eq!(methods.len(), 4 + 15 + 10 + 4 + 1 + 6 + COSTS.len());
+        assert_eq!(methods.len(), 3 + 15 + 10 + 4 + 1 + 6 + Cost::ALL.len());
         assert_eq!(methods.iter().map(|m| m.options).collect::<HashSet<_>>().len(), methods.len());
         assert_eq!(methods.iter().map(|m| &m.name).collect::<HashSet<_>>().len(), methods.len());
+        assert_eq!(BEST, format!("best {}", StripifyOptions::default().effort().level()));
         assert!([BEST, FEWEST, ETA, CACHE].iter().all(|name| main_methods().iter().any(|m| m.name == *name)));
     }
 }

@@ -8,6 +8,7 @@ mod vertex_caches;
 
 use crate::measure::{MethodRow, Outcome};
 use crate::meshoptimizer::Pipeline;
+use crate::methods::BEST;
 use crate::scaling::Scaling;
 use crate::searches::SearchResults;
 use crate::vertex_caches::CacheResults;
@@ -43,7 +44,7 @@ pub fn compare(
     targets.extend(against_one_pass(outcomes, "sequential"));
     targets.extend(mean_target(outcomes));
     targets.extend(fixed_costs(outcomes));
-    targets.extend(against_one_pass(outcomes, "auto"));
+    targets.extend(against_one_pass(outcomes, BEST));
     targets.extend(against_input(outcomes));
     targets.extend(published(outcomes));
     targets.extend(stripe_strips(outcomes));
@@ -115,9 +116,9 @@ fn fixed_costs(outcomes: &[Outcome]) -> Vec<Target> {
 fn against_input(outcomes: &[Outcome]) -> Option<Target> {
     let cost = |outcome: &Outcome, method| Some(outcome.row(method)?.indices_restart_per_triangle);
     let pairs: Vec<_> =
-        outcomes.iter().filter_map(|o| Some((o, cost(o, "auto")?, cost(o, "input")?))).collect();
+        outcomes.iter().filter_map(|o| Some((o, cost(o, BEST)?, cost(o, "input")?))).collect();
     let worse = pairs.iter().filter(|p| p.1 > p.2).map(|p| p.0.model.clone());
-    none("auto, models with more indices than the input's own order", worse, pairs.len())
+    none(&format!("{BEST}, models with more indices than the input's own order"), worse, pairs.len())
 }
 
 fn published(outcomes: &[Outcome]) -> Vec<Target> {

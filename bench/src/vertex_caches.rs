@@ -16,6 +16,7 @@ use std::time::Instant;
 
 use serde::Serialize;
 use tristrip::strip::{Cost, Metrics};
+use tristrip::stripify::Objective;
 use tristrip::verify::verify;
 use tristrip::vertex_cache::{FlushPolicy, VertexCache, VertexCacheSimulator, VertexCacheStatistics};
 use tristrip::{Mesh, Method, Strips, stripify};
@@ -23,7 +24,7 @@ use tristrip::{Mesh, Method, Strips, stripify};
 use crate::failure::Failure;
 use crate::measure::median;
 use crate::meshoptimizer::{Pipeline, strips_of};
-use crate::methods::{CACHE, NamedMethod, OBJECTIVES};
+use crate::methods::{CACHE, NamedMethod};
 use crate::models::{Source, load};
 
 /// The vertex cache of all targets.
@@ -149,8 +150,8 @@ pub fn search(source: &Source) -> Result<CacheResults, Failure> {
 /// Returns our settings for a model with this number of triangles.
 fn settings(triangles: usize) -> Vec<NamedMethod> {
     let effort = if triangles > LARGE { LARGE_EFFORT } else { EFFORT };
-    let usual = OBJECTIVES.map(|(objective, _)| NamedMethod::cache(REFERENCE_CACHE, objective));
-    let longer = OBJECTIVES.map(|(objective, _)| NamedMethod::cache(REFERENCE_CACHE, objective).at(effort));
+    let usual = Objective::ALL.map(|objective| NamedMethod::cache(REFERENCE_CACHE, objective));
+    let longer = Objective::ALL.map(|objective| NamedMethod::cache(REFERENCE_CACHE, objective).at(effort));
     let best = NamedMethod::search(Method::Best, 2, Cost::Restart);
     usual.into_iter().chain(longer).chain([best]).collect()
 }

@@ -2,7 +2,6 @@
 
 use std::fmt::Write as _;
 
-use crate::methods::COSTS;
 use crate::searches::{PEER_COSTS, SearchEffort, SearchResults, SearchRow, per_triangle};
 use crate::targets::best_ratio;
 use crate::text::Table;
@@ -23,7 +22,7 @@ pub(super) fn section(searched: &[SearchResults], depth: SearchEffort) -> String
     );
     let means = PEER_COSTS.into_iter().enumerate().filter_map(|(at, cost)| {
         let below = 100.0 * (1.0 - best_ratio(searched, at)?);
-        Some(format!("{} {below:.1} %", name(cost)))
+        Some(format!("{} {below:.1} %", cost.name()))
     });
     let _ = writeln!(
         out,
@@ -36,10 +35,6 @@ pub(super) fn section(searched: &[SearchResults], depth: SearchEffort) -> String
     let _ = writeln!(out, "{}", ladder(&sorted).markdown());
     let _ = writeln!(out, "{}", polygons(&sorted).markdown());
     out
-}
-
-fn name(cost: tristrip::strip::Cost) -> &'static str {
-    COSTS.iter().find(|(each, _)| *each == cost).map_or("", |(_, name)| name)
 }
 
 fn seconds(search: &SearchRow) -> String {

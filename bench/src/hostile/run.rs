@@ -33,12 +33,11 @@ pub struct HostileMethod {
     task: Task,
 }
 
-/// The methods at their default effort. `best` and `fewest` are searches of about a second per 100,000 triangles on any model.
-pub const METHODS: [HostileMethod; 7] = [
-    HostileMethod { name: "auto", microseconds: 3.0, task: Task::Strips(Method::Auto) },
+/// The methods at their default effort. `fewest` is a search of about a second per 100,000 triangles on any model.
+pub const METHODS: [HostileMethod; 6] = [
+    HostileMethod { name: "best", microseconds: 3.0, task: Task::Strips(Method::Best) },
     HostileMethod { name: "sequential", microseconds: 3.0, task: Task::Strips(Method::Sequential) },
     HostileMethod { name: "cache", microseconds: 3.0, task: Task::Strips(Method::Cache) },
-    HostileMethod { name: "best", microseconds: 12.0, task: Task::Strips(Method::Best) },
     HostileMethod { name: "fewest", microseconds: 12.0, task: Task::Strips(Method::Fewest) },
     HostileMethod { name: "tunnel", microseconds: 3.0, task: Task::Strips(Method::TUNNEL) },
     HostileMethod { name: "lod", microseconds: 12.0, task: Task::Levels },

@@ -1,10 +1,8 @@
 //! The targets for the searches: few strips, cheap strips, and their times.
 
-use tristrip::strip::Cost;
-
 use super::target::{ROUNDING, Target, geometric_mean, none};
 use crate::measure::{MethodRow, Outcome};
-use crate::methods::{BEST, COSTS, ETA, FEWEST};
+use crate::methods::{BEST, ETA, FEWEST};
 use crate::searches::{PEER_COSTS, SearchResults, per_triangle};
 
 /// Target strips and seconds of `fewest`.
@@ -51,10 +49,6 @@ pub(super) fn compare(outcomes: &[Outcome], searched: &[SearchResults]) -> Vec<T
 
 fn named<'a>(searched: &'a [SearchResults], model: &str) -> Option<&'a SearchResults> {
     searched.iter().find(|s| s.model == model)
-}
-
-fn cost_name(cost: Cost) -> &'static str {
-    COSTS.iter().find(|(each, _)| *each == cost).map_or("", |(_, name)| name)
 }
 
 /// Returns a target for a value and for the time that it takes.
@@ -117,7 +111,7 @@ fn best(searched: &[SearchResults]) -> Vec<Target> {
         let Some(s) = named(searched, model) else { continue };
         for ((cost, most), search) in PEER_COSTS.into_iter().zip(costs).zip(&s.best) {
             let found = per_triangle(&search.row, s.triangles, cost);
-            let what = format!("best, {} per triangle, {model}", cost_name(cost));
+            let what = format!("best, {cost} per triangle, {model}");
             let found_text = format!("{found:.4}");
             targets.push(timed(
                 what,
@@ -174,7 +168,7 @@ fn against_peers(searched: &[SearchResults]) -> Vec<Target> {
         let pairs: Vec<_> = searched.iter().filter_map(of).collect();
         let names = pairs.iter().filter(|(_, ours, best)| *ours > best + ROUNDING);
         let names = names.map(|(model, ours, best)| format!("{model} ({ours:.4} to {best:.4})"));
-        let name = cost_name(cost);
+        let name = cost.name();
         targets.extend(none(
             &format!("best, models with a higher cost than the best of all peers, {name}"),
             names,

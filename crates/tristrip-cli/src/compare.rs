@@ -5,8 +5,7 @@ use tristrip::{Method, StripifyOptions};
 use tristrip_lab::text::{markdown, table};
 use tristrip_pipeline::text::{counted, grouped};
 use tristrip_pipeline::{
-    Chosen, Event, Figures, MeshFigures, MethodReport, PreparedModel, Search, Stopped, Survey,
-    methods_to_compare,
+    Event, Figures, MeshFigures, MethodReport, PreparedModel, Search, Stopped, Survey, methods_to_compare,
 };
 
 use crate::batch::{self, InputReport, Outcome};
@@ -33,7 +32,6 @@ struct CompareReport {
 struct MethodRow {
     #[serde(flatten)]
     method: MethodReport,
-    chosen: Option<Chosen>,
     proven: bool,
     seconds: Seconds,
     #[serde(flatten)]
@@ -74,7 +72,7 @@ fn ratio(x: f64) -> String {
 
 /// Compares the methods on all inputs in order; returns whether all results are proven.
 pub(crate) fn run(task: &CompareTask, console: &mut Console) -> bool {
-    let methods = methods_to_compare(task.every_variant);
+    let methods = methods(task);
     let new_report = |input: &Input| CompareReport {
         file: input.name(),
         seconds: Seconds::default(),
@@ -100,10 +98,20 @@ pub(crate) fn run(task: &CompareTask, console: &mut Console) -> bool {
     batch::finish(reports, console) && proven
 }
 
+/// Returns the options of each row: `best` at its default effort, then all methods at the effort of the task.
+fn methods(task: &CompareTask) -> Vec<StripifyOptions> {
+    let default = task.options.with_method(Method::Best);
+    let all = methods_to_compare(task.every_variant).into_iter();
+    let all = all.map(|method| task.options.with_method(method).with_effort(task.effort));
+    let is_default =
+        |options: &StripifyOptions| options.method() == Method::Best && options.effort() == default.effort();
+    std::iter::once(default).chain(all.filter(|options| !is_default(options))).collect()
+}
+
 fn compare(
     input: &Input,
     task: &CompareTask,
-    methods: &[Method],
+    methods: &[StripifyOptions],
     console: &Console,
     report: &mut CompareReport,
 ) -> Result<(), Failure> {
@@ -117,14 +125,11 @@ fn compare(
     let survey = Survey::new(&model, task.options, &Stages::new(console, load, show))?;
     report.notes = survey.notes;
     (report.parts, report.mesh) = (Some(survey.prepared.parts().len()), Some(survey.mesh));
-    for &method in methods {
+    for options in methods {
         if interrupted() {
             return Err(Failure::Input("not processed: interrupted".into()));
         }
-        let mut options = survey.options.with_method(method);
-        if method != Method::Auto {
-            options = options.with_effort(task.effort);
-        }
+        let options = options.with_weld(survey.options.weld());
         console.doing(&MethodReport::of(&options).label());
         let watch = SearchWatch::new(console.progress(), task.budget, &options);
         report.methods.push(row(&survey.prepared, &options, &watch));
@@ -137,7 +142,6 @@ fn compare(
 fn row(prepared: &PreparedModel<'_>, options: &StripifyOptions, watch: &SearchWatch) -> MethodRow {
     let mut row = MethodRow {
         method: MethodReport::of(options),
-        chosen: None,
         proven: false,
         seconds: Seconds::default(),
         figures: None,
@@ -147,12 +151,11 @@ fn row(prepared: &PreparedModel<'_>, options: &StripifyOptions, watch: &SearchWa
     let (found, seconds) = timed(|| prepared.find_strips(options, watch));
     row.stopped = watch.stopped();
     row.seconds.stripify = Some(seconds);
-    let figures = found.and_then(|found| {
-        row.chosen = Some(Chosen::of(&found.chosen));
-        let (proof, seconds) = timed(|| prepared.prove(&found.strips));
+    let figures = found.and_then(|strips| {
+        let (proof, seconds) = timed(|| prepared.prove(&strips));
         row.seconds.verify = Some(seconds);
         proof?;
-        prepared.figures(&found.strips, options)
+        prepared.figures(&strips, options)
     });
     match figures {
         Ok(figures) => (row.proven, row.figures) = (true, Some(figures)),

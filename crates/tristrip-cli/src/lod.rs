@@ -76,12 +76,12 @@ fn show_building(event: Event<'_>, seconds: f64, console: &Console, report: &mut
         Event::Surveyed { parts, notes, .. } => {
             (report.parts, report.notes) = (Some(parts), notes.to_vec());
         }
-        Event::Stripified { strips, chosen, stopped } => {
+        Event::Stripified { strips, stopped } => {
             report.seconds.stripify = Some(seconds);
-            let method = report.method.description(chosen);
+            let method = report.method.description();
             let what = format!("{} of the full mesh ({method})", counted(strips, "strip"));
             console.stage("stripify", &what, Some(seconds));
-            (report.chosen, report.stopped) = (Some(chosen.clone()), stopped);
+            report.stopped = stopped;
             if let Some(stopped) = stopped {
                 console.note(stopped.note());
                 report.notes.push(stopped.note().into());

@@ -29,7 +29,7 @@ pub(crate) struct MethodArgs {
     /// The default starts from the cheapest result of `sequential`, `stripe` and `input`, so it is never worse than the input. A higher
     /// --effort gives fewer indices. Most other methods are published algorithms, included for comparison; `tristrip compare` shows
     /// them side by side.
-    #[arg(short, long, value_parser = method_parser(), default_value_t = Method::Auto, value_name = "METHOD")]
+    #[arg(short, long, value_parser = method_parser(), default_value_t = Method::Best, value_name = "METHOD")]
     method: Method,
     /// When stripe-local triangulates polygons [default: whole]
     #[arg(long, value_parser = named(FaceTriangulation::ALL, FaceTriangulation::name, FaceTriangulation::summary), value_name = "WHEN")]
@@ -43,7 +43,7 @@ pub(crate) struct MethodArgs {
     /// The minimum size of a patch of stripe-global, in quadrilaterals [default: 5]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     cutoff: Option<u32>,
-    /// The cost that auto and best minimize [default: restart]
+    /// The cost that best minimizes [default: restart]
     ///
     /// Strips with the least restart cost are nearly the cheapest for degenerate joins, too.
     #[arg(long, value_parser = named(Cost::ALL, Cost::name, Cost::summary), value_name = "COST")]
@@ -56,7 +56,7 @@ pub(crate) struct MethodArgs {
     /// What cache favours where fewer indices cost more misses [default: balanced]
     #[arg(long, value_parser = named(Objective::ALL, Objective::name, Objective::summary), value_name = "OBJECTIVE")]
     objective: Option<Objective>,
-    /// The search effort of auto, best, fewest and cache, from 0 to 9 [default: 2 for auto and cache, else 5]
+    /// The search effort of best, fewest and cache, from 0 to 9 [default: 2, for fewest 5]
     ///
     /// Effort is counted in steps, so the result is the same on every machine. On one core and 70,000 triangles, best takes about
     /// 0.01 s at level 1, 0.04 s at 2, 0.1 s at 3, 0.3 s at 4, 0.6 s at 5, 1.3 s at 6, 2.5 s at 7, 5 s at 8 and 10 s at 9; the time is
@@ -68,7 +68,7 @@ pub(crate) struct MethodArgs {
     effort: Option<Effort>,
     /// Stop a search after a time such as 5s or 500ms, with the best result so far
     ///
-    /// Applies to auto, best, fewest, cache, tunnel and eta, for each input; the first growth of cache is always completed. Results
+    /// Applies to best, fewest, cache, tunnel and eta, for each input; the first growth of cache is always completed. Results
     /// with a budget differ from run to run; results with --effort do not.
     #[arg(long, value_name = "TIME", value_parser = humantime::parse_duration)]
     budget: Option<Duration>,
@@ -81,7 +81,7 @@ pub(crate) struct MethodArgs {
     /// The initial strips of eta [default: sequential]
     #[arg(long, value_parser = named(Start::ALL, Start::name, Start::summary), value_name = "STRIPS")]
     start: Option<Start>,
-    /// The seed of randomized methods: auto, best, fewest, cache, eta, stripe [default: 0]
+    /// The seed of randomized methods: best, fewest, cache, eta, stripe [default: 0]
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
     #[command(flatten)]
@@ -108,21 +108,21 @@ impl MethodArgs {
         check("--ties", self.ties.is_some(), local, "stripe-local")?;
         check("--patches", self.patches.is_some(), global, "stripe-global")?;
         check("--cutoff", self.cutoff.is_some(), global, "stripe-global")?;
-        let best = matches!(self.method, Method::Auto | Method::Best);
+        let best = matches!(self.method, Method::Best);
         let cache = self.method == Method::Cache;
         let search = best || cache || self.method == Method::Fewest || all_methods;
         let tunnels = tunnel || eta;
-        check("--cost", self.cost.is_some(), best, "auto or best")?;
-        check("--effort", self.effort.is_some(), search, "auto, best, fewest or cache")?;
+        check("--cost", self.cost.is_some(), best, "best")?;
+        check("--effort", self.effort.is_some(), search, "best, fewest or cache")?;
         check("--vertex-cache", self.vertex_cache.is_some(), cache || all_methods, "cache")?;
         check("--objective", self.objective.is_some(), cache, "cache")?;
-        let stoppable = "auto, best, fewest, cache, tunnel or eta";
+        let stoppable = "best, fewest, cache, tunnel or eta";
         check("--budget", self.budget.is_some(), search || tunnels, stoppable)?;
         check("--tunnel-length", self.tunnel_length.is_some(), tunnels, "tunnel or eta")?;
         check("--threshold", self.threshold.is_some(), eta, "eta")?;
         check("--start", self.start.is_some(), eta, "eta")?;
         let randomized = local || global || search || eta;
-        check("--seed", self.seed.is_some(), randomized, "auto, best, fewest, cache, eta or one of stripe")?;
+        check("--seed", self.seed.is_some(), randomized, "best, fewest, cache, eta or one of stripe")?;
         let method = match self.method {
             Method::StripeLocal { triangulation, ties } => Method::StripeLocal {
                 triangulation: self.triangulation.unwrap_or(triangulation),
@@ -225,7 +225,7 @@ mod tests {
             assert_eq!(typed(&flags).ok(), parse_method(&flags).ok(), "{flags}");
             let options = parse_method(&flags).unwrap();
             let report = serde_json::to_value(MethodReport::of(&options)).unwrap();
-            let last = flags.split_whitespace().last().unwrap_or("auto");
+            let last = flags.split_whitespace().last().unwrap_or("best");
             let named = report.as_object().unwrap().values();
             let names: Vec<String> = named.map(|value| value.to_string().replace('"', "")).collect();
             assert!(names.iter().any(|name| name == last) || last == "stripe", "{flags}: {report}");

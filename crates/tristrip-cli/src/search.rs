@@ -133,7 +133,7 @@ mod tests {
         let cache = StripifyOptions::default().with_method(Method::Cache);
         let efforts = [2, 3].map(|level| cache.with_effort(Effort::new(level).unwrap()));
         assert_eq!(efforts.map(searches_of), [0, 1]);
-        assert_eq!([Method::Auto, Method::Sequential, Method::STRIPE].map(searches_with), [0; 3]);
+        assert_eq!([Method::Input, Method::Sequential, Method::STRIPE].map(searches_with), [0; 3]);
         assert_eq!([Method::Best, Method::Fewest, Method::Tunnel { length: 9 }].map(searches_with), [1; 3]);
         assert_eq!(SEARCHES.load(Ordering::SeqCst), 0);
     }

@@ -10,8 +10,8 @@ use tristrip_lab::render::{self, RenderOptions};
 use tristrip_lab::text as lab_text;
 use tristrip_pipeline::text::{count, counted};
 use tristrip_pipeline::{
-    BoundGap, Chosen, DrawCost, DrawnAs, DrawnParts, EncodeOptions, Event, Figures, MeshFigures,
-    MethodReport, Observer, PreparedModel, Search, Stopped, StripOptions, Stripped, encode_observed, rounded,
+    BoundGap, DrawCost, DrawnAs, DrawnParts, EncodeOptions, Event, Figures, MeshFigures, MethodReport,
+    Observer, PreparedModel, Search, Stopped, StripOptions, Stripped, encode_observed, rounded,
     strip_observed,
 };
 
@@ -34,7 +34,6 @@ struct StripReport {
     #[serde(flatten)]
     method: MethodReport,
     /// The methods used, with their numbers of parts; `null` if no strips were built.
-    chosen: Option<Chosen>,
     /// `null` if the proof was not requested or not reached.
     proven: Option<bool>,
     seconds: Seconds,
@@ -103,7 +102,6 @@ pub(crate) fn run(task: &StripTask, console: &mut Console) -> bool {
     let new_report = |job: &Job| StripReport {
         file: job.input.name(),
         method: MethodReport::of(&task.options),
-        chosen: None,
         proven: None,
         seconds: Seconds::default(),
         figures: None,
@@ -189,11 +187,11 @@ fn show(event: Event<'_>, seconds: f64, console: &Console, report: &mut StripRep
             (report.parts, report.mesh) = (Some(parts), Some(mesh.clone()));
             report.notes = notes.to_vec();
         }
-        Event::Stripified { strips, chosen, stopped } => {
+        Event::Stripified { strips, stopped } => {
             report.seconds.stripify = Some(seconds);
-            let method = report.method.description(chosen);
+            let method = report.method.description();
             console.stage("stripify", &format!("{} ({method})", counted(strips, "strip")), Some(seconds));
-            (report.chosen, report.stopped) = (Some(chosen.clone()), stopped);
+            report.stopped = stopped;
             if let Some(stopped) = stopped {
                 console.note(stopped.note());
                 report.notes.push(stopped.note().into());

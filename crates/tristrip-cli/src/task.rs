@@ -67,7 +67,7 @@ pub(crate) struct CompareTask {
     pub(crate) every_variant: bool,
     pub(crate) markdown: bool,
     pub(crate) options: StripifyOptions,
-    /// The effort of the methods that search, except `auto`, which has its own.
+    /// The effort of the methods that search; `best` also runs at its default effort.
     pub(crate) effort: Effort,
     pub(crate) budget: Option<Duration>,
 }

@@ -24,7 +24,7 @@ use crate::error::Error;
 use crate::text::table;
 pub use chart::draw;
 
-/// The default efforts of `best` and `cache`: that of `auto`, and a longer search.
+/// The efforts of `best` and `cache`: their default, and a longer search.
 const EFFORTS: [u8; 2] = [2, 5];
 
 /// The label of the plain triangle list.
@@ -166,13 +166,9 @@ fn candidates(options: &StripifyOptions, effort: Option<Effort>) -> Vec<Candidat
         let cache = base.with_method(Method::Cache).with_objective(objective);
         candidates.extend(efforts.iter().map(|&e| search(cache.with_effort(e))));
     }
-    let own = match options.method() {
-        Method::Auto => options.with_method(Method::Best).with_effort(options.effort()),
-        _ => *options,
-    };
-    let report = MethodReport::of(&own);
+    let report = MethodReport::of(options);
     if candidates.iter().all(|other| MethodReport::of(&other.options) != report) {
-        candidates.push(Candidate { label: report.label(), options: own });
+        candidates.push(Candidate { label: report.label(), options: *options });
     }
     candidates
 }
@@ -185,7 +181,7 @@ impl Candidate {
         observer: &dyn ParetoObserver,
     ) -> Result<ParetoPoint, PipelineError> {
         let watch = observer.search(&self.options);
-        let strips = model.find_strips(&self.options, &*watch)?.strips;
+        let strips = model.find_strips(&self.options, &*watch)?;
         model.prove(&strips)?;
         let cache = self.options.vertex_cache();
         let (metrics, used) = figures(model.parts(), &strips, cache);

@@ -64,16 +64,14 @@ impl Bounds {
     pub fn gap(&self, options: &StripifyOptions, figures: &Figures) -> Option<BoundGap> {
         let (figure, found, bound) = match (options.method(), options.cost()) {
             (Method::Fewest, _) => ("strips", figures.strips, self.strips),
-            (Method::Auto | Method::Best, Cost::Restart) => {
+            (Method::Best, Cost::Restart) => {
                 ("indices_restart", figures.indices_restart, self.indices_restart)
             }
-            (Method::Auto | Method::Best, Cost::OpenGl) => {
-                ("vertices_sent", figures.vertices_sent, self.vertices_sent)
-            }
-            (Method::Auto | Method::Best, Cost::Degenerate) => {
+            (Method::Best, Cost::OpenGl) => ("vertices_sent", figures.vertices_sent, self.vertices_sent),
+            (Method::Best, Cost::Degenerate) => {
                 ("indices_degenerate", figures.indices_degenerate, self.indices_degenerate)
             }
-            (Method::Auto | Method::Best, Cost::Gl) => ("gl_cost", figures.gl_cost, self.gl_cost),
+            (Method::Best, Cost::Gl) => ("gl_cost", figures.gl_cost, self.gl_cost),
             _ => return None,
         };
         Some(BoundGap { figure, found, bound, gap: found.saturating_sub(bound), optimal: found <= bound })

@@ -139,7 +139,7 @@ pub fn strips_as_stored(
         let meshes: Vec<&Mesh> = drawn.iter().map(|part| &part.mesh).collect();
         let prepared = PreparedModel::of_meshes(&meshes, false);
         observer.event(Event::Prepared);
-        found = prepared.search(&StripifyOptions::default().with_method(Method::Input), observer)?.0.strips;
+        found = prepared.search(&StripifyOptions::default().with_method(Method::Input), observer)?.0;
     }
     let mut found = found.into_iter();
     let next = |part| if options.draws_strips(part) { found.next() } else { None };

@@ -19,10 +19,9 @@ use crate::encode::{EncodeOptions, Encoded, encode_observed};
 use crate::error::Error;
 use crate::figures::{Figures, MeshFigures};
 use crate::goal::{Amount, Ratio};
-use crate::method::Chosen;
 use crate::observer::{Event, Observer, Stage, Stopped, begin};
 use crate::parts::{check_vertices, map};
-use crate::prepared::{FoundStrips, PreparedModel, Survey};
+use crate::prepared::{PreparedModel, Survey};
 use crate::simplify::{Part, diagonal, end_notes, simplify_all};
 pub use filter::DisplayFilter;
 pub use level::Level;
@@ -78,8 +77,6 @@ pub struct ModelLevels {
     pub order: LevelOrder,
     /// The collapses to the base mesh.
     pub collapses: Collapses,
-    /// The methods of the strips of the full mesh, with their numbers of parts.
-    pub chosen: Chosen,
     /// The counts of the full mesh.
     pub mesh: MeshFigures,
     /// Why the search of the strips was stopped early, if it was.
@@ -154,7 +151,7 @@ pub fn levels_observed(
     // 1. The strips of the full mesh.
     let Survey { prepared, options: stripify, mesh, mut notes } =
         Survey::new(model, options.stripify, observer)?;
-    let (FoundStrips { strips, .. }, chosen, stopped) = prepared.search(&stripify, observer)?;
+    let (strips, stopped) = prepared.search(&stripify, observer)?;
     if options.verify {
         begin(observer, Stage::Prove)?;
         prepared.prove(&strips)?;
@@ -168,7 +165,7 @@ pub fn levels_observed(
     all.notes.iter().for_each(|note| observer.event(Event::Note(note)));
     notes.append(&mut all.notes);
     let options = LevelsOptions { stripify, ..*options };
-    Ok(ModelLevels { chosen, mesh, stopped, notes, options, ..all })
+    Ok(ModelLevels { mesh, stopped, notes, options, ..all })
 }
 
 impl ModelLevels {
@@ -182,8 +179,8 @@ impl ModelLevels {
     /// use tristrip_pipeline::{ModelLevels, PreparedModel, Ratio};
     /// let model = tristrip_io::read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", tristrip_io::Format::Obj)?;
     /// let prepared = PreparedModel::new(&model, false);
-    /// let found = prepared.find_strips(&StripifyOptions::default(), &())?;
-    /// let levels = ModelLevels::from_strips(&prepared, &found.strips, Ratio::ZERO)?;
+    /// let strips = prepared.find_strips(&StripifyOptions::default(), &())?;
+    /// let levels = ModelLevels::from_strips(&prepared, &strips, Ratio::ZERO)?;
     /// assert_eq!((levels.collapse_count(), levels.triangle_count(0)?), (0, 1));
     /// # Ok::<(), tristrip_pipeline::Error>(())
     /// ```
@@ -222,7 +219,6 @@ impl ModelLevels {
             parts,
             collapses,
             notes,
-            chosen: Chosen::default(),
             mesh: MeshFigures::default(),
             stopped: None,
             options: LevelsOptions { base, ..LevelsOptions::default() },

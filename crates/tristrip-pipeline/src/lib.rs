@@ -61,10 +61,10 @@ pub use levels::{
     DisplayFilter, DisplayedLevel, Level, LevelOrder, LevelPart, LevelsOptions, ModelLevels, levels,
     levels_observed,
 };
-pub use method::{Chosen, MethodReport, methods_to_compare, parse_method};
+pub use method::{MethodReport, methods_to_compare, parse_method};
 pub use observer::{Event, Observer, Search, Stage, Stopped};
 pub use parts::{PreparedPart, meshes};
-pub use prepared::{FoundStrips, PreparedModel, Survey};
+pub use prepared::{PreparedModel, Survey};
 pub use simplify::{Simplified, SimplifyOptions, simplify, simplify_observed};
 pub use strip::{StripOptions, Stripped, strip, strip_observed};
 pub use verify::{DifferenceReport, verify};

@@ -41,7 +41,7 @@ impl MethodReport {
     ///
     /// ```
     /// use tristrip_pipeline::MethodReport;
-    /// assert_eq!(MethodReport::of(&tristrip::StripifyOptions::default()).label(), "auto restart 2");
+    /// assert_eq!(MethodReport::of(&tristrip::StripifyOptions::default()).label(), "best restart 2");
     /// ```
     pub fn of(options: &StripifyOptions) -> Self {
         let plain = Self { method: options.method().to_string(), ..Self::default() };
@@ -56,7 +56,7 @@ impl MethodReport {
             Method::StripeGlobal { patches, cutoff } => {
                 Self { patches: Some(patches.to_string()), cutoff: Some(cutoff), ..seeded }
             }
-            Method::Auto | Method::Best => Self { cost: Some(options.cost().to_string()), ..search },
+            Method::Best => Self { cost: Some(options.cost().to_string()), ..search },
             Method::Fewest => search,
             Method::Cache => Self {
                 vertex_cache: Some(options.vertex_cache().to_string()),
@@ -106,10 +106,8 @@ impl MethodReport {
         words.chain(numbers).collect::<Vec<_>>().join(" ")
     }
 
-    /// Describes the method and its options: `method best, cost restart, effort 2`. `auto` goes by the methods that it chose.
-    pub fn description(&self, chosen: &Chosen) -> String {
-        let names: Vec<&str> = chosen.0.iter().map(|(name, _)| name.as_str()).collect();
-        let method = if names.is_empty() { self.method.clone() } else { names.join(" or ") };
+    /// Describes the method and its options: `method best, cost restart, effort 2`.
+    pub fn description(&self) -> String {
         let number = |n: Option<u32>| n.map(|n| n.to_string());
         let options = [
             ("triangulation", self.triangulation.clone()),
@@ -125,56 +123,18 @@ impl MethodReport {
             ("start", self.start.clone()),
         ];
         let options = options.into_iter().filter_map(|(name, value)| Some(format!("{name} {}", value?)));
-        std::iter::once(format!("method {method}")).chain(options).collect::<Vec<_>>().join(", ")
-    }
-}
-
-/// The methods that were used, with the number of parts of each, in the order of the help.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Chosen(Vec<(String, usize)>);
-
-impl Chosen {
-    /// Counts the methods of all parts.
-    ///
-    /// ```
-    /// use tristrip::Method;
-    /// use tristrip_pipeline::Chosen;
-    /// assert_eq!(Chosen::of(&[Method::Input, Method::Best, Method::Input]).iter().collect::<Vec<_>>(), [("best", 1), ("input", 2)]);
-    /// ```
-    pub fn of(methods: &[Method]) -> Self {
-        let count = |name: &str| methods.iter().filter(|method| method.name() == name).count();
-        let counts = Method::ALL.iter().map(|method| (method.to_string(), count(method.name())));
-        Self(counts.filter(|(_, count)| *count > 0).collect())
-    }
-
-    /// Iterates over the names of the methods and their numbers of parts.
-    pub fn iter(&self) -> impl Iterator<Item = (&str, usize)> {
-        self.0.iter().map(|(name, count)| (name.as_str(), *count))
-    }
-}
-
-/// Serializes as an object of names and counts.
-impl Serialize for Chosen {
-    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_map(self.iter())
+        std::iter::once(format!("method {}", self.method)).chain(options).collect::<Vec<_>>().join(", ")
     }
 }
 
 /// Returns the methods to compare: one or a few per family, or every variant.
 ///
 /// ```
-/// assert_eq!(tristrip_pipeline::methods_to_compare(true).len(), 34);
+/// assert_eq!(tristrip_pipeline::methods_to_compare(true).len(), 33);
 /// ```
 pub fn methods_to_compare(every_variant: bool) -> Vec<Method> {
-    let mut methods = vec![
-        Method::Auto,
-        Method::Best,
-        Method::Fewest,
-        Method::Cache,
-        Method::Input,
-        Method::Sequential,
-        Method::Sgi,
-    ];
+    let mut methods =
+        vec![Method::Best, Method::Fewest, Method::Cache, Method::Input, Method::Sequential, Method::Sgi];
     let local = |triangulation, ties| Method::StripeLocal { triangulation, ties };
     let global = |patches, cutoff| Method::StripeGlobal { patches, cutoff };
     if every_variant {
@@ -250,10 +210,10 @@ impl<'a> Flags<'a> {
     }
 
     fn options(&mut self) -> Result<StripifyOptions, Error> {
-        let name = self.take("--method").unwrap_or("auto");
+        let name = self.take("--method").unwrap_or("best");
         let method = self.method(name)?;
         let mut options = StripifyOptions::default().with_method(method);
-        if matches!(name, "auto" | "best")
+        if name == "best"
             && let Some(cost) = self.named("--cost")?
         {
             options = options.with_cost(cost);
@@ -266,7 +226,7 @@ impl<'a> Flags<'a> {
                 options = options.with_vertex_cache(cache);
             }
         }
-        if matches!(name, "auto" | "best" | "fewest" | "cache")
+        if matches!(name, "best" | "fewest" | "cache")
             && let Some(level) = self.number("--effort")?
         {
             let effort = Effort::new(level);
@@ -327,7 +287,7 @@ mod tests {
     fn all_variants_have_distinct_names() {
         let label = |method| MethodReport::of(&StripifyOptions::default().with_method(method)).label();
         let labels: HashSet<String> = methods_to_compare(true).into_iter().map(label).collect();
-        assert_eq!(labels.len(), 9 + 15 + 10);
+        assert_eq!(labels.len(), 8 + 15 + 10);
         assert!(
             labels.contains("stripe-local partial look-ahead") && labels.contains("stripe-global full 25")
         );
@@ -335,20 +295,10 @@ mod tests {
     }
 
     #[test]
-    fn chosen_methods_are_counted_by_name() {
-        let chosen = Chosen::of(&[Method::Input, Method::Best, Method::Input]);
-        assert_eq!(serde_json::to_string(&chosen).unwrap(), r#"{"best":1,"input":2}"#);
-        assert_eq!(Chosen::of(&[]), Chosen::default());
-    }
-
-    #[test]
-    fn auto_is_described_as_the_method_that_it_chose() {
-        let auto = MethodReport::of(&StripifyOptions::default());
-        assert_eq!(auto.description(&Chosen::of(&[Method::Best])), "method best, cost restart, effort 2");
+    fn a_description_names_the_options() {
+        let best = MethodReport::of(&StripifyOptions::default());
+        assert_eq!(best.description(), "method best, cost restart, effort 2");
         let local = StripifyOptions::default().with_method(Method::STRIPE);
-        assert_eq!(
-            MethodReport::of(&local).description(&Chosen::default()),
-            "method stripe-global, patches rows, cutoff 5"
-        );
+        assert_eq!(MethodReport::of(&local).description(), "method stripe-global, patches rows, cutoff 5");
     }
 }

@@ -14,7 +14,6 @@ use crate::bounds::BoundGap;
 use crate::collapses::Collapses;
 use crate::error::Error;
 use crate::figures::{Figures, MeshFigures};
-use crate::method::Chosen;
 
 /// A stage of the processing of a model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -82,8 +81,6 @@ pub enum Event<'a> {
     Stripified {
         /// The number of strips.
         strips: usize,
-        /// The methods used.
-        chosen: &'a Chosen,
         /// Why the search was stopped, if it was.
         stopped: Option<Stopped>,
     },

@@ -4,12 +4,11 @@
 
 use tristrip::stripify::Watch;
 use tristrip::verify::{verify, verify_models};
-use tristrip::{DualGraph, Faces, Mesh, Method, PreparedFaces, StripifyOptions, Strips, stripify};
+use tristrip::{DualGraph, Faces, Mesh, PreparedFaces, StripifyOptions, Strips, stripify};
 use tristrip_io::Model;
 
 use crate::error::Error;
 use crate::figures::{Figures, MeshFigures, PartFigures};
-use crate::method::Chosen;
 use crate::observer::{Event, Observer, Stage, Stopped, begin};
 use crate::parts::{PreparedPart, map, meshes};
 
@@ -22,25 +21,15 @@ use crate::parts::{PreparedPart, map, meshes};
 /// let model = read(b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n", Format::Obj)?;
 /// let prepared = PreparedModel::new(&model, false);
 /// let options = StripifyOptions::default().with_method(Method::Sgi);
-/// let found = prepared.find_strips(&options, &())?;
-/// prepared.prove(&found.strips)?;
-/// assert_eq!(prepared.figures(&found.strips, &options)?.vertices_sent, 4);
+/// let strips = prepared.find_strips(&options, &())?;
+/// prepared.prove(&strips)?;
+/// assert_eq!(prepared.figures(&strips, &options)?.vertices_sent, 4);
 /// # Ok::<(), tristrip_pipeline::Error>(())
 /// ```
 #[derive(Debug)]
 pub struct PreparedModel<'a> {
     parts: Vec<PreparedPart<'a>>,
     weld: bool,
-}
-
-/// The strips of each part, and the method that built them, in the order of the parts.
-#[derive(Debug, Clone, Default)]
-#[non_exhaustive]
-pub struct FoundStrips {
-    /// The strips, over the vertices of their parts.
-    pub strips: Vec<Strips>,
-    /// The methods; for [`Method::Auto`] the one that it chose.
-    pub chosen: Vec<Method>,
 }
 
 impl<'a> PreparedModel<'a> {
@@ -69,17 +58,15 @@ impl<'a> PreparedModel<'a> {
         MeshFigures::of(&self.parts)
     }
 
-    /// Builds the strips of each part. Searches report their progress to the watch; they are welded as the model was prepared.
+    /// Builds the strips of each part, over its vertices. Searches report their progress to the watch; they are welded as the model was prepared.
     ///
     /// # Errors
     /// A part is too large, or an option has an invalid value.
-    pub fn find_strips(&self, options: &StripifyOptions, watch: &dyn Watch) -> Result<FoundStrips, Error> {
+    pub fn find_strips(&self, options: &StripifyOptions, watch: &dyn Watch) -> Result<Vec<Strips>, Error> {
         let found = map(&self.parts, |part| {
-            let (method, plan) = stripify::choose_watched(&part.surface, &part.graph, options, watch)?;
-            Ok((plan.strips(), method))
+            Ok(stripify::plan_watched(&part.surface, &part.graph, options, watch)?.strips())
         });
-        let (strips, chosen) = found.into_iter().collect::<Result<Vec<_>, Error>>()?.into_iter().unzip();
-        Ok(FoundStrips { strips, chosen })
+        found.into_iter().collect()
     }
 
     /// Builds the strips of each part under the watch of an observer.
@@ -87,16 +74,15 @@ impl<'a> PreparedModel<'a> {
         &self,
         options: &StripifyOptions,
         observer: &dyn Observer,
-    ) -> Result<(FoundStrips, Chosen, Option<Stopped>), Error> {
+    ) -> Result<(Vec<Strips>, Option<Stopped>), Error> {
         begin(observer, Stage::Stripify)?;
         let watch = observer.search(options);
-        let found = self.find_strips(options, &*watch)?;
+        let strips = self.find_strips(options, &*watch)?;
         let stopped = watch.stopped();
         drop(watch);
-        let chosen = Chosen::of(&found.chosen);
-        let strips = found.strips.iter().map(Strips::len).sum();
-        observer.event(Event::Stripified { strips, chosen: &chosen, stopped });
-        Ok((found, chosen, stopped))
+        let count = strips.iter().map(Strips::len).sum();
+        observer.event(Event::Stripified { strips: count, stopped });
+        Ok((strips, stopped))
     }
 
     /// Measures the strips of all parts.

@@ -8,11 +8,10 @@ use crate::drawing::{Drawn, choose};
 use crate::encode::{EncodeOptions, Encoded, encode_observed};
 use crate::error::Error;
 use crate::figures::{Figures, MeshFigures, PartFigures};
-use crate::method::Chosen;
 use crate::observer::{Event, Observer, Stage, Stopped, begin};
-use crate::prepared::{FoundStrips, Survey};
+use crate::prepared::Survey;
 
-/// How strips are built. The default is [`Method::Auto`], proven.
+/// How strips are built. The default is [`Method::Best`], proven.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct StripOptions {
@@ -48,13 +47,12 @@ impl StripOptions {
 pub struct Stripped {
     /// The strips of each part, over its own vertices, in the order of the parts.
     pub strips: Vec<Strips>,
-    /// The methods used, with their numbers of parts.
-    pub chosen: Chosen,
     /// The metrics of the strips.
     pub figures: Figures,
     /// The counts of the mesh.
     pub mesh: MeshFigures,
-    /// The gap between the result of `best` or `fewest` and its lower bound; `None` for other methods.
+    /// The gap between the result of `fewest`, or of `best` above its default effort, and its lower bound; `None` for others, which take
+    /// no longer than the bound does.
     pub bound: Option<BoundGap>,
     /// The options of the method, adapted to the model.
     pub options: StripifyOptions,
@@ -140,12 +138,12 @@ pub fn strip_observed(
     observer: &dyn Observer,
 ) -> Result<Stripped, Error> {
     let Survey { prepared, options: stripify, mesh, notes } = Survey::new(model, options.stripify, observer)?;
-    let (FoundStrips { strips, .. }, chosen, stopped) = prepared.search(&stripify, observer)?;
+    let (strips, stopped) = prepared.search(&stripify, observer)?;
     begin(observer, Stage::Measure)?;
     let (figures, of_parts) = prepared.figures_with_parts(&strips, &stripify)?;
     observer.event(Event::Measured(&figures));
     let mut bound = None;
-    if matches!(stripify.method(), Method::Best | Method::Fewest) {
+    if is_long_search(&stripify) {
         begin(observer, Stage::Bound)?;
         bound = Bounds::of(prepared.parts()).gap(&stripify, &figures);
         observer.event(Event::Bounded(bound.as_ref()));
@@ -157,7 +155,6 @@ pub fn strip_observed(
     }
     Ok(Stripped {
         strips,
-        chosen,
         figures,
         mesh,
         bound,
@@ -167,4 +164,13 @@ pub fn strip_observed(
         proven: options.verify,
         of_parts,
     })
+}
+
+/// Returns whether the options ask for a search that takes longer than the bound of its result.
+fn is_long_search(options: &StripifyOptions) -> bool {
+    match options.method() {
+        Method::Best => options.effort() > StripifyOptions::default().effort(),
+        Method::Fewest => true,
+        _ => false,
+    }
 }

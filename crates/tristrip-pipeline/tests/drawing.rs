@@ -71,7 +71,7 @@ fn check(model: &Model, method: Method) {
 fn flat_shaded_models_stay_lists() {
     for seed in 0..20 {
         let model = flat_shaded(2 + seed, [0, 0, 5, 3][seed % 4]);
-        check(&model, Method::Auto);
+        check(&model, Method::Best);
         let found = stripped(&model, Method::Sequential);
         let drawn = found.draw(&model, &EncodeOptions::new(Format::Glb));
         assert_eq!(drawn.drawn_as, [DrawnAs::List]);
@@ -93,7 +93,7 @@ fn quads_of_their_own_stay_polygons_in_a_ply() {
         writeln!(text, "f {} {} {} {}", 4 * i + 1, 4 * i + 2, 4 * i + 3, 4 * i + 4).unwrap();
     }
     let model = read(text.as_bytes(), Format::Obj).unwrap();
-    let encoded = stripped(&model, Method::Auto).encode(&model, &EncodeOptions::new(Format::Ply)).unwrap();
+    let encoded = stripped(&model, Method::Best).encode(&model, &EncodeOptions::new(Format::Ply)).unwrap();
     let again = read(&encoded.bytes, Format::Ply).unwrap();
     assert_eq!(again.parts[0].mesh.faces().iter().map(<[u32]>::len).collect::<Vec<_>>(), [4; 6]);
 }
@@ -110,11 +110,11 @@ fn stored_strips_win_over_worse_ones() {
         }
         read(text.as_bytes(), Format::Obj).unwrap()
     };
-    let best = stripped(&grid, Method::Auto);
+    let best = stripped(&grid, Method::Best);
     for (format, layout) in [(Format::Glb, Layout::Degenerate), (Format::Ply, Layout::Restart)] {
         let options = EncodeOptions::new(format).with_layout(layout);
         let source = read(&best.encode(&grid, &options).unwrap().bytes, format).unwrap();
-        check(&source, Method::Auto);
+        check(&source, Method::Best);
         let mut stored = 0;
         for &method in Method::ALL.iter().filter(|&&method| method != Method::Cache) {
             let found = stripped(&source, method);

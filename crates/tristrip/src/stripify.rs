@@ -56,39 +56,25 @@ pub fn stripify(mesh: &Mesh, options: &StripifyOptions) -> Result<Strips, Error>
 ///
 /// # Errors
 /// An option is invalid for the method.
+///
+/// ```
+/// use tristrip::{DualGraph, Faces, Mesh, PreparedFaces, StripifyOptions, stripify::plan};
+/// // A fan whose triangles are not in the order of a strip.
+/// let mesh = Mesh::new(vec![[0.0; 3]; 5], Faces::from_triangles(vec![0, 1, 2, 4, 2, 3, 2, 1, 3])?)?;
+/// let prepared = PreparedFaces::new(&mesh, false);
+/// let graph = DualGraph::new(prepared.faces());
+/// assert_eq!(plan(&prepared, &graph, &StripifyOptions::default())?.indices_restart(), 5);
+/// # Ok::<(), tristrip::Error>(())
+/// ```
 pub fn plan<'a>(
     prepared: &'a PreparedFaces<'_>,
     graph: &'a DualGraph,
     options: &StripifyOptions,
 ) -> Result<StripPlan<'a>, Error> {
-    choose(prepared, graph, options).map(|(_, plan)| plan)
+    plan_watched(prepared, graph, options, &())
 }
 
-/// Computes the plan of a method, and returns it with the method that ran: for [`Method::Auto`] the method that it stands for,
-/// otherwise the one in the options.
-///
-/// # Errors
-/// An option is invalid for the method.
-///
-/// ```
-/// use tristrip::{DualGraph, Faces, Mesh, Method, PreparedFaces, StripifyOptions, stripify::choose};
-/// // A fan whose triangles are not in the order of a strip.
-/// let mesh = Mesh::new(vec![[0.0; 3]; 5], Faces::from_triangles(vec![0, 1, 2, 4, 2, 3, 2, 1, 3])?)?;
-/// let prepared = PreparedFaces::new(&mesh, false);
-/// let graph = DualGraph::new(prepared.faces());
-/// let (method, plan) = choose(&prepared, &graph, &StripifyOptions::default())?;
-/// assert_eq!((method, plan.indices_restart()), (Method::Best, 5));
-/// # Ok::<(), tristrip::Error>(())
-/// ```
-pub fn choose<'a>(
-    prepared: &'a PreparedFaces<'_>,
-    graph: &'a DualGraph,
-    options: &StripifyOptions,
-) -> Result<(Method, StripPlan<'a>), Error> {
-    choose_watched(prepared, graph, options, &())
-}
-
-/// Computes a plan as [`choose`] does, and reports the progress of a long search to a watcher, which may stop it. A stopped
+/// Computes a plan as [`plan`](fn@plan) does, and reports the progress of a long search to a watcher, which may stop it. A stopped
 /// search returns the best plan found so far.
 ///
 /// # Errors
@@ -96,27 +82,25 @@ pub fn choose<'a>(
 ///
 /// ```
 /// use tristrip::{DualGraph, Faces, Mesh, Method, PreparedFaces, StripifyOptions};
-/// use tristrip::stripify::{Progress, choose_watched};
+/// use tristrip::stripify::{Progress, plan_watched};
 ///
 /// let mesh = Mesh::new(vec![[0.0; 3]; 5], Faces::from_triangles(vec![0, 1, 2, 4, 2, 3, 2, 1, 3])?)?;
 /// let prepared = PreparedFaces::new(&mesh, false);
 /// let graph = DualGraph::new(prepared.faces());
 /// let options = StripifyOptions::default().with_method(Method::Best);
-/// let (_, plan) = choose_watched(&prepared, &graph, &options, &|progress: Progress| progress.steps < 1000)?;
+/// let plan = plan_watched(&prepared, &graph, &options, &|progress: Progress| progress.steps < 1000)?;
 /// assert_eq!(plan.indices_restart(), 5);
 /// # Ok::<(), tristrip::Error>(())
 /// ```
-pub fn choose_watched<'a>(
+pub fn plan_watched<'a>(
     prepared: &'a PreparedFaces<'_>,
     graph: &'a DualGraph,
     options: &StripifyOptions,
     watch: &dyn Watch,
-) -> Result<(Method, StripPlan<'a>), Error> {
-    let plan = match options.method() {
+) -> Result<StripPlan<'a>, Error> {
+    Ok(match options.method() {
         Method::Sequential => sequential::plan(prepared, graph),
-        Method::Auto | Method::Best => {
-            best::plan(prepared, graph, options.cost(), options.effort(), options.seed(), watch)
-        }
+        Method::Best => best::plan(prepared, graph, options.cost(), options.effort(), options.seed(), watch),
         Method::Fewest => fewest::plan(prepared, graph, options, watch),
         Method::Cache => cache::plan(prepared, graph, options, watch),
         Method::Input => input::plan(prepared, graph),
@@ -129,7 +113,5 @@ pub fn choose_watched<'a>(
         }
         Method::Tunnel { length } => tunnel::plan(prepared, graph, length, watch),
         Method::Eta(eta) => eta::plan(prepared, graph, eta, options.seed(), watch),
-    };
-    let method = if options.method() == Method::Auto { Method::Best } else { options.method() };
-    Ok((method, plan))
+    })
 }

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 use tristrip_lab::traffic::{FilterTotal, LevelRow};
-use tristrip_pipeline::{Chosen, Figures, MethodReport, Stopped};
+use tristrip_pipeline::{Figures, MethodReport, Stopped};
 
 use crate::batch::{InputReport, Outcome};
 use crate::task::LodTask;
@@ -26,7 +26,6 @@ pub(crate) struct LodReport {
     pub(crate) file: String,
     #[serde(flatten)]
     pub(crate) method: MethodReport,
-    pub(crate) chosen: Option<Chosen>,
     pub(crate) model: String,
     pub(crate) filter: String,
     /// The effort of the filter `repair`.
@@ -66,7 +65,6 @@ impl LodReport {
         Self {
             file,
             method,
-            chosen: None,
             model: name_of(task.model),
             filter: task.filter.to_string(),
             filter_effort: task.filter_effort.level(),

@@ -65,7 +65,6 @@ fn the_report_has_its_keys() {
         "patches",
         "cutoff",
         "seed",
-        "chosen",
         "model",
         "filter",
         "filter_effort",

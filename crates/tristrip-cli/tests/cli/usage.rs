@@ -15,17 +15,17 @@ fn refused(arguments: &[&str], message: &str) {
 
 #[test]
 fn options_belong_to_their_methods() {
-    refused(&["strip", "a.ply", "--ties", "random"], "--ties belongs to --method stripe-local, not to auto");
+    refused(&["strip", "a.ply", "--ties", "random"], "--ties belongs to --method stripe-local, not to best");
     refused(&["strip", "a.ply", "-m", "sgi", "--triangulation", "static"], "--triangulation belongs to");
     refused(&["strip", "a.ply", "-m", "stripe-local", "--patches", "rows"], "--patches belongs to");
     refused(&["strip", "a.ply", "-m", "sequential", "--cutoff", "5"], "--cutoff belongs to");
-    refused(&["strip", "a.ply", "-m", "sgi", "--seed", "1"], "--seed belongs to --method auto, best, fewest");
+    refused(&["strip", "a.ply", "-m", "sgi", "--seed", "1"], "--seed belongs to --method best, fewest");
     refused(
         &["strip", "a.ply", "-m", "eta", "--effort", "3"],
-        "--effort belongs to --method auto, best, fewest or cache",
+        "--effort belongs to --method best, fewest or cache",
     );
     refused(&["strip", "a.ply", "-m", "best", "--effort", "10"], "10 is not in 0..=9");
-    refused(&["strip", "a.ply", "-m", "fewest", "--cost", "gl"], "--cost belongs to --method auto or best");
+    refused(&["strip", "a.ply", "-m", "fewest", "--cost", "gl"], "--cost belongs to --method best");
     refused(&["strip", "a.ply", "-m", "sgi", "--budget", "1s"], "--budget belongs to");
     refused(&["strip", "a.ply", "-m", "best", "--budget", "soon"], "--budget");
     refused(&["strip", "a.ply", "-m", "best", "--tunnel-length", "3"], "--tunnel-length belongs to");
@@ -38,13 +38,13 @@ fn options_belong_to_their_methods() {
     );
     refused(
         &["strip", "a.ply", "--objective", "misses"],
-        "--objective belongs to --method cache, not to auto",
+        "--objective belongs to --method cache, not to best",
     );
     refused(
         &["strip", "a.ply", "-m", "cache", "--vertex-cache", "fifo:0"],
         "`fifo:N` or `lru:N`, N from 1 to 65536",
     );
-    refused(&["strip", "a.ply", "-m", "magic"], "possible values: auto");
+    refused(&["strip", "a.ply", "-m", "magic"], "possible values: best");
 }
 
 #[test]

@@ -151,7 +151,7 @@ fn measure_strips(
         steps: recipe.steps,
         progress: Mutex::default(),
     };
-    let strips = prepared.find_strips(&options, &watch)?.strips;
+    let strips = prepared.find_strips(&options, &watch)?;
     if watch.outer.stopped().is_some() {
         return Err(Error::Interrupted("not done"));
     }

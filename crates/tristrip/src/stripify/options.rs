@@ -10,12 +10,11 @@ use crate::vertex_cache::VertexCache;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
 pub enum Method {
-    /// `Best`; its default effort takes less than a second per million triangles.
-    #[default]
-    Auto,
     /// Our fast greedy method, followed by a local search at the ends of strips.
     Sequential,
-    /// Our simulated annealing of the cheapest fast method's strips, for a given cost and effort.
+    /// Our simulated annealing of the cheapest fast method's strips, for a given cost and effort. The default effort takes less than a
+    /// second per million triangles.
+    #[default]
     Best,
     /// Our search for the fewest strips, regardless of swaps.
     Fewest,
@@ -51,9 +50,8 @@ pub enum Method {
 impl Method {
     /// One method of each name, with the default values of its parameters.
     pub const ALL: &'static [Self] = &[
-        Self::Auto,
-        Self::Sequential,
         Self::Best,
+        Self::Sequential,
         Self::Fewest,
         Self::Cache,
         Self::Input,
@@ -75,7 +73,6 @@ impl Method {
     /// ```
     pub const fn name(self) -> &'static str {
         match self {
-            Self::Auto => "auto",
             Self::Sequential => "sequential",
             Self::Best => "best",
             Self::Fewest => "fewest",
@@ -96,11 +93,12 @@ impl Method {
     /// ```
     pub const fn summary(self) -> &'static str {
         match self {
-            Self::Auto => "The same as best at effort 2: less than a second for a million triangles",
             Self::Sequential => {
                 "Fast, with few indices: cheapest runs first, swaps only where they cost less than a restart"
             }
-            Self::Best => "A search for the least cost, see --cost and --effort",
+            Self::Best => {
+                "A search for the least cost, see --cost and --effort; the default effort takes less than a second for a million triangles"
+            }
             Self::Fewest => "A search for the fewest strips, see --effort",
             Self::Cache => "Strips ordered for a vertex cache, see --vertex-cache and --objective",
             Self::Input => "Strips in the order of the input",
@@ -140,7 +138,7 @@ impl std::str::FromStr for Method {
         method.ok_or_else(|| Error::Parameter {
             name: "method",
             found: format!("`{name}`"),
-            expected: "auto, sequential, best, fewest, cache, input, sgi, stripe, stripe-local, stripe-global, tunnel or eta",
+            expected: "best, sequential, fewest, cache, input, sgi, stripe, stripe-local, stripe-global, tunnel or eta",
         })
     }
 }
@@ -232,8 +230,8 @@ pub struct StripifyOptions {
     objective: Objective,
 }
 
-/// The default effort of [`Method::Auto`] and [`Method::Cache`]: the highest level that takes less than a second per million triangles.
-const AUTO_EFFORT: Option<Effort> = Effort::new(2);
+/// The default effort of [`Method::Best`] and [`Method::Cache`]: the highest level that takes less than a second per million triangles.
+const FAST_EFFORT: Option<Effort> = Effort::new(2);
 
 impl StripifyOptions {
     /// Sets the method.
@@ -317,7 +315,7 @@ impl StripifyOptions {
 
     /// Returns the effort of searches: the one that was set, otherwise the default of the method.
     pub fn effort(&self) -> Effort {
-        let default = if matches!(self.method, Method::Auto | Method::Cache) { AUTO_EFFORT } else { None };
+        let default = if matches!(self.method, Method::Best | Method::Cache) { FAST_EFFORT } else { None };
         self.effort.or(default).unwrap_or_default()
     }
 }
