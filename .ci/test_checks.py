@@ -8,6 +8,7 @@ import tempfile
 import unittest
 from pathlib import Path
 
+import check_api
 import check_duplicates
 import check_layers
 import check_words
@@ -223,6 +224,49 @@ class Duplicates(Tree):
     def test_tests_are_left_out(self) -> None:
         text = "#[cfg(test)]\nmod tests {\n" + self.block(8) + "}\n"
         self.assertEqual(self.pairs({"a.rs": text, "b.rs": text, "b/tests.rs": self.block(8), "tests/c.rs": self.block(8)}), [])
+
+
+class PublicApi(unittest.TestCase):
+    """Documents as rustdoc writes them: a crate `low` with a public module `base`."""
+
+    @staticmethod
+    def item(name: str | None, inner: dict, docs: str = "", visibility: str = "public") -> dict:
+        return {"name": name, "inner": inner, "docs": docs, "visibility": visibility}
+
+    def problems(self, items: dict[str, dict], root: list[int], base: list[int]) -> list[str]:
+        modules = {"0": self.item("low", {"module": {"items": root}}), "1": self.item("base", {"module": {"items": base}})}
+        return check_api.problems({"root": 0, "index": modules | items}, with_examples=True)
+
+    def use(self, target: int, name: str, is_glob: bool = False) -> dict:
+        return self.item(None, {"use": {"id": target, "name": name, "is_glob": is_glob}})
+
+    def test_one_path(self) -> None:
+        items = {"2": self.item("Point", {"struct": {"impls": []}})}
+        self.assertEqual(self.problems(items, [1], [2]), [])
+
+    def test_two_paths(self) -> None:
+        items = {"2": self.item("Point", {"struct": {"impls": []}})}
+        two = ["low::Point and low::base::Point: two paths"]
+        self.assertEqual(self.problems(items | {"3": self.use(2, "Point")}, [1, 3], [2]), two)
+        self.assertEqual(self.problems(items | {"3": self.use(1, "base", is_glob=True)}, [1, 3], [2]), two)
+
+    def test_empty_module(self) -> None:
+        self.assertEqual(self.problems({}, [1], []), ["low::base: no public items"])
+
+    def test_functions_need_examples(self) -> None:
+        call = {"function": {}}
+        items = {
+            "2": self.item("bare", call),
+            "3": self.item("shown", call, "```\nshown();\n```"),
+            "4": self.item("Point", {"struct": {"impls": [5, 7]}}),
+            "5": self.item(None, {"impl": {"trait": None, "items": [6, 9]}}),
+            "6": self.item("length", call),
+            "7": self.item(None, {"impl": {"trait": {"path": "Display"}, "items": [8]}}),
+            "8": self.item("fmt", call, visibility="default"),
+            "9": self.item("hidden", call, visibility="crate"),
+        }
+        expected = ["low::bare: no example", "low::base::Point::length: no example"]
+        self.assertEqual(self.problems(items, [1, 2, 3], [4]), expected)
 
 
 class Source(unittest.TestCase):

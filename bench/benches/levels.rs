@@ -12,7 +12,7 @@ use std::sync::Arc;
 
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
 use tristrip::lod::LevelCursor;
-use tristrip::lod::progressive::{Encoding, ProgressiveStrips, ProgressiveStripsCursor};
+use tristrip::lod::{Encoding, ProgressiveStrips, ProgressiveStripsCursor};
 use tristrip::lod::{Filter, traffic};
 use tristrip::simplify::{self, simplify};
 use tristrip::verify::verify_drawing;

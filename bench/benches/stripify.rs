@@ -10,8 +10,7 @@ use std::hint::black_box;
 use std::path::Path;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use tristrip::strip::Cost;
-use tristrip::strip::emit;
+use tristrip::Cost;
 use tristrip::stripify::plan;
 use tristrip::verify::verify;
 use tristrip::{DualGraph, Mesh, Method, PreparedFaces, StripifyOptions};
@@ -43,7 +42,7 @@ fn stages(criterion: &mut Criterion) {
         group.throughput(Throughput::Elements(mesh.faces().face_count() as u64));
         group.bench_function("dual graph", |b| b.iter(|| DualGraph::new(black_box(surface.faces()))));
         group.bench_function("plan", |b| b.iter(|| plan(black_box(&surface), &graph, &options)));
-        group.bench_function("strips", |b| b.iter(|| emit(black_box(&chosen.triangulation), &chosen.cover)));
+        group.bench_function("strips", |b| b.iter(|| black_box(&chosen).strips()));
         group.bench_function("proof", |b| b.iter(|| verify(black_box(&mesh), &strips)));
         group.finish();
     }

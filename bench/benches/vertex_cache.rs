@@ -9,7 +9,7 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use tristrip::strip::Metrics;
+use tristrip::Metrics;
 use tristrip::vertex_cache::{
     FlushPolicy, GeneralizedCost, VertexCache, VertexCacheSimulator, VertexCacheStatistics, lru_profile,
 };

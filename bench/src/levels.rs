@@ -9,11 +9,11 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 
 use std::sync::Arc;
 
-use tristrip::lod::progressive::{Encoding, ProgressiveMesh, ProgressiveStrips};
+use tristrip::Effort;
+use tristrip::lod::{Encoding, ProgressiveMesh, ProgressiveStrips};
 use tristrip::lod::{Filter, LevelCursor};
 use tristrip::lod::{Repair, RepairOptions};
 use tristrip::simplify::{self, simplify};
-use tristrip::stripify::Effort;
 use tristrip::{CollapseSequence, Mesh, Method, StripifyOptions, Strips, stripify};
 
 use crate::failure::Failure;

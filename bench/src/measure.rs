@@ -10,7 +10,7 @@
 use std::time::Instant;
 
 use serde::Serialize;
-use tristrip::strip::Metrics;
+use tristrip::Metrics;
 use tristrip::verify::verify;
 use tristrip::{Mesh, Strips, stripify};
 

@@ -1,9 +1,11 @@
 //! The methods under the names that the command uses.
 
-use tristrip::strip::Cost;
-use tristrip::stripify::{Effort, EtaOptions, Objective};
+use tristrip::Cost;
+use tristrip::Effort;
+use tristrip::stripify::{EtaOptions, Objective};
+use tristrip::stripify::{FaceTriangulation, Patches, Ties};
 use tristrip::vertex_cache::VertexCache;
-use tristrip::{FaceTriangulation, Method, Patches, StripifyOptions, Ties};
+use tristrip::{Method, StripifyOptions};
 
 const CUTOFFS: [u32; 5] = [5, 10, 15, 20, 25];
 /// The name of `best` among the main methods: for restarts, at the default effort.

@@ -8,11 +8,11 @@ use std::collections::BTreeMap;
 use std::time::Instant;
 
 use serde::Serialize;
-use tristrip::strip::{Cost, Metrics};
 use tristrip::stripify::EtaOptions;
 use tristrip::stripify::bound::Bound;
 use tristrip::verify::verify;
 use tristrip::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
+use tristrip::{Cost, Metrics};
 use tristrip::{DualGraph, Mesh, Method, PreparedFaces, StripifyOptions, stripify};
 
 use crate::failure::Failure;

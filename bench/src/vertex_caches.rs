@@ -15,10 +15,10 @@
 use std::time::Instant;
 
 use serde::Serialize;
-use tristrip::strip::{Cost, Metrics};
 use tristrip::stripify::Objective;
 use tristrip::verify::verify;
 use tristrip::vertex_cache::{FlushPolicy, VertexCache, VertexCacheSimulator, VertexCacheStatistics};
+use tristrip::{Cost, Metrics};
 use tristrip::{Mesh, Method, Strips, stripify};
 
 use crate::failure::Failure;

@@ -5,9 +5,9 @@
 use std::sync::Arc;
 
 use tristrip::Strips;
-use tristrip::lod::progressive::{Encoding, ProgressiveStripsCursor};
+use tristrip::lod::{Encoding, ProgressiveStripsCursor};
 use tristrip::lod::{Filter, LevelCursor, ProgressiveMesh, ProgressiveStrips, RESTART};
-use tristrip::strip::strip_triangles;
+use tristrip::strip_triangles;
 use tristrip_fuzz::{Bytes, Model, model, sorted, triangles_of};
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {

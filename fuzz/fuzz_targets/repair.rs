@@ -5,8 +5,8 @@
 use std::sync::Arc;
 
 use tristrip::lod::{LevelCursor, Repair, RepairOptions};
-use tristrip::strip::Cost;
-use tristrip::stripify::Effort;
+use tristrip::Cost;
+use tristrip::Effort;
 use tristrip_fuzz::{Bytes, Model, model, sorted};
 
 libfuzzer_sys::fuzz_target!(|data: &[u8]| {

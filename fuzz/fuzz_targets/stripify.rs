@@ -2,14 +2,14 @@
 //! the same triangles; none is below a lower bound.
 #![no_main]
 
-use tristrip::strip::{Cost, Metrics, strip_triangles};
+use tristrip::{Cost, Metrics, strip_triangles};
 use tristrip::stripify::bound::Bound;
-use tristrip::stripify::{Effort, EtaOptions, Objective, Start, plan};
+use tristrip::Effort;
+use tristrip::stripify::{EtaOptions, Objective, Start, plan};
 use tristrip::verify::verify;
 use tristrip::vertex_cache::VertexCache;
-use tristrip::{
-    DualGraph, Error, FaceTriangulation, Mesh, Method, Patches, PreparedFaces, StripifyOptions, Strips, Ties,
-};
+use tristrip::{DualGraph, Error, Mesh, Method, PreparedFaces, StripifyOptions, Strips};
+use tristrip::stripify::{FaceTriangulation, Patches, Ties};
 use tristrip_fuzz::{Bytes, mesh, sorted};
 
 const RESTART: u32 = u32::MAX;

@@ -1,7 +1,7 @@
 //! What the fuzz targets share: a mesh, strips and collapses built from bytes, and the comparison of triangles.
 
 use tristrip::CollapseSequence;
-use tristrip::collapse::Rename;
+use tristrip::Rename;
 use tristrip::simplify::{self, Simplification};
 use tristrip::{Attribute, AttributeData, Faces, Mesh, Method, StripifyOptions, Strips, stripify};
 

@@ -16,11 +16,11 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use clap::Parser;
-use tristrip::lod::progressive::{Encoding, ProgressiveStrips};
+use tristrip::Effort;
+use tristrip::lod::{Encoding, ProgressiveStrips};
 use tristrip::lod::{Filter, traffic};
 use tristrip::lod::{LevelCursor, Repair, RepairOptions};
 use tristrip::simplify::{self, Simplification, simplify};
-use tristrip::stripify::Effort;
 use tristrip::{CollapseSequence, Mesh, Method, StripifyOptions, Strips, stripify};
 use tristrip_bench::distance::two_sided_rms;
 use tristrip_bench::failure::Failure;

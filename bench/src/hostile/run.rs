@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use tristrip::lod::progressive::{Encoding, ProgressiveStrips};
+use tristrip::lod::{Encoding, ProgressiveStrips};
 use tristrip::lod::{Filter, LevelCursor, RESTART, Repair, RepairOptions};
 use tristrip::simplify::{self, simplify};
 use tristrip::verify::{verify, verify_drawing};

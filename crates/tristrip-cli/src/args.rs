@@ -10,8 +10,8 @@ use clap::builder::styling::{AnsiColor, Styles};
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 use clap_complete::Shell;
-use tristrip::strip::Cost;
-use tristrip::stripify::Effort;
+use tristrip::Cost;
+use tristrip::Effort;
 use tristrip_pipeline::VertexCacheList;
 
 use crate::method::{MethodArgs, WeldArgs};

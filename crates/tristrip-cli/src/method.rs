@@ -3,10 +3,12 @@
 use std::time::Duration;
 
 use clap::Args;
-use tristrip::strip::Cost;
-use tristrip::stripify::{Effort, EtaOptions, Objective, Start};
+use tristrip::Cost;
+use tristrip::Effort;
+use tristrip::stripify::{EtaOptions, Objective, Start};
+use tristrip::stripify::{FaceTriangulation, Patches, Ties};
 use tristrip::vertex_cache::VertexCache;
-use tristrip::{FaceTriangulation, Method, Patches, StripifyOptions, Ties};
+use tristrip::{Method, StripifyOptions};
 
 use crate::values::{effort_parser, method_parser, named};
 

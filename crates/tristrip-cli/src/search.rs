@@ -120,7 +120,7 @@ fn on_interrupt() {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tristrip::stripify::Effort;
+    use tristrip::Effort;
 
     /// Regression: the first Ctrl-C during a method that does not search had no effect except a note.
     #[test]

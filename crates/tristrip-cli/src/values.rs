@@ -6,7 +6,7 @@ use std::str::FromStr;
 
 use clap::ValueEnum;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use tristrip::stripify::Effort;
+use tristrip::Effort;
 use tristrip::{Layout, Method};
 use tristrip_io::Format;
 

@@ -3,7 +3,7 @@
 //! The vertices of parts that share them (as the primitives of a glTF mesh do) are written once.
 
 use rustc_hash::FxHashMap;
-use tristrip::mesh::MAX_COUNT;
+use tristrip::MAX_COUNT;
 use tristrip::{Attribute, AttributeData, Mesh};
 
 use crate::error::Error;

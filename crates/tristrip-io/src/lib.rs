@@ -25,12 +25,12 @@
 #![forbid(unsafe_code)]
 
 mod any_format;
-pub mod error;
+mod error;
 mod format;
 pub mod gltf;
 mod join;
 mod le_bytes;
-pub mod model;
+mod model;
 mod obj;
 mod off;
 #[cfg(feature = "fs")]

@@ -16,7 +16,7 @@
 //! # Complexity
 //! One pass; only the file's bytes and the arrays of the result are held.
 
-use tristrip::mesh::MAX_COUNT;
+use tristrip::MAX_COUNT;
 use tristrip::{Attribute, AttributeData, Mesh};
 
 use crate::error::Error;

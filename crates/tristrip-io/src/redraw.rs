@@ -11,7 +11,7 @@
 //! # Complexity
 //! Linear time; 8 bytes per vertex in addition to the new model.
 
-use tristrip::strip::VertexOrder;
+use tristrip::VertexOrder;
 use tristrip::{Faces, Mesh, Strips};
 
 use crate::error::Error;

@@ -15,7 +15,7 @@
 //! # Complexity
 //! Linear time; vertices and faces are held twice, plus 8 bytes per vertex.
 
-use tristrip::strip::VertexOrder;
+use tristrip::VertexOrder;
 use tristrip::{Layout, Mesh, Strips};
 
 use crate::error::Error;

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use rustc_hash::FxHashMap;
-use tristrip::strip::VertexOrder;
+use tristrip::VertexOrder;
 use tristrip::{Attribute, AttributeData, Faces, Mesh};
 
 use crate::error::Error;

@@ -1,6 +1,6 @@
 //! Parts over the same vertices, with the order of these vertices.
 
-use tristrip::strip::VertexOrder;
+use tristrip::VertexOrder;
 
 use crate::error::Error;
 

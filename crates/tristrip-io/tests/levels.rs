@@ -5,7 +5,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use tristrip::lod::progressive::{Encoding, ProgressiveMesh, ProgressiveStrips};
+use tristrip::lod::{Encoding, ProgressiveMesh, ProgressiveStrips};
 use tristrip::lod::{Filter, LevelCursor, traffic};
 use tristrip::simplify::{self, simplify};
 use tristrip::{CollapseSequence, Mesh, Method, Strips, stripify};

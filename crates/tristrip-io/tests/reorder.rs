@@ -10,9 +10,9 @@ use gltf_documents::*;
 use proptest::prelude::*;
 use random::random;
 use serde_json::{Value, json};
-use tristrip::strip::{VertexOrder, strip_triangles};
 use tristrip::verify::verify_models;
 use tristrip::{Attribute, AttributeData, Faces, Layout, Mesh, Strips};
+use tristrip::{VertexOrder, strip_triangles};
 use tristrip_io::{Drawing, Format, Model, Part, Reordered, gltf, read, reorder, write};
 
 const LAYOUTS: [Layout; 4] = [Layout::Restart, Layout::Degenerate, Layout::Separate, Layout::List];

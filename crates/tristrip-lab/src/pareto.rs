@@ -12,8 +12,9 @@ mod chart;
 
 use rayon::prelude::*;
 use serde::Serialize;
-use tristrip::strip::Metrics;
-use tristrip::stripify::{Effort, EtaOptions, Objective};
+use tristrip::Effort;
+use tristrip::Metrics;
+use tristrip::stripify::{EtaOptions, Objective};
 use tristrip::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
 use tristrip::{Method, StripifyOptions, Strips};
 use tristrip_pipeline::{
@@ -96,7 +97,7 @@ struct Candidate {
 /// A result is not proven, or the observer cancelled.
 ///
 /// ```
-/// use tristrip::{StripifyOptions, stripify::Effort};
+/// use tristrip::{Effort, StripifyOptions};
 /// use tristrip_io::{Format, read};
 /// use tristrip_pipeline::PreparedModel;
 /// let model = read(b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n", Format::Obj)?;
@@ -301,7 +302,7 @@ mod tests {
         assert_eq!(with(Method::Best).len(), 14);
         assert_eq!(with(Method::STRIPE).len(), 14);
         assert_eq!(with(Method::Tunnel { length: 9 }).last().map(String::as_str), Some("tunnel 9"));
-        let opengl = StripifyOptions::default().with_cost(tristrip::strip::Cost::OpenGl);
+        let opengl = StripifyOptions::default().with_cost(tristrip::Cost::OpenGl);
         assert_eq!(labels(&opengl, None).last().map(String::as_str), Some("best opengl 2"));
     }
 

@@ -51,7 +51,7 @@ pub fn strips(parts: &[(&[[f32; 3]], &Strips)], options: &RenderOptions) -> Resu
         let colours = colours::of_strips(strips);
         let strips = strips.iter().zip(colours);
         let triangles = strips.flat_map(|(strip, colour)| {
-            tristrip::strip::strip_triangles(strip).map(move |triangle| (triangle, colour))
+            tristrip::strip_triangles(strip).map(move |triangle| (triangle, colour))
         });
         scene.add(positions, triangles)?;
     }

@@ -1,7 +1,7 @@
 //! Lower bounds summed over the parts of a model, and the gap between them and a result.
 
 use serde::Serialize;
-use tristrip::strip::Cost;
+use tristrip::Cost;
 use tristrip::stripify::bound::Bound;
 use tristrip::{Method, StripifyOptions};
 

@@ -11,7 +11,7 @@
 //! Linear time; 4 bytes per vertex while the vertex cache of a part is simulated.
 
 use serde::Serialize;
-use tristrip::strip::Metrics;
+use tristrip::Metrics;
 use tristrip::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
 use tristrip::{Layout, Mesh, Strips};
 use tristrip_io::{Drawing, Format, Model, Part};

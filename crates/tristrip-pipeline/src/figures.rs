@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 
 use serde::Serialize;
-use tristrip::dual::MeshReport;
-use tristrip::strip::Metrics;
+use tristrip::MeshReport;
+use tristrip::Metrics;
 use tristrip::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
 use tristrip::{Method, StripifyOptions, Strips};
 

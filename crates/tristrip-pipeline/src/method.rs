@@ -3,8 +3,10 @@
 use std::str::FromStr;
 
 use serde::Serialize;
-use tristrip::stripify::{Effort, EtaOptions};
-use tristrip::{Error, FaceTriangulation, Method, Patches, StripifyOptions, Ties};
+use tristrip::Effort;
+use tristrip::stripify::EtaOptions;
+use tristrip::stripify::{FaceTriangulation, Patches, Ties};
+use tristrip::{Error, Method, StripifyOptions};
 
 /// A method and its options in the words of the command line; the keys are those of the JSON report.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]

@@ -2,7 +2,7 @@
 
 mod parts;
 
-use tristrip::dual::Triangulation;
+use tristrip::Triangulation;
 use tristrip::simplify::Simplification;
 use tristrip::{Mesh, StripifyOptions, Strips};
 use tristrip_io::{Drawing, Format, Model, Redrawn};

@@ -6,8 +6,9 @@ use std::fmt::Write as _;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use tristrip::Effort;
 use tristrip::lod::RepairOptions;
-use tristrip::stripify::{Effort, Progress, Watch};
+use tristrip::stripify::{Progress, Watch};
 use tristrip::{Layout, Method, StripifyOptions, Strips};
 use tristrip_io::{Drawing, Format, Model, read};
 use tristrip_pipeline::{

@@ -49,7 +49,7 @@ pub struct Collapse<'a> {
 /// A simplification from the full mesh, level n, to the base mesh, level 0, replayable both ways.
 ///
 /// ```
-/// use tristrip::{CollapseSequence, collapse::Rename};
+/// use tristrip::{CollapseSequence, Rename};
 /// // Two triangles; vertex 3 collapses to vertex 2.
 /// let rename = [Rename { removed: 3, kept: 2 }];
 /// let sequence = CollapseSequence::from_collapses(4, vec![0, 1, 2, 2, 1, 3], [(&rename[..], 0.5)])?;

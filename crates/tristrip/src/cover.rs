@@ -61,7 +61,7 @@ pub enum CoverFault {
 
 /// The path of each triangle and its position on that path.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct Numbering {
+pub(crate) struct Numbering {
     /// The path of each triangle, counted in order of the paths' lowest triangles.
     pub path: Vec<u32>,
     /// The position of each triangle on its path, counted from the path's first end.
@@ -179,7 +179,7 @@ impl PathCover {
 
     /// Iterates over a path from one of its ends: each triangle with the half-edges over which the path enters and leaves it.
     /// From a triangle inside a path it goes in one direction only, over the second stored link.
-    pub fn walk<'a>(&'a self, graph: &'a DualGraph, start: FaceId) -> Walk<'a> {
+    pub(crate) fn walk<'a>(&'a self, graph: &'a DualGraph, start: FaceId) -> Walk<'a> {
         let [a, b] = self.edges(start);
         let exit = if a.is_some() && b.is_some() { b } else { a.or(b) };
         Walk { cover: self, graph, state: Some((start, None, exit)), left: self.links.len() }
@@ -221,7 +221,7 @@ impl PathCover {
     }
 
     /// Returns the number of each triangle's path and its position on it.
-    pub fn renumber(&self, graph: &DualGraph) -> Numbering {
+    pub(crate) fn renumber(&self, graph: &DualGraph) -> Numbering {
         let mut numbering = Numbering {
             path: vec![0; self.links.len()],
             position: vec![0; self.links.len()],
@@ -330,7 +330,7 @@ impl PathCover {
 
 /// Iterator over a path: see [`PathCover::walk`].
 #[derive(Debug)]
-pub struct Walk<'a> {
+pub(crate) struct Walk<'a> {
     cover: &'a PathCover,
     graph: &'a DualGraph,
     state: Option<(FaceId, Option<HalfEdge>, Option<HalfEdge>)>,

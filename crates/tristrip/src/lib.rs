@@ -14,38 +14,37 @@
 
 #![forbid(unsafe_code)]
 
+mod collapse;
+mod cover;
 mod csr;
+mod dual;
 mod effort;
+mod error;
 mod ids;
 mod index;
+mod mesh;
 mod names;
+mod prepare;
+mod strip;
 mod union_find;
 mod vector;
 
-pub mod collapse;
-pub mod cover;
-pub mod dual;
-pub mod error;
 pub mod lod;
-pub mod mesh;
-pub mod prepare;
 pub mod random;
 pub mod simplify;
-pub mod strip;
 pub mod stripify;
 pub mod verify;
 pub mod vertex_cache;
 
-pub use collapse::CollapseSequence;
-pub use cover::PathCover;
-pub use dual::DualGraph;
+pub use collapse::{Collapse, CollapseSequence, Rename};
+pub use cover::{CoverFault, PathCover};
+pub use dual::{DualGraph, MeshReport, Triangulation};
+pub use effort::Effort;
 pub use error::{Error, MeshProblem};
-pub use ids::{FaceId, HalfEdge};
+pub use ids::{FaceId, HalfEdge, MAX_COUNT};
 pub use index::Index;
-pub use mesh::{Attribute, AttributeData, Faces, Mesh};
-pub use prepare::PreparedFaces;
-pub use strip::{Layout, Strips};
-pub use stripify::{
-    FaceTriangulation, Method, Patches, StripifyOptions, Ties, stripify, stripify_indices,
-    stripify_indices_with,
-};
+pub use mesh::{Attribute, AttributeData, Faces, Mesh, PositionIds};
+pub use prepare::{PreparedCounts, PreparedFaces};
+pub use strip::{Cost, Layout, Metrics, Strips, VertexOrder, split_joined, strip_triangles};
+pub use stripify::one_shot::{stripify, stripify_indices, stripify_indices_with};
+pub use stripify::options::{Method, StripifyOptions};

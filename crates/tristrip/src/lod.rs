@@ -33,12 +33,12 @@
 //! # Ok::<(), tristrip::Error>(())
 //! ```
 
-pub mod filter;
+mod filter;
 mod index_map;
 mod level_mesh;
 mod level_model;
-pub mod progressive;
-pub mod repair;
+mod progressive;
+mod repair;
 mod replay;
 #[cfg(test)]
 mod samples;
@@ -47,5 +47,8 @@ pub mod traffic;
 pub use filter::{DrawCost, Filter};
 pub use index_map::RESTART;
 pub use level_model::{LevelCursor, LevelModel, LevelTable, View};
-pub use progressive::{Encoding, ProgressiveMesh, ProgressiveStrips};
+pub use progressive::{
+    Encoding, ProgressiveMesh, ProgressiveMeshCursor, ProgressiveStrips, ProgressiveStripsCursor, SlotUpdate,
+    VertexSplit, encoded_offset,
+};
 pub use repair::{Repair, RepairOptions, RepairedStrips};

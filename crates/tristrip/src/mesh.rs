@@ -12,14 +12,14 @@ mod position_ids;
 mod triangle;
 mod vertex_subset;
 
-pub use crate::ids::MAX_COUNT;
 pub(crate) use attribute::select;
 pub use attribute::{Attribute, AttributeData};
 pub use faces::Faces;
 pub(crate) use faces::without_repeats;
 pub use position_ids::PositionIds;
-pub use triangle::{canonical_triangle, is_degenerate};
-pub(crate) use triangle::{canonical_triangles, triangle_at, triangles_of};
+pub(crate) use triangle::{
+    canonical_triangle, canonical_triangles, is_degenerate, triangle_at, triangles_of,
+};
 pub(crate) use vertex_subset::{SPARSE, VertexSubset};
 
 use std::sync::Arc;

@@ -13,14 +13,12 @@
 //!
 //! # Complexity
 //! O(n) over the corners; O(k log k) for a polygon of k corners that is convex up to rounding, and O(k²) at worst to cut one that is
-//! not: k is at most [`EAR_CORNERS`], and the sum of k² over the large ones at most [`EAR_STEPS`], so the total is O(n) plus
+//! not: k is at most [`ear_cutting::EAR_CORNERS`], and the sum of k² over the large ones at most [`ear_cutting::EAR_STEPS`], so the total is O(n) plus
 //! at most a second or two. No memory if nothing is changed.
 
 mod convex;
 mod ear_cutting;
 mod weld;
-
-pub use ear_cutting::{EAR_CORNERS, EAR_SMALL, EAR_STEPS};
 
 use std::borrow::Cow;
 
@@ -152,6 +150,7 @@ fn all_different(polygon: &[u32]) -> bool {
 
 #[cfg(test)]
 mod tests {
+    use super::ear_cutting::{EAR_CORNERS, EAR_SMALL};
     use super::*;
 
     fn flat(points: &[[f32; 2]]) -> Vec<[f32; 3]> {

@@ -6,51 +6,30 @@
 mod best;
 pub mod bound;
 mod cache;
-pub mod eta;
+mod eta;
 mod fewest;
 #[cfg(test)]
 mod generated_meshes;
-mod indices;
-pub mod input;
-mod options;
+mod input;
+pub(crate) mod one_shot;
+pub(crate) mod options;
 mod plan;
-pub mod sequential;
-pub mod sgi;
-pub mod stripe;
-pub mod tunnel;
-pub mod watch;
+mod sequential;
+mod sgi;
+mod stripe;
+mod tunnel;
+mod watch;
 
 use crate::dual::DualGraph;
-pub use crate::effort::Effort;
+pub(crate) use crate::effort::Effort;
 use crate::error::Error;
-use crate::mesh::Mesh;
 use crate::prepare::PreparedFaces;
-use crate::strip::Strips;
-pub use indices::{stripify_indices, stripify_indices_with};
-pub use options::{EtaOptions, FaceTriangulation, Method, Objective, Patches, Start, StripifyOptions, Ties};
+#[cfg(test)]
+pub(crate) use one_shot::stripify;
+pub use options::{EtaOptions, FaceTriangulation, Objective, Patches, Start, Ties};
+pub(crate) use options::{Method, StripifyOptions};
 pub use plan::StripPlan;
 pub use watch::{Progress, Watch};
-
-/// Computes triangle strips for a mesh: runs all stages from faces to strips.
-///
-/// # Errors
-/// An option is invalid for the method.
-///
-/// ```
-/// use tristrip::{Faces, Mesh, StripifyOptions, stripify, verify::verify};
-/// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
-/// let mesh = Mesh::new(corners, Faces::from_polygons([[0, 1, 2, 3]])?)?;
-/// let strips = stripify(&mesh, &StripifyOptions::default())?;
-/// assert_eq!(strips.vertices_sent(), 4);
-/// assert!(verify(&mesh, &strips).is_ok());
-/// # Ok::<(), tristrip::Error>(())
-/// ```
-pub fn stripify(mesh: &Mesh, options: &StripifyOptions) -> Result<Strips, Error> {
-    let prepared = PreparedFaces::new(mesh, options.weld());
-    let graph = DualGraph::new(prepared.faces());
-    let plan = plan(&prepared, &graph, options)?;
-    Ok(plan.strips())
-}
 
 /// Computes the plan of a method: the stage between the dual graph and the strips.
 ///

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use tristrip::stripify::Effort;
+use tristrip::Effort;
 use tristrip_pipeline::{Deviation, DisplayFilter, Level, Ratio};
 
 use super::groups::{GeneralArgs, OutputArgs, TargetArgs};

@@ -48,7 +48,7 @@ fn check_map(source: &Path, target: &Path, report: &Value) -> usize {
             for (slot, &from) in map.iter().enumerate() {
                 assert_eq!(new.positions()[slot].map(f32::to_bits), old.positions()[from].map(f32::to_bits));
             }
-            let order = tristrip::strip::VertexOrder::from_new_to_old(
+            let order = tristrip::VertexOrder::from_new_to_old(
                 &map.iter().map(|&v| u32::try_from(v).unwrap()).collect::<Vec<_>>(),
             );
             let order = order.unwrap();

@@ -142,8 +142,8 @@ impl<'a> AccessorResolver<'a> {
         };
         let count_at = accessor.need("count")?;
         let count = count_at.size()?;
-        if count == 0 || count > tristrip::mesh::MAX_COUNT {
-            return Err(count_at.wrong(format!("1 to {}", tristrip::mesh::MAX_COUNT)));
+        if count == 0 || count > tristrip::MAX_COUNT {
+            return Err(count_at.wrong(format!("1 to {}", tristrip::MAX_COUNT)));
         }
         let matrix = columns > 1;
         let column = rows * component.bytes();

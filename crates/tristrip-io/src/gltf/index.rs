@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use serde_json::{Value, json};
-use tristrip::strip::strip_triangles;
+use tristrip::strip_triangles;
 use tristrip::{Layout, Mesh, Strips};
 
 use super::accessor::ComponentType;

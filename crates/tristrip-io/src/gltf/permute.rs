@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 use std::ops::Range;
 
-use tristrip::strip::VertexOrder;
+use tristrip::VertexOrder;
 
 use super::accessor::AccessorResolver;
 use super::budget::DecodeBudget;

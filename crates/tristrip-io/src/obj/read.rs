@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use rustc_hash::FxHashMap;
-use tristrip::mesh::MAX_COUNT;
+use tristrip::MAX_COUNT;
 
 use super::split::split;
 use super::tables::{MaterialGroup, ObjTables, OptionalIndex};

@@ -1,7 +1,7 @@
 //! Reads rows into a mesh: vertices with their attributes, faces, and the triangles of strips.
 
-use tristrip::mesh::MAX_COUNT;
-use tristrip::strip::strip_triangles;
+use tristrip::MAX_COUNT;
+use tristrip::strip_triangles;
 use tristrip::{Attribute, Mesh};
 
 use super::columns::{VertexColumn, columns};

@@ -16,7 +16,7 @@ const MAX_NAMES: usize = 3;
 /// The drawing library fails; no input is known that causes this.
 ///
 /// ```
-/// use tristrip::{StripifyOptions, stripify::Effort};
+/// use tristrip::{Effort, StripifyOptions};
 /// use tristrip_io::{Format, read};
 /// use tristrip_lab::pareto::{draw, measure};
 /// let model = read(b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n", Format::Obj)?;

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use tristrip::Strips;
-use tristrip::strip::strip_triangles;
+use tristrip::strip_triangles;
 
 /// The colour of a mesh without strips, in sRGB.
 pub(super) const PLAIN: [u8; 3] = [198, 203, 211];

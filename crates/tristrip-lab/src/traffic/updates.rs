@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
 use tristrip::Strips;
-use tristrip::lod::progressive::{Encoding, ProgressiveStrips};
+use tristrip::lod::{Encoding, ProgressiveStrips};
 use tristrip::lod::{LevelCursor, Repair, RepairOptions};
 use tristrip_pipeline::{LevelPart, ModelLevels, rounded};
 

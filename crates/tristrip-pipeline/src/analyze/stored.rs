@@ -7,9 +7,9 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 
 use serde::Serialize;
+use tristrip::Metrics;
 use tristrip::Strips;
-use tristrip::strip::Metrics;
-use tristrip::strip::layout::split_joined;
+use tristrip::split_joined;
 use tristrip::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
 use tristrip_io::Part;
 
@@ -91,7 +91,7 @@ impl StripLengths {
     fn of(strips: &Strips) -> Self {
         let mut lengths = Self::default();
         for strip in strips.iter() {
-            lengths.add(tristrip::strip::strip_triangles(strip).count(), 1);
+            lengths.add(tristrip::strip_triangles(strip).count(), 1);
         }
         lengths
     }

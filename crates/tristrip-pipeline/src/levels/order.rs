@@ -66,7 +66,7 @@ impl LevelOrder {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tristrip::collapse::Rename;
+    use tristrip::Rename;
 
     /// Returns a sequence of collapses along the rim of a fan, with the given errors.
     fn fan(errors: &[f32]) -> CollapseSequence {

@@ -144,7 +144,7 @@ fn mapped(strips: &Strips, map: impl Fn(&mut [u32])) -> Strips {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tristrip::collapse::Rename;
+    use tristrip::Rename;
 
     #[test]
     fn vertices_of_degenerate_triangles_only_are_replaced() {

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use tristrip::mesh::PositionIds;
+use tristrip::PositionIds;
 use tristrip::simplify::{self, Simplification};
 use tristrip::{Error, Faces, Mesh};
 

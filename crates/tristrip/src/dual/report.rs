@@ -46,7 +46,7 @@ impl MeshReport {
     /// Computes the counts of a mesh, its prepared faces and their dual graph.
     ///
     /// ```
-    /// use tristrip::{DualGraph, Faces, Mesh, PreparedFaces, dual::MeshReport};
+    /// use tristrip::{DualGraph, Faces, Mesh, MeshReport, PreparedFaces};
     /// let mesh = Mesh::new(vec![[0.0; 3]; 5], Faces::from_triangles(vec![0, 1, 2, 2, 1, 3])?)?;
     /// let prepared = PreparedFaces::new(&mesh, false);
     /// let graph = DualGraph::new(prepared.faces());

@@ -35,7 +35,7 @@ impl<'a> Triangulation<'a> {
     /// Cuts every face into a fan around its first corner.
     ///
     /// ```
-    /// use tristrip::{DualGraph, Faces, Mesh, PreparedFaces, dual::Triangulation};
+    /// use tristrip::{DualGraph, Faces, Mesh, PreparedFaces, Triangulation};
     /// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
     /// let mesh = Mesh::new(corners, Faces::from_polygons([[0, 1, 2, 3]])?)?;
     /// let prepared = PreparedFaces::new(&mesh, false);
@@ -59,7 +59,7 @@ impl<'a> Triangulation<'a> {
     /// (Evans et al. 1996, figure 5b).
     ///
     /// ```
-    /// # use tristrip::{DualGraph, Faces, Mesh, PreparedFaces, dual::Triangulation};
+    /// # use tristrip::{DualGraph, Faces, Mesh, PreparedFaces, Triangulation};
     /// # let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
     /// # let mesh = Mesh::new(corners, Faces::from_polygons([[0, 1, 2, 3]])?)?;
     /// let prepared = PreparedFaces::new(&mesh, false);

@@ -21,10 +21,10 @@
 //! O(n) time, and no memory but the result, at most four vertices per triangle. For the strips of the bunny at 21 levels, on a core of their own,
 //! `Dtfs` reads 360 million entries per second, `Stss` and `Linked` 260 million.
 
-pub mod dtfs;
-pub mod linked;
+mod dtfs;
+mod linked;
 mod scanner;
-pub mod stss;
+mod stss;
 mod valid;
 
 #[cfg(test)]

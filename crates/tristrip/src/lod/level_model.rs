@@ -20,7 +20,7 @@ use crate::strip::Strips;
 /// ```
 /// use std::sync::Arc;
 /// use tristrip::lod::{Encoding, LevelModel, ProgressiveMesh, ProgressiveStrips};
-/// use tristrip::{CollapseSequence, Strips, collapse::Rename};
+/// use tristrip::{CollapseSequence, Rename, Strips};
 /// let mut strips = Strips::default();
 /// strips.push(&[0, 1, 2, 3]);
 /// let rename = [Rename { removed: 3, kept: 2 }];
@@ -150,7 +150,8 @@ fn check_positive(name: &'static str, value: f32) -> Result<(), Error> {
 /// The number of triangles and the error of each level. 8 bytes per level.
 ///
 /// ```
-/// use tristrip::{CollapseSequence, collapse::Rename, lod::LevelTable};
+/// use tristrip::{CollapseSequence, Rename};
+/// use tristrip::lod::LevelTable;
 /// let renames = [[Rename { removed: 3, kept: 2 }], [Rename { removed: 2, kept: 1 }]];
 /// let collapses = renames.iter().zip([0.5, 0.25]).map(|(renames, error)| (&renames[..], error));
 /// let levels = LevelTable::of(&CollapseSequence::from_collapses(4, vec![0, 1, 2, 2, 1, 3], collapses)?);

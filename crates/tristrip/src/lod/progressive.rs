@@ -19,13 +19,14 @@
 //! # Complexity
 //! A step takes O(u) time. Memory: 4 bytes per entry of the map, 12 bytes per collapse, and 8 bytes per slot that it renames.
 
-pub mod encoded;
-pub mod naive;
+mod encoded;
+mod naive;
 mod pm;
 
 #[cfg(test)]
 mod tests;
 
+pub use encoded::encoded_offset;
 pub use pm::{ProgressiveMesh, ProgressiveMeshCursor, VertexSplit};
 
 use std::sync::Arc;
@@ -43,15 +44,15 @@ use crate::strip::Strips;
 /// What a collapse writes into the slots of the removed vertex.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum Encoding {
-    /// The kept vertex: see [`naive`].
+    /// The kept vertex.
     Naive,
-    /// A symbol that refers to the kept vertex if that is nearby: see [`encoded`].
+    /// A symbol that refers to the kept vertex if that is nearby: see [`encoded_offset`].
     #[default]
     Offsets,
 }
 
 names! {
-    "tristrip::lod::progressive::Encoding", Encoding, "encoding",
+    "tristrip::lod::Encoding", Encoding, "encoding",
     Naive => "naive", "Progressive strips that store every slot that a collapse renames";
     Offsets => "offsets", "E-PS: slots that follow a neighbour are stored once (Kim et al. 2005)";
 }
@@ -61,8 +62,8 @@ names! {
 ///
 /// ```
 /// use std::sync::Arc;
-/// use tristrip::lod::{LevelCursor, progressive::{Encoding, ProgressiveStrips}};
-/// use tristrip::{CollapseSequence, Strips, collapse::Rename};
+/// use tristrip::lod::{Encoding, LevelCursor, ProgressiveStrips};
+/// use tristrip::{CollapseSequence, Rename, Strips};
 /// let mut strips = Strips::default();
 /// strips.push(&[0, 1, 2, 3]);
 /// let rename = [Rename { removed: 3, kept: 2 }];
@@ -184,7 +185,7 @@ impl ProgressiveStripsCursor {
         self.replay.coarsen(&self.model.records)
     }
 
-    /// Returns the entries of the map at its level: vertices, [`RESTART`] between strips, and the [symbols](encoded::offset) of [`Encoding::Offsets`].
+    /// Returns the entries of the map at its level: vertices, [`RESTART`] between strips, and the [symbols](encoded_offset) of [`Encoding::Offsets`].
     pub fn entries(&self) -> &[u32] {
         &self.replay.entries
     }

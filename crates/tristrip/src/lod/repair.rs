@@ -145,7 +145,7 @@ impl RepairOptions {
 /// The strips of a level of detail that follow collapses and splits.
 ///
 /// ```
-/// use tristrip::{CollapseSequence, Strips, collapse::Rename};
+/// use tristrip::{CollapseSequence, Rename, Strips};
 /// use tristrip::lod::{LevelCursor, Repair, RepairOptions};
 /// // A strip of four triangles over two rows of vertices; 1 collapses to 0, which drops the first triangle.
 /// let mut strips = Strips::default();
@@ -201,7 +201,7 @@ impl Repair {
     /// As [`Repair::new`], or the level does not exist.
     ///
     /// ```
-    /// # use tristrip::{CollapseSequence, Strips, collapse::Rename, lod::{LevelCursor, Repair, RepairOptions}};
+    /// # use tristrip::{CollapseSequence, Rename, Strips, lod::{LevelCursor, Repair, RepairOptions}};
     /// # let mut strips = Strips::default();
     /// # strips.push(&[0, 1, 2, 3, 4, 5]);
     /// # let rename = [Rename { removed: 1, kept: 0 }];
@@ -483,7 +483,7 @@ impl LevelCursor for Repair {
 ///
 /// ```
 /// use std::sync::Arc;
-/// use tristrip::{CollapseSequence, Strips, collapse::Rename};
+/// use tristrip::{CollapseSequence, Rename, Strips};
 /// use tristrip::lod::{LevelModel, RepairOptions, RepairedStrips};
 /// let mut strips = Strips::default();
 /// strips.push(&[0, 1, 2, 3, 4, 5]);

@@ -190,7 +190,7 @@ pub fn gigabits(vertices: u64) -> f64 {
 ///
 /// ```
 /// use tristrip::lod::{Filter, traffic};
-/// use tristrip::{CollapseSequence, Strips, collapse::Rename};
+/// use tristrip::{CollapseSequence, Rename, Strips};
 /// let mut strips = Strips::default();
 /// strips.push(&[0, 1, 2, 3]);
 /// let rename = [Rename { removed: 3, kept: 2 }];

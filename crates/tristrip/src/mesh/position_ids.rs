@@ -17,7 +17,7 @@ use crate::ids::{OptionalId, check_count};
 /// against files with colliding positions.
 ///
 /// ```
-/// use tristrip::{Faces, Mesh, mesh::PositionIds};
+/// use tristrip::{Faces, Mesh, PositionIds};
 /// let triangle = Faces::from_triangles(vec![0, 1, 2])?;
 /// let a = Mesh::new(vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]], triangle.clone())?;
 /// let b = Mesh::new(vec![[0.0, 1.0, 0.0], [-0.0, 0.0, 0.0], [1.0, 0.0, 0.0]], triangle)?;

@@ -1,11 +1,7 @@
 //! Triangles as three vertices: whether they are degenerate, and a canonical form that does not depend on the first corner.
 
 /// Returns the triangle rotated to begin with its lowest vertex, so that equal triangles of one winding are equal arrays.
-///
-/// ```
-/// assert_eq!(tristrip::mesh::canonical_triangle([7, 3, 5]), [3, 5, 7]);
-/// ```
-pub fn canonical_triangle(triangle: [u32; 3]) -> [u32; 3] {
+pub(crate) fn canonical_triangle(triangle: [u32; 3]) -> [u32; 3] {
     match triangle {
         [a, b, c] if b < a && b < c => [b, c, a],
         [a, b, c] if c < a && c < b => [c, a, b],
@@ -14,12 +10,8 @@ pub fn canonical_triangle(triangle: [u32; 3]) -> [u32; 3] {
 }
 
 /// Returns whether a triangle contains a vertex more than once, so that it draws nothing.
-///
-/// ```
-/// assert!(tristrip::mesh::is_degenerate([4, 9, 4]));
-/// ```
 #[inline]
-pub fn is_degenerate([a, b, c]: [u32; 3]) -> bool {
+pub(crate) fn is_degenerate([a, b, c]: [u32; 3]) -> bool {
     a == b || b == c || a == c
 }
 

@@ -9,14 +9,14 @@ use super::convex::project;
 /// The largest number of corners of a polygon that is cut by ears. The ear cutter uses a z-order curve and takes less than 0.3 ms for
 /// 2,000 corners of combs, bowls and round shapes, but up to 28 ns · k² for polygons that cross themselves (tuned on stars, combs,
 /// spirals, random and self-crossing polygons of 1,000 to 16,000 corners): 0.47 s at this limit.
-pub const EAR_CORNERS: usize = 4096;
+pub(super) const EAR_CORNERS: usize = 4096;
 
 /// The limit of the sum of k² over the polygons of a mesh that are cut by ears and have more than [`EAR_SMALL`] corners: four of
 /// the largest, 1.4 s at worst.
-pub const EAR_STEPS: usize = 4 * EAR_CORNERS * EAR_CORNERS;
+pub(super) const EAR_STEPS: usize = 4 * EAR_CORNERS * EAR_CORNERS;
 
 /// Polygons of up to this number of corners are always cut by ears: 7 µs per corner at worst.
-pub const EAR_SMALL: usize = 256;
+pub(super) const EAR_SMALL: usize = 256;
 
 /// The steps that ear cutting may still take in a mesh.
 pub(super) struct EarBudget {

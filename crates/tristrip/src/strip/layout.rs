@@ -325,7 +325,7 @@ pub(crate) fn vertices_of<I: Index>(indices: &[I]) -> Result<Vec<u32>, Error> {
 /// Later strips may have begun at an odd position; their winding is then reversed when they are drawn alone.
 ///
 /// ```
-/// use tristrip::strip::layout::split_joined;
+/// use tristrip::split_joined;
 /// let strips: Vec<&[u32]> = split_joined(&[0, 1, 2, 3, 3, 4, 4, 5, 6, 5, 7]).collect();
 /// assert_eq!(strips, [&[0, 1, 2, 3][..], &[4, 5, 6, 5, 7]]);
 /// ```

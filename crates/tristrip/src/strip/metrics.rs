@@ -20,7 +20,7 @@ pub enum Cost {
 }
 
 names! {
-    "tristrip::strip::Cost", Cost, "cost",
+    "tristrip::Cost", Cost, "cost",
     Restart => "restart", "Indices, with a restart between strips";
     OpenGl => "opengl", "Vertices sent, including swaps and winding repeats";
     Degenerate => "degenerate", "Indices of the strips joined by degenerate triangles";
@@ -31,7 +31,7 @@ impl Cost {
     /// Returns this cost from the metrics of strips.
     ///
     /// ```
-    /// use tristrip::{Strips, strip::{Cost, Metrics}};
+    /// use tristrip::{Cost, Metrics, Strips};
     /// let mut strips = Strips::default();
     /// strips.push(&[0, 1, 2, 1, 3]);
     /// let metrics = Metrics::of(&strips);
@@ -83,7 +83,7 @@ impl Metrics {
     /// Measures strips.
     ///
     /// ```
-    /// use tristrip::{Strips, strip::Metrics};
+    /// use tristrip::{Metrics, Strips};
     /// let mut strips = Strips::default();
     /// strips.push(&[0, 1, 2, 1, 3]); // a swap: triangles 0 1 2 and 2 1 3
     /// strips.push(&[4, 5, 6]);
@@ -129,7 +129,7 @@ impl Metrics {
 /// before; `indices_degenerate` is the sum over one index buffer per part.
 ///
 /// ```
-/// use tristrip::{Strips, strip::Metrics};
+/// use tristrip::{Metrics, Strips};
 /// let mut strips = Strips::default();
 /// strips.push(&[0, 1, 2]);
 /// let part = Metrics::of(&strips);

@@ -19,7 +19,7 @@ use crate::mesh::{Attribute, Faces, Mesh, select};
 /// A new numbering of the vertices of one array, in both directions.
 ///
 /// ```
-/// use tristrip::{Strips, strip::VertexOrder};
+/// use tristrip::{Strips, VertexOrder};
 /// let mut strips = Strips::default();
 /// strips.push(&[4, 2, 3]);
 /// let order = VertexOrder::of_strips(5, [&strips])?;
@@ -42,7 +42,7 @@ impl VertexOrder {
     /// There are too many vertices for 32-bit ids.
     ///
     /// ```
-    /// assert_eq!(tristrip::strip::VertexOrder::identity(3)?.new_to_old(), [0, 1, 2]);
+    /// assert_eq!(tristrip::VertexOrder::identity(3)?.new_to_old(), [0, 1, 2]);
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     pub fn identity(vertex_count: usize) -> Result<Self, Error> {
@@ -56,7 +56,7 @@ impl VertexOrder {
     /// A strip has a vertex that is not less than `vertex_count`, or there are too many vertices for 32-bit ids.
     ///
     /// ```
-    /// use tristrip::{Strips, strip::VertexOrder};
+    /// use tristrip::{Strips, VertexOrder};
     /// let (mut roof, mut wall) = (Strips::default(), Strips::default());
     /// roof.push(&[5, 4, 3]);
     /// wall.push(&[3, 4, 0]);
@@ -79,7 +79,7 @@ impl VertexOrder {
     /// An index is not less than `vertex_count`, or there are too many vertices for 32-bit ids.
     ///
     /// ```
-    /// let order = tristrip::strip::VertexOrder::of_indices(4, [2, 2, 3, 0])?;
+    /// let order = tristrip::VertexOrder::of_indices(4, [2, 2, 3, 0])?;
     /// assert_eq!(order.new_to_old(), [2, 3, 0, 1]);
     /// # Ok::<(), tristrip::Error>(())
     /// ```
@@ -112,7 +112,7 @@ impl VertexOrder {
     /// Not every number below the length occurs once, or there are too many vertices for 32-bit ids.
     ///
     /// ```
-    /// use tristrip::strip::VertexOrder;
+    /// use tristrip::VertexOrder;
     /// assert_eq!(VertexOrder::from_new_to_old(&[2, 0, 1])?.old_to_new(), [1, 2, 0]);
     /// assert!(VertexOrder::from_new_to_old(&[2, 0, 2]).is_err());
     /// # Ok::<(), tristrip::Error>(())
@@ -144,7 +144,7 @@ impl VertexOrder {
     /// Counts the vertices whose number changes.
     ///
     /// ```
-    /// let order = tristrip::strip::VertexOrder::of_indices(4, [0, 3])?;
+    /// let order = tristrip::VertexOrder::of_indices(4, [0, 3])?;
     /// assert_eq!(order.moved_count(), 3);
     /// # Ok::<(), tristrip::Error>(())
     /// ```
@@ -155,7 +155,7 @@ impl VertexOrder {
     /// Returns the inverse order, which undoes this one.
     ///
     /// ```
-    /// let order = tristrip::strip::VertexOrder::of_indices(4, [2, 3, 0])?;
+    /// let order = tristrip::VertexOrder::of_indices(4, [2, 3, 0])?;
     /// let ordered = order.values(&[10, 11, 12, 13], 1)?;
     /// assert_eq!(order.inverse().values(&ordered, 1)?, [10, 11, 12, 13]);
     /// # Ok::<(), tristrip::Error>(())
@@ -178,7 +178,7 @@ impl VertexOrder {
     /// There are not `components` values per vertex.
     ///
     /// ```
-    /// let order = tristrip::strip::VertexOrder::of_indices(3, [2])?;
+    /// let order = tristrip::VertexOrder::of_indices(3, [2])?;
     /// assert_eq!(order.values(&[0, 1, 10, 11, 20, 21], 2)?, [20, 21, 0, 1, 10, 11]);
     /// assert!(order.values(&[0, 1, 10, 11], 2).is_err());
     /// # Ok::<(), tristrip::Error>(())
@@ -198,7 +198,7 @@ impl VertexOrder {
     /// The attribute does not have one value per vertex.
     ///
     /// ```
-    /// use tristrip::{Attribute, AttributeData, strip::VertexOrder};
+    /// use tristrip::{Attribute, AttributeData, VertexOrder};
     /// let data = AttributeData::U8(vec![10, 11, 20, 21]);
     /// let uv = Attribute { name: "TEXCOORD_0".into(), components: 2, normalized: true, data };
     /// let moved = VertexOrder::of_indices(2, [1])?.attribute(&uv)?;
@@ -221,7 +221,7 @@ impl VertexOrder {
     /// An index is not less than the number of vertices.
     ///
     /// ```
-    /// let order = tristrip::strip::VertexOrder::of_indices(3, [2])?;
+    /// let order = tristrip::VertexOrder::of_indices(3, [2])?;
     /// assert_eq!(order.indices(&[2, 2, 0])?, [0, 0, 1]);
     /// # Ok::<(), tristrip::Error>(())
     /// ```
@@ -247,7 +247,7 @@ impl VertexOrder {
     /// A face has a vertex that is not less than the number of vertices.
     ///
     /// ```
-    /// use tristrip::{Faces, strip::VertexOrder};
+    /// use tristrip::{Faces, VertexOrder};
     /// let square = Faces::from_polygons([[3, 0, 1, 2]])?;
     /// let order = VertexOrder::of_indices(4, [3, 0])?;
     /// assert_eq!(order.faces(&square)?.face(0), [0, 1, 2, 3]);
@@ -263,7 +263,7 @@ impl VertexOrder {
     /// The mesh has a different number of vertices.
     ///
     /// ```
-    /// use tristrip::{Faces, Mesh, strip::VertexOrder};
+    /// use tristrip::{Faces, Mesh, VertexOrder};
     /// let positions = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     /// let mesh = Mesh::new(positions, Faces::from_triangles(vec![2, 0, 1])?)?;
     /// let order = VertexOrder::of_indices(3, [2, 0, 1])?;
@@ -291,7 +291,8 @@ fn out_of_range(at: usize, vertex: u32, vertex_count: usize) -> Error {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{AttributeData, MAX_COUNT};
+    use crate::ids::MAX_COUNT;
+    use crate::mesh::AttributeData;
     use crate::strip::Metrics;
     use crate::verify::verify;
     use crate::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};

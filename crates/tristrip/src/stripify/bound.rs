@@ -82,7 +82,8 @@ impl Bound {
     /// Bounds all covers of a triangulation.
     ///
     /// ```
-    /// use tristrip::{DualGraph, Faces, Mesh, PreparedFaces, dual::Triangulation, stripify::bound::Bound};
+    /// use tristrip::{DualGraph, Faces, Mesh, PreparedFaces, Triangulation};
+    /// use tristrip::stripify::bound::Bound;
     /// // A triangle with a neighbour at each of its edges, and one by itself.
     /// let corners = vec![0, 1, 2, 1, 0, 3, 2, 1, 4, 0, 2, 5, 6, 7, 8];
     /// let mesh = Mesh::new(vec![[0.0; 3]; 9], Faces::from_triangles(corners)?)?;

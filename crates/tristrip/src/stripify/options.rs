@@ -182,14 +182,14 @@ pub enum Patches {
 }
 
 names! {
-    "tristrip::FaceTriangulation", FaceTriangulation, "triangulation",
+    "tristrip::stripify::FaceTriangulation", FaceTriangulation, "triangulation",
     Static => "static", "In advance, by alternate left and right turns";
     Whole => "whole", "Completely, when a strip enters the face";
     Partial => "partial", "Only as far as the strip needs to leave the face";
 }
 
 names! {
-    "tristrip::Ties", Ties, "ties",
+    "tristrip::stripify::Ties", Ties, "ties",
     Arbitrary => "arbitrary", "The first one found";
     LookAhead => "look-ahead", "The one whose neighbours have the least adjacency";
     Alternate => "alternate", "The one on the other side from the previous turn";
@@ -198,7 +198,7 @@ names! {
 }
 
 names! {
-    "tristrip::Patches", Patches, "patches",
+    "tristrip::stripify::Patches", Patches, "patches",
     Rows => "rows", "One strip per row or column";
     Full => "full", "One strip per patch, extended at both ends";
 }

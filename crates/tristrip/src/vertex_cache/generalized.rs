@@ -63,7 +63,8 @@ impl GeneralizedCost {
     /// A strip has a vertex that is not less than `vertex_count`.
     ///
     /// ```
-    /// use tristrip::{Strips, strip::Metrics, vertex_cache::{FlushPolicy, GeneralizedCost, VertexCache}};
+    /// use tristrip::{Metrics, Strips};
+    /// use tristrip::vertex_cache::{FlushPolicy, GeneralizedCost, VertexCache};
     /// let mut strips = Strips::default();
     /// strips.push(&[0, 1, 2, 1, 3, 1, 4, 1, 0]); // a fan around 1 that closes: three swaps
     /// let two = GeneralizedCost::of(&strips, VertexCache::fifo(2), FlushPolicy::Flush, 5);

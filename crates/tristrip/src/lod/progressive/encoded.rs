@@ -50,10 +50,10 @@ const MAX_CHAIN: usize = 64;
 /// Returns the slot that an entry of an encoded map refers to, as an offset in entries: −2, −1, 1 or 2; `None` for a vertex or a restart.
 ///
 /// ```
-/// use tristrip::lod::{RESTART, progressive::encoded::offset};
-/// assert_eq!([u32::MAX - 4, u32::MAX - 1, RESTART, 7].map(offset), [Some(-2), Some(2), None, None]);
+/// use tristrip::lod::{RESTART, encoded_offset};
+/// assert_eq!([u32::MAX - 4, u32::MAX - 1, RESTART, 7].map(encoded_offset), [Some(-2), Some(2), None, None]);
 /// ```
-pub fn offset(entry: u32) -> Option<i8> {
+pub fn encoded_offset(entry: u32) -> Option<i8> {
     let symbol = entry.checked_sub(MAX_VERTEX_COUNT)?;
     SYMBOLS.get(symbol as usize).copied()
 }
@@ -123,7 +123,7 @@ fn reference(entries: &[u32], slot: usize, vertices: [u32; 2]) -> Option<i8> {
 fn root(entries: &[u32], slot: usize) -> Option<usize> {
     let mut root = slot;
     for _ in 0..MAX_CHAIN {
-        match offset(entries[root]) {
+        match encoded_offset(entries[root]) {
             Some(offset) => root = root.wrapping_add_signed(offset as isize),
             None => return Some(root),
         }
@@ -136,16 +136,16 @@ pub(super) fn decode(entries: &[u32], map: &mut Vec<u32>) {
     map.clear();
     map.extend_from_slice(entries);
     for slot in 0..map.len() {
-        let Some(first) = offset(map[slot]) else { continue };
+        let Some(first) = encoded_offset(map[slot]) else { continue };
         // Follow the chain to a vertex or a decoded entry; then again, to write the vertex.
         let follow = |at: usize, offset: i8| at.wrapping_add_signed(offset as isize);
         let mut end = follow(slot, first);
-        while let Some(next) = offset(map[end]) {
+        while let Some(next) = encoded_offset(map[end]) {
             end = follow(end, next);
         }
         let vertex = map[end];
         let mut at = slot;
-        while let Some(next) = offset(map[at]) {
+        while let Some(next) = encoded_offset(map[at]) {
             map[at] = vertex;
             at = follow(at, next);
         }

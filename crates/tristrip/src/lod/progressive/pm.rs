@@ -35,7 +35,8 @@ use crate::strip::Strips;
 ///
 /// ```
 /// use std::sync::Arc;
-/// use tristrip::{CollapseSequence, collapse::Rename, lod::progressive::ProgressiveMesh};
+/// use tristrip::{CollapseSequence, Rename};
+/// use tristrip::lod::ProgressiveMesh;
 /// let rename = [Rename { removed: 3, kept: 2 }];
 /// let sequence = CollapseSequence::from_collapses(4, vec![2, 1, 3, 0, 1, 2], [(&rename[..], 0.5)])?;
 /// let model = Arc::new(ProgressiveMesh::new(&sequence)?);

@@ -1,7 +1,7 @@
 use proptest::prelude::*;
 use std::sync::Arc;
 
-use super::encoded::offset;
+use super::encoded_offset;
 use super::{Encoding, ProgressiveMesh, ProgressiveStrips, ProgressiveStripsCursor};
 use crate::collapse::{CollapseSequence, Rename};
 use crate::lod::samples::{samples, sorted};
@@ -28,7 +28,7 @@ fn cursor(strips: &Strips, sequence: &CollapseSequence, encoding: Encoding) -> P
 
 /// Formats the entries for people.
 fn text(model: &ProgressiveStripsCursor) -> String {
-    let entry = |&e: &u32| match offset(e) {
+    let entry = |&e: &u32| match encoded_offset(e) {
         Some(offset) => format!("{offset:+}"),
         None if e == RESTART => "R".into(),
         None => e.to_string(),

@@ -1,13 +1,34 @@
-//! Strips of an index buffer: without positions, and without a mesh.
+//! Strips in one call: of a mesh, or of an index buffer, without positions and without a mesh.
 
 use super::{StripifyOptions, plan};
 use crate::dual::DualGraph;
 use crate::error::{Error, MeshProblem};
 use crate::index::Index;
-use crate::mesh::Faces;
+use crate::mesh::{Faces, Mesh};
 use crate::prepare::PreparedFaces;
 use crate::strip::Strips;
 use crate::strip::layout::vertices_of;
+
+/// Computes triangle strips for a mesh: runs all stages from faces to strips.
+///
+/// # Errors
+/// An option is invalid for the method.
+///
+/// ```
+/// use tristrip::{Faces, Mesh, StripifyOptions, stripify, verify::verify};
+/// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+/// let mesh = Mesh::new(corners, Faces::from_polygons([[0, 1, 2, 3]])?)?;
+/// let strips = stripify(&mesh, &StripifyOptions::default())?;
+/// assert_eq!(strips.vertices_sent(), 4);
+/// assert!(verify(&mesh, &strips).is_ok());
+/// # Ok::<(), tristrip::Error>(())
+/// ```
+pub fn stripify(mesh: &Mesh, options: &StripifyOptions) -> Result<Strips, Error> {
+    let prepared = PreparedFaces::new(mesh, options.weld());
+    let graph = DualGraph::new(prepared.faces());
+    let plan = plan(&prepared, &graph, options)?;
+    Ok(plan.strips())
+}
 
 /// Computes triangle strips for the triangles of an index buffer, three indices of 8, 16 or 32 bits or `usize` each, with the default
 /// options. Triangles with a repeated vertex draw nothing and are left out.
