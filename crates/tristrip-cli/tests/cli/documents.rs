@@ -3,6 +3,8 @@
 use std::fs;
 use std::path::PathBuf;
 
+use serde_json::Value;
+
 use super::{json, keys, model, tristrip};
 
 fn document(name: &str) -> PathBuf {
@@ -26,6 +28,7 @@ fn the_docs_contain_the_help() {
         "convert",
         "simplify",
         "lod",
+        "repro",
         "completions",
         "man",
     ] {
@@ -50,6 +53,69 @@ fn the_docs_contain_the_help() {
     );
 }
 
+/// The command of the sample in each section of FORMAT.md.
+const SAMPLES: [&str; 9] = [
+    "strip fish_control.ply -o fish.glb --json",
+    "compare fish_control.ply --json",
+    "bound fish_control.ply --json",
+    "analyze fish.glb --vertex-caches fifo:16 --json",
+    "verify fish_control.ply fish.glb --json",
+    "convert fish_control.ply -o fish.obj --json",
+    "simplify fish_control.ply --ratio 50% -o small.ply --json",
+    "lod fish_control.ply --level 50% -o level.glb --json",
+    "repro --papers 000 --models . -o . --json",
+];
+
+/// Sets all times of a report to the same value, and cuts arrays to their first entry, except coordinates.
+fn sample_of(value: &mut Value) {
+    match value {
+        Value::Array(entries) => {
+            let coordinates = entries.len() <= 3 && entries.iter().all(Value::is_number);
+            entries.truncate(if coordinates { 3 } else { 1 });
+            entries.iter_mut().for_each(sample_of);
+        }
+        Value::Object(entries) => {
+            for (key, entry) in entries.iter_mut() {
+                match entry {
+                    Value::Object(times) if key == "seconds" => {
+                        times
+                            .values_mut()
+                            .filter(|time| !time.is_null())
+                            .for_each(|time| *time = 0.01.into());
+                    }
+                    entry => sample_of(entry),
+                }
+            }
+        }
+        _ => (),
+    }
+}
+
+/// The samples of FORMAT.md are regenerated when `TRISTRIP_BLESS` is set.
+#[test]
+fn the_samples_of_reports_are_what_the_command_prints() {
+    let dir = tempfile::tempdir().unwrap();
+    fs::copy(model("fish_control.ply"), dir.path().join("fish_control.ply")).unwrap();
+    let path = document("FORMAT.md");
+    let mut expected = fs::read_to_string(&path).unwrap();
+    for line in SAMPLES {
+        let mut report = json(tristrip().args(line.split_whitespace()).current_dir(&dir));
+        sample_of(&mut report);
+        let name = line.split_whitespace().next().unwrap();
+        let heading = format!("### `tristrip {name}`\n\n");
+        let report = serde_json::to_string_pretty(&report).unwrap();
+        let sample = format!("`tristrip {line}` prints\n\n```json\n{report}\n```\n\n");
+        let (before, section) = expected.split_once(&heading).expect("a section for each subcommand");
+        let rest = section.strip_prefix("`tristrip ").and_then(|sample| sample.split_once("\n```\n\n"));
+        expected = format!("{before}{heading}{sample}{}", rest.map_or(section, |(_, rest)| rest));
+    }
+    if std::env::var_os("TRISTRIP_BLESS").is_some() {
+        fs::write(&path, &expected).unwrap();
+    }
+    let found = fs::read_to_string(&path).unwrap();
+    assert!(found == expected, "the samples of FORMAT.md differ from what the command prints");
+}
+
 #[test]
 fn every_json_key_is_described() {
     let described = fs::read_to_string(document("FORMAT.md")).unwrap();
@@ -57,7 +123,7 @@ fn every_json_key_is_described() {
     let dir = tempfile::tempdir().unwrap();
     let strip = json(tristrip().args(["strip", "--json", "-m", "stripe-local"]).arg(&fish));
     let global = json(tristrip().args(["strip", "--json", "-m", "stripe"]).arg(&fish));
-    let best = json(tristrip().args(["strip", "--json", "-m", "best", "--effort", "1"]).arg(&fish));
+    let best = json(tristrip().args(["strip", "--json", "-m", "best", "--effort", "3"]).arg(&fish));
     let eta = json(tristrip().args(["strip", "--json", "-m", "eta"]).arg(&fish));
     let bound = json(tristrip().args(["bound", "--json"]).arg(&fish));
     let analyze = json(tristrip().args(["analyze", "--json"]).arg(&fish));
