@@ -11,7 +11,6 @@ use std::path::Path;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use tristrip::strip::Cost;
-use tristrip::strip::emit;
 use tristrip::stripify::plan;
 use tristrip::verify::verify;
 use tristrip::{DualGraph, Mesh, Method, PreparedFaces, StripifyOptions};
@@ -36,14 +35,14 @@ fn stages(criterion: &mut Criterion) {
         let chosen = plan(&surface, &graph, &options).expect("valid options");
         let strips = chosen.strips();
         assert_eq!(graph.check(), Ok(()));
-        assert_eq!(chosen.cover.check(chosen.triangulation.graph()), Ok(()));
+        assert_eq!(chosen.cover().check(chosen.triangulation().graph()), Ok(()));
         assert!(verify(&mesh, &strips).is_ok());
 
         let mut group = criterion.benchmark_group(name);
         group.throughput(Throughput::Elements(mesh.faces().face_count() as u64));
         group.bench_function("dual graph", |b| b.iter(|| DualGraph::new(black_box(surface.faces()))));
         group.bench_function("plan", |b| b.iter(|| plan(black_box(&surface), &graph, &options)));
-        group.bench_function("strips", |b| b.iter(|| emit(black_box(&chosen.triangulation), &chosen.cover)));
+        group.bench_function("strips", |b| b.iter(|| black_box(&chosen).strips()));
         group.bench_function("proof", |b| b.iter(|| verify(black_box(&mesh), &strips)));
         group.finish();
     }

@@ -4,14 +4,15 @@
 //! odd i; a triangle with two equal vertices draws nothing. A *swap* repeats one vertex inside a strip; a winding repeat does so at
 //! the start.
 
-pub mod emit;
+mod emit;
 mod join;
 pub mod layout;
 pub mod metrics;
 pub mod vertex_order;
 
-pub(crate) use emit::{OPEN, Step, cover_cost, path_steps, send_path};
-pub use emit::{emit, emit_in_order, path_cost};
+#[cfg(test)]
+pub(crate) use emit::path_cost;
+pub(crate) use emit::{OPEN, Step, cover_cost, emit, emit_in_order, path_steps, send_path};
 pub use layout::Layout;
 pub use metrics::{Cost, Metrics};
 pub use vertex_order::VertexOrder;

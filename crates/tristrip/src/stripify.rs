@@ -48,14 +48,14 @@ pub use watch::{Progress, Watch};
 pub fn stripify(mesh: &Mesh, options: &StripifyOptions) -> Result<Strips, Error> {
     let prepared = PreparedFaces::new(mesh, options.weld());
     let graph = DualGraph::new(prepared.faces());
-    let plan = plan(&prepared, &graph, options)?;
+    let (_, plan) = choose_known(&prepared, &graph, options, &())?;
     Ok(plan.strips())
 }
 
 /// Computes the plan of a method: the stage between the dual graph and the strips.
 ///
 /// # Errors
-/// An option is invalid for the method.
+/// An option is invalid for the method, or the graph is not the one of the faces.
 pub fn plan<'a>(
     prepared: &'a PreparedFaces<'_>,
     graph: &'a DualGraph,
@@ -68,7 +68,7 @@ pub fn plan<'a>(
 /// otherwise the one in the options.
 ///
 /// # Errors
-/// An option is invalid for the method.
+/// An option is invalid for the method, or the graph is not the one of the faces.
 ///
 /// ```
 /// use tristrip::{DualGraph, Faces, Mesh, Method, PreparedFaces, StripifyOptions, stripify::choose};
@@ -92,7 +92,7 @@ pub fn choose<'a>(
 /// search returns the best plan found so far.
 ///
 /// # Errors
-/// An option is invalid for the method.
+/// An option is invalid for the method, or the graph is not the one of the faces.
 ///
 /// ```
 /// use tristrip::{DualGraph, Faces, Mesh, Method, PreparedFaces, StripifyOptions};
@@ -107,6 +107,17 @@ pub fn choose<'a>(
 /// # Ok::<(), tristrip::Error>(())
 /// ```
 pub fn choose_watched<'a>(
+    prepared: &'a PreparedFaces<'_>,
+    graph: &'a DualGraph,
+    options: &StripifyOptions,
+    watch: &dyn Watch,
+) -> Result<(Method, StripPlan<'a>), Error> {
+    graph.check_faces(prepared.faces())?;
+    choose_known(prepared, graph, options, watch)
+}
+
+/// Computes a plan as [`choose_watched`] does, for a graph that was made from the faces.
+fn choose_known<'a>(
     prepared: &'a PreparedFaces<'_>,
     graph: &'a DualGraph,
     options: &StripifyOptions,
@@ -132,4 +143,41 @@ pub fn choose_watched<'a>(
     };
     let method = if options.method() == Method::Auto { Method::Best } else { options.method() };
     Ok((method, plan))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::Faces;
+    use bound::Bound;
+
+    /// Every method refuses a graph of fewer faces, of more faces, of faces of other sizes, and of faces connected otherwise.
+    #[test]
+    fn a_graph_of_other_faces_is_refused() {
+        let mesh = |polygons: &[Vec<u32>]| {
+            Mesh::new(vec![[0.0; 3]; 9], Faces::from_polygons(polygons).unwrap()).unwrap()
+        };
+        let meshes = [
+            mesh(&[vec![0, 1, 2], vec![2, 1, 3], vec![4, 5, 6], vec![6, 5, 7]]),
+            mesh(&[vec![4, 5, 6], vec![0, 1, 2], vec![2, 1, 3], vec![7, 8, 0]]),
+            mesh(&[vec![0, 1, 2], vec![2, 1, 3]]),
+            mesh(&[vec![0, 1, 2, 3], vec![2, 1, 4, 7], vec![4, 5, 6, 8]]),
+            mesh(&[vec![0, 1, 2, 3, 4], vec![2, 1, 5], vec![4, 5, 6, 8]]),
+            mesh(&[]),
+        ];
+        for (i, mesh) in meshes.iter().enumerate() {
+            let prepared = PreparedFaces::new(mesh, false);
+            let own = DualGraph::new(prepared.faces());
+            let cover = plan(&prepared, &own, &StripifyOptions::default()).unwrap().cover;
+            for (j, other) in meshes.iter().enumerate() {
+                let graph = DualGraph::new(PreparedFaces::new(other, false).faces());
+                for method in Method::ALL {
+                    let options = StripifyOptions::default().with_method(*method);
+                    assert_eq!(plan(&prepared, &graph, &options).is_ok(), i == j, "{i} {j} {method}");
+                }
+                assert_eq!(Bound::of_prepared(&prepared, &graph).is_ok(), i == j, "{i} {j}");
+                assert!(cover.len() == graph.face_count() || cover.check(&graph).is_err(), "{i} {j}");
+            }
+        }
+    }
 }

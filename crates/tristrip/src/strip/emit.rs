@@ -27,20 +27,7 @@ use crate::ids::{FaceId, HalfEdge};
 pub(crate) const OPEN: u32 = 3;
 
 /// Converts each path of a cover into a strip, the strips in order of their lowest triangles.
-///
-/// ```
-/// use tristrip::{DualGraph, Faces, HalfEdge, Mesh, PathCover, PreparedFaces, dual::Triangulation, strip::emit};
-/// let faces = Faces::from_triangles(vec![0, 1, 2, 2, 1, 3])?;
-/// let mesh = Mesh::new(vec![[0.0; 3]; 4], faces)?;
-/// let prepared = PreparedFaces::new(&mesh, false);
-/// let graph = DualGraph::new(prepared.faces());
-/// let triangulation = Triangulation::fan(&prepared, &graph);
-/// let mut cover = PathCover::isolated(2);
-/// cover.join(&graph, HalfEdge(1));
-/// assert_eq!(emit(&triangulation, &cover).vertices(), [3, 2, 1, 0]);
-/// # Ok::<(), tristrip::Error>(())
-/// ```
-pub fn emit(triangulation: &Triangulation<'_>, cover: &PathCover) -> Strips {
+pub(crate) fn emit(triangulation: &Triangulation<'_>, cover: &PathCover) -> Strips {
     let (triangles, graph) = (triangulation.triangles(), triangulation.graph());
     let mut strips = Strips::with_capacity(cover.len() + cover.len() / 3, cover.path_count());
     let mut seen = vec![false; cover.len()];
@@ -79,21 +66,11 @@ pub fn emit(triangulation: &Triangulation<'_>, cover: &PathCover) -> Strips {
 ///
 /// The order is [kept](Strips::with_kept_order). Paths that `order` does not contain are not drawn. A path whose first turn requires a
 /// swap in that direction gets the swap.
-///
-/// ```
-/// use tristrip::{DualGraph, FaceId, Faces, HalfEdge, Mesh, PathCover, PreparedFaces, dual::Triangulation, strip::emit_in_order};
-/// let faces = Faces::from_triangles(vec![0, 1, 2, 2, 1, 3, 4, 5, 6])?;
-/// let mesh = Mesh::new(vec![[0.0; 3]; 7], faces)?;
-/// let prepared = PreparedFaces::new(&mesh, false);
-/// let graph = DualGraph::new(prepared.faces());
-/// let triangulation = Triangulation::fan(&prepared, &graph);
-/// let mut cover = PathCover::isolated(3);
-/// cover.join(&graph, HalfEdge(1));
-/// let strips = emit_in_order(&triangulation, &cover, &[FaceId(2), FaceId(1)]);
-/// assert_eq!(strips.vertices(), [4, 5, 6, 3, 2, 1, 0]);
-/// # Ok::<(), tristrip::Error>(())
-/// ```
-pub fn emit_in_order(triangulation: &Triangulation<'_>, cover: &PathCover, order: &[FaceId]) -> Strips {
+pub(crate) fn emit_in_order(
+    triangulation: &Triangulation<'_>,
+    cover: &PathCover,
+    order: &[FaceId],
+) -> Strips {
     let (triangles, graph) = (triangulation.triangles(), triangulation.graph());
     let mut strips = Strips::with_capacity(cover.len() + cover.len() / 3, order.len());
     for &start in order {
@@ -214,7 +191,7 @@ pub(crate) fn send_path(triangles: &[u32], path: impl Iterator<Item = Step>, out
 }
 
 /// Counts the vertices of the strip that [`emit`] creates from the path at `start`, for methods that compare alternatives.
-pub fn path_cost(graph: &DualGraph, cover: &PathCover, start: FaceId) -> usize {
+pub(crate) fn path_cost(graph: &DualGraph, cover: &PathCover, start: FaceId) -> usize {
     let path: Vec<Step> = path_steps(graph, cover, start).collect();
     path.len() + 2 + swaps_inside(&path) + swaps_at_start(&path).min(swaps_at_start_reversed(&path))
 }

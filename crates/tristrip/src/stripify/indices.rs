@@ -1,10 +1,10 @@
 //! Strips of an index buffer: without positions, and without a mesh.
 
-use super::{StripifyOptions, plan};
+use super::{StripifyOptions, choose_known};
 use crate::dual::DualGraph;
-use crate::error::{Error, MeshProblem};
+use crate::error::Error;
 use crate::index::Index;
-use crate::mesh::Faces;
+use crate::mesh::{Faces, check_corners};
 use crate::prepare::PreparedFaces;
 use crate::strip::Strips;
 use crate::strip::layout::vertices_of;
@@ -50,20 +50,11 @@ pub fn stripify_indices_with<I: Index>(
         return Err(Error::Parameter { name: "weld", found, expected: "false, or a mesh" });
     }
     let faces = Faces::from_triangles(vertices_of(indices)?)?;
-    check_range(&faces, vertex_count)?;
+    check_corners(faces.corners(), vertex_count)?;
     let prepared = PreparedFaces::of_triangles(&faces, vertex_count);
     let graph = DualGraph::new(prepared.faces());
-    Ok(plan(&prepared, &graph, options)?.strips())
-}
-
-/// Checks that every index is less than the number of vertices.
-fn check_range(faces: &Faces, vertex_count: usize) -> Result<(), Error> {
-    let corner = faces.corners().iter().position(|&v| v as usize >= vertex_count);
-    corner.map_or(Ok(()), |corner| {
-        let (face, found) = ((corner / 3) as u32, faces.corners()[corner]);
-        let vertex_count = vertex_count as u32;
-        Err(MeshProblem::VertexIndex { face, corner: (corner % 3) as u32, found, vertex_count }.into())
-    })
+    let (_, plan) = choose_known(&prepared, &graph, options, &())?;
+    Ok(plan.strips())
 }
 
 #[cfg(test)]

@@ -8,18 +8,26 @@ use crate::strip::{Metrics, Strips, cover_cost, emit, emit_in_order};
 /// The choice of a method: a triangulation and a path cover of it.
 #[derive(Debug, Clone)]
 pub struct StripPlan<'a> {
-    /// The triangles and their dual graph.
-    pub triangulation: Triangulation<'a>,
-    /// The paths over the triangles.
-    pub cover: PathCover,
+    pub(crate) triangulation: Triangulation<'a>,
+    pub(crate) cover: PathCover,
     /// The first triangle of each path, in drawing order; `None` leaves order and direction to the emitter.
-    pub order: Option<Vec<FaceId>>,
+    pub(crate) order: Option<Vec<FaceId>>,
 }
 
 impl<'a> StripPlan<'a> {
     /// Creates a plan that leaves the order and the direction of the paths to the emitter.
-    pub fn new(triangulation: Triangulation<'a>, cover: PathCover) -> Self {
+    pub(crate) fn new(triangulation: Triangulation<'a>, cover: PathCover) -> Self {
         Self { triangulation, cover, order: None }
+    }
+
+    /// Returns the triangles and their dual graph.
+    pub fn triangulation(&self) -> &Triangulation<'a> {
+        &self.triangulation
+    }
+
+    /// Returns the paths over the triangles.
+    pub fn cover(&self) -> &PathCover {
+        &self.cover
     }
 
     /// Emits the strips.
