@@ -30,7 +30,8 @@ fn proven_maps(strips: &Strips, sequence: &CollapseSequence) -> Vec<Vec<u32>> {
     let mut cursor = Arc::new(model).cursor();
     let map_of = |step: usize| {
         cursor.set_level(sequence.len() * step / LEVELS).expect("a level");
-        let drawn = Faces::from_triangles(sequence.drawn(cursor.level()).concat()).expect("triangles");
+        let drawn = Faces::from_triangles(sequence.drawn(cursor.level()).expect("a level").concat())
+            .expect("triangles");
         let (mut map, mut display) = (Vec::new(), Strips::default());
         cursor.decode_to(&mut map);
         for filter in Filter::ALL {

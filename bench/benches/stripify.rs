@@ -35,7 +35,7 @@ fn stages(criterion: &mut Criterion) {
         let chosen = plan(&surface, &graph, &options).expect("valid options");
         let strips = chosen.strips();
         assert_eq!(graph.check(), Ok(()));
-        assert_eq!(chosen.cover.check(chosen.triangulation.graph()), Ok(()));
+        assert_eq!(chosen.cover().check(chosen.triangulation().graph()), Ok(()));
         assert!(verify(&mesh, &strips).is_ok());
 
         let mut group = criterion.benchmark_group(name);

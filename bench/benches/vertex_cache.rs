@@ -20,8 +20,8 @@ use tristrip_bench::models::{default_folder, find, load};
 const MODELS: [&str; 3] = ["hand", "bunny", "dragon"];
 
 fn misses(strips: &Strips, cache: VertexCache, vertex_count: usize) -> usize {
-    let mut queue = VertexCacheSimulator::new(cache, vertex_count);
-    queue.send_all(black_box(strips.vertices()));
+    let mut queue = VertexCacheSimulator::new(cache, vertex_count).expect("enough memory");
+    queue.send_all(black_box(strips.vertices())).expect("vertices of the mesh");
     queue.misses()
 }
 
@@ -34,13 +34,13 @@ fn vertex_caches(criterion: &mut Criterion) {
         let count = mesh.vertex_count();
         let eight = [4, 6, 8, 12, 16, 24, 32, 64];
         let fifo = eight.map(VertexCache::fifo);
-        let each = VertexCacheStatistics::of_each(&strips, &fifo, FlushPolicy::Keep, count);
-        let profile = lru_profile(&strips, 64, FlushPolicy::Keep, count);
+        let each = VertexCacheStatistics::of_each(&strips, &fifo, FlushPolicy::Keep);
+        let profile = lru_profile(&strips, 64, FlushPolicy::Keep).expect("a size");
         for (i, &places) in eight.iter().enumerate() {
             assert_eq!(each[i].misses, misses(&strips, fifo[i], count));
             assert_eq!(profile[places as usize - 1], misses(&strips, VertexCache::lru(places), count));
         }
-        let two = GeneralizedCost::of(&strips, VertexCache::fifo(2), FlushPolicy::Flush, count);
+        let two = GeneralizedCost::of(&strips, VertexCache::fifo(2), FlushPolicy::Flush);
         assert_eq!(two.transmitted, Metrics::of(&strips).gl_cost);
 
         let mut group = criterion.benchmark_group(format!("{}, vertex caches", source.name));
@@ -54,16 +54,16 @@ fn vertex_caches(criterion: &mut Criterion) {
         ] {
             group.bench_function(cache.to_string(), |b| b.iter(|| misses(&strips, cache, count)));
         }
-        let all = |cache| VertexCacheStatistics::of(&strips, cache, FlushPolicy::Keep, count);
+        let all = |cache| VertexCacheStatistics::of(&strips, cache, FlushPolicy::Keep);
         group.bench_function("fifo:16 with triangles", |b| b.iter(|| all(VertexCache::fifo(16))));
         group.bench_function("8 fifo", |b| {
-            b.iter(|| VertexCacheStatistics::of_each(&strips, &fifo, FlushPolicy::Keep, count))
+            b.iter(|| VertexCacheStatistics::of_each(&strips, &fifo, FlushPolicy::Keep))
         });
         for most in [64, 4096] {
             let name = format!("lru:1..{most}");
-            group.bench_function(name, |b| b.iter(|| lru_profile(&strips, most, FlushPolicy::Keep, count)));
+            group.bench_function(name, |b| b.iter(|| lru_profile(&strips, most, FlushPolicy::Keep)));
         }
-        let generalized = || GeneralizedCost::of(&strips, VertexCache::fifo(16), FlushPolicy::Flush, count);
+        let generalized = || GeneralizedCost::of(&strips, VertexCache::fifo(16), FlushPolicy::Flush);
         group.bench_function("generalized fifo:16", |b| b.iter(generalized));
         group.finish();
     }

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use tristrip::verify::verify;
 use tristrip::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
 use tristrip::{Layout, StripifyOptions, Strips, stripify};
-use tristrip_io::{Drawing, Format, Model, Part, read_path, write};
+use tristrip_io::{Drawing, Format, Model, read_path, write};
 
 use crate::failure::Failure;
 use crate::levels;
@@ -130,7 +130,7 @@ pub fn check(
         let (strips, written) = results.swap_remove(0);
         if extra.hashes {
             let line = |(what, hash): (&str, String)| format!("{}\t{name}\t{what}\t{hash}", source.name);
-            checked.hashes.extend(index_buffers(&model, &strips).into_iter().map(line));
+            checked.hashes.extend(index_buffers(&strips).into_iter().map(line));
             let files = kinds.iter().zip(&written).map(|((_, _, kind), bytes)| line((kind, hash_of(bytes))));
             checked.hashes.extend(files);
         }
@@ -152,19 +152,18 @@ pub fn check(
 }
 
 /// Hashes the strips of all parts in each layout, and their misses in simulated vertex caches.
-fn index_buffers(model: &Model, strips: &[Strips]) -> [(&'static str, String); 5] {
+fn index_buffers(strips: &[Strips]) -> [(&'static str, String); 5] {
     let of = |layout: fn(&Strips) -> Vec<u32>| hash_of(strips.iter().map(layout).collect::<Vec<_>>());
-    let misses = |(part, strips): (&Part, &Strips)| {
-        let count = part.mesh.vertex_count();
+    let misses = |strips: &Strips| {
         [VertexCache::fifo(16), VertexCache::lru(16)]
-            .map(|b| VertexCacheStatistics::of(strips, b, FlushPolicy::default(), count).misses)
+            .map(|b| VertexCacheStatistics::of(strips, b, FlushPolicy::default()).misses)
     };
     [
         ("restart", of(|strips| strips.to_restart(u32::MAX))),
         ("degenerate", of(Strips::to_degenerate)),
         ("list", of(Strips::to_list)),
         ("lengths", of(|strips| strips.iter().map(|strip| strip.len() as u32).collect())),
-        ("misses", hash_of(model.parts.iter().zip(strips).map(misses).collect::<Vec<_>>())),
+        ("misses", hash_of(strips.iter().map(misses).collect::<Vec<_>>())),
     ]
 }
 

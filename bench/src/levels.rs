@@ -123,7 +123,7 @@ impl LevelCheck<'_> {
         let full = cursors.each_ref().map(|cursor| cursor.entries().to_vec());
         let (mut maps, mut display) = ([Vec::new(), Vec::new()], Strips::default());
         for level in levels(sequence, count) {
-            let oracle = DrawingSum::of(sequence.drawn(level).into_iter());
+            let oracle = DrawingSum::of(sequence.drawn(level)?.into_iter());
             mesh.set_level(level)?;
             let drawn = DrawingSum::of(mesh.corners().chunks_exact(3).map(|t| [t[0], t[1], t[2]]));
             self.compare(level, "the progressive mesh", &drawn, &oracle);
@@ -167,7 +167,7 @@ impl LevelCheck<'_> {
             repair.set_level(level)?;
             let strips = repair.strips();
             self.hashes.add("repair", strips.to_restart(u32::MAX));
-            let oracle = DrawingSum::of(self.sequence.drawn(level).into_iter());
+            let oracle = DrawingSum::of(self.sequence.drawn(level)?.into_iter());
             self.compare(level, "repair", &DrawingSum::of(strips.triangles()), &oracle);
         }
         Ok(())

@@ -16,7 +16,7 @@ use std::time::Instant;
 
 use serde::Serialize;
 use tristrip::verify::verify;
-use tristrip::{DualGraph, Faces, HalfEdge, Mesh, Method, StripifyOptions, stripify};
+use tristrip::{DualGraph, Faces, Mesh, Method, StripifyOptions, stripify};
 
 use crate::failure::Failure;
 use crate::measure::median;
@@ -95,10 +95,11 @@ pub fn scale(model: &str, mesh: Mesh, rounds: usize) -> Result<Scaling, Failure>
 pub fn subdivide(mesh: &Mesh) -> Result<Mesh, Failure> {
     let corners = mesh.faces().as_triangles().ok_or("only triangles are subdivided")?;
     let graph = DualGraph::new(mesh.faces());
+    let twins: Vec<_> = graph.half_edge_twins().collect();
     let mut positions = mesh.positions().to_vec();
     let mut midpoints = vec![0_u32; corners.len()];
     for h in 0..corners.len() {
-        let twin = graph.twin(HalfEdge(h as u32)).map(|twin| twin.0 as usize);
+        let twin = twins[h].map(|twin| twin.0 as usize);
         midpoints[h] = match twin {
             Some(twin) if twin < h => midpoints[twin],
             _ => {
@@ -127,7 +128,7 @@ mod tests {
         let fine = subdivide(&mesh).unwrap();
         assert_eq!((fine.vertex_count(), fine.faces().face_count()), (9, 8));
         let graph = DualGraph::new(fine.faces());
-        let open = (0..24).filter(|&h| graph.twin(HalfEdge(h)).is_none()).count();
+        let open = graph.half_edge_twins().filter(Option::is_none).count();
         assert_eq!(open, 8, "each of the four boundary edges was split in two");
     }
 }

@@ -195,7 +195,7 @@ pub fn search(
         model: name.into(),
         triangles: count,
         is_closed: is_closed(&mesh) && graph.components().1 == 1,
-        bound: Bound::of_prepared(&surface, &graph).strips,
+        bound: Bound::of_prepared(&surface, &graph)?.strips,
         fewest: run(&mesh, NamedMethod::search(Method::Fewest, depth.fewest, Cost::Restart))?,
         eta,
         published: published.cloned(),
@@ -234,8 +234,7 @@ fn once(mesh: &Mesh, named: &NamedMethod) -> Result<SearchRow, Failure> {
         }
     }
     let metrics = Metrics::of(&strips);
-    let cache =
-        VertexCacheStatistics::of(&strips, VertexCache::fifo(32), FlushPolicy::Keep, mesh.vertex_count());
+    let cache = VertexCacheStatistics::of(&strips, VertexCache::fifo(32), FlushPolicy::Keep);
     let row = MethodRow {
         method: named.name.clone(),
         proven: true,

@@ -166,12 +166,7 @@ fn point(
     let strips = run()?;
     let seconds = start.elapsed().as_secs_f64();
     verify(mesh, &strips).map_err(|error| format!("not proven: {error}"))?;
-    let both = VertexCacheStatistics::of_each(
-        &strips,
-        &[REFERENCE_CACHE, SMALLER_CACHE],
-        FlushPolicy::Keep,
-        mesh.vertex_count(),
-    );
+    let both = VertexCacheStatistics::of_each(&strips, &[REFERENCE_CACHE, SMALLER_CACHE], FlushPolicy::Keep);
     let point = CachePoint {
         by: name.into(),
         proven: true,
@@ -186,17 +181,19 @@ fn point(
 /// Times the simulators in alternation, after comparing their misses with those of a cache that receives one vertex after the other.
 fn simulate(strips: &Strips, vertex_count: usize) -> Result<Vec<SimulatorSpeed>, Failure> {
     let mut times = SIMULATORS.map(|_| Vec::new());
-    let run = |cache| VertexCacheStatistics::of(strips, cache, FlushPolicy::Keep, vertex_count).misses;
-    let expected = SIMULATORS.map(|cache| {
-        let mut one_by_one = VertexCacheSimulator::new(cache, vertex_count);
-        strips.vertices().iter().filter(|&&vertex| !one_by_one.send(vertex)).count()
-    });
+    let run = |cache| VertexCacheStatistics::of(strips, cache, FlushPolicy::Keep).misses;
+    let count = |cache| -> Result<usize, Failure> {
+        let mut one_by_one = VertexCacheSimulator::new(cache, vertex_count)?;
+        strips.vertices().iter().try_for_each(|&vertex| one_by_one.send(vertex).map(drop))?;
+        Ok(one_by_one.misses())
+    };
+    let expected = SIMULATORS.into_iter().map(count).collect::<Result<Vec<_>, _>>()?;
     for _ in 0..SIMULATOR_ROUNDS {
-        for ((cache, expected), times) in SIMULATORS.into_iter().zip(expected).zip(&mut times) {
+        for ((cache, expected), times) in SIMULATORS.into_iter().zip(&expected).zip(&mut times) {
             let start = Instant::now();
             let misses = run(cache);
             times.push(start.elapsed().as_secs_f64());
-            if misses != expected {
+            if misses != *expected {
                 return Err(format!("{cache}: {misses} misses, {expected} one by one").into());
             }
         }

@@ -14,7 +14,7 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     let mut bytes = Bytes(data);
     let Some(Model { strips, sequence }) = model(&mut bytes) else { return };
     let oracle: Vec<Vec<[u32; 3]>> =
-        (0..=sequence.len()).map(|level| sorted(sequence.drawn(level))).collect();
+        (0..=sequence.len()).map(|level| sorted(sequence.drawn(level).unwrap())).collect();
     for encoding in [Encoding::Naive, Encoding::Offsets] {
         let Ok(model) = ProgressiveStrips::new(&strips, &sequence, encoding) else { continue };
         let mut cursor = Arc::new(model).cursor();

@@ -17,7 +17,7 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     let options = RepairOptions::default().with_effort(Effort::new(effort % 5).expect("effort 0 to 9"));
     let options = options.with_cost(cost).with_seed(seed.into());
     let oracle: Vec<Vec<[u32; 3]>> =
-        (0..=sequence.len()).map(|level| sorted(sequence.drawn(level))).collect();
+        (0..=sequence.len()).map(|level| sorted(sequence.drawn(level).unwrap())).collect();
     let jump = usize::from(jump) % oracle.len();
 
     let sequence = Arc::new(sequence);

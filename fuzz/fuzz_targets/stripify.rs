@@ -24,7 +24,7 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     assert_eq!(graph.check(), Ok(()));
     // Strips over welded vertices are compared with the welded faces.
     let welded = Mesh::new(mesh.shared_positions(), surface.faces().clone()).expect("indices in range");
-    let bound = Bound::of_prepared(&surface, &graph);
+    let bound = Bound::of_prepared(&surface, &graph).unwrap();
     let cost = [Cost::Restart, Cost::OpenGl, Cost::Degenerate, Cost::Gl][cutoff as usize % 4];
     for method in methods(cutoff) {
         let level = if method == Method::Cache { 5 } else { u8::from(method == Method::Best) };
@@ -40,9 +40,9 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
             Err(Error::Parameter { .. }) => continue,
             Err(error) => panic!("{method:?}: {error}"),
         };
-        let triangles = plan.triangulation.graph();
+        let triangles = plan.triangulation().graph();
         assert_eq!(triangles.check(), Ok(()), "{method:?}");
-        assert_eq!(plan.cover.check(triangles), Ok(()), "{method:?}");
+        assert_eq!(plan.cover().check(triangles), Ok(()), "{method:?}");
         let strips = plan.strips();
         let metrics = Metrics::of(&strips);
         assert_eq!(plan.indices_restart(), metrics.indices_restart, "{method:?}");

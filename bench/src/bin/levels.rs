@@ -185,7 +185,7 @@ fn measure(name: &str, mesh: &Mesh, share: usize, rounds: usize) -> Result<Simpl
     result?;
     let Simplification { sequence, .. } = ours.ok_or("no round was requested")?;
     sequence.check()?;
-    let drawn = sequence.drawn(0).concat();
+    let drawn = sequence.drawn(0)?.concat();
     let distance = |indices: &[u32]| two_sided_rms(triangles, indices, mesh.positions(), POINTS);
     Ok(SimplificationFigures {
         model: name.into(),
@@ -234,7 +234,7 @@ fn follow(
     let repair_microseconds = start.elapsed().as_secs_f64() * 1e6 / sequence.len().max(1) as f64;
     fractions.push(sent as f64 / totals.progressive_mesh_vertices() as f64);
     base.push(repair.vertices_sent() as f64);
-    let base_triangles = sequence.triangle_count(0) as f64;
+    let base_triangles = sequence.triangle_count(0)? as f64;
     let splits = totals.splits();
     Ok(LevelFigures {
         model: source.name.clone(),

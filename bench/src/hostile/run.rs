@@ -103,7 +103,7 @@ fn levels(mesh: &Mesh, strips: &Strips) -> Result<(), Failure> {
         let level = sequence.len() * step / LEVELS;
         repair.set_level(level)?;
         prove(&sequence, level, repair.strips())?;
-        let renaming = sequence.renaming(level);
+        let renaming = sequence.renaming(level)?;
         let renamed = |&v: &u32| if v == RESTART { RESTART } else { renaming[v as usize] };
         let map: Vec<u32> = map.iter().map(renamed).collect();
         for filter in Filter::ALL {
@@ -116,7 +116,7 @@ fn levels(mesh: &Mesh, strips: &Strips) -> Result<(), Failure> {
 }
 
 fn prove(sequence: &CollapseSequence, level: usize, display: &Strips) -> Result<(), Failure> {
-    let expected = Faces::from_triangles(sequence.drawn(level).into_flattened())?;
+    let expected = Faces::from_triangles(sequence.drawn(level)?.into_flattened())?;
     verify_drawing(&expected, &display.triangles().collect::<Vec<_>>())?;
     Ok(())
 }

@@ -20,7 +20,7 @@ use crate::{gltf, obj, off, ply, stl};
 /// use tristrip_io::{Format, read};
 /// let off = b"OFF\n4 1 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n";
 /// let model = read(off, Format::from_bytes(off))?;
-/// assert_eq!(model.parts[0].mesh.faces().face(0), [0, 1, 2, 3]);
+/// assert_eq!(model.parts[0].mesh.faces().get(0), Some(&[0, 1, 2, 3][..]));
 /// let wrong = read(b"v 0 0 zero\n", Format::Obj).unwrap_err();
 /// assert_eq!(wrong.to_string(), "line 1: found `zero`, expected a number for z");
 /// # Ok::<(), tristrip_io::Error>(())

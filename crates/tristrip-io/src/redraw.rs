@@ -40,12 +40,13 @@ impl Redrawn {
     /// Returns strips over the old vertices of a part, all of them in use, as strips over its new vertices.
     ///
     /// # Errors
-    /// The strips have a vertex that the part does not have.
-    ///
-    /// # Panics
-    /// The model has no part of that index.
+    /// The model has no part of that index, or the strips have a vertex that the part does not have.
     pub fn strips(&self, part: usize, strips: &Strips) -> Result<Strips, Error> {
-        let order = self.order_of[part].map(|order| &self.orders[order]);
+        let Some(order) = self.order_of.get(part) else {
+            let message = format!("part {part}: found {} parts", self.order_of.len());
+            return Err(Error::Unsupported(message));
+        };
+        let order = order.map(|order| &self.orders[order]);
         Ok(order.map_or_else(|| Ok(strips.clone()), |order| order.strips(strips))?)
     }
 }
@@ -166,6 +167,9 @@ mod tests {
         let mut strips = Strips::default();
         strips.push(&[1, 3, 3]);
         assert_eq!(of.strips(1, &strips).unwrap().vertices(), [0, 1, 1]);
+        assert!(of.strips(2, &strips).is_err() && of.strips(usize::MAX, &strips).is_err());
+        strips.push(&[u32::MAX]);
+        assert!(of.strips(1, &strips).is_err());
     }
 
     #[test]

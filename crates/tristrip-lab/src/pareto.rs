@@ -185,7 +185,7 @@ impl Candidate {
         let strips = model.find_strips(&self.options, &*watch)?;
         model.prove(&strips)?;
         let cache = self.options.vertex_cache();
-        let (metrics, used) = figures(model.parts(), &strips, cache);
+        let (metrics, used) = figures(&strips, cache);
         let report = MethodReport::of(&self.options);
         Ok(ParetoPoint {
             label: self.label.clone(),
@@ -218,15 +218,10 @@ impl ParetoPoint {
 }
 
 /// Sums the figures of strips over the parts. Each part starts with an empty vertex cache.
-fn figures(
-    parts: &[PreparedPart<'_>],
-    strips: &[Strips],
-    cache: VertexCache,
-) -> (Metrics, VertexCacheStatistics) {
-    let measured = parts.par_iter().zip(strips).map(|(part, strips)| {
-        let vertices = part.mesh.vertex_count();
-        (Metrics::of(strips), VertexCacheStatistics::of(strips, cache, FlushPolicy::Keep, vertices))
-    });
+fn figures(strips: &[Strips], cache: VertexCache) -> (Metrics, VertexCacheStatistics) {
+    let measured = strips
+        .par_iter()
+        .map(|strips| (Metrics::of(strips), VertexCacheStatistics::of(strips, cache, FlushPolicy::Keep)));
     let measured: Vec<(Metrics, VertexCacheStatistics)> = measured.collect();
     (measured.iter().map(|m| m.0).sum(), measured.iter().map(|m| m.1).sum())
 }
@@ -238,7 +233,7 @@ fn list(parts: &[PreparedPart<'_>], cache: VertexCache) -> ParetoPoint {
             [first, rest @ ..] => rest.windows(2).flat_map(|edge| [*first, edge[0], edge[1]]).collect(),
             [] => Vec::new(),
         });
-        VertexCacheStatistics::of_list(&fans.collect::<Vec<u32>>(), cache, part.mesh.vertex_count())
+        VertexCacheStatistics::of_list(fans.collect::<Vec<u32>>().as_chunks().0, cache)
     });
     let used: VertexCacheStatistics = measured.collect::<Vec<_>>().into_iter().sum();
     let (label, method) = (LIST.into(), LIST.into());

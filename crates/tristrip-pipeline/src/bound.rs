@@ -70,8 +70,9 @@ pub fn bound_observed(model: &Model, weld: bool, observer: &dyn Observer) -> Res
     let parts = map(prepared.parts(), |part| {
         let triangles = part.surface.faces().as_triangles().is_some();
         let sequential = triangles && sequential_strip(&part.graph).is_some();
-        PartBound { bound: Bound::of_prepared(&part.surface, &part.graph), sequential }
+        Ok(PartBound { bound: Bound::of_prepared(&part.surface, &part.graph)?, sequential })
     });
+    let parts = parts.into_iter().collect::<Result<Vec<_>, Error>>()?;
     observer.event(Event::Bounded(None));
     let bounds = Bounds::sum(parts.iter().map(|part| &part.bound));
     Ok(Bounded { bounds, parts, mesh, notes })

@@ -5,6 +5,7 @@ use tristrip::Cost;
 use tristrip::stripify::bound::Bound;
 use tristrip::{Method, StripifyOptions};
 
+use crate::error::Error;
 use crate::figures::Figures;
 use crate::parts::{PreparedPart, map};
 
@@ -42,9 +43,12 @@ pub struct BoundGap {
 
 impl Bounds {
     /// Bounds all parts of a model.
-    pub(crate) fn of(parts: &[PreparedPart<'_>]) -> Self {
+    ///
+    /// # Errors
+    /// A graph is not the one of its faces.
+    pub(crate) fn of(parts: &[PreparedPart<'_>]) -> Result<Self, Error> {
         let bounds = map(parts, |part| Bound::of_prepared(&part.surface, &part.graph));
-        Self::sum(&bounds)
+        Ok(Self::sum(&bounds.into_iter().collect::<Result<Vec<_>, _>>()?))
     }
 
     /// Sums the bounds of parts.

@@ -18,7 +18,7 @@ use tristrip_io::{Drawing, Format, Model, Part};
 
 use crate::encode::EncodeOptions;
 use crate::figures::PartFigures;
-use crate::parts::{map, triangle_list};
+use crate::parts::map;
 use crate::text::counted;
 
 /// The vertex cache of the report.
@@ -60,8 +60,8 @@ impl DrawCost {
 
     /// Measures a mesh drawn as a triangle list, polygons as fans.
     fn of_faces(mesh: &Mesh) -> Self {
-        let list = triangle_list(mesh);
-        let used = VertexCacheStatistics::of_list(&list, CACHE, mesh.vertex_count());
+        let list = mesh.faces().fans();
+        let used = VertexCacheStatistics::of_list(list.as_chunks().0, CACHE);
         Self { indices: list.len(), triangles: used.triangles, misses: used.misses }
     }
 
@@ -73,15 +73,15 @@ impl DrawCost {
     }
 
     /// Measures strips.
-    fn of_strips(strips: &Strips, indices: usize, vertex_count: usize) -> Self {
-        let used = VertexCacheStatistics::of(strips, CACHE, FlushPolicy::Keep, vertex_count);
+    fn of_strips(strips: &Strips, indices: usize) -> Self {
+        let used = VertexCacheStatistics::of(strips, CACHE, FlushPolicy::Keep);
         Self { indices, triangles: used.triangles, misses: used.misses }
     }
 
     /// Measures a part as its file draws it.
     fn of_source(part: &Part, list: Self) -> Self {
         let Some(stored) = &part.stored else { return list };
-        let used = Self::of_strips(&stored.runs, stored.indices(), part.mesh.vertex_count());
+        let used = Self::of_strips(&stored.runs, stored.indices());
         // The simulation counts the triangles of a fan as if it were a strip.
         Self { triangles: part.mesh.faces().face_count(), ..used }
     }
@@ -171,7 +171,7 @@ pub(crate) fn choose<'a>(
         }
         if let Some(stored) = part.stored.as_ref().filter(|stored| !stored.fans) {
             let indices = index_count(&Metrics::of(&stored.runs), layout);
-            let cost = DrawCost::of_strips(&stored.runs, indices, part.mesh.vertex_count());
+            let cost = DrawCost::of_strips(&stored.runs, indices);
             if cost.indices < fewest {
                 (best, fewest) = ((DrawnAs::Stored, Drawing::Strips(&stored.runs), cost), cost.indices);
             }

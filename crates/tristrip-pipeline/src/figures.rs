@@ -86,8 +86,8 @@ impl Figures {
     ) -> Result<(Self, Vec<PartFigures>), Error> {
         check_vertices(parts)?;
         let optimized_cache = (options.method() == Method::Cache).then(|| options.vertex_cache());
-        let measured = map(parts, |&(strips, vertices)| {
-            let simulate = |cache| VertexCacheStatistics::of(strips, cache, FlushPolicy::Keep, vertices);
+        let measured = map(parts, |&(strips, _)| {
+            let simulate = |cache| VertexCacheStatistics::of(strips, cache, FlushPolicy::Keep);
             let (fifo_16, fifo_32) = (simulate(VertexCache::fifo(16)), simulate(VertexCache::fifo(32)));
             (Metrics::of(strips), fifo_16, fifo_32, optimized_cache.map(simulate))
         });

@@ -22,7 +22,7 @@ use crate::goal::{Amount, Ratio};
 use crate::observer::{Event, Observer, Stage, Stopped, begin};
 use crate::parts::{check_vertices, map};
 use crate::prepared::{PreparedModel, Survey};
-use crate::simplify::{Part, diagonal, end_notes, simplify_all};
+use crate::simplify::{Part, base_triangles, diagonal, end_notes, simplify_all, surface_error};
 pub use filter::DisplayFilter;
 pub use level::Level;
 pub use order::LevelOrder;
@@ -196,15 +196,15 @@ impl ModelLevels {
         let triangles: Vec<usize> = parts.iter().map(Part::triangle_count).collect();
         let shares = Amount::Ratio(base).shares(&triangles);
         let done = simplify_all(&parts, &shares, None)?;
-        let after = done.iter().map(|done| done.sequence.triangle_count(0));
+        let after: Vec<usize> = base_triangles(&done)?;
         let collapses = Collapses {
             collapse_count: done.iter().map(|done| done.sequence.len()).sum(),
             triangles_before: triangles.iter().sum(),
-            triangles_after: after.clone().sum(),
+            triangles_after: after.iter().sum(),
             target_triangles: Some(shares.iter().sum()),
             target_error: None,
-            reached: after.zip(&shares).all(|(after, &share)| after <= share),
-            surface_error: done.iter().map(|done| done.sequence.error(0)).fold(0.0, f32::max),
+            reached: after.iter().zip(&shares).all(|(after, share)| after <= share),
+            surface_error: surface_error(&done)?,
             diagonal: diagonal(&parts),
             locked_vertices: parts.iter().map(Part::locked_count).sum(),
         };
@@ -236,7 +236,8 @@ impl ModelLevels {
     /// [`Error::Level`]: there is no such level.
     pub fn triangle_count(&self, level: usize) -> Result<usize, Error> {
         let of_parts = self.order.of_parts(level)?;
-        Ok(self.parts.iter().zip(of_parts).map(|(part, level)| part.sequence().triangle_count(level)).sum())
+        let of_part = |(part, level): (&LevelPart, usize)| part.sequence().triangle_count(level);
+        Ok(self.parts.iter().zip(of_parts).map(of_part).sum::<Result<usize, _>>()?)
     }
 
     /// Builds the display strips of a level, measures and proves them. The stages are reported to the observer.
@@ -262,7 +263,8 @@ impl ModelLevels {
         let figures = Figures::of(&measured, &self.options.stripify)?;
         observer.event(Event::Measured(&figures));
         let errors = self.parts.iter().zip(&of_parts).map(|(part, &level)| part.sequence().error(level));
-        let surface_error = errors.fold(0.0, f32::max);
+        let errors = errors.collect::<Result<Vec<f32>, _>>()?;
+        let surface_error = errors.into_iter().fold(0.0, f32::max);
         if self.options.verify {
             begin(observer, Stage::Prove)?;
             let all: Vec<_> = pairs.iter().zip(&strips).collect();

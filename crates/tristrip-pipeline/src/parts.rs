@@ -1,7 +1,5 @@
 //! The parts of a model: prepared faces and dual graphs, in parallel and in order.
 
-use std::borrow::Cow;
-
 use rayon::prelude::*;
 use tristrip::{DualGraph, Mesh, PreparedFaces, Strips};
 use tristrip_io::Model;
@@ -45,16 +43,4 @@ pub(crate) fn check_vertices(parts: &[(&Strips, usize)]) -> Result<(), Error> {
         }
     }
     Ok(())
-}
-
-/// Returns a mesh as a triangle list, polygons as fans around their first corner.
-pub(crate) fn triangle_list(mesh: &Mesh) -> Cow<'_, [u32]> {
-    match mesh.faces().as_triangles() {
-        Some(corners) => Cow::Borrowed(corners),
-        None => mesh
-            .faces()
-            .iter()
-            .flat_map(|face| (2..face.len()).flat_map(|i| [face[0], face[i - 1], face[i]]))
-            .collect(),
-    }
 }

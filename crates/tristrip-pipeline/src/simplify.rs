@@ -2,7 +2,6 @@
 
 mod parts;
 
-use tristrip::Triangulation;
 use tristrip::simplify::Simplification;
 use tristrip::{Mesh, StripifyOptions, Strips};
 use tristrip_io::{Drawing, Format, Model, Redrawn};
@@ -16,7 +15,7 @@ use crate::observer::{Event, Observer, Stage, begin};
 use crate::parts::{map, meshes};
 use crate::prepared::{PreparedModel, Survey};
 use crate::text::{count, counted};
-pub(crate) use parts::{Part, UsedVertices, diagonal, simplify_all};
+pub(crate) use parts::{Part, UsedVertices, base_triangles, diagonal, simplify_all, surface_error};
 
 /// The maximum number of parts with a note of their own on where they stopped.
 const MAX_NAMED_PARTS: usize = 8;
@@ -124,16 +123,16 @@ pub fn simplify_observed(
     let target_error = options.goal.deviation.map(|deviation| deviation.units(diagonal));
     let no_limit = vec![0; parts.len()];
     let done = simplify_all(&parts, shares.as_ref().unwrap_or(&no_limit), target_error)?;
-    let after = |done: &Simplification| done.sequence.triangle_count(0);
-    let reaches = |shares: &Vec<usize>| done.iter().zip(shares).all(|(done, &share)| after(done) <= share);
+    let after = base_triangles(&done)?;
+    let reaches = |shares: &Vec<usize>| after.iter().zip(shares).all(|(after, share)| after <= share);
     let collapses = Collapses {
         collapse_count: done.iter().map(|done| done.sequence.len()).sum(),
         triangles_before: before.iter().sum(),
-        triangles_after: done.iter().map(after).sum(),
+        triangles_after: after.iter().sum(),
         target_triangles: shares.as_ref().map(|shares| shares.iter().sum()),
         target_error,
         reached: shares.as_ref().is_none_or(reaches),
-        surface_error: done.iter().map(|done| done.sequence.error(0)).fold(0.0, f32::max),
+        surface_error: surface_error(&done)?,
         diagonal,
         locked_vertices: parts.iter().map(Part::locked_count).sum(),
     };
@@ -152,11 +151,11 @@ pub fn simplify_observed(
 
     // 4. The model without the vertices that became unused.
     let base = |(part, done): (&Part<'_>, &Simplification)| {
-        let mut corners = done.sequence.drawn(0).into_flattened();
+        let mut corners = done.sequence.drawn(0)?.into_flattened();
         part.compact.used.outward(&mut corners);
-        corners
+        Ok(corners)
     };
-    let triangles = parts.iter().zip(&done).map(base).collect();
+    let triangles = parts.iter().zip(&done).map(base).collect::<Result<_, Error>>()?;
     let redrawn = tristrip_io::with_triangles(model, triangles, options.format)?;
     Ok(Simplified { redrawn, collapses, mesh, notes, proven: options.verify, options: *options })
 }
@@ -199,8 +198,7 @@ impl Simplified {
 
 /// Returns the triangles of all parts, polygons as fans around their first corner.
 fn fans<'a>(prepared: &PreparedModel<'a>) -> Result<Vec<Part<'a>>, Error> {
-    let triangles =
-        map(prepared.parts(), |part| Triangulation::fan(&part.surface, &part.graph).triangles().to_vec());
+    let triangles = map(prepared.parts(), |part| part.surface.faces().fans().into_owned());
     let meshes = prepared.parts().iter().map(|part| part.mesh);
     Ok(Part::of_all(meshes.zip(triangles).collect())?)
 }
@@ -224,7 +222,7 @@ fn ends(done: &[Simplification], shares: Option<&[usize]>) -> Vec<String> {
     let Some(shares) = shares else { return Vec::new() };
     let mut notes = Vec::new();
     for (part, (done, &share)) in done.iter().zip(shares).enumerate() {
-        if let Some(stopped) = done.stopped.as_ref().filter(|_| done.sequence.triangle_count(0) > share) {
+        if let Some(stopped) = done.stopped.as_ref().filter(|stopped| stopped.triangle_count > share) {
             let name = if shares.len() > 1 { format!("part {part}: ") } else { String::new() };
             notes.push(format!("{name}target {}, {stopped}", count(share)));
         }

@@ -145,7 +145,7 @@ pub fn strip_observed(
     let mut bound = None;
     if is_long_search(&stripify) {
         begin(observer, Stage::Bound)?;
-        bound = Bounds::of(prepared.parts()).gap(&stripify, &figures);
+        bound = Bounds::of(prepared.parts())?.gap(&stripify, &figures);
         observer.event(Event::Bounded(bound.as_ref()));
     }
     if options.verify {

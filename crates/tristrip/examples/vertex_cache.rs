@@ -12,12 +12,12 @@ fn main() -> Result<(), tristrip::Error> {
     let vertex_count = 201 * 201;
 
     let cache = VertexCache::fifo(24);
-    let list = VertexCacheStatistics::of_list(&indices, cache, vertex_count);
+    let list = VertexCacheStatistics::of_list(indices.as_chunks().0, cache);
     println!("the list: {:.3} misses per triangle ({cache})", list.acmr());
     for method in [Method::Best, Method::Cache] {
         let options = StripifyOptions::default().with_method(method).with_vertex_cache(cache);
         let strips = stripify_indices_with(&indices, vertex_count, &options)?;
-        let misses = VertexCacheStatistics::of(&strips, cache, FlushPolicy::Keep, vertex_count);
+        let misses = VertexCacheStatistics::of(&strips, cache, FlushPolicy::Keep);
         println!(
             "{method}: {:.3} misses per triangle, {} vertices sent",
             misses.acmr(),

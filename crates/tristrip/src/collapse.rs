@@ -21,8 +21,14 @@
 //! Hoppe: *Progressive Meshes*, 1996. Kim, Park, Yang, Neelamkavil: *A Rendering-Efficient Progressive Transmission of 3D Meshes*,
 //! 2005, section 3.
 
-use crate::error::{Error, MeshProblem};
-use crate::mesh::{is_degenerate, triangle_at, triangles_of};
+mod merge;
+
+use rustc_hash::{FxHashMap, FxHashSet};
+
+use crate::error::Error;
+use crate::ids::check_count;
+use crate::mesh::{SPARSE, check_corners, check_triangles, is_degenerate, triangles_of};
+use merge::MergedVertices;
 
 /// The replacement of one vertex by another.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -54,9 +60,10 @@ pub struct Collapse<'a> {
 /// let rename = [Rename { removed: 3, kept: 2 }];
 /// let sequence = CollapseSequence::from_collapses(4, vec![0, 1, 2, 2, 1, 3], [(&rename[..], 0.5)])?;
 /// assert_eq!(sequence.len(), 1);
-/// assert_eq!(sequence.drawn(1), [[0, 1, 2], [2, 1, 3]]);
-/// assert_eq!(sequence.drawn(0), [[0, 1, 2]]);
-/// assert_eq!(sequence.collapse(0).dropped, [1]);
+/// assert_eq!(sequence.drawn(1)?, [[0, 1, 2], [2, 1, 3]]);
+/// assert_eq!(sequence.drawn(0)?, [[0, 1, 2]]);
+/// assert_eq!(sequence.collapse(0)?.dropped, [1]);
+/// assert!(sequence.drawn(2).is_err());
 /// # Ok::<(), tristrip::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -79,28 +86,18 @@ impl CollapseSequence {
     /// Creates a sequence without collapses.
     ///
     /// # Errors
-    /// The number of corners is not a multiple of three, or a vertex does not exist.
+    /// The number of corners is not a multiple of three, a vertex does not exist, or there are too many for 32-bit ids.
     pub(crate) fn new(vertex_count: usize, triangles: Vec<u32>) -> Result<Self, Error> {
-        if !triangles.len().is_multiple_of(3) {
-            let found = triangles.len() as u64;
-            return Err(MeshProblem::CornerCount { found, expected: "a multiple of 3".into() }.into());
-        }
-        if let Some(corner) = triangles.iter().position(|&v| v as usize >= vertex_count) {
-            let (face, found) = ((corner / 3) as u32, triangles[corner]);
-            let problem = MeshProblem::VertexIndex {
-                face,
-                corner: (corner % 3) as u32,
-                found,
-                vertex_count: vertex_count as u32,
-            };
-            return Err(problem.into());
-        }
+        check_count("vertices", vertex_count)?;
+        check_count("corners", triangles.len())?;
+        check_triangles(triangles.len())?;
+        check_corners(&triangles, vertex_count)?;
         let degenerate_count = triangles_of(&triangles).filter(|&t| is_degenerate(t)).count();
         Ok(Self { vertex_count, triangles, degenerate_count, ..Self::default() })
     }
 
     /// Builds a sequence from the triangles of the full mesh and the collapses with their errors, in order from the full mesh. The memory
-    /// is proportional to the number of vertices.
+    /// is proportional to the triangles, and to the vertices if the triangles use more than a few of them.
     ///
     /// # Errors
     /// The number of corners is not a multiple of three, or a vertex does not exist; a collapse renames a vertex that no triangle uses
@@ -111,47 +108,36 @@ impl CollapseSequence {
         collapses: impl IntoIterator<Item = (&'a [Rename], f32)>,
     ) -> Result<Self, Error> {
         let mut sequence = Self::new(vertex_count, triangles)?;
-        let mut now = sequence.triangles.clone();
-        let mut corners_of = vec![Vec::new(); vertex_count];
-        for (corner, &v) in now.iter().enumerate() {
-            corners_of[v as usize].push(corner as u32);
-        }
-        let mut is_drawn: Vec<bool> = triangles_of(&now).map(|t| !is_degenerate(t)).collect();
+        let mut merged = MergedVertices::new(vertex_count, &sequence.triangles);
+        let mut removed = FxHashSet::default();
         for (renames, error) in collapses {
             if error.is_nan() || error < 0.0 {
                 let found = format!("{error} of collapse {} from the full mesh", sequence.len());
                 return Err(Error::Parameter { name: "error", found, expected: "0 or more" });
             }
-            let (mut touched, mut dropped) = (Vec::new(), Vec::new());
-            for &Rename { removed, kept } in renames {
-                let (from, to) = (removed as usize, kept as usize);
-                let known = from < vertex_count && to < vertex_count && from != to;
-                let kept_is_renamed = renames.iter().any(|other| other.removed == kept);
-                if !known || kept_is_renamed || corners_of[from].is_empty() || corners_of[to].is_empty() {
-                    return Err(Error::Parameter {
-                        name: "collapses",
-                        found: format!(
-                            "{removed} renamed to {kept} by collapse {} from the full mesh",
-                            sequence.len()
-                        ),
-                        expected: "two vertices that are still drawn, the second not renamed itself",
-                    });
-                }
-                let moved = std::mem::take(&mut corners_of[from]);
-                moved.iter().for_each(|&corner| now[corner as usize] = kept);
-                touched.extend(moved.iter().map(|&corner| corner / 3));
-                corners_of[to].extend(moved);
-            }
-            for t in touched {
-                if is_drawn[t as usize] && is_degenerate(triangle_at(&now, t as usize)) {
-                    is_drawn[t as usize] = false;
-                    dropped.push(t);
+            removed.clear();
+            removed.extend(renames.iter().map(|rename| rename.removed));
+            let mut dropped = Vec::new();
+            for &rename in renames {
+                if removed.contains(&rename.kept)
+                    || merged.rename(rename.removed, rename.kept, &mut dropped).is_none()
+                {
+                    return Err(sequence.wrong_rename(rename));
                 }
             }
             dropped.sort_unstable();
             sequence.push(renames, &dropped, error);
         }
         Ok(sequence)
+    }
+
+    /// Returns the error of a rename that the next collapse cannot do.
+    fn wrong_rename(&self, Rename { removed, kept }: Rename) -> Error {
+        Error::Parameter {
+            name: "collapses",
+            found: format!("{removed} renamed to {kept} by collapse {} from the full mesh", self.len()),
+            expected: "two vertices that are still drawn, the second not renamed itself",
+        }
     }
 
     /// Appends the next collapse toward the base mesh; its dropped triangles are in ascending order.
@@ -200,9 +186,18 @@ impl CollapseSequence {
 
     /// Returns the collapse that leads from `level` + 1 to `level`; the split of that level undoes it.
     ///
-    /// # Panics
+    /// # Errors
     /// `level` is not less than [`CollapseSequence::len`].
-    pub fn collapse(&self, level: usize) -> Collapse<'_> {
+    pub fn collapse(&self, level: usize) -> Result<Collapse<'_>, Error> {
+        if level < self.len() {
+            return Ok(self.collapse_to(level));
+        }
+        let found = format!("{level} of {}", self.len());
+        Err(Error::Parameter { name: "level", found, expected: "less than the level of the full mesh" })
+    }
+
+    /// Returns the collapse that leads to a level that exists.
+    pub(crate) fn collapse_to(&self, level: usize) -> Collapse<'_> {
         let i = self.len() - 1 - level;
         let range = |ends: &[u32]| if i == 0 { 0 } else { ends[i - 1] as usize }..ends[i] as usize;
         Collapse {
@@ -214,14 +209,19 @@ impl CollapseSequence {
 
     /// Iterates over the collapses from the full mesh to the base mesh.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = Collapse<'_>> + DoubleEndedIterator {
-        (0..self.len()).rev().map(|level| self.collapse(level))
+        (0..self.len()).rev().map(|level| self.collapse_to(level))
     }
 
     /// Counts the triangles drawn at a level: those of the full mesh minus those dropped by the collapses to the level.
     ///
-    /// # Panics
+    /// # Errors
     /// `level` is greater than [`CollapseSequence::len`].
-    pub fn triangle_count(&self, level: usize) -> usize {
+    pub fn triangle_count(&self, level: usize) -> Result<usize, Error> {
+        check_level(level, self.len()).map(|()| self.triangles_at(level))
+    }
+
+    /// Counts the triangles drawn at a level that exists.
+    pub(crate) fn triangles_at(&self, level: usize) -> usize {
         let done = self.len() - level;
         let dropped = if done == 0 { 0 } else { self.dropped_ends[done - 1] as usize };
         self.triangles.len() / 3 - self.degenerate_count - dropped
@@ -229,16 +229,21 @@ impl CollapseSequence {
 
     /// Returns the largest error of the collapses that lead to a level, in mesh units; 0 for the full mesh.
     ///
-    /// # Panics
+    /// # Errors
     /// `level` is greater than [`CollapseSequence::len`].
-    pub fn error(&self, level: usize) -> f32 {
+    pub fn error(&self, level: usize) -> Result<f32, Error> {
+        check_level(level, self.len()).map(|()| self.error_at(level))
+    }
+
+    /// Returns the largest error of the collapses that lead to a level that exists.
+    pub(crate) fn error_at(&self, level: usize) -> f32 {
         let done = self.len() - level;
         if done == 0 { 0.0 } else { self.largest_errors[done - 1] }
     }
 
     /// Returns the highest level with at most this number of triangles; 0 if there is none.
     pub fn level_of_triangles(&self, triangle_count: usize) -> usize {
-        let to_drop = self.triangle_count(self.len()).saturating_sub(triangle_count);
+        let to_drop = self.triangles_at(self.len()).saturating_sub(triangle_count);
         if to_drop == 0 {
             return self.len();
         }
@@ -253,27 +258,45 @@ impl CollapseSequence {
 
     /// Returns for each vertex the one that replaces it at a level.
     ///
-    /// # Panics
+    /// # Errors
     /// `level` is greater than [`CollapseSequence::len`].
-    pub fn renaming(&self, level: usize) -> Vec<u32> {
+    pub fn renaming(&self, level: usize) -> Result<Vec<u32>, Error> {
         let mut now: Vec<u32> = (0..self.vertex_count as u32).collect();
-        let done = self.len() - level;
-        let end = if done == 0 { 0 } else { self.rename_ends[done - 1] as usize };
-        // In reverse order a kept vertex is final before the vertices that are renamed to it.
-        for &Rename { removed, kept } in self.renames[..end].iter().rev() {
+        for &Rename { removed, kept } in self.renames_to(level)?.iter().rev() {
             now[removed as usize] = now[kept as usize];
         }
-        now
+        Ok(now)
+    }
+
+    /// Returns the renames that lead to a level, from the full mesh on. In reverse order a kept vertex is final before the vertices that
+    /// are renamed to it.
+    fn renames_to(&self, level: usize) -> Result<&[Rename], Error> {
+        check_level(level, self.len())?;
+        let done = self.len() - level;
+        let end = if done == 0 { 0 } else { self.rename_ends[done - 1] as usize };
+        Ok(&self.renames[..end])
     }
 
     /// Returns the triangles at a level, in the order of the full mesh: all vertices of the full mesh are renamed, and degenerate
     /// triangles left out. This is the oracle of everything that draws a level of detail.
     ///
-    /// # Panics
+    /// # Errors
     /// `level` is greater than [`CollapseSequence::len`].
-    pub fn drawn(&self, level: usize) -> Vec<[u32; 3]> {
-        let now = self.renaming(level);
-        let renamed = triangles_of(&self.triangles).map(|triangle| triangle.map(|v| now[v as usize]));
+    pub fn drawn(&self, level: usize) -> Result<Vec<[u32; 3]>, Error> {
+        if self.vertex_count / SPARSE <= self.triangles.len() {
+            let now = self.renaming(level)?;
+            return Ok(self.renamed(|v| now[v as usize]));
+        }
+        let mut now: FxHashMap<u32, u32> = FxHashMap::default();
+        for &Rename { removed, kept } in self.renames_to(level)?.iter().rev() {
+            now.insert(removed, now.get(&kept).copied().unwrap_or(kept));
+        }
+        Ok(self.renamed(|v| now.get(&v).copied().unwrap_or(v)))
+    }
+
+    /// Returns the triangles of the full mesh with renamed vertices, degenerate ones left out.
+    fn renamed(&self, now: impl Fn(u32) -> u32) -> Vec<[u32; 3]> {
+        let renamed = triangles_of(&self.triangles).map(|triangle| triangle.map(&now));
         renamed.filter(|&triangle| !is_degenerate(triangle)).collect()
     }
 
@@ -293,6 +316,15 @@ impl CollapseSequence {
             })
         })
     }
+}
+
+/// Checks that there is a level.
+pub(crate) fn check_level(level: usize, highest: usize) -> Result<(), Error> {
+    if level <= highest {
+        return Ok(());
+    }
+    let found = format!("{level} of {highest}");
+    Err(Error::Parameter { name: "level", found, expected: "at most the level of the full mesh" })
 }
 
 #[cfg(test)]
@@ -315,11 +347,11 @@ mod tests {
     fn levels_of_a_fan() {
         let fan = fan();
         assert_eq!(fan.len(), 3);
-        assert_eq!([0, 1, 2, 3].map(|level| fan.triangle_count(level)), [3, 4, 5, 6]);
-        assert_eq!([0, 1, 2, 3].map(|level| fan.drawn(level).len()), [3, 4, 5, 6]);
-        assert_eq!(fan.drawn(0), [[3, 4, 6], [4, 5, 6], [5, 3, 6]]);
+        assert_eq!([0, 1, 2, 3].map(|level| fan.triangles_at(level)), [3, 4, 5, 6]);
+        assert_eq!([0, 1, 2, 3].map(|level| fan.drawn(level).unwrap().len()), [3, 4, 5, 6]);
+        assert_eq!(fan.drawn(0).unwrap(), [[3, 4, 6], [4, 5, 6], [5, 3, 6]]);
         assert_eq!(
-            [0, 1, 2, 3].map(|level| fan.error(level).to_bits()),
+            [0, 1, 2, 3].map(|level| fan.error_at(level).to_bits()),
             [3_f32, 3.0, 1.0, 0.0].map(f32::to_bits)
         );
         assert_eq!([9, 6, 5, 3, 2, 0].map(|count| fan.level_of_triangles(count)), [3, 3, 2, 0, 0, 0]);
@@ -362,7 +394,60 @@ mod tests {
         let sequence =
             CollapseSequence::from_collapses(7, vec![0, 1, 2, 4, 3, 5, 3, 4, 6], [(&renames[..], 0.0)])
                 .unwrap();
-        assert_eq!(sequence.collapse(0).dropped, [0, 1]);
-        assert_eq!(sequence.drawn(0), [[3, 5, 6]]);
+        assert_eq!(sequence.collapse_to(0).dropped, [0, 1]);
+        assert_eq!(sequence.drawn(0).unwrap(), [[3, 5, 6]]);
+    }
+
+    #[test]
+    fn wrong_levels_and_counts_are_refused() {
+        let fan = fan();
+        for level in [4, usize::MAX] {
+            let message =
+                format!("parameter `level`: found {level} of 3, expected at most the level of the full mesh");
+            assert_eq!(fan.triangle_count(level).unwrap_err().to_string(), message);
+            assert_eq!(fan.error(level).unwrap_err().to_string(), message);
+            assert_eq!(fan.renaming(level).unwrap_err().to_string(), message);
+            assert_eq!(fan.drawn(level).unwrap_err().to_string(), message);
+        }
+        assert!(fan.collapse(2).is_ok() && fan.collapse(3).is_err() && fan.collapse(usize::MAX).is_err());
+        assert!(CollapseSequence::default().collapse(0).is_err());
+        assert_eq!((fan.level_of_triangles(usize::MAX), fan.level_of_error(f32::INFINITY)), (3, 0));
+        assert!(CollapseSequence::from_collapses(usize::MAX, vec![], []).is_err());
+        assert!(CollapseSequence::from_collapses(3, vec![0, 1, u32::MAX], []).is_err());
+    }
+
+    #[test]
+    fn few_of_many_vertices_take_little_memory() {
+        let many = u32::MAX as usize - 1;
+        let far = |v: u32| 1_000_000_000 * v;
+        let rename = [Rename { removed: far(3), kept: far(2) }];
+        let triangles = [0, 1, 2, 2, 1, 3].map(far);
+        let of =
+            |rename: &[Rename]| CollapseSequence::from_collapses(many, triangles.to_vec(), [(rename, 0.5)]);
+        let sequence = of(&rename[..]).unwrap();
+        assert_eq!(sequence.drawn(0).unwrap(), [[0, far(1), far(2)]]);
+        assert_eq!(sequence.drawn(1).unwrap().len(), 2);
+        sequence.check().unwrap();
+        for (removed, kept) in [(far(3) + 1, far(2)), (far(3), u32::MAX), (far(3), far(3))] {
+            assert!(of(&[Rename { removed, kept }]).is_err());
+        }
+    }
+
+    #[test]
+    fn long_chains_of_collapses_are_checked_in_little_time() {
+        // A fan around vertex 0 that goes around its rim, one vertex at a time: the hub of n corners is renamed n times.
+        let n = 100_000;
+        let triangles: Vec<u32> = (1..n).flat_map(|i| [0, i, i + 1]).collect();
+        let renames: Vec<_> = (0..n - 1).map(|v| [Rename { removed: v, kept: v + 1 }]).collect();
+        let collapses = renames.iter().map(|renames| (&renames[..], 0.0));
+        let sequence = CollapseSequence::from_collapses(n as usize + 1, triangles, collapses).unwrap();
+        assert_eq!(sequence.triangle_count(0).unwrap(), 0);
+        sequence.check().unwrap();
+        // One collapse of many renames.
+        let renames: Vec<_> = (1..n).map(|v| Rename { removed: v, kept: n }).collect();
+        let triangles: Vec<u32> = (1..n).flat_map(|i| [0, i, i + 1]).collect();
+        let sequence =
+            CollapseSequence::from_collapses(n as usize + 1, triangles, [(&renames[..], 0.0)]).unwrap();
+        assert_eq!(sequence.triangle_count(0).unwrap(), 0);
     }
 }

@@ -26,14 +26,16 @@ use crate::ids::{FaceId, HalfEdge};
 /// The two bits of an absent link.
 const FREE: u8 = 3;
 
-/// Disjoint paths over the triangles of a dual graph.
+/// Disjoint paths over the triangles of a dual graph, as a method chose them.
 ///
 /// ```
-/// use tristrip::{DualGraph, Faces, HalfEdge, PathCover};
-/// let graph = DualGraph::new(&Faces::from_triangles(vec![0, 1, 2, 2, 1, 3, 2, 3, 4])?);
-/// let mut cover = PathCover::isolated(graph.face_count());
-/// assert!(cover.join(&graph, HalfEdge(1)));
-/// assert_eq!(cover.path_count(), 2);
+/// use tristrip::{DualGraph, Faces, Mesh, PreparedFaces, StripifyOptions, stripify::plan};
+/// let mesh = Mesh::new(vec![[0.0; 3]; 7], Faces::from_triangles(vec![0, 1, 2, 2, 1, 3, 4, 5, 6])?)?;
+/// let prepared = PreparedFaces::new(&mesh, false);
+/// let graph = DualGraph::new(prepared.faces());
+/// let plan = plan(&prepared, &graph, &StripifyOptions::default())?;
+/// assert_eq!((plan.cover().len(), plan.cover().path_count()), (3, 2));
+/// assert_eq!(plan.cover().check(plan.triangulation().graph()), Ok(()));
 /// # Ok::<(), tristrip::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -63,16 +65,16 @@ pub enum CoverFault {
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(crate) struct Numbering {
     /// The path of each triangle, counted in order of the paths' lowest triangles.
-    pub path: Vec<u32>,
+    pub(crate) path: Vec<u32>,
     /// The position of each triangle on its path, counted from the path's first end.
-    pub position: Vec<u32>,
+    pub(crate) position: Vec<u32>,
     /// The first triangle of each path.
-    pub first: Vec<FaceId>,
+    pub(crate) first: Vec<FaceId>,
 }
 
 impl PathCover {
     /// Creates the cover in which every triangle is a path by itself.
-    pub fn isolated(triangle_count: usize) -> Self {
+    pub(crate) fn isolated(triangle_count: usize) -> Self {
         Self { links: vec![FREE | FREE << 2; triangle_count], link_count: 0 }
     }
 
@@ -93,13 +95,13 @@ impl PathCover {
 
     /// Counts the links of a triangle: 0 if it is isolated, 1 at the end of a path, 2 inside.
     #[inline]
-    pub fn degree(&self, face: FaceId) -> usize {
+    pub(crate) fn degree(&self, face: FaceId) -> usize {
         self.edges(face).into_iter().flatten().count()
     }
 
     /// Returns the half-edges over which a triangle is linked.
     #[inline]
-    pub fn edges(&self, face: FaceId) -> [Option<HalfEdge>; 2] {
+    pub(crate) fn edges(&self, face: FaceId) -> [Option<HalfEdge>; 2] {
         let links = self.links[face.0 as usize];
         [links & 3, links >> 2 & 3]
             .map(|edge| (edge != FREE).then_some(HalfEdge(3 * face.0 + u32::from(edge))))
@@ -107,14 +109,14 @@ impl PathCover {
 
     /// Returns whether a path crosses a half-edge.
     #[inline]
-    pub fn is_linked(&self, half_edge: HalfEdge) -> bool {
+    pub(crate) fn is_linked(&self, half_edge: HalfEdge) -> bool {
         self.edges(FaceId(half_edge.0 / 3)).contains(&Some(half_edge))
     }
 
     /// Links two triangles across a half-edge and its twin, without a check for cycles: see [`PathCover::join`].
     /// Returns whether it succeeded: both have a free link, there is a twin, and they are not linked there already.
     #[inline]
-    pub fn link(&mut self, graph: &DualGraph, half_edge: HalfEdge) -> bool {
+    pub(crate) fn link(&mut self, graph: &DualGraph, half_edge: HalfEdge) -> bool {
         let Some(twin) = graph.twin(half_edge) else { return false };
         let free = |h: HalfEdge| self.degree(FaceId(h.0 / 3)) < 2 && !self.is_linked(h);
         if !free(half_edge) || !free(twin) {
@@ -128,7 +130,7 @@ impl PathCover {
 
     /// Removes the link across a half-edge. Returns whether there was one.
     #[inline]
-    pub fn cut(&mut self, graph: &DualGraph, half_edge: HalfEdge) -> bool {
+    pub(crate) fn cut(&mut self, graph: &DualGraph, half_edge: HalfEdge) -> bool {
         let Some(twin) = graph.twin(half_edge) else { return false };
         if !self.is_linked(half_edge) {
             return false;
@@ -140,41 +142,11 @@ impl PathCover {
     }
 
     /// Joins the ends of two different paths across a half-edge. Returns whether it succeeded.
-    pub fn join(&mut self, graph: &DualGraph, half_edge: HalfEdge) -> bool {
+    #[cfg(test)]
+    pub(crate) fn join(&mut self, graph: &DualGraph, half_edge: HalfEdge) -> bool {
         let Some(twin) = graph.twin(half_edge) else { return false };
         let (face, other) = (graph.face_of(half_edge), graph.face_of(twin));
         self.other_end(graph, face) != Some(other) && face != other && self.link(graph, half_edge)
-    }
-
-    /// Rotates a path (Pósa) at its end, the triangle of `half_edge`: links the end across `half_edge` to a triangle within the same
-    /// path and cuts that triangle's link on the side toward the end. Returns the new end, or `None` if the half-edge does
-    /// not lead from an end to a triangle of the same path that is not linked to it.
-    ///
-    /// ```text
-    ///   w ━ x ━ v ━ y        w ━ x   v ━ y
-    ///   ╰┄┄┄┄┄┄┄╯      ─▶    ╰━━━━━━━╯         x is the new end
-    /// ```
-    pub fn rotate(&mut self, graph: &DualGraph, half_edge: HalfEdge) -> Option<FaceId> {
-        let twin = graph.twin(half_edge)?;
-        let (end, target) = (graph.face_of(half_edge), graph.face_of(twin));
-        if self.degree(end) != 1 || self.is_linked(half_edge) {
-            return None;
-        }
-        let mut previous = None;
-        for (face, _, exit) in self.walk(graph, end) {
-            if face == target {
-                let toward_end = previous?;
-                let new_end = graph.face_of(toward_end);
-                if new_end == end {
-                    return None;
-                }
-                self.cut(graph, toward_end);
-                self.link(graph, half_edge);
-                return Some(new_end);
-            }
-            previous = exit;
-        }
-        None
     }
 
     /// Iterates over a path from one of its ends: each triangle with the half-edges over which the path enters and leaves it.
@@ -186,7 +158,7 @@ impl PathCover {
     }
 
     /// Returns the other end of the path that ends at this triangle; the triangle itself if it is isolated, `None` inside a path.
-    pub fn other_end(&self, graph: &DualGraph, end: FaceId) -> Option<FaceId> {
+    pub(crate) fn other_end(&self, graph: &DualGraph, end: FaceId) -> Option<FaceId> {
         if self.degree(end) == 2 {
             return None;
         }
@@ -194,7 +166,7 @@ impl PathCover {
     }
 
     /// Iterates over the first triangles of all paths, in order of the paths' lowest triangles.
-    pub fn path_starts<'a>(&'a self, graph: &'a DualGraph) -> impl Iterator<Item = FaceId> + 'a {
+    pub(crate) fn path_starts<'a>(&'a self, graph: &'a DualGraph) -> impl Iterator<Item = FaceId> + 'a {
         let mut seen = vec![false; self.links.len()];
         (0..self.links.len() as u32).filter_map(move |lowest| {
             if seen[lowest as usize] {
@@ -242,7 +214,7 @@ impl PathCover {
     /// # Errors
     /// The first violation found.
     pub fn check(&self, graph: &DualGraph) -> Result<(), CoverFault> {
-        if graph.half_edge_count() != 3 * self.links.len() {
+        if !graph.is_of_triangles() || graph.face_count() != self.links.len() {
             return Err(CoverFault::Size);
         }
         let mut ends = 0;
@@ -395,21 +367,5 @@ mod tests {
         positions.sort_unstable();
         assert_eq!(positions, (0..8).collect::<Vec<_>>());
         assert_eq!(cover.other_end(&graph, FaceId(3)), Some(FaceId(4)));
-    }
-
-    #[test]
-    fn rotates_an_end_into_its_path() {
-        // In a closed fan of five triangles around vertex 0 the ends of the path are adjacent.
-        let corners: Vec<u32> = (0..5).flat_map(|i| [0, 1 + i, 1 + (i + 1) % 5]).collect();
-        let graph = DualGraph::new(&Faces::from_triangles(corners).unwrap());
-        let mut cover = PathCover::isolated(5);
-        for i in 0..4 {
-            assert!(cover.join(&graph, arc(&graph, i, i + 1)));
-        }
-        let new_end = cover.rotate(&graph, arc(&graph, 0, 4));
-        assert_eq!(new_end, Some(FaceId(3)));
-        assert_eq!(cover.check(&graph), Ok(()));
-        assert_eq!(cover.path_count(), 1);
-        assert_eq!(cover.rotate(&graph, arc(&graph, 1, 2)), None, "1 is not an end");
     }
 }

@@ -34,6 +34,7 @@ pub(crate) use triangulation::TriangulationBuilder;
 use corners::{PolygonCorners, TriangleCorners, polygon_shape};
 use pair::{NO_TWIN, pair};
 
+use crate::error::Error;
 use crate::ids::{FaceId, HalfEdge};
 use crate::mesh::Faces;
 use crate::union_find::UnionFind;
@@ -48,8 +49,8 @@ const RENUMBER_ABOVE: usize = 3 << 20;
 /// use tristrip::{DualGraph, Faces, HalfEdge};
 /// let faces = Faces::from_triangles(vec![0, 1, 2, 2, 1, 3])?;
 /// let graph = DualGraph::new(&faces);
-/// assert_eq!(graph.twin(HalfEdge(1)), Some(HalfEdge(3)));
-/// assert_eq!(graph.twin(HalfEdge(0)), None);
+/// let twins: Vec<Option<HalfEdge>> = graph.half_edge_twins().collect();
+/// assert_eq!(twins, [None, Some(HalfEdge(3)), None, Some(HalfEdge(1)), None, None]);
 /// # Ok::<(), tristrip::Error>(())
 /// ```
 #[derive(Debug, Clone)]
@@ -115,38 +116,79 @@ impl DualGraph {
         }
     }
 
+    /// Returns whether every face is a triangle.
+    pub(crate) fn is_of_triangles(&self) -> bool {
+        self.shape == Shape::Triangles
+    }
+
     /// Counts the half-edges: one per corner.
     pub fn half_edge_count(&self) -> usize {
         self.twins.len()
     }
 
+    /// Iterates over the half-edges of all faces in order: the one on the other side, or `None` at a boundary.
+    pub fn half_edge_twins(&self) -> impl ExactSizeIterator<Item = Option<HalfEdge>> {
+        self.twins.iter().map(|&twin| (twin != NO_TWIN).then_some(HalfEdge(twin)))
+    }
+
+    /// Checks that the graph connects these faces: it has their half-edges, and twins run over the same two vertices.
+    pub(crate) fn check_faces(&self, faces: &Faces) -> Result<(), Error> {
+        let wrong = |found: String| Error::Parameter {
+            name: "graph",
+            found,
+            expected: "the dual graph of the faces",
+        };
+        let (here, there) = (self.twins.len(), faces.corner_count());
+        let same_faces = match (&self.shape, faces.offsets()) {
+            (Shape::Triangles, None) => true,
+            (Shape::Polygons { offsets, .. }, Some(expected)) => offsets == expected,
+            _ => false,
+        };
+        if here != there || !same_faces {
+            return Err(wrong(format!("{here} half-edges of {} faces", self.face_count())));
+        }
+        let runs_over = |h: u32| [faces.corners()[h as usize], faces.corners()[self.next(h) as usize]];
+        let is_wrong = |(h, &twin): (u32, &u32)| {
+            twin != NO_TWIN && {
+                let [from, to] = runs_over(h);
+                runs_over(twin) != [to, from]
+            }
+        };
+        match (0..).zip(&self.twins).find(|&pair| is_wrong(pair)) {
+            Some((h, twin)) => Err(wrong(format!("the half-edges {h} and {twin} as twins"))),
+            None => Ok(()),
+        }
+    }
+
+    /// Returns the half-edge after one in its face.
+    fn next(&self, half_edge: u32) -> u32 {
+        match &self.shape {
+            Shape::Triangles => half_edge - half_edge % 3 + (half_edge + 1) % 3,
+            Shape::Polygons { offsets, face_of } => {
+                let face = face_of[half_edge as usize] as usize;
+                if half_edge + 1 == offsets[face + 1] { offsets[face] } else { half_edge + 1 }
+            }
+        }
+    }
+
     /// Returns the half-edge on the other side, or `None` at a boundary.
-    ///
-    /// # Panics
-    /// The half-edge is not one of this graph.
     #[inline]
-    pub fn twin(&self, half_edge: HalfEdge) -> Option<HalfEdge> {
+    pub(crate) fn twin(&self, half_edge: HalfEdge) -> Option<HalfEdge> {
         let twin = self.twins[half_edge.0 as usize];
         (twin != NO_TWIN).then_some(HalfEdge(twin))
     }
 
-    /// Returns the face that a half-edge belongs to.
-    ///
-    /// # Panics
-    /// The graph is one of polygons and the half-edge is not one of this graph.
+    /// Returns the face that a half-edge of this graph belongs to.
     #[inline]
-    pub fn face_of(&self, half_edge: HalfEdge) -> FaceId {
+    pub(crate) fn face_of(&self, half_edge: HalfEdge) -> FaceId {
         match &self.shape {
             Shape::Triangles => FaceId(half_edge.0 / 3),
             Shape::Polygons { face_of, .. } => FaceId(face_of[half_edge.0 as usize]),
         }
     }
 
-    /// Iterates over the half-edges of a face in its winding.
-    ///
-    /// # Panics
-    /// The face is not one of this graph.
-    pub fn half_edges(&self, face: FaceId) -> impl DoubleEndedIterator<Item = HalfEdge> + use<> {
+    /// Iterates over the half-edges of a face of this graph in its winding.
+    pub(crate) fn half_edges(&self, face: FaceId) -> impl DoubleEndedIterator<Item = HalfEdge> + use<> {
         let range = match &self.shape {
             Shape::Triangles => 3 * face.0..3 * face.0 + 3,
             Shape::Polygons { offsets, .. } => offsets[face.0 as usize]..offsets[face.0 as usize + 1],
@@ -155,10 +197,7 @@ impl DualGraph {
     }
 
     /// Iterates over the faces that share an edge with this one, in its winding; a face that shares two edges occurs twice.
-    ///
-    /// # Panics
-    /// The face is not one of this graph.
-    pub fn neighbours(&self, face: FaceId) -> impl Iterator<Item = FaceId> {
+    pub(crate) fn neighbours(&self, face: FaceId) -> impl Iterator<Item = FaceId> {
         self.half_edges(face).filter_map(|h| self.twin(h)).map(|h| self.face_of(h))
     }
 
@@ -251,5 +290,19 @@ impl DualGraph {
             }
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn any_faces_have_a_graph() {
+        for polygons in [vec![], vec![vec![], vec![0]], vec![vec![u32::MAX, 0, 1], vec![0, u32::MAX, 1, 7]]] {
+            let graph = DualGraph::new(&Faces::from_polygons(&polygons).unwrap());
+            assert_eq!(graph.half_edge_twins().len(), polygons.iter().map(Vec::len).sum::<usize>());
+            assert_eq!((graph.check(), graph.components().0.len()), (Ok(()), polygons.len()));
+        }
     }
 }

@@ -13,6 +13,12 @@ pub(crate) fn check_count(what: &'static str, found: usize) -> Result<(), Error>
     Ok(())
 }
 
+/// Returns the error of an index without a vertex, at a position of an index buffer.
+pub(crate) fn index_out_of_range(at: usize, vertex: u32, vertex_count: usize) -> Error {
+    let found = format!("index {vertex} at {at}, over {vertex_count} vertices");
+    Error::Parameter { name: "indices", found, expected: "less than the number of vertices" }
+}
+
 /// A face of the dual graph, counted from 0.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct FaceId(pub u32);

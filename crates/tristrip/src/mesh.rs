@@ -18,7 +18,8 @@ pub use faces::Faces;
 pub(crate) use faces::without_repeats;
 pub use position_ids::PositionIds;
 pub(crate) use triangle::{
-    canonical_triangle, canonical_triangles, is_degenerate, triangle_at, triangles_of,
+    canonical_triangle, canonical_triangles, check_corners, check_triangles, is_degenerate, triangle_at,
+    triangles_of,
 };
 pub(crate) use vertex_subset::{SPARSE, VertexSubset};
 
@@ -86,18 +87,19 @@ impl Mesh {
     /// Adds a vertex attribute.
     ///
     /// # Errors
-    /// The attribute does not have one value per vertex.
+    /// The attribute does not have one value per vertex, or values without components.
+    ///
+    /// ```
+    /// use tristrip::{Attribute, AttributeData, Faces, Mesh};
+    /// let mesh = Mesh::new(vec![[0.0; 3]; 2], Faces::default())?;
+    /// let data = AttributeData::U8(vec![10, 11, 20, 21]);
+    /// let uv = Attribute { name: "TEXCOORD_0".into(), components: 2, normalized: true, data };
+    /// assert_eq!(mesh.clone().with_attribute(uv.clone())?.attributes(), [uv.clone()]);
+    /// assert!(mesh.with_attribute(Attribute { components: 4, ..uv }).is_err());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn with_attribute(mut self, attribute: Attribute) -> Result<Self, Error> {
-        let components = usize::from(attribute.components.max(1));
-        let expected = self.positions.len() * components;
-        if attribute.data.len() != expected {
-            return Err(MeshProblem::AttributeLength {
-                name: attribute.name,
-                found: (attribute.data.len() / components) as u64,
-                expected: self.positions.len() as u64,
-            }
-            .into());
-        }
+        attribute.check(self.vertex_count())?;
         Arc::make_mut(&mut self.attributes).push(attribute);
         Ok(self)
     }

@@ -27,10 +27,16 @@ impl Random {
         z ^ z >> 31
     }
 
-    /// Returns a number below `n`, which must be at most 2³².
+    /// Returns a number below `n`, one of at most 2³² that are evenly apart; 0 if `n` is 0.
+    ///
+    /// ```
+    /// let mut random = tristrip::random::Random::new(7);
+    /// assert_eq!((random.below(0), random.below(1)), (0, 0));
+    /// assert!(random.below(usize::MAX) < usize::MAX);
+    /// ```
     #[inline]
     pub fn below(&mut self, n: usize) -> usize {
-        (((self.next_u64() >> 32) * n as u64) >> 32) as usize
+        ((u128::from(self.next_u64() >> 32) * n as u128) >> 32) as usize
     }
 
     /// Returns true or false, each with probability one half.

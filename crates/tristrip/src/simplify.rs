@@ -83,7 +83,7 @@ pub struct Simplification {
 ///
 /// # Errors
 /// The number of indices is not a multiple of three, or an index is out of range; there are more than 2²⁷ triangles; the error limit is
-/// negative or not a number.
+/// negative or not a number; there are more values for locked vertices than vertices.
 ///
 /// ```
 /// use tristrip::{Faces, Mesh, simplify, simplify::SimplifyOptions};
@@ -94,8 +94,8 @@ pub struct Simplification {
 /// let mesh = Mesh::new((0..25).map(at).collect::<Vec<_>>(), Faces::from_triangles(triangles.clone())?)?;
 /// let simple = simplify::simplify(&mesh, triangles, &SimplifyOptions::default().with_triangles(2))?;
 /// assert!(simple.stopped.is_none());
-/// assert_eq!(simple.sequence.triangle_count(0), 2);
-/// assert!(simple.sequence.error(0) < 1e-6);
+/// assert_eq!(simple.sequence.triangle_count(0)?, 2);
+/// assert!(simple.sequence.error(0)? < 1e-6);
 /// # Ok::<(), tristrip::Error>(())
 /// ```
 pub fn simplify(
@@ -110,10 +110,14 @@ pub fn simplify(
         let (found, limit) = (triangles.len() as u64 / 3, MOST_TRIANGLES as u64);
         return Err(Error::LimitExceeded { what: "triangles to simplify", found, limit });
     }
+    if options.locked.len() > mesh.vertex_count() {
+        let found = format!("{} values for {} vertices", options.locked.len(), mesh.vertex_count());
+        return Err(Error::Parameter { name: "locked", found, expected: "at most one value per vertex" });
+    }
     let mut sequence = CollapseSequence::new(mesh.vertex_count(), triangles)?;
     let mut decimation = Decimation::new(mesh, sequence.triangles(), &options.locked, options.error);
     decimation.run(options.triangle_count, &mut sequence);
-    let reached = sequence.triangle_count(0);
+    let reached = sequence.triangles_at(0);
     let stopped = (reached > options.triangle_count).then(|| decimation.stopped());
     Ok(Simplification { sequence, stopped })
 }

@@ -12,8 +12,7 @@ mod vertex_order;
 
 #[cfg(test)]
 pub(crate) use emit::path_cost;
-pub(crate) use emit::{OPEN, Step, cover_cost, path_steps, send_path};
-pub(crate) use emit::{emit, emit_in_order};
+pub(crate) use emit::{OPEN, Step, cover_cost, emit, emit_in_order, path_steps, send_path};
 pub use layout::{Layout, split_joined};
 pub use metrics::{Cost, Metrics};
 pub use vertex_order::VertexOrder;

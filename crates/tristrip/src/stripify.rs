@@ -34,7 +34,7 @@ pub use watch::{Progress, Watch};
 /// Computes the plan of a method: the stage between the dual graph and the strips.
 ///
 /// # Errors
-/// An option is invalid for the method.
+/// An option is invalid for the method, or the graph is not the one of the faces.
 ///
 /// ```
 /// use tristrip::{DualGraph, Faces, Mesh, PreparedFaces, StripifyOptions, stripify::plan};
@@ -57,7 +57,7 @@ pub fn plan<'a>(
 /// search returns the best plan found so far.
 ///
 /// # Errors
-/// An option is invalid for the method.
+/// An option is invalid for the method, or the graph is not the one of the faces.
 ///
 /// ```
 /// use tristrip::{DualGraph, Faces, Mesh, Method, PreparedFaces, StripifyOptions};
@@ -72,6 +72,17 @@ pub fn plan<'a>(
 /// # Ok::<(), tristrip::Error>(())
 /// ```
 pub fn plan_watched<'a>(
+    prepared: &'a PreparedFaces<'_>,
+    graph: &'a DualGraph,
+    options: &StripifyOptions,
+    watch: &dyn Watch,
+) -> Result<StripPlan<'a>, Error> {
+    graph.check_faces(prepared.faces())?;
+    plan_known(prepared, graph, options, watch)
+}
+
+/// Computes a plan as [`plan_watched`] does, for a graph that was made from the faces.
+fn plan_known<'a>(
     prepared: &'a PreparedFaces<'_>,
     graph: &'a DualGraph,
     options: &StripifyOptions,
@@ -93,4 +104,41 @@ pub fn plan_watched<'a>(
         Method::Tunnel { length } => tunnel::plan(prepared, graph, length, watch),
         Method::Eta(eta) => eta::plan(prepared, graph, eta, options.seed(), watch),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::{Faces, Mesh};
+    use bound::Bound;
+
+    /// Every method refuses a graph of fewer faces, of more faces, of faces of other sizes, and of faces connected otherwise.
+    #[test]
+    fn a_graph_of_other_faces_is_refused() {
+        let mesh = |polygons: &[Vec<u32>]| {
+            Mesh::new(vec![[0.0; 3]; 9], Faces::from_polygons(polygons).unwrap()).unwrap()
+        };
+        let meshes = [
+            mesh(&[vec![0, 1, 2], vec![2, 1, 3], vec![4, 5, 6], vec![6, 5, 7]]),
+            mesh(&[vec![4, 5, 6], vec![0, 1, 2], vec![2, 1, 3], vec![7, 8, 0]]),
+            mesh(&[vec![0, 1, 2], vec![2, 1, 3]]),
+            mesh(&[vec![0, 1, 2, 3], vec![2, 1, 4, 7], vec![4, 5, 6, 8]]),
+            mesh(&[vec![0, 1, 2, 3, 4], vec![2, 1, 5], vec![4, 5, 6, 8]]),
+            mesh(&[]),
+        ];
+        for (i, mesh) in meshes.iter().enumerate() {
+            let prepared = PreparedFaces::new(mesh, false);
+            let own = DualGraph::new(prepared.faces());
+            let cover = plan(&prepared, &own, &StripifyOptions::default()).unwrap().cover;
+            for (j, other) in meshes.iter().enumerate() {
+                let graph = DualGraph::new(PreparedFaces::new(other, false).faces());
+                for method in Method::ALL {
+                    let options = StripifyOptions::default().with_method(*method);
+                    assert_eq!(plan(&prepared, &graph, &options).is_ok(), i == j, "{i} {j} {method}");
+                }
+                assert_eq!(Bound::of_prepared(&prepared, &graph).is_ok(), i == j, "{i} {j}");
+                assert!(cover.len() == graph.face_count() || cover.check(&graph).is_err(), "{i} {j}");
+            }
+        }
+    }
 }

@@ -179,7 +179,6 @@ fn misses_and_strips_are_the_same_in_any_order() {
         &found,
         tristrip::vertex_cache::VertexCache::fifo(16),
         tristrip::vertex_cache::FlushPolicy::Keep,
-        usize::try_from(next).unwrap(),
     );
     let close = |key: &str, found: f64| (report[key].as_f64().unwrap() - found).abs() < 1e-6;
     assert!(close("acmr_fifo_16", misses.acmr()) && close("atvr_fifo_16", misses.atvr()));

@@ -9,7 +9,7 @@ use tristrip::stripify::{Progress, Watch};
 use tristrip::vertex_cache::{FlushPolicy, GeneralizedCost, Replacement, VertexCache, VertexCacheStatistics};
 use tristrip::{StripifyOptions, Strips};
 use tristrip_io::Model;
-use tristrip_pipeline::{Error as PipelineError, PreparedModel, PreparedPart, Search, parse_method};
+use tristrip_pipeline::{Error as PipelineError, PreparedModel, Search, parse_method};
 
 use super::level_figures::{self, LevelFigures};
 use super::observer::ReproObserver;
@@ -160,7 +160,7 @@ fn measure_strips(
     Ok(MeasuredStrips {
         figures: strip_figures(prepared, &strips, &options)?,
         progress,
-        transmitted: if extras.generalized { transmitted(prepared.parts(), &strips) } else { Vec::new() },
+        transmitted: if extras.generalized { transmitted(&strips) } else { Vec::new() },
         levels: if extras.levels {
             level_figures::measure(prepared, &strips)?
         } else {
@@ -175,14 +175,9 @@ fn strip_figures(
     options: &StripifyOptions,
 ) -> Result<BTreeMap<String, f64>, Error> {
     let mut figures = numbers_of(&prepared.figures(strips, options)?);
-    let pairs: Vec<_> = prepared.parts().iter().zip(strips).collect();
     for cache in CACHES {
-        let statistics: VertexCacheStatistics = pairs
-            .iter()
-            .map(|(part, strips)| {
-                VertexCacheStatistics::of(strips, cache, FlushPolicy::Keep, part.mesh.vertex_count())
-            })
-            .sum();
+        let statistics: VertexCacheStatistics =
+            strips.iter().map(|strips| VertexCacheStatistics::of(strips, cache, FlushPolicy::Keep)).sum();
         let rule = if cache.replacement == Replacement::Lru { "lru" } else { "fifo" };
         figures.insert(format!("acmr_{rule}_{}", cache.entries), statistics.acmr());
     }
@@ -190,12 +185,9 @@ fn strip_figures(
 }
 
 /// Counts the vertices that generalized triangle meshes transmit, for each of [`CACHE_ENTRIES`].
-fn transmitted(parts: &[PreparedPart<'_>], strips: &[Strips]) -> Vec<[usize; 4]> {
+fn transmitted(strips: &[Strips]) -> Vec<[usize; 4]> {
     let cost = |cache, between| {
-        let costs = parts
-            .iter()
-            .zip(strips)
-            .map(|(part, strips)| GeneralizedCost::of(strips, cache, between, part.mesh.vertex_count()));
+        let costs = strips.iter().map(|strips| GeneralizedCost::of(strips, cache, between));
         costs.sum::<GeneralizedCost>().transmitted
     };
     let both =

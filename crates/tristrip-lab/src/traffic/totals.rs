@@ -66,7 +66,7 @@ pub fn totals(levels: &ModelLevels, repair: RepairOptions) -> Result<Vec<FilterT
     for part in levels.order.parts_from_full() {
         let sequence = parts[part].sequence();
         let level = sequence.len() - 1 - done[part];
-        triangles -= sequence.collapse(level).dropped.len() as u64;
+        triangles -= sequence.collapse(level)?.dropped.len() as u64;
         let (before, after) = (&sent[part][done[part]], &sent[part][done[part] + 1]);
         for (sum, (before, after)) in current.iter_mut().zip(before.iter().zip(after)) {
             *sum = *sum - before + after;

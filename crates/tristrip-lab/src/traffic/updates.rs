@@ -94,7 +94,8 @@ fn updates(
     }
     let slots = |level: usize| models.get().map(|both| both.each_ref().map(|model| model.slot_count(level)));
     let [naive, encoded] = levels.clone().filter_map(slots).fold([0; 2], |[a, b], [c, d]| [a + c, b + d]);
-    let vertices = levels.clone().map(|level| sequence.collapse(level).renames.len()).sum();
+    let renamed = |level| sequence.collapse(level).map(|collapse| collapse.renames.len());
+    let vertices = levels.clone().map(renamed).sum::<Result<usize, _>>()?;
     Ok(SplitUpdates { splits: levels.len(), vertices, naive, encoded })
 }
 

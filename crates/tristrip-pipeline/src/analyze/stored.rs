@@ -13,8 +13,6 @@ use tristrip::split_joined;
 use tristrip::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
 use tristrip_io::Part;
 
-use crate::parts::triangle_list;
-
 /// How a part is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -138,7 +136,6 @@ impl<'a> StoredPart<'a> {
     pub(super) fn of(part: &'a Part) -> Self {
         let mut strips = Strips::default();
         let mut list = Cow::default();
-        let vertex_count = part.mesh.vertex_count();
         let mut figures = StoredFigures {
             drawn: DrawMode::List,
             triangles: 0,
@@ -155,8 +152,7 @@ impl<'a> StoredPart<'a> {
             figures.indices = stored.indices();
             figures.restarts = stored.restarts;
             figures.triangles = part.mesh.faces().face_count();
-            figures.vertices =
-                VertexCacheStatistics::of(&stored.runs, ANY_CACHE, FlushPolicy::Keep, vertex_count).vertices;
+            figures.vertices = VertexCacheStatistics::of(&stored.runs, ANY_CACHE, FlushPolicy::Keep).vertices;
             let drawn: usize = stored.runs.iter().map(|run| run.len().saturating_sub(2)).sum();
             figures.degenerate = drawn.saturating_sub(figures.triangles);
             figures.drawn = if stored.fans { DrawMode::Fans } else { DrawMode::Strips };
@@ -169,9 +165,9 @@ impl<'a> StoredPart<'a> {
                 figures.vertices_sent = Some(metrics.vertices_sent);
             }
         } else {
-            list = triangle_list(&part.mesh);
+            list = part.mesh.faces().fans();
             figures.indices = list.len();
-            let used = VertexCacheStatistics::of_list(&list, ANY_CACHE, vertex_count);
+            let used = VertexCacheStatistics::of_list(list.as_chunks().0, ANY_CACHE);
             (figures.triangles, figures.vertices) = (used.triangles, used.vertices);
             figures.degenerate = list.len() / 3 - figures.triangles;
         }
@@ -190,13 +186,12 @@ impl<'a> StoredPart<'a> {
         caches: &[VertexCache],
         flush_policy: FlushPolicy,
     ) -> Vec<VertexCacheStatistics> {
-        let count = self.part.mesh.vertex_count();
         let mut each = match &self.part.stored {
-            None => VertexCacheStatistics::of_list_each(&self.list, caches, count),
+            None => VertexCacheStatistics::of_list_each(self.list.as_chunks().0, caches),
             Some(stored) if stored.fans || flush_policy == FlushPolicy::Keep => {
-                VertexCacheStatistics::of_each(&stored.runs, caches, flush_policy, count)
+                VertexCacheStatistics::of_each(&stored.runs, caches, flush_policy)
             }
-            Some(_) => VertexCacheStatistics::of_each(&self.strips, caches, flush_policy, count),
+            Some(_) => VertexCacheStatistics::of_each(&self.strips, caches, flush_policy),
         };
         // The simulation counts the triangles of a fan as if it were a strip.
         each.iter_mut().for_each(|used| used.triangles = self.figures.triangles);

@@ -55,7 +55,7 @@ impl LevelPart {
     /// [`Error::Level`]: the part does not have this level.
     pub fn index_map(&self, level: usize) -> Result<Vec<u32>, Error> {
         self.check(level)?;
-        let renaming = self.sequence.renaming(level);
+        let renaming = self.sequence.renaming(level)?;
         let renamed = |v: u32| if v == RESTART { RESTART } else { renaming[v as usize] };
         Ok(self.strips.to_restart(RESTART).into_iter().map(renamed).collect())
     }
@@ -95,7 +95,7 @@ impl LevelPart {
     /// [`Error::Level`]: the part does not have this level.
     pub fn triangles(&self, level: usize) -> Result<Vec<u32>, Error> {
         self.check(level)?;
-        let mut corners = self.sequence.drawn(level).into_flattened();
+        let mut corners = self.sequence.drawn(level)?.into_flattened();
         self.used.outward(&mut corners);
         Ok(corners)
     }
@@ -106,7 +106,7 @@ impl LevelPart {
     /// [`Error::Unproven`], or the part does not have this level.
     pub fn prove(&self, level: usize, display: &Strips) -> Result<(), Error> {
         self.check(level)?;
-        let expected = Faces::from_triangles(self.sequence.drawn(level).into_flattened())?;
+        let expected = Faces::from_triangles(self.sequence.drawn(level)?.into_flattened())?;
         let drawn: Vec<[u32; 3]> = display.triangles().collect();
         verify_drawing(&expected, &drawn).map_err(|why| Error::Unproven(format!("level {level}: {why}")))?;
         Ok(())

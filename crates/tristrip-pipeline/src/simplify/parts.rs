@@ -55,7 +55,8 @@ impl<'a> Compact<'a> {
         let positions: Vec<[f32; 3]> = used.iter().map(|&v| mesh.positions()[v as usize]).collect();
         let without_attributes = Mesh::new(positions, Faces::default())?;
         let mut attributes = mesh.attributes().iter().map(|attribute| attribute.of_vertices(&used));
-        let reduced = attributes.try_fold(without_attributes, Mesh::with_attribute)?;
+        let reduced =
+            attributes.try_fold(without_attributes, |mesh, attribute| mesh.with_attribute(attribute?))?;
         Ok(Self { mesh: Cow::Owned(reduced), used: UsedVertices(Some(used)) })
     }
 }
@@ -148,6 +149,16 @@ pub(crate) fn simplify_all(
         simplify::simplify(&part.compact.mesh, part.triangles.clone(), &options)
     });
     done.into_iter().collect()
+}
+
+/// Counts the triangles of each base mesh.
+pub(crate) fn base_triangles(done: &[Simplification]) -> Result<Vec<usize>, Error> {
+    done.iter().map(|done| done.sequence.triangle_count(0)).collect()
+}
+
+/// Returns the largest error of all collapses, in mesh units.
+pub(crate) fn surface_error(done: &[Simplification]) -> Result<f32, Error> {
+    done.iter().try_fold(0.0, |largest: f32, done| Ok(largest.max(done.sequence.error(0)?)))
 }
 
 /// Returns the diagonal of the bounding box of all triangles, in mesh units.

@@ -14,6 +14,17 @@ use crate::mesh::Faces;
 use crate::prepare::PreparedFaces;
 
 /// The triangles of prepared faces and their connections.
+///
+/// ```
+/// use tristrip::{DualGraph, Faces, Mesh, PreparedFaces, StripifyOptions, stripify::plan};
+/// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+/// let mesh = Mesh::new(corners, Faces::from_polygons([[0, 1, 2, 3]])?)?;
+/// let prepared = PreparedFaces::new(&mesh, false);
+/// let graph = DualGraph::new(prepared.faces());
+/// let plan = plan(&prepared, &graph, &StripifyOptions::default())?;
+/// assert_eq!(plan.triangulation().triangle_count(), 2);
+/// # Ok::<(), tristrip::Error>(())
+/// ```
 #[derive(Debug, Clone)]
 pub struct Triangulation<'a> {
     triangles: Cow<'a, [u32]>,
@@ -22,7 +33,7 @@ pub struct Triangulation<'a> {
 
 impl<'a> Triangulation<'a> {
     /// Borrows faces that are all triangles; returns `None` if there is a larger face.
-    pub fn of_triangles(prepared: &'a PreparedFaces<'_>, graph: &'a DualGraph) -> Option<Self> {
+    pub(crate) fn of_triangles(prepared: &'a PreparedFaces<'_>, graph: &'a DualGraph) -> Option<Self> {
         let triangles = prepared.faces().as_triangles()?;
         Some(Self { triangles: Cow::Borrowed(triangles), graph: Cow::Borrowed(graph) })
     }
@@ -33,17 +44,7 @@ impl<'a> Triangulation<'a> {
     }
 
     /// Cuts every face into a fan around its first corner.
-    ///
-    /// ```
-    /// use tristrip::{DualGraph, Faces, Mesh, PreparedFaces, Triangulation};
-    /// let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
-    /// let mesh = Mesh::new(corners, Faces::from_polygons([[0, 1, 2, 3]])?)?;
-    /// let prepared = PreparedFaces::new(&mesh, false);
-    /// let graph = DualGraph::new(prepared.faces());
-    /// assert_eq!(Triangulation::fan(&prepared, &graph).triangles(), [0, 1, 2, 0, 2, 3]);
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    pub fn fan(prepared: &'a PreparedFaces<'_>, graph: &'a DualGraph) -> Self {
+    pub(crate) fn fan(prepared: &'a PreparedFaces<'_>, graph: &'a DualGraph) -> Self {
         Self::of_triangles(prepared, graph).unwrap_or_else(|| {
             let mut builder = TriangulationBuilder::new(prepared.faces(), graph);
             for (face, polygon) in prepared.faces().iter().enumerate() {
@@ -57,17 +58,7 @@ impl<'a> Triangulation<'a> {
 
     /// Cuts every face by alternate left and right turns from its first edge, so that the face is one strip without swaps
     /// (Evans et al. 1996, figure 5b).
-    ///
-    /// ```
-    /// # use tristrip::{DualGraph, Faces, Mesh, PreparedFaces, Triangulation};
-    /// # let corners = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
-    /// # let mesh = Mesh::new(corners, Faces::from_polygons([[0, 1, 2, 3]])?)?;
-    /// let prepared = PreparedFaces::new(&mesh, false);
-    /// let graph = DualGraph::new(prepared.faces());
-    /// assert_eq!(Triangulation::zigzag(&prepared, &graph).triangles(), [0, 1, 3, 1, 2, 3]);
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    pub fn zigzag(prepared: &'a PreparedFaces<'_>, graph: &'a DualGraph) -> Self {
+    pub(crate) fn zigzag(prepared: &'a PreparedFaces<'_>, graph: &'a DualGraph) -> Self {
         Self::of_triangles(prepared, graph).unwrap_or_else(|| {
             let mut builder = TriangulationBuilder::new(prepared.faces(), graph);
             for (face, polygon) in prepared.faces().iter().enumerate() {

@@ -11,7 +11,7 @@
 
 use std::sync::Arc;
 
-use crate::collapse::CollapseSequence;
+use crate::collapse::{CollapseSequence, check_level};
 use crate::error::Error;
 use crate::strip::Strips;
 
@@ -170,8 +170,8 @@ impl LevelTable {
     pub fn of(sequence: &CollapseSequence) -> Self {
         let levels = 0..=sequence.len();
         Self {
-            triangle_counts: levels.clone().map(|level| sequence.triangle_count(level) as u32).collect(),
-            errors: levels.map(|level| sequence.error(level)).collect(),
+            triangle_counts: levels.clone().map(|level| sequence.triangles_at(level) as u32).collect(),
+            errors: levels.map(|level| sequence.error_at(level)).collect(),
         }
     }
 
@@ -251,11 +251,7 @@ impl LevelTable {
 
     /// Checks that there is a level.
     pub(super) fn check(&self, level: usize) -> Result<(), Error> {
-        if level < self.errors.len() {
-            return Ok(());
-        }
-        let found = format!("{level} of {}", self.collapse_count());
-        Err(Error::Parameter { name: "level", found, expected: "at most the level of the full mesh" })
+        check_level(level, self.collapse_count())
     }
 
     /// Returns the number of triangles at a level that exists.
@@ -308,7 +304,7 @@ mod tests {
                     cursor.set_level(jump).unwrap();
                     prop_assert_eq!(cursor.level(), jump);
                     let strips = cursor.strips();
-                    prop_assert_eq!(sorted(strips.triangles()), sorted(sequence.drawn(jump)));
+                    prop_assert_eq!(sorted(strips.triangles()), sorted(sequence.drawn(jump).unwrap()));
                     let before = buffer.clone();
                     let changed = strips.update_indices(Layout::Restart, &mut buffer).unwrap();
                     prop_assert_eq!(&buffer, &strips.to_indices::<u16>(Layout::Restart).unwrap());
@@ -329,8 +325,8 @@ mod tests {
         fn the_table_has_the_figures_of_the_sequence(sample in samples(), error in 0.0..2.0_f32, count in 0..60_usize) {
             let (sequence, levels) = (&sample.sequence, LevelTable::of(&sample.sequence));
             for level in 0..=sequence.len() {
-                prop_assert_eq!(levels.triangle_count(level).unwrap(), sequence.triangle_count(level));
-                prop_assert_eq!(levels.error(level).unwrap().to_bits(), sequence.error(level).to_bits());
+                prop_assert_eq!(levels.triangle_count(level).unwrap(), sequence.triangles_at(level));
+                prop_assert_eq!(levels.error(level).unwrap().to_bits(), sequence.error_at(level).to_bits());
             }
             prop_assert_eq!(levels.level_of_error(error).unwrap(), sequence.level_of_error(error));
             prop_assert_eq!(levels.level_of_triangles(count), sequence.level_of_triangles(count));

@@ -244,7 +244,7 @@ impl Repair {
         check_size(sequence)?;
         let mut mesh = LevelMesh::new(sequence);
         let order = order_of(strips, &mesh)?;
-        (level..sequence.len()).rev().for_each(|level| mesh.collapse(&sequence.collapse(level)));
+        (level..sequence.len()).rev().for_each(|level| mesh.collapse(&sequence.collapse_to(level)));
         let slots = mesh.triangle_count();
         let mut repair = Self {
             levels: Arc::new(LevelTable::of(sequence)),
@@ -268,7 +268,7 @@ impl Repair {
         }
         repair.link_neighbours(&order);
         let mut is_named = vec![true; sequence.vertex_count()];
-        let renames = (level..sequence.len()).flat_map(|level| sequence.collapse(level).renames);
+        let renames = (level..sequence.len()).flat_map(|level| sequence.collapse_to(level).renames);
         renames.for_each(|rename| is_named[rename.removed as usize] = false);
         for v in (0..).zip(is_named).filter_map(|(v, is_named)| is_named.then_some(v)) {
             repair.pair_around([v]);
@@ -316,7 +316,7 @@ impl Repair {
         let Some(level) = self.level.checked_sub(1) else { return false };
         self.display = None;
         let sequence = Arc::clone(&self.sequence);
-        let collapse = sequence.collapse(level);
+        let collapse = sequence.collapse_to(level);
         self.gaps.clear();
         for &t in collapse.dropped {
             self.cut_out(t);
@@ -343,7 +343,7 @@ impl Repair {
         }
         self.display = None;
         let sequence = Arc::clone(&self.sequence);
-        let collapse = sequence.collapse(self.level);
+        let collapse = sequence.collapse_to(self.level);
         let vertices = || collapse.renames.iter().flat_map(|rename| [rename.kept, rename.removed]);
         self.mesh.split(&collapse);
         collapse.dropped.iter().for_each(|&t| self.paths.insert_triangle(t));

@@ -213,7 +213,7 @@ pub fn walk(
     let (mut totals, mut split) = (TrafficTotals::default(), None);
     loop {
         let level = cursor.level();
-        let triangles = sequence.triangle_count(level);
+        let triangles = sequence.triangles_at(level);
         let now = LevelTraffic { level, triangles, sent: counts.sent(), split };
         show(&now);
         totals.add(&now, sequence.len());
@@ -344,7 +344,7 @@ mod tests {
             for found in &levels {
                 prop_assert_eq!(found.level, cursor.level());
                 cursor.decode_to(&mut map);
-                prop_assert_eq!(found.triangles, sequence.drawn(cursor.level()).len());
+                prop_assert_eq!(found.triangles, sequence.drawn(cursor.level()).unwrap().len());
                 for filter in Filter::ALL {
                     prop_assert_eq!(found.sent(filter), filter.sent_by_map(&map));
                 }

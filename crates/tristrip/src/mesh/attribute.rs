@@ -1,5 +1,8 @@
 //! Vertex attributes other than the position: normals, texture coordinates, colours and others.
 
+use crate::error::{Error, MeshProblem};
+use crate::ids::index_out_of_range;
+
 /// The values of one vertex attribute, `components` of them per vertex.
 #[derive(Debug, Clone, PartialEq)]
 pub enum AttributeData {
@@ -58,17 +61,48 @@ pub struct Attribute {
 impl Attribute {
     /// Returns the values of some vertices, in their order.
     ///
-    /// # Panics
-    /// There is no such vertex.
+    /// # Errors
+    /// There is no such vertex, or a vertex has no components.
     ///
     /// ```
     /// use tristrip::{Attribute, AttributeData};
     /// let data = AttributeData::U8(vec![0, 1, 10, 11, 20, 21]);
     /// let pairs = Attribute { name: "pairs".into(), components: 2, normalized: false, data };
-    /// assert_eq!(pairs.of_vertices(&[2, 0]).data, AttributeData::U8(vec![20, 21, 0, 1]));
+    /// assert_eq!(pairs.of_vertices(&[2, 0])?.data, AttributeData::U8(vec![20, 21, 0, 1]));
+    /// assert!(pairs.of_vertices(&[3]).is_err());
+    /// # Ok::<(), tristrip::Error>(())
     /// ```
-    #[must_use]
-    pub fn of_vertices(&self, vertices: &[u32]) -> Self {
+    pub fn of_vertices(&self, vertices: &[u32]) -> Result<Self, Error> {
+        self.check_components()?;
+        let vertex_count = self.data.len() / usize::from(self.components);
+        match vertices.iter().position(|&v| v as usize >= vertex_count) {
+            Some(at) => Err(index_out_of_range(at, vertices[at], vertex_count)),
+            None => Ok(self.select(vertices)),
+        }
+    }
+
+    /// Checks that there is one value per vertex, and that it has components.
+    pub(crate) fn check(&self, vertex_count: usize) -> Result<(), Error> {
+        self.check_components()?;
+        let components = usize::from(self.components);
+        if Some(self.data.len()) == vertex_count.checked_mul(components) {
+            return Ok(());
+        }
+        let found = (self.data.len() / components) as u64;
+        let (name, expected) = (self.name.clone(), vertex_count as u64);
+        Err(MeshProblem::AttributeLength { name, found, expected }.into())
+    }
+
+    fn check_components(&self) -> Result<(), Error> {
+        if self.components > 0 {
+            return Ok(());
+        }
+        let found = format!("0 of attribute `{}`", self.name);
+        Err(Error::Parameter { name: "components", found, expected: "at least 1" })
+    }
+
+    /// Returns the values of some vertices that exist, in their order.
+    pub(crate) fn select(&self, vertices: &[u32]) -> Self {
         let n = usize::from(self.components.max(1));
         let data = match &self.data {
             AttributeData::F32(values) => AttributeData::F32(select(values, n, vertices)),
@@ -111,4 +145,31 @@ pub(crate) fn select<T: Copy>(values: &[T], components: usize, vertices: &[u32])
         selected.extend_from_slice(&values[first..first + components]);
     }
     selected
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wrong_vertices_and_components_are_refused() {
+        let attribute = |components, length| Attribute {
+            name: "a".into(),
+            components,
+            normalized: false,
+            data: AttributeData::F32(vec![f32::NAN; length]),
+        };
+        let pairs = attribute(2, 5);
+        assert_eq!(pairs.of_vertices(&[1, 0]).unwrap().data.len(), 4);
+        let message = "parameter `indices`: found index 2 at 1, over 2 vertices, expected less than the number of vertices";
+        assert_eq!(pairs.of_vertices(&[0, 2]).unwrap_err().to_string(), message);
+        assert!(pairs.of_vertices(&[u32::MAX]).is_err());
+        let message = "parameter `components`: found 0 of attribute `a`, expected at least 1";
+        assert_eq!(attribute(0, 2).of_vertices(&[]).unwrap_err().to_string(), message);
+        assert!(
+            pairs.check(usize::MAX).is_err()
+                && pairs.check(2).is_err()
+                && attribute(255, 510).check(2).is_ok()
+        );
+    }
 }

@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use super::triangle::check_triangles;
 use super::vertex_subset::{SPARSE, VertexSubset};
 use crate::error::{Error, MeshProblem};
 use crate::ids::check_count;
@@ -27,10 +28,7 @@ impl Faces {
     /// ```
     pub fn from_triangles(corners: Vec<u32>) -> Result<Self, Error> {
         check_count("corners", corners.len())?;
-        if !corners.len().is_multiple_of(3) {
-            let found = corners.len() as u64;
-            return Err(MeshProblem::CornerCount { found, expected: "a multiple of 3".into() }.into());
-        }
+        check_triangles(corners.len())?;
         Ok(Self { corners, offsets: None })
     }
 
@@ -42,7 +40,7 @@ impl Faces {
     ///
     /// ```
     /// let quad_and_triangle = tristrip::Faces::from_offsets(vec![0, 4, 7], vec![0, 1, 2, 3, 3, 2, 4])?;
-    /// assert_eq!(quad_and_triangle.face(1), [3, 2, 4]);
+    /// assert_eq!(quad_and_triangle.get(1), Some(&[3, 2, 4][..]));
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     pub fn from_offsets(offsets: Vec<u32>, corners: Vec<u32>) -> Result<Self, Error> {
@@ -106,23 +104,34 @@ impl Faces {
         &self.corners
     }
 
-    /// Returns the range of a face's corners within [`Faces::corners`].
-    ///
-    /// # Panics
-    /// `face` is not less than [`Faces::face_count`].
-    pub fn range(&self, face: usize) -> std::ops::Range<usize> {
+    /// Returns the range of a face's corners within [`Faces::corners`]; the face exists.
+    pub(crate) fn range(&self, face: usize) -> std::ops::Range<usize> {
         match &self.offsets {
             Some(offsets) => offsets[face] as usize..offsets[face + 1] as usize,
             None => 3 * face..3 * face + 3,
         }
     }
 
-    /// Returns the vertices of a face in its winding.
+    /// Returns the vertices of a face in its winding; `None` if there is no such face.
     ///
-    /// # Panics
-    /// `face` is not less than [`Faces::face_count`].
-    pub fn face(&self, face: usize) -> &[u32] {
+    /// ```
+    /// let quad_and_triangle = tristrip::Faces::from_polygons([vec![0, 1, 2, 3], vec![3, 2, 4]])?;
+    /// assert_eq!(quad_and_triangle.get(1), Some(&[3, 2, 4][..]));
+    /// assert_eq!(quad_and_triangle.get(2), None);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn get(&self, face: usize) -> Option<&[u32]> {
+        (face < self.face_count()).then(|| self.face(face))
+    }
+
+    /// Returns the vertices of a face in its winding; the face exists.
+    pub(crate) fn face(&self, face: usize) -> &[u32] {
         &self.corners[self.range(face)]
+    }
+
+    /// Returns the offset of each face's first corner, and the end of the last face; `None` if every face is a triangle.
+    pub(crate) fn offsets(&self) -> Option<&[u32]> {
+        self.offsets.as_deref()
     }
 
     /// Iterates over the faces in order.
@@ -135,6 +144,21 @@ impl Faces {
         self.offsets.is_none().then_some(&self.corners)
     }
 
+    /// Returns the triangles of the faces, three vertices each; a larger face is a fan around its first corner.
+    ///
+    /// ```
+    /// let quad_and_triangle = tristrip::Faces::from_polygons([vec![0, 1, 2, 3], vec![3, 2, 4]])?;
+    /// assert_eq!(*quad_and_triangle.fans(), [0, 1, 2, 0, 2, 3, 3, 2, 4]);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn fans(&self) -> Cow<'_, [u32]> {
+        if let Some(corners) = self.as_triangles() {
+            return Cow::Borrowed(corners);
+        }
+        let fan = |face| (2..<[u32]>::len(face)).flat_map(move |i| [face[0], face[i - 1], face[i]]);
+        self.iter().flat_map(fan).collect()
+    }
+
     /// Returns faces of the same sizes with other corners.
     ///
     /// # Errors
@@ -143,7 +167,7 @@ impl Faces {
     /// ```
     /// let faces = tristrip::Faces::from_polygons([vec![0, 1, 2, 3], vec![3, 2, 4]])?;
     /// let renamed = faces.with_corners(vec![4, 3, 2, 1, 1, 2, 0])?;
-    /// assert_eq!(renamed.face(1), [1, 2, 0]);
+    /// assert_eq!(renamed.get(1), Some(&[1, 2, 0][..]));
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     pub fn with_corners(&self, corners: Vec<u32>) -> Result<Self, Error> {
@@ -234,5 +258,18 @@ mod tests {
         assert!(matches!(dense.compact(), Cow::Borrowed(_)));
         assert!(matches!(Faces::from_triangles(vec![0, 1, 48]).unwrap().compact(), Cow::Owned(_)));
         assert_eq!(*Faces::default().compact(), Faces::default());
+    }
+
+    #[test]
+    fn wrong_faces_and_corners_are_refused() {
+        let triangles = Faces::from_triangles(vec![0, 1, u32::MAX]).unwrap();
+        let mixed = Faces::from_polygons([vec![], vec![7], vec![0, 1, 2, u32::MAX]]).unwrap();
+        for (faces, count) in [(&triangles, 1), (&mixed, 3), (&Faces::default(), 0)] {
+            assert!((0..count).all(|face| faces.get(face).is_some()));
+            assert_eq!([count, usize::MAX / 3, usize::MAX].map(|face| faces.get(face)), [None; 3]);
+            assert!(faces.with_corners(vec![0; faces.corner_count() + 1]).is_err());
+        }
+        assert_eq!(*mixed.fans(), [0, 1, 2, 0, 2, u32::MAX]);
+        assert!(Faces::from_offsets(vec![0, u32::MAX], vec![0, 1, 2]).is_err());
     }
 }

@@ -64,11 +64,17 @@ impl PositionIds {
         Faces::from_offsets(offsets, corners)
     }
 
-    /// Returns the position with a number, in mesh units.
+    /// Returns the position with a number, in mesh units; `None` if no position has it.
     ///
-    /// # Panics
-    /// No position has this number.
-    pub fn position(&self, id: u32) -> [f32; 3] {
+    /// ```
+    /// assert_eq!(tristrip::PositionIds::default().position(0), None);
+    /// ```
+    pub fn position(&self, id: u32) -> Option<[f32; 3]> {
+        self.positions.get(id as usize).copied()
+    }
+
+    /// Returns the position with a number that a vertex has.
+    pub(crate) fn position_of(&self, id: u32) -> [f32; 3] {
         self.positions[id as usize]
     }
 
@@ -123,7 +129,17 @@ mod tests {
         let mut ids = PositionIds::default();
         let faces = ids.faces(&[&quad, &far, &triangle]).unwrap();
         assert_eq!(faces.iter().collect::<Vec<_>>(), [&[0, 1, 2, 3][..], &[4, 4, 4], &[3, 2, 1]]);
-        assert_eq!(ids.position(4).map(f32::to_bits), [9.0_f32.to_bits(); 3]);
+        assert_eq!(ids.position_of(4).map(f32::to_bits), [9.0_f32.to_bits(); 3]);
         assert_eq!(ids.faces(&[]).unwrap().face_count(), 0);
+    }
+
+    #[test]
+    fn wrong_numbers_have_no_position() {
+        let mut ids = PositionIds::default();
+        assert_eq!(ids.position(0), None);
+        ids.faces(&[&Mesh::new(vec![[9.0; 3]; 3], Faces::from_triangles(vec![0, 1, 2]).unwrap()).unwrap()])
+            .unwrap();
+        assert!(ids.position(0).is_some());
+        assert_eq!([1, u32::MAX].map(|id| ids.position(id)), [None; 2]);
     }
 }

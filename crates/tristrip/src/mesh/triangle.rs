@@ -1,5 +1,7 @@
 //! Triangles as three vertices: whether they are degenerate, and a canonical form that does not depend on the first corner.
 
+use crate::error::{Error, MeshProblem};
+
 /// Returns the triangle rotated to begin with its lowest vertex, so that equal triangles of one winding are equal arrays.
 pub(crate) fn canonical_triangle(triangle: [u32; 3]) -> [u32; 3] {
     match triangle {
@@ -13,6 +15,23 @@ pub(crate) fn canonical_triangle(triangle: [u32; 3]) -> [u32; 3] {
 #[inline]
 pub(crate) fn is_degenerate([a, b, c]: [u32; 3]) -> bool {
     a == b || b == c || a == c
+}
+
+/// Checks that a number of corners is one of triangles.
+pub(crate) fn check_triangles(corner_count: usize) -> Result<(), Error> {
+    if corner_count.is_multiple_of(3) {
+        return Ok(());
+    }
+    let found = corner_count as u64;
+    Err(MeshProblem::CornerCount { found, expected: "a multiple of 3".into() }.into())
+}
+
+/// Checks that every corner of triangles is less than the number of vertices.
+pub(crate) fn check_corners(triangles: &[u32], vertex_count: usize) -> Result<(), Error> {
+    let Some(corner) = triangles.iter().position(|&v| v as usize >= vertex_count) else { return Ok(()) };
+    let (face, found) = ((corner / 3) as u32, triangles[corner]);
+    let (corner, vertex_count) = ((corner % 3) as u32, vertex_count as u32);
+    Err(MeshProblem::VertexIndex { face, corner, found, vertex_count }.into())
 }
 
 /// Returns the triangles that are not degenerate, in canonical form and sorted: equal lists draw the same.

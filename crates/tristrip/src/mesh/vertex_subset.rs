@@ -38,6 +38,12 @@ impl VertexSubset {
         self.used.partition_point(|&used| used < vertex) as u32
     }
 
+    /// Returns the new number of a vertex, if it is of the subset.
+    pub(crate) fn find(&self, vertex: u32) -> Option<u32> {
+        let number = self.number(vertex);
+        (self.used.get(number as usize) == Some(&vertex)).then_some(number)
+    }
+
     /// Returns the new number of every index; all of them are of the subset.
     pub(crate) fn numbers(&self, indices: &[u32]) -> Vec<u32> {
         indices.iter().map(|&vertex| self.number(vertex)).collect()
@@ -55,7 +61,11 @@ mod tests {
             let subset = VertexSubset::of(&indices);
             prop_assert!(subset.vertices().windows(2).all(|w| w[0] < w[1]));
             let back: Vec<u32> = subset.numbers(&indices).iter().map(|&n| subset.vertices()[n as usize]).collect();
-            prop_assert_eq!(back, indices);
+            prop_assert_eq!(back, indices.clone());
+            for vertex in 0..1000 {
+                let number = subset.vertices().iter().position(|&used| used == vertex);
+                prop_assert_eq!(subset.find(vertex).map(|number| number as usize), number);
+            }
         }
     }
 }

@@ -84,13 +84,13 @@ fn every_level_has_the_shape_of_the_full_mesh() {
         let (positions, triangles) = grid(9, 8, closed);
         let Simplification { sequence, stopped } =
             simplified(&positions, &triangles, &SimplifyOptions::default());
-        let full = shape(&sequence.drawn(sequence.len()));
+        let full = shape(&sequence.drawn(sequence.len()).unwrap());
         for level in 0..sequence.len() {
-            let drawn = sequence.drawn(level);
+            let drawn = sequence.drawn(level).unwrap();
             assert_eq!(shape(&drawn), full, "level {level}");
-            assert_eq!(drawn.len(), sequence.triangle_count(level));
+            assert_eq!(drawn.len(), sequence.triangles_at(level));
         }
-        let reached = sequence.triangle_count(0);
+        let reached = sequence.triangles_at(0);
         assert!(reached >= least && reached <= 3 * least + 8, "{reached} triangles, at least {least}");
         let stopped = stopped.unwrap();
         assert_eq!(stopped.triangle_count, reached);
@@ -104,7 +104,7 @@ fn the_target_is_exceeded_by_less_than_a_collapse() {
     for target in [288, 287, 150, 41] {
         let options = SimplifyOptions::default().with_triangles(target);
         let simplification = simplified(&positions, &triangles, &options);
-        let reached = simplification.sequence.triangle_count(0);
+        let reached = simplification.sequence.triangles_at(0);
         assert!(reached <= target && reached + 2 > target, "{reached} of {target}");
         assert!(simplification.stopped.is_none());
     }
@@ -145,7 +145,7 @@ fn an_octahedron_becomes_a_tetrahedron() {
     let triangles: Vec<u32> =
         [[0, 2, 4], [2, 1, 4], [1, 3, 4], [3, 0, 4], [2, 0, 5], [1, 2, 5], [3, 1, 5], [0, 3, 5]].concat();
     let simplification = simplified(&positions, &triangles, &SimplifyOptions::default());
-    let drawn = simplification.sequence.drawn(0);
+    let drawn = simplification.sequence.drawn(0).unwrap();
     assert_eq!(drawn.len(), 4, "{drawn:?}");
     assert_eq!(shape(&drawn), (2, 1, 0));
 }
@@ -156,7 +156,7 @@ fn locked_vertices_stay() {
     let locked: Vec<bool> = (0..49).map(|v| v % 5 == 0).collect();
     let options = SimplifyOptions::default().with_locked(locked.clone());
     let simplification = simplified(&positions, &triangles, &options);
-    let left: HashSet<u32> = simplification.sequence.drawn(0).into_iter().flatten().collect();
+    let left: HashSet<u32> = simplification.sequence.drawn(0).unwrap().into_iter().flatten().collect();
     assert!(locked.iter().enumerate().all(|(v, &locked)| !locked || left.contains(&(v as u32))));
     assert!(left.len() < 25);
     assert_eq!(simplification.stopped.unwrap().locked, 10);
@@ -169,9 +169,9 @@ fn no_collapse_exceeds_the_error_limit() {
     for error in [0.02, 0.1, 0.2, 0.4] {
         let simplification =
             simplified(&positions, &triangles, &SimplifyOptions::default().with_error(error));
-        assert!(simplification.sequence.error(0) <= error);
+        assert!(simplification.sequence.error_at(0) <= error);
         assert!(simplification.stopped.unwrap().error > 0);
-        counts.push(simplification.sequence.triangle_count(0));
+        counts.push(simplification.sequence.triangles_at(0));
     }
     assert!(counts.is_sorted_by(|a, b| a > b), "{counts:?}");
     for error in [f32::NAN, -1.0] {
@@ -199,11 +199,11 @@ fn a_seam_stays_closed() {
     let Simplification { sequence, .. } = simplify(&mesh, triangles, &SimplifyOptions::default()).unwrap();
     sequence.check().unwrap();
     // If the vertices of both sides have the same attributes, there is no seam.
-    assert!(plain.triangle_count(0) <= sequence.triangle_count(0));
+    assert!(plain.triangles_at(0) <= sequence.triangles_at(0));
     let point = |v: u32| if v >= count { (v - count) * 12 } else { v };
     assert!(sequence.iter().any(|collapse| collapse.renames.len() == 2));
     for level in 0..=sequence.len() {
-        let drawn = sequence.drawn(level);
+        let drawn = sequence.drawn(level).unwrap();
         let joined: Vec<[u32; 3]> = drawn.iter().map(|t| t.map(point)).collect();
         assert_eq!(shape(&joined), (0, 1, 2), "level {level}");
         // No triangle has vertices of both sides of the seam.
@@ -217,7 +217,7 @@ fn a_seam_stays_closed() {
 fn vertices_of_an_edge_of_three_faces_stay() {
     let positions = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0]];
     let simplification = simplified(&positions, &[0, 1, 2, 1, 0, 3, 0, 1, 4], &SimplifyOptions::default());
-    let left: HashSet<u32> = simplification.sequence.drawn(0).into_iter().flatten().collect();
+    let left: HashSet<u32> = simplification.sequence.drawn(0).unwrap().into_iter().flatten().collect();
     assert!(left.contains(&0) && left.contains(&1));
     assert_eq!(simplification.stopped.unwrap().non_manifold, 2);
 }
@@ -233,7 +233,7 @@ fn a_cone_of_many_triangles_reaches_its_target() {
     let positions: Vec<[f32; 3]> = std::iter::once([0.0, 0.0, 1.0]).chain((0..n).map(rim)).collect();
     let triangles: Vec<u32> = (0..n).flat_map(|i| [0, i + 1, (i + 1) % n + 1]).collect();
     let simplification = simplified(&positions, &triangles, &SimplifyOptions::default().with_triangles(10));
-    assert!(simplification.sequence.triangle_count(0) <= 10);
+    assert!(simplification.sequence.triangles_at(0) <= 10);
 }
 
 /// A plane with triangles without area at T-junctions: none of them becomes inverted.
@@ -259,9 +259,9 @@ fn triangles_without_area_are_not_inverted() {
             let [a, b, c] = t.map(|v| positions[v as usize]);
             (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
         };
-        assert!(sequence.drawn(level).iter().all(|t| up(t) > -1e-3), "level {level}");
+        assert!(sequence.drawn(level).unwrap().iter().all(|t| up(t) > -1e-3), "level {level}");
     }
-    assert!(sequence.error(0) < 1.0, "{}", sequence.error(0));
+    assert!(sequence.error_at(0) < 1.0, "{}", sequence.error_at(0));
 }
 
 #[test]
@@ -270,10 +270,10 @@ fn empty_and_flat_meshes_are_accepted() {
     assert!(empty.sequence.is_empty() && empty.stopped.is_none());
     // All vertices at one position, and all on one line.
     let twice = simplified(&[[1.0; 3]; 4], &[0, 1, 2, 2, 1, 3], &SimplifyOptions::default());
-    assert_eq!(twice.sequence.triangle_count(0), 2);
+    assert_eq!(twice.sequence.triangles_at(0), 2);
     let line: Vec<[f32; 3]> = (0..6).map(|i| [i as f32, 0.0, 0.0]).collect();
     let flat = simplified(&line, &[0, 1, 2, 2, 1, 3, 2, 3, 4, 4, 3, 5], &SimplifyOptions::default());
-    assert!(flat.sequence.triangle_count(0) < 4);
+    assert!(flat.sequence.triangles_at(0) < 4);
     let huge = [[-3e38, 0.0, 0.0], [3e38, 0.0, 0.0], [0.0, 3e38, 0.0], [3e38, 3e38, 3e38]];
     simplified(&huge, &[0, 1, 2, 2, 1, 3], &SimplifyOptions::default());
     assert!(simplify(&mesh(&line, &[]), vec![0, 1], &SimplifyOptions::default()).is_err());
@@ -295,9 +295,9 @@ proptest! {
         let simplification = simplified(&positions, &triangles, &options);
         let sequence = &simplification.sequence;
         for level in 0..=sequence.len() {
-            prop_assert_eq!(sequence.drawn(level).len(), sequence.triangle_count(level));
+            prop_assert_eq!(sequence.drawn(level).unwrap().len(), sequence.triangles_at(level));
         }
-        prop_assert_eq!(simplification.stopped.is_some(), sequence.triangle_count(0) > target);
+        prop_assert_eq!(simplification.stopped.is_some(), sequence.triangles_at(0) > target);
         prop_assert_eq!(&simplification, &simplified(&positions, &triangles, &options));
     }
 
@@ -308,9 +308,35 @@ proptest! {
         let triangles: Vec<u32> = triangles.chunks_exact(3).enumerate()
             .filter(|(t, _)| !missing.contains(t)).flat_map(|(_, t)| t.to_vec()).collect();
         let sequence = simplified(&positions, &triangles, &SimplifyOptions::default()).sequence;
-        let full = shape(&sequence.drawn(sequence.len()));
+        let full = shape(&sequence.drawn(sequence.len()).unwrap());
         for level in 0..sequence.len() {
-            prop_assert_eq!(shape(&sequence.drawn(level)), full, "level {}", level);
+            prop_assert_eq!(shape(&sequence.drawn(level).unwrap()), full, "level {}", level);
         }
     }
+}
+
+#[test]
+fn wrong_options_and_triangles_are_refused() {
+    let mesh =
+        Mesh::new(vec![[0.0; 3], [f32::MAX; 3], [-f32::MAX, 0.0, f32::MIN_POSITIVE]], Faces::default())
+            .unwrap();
+    let of = |triangles: &[u32], options| simplify(&mesh, triangles.to_vec(), &options);
+    let options = SimplifyOptions::default;
+    for error in [f32::NAN, -1.0, f32::NEG_INFINITY] {
+        assert!(of(&[0, 1, 2], options().with_error(error)).is_err());
+    }
+    for error in [0.0, f32::INFINITY] {
+        let triangles = usize::MAX;
+        assert!(
+            of(&[0, 1, 2], options().with_error(error).with_triangles(triangles))
+                .unwrap()
+                .sequence
+                .is_empty()
+        );
+    }
+    assert!(of(&[0, 1, 3], options()).is_err() && of(&[0, 1, u32::MAX], options()).is_err());
+    assert!(of(&[0, 1], options()).is_err());
+    assert!(of(&[0, 1, 2, 2, 1, 0], options().with_locked(vec![true; 3])).is_ok());
+    let message = "parameter `locked`: found 4 values for 3 vertices, expected at most one value per vertex";
+    assert_eq!(of(&[0, 1, 2], options().with_locked(vec![true; 4])).unwrap_err().to_string(), message);
 }

@@ -7,8 +7,9 @@
 use std::ops::Range;
 
 use super::{Strips, join, strip_triangles};
-use crate::error::{Error, MeshProblem};
+use crate::error::Error;
 use crate::index::Index;
+use crate::mesh::check_triangles;
 use crate::names::names;
 
 /// Fewer equal indices than these between two changed ranges are sent with them: a transfer has a cost of its own.
@@ -182,12 +183,8 @@ impl Strips {
             Layout::Separate => strips.push_drawing(&vertices_of(indices)?),
             Layout::Degenerate => strips.push_joined(&vertices_of(indices)?),
             Layout::List => {
-                let (triangles, rest) = indices.as_chunks::<3>();
-                if !rest.is_empty() {
-                    let found = indices.len() as u64;
-                    return Err(MeshProblem::CornerCount { found, expected: "a multiple of 3".into() }.into());
-                }
-                for triangle in triangles {
+                check_triangles(indices.len())?;
+                for triangle in indices.as_chunks::<3>().0 {
                     strips.push_drawing(&vertices_of(triangle)?);
                 }
             }

@@ -13,7 +13,7 @@
 
 use super::Strips;
 use crate::error::{Error, MeshProblem};
-use crate::ids::{OptionalId, check_count};
+use crate::ids::{OptionalId, check_count, index_out_of_range};
 use crate::mesh::{Attribute, Faces, Mesh, select};
 
 /// A new numbering of the vertices of one array, in both directions.
@@ -89,7 +89,7 @@ impl VertexOrder {
         let mut new_to_old = Vec::with_capacity(vertex_count);
         for (at, vertex) in indices.into_iter().enumerate() {
             let Some(new) = numbers.get_mut(vertex as usize) else {
-                return Err(out_of_range(at, vertex, vertex_count));
+                return Err(index_out_of_range(at, vertex, vertex_count));
             };
             if new.is_none() {
                 *new = OptionalId::some(new_to_old.len() as u32);
@@ -206,13 +206,8 @@ impl VertexOrder {
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     pub fn attribute(&self, attribute: &Attribute) -> Result<Attribute, Error> {
-        let components = usize::from(attribute.components.max(1));
-        if Some(attribute.data.len()) != self.vertex_count().checked_mul(components) {
-            let found = (attribute.data.len() / components) as u64;
-            let (name, expected) = (attribute.name.clone(), self.vertex_count() as u64);
-            return Err(MeshProblem::AttributeLength { name, found, expected }.into());
-        }
-        Ok(attribute.of_vertices(&self.new_to_old))
+        attribute.check(self.vertex_count())?;
+        Ok(attribute.select(&self.new_to_old))
     }
 
     /// Returns the new number of each index.
@@ -228,7 +223,7 @@ impl VertexOrder {
     pub fn indices(&self, indices: &[u32]) -> Result<Vec<u32>, Error> {
         let new = |(at, &vertex): (usize, &u32)| {
             let new = self.old_to_new.get(vertex as usize).copied();
-            new.ok_or_else(|| out_of_range(at, vertex, self.vertex_count()))
+            new.ok_or_else(|| index_out_of_range(at, vertex, self.vertex_count()))
         };
         indices.iter().enumerate().map(new).collect()
     }
@@ -250,7 +245,7 @@ impl VertexOrder {
     /// use tristrip::{Faces, VertexOrder};
     /// let square = Faces::from_polygons([[3, 0, 1, 2]])?;
     /// let order = VertexOrder::of_indices(4, [3, 0])?;
-    /// assert_eq!(order.faces(&square)?.face(0), [0, 1, 2, 3]);
+    /// assert_eq!(order.faces(&square)?.get(0), Some(&[0, 1, 2, 3][..]));
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     pub fn faces(&self, faces: &Faces) -> Result<Faces, Error> {
@@ -280,12 +275,6 @@ impl VertexOrder {
         }
         Ok(out)
     }
-}
-
-/// Returns the error for an index without a vertex.
-fn out_of_range(at: usize, vertex: u32, vertex_count: usize) -> Error {
-    let found = format!("index {vertex} at {at}, over {vertex_count} vertices");
-    Error::Parameter { name: "indices", found, expected: "less than the number of vertices" }
 }
 
 #[cfg(test)]
@@ -373,7 +362,7 @@ mod tests {
             let order = VertexOrder::of_strips(20, [&strips]).unwrap();
             let (ordered_mesh, ordered) = (order.mesh(&mesh).unwrap(), order.strips(&strips).unwrap());
             prop_assert!(verify(&ordered_mesh, &ordered).is_ok());
-            let misses = |strips| VertexCacheStatistics::of(strips, VertexCache::fifo(entries), FlushPolicy::Keep, 20);
+            let misses = |strips| VertexCacheStatistics::of(strips, VertexCache::fifo(entries), FlushPolicy::Keep);
             prop_assert_eq!(misses(&ordered), misses(&strips));
             let (a, b) = (Metrics::of(&strips), Metrics::of(&ordered));
             prop_assert_eq!((a.vertices_sent, a.swaps, a.indices_restart), (b.vertices_sent, b.swaps, b.indices_restart));

@@ -36,6 +36,7 @@ mod strips;
 mod subproblems;
 
 use crate::dual::{DualGraph, Triangulation};
+use crate::error::Error;
 use crate::ids::FaceId;
 use crate::mesh::Faces;
 use crate::prepare::PreparedFaces;
@@ -82,14 +83,14 @@ impl Bound {
     /// Bounds all covers of a triangulation.
     ///
     /// ```
-    /// use tristrip::{DualGraph, Faces, Mesh, PreparedFaces, Triangulation};
-    /// use tristrip::stripify::bound::Bound;
+    /// use tristrip::stripify::{bound::Bound, plan};
+    /// use tristrip::{DualGraph, Faces, Mesh, PreparedFaces, StripifyOptions};
     /// // A triangle with a neighbour at each of its edges, and one by itself.
     /// let corners = vec![0, 1, 2, 1, 0, 3, 2, 1, 4, 0, 2, 5, 6, 7, 8];
     /// let mesh = Mesh::new(vec![[0.0; 3]; 9], Faces::from_triangles(corners)?)?;
     /// let prepared = PreparedFaces::new(&mesh, false);
     /// let graph = DualGraph::new(prepared.faces());
-    /// let bound = Bound::of_triangulation(&Triangulation::fan(&prepared, &graph));
+    /// let bound = Bound::of_triangulation(plan(&prepared, &graph, &StripifyOptions::default())?.triangulation());
     /// assert_eq!((bound.strips, bound.vertices_sent, bound.indices_restart), (3, 11, 13));
     /// assert_eq!(bound.components[0].strips, 2);
     /// # Ok::<(), tristrip::Error>(())
@@ -120,23 +121,27 @@ impl Bound {
     /// corners counts as k − 2 triangles; a strip may pass through it several times, so that only faces with at most one neighbour
     /// necessarily contain an end of a strip, or two.
     ///
+    /// # Errors
+    /// The graph is not the one of the faces.
+    ///
     /// ```
     /// use tristrip::{DualGraph, Faces, Mesh, PreparedFaces, stripify::bound::Bound};
     /// // A quadrilateral with another at each side.
     /// let quads = [[0, 1, 2, 3], [1, 0, 4, 5], [2, 1, 6, 7], [3, 2, 8, 9], [0, 3, 10, 11]];
     /// let mesh = Mesh::new(vec![[0.0; 3]; 12], Faces::from_polygons(quads)?)?;
     /// let prepared = PreparedFaces::new(&mesh, false);
-    /// let bound = Bound::of_prepared(&prepared, &DualGraph::new(prepared.faces()));
+    /// let bound = Bound::of_prepared(&prepared, &DualGraph::new(prepared.faces()))?;
     /// assert_eq!((bound.strips, bound.vertices_sent), (2, 14));
     /// # Ok::<(), tristrip::Error>(())
     /// ```
-    pub fn of_prepared(prepared: &PreparedFaces<'_>, graph: &DualGraph) -> Self {
-        match Triangulation::of_triangles(prepared, graph) {
+    pub fn of_prepared(prepared: &PreparedFaces<'_>, graph: &DualGraph) -> Result<Self, Error> {
+        graph.check_faces(prepared.faces())?;
+        Ok(match Triangulation::of_triangles(prepared, graph) {
             Some(triangulation) => Self::of_triangulation(&triangulation),
             None => {
                 Self::sum(of_polygons(prepared.faces(), graph), 0, vertex_groups(prepared.faces().iter()))
             }
-        }
+        })
     }
 
     /// Returns the bound of a cost.

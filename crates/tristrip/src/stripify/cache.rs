@@ -109,7 +109,7 @@ pub(super) fn plan<'a>(
     if limit == 0 || !is_annealed {
         return start;
     }
-    annealed(start, limit, prepared.vertex_count(), options, watch)
+    annealed(start, limit, options, watch)
 }
 
 /// Grows strips with one policy or several, and returns the cheapest result.
@@ -139,7 +139,7 @@ fn start<'a>(
         return best;
     }
     let weights = Weights::of(objective);
-    let mut lowest = price(&best, vertex_cache, weights, vertex_count);
+    let mut lowest = price(&best, vertex_cache, weights);
     let mut seed_plans: [Option<StripPlan<'a>>; 3] = [const { None }; 3];
     // If the cache is too small to help, nothing is cheaper than the strips of `best`, in order. A balanced search does not start
     // there otherwise: it would not leave them.
@@ -161,7 +161,7 @@ fn start<'a>(
             Some(&policy) => grown(seed_plan, policy, vertex_cache, vertex_count),
             None => arranged(seed_plan.clone(), vertex_cache, vertex_count),
         };
-        let price = price(&plan, vertex_cache, weights, vertex_count);
+        let price = price(&plan, vertex_cache, weights);
         if price < lowest {
             (lowest, best) = (price, plan);
         }
@@ -173,14 +173,13 @@ fn start<'a>(
 fn annealed<'a>(
     start: StripPlan<'a>,
     limit: u64,
-    vertex_count: usize,
     options: &StripifyOptions,
     watch: &dyn Watch,
 ) -> StripPlan<'a> {
     let (vertex_cache, objective) = (options.vertex_cache(), options.objective());
     let weights = Weights::of(objective);
     let Some(order) = &start.order else { return start };
-    let before = price(&start, vertex_cache, weights, vertex_count);
+    let before = price(&start, vertex_cache, weights);
     let mut sequence =
         StripSequence::new(&start.triangulation, &start.cover, order, vertex_cache.entries, weights);
     let mut random = Random::new(options.seed());
@@ -194,13 +193,13 @@ fn annealed<'a>(
     });
     let (cover, order) = sequence.finish();
     let found = StripPlan { triangulation: start.triangulation.clone(), cover, order: Some(order) };
-    if price(&found, vertex_cache, weights, vertex_count) < before { found } else { start }
+    if price(&found, vertex_cache, weights) < before { found } else { start }
 }
 
 /// Returns the weighted cost of the strips of a plan.
-fn price(plan: &StripPlan<'_>, vertex_cache: VertexCache, weights: Weights, vertex_count: usize) -> usize {
+fn price(plan: &StripPlan<'_>, vertex_cache: VertexCache, weights: Weights) -> usize {
     let strips = plan.strips();
-    let misses = VertexCacheStatistics::of(&strips, vertex_cache, FlushPolicy::Keep, vertex_count).misses;
+    let misses = VertexCacheStatistics::of(&strips, vertex_cache, FlushPolicy::Keep).misses;
     let indices = strips.vertices_sent() + strips.len();
     let [index, miss] = [weights.index, weights.miss].map(|weight| weight.unsigned_abs() as usize);
     index * indices + miss * misses

@@ -1,10 +1,10 @@
 //! Strips in one call: of a mesh, or of an index buffer, without positions and without a mesh.
 
-use super::{StripifyOptions, plan};
+use super::{StripifyOptions, plan_known};
 use crate::dual::DualGraph;
-use crate::error::{Error, MeshProblem};
+use crate::error::Error;
 use crate::index::Index;
-use crate::mesh::{Faces, Mesh};
+use crate::mesh::{Faces, Mesh, check_corners};
 use crate::prepare::PreparedFaces;
 use crate::strip::Strips;
 use crate::strip::layout::vertices_of;
@@ -26,8 +26,7 @@ use crate::strip::layout::vertices_of;
 pub fn stripify(mesh: &Mesh, options: &StripifyOptions) -> Result<Strips, Error> {
     let prepared = PreparedFaces::new(mesh, options.weld());
     let graph = DualGraph::new(prepared.faces());
-    let plan = plan(&prepared, &graph, options)?;
-    Ok(plan.strips())
+    Ok(plan_known(&prepared, &graph, options, &())?.strips())
 }
 
 /// Computes triangle strips for the triangles of an index buffer, three indices of 8, 16 or 32 bits or `usize` each, with the default
@@ -71,20 +70,10 @@ pub fn stripify_indices_with<I: Index>(
         return Err(Error::Parameter { name: "weld", found, expected: "false, or a mesh" });
     }
     let faces = Faces::from_triangles(vertices_of(indices)?)?;
-    check_range(&faces, vertex_count)?;
+    check_corners(faces.corners(), vertex_count)?;
     let prepared = PreparedFaces::of_triangles(&faces, vertex_count);
     let graph = DualGraph::new(prepared.faces());
-    Ok(plan(&prepared, &graph, options)?.strips())
-}
-
-/// Checks that every index is less than the number of vertices.
-fn check_range(faces: &Faces, vertex_count: usize) -> Result<(), Error> {
-    let corner = faces.corners().iter().position(|&v| v as usize >= vertex_count);
-    corner.map_or(Ok(()), |corner| {
-        let (face, found) = ((corner / 3) as u32, faces.corners()[corner]);
-        let vertex_count = vertex_count as u32;
-        Err(MeshProblem::VertexIndex { face, corner: (corner % 3) as u32, found, vertex_count }.into())
-    })
+    Ok(plan_known(&prepared, &graph, options, &())?.strips())
 }
 
 #[cfg(test)]

@@ -8,47 +8,29 @@ use crate::strip::{Metrics, Strips, cover_cost, emit, emit_in_order};
 /// The choice of a method: a triangulation and a path cover of it.
 #[derive(Debug, Clone)]
 pub struct StripPlan<'a> {
-    /// The triangles and their dual graph.
-    pub triangulation: Triangulation<'a>,
-    /// The paths over the triangles.
-    pub cover: PathCover,
+    pub(crate) triangulation: Triangulation<'a>,
+    pub(crate) cover: PathCover,
     /// The first triangle of each path, in drawing order; `None` leaves order and direction to the emitter.
-    pub order: Option<Vec<FaceId>>,
+    pub(crate) order: Option<Vec<FaceId>>,
 }
 
 impl<'a> StripPlan<'a> {
     /// Creates a plan that leaves the order and the direction of the paths to the emitter.
-    ///
-    /// ```
-    /// use tristrip::stripify::StripPlan;
-    /// use tristrip::{DualGraph, Faces, HalfEdge, Mesh, PathCover, PreparedFaces, Triangulation};
-    /// let mesh = Mesh::new(vec![[0.0; 3]; 4], Faces::from_triangles(vec![0, 1, 2, 2, 1, 3])?)?;
-    /// let prepared = PreparedFaces::new(&mesh, false);
-    /// let graph = DualGraph::new(prepared.faces());
-    /// let mut cover = PathCover::isolated(2);
-    /// cover.join(&graph, HalfEdge(1));
-    /// let plan = StripPlan::new(Triangulation::fan(&prepared, &graph), cover);
-    /// assert_eq!(plan.strips().vertices(), [3, 2, 1, 0]);
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    pub fn new(triangulation: Triangulation<'a>, cover: PathCover) -> Self {
+    pub(crate) fn new(triangulation: Triangulation<'a>, cover: PathCover) -> Self {
         Self { triangulation, cover, order: None }
     }
 
-    /// Emits the strips: in the order of their lowest triangles, or in the order of the plan, which is then
-    /// [kept](Strips::with_kept_order).
-    ///
-    /// ```
-    /// use tristrip::stripify::StripPlan;
-    /// use tristrip::{DualGraph, FaceId, Faces, Mesh, PathCover, PreparedFaces, Triangulation};
-    /// let mesh = Mesh::new(vec![[0.0; 3]; 6], Faces::from_triangles(vec![0, 1, 2, 3, 4, 5])?)?;
-    /// let prepared = PreparedFaces::new(&mesh, false);
-    /// let graph = DualGraph::new(prepared.faces());
-    /// let mut plan = StripPlan::new(Triangulation::fan(&prepared, &graph), PathCover::isolated(2));
-    /// plan.order = Some(vec![FaceId(1), FaceId(0)]);
-    /// assert_eq!(plan.strips().vertices(), [3, 4, 5, 0, 1, 2]);
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
+    /// Returns the triangles and their dual graph.
+    pub fn triangulation(&self) -> &Triangulation<'a> {
+        &self.triangulation
+    }
+
+    /// Returns the paths over the triangles.
+    pub fn cover(&self) -> &PathCover {
+        &self.cover
+    }
+
+    /// Emits the strips.
     pub fn strips(&self) -> Strips {
         match &self.order {
             Some(order) => emit_in_order(&self.triangulation, &self.cover, order),

@@ -20,7 +20,7 @@ use std::ops::Range;
 
 use crate::csr::Csr;
 use crate::ids::OptionalId;
-use crate::mesh::{Faces, Mesh, canonical_triangles, triangles_of, without_repeats};
+use crate::mesh::{Faces, Mesh, SPARSE, VertexSubset, canonical_triangles, triangles_of, without_repeats};
 use crate::strip::Strips;
 use crate::union_find::UnionFind;
 use crate::verify::triangle_sets::same_triangles;
@@ -106,7 +106,13 @@ pub fn verify_drawing(faces: &Faces, triangles: &[[u32; 3]]) -> Result<Proof, Un
             let expected = canonical_triangles(triangles_of(corners));
             first_difference(&expected, &canonical_triangles(triangles.iter().copied()))
         }
-        None => verify_polygons(faces, &canonical_triangles(triangles.iter().copied())).err(),
+        None => {
+            let drawn = canonical_triangles(triangles.iter().copied());
+            let highest = faces.corners().iter().max().map_or(0, |&v| v as usize);
+            let is_sparse = highest / SPARSE > faces.corner_count();
+            if is_sparse { verify_sparse_polygons(faces, &drawn) } else { verify_polygons(faces, &drawn) }
+                .err()
+        }
     };
     difference.map_or(Ok(proof), Err)
 }
@@ -273,6 +279,23 @@ impl Groups {
             self.run_ends[slot] = end as u32;
         }
     }
+}
+
+/// Compares sorted triangles with polygons that use few of the vertices up to the highest one, with vertices renumbered in their order.
+fn verify_sparse_polygons(faces: &Faces, drawn: &[[u32; 3]]) -> Result<(), Unproven> {
+    let used = VertexSubset::of(faces.corners());
+    let mut renumbered = Vec::with_capacity(drawn.len());
+    for &triangle in drawn {
+        let numbers = triangle.map(|v| used.find(v));
+        let [Some(a), Some(b), Some(c)] = numbers else { return Err(Unproven::Outside { triangle }) };
+        renumbered.push([a, b, c]);
+    }
+    let old = |v: u32| used.vertices()[v as usize];
+    verify_polygons(&faces.renamed(used.numbers(faces.corners())), &renumbered).map_err(|why| match why {
+        Unproven::Outside { triangle } => Unproven::Outside { triangle: triangle.map(old) },
+        Unproven::Boundary { face, edge } => Unproven::Boundary { face, edge: edge.map(old) },
+        why => why,
+    })
 }
 
 /// Compares sorted triangles with polygons.
@@ -448,5 +471,29 @@ mod tests {
             verify_drawing(&faces, &[[1, 2, 0], [0, 2, 1], [0, 2, 1]]),
             Err(Unproven::Triangles { missing: 1, extra: 1, first: [0, 1, 2] })
         );
+    }
+
+    /// Polygons of vertices far from each other are compared in memory for their corners.
+    #[test]
+    fn any_vertices_are_compared() {
+        let far = |polygons: Vec<Vec<u32>>| -> Vec<Vec<u32>> {
+            polygons.into_iter().map(|p| p.into_iter().map(|v| u32::MAX - 7 + v).collect()).collect()
+        };
+        let quads = far(vec![vec![0, 1, 2, 3], vec![3, 2, 4], vec![2, 1, 5, 6, 7]]);
+        let faces = Faces::from_polygons(&quads).unwrap();
+        let mut triangles: Vec<[u32; 3]> = faces.fans().as_chunks().0.to_vec();
+        assert!(verify_drawing(&faces, &triangles).is_ok());
+        triangles.swap(0, 4);
+        let first = triangles[0];
+        triangles[0].swap(0, 1);
+        assert!(
+            matches!(verify_drawing(&faces, &triangles), Err(Unproven::Boundary { face: 2, edge: [a, b] }) if a > 9 && b > 9)
+        );
+        triangles[0] = [first[0], first[1], 3];
+        let outside = verify_drawing(&faces, &triangles).unwrap_err();
+        assert!(matches!(outside, Unproven::Outside { triangle } if triangle.contains(&3)), "{outside}");
+        let triangles = [[u32::MAX, 0, 7]];
+        assert!(verify_drawing(&Faces::from_triangles(vec![0, 7, u32::MAX]).unwrap(), &triangles).is_ok());
+        assert!(verify_drawing(&Faces::default(), &triangles).is_err());
     }
 }

@@ -227,15 +227,17 @@ fn compare_drawing(
     let Err(unproven) = verify_drawing(faces, &triangles) else { return Ok(()) };
     Err(match unproven {
         Unproven::Triangles { first, .. } => {
-            triangle_difference(faces, &triangles, first.map(|v| ids.position(v)))
+            triangle_difference(faces, &triangles, first.map(|v| ids.position_of(v)))
         }
-        Unproven::Outside { triangle } => Difference::Outside { triangle: triangle.map(|v| ids.position(v)) },
+        Unproven::Outside { triangle } => {
+            Difference::Outside { triangle: triangle.map(|v| ids.position_of(v)) }
+        }
         Unproven::Count { face, found, expected } => {
-            let position = faces.face(face as usize).first().map_or([0.0; 3], |&v| ids.position(v));
+            let position = faces.face(face as usize).first().map_or([0.0; 3], |&v| ids.position_of(v));
             Difference::Count { face: number(face), position, found, expected }
         }
         Unproven::Boundary { face, edge } => {
-            Difference::Boundary { face: number(face), edge: edge.map(|v| ids.position(v)) }
+            Difference::Boundary { face: number(face), edge: edge.map(|v| ids.position_of(v)) }
         }
     })
 }

@@ -11,6 +11,7 @@
 use std::ops::Range;
 
 use crate::csr::Csr;
+use crate::ids::MAX_COUNT;
 use crate::mesh::{SPARSE, canonical_triangle, canonical_triangles, is_degenerate};
 
 /// The number of ranges of vertices that are compared in parallel.
@@ -20,7 +21,7 @@ const RANGES: u32 = 64;
 /// Returns whether two lists of triangles draw the same.
 pub(super) fn same_triangles(a: &[[u32; 3]], b: &[[u32; 3]]) -> bool {
     let highest = a.iter().chain(b).flatten().max().map_or(0, |&v| v as usize);
-    if highest / SPARSE > 3 * a.len().max(b.len()) {
+    if highest >= MAX_COUNT || highest / SPARSE > 3 * a.len().max(b.len()) {
         return canonical_triangles(a.iter().copied()) == canonical_triangles(b.iter().copied());
     }
     let group = |triangles| ByLowest::new(triangles, highest + 1);

@@ -57,24 +57,21 @@ pub struct GeneralizedCost {
 }
 
 impl GeneralizedCost {
-    /// Simulates strips over vertices 0 to `vertex_count` − 1 with an initially empty cache.
-    ///
-    /// # Panics
-    /// A strip has a vertex that is not less than `vertex_count`.
+    /// Simulates strips with an initially empty cache.
     ///
     /// ```
     /// use tristrip::{Metrics, Strips};
     /// use tristrip::vertex_cache::{FlushPolicy, GeneralizedCost, VertexCache};
     /// let mut strips = Strips::default();
     /// strips.push(&[0, 1, 2, 1, 3, 1, 4, 1, 0]); // a fan around 1 that closes: three swaps
-    /// let two = GeneralizedCost::of(&strips, VertexCache::fifo(2), FlushPolicy::Flush, 5);
+    /// let two = GeneralizedCost::of(&strips, VertexCache::fifo(2), FlushPolicy::Flush);
     /// assert_eq!((two.transmitted, two.swaps), (Metrics::of(&strips).gl_cost, 3));
-    /// let eight = GeneralizedCost::of(&strips, VertexCache::fifo(8), FlushPolicy::Flush, 5);
+    /// let eight = GeneralizedCost::of(&strips, VertexCache::fifo(8), FlushPolicy::Flush);
     /// assert_eq!((eight.transmitted, eight.references, eight.reference_bits), (5, 1, 3));
     /// ```
-    pub fn of(strips: &Strips, cache: VertexCache, flush: FlushPolicy, vertex_count: usize) -> Self {
-        let sent = VertexStream::strips(strips, vertex_count);
-        let mut simulator = VertexCacheSimulator::new(cache, sent.vertex_count);
+    pub fn of(strips: &Strips, cache: VertexCache, flush: FlushPolicy) -> Self {
+        let sent = VertexStream::strips(strips);
+        let mut simulator = VertexCacheSimulator::of(cache, sent.vertex_count);
         let mut cost = Self::default();
         sent.runs(FlushPolicy::Flush, |strip| {
             if flush == FlushPolicy::Flush {
@@ -105,7 +102,7 @@ impl GeneralizedCost {
                 self.swaps += 1;
                 simulator.swap(first, second);
             } else {
-                self.references += usize::from(simulator.send(vertex));
+                self.references += usize::from(simulator.receive(vertex));
             }
             (older, newer) = (newer, Some(vertex));
         }

@@ -3,23 +3,28 @@
 use super::fifo::Fifo;
 use super::lru::Lru;
 use super::policy::{Replacement, VertexCache};
+use crate::error::Error;
+use crate::ids::{check_count, index_out_of_range};
 
 /// The state of a vertex cache, for vertices that are sent one by one.
 ///
 /// ```
 /// use tristrip::vertex_cache::{VertexCache, VertexCacheSimulator};
-/// let mut cache = VertexCacheSimulator::new(VertexCache::fifo(2), 3);
-/// let hits: Vec<bool> = [0, 1, 0, 2, 0].into_iter().map(|v| cache.send(v)).collect();
+/// let mut cache = VertexCacheSimulator::new(VertexCache::fifo(2), 3)?;
+/// let hits: Vec<bool> = [0, 1, 0, 2, 0].into_iter().map(|v| cache.send(v)).collect::<Result<_, _>>()?;
 /// assert_eq!(hits, [false, false, true, false, false]);
 /// assert_eq!(cache.misses(), 4);
 ///
-/// let mut cache = VertexCacheSimulator::new(VertexCache::lru(2), 3);
-/// let hits: Vec<bool> = [0, 1, 0, 2, 0].into_iter().map(|v| cache.send(v)).collect();
+/// let mut cache = VertexCacheSimulator::new(VertexCache::lru(2), 3)?;
+/// let hits: Vec<bool> = [0, 1, 0, 2, 0].into_iter().map(|v| cache.send(v)).collect::<Result<_, _>>()?;
 /// assert_eq!(hits, [false, false, true, false, true]);
+/// assert!(cache.send(3).is_err());
+/// # Ok::<(), tristrip::Error>(())
 /// ```
 #[derive(Debug, Clone)]
 pub struct VertexCacheSimulator {
     entries: Entries,
+    vertex_count: usize,
 }
 
 #[derive(Debug, Clone)]
@@ -29,31 +34,73 @@ enum Entries {
 }
 
 impl VertexCacheSimulator {
-    /// Creates an empty cache for vertices 0 to `vertex_count` − 1. More than 2²⁸ entries count as 2²⁸.
-    pub fn new(cache: VertexCache, vertex_count: usize) -> Self {
+    /// Creates an empty cache for vertices 0 to `vertex_count` − 1, in 4 bytes per vertex. More than 2²⁸ entries count as 2²⁸.
+    ///
+    /// # Errors
+    /// There are too many vertices for 32-bit ids, or for the memory.
+    pub fn new(cache: VertexCache, vertex_count: usize) -> Result<Self, Error> {
+        check_count("vertices", vertex_count)?;
+        let (found, limit) = (vertex_count as u64, isize::MAX as u64 / 4);
+        let reserved = Vec::<u32>::new().try_reserve_exact(vertex_count);
+        reserved.map_err(|_| Error::LimitExceeded { what: "vertices in memory", found, limit })?;
+        Ok(Self::of(cache, vertex_count))
+    }
+
+    /// Creates an empty cache for a number of vertices that the caller has in memory.
+    pub(super) fn of(cache: VertexCache, vertex_count: usize) -> Self {
         let entries = match cache.replacement {
             Replacement::Fifo => Entries::Fifo(Fifo::new([cache.entries], vertex_count)),
             Replacement::Lru => Entries::Lru(Lru::new(cache.entries, vertex_count)),
         };
-        Self { entries }
+        Self { entries, vertex_count }
     }
 
     /// Sends a vertex. Returns whether it was in the cache.
     ///
-    /// # Panics
+    /// # Errors
     /// The vertex is not less than the number of vertices.
-    pub fn send(&mut self, vertex: u32) -> bool {
+    pub fn send(&mut self, vertex: u32) -> Result<bool, Error> {
+        self.check(&[vertex])?;
+        Ok(self.receive(vertex))
+    }
+
+    /// Sends vertices in order; the same as [`send`](Self::send) for each, but faster.
+    ///
+    /// # Errors
+    /// A vertex is not less than the number of vertices; none is sent then.
+    ///
+    /// ```
+    /// use tristrip::vertex_cache::{VertexCache, VertexCacheSimulator};
+    /// let mut cache = VertexCacheSimulator::new(VertexCache::fifo(2), 3)?;
+    /// cache.send_all(&[0, 1, 0, 2, 0])?;
+    /// assert!(cache.send_all(&[1, 3]).is_err());
+    /// assert_eq!(cache.misses(), 4);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn send_all(&mut self, vertices: &[u32]) -> Result<(), Error> {
+        self.check(vertices)?;
+        self.receive_all(vertices);
+        Ok(())
+    }
+
+    /// Checks that vertices are less than the number of vertices.
+    fn check(&self, vertices: &[u32]) -> Result<(), Error> {
+        match vertices.iter().position(|&vertex| vertex as usize >= self.vertex_count) {
+            Some(at) => Err(index_out_of_range(at, vertices[at], self.vertex_count)),
+            None => Ok(()),
+        }
+    }
+
+    /// Sends a vertex that is less than the number of vertices. Returns whether it was in the cache.
+    pub(super) fn receive(&mut self, vertex: u32) -> bool {
         match &mut self.entries {
             Entries::Fifo(fifo) => fifo.send(vertex),
             Entries::Lru(lru) => lru.send(vertex),
         }
     }
 
-    /// Sends vertices in order; the same as [`send`](Self::send) for each, but faster.
-    ///
-    /// # Panics
-    /// A vertex is not less than the number of vertices.
-    pub fn send_all(&mut self, vertices: &[u32]) {
+    /// Sends vertices that are less than the number of vertices, in order.
+    pub(super) fn receive_all(&mut self, vertices: &[u32]) {
         match &mut self.entries {
             Entries::Fifo(fifo) => fifo.send_all(vertices),
             Entries::Lru(lru) => lru.send_all(vertices),

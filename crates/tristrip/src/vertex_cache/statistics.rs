@@ -5,6 +5,7 @@ use super::fifo::Fifo;
 use super::policy::{FlushPolicy, Replacement, VertexCache};
 use super::simulator::VertexCacheSimulator;
 use super::stream::VertexStream;
+use crate::error::Error;
 use crate::strip::{Strips, count_triangles};
 
 /// FIFO caches that are simulated side by side: one vector register of stamps. Eight are not faster on bunny, and slower on dragon,
@@ -26,38 +27,31 @@ pub struct VertexCacheStatistics {
 }
 
 impl VertexCacheStatistics {
-    /// Simulates strips over vertices 0 to `vertex_count` − 1 with an initially empty cache.
-    ///
-    /// # Panics
-    /// A strip has a vertex that is not less than `vertex_count`.
+    /// Simulates strips with an initially empty cache.
     ///
     /// ```
     /// use tristrip::{Strips, vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics}};
     /// let mut strips = Strips::default();
     /// strips.push(&[0, 1, 2, 3]);
     /// strips.push(&[2, 3, 4]);
-    /// let used = VertexCacheStatistics::of(&strips, VertexCache::fifo(16), FlushPolicy::Keep, 5);
+    /// let used = VertexCacheStatistics::of(&strips, VertexCache::fifo(16), FlushPolicy::Keep);
     /// assert_eq!((used.misses, used.triangles, used.vertices), (5, 3, 5));
     /// assert_eq!((used.acmr(), used.atvr()), (5.0 / 3.0, 1.0));
-    /// assert_eq!(VertexCacheStatistics::of(&strips, VertexCache::fifo(16), FlushPolicy::Flush, 5).misses, 7);
+    /// assert_eq!(VertexCacheStatistics::of(&strips, VertexCache::fifo(16), FlushPolicy::Flush).misses, 7);
     /// ```
-    pub fn of(strips: &Strips, cache: VertexCache, flush: FlushPolicy, vertex_count: usize) -> Self {
-        Self::of_stream(&VertexStream::strips(strips, vertex_count), cache, flush)
+    pub fn of(strips: &Strips, cache: VertexCache, flush: FlushPolicy) -> Self {
+        Self::of_stream(&VertexStream::strips(strips), cache, flush)
     }
 
-    /// Simulates a triangle list, three indices per triangle, over vertices 0 to `vertex_count` − 1 with an initially empty cache.
-    /// All indices are sent; triangles with two equal ones do not count as real.
-    ///
-    /// # Panics
-    /// An index is not less than `vertex_count`.
+    /// Simulates a triangle list with an initially empty cache. All indices are sent; triangles with two equal ones do not count as real.
     ///
     /// ```
     /// use tristrip::vertex_cache::{VertexCache, VertexCacheStatistics};
-    /// let used = VertexCacheStatistics::of_list(&[0, 1, 2, 2, 1, 3], VertexCache::fifo(16), 4);
+    /// let used = VertexCacheStatistics::of_list(&[[0, 1, 2], [2, 1, 3]], VertexCache::fifo(16));
     /// assert_eq!((used.misses, used.triangles, used.vertices), (4, 2, 4));
     /// ```
-    pub fn of_list(indices: &[u32], cache: VertexCache, vertex_count: usize) -> Self {
-        Self::of_stream(&VertexStream::list(indices, vertex_count), cache, FlushPolicy::Keep)
+    pub fn of_list(triangles: &[[u32; 3]], cache: VertexCache) -> Self {
+        Self::of_stream(&VertexStream::list(triangles), cache, FlushPolicy::Keep)
     }
 
     fn of_stream(stream: &VertexStream<'_>, cache: VertexCache, flush: FlushPolicy) -> Self {
@@ -80,40 +74,29 @@ impl VertexCacheStatistics {
     ///
     /// All LRU sizes come from one pass by stack distances. FIFO caches are simulated four at a time.
     ///
-    /// # Panics
-    /// A strip has a vertex that is not less than `vertex_count`.
-    ///
     /// ```
     /// use tristrip::{Strips, vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics}};
     /// let mut strips = Strips::default();
     /// strips.push(&[0, 1, 2, 3, 0]);
     /// let caches = [VertexCache::fifo(3), VertexCache::fifo(4), VertexCache::lru(4)];
-    /// let used = VertexCacheStatistics::of_each(&strips, &caches, FlushPolicy::Keep, 4);
+    /// let used = VertexCacheStatistics::of_each(&strips, &caches, FlushPolicy::Keep);
     /// assert_eq!([used[0].misses, used[1].misses, used[2].misses], [5, 4, 4]);
     /// ```
-    pub fn of_each(
-        strips: &Strips,
-        caches: &[VertexCache],
-        flush: FlushPolicy,
-        vertex_count: usize,
-    ) -> Vec<Self> {
-        Self::of_stream_each(&VertexStream::strips(strips, vertex_count), caches, flush)
+    pub fn of_each(strips: &Strips, caches: &[VertexCache], flush: FlushPolicy) -> Vec<Self> {
+        Self::of_stream_each(&VertexStream::strips(strips), caches, flush)
     }
 
     /// Simulates a triangle list with each of several caches, like [`VertexCacheStatistics::of_list`] but faster. Returns the statistics
     /// in the order of the caches.
     ///
-    /// # Panics
-    /// An index is not less than `vertex_count`.
-    ///
     /// ```
     /// use tristrip::vertex_cache::{VertexCache, VertexCacheStatistics};
     /// let caches = [VertexCache::fifo(1), VertexCache::lru(2)];
-    /// let used = VertexCacheStatistics::of_list_each(&[0, 1, 2, 2, 1, 3], &caches, 4);
+    /// let used = VertexCacheStatistics::of_list_each(&[[0, 1, 2], [2, 1, 3]], &caches);
     /// assert_eq!((used[0].misses, used[1].misses), (5, 4));
     /// ```
-    pub fn of_list_each(indices: &[u32], caches: &[VertexCache], vertex_count: usize) -> Vec<Self> {
-        Self::of_stream_each(&VertexStream::list(indices, vertex_count), caches, FlushPolicy::Keep)
+    pub fn of_list_each(triangles: &[[u32; 3]], caches: &[VertexCache]) -> Vec<Self> {
+        Self::of_stream_each(&VertexStream::list(triangles), caches, FlushPolicy::Keep)
     }
 
     fn of_stream_each(stream: &VertexStream<'_>, caches: &[VertexCache], flush: FlushPolicy) -> Vec<Self> {
@@ -144,10 +127,10 @@ impl VertexCacheStatistics {
 
 /// Counts the misses of one cache.
 fn misses(stream: &VertexStream<'_>, cache: VertexCache, flush: FlushPolicy) -> usize {
-    let mut simulator = VertexCacheSimulator::new(cache, stream.vertex_count);
+    let mut simulator = VertexCacheSimulator::of(cache, stream.vertex_count);
     stream.runs(flush, |run| {
         simulator.flush();
-        simulator.send_all(run);
+        simulator.receive_all(run);
     });
     simulator.misses()
 }
@@ -201,27 +184,24 @@ pub struct StripCacheStatistics {
 impl StripCacheStatistics {
     /// Simulates strips as [`VertexCacheStatistics::of`] does. Returns the statistics of each, in order.
     ///
-    /// # Panics
-    /// A strip has a vertex that is not less than `vertex_count`.
-    ///
     /// ```
     /// use tristrip::{Strips, vertex_cache::{FlushPolicy, StripCacheStatistics, VertexCache}};
     /// let mut strips = Strips::default();
     /// strips.push(&[0, 1, 2, 3]);
     /// strips.push(&[2, 3, 4]);
-    /// let each = StripCacheStatistics::of(&strips, VertexCache::fifo(16), FlushPolicy::Keep, 5);
+    /// let each = StripCacheStatistics::of(&strips, VertexCache::fifo(16), FlushPolicy::Keep);
     /// assert_eq!(each[1], StripCacheStatistics { length: 3, triangles: 1, misses: 1 });
     /// ```
-    pub fn of(strips: &Strips, cache: VertexCache, flush: FlushPolicy, vertex_count: usize) -> Vec<Self> {
-        let sent = VertexStream::strips(strips, vertex_count);
-        let mut simulator = VertexCacheSimulator::new(cache, sent.vertex_count);
+    pub fn of(strips: &Strips, cache: VertexCache, flush: FlushPolicy) -> Vec<Self> {
+        let sent = VertexStream::strips(strips);
+        let mut simulator = VertexCacheSimulator::of(cache, sent.vertex_count);
         let mut each = Vec::with_capacity(strips.len());
         sent.runs(FlushPolicy::Flush, |strip| {
             if flush == FlushPolicy::Flush {
                 simulator.flush();
             }
             let before = simulator.misses();
-            simulator.send_all(strip);
+            simulator.receive_all(strip);
             let misses = simulator.misses() - before;
             each.push(Self { length: strip.len(), triangles: count_triangles(strip), misses });
         });
@@ -229,18 +209,23 @@ impl StripCacheStatistics {
     }
 }
 
-/// Counts the misses of LRU caches of 1 to `largest` entries in one pass; item i is for i + 1 entries. `largest` is limited to
-/// [`VertexCache::MAX_ENTRIES`]; misses never increase with the size.
+/// Counts the misses of LRU caches of 1 to `largest` entries in one pass; item i is for i + 1 entries. Misses never
+/// increase with the size.
 ///
-/// # Panics
-/// A strip has a vertex that is not less than `vertex_count`.
+/// # Errors
+/// `largest` is above [`VertexCache::MAX_ENTRIES`].
 ///
 /// ```
 /// use tristrip::{Strips, vertex_cache::{FlushPolicy, lru_profile}};
 /// let mut strips = Strips::default();
 /// strips.push(&[0, 1, 2, 3, 0]);
-/// assert_eq!(lru_profile(&strips, 5, FlushPolicy::Keep, 4), [5, 5, 5, 4, 4]);
+/// assert_eq!(lru_profile(&strips, 5, FlushPolicy::Keep)?, [5, 5, 5, 4, 4]);
+/// # Ok::<(), tristrip::Error>(())
 /// ```
-pub fn lru_profile(strips: &Strips, largest: u32, flush: FlushPolicy, vertex_count: usize) -> Vec<usize> {
-    lru_misses(&VertexStream::strips(strips, vertex_count), largest.min(VertexCache::MAX_ENTRIES), flush)
+pub fn lru_profile(strips: &Strips, largest: u32, flush: FlushPolicy) -> Result<Vec<usize>, Error> {
+    if largest > VertexCache::MAX_ENTRIES {
+        let (found, limit) = (u64::from(largest), u64::from(VertexCache::MAX_ENTRIES));
+        return Err(Error::LimitExceeded { what: "entries of a vertex cache", found, limit });
+    }
+    Ok(lru_misses(&VertexStream::strips(strips), largest, flush))
 }

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use super::policy::FlushPolicy;
-use crate::mesh::{SPARSE, VertexSubset, is_degenerate, triangles_of};
+use crate::mesh::{SPARSE, VertexSubset, is_degenerate};
 use crate::strip::{Strips, count_triangles};
 
 /// Indices in sending order.
@@ -18,15 +18,15 @@ pub(super) struct VertexStream<'a> {
 }
 
 impl<'a> VertexStream<'a> {
-    pub(super) fn strips(strips: &'a Strips, vertex_count: usize) -> Self {
+    pub(super) fn strips(strips: &'a Strips) -> Self {
         let triangles = strips.iter().map(count_triangles).sum();
-        let (indices, vertex_count) = numbered(strips.vertices(), vertex_count);
+        let (indices, vertex_count) = numbered(strips.vertices());
         Self { indices, vertex_count, triangles, strips: Some(strips) }
     }
 
-    pub(super) fn list(list: &'a [u32], vertex_count: usize) -> Self {
-        let triangles = triangles_of(list).filter(|&t| !is_degenerate(t)).count();
-        let (indices, vertex_count) = numbered(list, vertex_count);
+    pub(super) fn list(list: &'a [[u32; 3]]) -> Self {
+        let triangles = list.iter().filter(|&&t| !is_degenerate(t)).count();
+        let (indices, vertex_count) = numbered(list.as_flattened());
         Self { indices, vertex_count, triangles, strips: None }
     }
 
@@ -53,10 +53,11 @@ impl<'a> VertexStream<'a> {
     }
 }
 
-/// Renumbers the vertices in ascending order if the indices use few of them.
-fn numbered(indices: &[u32], vertex_count: usize) -> (Cow<'_, [u32]>, usize) {
-    if indices.len() >= vertex_count / SPARSE {
-        return (Cow::Borrowed(indices), vertex_count);
+/// Renumbers the vertices in ascending order if the indices use few of those up to the highest one.
+fn numbered(indices: &[u32]) -> (Cow<'_, [u32]>, usize) {
+    let Some(&highest) = indices.iter().max() else { return (Cow::Borrowed(indices), 0) };
+    if indices.len() > highest as usize / SPARSE {
+        return (Cow::Borrowed(indices), highest as usize + 1);
     }
     let subset = VertexSubset::of(indices);
     (Cow::Owned(subset.numbers(indices)), subset.len())

@@ -126,32 +126,35 @@ proptest! {
         indices in prop::collection::vec(0..40_u32, 0..300),
         cache in any_cache(),
     ) {
-        let mut simulator = VertexCacheSimulator::new(cache, 40);
-        let hits: Vec<bool> = indices.iter().map(|&v| simulator.send(v)).collect();
+        let mut simulator = VertexCacheSimulator::new(cache, 40).unwrap();
+        let hits: Vec<bool> = indices.iter().map(|&v| simulator.send(v).unwrap()).collect();
         prop_assert_eq!(&hits, &hits_of_a_queue(&indices, cache));
         prop_assert_eq!(simulator.misses(), hits.iter().filter(|hit| !*hit).count());
-        let mut together = VertexCacheSimulator::new(cache, 40);
-        together.send_all(&indices);
+        let mut together = VertexCacheSimulator::new(cache, 40).unwrap();
+        together.send_all(&indices).unwrap();
         prop_assert_eq!(together.misses(), simulator.misses());
     }
 
     #[test]
     fn strips_cost_the_same_as_with_a_queue(strips in any_strips(), cache in any_cache()) {
         for flush in BOTH {
-            let used = VertexCacheStatistics::of(&strips, cache, flush, 40);
+            let used = VertexCacheStatistics::of(&strips, cache, flush);
             prop_assert_eq!(used.misses, misses_of_a_queue(&strips, cache, flush));
             prop_assert_eq!(used.triangles, strips.triangles().count());
-            prop_assert_eq!(used, VertexCacheStatistics::of(&strips, cache, flush, 400_000));
+            // Vertices far from each other are renumbered.
+            let mut far = Strips::default();
+            strips.iter().for_each(|strip| far.push(&strip.iter().map(|v| 100_000_000 * v).collect::<Vec<_>>()));
+            prop_assert_eq!(used, VertexCacheStatistics::of(&far, cache, flush));
         }
     }
 
     #[test]
     fn a_list_costs_the_same_as_its_indices(
-        indices in prop::collection::vec(0..40_u32, 0..100),
+        triangles in prop::collection::vec([0..40_u32, 0..40, 0..40], 0..33),
         cache in any_cache(),
     ) {
-        let used = VertexCacheStatistics::of_list(&indices, cache, 40);
-        let hits = hits_of_a_queue(&indices, cache);
+        let used = VertexCacheStatistics::of_list(&triangles, cache);
+        let hits = hits_of_a_queue(triangles.as_flattened(), cache);
         prop_assert_eq!(used.misses, hits.iter().filter(|hit| !*hit).count());
     }
 
@@ -161,19 +164,20 @@ proptest! {
         caches in prop::collection::vec(any_cache(), 0..20),
     ) {
         for flush in BOTH {
-            let each = VertexCacheStatistics::of_each(&strips, &caches, flush, 40);
-            let one_by_one: Vec<_> = caches.iter().map(|&b| VertexCacheStatistics::of(&strips, b, flush, 40)).collect();
+            let each = VertexCacheStatistics::of_each(&strips, &caches, flush);
+            let one_by_one: Vec<_> = caches.iter().map(|&b| VertexCacheStatistics::of(&strips, b, flush)).collect();
             prop_assert_eq!(each, one_by_one);
         }
-        let each = VertexCacheStatistics::of_list_each(strips.vertices(), &caches, 40);
-        let one_by_one: Vec<_> = caches.iter().map(|&b| VertexCacheStatistics::of_list(strips.vertices(), b, 40)).collect();
+        let list: Vec<[u32; 3]> = strips.triangles().collect();
+        let each = VertexCacheStatistics::of_list_each(&list, &caches);
+        let one_by_one: Vec<_> = caches.iter().map(|&b| VertexCacheStatistics::of_list(&list, b)).collect();
         prop_assert_eq!(each, one_by_one);
     }
 
     #[test]
     fn a_profile_has_the_misses_of_every_size(strips in any_strips(), largest in 0..50_u32) {
         for flush in BOTH {
-            let profile = lru_profile(&strips, largest, flush, 40);
+            let profile = lru_profile(&strips, largest, flush).unwrap();
             let expected: Vec<_> =
                 (1..=largest).map(|entries| misses_of_a_queue(&strips, VertexCache::lru(entries), flush)).collect();
             prop_assert_eq!(profile, expected);
@@ -183,9 +187,9 @@ proptest! {
     #[test]
     fn statistics_of_single_strips_add_up(strips in any_strips(), cache in any_cache()) {
         for flush in BOTH {
-            let each = StripCacheStatistics::of(&strips, cache, flush, 40);
+            let each = StripCacheStatistics::of(&strips, cache, flush);
             prop_assert!(each.iter().map(|one| one.length).eq(strips.iter().map(<[u32]>::len)));
-            let used = VertexCacheStatistics::of(&strips, cache, flush, 40);
+            let used = VertexCacheStatistics::of(&strips, cache, flush);
             prop_assert_eq!(each.iter().map(|one| one.misses).sum::<usize>(), used.misses);
             prop_assert_eq!(each.iter().map(|one| one.triangles).sum::<usize>(), used.triangles);
         }
@@ -194,7 +198,7 @@ proptest! {
     #[test]
     fn a_generalized_mesh_costs_the_same_as_with_a_queue(strips in any_turning_strips(), cache in any_cache()) {
         for flush in BOTH {
-            let cost = GeneralizedCost::of(&strips, cache, flush, 9);
+            let cost = GeneralizedCost::of(&strips, cache, flush);
             prop_assert_eq!(cost, cost_by_a_queue(&strips, cache, flush));
         }
     }
@@ -202,14 +206,14 @@ proptest! {
     #[test]
     fn two_entries_transmit_the_gl_cost(strips in any_turning_strips()) {
         for cache in [VertexCache::fifo(2), VertexCache::lru(2)] {
-            let cost = GeneralizedCost::of(&strips, cache, FlushPolicy::Flush, 9);
+            let cost = GeneralizedCost::of(&strips, cache, FlushPolicy::Flush);
             let metrics = crate::strip::Metrics::of(&strips);
             prop_assert_eq!((cost.transmitted, cost.references), (metrics.gl_cost, 0));
             prop_assert_eq!(cost.triangles, metrics.triangles);
             prop_assert!(cost.swaps <= metrics.swaps);
         }
         let lru: Vec<_> = (2..12)
-            .map(|entries| GeneralizedCost::of(&strips, VertexCache::lru(entries), FlushPolicy::Flush, 9).transmitted)
+            .map(|entries| GeneralizedCost::of(&strips, VertexCache::lru(entries), FlushPolicy::Flush).transmitted)
             .collect();
         prop_assert!(lru.is_sorted_by(|small, large| small >= large), "{:?}", lru);
     }
@@ -266,7 +270,7 @@ fn a_swap_is_a_hit_and_no_triangle() {
     let mut strips = Strips::default();
     strips.push(&[0, 1, 2, 1, 3]);
     for cache in [VertexCache::fifo(3), VertexCache::lru(3)] {
-        let used = VertexCacheStatistics::of(&strips, cache, FlushPolicy::Keep, 9);
+        let used = VertexCacheStatistics::of(&strips, cache, FlushPolicy::Keep);
         assert_eq!(used, VertexCacheStatistics { misses: 4, triangles: 2, vertices: 4 });
     }
     assert!(
@@ -288,15 +292,15 @@ fn empty_and_single_vertex_strips() {
     ] {
         for flush in BOTH {
             assert_eq!(
-                VertexCacheStatistics::of(&Strips::default(), cache, flush, 0),
+                VertexCacheStatistics::of(&Strips::default(), cache, flush),
                 VertexCacheStatistics::default()
             );
             assert_eq!(
-                VertexCacheStatistics::of(&one, cache, flush, 6),
+                VertexCacheStatistics::of(&one, cache, flush),
                 VertexCacheStatistics { misses: 1, triangles: 0, vertices: 1 }
             );
         }
-        assert_eq!(VertexCacheStatistics::of_list(&[], cache, 0), VertexCacheStatistics::default());
+        assert_eq!(VertexCacheStatistics::of_list(&[], cache), VertexCacheStatistics::default());
     }
 }
 
@@ -311,4 +315,33 @@ fn caches_are_parsed_as_they_are_written() {
         let error = text.parse::<VertexCache>().unwrap_err().to_string();
         assert!(error.contains("N from 1 to 65536") && error.contains(text), "{error}");
     }
+}
+
+#[test]
+fn any_vertex_is_simulated_and_wrong_arguments_are_refused() {
+    let mut strips = Strips::default();
+    strips.push(&[0, u32::MAX, 7, u32::MAX - 1, 7]);
+    for cache in [0, 1, 3, u32::MAX].into_iter().flat_map(|n| [VertexCache::fifo(n), VertexCache::lru(n)]) {
+        for flush in BOTH {
+            let used = VertexCacheStatistics::of(&strips, cache, flush);
+            assert_eq!(
+                (used.vertices, used.triangles, used.misses),
+                (4, 2, if cache.entries < 2 { 5 } else { 4 })
+            );
+            assert_eq!(VertexCacheStatistics::of_each(&strips, &[cache; 9], flush), [used; 9]);
+            assert_eq!(StripCacheStatistics::of(&strips, cache, flush)[0].misses, used.misses);
+            assert_eq!(GeneralizedCost::of(&strips, cache, flush).triangles, 2);
+        }
+        assert_eq!(VertexCacheStatistics::of_list(&[[u32::MAX, 0, 7]], cache).vertices, 3);
+        assert!(VertexCacheSimulator::new(cache, usize::MAX).is_err());
+
+        let mut simulator = VertexCacheSimulator::new(cache, 3).unwrap();
+        let message = "parameter `indices`: found index 3 at 1, over 3 vertices, expected less than the number of vertices";
+        assert_eq!(simulator.send_all(&[2, 3]).unwrap_err().to_string(), message);
+        assert!(simulator.send(u32::MAX).is_err() && simulator.misses() == 0);
+        assert!(VertexCacheSimulator::new(cache, 0).unwrap().send(0).is_err());
+    }
+    assert!(lru_profile(&strips, u32::MAX, FlushPolicy::Keep).is_err());
+    assert_eq!(lru_profile(&strips, 0, FlushPolicy::Keep), Ok(Vec::new()));
+    assert_eq!(lru_profile(&strips, 3, FlushPolicy::Keep).unwrap(), [5, 4, 4]);
 }

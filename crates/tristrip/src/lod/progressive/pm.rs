@@ -226,7 +226,7 @@ fn in_order_of_splits(sequence: &CollapseSequence) -> Vec<u32> {
     let base = (0..is_in_base.len()).filter(|&t| is_in_base[t]);
     let mut corners: Vec<u32> = base.flat_map(corners_of).copied().collect();
     for level in 0..sequence.len() {
-        corners.extend(sequence.collapse(level).dropped.iter().flat_map(|&t| corners_of(t as usize)));
+        corners.extend(sequence.collapse_to(level).dropped.iter().flat_map(|&t| corners_of(t as usize)));
     }
     corners
 }

@@ -138,11 +138,11 @@ proptest! {
         let mut mesh = Arc::new(ProgressiveMesh::new(sequence).unwrap()).cursor();
         let mut models = ENCODINGS.map(|e| cursor(strips, sequence, e));
         for level in (0..=sequence.len()).rev() {
-            let drawn = sorted(sequence.drawn(level));
+            let drawn = sorted(sequence.drawn(level).unwrap());
             let corners = mesh.corners().chunks_exact(3).map(|t| [t[0], t[1], t[2]]);
             prop_assert_eq!(&sorted(corners), &drawn);
             prop_assert_eq!(mesh.levels().triangle_count(level).unwrap(), drawn.len());
-            let now = sequence.renaming(level);
+            let now = sequence.renaming(level).unwrap();
             let renamed = |&v: &u32| if v == RESTART { v } else { now[v as usize] };
             let expected: Vec<u32> = full.iter().map(renamed).collect();
             for model in &models {
@@ -194,7 +194,7 @@ proptest! {
     fn a_split_writes_its_vertex_where_it_stands(sample in samples()) {
         let [naive, encoded] = ENCODINGS.map(|e| cursor(&sample.strips, &sample.sequence, e));
         for level in 0..sample.sequence.len() {
-            let removed: Vec<u32> = sample.sequence.collapse(level).renames.iter().map(|r| r.removed).collect();
+            let removed: Vec<u32> = sample.sequence.collapse_to(level).renames.iter().map(|r| r.removed).collect();
             for model in [&naive, &encoded] {
                 let split = || model.model().split(level).unwrap();
                 prop_assert_eq!(split().map(|update| update.vertex).collect::<Vec<_>>(), &removed[..]);

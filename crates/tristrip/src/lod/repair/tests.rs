@@ -59,7 +59,7 @@ fn check_twins(repair: &Repair) -> Result<(), TestCaseError> {
 /// Compares a repair with a computation from scratch.
 fn check(repair: &Repair) -> Result<(), TestCaseError> {
     let level = repair.level();
-    let drawn = repair.sequence.drawn(level);
+    let drawn = repair.sequence.drawn(level).unwrap();
     prop_assert_eq!(repair.triangle_count(), drawn.len());
     check_twins(repair)?;
     for t in 0..repair.paths.len() as u32 {

@@ -61,7 +61,7 @@ pub struct SequentialStrip {
 /// ```
 pub fn sequential_strip(graph: &DualGraph) -> Option<SequentialStrip> {
     let n = graph.face_count();
-    if graph.half_edge_count() != 3 * n {
+    if !graph.is_of_triangles() {
         return None;
     }
     let run = runs(graph, &vec![0; n], &[n]).pop()?.whole?;

@@ -177,14 +177,14 @@ fn bound_of(corners: Vec<u32>) -> Bound {
     let vertex_count = corners.iter().max().map_or(0, |&v| v as usize + 1);
     let mesh = Mesh::new(vec![[0.0; 3]; vertex_count], Faces::from_triangles(corners).unwrap()).unwrap();
     let prepared = PreparedFaces::new(&mesh, false);
-    Bound::of_prepared(&prepared, &DualGraph::new(prepared.faces()))
+    Bound::of_prepared(&prepared, &DualGraph::new(prepared.faces())).unwrap()
 }
 
 /// Checks that no method's strips are below the bounds of a mesh, nor the bounds of their triangulation.
 fn check_methods(mesh: &Mesh, methods: &[Method]) -> Result<(), TestCaseError> {
     let prepared = PreparedFaces::new(mesh, false);
     let graph = DualGraph::new(prepared.faces());
-    let bound = Bound::of_prepared(&prepared, &graph);
+    let bound = Bound::of_prepared(&prepared, &graph).unwrap();
     for &method in methods {
         let options = StripifyOptions::default().with_method(method);
         let plan = plan(&prepared, &graph, &options).unwrap();

@@ -69,14 +69,14 @@ mod tests {
             accesses in prop::collection::vec(prop::collection::vec(0..30_u32, 0..40), 0..12),
             entry_count in 1..20_u32,
         ) {
-            let mut simulator = VertexCacheSimulator::new(VertexCache::fifo(entry_count), 30);
+            let mut simulator = VertexCacheSimulator::new(VertexCache::fifo(entry_count), 30).unwrap();
             let mut fifo = ResettableFifo::new(entry_count as usize, 30);
             for vertices in &accesses {
                 let contents = fifo.contents().to_vec();
                 fifo.access(&[29, 3, 17]);
                 fifo.set(&contents);
                 prop_assert_eq!(fifo.contents(), &contents[..]);
-                let misses = vertices.iter().filter(|&&v| !simulator.send(v)).count();
+                let misses = vertices.iter().filter(|&&v| !simulator.send(v).unwrap()).count();
                 prop_assert_eq!(fifo.access(vertices) as usize, misses);
             }
         }

@@ -160,7 +160,7 @@ mod tests {
         vertex_cache: VertexCache,
         accesses: &[Vec<u32>],
     ) -> Result<(), TestCaseError> {
-        let mut simulator = VertexCacheSimulator::new(vertex_cache, 30);
+        let mut simulator = VertexCacheSimulator::new(vertex_cache, 30).unwrap();
         for (i, vertices) in accesses.iter().enumerate() {
             let before = speculative.checkpoint();
             for &v in vertices {
@@ -168,7 +168,7 @@ mod tests {
                 if i % 2 == 0 {
                     let is_hit = speculative.age(v) < speculative.entry_count();
                     prop_assert_eq!(!speculative.access(v), is_hit);
-                    prop_assert_eq!(is_hit, simulator.send(v));
+                    prop_assert_eq!(is_hit, simulator.send(v).unwrap());
                 } else {
                     speculative.access(v);
                     let inner = speculative.checkpoint();

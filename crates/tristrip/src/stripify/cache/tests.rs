@@ -108,7 +108,7 @@ proptest! {
             if weights.index > 0 {
                 prop_assert_eq!(paid.unsigned_abs() as usize, strips.vertices_sent() + strips.len());
             } else {
-                let misses = VertexCacheStatistics::of(&priced(&strips), vertex_cache, FlushPolicy::Keep, prepared.vertex_count()).misses;
+                let misses = VertexCacheStatistics::of(&priced(&strips), vertex_cache, FlushPolicy::Keep).misses;
                 prop_assert_eq!(paid.unsigned_abs() as usize, misses);
             }
         }
@@ -131,7 +131,7 @@ proptest! {
         let start = plan(&prepared, &graph, &options(Objective::Balanced, vertex_cache)).unwrap();
         let order = start.order.as_ref().unwrap();
         let weights = Weights { index: weights[0], miss: weights[1] };
-        let price = |plan: &StripPlan<'_>| super::price(plan, vertex_cache, weights, prepared.vertex_count());
+        let price = |plan: &StripPlan<'_>| super::price(plan, vertex_cache, weights);
         let mut sequence = StripSequence::new(&start.triangulation, &start.cover, order, entry_count, weights);
         let mut reported = (0, 0);
         for run in 0..3 {
@@ -165,7 +165,7 @@ fn a_grid_has_few_misses() {
     ];
     for (vertex_cache, most_misses, most_indices) in sizes {
         let strips = strips(&mesh, &options(Objective::Misses, vertex_cache));
-        let used = VertexCacheStatistics::of(&strips, vertex_cache, FlushPolicy::Keep, mesh.vertex_count());
+        let used = VertexCacheStatistics::of(&strips, vertex_cache, FlushPolicy::Keep);
         let indices = Metrics::of(&strips).indices_restart_per_triangle();
         assert!(
             used.acmr() < most_misses && indices < most_indices,
@@ -180,12 +180,7 @@ fn objectives_trade_indices_for_misses() {
     let mesh = grid(40, 40);
     let [indices, balanced, misses] = OBJECTIVES.map(|objective| {
         let strips = strips(&mesh, &options(objective, VertexCache::default()));
-        let used = VertexCacheStatistics::of(
-            &strips,
-            VertexCache::default(),
-            FlushPolicy::Keep,
-            mesh.vertex_count(),
-        );
+        let used = VertexCacheStatistics::of(&strips, VertexCache::default(), FlushPolicy::Keep);
         (Metrics::of(&strips).indices_restart, used.misses)
     });
     assert!(indices.0 < balanced.0 && balanced.0 <= misses.0, "{indices:?} {balanced:?} {misses:?}");
@@ -198,10 +193,8 @@ fn joining_by_degenerate_triangles_keeps_the_order() {
     let strips = strips(&mesh, &options(Objective::Misses, VertexCache::default()));
     let mut joined = Strips::default();
     joined.push(&strips.to_degenerate());
-    let misses = |strips: &Strips| {
-        VertexCacheStatistics::of(strips, VertexCache::default(), FlushPolicy::Keep, mesh.vertex_count())
-            .misses
-    };
+    let misses =
+        |strips: &Strips| VertexCacheStatistics::of(strips, VertexCache::default(), FlushPolicy::Keep).misses;
     assert!(misses(&joined) <= misses(&strips) + strips.len() / 8);
     assert!(verify(&mesh, &joined).is_ok());
 }
