@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use tristrip::verify::verify;
 use tristrip::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
 use tristrip::{Layout, StripifyOptions, Strips, stripify};
-use tristrip_io::{Drawing, Format, Model, Part, read_path, write};
+use tristrip_io::{Drawing, Format, Model, read_path, write};
 
 use crate::failure::Failure;
 use crate::levels;

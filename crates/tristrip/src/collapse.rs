@@ -119,7 +119,9 @@ impl CollapseSequence {
             removed.extend(renames.iter().map(|rename| rename.removed));
             let mut dropped = Vec::new();
             for &rename in renames {
-                if removed.contains(&rename.kept) || merged.rename(rename, &mut dropped).is_none() {
+                if removed.contains(&rename.kept)
+                    || merged.rename(rename.removed, rename.kept, &mut dropped).is_none()
+                {
                     return Err(sequence.wrong_rename(rename));
                 }
             }

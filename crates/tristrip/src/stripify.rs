@@ -26,7 +26,7 @@ use crate::error::Error;
 use crate::mesh::Mesh;
 use crate::prepare::PreparedFaces;
 use crate::strip::Strips;
-pub use indices::{stripify_indices, stripify_indices_with};
+pub use indices::{stripify_faces, stripify_indices, stripify_indices_with};
 pub use options::{EtaOptions, FaceTriangulation, Method, Objective, Patches, Start, StripifyOptions, Ties};
 pub use plan::StripPlan;
 pub use watch::{Progress, Watch};
@@ -123,7 +123,7 @@ fn choose_known<'a>(
     options: &StripifyOptions,
     watch: &dyn Watch,
 ) -> Result<(Method, StripPlan<'a>), Error> {
-    let plan = match options.method() {
+    let mut plan = match options.method() {
         Method::Sequential => sequential::plan(prepared, graph),
         Method::Auto | Method::Best => {
             best::plan(prepared, graph, options.cost(), options.effort(), options.seed(), watch)
@@ -141,6 +141,7 @@ fn choose_known<'a>(
         Method::Tunnel { length } => tunnel::plan(prepared, graph, length, watch),
         Method::Eta(eta) => eta::plan(prepared, graph, eta, options.seed(), watch),
     };
+    plan.welds = prepared.welds().clone();
     let method = if options.method() == Method::Auto { Method::Best } else { options.method() };
     Ok((method, plan))
 }

@@ -9,7 +9,6 @@
 //! O(n log n) time for all collapses of a mesh: a corner that moves comes into a list of at least twice the length. About 40 bytes per
 //! vertex in use and 8 per corner.
 
-use super::Rename;
 use crate::ids::OptionalId;
 use crate::mesh::{SPARSE, VertexSubset, is_degenerate, triangle_at, triangles_of};
 
@@ -45,9 +44,9 @@ impl MergedVertices {
         }
     }
 
-    /// Renames a vertex, and appends the triangles that become degenerate. Returns `None` if one of the vertices is not drawn, or both are one.
-    pub(super) fn rename(&mut self, rename: Rename, dropped: &mut Vec<u32>) -> Option<()> {
-        let [removed, kept] = [self.number(rename.removed)?, self.number(rename.kept)?];
+    /// Renames the removed vertex to the kept one, and appends the triangles that become degenerate. Returns `None` if one of the vertices is not drawn, or both are one.
+    pub(super) fn rename(&mut self, removed: u32, kept: u32, dropped: &mut Vec<u32>) -> Option<()> {
+        let [removed, kept] = [self.number(removed)?, self.number(kept)?];
         let [from, to] = [self.slots[removed].get()?, self.slots[kept].get()?];
         if removed == kept {
             return None;
