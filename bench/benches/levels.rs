@@ -14,7 +14,7 @@ use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_mai
 use tristrip::lod::LevelCursor;
 use tristrip::lod::{Encoding, ProgressiveStrips, ProgressiveStripsCursor};
 use tristrip::lod::{Filter, traffic};
-use tristrip::simplify::{self, simplify};
+use tristrip::simplify::{self, simplify_triangles};
 use tristrip::verify::verify_drawing;
 use tristrip::{CollapseSequence, Faces, Method, StripifyOptions, Strips, stripify};
 use tristrip_bench::models::{default_folder, find, load};
@@ -54,7 +54,8 @@ fn levels(criterion: &mut Criterion) {
         let strips = stripify(&mesh, &options).expect("valid options");
         let list = strips.to_list();
         let goal = simplify::SimplifyOptions::default().with_triangles(list.len() / 60);
-        let sequence = simplify(&mesh, list, &goal).expect("a mesh that can be simplified").sequence;
+        let sequence =
+            simplify_triangles(&mesh, list, &goal).expect("a mesh that can be simplified").sequence;
         let maps = proven_maps(&strips, &sequence);
 
         let mut group = criterion.benchmark_group(format!("{}, filters", source.name));

@@ -13,7 +13,7 @@ use tristrip::Effort;
 use tristrip::lod::{Encoding, ProgressiveMesh, ProgressiveStrips};
 use tristrip::lod::{Filter, LevelCursor};
 use tristrip::lod::{Repair, RepairOptions};
-use tristrip::simplify::{self, simplify};
+use tristrip::simplify::{self, simplify_triangles};
 use tristrip::{CollapseSequence, Mesh, Method, StripifyOptions, Strips, stripify};
 
 use crate::failure::Failure;
@@ -65,7 +65,8 @@ impl LevelHashes {
 /// The mesh has too many triangles.
 pub fn check(mesh: &Mesh, hashes: bool) -> Result<CheckedLevels, Failure> {
     let strips = stripify(mesh, &StripifyOptions::default().with_method(Method::STRIPE))?;
-    let sequence = simplify(mesh, strips.to_list(), &simplify::SimplifyOptions::default())?.sequence;
+    let sequence =
+        simplify_triangles(mesh, strips.to_list(), &simplify::SimplifyOptions::default())?.sequence;
     if let Err(error) = sequence.check() {
         let problems = vec![format!("the collapse sequence is inconsistent: {error}")];
         return Ok(CheckedLevels { problems, ..CheckedLevels::default() });

@@ -141,7 +141,7 @@ pub fn model(bytes: &mut Bytes) -> Option<Model> {
 
 /// Simplifies triangles of a mesh, and checks the sequence.
 pub fn simplified(mesh: &Mesh, triangles: Vec<u32>, options: &simplify::SimplifyOptions) -> Simplification {
-    let result = simplify::simplify(mesh, triangles, options).expect("valid triangles and options");
+    let result = simplify::simplify_triangles(mesh, triangles, options).expect("valid triangles and options");
     assert_eq!(result.sequence.check(), Ok(()));
     result
 }

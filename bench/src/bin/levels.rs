@@ -20,7 +20,7 @@ use tristrip::Effort;
 use tristrip::lod::{Encoding, ProgressiveStrips};
 use tristrip::lod::{Filter, traffic};
 use tristrip::lod::{LevelCursor, Repair, RepairOptions};
-use tristrip::simplify::{self, Simplification, simplify};
+use tristrip::simplify::{self, Simplification, simplify_triangles};
 use tristrip::{CollapseSequence, Mesh, Method, StripifyOptions, Strips, stripify};
 use tristrip_bench::distance::two_sided_rms;
 use tristrip_bench::failure::Failure;
@@ -166,7 +166,7 @@ fn measure(name: &str, mesh: &Mesh, share: usize, rounds: usize) -> Result<Simpl
     for _ in 0..rounds {
         let input = triangles.to_vec();
         let start = Instant::now();
-        let done = simplify(mesh, black_box(input), &options)?;
+        let done = simplify_triangles(mesh, black_box(input), &options)?;
         times[0].push(start.elapsed().as_secs_f64());
         ours = Some(done);
         let start = Instant::now();
@@ -181,7 +181,7 @@ fn measure(name: &str, mesh: &Mesh, share: usize, rounds: usize) -> Result<Simpl
         times[1].push(start.elapsed().as_secs_f64());
     }
     let input = triangles.to_vec();
-    let (result, extra) = extra_bytes(|| simplify(mesh, input, &options));
+    let (result, extra) = extra_bytes(|| simplify_triangles(mesh, input, &options));
     result?;
     let Simplification { sequence, .. } = ours.ok_or("no round was requested")?;
     sequence.check()?;
@@ -214,7 +214,7 @@ fn follow(
     let strips = stripify(&mesh, &StripifyOptions::default().with_method(method))?;
     let list = strips.to_list();
     let options = simplify::SimplifyOptions::default().with_triangles(list.len() / 60);
-    let sequence = simplify(&mesh, list, &options)?.sequence;
+    let sequence = simplify_triangles(&mesh, list, &options)?.sequence;
     let mut base = Vec::new();
     let totals = traffic::walk(&strips, &sequence, |level| {
         if level.level == 0 {

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use tristrip::lod::{Encoding, ProgressiveStrips};
 use tristrip::lod::{Filter, LevelCursor, RESTART, Repair, RepairOptions};
-use tristrip::simplify::{self, simplify};
+use tristrip::simplify::{self, simplify_triangles};
 use tristrip::verify::{verify, verify_drawing};
 use tristrip::{CollapseSequence, Faces, Mesh, Method, StripifyOptions, Strips, stripify};
 
@@ -92,7 +92,7 @@ fn timed<T>(call: impl FnOnce() -> T) -> (T, f64) {
 fn levels(mesh: &Mesh, strips: &Strips) -> Result<(), Failure> {
     let list = strips.to_list();
     let options = simplify::SimplifyOptions::default().with_triangles(list.len() / 3 * BASE_PERCENT / 100);
-    let sequence = simplify(mesh, list, &options)?.sequence;
+    let sequence = simplify_triangles(mesh, list, &options)?.sequence;
     for encoding in [Encoding::Naive, Encoding::Offsets] {
         ProgressiveStrips::new(strips, &sequence, encoding)?;
     }

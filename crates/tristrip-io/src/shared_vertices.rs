@@ -3,8 +3,7 @@
 use std::sync::Arc;
 
 use rustc_hash::FxHashMap;
-use tristrip::VertexOrder;
-use tristrip::{Attribute, AttributeData, Faces, Mesh};
+use tristrip::{Faces, Mesh, VertexOrder};
 
 use crate::error::Error;
 use crate::format::Format;
@@ -62,26 +61,10 @@ pub(crate) fn renumber(
         positions.insert(address, Arc::clone(&renumbered));
         let mut bare = Mesh::new(renumbered, Faces::default())?;
         for attribute in mesh.attributes() {
-            bare = bare.with_attribute(truncated(order.attribute(attribute)?, kept))?;
+            bare = bare.with_attribute(attribute.of_vertices(&order.new_to_old()[..kept])?)?;
         }
         meshes[part] = bare.with_faces(faces)?;
         vertices.insert(key, bare);
     }
     Ok(())
-}
-
-/// Keeps the values of the first vertices of an attribute.
-fn truncated(mut attribute: Attribute, vertex_count: usize) -> Attribute {
-    let count = vertex_count * usize::from(attribute.components.max(1));
-    match &mut attribute.data {
-        AttributeData::F32(values) => values.truncate(count),
-        AttributeData::F64(values) => values.truncate(count),
-        AttributeData::U8(values) => values.truncate(count),
-        AttributeData::I8(values) => values.truncate(count),
-        AttributeData::U16(values) => values.truncate(count),
-        AttributeData::I16(values) => values.truncate(count),
-        AttributeData::U32(values) => values.truncate(count),
-        AttributeData::I32(values) => values.truncate(count),
-    }
-    attribute
 }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use tristrip::lod::{Encoding, ProgressiveMesh, ProgressiveStrips};
 use tristrip::lod::{Filter, LevelCursor, traffic};
-use tristrip::simplify::{self, simplify};
+use tristrip::simplify::{self, simplify_triangles};
 use tristrip::{CollapseSequence, Mesh, Method, Strips, stripify};
 
 const MODELS: [&str; 6] = [
@@ -72,7 +72,7 @@ fn models_draw_what_the_oracle_draws() {
         for method in [Method::STRIPE, Method::Sequential] {
             let strips = stripify(&mesh, &tristrip::StripifyOptions::default().with_method(method)).unwrap();
             let options = simplify::SimplifyOptions::default();
-            let sequence = simplify(&mesh, strips.to_list(), &options).unwrap().sequence;
+            let sequence = simplify_triangles(&mesh, strips.to_list(), &options).unwrap().sequence;
             check(&name, &strips, &sequence);
             let totals = traffic::walk(&strips, &sequence, |_| ()).unwrap();
             let [none, stss, dtfs, linked] = Filter::ALL.map(|filter| totals.vertices(filter));

@@ -3,8 +3,8 @@
 //! Each stage processes all parts in parallel; the results are in the order of the parts for any number of threads.
 
 use tristrip::stripify::Watch;
-use tristrip::verify::{verify, verify_models};
-use tristrip::{DualGraph, Faces, Mesh, PreparedFaces, StripifyOptions, Strips, stripify};
+use tristrip::verify::verify;
+use tristrip::{DualGraph, Mesh, PreparedFaces, StripifyOptions, Strips, stripify};
 use tristrip_io::Model;
 
 use crate::error::Error;
@@ -29,7 +29,6 @@ use crate::parts::{PreparedPart, map, meshes};
 #[derive(Debug)]
 pub struct PreparedModel<'a> {
     parts: Vec<PreparedPart<'a>>,
-    weld: bool,
 }
 
 impl<'a> PreparedModel<'a> {
@@ -45,7 +44,7 @@ impl<'a> PreparedModel<'a> {
             let graph = DualGraph::new(surface.faces());
             PreparedPart { mesh, surface, graph }
         });
-        Self { parts, weld }
+        Self { parts }
     }
 
     /// Returns the parts in their order.
@@ -103,7 +102,7 @@ impl<'a> PreparedModel<'a> {
         Figures::with_parts(&strips.iter().zip(vertex_counts).collect::<Vec<_>>(), options)
     }
 
-    /// Proves that the strips of each part draw its mesh. Strips of welded parts are compared by position.
+    /// Proves that the strips of each part draw its mesh, and that welded vertices are equal.
     ///
     /// # Errors
     /// [`Error::Unproven`], with the number of the part if there are several.
@@ -113,7 +112,7 @@ impl<'a> PreparedModel<'a> {
             return Err(Error::Unproven(format!("found strips of {found} parts, expected {expected}")));
         }
         let pairs: Vec<_> = self.parts.iter().zip(strips).collect();
-        let proofs = map(&pairs, |(part, strips)| prove_part(part, strips, self.weld));
+        let proofs = map(&pairs, |(part, strips)| prove_part(part, strips));
         for (number, proof) in proofs.into_iter().enumerate() {
             proof.map_err(|why| match self.parts.len() {
                 1 => Error::Unproven(why),
@@ -124,19 +123,8 @@ impl<'a> PreparedModel<'a> {
     }
 }
 
-fn prove_part(part: &PreparedPart<'_>, strips: &Strips, weld: bool) -> Result<(), String> {
-    if !weld {
-        return verify(part.mesh, strips).map(drop).map_err(|why| why.to_string());
-    }
-    // A welded vertex has the index of the first of its vertices, which has the same position.
-    let drawn = Faces::from_triangles(strips.to_list())
-        .and_then(|faces| part.mesh.with_faces(faces))
-        .and_then(|drawn| verify_models(&[part.mesh], &[&drawn]));
-    match drawn {
-        Ok(Ok(_)) => Ok(()),
-        Ok(Err(difference)) => Err(difference.to_string()),
-        Err(error) => Err(error.to_string()),
-    }
+fn prove_part(part: &PreparedPart<'_>, strips: &Strips) -> Result<(), String> {
+    verify(part.mesh, strips).map(drop).map_err(|why| why.to_string())
 }
 
 /// A prepared model with the report on its mesh: the first stages of every function of this crate that builds or bounds strips.

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use tristrip::lod::{Encoding, LevelCursor, LevelModel, ProgressiveStrips, View};
-use tristrip::simplify::{SimplifyOptions, simplify};
+use tristrip::simplify::{SimplifyOptions, simplify_triangles};
 use tristrip::{Faces, Layout, Mesh, StripifyOptions, stripify};
 
 /// Frames of the flight.
@@ -31,7 +31,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     // Once: strips of the full mesh, the collapses, and the model of all levels.
     let strips = stripify(&mesh, &StripifyOptions::default())?;
-    let sequence = simplify(&mesh, strips.to_list(), &SimplifyOptions::default())?.sequence;
+    let sequence = simplify_triangles(&mesh, strips.to_list(), &SimplifyOptions::default())?.sequence;
     let model = Arc::new(ProgressiveStrips::new(&strips, &sequence, Encoding::Offsets)?);
     println!("{} levels, {} kB", model.levels().collapse_count() + 1, model.memory() / 1000);
 

@@ -1,6 +1,7 @@
 //! Ids: distinct 32-bit types for faces and half-edges, an optional id in four bytes, and the limit that keeps one value free.
 
 use crate::error::Error;
+use crate::index::Index;
 
 /// The largest number of vertices, faces or corners: ids have 32 bits, and the highest value stays free.
 pub const MAX_COUNT: usize = (u32::MAX - 1) as usize;
@@ -17,6 +18,21 @@ pub(crate) fn check_count(what: &'static str, found: usize) -> Result<(), Error>
 pub(crate) fn index_out_of_range(at: usize, vertex: u32, vertex_count: usize) -> Error {
     let found = format!("index {vertex} at {at}, over {vertex_count} vertices");
     Error::Parameter { name: "indices", found, expected: "less than the number of vertices" }
+}
+
+/// Returns the vertices of indices.
+///
+/// # Errors
+/// An index needs more than 32 bits.
+pub(crate) fn vertices_of<I: Index>(indices: &[I]) -> Result<Vec<u32>, Error> {
+    let vertex = |(place, index): (usize, &I)| {
+        index.to_vertex().ok_or_else(|| Error::Parameter {
+            name: "indices",
+            found: format!("{index:?} at {place}"),
+            expected: "indices of at most 32 bits",
+        })
+    };
+    indices.iter().enumerate().map(vertex).collect()
 }
 
 /// A face of the dual graph, counted from 0.

@@ -43,8 +43,10 @@ pub use effort::Effort;
 pub use error::{Error, MeshProblem};
 pub use ids::{FaceId, HalfEdge, MAX_COUNT};
 pub use index::Index;
-pub use mesh::{Attribute, AttributeData, Faces, Mesh, PositionIds};
+pub use mesh::{
+    Attribute, AttributeData, Faces, InterleavedPositions, Mesh, PositionIds, Positions, VertexWelds,
+};
 pub use prepare::{PreparedCounts, PreparedFaces};
 pub use strip::{Cost, Layout, Metrics, Strips, VertexOrder, split_joined, strip_triangles};
-pub use stripify::one_shot::{stripify, stripify_indices, stripify_indices_with};
+pub use stripify::one_shot::{stripify, stripify_faces, stripify_indices, stripify_indices_with};
 pub use stripify::options::{Method, StripifyOptions};

@@ -11,14 +11,14 @@
 //! ```
 //! use std::sync::Arc;
 //! use tristrip::lod::{Encoding, LevelCursor, ProgressiveStrips};
-//! use tristrip::simplify::{SimplifyOptions, simplify};
+//! use tristrip::simplify::{SimplifyOptions, simplify_triangles};
 //! use tristrip::{Faces, Mesh, Strips, stripify};
 //! // A flat grid of 8 × 8 quadrilaterals.
 //! let quad = |i: u32| [i, i + 1, i + 10, i + 9];
 //! let faces = Faces::from_polygons((0..8).flat_map(|y| (0..8).map(move |x| quad(9 * y + x))))?;
 //! let mesh = Mesh::new((0..81).map(|i| [(i % 9) as f32, (i / 9) as f32, 0.0]).collect::<Vec<_>>(), faces)?;
 //! let strips = stripify(&mesh, &tristrip::StripifyOptions::default())?;
-//! let sequence = simplify(&mesh, strips.to_list(), &SimplifyOptions::default())?.sequence;
+//! let sequence = simplify_triangles(&mesh, strips.to_list(), &SimplifyOptions::default())?.sequence;
 //!
 //! let model = Arc::new(ProgressiveStrips::new(&strips, &sequence, Encoding::Offsets)?);
 //! let mut cursor = model.cursor();

@@ -9,24 +9,29 @@
 mod attribute;
 mod faces;
 mod position_ids;
+mod positions;
 mod triangle;
 mod vertex_subset;
+mod welds;
 
 pub(crate) use attribute::select;
 pub use attribute::{Attribute, AttributeData};
 pub use faces::Faces;
 pub(crate) use faces::without_repeats;
 pub use position_ids::PositionIds;
+pub(crate) use positions::check_positions;
+pub use positions::{InterleavedPositions, Positions};
 pub(crate) use triangle::{
     canonical_triangle, canonical_triangles, check_corners, check_triangles, is_degenerate, triangle_at,
     triangles_of,
 };
 pub(crate) use vertex_subset::{SPARSE, VertexSubset};
+pub use welds::VertexWelds;
 
 use std::sync::Arc;
 
 use crate::error::{Error, MeshProblem};
-use crate::ids::check_count;
+use crate::ids::{check_count, index_out_of_range};
 
 /// A polygon mesh whose indices are in range and whose positions are finite. Clones share positions and attributes.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -104,6 +109,61 @@ impl Mesh {
         Ok(self)
     }
 
+    /// Returns some of the vertices with their attributes, in the order of `vertices`, and no faces.
+    ///
+    /// # Errors
+    /// There is no such vertex, or there are too many for 32-bit ids.
+    ///
+    /// ```
+    /// use tristrip::{Faces, Mesh};
+    /// let positions = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+    /// let mesh = Mesh::new(positions, Faces::from_triangles(vec![0, 1, 2])?)?;
+    /// let some = mesh.select_vertices(&[2, 0])?;
+    /// assert_eq!(some.positions(), [[0.0, 1.0, 0.0], [0.0, 0.0, 0.0]]);
+    /// assert!(some.faces().iter().len() == 0 && mesh.select_vertices(&[3]).is_err());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn select_vertices(&self, vertices: &[u32]) -> Result<Self, Error> {
+        check_count("vertices", vertices.len())?;
+        let vertex_count = self.vertex_count();
+        if let Some(at) = vertices.iter().position(|&v| v as usize >= vertex_count) {
+            return Err(index_out_of_range(at, vertices[at], vertex_count));
+        }
+        let attributes = self.attributes.iter().map(|attribute| attribute.select(vertices));
+        Ok(Self {
+            positions: Arc::new(select(&self.positions, 1, vertices)),
+            faces: Faces::default(),
+            attributes: Arc::new(attributes.collect()),
+        })
+    }
+
+    /// Returns the mesh without the vertices that no face uses, and the old number of each vertex that stays, ascending. Nothing is
+    /// copied if all vertices are used.
+    ///
+    /// ```
+    /// use tristrip::{Faces, Mesh};
+    /// let positions = vec![[9.0; 3], [0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [9.0; 3], [0.0, 1.0, 0.0]];
+    /// let mesh = Mesh::new(positions, Faces::from_triangles(vec![1, 2, 4])?)?;
+    /// let (smaller, kept) = mesh.without_unused_vertices();
+    /// assert_eq!((smaller.faces().corners(), &kept[..]), (&[0, 1, 2][..], &[1, 2, 4][..]));
+    /// assert_eq!(smaller.positions()[2], [0.0, 1.0, 0.0]);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn without_unused_vertices(&self) -> (Self, Vec<u32>) {
+        let used = VertexSubset::of(self.faces.corners());
+        if used.len() == self.vertex_count() {
+            return (self.clone(), used.into_vertices());
+        }
+        let faces = self.faces.renamed(used.numbers(self.faces.corners()));
+        let attributes = self.attributes.iter().map(|attribute| attribute.select(used.vertices()));
+        let mesh = Self {
+            positions: Arc::new(select(&self.positions, 1, used.vertices())),
+            faces,
+            attributes: Arc::new(attributes.collect()),
+        };
+        (mesh, used.into_vertices())
+    }
+
     /// Returns the position of each vertex, in mesh units.
     pub fn positions(&self) -> &[[f32; 3]] {
         &self.positions
@@ -137,8 +197,14 @@ impl Mesh {
 
 /// Returns the bits of a vertex: its position and all attributes.
 pub(crate) fn vertex_bits(mesh: &Mesh, v: usize) -> Vec<u8> {
-    let mut key = Vec::new();
+    let mut key = attribute_bits(mesh, v);
     mesh.positions()[v].iter().for_each(|x| key.extend(x.to_bits().to_le_bytes()));
+    key
+}
+
+/// Returns the bits of the attributes of a vertex.
+pub(crate) fn attribute_bits(mesh: &Mesh, v: usize) -> Vec<u8> {
+    let mut key = Vec::new();
     mesh.attributes().iter().for_each(|attribute| attribute.append_bits(v, &mut key));
     key
 }

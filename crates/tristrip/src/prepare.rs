@@ -18,14 +18,14 @@
 
 mod convex;
 mod ear_cutting;
-mod weld;
 
 use std::borrow::Cow;
 
-use crate::mesh::{Faces, Mesh, is_degenerate, without_repeats};
+use crate::error::Error;
+use crate::ids::check_count;
+use crate::mesh::{Faces, Mesh, Positions, VertexWelds, check_positions, is_degenerate, without_repeats};
 use convex::is_convex;
 use ear_cutting::{EarBudget, cut_ears};
-use weld::weld_corners;
 
 /// Faces that are triangles or convex polygons with different corners.
 #[derive(Debug, Clone)]
@@ -33,6 +33,7 @@ pub struct PreparedFaces<'a> {
     faces: Cow<'a, Faces>,
     vertex_count: usize,
     counts: PreparedCounts,
+    welds: VertexWelds,
 }
 
 /// The changes that preparing the faces of a mesh required.
@@ -63,26 +64,47 @@ impl<'a> PreparedFaces<'a> {
     pub fn new(mesh: &'a Mesh, weld: bool) -> Self {
         let mut counts = PreparedCounts::default();
         let mut faces = Cow::Borrowed(mesh.faces());
-        if weld {
-            let welded = weld_corners(mesh);
-            counts.welded_vertices = welded.count;
-            if welded.count > 0 {
-                faces = Cow::Owned(mesh.faces().renamed(welded.corners));
-            }
+        let welds = if weld { VertexWelds::of(mesh) } else { VertexWelds::default() };
+        counts.welded_vertices = welds.len();
+        if !welds.is_empty() {
+            faces = Cow::Owned(mesh.faces().renamed(welds.vertices(mesh.faces().corners())));
         }
         let faces = match clean(&faces, mesh.positions(), &mut counts) {
             Some(cleaned) => Cow::Owned(cleaned),
             None => faces,
         };
-        Self { faces, vertex_count: mesh.vertex_count(), counts }
+        Self { faces, vertex_count: mesh.vertex_count(), counts, welds }
+    }
+
+    /// Prepares faces over positions in the memory of the caller, which stay there.
+    ///
+    /// # Errors
+    /// A face has a vertex without a position, or with one that is not finite.
+    ///
+    /// ```
+    /// use tristrip::{Faces, PreparedFaces, mesh::InterleavedPositions};
+    /// // A concave quadrilateral; each vertex has a position and a shade.
+    /// let vertices = [0., 0., 0., 9., 2., 1., 0., 9., 0., 2., 0., 9., 0.5, 1., 0., 9.];
+    /// let positions = InterleavedPositions::from_floats(&vertices, 4, 0)?;
+    /// let faces = Faces::from_polygons([[0, 1, 2, 3]])?;
+    /// assert_eq!(PreparedFaces::of_faces(&faces, &positions)?.counts().cut_polygons, 1);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn of_faces<P: Positions + ?Sized>(faces: &'a Faces, positions: &P) -> Result<Self, Error> {
+        let vertex_count = positions.vertex_count();
+        check_count("vertices", vertex_count)?;
+        check_positions(faces.corners(), positions)?;
+        let mut counts = PreparedCounts::default();
+        let faces = clean(faces, positions, &mut counts).map_or(Cow::Borrowed(faces), Cow::Owned);
+        Ok(Self { faces, vertex_count, counts, welds: VertexWelds::default() })
     }
 
     /// Prepares triangles, for which no positions are needed.
     pub(crate) fn of_triangles(faces: &'a Faces, vertex_count: usize) -> Self {
         debug_assert!(faces.as_triangles().is_some());
         let mut counts = PreparedCounts::default();
-        let faces = clean(faces, &[], &mut counts).map_or(Cow::Borrowed(faces), Cow::Owned);
-        Self { faces, vertex_count, counts }
+        let faces = clean::<[[f32; 3]]>(faces, &[], &mut counts).map_or(Cow::Borrowed(faces), Cow::Owned);
+        Self { faces, vertex_count, counts, welds: VertexWelds::default() }
     }
 
     /// Returns the faces.
@@ -95,6 +117,11 @@ impl<'a> PreparedFaces<'a> {
         self.vertex_count
     }
 
+    /// Returns the vertices that were welded.
+    pub fn welds(&self) -> &VertexWelds {
+        &self.welds
+    }
+
     /// Returns the counts of changes.
     pub fn counts(&self) -> PreparedCounts {
         self.counts
@@ -102,7 +129,7 @@ impl<'a> PreparedFaces<'a> {
 }
 
 /// Returns valid faces if some are not valid; `None` if all are.
-fn clean(faces: &Faces, positions: &[[f32; 3]], counts: &mut PreparedCounts) -> Option<Faces> {
+fn clean<P: Positions + ?Sized>(faces: &Faces, positions: &P, counts: &mut PreparedCounts) -> Option<Faces> {
     let is_valid = |polygon: &[u32]| match *polygon {
         [a, b, c] => !is_degenerate([a, b, c]),
         _ => polygon.len() > 3 && all_different(polygon) && is_convex(polygon, positions),

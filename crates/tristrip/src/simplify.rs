@@ -1,6 +1,6 @@
 //! Simplification by half-edge collapses, cheapest first, to any level of detail.
 //!
-//! The result is not one mesh but all levels: a [`CollapseSequence`], whose level 0 is the requested mesh and whose highest level is the
+//! The result is one mesh, and all levels: a [`CollapseSequence`], whose level 0 is the requested mesh and whose highest level is the
 //! input mesh. No vertex is created or moved, so that every level is drawn from the vertices of the full mesh.
 //!
 //! Vertices of one position are one point. If their attributes differ they are on a seam, and collapse together along the seam or not at
@@ -31,7 +31,10 @@ mod topology;
 
 use crate::collapse::CollapseSequence;
 use crate::error::Error;
-use crate::mesh::Mesh;
+use crate::ids::vertices_of;
+use crate::index::Index;
+use crate::mesh::{Faces, Mesh, Positions, attribute_bits, check_positions};
+use crate::prepare::PreparedFaces;
 use decimate::Decimation;
 pub use stopped::Stopped;
 use topology::MOST_TRIANGLES;
@@ -65,15 +68,91 @@ impl SimplifyOptions {
         self.locked = locked;
         self
     }
+
+    /// Returns the number of triangles to stop at.
+    pub fn triangle_count(&self) -> usize {
+        self.triangle_count
+    }
+
+    /// Returns the largest error allowed, in mesh units; `None` for any.
+    pub fn error(&self) -> Option<f32> {
+        self.error
+    }
+
+    /// Returns which vertices are locked; those after the last value are not.
+    pub fn locked(&self) -> &[bool] {
+        &self.locked
+    }
+
+    /// Checks the error limit.
+    pub(crate) fn check_error(&self) -> Result<(), Error> {
+        match self.error {
+            Some(error) if error.is_nan() || error < 0.0 => {
+                Err(Error::Parameter { name: "error", found: error.to_string(), expected: "0 or more" })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Checks the options for a mesh.
+    fn check(&self, vertex_count: usize, corner_count: usize) -> Result<(), Error> {
+        self.check_error()?;
+        if corner_count / 3 > MOST_TRIANGLES {
+            let (found, limit) = (corner_count as u64 / 3, MOST_TRIANGLES as u64);
+            return Err(Error::LimitExceeded { what: "triangles to simplify", found, limit });
+        }
+        if self.locked.len() > vertex_count {
+            let found = format!("{} values for {vertex_count} vertices", self.locked.len());
+            return Err(Error::Parameter { name: "locked", found, expected: "at most one value per vertex" });
+        }
+        Ok(())
+    }
 }
 
-/// The result of a simplification.
+/// The collapses of a simplification.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Simplification {
     /// The collapses from the input mesh to the requested mesh.
     pub sequence: CollapseSequence,
     /// The reasons for which there are more triangles than requested, if there are.
     pub stopped: Option<Stopped>,
+}
+
+/// A simplified mesh.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct Simplified {
+    /// The mesh with fewer triangles, over the vertices that it uses, with their attributes.
+    pub mesh: Mesh,
+    /// The vertex of the input mesh that each vertex is, ascending.
+    pub vertices: Vec<u32>,
+    /// The collapses, over the vertices of the input mesh, and how they ended.
+    pub simplification: Simplification,
+}
+
+/// Simplifies a mesh by half-edge collapses. Polygons become triangles, degenerate faces and unused vertices are left out.
+///
+/// # Errors
+/// There are more than 2²⁷ triangles; the error limit is negative or not a number; there are more values for locked vertices than
+/// vertices.
+///
+/// ```
+/// use tristrip::{Faces, Mesh, simplify::{SimplifyOptions, simplify}};
+/// // A flat fan of four triangles around vertex 4, which one collapse removes.
+/// let corners = vec![[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 2.0, 0.0], [0.0, 2.0, 0.0], [1.0, 1.0, 0.0]];
+/// let mesh = Mesh::new(corners, Faces::from_triangles(vec![0, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0, 4])?)?;
+/// let simple = simplify(&mesh, &SimplifyOptions::default().with_triangles(2))?;
+/// assert_eq!((simple.mesh.faces().face_count(), simple.mesh.vertex_count()), (2, 4));
+/// assert_eq!(simple.vertices, [0, 1, 2, 3]);
+/// assert_eq!(simple.simplification.sequence.len(), 1);
+/// # Ok::<(), tristrip::Error>(())
+/// ```
+pub fn simplify(mesh: &Mesh, options: &SimplifyOptions) -> Result<Simplified, Error> {
+    let prepared = PreparedFaces::new(mesh, false);
+    let simplification = simplify_triangles(mesh, prepared.faces().fans().into_owned(), options)?;
+    let base = Faces::from_triangles(simplification.sequence.drawn(0)?.into_flattened())?;
+    let (mesh, vertices) = mesh.with_faces(base)?.without_unused_vertices();
+    Ok(Simplified { mesh, vertices, simplification })
 }
 
 /// Simplifies triangles over the vertices of a mesh by half-edge collapses. The mesh's own faces are ignored, so that polygons may
@@ -86,38 +165,67 @@ pub struct Simplification {
 /// negative or not a number; there are more values for locked vertices than vertices.
 ///
 /// ```
-/// use tristrip::{Faces, Mesh, simplify, simplify::SimplifyOptions};
+/// use tristrip::{Faces, Mesh, simplify::{SimplifyOptions, simplify_triangles}};
 /// // A flat grid of 4 × 4 quadrilaterals, each cut into two triangles.
 /// let at = |i: u32| [(i % 5) as f32, (i / 5) as f32, 0.0];
 /// let quad = |i: u32| [i, i + 1, i + 5, i + 5, i + 1, i + 6];
 /// let triangles: Vec<u32> = (0..4).flat_map(|y| (0..4).flat_map(move |x| quad(5 * y + x))).collect();
 /// let mesh = Mesh::new((0..25).map(at).collect::<Vec<_>>(), Faces::from_triangles(triangles.clone())?)?;
-/// let simple = simplify::simplify(&mesh, triangles, &SimplifyOptions::default().with_triangles(2))?;
+/// let simple = simplify_triangles(&mesh, triangles, &SimplifyOptions::default().with_triangles(2))?;
 /// assert!(simple.stopped.is_none());
 /// assert_eq!(simple.sequence.triangle_count(0)?, 2);
 /// assert!(simple.sequence.error(0)? < 1e-6);
 /// # Ok::<(), tristrip::Error>(())
 /// ```
-pub fn simplify(
+pub fn simplify_triangles(
     mesh: &Mesh,
     triangles: Vec<u32>,
     options: &SimplifyOptions,
 ) -> Result<Simplification, Error> {
-    if let Some(error) = options.error.filter(|error| error.is_nan() || *error < 0.0) {
-        return Err(Error::Parameter { name: "error", found: error.to_string(), expected: "0 or more" });
-    }
-    if triangles.len() / 3 > MOST_TRIANGLES {
-        let (found, limit) = (triangles.len() as u64 / 3, MOST_TRIANGLES as u64);
-        return Err(Error::LimitExceeded { what: "triangles to simplify", found, limit });
-    }
-    if options.locked.len() > mesh.vertex_count() {
-        let found = format!("{} values for {} vertices", options.locked.len(), mesh.vertex_count());
-        return Err(Error::Parameter { name: "locked", found, expected: "at most one value per vertex" });
-    }
-    let mut sequence = CollapseSequence::new(mesh.vertex_count(), triangles)?;
-    let mut decimation = Decimation::new(mesh, sequence.triangles(), &options.locked, options.error);
+    options.check(mesh.vertex_count(), triangles.len())?;
+    let sequence = CollapseSequence::new(mesh.vertex_count(), triangles)?;
+    Ok(run(sequence, mesh.positions(), |v| attribute_bits(mesh, v as usize), options))
+}
+
+/// Simplifies the triangles of an index buffer, three indices of 8, 16 or 32 bits or `usize` each, by half-edge collapses. The positions
+/// stay where they are. Vertices of one position count as different in their other attributes, so that they stay together on a seam.
+///
+/// # Errors
+/// As [`simplify_triangles`]; or a position is not finite.
+///
+/// ```
+/// use tristrip::mesh::InterleavedPositions;
+/// use tristrip::simplify::{SimplifyOptions, simplify_indices};
+/// // Four floats per vertex: a position and a shade. A flat fan of four triangles around vertex 4.
+/// let vertices = [0., 0., 0., 9., 2., 0., 0., 9., 2., 2., 0., 9., 0., 2., 0., 9., 1., 1., 0., 9.];
+/// let indices = [0_u16, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0, 4];
+/// let positions = InterleavedPositions::from_floats(&vertices, 4, 0)?;
+/// let simple = simplify_indices(&indices, &positions, &SimplifyOptions::default().with_triangles(2))?;
+/// assert_eq!(simple.sequence.drawn(0)?.len(), 2);
+/// # Ok::<(), tristrip::Error>(())
+/// ```
+pub fn simplify_indices<I: Index, P: Positions + ?Sized>(
+    indices: &[I],
+    positions: &P,
+    options: &SimplifyOptions,
+) -> Result<Simplification, Error> {
+    options.check(positions.vertex_count(), indices.len())?;
+    let sequence = CollapseSequence::new(positions.vertex_count(), vertices_of(indices)?)?;
+    check_positions(sequence.triangles(), positions)?;
+    Ok(run(sequence, positions, |v| v.to_le_bytes().to_vec(), options))
+}
+
+/// Appends collapses to a sequence that has none.
+fn run<P: Positions + ?Sized>(
+    mut sequence: CollapseSequence,
+    positions: &P,
+    attribute_bits: impl Fn(u32) -> Vec<u8>,
+    options: &SimplifyOptions,
+) -> Simplification {
+    let (locked, error) = (&options.locked, options.error);
+    let mut decimation = Decimation::new(positions, attribute_bits, sequence.triangles(), locked, error);
     decimation.run(options.triangle_count, &mut sequence);
     let reached = sequence.triangles_at(0);
     let stopped = (reached > options.triangle_count).then(|| decimation.stopped());
-    Ok(Simplification { sequence, stopped })
+    Simplification { sequence, stopped }
 }

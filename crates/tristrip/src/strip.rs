@@ -18,7 +18,7 @@ pub use metrics::{Cost, Metrics};
 pub use vertex_order::VertexOrder;
 
 use crate::error::{Error, MeshProblem};
-use crate::mesh::is_degenerate;
+use crate::mesh::{VertexWelds, is_degenerate};
 
 /// Strips over the vertices of one mesh.
 ///
@@ -36,6 +36,7 @@ pub struct Strips {
     ends: Vec<u32>,
     /// Whether the order of the strips was chosen on purpose: see [`Strips::with_kept_order`].
     keeps_order: bool,
+    welds: VertexWelds,
 }
 
 impl Strips {
@@ -52,7 +53,7 @@ impl Strips {
             }
             .into());
         }
-        Ok(Self { vertices, ends, keeps_order: false })
+        Ok(Self { vertices, ends, ..Self::default() })
     }
 
     /// Marks the order and direction of the strips as chosen, for example for a vertex cache, so that joining them keeps both.
@@ -71,12 +72,49 @@ impl Strips {
         self
     }
 
+    /// Adds the welded vertices of the mesh that the strips draw, so that [`verify`](crate::verify::verify) can prove them.
+    #[must_use]
+    pub(crate) fn with_welds(mut self, welds: VertexWelds) -> Self {
+        self.welds = welds;
+        self
+    }
+
+    /// Returns the vertices of the mesh that the strips name by another vertex with the same bits; none unless
+    /// [`StripifyOptions::with_weld`](crate::StripifyOptions::with_weld) asked for it.
+    ///
+    /// ```
+    /// use tristrip::{Faces, Mesh, StripifyOptions, stripify, verify::verify};
+    /// // Two triangles that share an edge, but no vertex.
+    /// let (a, b, c, d) = ([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]);
+    /// let mesh = Mesh::new(vec![a, b, c, c, b, d], Faces::from_triangles((0..6).collect())?)?;
+    /// let strips = stripify(&mesh, &StripifyOptions::default().with_weld(true))?;
+    /// assert_eq!((strips.len(), strips.vertices_sent()), (1, 4));
+    /// assert_eq!(strips.welds().iter().collect::<Vec<_>>(), [(3, 2), (4, 1)]);
+    /// assert!(verify(&mesh, &strips).is_ok());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn welds(&self) -> &VertexWelds {
+        &self.welds
+    }
+
+    /// Returns the strips with other vertices; they have no welds.
+    pub(crate) fn map_vertices(mut self, new: impl Fn(u32) -> u32) -> Self {
+        self.vertices.iter_mut().for_each(|vertex| *vertex = new(*vertex));
+        self
+    }
+
+    /// Returns whether the order of the strips was chosen on purpose.
+    #[cfg(feature = "serde")]
+    pub(crate) fn keeps_order(&self) -> bool {
+        self.keeps_order
+    }
+
     /// Creates an empty list with capacity for vertices and strips.
     pub(crate) fn with_capacity(vertex_count: usize, strip_count: usize) -> Self {
         Self {
             vertices: Vec::with_capacity(vertex_count),
             ends: Vec::with_capacity(strip_count),
-            keeps_order: false,
+            ..Self::default()
         }
     }
 
@@ -86,7 +124,7 @@ impl Strips {
         self.ends.push(self.vertices.len() as u32);
     }
 
-    /// Removes all strips and keeps the allocated memory.
+    /// Removes all strips and welds, and keeps the allocated memory.
     ///
     /// ```
     /// let mut strips = tristrip::Strips::default();
@@ -97,6 +135,7 @@ impl Strips {
     pub fn clear(&mut self) {
         self.vertices.clear();
         self.ends.clear();
+        self.welds = VertexWelds::default();
     }
 
     /// Appends a vertex to the strip that is not ended yet.
@@ -135,7 +174,7 @@ impl Strips {
     /// assert_eq!(strips.memory(), 20);
     /// ```
     pub fn memory(&self) -> usize {
-        size_of_val(&self.vertices[..]) + size_of_val(&self.ends[..])
+        size_of_val(&self.vertices[..]) + size_of_val(&self.ends[..]) + 8 * self.welds.len()
     }
 
     /// Counts the strips.

@@ -88,7 +88,7 @@ fn plan_known<'a>(
     options: &StripifyOptions,
     watch: &dyn Watch,
 ) -> Result<StripPlan<'a>, Error> {
-    Ok(match options.method() {
+    let mut plan = match options.method() {
         Method::Sequential => sequential::plan(prepared, graph),
         Method::Best => best::plan(prepared, graph, options.cost(), options.effort(), options.seed(), watch),
         Method::Fewest => fewest::plan(prepared, graph, options, watch),
@@ -103,7 +103,9 @@ fn plan_known<'a>(
         }
         Method::Tunnel { length } => tunnel::plan(prepared, graph, length, watch),
         Method::Eta(eta) => eta::plan(prepared, graph, eta, options.seed(), watch),
-    })
+    };
+    plan.welds = prepared.welds().clone();
+    Ok(plan)
 }
 
 #[cfg(test)]

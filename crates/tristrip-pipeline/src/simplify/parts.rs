@@ -52,11 +52,7 @@ impl<'a> Compact<'a> {
         let mut used = triangles.to_vec();
         used.sort_unstable();
         used.dedup();
-        let positions: Vec<[f32; 3]> = used.iter().map(|&v| mesh.positions()[v as usize]).collect();
-        let without_attributes = Mesh::new(positions, Faces::default())?;
-        let mut attributes = mesh.attributes().iter().map(|attribute| attribute.of_vertices(&used));
-        let reduced =
-            attributes.try_fold(without_attributes, |mesh, attribute| mesh.with_attribute(attribute?))?;
+        let reduced = mesh.select_vertices(&used)?;
         Ok(Self { mesh: Cow::Owned(reduced), used: UsedVertices(Some(used)) })
     }
 }
@@ -146,7 +142,7 @@ pub(crate) fn simplify_all(
         if !part.locked.is_empty() {
             options = options.with_locked(part.locked.clone());
         }
-        simplify::simplify(&part.compact.mesh, part.triangles.clone(), &options)
+        simplify::simplify_triangles(&part.compact.mesh, part.triangles.clone(), &options)
     });
     done.into_iter().collect()
 }

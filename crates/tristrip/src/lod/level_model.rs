@@ -107,12 +107,15 @@ impl View {
     /// element of its matrix in the second row and second column: 1 / tan of half the vertical angle), and the rows of the image.
     ///
     /// # Errors
-    /// A value is not positive. An object at or behind the eye has no distance: draw its full mesh.
+    /// A value is not positive, or the pixels per mesh unit at this distance are too many or too few for a number. An object at or behind the
+    /// eye has no distance: draw its full mesh.
     pub fn perspective(distance: f32, vertical_scale: f32, rows: f32) -> Result<Self, Error> {
         for (name, value) in [("distance", distance), ("vertical_scale", vertical_scale), ("rows", rows)] {
             check_positive(name, value)?;
         }
-        Ok(Self { scale: vertical_scale * rows / (2.0 * distance) })
+        let scale = vertical_scale * rows / (2.0 * distance);
+        check_positive("pixels_per_unit", scale)?;
+        Ok(Self { scale })
     }
 
     /// Creates a parallel view from the pixels per mesh unit.

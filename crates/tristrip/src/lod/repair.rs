@@ -140,6 +140,21 @@ impl RepairOptions {
         self.cost = if cost == Cost::Gl { Cost::OpenGl } else { cost };
         self
     }
+
+    /// Returns how much to search next to each change.
+    pub fn effort(&self) -> Effort {
+        self.effort
+    }
+
+    /// Returns the seed of the random choices.
+    pub fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// Returns what is minimized.
+    pub fn cost(&self) -> Cost {
+        self.cost
+    }
 }
 
 /// The strips of a level of detail that follow collapses and splits.

@@ -9,7 +9,7 @@
 use std::collections::HashMap;
 
 use super::vertex_subset::SPARSE;
-use super::{Faces, Mesh};
+use super::{Faces, Mesh, Positions};
 use crate::error::Error;
 use crate::ids::{OptionalId, check_count};
 
@@ -78,20 +78,25 @@ impl PositionIds {
         self.positions[id as usize]
     }
 
-    /// Returns the number of the position of each corner; the corners are vertices of one list of positions.
-    pub(crate) fn numbers(&mut self, positions: &[[f32; 3]], corners: &[u32]) -> Vec<u32> {
-        let mut known = unknown_numbers(positions.len(), corners.len());
+    /// Returns the number of the position of each corner; the corners are vertices that have positions.
+    pub(crate) fn numbers<P: Positions + ?Sized>(&mut self, positions: &P, corners: &[u32]) -> Vec<u32> {
+        let mut known = unknown_numbers(positions.vertex_count(), corners.len());
         corners.iter().map(|&v| self.number_of_vertex(positions, v, &mut known)).collect()
     }
 
     /// Returns the number of a vertex's position, from `known` if it is not empty and the vertex was used before.
     #[inline]
-    fn number_of_vertex(&mut self, positions: &[[f32; 3]], v: u32, known: &mut [OptionalId]) -> u32 {
+    fn number_of_vertex<P: Positions + ?Sized>(
+        &mut self,
+        positions: &P,
+        v: u32,
+        known: &mut [OptionalId],
+    ) -> u32 {
         let slot = known.get_mut(v as usize);
         if let Some(number) = slot.as_ref().and_then(|slot| slot.get()) {
             return number;
         }
-        let number = self.number(positions[v as usize]);
+        let number = self.number(positions.position(v as usize).unwrap_or_default());
         if let Some(slot) = slot {
             *slot = OptionalId::some(number);
         }

@@ -32,6 +32,11 @@ impl VertexSubset {
         &self.used
     }
 
+    /// Returns the vertices in ascending order.
+    pub(crate) fn into_vertices(self) -> Vec<u32> {
+        self.used
+    }
+
     /// Returns the new number of a vertex of the subset.
     #[inline]
     pub(crate) fn number(&self, vertex: u32) -> u32 {

@@ -17,6 +17,7 @@
 
 use robust::{Coord, orient2d};
 
+use crate::mesh::Positions;
 use crate::vector::{cross, dot, sub, unit};
 
 /// A corner counts as straight if it turns right by an angle of at most this sine.
@@ -28,12 +29,12 @@ const ROUNDING: f64 = 1.732_051 * f32::EPSILON as f64;
 
 /// Returns whether a polygon is convex in its plane, with straight corners and rounding allowed. A polygon without area counts as convex,
 /// since no triangulation of it is better than another.
-pub(super) fn is_convex(polygon: &[u32], positions: &[[f32; 3]]) -> bool {
+pub(super) fn is_convex<P: Positions + ?Sized>(polygon: &[u32], positions: &P) -> bool {
     let Some(points) = project(polygon, positions) else { return true };
     if turns_left(&points) {
         return true;
     }
-    let coordinates = polygon.iter().flat_map(|&v| positions[v as usize]);
+    let coordinates = polygon.iter().flat_map(|&v| positions.position(v as usize).unwrap_or_default());
     let largest = coordinates.fold(0.0, |largest: f32, x| largest.max(x.abs()));
     lies_along_hull(&points, ROUNDING * f64::from(largest))
 }
@@ -116,8 +117,9 @@ fn hull(points: &[[f64; 2]]) -> Vec<usize> {
 }
 
 /// Projects a polygon along its normal, which is Newell's sum; returns `None` if the polygon has no area.
-pub(super) fn project(polygon: &[u32], positions: &[[f32; 3]]) -> Option<Vec<[f64; 2]>> {
-    let at = |i: usize| positions[polygon[i % polygon.len()] as usize].map(f64::from);
+pub(super) fn project<P: Positions + ?Sized>(polygon: &[u32], positions: &P) -> Option<Vec<[f64; 2]>> {
+    let vertex = |i: usize| polygon[i % polygon.len()] as usize;
+    let at = |i: usize| positions.position(vertex(i)).unwrap_or_default().map(f64::from);
     let origin = at(0);
     let local = |i: usize| sub(at(i), origin);
     let mut normal = [0.0; 3];

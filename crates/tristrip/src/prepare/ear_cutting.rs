@@ -5,6 +5,7 @@
 use earcut::Earcut;
 
 use super::convex::project;
+use crate::mesh::Positions;
 
 /// The largest number of corners of a polygon that is cut by ears. The ear cutter uses a z-order curve and takes less than 0.3 ms for
 /// 2,000 corners of combs, bowls and round shapes, but up to 28 ns · k² for polygons that cross themselves (tuned on stars, combs,
@@ -38,7 +39,7 @@ impl EarBudget {
 }
 
 /// Cuts a polygon into triangles by ear cutting; returns `None` if the result is not a triangulation of all its corners.
-pub(super) fn cut_ears(polygon: &[u32], positions: &[[f32; 3]]) -> Option<Vec<[u32; 3]>> {
+pub(super) fn cut_ears<P: Positions + ?Sized>(polygon: &[u32], positions: &P) -> Option<Vec<[u32; 3]>> {
     let points = project(polygon, positions)?;
     let mut local: Vec<u32> = Vec::new();
     Earcut::new().earcut(points, &[], &mut local);

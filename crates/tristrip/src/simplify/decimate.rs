@@ -33,7 +33,7 @@ use super::stopped::Stopped;
 use super::topology::{CornerId, LONG_RING, PointKind, Topology};
 use crate::collapse::{CollapseSequence, Rename};
 use crate::ids::OptionalId;
-use crate::mesh::{Mesh, is_degenerate, triangles_of};
+use crate::mesh::{Positions, is_degenerate, triangles_of};
 use crate::vector::{Point, cross, dot, sub, to_segment, to_triangle};
 
 /// The weight of the squared distance to the new triangles relative to the quadric. From 1 to 3 made little difference on bunny, horse and
@@ -119,8 +119,14 @@ pub(super) struct Decimation {
 
 impl Decimation {
     /// Connects the vertices of each point, computes the quadrics, and estimates all points.
-    pub(super) fn new(mesh: &Mesh, vertices: &[u32], locked: &[bool], error_limit: Option<f32>) -> Self {
-        let (topology, positions) = (Topology::new(mesh, vertices), mesh.positions());
+    pub(super) fn new<P: Positions + ?Sized>(
+        positions: &P,
+        attribute_bits: impl Fn(u32) -> Vec<u8>,
+        vertices: &[u32],
+        locked: &[bool],
+        error_limit: Option<f32>,
+    ) -> Self {
+        let topology = Topology::new(positions, attribute_bits, vertices);
         let count = topology.point_count();
         let mut is_locked = vec![false; count];
         if !locked.is_empty() {
@@ -128,7 +134,8 @@ impl Decimation {
                 is_locked[point as usize] |= locked.get(v as usize).copied().unwrap_or(false);
             }
         }
-        let (framed, unit) = frame((0..count as u32).map(|p| positions[topology.vertex_of(p) as usize]));
+        let position = |p| positions.position(topology.vertex_of(p) as usize).unwrap_or_default();
+        let (framed, unit) = frame((0..count as u32).map(position));
         let quadrics = quadrics(&topology, &framed);
         let mut decimation = Self {
             triangle_count: triangles_of(vertices).filter(|&t| !is_degenerate(t)).count(),

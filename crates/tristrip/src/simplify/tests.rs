@@ -40,7 +40,8 @@ fn mesh(positions: &[[f32; 3]], triangles: &[u32]) -> Mesh {
 }
 
 fn simplified(positions: &[[f32; 3]], triangles: &[u32], options: &SimplifyOptions) -> Simplification {
-    let simplification = simplify(&mesh(positions, triangles), triangles.to_vec(), options).unwrap();
+    let simplification =
+        simplify_triangles(&mesh(positions, triangles), triangles.to_vec(), options).unwrap();
     simplification.sequence.check().unwrap();
     simplification
 }
@@ -176,7 +177,7 @@ fn no_collapse_exceeds_the_error_limit() {
     assert!(counts.is_sorted_by(|a, b| a > b), "{counts:?}");
     for error in [f32::NAN, -1.0] {
         let (options, mesh) = (SimplifyOptions::default().with_error(error), mesh(&positions, &triangles));
-        assert!(simplify(&mesh, triangles.clone(), &options).is_err());
+        assert!(simplify_triangles(&mesh, triangles.clone(), &options).is_err());
     }
 }
 
@@ -196,7 +197,8 @@ fn a_seam_stays_closed() {
     let sides = AttributeData::U8((0..positions.len()).map(|v| u8::from(v >= count as usize)).collect());
     let side = Attribute { name: "side".into(), components: 1, normalized: false, data: sides };
     let mesh = mesh(&positions, &triangles).with_attribute(side).unwrap();
-    let Simplification { sequence, .. } = simplify(&mesh, triangles, &SimplifyOptions::default()).unwrap();
+    let Simplification { sequence, .. } =
+        simplify_triangles(&mesh, triangles, &SimplifyOptions::default()).unwrap();
     sequence.check().unwrap();
     // If the vertices of both sides have the same attributes, there is no seam.
     assert!(plain.triangles_at(0) <= sequence.triangles_at(0));
@@ -276,8 +278,8 @@ fn empty_and_flat_meshes_are_accepted() {
     assert!(flat.sequence.triangles_at(0) < 4);
     let huge = [[-3e38, 0.0, 0.0], [3e38, 0.0, 0.0], [0.0, 3e38, 0.0], [3e38, 3e38, 3e38]];
     simplified(&huge, &[0, 1, 2, 2, 1, 3], &SimplifyOptions::default());
-    assert!(simplify(&mesh(&line, &[]), vec![0, 1], &SimplifyOptions::default()).is_err());
-    assert!(simplify(&mesh(&line, &[]), vec![0, 1, 6], &SimplifyOptions::default()).is_err());
+    assert!(simplify_triangles(&mesh(&line, &[]), vec![0, 1], &SimplifyOptions::default()).is_err());
+    assert!(simplify_triangles(&mesh(&line, &[]), vec![0, 1, 6], &SimplifyOptions::default()).is_err());
 }
 
 proptest! {
@@ -320,7 +322,7 @@ fn wrong_options_and_triangles_are_refused() {
     let mesh =
         Mesh::new(vec![[0.0; 3], [f32::MAX; 3], [-f32::MAX, 0.0, f32::MIN_POSITIVE]], Faces::default())
             .unwrap();
-    let of = |triangles: &[u32], options| simplify(&mesh, triangles.to_vec(), &options);
+    let of = |triangles: &[u32], options| simplify_triangles(&mesh, triangles.to_vec(), &options);
     let options = SimplifyOptions::default;
     for error in [f32::NAN, -1.0, f32::NEG_INFINITY] {
         assert!(of(&[0, 1, 2], options().with_error(error)).is_err());
@@ -339,4 +341,96 @@ fn wrong_options_and_triangles_are_refused() {
     assert!(of(&[0, 1, 2, 2, 1, 0], options().with_locked(vec![true; 3])).is_ok());
     let message = "parameter `locked`: found 4 values for 3 vertices, expected at most one value per vertex";
     assert_eq!(of(&[0, 1, 2], options().with_locked(vec![true; 4])).unwrap_err().to_string(), message);
+}
+
+/// The mesh of a simplification has the triangles of level 0 over the vertices that these use, with their attributes.
+#[test]
+fn a_simplified_mesh_is_the_base_mesh() {
+    let (positions, triangles) = grid(8, 8, [false, true]);
+    let data = AttributeData::U16((0..positions.len() as u16).map(|v| v / 20).collect());
+    let shade = Attribute { name: "shade".into(), components: 1, normalized: false, data };
+    let full = mesh(&positions, &triangles).with_attribute(shade).unwrap();
+    for options in [
+        SimplifyOptions::default().with_triangles(40),
+        SimplifyOptions::default(),
+        SimplifyOptions::default().with_triangles(usize::MAX),
+    ] {
+        let done = simplify(&full, &options).unwrap();
+        assert_eq!(done.simplification, simplify_triangles(&full, triangles.clone(), &options).unwrap());
+        let drawn = done.simplification.sequence.drawn(0).unwrap();
+        let old = done.mesh.faces().corners().iter().map(|&v| done.vertices[v as usize]);
+        assert_eq!(old.collect::<Vec<_>>(), drawn.concat());
+        let used: std::collections::BTreeSet<u32> = drawn.into_iter().flatten().collect();
+        assert!(done.vertices.iter().eq(&used));
+        let of_used = |v: &u32| positions[*v as usize];
+        assert_eq!(done.mesh.positions(), done.vertices.iter().map(of_used).collect::<Vec<_>>());
+        let shades = AttributeData::U16(done.vertices.iter().map(|&v| v as u16 / 20).collect());
+        assert_eq!(done.mesh.attributes()[0].data, shades);
+    }
+}
+
+#[test]
+fn polygons_and_degenerate_faces_are_simplified_as_triangles() {
+    let corners = vec![[0.0; 3], [2.0, 0.0, 0.0], [2.0, 2.0, 0.0], [0.0, 2.0, 0.0], [9.0; 3]];
+    let faces = Faces::from_polygons([vec![0, 1, 2, 3], vec![0, 4, 0], vec![]]).unwrap();
+    let done =
+        simplify(&Mesh::new(corners, faces).unwrap(), &SimplifyOptions::default().with_triangles(9)).unwrap();
+    assert_eq!(
+        (done.mesh.faces().as_triangles(), &done.vertices[..]),
+        (Some(&[0, 1, 2, 0, 2, 3][..]), &[0, 1, 2, 3][..])
+    );
+    let empty = simplify(&Mesh::default(), &SimplifyOptions::default()).unwrap();
+    assert_eq!((empty.mesh, empty.vertices), (Mesh::default(), vec![]));
+}
+
+/// Positions of any storage give the same collapses, and wrong ones are refused.
+#[test]
+fn positions_stay_where_they_are() {
+    use crate::mesh::InterleavedPositions;
+    let (positions, triangles) = grid(6, 6, [false, false]);
+    let options = SimplifyOptions::default().with_triangles(20);
+    let expected = simplify_triangles(&mesh(&positions, &triangles), triangles.clone(), &options).unwrap();
+    let floats: Vec<f32> = positions.iter().flat_map(|&[x, y, z]| [7.0, x, y, z, f32::NAN]).collect();
+    let bytes: Vec<u8> = floats.iter().flat_map(|x| x.to_ne_bytes()).collect();
+    let of_floats = InterleavedPositions::from_floats(&floats, 5, 1).unwrap();
+    let of_bytes = InterleavedPositions::from_bytes(&bytes, 20, 4).unwrap();
+    let of_glam: Vec<glam::Vec3> = positions.iter().copied().map(glam::Vec3::from).collect();
+    let of_mint: Vec<mint::Point3<f32>> = positions.iter().copied().map(mint::Point3::from).collect();
+    let all = [
+        simplify_indices(&triangles, &positions, &options),
+        simplify_indices(&triangles, &of_floats, &options),
+        simplify_indices(&triangles, &of_bytes, &options),
+        simplify_indices(&triangles, &of_glam, &options),
+        simplify_indices(
+            &triangles,
+            of_glam.iter().copied().map(glam::Vec3A::from).collect::<Vec<_>>().as_slice(),
+            &options,
+        ),
+        simplify_indices(&triangles, &of_mint[..], &options),
+    ];
+    for found in all {
+        assert_eq!(found.unwrap(), expected);
+    }
+    let wrong = InterleavedPositions::from_floats(&floats, 5, 2).unwrap();
+    assert!(simplify_indices(&triangles, &wrong, &options).unwrap_err().to_string().contains("finite"));
+    assert!(simplify_indices(&triangles, &positions[1..], &options).is_err());
+    assert!(simplify_indices(&triangles[1..], &positions, &options).is_err());
+}
+
+/// Without a mesh no two vertices have the same attributes: the two sides of a seam collapse together.
+#[test]
+fn vertices_of_one_position_stay_on_a_seam() {
+    let (positions, triangles) = grid(4, 4, [false, false]);
+    let double: Vec<[f32; 3]> = positions.iter().chain(&positions).copied().collect();
+    let half = triangles.len() / 6 * 3;
+    let other = |v: &u32| v + positions.len() as u32;
+    let seamed: Vec<u32> =
+        triangles[..half].iter().copied().chain(triangles[half..].iter().map(other)).collect();
+    let number = AttributeData::U32((0..double.len() as u32).collect());
+    let number = Attribute { name: "number".into(), components: 1, normalized: false, data: number };
+    let with_numbers = mesh(&double, &seamed).with_attribute(number).unwrap();
+    let options = SimplifyOptions::default();
+    let expected = simplify_triangles(&with_numbers, seamed.clone(), &options).unwrap();
+    assert!(expected.sequence.iter().any(|collapse| collapse.renames.len() == 2));
+    assert_eq!(simplify_indices(&seamed, &double, &options).unwrap(), expected);
 }

@@ -27,7 +27,7 @@ mod rings;
 use std::collections::HashMap;
 
 use crate::collapse::Rename;
-use crate::mesh::{Mesh, PositionIds, triangles_of};
+use crate::mesh::{PositionIds, Positions, triangles_of};
 pub(super) use corner::CornerId;
 use corner::corners;
 use fans::FanClassifier;
@@ -60,8 +60,12 @@ pub(super) struct Topology {
 
 impl Topology {
     /// Connects triangles of vertices at points of equal position.
-    pub(super) fn new(mesh: &Mesh, vertices: &[u32]) -> Self {
-        let points = PositionIds::default().numbers(mesh.positions(), vertices);
+    pub(super) fn new<P: Positions + ?Sized>(
+        positions: &P,
+        attribute_bits: impl Fn(u32) -> Vec<u8>,
+        vertices: &[u32],
+    ) -> Self {
+        let points = PositionIds::default().numbers(positions, vertices);
         let vertex_of = lowest_vertices(vertices, &points);
         let triangles: Vec<[u32; 3]> = triangles_of(&points).collect();
         let is_other = |(&v, &p): (&u32, &u32)| (vertex_of[p as usize] != v).then_some(p);
@@ -70,7 +74,7 @@ impl Topology {
             on_seam.resize(vertex_of.len(), false);
             on_seam[point as usize] = true;
         }
-        let equal_vertices = equal_vertices(mesh, vertices, &points, &on_seam);
+        let equal_vertices = equal_vertices(attribute_bits, vertices, &points, &on_seam);
         let rings = CornerRings::new(&triangles, vertices, vertex_of.len());
         let mut fans = FanClassifier::new(vertex_of.len());
         let kinds = (0..vertex_of.len() as u32).map(|p| fans.kind(&triangles, rings.of(p))).collect();
@@ -245,21 +249,14 @@ impl Topology {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{Attribute, AttributeData, Faces};
-
-    fn mesh(positions: &[[f32; 3]], vertices: &[u32]) -> Mesh {
-        Mesh::new(positions.to_vec(), Faces::from_triangles(vertices.to_vec()).unwrap()).unwrap()
-    }
 
     fn topology(positions: &[[f32; 3]], vertices: &[u32]) -> Topology {
-        Topology::new(&mesh(positions, vertices), vertices)
+        Topology::new(positions, |_| Vec::new(), vertices)
     }
 
     /// Builds the topology of vertices of which no two have the same attributes.
     fn seamed(positions: &[[f32; 3]], vertices: &[u32]) -> Topology {
-        let data = AttributeData::U32((0..positions.len() as u32).collect());
-        let number = Attribute { name: "number".into(), components: 1, normalized: false, data };
-        Topology::new(&mesh(positions, vertices).with_attribute(number).unwrap(), vertices)
+        Topology::new(positions, |v| v.to_le_bytes().to_vec(), vertices)
     }
 
     fn line(n: usize) -> Vec<[f32; 3]> {

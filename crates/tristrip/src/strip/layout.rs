@@ -8,6 +8,7 @@ use std::ops::Range;
 
 use super::{Strips, join, strip_triangles};
 use crate::error::Error;
+use crate::ids::vertices_of;
 use crate::index::Index;
 use crate::mesh::check_triangles;
 use crate::names::names;
@@ -299,21 +300,6 @@ impl Strips {
     pub fn to_list(&self) -> Vec<u32> {
         self.iter().flat_map(strip_triangles).flatten().collect()
     }
-}
-
-/// Returns the vertices of indices.
-///
-/// # Errors
-/// An index needs more than 32 bits.
-pub(crate) fn vertices_of<I: Index>(indices: &[I]) -> Result<Vec<u32>, Error> {
-    let vertex = |(place, index): (usize, &I)| {
-        index.to_vertex().ok_or_else(|| Error::Parameter {
-            name: "indices",
-            found: format!("{index:?} at {place}"),
-            expected: "indices of at most 32 bits",
-        })
-    };
-    indices.iter().enumerate().map(vertex).collect()
 }
 
 /// Iterates over the strips that degenerate triangles join: cuts an index buffer between equal consecutive vertices, and omits

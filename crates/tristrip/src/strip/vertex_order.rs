@@ -233,7 +233,8 @@ impl VertexOrder {
     /// # Errors
     /// A strip has a vertex that is not less than the number of vertices.
     pub fn strips(&self, strips: &Strips) -> Result<Strips, Error> {
-        Ok(Strips { vertices: self.indices(&strips.vertices)?, ..strips.clone() })
+        let welds = strips.welds().renumbered(|vertex| self.indices(&[vertex]).map(|new| new[0]))?;
+        Ok(Strips { vertices: self.indices(&strips.vertices)?, welds, ..strips.clone() })
     }
 
     /// Returns the same faces, in their order, with the new numbers.
@@ -268,12 +269,11 @@ impl VertexOrder {
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     pub fn mesh(&self, mesh: &Mesh) -> Result<Mesh, Error> {
-        let positions = self.values(mesh.positions(), 1)?;
-        let mut out = Mesh::new(positions, self.faces(mesh.faces())?)?;
-        for attribute in mesh.attributes() {
-            out = out.with_attribute(self.attribute(attribute)?)?;
+        if mesh.vertex_count() != self.vertex_count() {
+            let (found, expected) = (mesh.vertex_count() as u64, self.vertex_count() as u64);
+            return Err(MeshProblem::AttributeLength { name: "positions".into(), found, expected }.into());
         }
-        Ok(out)
+        mesh.select_vertices(&self.new_to_old)?.with_faces(self.faces(mesh.faces())?)
     }
 }
 

@@ -192,7 +192,7 @@ fn annealed<'a>(
         })
     });
     let (cover, order) = sequence.finish();
-    let found = StripPlan { triangulation: start.triangulation.clone(), cover, order: Some(order) };
+    let found = StripPlan::in_order(start.triangulation.clone(), cover, order);
     if price(&found, vertex_cache, weights) < before { found } else { start }
 }
 
@@ -226,7 +226,7 @@ fn grown<'a>(
                 .run()
         }
     };
-    StripPlan { triangulation, cover, order: Some(order) }
+    StripPlan::in_order(triangulation, cover, order)
 }
 
 /// Chooses order and direction of the strips of a plan.
@@ -243,5 +243,5 @@ fn arranged(plan: StripPlan<'_>, vertex_cache: VertexCache, vertex_count: usize)
             arrange(ActiveFront::new(&triangulation, cache, weights), &cover)
         }
     };
-    StripPlan { triangulation, cover, order: Some(order) }
+    StripPlan::in_order(triangulation, cover, order)
 }

@@ -1,13 +1,14 @@
-//! Strips in one call: of a mesh, or of an index buffer, without positions and without a mesh.
+//! Strips in one call: of a mesh, of an index buffer, for which no positions are needed, or of polygons over positions that stay where they
+//! are.
 
 use super::{StripifyOptions, plan_known};
 use crate::dual::DualGraph;
 use crate::error::Error;
+use crate::ids::vertices_of;
 use crate::index::Index;
-use crate::mesh::{Faces, Mesh, check_corners};
+use crate::mesh::{Faces, Mesh, Positions, SPARSE, VertexSubset, check_corners};
 use crate::prepare::PreparedFaces;
 use crate::strip::Strips;
-use crate::strip::layout::vertices_of;
 
 /// Computes triangle strips for a mesh: runs all stages from faces to strips.
 ///
@@ -65,15 +66,58 @@ pub fn stripify_indices_with<I: Index>(
     vertex_count: usize,
     options: &StripifyOptions,
 ) -> Result<Strips, Error> {
-    if options.weld() {
-        let found = "true for an index buffer without positions".into();
-        return Err(Error::Parameter { name: "weld", found, expected: "false, or a mesh" });
-    }
+    check_no_weld(options)?;
     let faces = Faces::from_triangles(vertices_of(indices)?)?;
     check_corners(faces.corners(), vertex_count)?;
-    let prepared = PreparedFaces::of_triangles(&faces, vertex_count);
+    let highest = faces.corners().iter().max().map_or(0, |&v| v as usize);
+    if highest / SPARSE < faces.corner_count() {
+        return strips_of(&PreparedFaces::of_triangles(&faces, highest + 1), options);
+    }
+    // Few of the vertices are used: methods that have arrays per vertex get new numbers, in the same order.
+    let used = VertexSubset::of(faces.corners());
+    let faces = faces.renamed(used.numbers(faces.corners()));
+    let strips = strips_of(&PreparedFaces::of_triangles(&faces, used.len()), options)?;
+    Ok(strips.map_vertices(|v| used.vertices()[v as usize]))
+}
+
+/// Computes triangle strips for faces of any size over positions in the memory of the caller, which stay there.
+///
+/// # Errors
+/// A face has a vertex without a position, or with one that is not finite; an option is invalid for the method, or vertices are to be
+/// welded, for which all attributes are needed.
+///
+/// ```
+/// use tristrip::{Faces, StripifyOptions, InterleavedPositions, stripify_faces};
+/// // Two quadrilaterals; each vertex has a position and a shade.
+/// let vertices: Vec<f32> = (0..6).flat_map(|i| [(i / 2) as f32, (i % 2) as f32, 0.0, 9.0]).collect();
+/// let positions = InterleavedPositions::from_floats(&vertices, 4, 0)?;
+/// let faces = Faces::from_polygons([[0, 2, 3, 1], [2, 4, 5, 3]])?;
+/// let strips = stripify_faces(&faces, &positions, &StripifyOptions::default())?;
+/// assert_eq!((strips.len(), strips.vertices_sent()), (1, 6));
+/// # Ok::<(), tristrip::Error>(())
+/// ```
+pub fn stripify_faces<P: Positions + ?Sized>(
+    faces: &Faces,
+    positions: &P,
+    options: &StripifyOptions,
+) -> Result<Strips, Error> {
+    check_no_weld(options)?;
+    strips_of(&PreparedFaces::of_faces(faces, positions)?, options)
+}
+
+/// Computes the strips of prepared faces.
+fn strips_of(prepared: &PreparedFaces<'_>, options: &StripifyOptions) -> Result<Strips, Error> {
     let graph = DualGraph::new(prepared.faces());
-    Ok(plan_known(&prepared, &graph, options, &())?.strips())
+    Ok(plan_known(prepared, &graph, options, &())?.strips())
+}
+
+/// Checks that no vertices are to be welded, for which there is no mesh.
+fn check_no_weld(options: &StripifyOptions) -> Result<(), Error> {
+    if options.weld() {
+        let found = "true for vertices without attributes".into();
+        return Err(Error::Parameter { name: "weld", found, expected: "false, or a mesh" });
+    }
+    Ok(())
 }
 
 #[cfg(test)]
@@ -96,6 +140,20 @@ mod tests {
                 prop_assert_eq!(found, stripify(&mesh, &options).unwrap());
             }
         }
+    }
+
+    #[test]
+    fn faces_over_borrowed_positions_get_the_strips_of_their_mesh() {
+        let positions = [[0.0; 3], [2.0, 1.0, 0.0], [0.0, 2.0, 0.0], [0.5, 1.0, 0.0], [-1.0, 1.0, 0.0]];
+        let faces = Faces::from_polygons([vec![0, 1, 2, 3], vec![0, 3, 2, 4], vec![4, 4, 0]]).unwrap();
+        let mesh = Mesh::new(positions.to_vec(), faces.clone()).unwrap();
+        let options = StripifyOptions::default();
+        let found = stripify_faces(&faces, &positions, &options).unwrap();
+        assert_eq!(found, stripify(&mesh, &options).unwrap());
+        assert!(crate::verify::verify(&mesh, &found).is_ok());
+        assert!(stripify_faces(&faces, &positions[1..], &options).is_err());
+        assert!(stripify_faces(&faces, &positions.map(|_| [f32::NAN; 3]), &options).is_err());
+        assert!(stripify_faces(&faces, &positions, &options.with_weld(true)).is_err());
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use crate::cover::PathCover;
 use crate::dual::Triangulation;
 use crate::ids::FaceId;
+use crate::mesh::VertexWelds;
 use crate::strip::{Metrics, Strips, cover_cost, emit, emit_in_order};
 
 /// The choice of a method: a triangulation and a path cover of it.
@@ -12,12 +13,19 @@ pub struct StripPlan<'a> {
     pub(crate) cover: PathCover,
     /// The first triangle of each path, in drawing order; `None` leaves order and direction to the emitter.
     pub(crate) order: Option<Vec<FaceId>>,
+    /// The vertices that were welded before.
+    pub(crate) welds: VertexWelds,
 }
 
 impl<'a> StripPlan<'a> {
     /// Creates a plan that leaves the order and the direction of the paths to the emitter.
     pub(crate) fn new(triangulation: Triangulation<'a>, cover: PathCover) -> Self {
-        Self { triangulation, cover, order: None }
+        Self { triangulation, cover, order: None, welds: VertexWelds::default() }
+    }
+
+    /// Creates a plan with the first triangle of each path, in drawing order.
+    pub(crate) fn in_order(triangulation: Triangulation<'a>, cover: PathCover, order: Vec<FaceId>) -> Self {
+        Self { order: Some(order), ..Self::new(triangulation, cover) }
     }
 
     /// Returns the triangles and their dual graph.
@@ -30,12 +38,13 @@ impl<'a> StripPlan<'a> {
         &self.cover
     }
 
-    /// Emits the strips.
+    /// Emits the strips, with the [welds](Strips::welds) of the faces.
     pub fn strips(&self) -> Strips {
-        match &self.order {
+        let strips = match &self.order {
             Some(order) => emit_in_order(&self.triangulation, &self.cover, order),
             None => emit(&self.triangulation, &self.cover),
-        }
+        };
+        strips.with_welds(self.welds.clone())
     }
 
     /// Returns the number of indices of [`StripPlan::strips`] with one restart index between strips.

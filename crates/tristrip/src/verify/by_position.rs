@@ -229,6 +229,10 @@ fn compare_drawing(
         Unproven::Triangles { first, .. } => {
             triangle_difference(faces, &triangles, first.map(|v| ids.position_of(v)))
         }
+        // Only strips have welds, which faces have not.
+        Unproven::Weld { vertex, other } => {
+            Difference::Outside { triangle: [vertex, other, other].map(|v| ids.position_of(v)) }
+        }
         Unproven::Outside { triangle } => {
             Difference::Outside { triangle: triangle.map(|v| ids.position_of(v)) }
         }

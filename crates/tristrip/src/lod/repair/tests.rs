@@ -11,7 +11,7 @@ use crate::ids::HalfEdge;
 use crate::lod::LevelCursor;
 use crate::lod::samples::{Sample, samples};
 use crate::mesh::{Faces, Mesh};
-use crate::simplify::{self, simplify};
+use crate::simplify::{self, simplify_triangles};
 use crate::strip::{Cost, Strips, path_cost};
 use crate::stripify::{Method, stripify};
 use crate::verify::verify_drawing;
@@ -26,7 +26,7 @@ fn waves(side: u32) -> Sample {
     let strips = stripify(&mesh, &crate::StripifyOptions::default().with_method(Method::Sequential)).unwrap();
     let triangles: Vec<u32> = strips.triangles().flatten().collect();
     let options = simplify::SimplifyOptions::default().with_triangles(triangles.len() / 30);
-    Sample { sequence: simplify(&mesh, triangles, &options).unwrap().sequence, strips }
+    Sample { sequence: simplify_triangles(&mesh, triangles, &options).unwrap().sequence, strips }
 }
 
 /// Checks twins by all pairs of half-edges: they are mutual, and no two half-edges of opposite direction over an edge are both

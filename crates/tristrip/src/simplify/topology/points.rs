@@ -2,8 +2,6 @@
 
 use std::collections::HashMap;
 
-use crate::mesh::{Mesh, vertex_bits};
-
 /// Returns the lowest vertex of each point. Points are numbered in the order in which corners first use them.
 pub(super) fn lowest_vertices(vertices: &[u32], points: &[u32]) -> Vec<u32> {
     let mut lowest: Vec<u32> = Vec::new();
@@ -18,7 +16,7 @@ pub(super) fn lowest_vertices(vertices: &[u32], points: &[u32]) -> Vec<u32> {
 
 /// Returns for each vertex on a seam the first vertex of its point with the same attributes.
 pub(super) fn equal_vertices(
-    mesh: &Mesh,
+    attribute_bits: impl Fn(u32) -> Vec<u8>,
     vertices: &[u32],
     points: &[u32],
     on_seam: &[bool],
@@ -26,11 +24,7 @@ pub(super) fn equal_vertices(
     let (mut equal, mut first) = (HashMap::new(), HashMap::new());
     let is_on_seam = |&(_, &p): &(&u32, &u32)| on_seam.get(p as usize) == Some(&true);
     for (&v, &p) in vertices.iter().zip(points).filter(is_on_seam) {
-        equal.entry(v).or_insert_with(|| {
-            let mut attributes = vertex_bits(mesh, v as usize);
-            attributes.drain(..size_of::<[f32; 3]>());
-            *first.entry((p, attributes)).or_insert(v)
-        });
+        equal.entry(v).or_insert_with(|| *first.entry((p, attribute_bits(v))).or_insert(v));
     }
     equal
 }

@@ -102,7 +102,7 @@ proptest! {
             let cover = (policy.seeds != SeedStrips::None).then_some(&seed_plan.cover);
             let mut grower = StripGrower::new(front, policy, cover);
             let (cover, order) = grower.run();
-            let plan = StripPlan { triangulation: triangulation.clone(), cover, order: Some(order) };
+            let plan = StripPlan::in_order(triangulation.clone(), cover, order);
             let strips = plan.strips();
             let paid = grower.front().cost() + anticipated;
             if weights.index > 0 {
@@ -141,7 +141,7 @@ proptest! {
                 true
             });
             let (cover, order) = sequence.finish();
-            let found = StripPlan { triangulation: start.triangulation.clone(), cover, order: Some(order) };
+            let found = StripPlan::in_order(start.triangulation.clone(), cover, order);
             prop_assert_eq!(found.cover.check(found.triangulation.graph()), Ok(()));
             prop_assert!(verify(&mesh, &found.strips()).is_ok());
             // The next run first reports what all previous runs saved.

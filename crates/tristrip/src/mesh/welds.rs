@@ -1,0 +1,116 @@
+//! Welded vertices: those that others with the same bits in position and all attributes replace.
+//!
+//! A model that a program exported without shared vertices has no shared edges either, and every triangle would be a strip by itself. Welding
+//! names one vertex for all equal ones. Strips of a welded mesh draw the same, but name other vertices than its faces, so they carry
+//! the welds: [`verify`](crate::verify::verify) checks that the vertices are equal, and compares the faces after welding.
+//!
+//! # Complexity
+//! O(n) time over the corners; 8 bytes per welded vertex, and while welding the bits of each vertex in use.
+
+use std::sync::Arc;
+
+use rustc_hash::FxHashMap;
+
+use super::{Mesh, VertexSubset, vertex_bits};
+#[cfg(feature = "serde")]
+use crate::error::Error;
+
+/// Vertices that are replaced by others. Clones share them.
+///
+/// ```
+/// use tristrip::{Faces, Mesh, mesh::VertexWelds};
+/// // Two triangles that share an edge, but no vertex: 3 is equal to 2, and 4 to 1.
+/// let (a, b, c, d) = ([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]);
+/// let mesh = Mesh::new(vec![a, b, c, c, b, d], Faces::from_triangles((0..6).collect())?)?;
+/// let welds = VertexWelds::of(&mesh);
+/// assert_eq!(welds.iter().collect::<Vec<_>>(), [(3, 2), (4, 1)]);
+/// assert_eq!((welds.vertex(4), welds.vertex(5)), (1, 5));
+/// # Ok::<(), tristrip::Error>(())
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct VertexWelds {
+    /// Each welded vertex and the one that replaces it, which is not welded itself; by welded vertex.
+    pairs: Arc<Vec<(u32, u32)>>,
+}
+
+impl VertexWelds {
+    /// Finds the vertices in use that have the same bits in position and all attributes as an earlier vertex in use.
+    pub fn of(mesh: &Mesh) -> Self {
+        let used = VertexSubset::of(mesh.faces().corners());
+        let mut first: FxHashMap<Vec<u8>, u32> = FxHashMap::default();
+        let pairs = used.vertices().iter().filter_map(|&v| {
+            let equal = *first.entry(vertex_bits(mesh, v as usize)).or_insert(v);
+            (equal != v).then_some((v, equal))
+        });
+        Self { pairs: Arc::new(pairs.collect()) }
+    }
+
+    /// Creates welds from pairs of a welded vertex and the one that replaces it.
+    ///
+    /// # Errors
+    /// The welded vertices do not ascend, or a vertex that replaces others is welded itself.
+    #[cfg(feature = "serde")]
+    pub(crate) fn from_pairs(pairs: Vec<(u32, u32)>) -> Result<Self, Error> {
+        let ascends = pairs.windows(2).all(|pair| pair[0].0 < pair[1].0);
+        let welds = Self { pairs: Arc::new(pairs) };
+        let wrong = welds.iter().find(|&(_, other)| welds.has(other));
+        match wrong {
+            None if ascends => Ok(welds),
+            wrong => {
+                let found =
+                    wrong.map_or("vertices that do not ascend".into(), |(a, b)| format!("{a} welded to {b}"));
+                let expected = "ascending vertices, each with one that is not welded";
+                Err(Error::Parameter { name: "welds", found, expected })
+            }
+        }
+    }
+
+    /// Returns whether a vertex is welded.
+    #[cfg(feature = "serde")]
+    fn has(&self, vertex: u32) -> bool {
+        self.pairs.binary_search_by_key(&vertex, |&(welded, _)| welded).is_ok()
+    }
+
+    /// Counts the welded vertices.
+    pub fn len(&self) -> usize {
+        self.pairs.len()
+    }
+
+    /// Returns whether no vertex is welded.
+    pub fn is_empty(&self) -> bool {
+        self.pairs.is_empty()
+    }
+
+    /// Iterates over the welded vertices in ascending order, each with the vertex that replaces it.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = (u32, u32)> {
+        self.pairs.iter().copied()
+    }
+
+    /// Returns the vertex that replaces a vertex; the vertex itself if it is not welded.
+    pub fn vertex(&self, vertex: u32) -> u32 {
+        let at = self.pairs.binary_search_by_key(&vertex, |&(welded, _)| welded);
+        at.map_or(vertex, |at| self.pairs[at].1)
+    }
+
+    /// Returns the vertices that replace others.
+    pub(crate) fn vertices(&self, vertices: &[u32]) -> Vec<u32> {
+        vertices.iter().map(|&vertex| self.vertex(vertex)).collect()
+    }
+
+    /// Returns the first weld whose vertices the mesh does not have, or has with different bits.
+    pub(crate) fn wrong_weld(&self, mesh: &Mesh) -> Option<(u32, u32)> {
+        let equal = |(a, b): (u32, u32)| {
+            let exist = a.max(b) < mesh.vertex_count() as u32;
+            exist && vertex_bits(mesh, a as usize) == vertex_bits(mesh, b as usize)
+        };
+        self.iter().find(|&weld| !equal(weld))
+    }
+
+    /// Returns the welds of the same vertices with other numbers.
+    pub(crate) fn renumbered<E>(&self, number: impl Fn(u32) -> Result<u32, E>) -> Result<Self, E> {
+        let mut pairs: Vec<(u32, u32)> =
+            self.iter().map(|(a, b)| Ok((number(a)?, number(b)?))).collect::<Result<_, E>>()?;
+        pairs.sort_unstable();
+        Ok(Self { pairs: Arc::new(pairs) })
+    }
+}
