@@ -19,6 +19,8 @@ mod effort;
 mod ids;
 mod index;
 mod names;
+#[cfg(feature = "serde")]
+mod serialize;
 mod union_find;
 mod vector;
 
