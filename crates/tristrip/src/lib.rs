@@ -25,6 +25,8 @@ mod index;
 mod mesh;
 mod names;
 mod prepare;
+#[cfg(feature = "serde")]
+mod serialize;
 mod strip;
 mod union_find;
 mod vector;

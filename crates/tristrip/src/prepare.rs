@@ -82,7 +82,7 @@ impl<'a> PreparedFaces<'a> {
     /// A face has a vertex without a position, or with one that is not finite.
     ///
     /// ```
-    /// use tristrip::{Faces, PreparedFaces, mesh::InterleavedPositions};
+    /// use tristrip::{Faces, PreparedFaces, InterleavedPositions};
     /// // A concave quadrilateral; each vertex has a position and a shade.
     /// let vertices = [0., 0., 0., 9., 2., 1., 0., 9., 0., 2., 0., 9., 0.5, 1., 0., 9.];
     /// let positions = InterleavedPositions::from_floats(&vertices, 4, 0)?;

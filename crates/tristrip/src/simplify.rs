@@ -194,7 +194,7 @@ pub fn simplify_triangles(
 /// As [`simplify_triangles`]; or a position is not finite.
 ///
 /// ```
-/// use tristrip::mesh::InterleavedPositions;
+/// use tristrip::InterleavedPositions;
 /// use tristrip::simplify::{SimplifyOptions, simplify_indices};
 /// // Four floats per vertex: a position and a shade. A flat fan of four triangles around vertex 4.
 /// let vertices = [0., 0., 0., 9., 2., 0., 0., 9., 2., 2., 0., 9., 0., 2., 0., 9., 1., 1., 0., 9.];

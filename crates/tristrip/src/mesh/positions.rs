@@ -15,7 +15,7 @@ use crate::ids::check_count;
 /// others in any version, or vertices of your own. [`InterleavedPositions`] are in a buffer of numbers or bytes.
 ///
 /// ```
-/// use tristrip::mesh::Positions;
+/// use tristrip::Positions;
 /// #[derive(Clone, Copy)]
 /// struct Vertex { at: [f32; 3], colour: u32 }
 /// impl From<Vertex> for [f32; 3] {
@@ -90,7 +90,7 @@ impl<'a> InterleavedPositions<'a> {
     /// for 32-bit ids.
     ///
     /// ```
-    /// use tristrip::mesh::{InterleavedPositions, Positions};
+    /// use tristrip::{InterleavedPositions, Positions};
     /// // Texture coordinates, then a position.
     /// let vertices = [0.5, 0.5, 1.0, 2.0, 3.0, 0.0, 1.0, 4.0, 5.0, 6.0];
     /// let positions = InterleavedPositions::from_floats(&vertices, 5, 2)?;
@@ -109,7 +109,7 @@ impl<'a> InterleavedPositions<'a> {
     /// 32-bit ids.
     ///
     /// ```
-    /// use tristrip::mesh::{InterleavedPositions, Positions};
+    /// use tristrip::{InterleavedPositions, Positions};
     /// let mut buffer = vec![0_u8; 2 * 16];
     /// for (i, x) in [1.0_f32, 2.0, 3.0].into_iter().enumerate() {
     ///     buffer[16 + 4 * i..][..4].copy_from_slice(&x.to_ne_bytes());

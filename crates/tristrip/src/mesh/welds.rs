@@ -18,7 +18,7 @@ use crate::error::Error;
 /// Vertices that are replaced by others. Clones share them.
 ///
 /// ```
-/// use tristrip::{Faces, Mesh, mesh::VertexWelds};
+/// use tristrip::{Faces, Mesh, VertexWelds};
 /// // Two triangles that share an edge, but no vertex: 3 is equal to 2, and 4 to 1.
 /// let (a, b, c, d) = ([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]);
 /// let mesh = Mesh::new(vec![a, b, c, c, b, d], Faces::from_triangles((0..6).collect())?)?;
