@@ -26,6 +26,13 @@ impl Format {
     pub const ALL: [Self; 6] = [Self::Obj, Self::Ply, Self::Off, Self::Stl, Self::Gltf, Self::Glb];
 
     /// Returns the file name extension, without the dot.
+    ///
+    /// ```
+    /// use tristrip_io::Format;
+    /// let file_names = Format::ALL.map(|format| format!("bunny.{}", format.extension()));
+    /// assert_eq!(file_names[5], "bunny.glb");
+    /// assert_eq!(file_names.map(Format::from_path), Format::ALL.map(Some));
+    /// ```
     pub fn extension(self) -> &'static str {
         match self {
             Self::Obj => "obj",
@@ -38,6 +45,11 @@ impl Format {
     }
 
     /// Returns the usual name.
+    ///
+    /// ```
+    /// use tristrip_io::Format;
+    /// assert_eq!(Format::ALL.map(Format::name).join(", "), "OBJ, PLY, OFF, STL, glTF, GLB");
+    /// ```
     pub fn name(self) -> &'static str {
         match self {
             Self::Obj => "OBJ",

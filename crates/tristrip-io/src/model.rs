@@ -102,6 +102,14 @@ impl StoredStrips {
     }
 
     /// Returns the number of indices, restarts included.
+    ///
+    /// ```
+    /// use tristrip_io::StoredStrips;
+    /// let mut stored = StoredStrips { restarts: 1, ..StoredStrips::default() };
+    /// stored.runs.push(&[0, 1, 2, 3]);
+    /// stored.runs.push(&[2, 3, 4]);
+    /// assert_eq!(stored.indices(), 8);
+    /// ```
     pub fn indices(&self) -> usize {
         self.runs.vertices_sent() + self.restarts
     }

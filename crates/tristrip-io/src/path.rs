@@ -44,6 +44,17 @@ pub fn read_path(path: impl AsRef<Path>) -> Result<Model, Error> {
 ///
 /// # Errors
 /// The extension is not that of a format, and the errors of [`write()`] and [`replace_file`].
+///
+/// ```
+/// use tristrip_io::{Drawing, Format, read, read_path, write_path};
+/// # let dir = tempfile::tempdir().unwrap();
+/// # let path = dir.path().join("square.glb");
+/// let model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 4 3\n", Format::Obj)?;
+/// let strips = tristrip::stripify(&model.parts[0].mesh, &tristrip::StripifyOptions::default())?;
+/// write_path(&path, &model, &[Drawing::Strips(&strips)], tristrip::Layout::Separate)?;
+/// assert!(read_path(&path)?.parts[0].stripped);
+/// # Ok::<(), tristrip_io::Error>(())
+/// ```
 pub fn write_path(
     path: impl AsRef<Path>,
     model: &Model,

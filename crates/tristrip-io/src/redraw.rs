@@ -41,6 +41,17 @@ impl Redrawn {
     ///
     /// # Errors
     /// The model has no part of that index, or the strips have a vertex that the part does not have.
+    ///
+    /// ```
+    /// use tristrip_io::{Format, read, with_triangles};
+    /// let model = read(b"v 9 9 9\nv 0 1 0\nv 0 0 0\nv 1 0 0\nv 1 1 0\nf 3 4 5 2\n", Format::Obj)?;
+    /// let mut strips = tristrip::Strips::default();
+    /// strips.push(&[2, 3, 1, 4]);
+    /// let smaller = with_triangles(&model, vec![strips.to_list()], Format::Ply)?;
+    /// // Vertex 0 is unused and dropped.
+    /// assert_eq!(smaller.strips(0, &strips)?.vertices(), [1, 2, 0, 3]);
+    /// # Ok::<(), tristrip_io::Error>(())
+    /// ```
     pub fn strips(&self, part: usize, strips: &Strips) -> Result<Strips, Error> {
         let Some(order) = self.order_of.get(part) else {
             let message = format!("part {part}: found {} parts", self.order_of.len());

@@ -40,6 +40,19 @@ pub struct Reordered {
 
 impl Reordered {
     /// Returns how each part is drawn.
+    ///
+    /// ```
+    /// use tristrip_io::{Drawing, Format, Part, read, reorder};
+    /// let mut model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Format::Obj)?;
+    /// let twin = Part { mesh: model.parts[0].mesh.clone(), ..Part::default() };
+    /// model.parts.push(twin);
+    /// let mut strips = tristrip::Strips::default();
+    /// strips.push(&[0, 1, 2]);
+    /// let drawings = [Drawing::Faces, Drawing::Strips(&strips)];
+    /// let reordered = reorder(&model, &drawings, Format::Ply, tristrip::Layout::Restart)?;
+    /// assert!(matches!(reordered.drawings()[..], [Drawing::Faces, Drawing::Strips(_)]));
+    /// # Ok::<(), tristrip_io::Error>(())
+    /// ```
     pub fn drawings(&self) -> Vec<Drawing<'_>> {
         self.strips.iter().map(|strips| strips.as_ref().map_or(Drawing::Faces, Drawing::Strips)).collect()
     }

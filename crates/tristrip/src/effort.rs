@@ -9,11 +9,22 @@ impl Effort {
     pub const MAX: Self = Self(9);
 
     /// Creates a level from 0 to 9; returns `None` for larger values.
+    ///
+    /// ```
+    /// use tristrip::Effort;
+    /// assert_eq!(Effort::new(9), Some(Effort::MAX));
+    /// assert_eq!(Effort::new(10), None);
+    /// ```
     pub const fn new(level: u8) -> Option<Self> {
         if level <= Self::MAX.0 { Some(Self(level)) } else { None }
     }
 
     /// Returns the level.
+    ///
+    /// ```
+    /// use tristrip::Effort;
+    /// assert_eq!((Effort::default().level(), Effort::MAX.level()), (5, 9));
+    /// ```
     pub const fn level(self) -> u8 {
         self.0
     }

@@ -13,9 +13,25 @@ pub trait Index: Copy + Eq + std::fmt::Debug + private::Sealed + 'static {
     const DESCRIPTION: &'static str;
 
     /// Converts a vertex; `None` if it does not fit.
+    ///
+    /// ```
+    /// use tristrip::Index;
+    /// // This vertex fits 16 bits, but a buffer with restarts cannot have it.
+    /// assert_eq!(u16::from_vertex(65_535), Some(u16::RESTART));
+    /// assert_eq!(u16::from_vertex(65_536), None);
+    /// ```
     fn from_vertex(vertex: u32) -> Option<Self>;
 
     /// Converts an index to a vertex; `None` if it needs more than 32 bits.
+    ///
+    /// ```
+    /// use tristrip::Index;
+    /// fn largest<I: Index>(indices: &[I]) -> Option<u32> {
+    ///     indices.iter().filter_map(|index| index.to_vertex()).max()
+    /// }
+    /// assert_eq!(largest(&[3_u8, 250, 7]), Some(250));
+    /// assert_eq!(largest(&[2_usize, 70_000, 1]), Some(70_000));
+    /// ```
     fn to_vertex(self) -> Option<u32>;
 }
 

@@ -14,11 +14,27 @@ pub struct Random(u64);
 
 impl Random {
     /// Creates the stream of a seed.
+    ///
+    /// ```
+    /// use tristrip::random::Random;
+    /// let numbers = |seed| {
+    ///     let mut random = Random::new(seed);
+    ///     [(); 3].map(|()| random.below(1000))
+    /// };
+    /// assert_eq!(numbers(7), numbers(7));
+    /// assert_ne!(numbers(7), numbers(8));
+    /// ```
     pub fn new(seed: u64) -> Self {
         Self(seed)
     }
 
     /// Returns the next 64 bits.
+    ///
+    /// ```
+    /// let mut random = tristrip::random::Random::new(1_234_567);
+    /// assert_eq!(random.next_u64(), 6_457_827_717_110_365_317);
+    /// assert_eq!(random.next_u64(), 3_203_168_211_198_807_973);
+    /// ```
     #[inline]
     pub fn next_u64(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
@@ -31,6 +47,9 @@ impl Random {
     ///
     /// ```
     /// let mut random = tristrip::random::Random::new(7);
+    /// let mut thrown = [0; 6];
+    /// (0..6000).for_each(|_| thrown[random.below(6)] += 1);
+    /// assert!(thrown.iter().all(|count| (900..1100).contains(count)));
     /// assert_eq!((random.below(0), random.below(1)), (0, 0));
     /// assert!(random.below(usize::MAX) < usize::MAX);
     /// ```
@@ -40,6 +59,12 @@ impl Random {
     }
 
     /// Returns true or false, each with probability one half.
+    ///
+    /// ```
+    /// let mut random = tristrip::random::Random::new(7);
+    /// let heads = (0..1000).filter(|_| random.coin()).count();
+    /// assert!((450..550).contains(&heads));
+    /// ```
     #[inline]
     pub fn coin(&mut self) -> bool {
         self.next_u64() >> 63 == 0

@@ -44,6 +44,15 @@ impl Strips {
     ///
     /// # Errors
     /// The ends decrease, or the last one is not the number of vertices.
+    ///
+    /// ```
+    /// use tristrip::Strips;
+    /// let strips = Strips::from_parts(vec![0, 1, 2, 3, 4, 5, 6], vec![4, 7])?;
+    /// assert_eq!(strips.iter().collect::<Vec<_>>(), [&[0, 1, 2, 3][..], &[4, 5, 6]]);
+    /// // The last vertex is in no strip.
+    /// assert!(Strips::from_parts(vec![0, 1, 2, 3], vec![3]).is_err());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn from_parts(vertices: Vec<u32>, ends: Vec<u32>) -> Result<Self, Error> {
         let last = ends.last().copied().unwrap_or(0);
         if !ends.is_sorted() || last as usize != vertices.len() {
@@ -119,6 +128,14 @@ impl Strips {
     }
 
     /// Appends a strip.
+    ///
+    /// ```
+    /// let mut strips = tristrip::Strips::default();
+    /// strips.push(&[0, 1, 2]);
+    /// // A repeated first vertex makes the triangle an odd one: its winding is the other.
+    /// strips.push(&[3, 3, 4, 5]);
+    /// assert_eq!(strips.triangles().collect::<Vec<_>>(), [[0, 1, 2], [4, 3, 5]]);
+    /// ```
     pub fn push(&mut self, strip: &[u32]) {
         self.vertices.extend_from_slice(strip);
         self.ends.push(self.vertices.len() as u32);
@@ -178,26 +195,59 @@ impl Strips {
     }
 
     /// Counts the strips.
+    ///
+    /// ```
+    /// // A quadrilateral of two triangles, and a triangle that touches it at a corner only.
+    /// let strips = tristrip::stripify_indices(&[0_u8, 1, 2, 2, 1, 3, 3, 4, 5], 6)?;
+    /// assert_eq!(strips.len(), 2);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn len(&self) -> usize {
         self.ends.len()
     }
 
     /// Returns whether there is no strip.
+    ///
+    /// ```
+    /// // A triangle with a repeated vertex draws nothing.
+    /// assert!(tristrip::stripify_indices(&[0_u8, 1, 1], 2)?.is_empty());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn is_empty(&self) -> bool {
         self.ends.is_empty()
     }
 
     /// Counts the vertices of all strips, swaps and winding repeats included: the `OpenGL` cost.
+    ///
+    /// ```
+    /// let mut strips = tristrip::Strips::default();
+    /// strips.push(&[0, 1, 2, 1, 3, 4]); // a swap: vertex 1 is sent twice
+    /// assert_eq!((strips.vertices_sent(), strips.to_list().len()), (6, 9));
+    /// ```
     pub fn vertices_sent(&self) -> usize {
         self.vertices.len()
     }
 
     /// Returns the vertices of all strips, one strip after the other.
+    ///
+    /// ```
+    /// let mut strips = tristrip::Strips::default();
+    /// strips.push(&[0, 1, 2, 3]);
+    /// strips.push(&[3, 2, 4]);
+    /// assert_eq!(strips.vertices(), [0, 1, 2, 3, 3, 2, 4]);
+    /// ```
     pub fn vertices(&self) -> &[u32] {
         &self.vertices
     }
 
     /// Iterates over the strips in drawing order.
+    ///
+    /// ```
+    /// let mut strips = tristrip::Strips::default();
+    /// strips.push(&[0, 1, 2]);
+    /// strips.push(&[3, 4, 5, 6, 7]);
+    /// assert_eq!(strips.iter().map(|strip| strip.len()).max(), Some(5));
+    /// ```
     pub fn iter(&self) -> impl ExactSizeIterator<Item = &[u32]> {
         (0..self.ends.len()).map(|i| {
             let start = if i == 0 { 0 } else { self.ends[i - 1] as usize };
@@ -206,12 +256,24 @@ impl Strips {
     }
 
     /// Iterates over the triangles drawn, with the winding of their faces; degenerate ones are omitted.
+    ///
+    /// ```
+    /// let mut strips = tristrip::Strips::default();
+    /// strips.push(&[0, 1, 2, 1, 3]); // 2 1 1 draws nothing
+    /// assert_eq!(strips.triangles().collect::<Vec<_>>(), [[0, 1, 2], [2, 1, 3]]);
+    /// ```
     pub fn triangles(&self) -> impl Iterator<Item = [u32; 3]> {
         self.iter().flat_map(strip_triangles)
     }
 }
 
 /// Iterates over the triangles that one strip draws, with the winding of their faces; degenerate ones are omitted.
+///
+/// ```
+/// use tristrip::strip_triangles;
+/// assert_eq!(strip_triangles(&[5, 6, 7, 8, 9]).collect::<Vec<_>>(), [[5, 6, 7], [7, 6, 8], [7, 8, 9]]);
+/// assert_eq!(strip_triangles(&[5, 6]).count(), 0);
+/// ```
 pub fn strip_triangles(strip: &[u32]) -> impl Iterator<Item = [u32; 3]> {
     strip.windows(3).enumerate().filter_map(|(i, w)| {
         let triangle = if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[1], w[0], w[2]] };

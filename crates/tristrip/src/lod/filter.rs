@@ -90,6 +90,14 @@ impl Filter {
     }
 
     /// Filters simplified strips.
+    ///
+    /// ```
+    /// use tristrip::{Strips, lod::Filter};
+    /// let simplified = Strips::from_parts(vec![0, 1, 2, 2, 2, 3, 4, 4, 4], vec![6, 9])?;
+    /// let lengths = |filter: Filter| filter.strips(&simplified).iter().map(|strip| strip.len()).collect::<Vec<_>>();
+    /// assert_eq!((lengths(Filter::None), lengths(Filter::Linked)), (vec![6, 3], vec![3]));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn strips(self, strips: &Strips) -> Strips {
         let mut display = Strips::default();
         strips.iter().for_each(|strip| self.scan(strip, &mut display));
@@ -109,6 +117,12 @@ impl Filter {
     }
 
     /// Returns the cost of what [`Filter::map_to`] would send, without storing it.
+    ///
+    /// ```
+    /// use tristrip::lod::{Filter, RESTART};
+    /// let map = [0, 1, 2, 2, RESTART, 3, 4, 5];
+    /// assert_eq!([Filter::None, Filter::Linked].map(|filter| filter.sent_by_map(&map).vertices), [7, 6]);
+    /// ```
     pub fn sent_by_map(self, map: &[u32]) -> DrawCost {
         let mut tally = DrawTally::default();
         self.scan(map, &mut tally);

@@ -40,39 +40,119 @@ use crate::strip::Strips;
 /// ```
 pub trait LevelModel: Send + Sync {
     /// Returns the triangles and the error of each level.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let model = ProgressiveStrips::new(&strips, &sequence, Encoding::Offsets)?;
+    /// assert_eq!((model.levels().collapse_count(), model.levels().triangle_count(0)?), (2, 1));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     fn levels(&self) -> &LevelTable;
 
     /// Returns the memory of the model in bytes, without that of its cursors.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let memory = |encoding| ProgressiveStrips::new(&strips, &sequence, encoding).map(|model| model.memory());
+    /// // One slot less to store.
+    /// assert_eq!((memory(Encoding::Naive)?, memory(Encoding::Offsets)?), (92, 84));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     fn memory(&self) -> usize;
 
     /// Returns a cursor at the level of the full mesh.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let model: Arc<dyn LevelModel> = Arc::new(ProgressiveMesh::new(&sequence)?);
+    /// // Two instances of the object share the model; the one in the distance is drawn coarser.
+    /// let (mut near, mut far) = (Arc::clone(&model).start(), model.start());
+    /// far.set_level(0)?;
+    /// assert_eq!((near.strips().triangles().count(), far.strips().triangles().count()), (3, 1));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     fn start(self: Arc<Self>) -> Box<dyn LevelCursor>;
 }
 
 /// The current level of a model, for one instance or view.
 pub trait LevelCursor: Send {
     /// Returns the triangles and the error of each level.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let mut cursor = Arc::new(ProgressiveMesh::new(&sequence)?).start();
+    /// let level = cursor.levels().level_of_triangles(2);
+    /// cursor.set_level(level)?;
+    /// assert_eq!(cursor.strips().triangles().count(), 2);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     fn levels(&self) -> &LevelTable;
 
     /// Returns the current level: 0 for the base mesh, the number of collapses for the full mesh.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let mut cursor = Arc::new(ProgressiveMesh::new(&sequence)?).start();
+    /// assert_eq!(cursor.level(), 2);
+    /// cursor.set_error(1.0)?;
+    /// assert_eq!(cursor.level(), 0);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     fn level(&self) -> usize;
 
     /// Moves to a level.
     ///
     /// # Errors
     /// There is no such level; the cursor stays where it is.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let mut cursor = Arc::new(ProgressiveMesh::new(&sequence)?).start();
+    /// cursor.set_level(1)?;
+    /// assert!(cursor.set_level(3).is_err());
+    /// assert_eq!((cursor.level(), cursor.strips().triangles().count()), (1, 2));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     fn set_level(&mut self, level: usize) -> Result<(), Error>;
 
     /// Returns the display strips of the level.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let mut cursor = Arc::new(ProgressiveStrips::new(&strips, &sequence, Encoding::Offsets)?).start();
+    /// assert_eq!(cursor.strips().vertices(), [0, 1, 2, 3, 4]);
+    /// cursor.set_level(1)?;
+    /// assert_eq!(cursor.strips().vertices(), [0, 1, 2, 3]);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     fn strips(&mut self) -> &Strips;
 
     /// Returns the memory of the cursor in bytes, without that of the model.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let mut cursor = Arc::new(ProgressiveStrips::new(&strips, &sequence, Encoding::Naive)?).start();
+    /// let before = cursor.memory();
+    /// let display = cursor.strips().memory();
+    /// // Entries as they are stored, then the same decoded, and the display strips.
+    /// assert_eq!((before, cursor.memory()), (20, 20 + 20 + display));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     fn memory(&self) -> usize;
 
     /// Moves to the coarsest level within an error, in mesh units, and returns it.
     ///
     /// # Errors
     /// The error is negative or not a number.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let mut cursor = Arc::new(ProgressiveMesh::new(&sequence)?).start();
+    /// // The collapses have errors of 0.25 and 0.5.
+    /// assert_eq!((cursor.set_error(0.6)?, cursor.set_error(0.3)?, cursor.set_error(0.1)?), (0, 1, 2));
+    /// assert!(cursor.set_error(f32::NAN).is_err());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     fn set_error(&mut self, error: f32) -> Result<usize, Error> {
         let level = self.levels().level_of_error(error)?;
         self.set_level(level)?;
@@ -83,6 +163,15 @@ pub trait LevelCursor: Send {
     ///
     /// # Errors
     /// The number of pixels is negative or not a number.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let mut cursor = Arc::new(ProgressiveMesh::new(&sequence)?).start();
+    /// // At four pixels per mesh unit, an error of 0.25 covers one pixel, and 0.5 two.
+    /// let view = View::parallel(4.0)?;
+    /// assert_eq!((cursor.set_pixels(1.0, view)?, cursor.set_pixels(2.0, view)?), (1, 0));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     fn set_pixels(&mut self, pixels: f32, view: View) -> Result<usize, Error> {
         self.set_error(view.length_of(pixels))
     }
@@ -109,6 +198,15 @@ impl View {
     /// # Errors
     /// A value is not positive, or the pixels per mesh unit at this distance are too many or too few for a number. An object at or behind the
     /// eye has no distance: draw its full mesh.
+    ///
+    /// ```
+    /// use tristrip::lod::View;
+    /// let pixel_at = |distance| View::perspective(distance, 1.0, 1000.0).map(|view| view.length_of(1.0));
+    /// assert_eq!((pixel_at(500.0)?, pixel_at(1000.0)?), (1.0, 2.0));
+    /// // Behind the eye.
+    /// assert!(pixel_at(-1.0).is_err());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn perspective(distance: f32, vertical_scale: f32, rows: f32) -> Result<Self, Error> {
         for (name, value) in [("distance", distance), ("vertical_scale", vertical_scale), ("rows", rows)] {
             check_positive(name, value)?;
@@ -170,6 +268,14 @@ pub struct LevelTable {
 
 impl LevelTable {
     /// Builds the table of a sequence of collapses.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let levels = LevelTable::of(&sequence);
+    /// let table = (0..=2).map(|level| Ok((levels.triangle_count(level)?, levels.error(level)?)));
+    /// assert_eq!(table.collect::<Result<Vec<_>, tristrip::Error>>()?, [(1, 0.5), (2, 0.25), (3, 0.0)]);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn of(sequence: &CollapseSequence) -> Self {
         let levels = 0..=sequence.len();
         Self {

@@ -94,6 +94,15 @@ impl ProgressiveStrips {
     /// # Errors
     /// A strip has a vertex that the sequence does not have; there are more than 2³² − 5 vertices, or more than 256 renamed slots per entry of
     /// the map.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let model = ProgressiveStrips::new(&strips, &sequence, Encoding::Offsets)?;
+    /// assert_eq!(model.levels().triangle_count(1)?, 2);
+    /// strips.push(&[7, 8, 9]); // of another mesh
+    /// assert!(ProgressiveStrips::new(&strips, &sequence, Encoding::Offsets).is_err());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn new(strips: &Strips, sequence: &CollapseSequence, encoding: Encoding) -> Result<Self, Error> {
         check(strips, sequence)?;
         let map = strips.to_restart(RESTART);
@@ -106,6 +115,15 @@ impl ProgressiveStrips {
     }
 
     /// Sets the filter of the display strips; the default is [`Filter::Linked`].
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let model = ProgressiveStrips::new(&strips, &sequence, Encoding::Offsets)?.with_filter(Filter::None);
+    /// let mut cursor = Arc::new(model).cursor();
+    /// cursor.set_level(0)?;
+    /// assert_eq!(cursor.strips().vertices(), [0, 1, 2, 2, 2]);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     #[must_use]
     pub fn with_filter(mut self, filter: Filter) -> Self {
         self.filter = filter;
@@ -113,11 +131,28 @@ impl ProgressiveStrips {
     }
 
     /// Returns what collapses write.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let model = ProgressiveStrips::new(&strips, &sequence, Encoding::Naive)?;
+    /// assert_eq!(model.encoding(), Encoding::Naive);
+    /// assert_ne!(model.encoding(), Encoding::default());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn encoding(&self) -> Encoding {
         self.encoding
     }
 
     /// Returns a cursor at the level of the full mesh.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let model = Arc::new(ProgressiveStrips::new(&strips, &sequence, Encoding::Offsets)?);
+    /// let (mut first, second) = (model.cursor(), model.cursor());
+    /// first.coarsen();
+    /// assert_eq!((first.level(), second.level()), (1, 2));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn cursor(self: &Arc<Self>) -> ProgressiveStripsCursor {
         let replay = Replay { entries: self.full.clone(), level: self.records.len() };
         ProgressiveStripsCursor {
@@ -130,12 +165,29 @@ impl ProgressiveStrips {
     }
 
     /// Returns what the split from `level` to the next one writes: an update per restored vertex; `None` if there is no such split.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let model = ProgressiveStrips::new(&strips, &sequence, Encoding::Naive)?;
+    /// let updates: Vec<SlotUpdate<'_>> = model.split(0).into_iter().flatten().collect();
+    /// // The strip of level 0 is 0 1 2 2 2.
+    /// assert_eq!(updates, [SlotUpdate { vertex: 3, slots: &[3, 4] }]);
+    /// assert!(model.split(2).is_none());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn split(&self, level: usize) -> Option<impl ExactSizeIterator<Item = SlotUpdate<'_>>> {
         (level < self.records.len()).then(|| self.records.split_of(level))
     }
 
     /// Returns the number of slots that the split from `level` to the next one writes: the u of the literature; 0 if there is no such
     /// split.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let slots = |encoding| ProgressiveStrips::new(&strips, &sequence, encoding).map(|model| model.slot_count(0));
+    /// assert_eq!((slots(Encoding::Naive)?, slots(Encoding::Offsets)?), (2, 1));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn slot_count(&self, level: usize) -> usize {
         self.split(level).into_iter().flatten().map(|update| update.slots.len()).sum()
     }
@@ -169,28 +221,79 @@ pub struct ProgressiveStripsCursor {
 
 impl ProgressiveStripsCursor {
     /// Returns the model.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let cursor = Arc::new(ProgressiveStrips::new(&strips, &sequence, Encoding::Offsets)?).cursor();
+    /// // Another cursor of the same model.
+    /// let other = cursor.model().cursor();
+    /// assert!(Arc::ptr_eq(other.model(), cursor.model()));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn model(&self) -> &Arc<ProgressiveStrips> {
         &self.model
     }
 
     /// Splits a vertex: one level up. Returns `false` at the full mesh.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let mut cursor = Arc::new(ProgressiveStrips::new(&strips, &sequence, Encoding::Offsets)?).cursor();
+    /// cursor.set_level(0)?;
+    /// let mut triangles = vec![cursor.strips().triangles().count()];
+    /// while cursor.refine() {
+    ///     triangles.push(cursor.strips().triangles().count());
+    /// }
+    /// assert_eq!(triangles, [1, 2, 3]);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn refine(&mut self) -> bool {
         self.is_current = false;
         self.replay.refine(&self.model.records)
     }
 
     /// Collapses a vertex: one level down. Returns `false` at the base mesh.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let mut cursor = Arc::new(ProgressiveStrips::new(&strips, &sequence, Encoding::Offsets)?).cursor();
+    /// assert!(cursor.coarsen() && cursor.coarsen());
+    /// assert!(!cursor.coarsen());
+    /// assert_eq!(cursor.strips().vertices(), [0, 1, 2]);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn coarsen(&mut self) -> bool {
         self.is_current = false;
         self.replay.coarsen(&self.model.records)
     }
 
     /// Returns the entries of the map at its level: vertices, [`RESTART`] between strips, and the [symbols](encoded_offset) of [`Encoding::Offsets`].
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let mut cursor = Arc::new(ProgressiveStrips::new(&strips, &sequence, Encoding::Offsets)?).cursor();
+    /// cursor.coarsen();
+    /// assert_eq!(cursor.entries()[..4], [0, 1, 2, 3]);
+    /// // Slot 4 follows slot 3, whatever vertex that has.
+    /// assert_eq!(encoded_offset(cursor.entries()[4]), Some(-1));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn entries(&self) -> &[u32] {
         &self.replay.entries
     }
 
     /// Fills `map` with the vertices at the level, [`RESTART`] between strips. Its contents are replaced and its memory is reused.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// strips.push(&[4, 3, 1]);
+    /// let mut cursor = Arc::new(ProgressiveStrips::new(&strips, &sequence, Encoding::Offsets)?).cursor();
+    /// cursor.coarsen();
+    /// let mut map = Vec::new();
+    /// cursor.decode_to(&mut map);
+    /// assert_eq!(map, [0, 1, 2, 3, 3, RESTART, 3, 3, 1]);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn decode_to(&self, map: &mut Vec<u32>) {
         match self.model.encoding {
             Encoding::Naive => map.clone_from(&self.replay.entries),

@@ -63,12 +63,29 @@ impl LevelTraffic {
     /// Returns the cost of a filter at this level.
     ///
     /// Filters that are not in [`Filter::ALL`] have no cost here.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let mut sent = Vec::new();
+    /// traffic::walk(&strips, &sequence, |level| sent.push(level.sent(Filter::None).vertices))?;
+    /// // Without a filter, every level sends what the full mesh does.
+    /// assert_eq!(sent, [5, 5, 5]);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn sent(&self, filter: Filter) -> DrawCost {
         let of_filter = Filter::ALL.iter().zip(self.sent).find(|(other, _)| **other == filter);
         of_filter.map_or_else(DrawCost::default, |(_, sent)| sent)
     }
 
     /// Returns the vertices of a progressive mesh: three per triangle.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let mut sent = Vec::new();
+    /// traffic::walk(&strips, &sequence, |level| sent.push(level.progressive_mesh_vertices()))?;
+    /// assert_eq!(sent, [9, 6, 3]);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn progressive_mesh_vertices(&self) -> usize {
         3 * self.triangles
     }
@@ -76,6 +93,12 @@ impl LevelTraffic {
 
 impl SplitTraffic {
     /// Returns the slots renamed in an encoding: the u of the literature.
+    ///
+    /// ```
+    /// use tristrip::lod::{Encoding, traffic::SplitTraffic};
+    /// let split = SplitTraffic { vertices: 1, naive_slots: 14, encoded_slots: 3 };
+    /// assert_eq!((split.slots(Encoding::Naive), split.slots(Encoding::Offsets)), (14, 3));
+    /// ```
     pub fn slots(&self, encoding: Encoding) -> usize {
         match encoding {
             Encoding::Naive => self.naive_slots,
@@ -84,6 +107,12 @@ impl SplitTraffic {
     }
 
     /// Returns the bytes of its record as published: 12 per vertex position, 2 per slot.
+    ///
+    /// ```
+    /// use tristrip::lod::{Encoding, traffic::SplitTraffic};
+    /// let split = SplitTraffic { vertices: 1, naive_slots: 14, encoded_slots: 3 };
+    /// assert_eq!((split.bytes(Encoding::Naive), split.bytes(Encoding::Offsets)), (40, 18));
+    /// ```
     pub fn bytes(&self, encoding: Encoding) -> usize {
         12 * self.vertices + 2 * self.slots(encoding)
     }
@@ -117,6 +146,12 @@ pub struct TrafficBin {
 
 impl TrafficBin {
     /// Returns the slots per split, the average u; 0 if there is no split.
+    ///
+    /// ```
+    /// use tristrip::lod::{Encoding, traffic::TrafficBin};
+    /// let bin = TrafficBin { splits: 4, vertices: 4, naive_slots: 30, encoded_slots: 12 };
+    /// assert_eq!((bin.slots_per_split(Encoding::Naive), bin.slots_per_split(Encoding::Offsets)), (7.5, 3.0));
+    /// ```
     pub fn slots_per_split(&self, encoding: Encoding) -> f64 {
         let slots = match encoding {
             Encoding::Naive => self.naive_slots,
@@ -128,27 +163,65 @@ impl TrafficBin {
 
 impl TrafficTotals {
     /// Returns the vertices that a filter sends over all levels.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let totals = traffic::walk(&strips, &sequence, |_| ())?;
+    /// // 5, 4 and 3 vertices at the three levels.
+    /// assert_eq!(totals.vertices(Filter::Linked), 12);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn vertices(&self, filter: Filter) -> u64 {
         Filter::ALL.iter().zip(self.sent).find(|(other, _)| **other == filter).map_or(0, |(_, sent)| sent)
     }
 
     /// Returns the vertices that a progressive mesh sends over all levels.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let totals = traffic::walk(&strips, &sequence, |_| ())?;
+    /// assert_eq!((totals.triangles, totals.progressive_mesh_vertices()), (6, 18));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn progressive_mesh_vertices(&self) -> u64 {
         3 * self.triangles
     }
 
     /// Returns the vertices of a filter divided by those of a progressive mesh; 0 if there is no triangle.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let totals = traffic::walk(&strips, &sequence, |_| ())?;
+    /// assert_eq!(format!("{:.2}", totals.fraction(Filter::Linked)), "0.67");
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn fraction(&self, filter: Filter) -> f64 {
         let whole = self.progressive_mesh_vertices();
         if whole == 0 { 0.0 } else { self.vertices(filter) as f64 / whole as f64 }
     }
 
     /// Returns the bins of the splits, from the base mesh on.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let totals = traffic::walk(&strips, &sequence, |_| ())?;
+    /// // One of the two splits is at the base mesh, the other halfway to the full mesh.
+    /// let bins: Vec<usize> = (0..20).filter(|&bin| totals.bins()[bin].splits > 0).collect();
+    /// assert_eq!(bins, [0, 10]);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn bins(&self) -> &[TrafficBin; BIN_COUNT] {
         &self.bins
     }
 
     /// Returns the sum of all bins.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let splits = traffic::walk(&strips, &sequence, |_| ())?.splits();
+    /// assert_eq!((splits.splits, splits.naive_slots, splits.encoded_slots), (2, 3, 2));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn splits(&self) -> TrafficBin {
         self.bins.iter().fold(TrafficBin::default(), |sum, bin| TrafficBin {
             splits: sum.splits + bin.splits,

@@ -110,16 +110,41 @@ impl Metrics {
     }
 
     /// Returns `vertices_sent` per triangle; 0 without triangles.
+    ///
+    /// ```
+    /// use tristrip::{Metrics, Strips};
+    /// let strips = Strips::from_parts(vec![0, 1, 2, 3, 4, 5, 6, 7], vec![4, 8])?;
+    /// // 8 vertices for 4 triangles; a list has 3 per triangle.
+    /// assert_eq!(Metrics::of(&strips).vertices_per_triangle(), 2.0);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn vertices_per_triangle(&self) -> f64 {
         per(self.vertices_sent, self.triangles)
     }
 
     /// Returns `indices_restart` per triangle; 0 without triangles.
+    ///
+    /// ```
+    /// use tristrip::{Metrics, Strips};
+    /// let strips = Strips::from_parts(vec![0, 1, 2, 3, 4, 5, 6, 7], vec![4, 8])?;
+    /// // One restart index between two strips.
+    /// assert_eq!(Metrics::of(&strips).indices_restart_per_triangle(), 2.25);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn indices_restart_per_triangle(&self) -> f64 {
         per(self.indices_restart, self.triangles)
     }
 
     /// Returns `indices_degenerate` per triangle; 0 without triangles.
+    ///
+    /// ```
+    /// use tristrip::{Metrics, Strips};
+    /// let strips = Strips::from_parts(vec![0, 1, 2, 3, 4, 5, 6, 7], vec![4, 8])?;
+    /// // Two repeated vertices between two strips.
+    /// assert_eq!(Metrics::of(&strips).indices_degenerate_per_triangle(), 2.5);
+    /// assert_eq!(Metrics::default().indices_degenerate_per_triangle(), 0.0);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn indices_degenerate_per_triangle(&self) -> f64 {
         per(self.indices_degenerate, self.triangles)
     }

@@ -127,16 +127,37 @@ impl VertexOrder {
     }
 
     /// Returns the old number of each new one.
+    ///
+    /// ```
+    /// let order = tristrip::VertexOrder::of_indices(4, [3, 1, 2])?;
+    /// let old = ["a", "b", "c", "d"];
+    /// let new: Vec<&str> = order.new_to_old().iter().map(|&vertex| old[vertex as usize]).collect();
+    /// assert_eq!(new, ["d", "b", "c", "a"]);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn new_to_old(&self) -> &[u32] {
         &self.new_to_old
     }
 
     /// Returns the new number of each old one.
+    ///
+    /// ```
+    /// let order = tristrip::VertexOrder::of_indices(4, [3, 1, 2])?;
+    /// // Vertex 3 is used first, vertex 0 never.
+    /// assert_eq!(order.old_to_new(), [3, 1, 2, 0]);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn old_to_new(&self) -> &[u32] {
         &self.old_to_new
     }
 
     /// Counts the vertices, used or not.
+    ///
+    /// ```
+    /// let order = tristrip::VertexOrder::of_indices(100, [40, 41, 42])?;
+    /// assert_eq!(order.vertex_count(), 100);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn vertex_count(&self) -> usize {
         self.new_to_old.len()
     }
@@ -166,6 +187,13 @@ impl VertexOrder {
     }
 
     /// Returns whether both directions contain every vertex once and undo each other.
+    ///
+    /// ```
+    /// use tristrip::VertexOrder;
+    /// let order = VertexOrder::of_indices(4, [2, 2, 0])?;
+    /// assert!(order.check() && order.inverse().check());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn check(&self) -> bool {
         let undone = |new: u32, old: u32| self.old_to_new.get(old as usize) == Some(&new);
         self.new_to_old.len() == self.old_to_new.len()
@@ -232,6 +260,15 @@ impl VertexOrder {
     ///
     /// # Errors
     /// A strip has a vertex that is not less than the number of vertices.
+    ///
+    /// ```
+    /// use tristrip::{Strips, VertexOrder};
+    /// let strips = Strips::from_parts(vec![7, 3, 9, 9, 3, 4], vec![3, 6])?;
+    /// let ordered = VertexOrder::of_strips(10, [&strips])?.strips(&strips)?;
+    /// assert_eq!(ordered.iter().collect::<Vec<_>>(), [[0, 1, 2], [2, 1, 3]]);
+    /// assert!(VertexOrder::identity(5)?.strips(&strips).is_err());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn strips(&self, strips: &Strips) -> Result<Strips, Error> {
         let welds = strips.welds().renumbered(|vertex| self.indices(&[vertex]).map(|new| new[0]))?;
         Ok(Strips { vertices: self.indices(&strips.vertices)?, welds, ..strips.clone() })

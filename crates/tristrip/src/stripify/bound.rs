@@ -145,6 +145,19 @@ impl Bound {
     }
 
     /// Returns the bound of a cost.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// # let mesh = Mesh::new(vec![[0.0; 3]; 289], Faces::from_triangles(grid)?)?;
+    /// # let prepared = PreparedFaces::new(&mesh, false);
+    /// # let graph = DualGraph::new(prepared.faces());
+    /// let metrics = Metrics::of(&plan(&prepared, &graph, &StripifyOptions::default())?.strips());
+    /// let bound = bound::Bound::of_prepared(&prepared, &graph);
+    /// for cost in Cost::ALL {
+    ///     assert!(bound.of(cost) <= cost.of(&metrics), "{cost}");
+    /// }
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn of(&self, cost: Cost) -> usize {
         match cost {
             Cost::Restart => self.indices_restart,

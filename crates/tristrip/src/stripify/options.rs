@@ -1,5 +1,9 @@
 //! The stripification methods and their options.
 
+mod eta;
+
+pub use eta::{EtaOptions, Start};
+
 use crate::effort::Effort;
 use crate::error::Error;
 use crate::names::names;
@@ -210,14 +214,6 @@ names! {
     Misses => "misses", "The fewest misses";
 }
 
-names! {
-    "tristrip::stripify::Start", Start, "start",
-    Isolated => "isolated", "One strip per triangle";
-    Input => "input", "The strips of input";
-    Sgi => "sgi", "The strips of sgi";
-    Sequential => "sequential", "The strips of sequential";
-}
-
 /// The options of a stripification.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub struct StripifyOptions {
@@ -235,6 +231,14 @@ const FAST_EFFORT: Option<Effort> = Effort::new(2);
 
 impl StripifyOptions {
     /// Sets the method.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let strips = |method| stripify_indices_with(&grid, 289, &StripifyOptions::default().with_method(method));
+    /// let indices = |method| strips(method).map(|strips| strips.index_count(Layout::Restart));
+    /// assert!(indices(Method::Best)? < indices(Method::Input)?);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     #[must_use]
     pub fn with_method(mut self, method: Method) -> Self {
         self.method = method;
@@ -242,6 +246,17 @@ impl StripifyOptions {
     }
 
     /// Sets whether vertices are welded whose position and attributes all have the same bits.
+    ///
+    /// ```
+    /// use tristrip::{Faces, Mesh, StripifyOptions, stripify};
+    /// // Two triangles with an edge in common, but no vertex of the array: 3 is at the place of 1, 4 at that of 2.
+    /// let places = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
+    /// let positions = [0, 1, 2, 1, 2, 3].map(|place| places[place]).to_vec();
+    /// let mesh = Mesh::new(positions, Faces::from_triangles(vec![0, 1, 2, 4, 3, 5])?)?;
+    /// let sent = |weld| stripify(&mesh, &StripifyOptions::default().with_weld(weld)).map(|s| s.vertices_sent());
+    /// assert_eq!((sent(false)?, sent(true)?), (6, 4));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     #[must_use]
     pub fn with_weld(mut self, weld: bool) -> Self {
         self.weld = weld;
@@ -249,6 +264,16 @@ impl StripifyOptions {
     }
 
     /// Sets the seed of randomized methods.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let method = Method::StripeLocal { triangulation: FaceTriangulation::Whole, ties: Ties::Random };
+    /// let options = StripifyOptions::default().with_method(method);
+    /// let strips = |seed| stripify_indices_with(&grid, 289, &options.with_seed(seed));
+    /// assert_ne!(strips(1)?, strips(2)?);
+    /// assert_eq!(strips(2)?, strips(2)?);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     #[must_use]
     pub fn with_seed(mut self, seed: u64) -> Self {
         self.seed = seed;
@@ -256,6 +281,18 @@ impl StripifyOptions {
     }
 
     /// Sets the cost that searches minimize.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let metrics = |cost| {
+    ///     let strips = stripify_indices_with(&grid, 289, &StripifyOptions::default().with_cost(cost));
+    ///     strips.map(|strips| Metrics::of(&strips))
+    /// };
+    /// // Where swaps are free, fewer and longer strips with more swaps are better.
+    /// let (restart, gl) = (metrics(Cost::Restart)?, metrics(Cost::Gl)?);
+    /// assert!(restart.indices_restart < gl.indices_restart && restart.gl_cost > gl.gl_cost);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     #[must_use]
     pub fn with_cost(mut self, cost: Cost) -> Self {
         self.cost = cost;
@@ -263,6 +300,16 @@ impl StripifyOptions {
     }
 
     /// Sets the effort of searches; the default depends on the method.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let indices = |options: &StripifyOptions| {
+    ///     stripify_indices_with(&grid, 289, options).map(|strips| strips.index_count(Layout::Restart))
+    /// };
+    /// let options = StripifyOptions::default(); // level 2
+    /// assert!(indices(&options.with_effort(Effort::MAX))? < indices(&options)?);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     #[must_use]
     pub fn with_effort(mut self, effort: Effort) -> Self {
         self.effort = Some(effort);
@@ -270,6 +317,18 @@ impl StripifyOptions {
     }
 
     /// Sets the vertex cache that [`Method::Cache`] optimizes for.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let cache = VertexCache::lru(24);
+    /// let misses = |options| {
+    ///     let strips = stripify_indices_with(&grid, 289, &options);
+    ///     strips.map(|strips| VertexCacheStatistics::of(&strips, cache, FlushPolicy::default(), 289).misses)
+    /// };
+    /// let options = StripifyOptions::default().with_method(Method::Cache);
+    /// assert!(misses(options.with_vertex_cache(cache))? < misses(options)?);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     #[must_use]
     pub fn with_vertex_cache(mut self, vertex_cache: VertexCache) -> Self {
         self.vertex_cache = vertex_cache;
@@ -277,6 +336,17 @@ impl StripifyOptions {
     }
 
     /// Sets how [`Method::Cache`] weighs indices against misses.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let options = StripifyOptions::default().with_method(Method::Cache);
+    /// let strips = |objective| stripify_indices_with(&grid, 289, &options.with_objective(objective));
+    /// let (indices, misses) = (strips(Objective::Indices)?, strips(Objective::Misses)?);
+    /// assert!(indices.vertices_sent() < misses.vertices_sent());
+    /// let count = |strips| VertexCacheStatistics::of(strips, VertexCache::default(), FlushPolicy::default(), 289).misses;
+    /// assert!(count(&indices) > count(&misses));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     #[must_use]
     pub fn with_objective(mut self, objective: Objective) -> Self {
         self.objective = objective;
@@ -284,36 +354,82 @@ impl StripifyOptions {
     }
 
     /// Returns the method.
+    ///
+    /// ```
+    /// use tristrip::{Method, StripifyOptions};
+    /// assert_eq!(StripifyOptions::default().method(), Method::Best);
+    /// assert_eq!(StripifyOptions::default().with_method(Method::Cache).method().to_string(), "cache");
+    /// ```
     pub fn method(&self) -> Method {
         self.method
     }
 
     /// Returns whether vertices with the same bits are welded.
+    ///
+    /// ```
+    /// use tristrip::StripifyOptions;
+    /// assert!(!StripifyOptions::default().weld());
+    /// assert!(StripifyOptions::default().with_weld(true).weld());
+    /// ```
     pub fn weld(&self) -> bool {
         self.weld
     }
 
     /// Returns the seed.
+    ///
+    /// ```
+    /// use tristrip::StripifyOptions;
+    /// assert_eq!(StripifyOptions::default().seed(), 0);
+    /// assert_eq!(StripifyOptions::default().with_seed(7).seed(), 7);
+    /// ```
     pub fn seed(&self) -> u64 {
         self.seed
     }
 
     /// Returns the cost that searches minimize.
+    ///
+    /// ```
+    /// use tristrip::{Cost, StripifyOptions};
+    /// assert_eq!(StripifyOptions::default().cost(), Cost::Restart);
+    /// assert_eq!(StripifyOptions::default().with_cost("gl".parse()?).cost(), Cost::Gl);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn cost(&self) -> Cost {
         self.cost
     }
 
     /// Returns the vertex cache that strips are optimized for.
+    ///
+    /// ```
+    /// use tristrip::StripifyOptions;
+    /// let options = StripifyOptions::default();
+    /// assert_eq!(options.vertex_cache().to_string(), "fifo:16");
+    /// assert_eq!(options.with_vertex_cache("lru:24".parse()?).vertex_cache().entries, 24);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn vertex_cache(&self) -> VertexCache {
         self.vertex_cache
     }
 
     /// Returns how indices are weighed against misses.
+    ///
+    /// ```
+    /// use tristrip::{StripifyOptions, stripify::Objective};
+    /// assert_eq!(StripifyOptions::default().objective(), Objective::Balanced);
+    /// assert_eq!(StripifyOptions::default().with_objective(Objective::Misses).objective(), Objective::Misses);
+    /// ```
     pub fn objective(&self) -> Objective {
         self.objective
     }
 
     /// Returns the effort of searches: the one that was set, otherwise the default of the method.
+    ///
+    /// ```
+    /// use tristrip::{Effort, Method, StripifyOptions};
+    /// let options = StripifyOptions::default();
+    /// assert_eq!((options.effort().level(), options.with_method(Method::Fewest).effort().level()), (2, 5));
+    /// assert_eq!(options.with_effort(Effort::MAX).with_method(Method::Fewest).effort(), Effort::MAX);
+    /// ```
     pub fn effort(&self) -> Effort {
         let default = if matches!(self.method, Method::Best | Method::Cache) { FAST_EFFORT } else { None };
         self.effort.or(default).unwrap_or_default()
@@ -330,87 +446,4 @@ pub enum Objective {
     Balanced,
     /// Few misses: a miss counts as four indices.
     Misses,
-}
-
-/// The options of [`Method::Eta`].
-///
-/// ```
-/// use tristrip::{Faces, Mesh, Method, StripifyOptions, stripify};
-/// use tristrip::stripify::{EtaOptions, Start};
-/// // A closed fan of six triangles.
-/// let corners = (0..6).flat_map(|i| [0, 1 + i, 1 + (i + 1) % 6]).collect();
-/// let mesh = Mesh::new(vec![[0.0; 3]; 7], Faces::from_triangles(corners)?)?;
-/// let eta = EtaOptions::default().with_length(9).with_start(Start::Isolated);
-/// let strips = stripify(&mesh, &StripifyOptions::default().with_method(Method::Eta(eta)))?;
-/// assert_eq!(strips.len(), 1);
-/// # Ok::<(), tristrip::Error>(())
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct EtaOptions {
-    length: u32,
-    threshold: u32,
-    start: Start,
-}
-
-/// The initial strips of [`Method::Eta`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum Start {
-    /// Isolated triangles.
-    Isolated,
-    /// The strips of [`Method::Input`]. The paper starts from strips of a first phase that it does not name; from these strips, the
-    /// misses per triangle are within 0.02 of the paper's on all six available models of its tables.
-    Input,
-    /// The strips of [`Method::Sgi`].
-    Sgi,
-    /// The strips of [`Method::Sequential`], which lead to the fewest strips and swaps in the shortest time: 446 strips for
-    /// dragon, compared with 461 from isolated triangles.
-    #[default]
-    Sequential,
-}
-
-/// Tunnels of up to 1000 edges, 512 node accesses per search, starting from the strips of `sequential`.
-impl Default for EtaOptions {
-    fn default() -> Self {
-        Self::DEFAULT
-    }
-}
-
-impl EtaOptions {
-    const DEFAULT: Self = Self { length: 1000, threshold: 512, start: Start::Sequential };
-
-    /// Sets the maximum length of a tunnel, in edges.
-    #[must_use]
-    pub fn with_length(mut self, length: u32) -> Self {
-        self.length = length;
-        self
-    }
-
-    /// Sets the maximum number of node accesses of a search from one path end.
-    #[must_use]
-    pub fn with_threshold(mut self, threshold: u32) -> Self {
-        self.threshold = threshold;
-        self
-    }
-
-    /// Sets the initial strips.
-    #[must_use]
-    pub fn with_start(mut self, start: Start) -> Self {
-        self.start = start;
-        self
-    }
-
-    /// Returns the maximum length of a tunnel, in edges.
-    pub fn length(&self) -> u32 {
-        self.length
-    }
-
-    /// Returns the maximum number of node accesses of a search from one path end.
-    pub fn threshold(&self) -> u32 {
-        self.threshold
-    }
-
-    /// Returns the initial strips.
-    pub fn start(&self) -> Start {
-        self.start
-    }
 }

@@ -20,6 +20,24 @@ pub struct Progress {
 /// Receives the progress of a search and may stop it. A search calls it every few thousand steps, on the thread that it runs on.
 pub trait Watch: Sync {
     /// Receives the progress. Returns whether the search is to continue.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// struct Budget(u64);
+    /// impl Watch for Budget {
+    ///     fn go_on(&self, progress: Progress) -> bool {
+    ///         progress.steps < self.0
+    ///     }
+    /// }
+    /// # let mesh = Mesh::new(vec![[0.0; 3]; 289], Faces::from_triangles(grid)?)?;
+    /// # let prepared = PreparedFaces::new(&mesh, false);
+    /// # let graph = DualGraph::new(prepared.faces());
+    /// let options = StripifyOptions::default().with_effort(Effort::default());
+    /// let indices = |steps| plan_watched(&prepared, &graph, &options, &Budget(steps)).map(|plan| plan.indices_restart());
+    /// // A stopped search returns the best strips that it has found.
+    /// assert!(indices(0)? > indices(u64::MAX)?);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     fn go_on(&self, progress: Progress) -> bool;
 }
 

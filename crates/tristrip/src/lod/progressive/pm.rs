@@ -76,6 +76,13 @@ impl ProgressiveMesh {
     ///
     /// # Errors
     /// There are more than 256 corners to rename per corner of the mesh.
+    ///
+    /// ```
+    #[doc = include_str!("../example.txt")]
+    /// let model = ProgressiveMesh::new(&sequence)?;
+    /// assert_eq!((0..=2).map(|level| model.levels().triangle_count(level)).sum::<Result<usize, _>>()?, 6);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn new(sequence: &CollapseSequence) -> Result<Self, Error> {
         let levels = LevelTable::of(sequence);
         let corners = in_order_of_splits(sequence);
@@ -88,6 +95,13 @@ impl ProgressiveMesh {
     }
 
     /// Returns a cursor at the level of the full mesh.
+    ///
+    /// ```
+    #[doc = include_str!("../example.txt")]
+    /// let model = Arc::new(ProgressiveMesh::new(&sequence)?);
+    /// assert_eq!((model.cursor().level(), model.cursor().corners().len()), (2, 9));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn cursor(self: &Arc<Self>) -> ProgressiveMeshCursor {
         let replay = Replay { entries: self.full.clone(), level: self.records.len() };
         ProgressiveMeshCursor {
@@ -100,6 +114,15 @@ impl ProgressiveMesh {
 
     /// Returns the vertex splits that lead from `level` to the next one: one, or several of one position where attributes differ; `None`
     /// if there is no such split.
+    ///
+    /// ```
+    #[doc = include_str!("../example.txt")]
+    /// let model = ProgressiveMesh::new(&sequence)?;
+    /// let split = model.splits(1).and_then(|mut splits| splits.next());
+    /// assert_eq!(split, Some(VertexSplit { vertex: 4, kept: 3, wings: [Some(2), None] }));
+    /// assert!(model.splits(2).is_none());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn splits(&self, level: usize) -> Option<impl ExactSizeIterator<Item = VertexSplit>> {
         let split = |i: usize| VertexSplit {
             vertex: self.records.vertices[i],
@@ -161,23 +184,61 @@ pub struct ProgressiveMeshCursor {
 
 impl ProgressiveMeshCursor {
     /// Returns the model.
+    ///
+    /// ```
+    #[doc = include_str!("../example.txt")]
+    /// let cursor = Arc::new(ProgressiveMesh::new(&sequence)?).cursor();
+    /// assert_eq!(cursor.model().levels().error(0)?, 0.5);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn model(&self) -> &Arc<ProgressiveMesh> {
         &self.model
     }
 
     /// Splits a vertex: one level up. Returns `false` at the full mesh.
+    ///
+    /// ```
+    #[doc = include_str!("../example.txt")]
+    /// let mut cursor = Arc::new(ProgressiveMesh::new(&sequence)?).cursor();
+    /// assert!(!cursor.refine());
+    /// cursor.set_level(0)?;
+    /// assert!(cursor.refine());
+    /// assert_eq!(cursor.corners(), [0, 1, 2, 2, 1, 3]);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn refine(&mut self) -> bool {
         self.is_current = false;
         self.replay.refine(&self.model.records)
     }
 
     /// Collapses a vertex: one level down. Returns `false` at the base mesh.
+    ///
+    /// ```
+    #[doc = include_str!("../example.txt")]
+    /// let mut cursor = Arc::new(ProgressiveMesh::new(&sequence)?).cursor();
+    /// let mut sent = vec![cursor.corners().len()];
+    /// while cursor.coarsen() {
+    ///     sent.push(cursor.corners().len());
+    /// }
+    /// assert_eq!(sent, [9, 6, 3]);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn coarsen(&mut self) -> bool {
         self.is_current = false;
         self.replay.coarsen(&self.model.records)
     }
 
     /// Returns the triangles at the level, three vertices each, those of coarser levels first.
+    ///
+    /// ```
+    #[doc = include_str!("../example.txt")]
+    /// let mut cursor = Arc::new(ProgressiveMesh::new(&sequence)?).cursor();
+    /// let full = cursor.corners().to_vec();
+    /// cursor.set_level(1)?;
+    /// // The triangle that the collapse drops is the last one.
+    /// assert_eq!((cursor.corners(), &full[6..]), (&full[..6], &[2, 3, 4][..]));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn corners(&self) -> &[u32] {
         &self.replay.entries[..3 * self.model.levels.triangles_at(self.replay.level)]
     }
