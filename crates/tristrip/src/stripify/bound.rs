@@ -152,7 +152,7 @@ impl Bound {
     /// # let prepared = PreparedFaces::new(&mesh, false);
     /// # let graph = DualGraph::new(prepared.faces());
     /// let metrics = Metrics::of(&plan(&prepared, &graph, &StripifyOptions::default())?.strips());
-    /// let bound = bound::Bound::of_prepared(&prepared, &graph);
+    /// let bound = bound::Bound::of_prepared(&prepared, &graph)?;
     /// for cost in Cost::ALL {
     ///     assert!(bound.of(cost) <= cost.of(&metrics), "{cost}");
     /// }

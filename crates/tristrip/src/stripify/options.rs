@@ -323,7 +323,7 @@ impl StripifyOptions {
     /// let cache = VertexCache::lru(24);
     /// let misses = |options| {
     ///     let strips = stripify_indices_with(&grid, 289, &options);
-    ///     strips.map(|strips| VertexCacheStatistics::of(&strips, cache, FlushPolicy::default(), 289).misses)
+    ///     strips.map(|strips| VertexCacheStatistics::of(&strips, cache, FlushPolicy::default()).misses)
     /// };
     /// let options = StripifyOptions::default().with_method(Method::Cache);
     /// assert!(misses(options.with_vertex_cache(cache))? < misses(options)?);
@@ -343,7 +343,7 @@ impl StripifyOptions {
     /// let strips = |objective| stripify_indices_with(&grid, 289, &options.with_objective(objective));
     /// let (indices, misses) = (strips(Objective::Indices)?, strips(Objective::Misses)?);
     /// assert!(indices.vertices_sent() < misses.vertices_sent());
-    /// let count = |strips| VertexCacheStatistics::of(strips, VertexCache::default(), FlushPolicy::default(), 289).misses;
+    /// let count = |strips| VertexCacheStatistics::of(strips, VertexCache::default(), FlushPolicy::default()).misses;
     /// assert!(count(&indices) > count(&misses));
     /// # Ok::<(), tristrip::Error>(())
     /// ```
