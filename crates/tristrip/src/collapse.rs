@@ -22,6 +22,8 @@
 //! 2005, section 3.
 
 mod merge;
+#[cfg(test)]
+mod tests;
 
 use rustc_hash::{FxHashMap, FxHashSet};
 
@@ -102,6 +104,19 @@ impl CollapseSequence {
     /// # Errors
     /// The number of corners is not a multiple of three, or a vertex does not exist; a collapse renames a vertex that no triangle uses
     /// any more, or to a vertex that is renamed itself, or has an error that is negative or not a number.
+    ///
+    /// ```
+    /// use tristrip::{CollapseSequence, Rename};
+    /// let renames = [[Rename { removed: 3, kept: 2 }], [Rename { removed: 3, kept: 1 }]];
+    /// let build = |count| {
+    ///     let collapses = renames[..count].iter().map(|renames| (&renames[..], 0.5));
+    ///     CollapseSequence::from_collapses(4, vec![0, 1, 2, 2, 1, 3], collapses)
+    /// };
+    /// assert_eq!(build(1)?.drawn(0)?, [[0, 1, 2]]);
+    /// // No triangle uses vertex 3 after the first collapse.
+    /// assert!(build(2).is_err());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn from_collapses<'a>(
         vertex_count: usize,
         triangles: Vec<u32>,
@@ -152,16 +167,35 @@ impl CollapseSequence {
     }
 
     /// Counts the collapses, which is also the level of the full mesh.
+    ///
+    /// ```
+    #[doc = include_str!("lod/example.txt")]
+    /// assert_eq!(sequence.len(), 2);
+    /// assert_eq!(sequence.drawn(sequence.len())?.len(), 3);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn len(&self) -> usize {
         self.errors.len()
     }
 
     /// Checks whether there is no collapse, so that the base mesh is the full mesh.
+    ///
+    /// ```
+    /// let sequence = tristrip::CollapseSequence::from_collapses(3, vec![0, 1, 2], [])?;
+    /// assert!(sequence.is_empty() && sequence.drawn(0)?.len() == 1);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn is_empty(&self) -> bool {
         self.errors.is_empty()
     }
 
     /// Counts the vertices of the mesh, drawn or not.
+    ///
+    /// ```
+    /// let sequence = tristrip::CollapseSequence::from_collapses(100, vec![97, 98, 99], [])?;
+    /// assert_eq!((sequence.vertex_count(), sequence.triangle_count(0)?), (100, 1));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn vertex_count(&self) -> usize {
         self.vertex_count
     }
@@ -180,6 +214,12 @@ impl CollapseSequence {
     }
 
     /// Returns the triangles of the full mesh, three vertices each.
+    ///
+    /// ```
+    #[doc = include_str!("lod/example.txt")]
+    /// assert_eq!(sequence.triangles(), [0, 1, 2, 2, 1, 3, 2, 3, 4]);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn triangles(&self) -> &[u32] {
         &self.triangles
     }
@@ -188,6 +228,14 @@ impl CollapseSequence {
     ///
     /// # Errors
     /// `level` is not less than [`CollapseSequence::len`].
+    ///
+    /// ```
+    #[doc = include_str!("lod/example.txt")]
+    /// let first = sequence.collapse(1)?;
+    /// assert_eq!((first.renames, first.dropped), (&[Rename { removed: 4, kept: 3 }][..], &[2][..]));
+    /// assert!(sequence.collapse(2).is_err());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn collapse(&self, level: usize) -> Result<Collapse<'_>, Error> {
         if level < self.len() {
             return Ok(self.collapse_to(level));
@@ -208,6 +256,13 @@ impl CollapseSequence {
     }
 
     /// Iterates over the collapses from the full mesh to the base mesh.
+    ///
+    /// ```
+    #[doc = include_str!("lod/example.txt")]
+    /// let removed: Vec<u32> = sequence.iter().flat_map(|collapse| collapse.renames).map(|r| r.removed).collect();
+    /// assert_eq!(removed, [4, 3]);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn iter(&self) -> impl ExactSizeIterator<Item = Collapse<'_>> + DoubleEndedIterator {
         (0..self.len()).rev().map(|level| self.collapse_to(level))
     }
@@ -216,6 +271,13 @@ impl CollapseSequence {
     ///
     /// # Errors
     /// `level` is greater than [`CollapseSequence::len`].
+    ///
+    /// ```
+    #[doc = include_str!("lod/example.txt")]
+    /// assert_eq!((sequence.triangle_count(0)?, sequence.triangle_count(1)?, sequence.triangle_count(2)?), (1, 2, 3));
+    /// assert!(sequence.triangle_count(3).is_err());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn triangle_count(&self, level: usize) -> Result<usize, Error> {
         check_level(level, self.len()).map(|()| self.triangles_at(level))
     }
@@ -231,6 +293,12 @@ impl CollapseSequence {
     ///
     /// # Errors
     /// `level` is greater than [`CollapseSequence::len`].
+    ///
+    /// ```
+    #[doc = include_str!("lod/example.txt")]
+    /// assert_eq!((sequence.error(0)?, sequence.error(1)?, sequence.error(2)?), (0.5, 0.25, 0.0));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn error(&self, level: usize) -> Result<f32, Error> {
         check_level(level, self.len()).map(|()| self.error_at(level))
     }
@@ -242,6 +310,12 @@ impl CollapseSequence {
     }
 
     /// Returns the highest level with at most this number of triangles; 0 if there is none.
+    ///
+    /// ```
+    #[doc = include_str!("lod/example.txt")]
+    /// assert_eq!([0, 1, 2, 1000].map(|count| sequence.level_of_triangles(count)), [0, 0, 1, 2]);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn level_of_triangles(&self, triangle_count: usize) -> usize {
         let to_drop = self.triangles_at(self.len()).saturating_sub(triangle_count);
         if to_drop == 0 {
@@ -252,6 +326,12 @@ impl CollapseSequence {
     }
 
     /// Returns the lowest level to which no collapse from the full mesh on has a larger error.
+    ///
+    /// ```
+    #[doc = include_str!("lod/example.txt")]
+    /// assert_eq!([0.0, 0.25, 0.3, 0.5].map(|error| sequence.level_of_error(error)), [2, 1, 1, 0]);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn level_of_error(&self, error: f32) -> usize {
         self.len() - self.largest_errors.partition_point(|&largest| largest <= error)
     }
@@ -260,6 +340,13 @@ impl CollapseSequence {
     ///
     /// # Errors
     /// `level` is greater than [`CollapseSequence::len`].
+    ///
+    /// ```
+    #[doc = include_str!("lod/example.txt")]
+    /// assert_eq!(sequence.renaming(1)?, [0, 1, 2, 3, 3]);
+    /// assert_eq!(sequence.renaming(0)?, [0, 1, 2, 2, 2]);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn renaming(&self, level: usize) -> Result<Vec<u32>, Error> {
         let mut now: Vec<u32> = (0..self.vertex_count as u32).collect();
         for &Rename { removed, kept } in self.renames_to(level)?.iter().rev() {
@@ -282,6 +369,12 @@ impl CollapseSequence {
     ///
     /// # Errors
     /// `level` is greater than [`CollapseSequence::len`].
+    ///
+    /// ```
+    #[doc = include_str!("lod/example.txt")]
+    /// assert_eq!(sequence.drawn(1)?, [[0, 1, 2], [2, 1, 3]]);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn drawn(&self, level: usize) -> Result<Vec<[u32; 3]>, Error> {
         if self.vertex_count / SPARSE <= self.triangles.len() {
             let now = self.renaming(level)?;
@@ -304,6 +397,12 @@ impl CollapseSequence {
     ///
     /// # Errors
     /// As [`CollapseSequence::from_collapses`], or a collapse drops other triangles than stated.
+    ///
+    /// ```
+    #[doc = include_str!("lod/example.txt")]
+    /// assert!(sequence.check().is_ok());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn check(&self) -> Result<(), Error> {
         let collapses = self.iter().map(|collapse| (collapse.renames, collapse.error));
         let done = Self::from_collapses(self.vertex_count, self.triangles.clone(), collapses)?;
@@ -325,129 +424,4 @@ pub(crate) fn check_level(level: usize, highest: usize) -> Result<(), Error> {
     }
     let found = format!("{level} of {highest}");
     Err(Error::Parameter { name: "level", found, expected: "at most the level of the full mesh" })
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn fan() -> CollapseSequence {
-        // A hexagon around vertex 6, whose corners 0, 1 and 2 collapse one after the other to the next corner.
-        let triangles = (0..6).flat_map(|i| [i, (i + 1) % 6, 6]).collect();
-        let renames = [
-            [Rename { removed: 0, kept: 1 }],
-            [Rename { removed: 1, kept: 2 }],
-            [Rename { removed: 2, kept: 3 }],
-        ];
-        let collapses = renames.iter().zip([1.0, 3.0, 2.0]).map(|(r, error)| (&r[..], error));
-        CollapseSequence::from_collapses(7, triangles, collapses).unwrap()
-    }
-
-    #[test]
-    fn levels_of_a_fan() {
-        let fan = fan();
-        assert_eq!(fan.len(), 3);
-        assert_eq!([0, 1, 2, 3].map(|level| fan.triangles_at(level)), [3, 4, 5, 6]);
-        assert_eq!([0, 1, 2, 3].map(|level| fan.drawn(level).unwrap().len()), [3, 4, 5, 6]);
-        assert_eq!(fan.drawn(0).unwrap(), [[3, 4, 6], [4, 5, 6], [5, 3, 6]]);
-        assert_eq!(
-            [0, 1, 2, 3].map(|level| fan.error_at(level).to_bits()),
-            [3_f32, 3.0, 1.0, 0.0].map(f32::to_bits)
-        );
-        assert_eq!([9, 6, 5, 3, 2, 0].map(|count| fan.level_of_triangles(count)), [3, 3, 2, 0, 0, 0]);
-        assert_eq!([0.0, 1.0, 2.5, 3.0].map(|error| fan.level_of_error(error)), [3, 2, 2, 0]);
-        fan.check().unwrap();
-    }
-
-    #[test]
-    fn wrong_dropped_triangles_are_detected() {
-        let mut fan = fan();
-        fan.dropped.swap(0, 1);
-        assert!(fan.check().unwrap_err().to_string().contains("other triangles dropped by collapse 0"));
-    }
-
-    #[test]
-    fn collapses_of_missing_vertices_are_refused() {
-        let collapse = |removed, kept| {
-            let renames = [[Rename { removed: 3, kept: 2 }], [Rename { removed, kept }]];
-            let collapses = renames.iter().map(|r| (&r[..], 0.0));
-            CollapseSequence::from_collapses(5, vec![0, 1, 2, 2, 1, 3], collapses)
-        };
-        assert!(collapse(0, 1).is_ok());
-        for (removed, kept) in [(3, 0), (0, 3), (0, 0), (0, 5), (7, 0), (4, 0), (0, 4)] {
-            let error = collapse(removed, kept).unwrap_err().to_string();
-            assert!(error.contains(&format!("{removed} renamed to {kept} by collapse 1")), "{error}");
-        }
-        for error in [f32::NAN, -1.0] {
-            let rename = [Rename { removed: 3, kept: 2 }];
-            let collapses = [(&rename[..], error)];
-            assert!(CollapseSequence::from_collapses(4, vec![0, 1, 2, 2, 1, 3], collapses).is_err());
-        }
-        assert!(CollapseSequence::from_collapses(2, vec![0, 1], []).is_err());
-        assert!(CollapseSequence::from_collapses(2, vec![0, 1, 2], []).is_err());
-    }
-
-    #[test]
-    fn both_sides_of_a_seam_are_renamed_together() {
-        // Vertices 1 and 4 are at one position, 2 and 5 at another.
-        let renames = [Rename { removed: 1, kept: 2 }, Rename { removed: 4, kept: 5 }];
-        let sequence =
-            CollapseSequence::from_collapses(7, vec![0, 1, 2, 4, 3, 5, 3, 4, 6], [(&renames[..], 0.0)])
-                .unwrap();
-        assert_eq!(sequence.collapse_to(0).dropped, [0, 1]);
-        assert_eq!(sequence.drawn(0).unwrap(), [[3, 5, 6]]);
-    }
-
-    #[test]
-    fn wrong_levels_and_counts_are_refused() {
-        let fan = fan();
-        for level in [4, usize::MAX] {
-            let message =
-                format!("parameter `level`: found {level} of 3, expected at most the level of the full mesh");
-            assert_eq!(fan.triangle_count(level).unwrap_err().to_string(), message);
-            assert_eq!(fan.error(level).unwrap_err().to_string(), message);
-            assert_eq!(fan.renaming(level).unwrap_err().to_string(), message);
-            assert_eq!(fan.drawn(level).unwrap_err().to_string(), message);
-        }
-        assert!(fan.collapse(2).is_ok() && fan.collapse(3).is_err() && fan.collapse(usize::MAX).is_err());
-        assert!(CollapseSequence::default().collapse(0).is_err());
-        assert_eq!((fan.level_of_triangles(usize::MAX), fan.level_of_error(f32::INFINITY)), (3, 0));
-        assert!(CollapseSequence::from_collapses(usize::MAX, vec![], []).is_err());
-        assert!(CollapseSequence::from_collapses(3, vec![0, 1, u32::MAX], []).is_err());
-    }
-
-    #[test]
-    fn few_of_many_vertices_take_little_memory() {
-        let many = u32::MAX as usize - 1;
-        let far = |v: u32| 1_000_000_000 * v;
-        let rename = [Rename { removed: far(3), kept: far(2) }];
-        let triangles = [0, 1, 2, 2, 1, 3].map(far);
-        let of =
-            |rename: &[Rename]| CollapseSequence::from_collapses(many, triangles.to_vec(), [(rename, 0.5)]);
-        let sequence = of(&rename[..]).unwrap();
-        assert_eq!(sequence.drawn(0).unwrap(), [[0, far(1), far(2)]]);
-        assert_eq!(sequence.drawn(1).unwrap().len(), 2);
-        sequence.check().unwrap();
-        for (removed, kept) in [(far(3) + 1, far(2)), (far(3), u32::MAX), (far(3), far(3))] {
-            assert!(of(&[Rename { removed, kept }]).is_err());
-        }
-    }
-
-    #[test]
-    fn long_chains_of_collapses_are_checked_in_little_time() {
-        // A fan around vertex 0 that goes around its rim, one vertex at a time: the hub of n corners is renamed n times.
-        let n = 100_000;
-        let triangles: Vec<u32> = (1..n).flat_map(|i| [0, i, i + 1]).collect();
-        let renames: Vec<_> = (0..n - 1).map(|v| [Rename { removed: v, kept: v + 1 }]).collect();
-        let collapses = renames.iter().map(|renames| (&renames[..], 0.0));
-        let sequence = CollapseSequence::from_collapses(n as usize + 1, triangles, collapses).unwrap();
-        assert_eq!(sequence.triangle_count(0).unwrap(), 0);
-        sequence.check().unwrap();
-        // One collapse of many renames.
-        let renames: Vec<_> = (1..n).map(|v| Rename { removed: v, kept: n }).collect();
-        let triangles: Vec<u32> = (1..n).flat_map(|i| [0, i, i + 1]).collect();
-        let sequence =
-            CollapseSequence::from_collapses(n as usize + 1, triangles, [(&renames[..], 0.0)]).unwrap();
-        assert_eq!(sequence.triangle_count(0).unwrap(), 0);
-    }
 }

@@ -79,16 +79,38 @@ impl PathCover {
     }
 
     /// Counts the triangles.
+    ///
+    /// ```
+    #[doc = include_str!("dual/example.txt")]
+    /// assert_eq!(plan.cover().len(), 3);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn len(&self) -> usize {
         self.links.len()
     }
 
     /// Returns whether there is no triangle.
+    ///
+    /// ```
+    #[doc = include_str!("dual/example.txt")]
+    /// let nothing = Mesh::default();
+    /// let nothing = PreparedFaces::new(&nothing, false);
+    /// let graph = DualGraph::new(nothing.faces());
+    /// let no_strips = stripify::plan(&nothing, &graph, &StripifyOptions::default())?;
+    /// assert!(no_strips.cover().is_empty() && !plan.cover().is_empty());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn is_empty(&self) -> bool {
         self.links.is_empty()
     }
 
     /// Counts the paths.
+    ///
+    /// ```
+    #[doc = include_str!("dual/example.txt")]
+    /// assert_eq!((plan.cover().path_count(), plan.strips().len()), (2, 2));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn path_count(&self) -> usize {
         self.links.len() - self.link_count
     }
@@ -213,6 +235,14 @@ impl PathCover {
     ///
     /// # Errors
     /// The first violation found.
+    ///
+    /// ```
+    #[doc = include_str!("dual/example.txt")]
+    /// assert_eq!(plan.cover().check(plan.triangulation().graph()), Ok(()));
+    /// // The graph of the faces has one node for the quadrilateral.
+    /// assert_eq!(plan.cover().check(&graph), Err(CoverFault::Size));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn check(&self, graph: &DualGraph) -> Result<(), CoverFault> {
         if !graph.is_of_triangles() || graph.face_count() != self.links.len() {
             return Err(CoverFault::Size);

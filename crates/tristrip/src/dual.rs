@@ -79,6 +79,15 @@ enum Shape {
 
 impl DualGraph {
     /// Connects the faces across the edges that they share; the module documentation gives the rule at edges of more than two faces.
+    ///
+    /// ```
+    /// use tristrip::{DualGraph, Faces};
+    /// // Across the edge 1 2 the second triangle runs from 2 to 1, the third from 1 to 2 as the first does.
+    /// let graph = DualGraph::new(&Faces::from_triangles(vec![0, 1, 2, 2, 1, 3, 1, 2, 4])?);
+    /// assert_eq!(graph.half_edge_twins().flatten().count(), 2);
+    /// assert_eq!(graph.components().1, 2);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn new(faces: &Faces) -> Self {
         let compact = faces.compact();
         let renumbered;
@@ -109,6 +118,12 @@ impl DualGraph {
     }
 
     /// Counts the faces, the nodes of the graph.
+    ///
+    /// ```
+    #[doc = include_str!("dual/example.txt")]
+    /// assert_eq!((graph.face_count(), plan.triangulation().graph().face_count()), (2, 3));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn face_count(&self) -> usize {
         match &self.shape {
             Shape::Triangles => self.twins.len() / 3,
@@ -122,11 +137,25 @@ impl DualGraph {
     }
 
     /// Counts the half-edges: one per corner.
+    ///
+    /// ```
+    #[doc = include_str!("dual/example.txt")]
+    /// assert_eq!((graph.half_edge_count(), plan.triangulation().graph().half_edge_count()), (7, 9));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn half_edge_count(&self) -> usize {
         self.twins.len()
     }
 
     /// Iterates over the half-edges of all faces in order: the one on the other side, or `None` at a boundary.
+    ///
+    /// ```
+    /// use tristrip::{DualGraph, Faces};
+    /// let graph = DualGraph::new(&Faces::from_polygons([[0, 1, 2, 3], [1, 0, 4, 5]])?);
+    /// let boundary = graph.half_edge_twins().filter(|twin| twin.is_none()).count();
+    /// assert_eq!((graph.half_edge_count(), boundary), (8, 6));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn half_edge_twins(&self) -> impl ExactSizeIterator<Item = Option<HalfEdge>> {
         self.twins.iter().map(|&twin| (twin != NO_TWIN).then_some(HalfEdge(twin)))
     }
@@ -289,6 +318,12 @@ impl DualGraph {
     ///
     /// # Errors
     /// The first half-edge that does not satisfy this.
+    ///
+    /// ```
+    #[doc = include_str!("dual/example.txt")]
+    /// assert_eq!((graph.check(), plan.triangulation().graph().check()), (Ok(()), Ok(())));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn check(&self) -> Result<(), HalfEdge> {
         for h in (0..self.twins.len() as u32).map(HalfEdge) {
             let Some(twin) = self.twin(h) else { continue };

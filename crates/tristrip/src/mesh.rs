@@ -165,31 +165,75 @@ impl Mesh {
     }
 
     /// Returns the position of each vertex, in mesh units.
+    ///
+    /// ```
+    #[doc = include_str!("mesh/example.txt")]
+    /// let highest = mesh.positions().iter().map(|position| position[1]).fold(0.0, f32::max);
+    /// assert_eq!(highest, 2.0);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn positions(&self) -> &[[f32; 3]] {
         &self.positions
     }
 
     /// Returns the positions for sharing with another mesh.
+    ///
+    /// ```
+    #[doc = include_str!("mesh/example.txt")]
+    /// let back = Mesh::new(mesh.shared_positions(), Faces::from_triangles(vec![2, 1, 0])?)?;
+    /// assert_eq!(back.positions().as_ptr(), mesh.positions().as_ptr());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn shared_positions(&self) -> Arc<Vec<[f32; 3]>> {
         Arc::clone(&self.positions)
     }
 
     /// Returns whether positions and attributes are shared with another mesh, not only equal to its own.
+    ///
+    /// ```
+    #[doc = include_str!("mesh/example.txt")]
+    /// let copy = Mesh::new(mesh.positions().to_vec(), mesh.faces().clone())?;
+    /// assert!(mesh.clone().shares_vertices(&mesh));
+    /// assert!(copy == mesh && !copy.shares_vertices(&mesh));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn shares_vertices(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.positions, &other.positions) && Arc::ptr_eq(&self.attributes, &other.attributes)
     }
 
     /// Counts the vertices, whether or not a face uses them.
+    ///
+    /// ```
+    #[doc = include_str!("mesh/example.txt")]
+    /// assert_eq!(mesh.with_faces(Faces::from_triangles(vec![0, 1, 2])?)?.vertex_count(), 5);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn vertex_count(&self) -> usize {
         self.positions.len()
     }
 
     /// Returns the faces.
+    ///
+    /// ```
+    #[doc = include_str!("mesh/example.txt")]
+    /// let sizes: Vec<usize> = mesh.faces().iter().map(|face| face.len()).collect();
+    /// assert_eq!(sizes, [4, 3]);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn faces(&self) -> &Faces {
         &self.faces
     }
 
     /// Returns the vertex attributes other than the position.
+    ///
+    /// ```
+    #[doc = include_str!("mesh/example.txt")]
+    /// let data = AttributeData::U8(vec![0, 50, 100, 150, 200]);
+    /// let shade = Attribute { name: "shade".into(), components: 1, normalized: true, data };
+    /// let mesh = mesh.with_attribute(shade)?;
+    /// assert_eq!(mesh.attributes()[0].of_vertices(&[4])?.data, AttributeData::U8(vec![200]));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn attributes(&self) -> &[Attribute] {
         &self.attributes
     }

@@ -82,7 +82,7 @@ impl<'a> PreparedFaces<'a> {
     /// A face has a vertex without a position, or with one that is not finite.
     ///
     /// ```
-    /// use tristrip::{Faces, PreparedFaces, InterleavedPositions};
+    /// use tristrip::{Faces, InterleavedPositions, PreparedFaces};
     /// // A concave quadrilateral; each vertex has a position and a shade.
     /// let vertices = [0., 0., 0., 9., 2., 1., 0., 9., 0., 2., 0., 9., 0.5, 1., 0., 9.];
     /// let positions = InterleavedPositions::from_floats(&vertices, 4, 0)?;
@@ -108,21 +108,56 @@ impl<'a> PreparedFaces<'a> {
     }
 
     /// Returns the faces.
+    ///
+    /// ```
+    /// use tristrip::{Faces, Mesh, PreparedFaces};
+    /// // A concave quadrilateral, which is cut along the diagonal inside.
+    /// let positions = vec![[0.0, 0.0, 0.0], [2.0, 1.0, 0.0], [0.0, 2.0, 0.0], [0.5, 1.0, 0.0]];
+    /// let mesh = Mesh::new(positions, Faces::from_polygons([[0, 1, 2, 3]])?)?;
+    /// let prepared = PreparedFaces::new(&mesh, false);
+    /// let on_diagonal = |face: &[u32]| face.contains(&1) && face.contains(&3);
+    /// assert_eq!(prepared.faces().iter().filter(|face| on_diagonal(face)).count(), 2);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn faces(&self) -> &Faces {
         &self.faces
     }
 
     /// Counts the vertices of the mesh, whether or not a face uses them.
+    ///
+    /// ```
+    #[doc = include_str!("mesh/example.txt")]
+    /// let some = mesh.with_faces(Faces::from_triangles(vec![0, 1, 2])?)?;
+    /// assert_eq!(PreparedFaces::new(&some, false).vertex_count(), 5);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn vertex_count(&self) -> usize {
         self.vertex_count
     }
 
     /// Returns the vertices that were welded.
+    ///
+    /// ```
+    #[doc = include_str!("mesh/welded_example.txt")]
+    /// assert_eq!(PreparedFaces::new(&mesh, true).welds().len(), 2);
+    /// assert!(PreparedFaces::new(&mesh, false).welds().is_empty());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn welds(&self) -> &VertexWelds {
         &self.welds
     }
 
     /// Returns the counts of changes.
+    ///
+    /// ```
+    /// use tristrip::{Faces, Mesh, PreparedFaces};
+    /// // The last two of four vertices are at one position.
+    /// let positions = vec![[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+    /// let mesh = Mesh::new(positions, Faces::from_triangles(vec![0, 1, 2, 1, 2, 3])?)?;
+    /// let counts = PreparedFaces::new(&mesh, true).counts();
+    /// assert_eq!((counts.welded_vertices, counts.degenerate_faces), (1, 1));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn counts(&self) -> PreparedCounts {
         self.counts
     }

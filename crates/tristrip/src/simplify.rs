@@ -49,6 +49,13 @@ pub struct SimplifyOptions {
 
 impl SimplifyOptions {
     /// Stops at this number of triangles, or one fewer: a collapse drops up to two.
+    ///
+    /// ```
+    #[doc = include_str!("simplify/example.txt")]
+    /// let simplified = simplify(&grid, &SimplifyOptions::default().with_triangles(20))?;
+    /// assert!((19..=20).contains(&simplified.mesh.faces().face_count()));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     #[must_use]
     pub fn with_triangles(mut self, triangle_count: usize) -> Self {
         self.triangle_count = triangle_count;
@@ -56,6 +63,17 @@ impl SimplifyOptions {
     }
 
     /// Allows no collapse with a larger error, in mesh units; see [`Collapse::error`](crate::collapse::Collapse::error).
+    ///
+    /// ```
+    #[doc = include_str!("simplify/example.txt")]
+    /// let triangles = |error| {
+    ///     let simplified = simplify(&grid, &SimplifyOptions::default().with_error(error))?;
+    ///     Ok::<_, Error>(simplified.mesh.faces().face_count())
+    /// };
+    /// // The peak stays where an error of its height is not allowed.
+    /// assert!(triangles(0.5)? > triangles(2.0)?);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     #[must_use]
     pub fn with_error(mut self, error: f32) -> Self {
         self.error = Some(error);
@@ -63,6 +81,16 @@ impl SimplifyOptions {
     }
 
     /// Locks vertices, one value per vertex; vertices after the last value are not locked.
+    ///
+    /// ```
+    #[doc = include_str!("simplify/example.txt")]
+    /// let kept = |options| simplify(&grid, &options).map(|simplified| simplified.vertices);
+    /// // The first row stays.
+    /// let locked = SimplifyOptions::default().with_locked(vec![true; 9]);
+    /// assert_eq!(kept(locked)?[..9], [0, 1, 2, 3, 4, 5, 6, 7, 8]);
+    /// assert!(kept(SimplifyOptions::default())?.len() < 9);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     #[must_use]
     pub fn with_locked(mut self, locked: Vec<bool>) -> Self {
         self.locked = locked;
@@ -70,16 +98,34 @@ impl SimplifyOptions {
     }
 
     /// Returns the number of triangles to stop at.
+    ///
+    /// ```
+    /// use tristrip::simplify::SimplifyOptions;
+    /// assert_eq!(SimplifyOptions::default().triangle_count(), 0);
+    /// assert_eq!(SimplifyOptions::default().with_triangles(500).triangle_count(), 500);
+    /// ```
     pub fn triangle_count(&self) -> usize {
         self.triangle_count
     }
 
     /// Returns the largest error allowed, in mesh units; `None` for any.
+    ///
+    /// ```
+    /// use tristrip::simplify::SimplifyOptions;
+    /// assert_eq!(SimplifyOptions::default().error(), None);
+    /// assert_eq!(SimplifyOptions::default().with_error(0.1).error(), Some(0.1));
+    /// ```
     pub fn error(&self) -> Option<f32> {
         self.error
     }
 
     /// Returns which vertices are locked; those after the last value are not.
+    ///
+    /// ```
+    /// use tristrip::simplify::SimplifyOptions;
+    /// assert!(SimplifyOptions::default().locked().is_empty());
+    /// assert_eq!(SimplifyOptions::default().with_locked(vec![false, true]).locked(), [false, true]);
+    /// ```
     pub fn locked(&self) -> &[bool] {
         &self.locked
     }

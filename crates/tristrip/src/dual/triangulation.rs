@@ -80,16 +80,36 @@ impl<'a> Triangulation<'a> {
     }
 
     /// Returns three vertices per triangle, in its winding.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// assert_eq!(plan.triangulation().triangles()[6..], [4, 5, 6]);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn triangles(&self) -> &[u32] {
         &self.triangles
     }
 
     /// Returns the dual graph of the triangles.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// // One diagonal: two half-edges that are twins.
+    /// assert_eq!(plan.triangulation().graph().half_edge_twins().flatten().count(), 2);
+    /// assert_eq!(graph.half_edge_twins().flatten().count(), 0);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn graph(&self) -> &DualGraph {
         &self.graph
     }
 
     /// Counts the triangles.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// assert_eq!((plan.triangulation().triangle_count(), mesh.faces().face_count()), (3, 2));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn triangle_count(&self) -> usize {
         self.triangles.len() / 3
     }

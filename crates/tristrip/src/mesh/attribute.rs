@@ -26,6 +26,12 @@ pub enum AttributeData {
 
 impl AttributeData {
     /// Counts the values, over all vertices and components.
+    ///
+    /// ```
+    /// // The normals of two vertices.
+    /// let normals = tristrip::AttributeData::F32(vec![0.0, 0.0, 1.0, 0.0, 1.0, 0.0]);
+    /// assert_eq!(normals.len(), 6);
+    /// ```
     pub fn len(&self) -> usize {
         match self {
             Self::F32(v) => v.len(),
@@ -40,6 +46,11 @@ impl AttributeData {
     }
 
     /// Returns whether there is no value.
+    ///
+    /// ```
+    /// use tristrip::AttributeData;
+    /// assert!(AttributeData::U16(vec![]).is_empty() && !AttributeData::U16(vec![0]).is_empty());
+    /// ```
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }

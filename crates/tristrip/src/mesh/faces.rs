@@ -90,16 +90,34 @@ impl Faces {
     }
 
     /// Counts the faces.
+    ///
+    /// ```
+    /// let triangle_and_quad = tristrip::Faces::from_offsets(vec![0, 3, 7], vec![0, 1, 2, 2, 1, 3, 4])?;
+    /// assert_eq!(triangle_and_quad.face_count(), 2);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn face_count(&self) -> usize {
         self.offsets.as_ref().map_or(self.corners.len() / 3, |offsets| offsets.len() - 1)
     }
 
     /// Counts the corners of all faces.
+    ///
+    /// ```
+    /// let cube = [[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]];
+    /// assert_eq!(tristrip::Faces::from_polygons(cube)?.corner_count(), 24);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn corner_count(&self) -> usize {
         self.corners.len()
     }
 
     /// Returns the vertex of every corner, face after face.
+    ///
+    /// ```
+    /// let faces = tristrip::Faces::from_polygons([vec![0, 1, 2, 3], vec![3, 2, 4]])?;
+    /// assert_eq!(faces.corners(), [0, 1, 2, 3, 3, 2, 4]);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn corners(&self) -> &[u32] {
         &self.corners
     }
@@ -135,11 +153,25 @@ impl Faces {
     }
 
     /// Iterates over the faces in order.
+    ///
+    /// ```
+    /// let faces = tristrip::Faces::from_polygons([vec![0, 1, 2, 3], vec![3, 2, 4]])?;
+    /// assert_eq!(faces.iter().map(|face| face[0]).collect::<Vec<_>>(), [0, 3]);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn iter(&self) -> impl ExactSizeIterator<Item = &[u32]> + Clone {
         (0..self.face_count()).map(|face| self.face(face))
     }
 
     /// Returns the index buffer if every face is a triangle.
+    ///
+    /// ```
+    /// use tristrip::Faces;
+    /// let triangles = Faces::from_polygons([[0, 1, 2], [2, 1, 3]])?;
+    /// assert_eq!(triangles.as_triangles(), Some(&[0, 1, 2, 2, 1, 3][..]));
+    /// assert_eq!(Faces::from_polygons([[0, 1, 2, 3]])?.as_triangles(), None);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn as_triangles(&self) -> Option<&[u32]> {
         self.offsets.is_none().then_some(&self.corners)
     }
@@ -212,6 +244,13 @@ impl Faces {
     }
 
     /// Counts the triangles of the faces: a face of k corners has k − 2.
+    ///
+    /// ```
+    /// // An edge draws nothing.
+    /// let faces = tristrip::Faces::from_polygons([vec![0, 1, 2, 3, 4], vec![4, 3, 5], vec![5, 6]])?;
+    /// assert_eq!(faces.triangle_count(), 4);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn triangle_count(&self) -> usize {
         match &self.offsets {
             Some(offsets) => offsets.windows(2).map(|w| ((w[1] - w[0]) as usize).saturating_sub(2)).sum(),

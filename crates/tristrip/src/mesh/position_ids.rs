@@ -37,6 +37,15 @@ impl PositionIds {
     ///
     /// # Errors
     /// The meshes together have too many corners, faces or positions for 32-bit ids.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// // Vertex 4 of another mesh is where vertex 0 of this one is.
+    /// let last = Mesh::new(vec![mesh.positions()[0]; 5], Faces::from_polygons([[4]])?)?;
+    /// let faces = PositionIds::default().faces(&[&mesh, &last])?;
+    /// assert_eq!(faces.iter().collect::<Vec<_>>(), [&[0, 1, 2, 3][..], &[3, 2, 4], &[0]]);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn faces(&mut self, meshes: &[&Mesh]) -> Result<Faces, Error> {
         // The numbers of the vertices that faces have used, by the address of the positions.
         let mut known: HashMap<usize, Vec<OptionalId>> = HashMap::new();

@@ -29,9 +29,22 @@ use crate::ids::check_count;
 /// ```
 pub trait Positions {
     /// Counts the vertices.
+    ///
+    /// ```
+    /// use tristrip::Positions;
+    /// assert_eq!([[0.0; 3], [1.0; 3]].vertex_count(), 2);
+    /// ```
     fn vertex_count(&self) -> usize;
 
     /// Returns the position of a vertex in mesh units; `None` if there is no such vertex.
+    ///
+    /// ```
+    /// use tristrip::Positions;
+    /// fn height<P: Positions>(positions: &P) -> f32 {
+    ///     (0..positions.vertex_count()).filter_map(|v| positions.position(v)).map(|p| p[1]).fold(0.0, f32::max)
+    /// }
+    /// assert_eq!(height(&vec![[0.0, 1.0, 0.0], [0.0, 3.0, 0.0], [0.0, 2.0, 0.0]]), 3.0);
+    /// ```
     fn position(&self, vertex: usize) -> Option<[f32; 3]>;
 }
 

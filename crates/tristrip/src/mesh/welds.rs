@@ -35,6 +35,15 @@ pub struct VertexWelds {
 
 impl VertexWelds {
     /// Finds the vertices in use that have the same bits in position and all attributes as an earlier vertex in use.
+    ///
+    /// ```
+    #[doc = include_str!("welded_example.txt")]
+    /// let shades = AttributeData::U8(vec![0, 1, 2, 2, 9, 5]);
+    /// let shades = Attribute { name: "shade".into(), components: 1, normalized: true, data: shades };
+    /// // Vertices 1 and 4 have different shades now.
+    /// assert_eq!(VertexWelds::of(&mesh.with_attribute(shades)?).iter().collect::<Vec<_>>(), [(3, 2)]);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn of(mesh: &Mesh) -> Self {
         let used = VertexSubset::of(mesh.faces().corners());
         let mut first: FxHashMap<Vec<u8>, u32> = FxHashMap::default();
@@ -72,21 +81,49 @@ impl VertexWelds {
     }
 
     /// Counts the welded vertices.
+    ///
+    /// ```
+    #[doc = include_str!("welded_example.txt")]
+    /// assert_eq!(VertexWelds::of(&mesh).len(), 2);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn len(&self) -> usize {
         self.pairs.len()
     }
 
     /// Returns whether no vertex is welded.
+    ///
+    /// ```
+    #[doc = include_str!("welded_example.txt")]
+    /// let first_triangle = mesh.with_faces(Faces::from_triangles(vec![0, 1, 2])?)?;
+    /// assert!(VertexWelds::of(&first_triangle).is_empty() && !VertexWelds::of(&mesh).is_empty());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn is_empty(&self) -> bool {
         self.pairs.is_empty()
     }
 
     /// Iterates over the welded vertices in ascending order, each with the vertex that replaces it.
+    ///
+    /// ```
+    #[doc = include_str!("welded_example.txt")]
+    /// for (vertex, other) in VertexWelds::of(&mesh).iter() {
+    ///     assert_eq!(mesh.positions()[vertex as usize], mesh.positions()[other as usize]);
+    /// }
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn iter(&self) -> impl ExactSizeIterator<Item = (u32, u32)> {
         self.pairs.iter().copied()
     }
 
     /// Returns the vertex that replaces a vertex; the vertex itself if it is not welded.
+    ///
+    /// ```
+    #[doc = include_str!("welded_example.txt")]
+    /// let welds = VertexWelds::of(&mesh);
+    /// assert_eq!([3, 4, 5].map(|vertex| welds.vertex(vertex)), [2, 1, 5]);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn vertex(&self, vertex: u32) -> u32 {
         let at = self.pairs.binary_search_by_key(&vertex, |&(welded, _)| welded);
         at.map_or(vertex, |at| self.pairs[at].1)

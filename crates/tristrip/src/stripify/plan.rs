@@ -29,16 +29,34 @@ impl<'a> StripPlan<'a> {
     }
 
     /// Returns the triangles and their dual graph.
+    ///
+    /// ```
+    #[doc = include_str!("../dual/example.txt")]
+    /// assert_eq!(plan.triangulation().triangle_count(), plan.strips().triangles().count());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn triangulation(&self) -> &Triangulation<'a> {
         &self.triangulation
     }
 
     /// Returns the paths over the triangles.
+    ///
+    /// ```
+    #[doc = include_str!("../dual/example.txt")]
+    /// assert_eq!(plan.cover().path_count(), plan.strips().len());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn cover(&self) -> &PathCover {
         &self.cover
     }
 
     /// Emits the strips, with the [welds](Strips::welds) of the faces.
+    ///
+    /// ```
+    #[doc = include_str!("../dual/example.txt")]
+    /// assert!(verify::verify(&mesh, &plan.strips()).is_ok());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn strips(&self) -> Strips {
         let strips = match &self.order {
             Some(order) => emit_in_order(&self.triangulation, &self.cover, order),

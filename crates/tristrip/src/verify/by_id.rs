@@ -115,6 +115,15 @@ pub fn verify(mesh: &Mesh, strips: &Strips) -> Result<Proof, Unproven> {
 ///
 /// # Errors
 /// The first difference found.
+///
+/// ```
+/// use tristrip::{Faces, verify::{Unproven, verify_drawing}};
+/// let square = Faces::from_polygons([[0, 1, 2, 3]])?;
+/// assert_eq!(verify_drawing(&square, &[[1, 2, 3], [3, 0, 1]]).map(|proof| proof.triangles), Ok(2));
+/// // The wrong winding.
+/// assert!(verify_drawing(&square, &[[3, 2, 1], [1, 0, 3]]).is_err());
+/// # Ok::<(), tristrip::Error>(())
+/// ```
 pub fn verify_drawing(faces: &Faces, triangles: &[[u32; 3]]) -> Result<Proof, Unproven> {
     let proof = Proof { faces: faces.face_count(), triangles: triangles.len() };
     let difference = match faces.as_triangles() {

@@ -42,11 +42,26 @@ impl VertexCache {
     pub const MAX_ENTRIES: u32 = 1 << 16;
 
     /// Creates a first-in, first-out cache.
+    ///
+    /// ```
+    /// use tristrip::vertex_cache::VertexCache;
+    /// assert_eq!(VertexCache::fifo(16), VertexCache::default());
+    /// assert_eq!(VertexCache::fifo(32).to_string(), "fifo:32");
+    /// ```
     pub const fn fifo(entries: u32) -> Self {
         Self { replacement: Replacement::Fifo, entries }
     }
 
     /// Creates a cache that evicts the least recently used vertex.
+    ///
+    /// ```
+    /// use tristrip::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
+    /// let strips = tristrip::Strips::from_parts(vec![0, 1, 2, 0, 3, 0, 4], vec![7])?;
+    /// let misses = |cache| VertexCacheStatistics::of(&strips, cache, FlushPolicy::Keep).misses;
+    /// // Vertex 0 entered first, but is in use.
+    /// assert_eq!((misses(VertexCache::lru(3)), misses(VertexCache::fifo(3))), (5, 6));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub const fn lru(entries: u32) -> Self {
         Self { replacement: Replacement::Lru, entries }
     }

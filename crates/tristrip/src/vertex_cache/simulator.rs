@@ -38,6 +38,15 @@ impl VertexCacheSimulator {
     ///
     /// # Errors
     /// There are too many vertices for 32-bit ids, or for the memory.
+    ///
+    /// ```
+    /// use tristrip::vertex_cache::{VertexCache, VertexCacheSimulator};
+    /// // Without entries there are no hits.
+    /// let mut cache = VertexCacheSimulator::new(VertexCache::fifo(0), 3)?;
+    /// cache.send_all(&[2, 2, 2])?;
+    /// assert_eq!(cache.misses(), 3);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn new(cache: VertexCache, vertex_count: usize) -> Result<Self, Error> {
         check_count("vertices", vertex_count)?;
         let (found, limit) = (vertex_count as u64, isize::MAX as u64 / 4);
@@ -59,6 +68,14 @@ impl VertexCacheSimulator {
     ///
     /// # Errors
     /// The vertex is not less than the number of vertices.
+    ///
+    /// ```
+    /// use tristrip::vertex_cache::{VertexCache, VertexCacheSimulator};
+    /// let mut cache = VertexCacheSimulator::new(VertexCache::fifo(2), 9)?;
+    /// assert_eq!((cache.send(8)?, cache.send(8)?), (false, true));
+    /// assert!(cache.send(9).is_err());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn send(&mut self, vertex: u32) -> Result<bool, Error> {
         self.check(&[vertex])?;
         Ok(self.receive(vertex))
@@ -108,6 +125,15 @@ impl VertexCacheSimulator {
     }
 
     /// Removes all vertices from the cache.
+    ///
+    /// ```
+    /// use tristrip::vertex_cache::{VertexCache, VertexCacheSimulator};
+    /// let mut cache = VertexCacheSimulator::new(VertexCache::lru(16), 3)?;
+    /// cache.send_all(&[0, 1, 2, 0])?;
+    /// cache.flush();
+    /// assert_eq!((cache.send(0)?, cache.misses()), (false, 4));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn flush(&mut self) {
         match &mut self.entries {
             Entries::Fifo(fifo) => fifo.flush(),
@@ -129,6 +155,14 @@ impl VertexCacheSimulator {
     }
 
     /// Counts the vertices that were not in the cache when they were sent.
+    ///
+    /// ```
+    /// use tristrip::vertex_cache::{VertexCache, VertexCacheSimulator};
+    /// let mut cache = VertexCacheSimulator::new(VertexCache::lru(3), 5)?;
+    /// cache.send_all(&[0, 1, 2, 0, 3, 1])?;
+    /// assert_eq!(cache.misses(), 5);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn misses(&self) -> usize {
         match &self.entries {
             Entries::Fifo(fifo) => fifo.misses()[0],

@@ -60,11 +60,27 @@ impl VertexCacheStatistics {
     }
 
     /// Returns the misses per real triangle (the ACMR); 0 without triangles.
+    ///
+    /// ```
+    /// use tristrip::vertex_cache::VertexCacheStatistics;
+    /// let mut used = VertexCacheStatistics::default();
+    /// assert_eq!(used.acmr(), 0.0);
+    /// (used.misses, used.triangles) = (300, 400);
+    /// assert_eq!(used.acmr(), 0.75);
+    /// ```
     pub fn acmr(&self) -> f64 {
         if self.triangles == 0 { 0.0 } else { self.misses as f64 / self.triangles as f64 }
     }
 
     /// Returns the misses per vertex in use (the ATVR); 0 without vertices.
+    ///
+    /// ```
+    /// use tristrip::vertex_cache::VertexCacheStatistics;
+    /// let mut used = VertexCacheStatistics::default();
+    /// (used.misses, used.vertices) = (300, 200);
+    /// // Each vertex is transformed one and a half times.
+    /// assert_eq!(used.atvr(), 1.5);
+    /// ```
     pub fn atvr(&self) -> f64 {
         if self.vertices == 0 { 0.0 } else { self.misses as f64 / self.vertices as f64 }
     }
