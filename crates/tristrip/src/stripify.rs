@@ -112,6 +112,7 @@ fn plan_known<'a>(
 mod tests {
     use super::*;
     use crate::mesh::{Faces, Mesh};
+    use crate::strip::Strips;
     use crate::verify::verify;
     use bound::Bound;
     use proptest::prelude::*;
