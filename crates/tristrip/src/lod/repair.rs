@@ -54,93 +54,36 @@
 //! The time of a step depends on the effort and on the valence of the vertices that it names, not on the size of the mesh, except for cuts, which walk to
 //! the nearer end of their path. 56 bytes per triangle of the full mesh and 8 per vertex.
 
+mod model;
+mod nearby;
+mod options;
+mod strip_order;
 #[cfg(test)]
 mod tests;
+
+pub use model::RepairedStrips;
+pub use options::RepairOptions;
 
 use std::sync::Arc;
 
 use super::level_mesh::LevelMesh;
-use super::level_model::{LevelCursor, LevelModel, LevelTable};
-
+use super::level_model::{LevelCursor, LevelTable};
 use crate::collapse::CollapseSequence;
 use crate::cover::PathCover;
 use crate::cover::local_search::LocalSearch;
-use crate::cover::priced::{PricedPaths, TRIANGLE_LIMIT};
+use crate::cover::priced::PricedPaths;
 use crate::dual::DualGraph;
 use crate::dual::Triangulation;
-use crate::effort::Effort;
 use crate::error::Error;
-use crate::mesh::canonical_triangle;
-use crate::strip::{Cost, Strips, emit, strip_triangles};
-
-/// The amount of search next to a change, and everywhere when a level is computed directly.
-#[derive(Debug, Clone, Copy)]
-struct SearchAmount {
-    /// Triangles next to a change to search from.
-    near: usize,
-    /// Searches from each of them.
-    rounds: u32,
-    /// Searches from each triangle of a level that is computed directly.
-    all_rounds: u32,
-}
+use crate::strip::{Strips, emit};
+use nearby::NearbyTriangles;
+use options::{SEARCH_AMOUNTS, SearchAmount};
+use strip_order::{StripTriangle, check_size, order_of};
 
 /// Steps of the walks to the ends of paths that the searches next to a change may take, and of those for each triangle that a search
 /// starts from. The test models take less than 20,000 next to a change.
 const WALK_STEPS: u64 = 1 << 14;
 const WALK_STEPS_PER_SEARCH: u64 = 128;
-
-/// The amount of search by effort. Tuned on the bunny.
-const SEARCH_AMOUNTS: [SearchAmount; 10] = [
-    SearchAmount { near: 6, rounds: 1, all_rounds: 0 },
-    SearchAmount { near: 12, rounds: 1, all_rounds: 1 },
-    SearchAmount { near: 24, rounds: 1, all_rounds: 4 },
-    SearchAmount { near: 40, rounds: 2, all_rounds: 12 },
-    SearchAmount { near: 80, rounds: 2, all_rounds: 36 },
-    SearchAmount { near: 120, rounds: 3, all_rounds: 100 },
-    SearchAmount { near: 160, rounds: 4, all_rounds: 200 },
-    SearchAmount { near: 240, rounds: 6, all_rounds: 400 },
-    SearchAmount { near: 400, rounds: 6, all_rounds: 800 },
-    SearchAmount { near: 640, rounds: 8, all_rounds: 1600 },
-];
-
-/// The options of [`Repair`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct RepairOptions {
-    effort: Effort,
-    seed: u64,
-    cost: Cost,
-}
-
-/// Default effort, seed 0, and the vertices sent as the cost.
-impl Default for RepairOptions {
-    fn default() -> Self {
-        Self { effort: Effort::default(), seed: 0, cost: Cost::OpenGl }
-    }
-}
-
-impl RepairOptions {
-    /// Sets how much to search next to each change. At effort 0 strips that are computed directly for a level are not searched.
-    #[must_use]
-    pub fn with_effort(mut self, effort: Effort) -> Self {
-        self.effort = effort;
-        self
-    }
-
-    /// Sets the seed of the random choices.
-    #[must_use]
-    pub fn with_seed(mut self, seed: u64) -> Self {
-        self.seed = seed;
-        self
-    }
-
-    /// Sets what is minimized: the vertices sent, or with [`Cost::Restart`] and [`Cost::Degenerate`] also an index between strips.
-    /// [`Cost::Gl`] counts as the vertices sent.
-    #[must_use]
-    pub fn with_cost(mut self, cost: Cost) -> Self {
-        self.cost = if cost == Cost::Gl { Cost::OpenGl } else { cost };
-        self
-    }
-}
 
 /// The strips of a level of detail that follow collapses and splits.
 ///
@@ -257,7 +200,7 @@ impl Repair {
             work: SEARCH_AMOUNTS[usize::from(options.effort.level())],
             changes: Vec::new(),
             gaps: Vec::new(),
-            near: NearbyTriangles { marks: vec![0; slots], ..NearbyTriangles::default() },
+            near: NearbyTriangles::among(slots),
             display: None,
         };
         for t in 0..slots as u32 {
@@ -474,146 +417,6 @@ impl LevelCursor for Repair {
     }
 
     fn memory(&self) -> usize {
-        let near = size_of_val(&self.near.marks[..]) + size_of_val(&self.near.triangles[..]);
-        self.mesh.memory() + self.paths.memory() + near + self.display.as_ref().map_or(0, Strips::memory)
+        self.mesh.memory() + self.paths.memory() + self.near.memory() + self.display.as_ref().map_or(0, Strips::memory)
     }
-}
-
-/// The strips of a mesh at all levels, repaired by each cursor as it moves: the full strips and the collapses.
-///
-/// ```
-/// use std::sync::Arc;
-/// use tristrip::{CollapseSequence, Strips, collapse::Rename};
-/// use tristrip::lod::{LevelModel, RepairOptions, RepairedStrips};
-/// let mut strips = Strips::default();
-/// strips.push(&[0, 1, 2, 3, 4, 5]);
-/// let rename = [Rename { removed: 1, kept: 0 }];
-/// let sequence = CollapseSequence::from_collapses(6, strips.to_list(), [(&rename[..], 0.5)])?;
-/// let model = Arc::new(RepairedStrips::new(sequence, strips, RepairOptions::default())?);
-/// let mut cursor = model.start();
-/// cursor.set_level(0)?;
-/// assert_eq!(cursor.strips().vertices(), [5, 4, 3, 2, 0]);
-/// # Ok::<(), tristrip::Error>(())
-/// ```
-#[derive(Debug, Clone)]
-pub struct RepairedStrips {
-    /// The cursor at the full mesh, of which all others are copies.
-    full: Repair,
-}
-
-impl RepairedStrips {
-    /// Builds the model from the strips of the full mesh.
-    ///
-    /// # Errors
-    /// As [`Repair::new`].
-    pub fn new(
-        sequence: impl Into<Arc<CollapseSequence>>,
-        strips: Strips,
-        options: RepairOptions,
-    ) -> Result<Self, Error> {
-        let mut full = Repair::new(sequence, &strips, options)?;
-        full.display = Some(strips);
-        Ok(Self { full })
-    }
-
-    /// Returns a cursor at the level of the full mesh.
-    pub fn cursor(&self) -> Repair {
-        self.full.clone()
-    }
-}
-
-impl LevelModel for RepairedStrips {
-    fn levels(&self) -> &LevelTable {
-        &self.full.levels
-    }
-
-    fn memory(&self) -> usize {
-        LevelCursor::memory(&self.full) + self.full.sequence.memory() + self.full.levels.memory()
-    }
-
-    fn start(self: Arc<Self>) -> Box<dyn LevelCursor> {
-        Box::new(self.cursor())
-    }
-}
-
-/// The triangles near a change, in breadth-first order.
-#[derive(Debug, Clone, Default)]
-struct NearbyTriangles {
-    triangles: Vec<u32>,
-    /// The last search that reached each triangle.
-    marks: Vec<u32>,
-    search: u32,
-}
-
-impl NearbyTriangles {
-    /// Finds up to `most` triangles nearest to those of the start, these included.
-    fn find(&mut self, paths: &PricedPaths, start: impl Iterator<Item = u32>, most: usize) {
-        self.search = self.search.wrapping_add(1);
-        self.triangles.clear();
-        start.for_each(|t| self.add(t));
-        let mut seen = 0;
-        while seen < self.triangles.len() && self.triangles.len() < most {
-            let t = self.triangles[seen];
-            (0..3).filter_map(|e| paths.twin(4 * t + e)).for_each(|h| self.add(h / 4));
-            seen += 1;
-        }
-        self.triangles.truncate(most);
-    }
-
-    fn add(&mut self, t: u32) {
-        if std::mem::replace(&mut self.marks[t as usize], self.search) != self.search {
-            self.triangles.push(t);
-        }
-    }
-}
-
-/// Checks that corners and vertices fit one numbering of 32 bits.
-fn check_size(sequence: &CollapseSequence) -> Result<(), Error> {
-    let (triangles, vertices) = (sequence.triangles().len() / 3, sequence.vertex_count());
-    let over = |what, found: usize, limit: usize| {
-        if found <= limit {
-            Ok(())
-        } else {
-            Err(Error::LimitExceeded { what, found: found as u64, limit: limit as u64 })
-        }
-    };
-    over("triangles", triangles, TRIANGLE_LIMIT)?;
-    over("corners and vertices", 3 * triangles + vertices, u32::MAX as usize - 1)
-}
-
-/// A triangle of the full mesh in a strip.
-#[derive(Debug, Clone, Copy, Default)]
-struct StripTriangle {
-    strip: u32,
-    triangle: u32,
-    /// The half-edge over which the strip enters, numbered by fours.
-    entry: u32,
-}
-
-/// Returns the triangles of the full mesh in the order in which strips draw them.
-fn order_of(strips: &Strips, mesh: &LevelMesh) -> Result<Vec<StripTriangle>, Error> {
-    let mut known: Vec<([u32; 3], u32)> = (0..mesh.triangle_count() as u32)
-        .filter(|&t| mesh.is_drawn(t))
-        .map(|t| (canonical_triangle(mesh.triangle(t)), t))
-        .collect();
-    known.sort_unstable();
-    let drawn = strips.iter().zip(0..).flat_map(|(strip, s)| strip_triangles(strip).map(move |t| (t, s)));
-    let mut drawn: Vec<([u32; 3], usize, u32, u32)> = drawn
-        .enumerate()
-        .map(|(i, (triangle, s))| (canonical_triangle(triangle), i, s, triangle[0]))
-        .collect();
-    drawn.sort_unstable();
-    if !known.iter().map(|known| known.0).eq(drawn.iter().map(|drawn| drawn.0)) {
-        return Err(Error::Parameter {
-            name: "strips",
-            found: format!("{} triangles, not all of the full mesh", drawn.len()),
-            expected: "strips that draw the full mesh",
-        });
-    }
-    let mut order = vec![StripTriangle::default(); known.len()];
-    for (&(_, i, strip, first), &(_, t)) in drawn.iter().zip(&known) {
-        let entry = (4 * t..).zip(mesh.triangle(t)).find(|&(_, v)| v == first).map_or(4 * t, |(h, _)| h);
-        order[i] = StripTriangle { strip, triangle: t, entry };
-    }
-    Ok(order)
 }
