@@ -12,7 +12,7 @@
 //! ```
 //! # Algorithm
 //! *Coarsen*:
-//! 1. Cut the links of the dropped triangles, rename, drop, and recompute the twins around the kept vertex.
+//! 1. Cut the links of the dropped triangles, rename, drop, and pair the sides that changed.
 //! 2. Link the two neighbours of a dropped triangle that was linked to both, if they share an edge now.
 //! 3. *Search*: take the triangles nearest to the kept vertex, as many as the effort says; start a local search from each in turn, as often as the effort
 //!    says. A local search changes a few links, and is undone if the strips then cost more (see `cover/local_search.rs`).
@@ -23,7 +23,7 @@
 //! *At a level* directly: drop everything that the level does not draw, link triangles of one strip with nothing drawn between them that share an
 //! edge, as the filters do, then search from all triangles.
 //!
-//! The module `level_mesh` defines twins where more than two triangles meet at an edge.
+//! The module `pairing` defines twins where more than two triangles meet at an edge.
 //!
 //! # Determinism
 //! The strips of a level depend only on the levels passed on the way: the same steps give the same strips. Coarsening and then refining does not restore
@@ -51,111 +51,45 @@
 //! Algorithm for the Traveling-Salesman Problem*, 1973 (chains of changes that are undone if they do not pay).
 //!
 //! # Complexity
-//! The time of a step depends on the effort and on the valence of the vertices that it names, not on the size of the mesh, except for cuts, which walk to
-//! the nearer end of their path. 56 bytes per triangle of the full mesh and 8 per vertex.
+//! The time of a step depends on the effort and on the valence of the removed vertices, not on the size of the mesh, except for cuts, which walk to
+//! the nearer end of their path. 56 bytes per triangle of the full mesh, 8 per vertex and 24 per edge of one
+//! triangle.
 
+mod model;
+mod nearby;
+mod options;
+mod pairing;
+mod strip_order;
 #[cfg(test)]
 mod tests;
+
+pub use model::RepairedStrips;
+pub use options::RepairOptions;
 
 use std::sync::Arc;
 
 use super::level_mesh::LevelMesh;
-use super::level_model::{LevelCursor, LevelModel, LevelTable};
-
+use super::level_model::{LevelCursor, LevelTable};
 use crate::collapse::CollapseSequence;
 use crate::cover::PathCover;
 use crate::cover::local_search::LocalSearch;
-use crate::cover::priced::{PricedPaths, TRIANGLE_LIMIT};
+use crate::cover::priced::PricedPaths;
 use crate::dual::DualGraph;
 use crate::dual::Triangulation;
-use crate::effort::Effort;
 use crate::error::Error;
-use crate::mesh::canonical_triangle;
-use crate::strip::{Cost, Strips, emit, strip_triangles};
+use crate::strip::{Strips, emit};
+use nearby::NearbyTriangles;
+use options::{SEARCH_AMOUNTS, SearchAmount};
+use pairing::{Pairing, TwinChanges};
+use strip_order::{StripTriangle, check_size, order_of};
 
-/// The amount of search next to a change, and everywhere when a level is computed directly.
-#[derive(Debug, Clone, Copy)]
-struct SearchAmount {
-    /// Triangles next to a change to search from.
-    near: usize,
-    /// Searches from each of them.
-    rounds: u32,
-    /// Searches from each triangle of a level that is computed directly.
-    all_rounds: u32,
-}
-
-/// Steps of the walks to the ends of paths that the searches next to a change may take, and of those for each triangle that a search
-/// starts from. The test models take less than 20,000 next to a change.
+/// The most steps of the walks to the ends of paths that the searches next to a change may take, and of those for each triangle that a
+/// search starts from. The test models take less than 20,000 next to a change.
 const WALK_STEPS: u64 = 1 << 14;
 const WALK_STEPS_PER_SEARCH: u64 = 128;
-
-/// The amount of search by effort. Tuned on the bunny.
-const SEARCH_AMOUNTS: [SearchAmount; 10] = [
-    SearchAmount { near: 6, rounds: 1, all_rounds: 0 },
-    SearchAmount { near: 12, rounds: 1, all_rounds: 1 },
-    SearchAmount { near: 24, rounds: 1, all_rounds: 4 },
-    SearchAmount { near: 40, rounds: 2, all_rounds: 12 },
-    SearchAmount { near: 80, rounds: 2, all_rounds: 36 },
-    SearchAmount { near: 120, rounds: 3, all_rounds: 100 },
-    SearchAmount { near: 160, rounds: 4, all_rounds: 200 },
-    SearchAmount { near: 240, rounds: 6, all_rounds: 400 },
-    SearchAmount { near: 400, rounds: 6, all_rounds: 800 },
-    SearchAmount { near: 640, rounds: 8, all_rounds: 1600 },
-];
-
-/// The options of [`Repair`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct RepairOptions {
-    effort: Effort,
-    seed: u64,
-    cost: Cost,
-}
-
-/// Default effort, seed 0, and the vertices sent as the cost.
-impl Default for RepairOptions {
-    fn default() -> Self {
-        Self { effort: Effort::default(), seed: 0, cost: Cost::OpenGl }
-    }
-}
-
-impl RepairOptions {
-    /// Sets how much to search next to each change. At effort 0 strips that are computed directly for a level are not searched.
-    #[must_use]
-    pub fn with_effort(mut self, effort: Effort) -> Self {
-        self.effort = effort;
-        self
-    }
-
-    /// Sets the seed of the random choices.
-    #[must_use]
-    pub fn with_seed(mut self, seed: u64) -> Self {
-        self.seed = seed;
-        self
-    }
-
-    /// Sets what is minimized: the vertices sent, or with [`Cost::Restart`] and [`Cost::Degenerate`] also an index between strips.
-    /// [`Cost::Gl`] counts as the vertices sent.
-    #[must_use]
-    pub fn with_cost(mut self, cost: Cost) -> Self {
-        self.cost = if cost == Cost::Gl { Cost::OpenGl } else { cost };
-        self
-    }
-
-    /// Returns how much to search next to each change.
-    pub fn effort(&self) -> Effort {
-        self.effort
-    }
-
-    /// Returns the seed of the random choices.
-    pub fn seed(&self) -> u64 {
-        self.seed
-    }
-
-    /// Returns what is minimized.
-    pub fn cost(&self) -> Cost {
-        self.cost
-    }
-}
+/// The share of these steps that a change may take on average: those that it leaves are saved for others. The test models take up to
+/// half of this share, a change of a ribbon of a million triangles as much as it may.
+const AVERAGE_SHARE: u64 = 16;
 
 /// The strips of a level of detail that follow collapses and splits.
 ///
@@ -186,8 +120,8 @@ pub struct Repair {
     paths: PricedPaths,
     local_search: LocalSearch,
     work: SearchAmount,
-    /// Half-edges whose twins change, and their new twins.
-    changes: Vec<(u32, Option<u32>)>,
+    pairing: Pairing,
+    changes: TwinChanges,
     /// Pairs of half-edges between which a link was cut.
     gaps: Vec<[u32; 2]>,
     near: NearbyTriangles,
@@ -242,7 +176,7 @@ impl Repair {
         }
         let mut repair = Self::linked_at(&sequence, strips, level, options)?;
         let all: Vec<u32> = (0..repair.paths.len() as u32).filter(|&t| repair.mesh.is_drawn(t)).collect();
-        repair.allow_walks(repair.work.all_rounds, all.len());
+        repair.paths.allow_walks(walk_steps(repair.work.all_rounds, all.len()));
         for _ in 0..repair.work.all_rounds {
             all.iter().for_each(|&t| repair.local_search.improve_at(&mut repair.paths, t));
         }
@@ -270,9 +204,10 @@ impl Repair {
             paths: PricedPaths::empty(slots, options.cost.prices()),
             local_search: LocalSearch::new(options.seed),
             work: SEARCH_AMOUNTS[usize::from(options.effort.level())],
+            pairing: Pairing::default(),
             changes: Vec::new(),
             gaps: Vec::new(),
-            near: NearbyTriangles { marks: vec![0; slots], ..NearbyTriangles::default() },
+            near: NearbyTriangles::among(slots),
             display: None,
         };
         for t in 0..slots as u32 {
@@ -281,13 +216,10 @@ impl Repair {
                 repair.paths.insert_triangle(t);
             }
         }
+        repair.paths.allow_walks(walk_steps(repair.work.rounds, repair.work.near));
         repair.link_neighbours(&order);
-        let mut is_named = vec![true; sequence.vertex_count()];
-        let renames = (level..sequence.len()).flat_map(|level| sequence.collapse_to(level).renames);
-        renames.for_each(|rename| is_named[rename.removed as usize] = false);
-        for v in (0..).zip(is_named).filter_map(|(v, is_named)| is_named.then_some(v)) {
-            repair.pair_around([v]);
-        }
+        repair.pairing = Pairing::of(&repair.mesh, &repair.paths, &mut repair.changes);
+        repair.apply_changes();
         Ok(repair)
     }
 
@@ -336,6 +268,7 @@ impl Repair {
         for &t in collapse.dropped {
             self.cut_out(t);
         }
+        self.pairing.release_for_collapse(&collapse, &self.mesh, &self.paths);
         self.mesh.collapse(&collapse);
         collapse.dropped.iter().for_each(|&t| self.paths.remove_triangle(t));
         let gaps = std::mem::take(&mut self.gaps);
@@ -362,13 +295,14 @@ impl Repair {
         let vertices = || collapse.renames.iter().flat_map(|rename| [rename.kept, rename.removed]);
         self.mesh.split(&collapse);
         collapse.dropped.iter().for_each(|&t| self.paths.insert_triangle(t));
+        self.pairing.release_for_split(&collapse, &self.mesh, &self.paths);
         self.gaps.clear();
         self.pair_around(vertices());
         let gaps = std::mem::take(&mut self.gaps);
         for &gap in &gaps {
             if let [Some(a), Some(b)] = gap.map(|h| self.paths.twin(h))
                 && a / 4 == b / 4
-                && collapse.dropped.contains(&(a / 4))
+                && collapse.dropped.binary_search(&(a / 4)).is_ok()
             {
                 gap.into_iter().for_each(|h| self.join(h));
             }
@@ -393,25 +327,23 @@ impl Repair {
         }
     }
 
-    /// Recomputes the twins around vertices; cuts the links whose edge is gone and records the gaps.
-    fn pair_around(&mut self, vertices: impl IntoIterator<Item = u32>) {
-        let (paths, changes) = (&mut self.paths, &mut self.changes);
-        changes.clear();
-        for v in vertices {
-            let note = |h, twin| {
-                if paths.twin(h) != twin {
-                    changes.push((h, twin));
-                }
-            };
-            self.mesh.sides_around(v, |h| paths.twin(h), note);
-        }
-        for &(h, _) in &*changes {
+    /// Pairs the released sides around vertices; cuts the links whose edge is gone and records the gaps.
+    fn pair_around(&mut self, vertices: impl Iterator<Item = u32>) {
+        self.changes.clear();
+        self.pairing.pair_around(vertices, &self.mesh, &self.paths, &mut self.changes);
+        self.apply_changes();
+    }
+
+    /// Sets the new twins of half-edges; cuts their links and records the gaps.
+    fn apply_changes(&mut self) {
+        let paths = &mut self.paths;
+        for &(h, _) in &self.changes {
             if paths.mask(h / 4) >> (h % 4) & 1 == 1 {
                 self.gaps.push([h, paths.across(h)]);
                 paths.cut(h);
             }
         }
-        changes.iter().for_each(|&(h, twin)| paths.set_twin(h, twin));
+        self.changes.iter().for_each(|&(h, twin)| paths.set_twin(h, twin));
     }
 
     /// Links two triangles over a half-edge, if neither is inside a path and the link does not close a path.
@@ -425,16 +357,11 @@ impl Repair {
     fn search(&mut self, vertices: impl Iterator<Item = u32>) {
         let corners = vertices.flat_map(|v| self.mesh.around(v));
         self.near.find(&self.paths, corners.map(|corner| corner / 3), self.work.near);
-        self.allow_walks(self.work.rounds, self.near.triangles.len());
+        let most = walk_steps(self.work.rounds, self.work.near);
+        self.paths.allow_more_walks(most / AVERAGE_SHARE, most);
         for _ in 0..self.work.rounds {
             self.near.triangles.iter().for_each(|&t| self.local_search.improve_at(&mut self.paths, t));
         }
-    }
-
-    /// Limits the walks of the searches from some triangles.
-    fn allow_walks(&mut self, rounds: u32, triangle_count: usize) {
-        let searches = u64::from(rounds) * triangle_count as u64;
-        self.paths.allow_walks(WALK_STEPS + WALK_STEPS_PER_SEARCH * searches);
     }
 
     /// Builds the strips of the level, in O(n) time.
@@ -466,6 +393,11 @@ impl Repair {
     }
 }
 
+/// Returns the most steps of the walks of searches from some triangles.
+fn walk_steps(rounds: u32, triangle_count: usize) -> u64 {
+    WALK_STEPS + WALK_STEPS_PER_SEARCH * u64::from(rounds) * triangle_count as u64
+}
+
 impl LevelCursor for Repair {
     fn levels(&self) -> &LevelTable {
         &self.levels
@@ -489,146 +421,10 @@ impl LevelCursor for Repair {
     }
 
     fn memory(&self) -> usize {
-        let near = size_of_val(&self.near.marks[..]) + size_of_val(&self.near.triangles[..]);
-        self.mesh.memory() + self.paths.memory() + near + self.display.as_ref().map_or(0, Strips::memory)
+        self.mesh.memory()
+            + self.pairing.memory()
+            + self.paths.memory()
+            + self.near.memory()
+            + self.display.as_ref().map_or(0, Strips::memory)
     }
-}
-
-/// The strips of a mesh at all levels, repaired by each cursor as it moves: the full strips and the collapses.
-///
-/// ```
-/// use std::sync::Arc;
-/// use tristrip::{CollapseSequence, Rename, Strips};
-/// use tristrip::lod::{LevelModel, RepairOptions, RepairedStrips};
-/// let mut strips = Strips::default();
-/// strips.push(&[0, 1, 2, 3, 4, 5]);
-/// let rename = [Rename { removed: 1, kept: 0 }];
-/// let sequence = CollapseSequence::from_collapses(6, strips.to_list(), [(&rename[..], 0.5)])?;
-/// let model = Arc::new(RepairedStrips::new(sequence, strips, RepairOptions::default())?);
-/// let mut cursor = model.start();
-/// cursor.set_level(0)?;
-/// assert_eq!(cursor.strips().vertices(), [5, 4, 3, 2, 0]);
-/// # Ok::<(), tristrip::Error>(())
-/// ```
-#[derive(Debug, Clone)]
-pub struct RepairedStrips {
-    /// The cursor at the full mesh, of which all others are copies.
-    full: Repair,
-}
-
-impl RepairedStrips {
-    /// Builds the model from the strips of the full mesh.
-    ///
-    /// # Errors
-    /// As [`Repair::new`].
-    pub fn new(
-        sequence: impl Into<Arc<CollapseSequence>>,
-        strips: Strips,
-        options: RepairOptions,
-    ) -> Result<Self, Error> {
-        let mut full = Repair::new(sequence, &strips, options)?;
-        full.display = Some(strips);
-        Ok(Self { full })
-    }
-
-    /// Returns a cursor at the level of the full mesh.
-    pub fn cursor(&self) -> Repair {
-        self.full.clone()
-    }
-}
-
-impl LevelModel for RepairedStrips {
-    fn levels(&self) -> &LevelTable {
-        &self.full.levels
-    }
-
-    fn memory(&self) -> usize {
-        LevelCursor::memory(&self.full) + self.full.sequence.memory() + self.full.levels.memory()
-    }
-
-    fn start(self: Arc<Self>) -> Box<dyn LevelCursor> {
-        Box::new(self.cursor())
-    }
-}
-
-/// The triangles near a change, in breadth-first order.
-#[derive(Debug, Clone, Default)]
-struct NearbyTriangles {
-    triangles: Vec<u32>,
-    /// The last search that reached each triangle.
-    marks: Vec<u32>,
-    search: u32,
-}
-
-impl NearbyTriangles {
-    /// Finds up to `most` triangles nearest to those of the start, these included.
-    fn find(&mut self, paths: &PricedPaths, start: impl Iterator<Item = u32>, most: usize) {
-        self.search = self.search.wrapping_add(1);
-        self.triangles.clear();
-        start.for_each(|t| self.add(t));
-        let mut seen = 0;
-        while seen < self.triangles.len() && self.triangles.len() < most {
-            let t = self.triangles[seen];
-            (0..3).filter_map(|e| paths.twin(4 * t + e)).for_each(|h| self.add(h / 4));
-            seen += 1;
-        }
-        self.triangles.truncate(most);
-    }
-
-    fn add(&mut self, t: u32) {
-        if std::mem::replace(&mut self.marks[t as usize], self.search) != self.search {
-            self.triangles.push(t);
-        }
-    }
-}
-
-/// Checks that corners and vertices fit one numbering of 32 bits.
-fn check_size(sequence: &CollapseSequence) -> Result<(), Error> {
-    let (triangles, vertices) = (sequence.triangles().len() / 3, sequence.vertex_count());
-    let over = |what, found: usize, limit: usize| {
-        if found <= limit {
-            Ok(())
-        } else {
-            Err(Error::LimitExceeded { what, found: found as u64, limit: limit as u64 })
-        }
-    };
-    over("triangles", triangles, TRIANGLE_LIMIT)?;
-    over("corners and vertices", 3 * triangles + vertices, u32::MAX as usize - 1)
-}
-
-/// A triangle of the full mesh in a strip.
-#[derive(Debug, Clone, Copy, Default)]
-struct StripTriangle {
-    strip: u32,
-    triangle: u32,
-    /// The half-edge over which the strip enters, numbered by fours.
-    entry: u32,
-}
-
-/// Returns the triangles of the full mesh in the order in which strips draw them.
-fn order_of(strips: &Strips, mesh: &LevelMesh) -> Result<Vec<StripTriangle>, Error> {
-    let mut known: Vec<([u32; 3], u32)> = (0..mesh.triangle_count() as u32)
-        .filter(|&t| mesh.is_drawn(t))
-        .map(|t| (canonical_triangle(mesh.triangle(t)), t))
-        .collect();
-    known.sort_unstable();
-    let drawn = strips.iter().zip(0..).flat_map(|(strip, s)| strip_triangles(strip).map(move |t| (t, s)));
-    let mut drawn: Vec<([u32; 3], usize, u32, u32)> = drawn
-        .enumerate()
-        .map(|(i, (triangle, s))| (canonical_triangle(triangle), i, s, triangle[0]))
-        .collect();
-    drawn.sort_unstable();
-    if !known.iter().map(|known| known.0).eq(drawn.iter().map(|drawn| drawn.0)) {
-        return Err(Error::Parameter {
-            name: "strips",
-            found: format!("{} triangles, not all of the full mesh", drawn.len()),
-            expected: "strips that draw the full mesh",
-        });
-    }
-    let mut order = vec![StripTriangle::default(); known.len()];
-    for (&(_, i, strip, first), &(_, t)) in drawn.iter().zip(&known) {
-        let entry = (4 * t..).zip(mesh.triangle(t)).find(|&(_, v)| v == first).map_or(4 * t, |(h, _)| h);
-        order[i] = StripTriangle { strip, triangle: t, entry };
-    }
-    Ok(order)
 }

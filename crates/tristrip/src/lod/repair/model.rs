@@ -1,0 +1,66 @@
+//! `repair` as a level model: each cursor repairs a copy of the strips of the full mesh.
+
+use std::sync::Arc;
+
+use super::{Repair, RepairOptions};
+use crate::collapse::CollapseSequence;
+use crate::error::Error;
+use crate::lod::level_model::{LevelCursor, LevelModel, LevelTable};
+use crate::strip::Strips;
+
+/// The strips of a mesh at all levels, repaired by each cursor as it moves: the full strips and the collapses.
+///
+/// ```
+/// use std::sync::Arc;
+/// use tristrip::{CollapseSequence, Rename, Strips};
+/// use tristrip::lod::{LevelModel, RepairOptions, RepairedStrips};
+/// let mut strips = Strips::default();
+/// strips.push(&[0, 1, 2, 3, 4, 5]);
+/// let rename = [Rename { removed: 1, kept: 0 }];
+/// let sequence = CollapseSequence::from_collapses(6, strips.to_list(), [(&rename[..], 0.5)])?;
+/// let model = Arc::new(RepairedStrips::new(sequence, strips, RepairOptions::default())?);
+/// let mut cursor = model.start();
+/// cursor.set_level(0)?;
+/// assert_eq!(cursor.strips().vertices(), [5, 4, 3, 2, 0]);
+/// # Ok::<(), tristrip::Error>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct RepairedStrips {
+    /// The cursor at the full mesh, of which all others are copies.
+    full: Repair,
+}
+
+impl RepairedStrips {
+    /// Builds the model from the strips of the full mesh.
+    ///
+    /// # Errors
+    /// As [`Repair::new`].
+    pub fn new(
+        sequence: impl Into<Arc<CollapseSequence>>,
+        strips: Strips,
+        options: RepairOptions,
+    ) -> Result<Self, Error> {
+        let mut full = Repair::new(sequence, &strips, options)?;
+        full.display = Some(strips);
+        Ok(Self { full })
+    }
+
+    /// Returns a cursor at the level of the full mesh.
+    pub fn cursor(&self) -> Repair {
+        self.full.clone()
+    }
+}
+
+impl LevelModel for RepairedStrips {
+    fn levels(&self) -> &LevelTable {
+        &self.full.levels
+    }
+
+    fn memory(&self) -> usize {
+        LevelCursor::memory(&self.full) + self.full.sequence.memory() + self.full.levels.memory()
+    }
+
+    fn start(self: Arc<Self>) -> Box<dyn LevelCursor> {
+        Box::new(self.cursor())
+    }
+}

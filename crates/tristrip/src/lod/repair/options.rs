@@ -1,0 +1,83 @@
+//! How much `repair` searches, from which seed, and what it minimizes.
+
+use crate::effort::Effort;
+use crate::strip::Cost;
+
+/// The amount of search next to a change, and everywhere when a level is computed directly.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct SearchAmount {
+    /// Triangles next to a change to search from.
+    pub(super) near: usize,
+    /// Searches from each of them.
+    pub(super) rounds: u32,
+    /// Searches from each triangle of a level that is computed directly.
+    pub(super) all_rounds: u32,
+}
+
+/// The amount of search by effort. Tuned on the bunny.
+pub(super) const SEARCH_AMOUNTS: [SearchAmount; 10] = [
+    SearchAmount { near: 6, rounds: 1, all_rounds: 0 },
+    SearchAmount { near: 12, rounds: 1, all_rounds: 1 },
+    SearchAmount { near: 24, rounds: 1, all_rounds: 4 },
+    SearchAmount { near: 40, rounds: 2, all_rounds: 12 },
+    SearchAmount { near: 80, rounds: 2, all_rounds: 36 },
+    SearchAmount { near: 120, rounds: 3, all_rounds: 100 },
+    SearchAmount { near: 160, rounds: 4, all_rounds: 200 },
+    SearchAmount { near: 240, rounds: 6, all_rounds: 400 },
+    SearchAmount { near: 400, rounds: 6, all_rounds: 800 },
+    SearchAmount { near: 640, rounds: 8, all_rounds: 1600 },
+];
+
+/// The options of [`Repair`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct RepairOptions {
+    pub(super) effort: Effort,
+    pub(super) seed: u64,
+    pub(super) cost: Cost,
+}
+
+/// Default effort, seed 0, and the vertices sent as the cost.
+impl Default for RepairOptions {
+    fn default() -> Self {
+        Self { effort: Effort::default(), seed: 0, cost: Cost::OpenGl }
+    }
+}
+
+impl RepairOptions {
+    /// Sets how much to search next to each change. At effort 0 strips that are computed directly for a level are not searched.
+    #[must_use]
+    pub fn with_effort(mut self, effort: Effort) -> Self {
+        self.effort = effort;
+        self
+    }
+
+    /// Sets the seed of the random choices.
+    #[must_use]
+    pub fn with_seed(mut self, seed: u64) -> Self {
+        self.seed = seed;
+        self
+    }
+
+    /// Sets what is minimized: the vertices sent, or with [`Cost::Restart`] and [`Cost::Degenerate`] also an index between strips.
+    /// [`Cost::Gl`] counts as the vertices sent.
+    #[must_use]
+    pub fn with_cost(mut self, cost: Cost) -> Self {
+        self.cost = if cost == Cost::Gl { Cost::OpenGl } else { cost };
+        self
+    }
+
+    /// Returns how much to search next to each change.
+    pub fn effort(&self) -> Effort {
+        self.effort
+    }
+
+    /// Returns the seed of the random choices.
+    pub fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// Returns what is minimized.
+    pub fn cost(&self) -> Cost {
+        self.cost
+    }
+}
