@@ -13,8 +13,9 @@ use crate::batch::{self, InputReport, Outcome};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::input::short_name;
+use crate::job::Input;
 use crate::stage::{load_timed, timed};
-use crate::task::{AnalyzeTask, Input};
+use crate::task::AnalyzeTask;
 
 /// The maximum number of parts listed in the text.
 const MAX_LISTED_PARTS: usize = 24;

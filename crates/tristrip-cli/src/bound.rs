@@ -9,8 +9,9 @@ use tristrip_pipeline::{BoundGap, Bounds, Event, MeshFigures, bound_observed};
 use crate::batch::{self, InputReport, Outcome};
 use crate::console::Console;
 use crate::failure::Failure;
+use crate::job::Input;
 use crate::stage::{Seconds, Stages, load_timed};
-use crate::task::{BoundTask, Input};
+use crate::task::BoundTask;
 
 /// Returns a line on the gap.
 pub(crate) fn gap_line(gap: &BoundGap) -> String {

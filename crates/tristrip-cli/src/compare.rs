@@ -11,9 +11,10 @@ use tristrip_pipeline::{
 use crate::batch::{self, InputReport, Outcome};
 use crate::console::Console;
 use crate::failure::Failure;
+use crate::job::Input;
 use crate::search::{SearchWatch, interrupted};
 use crate::stage::{Seconds, Stages, load_timed, timed};
-use crate::task::{CompareTask, Input};
+use crate::task::CompareTask;
 
 /// The report of one input; the keys are those of the JSON output.
 #[derive(Debug, Serialize)]

@@ -7,9 +7,10 @@ use tristrip_pipeline::{ConvertOptions, Event, meshes, strips_as_stored};
 use crate::batch::{self, InputReport, Outcome};
 use crate::console::Console;
 use crate::failure::Failure;
+use crate::job::Job;
 use crate::output::{self, WriteReport};
 use crate::stage::{Seconds, Stages, load_timed};
-use crate::task::{ConvertTask, Job};
+use crate::task::ConvertTask;
 
 /// The report of one input; the keys are those of the JSON output.
 #[derive(Debug, Default, Serialize)]

@@ -6,7 +6,7 @@ use std::path::Path;
 use tristrip_io::{Format, Model};
 
 use crate::failure::Failure;
-use crate::task::Input;
+use crate::job::Input;
 
 /// Reads an input in the requested format, else in the format of its extension, else of its content.
 pub(crate) fn load(input: &Input) -> Result<Model, Failure> {

@@ -12,10 +12,11 @@ use crate::console::Console;
 use crate::failure::Failure;
 use crate::figures;
 use crate::input::short_name;
+use crate::job::Job;
 use crate::output::{self, WriteReport};
 use crate::search::interrupted;
 use crate::stage::{Stages, load_timed, timed};
-use crate::task::{Job, LodTask};
+use crate::task::LodTask;
 use report::LodReport;
 
 /// Steps of a table, and of a curve of the chart, from the base mesh to the full mesh.

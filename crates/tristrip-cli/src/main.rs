@@ -18,6 +18,7 @@ mod convert;
 mod failure;
 mod figures;
 mod input;
+mod job;
 mod lod;
 mod method;
 mod output;

@@ -8,9 +8,9 @@ use tristrip_pipeline::{Encoded, Error, Event, Observer};
 
 use crate::console::Console;
 use crate::failure::Failure;
+use crate::job::Output;
 use crate::reorder::{self, GroupReport};
 use crate::stage::{Stages, timed};
-use crate::task::Output;
 
 /// The fields of a report that a write fills in.
 pub(crate) struct WriteReport<'a> {

@@ -9,9 +9,10 @@ use tristrip_pipeline::{Collapses, Event, SimplifyOptions, simplify_observed};
 use crate::batch::{self, InputReport, Outcome};
 use crate::console::Console;
 use crate::failure::Failure;
+use crate::job::Job;
 use crate::output::{self, WriteReport};
 use crate::stage::{Stages, load_timed};
-use crate::task::{Job, SimplifyTask};
+use crate::task::SimplifyTask;
 
 /// The time of each stage in seconds; `null` for a stage that did not run.
 #[derive(Debug, Clone, Copy, Default, Serialize)]

@@ -13,8 +13,8 @@ use crate::console::Console;
 use crate::failure::Failure;
 use crate::figures::mesh_line;
 use crate::input::load;
+use crate::job::Input;
 use crate::search::SearchWatch;
-use crate::task::Input;
 
 /// The time of each stage in seconds; `null` for a stage that did not run.
 #[derive(Debug, Clone, Copy, Default, Serialize)]

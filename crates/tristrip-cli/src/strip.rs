@@ -21,11 +21,12 @@ use crate::console::Console;
 use crate::failure::Failure;
 use crate::figures::summary;
 use crate::input::{file_bytes, short_name};
+use crate::job::{Job, Output};
 use crate::output::{self, WriteReport};
 use crate::reorder::GroupReport;
 use crate::search::{SearchWatch, interrupted};
 use crate::stage::{Seconds, Stages, load_timed, timed};
-use crate::task::{Job, Output, ParetoTask, StripTask};
+use crate::task::{ParetoTask, StripTask};
 
 /// The report of one input; the keys are those of the JSON output.
 #[derive(Debug, Serialize)]

@@ -1,7 +1,6 @@
 //! Validated tasks: the only place where flags are checked against each other and turned into a task, or rejected with a message.
 
-use std::collections::{BTreeSet, HashMap};
-use std::io::IsTerminal;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -9,14 +8,12 @@ use tristrip::Effort;
 use tristrip::lod::RepairOptions;
 use tristrip::vertex_cache::FlushPolicy;
 use tristrip::{Layout, StripifyOptions};
-use tristrip_io::Format;
-use tristrip_pipeline::{
-    Amount, AnalyzeOptions, DisplayFilter, Goal, Level, Ratio, VertexCacheList, default_layout,
-};
+use tristrip_pipeline::{Amount, AnalyzeOptions, DisplayFilter, Goal, Level, Ratio, VertexCacheList};
 
-use crate::args::{self, AnalyzeArgs, Command, GeneralArgs, LodArgs, OutputArgs, SharedArgs};
+use crate::args::{self, AnalyzeArgs, Command, LodArgs, OutputArgs, SharedArgs};
+use crate::job::{Input, Job, inputs, inputs_of, jobs_of, write_to_stdout};
 use crate::shell;
-use crate::values::{ModelName, WRITTEN_FORMATS};
+use crate::values::ModelName;
 
 /// The maximum number of inputs in one chart: with more, the curves cannot be told apart.
 const MAX_PLOTTED_INPUTS: usize = 3;
@@ -136,32 +133,6 @@ pub(crate) struct ReproTask {
     pub(crate) output: PathBuf,
 }
 
-/// An input and its output.
-#[derive(Debug)]
-pub(crate) struct Job {
-    pub(crate) input: Input,
-    pub(crate) output: Option<Output>,
-}
-
-/// The source of a mesh.
-#[derive(Debug)]
-pub(crate) struct Input {
-    /// `None` for standard input.
-    pub(crate) path: Option<PathBuf>,
-    pub(crate) format: Option<Format>,
-}
-
-/// The destination of a result, with format and layout.
-#[derive(Debug)]
-pub(crate) struct Output {
-    /// `None` for standard output.
-    pub(crate) path: Option<PathBuf>,
-    /// Whether the file is in an output directory, which is created if it does not exist.
-    pub(crate) in_directory: bool,
-    pub(crate) format: Format,
-    pub(crate) layout: Layout,
-}
-
 /// The options that all tasks share.
 #[derive(Debug)]
 pub(crate) struct Shared {
@@ -201,25 +172,6 @@ impl Task {
             _ => Ok(self),
         }
     }
-}
-
-impl Input {
-    /// Returns the name for messages and reports.
-    pub(crate) fn name(&self) -> String {
-        display_name(self.path.as_deref())
-    }
-}
-
-impl Output {
-    /// Returns the name for messages and reports.
-    pub(crate) fn name(&self) -> String {
-        display_name(self.path.as_deref())
-    }
-}
-
-/// Returns the name of a file, or `-` for a standard stream.
-fn display_name(path: Option<&Path>) -> String {
-    path.map_or_else(|| "-".into(), |path| path.display().to_string())
 }
 
 /// Parses the command line into a task; exits with the help, the version, or exit code 2 for wrong usage. The papers are those that can
@@ -416,130 +368,4 @@ fn default_models() -> PathBuf {
 
 fn shared(args: &SharedArgs) -> Shared {
     Shared { json: args.json, quiet: args.quiet, threads: args.threads.map(usize::from) }
-}
-
-fn inputs_of(args: GeneralArgs) -> Result<Vec<Input>, String> {
-    inputs(args.inputs, args.from.from)
-}
-
-/// Returns the jobs of a subcommand that writes files.
-fn jobs_of(args: GeneralArgs, output: &OutputArgs) -> Result<Vec<Job>, String> {
-    jobs(inputs_of(args)?, output)
-}
-
-fn inputs(paths: Vec<PathBuf>, format: Option<Format>) -> Result<Vec<Input>, String> {
-    if paths.iter().filter(|path| is_dash(path)).count() > 1 {
-        return Err("standard input (-) can be read only once".into());
-    }
-    let input = |path: PathBuf| Input { path: (!is_dash(&path)).then_some(path), format };
-    Ok(paths.into_iter().map(input).collect())
-}
-
-/// Returns whether any job writes to standard output.
-fn write_to_stdout(jobs: &[Job]) -> bool {
-    jobs.iter().any(|job| job.output.as_ref().is_some_and(|output| output.path.is_none()))
-}
-
-fn is_dash(path: &Path) -> bool {
-    path.as_os_str() == "-"
-}
-
-/// Pairs each input with its output.
-fn jobs(inputs: Vec<Input>, args: &OutputArgs) -> Result<Vec<Job>, String> {
-    let Some(target) = &args.target.output else {
-        return Ok(inputs.into_iter().map(|input| Job { input, output: None }).collect());
-    };
-    if is_dash(target) {
-        return jobs_to_stdout(inputs, args);
-    }
-    let slash =
-        target.as_os_str().as_encoded_bytes().last().is_some_and(|&b| std::path::is_separator(b.into()));
-    if inputs.len() > 1 || slash || target.is_dir() {
-        return jobs_to_directory(inputs, target, args);
-    }
-    let format = match (args.target.to, Format::from_path(target)) {
-        (Some(to), _) => to,
-        (None, Some(format)) if WRITTEN_FORMATS.contains(&format) => format,
-        (None, Some(format)) => {
-            let hint = if format == Format::Gltf { "use .glb for glTF" } else { "use .glb, .ply or .obj" };
-            return Err(format!("{}: cannot write {}; {hint}", target.display(), format.name()));
-        }
-        (None, None) => {
-            let target = target.display();
-            return Err(format!("{target}: unknown extension; use .glb, .ply or .obj, or --to"));
-        }
-    };
-    let layout = layout(args, format)?;
-    let output = |_: &Input| Output { path: Some(target.clone()), in_directory: false, format, layout };
-    Ok(inputs.into_iter().map(|input| Job { output: Some(output(&input)), input }).collect())
-}
-
-fn jobs_to_stdout(inputs: Vec<Input>, args: &OutputArgs) -> Result<Vec<Job>, String> {
-    let Some(format) = args.target.to else {
-        return Err("-o - needs --to, the format to write".into());
-    };
-    if inputs.len() > 1 {
-        return Err("-o - takes one input; name a directory for several".into());
-    }
-    if format != Format::Obj && std::io::stdout().is_terminal() {
-        return Err(format!("standard output is a terminal, and {} is binary: redirect it", format.name()));
-    }
-    let layout = layout(args, format)?;
-    let output = || Some(Output { path: None, in_directory: false, format, layout });
-    Ok(inputs.into_iter().map(|input| Job { input, output: output() }).collect())
-}
-
-fn jobs_to_directory(inputs: Vec<Input>, directory: &Path, args: &OutputArgs) -> Result<Vec<Job>, String> {
-    let format = args.target.to.unwrap_or(Format::Glb);
-    let layout = layout(args, format)?;
-    // Remove a slash at the end: with it, `exists` is false for a file.
-    let directory: &Path = &directory.components().collect::<PathBuf>();
-    if directory.exists() && !directory.is_dir() {
-        return Err(format!("{}: several inputs need a directory, but this is a file", directory.display()));
-    }
-    if !directory.exists() && Format::from_path(directory).is_some() {
-        return Err(format!(
-            "{}: several inputs need a directory, but this names a file",
-            directory.display()
-        ));
-    }
-    let mut first: HashMap<PathBuf, String> = HashMap::new();
-    let mut jobs = Vec::with_capacity(inputs.len());
-    for input in inputs {
-        let stem = input.path.as_ref().and_then(|path| path.file_stem()).unwrap_or("stdin".as_ref());
-        let mut file = stem.to_owned();
-        file.push(".");
-        file.push(format.extension());
-        let path = directory.join(file);
-        let same =
-            |a: &Path, b: &Path| matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b);
-        if input.path.as_ref().is_some_and(|from| same(from, &path)) {
-            return Err(format!(
-                "{}: the output would replace the input; choose another directory",
-                path.display()
-            ));
-        }
-        if let Some(other) = first.insert(path.clone(), input.name()) {
-            return Err(format!(
-                "{}: both {other} and {} would be written to this file",
-                path.display(),
-                input.name()
-            ));
-        }
-        jobs.push(Job {
-            input,
-            output: Some(Output { path: Some(path), in_directory: true, format, layout }),
-        });
-    }
-    Ok(jobs)
-}
-
-/// Returns the requested layout, or the default of the format.
-fn layout(args: &OutputArgs, format: Format) -> Result<Layout, String> {
-    match (format, args.layout) {
-        (Format::Obj, None | Some(Layout::List)) => Ok(Layout::List),
-        (Format::Obj, Some(_)) => Err("OBJ has no strips, only --layout list; use .glb or .ply".into()),
-        (_, Some(layout)) => Ok(layout),
-        (_, None) => Ok(default_layout(format)),
-    }
 }
