@@ -1,6 +1,7 @@
 //! The inputs of a subcommand, each with its output: files, directories, and the standard streams.
 
 use std::collections::HashMap;
+use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
 use tristrip::Layout;
