@@ -28,7 +28,7 @@ pub(super) const SEARCH_AMOUNTS: [SearchAmount; 10] = [
     SearchAmount { near: 640, rounds: 8, all_rounds: 1600 },
 ];
 
-/// The options of [`Repair`].
+/// The options of [`Repair`](super::Repair).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct RepairOptions {
     pub(super) effort: Effort,
