@@ -134,6 +134,15 @@ impl Repair {
     ///
     /// # Errors
     /// The strips do not draw the triangles of the full mesh, each once with its winding, or there are too many triangles.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let mut repair = Repair::new(sequence.clone(), &strips, RepairOptions::default())?;
+    /// assert_eq!((repair.level(), repair.strips().len()), (2, 1));
+    /// strips.push(&[0, 1, 2]); // a second time
+    /// assert!(Repair::new(sequence, &strips, RepairOptions::default()).is_err());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn new(
         sequence: impl Into<Arc<CollapseSequence>>,
         strips: &Strips,
@@ -241,16 +250,40 @@ impl Repair {
     }
 
     /// Returns the number of triangles drawn.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let mut repair = Repair::new(sequence, &strips, RepairOptions::default())?;
+    /// repair.set_level(1)?;
+    /// assert_eq!(repair.triangle_count(), 2);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn triangle_count(&self) -> usize {
         self.triangle_count
     }
 
     /// Returns the number of strips.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let mut repair = Repair::new(sequence, &strips, RepairOptions::default())?;
+    /// assert_eq!((repair.strip_count(), repair.strips().len()), (1, 1));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn strip_count(&self) -> usize {
         self.paths.strip_count()
     }
 
     /// Returns the number of vertices of all strips, swaps and winding repeats included, in O(1) time.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let mut repair = Repair::new(sequence, &strips, RepairOptions::default())?;
+    /// assert_eq!(repair.vertices_sent(), 5);
+    /// repair.set_level(0)?;
+    /// assert_eq!(repair.vertices_sent(), 3);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn vertices_sent(&self) -> usize {
         // Derived from the cost, in which strips have another price.
         let strips = self.strip_count().cast_signed() as i64;
@@ -259,6 +292,17 @@ impl Repair {
     }
 
     /// Moves to the next coarser level; returns `false` at the base mesh.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let mut repair = Repair::new(sequence, &strips, RepairOptions::default())?;
+    /// let mut sent = Vec::new();
+    /// while repair.coarsen() {
+    ///     sent.push(repair.vertices_sent());
+    /// }
+    /// assert_eq!(sent, [4, 3]);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn coarsen(&mut self) -> bool {
         let Some(level) = self.level.checked_sub(1) else { return false };
         self.display = None;
@@ -285,6 +329,15 @@ impl Repair {
     }
 
     /// Moves to the next finer level; returns `false` at the full mesh.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let mut repair = Repair::new(sequence, &strips, RepairOptions::default())?;
+    /// assert!(!repair.refine());
+    /// assert!(repair.coarsen() && repair.refine());
+    /// assert_eq!(repair.triangle_count(), 3);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn refine(&mut self) -> bool {
         if self.level == self.sequence.len() {
             return false;

@@ -35,6 +35,13 @@ impl RepairedStrips {
     ///
     /// # Errors
     /// As [`Repair::new`].
+    ///
+    /// ```
+    #[doc = include_str!("../example.txt")]
+    /// let model = RepairedStrips::new(sequence, strips, RepairOptions::default())?;
+    /// assert_eq!((model.levels().triangle_count(0)?, model.levels().triangle_count(2)?), (1, 3));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn new(
         sequence: impl Into<Arc<CollapseSequence>>,
         strips: Strips,
@@ -46,6 +53,15 @@ impl RepairedStrips {
     }
 
     /// Returns a cursor at the level of the full mesh.
+    ///
+    /// ```
+    #[doc = include_str!("../example.txt")]
+    /// let model = RepairedStrips::new(sequence, strips, RepairOptions::default())?;
+    /// let (mut near, mut far) = (model.cursor(), model.cursor());
+    /// far.set_level(0)?;
+    /// assert_eq!((near.strips().vertices_sent(), far.strips().vertices_sent()), (5, 3));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     pub fn cursor(&self) -> Repair {
         self.full.clone()
     }

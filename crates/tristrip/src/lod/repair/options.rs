@@ -28,7 +28,7 @@ pub(super) const SEARCH_AMOUNTS: [SearchAmount; 10] = [
     SearchAmount { near: 640, rounds: 8, all_rounds: 1600 },
 ];
 
-/// The options of [`Repair`].
+/// The options of [`Repair`](super::Repair).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct RepairOptions {
     pub(super) effort: Effort,
@@ -45,6 +45,13 @@ impl Default for RepairOptions {
 
 impl RepairOptions {
     /// Sets how much to search next to each change. At effort 0 strips that are computed directly for a level are not searched.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let sent = |effort| repaired(RepairOptions::default().with_effort(effort)).map(|strips| strips.vertices_sent());
+    /// assert!(sent(Effort::MAX)? < sent(Effort::new(0).unwrap())?);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     #[must_use]
     pub fn with_effort(mut self, effort: Effort) -> Self {
         self.effort = effort;
@@ -52,6 +59,14 @@ impl RepairOptions {
     }
 
     /// Sets the seed of the random choices.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let strips = |seed| repaired(RepairOptions::default().with_seed(seed));
+    /// assert_ne!(strips(1)?, strips(2)?);
+    /// assert_eq!(strips(2)?, strips(2)?);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     #[must_use]
     pub fn with_seed(mut self, seed: u64) -> Self {
         self.seed = seed;
@@ -60,6 +75,14 @@ impl RepairOptions {
 
     /// Sets what is minimized: the vertices sent, or with [`Cost::Restart`] and [`Cost::Degenerate`] also an index between strips.
     /// [`Cost::Gl`] counts as the vertices sent.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let count = |cost| repaired(RepairOptions::default().with_cost(cost)).map(|strips| strips.len());
+    /// // Where an index stands between strips, fewer strips with more swaps are better.
+    /// assert!(count(Cost::Restart)? < count(Cost::OpenGl)?);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
     #[must_use]
     pub fn with_cost(mut self, cost: Cost) -> Self {
         self.cost = if cost == Cost::Gl { Cost::OpenGl } else { cost };
@@ -67,16 +90,34 @@ impl RepairOptions {
     }
 
     /// Returns how much to search next to each change.
+    ///
+    /// ```
+    /// use tristrip::{Effort, lod::RepairOptions};
+    /// assert_eq!(RepairOptions::default().effort().level(), 5);
+    /// assert_eq!(RepairOptions::default().with_effort(Effort::MAX).effort(), Effort::MAX);
+    /// ```
     pub fn effort(&self) -> Effort {
         self.effort
     }
 
     /// Returns the seed of the random choices.
+    ///
+    /// ```
+    /// use tristrip::lod::RepairOptions;
+    /// assert_eq!(RepairOptions::default().seed(), 0);
+    /// assert_eq!(RepairOptions::default().with_seed(7).seed(), 7);
+    /// ```
     pub fn seed(&self) -> u64 {
         self.seed
     }
 
     /// Returns what is minimized.
+    ///
+    /// ```
+    /// use tristrip::{Cost, lod::RepairOptions};
+    /// assert_eq!(RepairOptions::default().cost(), Cost::OpenGl);
+    /// assert_eq!(RepairOptions::default().with_cost(Cost::Restart).cost(), Cost::Restart);
+    /// ```
     pub fn cost(&self) -> Cost {
         self.cost
     }
