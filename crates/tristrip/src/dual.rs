@@ -213,6 +213,11 @@ impl DualGraph {
         self.twins[half_edge as usize] = twin.unwrap_or(NO_TWIN);
     }
 
+    /// Returns whether a cover of this many paths has one path per connected component, as few as possible.
+    pub(crate) fn has_components(&self, path_count: usize) -> bool {
+        path_count <= 1 || self.components().1 == path_count
+    }
+
     /// Returns the connected component of each face, numbered in order of their first faces, and the number of components.
     ///
     /// ```

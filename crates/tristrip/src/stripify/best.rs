@@ -6,6 +6,8 @@
 //! 3. *Hot*: slow annealing from a temperature at which nothing of the start remains. On irregular meshes this gains the most.
 //! 4. The result is the cheapest of the three by the measured cost, so that no effort makes it worse than the start.
 //!
+//! Nothing is searched if the start has one strip per component and no swaps, which no cover is cheaper than.
+//!
 //! The moves are those of the module `anneal`. They consist of joins and cuts, which [`PricedPaths`] prices exactly. Polygons
 //! are triangulated again during the search: one of the moves flips a diagonal.
 //!
@@ -57,9 +59,13 @@ pub(super) fn plan<'a>(
     seed: u64,
     watch: &dyn Watch,
 ) -> StripPlan<'a> {
-    let start = cheapest_start(prepared, graph, cost, effort, seed);
+    let (start, start_price) = cheapest_start(prepared, graph, cost, effort, seed);
     let phases = phases(cost, effort, start.cover.len());
-    if phases.is_empty() || start.cover.is_empty() || start.cover.len() > TRIANGLE_LIMIT {
+    if phases.is_empty()
+        || is_lowest_possible(&start, start_price, cost)
+        || start.cover.is_empty()
+        || start.cover.len() > TRIANGLE_LIMIT
+    {
         return start;
     }
     let mut paths = PricedPaths::new(prepared.faces(), &start.triangulation, &start.cover, cost.prices());
@@ -88,16 +94,19 @@ pub(super) fn plan<'a>(
     best.1
 }
 
-/// Returns the cheapest plan of the fast methods.
+/// Returns the cheapest plan of the fast methods, and its price.
 fn cheapest_start<'a>(
     prepared: &'a PreparedFaces<'_>,
     graph: &'a DualGraph,
     cost: Cost,
     effort: Effort,
     seed: u64,
-) -> StripPlan<'a> {
+) -> (StripPlan<'a>, usize) {
     let mut best = sequential::plan(prepared, graph);
     let mut best_price = price(&best, cost);
+    if is_lowest_possible(&best, best_price, cost) {
+        return (best, best_price);
+    }
     let mut offer = |plan: StripPlan<'a>| {
         // The number of strips often decides: there is at most one swap per triangle inside a strip.
         let [strips, best_strips] = [&plan, &best].map(|plan| plan.cover.path_count());
@@ -117,7 +126,7 @@ fn cheapest_start<'a>(
     {
         offer(plan);
     }
-    best
+    (best, best_price)
 }
 
 /// Returns the cost of the strips of a plan.
@@ -129,6 +138,16 @@ fn price(plan: &StripPlan<'_>, cost: Cost) -> usize {
         Cost::Degenerate => joined(plan),
         Cost::Gl => plan.cover.len() + 2 * strips,
     }
+}
+
+/// Returns whether no plan is cheaper than this price of a plan: there is one strip per component, and there are no swaps that cost anything.
+fn is_lowest_possible(plan: &StripPlan<'_>, price: usize, cost: Cost) -> bool {
+    let (triangles, strips) = (plan.cover.len(), plan.cover.path_count());
+    let strip = cost.prices().strip.unsigned_abs() as usize;
+    // Joining strips by degenerate triangles has another price than restarts.
+    (cost != Cost::Degenerate || strips == 1)
+        && price + without_last(cost) == triangles + strip * strips
+        && plan.triangulation.graph().has_components(strips)
 }
 
 /// Returns the number of indices of a plan's strips joined by degenerate triangles.

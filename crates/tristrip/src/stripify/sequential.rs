@@ -39,6 +39,8 @@ mod stages;
 #[cfg(test)]
 pub(super) mod tests;
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use super::StripPlan;
 use crate::cover::PathCover;
 use crate::dual::{DualGraph, Triangulation};
@@ -93,16 +95,27 @@ fn cover<T: MutableTriangulation>(initial: impl Fn() -> T + Sync, default: Strip
     if count > T::SMALL && (count > LARGE || !is_regular) {
         return (default.triangulation, default.cover);
     }
-    // Only the price of each policy is kept, and the best policy is run again: this costs time but saves memory.
     let first = (price(&default), Policy::DEFAULT);
-    drop(default);
-    let for_polygons: &[Policy] = if T::HAS_POLYGONS { &Policy::POLYGON_ALTERNATIVES } else { &[] };
-    let alternatives = [&Policy::ALTERNATIVES, for_polygons].concat();
-    let (lowest, policy) = cheapest(first, count, &alternatives, |policy| price(&strip(initial(), policy)));
-    let mut stripped = strip(initial(), policy);
+    let least = least_price(default.triangulation.graph());
+    let (lowest, policy, mut stripped) = if first.0 == least {
+        (first.0, first.1, default)
+    } else {
+        // Only the price of each policy is kept, and the best policy is run again: this costs time but saves memory.
+        drop(default);
+        let for_polygons: &[Policy] = if T::HAS_POLYGONS { &Policy::POLYGON_ALTERNATIVES } else { &[] };
+        let alternatives = [&Policy::ALTERNATIVES, for_polygons].concat();
+        let price = |policy| price(&strip(initial(), policy));
+        let (lowest, policy) = cheapest(first, least, count, &alternatives, price);
+        (lowest, policy, strip(initial(), policy))
+    };
     search_plateaus(&mut stripped);
     let stripped = if price(&stripped) <= lowest { stripped } else { strip(initial(), policy) };
     (stripped.triangulation, stripped.cover)
+}
+
+/// Returns a price that no cover is below: that of one strip per component without swaps.
+fn least_price(graph: &DualGraph) -> usize {
+    graph.face_count() + policy::STRIP_COST as usize * graph.components().1
 }
 
 /// Runs plateau passes and optimizes the diagonals in turns.
@@ -118,25 +131,36 @@ fn search_plateaus<T: MutableTriangulation>(stripped: &mut Stripped<T>) {
     }
 }
 
-/// Returns the policy of the lowest price, of equal ones the first. `first` is the one whose price is known.
+/// Returns the policy of the lowest price, of equal ones the first. `first` is the one whose price is known. Policies after one of the
+/// least possible price are skipped.
 #[cfg_attr(
     not(feature = "rayon"),
     expect(unused_variables, reason = "the triangle count decides whether to use threads")
 )]
 fn cheapest(
     first: (usize, Policy),
+    least: usize,
     triangle_count: usize,
     policies: &[Policy],
     price: impl Fn(Policy) -> usize + Sync,
 ) -> (usize, Policy) {
+    let first_least = AtomicUsize::new(usize::MAX);
+    let price = |(i, &policy)| {
+        let is_skipped = first_least.load(Ordering::Relaxed) < i;
+        let price = if is_skipped { usize::MAX } else { price(policy) };
+        if price == least {
+            first_least.fetch_min(i, Ordering::Relaxed);
+        }
+        price
+    };
     let cheaper = |best: (usize, _), other: (usize, _)| if other.0 < best.0 { other } else { best };
     #[cfg(feature = "rayon")]
     if triangle_count >= THREADING_MINIMUM && rayon::current_num_threads() > 1 {
         // One task per policy.
-        let prices: Vec<usize> = policies.par_iter().with_max_len(1).map(|&policy| price(policy)).collect();
+        let prices: Vec<usize> = policies.par_iter().enumerate().with_max_len(1).map(price).collect();
         return prices.into_iter().zip(policies.iter().copied()).fold(first, cheaper);
     }
-    policies.iter().map(|&policy| (price(policy), policy)).fold(first, cheaper)
+    policies.iter().enumerate().map(|(i, policy)| (price((i, policy)), *policy)).fold(first, cheaper)
 }
 
 /// Returns the cost of a cover in indices.

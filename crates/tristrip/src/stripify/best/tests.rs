@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering::Relaxed};
 
-use super::{Annealer, AnnealingPhase};
+use super::{Annealer, AnnealingPhase, is_lowest_possible, price};
 use crate::cover::PathCover;
 use crate::cover::local_search::LocalSearch;
 use crate::cover::moves::{cut, flip_diagonal, move_end};
@@ -16,7 +16,7 @@ use crate::prepare::PreparedFaces;
 use crate::random::Random;
 use crate::strip::{Cost, Metrics, cover_cost};
 use crate::stripify::generated_meshes::{mesh, polygons};
-use crate::stripify::{Method, Progress, StripPlan, StripifyOptions, Watch, plan};
+use crate::stripify::{Method, Progress, StripPlan, StripifyOptions, Watch, plan, sequential};
 use crate::verify::verify;
 
 const COSTS: [Cost; 4] = [Cost::Restart, Cost::OpenGl, Cost::Degenerate, Cost::Gl];
@@ -290,7 +290,7 @@ fn without_steps_a_search_cuts_only_near_the_ends() {
     paths.allow_walks(490);
     assert_eq!(paths.try_cut(middle), None);
     check_paths(&paths, &prepared, &start).unwrap();
-    let near = link_of(&paths, 40);
+    let near = link_of(&paths, 10);
     let rise = paths.try_cut(near).unwrap();
     assert_eq!(paths.join(near), Some(-rise));
     paths.allow_walks(600);
@@ -324,6 +324,22 @@ fn moves_that_lack_steps_leave_the_paths_as_they_were() {
         }
     }
     assert!(verify(&mesh, &to_plan(&paths, &start).strips()).is_ok());
+}
+
+#[test]
+fn a_start_of_the_lowest_possible_price_is_recognized() {
+    let lowest = |faces: &[Vec<u32>]| {
+        let mesh = mesh(faces);
+        let prepared = PreparedFaces::new(&mesh, false);
+        let graph = DualGraph::new(prepared.faces());
+        let plan = sequential::plan(&prepared, &graph);
+        COSTS.map(|cost| is_lowest_possible(&plan, price(&plan, cost), cost))
+    };
+    assert_eq!(lowest(&[(0..50).collect()]), [true; 4]);
+    let is_not_joined = COSTS.map(|cost| cost != Cost::Degenerate);
+    assert_eq!(lowest(&[(0..50).collect(), (50..90).collect()]), is_not_joined);
+    // Three triangles around a fourth take two strips.
+    assert_eq!(lowest(&[vec![0, 1, 2], vec![1, 0, 3], vec![2, 1, 4], vec![0, 2, 5]]), [false; 4]);
 }
 
 #[test]
