@@ -111,12 +111,18 @@ impl<'a> PolygonTriangulation<'a> {
         let (start, size) = (range.start as u32, range.len() as u32);
         let before = |corner: u32| if corner == 0 { size - 1 } else { corner - 1 };
         let after = |corner: u32| if corner + 1 == size { 0 } else { corner + 1 };
+        let first = self.first_triangle(face);
+        // The entry and the side of the first triangle's other boundary edge tell all triangulations apart.
+        let (second, second_edge) = if even { (before(from), 2) } else { (after(from), 1) };
+        let at = |corner: u32| self.at_corner[(start + corner) as usize];
+        if [at(from), at(second)] == [3 * first, 3 * first + second_edge].map(OptionalId::some) {
+            return;
+        }
         let vertices = &self.faces.corners()[range];
         // The remaining part is entered over the edge p → q.
         let (mut p, mut q, mut even) = (from, after(from), even);
         let mut entry_corner = Some(from);
         let mut diagonal = None;
-        let first = self.first_triangle(face);
         for triangle in first..first + size - 2 {
             let base = 3 * triangle;
             let r = if even { before(p) } else { after(q) };
