@@ -29,7 +29,7 @@ const NO_TWIN: u32 = u32::MAX;
 /// Bits of a node's state: the edges over which it is linked. The other bits are its partner.
 const EDGES: u32 = 7;
 /// Steps of a walk that are always allowed.
-const SHORT_WALK: u64 = 64;
+const SHORT_WALK: u64 = 16;
 /// The largest number of triangles: a triangle's number and its edges share 32 bits.
 pub(crate) const TRIANGLE_LIMIT: usize = 1 << 29;
 
@@ -275,6 +275,11 @@ impl PricedPaths {
     /// Allows the walks of a search this number of steps in all, instead of those that were left.
     pub(crate) fn allow_walks(&mut self, steps: u64) {
         self.walk_steps = steps;
+    }
+
+    /// Allows the walks of a search some steps more than were left, but at most a number of steps in all.
+    pub(crate) fn allow_more_walks(&mut self, steps: u64, most: u64) {
+        self.walk_steps = self.walk_steps.saturating_add(steps).min(most);
     }
 
     /// Returns the ends of the two paths that a join would link, each on its side of the link. They undo the join.

@@ -1,4 +1,4 @@
-//! The triangles of a level and which of them share edges, updated by collapses and splits.
+//! The triangles of a level and the rings of corners around its vertices, updated by collapses and splits.
 //!
 //! ```text
 //!        x                      x         The corners around each vertex form a ring. A collapse removes the dropped triangles'
@@ -6,10 +6,6 @@
 //!    ╱ d │ d ╲       ─▶      ╱     ╲      A corner removed from a linked ring still knows its neighbours, so that the split
 //!  kept──removed──         kept────────   restores it in O(1), as long as splits undo the last collapse first.
 //! ```
-//! The two sides of an edge are twins if they have opposite directions. Of more sides, those that were twins stay so, and each other one, in order of
-//! the triangles, takes the last one of the other direction that has no twin yet. Sides change only around the kept vertex of a collapse, and
-//! around both vertices of a split, where they are recomputed.
-//!
 //! `simplify` keeps its own structure under collapses (`simplify/topology.rs`): it never splits, needs no twins, and stores rings as arrays, which its
 //! searches read in order. Here splits must restore rings exactly, which linked rings do in O(1) per corner.
 //!
@@ -17,7 +13,7 @@
 //! Knuth: *Dancing links*, 2000.
 //!
 //! # Complexity
-//! A collapse or a split takes O(k log k) time where k triangles surround the vertices that it names. 36 bytes per triangle and 8 per vertex.
+//! A collapse or a split takes O(k) time where k triangles surround the removed vertices. 36 bytes per triangle and 8 per vertex.
 
 use crate::collapse::{Collapse, CollapseSequence};
 use crate::mesh::is_degenerate;
@@ -30,10 +26,6 @@ pub(super) struct LevelMesh {
     /// The ring of each vertex: its corners and its head. Heads are numbered after all corners.
     next: Vec<u32>,
     previous: Vec<u32>,
-    /// Sides around a vertex, sorted by edge.
-    sides: Vec<u64>,
-    /// Sides of an edge without a twin.
-    waiting: Vec<u64>,
 }
 
 impl LevelMesh {
@@ -41,13 +33,7 @@ impl LevelMesh {
     pub(super) fn new(sequence: &CollapseSequence) -> Self {
         let corners = sequence.triangles().to_vec();
         let ring = 0..(corners.len() + sequence.vertex_count()) as u32;
-        let mut surface = Self {
-            corners,
-            next: ring.clone().collect(),
-            previous: ring.collect(),
-            sides: Vec::new(),
-            waiting: Vec::new(),
-        };
+        let mut surface = Self { corners, next: ring.clone().collect(), previous: ring.collect() };
         for t in 0..surface.triangle_count() as u32 {
             if surface.is_drawn(t) {
                 surface.triangle(t).into_iter().zip(3 * t..).for_each(|(v, corner)| {
@@ -78,6 +64,14 @@ impl LevelMesh {
     /// Returns the vertices of a triangle.
     pub(super) fn triangle(&self, t: u32) -> [u32; 3] {
         [0, 1, 2].map(|e| self.corners[3 * t as usize + e])
+    }
+
+    /// Returns the vertices at which a half-edge begins and ends. Half-edges are numbered by fours, as in priced paths: edge e of triangle t
+    /// is 4 t + e.
+    pub(super) fn edge(&self, half_edge: u32) -> [u32; 2] {
+        let triangle = self.triangle(half_edge / 4);
+        let e = half_edge as usize % 4;
+        [triangle[e], triangle[(e + 1) % 3]]
     }
 
     /// Iterates over the corners at a vertex that is not removed.
@@ -125,7 +119,7 @@ impl LevelMesh {
         }
     }
 
-    /// Returns the edges that two triangles share, by the half-edges of the two sides, numbered as in [`LevelMesh::sides_around`].
+    /// Returns the edges that two triangles share, by the half-edges of the two sides, numbered as in [`LevelMesh::edge`].
     pub(super) fn shared(&self, t: u32, u: u32) -> impl Iterator<Item = [u32; 2]> {
         let [from, to] = [t, u].map(|t| self.triangle(t));
         let edges = (0..3_u32).flat_map(|e| (0..3_u32).map(move |f| (e, f)));
@@ -134,62 +128,6 @@ impl LevelMesh {
             let is_shared = [b, a] == [to[f as usize], to[(f as usize + 1) % 3]];
             is_shared.then_some([4 * t + e, 4 * u + f])
         })
-    }
-
-    /// Calls `tell` with each half-edge at a vertex that is not removed and its twin, for both sides of each edge there. `was` returns
-    /// the twin before the change. Half-edges are numbered by fours, as in priced paths: edge e of triangle t is 4 t + e.
-    pub(super) fn sides_around(
-        &mut self,
-        v: u32,
-        was: impl Fn(u32) -> Option<u32>,
-        mut tell: impl FnMut(u32, Option<u32>),
-    ) {
-        let [mut sides, mut waiting] = [&mut self.sides, &mut self.waiting].map(std::mem::take);
-        sides.clear();
-        for corner in self.around(v) {
-            let (next, previous) = match corner % 3 {
-                0 => (corner + 1, corner + 2),
-                1 => (corner + 1, corner - 1),
-                _ => (corner - 2, corner - 1),
-            };
-            let side = |other: u32, half_edge: u32, comes: u64| {
-                let by_fours = half_edge + half_edge / 3;
-                u64::from(self.corners[other as usize]) << 32 | u64::from(by_fours) << 1 | comes
-            };
-            sides.extend([side(next, corner, 0), side(previous, previous, 1)]);
-        }
-        sides.sort_unstable();
-        let half_edge = |side: u64| side as u32 >> 1;
-        for edge in sides.chunk_by(|a, b| a >> 32 == b >> 32) {
-            if let [one, other] = *edge
-                && (one ^ other) & 1 == 1
-            {
-                tell(half_edge(one), Some(half_edge(other)));
-                tell(half_edge(other), Some(half_edge(one)));
-                continue;
-            }
-            let position = |h: u32| edge.binary_search_by_key(&h, |&side| half_edge(side)).ok();
-            let keeps =
-                |side: u64| was(half_edge(side)).and_then(position).filter(|&i| (edge[i] ^ side) & 1 == 1);
-            waiting.clear();
-            for &side in edge {
-                if let Some(other) = keeps(side) {
-                    tell(half_edge(side), Some(half_edge(edge[other])));
-                    continue;
-                }
-                // All waiting sides have one direction.
-                match waiting.pop_if(|last| (*last ^ side) & 1 == 1) {
-                    Some(last) => {
-                        tell(half_edge(last), Some(half_edge(side)));
-                        tell(half_edge(side), Some(half_edge(last)));
-                    }
-                    None => waiting.push(side),
-                }
-            }
-            waiting.iter().for_each(|&side| tell(half_edge(side), None));
-        }
-        self.waiting = waiting;
-        self.sides = sides;
     }
 
     /// Returns the head of the ring of a vertex.

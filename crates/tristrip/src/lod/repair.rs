@@ -12,7 +12,7 @@
 //! ```
 //! # Algorithm
 //! *Coarsen*:
-//! 1. Cut the links of the dropped triangles, rename, drop, and recompute the twins around the kept vertex.
+//! 1. Cut the links of the dropped triangles, rename, drop, and pair the sides that changed.
 //! 2. Link the two neighbours of a dropped triangle that was linked to both, if they share an edge now.
 //! 3. *Search*: take the triangles nearest to the kept vertex, as many as the effort says; start a local search from each in turn, as often as the effort
 //!    says. A local search changes a few links, and is undone if the strips then cost more (see `cover/local_search.rs`).
@@ -23,7 +23,7 @@
 //! *At a level* directly: drop everything that the level does not draw, link triangles of one strip with nothing drawn between them that share an
 //! edge, as the filters do, then search from all triangles.
 //!
-//! The module `level_mesh` defines twins where more than two triangles meet at an edge.
+//! The module `pairing` defines twins where more than two triangles meet at an edge.
 //!
 //! # Determinism
 //! The strips of a level depend only on the levels passed on the way: the same steps give the same strips. Coarsening and then refining does not restore
@@ -51,12 +51,14 @@
 //! Algorithm for the Traveling-Salesman Problem*, 1973 (chains of changes that are undone if they do not pay).
 //!
 //! # Complexity
-//! The time of a step depends on the effort and on the valence of the vertices that it names, not on the size of the mesh, except for cuts, which walk to
-//! the nearer end of their path. 56 bytes per triangle of the full mesh and 8 per vertex.
+//! The time of a step depends on the effort and on the valence of the removed vertices, not on the size of the mesh, except for cuts, which walk to
+//! the nearer end of their path. 56 bytes per triangle of the full mesh, 8 per vertex and 24 per edge of one
+//! triangle.
 
 mod model;
 mod nearby;
 mod options;
+mod pairing;
 mod strip_order;
 #[cfg(test)]
 mod tests;
@@ -78,12 +80,16 @@ use crate::error::Error;
 use crate::strip::{Strips, emit};
 use nearby::NearbyTriangles;
 use options::{SEARCH_AMOUNTS, SearchAmount};
+use pairing::{Pairing, TwinChanges};
 use strip_order::{StripTriangle, check_size, order_of};
 
-/// Steps of the walks to the ends of paths that the searches next to a change may take, and of those for each triangle that a search
-/// starts from. The test models take less than 20,000 next to a change.
+/// The most steps of the walks to the ends of paths that the searches next to a change may take, and of those for each triangle that a
+/// search starts from. The test models take less than 20,000 next to a change.
 const WALK_STEPS: u64 = 1 << 14;
 const WALK_STEPS_PER_SEARCH: u64 = 128;
+/// The share of these steps that a change may take on average: those that it leaves are saved for others. The test models take up to
+/// half of this share, a change of a ribbon of a million triangles as much as it may.
+const AVERAGE_SHARE: u64 = 16;
 
 /// The strips of a level of detail that follow collapses and splits.
 ///
@@ -114,8 +120,8 @@ pub struct Repair {
     paths: PricedPaths,
     local_search: LocalSearch,
     work: SearchAmount,
-    /// Half-edges whose twins change, and their new twins.
-    changes: Vec<(u32, Option<u32>)>,
+    pairing: Pairing,
+    changes: TwinChanges,
     /// Pairs of half-edges between which a link was cut.
     gaps: Vec<[u32; 2]>,
     near: NearbyTriangles,
@@ -170,7 +176,7 @@ impl Repair {
         }
         let mut repair = Self::linked_at(&sequence, strips, level, options)?;
         let all: Vec<u32> = (0..repair.paths.len() as u32).filter(|&t| repair.mesh.is_drawn(t)).collect();
-        repair.allow_walks(repair.work.all_rounds, all.len());
+        repair.paths.allow_walks(walk_steps(repair.work.all_rounds, all.len()));
         for _ in 0..repair.work.all_rounds {
             all.iter().for_each(|&t| repair.local_search.improve_at(&mut repair.paths, t));
         }
@@ -198,6 +204,7 @@ impl Repair {
             paths: PricedPaths::empty(slots, options.cost.prices()),
             local_search: LocalSearch::new(options.seed),
             work: SEARCH_AMOUNTS[usize::from(options.effort.level())],
+            pairing: Pairing::default(),
             changes: Vec::new(),
             gaps: Vec::new(),
             near: NearbyTriangles::among(slots),
@@ -209,13 +216,10 @@ impl Repair {
                 repair.paths.insert_triangle(t);
             }
         }
+        repair.paths.allow_walks(walk_steps(repair.work.rounds, repair.work.near));
         repair.link_neighbours(&order);
-        let mut is_named = vec![true; sequence.vertex_count()];
-        let renames = (level..sequence.len()).flat_map(|level| sequence.collapse(level).renames);
-        renames.for_each(|rename| is_named[rename.removed as usize] = false);
-        for v in (0..).zip(is_named).filter_map(|(v, is_named)| is_named.then_some(v)) {
-            repair.pair_around([v]);
-        }
+        repair.pairing = Pairing::of(&repair.mesh, &repair.paths, &mut repair.changes);
+        repair.apply_changes();
         Ok(repair)
     }
 
@@ -264,6 +268,7 @@ impl Repair {
         for &t in collapse.dropped {
             self.cut_out(t);
         }
+        self.pairing.release_for_collapse(&collapse, &self.mesh, &self.paths);
         self.mesh.collapse(&collapse);
         collapse.dropped.iter().for_each(|&t| self.paths.remove_triangle(t));
         let gaps = std::mem::take(&mut self.gaps);
@@ -290,13 +295,14 @@ impl Repair {
         let vertices = || collapse.renames.iter().flat_map(|rename| [rename.kept, rename.removed]);
         self.mesh.split(&collapse);
         collapse.dropped.iter().for_each(|&t| self.paths.insert_triangle(t));
+        self.pairing.release_for_split(&collapse, &self.mesh, &self.paths);
         self.gaps.clear();
         self.pair_around(vertices());
         let gaps = std::mem::take(&mut self.gaps);
         for &gap in &gaps {
             if let [Some(a), Some(b)] = gap.map(|h| self.paths.twin(h))
                 && a / 4 == b / 4
-                && collapse.dropped.contains(&(a / 4))
+                && collapse.dropped.binary_search(&(a / 4)).is_ok()
             {
                 gap.into_iter().for_each(|h| self.join(h));
             }
@@ -321,25 +327,23 @@ impl Repair {
         }
     }
 
-    /// Recomputes the twins around vertices; cuts the links whose edge is gone and records the gaps.
-    fn pair_around(&mut self, vertices: impl IntoIterator<Item = u32>) {
-        let (paths, changes) = (&mut self.paths, &mut self.changes);
-        changes.clear();
-        for v in vertices {
-            let note = |h, twin| {
-                if paths.twin(h) != twin {
-                    changes.push((h, twin));
-                }
-            };
-            self.mesh.sides_around(v, |h| paths.twin(h), note);
-        }
-        for &(h, _) in &*changes {
+    /// Pairs the released sides around vertices; cuts the links whose edge is gone and records the gaps.
+    fn pair_around(&mut self, vertices: impl Iterator<Item = u32>) {
+        self.changes.clear();
+        self.pairing.pair_around(vertices, &self.mesh, &self.paths, &mut self.changes);
+        self.apply_changes();
+    }
+
+    /// Sets the new twins of half-edges; cuts their links and records the gaps.
+    fn apply_changes(&mut self) {
+        let paths = &mut self.paths;
+        for &(h, _) in &self.changes {
             if paths.mask(h / 4) >> (h % 4) & 1 == 1 {
                 self.gaps.push([h, paths.across(h)]);
                 paths.cut(h);
             }
         }
-        changes.iter().for_each(|&(h, twin)| paths.set_twin(h, twin));
+        self.changes.iter().for_each(|&(h, twin)| paths.set_twin(h, twin));
     }
 
     /// Links two triangles over a half-edge, if neither is inside a path and the link does not close a path.
@@ -353,16 +357,11 @@ impl Repair {
     fn search(&mut self, vertices: impl Iterator<Item = u32>) {
         let corners = vertices.flat_map(|v| self.mesh.around(v));
         self.near.find(&self.paths, corners.map(|corner| corner / 3), self.work.near);
-        self.allow_walks(self.work.rounds, self.near.triangles.len());
+        let most = walk_steps(self.work.rounds, self.work.near);
+        self.paths.allow_more_walks(most / AVERAGE_SHARE, most);
         for _ in 0..self.work.rounds {
             self.near.triangles.iter().for_each(|&t| self.local_search.improve_at(&mut self.paths, t));
         }
-    }
-
-    /// Limits the walks of the searches from some triangles.
-    fn allow_walks(&mut self, rounds: u32, triangle_count: usize) {
-        let searches = u64::from(rounds) * triangle_count as u64;
-        self.paths.allow_walks(WALK_STEPS + WALK_STEPS_PER_SEARCH * searches);
     }
 
     /// Builds the strips of the level, in O(n) time.
@@ -394,6 +393,11 @@ impl Repair {
     }
 }
 
+/// Returns the most steps of the walks of searches from some triangles.
+fn walk_steps(rounds: u32, triangle_count: usize) -> u64 {
+    WALK_STEPS + WALK_STEPS_PER_SEARCH * u64::from(rounds) * triangle_count as u64
+}
+
 impl LevelCursor for Repair {
     fn levels(&self) -> &LevelTable {
         &self.levels
@@ -417,6 +421,10 @@ impl LevelCursor for Repair {
     }
 
     fn memory(&self) -> usize {
-        self.mesh.memory() + self.paths.memory() + self.near.memory() + self.display.as_ref().map_or(0, Strips::memory)
+        self.mesh.memory()
+            + self.pairing.memory()
+            + self.paths.memory()
+            + self.near.memory()
+            + self.display.as_ref().map_or(0, Strips::memory)
     }
 }

@@ -51,10 +51,31 @@ fn soup() -> impl Strategy<Value = Vec<[u32; 3]>> {
     })
 }
 
+/// Triangles of both directions around one edge, and some next to them.
+fn book() -> impl Strategy<Value = Vec<[u32; 3]>> {
+    prop::collection::vec(0..4_u32, 1..30).prop_map(|kinds| {
+        let page = |(kind, v): (u32, u32)| match kind {
+            0 => [0, 1, v],
+            1 => [1, 0, v],
+            2 => [0, v - 1, v],
+            _ => [v - 1, 1, v],
+        };
+        kinds.into_iter().zip(3..).map(page).collect()
+    })
+}
+
 /// Meshes with strips of several methods and with collapses: mostly along edges, sometimes of two vertices at once, or of any two
 /// vertices.
 pub(super) fn samples() -> impl Strategy<Value = Sample> {
-    let mesh = prop_oneof![4 => grid(), 1 => soup()];
+    samples_of(prop_oneof![4 => grid(), 1 => soup()])
+}
+
+/// Meshes of edges with many triangles.
+pub(super) fn crowded_samples() -> impl Strategy<Value = Sample> {
+    samples_of(prop_oneof![book(), soup()])
+}
+
+fn samples_of(mesh: impl Strategy<Value = Vec<[u32; 3]>>) -> impl Strategy<Value = Sample> {
     (mesh, 0..4_usize, prop::collection::vec(any::<[u16; 4]>(), 0..30)).prop_map(
         |(triangles, method, choices)| {
             let strips = strips_of(&triangles, method);

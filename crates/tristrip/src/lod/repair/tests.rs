@@ -9,7 +9,7 @@ use crate::dual::DualGraph;
 use crate::effort::Effort;
 use crate::ids::HalfEdge;
 use crate::lod::LevelCursor;
-use crate::lod::samples::{Sample, samples};
+use crate::lod::samples::{Sample, crowded_samples, samples};
 use crate::mesh::{Faces, Mesh};
 use crate::simplify::{self, simplify};
 use crate::strip::{Cost, Strips, path_cost};
@@ -54,6 +54,39 @@ fn check_twins(repair: &Repair) -> Result<(), TestCaseError> {
         }
     }
     Ok(())
+}
+
+/// Returns the twins of all half-edges of the slots.
+fn twins(repair: &Repair) -> Vec<Option<u32>> {
+    let half_edges = 0..4 * repair.paths.len() as u32;
+    half_edges.map(|h| if h % 4 < 3 { repair.paths.twin(h) } else { None }).collect()
+}
+
+/// Pairs the sides of every edge: those that were twins stay so, if they are on one edge; the others are paired as brackets.
+fn paired_from_scratch(repair: &Repair, before: &[Option<u32>]) -> Vec<Option<u32>> {
+    let mesh = &repair.mesh;
+    let is_opposite = |a: u32, b: u32| {
+        let [from, to] = mesh.edge(a);
+        mesh.edge(b) == [to, from]
+    };
+    let drawn = (0..repair.paths.len() as u32).filter(|&t| mesh.is_drawn(t));
+    let mut sides: Vec<(u32, u32, u32)> = drawn
+        .flat_map(|t| 4 * t..4 * t + 3)
+        .map(|h| (mesh.edge(h)[0].min(mesh.edge(h)[1]), mesh.edge(h)[0].max(mesh.edge(h)[1]), h))
+        .collect();
+    sides.sort_unstable();
+    let mut now = vec![None; before.len()];
+    for edge in sides.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+        let mut waiting: Vec<u32> = Vec::new();
+        for &(_, _, h) in edge {
+            let kept = before[h as usize].filter(|&twin| mesh.is_drawn(twin / 4) && is_opposite(h, twin));
+            match kept.or_else(|| waiting.pop_if(|last| is_opposite(*last, h))) {
+                Some(twin) => (now[h as usize], now[twin as usize]) = (Some(twin), Some(h)),
+                None => waiting.push(h),
+            }
+        }
+    }
+    now
 }
 
 /// Compares a repair with a computation from scratch.
@@ -113,6 +146,23 @@ proptest! {
             check(&repair)?;
         }
         prop_assert_eq!(repair.level(), sequence.len());
+    }
+
+    #[test]
+    fn twins_are_those_of_pairing_from_scratch(sample in crowded_samples()) {
+        let Sample { strips, sequence } = sample;
+        let mut repair = Repair::new(sequence, &strips, options(0)).unwrap();
+        let mut before = twins(&repair);
+        while repair.coarsen() {
+            let now = twins(&repair);
+            prop_assert_eq!(&now, &paired_from_scratch(&repair, &before));
+            before = now;
+        }
+        while repair.refine() {
+            let now = twins(&repair);
+            prop_assert_eq!(&now, &paired_from_scratch(&repair, &before));
+            before = now;
+        }
     }
 
     #[test]
