@@ -59,10 +59,10 @@ pub(super) fn plan<'a>(
     seed: u64,
     watch: &dyn Watch,
 ) -> StripPlan<'a> {
-    let start = cheapest_start(prepared, graph, cost, effort, seed);
+    let (start, start_price) = cheapest_start(prepared, graph, cost, effort, seed);
     let phases = phases(cost, effort, start.cover.len());
     if phases.is_empty()
-        || is_lowest_possible(&start, cost)
+        || is_lowest_possible(&start, start_price, cost)
         || start.cover.is_empty()
         || start.cover.len() > TRIANGLE_LIMIT
     {
@@ -94,19 +94,19 @@ pub(super) fn plan<'a>(
     best.1
 }
 
-/// Returns the cheapest plan of the fast methods.
+/// Returns the cheapest plan of the fast methods, and its price.
 fn cheapest_start<'a>(
     prepared: &'a PreparedFaces<'_>,
     graph: &'a DualGraph,
     cost: Cost,
     effort: Effort,
     seed: u64,
-) -> StripPlan<'a> {
+) -> (StripPlan<'a>, usize) {
     let mut best = sequential::plan(prepared, graph);
-    if is_lowest_possible(&best, cost) {
-        return best;
-    }
     let mut best_price = price(&best, cost);
+    if is_lowest_possible(&best, best_price, cost) {
+        return (best, best_price);
+    }
     let mut offer = |plan: StripPlan<'a>| {
         // The number of strips often decides: there is at most one swap per triangle inside a strip.
         let [strips, best_strips] = [&plan, &best].map(|plan| plan.cover.path_count());
@@ -126,7 +126,7 @@ fn cheapest_start<'a>(
     {
         offer(plan);
     }
-    best
+    (best, best_price)
 }
 
 /// Returns the cost of the strips of a plan.
@@ -140,13 +140,13 @@ fn price(plan: &StripPlan<'_>, cost: Cost) -> usize {
     }
 }
 
-/// Returns whether no plan is cheaper: there is one strip per component, and there are no swaps that cost anything.
-fn is_lowest_possible(plan: &StripPlan<'_>, cost: Cost) -> bool {
+/// Returns whether no plan is cheaper than this price of a plan: there is one strip per component, and there are no swaps that cost anything.
+fn is_lowest_possible(plan: &StripPlan<'_>, price: usize, cost: Cost) -> bool {
     let (triangles, strips) = (plan.cover.len(), plan.cover.path_count());
     let strip = cost.prices().strip.unsigned_abs() as usize;
     // Joining strips by degenerate triangles has another price than restarts.
     (cost != Cost::Degenerate || strips == 1)
-        && price(plan, cost) + without_last(cost) == triangles + strip * strips
+        && price + without_last(cost) == triangles + strip * strips
         && plan.triangulation.graph().has_components(strips)
 }
 

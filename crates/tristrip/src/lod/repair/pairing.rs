@@ -45,7 +45,7 @@ impl Pairing {
         let mut pairing = Self::default();
         let drawn = (0..mesh.triangle_count() as u32).filter(|&t| mesh.is_drawn(t));
         pairing.released = drawn.flat_map(sides_of).filter(|&h| paths.twin(h).is_none()).collect();
-        pairing.pair(mesh, paths, |edge| sorted(edge), changes);
+        pairing.pair(mesh, paths, sorted, changes);
         pairing
     }
 
@@ -65,11 +65,8 @@ impl Pairing {
         let renamed = collapse.renames.iter().flat_map(|rename| mesh.around(rename.removed));
         for h in collapse.dropped.iter().flat_map(|&t| sides_of(t)).chain(renamed.flat_map(sides_at)) {
             match paths.twin(h) {
-                Some(twin) => {
-                    if is_dropped(collapse, h) {
-                        self.released.push(twin);
-                    }
-                }
+                Some(twin) if is_dropped(collapse, h) => self.released.push(twin),
+                Some(_) => {}
                 None => {
                     self.unpaired.remove(&unpaired(mesh.edge(h), h));
                     self.released.push(h);
@@ -96,13 +93,10 @@ impl Pairing {
         };
         for h in collapse.renames.iter().flat_map(|rename| mesh.around(rename.removed)).flat_map(sides_at) {
             let edge = mesh.edge(h);
+            let [from, to] = edge;
             match paths.twin(h) {
-                Some(twin) => {
-                    let [from, to] = mesh.edge(twin);
-                    if edge != [to, from] {
-                        self.released.extend([h, twin]);
-                    }
-                }
+                Some(twin) if mesh.edge(twin) != [to, from] => self.released.extend([h, twin]),
+                Some(_) => {}
                 None => {
                     self.unpaired.remove(&unpaired(edge.map(renamed), h));
                     self.released.push(h);

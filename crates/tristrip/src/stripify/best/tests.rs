@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering::Relaxed};
 
-use super::{Annealer, AnnealingPhase, is_lowest_possible};
+use super::{Annealer, AnnealingPhase, is_lowest_possible, price};
 use crate::cover::PathCover;
 use crate::cover::local_search::LocalSearch;
 use crate::cover::moves::{cut, flip_diagonal, move_end};
@@ -333,7 +333,7 @@ fn a_start_of_the_lowest_possible_price_is_recognized() {
         let prepared = PreparedFaces::new(&mesh, false);
         let graph = DualGraph::new(prepared.faces());
         let plan = sequential::plan(&prepared, &graph);
-        COSTS.map(|cost| is_lowest_possible(&plan, cost))
+        COSTS.map(|cost| is_lowest_possible(&plan, price(&plan, cost), cost))
     };
     assert_eq!(lowest(&[(0..50).collect()]), [true; 4]);
     let is_not_joined = COSTS.map(|cost| cost != Cost::Degenerate);
