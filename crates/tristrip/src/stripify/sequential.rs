@@ -53,7 +53,7 @@ use rayon::prelude::*;
 use stages::{Stripped, strip};
 
 /// Regular meshes of more triangles are stripped with the default policy only, so that the time per triangle stays the same.
-const LARGE: usize = 1 << 20;
+const LARGE: usize = 1 << 19;
 /// Meshes whose strips cost less than this many percent beyond one index per triangle count as regular. Tuned on the test models:
 /// grids and surfaces of revolution have 0–5, fandisk 15.
 const REGULAR_PERCENT: i64 = 6;
