@@ -25,7 +25,7 @@ pub(crate) use triangle::{
     canonical_triangle, canonical_triangles, check_corners, check_triangles, is_degenerate, triangle_at,
     triangles_of,
 };
-pub(crate) use vertex_subset::{SPARSE, VertexSubset};
+pub(crate) use vertex_subset::{SPARSE, VertexSubset, vertex_bound};
 pub use welds::VertexWelds;
 
 use std::sync::Arc;

@@ -14,13 +14,15 @@
 //! that contains a vertex twice only the oriented edges are compared, as some of its triangles may be degenerate.
 //!
 //! # Complexity
-//! O(n) time for meshes of bounded valence, O(n log n) at worst; 12 bytes per triangle, and 24 to describe a difference; for polygons O(n · groups per vertex) time and 80 bytes per triangle.
+//! O(n) time for meshes of bounded valence, O(n log n) at worst; 10 bytes per triangle, and 24 to describe a difference; for polygons O(n · groups per vertex) time and 80 bytes per triangle.
 
 use std::ops::Range;
 
 use crate::csr::Csr;
 use crate::ids::OptionalId;
-use crate::mesh::{Faces, Mesh, SPARSE, VertexSubset, canonical_triangles, triangles_of, without_repeats};
+use crate::mesh::{
+    Faces, Mesh, SPARSE, VertexSubset, canonical_triangles, triangles_of, vertex_bound, without_repeats,
+};
 use crate::strip::Strips;
 use crate::union_find::UnionFind;
 use crate::verify::triangle_sets::same_triangles;
@@ -100,15 +102,20 @@ pub enum Unproven {
 /// ```
 pub fn verify(mesh: &Mesh, strips: &Strips) -> Result<Proof, Unproven> {
     let welds = strips.welds();
-    if welds.is_empty() {
-        return verify_drawing(mesh.faces(), &strips.triangles().collect::<Vec<_>>());
+    if !welds.is_empty() {
+        if let Some((vertex, other)) = welds.wrong_weld(mesh) {
+            return Err(Unproven::Weld { vertex, other });
+        }
+        let faces = mesh.faces().renamed(welds.vertices(mesh.faces().corners()));
+        let drawn = strips.triangles().map(|triangle| triangle.map(|v| welds.vertex(v)));
+        return verify_drawing(&faces, &drawn.collect::<Vec<_>>());
     }
-    if let Some((vertex, other)) = welds.wrong_weld(mesh) {
-        return Err(Unproven::Weld { vertex, other });
+    if let Some(corners) = mesh.faces().as_triangles()
+        && let Some(triangles) = same_triangles(corners.as_chunks().0, || strips.triangles())
+    {
+        return Ok(Proof { faces: mesh.faces().face_count(), triangles });
     }
-    let faces = mesh.faces().renamed(welds.vertices(mesh.faces().corners()));
-    let drawn = strips.triangles().map(|triangle| triangle.map(|v| welds.vertex(v)));
-    verify_drawing(&faces, &drawn.collect::<Vec<_>>())
+    verify_drawing(mesh.faces(), &strips.triangles().collect::<Vec<_>>())
 }
 
 /// Proves that triangles draw faces; both refer to the same vertices.
@@ -127,7 +134,9 @@ pub fn verify(mesh: &Mesh, strips: &Strips) -> Result<Proof, Unproven> {
 pub fn verify_drawing(faces: &Faces, triangles: &[[u32; 3]]) -> Result<Proof, Unproven> {
     let proof = Proof { faces: faces.face_count(), triangles: triangles.len() };
     let difference = match faces.as_triangles() {
-        Some(corners) if same_triangles(corners.as_chunks().0, triangles) => None,
+        Some(corners) if same_triangles(corners.as_chunks().0, || triangles.iter().copied()).is_some() => {
+            None
+        }
         Some(corners) => {
             let expected = canonical_triangles(triangles_of(corners));
             first_difference(&expected, &canonical_triangles(triangles.iter().copied()))
@@ -201,7 +210,7 @@ impl SimplePolygons {
 
     /// Returns the polygons that have each vertex as a corner, ascending.
     fn by_vertex(&self) -> Csr {
-        let vertex_count = self.corners.iter().max().map_or(0, |&v| v as usize + 1);
+        let vertex_count = vertex_bound(&self.corners);
         let sizes = (0_u32..).zip(self.iter().map(<[u32]>::len));
         let polygon_of: Vec<u32> =
             sizes.flat_map(|(polygon, size)| std::iter::repeat_n(polygon, size)).collect();
