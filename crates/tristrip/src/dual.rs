@@ -154,6 +154,14 @@ impl DualGraph {
                 runs_over(twin) != [to, from]
             }
         };
+        #[cfg(feature = "rayon")]
+        {
+            use rayon::prelude::*;
+            let all = self.twins.par_iter().enumerate().with_min_len(1 << 16);
+            if all.all(|(h, twin)| !is_wrong((h as u32, twin))) {
+                return Ok(());
+            }
+        }
         match (0..).zip(&self.twins).find(|&pair| is_wrong(pair)) {
             Some((h, twin)) => Err(wrong(format!("the half-edges {h} and {twin} as twins"))),
             None => Ok(()),

@@ -150,7 +150,9 @@ fn choose_known<'a>(
 mod tests {
     use super::*;
     use crate::mesh::Faces;
+    use crate::verify::verify;
     use bound::Bound;
+    use proptest::prelude::*;
 
     /// Every method refuses a graph of fewer faces, of more faces, of faces of other sizes, and of faces connected otherwise.
     #[test]
@@ -178,6 +180,31 @@ mod tests {
                 }
                 assert_eq!(Bound::of_prepared(&prepared, &graph).is_ok(), i == j, "{i} {j}");
                 assert!(cover.len() == graph.face_count() || cover.check(&graph).is_err(), "{i} {j}");
+            }
+        }
+    }
+
+    proptest! {
+        /// Meshes with few different positions, so that welding makes faces degenerate and polygons touch themselves.
+        #[test]
+        fn welded_strips_of_any_mesh_are_proven(
+            polygons in generated_meshes::polygons(true, 1..3),
+            columns in 1..9_u32,
+            rows in 1..9_u32,
+        ) {
+            let vertex_count = polygons.iter().flatten().max().map_or(0, |&v| v + 1);
+            let at = |v: u32| [(v % columns) as f32, (v / columns % rows) as f32, 0.0];
+            let positions: Vec<[f32; 3]> = (0..vertex_count).map(at).collect();
+            let mesh = Mesh::new(positions, Faces::from_polygons(&polygons).unwrap()).unwrap();
+            for method in [Method::Sequential, Method::Best, Method::Input, Method::Cache, Method::STRIPE] {
+                let strips = stripify(&mesh, &StripifyOptions::default().with_method(method).with_weld(true)).unwrap();
+                prop_assert_eq!(verify(&mesh, &strips).map(drop), Ok(()), "{}", method);
+                // Of polygons that touch themselves the proof compares only the edges.
+                if !strips.is_empty() && polygons.iter().all(|polygon| polygon.len() == 3) {
+                    let mut fewer = Strips::default().with_welds(strips.welds().clone());
+                    strips.iter().skip(1).for_each(|strip| fewer.push(strip));
+                    prop_assert!(verify(&mesh, &fewer).is_err(), "{}", method);
+                }
             }
         }
     }
