@@ -5,37 +5,53 @@
 //! items   0 1 2 3          items  1 3 0 2      row 1: items 3      row 2: items 0 2
 //! ```
 //! # Complexity
-//! O(items + keys) time; 4 bytes per item and 4 per key.
+//! O(items + keys) time; 4 bytes per key, and per item its size, 4 bytes for a number.
 
-/// Items 0, 1, 2 … grouped by key, in ascending order within a group.
+/// Items grouped by key, in their order within a group.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub(crate) struct Csr {
+pub(crate) struct Csr<T = u32> {
     ends: Vec<u32>,
-    items: Vec<u32>,
+    items: Vec<T>,
 }
 
 impl Csr {
     /// Groups the items 0, 1, 2 … by their keys, which are below `key_count`.
     pub(crate) fn group(keys: impl Iterator<Item = u32> + Clone, key_count: usize) -> Self {
-        // `ends[key]` moves from the start of the key's row to its end.
-        let mut ends = vec![0_u32; key_count];
-        keys.clone().for_each(|key| ends[key as usize] += 1);
-        let mut total = 0;
-        for end in &mut ends {
-            total += std::mem::replace(end, total);
-        }
-        let mut items = vec![0_u32; total as usize];
-        for (item, key) in keys.enumerate() {
-            let slot = &mut ends[key as usize];
-            items[*slot as usize] = item as u32;
-            *slot += 1;
-        }
-        Self { ends, items }
+        Self::group_items(keys.zip(0..), key_count)
     }
 
     /// Replaces every item; the order within the rows stays the same.
     pub(crate) fn map_items(&mut self, replacement: impl Fn(u32) -> u32) {
         self.items.iter_mut().for_each(|item| *item = replacement(*item));
+    }
+
+    /// Sorts the items of every row by a comparison.
+    pub(crate) fn sort_rows(&mut self, mut compare: impl FnMut(u32, u32) -> std::cmp::Ordering) {
+        let mut start = 0;
+        for &end in &self.ends {
+            self.items[start..end as usize].sort_unstable_by(|&a, &b| compare(a, b));
+            start = end as usize;
+        }
+    }
+}
+
+impl<T: Copy + Default> Csr<T> {
+    /// Groups items by their keys, which are below `key_count`.
+    pub(crate) fn group_items(keyed: impl Iterator<Item = (u32, T)> + Clone, key_count: usize) -> Self {
+        // `ends[key]` moves from the start of the key's row to its end.
+        let mut ends = vec![0_u32; key_count];
+        keyed.clone().for_each(|(key, _)| ends[key as usize] += 1);
+        let mut total = 0;
+        for end in &mut ends {
+            total += std::mem::replace(end, total);
+        }
+        let mut items = vec![T::default(); total as usize];
+        keyed.for_each(|(key, item)| {
+            let slot = &mut ends[key as usize];
+            items[*slot as usize] = item;
+            *slot += 1;
+        });
+        Self { ends, items }
     }
 
     /// Returns the range of a key's items within all items.
@@ -51,28 +67,31 @@ impl Csr {
         self.ends.len()
     }
 
-    /// Returns the items of a key in ascending order.
+    /// Counts the items of all rows.
+    pub(crate) fn item_count(&self) -> usize {
+        self.items.len()
+    }
+
+    /// Returns the items of a key in their order.
     #[inline]
-    pub(crate) fn row(&self, key: u32) -> &[u32] {
+    pub(crate) fn row(&self, key: u32) -> &[T] {
         &self.items[self.range(key)]
+    }
+
+    /// Returns the items of a key to change them.
+    #[inline]
+    pub(crate) fn row_mut(&mut self, key: u32) -> &mut [T] {
+        let range = self.range(key);
+        &mut self.items[range]
     }
 
     /// Iterates over the rows in the order of their keys.
     #[inline]
-    pub(crate) fn rows(&self) -> impl ExactSizeIterator<Item = &[u32]> {
+    pub(crate) fn rows(&self) -> impl ExactSizeIterator<Item = &[T]> {
         let mut start = 0;
         self.ends
             .iter()
             .map(move |&end| &self.items[std::mem::replace(&mut start, end as usize)..end as usize])
-    }
-
-    /// Sorts the items of every row by a comparison.
-    pub(crate) fn sort_rows(&mut self, mut compare: impl FnMut(u32, u32) -> std::cmp::Ordering) {
-        let mut start = 0;
-        for &end in &self.ends {
-            self.items[start..end as usize].sort_unstable_by(|&a, &b| compare(a, b));
-            start = end as usize;
-        }
     }
 }
 

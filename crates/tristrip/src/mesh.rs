@@ -20,7 +20,7 @@ pub(crate) use faces::without_repeats;
 pub use position_ids::PositionIds;
 pub use triangle::{canonical_triangle, is_degenerate};
 pub(crate) use triangle::{canonical_triangles, triangle_at, triangles_of};
-pub(crate) use vertex_subset::{SPARSE, VertexSubset};
+pub(crate) use vertex_subset::{SPARSE, VertexSubset, vertex_bound};
 
 use std::sync::Arc;
 

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use super::vertex_subset::{SPARSE, VertexSubset};
+use super::vertex_subset::{SPARSE, VertexSubset, vertex_bound};
 use crate::error::{Error, MeshProblem};
 use crate::ids::check_count;
 
@@ -163,8 +163,7 @@ impl Faces {
     /// Returns the same faces over a [`VertexSubset`], in the same order, if they use few of the vertices up to the highest one;
     /// otherwise borrows the faces. Memory that is proportional to the highest vertex is then proportional to the corners.
     pub(crate) fn compact(&self) -> Cow<'_, Self> {
-        let highest = self.corners.iter().max().map_or(0, |&v| v as usize);
-        if highest / SPARSE < self.corners.len() {
+        if vertex_bound(&self.corners).saturating_sub(1) / SPARSE < self.corners.len() {
             return Cow::Borrowed(self);
         }
         Cow::Owned(self.renamed(VertexSubset::of(&self.corners).numbers(&self.corners)))
@@ -173,8 +172,7 @@ impl Faces {
     /// Returns the same faces with vertices numbered in order of their first use: vertices of nearby faces are then close in
     /// memory. Allocates 4 bytes per vertex up to the highest one.
     pub(crate) fn in_order_of_use(&self) -> Self {
-        let highest = self.corners.iter().max().map_or(0, |&v| v as usize);
-        let mut number = vec![0_u32; highest + 1]; // counted from 1
+        let mut number = vec![0_u32; vertex_bound(&self.corners)]; // counted from 1
         let mut count = 0;
         let renumber = |&v: &u32| {
             let number = &mut number[v as usize];

@@ -7,6 +7,13 @@
 /// The number of vertices per index above which the used vertices are renumbered before arrays per vertex are allocated.
 pub(crate) const SPARSE: usize = 16;
 
+/// Returns one more than the highest index, 0 for no indices: the number of vertices that a table by vertex needs.
+pub(crate) fn vertex_bound(indices: &[u32]) -> usize {
+    // Unlike `max`, compiles to several comparisons at a time.
+    let highest = indices.iter().fold(0, |highest, &index| highest.max(index));
+    if indices.is_empty() { 0 } else { highest as usize + 1 }
+}
+
 /// The vertices that occur in an index buffer, ascending.
 #[derive(Debug, Clone)]
 pub(crate) struct VertexSubset {
@@ -48,6 +55,11 @@ impl VertexSubset {
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    #[test]
+    fn bounds_are_above_every_index() {
+        assert_eq!([&[][..], &[0], &[3, 7, 5]].map(vertex_bound), [0, 1, 8]);
+    }
 
     proptest! {
         #[test]

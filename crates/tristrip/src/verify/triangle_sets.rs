@@ -1,80 +1,128 @@
 //! Whether two lists of triangles draw the same: each oriented triangle as often, in any order and from any corner.
 //!
 //! # Algorithm
-//! A counting sort groups the triangles of each list by their lowest vertex, mostly two or three per vertex. The rows of a vertex are
-//! compared as sorted pairs of the two other vertices, in winding order. Degenerate triangles draw nothing and are left out.
+//! 1. A counting sort groups the triangles of one list by their lowest vertex, mostly two per vertex, each as the pair of the two
+//!    other vertices in winding order. Degenerate triangles draw nothing and are left out.
+//! 2. Each triangle of the other list takes its pair out of the row of its lowest vertex. The lists are the same if every triangle
+//!    finds its pair and both have equally many.
+//! 3. Long rows, of vertices with many triangles, are not searched: their pairs and those of the other list are sorted.
+//!
+//! The other list is read once, in its order, and never stored. Large lists are divided by blocks of vertices, and the parts are compared in
+//! parallel.
 //!
 //! # Complexity
-//! O(n) time for meshes of bounded valence, O(n log n) at worst; 4 bytes per triangle and 4 per vertex up to the highest one, for each list.
-//! Lists that use few of the vertices up to the highest one are sorted as a whole, in 24 bytes per triangle.
-
-use std::ops::Range;
+//! O(n) time for meshes of bounded valence, O(n log n) at worst; 8 bytes per triangle and 4 per vertex up to the highest one, and 32 per
+//! triangle of a long row. Lists that use few of the vertices up to the highest one are sorted as a whole, in 24 bytes per triangle.
 
 use crate::csr::Csr;
-use crate::mesh::{SPARSE, canonical_triangle, canonical_triangles, is_degenerate};
+use crate::mesh::{SPARSE, canonical_triangles, is_degenerate, vertex_bound};
 
-/// The number of ranges of vertices that are compared in parallel.
+/// Rows of more triangles are sorted; shorter ones are searched, which takes a few nanoseconds.
+const LONG_ROW: usize = 32;
+
+/// The binary logarithm of the number of vertices in a block.
+const BLOCK_BITS: u32 = 12;
+
+/// Lists of fewer triangles are compared by one thread: they take about a millisecond.
 #[cfg(feature = "rayon")]
-const RANGES: u32 = 64;
+const SMALL: usize = 1 << 16;
 
-/// Returns whether two lists of triangles draw the same.
-pub(super) fn same_triangles(a: &[[u32; 3]], b: &[[u32; 3]]) -> bool {
-    let highest = a.iter().chain(b).flatten().max().map_or(0, |&v| v as usize);
-    if highest / SPARSE > 3 * a.len().max(b.len()) {
-        return canonical_triangles(a.iter().copied()) == canonical_triangles(b.iter().copied());
+/// The binary logarithm of the highest number of parts that are compared in parallel; each part reads both lists.
+#[cfg(feature = "rayon")]
+const PART_BITS: u32 = 3;
+
+/// Returns the number of triangles that two lists draw, if they draw the same. `b` lists the other triangles each time it is called.
+pub(super) fn same_triangles<I>(a: &[[u32; 3]], b: impl Fn() -> I + Sync) -> Option<usize>
+where
+    I: Iterator<Item = [u32; 3]>,
+{
+    let vertex_count = vertex_bound(a.as_flattened());
+    if vertex_count.saturating_sub(1) / SPARSE > 3 * a.len() {
+        let expected = canonical_triangles(a.iter().copied());
+        return (expected == canonical_triangles(b())).then_some(expected.len());
     }
-    let group = |triangles| ByLowest::new(triangles, highest + 1);
     #[cfg(feature = "rayon")]
-    let (a, b) = rayon::join(|| group(a), || group(b));
-    #[cfg(not(feature = "rayon"))]
-    let (a, b) = (group(a), group(b));
-    let vertices = highest as u32 + 1;
-    #[cfg(feature = "rayon")]
-    {
-        use rayon::prelude::*;
-        let bound = |i: u32| (u64::from(vertices) * u64::from(i) / u64::from(RANGES)) as u32;
-        (0..RANGES).into_par_iter().all(|i| a.equals(&b, bound(i)..bound(i + 1)))
+    if a.len() >= SMALL {
+        return same_in_parts(a, b, vertex_count as u32, rayon::current_num_threads().ilog2().min(PART_BITS));
     }
-    #[cfg(not(feature = "rayon"))]
-    a.equals(&b, 0..vertices)
+    Part { number: 0, bits: 0, vertex_count: vertex_count as u32 }.count_same(a, b())
 }
 
-/// Triangles grouped by their lowest vertex.
-struct ByLowest<'a> {
-    triangles: &'a [[u32; 3]],
-    rows: Csr,
+/// Compares `1 << bits` parts of the vertices in parallel.
+#[cfg(feature = "rayon")]
+fn same_in_parts<I>(a: &[[u32; 3]], b: impl Fn() -> I + Sync, vertex_count: u32, bits: u32) -> Option<usize>
+where
+    I: Iterator<Item = [u32; 3]>,
+{
+    use rayon::prelude::*;
+    let part = |number| Part { number, bits, vertex_count };
+    (0..1_u32 << bits).into_par_iter().map(|number| part(number).count_same(a, b())).sum()
 }
 
-impl<'a> ByLowest<'a> {
-    /// Groups triangles over vertices below `vertex_count`. The last row has the degenerate ones.
-    fn new(triangles: &'a [[u32; 3]], vertex_count: usize) -> Self {
-        let key =
-            |&t: &[u32; 3]| if is_degenerate(t) { vertex_count as u32 } else { t[0].min(t[1]).min(t[2]) };
-        Self { triangles, rows: Csr::group(triangles.iter().map(key), vertex_count + 1) }
+/// Every so many blocks of vertices, from one of the first on, and the triangles whose lowest vertices are in them.
+#[derive(Debug, Clone, Copy)]
+struct Part {
+    number: u32,
+    /// The binary logarithm of the number of parts.
+    bits: u32,
+    /// The vertices of all parts.
+    vertex_count: u32,
+}
+
+impl Part {
+    /// Returns the lowest vertex of a triangle, counted within this part, and the pair of the two others; `None` for triangles of
+    /// other parts and for degenerate ones.
+    #[inline]
+    fn keyed(self, [a, b, c]: [u32; 3]) -> Option<(u32, u64)> {
+        let lowest = a.min(b).min(c);
+        let pair = |b: u32, c: u32| u64::from(b) << 32 | u64::from(c);
+        let others = if lowest == a { pair(b, c) } else { pair(c, a) };
+        let others = if lowest == c { pair(a, b) } else { others };
+        let block = lowest >> BLOCK_BITS;
+        let key = block >> self.bits << BLOCK_BITS | lowest & ((1 << BLOCK_BITS) - 1);
+        let is_here = block & ((1 << self.bits) - 1) == self.number;
+        (is_here && !is_degenerate([a, b, c])).then_some((key, others))
     }
 
-    /// Returns whether the triangles of some vertices are the same.
-    fn equals(&self, other: &Self, vertices: Range<u32>) -> bool {
-        let (mut here, mut there) = (Vec::new(), Vec::new());
-        vertices.into_iter().all(|v| {
-            if self.rows.row(v).len() != other.rows.row(v).len() {
+    /// Returns a bound of the keys.
+    fn key_count(self) -> usize {
+        let blocks = self.vertex_count.div_ceil(1 << BLOCK_BITS).div_ceil(1 << self.bits);
+        ((blocks as usize) << BLOCK_BITS).min(self.vertex_count as usize)
+    }
+
+    /// Returns the number of triangles of this part, if both lists have the same.
+    fn count_same(self, a: &[[u32; 3]], mut b: impl Iterator<Item = [u32; 3]>) -> Option<usize> {
+        let keyed = a.iter().filter_map(move |&triangle| self.keyed(triangle));
+        let mut rows: Csr<u64> = Csr::group_items(keyed, self.key_count());
+        let (mut count, mut in_long_rows) = (0, Vec::new());
+        let all_found = b.all(|triangle| {
+            let Some((key, pair)) = self.keyed(triangle) else { return true };
+            if key as usize >= rows.key_count() {
                 return false;
             }
-            self.sorted_row(v, &mut here);
-            other.sorted_row(v, &mut there);
-            here == there
-        })
+            count += 1;
+            let row = rows.row_mut(key);
+            if row.len() > LONG_ROW {
+                in_long_rows.push((key, pair));
+                return true;
+            }
+            row.iter_mut().find(|slot| **slot == pair).map(|slot| *slot = TAKEN).is_some()
+        });
+        let is_same = all_found && count == rows.item_count() && is_same_in_long_rows(&rows, in_long_rows);
+        is_same.then_some(count)
     }
+}
 
-    /// Returns the triangles of a vertex by their two other vertices, sorted.
-    fn sorted_row(&self, vertex: u32, row: &mut Vec<u64>) {
-        row.clear();
-        row.extend(self.rows.row(vertex).iter().map(|&t| {
-            let [_, b, c] = canonical_triangle(self.triangles[t as usize]);
-            u64::from(b) << 32 | u64::from(c)
-        }));
-        row.sort_unstable();
-    }
+/// The value of a pair that was taken; no triangle has it, as its two vertices are equal.
+const TAKEN: u64 = u64::MAX;
+
+/// Returns whether all long rows together have the given pairs.
+fn is_same_in_long_rows(rows: &Csr<u64>, mut pairs: Vec<(u32, u64)>) -> bool {
+    let long = (0_u32..).zip(rows.rows()).filter(|(_, row)| row.len() > LONG_ROW);
+    let mut expected: Vec<_> = long.flat_map(|(key, row)| row.iter().map(move |&pair| (key, pair))).collect();
+    expected.sort_unstable();
+    pairs.sort_unstable();
+    expected == pairs
 }
 
 #[cfg(test)]
@@ -99,15 +147,61 @@ mod tests {
             }
             let [a, b] = [a, b].map(|list| list.into_iter().map(|t| t.map(|v| v * scale)).collect::<Vec<_>>());
             let expected = canonical_triangles(a.iter().copied()) == canonical_triangles(b.iter().copied());
-            prop_assert_eq!(same_triangles(&a, &b), expected);
+            let real = a.iter().filter(|&&triangle| !is_degenerate(triangle)).count();
+            let expected = expected.then_some(real);
+            prop_assert_eq!(same_triangles(&a, || b.iter().copied()), expected);
+            #[cfg(feature = "rayon")]
+            for bits in 0..3 {
+                let vertex_count = vertex_bound(a.as_flattened()) as u32;
+                prop_assert_eq!(same_in_parts(&a, || b.iter().copied(), vertex_count, bits), expected);
+            }
         }
+    }
+
+    fn same(a: &[[u32; 3]], b: &[[u32; 3]]) -> Option<usize> {
+        same_triangles(a, || b.iter().copied())
     }
 
     #[test]
     fn windings_and_numbers_of_triangles_count() {
-        assert!(same_triangles(&[[0, 1, 2], [5, 5, 6]], &[[1, 2, 0]]));
-        assert!(!same_triangles(&[[0, 1, 2]], &[[0, 2, 1]]));
-        assert!(!same_triangles(&[[0, 1, 2], [0, 1, 2]], &[[0, 1, 2]]));
-        assert!(same_triangles(&[], &[[3, 3, 3]]));
+        assert_eq!(same(&[[0, 1, 2], [5, 5, 6]], &[[1, 2, 0]]), Some(1));
+        assert_eq!(same(&[[0, 1, 2]], &[[0, 2, 1]]), None);
+        assert_eq!(same(&[[0, 1, 2], [0, 1, 2]], &[[0, 1, 2]]), None);
+        assert_eq!(same(&[[0, 1, 2]], &[[0, 1, 2], [0, 1, 2]]), None);
+        assert_eq!(same(&[], &[[3, 3, 3]]), Some(0));
+        let beyond = u32::MAX;
+        assert_eq!(same(&[[0, 1, 2]], &[[beyond - 1, beyond - 2, beyond]]), None);
+    }
+
+    #[test]
+    fn vertices_of_many_triangles_are_compared_by_sorting() {
+        let fan = |n: u32| (1..n).map(|i| [i + 1, 0, i]).collect::<Vec<_>>();
+        let backward: Vec<_> = fan(100_000).into_iter().rev().collect();
+        assert_eq!(same(&fan(100_000), &backward), Some(99_999));
+        let mut other = backward;
+        other[7] = other[8];
+        assert_eq!(same(&fan(100_000), &other), None);
+        let whole = LONG_ROW as u32;
+        for n in whole..whole + 4 {
+            assert_eq!(same(&fan(n), &fan(n)), Some(n as usize - 1));
+            assert_eq!(same(&fan(n), &fan(n + 1)), None);
+            assert_eq!(same(&fan(n + 1), &fan(n)), None);
+        }
+    }
+
+    /// Compares lists of vertices in many blocks.
+    #[test]
+    fn every_block_belongs_to_one_part() {
+        let a: Vec<_> = (0..70_000).map(|i| [i, i + 1, i + 2]).collect();
+        assert_eq!(same(&a, &a), Some(a.len()));
+        #[cfg(feature = "rayon")]
+        for bits in 1..4 {
+            let vertex_count = 70_002;
+            assert_eq!(same_in_parts(&a, || a.iter().rev().copied(), vertex_count, bits), Some(a.len()));
+            assert_eq!(same_in_parts(&a, || a.iter().skip(1).copied(), vertex_count, bits), None);
+            let mut b = a.clone();
+            b[40_000].swap(0, 1);
+            assert_eq!(same_in_parts(&a, || b.iter().copied(), vertex_count, bits), None);
+        }
     }
 }
