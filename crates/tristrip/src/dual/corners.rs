@@ -1,7 +1,7 @@
 //! Corner access that is the same for triangles and polygons, and the edge counts that use it.
 
 use crate::csr::Csr;
-use crate::mesh::Faces;
+use crate::mesh::{Faces, vertex_bound};
 
 /// Returns the first corner of each face, followed by the end of the last face, and the face of each corner.
 pub(super) fn polygon_shape(faces: &Faces) -> (Vec<u32>, Vec<u32>) {
@@ -16,7 +16,7 @@ pub(super) fn polygon_shape(faces: &Faces) -> (Vec<u32>, Vec<u32>) {
 }
 
 /// The corners of faces of one shape. The functions are called for every half-edge, so they are inlined.
-pub(super) trait Corners {
+pub(super) trait Corners: Sync {
     /// Whether faces may have more than three corners.
     const LARGER: bool;
     fn vertices(&self) -> &[u32];
@@ -93,7 +93,7 @@ pub(crate) fn for_each_edge(faces: &Faces, edge: impl FnMut(usize, usize)) {
 
 fn count_edges(corners: &impl Corners, mut edge: impl FnMut(usize, usize)) {
     let vertices = corners.vertices();
-    let vertex_count = vertices.iter().max().map_or(0, |&v| v as usize + 1);
+    let vertex_count = vertex_bound(vertices);
     let to = |h: usize| vertices[corners.next(h)];
     let lows = vertices.iter().enumerate().map(|(h, &from)| from.min(to(h)));
     let by_low = Csr::group(lows, vertex_count);

@@ -12,8 +12,15 @@
 //! # Complexity
 //! See [`super`].
 
+use std::ops::Range;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+#[cfg(feature = "rayon")]
+use rayon::prelude::*;
+
 use super::corners::Corners;
 use crate::csr::Csr;
+use crate::mesh::vertex_bound;
 
 /// The value of a half-edge without a twin in the packed array; while the pairing runs, also the end of a waiting list.
 pub(super) const NO_TWIN: u32 = u32::MAX;
@@ -21,6 +28,13 @@ pub(super) const NO_TWIN: u32 = u32::MAX;
 const CANDIDATES: usize = 8;
 /// Steps over waiting half-edges, per half-edge on average, after which the pairing is done by sorting.
 const STEPS_PER_HALF_EDGE: usize = 32;
+
+/// Meshes of fewer corners are paired by one thread: it takes a few milliseconds.
+#[cfg(feature = "rayon")]
+const THREADING_MINIMUM: usize = 1 << 18;
+/// The highest number of ranges of vertices that are paired in parallel; each reads all corners.
+#[cfg(feature = "rayon")]
+const RANGES: usize = 8;
 
 /// Pairs all half-edges. Returns the twin of each, or `NO_TWIN`, and whether there was nothing to choose.
 pub(super) fn pair(corners: &impl Corners) -> (Vec<u32>, bool) {
@@ -31,35 +45,63 @@ pub(super) fn pair(corners: &impl Corners) -> (Vec<u32>, bool) {
 }
 
 /// Pairs half-edges of which no two have the same direction over the same vertices, so that there is nothing to choose; returns
-/// `None` if two have. Iterates over the vertices: each marks the targets of its outgoing half-edges, and each incoming half-edge
-/// reads the mark of its origin. Hardly any branch depends on the data, which makes it fast.
+/// `None` if two have. Ranges of vertices are processed in parallel: each half-edge is paired at the vertex that it leads to.
 fn pair_simple<C: Corners>(corners: &C) -> Option<Vec<u32>> {
     let vertices = corners.vertices();
-    let vertex_count = vertices.iter().max().map_or(0, |&v| v as usize + 1);
-    let by_vertex = Csr::group(vertices.iter().copied(), vertex_count);
+    #[cfg(feature = "rayon")]
+    if vertices.len() > THREADING_MINIMUM {
+        return pair_simple_in_ranges(corners, rayon::current_num_threads().min(RANGES) as u32);
+    }
+    pair_simple_in_ranges(corners, 1)
+}
+
+/// Does the same, in a number of ranges of vertices.
+fn pair_simple_in_ranges<C: Corners>(corners: &C, ranges: u32) -> Option<Vec<u32>> {
+    let vertices = corners.vertices();
+    let vertex_count = vertex_bound(vertices);
+    let twins: Vec<AtomicU32> = (0..vertices.len()).map(|_| AtomicU32::new(NO_TWIN)).collect();
+    let bound = |i: u32| (vertex_count as u64 * u64::from(i) / u64::from(ranges)) as u32;
+    let pair_range = |i| pair_around(corners, bound(i)..bound(i + 1), vertex_count, &twins);
+    #[cfg(feature = "rayon")]
+    let nothing_to_choose = (0..ranges).into_par_iter().all(pair_range);
+    #[cfg(not(feature = "rayon"))]
+    let nothing_to_choose = (0..ranges).all(pair_range);
+    nothing_to_choose.then(|| twins.into_iter().map(AtomicU32::into_inner).collect())
+}
+
+/// Finds the twins of the half-edges that lead to some of the vertices; returns whether there was nothing to choose. Each vertex marks the
+/// targets of its outgoing half-edges, and each incoming half-edge reads the mark of its origin. Hardly any branch depends on the data,
+/// which makes it fast.
+fn pair_around<C: Corners>(corners: &C, range: Range<u32>, vertex_count: usize, twins: &[AtomicU32]) -> bool {
+    let vertices = corners.vertices();
+    let keyed =
+        (0..).zip(vertices).filter(|(_, v)| range.contains(v)).map(|(corner, v)| (v - range.start, corner));
+    let by_vertex: Csr = Csr::group_items(keyed, range.len());
     // For each vertex: the origin, counted from 1, of the last half-edge that leads to it, and that half-edge. Zeroed memory
     // needs no pass of its own.
     let mut marks = vec![(0, 0); vertex_count];
-    let mut twins = vec![0; vertices.len()];
-    for (v, here) in (1_u32..).zip(by_vertex.rows()) {
+    for (v, here) in (range.start + 1..).zip(by_vertex.rows()) {
         for &corner in here {
             let to = vertices[corners.next(corner as usize)];
             let mark = &mut marks[to as usize];
             if mark.0 == v || to + 1 == v {
-                return None; // two of equal direction, or one of zero length
+                return false; // two of equal direction, or one of zero length
             }
             *mark = (v, corner);
         }
         for &corner in here {
             let incoming = corners.previous(corner as usize);
             let (marked_by, outgoing) = marks[vertices[incoming] as usize];
-            if C::LARGER && marked_by == v && corners.face(outgoing as usize) == corners.face(incoming) {
-                return None; // a face with both half-edges of an edge; a triangle then has one of zero length
+            if marked_by != v {
+                continue;
             }
-            twins[incoming] = if marked_by == v { outgoing } else { NO_TWIN };
+            if C::LARGER && corners.face(outgoing as usize) == corners.face(incoming) {
+                return false; // a face with both half-edges of an edge; a triangle then has one of zero length
+            }
+            twins[incoming].store(outgoing, Ordering::Relaxed);
         }
     }
-    Some(twins)
+    true
 }
 
 /// Returns whether two half-edges over the same vertices may be twins: they have opposite directions and different faces.
@@ -78,7 +120,7 @@ fn folds_back(corners: &impl Corners, h: usize, other: usize) -> bool {
 /// Pairs half-edges by waiting lists; returns `None` if the lists of some vertices grow too long.
 fn pair_by_lists(corners: &impl Corners) -> Option<Vec<u32>> {
     let vertices = corners.vertices();
-    let vertex_count = vertices.iter().max().map_or(0, |&v| v as usize + 1);
+    let vertex_count = vertex_bound(vertices);
     let mut heads = vec![NO_TWIN; vertex_count];
     // The twin if it is known, otherwise the next half-edge that waits at the same vertex.
     let mut twins = vec![NO_TWIN; vertices.len()];
@@ -253,9 +295,11 @@ mod tests {
             .collect();
         let mut sorted = directed.clone();
         sorted.sort_unstable();
-        match pair_simple(corners) {
-            Some(twins) => assert_eq!(twins, expected),
-            None => assert!(sorted.windows(2).any(|w| w[0] == w[1]), "nothing to choose"),
+        for ranges in 1..4 {
+            match pair_simple_in_ranges(corners, ranges) {
+                Some(twins) => assert_eq!(twins, expected),
+                None => assert!(sorted.windows(2).any(|w| w[0] == w[1]), "nothing to choose"),
+            }
         }
 
         let half_edges = (0..faces.corner_count() as u32).collect();

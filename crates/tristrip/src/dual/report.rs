@@ -11,7 +11,7 @@
 
 use super::{DualGraph, for_each_edge};
 use crate::csr::Csr;
-use crate::mesh::{Faces, Mesh};
+use crate::mesh::{Faces, Mesh, vertex_bound};
 use crate::prepare::{PreparedCounts, PreparedFaces};
 
 /// The counts of a mesh. Edges are those of the prepared faces, between two vertices.
@@ -55,23 +55,26 @@ impl MeshReport {
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     pub fn of(mesh: &Mesh, prepared: &PreparedFaces<'_>, graph: &DualGraph) -> Self {
-        let faces = &*prepared.faces().compact();
-        let corners = mesh.faces().compact();
-        let mut used = vec![false; corners.corners().iter().max().map_or(0, |&v| v as usize + 1)];
-        corners.corners().iter().for_each(|&v| used[v as usize] = true);
+        let faces = prepared.faces();
+        let count_used = || used_vertices(mesh.faces().compact().corners());
+        #[cfg(feature = "rayon")]
+        let (used, components) = rayon::join(count_used, || graph.component_count());
+        #[cfg(not(feature = "rayon"))]
+        let (used, components) = (count_used(), graph.component_count());
         let mut report = Self {
             vertices: mesh.vertex_count(),
-            unreferenced_vertices: mesh.vertex_count() - used.iter().filter(|&&u| u).count(),
+            unreferenced_vertices: mesh.vertex_count() - used,
             faces: mesh.faces().face_count(),
             triangles: faces.triangle_count(),
-            components: graph.components().1,
+            components,
+            isolated_faces: graph.isolated_count(),
             surface: prepared.counts(),
             ..Self::default()
         };
-        report.isolated_faces = graph.isolated_count();
         if graph.is_simple() {
             report.boundary_edges = graph.boundary_count();
         } else {
+            let faces = &*faces.compact();
             report.count_edges(faces);
             report.duplicate_faces = duplicates(faces);
         }
@@ -89,6 +92,13 @@ impl MeshReport {
     }
 }
 
+/// Counts the vertices that corners use.
+fn used_vertices(corners: &[u32]) -> usize {
+    let mut used = vec![false; vertex_bound(corners)];
+    corners.iter().for_each(|&v| used[v as usize] = true);
+    used.iter().filter(|&&is_used| is_used).count()
+}
+
 /// Counts the faces that repeat an earlier one, from whatever corner they begin: a counting sort groups the faces by their lowest
 /// vertex, and those of each vertex are sorted by comparison.
 fn duplicates(faces: &Faces) -> usize {
@@ -98,7 +108,7 @@ fn duplicates(faces: &Faces) -> usize {
         let (before, after) = polygon.split_at(lowest(polygon));
         after.iter().chain(before)
     };
-    let vertex_count = faces.corners().iter().max().map_or(0, |&v| v as usize + 1);
+    let vertex_count = vertex_bound(faces.corners());
     let firsts = faces.iter().map(|polygon| polygon.get(lowest(polygon)).copied().unwrap_or(0));
     let mut by_lowest = Csr::group(firsts, vertex_count.max(1));
     by_lowest.sort_rows(|a, b| whole(a).cmp(whole(b)));
