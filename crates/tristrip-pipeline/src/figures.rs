@@ -6,7 +6,7 @@ use serde::Serialize;
 use tristrip::dual::MeshReport;
 use tristrip::strip::Metrics;
 use tristrip::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
-use tristrip::{Method, StripifyOptions, Strips};
+use tristrip::{Mesh, Method, StripifyOptions, Strips};
 
 use crate::error::Error;
 use crate::parts::{PreparedPart, check_vertices, map};
@@ -86,10 +86,12 @@ impl Figures {
     ) -> Result<(Self, Vec<PartFigures>), Error> {
         check_vertices(parts)?;
         let optimized_cache = (options.method() == Method::Cache).then(|| options.vertex_cache());
+        let caches: Vec<_> =
+            [VertexCache::fifo(16), VertexCache::fifo(32)].into_iter().chain(optimized_cache).collect();
         let measured = map(parts, |&(strips, vertices)| {
-            let simulate = |cache| VertexCacheStatistics::of(strips, cache, FlushPolicy::Keep, vertices);
-            let (fifo_16, fifo_32) = (simulate(VertexCache::fifo(16)), simulate(VertexCache::fifo(32)));
-            (Metrics::of(strips), fifo_16, fifo_32, optimized_cache.map(simulate))
+            let simulate = || VertexCacheStatistics::of_each(strips, &caches, FlushPolicy::Keep, vertices);
+            let (metrics, used) = rayon::join(|| Metrics::of(strips), simulate);
+            (metrics, used[0], used[1], used.get(2).copied())
         });
         let metrics: Metrics = measured.iter().map(|m| m.0).sum();
         let fifo_16: VertexCacheStatistics = measured.iter().map(|m| m.1).sum();
@@ -170,7 +172,7 @@ impl MeshFigures {
     pub(crate) fn of(parts: &[PreparedPart<'_>]) -> Self {
         let reports = map(parts, |part| MeshReport::of(part.mesh, &part.surface, &part.graph));
         let mut sum = Self::default();
-        for report in reports {
+        for report in &reports {
             sum.faces += report.faces;
             sum.triangles += report.triangles;
             sum.components += report.components;
@@ -184,7 +186,7 @@ impl MeshFigures {
             sum.fanned_polygons += report.surface.fanned_polygons;
             sum.welded_vertices += report.surface.welded_vertices;
         }
-        (sum.vertices, sum.unreferenced_vertices) = count_vertices(parts);
+        (sum.vertices, sum.unreferenced_vertices) = count_vertices(parts, &reports);
         sum
     }
 }
@@ -209,13 +211,25 @@ impl MeshFigures {
 }
 
 /// Counts the vertices of all parts, and those that no part uses. Vertices that parts share are counted once.
-fn count_vertices(parts: &[PreparedPart<'_>]) -> (usize, usize) {
-    let mut used: HashMap<*const [f32; 3], Vec<bool>> = HashMap::new();
-    for part in parts {
-        let positions = part.mesh.positions();
-        let used = used.entry(positions.as_ptr()).or_insert_with(|| vec![false; positions.len()]);
-        part.mesh.faces().corners().iter().for_each(|&v| used[v as usize] = true);
+fn count_vertices(parts: &[PreparedPart<'_>], reports: &[MeshReport]) -> (usize, usize) {
+    let mut by_positions: HashMap<*const [f32; 3], Vec<usize>> = HashMap::new();
+    for (number, part) in parts.iter().enumerate() {
+        by_positions.entry(part.mesh.positions().as_ptr()).or_default().push(number);
     }
-    let unused = used.values().map(|used| used.iter().filter(|&&u| !u).count()).sum();
-    (used.values().map(Vec::len).sum(), unused)
+    let unused = |sharing: &Vec<usize>| match sharing[..] {
+        [one] => reports[one].unreferenced_vertices,
+        _ => unused_by_all(sharing.iter().map(|&number| parts[number].mesh)),
+    };
+    let vertices = by_positions.values().map(|sharing| reports[sharing[0]].vertices).sum();
+    (vertices, by_positions.values().map(unused).sum())
+}
+
+/// Counts the vertices that none of several meshes over the same vertices uses.
+fn unused_by_all<'a>(meshes: impl Iterator<Item = &'a Mesh>) -> usize {
+    let mut used = Vec::new();
+    for mesh in meshes {
+        used.resize(mesh.vertex_count(), false);
+        mesh.faces().corners().iter().for_each(|&v| used[v as usize] = true);
+    }
+    used.iter().filter(|&&is_used| !is_used).count()
 }

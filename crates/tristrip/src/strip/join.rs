@@ -21,9 +21,9 @@
 //! Hierholzer, Wiener: *Über die Möglichkeit, einen Linienzug ohne Wiederholung und ohne Unterbrechung zu umfahren*, 1873.
 //!
 //! # Complexity
-//! O(s log s) time and 60 bytes per strip for s strips.
+//! O(s log s) time and 70 bytes per strip for s strips.
 
-use std::collections::BTreeSet;
+use rustc_hash::FxHashSet;
 
 use super::Strips;
 
@@ -37,10 +37,42 @@ pub(super) struct DirectedStrip<'a> {
     is_odd: bool,
 }
 
-impl DirectedStrip<'_> {
-    fn vertices(self) -> impl Iterator<Item = u32> {
+/// Consecutive vertices of a strip, sent from the first or from the last.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Run<'a> {
+    vertices: &'a [u32],
+    reversed: bool,
+}
+
+impl Run<'_> {
+    /// Counts the vertices.
+    pub(super) fn len(self) -> usize {
+        self.vertices.len()
+    }
+
+    /// Calls `send` for each vertex in the order in which it is sent.
+    pub(super) fn for_each(self, send: impl FnMut(u32)) {
+        let vertices = self.vertices.iter().copied();
+        if self.reversed { vertices.rev().for_each(send) } else { vertices.for_each(send) }
+    }
+
+    fn last(self) -> Option<u32> {
+        if self.reversed { self.vertices.first().copied() } else { self.vertices.last().copied() }
+    }
+}
+
+impl<'a> DirectedStrip<'a> {
+    /// Returns the vertices in the order in which they are sent, in two runs, because the strip may begin inside its array.
+    fn runs(self) -> [Run<'a>; 2] {
+        let (head, tail) = self.strip.split_at(self.rotation);
+        let (first, second) = if self.reversed { (head, tail) } else { (tail, head) };
+        [first, second].map(|vertices| Run { vertices, reversed: self.reversed })
+    }
+
+    /// Returns the first vertex that is sent. A strip has at least one triangle.
+    fn first(self) -> u32 {
         let n = self.strip.len();
-        (0..n).map(move |i| self.strip[(if self.reversed { n - 1 - i } else { i } + self.rotation) % n])
+        self.strip[if self.reversed { (self.rotation + n - 1) % n } else { self.rotation }]
     }
 
     /// Returns whether the strip keeps its winding at an odd position, rather than at an even one.
@@ -50,18 +82,17 @@ impl DirectedStrip<'_> {
 
     /// Appends the strip to a joined buffer, and the indices between: the last vertex and the first one again if they differ, and
     /// the first one once more if the strip would otherwise begin at a position of the wrong parity.
-    pub(super) fn join_to(self, joined: &mut Joined<impl FnMut(u32)>) {
-        let Some(first) = self.vertices().next() else { return };
+    pub(super) fn join_to(self, joined: &mut Joined<impl FnMut(Run<'_>)>) {
+        let first = self.first();
         if let Some(last) = joined.last
             && last != first
         {
-            joined.send(last);
-            joined.send(first);
+            joined.send(Run { vertices: &[last, first], reversed: false });
         }
         if joined.is_odd != self.starts_at_odd() {
-            joined.send(first);
+            joined.send(Run { vertices: &[first], reversed: false });
         }
-        self.vertices().for_each(|v| joined.send(v));
+        self.runs().into_iter().for_each(|run| joined.send(run));
     }
 }
 
@@ -72,15 +103,15 @@ pub(super) struct Joined<F> {
     send: F,
 }
 
-impl<F: FnMut(u32)> Joined<F> {
+impl<F: FnMut(Run<'_>)> Joined<F> {
     /// Starts an empty buffer.
     pub(super) fn new(send: F) -> Self {
         Self { is_odd: false, last: None, send }
     }
 
-    fn send(&mut self, vertex: u32) {
-        (self.send)(vertex);
-        (self.is_odd, self.last) = (!self.is_odd, Some(vertex));
+    fn send(&mut self, run: Run<'_>) {
+        (self.send)(run);
+        (self.is_odd, self.last) = (self.is_odd != (run.len() % 2 == 1), run.last().or(self.last));
     }
 }
 
@@ -142,8 +173,8 @@ impl StripGraph {
         let mut nodes: Vec<u64> = ways.iter().flat_map(|&way| ends_of(way)).collect();
         // Nodes of odd degree, counting only the longer strips.
         let others = ways.iter().filter(|way| way.strip.len() > 3).flat_map(|&way| ends_of(way));
-        let mut odd = BTreeSet::new();
-        let toggle = |odd: &mut BTreeSet<u64>, node| {
+        let mut odd = FxHashSet::default();
+        let toggle = |odd: &mut FxHashSet<u64>, node| {
             if !odd.remove(&node) {
                 odd.insert(node);
             }
@@ -206,7 +237,13 @@ impl StripGraph {
     fn circuits(&self, strip_count: usize) -> Vec<Vec<End>> {
         let mut by_node: Vec<(u64, End)> = self.nodes.iter().copied().zip(0..).collect();
         by_node.sort_unstable();
-        let first_at = |node: u64| by_node.partition_point(|&(other, _)| other < node);
+        // The first slot of each end's node.
+        let mut first_of = vec![0_u32; self.nodes.len()];
+        let mut start = 0;
+        for same in by_node.chunk_by(|a, b| a.0 == b.0) {
+            same.iter().for_each(|&(_, end)| first_of[end as usize] = start);
+            start += same.len() as u32;
+        }
         // The next unvisited slot of each node, stored at the node's first slot.
         let mut next: Vec<u32> = (0..by_node.len() as u32).collect();
         let mut used = vec![false; self.nodes.len() / 2];
@@ -216,13 +253,13 @@ impl StripGraph {
                 continue;
             }
             let mut circuit = Vec::new();
-            stack.push((first_at(self.nodes[2 * strip]), None));
+            stack.push((first_of[2 * strip], None));
             while let Some(&(first, via)) = stack.last() {
-                let at = next[first] as usize;
-                if let Some(&(_, end)) = by_node.get(at).filter(|(node, _)| *node == by_node[first].0) {
-                    next[first] += 1;
+                let at = next[first as usize] as usize;
+                if let Some(&(_, end)) = by_node.get(at).filter(|(_, end)| first_of[*end as usize] == first) {
+                    next[first as usize] += 1;
                     if !std::mem::replace(&mut used[end as usize / 2], true) {
-                        stack.push((first_at(self.nodes[end as usize ^ 1]), Some(end)));
+                        stack.push((first_of[end as usize ^ 1], Some(end)));
                     }
                 } else {
                     circuit.extend(via);

@@ -6,6 +6,7 @@
 
 use std::ops::Range;
 
+use super::join::Run;
 use super::{Strips, join, strip_triangles};
 use crate::error::{Error, MeshProblem};
 use crate::index::Index;
@@ -149,7 +150,7 @@ impl Strips {
             Layout::Restart => count = self.vertices_sent() + self.len().saturating_sub(1),
             Layout::Separate => count = self.vertices_sent(),
             Layout::List => count = 3 * self.triangles().count(),
-            Layout::Degenerate => self.join(|_| count += 1),
+            Layout::Degenerate => self.join(|run| count += run.len()),
         }
         count
     }
@@ -239,12 +240,12 @@ impl Strips {
             }
             Layout::Separate => self.vertices.iter().for_each(|&v| send(index(v))),
             Layout::List => self.triangles().flatten().for_each(|v| send(index(v))),
-            Layout::Degenerate => self.join(|v| send(index(v))),
+            Layout::Degenerate => self.join(|run| run.for_each(|v| send(index(v)))),
         }
     }
 
     /// Sends the strips joined by degenerate triangles.
-    fn join(&self, send: impl FnMut(u32)) {
+    fn join(&self, send: impl FnMut(Run<'_>)) {
         let mut joined = join::Joined::new(send);
         if self.keeps_order {
             join::in_order(self).for_each(|strip| strip.join_to(&mut joined));
@@ -288,7 +289,7 @@ impl Strips {
     /// ```
     pub fn to_degenerate(&self) -> Vec<u32> {
         let mut out: Vec<u32> = Vec::with_capacity(self.vertices_sent() + 3 * self.len());
-        self.join(|v| out.push(v));
+        self.join(|run| run.for_each(|v| out.push(v)));
         out
     }
 

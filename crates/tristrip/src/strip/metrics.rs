@@ -1,6 +1,6 @@
 //! The cost of strips: the single definition of every metric of the project.
 
-use super::{Strips, count_triangles};
+use super::{Layout, Strips, count_triangles};
 use crate::cover::priced::StripPrices;
 use crate::names::names;
 
@@ -96,7 +96,7 @@ impl Metrics {
             strips: strips.len(),
             vertices_sent: strips.vertices_sent(),
             indices_restart: strips.vertices_sent() + strips.len().saturating_sub(1),
-            indices_degenerate: strips.to_degenerate().len(),
+            indices_degenerate: strips.index_count(Layout::Degenerate),
             ..Self::default()
         };
         for strip in strips.iter() {

@@ -124,8 +124,13 @@ impl VertexCacheStatistics {
         };
         for lanes in with(Replacement::Fifo).chunks(LANES) {
             let entries = std::array::from_fn(|lane| lanes.get(lane).map_or(1, |(_, cache)| cache.entries));
-            let found = fifo_misses::<LANES>(stream, entries, flush);
-            lanes.iter().zip(found).for_each(|(&(i, _), found)| misses[i] = found);
+            let mut record = |found: &[usize]| {
+                lanes.iter().zip(found).for_each(|(&(i, _), &found)| misses[i] = found);
+            };
+            match *lanes {
+                [_, _] => record(&fifo_misses(stream, [entries[0], entries[1]], flush)),
+                _ => record(&fifo_misses::<LANES>(stream, entries, flush)),
+            }
         }
         let lru = with(Replacement::Lru);
         let small = |cache: &VertexCache| (1..=VertexCache::MAX_ENTRIES).contains(&cache.entries);
