@@ -1,7 +1,7 @@
 //! Reading and writing in a format that is chosen at run time.
 
-use std::borrow::Cow;
 use std::path::Path;
+use std::sync::Arc;
 
 use tristrip::Layout;
 
@@ -26,24 +26,53 @@ use crate::{gltf, obj, off, ply, stl};
 /// # Ok::<(), tristrip_io::Error>(())
 /// ```
 pub fn read(bytes: &[u8], format: Format) -> Result<Model, Error> {
-    read_in_folders(bytes.into(), format, &[])
+    match format {
+        Format::Gltf | Format::Glb => read_shared(&Arc::new(bytes.to_vec()), format),
+        _ => read_other(bytes, format),
+    }
+}
+
+/// Reads a model as [`read`] does. A model in glTF shares the bytes and keeps them, instead of a copy.
+///
+/// # Errors
+/// As of [`read`].
+///
+/// ```
+/// use std::sync::Arc;
+/// use tristrip_io::{Format, read_shared};
+/// let bytes = Arc::new(br#"{"asset":{"version":"2.0"}}"#.to_vec());
+/// let model = read_shared(&bytes, Format::Gltf)?;
+/// drop(model);
+/// assert!(Arc::try_unwrap(bytes).is_ok());
+/// # Ok::<(), tristrip_io::Error>(())
+/// ```
+pub fn read_shared(bytes: &Arc<Vec<u8>>, format: Format) -> Result<Model, Error> {
+    read_in_folders(bytes, format, &[])
 }
 
 /// Reads a model whose external buffers, if any, are in the first of several folders that has them.
 pub(crate) fn read_in_folders(
-    bytes: Cow<'_, [u8]>,
+    bytes: &Arc<Vec<u8>>,
     format: Format,
     folders: &[&Path],
 ) -> Result<Model, Error> {
-    if bytes.is_empty() {
-        return Err(Error::format("byte 0", "an empty file", format!("a file in {}", format.name())));
-    }
     match format {
-        Format::Obj => obj::read(&bytes),
-        Format::Ply => ply::read(&bytes),
-        Format::Off => off::read(&bytes),
-        Format::Stl => stl::read(&bytes),
-        Format::Gltf | Format::Glb => gltf::read_in_folders(bytes.into_owned(), folders),
+        Format::Gltf | Format::Glb if !bytes.is_empty() => gltf::read_in_folders(Arc::clone(bytes), folders),
+        _ => read_other(bytes, format),
+    }
+}
+
+/// Reads a model in a format whose models keep no bytes of the file.
+fn read_other(bytes: &[u8], format: Format) -> Result<Model, Error> {
+    match format {
+        _ if bytes.is_empty() => {
+            Err(Error::format("byte 0", "an empty file", format!("a file in {}", format.name())))
+        }
+        Format::Obj => obj::read(bytes),
+        Format::Ply => ply::read(bytes),
+        Format::Off => off::read(bytes),
+        Format::Stl => stl::read(bytes),
+        Format::Gltf | Format::Glb => gltf::read(bytes, None),
     }
 }
 

@@ -44,7 +44,7 @@ mod stl;
 mod text;
 mod vertex_group;
 
-pub use any_format::{losses, read, write};
+pub use any_format::{losses, read, read_shared, write};
 pub use error::Error;
 pub use format::Format;
 pub use model::{Drawing, Model, Part, StoredStrips};

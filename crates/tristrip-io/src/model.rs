@@ -87,6 +87,13 @@ pub struct StoredStrips {
 }
 
 impl StoredStrips {
+    /// Takes over one run.
+    pub(crate) fn from_run(run: Vec<u32>, fans: bool) -> Self {
+        let end = run.len() as u32;
+        let runs = Strips::from_parts(run, Vec::from_iter((end > 0).then_some(end))).unwrap_or_default();
+        Self { fans, runs, restarts: 0 }
+    }
+
     /// Collects the runs between restarts, empty ones included.
     pub(crate) fn from_runs<'a>(runs: impl Iterator<Item = &'a [u32]>, fans: bool) -> Self {
         let mut stored = Self { fans, ..Self::default() };

@@ -4,6 +4,7 @@
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use tristrip::Layout;
 
@@ -37,7 +38,7 @@ pub fn read_path(path: impl AsRef<Path>) -> Result<Model, Error> {
     // A pipe has no folder of its own.
     let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
     let folders: Vec<&Path> = [path, &target].into_iter().filter_map(Path::parent).collect();
-    read_in_folders(bytes.into(), format, &folders)
+    read_in_folders(&Arc::new(bytes), format, &folders)
 }
 
 /// Writes a model to a file in the format of its extension, with [`write()`] and [`replace_file`].

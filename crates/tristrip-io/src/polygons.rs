@@ -52,6 +52,16 @@ impl Polygons {
         self.end_face();
     }
 
+    /// Adds triangles.
+    pub(crate) fn push_triangles(&mut self, triangles: impl ExactSizeIterator<Item = [u32; 3]>) {
+        if self.offsets.is_some() {
+            return triangles.for_each(|triangle| self.push_face(&triangle));
+        }
+        self.corners.reserve(3 * triangles.len());
+        self.face_count += triangles.len();
+        triangles.for_each(|triangle| self.corners.extend_from_slice(&triangle));
+    }
+
     /// Returns the number of faces.
     pub(crate) fn face_count(&self) -> usize {
         self.face_count
@@ -92,9 +102,14 @@ mod tests {
         polygons.push_face(&[0, 1]);
         polygons.push_face(&[0, 1, 2, 3]);
         assert_eq!(polygons.range(2), 6..8);
+        polygons.push_triangles([[4, 5, 6], [6, 5, 7]].into_iter());
         let faces = polygons.finish().unwrap();
         let sizes: Vec<usize> = faces.iter().map(<[u32]>::len).collect();
-        assert_eq!(sizes, [3, 3, 2, 4]);
+        assert_eq!(sizes, [3, 3, 2, 4, 3, 3]);
+        let mut triangles = Polygons::default();
+        triangles.push_triangles([[0, 1, 2], [2, 1, 3]].into_iter());
+        triangles.push_face(&[3, 1, 4]);
+        assert_eq!(triangles.finish().unwrap().as_triangles(), Some(&[0, 1, 2, 2, 1, 3, 3, 1, 4][..]));
         assert_eq!(Polygons::default().finish().unwrap().face_count(), 0);
     }
 }

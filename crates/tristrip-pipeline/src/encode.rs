@@ -1,6 +1,7 @@
 //! Files in memory: a model is laid out, read back and proven before its bytes are returned.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use tristrip::Layout;
 use tristrip::verify::verify_models;
@@ -150,7 +151,7 @@ pub fn encode_observed(
         notes.push(RESTART_NOTE.into());
     }
     begin(observer, Stage::Encode)?;
-    let bytes = match &reordered {
+    let mut bytes = match &reordered {
         None => tristrip_io::write(model, drawings, format, layout)?,
         Some(moved) => tristrip_io::write(&moved.model, &moved.drawings(), format, moved.layout)?,
     };
@@ -158,7 +159,10 @@ pub fn encode_observed(
     let mut faces = None;
     if options.verify {
         begin(observer, Stage::ReadBack)?;
-        let proven = prove(model, &bytes, format)?;
+        // The model that is read back shares the bytes, and is dropped with the proof.
+        let shared = Arc::new(bytes);
+        let proven = prove(model, &shared, format)?;
+        bytes = Arc::unwrap_or_clone(shared);
         observer.event(Event::ReadBack { faces: proven });
         faces = Some(proven);
     }
@@ -206,8 +210,9 @@ fn kept(groups: &[VertexGroup]) -> Vec<String> {
 }
 
 /// Reads the bytes back, proves that they draw the source, and returns the number of faces.
-fn prove(source: &Model, bytes: &[u8], format: Format) -> Result<usize, Error> {
-    let again = tristrip_io::read(bytes, format).map_err(|error| Error::Unproven(error.to_string()))?;
+fn prove(source: &Model, bytes: &Arc<Vec<u8>>, format: Format) -> Result<usize, Error> {
+    let again =
+        tristrip_io::read_shared(bytes, format).map_err(|error| Error::Unproven(error.to_string()))?;
     match verify_models(&meshes(source), &meshes(&again))? {
         Ok(proof) => Ok(proof.faces),
         Err(difference) => Err(Error::Unproven(difference.to_string())),

@@ -422,6 +422,11 @@ impl StripIndices {
         self.0.len()
     }
 
+    /// Returns the indices themselves.
+    pub(super) fn into_indices(self) -> Vec<u32> {
+        self.0
+    }
+
     /// Iterates over the strips or fans between restarts, empty ones included.
     pub(super) fn runs(&self) -> impl Iterator<Item = &[u32]> {
         self.0.split(|&i| i == Self::RESTART)

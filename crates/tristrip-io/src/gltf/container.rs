@@ -37,8 +37,7 @@ impl GlbContainer {
 }
 
 /// Finds the chunks of a GLB, or treats the whole of a `.gltf` as JSON.
-pub(super) fn open(bytes: Vec<u8>, notes: &mut Vec<String>) -> Result<GlbContainer, Error> {
-    let file = Arc::new(bytes);
+pub(super) fn open(file: Arc<Vec<u8>>, notes: &mut Vec<String>) -> Result<GlbContainer, Error> {
     if !file.starts_with(MAGIC) {
         return open_json(file);
     }

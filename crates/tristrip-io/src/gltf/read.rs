@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::path::Path;
+use std::sync::Arc;
 
 use super::json::{Members, Value};
 use tristrip::{Attribute, Faces, Mesh};
@@ -44,11 +45,11 @@ const NOT_GEOMETRY: [&str; 5] =
 /// ```
 pub fn read(bytes: impl Into<Vec<u8>>, base_dir: Option<&Path>) -> Result<Model, Error> {
     let folders: Vec<&Path> = base_dir.into_iter().collect();
-    read_in_folders(bytes.into(), &folders)
+    read_in_folders(Arc::new(bytes.into()), &folders)
 }
 
 /// Reads a document whose external buffers are in the first of several folders that has them.
-pub(crate) fn read_in_folders(bytes: Vec<u8>, folders: &[&Path]) -> Result<Model, Error> {
+pub(crate) fn read_in_folders(bytes: Arc<Vec<u8>>, folders: &[&Path]) -> Result<Model, Error> {
     let mut notes = Vec::new();
     let container = container::open(bytes, &mut notes)?;
     let document = Document::parse(container.json_bytes())?;

@@ -120,7 +120,7 @@ fn from_accessor<'a>(
     }
     let indices = values.strip_indices(vertex_count, budget)?;
     budget.charge(&values.at, indices.len(), 3 * size_of::<u32>())?;
-    Ok(from_strips(&indices, mode))
+    Ok(from_strips(indices, mode))
 }
 
 fn from_all_vertices(
@@ -134,7 +134,7 @@ fn from_all_vertices(
     Ok(if mode == TRIANGLES {
         from_list((0..vertex_count as u32).collect())
     } else {
-        from_strips(&StripIndices::all_vertices(vertex_count), mode)
+        from_strips(StripIndices::all_vertices(vertex_count), mode)
     })
 }
 
@@ -147,7 +147,7 @@ fn from_list(mut corners: Vec<u32>) -> Decoded {
 }
 
 /// Unpacks strips or fans; triangles with a repeated corner draw nothing and are dropped.
-fn from_strips(indices: &StripIndices, mode: u64) -> Decoded {
+fn from_strips(indices: StripIndices, mode: u64) -> Decoded {
     debug_assert!(mode == TRIANGLE_FAN || mode == TRIANGLE_STRIP);
     let mut corners = Vec::with_capacity(3 * indices.len());
     let mut counts = TriangleCounts::default();
@@ -170,6 +170,10 @@ fn from_strips(indices: &StripIndices, mode: u64) -> Decoded {
     }
     let triangles = corners.len() as u64 / 3;
     let weight = triangles.max((indices.len() as u64).div_ceil(INDICES_PER_TRIANGLE));
-    let stored = Some(StoredStrips::from_runs(indices.runs(), mode == TRIANGLE_FAN));
+    let fans = mode == TRIANGLE_FAN;
+    let stored = Some(match counts.restarts {
+        0 => StoredStrips::from_run(indices.into_indices(), fans),
+        _ => StoredStrips::from_runs(indices.runs(), fans),
+    });
     Decoded { corners, stored, weight, counts }
 }

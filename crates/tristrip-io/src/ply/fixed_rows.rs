@@ -44,17 +44,30 @@ impl<'a> FixedRows<'a> {
         read: impl Fn([u8; N]) -> T,
     ) {
         let offsets: Vec<usize> = properties.iter().map(|&property| self.columns[property].0).collect();
-        let value = |row: &[u8], offset: usize| {
-            let mut bytes = row[offset..].first_chunk::<N>().copied().unwrap_or([0; N]);
-            if self.is_big_endian {
-                bytes.reverse();
-            }
-            read(bytes)
-        };
         out.reserve_exact(offsets.len() * (self.bytes.len() / self.size));
         for row in self.bytes.chunks_exact(self.size) {
-            out.extend(offsets.iter().map(|&offset| value(row, offset)));
+            out.extend(offsets.iter().map(|&offset| read(self.value(row, offset))));
         }
+    }
+
+    /// Returns the values of some properties of the same type, row by row.
+    pub(super) fn gather_arrays<T, const N: usize, const K: usize>(
+        &self,
+        properties: [usize; K],
+        read: impl Fn([u8; N]) -> T,
+    ) -> Vec<[T; K]> {
+        let offsets = properties.map(|property| self.columns[property].0);
+        let rows = self.bytes.chunks_exact(self.size);
+        rows.map(|row| offsets.map(|offset| read(self.value(row, offset)))).collect()
+    }
+
+    /// Returns the bytes of a value in a row, the lowest first.
+    fn value<const N: usize>(&self, row: &[u8], offset: usize) -> [u8; N] {
+        let mut bytes = row[offset..].first_chunk::<N>().copied().unwrap_or([0; N]);
+        if self.is_big_endian {
+            bytes.reverse();
+        }
+        bytes
     }
 
     /// Returns the values of a property as 64-bit floats, which represent the numbers of every type exactly.

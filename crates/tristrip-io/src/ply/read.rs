@@ -342,9 +342,7 @@ fn positions(
 ) -> Result<(Vec<[f32; 3]>, u64), Error> {
     let mut rounded = 0;
     let positions = if axes.iter().all(|&axis| rows.kind(axis) == Scalar::F32) {
-        let mut flat = Vec::new();
-        rows.gather(&axes, &mut flat, f32::from_le_bytes);
-        flat.as_chunks::<3>().0.to_vec()
+        rows.gather_arrays(axes, f32::from_le_bytes)
     } else {
         let [xs, ys, zs] = axes.map(|axis| rows.wide(axis));
         let wide = xs.into_iter().zip(ys).zip(zs).map(|((x, y), z)| [x, y, z]);

@@ -125,6 +125,9 @@ fn are_32_bit_indices(kind: Scalar, bound: u32) -> bool {
     matches!(kind, Scalar::I32 | Scalar::U32) && bound <= 1 << 31
 }
 
+/// The number of rows that are checked before they are read: they stay in the processor's caches in between.
+const ROWS_PER_BLOCK: usize = 1024;
+
 /// Rows of binary numbers.
 pub(super) struct BinaryRows<'a, const BIG: bool> {
     bytes: &'a [u8],
@@ -227,18 +230,24 @@ impl<const BIG: bool> Rows for BinaryRows<'_, BIG> {
         if list.count != Some(Scalar::U8) || !are_32_bit_indices(list.value, bound) {
             return 0;
         }
+        let triangle = |row: &[u8; 13]| {
+            let &[_, a0, a1, a2, a3, b0, b1, b2, b3, c0, c1, c2, c3] = row;
+            [[a0, a1, a2, a3], [b0, b1, b2, b3], [c0, c1, c2, c3]].map(Self::index)
+        };
+        let is_valid = |row: &[u8; 13]| row[0] == 3 && triangle(row).into_iter().fold(0, u32::max) < bound;
+        let rows = self.bytes.get(self.at..).unwrap_or_default().as_chunks::<13>().0;
+        let rows = &rows[..rows.len().min(usize::try_from(most).unwrap_or(usize::MAX))];
         let mut read = 0;
-        for row in self.bytes.get(self.at..).unwrap_or_default().as_chunks::<13>().0 {
-            let &[count, a0, a1, a2, a3, b0, b1, b2, b3, c0, c1, c2, c3] = row;
-            let triangle = [[a0, a1, a2, a3], [b0, b1, b2, b3], [c0, c1, c2, c3]].map(Self::index);
-            if read == most || count != 3 || triangle.iter().any(|&vertex| vertex >= bound) {
+        for block in rows.chunks(ROWS_PER_BLOCK) {
+            let valid = block.iter().take_while(|row| is_valid(row)).count();
+            out.push_triangles(block[..valid].iter().map(triangle));
+            read += valid;
+            if valid < block.len() {
                 break;
             }
-            out.push_face(&triangle);
-            read += 1;
         }
-        self.at += 13 * read as usize;
-        read
+        self.at += 13 * read;
+        read as u64
     }
 
     fn strip_row(&mut self, kind: Scalar, count: usize, bound: u32) -> Option<Vec<u32>> {
