@@ -57,8 +57,8 @@ impl Redrawn {
             let message = format!("part {part}: found {} parts", self.order_of.len());
             return Err(Error::Unsupported(message));
         };
-        let order = order.map(|order| &self.orders[order]);
-        Ok(order.map_or_else(|| Ok(strips.clone()), |order| order.strips(strips))?)
+        let Some(order) = order.map(|order| &self.orders[order]) else { return Ok(strips.clone()) };
+        Ok(order.strips(strips)?.with_welds_below(self.model.parts[part].mesh.vertex_count()))
     }
 }
 
@@ -159,6 +159,20 @@ mod tests {
     fn model(meshes: &[&Mesh]) -> Model {
         let parts = meshes.iter().map(|&mesh| Part { mesh: mesh.clone(), ..Part::default() }).collect();
         Model { parts, ..Model::default() }
+    }
+
+    /// Strips of a welded mesh leave the welded vertices unused, which are dropped: their welds go with them.
+    #[test]
+    fn welded_strips_are_proven_over_the_vertices_left() {
+        let corners = [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 1., 0.], [1., 0., 0.], [1., 1., 0.]];
+        let mesh = Mesh::new(corners.to_vec(), Faces::from_triangles((0..6).collect()).unwrap()).unwrap();
+        let strips =
+            tristrip::stripify(&mesh, &tristrip::StripifyOptions::default().with_weld(true)).unwrap();
+        assert_eq!(strips.welds().len(), 2);
+        let smaller = with_triangles(&model(&[&mesh]), vec![strips.to_list()], Format::Ply).unwrap();
+        assert_eq!(smaller.dropped, 2);
+        let strips = smaller.strips(0, &strips).unwrap();
+        assert!(tristrip::verify::verify(&smaller.model.parts[0].mesh, &strips).is_ok());
     }
 
     #[test]

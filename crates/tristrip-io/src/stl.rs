@@ -19,7 +19,8 @@
 //! # Complexity
 //! One pass with a hash table of the positions: 16 bytes per vertex in addition to the arrays of the result.
 
-use rustc_hash::FxHashMap;
+use std::collections::HashMap;
+
 use tristrip::{Faces, Mesh};
 
 use crate::error::Error;
@@ -56,7 +57,8 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Model, Error> {
 /// Welds equal positions in order of first use.
 #[derive(Debug, Default)]
 struct Welder {
-    ids: FxHashMap<[u32; 3], u32>,
+    /// With a random seed, which protects against files with colliding positions; the numbers do not depend on it.
+    ids: HashMap<[u32; 3], u32>,
     positions: Vec<[f32; 3]>,
     corners: Vec<u32>,
 }

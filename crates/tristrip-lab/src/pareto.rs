@@ -228,13 +228,9 @@ fn figures(strips: &[Strips], cache: VertexCache) -> (Metrics, VertexCacheStatis
 
 /// Measures the triangle list in the order of the file, polygons as fans, without degenerate faces.
 fn list(parts: &[PreparedPart<'_>], cache: VertexCache) -> ParetoPoint {
-    let measured = parts.par_iter().map(|part| {
-        let fans = part.surface.faces().iter().flat_map(|face| match face {
-            [first, rest @ ..] => rest.windows(2).flat_map(|edge| [*first, edge[0], edge[1]]).collect(),
-            [] => Vec::new(),
-        });
-        VertexCacheStatistics::of_list(fans.collect::<Vec<u32>>().as_chunks().0, cache)
-    });
+    let measured = parts
+        .par_iter()
+        .map(|part| VertexCacheStatistics::of_list(part.surface.faces().fans().as_chunks().0, cache));
     let used: VertexCacheStatistics = measured.collect::<Vec<_>>().into_iter().sum();
     let (label, method) = (LIST.into(), LIST.into());
     ParetoPoint { label, method, is_file_order: true, ..ParetoPoint::of(3 * used.triangles, used, cache) }

@@ -114,8 +114,7 @@ impl DrawnParts {
     pub fn notes(&self) -> Vec<String> {
         let stored =
             format!("{} drawn as the strips of the input: fewer indices", counted(self.stored, "part"));
-        let list =
-            format!("{} drawn as a triangle list: fewer indices than strips", counted(self.list, "part"));
+        let list = format!("{} drawn as faces, not as strips: fewer indices", counted(self.list, "part"));
         [(self.stored, stored), (self.list, list)]
             .into_iter()
             .filter(|(n, _)| *n > 0)
@@ -179,7 +178,7 @@ pub(crate) fn choose<'a>(
         let written =
             if options.format == Format::Ply { part.mesh.faces().corner_count() } else { list.indices };
         if options.list && written < fewest {
-            best = (DrawnAs::List, Drawing::Faces, list);
+            best = (DrawnAs::List, Drawing::Faces, DrawCost { indices: written, ..list });
         }
         (best, before)
     });

@@ -93,7 +93,9 @@ fn quads_of_their_own_stay_polygons_in_a_ply() {
         writeln!(text, "f {} {} {} {}", 4 * i + 1, 4 * i + 2, 4 * i + 3, 4 * i + 4).unwrap();
     }
     let model = read(text.as_bytes(), Format::Obj).unwrap();
-    let encoded = stripped(&model, Method::Best).encode(&model, &EncodeOptions::new(Format::Ply)).unwrap();
+    let found = stripped(&model, Method::Best);
+    assert_eq!(found.draw(&model, &EncodeOptions::new(Format::Ply)).after.indices, 24, "corners");
+    let encoded = found.encode(&model, &EncodeOptions::new(Format::Ply)).unwrap();
     let again = read(&encoded.bytes, Format::Ply).unwrap();
     assert_eq!(again.parts[0].mesh.faces().iter().map(<[u32]>::len).collect::<Vec<_>>(), [4; 6]);
 }

@@ -176,13 +176,12 @@ struct StripifyFields {
 
 impl Serialize for StripifyOptions {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        let usual = Self::default().with_method(self.method()).effort();
         let fields = StripifyFields {
             method: self.method(),
             weld: self.weld(),
             seed: self.seed(),
             cost: self.cost(),
-            effort: (self.effort() != usual).then_some(self.effort()),
+            effort: self.set_effort(),
             vertex_cache: self.vertex_cache(),
             objective: self.objective(),
         };
@@ -388,6 +387,8 @@ mod tests {
         let options = options.with_cost(Cost::Gl).with_objective(Objective::Misses).with_effort(Effort::MAX);
         assert!(round_trip(&options).contains(r#""effort":9"#));
         assert!(round_trip(&StripifyOptions::default()).contains(r#""effort":null"#));
+        let usual = StripifyOptions::default().effort();
+        assert!(round_trip(&StripifyOptions::default().with_effort(usual)).contains(r#""effort":2"#));
         round_trip(&RepairOptions::default().with_seed(3).with_cost(Cost::Restart));
         round_trip(
             &SimplifyOptions::default().with_triangles(7).with_error(0.5).with_locked(vec![true, false]),

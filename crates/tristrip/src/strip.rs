@@ -106,6 +106,23 @@ impl Strips {
         &self.welds
     }
 
+    /// Returns the strips without the welds of vertices from this number on, for a mesh from which the last vertices were dropped.
+    ///
+    /// ```
+    /// use tristrip::{Faces, Mesh, StripifyOptions, stripify};
+    /// // Two triangles that share an edge, but no vertex.
+    /// let corners = [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., 1., 0.], [1., 0., 0.], [1., 1., 0.]];
+    /// let mesh = Mesh::new(corners.to_vec(), Faces::from_triangles((0..6).collect())?)?;
+    /// let strips = stripify(&mesh, &StripifyOptions::default().with_weld(true))?;
+    /// assert_eq!((strips.welds().len(), strips.with_welds_below(4).welds().len()), (2, 1));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    #[must_use]
+    pub fn with_welds_below(mut self, vertex_count: usize) -> Self {
+        self.welds = self.welds.below(vertex_count);
+        self
+    }
+
     /// Returns the strips with other vertices; they have no welds.
     pub(crate) fn map_vertices(mut self, new: impl Fn(u32) -> u32) -> Self {
         self.vertices.iter_mut().for_each(|vertex| *vertex = new(*vertex));

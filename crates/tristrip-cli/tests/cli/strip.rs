@@ -204,7 +204,7 @@ fn a_flat_shaded_model_is_written_as_a_list() {
     assert_eq!((&report["before"]["indices"], &report["after"]["indices"]), (&90.into(), &90.into()));
     assert_eq!(report["before"]["bytes"], fs::metadata(&input).unwrap().len());
     assert_eq!(report["after"]["bytes"], fs::metadata(&output).unwrap().len());
-    assert!(report["notes"][0].as_str().unwrap().starts_with("1 part drawn as a triangle list"));
+    assert!(report["notes"][0].as_str().unwrap().starts_with("1 part drawn as faces"));
     let report = run(&["--layout", "degenerate"]);
     assert_eq!((&report["drawn"]["found"], &report["before"]["indices"]), (&1.into(), &90.into()));
     assert!(report["after"]["indices"].as_u64() > Some(90));

@@ -1,6 +1,7 @@
 //! Builds parts from tables: one part per material, with distinct triples of indices as vertices.
 
-use rustc_hash::FxHashMap;
+use std::collections::HashMap;
+
 use tristrip::{Attribute, AttributeData, Mesh};
 
 use super::tables::{MaterialGroup, ObjTables, OptionalIndex};
@@ -46,7 +47,8 @@ pub(super) fn split(mut tables: ObjTables, notes: &mut Vec<String>) -> Result<Ve
 
 /// Builds a part from the faces of one material, over the vertices that they use, in order of first use.
 fn part(tables: &ObjTables, group: MaterialGroup) -> Result<Part, Error> {
-    let mut ids: FxHashMap<IndexTriple, u32> = FxHashMap::default();
+    // A random seed protects against files with colliding indices; the numbers do not depend on it.
+    let mut ids: HashMap<IndexTriple, u32> = HashMap::new();
     let mut vertices: Vec<IndexTriple> = Vec::new();
     let mut polygons = Polygons::default();
     for face in group.runs.iter().flat_map(|&(start, end)| start..end) {

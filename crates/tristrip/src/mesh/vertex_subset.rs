@@ -7,11 +7,12 @@
 /// The number of vertices per index above which the used vertices are renumbered before arrays per vertex are allocated.
 pub(crate) const SPARSE: usize = 16;
 
-/// Returns one more than the highest index, 0 for no indices: the number of vertices that a table by vertex needs.
+/// Returns one more than the highest index, 0 for no indices: the number of vertices that a table by vertex needs. Where the highest index is
+/// the highest of a 32-bit `usize`, that number does not exist, and no table either.
 pub(crate) fn vertex_bound(indices: &[u32]) -> usize {
     // Unlike `max`, compiles to several comparisons at a time.
     let highest = indices.iter().fold(0, |highest, &index| highest.max(index));
-    if indices.is_empty() { 0 } else { highest as usize + 1 }
+    if indices.is_empty() { 0 } else { (highest as usize).saturating_add(1) }
 }
 
 /// The vertices that occur in an index buffer, ascending.

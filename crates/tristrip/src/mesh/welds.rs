@@ -7,9 +7,8 @@
 //! # Complexity
 //! O(n) time over the corners; 8 bytes per welded vertex, and while welding the bits of each vertex in use.
 
+use std::collections::HashMap;
 use std::sync::Arc;
-
-use rustc_hash::FxHashMap;
 
 use super::{Mesh, VertexSubset, vertex_bits};
 #[cfg(feature = "serde")]
@@ -46,7 +45,8 @@ impl VertexWelds {
     /// ```
     pub fn of(mesh: &Mesh) -> Self {
         let used = VertexSubset::of(mesh.faces().corners());
-        let mut first: FxHashMap<Vec<u8>, u32> = FxHashMap::default();
+        // A random seed protects against files with colliding vertices; the welds do not depend on it.
+        let mut first: HashMap<Vec<u8>, u32> = HashMap::new();
         let pairs = used.vertices().iter().filter_map(|&v| {
             let equal = *first.entry(vertex_bits(mesh, v as usize)).or_insert(v);
             (equal != v).then_some((v, equal))
@@ -141,6 +141,16 @@ impl VertexWelds {
             exist && vertex_bits(mesh, a as usize) == vertex_bits(mesh, b as usize)
         };
         self.iter().find(|&weld| !equal(weld))
+    }
+
+    /// Returns the welds of the vertices below a number.
+    pub(crate) fn below(&self, vertex_count: usize) -> Self {
+        let exist = |&(a, b): &(u32, u32)| (a.max(b) as usize) < vertex_count;
+        if self.pairs.iter().all(exist) {
+            self.clone()
+        } else {
+            Self { pairs: Arc::new(self.iter().filter(exist).collect()) }
+        }
     }
 
     /// Returns the welds of the same vertices with other numbers.

@@ -25,7 +25,8 @@ pub struct Stopped {
 
 impl fmt::Display for Stopped {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "stopped at {} triangles", self.triangle_count)?;
+        let plural = if self.triangle_count == 1 { "" } else { "s" };
+        write!(f, "stopped at {} triangle{plural}", self.triangle_count)?;
         let reasons = [
             (self.locked, "locked"),
             (self.non_manifold, "not manifold"),

@@ -108,13 +108,10 @@ fn cheapest_start<'a>(
         return (best, best_price);
     }
     let mut offer = |plan: StripPlan<'a>| {
-        // The number of strips often decides: there is at most one swap per triangle inside a strip.
-        let [strips, best_strips] = [&plan, &best].map(|plan| plan.cover.path_count());
-        let [strip, swap] =
-            [cost.prices().strip, cost.prices().swap].map(|price| price.unsigned_abs() as usize);
-        let inside = best.cover.len().saturating_sub(2 * best_strips);
-        let is_more_expensive =
-            cost != Cost::Degenerate && strip * strips > strip * best_strips + swap * inside;
+        // The number of strips often decides: even without swaps the plan is not cheaper.
+        let strip = cost.prices().strip.unsigned_abs() as usize;
+        let without_swaps = plan.cover.len() + strip * plan.cover.path_count();
+        let is_more_expensive = cost != Cost::Degenerate && without_swaps >= best_price + without_last(cost);
         let price = if is_more_expensive { best_price } else { price(&plan, cost) };
         if price < best_price {
             (best_price, best) = (price, plan);

@@ -422,6 +422,12 @@ impl StripifyOptions {
         self.objective
     }
 
+    /// Returns the effort that was set.
+    #[cfg(feature = "serde")]
+    pub(crate) fn set_effort(&self) -> Option<Effort> {
+        self.effort
+    }
+
     /// Returns the effort of searches: the one that was set, otherwise the default of the method.
     ///
     /// ```

@@ -6,15 +6,17 @@
 //!
 //! *Polygons*: a triangle belongs to a polygon whose corners include its own. Polygons to which the same triangle may belong
 //! form a group, usually of one polygon. A search for the polygons of a triangle passes over those whose group it has found already,
-//! so that polygons over almost the same corners, once united, count as one. A group is proven if it has the k − 2 triangles of each of its polygons, and its
-//! triangles' oriented edges add up to the polygons' oriented edges: diagonals cancel, boundaries remain. Any diagonals are therefore
+//! so that polygons over almost the same corners, once united, count as one. A group is proven if it has the k − 2 triangles of each of
+//! its polygons, and its triangles' oriented edges add up to the polygons' oriented edges: diagonals cancel, boundaries remain. Any diagonals are therefore
 //! accepted, but nothing is missing, doubled, flipped or outside.
 //!
 //! Corners that repeat the one before, and faces with fewer than three corners after that, draw nothing on either side. For a polygon
-//! that contains a vertex twice only the oriented edges are compared, as some of its triangles may be degenerate.
+//! that contains a vertex twice, as a hole with a bridge to it makes it, some triangles may be degenerate: at most k − 2 triangles and the
+//! oriented edges are compared, which does not tell a triangle and its reverse from another such pair over the same corners.
 //!
 //! # Complexity
-//! O(n) time for meshes of bounded valence, O(n log n) at worst; 10 bytes per triangle, and 24 to describe a difference; for polygons O(n · groups per vertex) time and 80 bytes per triangle.
+//! O(n) time for meshes of bounded valence, O(n log n) at worst; 10 bytes per triangle, and 24 to describe a difference; for polygons
+//! O(n · groups per vertex) time and 80 bytes per triangle.
 
 use std::ops::Range;
 
@@ -368,7 +370,7 @@ fn verify_polygons(faces: &Faces, drawn: &[[u32; 3]]) -> Result<(), Unproven> {
         (0..3).for_each(|i| add(group, t[i], t[(i + 1) % 3], -1));
     }
     for (group, &(found, expected, repeats)) in count.iter().enumerate() {
-        if found != expected && !repeats {
+        if found > expected || (found != expected && !repeats) {
             return Err(Unproven::Count { face: polygons.origin[group].0, found, expected });
         }
     }

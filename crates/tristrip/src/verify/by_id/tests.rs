@@ -30,6 +30,20 @@ fn accepts_every_triangulation_and_nothing_else() {
     assert!(matches!(changed(2, [3, 4, 2]), Unproven::Boundary { face: 1, .. }), "flipped");
 }
 
+/// A square with a square hole, as one polygon over a bridge: a triangle and its reverse, which cancel, are too many.
+#[test]
+fn a_polygon_with_a_bridge_has_no_more_triangles_than_its_corners_allow() {
+    let faces = Faces::from_polygons([[0, 1, 2, 3, 0, 4, 7, 6, 5, 4]]).unwrap();
+    let ring = [[0, 1, 5], [0, 5, 4], [1, 2, 6], [1, 6, 5], [2, 3, 7], [2, 7, 6], [3, 0, 4], [3, 4, 7]];
+    assert_eq!(verify_drawing(&faces, &ring), Ok(Proof { faces: 1, triangles: 8 }));
+    let covered = [&ring[..], &[[4, 5, 6], [4, 6, 5]]].concat();
+    assert_eq!(
+        verify_drawing(&faces, &covered),
+        Err(Unproven::Count { face: 0, found: 10, expected: 8 }),
+        "the hole is covered"
+    );
+}
+
 #[test]
 fn doubled_polygons_share_a_group() {
     let faces = Faces::from_polygons([[0, 1, 2, 3], [0, 1, 2, 3], [3, 2, 1, 0]]).unwrap();
