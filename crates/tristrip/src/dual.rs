@@ -78,6 +78,16 @@ enum Shape {
     Polygons { offsets: Vec<u32>, face_of: Vec<u32> },
 }
 
+impl Shape {
+    /// Returns the first half-edge of a face.
+    fn first_half_edge(&self, face: u32) -> u32 {
+        match self {
+            Self::Triangles => 3 * face,
+            Self::Polygons { offsets, .. } => offsets[face as usize],
+        }
+    }
+}
+
 impl DualGraph {
     /// Connects the faces across the edges that they share; the module documentation gives the rule at edges of more than two faces.
     ///

@@ -99,6 +99,13 @@ impl<'a> PreparedFaces<'a> {
         Ok(Self { faces, vertex_count, counts, welds: VertexWelds::default() })
     }
 
+    /// Returns the same faces in another order: each by its number.
+    pub(crate) fn in_order<'b>(&self, order: &[u32]) -> PreparedFaces<'b> {
+        let (counts, welds) = (self.counts, self.welds.clone());
+        let faces = Cow::Owned(self.faces.in_order(order));
+        PreparedFaces { faces, vertex_count: self.vertex_count, counts, welds }
+    }
+
     /// Prepares triangles, for which no positions are needed.
     pub(crate) fn of_triangles(faces: &'a Faces, vertex_count: usize) -> Self {
         debug_assert!(faces.as_triangles().is_some());

@@ -14,6 +14,7 @@ mod input;
 pub(crate) mod one_shot;
 pub(crate) mod options;
 mod plan;
+mod scattered;
 mod sequential;
 mod sgi;
 mod stripe;
@@ -88,7 +89,24 @@ fn plan_known<'a>(
     options: &StripifyOptions,
     watch: &dyn Watch,
 ) -> Result<StripPlan<'a>, Error> {
-    let mut plan = match options.method() {
+    let is_ours =
+        matches!(options.method(), Method::Sequential | Method::Best | Method::Fewest | Method::Cache);
+    let mut plan = match is_ours.then(|| scattered::gather(prepared, graph)).flatten() {
+        Some((prepared, graph)) => plan_in_order(&prepared, &graph, options, watch)?.into_owned(),
+        None => plan_in_order(prepared, graph, options, watch)?,
+    };
+    plan.welds = prepared.welds().clone();
+    Ok(plan)
+}
+
+/// Computes the plan of a method over the faces in their order.
+fn plan_in_order<'a>(
+    prepared: &'a PreparedFaces<'_>,
+    graph: &'a DualGraph,
+    options: &StripifyOptions,
+    watch: &dyn Watch,
+) -> Result<StripPlan<'a>, Error> {
+    Ok(match options.method() {
         Method::Sequential => sequential::plan(prepared, graph),
         Method::Best => best::plan(prepared, graph, options.cost(), options.effort(), options.seed(), watch),
         Method::Fewest => fewest::plan(prepared, graph, options, watch),
@@ -103,9 +121,7 @@ fn plan_known<'a>(
         }
         Method::Tunnel { length } => tunnel::plan(prepared, graph, length, watch),
         Method::Eta(eta) => eta::plan(prepared, graph, eta, options.seed(), watch),
-    };
-    plan.welds = prepared.welds().clone();
-    Ok(plan)
+    })
 }
 
 #[cfg(test)]

@@ -1,4 +1,5 @@
-//! Subgraphs: whole connected components of a dual graph, renumbered from 0, so that a method can process them separately.
+//! Graphs with other numbers of faces. Subgraphs: whole connected components of a dual graph, renumbered from 0, so that a method can process
+//! them separately. And all faces in another order.
 //!
 //! ```text
 //!   triangles   3 4 7          numbered 0 1 2 in the subgraph
@@ -6,7 +7,9 @@
 //! ```
 //! Path covers need no translation: a link names an edge of its own triangle.
 
-use super::DualGraph;
+use super::{DualGraph, NO_TWIN, Shape, polygon_shape};
+use crate::ids::{FaceId, HalfEdge};
+use crate::mesh::Faces;
 
 impl DualGraph {
     /// Returns the graph of some triangles, numbered from 0 in the given order. No shared edge may lead to other triangles.
@@ -18,6 +21,26 @@ impl DualGraph {
     ) -> Self {
         let half_edges = triangles.into_iter().flat_map(|t| 3 * t..3 * t + 3);
         Self::of_triangle_twins(half_edges.map(|half_edge| self.twin_of(half_edge).map(&renumber)))
+    }
+
+    /// Returns the graph of all faces in another order; `order` has the old number of each, and `faces` are those in the new order.
+    pub(crate) fn in_order(&self, order: &[u32], faces: &Faces) -> Self {
+        let shape = match &self.shape {
+            Shape::Triangles => Shape::Triangles,
+            Shape::Polygons { .. } => {
+                let (offsets, face_of) = polygon_shape(faces);
+                Shape::Polygons { offsets, face_of }
+            }
+        };
+        // From an old face to the number that its half-edges grow by, which wraps around where it is negative.
+        let mut growth = vec![0_u32; order.len()];
+        for (new, &old) in (0..).zip(order) {
+            growth[old as usize] = shape.first_half_edge(new).wrapping_sub(self.shape.first_half_edge(old));
+        }
+        let renumber = |twin: u32| twin.wrapping_add(growth[self.face_of(HalfEdge(twin)).0 as usize]);
+        let half_edges = order.iter().flat_map(|&face| self.half_edges(FaceId(face)));
+        let twins = half_edges.map(|half_edge| self.twin_of(half_edge.0).map_or(NO_TWIN, renumber));
+        Self { twins: twins.collect(), shape, is_simple: self.is_simple }
     }
 }
 

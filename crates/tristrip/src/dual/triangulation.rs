@@ -43,6 +43,11 @@ impl<'a> Triangulation<'a> {
         Self { triangles: Cow::Owned(triangles), graph: Cow::Owned(graph) }
     }
 
+    /// Returns the same triangulation, with its own copy of what it borrows.
+    pub(crate) fn into_owned<'b>(self) -> Triangulation<'b> {
+        Triangulation::from_parts(self.triangles.into_owned(), self.graph.into_owned())
+    }
+
     /// Cuts every face into a fan around its first corner.
     pub(crate) fn fan(prepared: &'a PreparedFaces<'_>, graph: &'a DualGraph) -> Self {
         Self::of_triangles(prepared, graph).unwrap_or_else(|| {

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use super::triangle::check_triangles;
+use super::triangle::{check_triangles, triangle_at};
 use super::vertex_subset::{SPARSE, VertexSubset, vertex_bound};
 use crate::error::{Error, MeshProblem};
 use crate::ids::check_count;
@@ -239,6 +239,27 @@ impl Faces {
             *number - 1
         };
         Self { corners: self.corners.iter().map(renumber).collect(), offsets: self.offsets.clone() }
+    }
+
+    /// Returns the faces in another order: each by its number.
+    pub(crate) fn in_order(&self, order: &[u32]) -> Self {
+        let corners = match &self.offsets {
+            None => order.iter().flat_map(|&face| triangle_at(&self.corners, face as usize)).collect(),
+            Some(offsets) => {
+                let range = |face: u32| offsets[face as usize] as usize..offsets[face as usize + 1] as usize;
+                order.iter().flat_map(|&face| &self.corners[range(face)]).copied().collect()
+            }
+        };
+        let offsets = self.offsets.as_ref().map(|offsets| {
+            let mut end = 0;
+            let size = |&face: &u32| offsets[face as usize + 1] - offsets[face as usize];
+            let ends = order.iter().map(size).map(|size| {
+                end += size;
+                end
+            });
+            std::iter::once(0).chain(ends).collect()
+        });
+        Self { corners, offsets }
     }
 
     /// Counts the triangles of the faces: a face of k corners has k − 2.

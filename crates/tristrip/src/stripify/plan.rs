@@ -28,6 +28,12 @@ impl<'a> StripPlan<'a> {
         Self { order: Some(order), ..Self::new(triangulation, cover) }
     }
 
+    /// Returns the same plan, with its own copy of what it borrows.
+    pub(super) fn into_owned<'b>(self) -> StripPlan<'b> {
+        let Self { triangulation, cover, order, welds } = self;
+        StripPlan { triangulation: triangulation.into_owned(), cover, order, welds }
+    }
+
     /// Returns the triangles and their dual graph.
     ///
     /// ```
