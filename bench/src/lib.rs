@@ -15,7 +15,6 @@
 #![deny(unsafe_code)]
 
 pub mod corpus;
-pub mod distance;
 pub mod docs;
 pub mod failure;
 pub mod hostile;

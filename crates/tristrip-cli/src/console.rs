@@ -27,6 +27,8 @@ pub(crate) struct Console {
 
 /// The style of the name before an error.
 const ERROR: Style = AnsiColor::Red.on_default().bold();
+/// The style of the word before a warning.
+const WARNING: Style = AnsiColor::Yellow.on_default().bold();
 
 /// How results are printed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -110,6 +112,12 @@ impl Console {
     /// Prints a note on an input.
     pub(crate) fn note(&self, note: &str) {
         self.print(&format!("  {:<9} {note}", "note"));
+    }
+
+    /// Prints a warning on an input, also in quiet mode.
+    pub(crate) fn warning(&self, name: &str, message: &str) {
+        let word = if self.colours { format!("{WARNING}warning:{WARNING:#}") } else { "warning:".into() };
+        self.write_stderr(&format!("{word} {name}: {message}"));
     }
 
     /// Prints an error, also in quiet mode.

@@ -1,10 +1,11 @@
 //! `tristrip simplify`: reduces the number of triangles by half-edge collapses.
 
 use serde::Serialize;
+use tristrip::simplify::Stopped;
 use tristrip_io::Format;
 use tristrip_lab::text::table;
 use tristrip_pipeline::text::{count, counted};
-use tristrip_pipeline::{Collapses, Event, SimplifyOptions, simplify_observed};
+use tristrip_pipeline::{Collapses, Event, SimplifyOptions, SurfaceChange, rounded, simplify_observed};
 
 use crate::batch::{self, InputReport, Outcome};
 use crate::console::Console;
@@ -20,6 +21,7 @@ struct SimplifySeconds {
     load: Option<f64>,
     dual: Option<f64>,
     simplify: Option<f64>,
+    compare: Option<f64>,
     verify: Option<f64>,
     write: Option<f64>,
 }
@@ -45,13 +47,45 @@ struct SimplifyReport {
     /// The greatest error of a collapse, in mesh units.
     surface_error: Option<f32>,
     surface_error_percent: Option<f64>,
+    /// The largest distance from the original surface found, in mesh units.
+    largest_deviation: Option<f64>,
+    largest_deviation_percent: Option<f64>,
+    /// The root mean square of the distances, in mesh units.
+    rms_deviation: Option<f64>,
+    rms_deviation_percent: Option<f64>,
+    /// The root mean square of the angles between normals.
+    normal_deviation_degrees: Option<f64>,
+    /// The root mean square of the distances between texture coordinates, in percent of the texture; `null` without any.
+    uv_deviation_percent: Option<f64>,
     /// The diagonal of the model's bounding box, in mesh units.
     diagonal: Option<f64>,
     locked_vertices: Option<usize>,
     parts: Option<usize>,
+    /// The number of vertices by the reason for which they stayed; `null` where the goal was reached.
+    stopped: Option<StoppedReport>,
+    /// A sentence on the goal, if it was not reached.
+    warning: Option<String>,
     notes: Vec<String>,
     output: Option<String>,
     error: Option<String>,
+}
+
+/// The numbers of vertices by the reason for which they stayed.
+#[derive(Debug, Serialize)]
+struct StoppedReport {
+    error: usize,
+    locked: usize,
+    seam: usize,
+    non_manifold: usize,
+    topology: usize,
+    fold_over: usize,
+}
+
+impl From<Stopped> for StoppedReport {
+    fn from(stopped: Stopped) -> Self {
+        let Stopped { error, locked, seam, non_manifold, topology, fold_over, .. } = stopped;
+        Self { error, locked, seam, non_manifold, topology, fold_over }
+    }
 }
 
 impl InputReport for SimplifyReport {
@@ -81,7 +115,8 @@ fn simplify(
     let (model, load) = load_timed(&job.input, console)?;
     report.seconds.load = Some(load);
     let format = job.output.as_ref().map_or(Format::Ply, |output| output.format);
-    let options = SimplifyOptions::new(task.goal).with_verify(task.verify).with_format(format);
+    let options = SimplifyOptions::new(task.goal).with_weights(task.weights);
+    let options = options.with_verify(task.verify).with_format(format);
     let show = |event: Event<'_>, seconds: f64| show(event, seconds, console, report);
     let simplified = simplify_observed(&model, &options, &Stages::new(console, load, show))?;
     if !task.verify {
@@ -115,7 +150,16 @@ fn show(event: Event<'_>, seconds: f64, console: &Console, report: &mut Simplify
             report.record(collapses);
             console.stage("simplify", &line(report), Some(seconds));
         }
+        Event::Compared(change) => {
+            report.seconds.compare = Some(seconds);
+            report.compare(change);
+            console.stage("compare", &change_line(report), Some(seconds));
+        }
         Event::Note(note) => report.notes.push(note.into()),
+        Event::Warning(warning) => {
+            console.warning(&report.file, warning);
+            report.warning = Some(warning.into());
+        }
         Event::Proven { .. } => {
             (report.seconds.verify, report.proven) = (Some(seconds), Some(true));
             let what = "proven: replaying the collapses removes exactly these triangles";
@@ -137,6 +181,19 @@ impl SimplifyReport {
         self.surface_error_percent = Some(collapses.surface_error_percent());
         self.diagonal = Some(collapses.diagonal);
         self.locked_vertices = Some(collapses.locked_vertices);
+        self.stopped = collapses.stopped.map(StoppedReport::from);
+    }
+
+    fn compare(&mut self, change: &SurfaceChange) {
+        let diagonal = self.diagonal.filter(|&diagonal| diagonal > 0.0);
+        let percent =
+            |distance: f64| Some(rounded(diagonal.map_or(0.0, |diagonal| 100.0 * distance / diagonal)));
+        self.largest_deviation = Some(rounded(change.largest));
+        self.largest_deviation_percent = percent(change.largest);
+        self.rms_deviation = Some(rounded(change.rms));
+        self.rms_deviation_percent = percent(change.rms);
+        self.normal_deviation_degrees = Some(rounded(change.normal_degrees));
+        self.uv_deviation_percent = change.uv.map(|uv| rounded(100.0 * uv));
     }
 }
 
@@ -147,7 +204,7 @@ fn line(report: &SimplifyReport) -> String {
 }
 
 /// Formats a distance with about four digits.
-fn distance(x: f32) -> String {
+fn distance(x: f64) -> String {
     if x == 0.0 || (1e-3..1e5).contains(&x) { format!("{x:.4}") } else { format!("{x:.2e}") }
 }
 
@@ -164,8 +221,18 @@ fn summary(report: &SimplifyReport) -> String {
         row("triangles", report.triangles_before, report.triangles_after),
         row("vertices", report.vertices_before, report.vertices_after),
     ];
-    let error = report.surface_error.unwrap_or(0.0);
-    let percent = report.surface_error_percent.unwrap_or(0.0);
-    let error = format!("  error {} mesh units, {percent:.3} % of the diagonal\n", distance(error));
-    table(&rows, 1..4) + &error
+    table(&rows, 1..4) + &format!("  {}\n", change_line(report))
+}
+
+/// Returns a line on how far the result is from the original.
+fn change_line(report: &SimplifyReport) -> String {
+    let deviation = |what: &str, units: Option<f64>, percent: Option<f64>| {
+        let (units, percent) = (units.unwrap_or(0.0), percent.unwrap_or(0.0));
+        format!("{what} {} ({percent:.3} % of the diagonal)", distance(units))
+    };
+    let largest = deviation("largest deviation", report.largest_deviation, report.largest_deviation_percent);
+    let rms = deviation("RMS", report.rms_deviation, report.rms_deviation_percent);
+    let normals = report.normal_deviation_degrees.unwrap_or(0.0);
+    let uv = report.uv_deviation_percent.map(|uv| format!(", texture {uv:.2} %")).unwrap_or_default();
+    format!("{largest}, {rms}, normals {normals:.1}°{uv}")
 }

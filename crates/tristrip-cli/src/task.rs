@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use tristrip::Effort;
 use tristrip::lod::RepairOptions;
+use tristrip::simplify::AttributeWeights;
 use tristrip::vertex_cache::FlushPolicy;
 use tristrip::{Layout, StripifyOptions};
 use tristrip_pipeline::{Amount, AnalyzeOptions, DisplayFilter, Goal, Level, Ratio, VertexCacheList};
@@ -103,6 +104,7 @@ pub(crate) struct ConvertTask {
 pub(crate) struct SimplifyTask {
     pub(crate) jobs: Vec<Job>,
     pub(crate) goal: Goal,
+    pub(crate) weights: AttributeWeights,
     pub(crate) verify: bool,
 }
 
@@ -237,13 +239,10 @@ fn validate(command: Command, papers: &[&str]) -> Result<Task, String> {
         Command::Simplify(args) => {
             let amount = args.ratio.map(Amount::Ratio).or(args.triangles.map(Amount::Triangles));
             let goal = Goal { amount, deviation: args.error };
-            if goal.amount.is_none() && goal.deviation.is_none() {
-                return Err("--ratio, --triangles or --error is needed".into());
-            }
             let verify = !args.target.no_verify;
             let output = OutputArgs { target: args.target, layout: Some(Layout::List) };
             let jobs = jobs_of(args.general, &output)?;
-            Task::Simplify(SimplifyTask { jobs, goal, verify })
+            Task::Simplify(SimplifyTask { jobs, goal, weights: args.weight, verify })
         }
         Command::Lod(args) => lod_task(*args)?,
         Command::Repro(args) => {

@@ -4,7 +4,7 @@
 
 use rustc_hash::FxHashMap;
 use tristrip::MAX_COUNT;
-use tristrip::{Attribute, AttributeData, Mesh};
+use tristrip::{Attribute, Mesh};
 
 use crate::error::Error;
 use crate::gltf::scene::Scene;
@@ -71,22 +71,6 @@ pub(crate) fn scene_losses(model: &Model) -> impl Iterator<Item = String> {
 /// Returns the attribute with a name and at least `components` components.
 pub(crate) fn attribute<'a>(mesh: &'a Mesh, name: &str, components: u8) -> Option<&'a Attribute> {
     mesh.attributes().iter().find(|a| a.name == name && a.components >= components)
-}
-
-/// Returns value `i` as a float: a normalized integer as the fraction that it represents.
-pub(crate) fn float(attribute: &Attribute, i: usize) -> f32 {
-    let fraction =
-        |value: f32, most: f32| if attribute.normalized { (value / most).max(-1.0) } else { value };
-    match &attribute.data {
-        AttributeData::F32(v) => v[i],
-        AttributeData::F64(v) => v[i] as f32,
-        AttributeData::U8(v) => fraction(v[i].into(), u8::MAX.into()),
-        AttributeData::I8(v) => fraction(v[i].into(), i8::MAX.into()),
-        AttributeData::U16(v) => fraction(v[i].into(), u16::MAX.into()),
-        AttributeData::I16(v) => fraction(v[i].into(), i16::MAX.into()),
-        AttributeData::U32(v) => fraction(v[i] as f32, u32::MAX as f32),
-        AttributeData::I32(v) => fraction(v[i] as f32, i32::MAX as f32),
-    }
 }
 
 /// Returns a name that no file format can mistake for a keyword: one line, without control characters.

@@ -1,5 +1,7 @@
 //! What the collapses of a whole model reached.
 
+use tristrip::simplify::Stopped;
+
 use crate::figures::rounded;
 
 /// The collapses of a model, summed over its parts.
@@ -20,6 +22,8 @@ pub struct Collapses {
     pub reached: bool,
     /// The greatest error of a collapse, in mesh units.
     pub surface_error: f32,
+    /// The reasons for which vertices stayed, where there are more triangles than requested; `None` where the goal was reached.
+    pub stopped: Option<Stopped>,
     /// The diagonal of the bounding box of all triangles, in mesh units.
     pub diagonal: f64,
     /// Vertices that stayed because several parts use their positions.

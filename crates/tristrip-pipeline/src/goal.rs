@@ -1,5 +1,6 @@
 //! The goals of a simplification, also as typed, and their distribution over the parts of a model.
 
+use std::fmt;
 use std::str::FromStr;
 
 /// A ratio from 0 to 1, of triangles or collapses: `0.05` or `5%`.
@@ -47,6 +48,22 @@ pub enum Deviation {
     Units(f64),
     /// In percent of the diagonal of the bounding box.
     Percent(f64),
+}
+
+impl Default for Deviation {
+    /// Returns 1 % of the diagonal: a viewer who sees the whole model hardly sees a surface move by that.
+    fn default() -> Self {
+        Self::Percent(1.0)
+    }
+}
+
+impl fmt::Display for Deviation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Units(units) => write!(f, "{units}"),
+            Self::Percent(percent) => write!(f, "{percent} % of the diagonal"),
+        }
+    }
 }
 
 impl Deviation {
@@ -112,13 +129,19 @@ impl Amount {
     }
 }
 
-/// The goal of a simplification. Without a goal, a model is simplified as far as its surface allows.
+/// The goal of a simplification: whichever is reached first ends it. By default as few triangles as an error of 1 % of the diagonal allows.
+///
+/// ```
+/// use tristrip_pipeline::{Amount, Deviation, Goal};
+/// let goal = Goal { amount: Some(Amount::Triangles(500)), ..Goal::default() };
+/// assert_eq!(goal.deviation, Deviation::Percent(1.0));
+/// ```
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Goal {
     /// The number of triangles to keep.
     pub amount: Option<Amount>,
-    /// The maximum error of a collapse.
-    pub deviation: Option<Deviation>,
+    /// The maximum error of a collapse; [`Deviation::Percent`] of 100 allows any.
+    pub deviation: Deviation,
 }
 
 #[cfg(test)]

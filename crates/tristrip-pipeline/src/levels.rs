@@ -28,6 +28,7 @@ pub use level::Level;
 pub use order::LevelOrder;
 pub use part::LevelPart;
 use part::without_unused;
+use tristrip::simplify::AttributeWeights;
 
 /// How levels of detail are built. The base mesh of the default is what the surface allows; everything is proven.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -195,7 +196,7 @@ impl ModelLevels {
         let parts = Part::of_all(meshes.zip(strips.iter().map(Strips::to_list)).collect())?;
         let triangles: Vec<usize> = parts.iter().map(Part::triangle_count).collect();
         let shares = Amount::Ratio(base).shares(&triangles);
-        let done = simplify_all(&parts, &shares, None)?;
+        let done = simplify_all(&parts, &shares, None, AttributeWeights::default())?;
         let after: Vec<usize> = base_triangles(&done)?;
         let collapses = Collapses {
             collapse_count: done.iter().map(|done| done.sequence.len()).sum(),
@@ -205,6 +206,7 @@ impl ModelLevels {
             target_error: None,
             reached: after.iter().zip(&shares).all(|(after, share)| after <= share),
             surface_error: surface_error(&done)?,
+            stopped: None,
             diagonal: diagonal(&parts),
             locked_vertices: parts.iter().map(Part::locked_count).sum(),
         };

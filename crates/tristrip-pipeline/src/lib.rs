@@ -41,6 +41,7 @@ mod parts;
 mod prepared;
 mod simplify;
 mod strip;
+mod surface_change;
 pub mod text;
 mod verify;
 
@@ -67,4 +68,5 @@ pub use parts::{PreparedPart, meshes};
 pub use prepared::{PreparedModel, Survey};
 pub use simplify::{Simplified, SimplifyOptions, simplify, simplify_observed};
 pub use strip::{StripOptions, Stripped, strip, strip_observed};
+pub use surface_change::{ChangedSurface, SurfaceChange, surface_change};
 pub use verify::{DifferenceReport, verify};

@@ -14,6 +14,7 @@ use crate::bounds::BoundGap;
 use crate::collapses::Collapses;
 use crate::error::Error;
 use crate::figures::{Figures, MeshFigures};
+use crate::surface_change::SurfaceChange;
 
 /// A stage of the processing of a model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -33,6 +34,8 @@ pub enum Stage {
     Prove,
     /// Half-edges are collapsed.
     Simplify,
+    /// The simplified surface is compared with the original.
+    Compare,
     /// Strips of a level of detail are filtered.
     Filter,
     /// Vertices are numbered in the order of their first use.
@@ -53,6 +56,7 @@ impl fmt::Display for Stage {
             Self::Bound => "bound",
             Self::Prove | Self::ReadBack => "verify",
             Self::Simplify => "simplify",
+            Self::Compare => "compare",
             Self::Filter => "filter",
             Self::Reorder => "reorder",
             Self::Encode => "write",
@@ -95,6 +99,8 @@ pub enum Event<'a> {
     },
     /// [`Stage::Simplify`] ended.
     Simplified(&'a Collapses),
+    /// [`Stage::Compare`] ended.
+    Compared(&'a SurfaceChange),
     /// [`Stage::Filter`] ended.
     Filtered,
     /// [`Stage::Reorder`] ended.
@@ -109,8 +115,10 @@ pub enum Event<'a> {
         /// The number of faces drawn.
         faces: usize,
     },
-    /// A note on the result, such as why simplification stopped early.
+    /// A note on the result, such as on vertices that stay.
     Note(&'a str),
+    /// A warning: the result is not what was asked for, in one sentence with the reason and what to try.
+    Warning(&'a str),
 }
 
 /// Why a search was stopped before its end.

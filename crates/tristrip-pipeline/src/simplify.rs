@@ -1,8 +1,9 @@
 //! Simplification of a whole model: shared borders locked, the collapses proven, the vertices that become unused dropped.
 
 mod parts;
+mod warning;
 
-use tristrip::simplify::Simplification;
+use tristrip::simplify::{AttributeWeights, Simplification};
 use tristrip::{Mesh, StripifyOptions, Strips};
 use tristrip_io::{Drawing, Format, Model, Redrawn};
 
@@ -14,11 +15,15 @@ use crate::goal::Goal;
 use crate::observer::{Event, Observer, Stage, begin};
 use crate::parts::{map, meshes};
 use crate::prepared::{PreparedModel, Survey};
+use crate::surface_change::{ChangedSurface, SurfaceChange, surface_change};
 use crate::text::{count, counted};
 pub(crate) use parts::{Part, UsedVertices, base_triangles, diagonal, simplify_all, surface_error};
 
 /// The maximum number of parts with a note of their own on where they stopped.
 const MAX_NAMED_PARTS: usize = 8;
+
+/// The number of points at which the result is compared with the original, in each direction.
+const POINTS: usize = 5_000;
 
 /// How a model is simplified.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,6 +31,8 @@ const MAX_NAMED_PARTS: usize = 8;
 pub struct SimplifyOptions {
     /// The number of triangles to keep, and the maximum error.
     pub goal: Goal,
+    /// How much the attributes of vertices count.
+    pub weights: AttributeWeights,
     /// Whether the collapses, and the bytes of a file, are proven.
     pub verify: bool,
     /// The format in which the result will be written. A scene that is written as GLB keeps its unused vertices, since other parts of it
@@ -36,7 +43,13 @@ pub struct SimplifyOptions {
 impl SimplifyOptions {
     /// Sets the goal.
     pub fn new(goal: Goal) -> Self {
-        Self { goal, verify: true, format: Format::Ply }
+        Self { goal, weights: AttributeWeights::default(), verify: true, format: Format::Ply }
+    }
+
+    /// Sets how much the attributes of vertices count.
+    #[must_use]
+    pub fn with_weights(self, weights: AttributeWeights) -> Self {
+        Self { weights, ..self }
     }
 
     /// Sets whether the collapses are proven.
@@ -60,9 +73,13 @@ pub struct Simplified {
     pub redrawn: Redrawn,
     /// The collapses, and how they ended.
     pub collapses: Collapses,
+    /// How far the surface is from the original.
+    pub change: SurfaceChange,
+    /// A sentence on the goal, if it was not reached: what held it back, and what to try.
+    pub warning: Option<String>,
     /// The counts of the source mesh.
     pub mesh: MeshFigures,
-    /// Notes of the reader, on what was dropped, on locked vertices, and on parts that stopped before their goal.
+    /// Notes of the reader, on what was dropped, and on locked vertices.
     pub notes: Vec<String>,
     /// Whether the collapses are proven.
     pub proven: bool,
@@ -80,7 +97,7 @@ pub struct Simplified {
 /// // A flat fan of four triangles around a vertex, which one collapse removes.
 /// let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\n";
 /// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
-/// let goal = Goal { amount: Some(Amount::Triangles(2)), deviation: None };
+/// let goal = Goal { amount: Some(Amount::Triangles(2)), ..Goal::default() };
 /// let simplified = simplify(&model, &SimplifyOptions::new(goal))?;
 /// assert_eq!((simplified.collapses.triangles_after, simplified.redrawn.used, simplified.proven), (2, 4, true));
 /// # Ok::<(), tristrip_pipeline::Error>(())
@@ -99,7 +116,7 @@ pub fn simplify(model: &Model, options: &SimplifyOptions) -> Result<Simplified, 
 /// use tristrip_pipeline::{Deviation, Goal, SimplifyOptions, simplify_observed};
 /// let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\n";
 /// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
-/// let goal = Goal { amount: None, deviation: Some(Deviation::Percent(1.0)) };
+/// let goal = Goal { amount: None, deviation: Deviation::Percent(1.0) };
 /// let simplified = simplify_observed(&model, &SimplifyOptions::new(goal), &())?;
 /// assert!(simplified.collapses.surface_error <= 0.03);
 /// assert_eq!(simplified.encode(&())?.faces, Some(simplified.collapses.triangles_after));
@@ -120,9 +137,10 @@ pub fn simplify_observed(
     let before: Vec<usize> = parts.iter().map(Part::triangle_count).collect();
     let diagonal = diagonal(&parts);
     let shares = options.goal.amount.map(|amount| amount.shares(&before));
-    let target_error = options.goal.deviation.map(|deviation| deviation.units(diagonal));
+    let target_error = options.goal.deviation.units(diagonal);
     let no_limit = vec![0; parts.len()];
-    let done = simplify_all(&parts, shares.as_ref().unwrap_or(&no_limit), target_error)?;
+    let done =
+        simplify_all(&parts, shares.as_ref().unwrap_or(&no_limit), Some(target_error), options.weights)?;
     let after = base_triangles(&done)?;
     let reaches = |shares: &Vec<usize>| after.iter().zip(shares).all(|(after, share)| after <= share);
     let collapses = Collapses {
@@ -130,18 +148,26 @@ pub fn simplify_observed(
         triangles_before: before.iter().sum(),
         triangles_after: after.iter().sum(),
         target_triangles: shares.as_ref().map(|shares| shares.iter().sum()),
-        target_error,
+        target_error: Some(target_error),
         reached: shares.as_ref().is_none_or(reaches),
+        stopped: shares.as_deref().and_then(|shares| warning::sum(&done, shares)),
         surface_error: surface_error(&done)?,
         diagonal,
         locked_vertices: parts.iter().map(Part::locked_count).sum(),
     };
     observer.event(Event::Simplified(&collapses));
-    let ends = end_notes(collapses.locked_vertices, &done, shares.as_deref());
-    ends.iter().for_each(|note| observer.event(Event::Note(note)));
-    notes.extend(ends);
+    let locked = locked_note(collapses.locked_vertices);
+    locked.iter().for_each(|note| observer.event(Event::Note(note)));
+    notes.extend(locked);
+    let warning = warning::warning(&collapses, options.goal.deviation);
+    warning.iter().for_each(|warning| observer.event(Event::Warning(warning)));
 
-    // 3. The proof of the collapses.
+    // 3. How far the result is from the original.
+    begin(observer, Stage::Compare)?;
+    let change = change(&parts, &done)?;
+    observer.event(Event::Compared(&change));
+
+    // 4. The proof of the collapses.
     if options.verify {
         begin(observer, Stage::Prove)?;
         let proofs = map(&done, |done| done.sequence.check());
@@ -149,7 +175,7 @@ pub fn simplify_observed(
         observer.event(Event::Proven { faces: collapses.triangles_after });
     }
 
-    // 4. The model without the vertices that became unused.
+    // 5. The model without the vertices that became unused.
     let base = |(part, done): (&Part<'_>, &Simplification)| {
         let mut corners = done.sequence.drawn(0)?.into_flattened();
         part.compact.used.outward(&mut corners);
@@ -157,7 +183,16 @@ pub fn simplify_observed(
     };
     let triangles = parts.iter().zip(&done).map(base).collect::<Result<_, Error>>()?;
     let redrawn = tristrip_io::with_triangles(model, triangles, options.format)?;
-    Ok(Simplified { redrawn, collapses, mesh, notes, proven: options.verify, options: *options })
+    Ok(Simplified {
+        redrawn,
+        collapses,
+        change,
+        warning,
+        mesh,
+        notes,
+        proven: options.verify,
+        options: *options,
+    })
 }
 
 impl Simplified {
@@ -203,6 +238,18 @@ fn fans<'a>(prepared: &PreparedModel<'a>) -> Result<Vec<Part<'a>>, Error> {
     Ok(Part::of_all(meshes.zip(triangles).collect())?)
 }
 
+/// Measures how far the parts are from what they were.
+fn change(parts: &[Part<'_>], done: &[Simplification]) -> Result<SurfaceChange, Error> {
+    let base = |done: &Simplification| Ok(done.sequence.drawn(0)?.into_flattened());
+    let after = done.iter().map(base).collect::<Result<Vec<_>, Error>>()?;
+    let surfaces: Vec<ChangedSurface<'_>> = parts
+        .iter()
+        .zip(&after)
+        .map(|(part, after)| ChangedSurface { mesh: &part.compact.mesh, before: part.triangles(), after })
+        .collect();
+    surface_change(&surfaces, POINTS)
+}
+
 /// Builds one strip per triangle.
 fn one_strip_per_triangle(mesh: &Mesh) -> Strips {
     let mut strips = Strips::default();
@@ -212,9 +259,12 @@ fn one_strip_per_triangle(mesh: &Mesh) -> Strips {
 
 /// Returns notes on the locked vertices, and on the parts that stopped before their goal.
 pub(crate) fn end_notes(locked: usize, done: &[Simplification], shares: Option<&[usize]>) -> Vec<String> {
-    let locked = (locked > 0)
-        .then(|| format!("locked {} at positions that several parts use", counted(locked, "vertex")));
-    locked.into_iter().chain(ends(done, shares)).collect()
+    locked_note(locked).into_iter().chain(ends(done, shares)).collect()
+}
+
+/// Returns a note on the locked vertices, if there are any.
+fn locked_note(locked: usize) -> Option<String> {
+    (locked > 0).then(|| format!("locked {} at positions that several parts use", counted(locked, "vertex")))
 }
 
 /// Returns notes on the parts that stopped before their goal, and why.

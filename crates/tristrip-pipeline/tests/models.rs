@@ -67,7 +67,7 @@ fn no_strips_are_better_than_the_bound() {
 #[test]
 fn shared_borders_stay_when_parts_are_simplified() {
     let model = two_parts();
-    let goal = Goal { amount: Some(Amount::Triangles(40)), deviation: None };
+    let goal = Goal { amount: Some(Amount::Triangles(40)), ..Goal::default() };
     let simplified = simplify(&model, &SimplifyOptions::new(goal)).unwrap();
     assert_eq!((simplified.collapses.locked_vertices, simplified.collapses.reached), (18, true));
     assert!(simplified.notes.iter().any(|note| note.contains("locked 18 vertices")));

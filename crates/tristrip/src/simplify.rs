@@ -20,8 +20,10 @@
 //! # Complexity
 //! O(n log n) time; 260 bytes per triangle while it runs, 30 of them for the result.
 
+mod attributes;
 mod decimate;
 mod frame;
+mod options;
 mod quadric;
 mod queue;
 mod stopped;
@@ -35,125 +37,11 @@ use crate::ids::vertices_of;
 use crate::index::Index;
 use crate::mesh::{Faces, Mesh, Positions, attribute_bits, check_positions};
 use crate::prepare::PreparedFaces;
+pub use crate::vector::nearest_in_triangle;
+use attributes::PricedAttributes;
 use decimate::Decimation;
+pub use options::{AttributeWeights, SimplifyOptions};
 pub use stopped::Stopped;
-use topology::MOST_TRIANGLES;
-
-/// The limits of a simplification. Without a limit a mesh is simplified as far as its topology allows.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct SimplifyOptions {
-    triangle_count: usize,
-    error: Option<f32>,
-    locked: Vec<bool>,
-}
-
-impl SimplifyOptions {
-    /// Stops at this number of triangles, or one fewer: a collapse drops up to two.
-    ///
-    /// ```
-    #[doc = include_str!("simplify/example.txt")]
-    /// let simplified = simplify(&grid, &SimplifyOptions::default().with_triangles(20))?;
-    /// assert!((19..=20).contains(&simplified.mesh.faces().face_count()));
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    #[must_use]
-    pub fn with_triangles(mut self, triangle_count: usize) -> Self {
-        self.triangle_count = triangle_count;
-        self
-    }
-
-    /// Allows no collapse with a larger error, in mesh units; see [`Collapse::error`](crate::collapse::Collapse::error).
-    ///
-    /// ```
-    #[doc = include_str!("simplify/example.txt")]
-    /// let triangles = |error| {
-    ///     let simplified = simplify(&grid, &SimplifyOptions::default().with_error(error))?;
-    ///     Ok::<_, Error>(simplified.mesh.faces().face_count())
-    /// };
-    /// // The peak stays where an error of its height is not allowed.
-    /// assert!(triangles(0.5)? > triangles(2.0)?);
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    #[must_use]
-    pub fn with_error(mut self, error: f32) -> Self {
-        self.error = Some(error);
-        self
-    }
-
-    /// Locks vertices, one value per vertex; vertices after the last value are not locked.
-    ///
-    /// ```
-    #[doc = include_str!("simplify/example.txt")]
-    /// let kept = |options| simplify(&grid, &options).map(|simplified| simplified.vertices);
-    /// // The first row stays.
-    /// let locked = SimplifyOptions::default().with_locked(vec![true; 9]);
-    /// assert_eq!(kept(locked)?[..9], [0, 1, 2, 3, 4, 5, 6, 7, 8]);
-    /// assert!(kept(SimplifyOptions::default())?.len() < 9);
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    #[must_use]
-    pub fn with_locked(mut self, locked: Vec<bool>) -> Self {
-        self.locked = locked;
-        self
-    }
-
-    /// Returns the number of triangles to stop at.
-    ///
-    /// ```
-    /// use tristrip::simplify::SimplifyOptions;
-    /// assert_eq!(SimplifyOptions::default().triangle_count(), 0);
-    /// assert_eq!(SimplifyOptions::default().with_triangles(500).triangle_count(), 500);
-    /// ```
-    pub fn triangle_count(&self) -> usize {
-        self.triangle_count
-    }
-
-    /// Returns the largest error allowed, in mesh units; `None` for any.
-    ///
-    /// ```
-    /// use tristrip::simplify::SimplifyOptions;
-    /// assert_eq!(SimplifyOptions::default().error(), None);
-    /// assert_eq!(SimplifyOptions::default().with_error(0.1).error(), Some(0.1));
-    /// ```
-    pub fn error(&self) -> Option<f32> {
-        self.error
-    }
-
-    /// Returns which vertices are locked; those after the last value are not.
-    ///
-    /// ```
-    /// use tristrip::simplify::SimplifyOptions;
-    /// assert!(SimplifyOptions::default().locked().is_empty());
-    /// assert_eq!(SimplifyOptions::default().with_locked(vec![false, true]).locked(), [false, true]);
-    /// ```
-    pub fn locked(&self) -> &[bool] {
-        &self.locked
-    }
-
-    /// Checks the error limit.
-    pub(crate) fn check_error(&self) -> Result<(), Error> {
-        match self.error {
-            Some(error) if error.is_nan() || error < 0.0 => {
-                Err(Error::Parameter { name: "error", found: error.to_string(), expected: "0 or more" })
-            }
-            _ => Ok(()),
-        }
-    }
-
-    /// Checks the options for a mesh.
-    fn check(&self, vertex_count: usize, corner_count: usize) -> Result<(), Error> {
-        self.check_error()?;
-        if corner_count / 3 > MOST_TRIANGLES {
-            let (found, limit) = (corner_count as u64 / 3, MOST_TRIANGLES as u64);
-            return Err(Error::LimitExceeded { what: "triangles to simplify", found, limit });
-        }
-        if self.locked.len() > vertex_count {
-            let found = format!("{} values for {vertex_count} vertices", self.locked.len());
-            return Err(Error::Parameter { name: "locked", found, expected: "at most one value per vertex" });
-        }
-        Ok(())
-    }
-}
 
 /// The collapses of a simplification.
 #[derive(Debug, Clone, PartialEq)]
@@ -230,7 +118,9 @@ pub fn simplify_triangles(
 ) -> Result<Simplification, Error> {
     options.check(mesh.vertex_count(), triangles.len())?;
     let sequence = CollapseSequence::new(mesh.vertex_count(), triangles)?;
-    Ok(run(sequence, mesh.positions(), |v| attribute_bits(mesh, v as usize), options))
+    let bits = |v| attribute_bits(mesh, v as usize);
+    let priced = |triangles: &[u32], unit| PricedAttributes::new(mesh, triangles, unit, *options.weights());
+    Ok(run(sequence, mesh.positions(), bits, priced, options))
 }
 
 /// Simplifies the triangles of an index buffer, three indices of 8, 16 or 32 bits or `usize` each, by half-edge collapses. The positions
@@ -258,7 +148,7 @@ pub fn simplify_indices<I: Index, P: Positions + ?Sized>(
     options.check(positions.vertex_count(), indices.len())?;
     let sequence = CollapseSequence::new(positions.vertex_count(), vertices_of(indices)?)?;
     check_positions(sequence.triangles(), positions)?;
-    Ok(run(sequence, positions, |v| v.to_le_bytes().to_vec(), options))
+    Ok(run(sequence, positions, |v| v.to_le_bytes().to_vec(), |_, _| None, options))
 }
 
 /// Appends collapses to a sequence that has none.
@@ -266,12 +156,12 @@ fn run<P: Positions + ?Sized>(
     mut sequence: CollapseSequence,
     positions: &P,
     attribute_bits: impl Fn(u32) -> Vec<u8>,
+    priced: impl FnOnce(&[u32], f64) -> Option<PricedAttributes>,
     options: &SimplifyOptions,
 ) -> Simplification {
-    let (locked, error) = (&options.locked, options.error);
-    let mut decimation = Decimation::new(positions, attribute_bits, sequence.triangles(), locked, error);
-    decimation.run(options.triangle_count, &mut sequence);
+    let mut decimation = Decimation::new(positions, attribute_bits, sequence.triangles(), priced, options);
+    decimation.run(options.triangle_count(), &mut sequence);
     let reached = sequence.triangles_at(0);
-    let stopped = (reached > options.triangle_count).then(|| decimation.stopped());
+    let stopped = (reached > options.triangle_count()).then(|| decimation.stopped());
     Simplification { sequence, stopped }
 }

@@ -69,6 +69,60 @@ pub(crate) fn to_triangle(p: Point, [a, b, c]: [Point; 3], known: f64) -> f64 {
         .fold(known, |least, (_, edge)| least.min(to_segment(p, edge)))
 }
 
+/// Returns the point of a triangle that is nearest to a point, as the shares of its corners: none is negative, and they add up to 1. A triangle
+/// without area consists of its edges.
+///
+/// The formulas are those of Ericson: *Real-Time Collision Detection*, 2005, section 5.1.5: by the region of the point's projection.
+///
+/// ```
+/// use tristrip::simplify::nearest_in_triangle;
+/// let corners = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]];
+/// assert_eq!(nearest_in_triangle([1.0, 1.0, 5.0], corners), [0.0, 0.5, 0.5]);
+/// assert_eq!(nearest_in_triangle([-1.0, -1.0, 0.0], corners), [1.0, 0.0, 0.0]);
+/// ```
+pub fn nearest_in_triangle(point: [f64; 3], corners: [[f64; 3]; 3]) -> [f64; 3] {
+    let [a, b, c] = corners;
+    let normal = normal_of(corners);
+    if dot(normal, normal) <= 0.0 {
+        return nearest_on_edges(point, corners);
+    }
+    let (ab, ac) = (sub(b, a), sub(c, a));
+    let along = |from: Point| (dot(ab, sub(point, from)), dot(ac, sub(point, from)));
+    let ((a_b, a_c), (b_b, b_c), (c_b, c_c)) = (along(a), along(b), along(c));
+    if a_b <= 0.0 && a_c <= 0.0 {
+        return [1.0, 0.0, 0.0];
+    }
+    if b_b >= 0.0 && b_c <= b_b {
+        return [0.0, 1.0, 0.0];
+    }
+    if c_c >= 0.0 && c_b <= c_c {
+        return [0.0, 0.0, 1.0];
+    }
+    let [of_a, of_b, of_c] = [b_b * c_c - c_b * b_c, c_b * a_c - a_b * c_c, a_b * b_c - b_b * a_c];
+    let all = of_a + of_b + of_c;
+    if of_a > 0.0 && of_b > 0.0 && of_c > 0.0 {
+        return [of_a / all, of_b / all, of_c / all];
+    }
+    nearest_on_edges(point, corners)
+}
+
+/// Returns the nearest point of the edges of a triangle, as the shares of its corners.
+fn nearest_on_edges(p: Point, corners: [Point; 3]) -> [f64; 3] {
+    let (mut least, mut nearest) = (f64::INFINITY, [1.0, 0.0, 0.0]);
+    for (from, to) in [(0, 1), (1, 2), (2, 0)] {
+        let (along, there) = (sub(corners[to], corners[from]), sub(p, corners[from]));
+        let length = dot(along, along);
+        let share = if length > 0.0 { (dot(along, there) / length).clamp(0.0, 1.0) } else { 0.0 };
+        let rest = [0, 1, 2].map(|k| there[k] - share * along[k]);
+        if dot(rest, rest) < least {
+            least = dot(rest, rest);
+            nearest = [0.0; 3];
+            (nearest[from], nearest[to]) = (1.0 - share, share);
+        }
+    }
+    nearest
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use tristrip::Effort;
+use tristrip::simplify::AttributeWeights;
 use tristrip_pipeline::{Deviation, DisplayFilter, Level, Ratio};
 
 use super::groups::{GeneralArgs, OutputArgs, TargetArgs};
@@ -13,8 +14,8 @@ use crate::values::{ModelName, effort_parser, named};
 /// Simplify a mesh by half-edge collapses
 ///
 /// The cheapest collapse comes first. A removed vertex is replaced by one of its neighbours; no vertex moves, and none is added. The
-/// surface keeps its holes, its connected components and, unless that costs too much, its shape. If a goal cannot be reached without
-/// tearing or folding the surface, simplification stops earlier, and a note says where; this is not an error. Vertices whose position
+/// surface keeps its holes, its connected components and, unless that costs too much, its shape. If a goal cannot be reached within
+/// the error limit, or without tearing or folding the surface, simplification stops earlier, and a warning says why; this is not an error. Vertices whose position
 /// several parts use (materials in OBJ, primitives in glTF) stay, so that no gaps open between parts. Unused vertices are removed from the
 /// file, except from a GLB that was read from glTF, where other parts of the scene refer to vertices by number. Without -o, only report.
 #[derive(Debug, Args)]
@@ -32,13 +33,19 @@ pub(crate) struct SimplifyArgs {
     /// The number of triangles to keep; it is distributed over the parts in proportion
     #[arg(long, value_name = "N")]
     pub(crate) triangles: Option<usize>,
-    /// The maximum surface error: 0.01 in mesh units, or 0.1% of the diagonal of the model's bounding box
+    /// The maximum surface error: 0.01 in mesh units, or 0.1% of the diagonal of the model's bounding box; 100% for any
     ///
     /// The error of a collapse is the distance of the removed vertex from the triangles that replace it, or the root mean square of
     /// its distances to the planes that it represented, whichever is greater. Alone, it gives as few triangles as this error allows;
     /// with --ratio or --triangles, the limit that is reached first ends the simplification.
-    #[arg(long, value_name = "ERROR")]
-    pub(crate) error: Option<Deviation>,
+    #[arg(long, value_name = "ERROR", default_value = "1%")]
+    pub(crate) error: Deviation,
+    /// How much attributes count relative to the shape: normal=1,uv=1,colour=1 [default: 1 each]
+    ///
+    /// Normals that turn by a radian, and colours that change from none to full, count like a surface that moves by 3 % of the
+    /// longest side; texture coordinates count by the distance that the texture moves over the surface. 0 ignores them.
+    #[arg(long, value_name = "WEIGHTS", default_value = "", hide_default_value = true)]
+    pub(crate) weight: AttributeWeights,
     #[command(flatten)]
     pub(crate) target: TargetArgs,
 }

@@ -37,15 +37,23 @@ fn the_report_has_its_keys_and_describes_the_file() {
             "collapses",
             "surface_error",
             "surface_error_percent",
+            "largest_deviation",
+            "largest_deviation_percent",
+            "rms_deviation",
+            "rms_deviation_percent",
+            "normal_deviation_degrees",
+            "uv_deviation_percent",
             "diagonal",
             "locked_vertices",
             "parts",
+            "stopped",
+            "warning",
             "notes",
             "output",
             "error",
         ];
         assert_eq!(keys(&report), expected);
-        assert_eq!(keys(&report["seconds"]), ["load", "dual", "simplify", "verify", "write"]);
+        assert_eq!(keys(&report["seconds"]), ["load", "dual", "simplify", "compare", "verify", "write"]);
         assert_eq!((&report["proven"], &report["reached"]), (&Value::from(true), &Value::from(true)));
         assert_eq!((number(&report, "triangles_before"), number(&report, "target_triangles")), (15_982, 799));
         let (left, collapses) = (number(&report, "triangles_after"), number(&report, "collapses"));
@@ -80,7 +88,17 @@ fn an_error_limit_holds_alone_and_with_a_triangle_count() {
     assert_eq!(number(&run(&["--error", &units]), "triangles_after"), left);
     let both = run(&["--error", "0.05%", "--triangles", "10"]);
     assert_eq!((number(&both, "triangles_after"), &both["reached"]), (left, &Value::from(false)));
-    assert!(both["notes"].to_string().contains("target 10, stopped at"), "{}", both["notes"]);
+    let warning = both["warning"].as_str().unwrap();
+    assert!(
+        warning.contains("10 were asked for")
+            && warning.contains("the error limit of 0.05 % of the diagonal"),
+        "{warning}"
+    );
+    assert!(
+        both["stopped"]["error"].as_u64() > Some(0)
+            && by_error["stopped"].is_null()
+            && by_error["warning"].is_null()
+    );
     let none = run(&["--ratio", "1"]);
     assert_eq!((number(&none, "collapses"), &none["surface_error"]), (0, &Value::from(0.0)));
 }
@@ -92,8 +110,35 @@ fn a_goal_out_of_reach_is_not_an_error() {
     command
         .assert()
         .success()
-        .stderr(contains("note").and(contains("target 0, stopped at")))
+        .stderr(contains("warning: ").and(contains("2 triangles remain, 0 were asked for")))
         .stdout(contains("triangles"));
+    // A warning is shown in quiet mode, too.
+    let mut command = tristrip();
+    command.args(["simplify", "-q", "-", "--triangles", "0"]).write_stdin(SQUARE);
+    command.assert().success().stderr(contains("0 were asked for"));
+}
+
+#[test]
+fn one_percent_of_the_diagonal_is_the_default_limit() {
+    let run = |arguments: &[&str]| {
+        json(tristrip().args(["simplify", "--json"]).args(arguments).arg(model("hand.ply")))
+    };
+    let default = run(&[]);
+    let limit = default["diagonal"].as_f64().unwrap() / 100.0;
+    assert!((default["target_error"].as_f64().unwrap() / limit - 1.0).abs() < 1e-6);
+    assert!(default["surface_error"].as_f64() <= default["target_error"].as_f64());
+    assert_eq!(number(&run(&["--error", "1%"]), "triangles_after"), number(&default, "triangles_after"));
+    let held = run(&["--ratio", "0.1%"]);
+    assert_eq!(
+        (&held["reached"], number(&held, "triangles_after")),
+        (&false.into(), number(&default, "triangles_after"))
+    );
+    let free = run(&["--ratio", "0.1%", "--error", "100%"]);
+    assert!(free["reached"] == true && number(&free, "triangles_after") <= 16, "{free}");
+    // What is reported was measured on the result.
+    assert!(free["largest_deviation_percent"].as_f64() > held["largest_deviation_percent"].as_f64());
+    assert!(held["largest_deviation"].as_f64() > held["rms_deviation"].as_f64());
+    assert!(held["normal_deviation_degrees"].as_f64() > Some(1.0) && held["uv_deviation_percent"].is_null());
 }
 
 #[test]

@@ -100,7 +100,7 @@ fn flags_are_checked() {
     let both = ["strip", "a.ply", "--pareto", "a.svg", "--to", "ply", "-o", "a.svg"];
     refused(&both, "-o and --pareto name the same file");
     refused(&["strip", "a.ply", "--pareto", "a.svg", "--objective", "misses"], "--objective belongs to");
-    refused(&["simplify", "a.ply"], "--ratio, --triangles or --error is needed");
+    refused(&["simplify", "a.ply", "--weight", "uv=-1"], "uv=-1");
     refused(&["simplify", "a.ply", "--ratio", "1.5"], "found `1.5`, expected a ratio from 0 to 1");
     refused(&["simplify", "a.ply", "--ratio", "5%", "--triangles", "9"], "cannot be used with");
     refused(&["simplify", "a.ply", "--triangles", "few"], "--triangles");

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use tristrip::{Attribute, Mesh};
 
 use crate::error::Error;
-use crate::join::{self, attribute, clean, float};
+use crate::join::{self, attribute, clean};
 use crate::model::{Drawing, Model, Part};
 
 /// Writes an OBJ file.
@@ -114,8 +114,8 @@ fn write_vertices(mesh: &Mesh, out: &mut String) {
 fn write_values(attribute: &Attribute, vertex: usize, components: usize, out: &mut String) {
     let first = vertex * usize::from(attribute.components);
     for i in first..first + components {
-        let value = float(attribute, i);
-        write_number(if value.is_finite() { value } else { 0.0 }, out);
+        let value = attribute.float(i).filter(|value| value.is_finite());
+        write_number(value.unwrap_or(0.0), out);
     }
 }
 

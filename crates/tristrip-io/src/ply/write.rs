@@ -231,7 +231,7 @@ impl WrittenAttribute {
     fn fill(&self, attribute: &Attribute, rows: &mut [u8], stride: usize, offset: usize) {
         let n = self.names.len();
         if Self::as_floats(attribute) && !matches!(attribute.data, AttributeData::F32(_)) {
-            let floats: Vec<f32> = (0..attribute.data.len()).map(|i| join::float(attribute, i)).collect();
+            let floats: Vec<f32> = (0..attribute.data.len()).filter_map(|i| attribute.float(i)).collect();
             return fill_rows(rows, stride, offset, &floats, n, f32::to_le_bytes);
         }
         match &attribute.data {

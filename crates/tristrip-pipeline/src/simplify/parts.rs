@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use tristrip::PositionIds;
-use tristrip::simplify::{self, Simplification};
+use tristrip::simplify::{self, AttributeWeights, Simplification};
 use tristrip::{Error, Faces, Mesh};
 
 use crate::parts::map;
@@ -81,6 +81,11 @@ impl<'a> Part<'a> {
         Ok(parts)
     }
 
+    /// Returns the triangles, over the vertices of the reduced mesh.
+    pub(crate) fn triangles(&self) -> &[u32] {
+        &self.triangles
+    }
+
     /// Returns the number of triangles.
     pub(crate) fn triangle_count(&self) -> usize {
         self.triangles.len() / 3
@@ -132,10 +137,11 @@ pub(crate) fn simplify_all(
     parts: &[Part<'_>],
     shares: &[usize],
     error: Option<f32>,
+    weights: AttributeWeights,
 ) -> Result<Vec<Simplification>, Error> {
     let with_shares: Vec<_> = parts.iter().zip(shares).collect();
     let done = map(&with_shares, |(part, share)| {
-        let mut options = simplify::SimplifyOptions::default().with_triangles(**share);
+        let mut options = simplify::SimplifyOptions::default().with_triangles(**share).with_weights(weights);
         if let Some(error) = error {
             options = options.with_error(error);
         }

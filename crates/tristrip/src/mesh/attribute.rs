@@ -92,6 +92,28 @@ impl Attribute {
         }
     }
 
+    /// Returns value `i` of all as a float: a normalized integer as the fraction that it represents; `None` if there is no such value.
+    ///
+    /// ```
+    /// use tristrip::{Attribute, AttributeData};
+    /// let data = AttributeData::U8(vec![0, 255, 51]);
+    /// let red = Attribute { name: "red".into(), components: 1, normalized: true, data };
+    /// assert_eq!([1, 2, 3].map(|i| red.float(i)), [Some(1.0), Some(0.2), None]);
+    /// ```
+    pub fn float(&self, i: usize) -> Option<f32> {
+        let fraction = |value: f32, most: f32| if self.normalized { (value / most).max(-1.0) } else { value };
+        match &self.data {
+            AttributeData::F32(v) => v.get(i).copied(),
+            AttributeData::F64(v) => v.get(i).map(|&x| x as f32),
+            AttributeData::U8(v) => v.get(i).map(|&x| fraction(x.into(), u8::MAX.into())),
+            AttributeData::I8(v) => v.get(i).map(|&x| fraction(x.into(), i8::MAX.into())),
+            AttributeData::U16(v) => v.get(i).map(|&x| fraction(x.into(), u16::MAX.into())),
+            AttributeData::I16(v) => v.get(i).map(|&x| fraction(x.into(), i16::MAX.into())),
+            AttributeData::U32(v) => v.get(i).map(|&x| fraction(x as f32, u32::MAX as f32)),
+            AttributeData::I32(v) => v.get(i).map(|&x| fraction(x as f32, i32::MAX as f32)),
+        }
+    }
+
     /// Checks that there is one value per vertex, and that it has components.
     pub(crate) fn check(&self, vertex_count: usize) -> Result<(), Error> {
         self.check_components()?;

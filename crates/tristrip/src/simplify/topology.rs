@@ -92,7 +92,7 @@ impl Topology {
     }
 
     /// Returns the vertex at a corner.
-    fn wedge(&self, corner: CornerId) -> u32 {
+    pub(super) fn wedge(&self, corner: CornerId) -> u32 {
         if self.wedges.is_empty() {
             self.vertex_of[self.point(corner) as usize]
         } else {

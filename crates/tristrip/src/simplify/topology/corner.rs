@@ -25,11 +25,11 @@ impl CornerId {
         (self.0 & 3) as usize
     }
 
-    pub(super) fn next(self) -> Self {
+    pub(in crate::simplify) fn next(self) -> Self {
         Self::new(self.triangle(), NEXT[self.within()])
     }
 
-    pub(super) fn previous(self) -> Self {
+    pub(in crate::simplify) fn previous(self) -> Self {
         Self::new(self.triangle(), PREVIOUS[self.within()])
     }
 

@@ -1,0 +1,83 @@
+//! The warning about a goal that was not reached: what held it back, and what to try.
+
+use tristrip::simplify::{Simplification, Stopped};
+
+use crate::collapses::Collapses;
+use crate::goal::Deviation;
+use crate::text::{count, counted};
+
+/// Sums the reasons of the parts that have more triangles than their shares; `None` if there are none.
+pub(super) fn sum(done: &[Simplification], shares: &[usize]) -> Option<Stopped> {
+    let mut sum: Option<Stopped> = None;
+    for (done, &share) in done.iter().zip(shares) {
+        if let Some(stopped) = done.stopped.filter(|stopped| stopped.triangle_count > share) {
+            let sum = sum.get_or_insert_default();
+            sum.triangle_count += stopped.triangle_count;
+            sum.locked += stopped.locked;
+            sum.non_manifold += stopped.non_manifold;
+            sum.seam += stopped.seam;
+            sum.topology += stopped.topology;
+            sum.fold_over += stopped.fold_over;
+            sum.error += stopped.error;
+        }
+    }
+    sum
+}
+
+/// Returns a sentence on the goal, if it was not reached.
+pub(super) fn warning(collapses: &Collapses, limit: Deviation) -> Option<String> {
+    let (stopped, target) = (collapses.stopped?, collapses.target_triangles?);
+    let limit = format!("the error limit of {limit}");
+    // What holds vertices, and what to try, by the number of vertices; of equal numbers the first.
+    let reasons = [
+        (stopped.error, format!("would exceed {limit}"), "a larger limit allows fewer triangles"),
+        (
+            stopped.locked,
+            "are used by several parts and stay, so that no gaps open".into(),
+            "parts of one material can be joined first",
+        ),
+        (
+            stopped.seam,
+            "lie on seams of normals, texture coordinates or colours, which would open".into(),
+            "a model with fewer seams can get smaller",
+        ),
+        (
+            stopped.non_manifold,
+            "lie on edges of more than two faces, or where surfaces touch in one point".into(),
+            "a model repaired there can get smaller",
+        ),
+        (
+            stopped.topology,
+            "hold holes open or are the last of a piece".into(),
+            "a larger error limit does not help",
+        ),
+        (stopped.fold_over, "would turn triangles over".into(), "a larger error limit does not help"),
+    ];
+    let (held, why, hint) = reasons.into_iter().rev().max_by_key(|(held, ..)| *held)?;
+    let kept = counted(collapses.triangles_after, "triangle");
+    let left = counted(held, "vertex");
+    Some(format!("{kept} remain, {} were asked for: {left} {why}; {hint}", count(target)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_commonest_reason_is_named_with_a_hint() {
+        let mut stopped = Stopped::default();
+        (stopped.error, stopped.seam) = (1200, 1200);
+        let mut collapses = Collapses::default();
+        (collapses.triangles_after, collapses.target_triangles) = (1380, Some(292));
+        assert_eq!(warning(&collapses, Deviation::default()), None);
+        collapses.stopped = Some(stopped);
+        assert_eq!(
+            warning(&collapses, Deviation::default()).unwrap(),
+            "1,380 triangles remain, 292 were asked for: 1,200 vertices would exceed the error limit of 1 % of the diagonal; a larger \
+             limit allows fewer triangles"
+        );
+        stopped.seam = 1201;
+        collapses.stopped = Some(stopped);
+        assert!(warning(&collapses, Deviation::default()).unwrap().contains("1,201 vertices lie on seams"));
+    }
+}

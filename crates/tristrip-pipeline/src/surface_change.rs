@@ -1,0 +1,209 @@
+//! How far a simplified surface is from the original, as a viewer sees it: distances, normals and texture coordinates.
+//!
+//! # Algorithm
+//! Points are spread over each surface in proportion to its area, by a seeded generator. For each the nearest point of the other surface is
+//! searched in a tree of bounding boxes; distances are taken in both directions. The vertices that a simplification removed are the likeliest to
+//! be far away, so that they are searched, too, for the largest distance. Normals and texture coordinates are interpolated at
+//! both points and compared, from the original to the simplified surface.
+//!
+//! # References
+//! Cignoni, Rocchini, Scopigno: *Metro: Measuring Error on Simplified Surfaces*, 1998.
+//!
+//! # Complexity
+//! O((n + p) log n) time for n triangles and p points where triangles are of similar size, as on scans and models; O(n p) where all overlap.
+
+mod side;
+
+use tristrip::Mesh;
+use tristrip::random::Random;
+
+use crate::error::Error;
+use crate::parts::map;
+use side::{Attributes, Side};
+
+/// A surface before and after a change: triangles over the vertices of one mesh.
+#[derive(Debug, Clone, Copy)]
+pub struct ChangedSurface<'a> {
+    /// The vertices, with their attributes.
+    pub mesh: &'a Mesh,
+    /// Three vertices per triangle of the original.
+    pub before: &'a [u32],
+    /// Three vertices per triangle of the result.
+    pub after: &'a [u32],
+}
+
+/// How far the surfaces are apart, in the unit of the positions.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[non_exhaustive]
+pub struct SurfaceChange {
+    /// The largest distance found.
+    pub largest: f64,
+    /// The root mean square of the distances in both directions.
+    pub rms: f64,
+    /// The root mean square of the angles between normals, in degrees: those of the vertices, or of the triangles where vertices have none.
+    pub normal_degrees: f64,
+    /// The root mean square of the distances between texture coordinates (`TEXCOORD_0`), where 1 is the size of the texture; `None` without any.
+    pub uv: Option<f64>,
+}
+
+/// The sums over the points of one part.
+#[derive(Debug, Clone, Copy, Default)]
+struct Sums {
+    largest: f64,
+    /// Squared distances and points, from the original and from the result.
+    squares: [f64; 2],
+    counts: [usize; 2],
+    /// Squared angles in radians, and squared distances of texture coordinates.
+    angles: f64,
+    uv: f64,
+    uv_count: usize,
+}
+
+/// Measures how far surfaces are from what they were, with about `points` points on all of them in each direction.
+///
+/// A surface of which nothing is left is as far away as the diagonal of its bounding box is long.
+///
+/// # Errors
+/// The number of indices is not a multiple of three, or an index is out of range.
+///
+/// ```
+/// use tristrip::{Faces, Mesh};
+/// use tristrip_pipeline::{ChangedSurface, surface_change};
+/// // A pyramid of height 1 over a square, and the square.
+/// let corners = vec![[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 2.0, 0.0], [0.0, 2.0, 0.0], [1.0, 1.0, 1.0]];
+/// let mesh = Mesh::new(corners, Faces::default())?;
+/// let (before, after) = (&[0, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0, 4], &[0, 1, 2, 0, 2, 3]);
+/// let change = surface_change(&[ChangedSurface { mesh: &mesh, before, after }], 1000)?;
+/// assert!((change.largest - 1.0).abs() < 1e-9 && (0.3..0.7).contains(&change.rms));
+/// assert!((change.normal_degrees - 45.0).abs() < 1e-3 && change.uv.is_none());
+/// # Ok::<(), tristrip_pipeline::Error>(())
+/// ```
+pub fn surface_change(surfaces: &[ChangedSurface<'_>], points: usize) -> Result<SurfaceChange, Error> {
+    let pair = |s: &ChangedSurface<'_>| Ok([Side::new(s.mesh, s.before)?, Side::new(s.mesh, s.after)?]);
+    let sides = surfaces.iter().map(pair).collect::<Result<Vec<[Side; 2]>, tristrip::Error>>()?;
+    let areas = [0, 1].map(|k| sides.iter().map(|pair| pair[k].area()).sum::<f64>());
+    let numbered: Vec<(usize, &ChangedSurface<'_>)> = surfaces.iter().enumerate().collect();
+    let sums = map(&numbered, |&(i, surface)| {
+        let share =
+            |k: usize| if areas[k] > 0.0 { sides[i][k].area() / areas[k] * points as f64 } else { 0.0 };
+        compare(surface, &sides[i], [share(0), share(1)], i as u64)
+    });
+    let mut all = Sums::default();
+    for sum in &sums {
+        all.largest = all.largest.max(sum.largest);
+        for k in 0..2 {
+            all.squares[k] += sum.squares[k];
+            all.counts[k] += sum.counts[k];
+        }
+        all.angles += sum.angles;
+        all.uv += sum.uv;
+        all.uv_count += sum.uv_count;
+    }
+    let mean = |sum: f64, count: usize| if count > 0 { sum / count as f64 } else { 0.0 };
+    let squares = [0, 1].map(|k| mean(all.squares[k], all.counts[k]));
+    Ok(SurfaceChange {
+        largest: all.largest,
+        rms: f64::midpoint(squares[0], squares[1]).sqrt(),
+        normal_degrees: mean(all.angles, all.counts[0]).sqrt().to_degrees(),
+        uv: (all.uv_count > 0).then(|| mean(all.uv, all.uv_count).sqrt()),
+    })
+}
+
+/// Compares one surface in both directions, with the given numbers of points.
+fn compare(surface: &ChangedSurface<'_>, sides: &[Side; 2], points: [f64; 2], seed: u64) -> Sums {
+    let mut sums = Sums::default();
+    let [before, after] = sides;
+    if before.facets.is_empty() {
+        return sums;
+    }
+    if after.facets.is_empty() {
+        let most = before.diagonal();
+        let count = at_least_one(points[0]);
+        return Sums {
+            largest: most,
+            squares: [most * most * count as f64, 0.0],
+            counts: [count, 0],
+            ..sums
+        };
+    }
+    let trees = [before.tree(), after.tree()];
+    let attributes = Attributes::new(surface.mesh);
+    let mut random = Random::new(seed);
+    for k in 0..2 {
+        sides[k].sample(points[k], &mut random, |facet, shares| {
+            let at = facet.at(shares);
+            let Some(nearest) = trees[1 - k].nearest_neighbor(at) else { return };
+            let (square, there) = nearest.nearest(at);
+            sums.squares[k] += square;
+            sums.counts[k] += 1;
+            sums.largest = sums.largest.max(square.sqrt());
+            if k == 0 {
+                sums.angles += attributes.angle((facet, shares), (nearest, there)).powi(2);
+                if let Some(square) = attributes.uv_square((facet, shares), (nearest, there)) {
+                    sums.uv += square;
+                    sums.uv_count += 1;
+                }
+            }
+        });
+    }
+    // The vertices that are no longer drawn, evenly spaced where there are more than points.
+    let mut is_drawn = vec![false; surface.mesh.vertex_count()];
+    surface.after.iter().for_each(|&v| is_drawn[v as usize] = true);
+    let mut removed: Vec<u32> = surface.before.iter().copied().filter(|&v| !is_drawn[v as usize]).collect();
+    removed.sort_unstable();
+    removed.dedup();
+    let step = (removed.len() / at_least_one(points[0])).max(1);
+    for &v in removed.iter().step_by(step) {
+        let at = surface.mesh.positions()[v as usize].map(f64::from);
+        if let Some(nearest) = trees[1].nearest_neighbor(at) {
+            sums.largest = sums.largest.max(nearest.nearest(at).0.sqrt());
+        }
+    }
+    sums
+}
+
+#[expect(clippy::cast_sign_loss, reason = "at least 1")]
+fn at_least_one(points: f64) -> usize {
+    points.max(1.0) as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tristrip::{Attribute, AttributeData, Faces};
+
+    fn square(z: f32) -> Vec<[f32; 3]> {
+        [[0.0, 0.0], [3.0, 0.0], [3.0, 4.0], [0.0, 4.0]].map(|[x, y]| [x, y, z]).to_vec()
+    }
+
+    #[test]
+    fn parallel_squares_are_as_far_apart_as_they_are() {
+        let positions = [square(0.0), square(2.0)].concat();
+        let data =
+            AttributeData::F32((0..16).map(|i| if i < 8 { 0.0 } else { (i % 2) as f32 * 0.5 }).collect());
+        let uv = Attribute { name: "TEXCOORD_0".into(), components: 2, normalized: false, data };
+        let mesh = Mesh::new(positions, Faces::default()).unwrap().with_attribute(uv).unwrap();
+        let surface = ChangedSurface { mesh: &mesh, before: &[0, 1, 2, 0, 2, 3], after: &[4, 5, 6, 4, 6, 7] };
+        let change = surface_change(&[surface], 1000).unwrap();
+        assert!((change.largest - 2.0).abs() < 1e-9 && (change.rms - 2.0).abs() < 1e-9, "{change:?}");
+        assert!(change.normal_degrees < 1e-9 && (change.uv.unwrap() - 0.5).abs() < 1e-6, "{change:?}");
+        // A second surface that did not change has half of the area.
+        let same = ChangedSurface { after: &[0, 1, 2, 0, 2, 3], ..surface };
+        let both = surface_change(&[surface, same], 4000).unwrap();
+        assert!((both.rms - 2.0_f64.sqrt()).abs() < 0.01 && (both.largest - 2.0).abs() < 1e-9, "{both:?}");
+    }
+
+    #[test]
+    fn nothing_left_is_the_diagonal_away() {
+        let mesh = Mesh::new(square(0.0), Faces::default()).unwrap();
+        let (before, after): (&[u32], &[u32]) = (&[0, 1, 2, 0, 2, 3], &[]);
+        let gone = surface_change(&[ChangedSurface { mesh: &mesh, before, after }], 10).unwrap();
+        assert!((gone.largest - 5.0).abs() < 1e-9, "{gone:?}");
+        let none = surface_change(&[ChangedSurface { mesh: &mesh, before: after, after }], 10).unwrap();
+        assert_eq!(none, SurfaceChange::default());
+        assert_eq!(surface_change(&[], 10).unwrap(), SurfaceChange::default());
+        for wrong in [&[0, 1][..], &[0, 1, 4]] {
+            assert!(surface_change(&[ChangedSurface { mesh: &mesh, before: wrong, after }], 10).is_err());
+        }
+    }
+}

@@ -1,0 +1,230 @@
+//! The limits of a simplification, and the weights of the attributes.
+
+use std::str::FromStr;
+
+use super::topology::MOST_TRIANGLES;
+use crate::error::Error;
+
+/// How much the attributes of vertices count relative to the distance between the surfaces; 0 for not at all.
+///
+/// At a weight of 1 normals (`NORMAL`) that deviate by a radian, and colours (`COLOR_0`) that deviate by 1, count like a distance of 3 % of the longest
+/// side of the bounding box; texture coordinates (`TEXCOORD_0`, `TEXCOORD_1`) count like the distance by which the texture moves over the surface.
+///
+/// ```
+/// use tristrip::simplify::{AttributeWeights, SimplifyOptions};
+/// let shape_only = AttributeWeights { normal: 0.0, uv: 0.0, colour: 0.0 };
+/// let options = SimplifyOptions::default().with_weights(shape_only);
+/// assert_eq!((options.weights().uv, SimplifyOptions::default().weights().uv), (0.0, 1.0));
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct AttributeWeights {
+    /// The weight of the normals.
+    pub normal: f32,
+    /// The weight of the texture coordinates.
+    pub uv: f32,
+    /// The weight of the colours.
+    pub colour: f32,
+}
+
+impl Default for AttributeWeights {
+    fn default() -> Self {
+        Self { normal: 1.0, uv: 1.0, colour: 1.0 }
+    }
+}
+
+impl FromStr for AttributeWeights {
+    type Err = Error;
+
+    /// Parses weights such as `normal=2,uv=0.5`; those that are not named are 1, so that an empty text gives the default.
+    ///
+    /// # Errors
+    /// A name is unknown, or a weight is negative or no number.
+    fn from_str(text: &str) -> Result<Self, Error> {
+        let mut weights = Self::default();
+        for part in text.split(',').filter(|part| !part.trim().is_empty()) {
+            let unknown = || Error::Parameter {
+                name: "weight",
+                found: format!("`{}`", part.trim()),
+                expected: "normal, uv or colour with a number of at least 0, such as uv=0.5",
+            };
+            let (name, value) = part.split_once('=').ok_or_else(unknown)?;
+            let value: f32 = value.trim().parse().map_err(|_| unknown())?;
+            if !value.is_finite() || value < 0.0 {
+                return Err(unknown());
+            }
+            match name.trim() {
+                "normal" => weights.normal = value,
+                "uv" => weights.uv = value,
+                "colour" => weights.colour = value,
+                _ => return Err(unknown()),
+            }
+        }
+        Ok(weights)
+    }
+}
+
+/// The limits of a simplification. Without a limit a mesh is simplified as far as its topology allows.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct SimplifyOptions {
+    triangle_count: usize,
+    error: Option<f32>,
+    locked: Vec<bool>,
+    weights: AttributeWeights,
+}
+
+impl SimplifyOptions {
+    /// Stops at this number of triangles, or one fewer: a collapse drops up to two.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let simplified = simplify(&grid, &SimplifyOptions::default().with_triangles(20))?;
+    /// assert!((19..=20).contains(&simplified.mesh.faces().face_count()));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    #[must_use]
+    pub fn with_triangles(mut self, triangle_count: usize) -> Self {
+        self.triangle_count = triangle_count;
+        self
+    }
+
+    /// Allows no collapse with a larger error, in mesh units; see [`Collapse::error`](crate::collapse::Collapse::error).
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let triangles = |error| {
+    ///     let simplified = simplify(&grid, &SimplifyOptions::default().with_error(error))?;
+    ///     Ok::<_, Error>(simplified.mesh.faces().face_count())
+    /// };
+    /// // The peak stays where an error of its height is not allowed.
+    /// assert!(triangles(0.5)? > triangles(2.0)?);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    #[must_use]
+    pub fn with_error(mut self, error: f32) -> Self {
+        self.error = Some(error);
+        self
+    }
+
+    /// Locks vertices, one value per vertex; vertices after the last value are not locked.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let kept = |options| simplify(&grid, &options).map(|simplified| simplified.vertices);
+    /// // The first row stays.
+    /// let locked = SimplifyOptions::default().with_locked(vec![true; 9]);
+    /// assert_eq!(kept(locked)?[..9], [0, 1, 2, 3, 4, 5, 6, 7, 8]);
+    /// assert!(kept(SimplifyOptions::default())?.len() < 9);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    #[must_use]
+    pub fn with_locked(mut self, locked: Vec<bool>) -> Self {
+        self.locked = locked;
+        self
+    }
+
+    /// Sets how much attributes count relative to the distance between the surfaces.
+    ///
+    /// ```
+    /// use tristrip::simplify::{AttributeWeights, SimplifyOptions};
+    /// let weights = AttributeWeights { uv: 2.0, ..AttributeWeights::default() };
+    /// assert_eq!(SimplifyOptions::default().with_weights(weights).weights(), &weights);
+    /// ```
+    #[must_use]
+    pub fn with_weights(mut self, weights: AttributeWeights) -> Self {
+        self.weights = weights;
+        self
+    }
+
+    /// Returns how much attributes count.
+    ///
+    /// ```
+    /// use tristrip::simplify::SimplifyOptions;
+    /// assert_eq!(SimplifyOptions::default().weights().normal, 1.0);
+    /// ```
+    pub fn weights(&self) -> &AttributeWeights {
+        &self.weights
+    }
+
+    /// Returns the number of triangles to stop at.
+    ///
+    /// ```
+    /// use tristrip::simplify::SimplifyOptions;
+    /// assert_eq!(SimplifyOptions::default().triangle_count(), 0);
+    /// assert_eq!(SimplifyOptions::default().with_triangles(500).triangle_count(), 500);
+    /// ```
+    pub fn triangle_count(&self) -> usize {
+        self.triangle_count
+    }
+
+    /// Returns the largest error allowed, in mesh units; `None` for any.
+    ///
+    /// ```
+    /// use tristrip::simplify::SimplifyOptions;
+    /// assert_eq!(SimplifyOptions::default().error(), None);
+    /// assert_eq!(SimplifyOptions::default().with_error(0.1).error(), Some(0.1));
+    /// ```
+    pub fn error(&self) -> Option<f32> {
+        self.error
+    }
+
+    /// Returns which vertices are locked; those after the last value are not.
+    ///
+    /// ```
+    /// use tristrip::simplify::SimplifyOptions;
+    /// assert!(SimplifyOptions::default().locked().is_empty());
+    /// assert_eq!(SimplifyOptions::default().with_locked(vec![false, true]).locked(), [false, true]);
+    /// ```
+    pub fn locked(&self) -> &[bool] {
+        &self.locked
+    }
+
+    /// Checks the error limit.
+    pub(crate) fn check_error(&self) -> Result<(), Error> {
+        match self.error {
+            Some(error) if error.is_nan() || error < 0.0 => {
+                Err(Error::Parameter { name: "error", found: error.to_string(), expected: "0 or more" })
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn check_weights(&self) -> Result<(), Error> {
+        let AttributeWeights { normal, uv, colour } = self.weights;
+        for (name, weight) in [("normal", normal), ("uv", uv), ("colour", colour)] {
+            if !weight.is_finite() || weight < 0.0 {
+                return Err(Error::Parameter { name, found: weight.to_string(), expected: "0 or more" });
+            }
+        }
+        Ok(())
+    }
+
+    /// Checks the options for a mesh.
+    pub(super) fn check(&self, vertex_count: usize, corner_count: usize) -> Result<(), Error> {
+        self.check_error()?;
+        self.check_weights()?;
+        if corner_count / 3 > MOST_TRIANGLES {
+            let (found, limit) = (corner_count as u64 / 3, MOST_TRIANGLES as u64);
+            return Err(Error::LimitExceeded { what: "triangles to simplify", found, limit });
+        }
+        if self.locked.len() > vertex_count {
+            let found = format!("{} values for {vertex_count} vertices", self.locked.len());
+            return Err(Error::Parameter { name: "locked", found, expected: "at most one value per vertex" });
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn weights_are_read_by_name() {
+        let read = |text: &str| text.parse::<AttributeWeights>().ok().map(|w| [w.normal, w.uv, w.colour]);
+        assert_eq!(read(""), Some([1.0; 3]));
+        assert_eq!(read("uv=0.5, normal=2"), Some([2.0, 0.5, 1.0]));
+        for wrong in ["uv", "uv=", "uv=-1", "uv=nan", "uv=inf", "tangent=1"] {
+            assert_eq!(read(wrong), None, "{wrong}");
+        }
+    }
+}
