@@ -49,8 +49,13 @@ pub(crate) fn to_segment(p: Point, [a, b]: [Point; 2]) -> f64 {
 /// If the foot of the perpendicular lies inside, this is the distance to the plane; otherwise the least distance to the edges that
 /// the foot lies beyond.
 #[inline]
-pub(crate) fn to_triangle(p: Point, [a, b, c]: [Point; 3], known: f64) -> f64 {
-    let normal = normal_of([a, b, c]);
+pub(crate) fn to_triangle(p: Point, corners: [Point; 3], known: f64) -> f64 {
+    to_triangle_of(p, corners, normal_of(corners), known)
+}
+
+/// Does the same for a triangle whose normal is known.
+#[inline]
+pub(crate) fn to_triangle_of(p: Point, [a, b, c]: [Point; 3], normal: Point, known: f64) -> f64 {
     let to = sub(p, a);
     let (square, height) = (dot(normal, normal), dot(normal, to));
     // No point of the triangle is nearer than its plane.
