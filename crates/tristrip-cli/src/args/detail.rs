@@ -42,8 +42,8 @@ pub(crate) struct SimplifyArgs {
     pub(crate) error: Deviation,
     /// How much attributes count relative to the shape: normal=1,uv=1,colour=1 [default: 1 each]
     ///
-    /// Normals that turn by a radian, and colours that change from none to full, count like a surface that moves by 3 % of the
-    /// longest side; texture coordinates count by the distance that the texture moves over the surface. 0 ignores them.
+    /// Normals that turn by a radian, and colours that change from none to full, count like a surface that moves by a tenth of
+    /// the longest side; texture coordinates count by the distance that the texture moves over the surface. 0 ignores them.
     #[arg(long, value_name = "WEIGHTS", default_value = "", hide_default_value = true)]
     pub(crate) weight: AttributeWeights,
     #[command(flatten)]

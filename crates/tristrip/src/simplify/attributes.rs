@@ -16,10 +16,11 @@ use super::options::AttributeWeights;
 use crate::mesh::{Attribute, Mesh, triangles_of};
 use crate::vector::{Point, dot, normal_of, sub};
 
-/// The distance, in units of the frame, that is as bad as a difference of 1 between unit normals.
-const NORMAL_LENGTH: f64 = 0.03;
+/// The distance, in units of the frame, that is as bad as a difference of 1 between unit normals. Of 0.03, 0.1, 0.2 and 0.4 this gave the pictures of a
+/// duck and of a man that differ least: textured, by normals and by texture coordinates together.
+const NORMAL_LENGTH: f64 = 0.1;
 /// The same for a component of a colour, of 1 between none and full.
-const COLOUR_LENGTH: f64 = 0.03;
+const COLOUR_LENGTH: f64 = 0.1;
 /// The largest length of a unit of a texture coordinate: an atlas that a model hardly uses does not outweigh its shape.
 const MOST_TEXTURE_LENGTH: f64 = 8.0;
 

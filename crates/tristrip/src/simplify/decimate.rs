@@ -149,14 +149,15 @@ impl Decimation {
         }
         let position = |p| positions.position(topology.vertex_of(p) as usize).unwrap_or_default();
         let (framed, unit) = frame((0..count as u32).map(position));
-        let quadrics = quadrics(&topology, &framed);
+        let attributes = priced(vertices, unit);
+        let quadrics = quadrics(&topology, &framed, attributes.is_some());
         let mut decimation = Self {
             triangle_count: triangles_of(vertices).filter(|&t| !is_degenerate(t)).count(),
             topology,
             positions: framed,
             unit,
             quadrics,
-            attributes: priced(vertices, unit),
+            attributes,
             locked: is_locked,
             queue: CostQueue::new(count),
             plans: vec![CollapsePlan { target: OptionalId::NONE, error: 0.0, priced: 0, changed: 1 }; count],

@@ -6,7 +6,8 @@ use crate::vector::{Point, cross, dot, normal_of, sub};
 
 /// The weight of a plane along a border relative to a face of the same size: a large penalty, as Garland and Heckbert, section 6, have it.
 const BORDER_WEIGHT: f64 = 10.0;
-/// The same for a seam, across which only attributes differ.
+/// The same for a seam, across which only attributes differ, where no attribute has a price: attributes that have one tell how far a seam
+/// may move, and with planes as well the vertices on seams stay at the expense of all others.
 const SEAM_WEIGHT: f64 = 1.0;
 
 /// Returns positions in a frame in which the longest side of their bounding box is 1, and the length of that side.
@@ -24,7 +25,9 @@ pub(super) fn frame(positions: impl Iterator<Item = [f32; 3]> + Clone) -> (Vec<P
 }
 
 /// Returns for each point the planes of its triangles, weighted by area, and planes perpendicular to them along borders and seams.
-pub(super) fn quadrics(topology: &Topology, positions: &[Point]) -> Vec<Quadric> {
+///
+/// `priced` tells whether attributes have a price, so that seams need no planes.
+pub(super) fn quadrics(topology: &Topology, positions: &[Point], priced: bool) -> Vec<Quadric> {
     let mut quadrics = vec![Quadric::default(); positions.len()];
     let unit_normal = |t: usize| {
         let normal = normal_of(topology.triangles[t].map(|p| positions[p as usize]));
@@ -36,7 +39,7 @@ pub(super) fn quadrics(topology: &Topology, positions: &[Point]) -> Vec<Quadric>
         let plane = Quadric::plane(normal, positions[triangle[0] as usize], weight).of_faces(weight);
         triangle.iter().for_each(|&p| quadrics[p as usize].add(&plane));
     }
-    for (corner, is_border) in topology.open_edges() {
+    for (corner, is_border) in topology.open_edges().filter(|&(_, is_border)| is_border || !priced) {
         let [from, to] = [topology.point(corner), topology.others(corner)[0]];
         let Some((normal, _)) = unit_normal(corner.triangle()) else { continue };
         let edge = sub(positions[to as usize], positions[from as usize]);

@@ -7,8 +7,8 @@ use crate::error::Error;
 
 /// How much the attributes of vertices count relative to the distance between the surfaces; 0 for not at all.
 ///
-/// At a weight of 1 normals (`NORMAL`) that deviate by a radian, and colours (`COLOR_0`) that deviate by 1, count like a distance of 3 % of the longest
-/// side of the bounding box; texture coordinates (`TEXCOORD_0`, `TEXCOORD_1`) count like the distance by which the texture moves over the surface.
+/// At a weight of 1 normals (`NORMAL`) that deviate by a radian, and colours (`COLOR_0`) that deviate by 1, count like a distance of a tenth of the
+/// longest side of the bounding box; texture coordinates (`TEXCOORD_0`, `TEXCOORD_1`) count like the distance by which the texture moves over the surface.
 ///
 /// ```
 /// use tristrip::simplify::{AttributeWeights, SimplifyOptions};
