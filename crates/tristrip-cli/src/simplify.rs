@@ -130,8 +130,7 @@ fn simplify(
         notes: &mut report.notes,
         vertex_order: None,
     };
-    let strips = simplified.draws_strips();
-    output::write(target, strips, console, fields, |observer| simplified.encode(observer))?;
+    output::write(target, false, console, fields, |observer| simplified.encode(observer))?;
     report.output = Some(target.name());
     Ok(())
 }

@@ -19,6 +19,9 @@
 //! bytes are removed from the buffer. Otherwise accessor and bytes are appended. Any whole number inside an extension or
 //! extras counts as a possible reference. All buffers are joined into one.
 //!
+//! [`reorder`](crate::reorder()) and [`with_triangles`](crate::with_triangles) change the scene before it is written: values of vertices
+//! move within their accessors, and those of vertices that nothing draws are removed.
+//!
 //! The reader accepts more than the specification allows: alignment is not required, and a restart index counts as one
 //! whether or not the extension is declared, as graphics APIs treat it.
 //!
@@ -37,6 +40,7 @@
 //! what the bytes pay for. Primitives with the same indices are decoded once.
 
 mod accessor;
+mod bounds;
 mod budget;
 mod buffer;
 #[cfg(feature = "fs")]
@@ -50,9 +54,11 @@ mod keep;
 mod permute;
 mod read;
 mod references;
-pub(crate) mod reorder;
+mod removed_bytes;
+pub(crate) mod renumber;
 pub(crate) mod scene;
 mod shared_bytes;
+mod shrink;
 mod spec;
 mod triangles;
 

@@ -50,6 +50,6 @@ pub use format::Format;
 pub use model::{Drawing, Model, Part, StoredStrips};
 #[cfg(feature = "fs")]
 pub use path::{read_path, replace_file, write_path};
-pub use redraw::{Redrawn, with_triangles};
+pub use redraw::{KeptVertices, Redrawn, with_triangles};
 pub use reorder::{Reordered, reorder};
 pub use vertex_group::VertexGroup;

@@ -2,22 +2,25 @@
 //!
 //! # Algorithm
 //! 1. Parts whose vertices the file stores once form one group, as in [`crate::reorder`]; a vertex stays if a part of its
-//!    group uses it.
+//!    group uses it, in a scene also if points or lines draw it.
 //! 2. Positions, attributes and triangles are renumbered; the order of the vertices stays. If nothing is drawn at all, all
 //!    vertices stay, since not every format allows files without vertices.
-//! 3. In a scene that is written as a GLB all vertices stay: skins, morph targets and other data per vertex depend on their
-//!    number.
+//! 3. In a scene that is written as a GLB, all other values of the vertices are dropped with them, and the bytes that nothing uses
+//!    any more: morph targets, joints and weights, attributes that are not decoded. A group that something else depends on keeps
+//!    its vertices, and [`Redrawn::kept_groups`] has the reason.
 //!
 //! # Complexity
-//! Linear time; 8 bytes per vertex in addition to the new model.
+//! Linear time; 8 bytes per vertex in addition to the new model, and for a scene as in `gltf/renumber.rs`.
 
 use tristrip::VertexOrder;
 use tristrip::{Faces, Mesh, Strips};
 
 use crate::error::Error;
 use crate::format::Format;
+use crate::gltf;
 use crate::model::Model;
 use crate::shared_vertices::{parts_by_vertices, renumber};
+use crate::vertex_group::Renumbering;
 
 /// A model with new triangles, and counts of its vertices.
 #[derive(Debug)]
@@ -30,10 +33,23 @@ pub struct Redrawn {
     pub dropped: usize,
     /// The number of unused vertices that were kept, because a scene depends on them or because nothing is drawn at all.
     pub kept: usize,
+    /// The groups of parts with unused vertices that were kept.
+    pub kept_groups: Vec<KeptVertices>,
     /// The new vertex numbers of the groups of parts that have unused vertices.
     orders: Vec<VertexOrder>,
     /// For each part the index of its group's order, if its vertices have new numbers.
     order_of: Vec<Option<usize>>,
+}
+
+/// Unused vertices that were kept.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct KeptVertices {
+    /// The indices of the parts over these vertices, ascending.
+    pub parts: Vec<usize>,
+    /// The number of unused vertices.
+    pub vertex_count: usize,
+    /// Why they were kept.
+    pub why: String,
 }
 
 impl Redrawn {
@@ -87,65 +103,103 @@ pub fn with_triangles(model: &Model, triangles: Vec<Vec<u32>>, format: Format) -
     for (part, corners) in model.parts.iter().zip(triangles) {
         meshes.push(part.mesh.with_faces(Faces::from_triangles(corners)?)?);
     }
+    // 1. The vertices of each group that stay.
+    let scene = model.scene.as_ref().filter(|_| format == Format::Glb);
+    let found = scene.map(|scene| gltf::renumber::groups(scene, meshes.len())).transpose()?;
+    let groups = match &found {
+        Some(found) => found.iter().map(|group| group.parts.clone()).collect(),
+        None => parts_by_vertices(model, format)?,
+    };
     // An OBJ without any vertex would be an empty file.
     let is_empty = meshes.iter().all(|mesh| mesh.faces().corner_count() == 0);
-    let keeps_unused = is_empty || (format == Format::Glb && model.scene.is_some());
-    let (mut in_use, mut dropped, mut kept) = (0, 0, 0);
+    let mut others = scene.map(gltf::renumber::OtherVertices::of);
+    let mut counts = Vec::with_capacity(groups.len());
+    let mut renumberings = Vec::with_capacity(groups.len());
+    for (number, parts) in groups.iter().enumerate() {
+        let mut used = VertexUse::of(&meshes, parts);
+        let by_triangles = used.count();
+        let mut kept = None;
+        if let Some((others, group)) = others.as_mut().zip(found.as_ref().map(|found| &found[number])) {
+            let unknown = others.mark(group, &mut used.is_used).err();
+            let has_all = |&part: &usize| meshes[part].vertex_count() == used.is_used.len();
+            let several = (!parts.iter().all(has_all))
+                .then(|| "parts over shared accessors have different numbers of vertices".to_owned());
+            kept = group.why_complete().or(several).or(unknown);
+        }
+        if is_empty {
+            kept = Some("nothing is drawn".to_owned());
+        }
+        let unused = used.is_used.len() - used.count();
+        if unused == used.is_used.len() && scene.is_some() {
+            // An accessor must have a value.
+            used.is_used.iter_mut().take(1).for_each(|is_used| *is_used = true);
+        }
+        renumberings.push(used.renumbering(kept)?);
+        counts.push((by_triangles, unused));
+    }
+    // 2. The scene, in which more groups may have to keep their vertices.
+    let scene = match scene.zip(found) {
+        Some((scene, found)) => Some(gltf::renumber::apply(scene, &found, &mut renumberings)?.redrawn()?),
+        None => model.scene.clone(),
+    };
+    // 3. The parts.
+    let (mut dropped, mut kept_groups) = (0, Vec::new());
     let (mut orders, mut order_of) = (Vec::new(), vec![None; meshes.len()]);
-    for group in parts_by_vertices(model, format)? {
-        let used = VertexUse::of(&meshes, &group);
-        in_use += used.count;
-        if keeps_unused {
-            kept += used.unused_count();
-        } else if used.unused_count() > 0 {
-            dropped += used.unused_count();
-            group.iter().for_each(|&part| order_of[part] = Some(orders.len()));
-            orders.push(used.remove_unused(&mut meshes, &group)?);
+    for ((parts, renumbering), &(_, unused)) in groups.into_iter().zip(renumberings).zip(&counts) {
+        if let Some(why) = renumbering.kept {
+            if unused > 0 {
+                kept_groups.push(KeptVertices { parts, vertex_count: unused, why });
+            }
+        } else if renumbering.drops() {
+            dropped += renumbering.order.vertex_count() - renumbering.left;
+            renumber(&mut meshes, &parts, &renumbering.order, renumbering.left)?;
+            parts.iter().for_each(|&part| order_of[part] = Some(orders.len()));
+            orders.push(renumbering.order);
         }
     }
     let parts = model.parts.iter().zip(meshes).map(|(part, mesh)| part.with_mesh(mesh)).collect();
-    let model = Model { parts, notes: model.notes.clone(), scene: model.scene.clone() };
-    Ok(Redrawn { model, used: in_use, dropped, kept, orders, order_of })
+    let model = Model { parts, notes: model.notes.clone(), scene };
+    let kept = kept_groups.iter().map(|group| group.vertex_count).sum();
+    let used = counts.iter().map(|(by_triangles, _)| by_triangles).sum();
+    Ok(Redrawn { model, used, dropped, kept, kept_groups, orders, order_of })
 }
 
 /// The vertices of a group that its parts use.
+#[derive(Clone)]
 struct VertexUse {
-    /// The vertices in use, ascending, then the others.
-    order: Vec<u32>,
-    /// The number of vertices in use.
-    count: usize,
+    is_used: Vec<bool>,
 }
 
 impl VertexUse {
     fn of(meshes: &[Mesh], group: &[usize]) -> Self {
-        let vertex_count = group.first().map_or(0, |&part| meshes[part].vertex_count());
+        let vertex_count = group.iter().map(|&part| meshes[part].vertex_count()).max().unwrap_or(0);
         let mut is_used = vec![false; vertex_count];
         for &part in group {
             meshes[part].faces().corners().iter().for_each(|&v| is_used[v as usize] = true);
         }
-        let (mut order, unused): (Vec<u32>, Vec<u32>) =
-            (0..vertex_count as u32).partition(|&v| is_used[v as usize]);
-        let count = order.len();
-        order.extend(unused);
-        Self { order, count }
+        Self { is_used }
     }
 
-    fn unused_count(&self) -> usize {
-        self.order.len() - self.count
+    fn count(&self) -> usize {
+        self.is_used.iter().filter(|&&is_used| is_used).count()
     }
 
-    /// Removes the unused vertices from the meshes of the group; returns the new numbers.
-    fn remove_unused(&self, meshes: &mut [Mesh], group: &[usize]) -> Result<VertexOrder, Error> {
-        let order = VertexOrder::from_new_to_old(&self.order)?;
-        renumber(meshes, group, &order, self.count)?;
-        Ok(order)
+    /// Returns the numbers of the vertices without those that are not in use, unless there is a reason to keep all.
+    fn renumbering(&self, kept: Option<String>) -> Result<Renumbering, Error> {
+        let vertex_count = self.is_used.len();
+        if kept.is_some() {
+            return Ok(Renumbering::of_order(VertexOrder::identity(vertex_count)?, kept));
+        }
+        let in_use = (0..vertex_count as u32).filter(|&v| self.is_used[v as usize]);
+        // The other vertices are last in this order.
+        let order = VertexOrder::of_indices(vertex_count, in_use)?;
+        Ok(Renumbering { order, left: self.count(), kept: None })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gltf::scene::Scene;
     use crate::model::Part;
     use tristrip::{Attribute, AttributeData};
 
@@ -203,15 +257,6 @@ mod tests {
         let of = with_triangles(&model(&[&a, &b]), vec![vec![0, 1, 2], vec![]], Format::Obj).unwrap();
         assert_eq!(of.model.parts.iter().map(|part| part.mesh.vertex_count()).collect::<Vec<_>>(), [3, 0]);
         assert_eq!(of.dropped, 5);
-    }
-
-    #[test]
-    fn a_scene_keeps_its_vertices_only_in_a_glb() {
-        let mut with_scene = model(&[&square("uv")]);
-        with_scene.scene = Some(Scene::default());
-        let of = |format| with_triangles(&with_scene, vec![vec![0, 1, 2]], format).unwrap();
-        assert_eq!((of(Format::Glb).dropped, of(Format::Glb).kept), (0, 1));
-        assert_eq!((of(Format::Ply).dropped, of(Format::Ply).kept), (1, 0));
     }
 
     #[test]

@@ -23,7 +23,7 @@ use crate::format::Format;
 use crate::gltf;
 use crate::model::{Drawing, Model, Part};
 use crate::shared_vertices::{parts_by_vertices, renumber};
-use crate::vertex_group::VertexGroup;
+use crate::vertex_group::{Renumbering, VertexGroup};
 
 /// A model with its vertices in a new order, and how it is drawn.
 #[derive(Debug)]
@@ -98,27 +98,31 @@ pub fn reorder(
         })
         .collect();
     // 1. Groups, and their orders.
-    let order = |parts: Vec<usize>, kept: Option<String>| {
+    let order = |parts: &Vec<usize>, kept: Option<String>| {
         let vertex_count = parts.first().map_or(0, |&part| model.parts[part].mesh.vertex_count());
         let indices = parts.iter().filter(|_| kept.is_none()).flat_map(|&part| match &strips[part] {
             Some(strips) => indices(strips, layout),
             None => model.parts[part].mesh.faces().corners().to_vec(),
         });
-        Ok(VertexGroup { order: VertexOrder::of_indices(vertex_count, indices)?, parts, kept })
+        Ok(Renumbering::of_order(VertexOrder::of_indices(vertex_count, indices)?, kept))
     };
     let scene = model.scene.as_ref().filter(|_| format == Format::Glb);
-    let found = scene.map(|scene| gltf::reorder::groups(scene, strips.len())).transpose()?;
+    let found = scene.map(|scene| gltf::renumber::groups(scene, strips.len())).transpose()?;
     let by_parts: Vec<(Vec<usize>, Option<String>)> = match &found {
-        Some(found) => found.iter().map(|group| (group.parts.clone(), group.kept.clone())).collect(),
+        Some(found) => found.iter().map(|group| (group.parts.clone(), group.why_ordered())).collect(),
         None => parts_by_vertices(model, format)?.into_iter().map(|parts| (parts, None)).collect(),
     };
-    let each = by_parts.into_iter().map(|(parts, kept)| order(parts, kept));
-    let mut groups = each.collect::<Result<Vec<VertexGroup>, Error>>()?;
+    let (by_parts, kept): (Vec<_>, Vec<_>) = by_parts.into_iter().unzip();
+    let each = by_parts.iter().zip(kept).map(|(parts, kept)| order(parts, kept));
+    let mut renumberings = each.collect::<Result<Vec<Renumbering>, Error>>()?;
     // 2. The scene, which may keep the order of more groups.
     let scene = match scene.zip(found) {
-        Some((scene, found)) => Some(gltf::reorder::apply(scene, &found, &mut groups)?),
+        Some((scene, found)) => Some(gltf::renumber::apply(scene, &found, &mut renumberings)?),
         None => model.scene.clone(),
     };
+    let groups = by_parts.into_iter().zip(renumberings);
+    let groups: Vec<VertexGroup> =
+        groups.map(|(parts, Renumbering { order, kept, .. })| VertexGroup { parts, order, kept }).collect();
     // 3. Parts and strips.
     let parts = reordered_parts(model, &groups)?;
     let mut out = vec![None; strips.len()];

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use tristrip::Layout;
 use tristrip::verify::verify_models;
-use tristrip_io::{Drawing, Format, Model, Reordered, VertexGroup};
+use tristrip_io::{Drawing, Format, Model, Redrawn, Reordered, VertexGroup};
 
 use crate::error::Error;
 use crate::observer::{Event, Observer, Stage, begin};
@@ -207,6 +207,21 @@ fn kept(groups: &[VertexGroup]) -> Vec<String> {
     }
     let note = |(why, parts)| format!("vertices not re-ordered in {}: {why}", counted(parts, "part"));
     by_reason.into_iter().map(note).collect()
+}
+
+/// Notes why a scene keeps unused vertices, one note per reason.
+pub(crate) fn kept_vertices(redrawn: &Redrawn, observer: &dyn Observer) -> Vec<String> {
+    let mut by_reason: BTreeMap<&str, (usize, usize)> = BTreeMap::new();
+    for group in &redrawn.kept_groups {
+        let (vertices, parts) = by_reason.entry(&group.why).or_default();
+        (*vertices, *parts) = (*vertices + group.vertex_count, *parts + group.parts.len());
+    }
+    let note = |(why, (vertices, parts))| {
+        format!("kept {} of {}: {why}", counted(vertices, "unused vertex"), counted(parts, "part"))
+    };
+    let notes: Vec<String> = by_reason.into_iter().map(note).collect();
+    notes.iter().for_each(|note| observer.event(Event::Note(note)));
+    notes
 }
 
 /// Reads the bytes back, proves that they draw the source, and returns the number of faces.

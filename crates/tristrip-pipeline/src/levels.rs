@@ -15,7 +15,7 @@ use tristrip::{Mesh, StripifyOptions, Strips};
 use tristrip_io::{Drawing, Model};
 
 use crate::collapses::{Collapses, percent_of};
-use crate::encode::{EncodeOptions, Encoded, encode_observed};
+use crate::encode::{EncodeOptions, Encoded, encode_observed, kept_vertices};
 use crate::error::Error;
 use crate::figures::{Figures, MeshFigures};
 use crate::goal::{Amount, Ratio};
@@ -308,6 +308,9 @@ impl ModelLevels {
         let strips = strips.iter().enumerate().map(|(part, strips)| Ok(smaller.strips(part, strips)?));
         let strips: Vec<Strips> = strips.collect::<Result<_, Error>>()?;
         let drawings: Vec<_> = strips.iter().map(Drawing::Strips).collect();
-        encode_observed(&smaller.model, &drawings, options, observer)
+        let mut notes = kept_vertices(&smaller, observer);
+        let encoded = encode_observed(&smaller.model, &drawings, options, observer)?;
+        notes.extend(encoded.notes);
+        Ok(Encoded { notes, ..encoded })
     }
 }

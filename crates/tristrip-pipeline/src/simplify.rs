@@ -3,17 +3,17 @@
 mod parts;
 mod warning;
 
+use tristrip::StripifyOptions;
 use tristrip::simplify::{AttributeWeights, Simplification};
-use tristrip::{Mesh, StripifyOptions, Strips};
 use tristrip_io::{Drawing, Format, Model, Redrawn};
 
 use crate::collapses::Collapses;
-use crate::encode::{EncodeOptions, Encoded, encode_observed};
+use crate::encode::{EncodeOptions, Encoded, encode_observed, kept_vertices};
 use crate::error::Error;
 use crate::figures::MeshFigures;
 use crate::goal::Goal;
 use crate::observer::{Event, Observer, Stage, begin};
-use crate::parts::{map, meshes};
+use crate::parts::map;
 use crate::prepared::{PreparedModel, Survey};
 use crate::surface_change::{ChangedSurface, SurfaceChange, surface_change};
 use crate::text::{count, counted};
@@ -35,8 +35,8 @@ pub struct SimplifyOptions {
     pub weights: AttributeWeights,
     /// Whether the collapses, and the bytes of a file, are proven.
     pub verify: bool,
-    /// The format in which the result will be written. A scene that is written as GLB keeps its unused vertices, since other parts of it
-    /// may refer to them by number.
+    /// The format in which the result will be written. A scene that is written as GLB keeps the unused vertices that other parts of it
+    /// may refer to by number.
     pub format: Format,
 }
 
@@ -196,37 +196,18 @@ pub fn simplify_observed(
 }
 
 impl Simplified {
-    /// Returns whether the file draws strips: a scene gets new indices only where its parts are drawn as strips, one per triangle.
-    pub fn draws_strips(&self) -> bool {
-        let model = &self.redrawn.model;
-        model.scene.is_some() && self.options.format == Format::Glb && !model.parts.is_empty()
-    }
-
     /// Encodes the simplified model as a triangle list in the format of the options, and proves the bytes if requested.
     ///
     /// # Errors
     /// The format cannot store the model, the bytes are not proven, or the observer cancelled.
     pub fn encode(&self, observer: &dyn Observer) -> Result<Encoded, Error> {
-        let (redrawn, format) = (&self.redrawn, self.options.format);
-        let in_scene = self.draws_strips();
-        let mut notes = Vec::new();
-        if redrawn.kept > 0 && in_scene {
-            let kept = counted(redrawn.kept, "unused vertex");
-            let note = format!("kept {kept}: other parts of the scene may refer to them");
-            observer.event(Event::Note(&note));
-            notes.push(note);
-        }
-        // When a scene is written, parts drawn as faces keep their old indices; one strip per triangle gives them new ones.
-        let meshes = meshes(&redrawn.model).into_iter().filter(|_| in_scene);
-        let single_triangles: Vec<Strips> = meshes.map(one_strip_per_triangle).collect();
-        let drawings: Vec<Drawing<'_>> = if in_scene {
-            single_triangles.iter().map(Drawing::Strips).collect()
-        } else {
-            redrawn.model.parts.iter().map(|_| Drawing::Faces).collect()
-        };
-        let options = EncodeOptions::new(format).with_layout(tristrip::Layout::List);
+        let model = &self.redrawn.model;
+        let mut notes = kept_vertices(&self.redrawn, observer);
+        let drawings: Vec<Drawing<'_>> = model.parts.iter().map(|_| Drawing::Faces).collect();
+        let options = EncodeOptions::new(self.options.format).with_layout(tristrip::Layout::List);
         let options = options.with_verify(self.options.verify);
-        let encoded = encode_observed(&redrawn.model, &drawings, &options, observer)?;
+        let encoded = encode_observed(model, &drawings, &options, observer)?;
+        notes.extend(encoded.notes);
         Ok(Encoded { notes, ..encoded })
     }
 }
@@ -248,13 +229,6 @@ fn change(parts: &[Part<'_>], done: &[Simplification]) -> Result<SurfaceChange, 
         .map(|(part, after)| ChangedSurface { mesh: &part.compact.mesh, before: part.triangles(), after })
         .collect();
     surface_change(&surfaces, POINTS)
-}
-
-/// Builds one strip per triangle.
-fn one_strip_per_triangle(mesh: &Mesh) -> Strips {
-    let mut strips = Strips::default();
-    mesh.faces().iter().for_each(|triangle| strips.push(triangle));
-    strips
 }
 
 /// Returns notes on the locked vertices, and on the parts that stopped before their goal.

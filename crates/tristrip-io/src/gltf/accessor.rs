@@ -272,6 +272,18 @@ impl AccessorValues<'_> {
         Ok(out)
     }
 
+    /// Returns the bytes of all values, one value after the other.
+    pub(super) fn raw(&self) -> Result<Vec<u8>, Error> {
+        self.decode(self.element, u8::from_le_bytes)
+    }
+
+    /// Iterates over the offsets of the components within a value; the columns of matrices may be padded.
+    pub(super) fn component_offsets(&self) -> impl Iterator<Item = usize> + use<> {
+        let rows = if self.matrix { self.components.isqrt() } else { self.components };
+        let (bytes, column) = (self.component.bytes(), self.element * rows / self.components);
+        (0..self.components).map(move |i| i / rows * column + i % rows * bytes)
+    }
+
     /// Decodes positions; integers are allowed under `KHR_mesh_quantization`.
     pub(super) fn positions(
         &self,

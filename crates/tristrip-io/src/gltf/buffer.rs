@@ -10,7 +10,7 @@ use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 
 #[cfg(feature = "fs")]
 use super::buffer_files::BufferFiles;
-use super::document::{Document, Located, list_mut};
+use super::document::{Document, Located, index, list_mut};
 use super::json::Value;
 use super::shared_bytes::{SharedBytes, whole_of};
 use crate::error::Error;
@@ -81,6 +81,23 @@ fn remove_uris(document: &mut Document) -> Result<(), Error> {
         *document = std::mem::take(document).compacted()?;
     }
     Ok(())
+}
+
+/// Returns a view's buffer and byte range; the reader has checked both.
+pub(super) fn view_range(
+    v: usize,
+    view: &Value,
+    buffers: &[SharedBytes],
+) -> Result<(usize, Range<usize>), Error> {
+    let field = |name| view.get(name).and_then(index);
+    let (buffer, start, length) =
+        (field("buffer").unwrap_or(0), field("byteOffset").unwrap_or(0), field("byteLength").unwrap_or(0));
+    let fits =
+        buffers.get(buffer).is_some_and(|b| start.checked_add(length).is_some_and(|end| end <= b.len()));
+    if fits {
+        return Ok((buffer, start..start + length));
+    }
+    Err(Error::format(format!("bufferViews[{v}]"), "a range outside its buffer", "a range inside it"))
 }
 
 /// The files of a document, where no file is read.

@@ -34,6 +34,12 @@ impl Document {
         out
     }
 
+    /// Returns the document with its JSON as it is now, without the spaces between values.
+    pub(super) fn without_spaces(self) -> Result<Self, Error> {
+        let text = SharedBytes::from(json::without_spaces(&self.to_bytes()));
+        Ok(Self { root: root_of(text.as_slice())?, text })
+    }
+
     /// Parses the JSON as it is now, so that the text of removed values is dropped.
     pub(super) fn compacted(self) -> Result<Self, Error> {
         let text = SharedBytes::from(self.to_bytes());

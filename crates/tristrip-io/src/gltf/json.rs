@@ -308,6 +308,18 @@ impl Members {
     }
 }
 
+/// Returns JSON without the spaces between its values; strings and numbers keep their text.
+pub(super) fn without_spaces(json: &[u8]) -> Vec<u8> {
+    let (mut in_string, mut escaped) = (false, false);
+    let is_kept = |&byte: &u8| {
+        let starts_or_ends = byte == b'"' && !escaped;
+        escaped = in_string && byte == b'\\' && !escaped;
+        in_string ^= starts_or_ends;
+        in_string || !matches!(byte, b' ' | b'\t' | b'\r' | b'\n')
+    };
+    json.iter().copied().filter(is_kept).collect()
+}
+
 /// Returns text as a JSON string.
 fn quoted(text: &str) -> String {
     serde_json::Value::from(text).to_string()
@@ -384,6 +396,14 @@ mod tests {
             r#"{"a\u0062":[ 1E5 , {"x" : -0.0, "x": 2} ],"list":[{"old":9,"keep":[1,  2],"new":"\""},7.50]}"#;
         assert_eq!(written(&value, text), expected);
         assert!(value.get("ab").is_some());
+    }
+
+    #[test]
+    fn spaces_are_left_out_except_inside_strings() {
+        let text = "{ \"a \\\" b\" :\t[ 1E5 ,\r\n -0.0 ] , \"c\\\\\" : \" d \" }";
+        let expected = "{\"a \\\" b\":[1E5,-0.0],\"c\\\\\":\" d \"}";
+        assert_eq!(String::from_utf8(without_spaces(text.as_bytes())).unwrap(), expected);
+        assert_eq!(without_spaces(expected.as_bytes()), expected.as_bytes());
     }
 
     #[test]

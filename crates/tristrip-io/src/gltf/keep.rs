@@ -18,13 +18,14 @@ use std::ops::Range;
 use serde_json::json;
 use tristrip::Layout;
 
-use self::compact::{ALIGNMENT, BufferCompaction, set_buffer};
+use self::compact::{BufferCompaction, set_buffer};
 use self::extensions::{declare, drop_order_extensions, has_line_strips, undeclare};
 use self::unused::UnusedEntries;
 use super::container;
 use super::document::{array, index, items, list_mut, whole};
 use super::index::{IndexRun, pack_runs, runs};
 use super::json::{Content, Members, Value};
+use super::removed_bytes::ALIGNMENT;
 use super::scene::{PrimitiveRef, Scene};
 use super::spec::{ELEMENT_ARRAY_BUFFER, RESTART_EXTENSION, TRIANGLES};
 use crate::error::Error;
@@ -41,7 +42,9 @@ pub(super) fn write(
     let mut document = scene.document.clone();
     let root = &mut document.root;
     let rewritten: HashSet<(usize, usize)> = (scene.primitives.iter().zip(drawings))
-        .filter(|(source, drawing)| !(source.mode == TRIANGLES && matches!(drawing, Drawing::Faces)))
+        .filter(|(source, drawing)| {
+            source.is_redrawn || source.mode != TRIANGLES || !matches!(drawing, Drawing::Faces)
+        })
         .map(|(source, _)| (source.mesh, source.primitive))
         .collect();
 

@@ -1,4 +1,5 @@
-//! Vertex data of accessors moved into a new vertex order, within the bytes that the accessors already have.
+//! Vertex data of accessors moved into a new vertex order, within the bytes that the accessors already have. Of vertices that are
+//! dropped nothing is moved: the values of those that stay come first, and what is behind them has no meaning.
 
 use std::collections::HashSet;
 use std::ops::Range;
@@ -9,20 +10,26 @@ use super::accessor::AccessorResolver;
 use super::budget::DecodeBudget;
 use super::document::{Located, array, index};
 use super::json::{Members, Value};
-use super::references::has_number;
+use super::references::{has_number, views_of_accessor};
 use super::shared_bytes::SharedBytes;
 use crate::error::Error;
+use crate::vertex_group::Renumbering;
+
+/// Bytes of accessors that may be checked per byte of the buffers, in addition to the constant.
+pub(super) const VERTEX_FACTOR: u64 = 16;
 
 pub(super) const OVER_BUDGET: &str = "the buffers hold more data than the limits allow to check";
 
 /// Values at a constant stride within a buffer, one slot each.
 #[derive(Clone, Copy)]
-struct StridedRange {
-    buffer: usize,
+pub(super) struct StridedRange {
+    pub(super) buffer: usize,
     start: usize,
     stride: usize,
     element: usize,
     count: usize,
+    /// The end of the view.
+    end: usize,
 }
 
 impl StridedRange {
@@ -30,9 +37,11 @@ impl StridedRange {
     fn of(root: &Members, holder: &Value, element: usize, count: usize) -> Option<Self> {
         let view = array(root, "bufferViews").ok()?.get(holder.get("bufferView").and_then(index)?)?;
         let field = |object: &Value, name| object.get(name).and_then(index);
+        let start = field(view, "byteOffset").unwrap_or(0);
         Some(Self {
             buffer: field(view, "buffer")?,
-            start: field(view, "byteOffset").unwrap_or(0) + field(holder, "byteOffset").unwrap_or(0),
+            start: start + field(holder, "byteOffset").unwrap_or(0),
+            end: start + field(view, "byteLength")?,
             stride: field(view, "byteStride").unwrap_or(element),
             element,
             count,
@@ -52,15 +61,31 @@ impl StridedRange {
         let slots = *self;
         (0..slots.count).map(move |slot| slots.range(slot))
     }
+
+    /// Returns the bytes from the first value to the end of the last one.
+    pub(super) fn span(&self) -> Range<usize> {
+        let end = self.count.checked_sub(1).map_or(self.start, |last| self.range(last).end);
+        self.start..end
+    }
+
+    /// Returns the bytes behind the first `left` values, with those between the values.
+    pub(super) fn tail(&self, left: usize) -> Range<usize> {
+        let end = (self.span().end + (self.stride - self.element)).min(self.end);
+        (self.start + left * self.stride).min(end)..end
+    }
 }
 
 /// The slots of the values of an accessor.
 pub(super) struct AccessorLayout {
+    /// The number of the accessor.
+    pub(super) accessor: usize,
+    /// Whether the values are vertex numbers, which stay where they are and change.
+    pub(super) holds_indices: bool,
     count: usize,
     /// `None` for zeros.
-    base: Option<StridedRange>,
+    pub(super) base: Option<StridedRange>,
     /// Indices and values of the vertices that differ from the base.
-    sparse: Option<[StridedRange; 2]>,
+    pub(super) sparse: Option<[StridedRange; 2]>,
 }
 
 impl AccessorLayout {
@@ -79,8 +104,21 @@ impl AccessorLayout {
         Ok(array)
     }
 
+    /// Finds the slots of the indices that points or lines draw, or returns why they cannot be changed.
+    pub(super) fn of_indices(
+        resolver: &AccessorResolver<'_>,
+        accessor: usize,
+        budget: &mut DecodeBudget,
+    ) -> Result<Self, String> {
+        let array = Self::find(resolver, accessor, budget)?;
+        if array.sparse.is_some() {
+            return Err("points or lines over the vertices have sparse indices".into());
+        }
+        Ok(Self { holds_indices: true, ..array })
+    }
+
     /// Finds the slots of an accessor, or returns why they cannot be permuted.
-    fn find(
+    pub(super) fn find(
         resolver: &AccessorResolver<'_>,
         accessor: usize,
         budget: &mut DecodeBudget,
@@ -126,7 +164,7 @@ impl AccessorLayout {
             );
         }
         let base = StridedRange::of(resolver.root, object, element, count);
-        let array = Self { count, base, sparse };
+        let array = Self { accessor, holds_indices: false, count, base, sparse };
         for slots in array.slots() {
             if !budget.try_charge(slots.count, slots.element) {
                 return Err(OVER_BUDGET.into());
@@ -135,7 +173,7 @@ impl AccessorLayout {
         Ok(array)
     }
 
-    fn slots(&self) -> impl Iterator<Item = StridedRange> + use<> {
+    pub(super) fn slots(&self) -> impl Iterator<Item = StridedRange> + use<> {
         self.base.into_iter().chain(self.sparse.into_iter().flatten())
     }
 }
@@ -162,12 +200,8 @@ impl ByteOwners {
     ) -> Result<bool, Error> {
         let mut of_accessors = HashSet::new();
         let mut whole = HashSet::new();
-        for (number, accessor) in array(resolver.root, "accessors")?.iter().enumerate() {
-            let sparse = accessor.get("sparse");
-            let holders =
-                [Some(accessor), sparse.and_then(|s| s.get("indices")), sparse.and_then(|s| s.get("values"))];
-            let views =
-                || holders.iter().flatten().filter_map(|holder| holder.get("bufferView").and_then(index));
+        for number in 0..array(resolver.root, "accessors")?.len() {
+            let views = || views_of_accessor(resolver.root, number);
             of_accessors.extend(views());
             if moving.contains(&number) {
                 continue;
@@ -190,7 +224,10 @@ impl ByteOwners {
                 self.0.iter_mut().for_each(|bytes| bytes.fill(OTHER));
                 return Ok(false);
             }
-            self.mark(&StridedRange { buffer, start, stride: element, element, count: 1 }, OTHER);
+            self.mark(
+                &StridedRange { buffer, start, stride: element, element, count: 1, end: start + element },
+                OTHER,
+            );
         }
         Ok(true)
     }
@@ -243,25 +280,32 @@ impl<'a> PermutedBuffers<'a> {
     }
 
     /// Moves the values of a group, and checks that all of them arrived.
-    pub(super) fn permute(&mut self, arrays: &[AccessorLayout], order: &VertexOrder) -> Result<(), String> {
+    pub(super) fn permute(
+        &mut self,
+        arrays: &[AccessorLayout],
+        renumbering: &Renumbering,
+    ) -> Result<(), String> {
         for array in arrays {
-            self.permute_accessor(array, order)?;
+            self.permute_accessor(array, renumbering)?;
         }
-        if arrays.iter().all(|array| self.has_new_order(array, order)) {
+        if arrays.iter().all(|array| self.has_new_order(array, renumbering)) {
             return Ok(());
         }
         Err("accessors overlap other than by the same vertices".into())
     }
 
-    fn permute_accessor(&mut self, array: &AccessorLayout, order: &VertexOrder) -> Result<(), String> {
+    fn permute_accessor(&mut self, array: &AccessorLayout, renumbering: &Renumbering) -> Result<(), String> {
+        if array.holds_indices {
+            return self.rename_indices(array, &renumbering.order);
+        }
         if let Some(base) = array.base {
             let (old, new) = self.buffer(base.buffer).ok_or("a buffer is missing")?;
-            for (new_range, &old_slot) in base.ranges().zip(order.new_to_old()) {
+            for (new_range, &old_slot) in base.ranges().zip(renumbering.left_to_old()) {
                 new[new_range].copy_from_slice(&old[base.range(old_slot as usize)]);
             }
         }
         let Some([indices, values]) = array.sparse else { return Ok(()) };
-        let renamed = self.renamed(&indices, order);
+        let renamed = self.renamed(&indices, renumbering);
         let highest = renamed.last().map_or(0, |&(vertex, _)| u64::from(vertex));
         if highest >> (8 * indices.element) > 0 {
             return Err("the new vertex numbers do not fit the index type of a sparse accessor".into());
@@ -275,36 +319,66 @@ impl<'a> PermutedBuffers<'a> {
         Ok(())
     }
 
-    /// Returns the new vertex numbers of sparse indices in ascending order, each with the slot of its value.
-    fn renamed(&self, indices: &StridedRange, order: &VertexOrder) -> Vec<(u32, usize)> {
+    /// Changes the vertex numbers in the indices of points or lines; restarts stay.
+    fn rename_indices(&mut self, array: &AccessorLayout, order: &VertexOrder) -> Result<(), String> {
+        let Some(base) = array.base else { return Ok(()) };
+        let (old, new) = self.buffer(base.buffer).ok_or("a buffer is missing")?;
+        for range in base.ranges() {
+            let vertex = renamed_index(&old[range.clone()], order);
+            let vertex = vertex.ok_or("the new vertex numbers do not fit the indices of points or lines")?;
+            new[range].copy_from_slice(&vertex.to_le_bytes()[..base.element]);
+        }
+        Ok(())
+    }
+
+    /// Returns the new vertex numbers of sparse indices in ascending order, each with the slot of its value; those of vertices
+    /// that are dropped are left out.
+    fn renamed(&self, indices: &StridedRange, renumbering: &Renumbering) -> Vec<(u32, usize)> {
         let Some(old) = self.old.get(indices.buffer).map(SharedBytes::as_slice) else { return Vec::new() };
-        let number = |range: Range<usize>| old[range].iter().rev().fold(0, |n, &b| n << 8 | u32::from(b));
-        let new = |vertex: u32| order.old_to_new().get(vertex as usize).copied().unwrap_or(vertex);
-        let mut renamed: Vec<_> = indices.ranges().map(number).map(new).zip(0..).collect();
+        let new =
+            |vertex: u32| renumbering.order.old_to_new().get(vertex as usize).copied().unwrap_or(vertex);
+        let mut renamed: Vec<_> =
+            indices.ranges().map(|range| number(&old[range])).map(new).zip(0..).collect();
+        renamed.retain(|&(vertex, _)| (vertex as usize) < renumbering.left);
         renamed.sort_unstable();
         renamed
     }
 
+    /// Returns the number of sparse values of an accessor whose vertices stay.
+    pub(super) fn sparse_left(&self, array: &AccessorLayout, renumbering: &Renumbering) -> usize {
+        array.sparse.map_or(0, |[indices, _]| self.renamed(&indices, renumbering).len())
+    }
+
     /// Checks whether the values of an accessor are in the new order.
-    fn has_new_order(&self, array: &AccessorLayout, order: &VertexOrder) -> bool {
+    fn has_new_order(&self, array: &AccessorLayout, renumbering: &Renumbering) -> bool {
+        let bytes_of = |buffer: usize| {
+            let old = self.old.get(buffer).map(SharedBytes::as_slice);
+            (old, self.new.get(buffer).and_then(Option::as_deref).or(old))
+        };
         let is_moved = |slots: &StridedRange, new: usize, old: usize| {
-            let bytes = self.old.get(slots.buffer).map(SharedBytes::as_slice);
-            let moved = self.new.get(slots.buffer).and_then(Option::as_deref).or(bytes);
+            let (bytes, moved) = bytes_of(slots.buffer);
             moved.and_then(|b| b.get(slots.range(new))) == bytes.and_then(|b| b.get(slots.range(old)))
         };
+        let is_renamed = |slots: &StridedRange, slot: usize, vertex: u32| {
+            let expected = &vertex.to_le_bytes()[..slots.element];
+            bytes_of(slots.buffer).1.and_then(|b| b.get(slots.range(slot))) == Some(expected)
+        };
+        if array.holds_indices {
+            return array.base.is_none_or(|base| {
+                let Some(old) = bytes_of(base.buffer).0 else { return false };
+                let new = |range: Range<usize>| renamed_index(old.get(range)?, &renumbering.order);
+                (0..base.count).all(|slot| new(base.range(slot)).is_some_and(|v| is_renamed(&base, slot, v)))
+            });
+        }
         let base = array.base.is_none_or(|base| {
-            order.new_to_old().iter().enumerate().all(|(new, &old)| is_moved(&base, new, old as usize))
+            let mut left = renumbering.left_to_old().iter().enumerate();
+            left.all(|(new, &old)| is_moved(&base, new, old as usize))
         });
         let sparse = array.sparse.is_none_or(|[indices, values]| {
-            let is_renamed = |slot: usize, vertex: u32| {
-                let bytes = self.new.get(indices.buffer).and_then(Option::as_deref);
-                bytes.is_some_and(|b| b[indices.range(slot)] == vertex.to_le_bytes()[..indices.element])
-            };
-            let renamed = self.renamed(&indices, order);
-            renamed
-                .into_iter()
-                .enumerate()
-                .all(|(slot, (vertex, from))| is_renamed(slot, vertex) && is_moved(&values, slot, from))
+            let mut renamed = self.renamed(&indices, renumbering).into_iter().enumerate();
+            renamed.all(|(slot, (vertex, from))| {
+                is_renamed(&indices, slot, vertex) && is_moved(&values, slot, from)
+            })
         });
         base && sparse
     }
@@ -324,4 +398,20 @@ impl<'a> PermutedBuffers<'a> {
         let old = self.old.get(buffer)?.as_slice();
         Some((old, self.new.get_mut(buffer)?.get_or_insert_with(|| old.to_vec())))
     }
+}
+
+/// Returns the little-endian number of at most four bytes.
+fn number(bytes: &[u8]) -> u32 {
+    bytes.iter().rev().fold(0, |n, &b| n << 8 | u32::from(b))
+}
+
+/// Returns the new number of the vertex that an index names, if it fits the type of the index; a restart, which is the highest value
+/// of the type, stays.
+fn renamed_index(index: &[u8], order: &VertexOrder) -> Option<u32> {
+    let restart = u32::MAX.checked_shr(32 - 8 * index.len() as u32)?;
+    let vertex = number(index);
+    if vertex == restart {
+        return Some(restart);
+    }
+    order.old_to_new().get(vertex as usize).copied().filter(|&new| new < restart)
 }

@@ -132,7 +132,7 @@ impl<'a> PrimitiveReader<'a> {
                     continue;
                 }
                 let (mesh_of_part, stored) = self.mesh(&located, mode, &parts)?;
-                self.primitives.push(PrimitiveRef { mesh, primitive, mode });
+                self.primitives.push(PrimitiveRef { mesh, primitive, mode, is_redrawn: false });
                 let material = self.material(&located)?;
                 let stripped = mode == TRIANGLE_STRIP || mode == TRIANGLE_FAN;
                 parts.push(Part { name: name.clone(), material, mesh: mesh_of_part, stripped, stored });

@@ -7,6 +7,21 @@ use super::json::{Content, Members, Value};
 use super::document::{array, index, items};
 use crate::error::Error;
 
+/// Extensions of which every number is known: none refers to an accessor or a buffer view. Numbers inside their own extensions and
+/// extras count.
+const WITHOUT_REFERENCES: [&str; 7] = [
+    "EXT_lights_image_based",
+    "EXT_texture_avif",
+    "EXT_texture_webp",
+    "KHR_lights_punctual",
+    "KHR_mesh_quantization",
+    "KHR_texture_basisu",
+    "KHR_texture_transform",
+];
+
+/// How the names of further such extensions begin.
+const MATERIALS: &str = "KHR_materials_";
+
 /// Numbers inside extensions and extras, any of which may be a reference.
 #[derive(Default)]
 pub(super) struct ExtensionNumbers {
@@ -24,12 +39,24 @@ impl ExtensionNumbers {
     }
 
     fn add(&mut self, key: &str, value: &Value, inside: bool) {
-        let inside_now = inside || key == "extensions" || key == "extras";
         self.names_bytes |= inside && matches!(key, "buffer" | "byteOffset" | "byteLength");
         match &value.content {
-            Content::Object(members) => members.iter().for_each(|(k, v)| self.add(k, v, inside_now)),
-            Content::Array(items) => items.iter().for_each(|v| self.add("", v, inside_now)),
-            Content::Whole(_) | Content::Number(_) if inside_now => self.numbers.extend(index(value)),
+            Content::Object(members) if key == "extensions" => {
+                members.iter().for_each(|(name, extension)| {
+                    self.add(
+                        "",
+                        extension,
+                        !WITHOUT_REFERENCES.contains(&name) && !name.starts_with(MATERIALS),
+                    );
+                })
+            }
+            Content::Object(members) => {
+                members.iter().for_each(|(k, v)| self.add(k, v, inside || key == "extras"));
+            }
+            Content::Array(items) => items.iter().for_each(|v| self.add("", v, inside || key == "extras")),
+            Content::Whole(_) | Content::Number(_) if inside || key == "extras" => {
+                self.numbers.extend(index(value))
+            }
             _ => {}
         }
     }
@@ -42,6 +69,14 @@ pub(super) fn has_number(value: &Value) -> bool {
         Content::Object(members) => members.values().any(has_number),
         _ => index(value).is_some(),
     }
+}
+
+/// Iterates over the buffer views that an accessor refers to.
+pub(super) fn views_of_accessor(root: &Members, accessor: usize) -> impl Iterator<Item = usize> {
+    let accessor = array(root, "accessors").ok().and_then(|all| all.get(accessor));
+    let sparse = accessor.and_then(|accessor| accessor.get("sparse"));
+    let holders = [accessor, sparse.and_then(|s| s.get("indices")), sparse.and_then(|s| s.get("values"))];
+    holders.into_iter().flatten().filter_map(|holder| index(holder.get("bufferView")?))
 }
 
 /// Returns the accessors that skins and animations refer to.

@@ -24,6 +24,8 @@ pub(super) struct PrimitiveRef {
     pub(super) mesh: usize,
     pub(super) primitive: usize,
     pub(super) mode: u64,
+    /// Whether the faces of the part differ from its indices in the document, which must then be replaced.
+    pub(super) is_redrawn: bool,
 }
 
 impl Scene {
@@ -57,6 +59,13 @@ impl Scene {
             .filter(|(count, _)| *count > 0)
             .map(|(count, what)| format!("{what}: {count}"))
             .collect()
+    }
+
+    /// Returns the scene with the indices of all parts to be replaced when it is written, and without the spaces between the values of
+    /// its JSON.
+    pub(crate) fn redrawn(mut self) -> Result<Self, Error> {
+        self.primitives.iter_mut().for_each(|primitive| primitive.is_redrawn = true);
+        Ok(Self { document: self.document.without_spaces()?, ..self })
     }
 
     /// Checks that there are as many parts as the scene had when it was read.

@@ -2,6 +2,8 @@
 #![allow(dead_code, reason = "each test file uses a part of it")]
 #![allow(clippy::unwrap_used, clippy::print_stderr, reason = "a test may panic, and reports what it skips")]
 
+pub(crate) mod scenes;
+
 use std::path::{Path, PathBuf};
 use std::process::Command;
 

@@ -7,18 +7,16 @@ use serde_json::json;
 
 use super::unused::UnusedEntries;
 use crate::error::Error;
+use crate::gltf::buffer::view_range;
 use crate::gltf::document::{array, index, list_mut};
-use crate::gltf::json::{Members, Value};
+use crate::gltf::json::Members;
+use crate::gltf::removed_bytes::{ALIGNMENT, RemovedBytes};
 use crate::gltf::shared_bytes::SharedBytes;
-
-/// The largest alignment of buffer views that a known extension requires.
-pub(super) const ALIGNMENT: usize = 8;
 
 /// The joining of all buffers into one, without the bytes that nothing uses.
 pub(super) struct BufferCompaction {
-    /// The byte ranges that are removed from each buffer, ascending and disjoint, each with the number of bytes removed up
-    /// to its end.
-    removed: Vec<Vec<(Range<usize>, usize)>>,
+    /// What is removed from each buffer.
+    removed: Vec<RemovedBytes>,
     /// The offset of each buffer in the joined one.
     bases: Vec<usize>,
     /// The end of the last buffer in the joined one.
@@ -46,16 +44,11 @@ impl BufferCompaction {
         }
         let mut out = Self { removed: Vec::new(), bases: Vec::new(), end: 0 };
         for ((bytes, freed), kept) in buffers.iter().zip(freed).zip(kept) {
-            let removable =
-                if unused.bytes_named { Vec::new() } else { subtract(merge(freed), &merge(kept)) };
-            let mut total = 0;
-            let removed = removable.into_iter().map(|range| {
-                total += range.len();
-                (range, total)
-            });
-            out.removed.push(removed.collect());
+            let freed = if unused.bytes_named { Vec::new() } else { freed };
+            let removed = RemovedBytes::plan(freed, kept);
             out.bases.push(out.end.next_multiple_of(ALIGNMENT));
-            out.end = out.end.next_multiple_of(ALIGNMENT) + bytes.len() - total;
+            out.end = out.end.next_multiple_of(ALIGNMENT) + bytes.len() - removed.total();
+            out.removed.push(removed);
         }
         Ok(out)
     }
@@ -79,8 +72,7 @@ impl BufferCompaction {
                 let Some((removed, base)) = self.removed.get(buffer).zip(self.bases.get(buffer)) else {
                     continue;
                 };
-                let before = removed.partition_point(|(range, _)| range.end <= offset);
-                base + offset - before.checked_sub(1).map_or(0, |last| removed[last].1)
+                base + removed.moved(offset)
             };
             let changes = [("buffer", buffer, 0), ("byteOffset", offset, moved)];
             for (name, _, new) in changes.into_iter().filter(|(_, old, new)| old != new) {
@@ -106,12 +98,9 @@ impl BufferCompaction {
             let bytes = bytes.as_slice();
             let before = push(&[]);
             push(&PADDING[..base - before]);
-            let mut at = 0;
-            for (range, _) in removed {
-                push(&bytes[at..range.start]);
-                at = range.end;
+            for slice in removed.slices(bytes) {
+                push(slice);
             }
-            push(&bytes[at..]);
         }
         if !new.is_empty() {
             push(&PADDING[..self.new_start() - self.end]);
@@ -119,57 +108,6 @@ impl BufferCompaction {
         }
         slices
     }
-}
-
-/// Returns a view's buffer and byte range; the reader has checked both.
-fn view_range(v: usize, view: &Value, buffers: &[SharedBytes]) -> Result<(usize, Range<usize>), Error> {
-    let field = |name| view.get(name).and_then(index);
-    let (buffer, start, length) =
-        (field("buffer").unwrap_or(0), field("byteOffset").unwrap_or(0), field("byteLength").unwrap_or(0));
-    let fits =
-        buffers.get(buffer).is_some_and(|b| start.checked_add(length).is_some_and(|end| end <= b.len()));
-    if fits {
-        return Ok((buffer, start..start + length));
-    }
-    Err(Error::format(format!("bufferViews[{v}]"), "a range outside its buffer", "a range inside it"))
-}
-
-/// Sorts ranges and joins those that touch.
-fn merge(mut ranges: Vec<Range<usize>>) -> Vec<Range<usize>> {
-    ranges.sort_unstable_by_key(|r| r.start);
-    let mut out: Vec<Range<usize>> = Vec::with_capacity(ranges.len());
-    for range in ranges {
-        match out.last_mut() {
-            Some(last) if range.start <= last.end => last.end = last.end.max(range.end),
-            _ => out.push(range),
-        }
-    }
-    out
-}
-
-/// Subtracts `kept` from `freed`, both sorted and disjoint, and shrinks the resulting ranges to the alignment.
-fn subtract(freed: Vec<Range<usize>>, kept: &[Range<usize>]) -> Vec<Range<usize>> {
-    let mut out = Vec::new();
-    let mut push = |start: usize, end: usize| {
-        let (start, end) = (start.next_multiple_of(ALIGNMENT), end / ALIGNMENT * ALIGNMENT);
-        if start < end {
-            out.push(start..end);
-        }
-    };
-    let mut next = 0;
-    for range in freed {
-        let mut start = range.start;
-        while let Some(keep) = kept.get(next).filter(|keep| keep.start < range.end) {
-            push(start, keep.start.max(start));
-            start = start.max(keep.end);
-            if keep.end > range.end {
-                break;
-            }
-            next += 1;
-        }
-        push(start, range.end.max(start));
-    }
-    out
 }
 
 /// Replaces all buffers by one of a length; by none where there are no bytes.
@@ -189,31 +127,4 @@ pub(super) fn set_buffer(root: &mut Members, length: usize) -> Result<(), Error>
         }
     }
     Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-
-    proptest! {
-        #[test]
-        fn removes_exactly_what_is_free_and_not_kept(
-            free in prop::collection::vec((0usize..200, 1usize..60), 0..8),
-            keep in prop::collection::vec((0usize..200, 1usize..30), 0..8),
-        ) {
-            let ranges = |list: &[(usize, usize)]| list.iter().map(|&(s, n)| s..s + n).collect::<Vec<_>>();
-            let (free, keep) = (ranges(&free), ranges(&keep));
-            let removed = subtract(merge(free.clone()), &merge(keep.clone()));
-            // Eight bytes at a multiple of eight are removed if each of them is free and none is kept.
-            let is_removable = |byte: usize| free.iter().any(|r| r.contains(&byte)) && !keep.iter().any(|r| r.contains(&byte));
-            for start in (0..300).step_by(ALIGNMENT) {
-                let all = (start..start + ALIGNMENT).all(is_removable);
-                for byte in start..start + ALIGNMENT {
-                    prop_assert_eq!(removed.iter().any(|r| r.contains(&byte)), all, "{}", byte);
-                }
-            }
-            prop_assert!(removed.windows(2).all(|w| w[0].end <= w[1].start));
-        }
-    }
 }

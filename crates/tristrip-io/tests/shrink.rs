@@ -1,0 +1,512 @@
+//! Scenes with fewer triangles: the vertices that nothing draws are dropped with all their values, and everything else stays as it was.
+#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
+
+mod gltf_documents;
+mod random;
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use gltf_documents::scenes::{grid, interleaved, raw, shared_scene};
+use gltf_documents::*;
+use proptest::prelude::*;
+use random::random;
+use serde_json::{Value, json};
+use tristrip::Layout;
+use tristrip_io::{Drawing, Format, Redrawn, gltf, reorder, with_triangles, write};
+
+/// Keeps the triangles of each part that `keep` accepts by part and number, writes the scene, and checks it.
+fn shrunk(glb: &[u8], keep: impl Fn(usize, usize) -> bool) -> (Redrawn, Vec<u8>) {
+    let model = gltf::read(glb, None).unwrap();
+    let triangles = model.parts.iter().enumerate().map(|(part, one)| {
+        let corners = one.mesh.faces().as_triangles().unwrap();
+        let kept = corners.chunks(3).enumerate().filter(|&(t, _)| keep(part, t));
+        kept.flat_map(|(_, t)| t.to_vec()).collect()
+    });
+    let triangles: Vec<Vec<u32>> = triangles.collect();
+    let redrawn = with_triangles(&model, triangles.clone(), Format::Glb).unwrap();
+    let drawings = vec![Drawing::Faces; triangles.len()];
+    let after = write(&redrawn.model, &drawings, Format::Glb, Layout::List).unwrap();
+    check(glb, &after, &triangles);
+    (redrawn, after)
+}
+
+fn number(value: &Value) -> usize {
+    value.as_u64().unwrap() as usize
+}
+
+/// The values of an accessor of whole numbers.
+fn indices(glb: &[u8], accessor: &Value) -> Vec<usize> {
+    raw(glb, number(accessor))
+        .iter()
+        .map(|b| b.iter().rev().fold(0, |n, &b| n << 8 | usize::from(b)))
+        .collect()
+}
+
+/// The accessors with a value per vertex of a primitive.
+fn vertex_accessors(primitive: &Value) -> Vec<usize> {
+    let objects = primitive["targets"].as_array().into_iter().flatten().chain([&primitive["attributes"]]);
+    objects.flat_map(|object| object.as_object().unwrap().values().map(number)).collect()
+}
+
+/// Checks a written scene against the one that was read and the triangles of each part, by its bytes alone: every corner has the
+/// values that it had, of every accessor; points and lines, images and all other accessors are the same; bounds are exact.
+fn check(before: &[u8], after: &[u8], triangles: &[Vec<u32>]) {
+    let (old, new) = (json_of(before), json_of(after));
+    let old_accessors = old["accessors"].as_array().unwrap();
+    let mut values: BTreeMap<usize, [Vec<Vec<u8>>; 2]> = BTreeMap::new();
+    for accessor in 0..old_accessors.len() {
+        values.insert(accessor, [raw(before, accessor), raw(after, accessor)]);
+    }
+    let (mut of_vertices, mut of_indices) = (BTreeSet::new(), BTreeSet::new());
+    let mut part = 0;
+    for (old, new) in old["meshes"].as_array().unwrap().iter().zip(new["meshes"].as_array().unwrap()) {
+        let primitives = [old, new].map(|mesh| mesh["primitives"].as_array().unwrap());
+        assert_eq!(primitives[0].len(), primitives[1].len());
+        for (old, new) in primitives[0].iter().zip(primitives[1]) {
+            assert_eq!((&old["attributes"], &old["targets"]), (&new["attributes"], &new["targets"]));
+            of_indices.extend(old["indices"].as_u64().map(|accessor| accessor as usize));
+            let drawn_before: Vec<usize> = if old["mode"].as_u64().is_some_and(|mode| mode < 4) {
+                let all = || (0..number(&new_count(&values, old))).collect();
+                old["indices"].as_u64().map_or_else(all, |_| indices(before, &old["indices"]))
+            } else {
+                assert!(new["mode"].as_u64().is_none_or(|mode| mode == 4));
+                part += 1;
+                let corners = &triangles[part - 1];
+                // A part without triangles draws a degenerate one.
+                if corners.is_empty() { Vec::new() } else { corners.iter().map(|&v| v as usize).collect() }
+            };
+            let drawn_after: Vec<usize> = match new["indices"].as_u64() {
+                Some(_) => indices(after, &new["indices"]),
+                None => (0..drawn_before.len()).collect(),
+            };
+            if drawn_before.is_empty() {
+                assert!(drawn_after.iter().all(|&v| v == 0));
+            } else {
+                assert_eq!(drawn_before.len(), drawn_after.len());
+            }
+            for accessor in vertex_accessors(old) {
+                of_vertices.insert(accessor);
+                let [old, new] = &values[&accessor];
+                for (before, after) in drawn_before.iter().zip(&drawn_after) {
+                    assert_eq!(old.get(*before), new.get(*after), "accessor {accessor}, vertex {before}");
+                }
+            }
+        }
+    }
+    for (accessor, [before, after]) in &values {
+        if !of_vertices.contains(accessor) && !of_indices.contains(accessor) {
+            assert_eq!(before, after, "accessor {accessor}");
+        }
+        let object = &new["accessors"][accessor];
+        assert_eq!(object["type"], old_accessors[*accessor]["type"]);
+        if of_vertices.contains(accessor) && object.get("min").is_some() && object["componentType"] == F32 {
+            let all: Vec<Vec<f32>> = after
+                .iter()
+                .map(|value| value.as_chunks::<4>().0.iter().map(|b| f32::from_le_bytes(*b)).collect())
+                .collect();
+            for (axis, bound) in object["min"].as_array().unwrap().iter().enumerate() {
+                let low = all.iter().map(|value| value[axis]).fold(f32::INFINITY, f32::min);
+                let high = all.iter().map(|value| value[axis]).fold(f32::NEG_INFINITY, f32::max);
+                let max = &object["max"][axis];
+                assert!(
+                    bound.as_f64() == Some(low.into()) && max.as_f64() == Some(high.into()),
+                    "{accessor}"
+                );
+            }
+        }
+    }
+    let image = |glb: &[u8], json: &Value, image: &Value| {
+        image["bufferView"].as_u64().map(|view| view_bytes(json, bin_of(glb), view as usize).to_vec())
+    };
+    let images = |glb, json: &Value| -> Vec<_> {
+        json["images"].as_array().into_iter().flatten().map(|one| image(glb, json, one)).collect()
+    };
+    assert_eq!(images(before, &old), images(after, &new));
+    for key in ["nodes", "scenes", "skins", "animations", "materials", "extensions", "extras", "images"] {
+        assert_eq!(old.get(key), new.get(key));
+    }
+}
+
+/// The number of vertices of a primitive that draws all of them.
+fn new_count(values: &BTreeMap<usize, [Vec<Vec<u8>>; 2]>, primitive: &Value) -> Value {
+    values[&number(&primitive["attributes"]["POSITION"])][0].len().into()
+}
+
+fn count_of(glb: &[u8], accessor: usize) -> usize {
+    number(&json_of(glb)["accessors"][accessor]["count"])
+}
+
+#[test]
+fn dropped_vertices_take_all_their_values_along() {
+    let glb = shared_scene(6).glb();
+    // The first two parts share vertices, the third has its own.
+    let (redrawn, after) = shrunk(&glb, |part, t| part == 0 && t % 5 == 0 || part == 2 && t < 3);
+    assert!(redrawn.kept_groups.is_empty() && redrawn.dropped > 60, "{redrawn:?}");
+    let used = redrawn.model.parts.iter().map(|part| part.mesh.vertex_count()).collect::<Vec<_>>();
+    assert_eq!((redrawn.used, used[0]), (used[0] + used[2], used[1]));
+    for accessor in [0, 1, 2, 3, 4, 5, 6, 7] {
+        assert_eq!(count_of(&after, accessor), used[0], "accessor {accessor}");
+    }
+    // Bytes of vertices: interleaved 28, joints 4, weights 16, matrix 16, target 12, own 12; at most 16 more per array.
+    let vertices = used[0] * (28 + 4 + 16 + 16 + 12) + used[2] * 12;
+    let others = 4 * 2 + 4 * 12 + 2 * 64 + 2 * 3 * 100;
+    assert!(bin_of(&after).len() < vertices + others + 16 * 12, "{}", bin_of(&after).len());
+    // What is written can be read and changed again.
+    let (again, twice) = shrunk(&after, |part, t| part == 0 && t < 2);
+    assert!(again.dropped > 5 && twice.len() < after.len());
+    let external = gltf::read(shared_scene(6).gltf(), None).unwrap();
+    let lists = external.parts.iter().map(|part| part.mesh.faces().corners()[..3].to_vec()).collect();
+    let small = with_triangles(&external, lists, Format::Glb).unwrap();
+    let small = write(&small.model, &[Drawing::Faces; 3], Format::Glb, Layout::List).unwrap();
+    let same = shrunk(&glb, |_, t| t == 0).1;
+    assert_eq!(bin_of(&small), bin_of(&same));
+    validate(
+        "dropped_vertices",
+        &[("shrunk.glb".into(), after), ("twice.glb".into(), twice), ("same.glb".into(), same)],
+    );
+}
+
+#[test]
+fn sparse_values_of_dropped_vertices_are_dropped() {
+    let glb = shared_scene(6).glb();
+    let model = gltf::read(&glb[..], None).unwrap();
+    // No vertex with a sparse value stays.
+    let moved = |v: u32| [1, 4, 8, model.parts[0].mesh.vertex_count() as u32 - 1].contains(&v);
+    let avoids = |part: usize, t: usize| {
+        let corners = model.parts[part].mesh.faces().get(t).unwrap();
+        part == 2 || corners.iter().all(|&v| !moved(v))
+    };
+    let (redrawn, after) = shrunk(&glb, |part, t| t < 9 && avoids(part, t));
+    let json = json_of(&after);
+    assert!(redrawn.dropped > 0 && json["accessors"][7].get("sparse").is_none(), "{}", json["accessors"][7]);
+    assert_eq!(
+        (&json["accessors"][7]["min"], &json["accessors"][7]["max"]),
+        (&json!([0.0, 0.0, 0.0]), &json!([0.0, 0.0, 0.0]))
+    );
+    validate("sparse_values", &[("none.glb".into(), after)]);
+}
+
+#[test]
+fn arrays_behind_each_other_in_one_view_move_together() {
+    let mut draft = Draft::new();
+    let (positions, corners) = grid(6);
+    let count = positions.len();
+    let other: Vec<[f32; 3]> = positions.iter().map(|p| p.map(|x| x + 0.5)).collect();
+    // One view with positions, joints of two bytes, and the positions of another part; then an image.
+    let joints: Vec<u8> = (0..2 * count).map(|i| i as u8).collect();
+    let bytes =
+        [floats(positions.as_flattened()), joints, vec![0; 2 * count % 4], floats(other.as_flattened())]
+            .concat();
+    let view = draft.view(&bytes);
+    let image = draft.view(&[137; 37]);
+    let add = |draft: &mut Draft, offset: usize, component: u32, kind: &str| {
+        let accessor = draft.accessor(view, component, count, kind);
+        draft.json["accessors"][accessor]["byteOffset"] = offset.into();
+        accessor
+    };
+    let first = add(&mut draft, 0, F32, "VEC3");
+    let ids = add(&mut draft, 12 * count, U8, "VEC2");
+    let second = add(&mut draft, 12 * count + (2 * count).next_multiple_of(4), F32, "VEC3");
+    draft.json["images"] = json!([{ "bufferView": image, "mimeType": "image/png" }]);
+    let list = draft.indices(U16, &corners);
+    draft.primitive(first, Some(list), 4);
+    draft.json["meshes"][0]["primitives"][0]["attributes"]["_ID"] = ids.into();
+    draft.primitive(second, Some(list), 4);
+    let glb = draft.glb();
+    let (redrawn, after) = shrunk(&glb, |part, t| t < 20 - 10 * part);
+    let counts = redrawn.model.parts.iter().map(|part| part.mesh.vertex_count()).collect::<Vec<_>>();
+    assert!(counts[0] > counts[1] && count_of(&after, second) == counts[1]);
+    assert!(bin_of(&after).len() < 14 * counts[0] + 12 * counts[1] + 37 + 2 * 3 * 30 + 8 * 8);
+    // Only one of the parts loses vertices.
+    let (redrawn, after) = shrunk(&glb, |part, t| part == 1 || t == 0);
+    assert_eq!((count_of(&after, first), redrawn.model.parts[0].mesh.vertex_count()), (3, 3));
+}
+
+#[test]
+fn points_and_lines_keep_the_vertices_that_they_draw() {
+    let with = |mode: u32, vertices: Option<&[u32]>| {
+        let mut draft = shared_scene(4);
+        let mut primitive = json!({ "attributes": { "POSITION": 0 }, "mode": mode });
+        if let Some(vertices) = vertices {
+            let lines = draft.indices(U8, vertices);
+            draft.json["accessors"][lines]["min"] = json!([0]);
+            draft.json["accessors"][lines]["max"] =
+                json!([vertices.iter().filter(|&&v| v != 255).max().unwrap()]);
+            primitive["indices"] = lines.into();
+        }
+        push(&mut draft.json["meshes"][1]["primitives"], primitive);
+        shrunk(&draft.glb(), |part, t| part != 1 && t == 0)
+    };
+    // Vertex 27 is the last one.
+    let (redrawn, after) = with(1, Some(&[27, 3, 3, 9]));
+    assert!(
+        redrawn.kept_groups.is_empty() && (4..=6).contains(&count_of(&after, 0)),
+        "{}",
+        count_of(&after, 0)
+    );
+    assert_eq!(redrawn.used, 6);
+    let json = json_of(&after);
+    let lines = number(&json["meshes"][1]["primitives"][1]["indices"]);
+    assert_eq!(json["accessors"][lines]["max"], json!([count_of(&after, 0) - 1]));
+    validate("points_and_lines", &[("lines.glb".into(), after)]);
+    // Restarts stay.
+    let (redrawn, _) = with(3, Some(&[27, 3, 255, 9, 2]));
+    assert!(redrawn.kept_groups.is_empty() && redrawn.dropped > 20);
+    // The highest value of the type is a vertex or a restart where there are as many vertices.
+    let mut draft = shared_scene(16);
+    let points = draft.indices(U8, &[255, 3]);
+    push(
+        &mut draft.json["meshes"][1]["primitives"],
+        json!({ "attributes": { "POSITION": 0 }, "mode": 0, "indices": points }),
+    );
+    let (redrawn, _) = shrunk(&draft.glb(), |_, t| t == 0);
+    assert!(redrawn.kept_groups.len() == 1 && redrawn.kept_groups[0].why.contains("a vertex or a restart"));
+    // Points without indices draw every vertex: none is unused.
+    let (redrawn, after) = with(0, None);
+    assert!(redrawn.kept_groups.is_empty());
+    assert_eq!((count_of(&after, 0), redrawn.kept), (28, 0));
+}
+
+#[test]
+fn vertices_stay_where_something_depends_on_their_numbers() {
+    let kept = |draft: &Draft, group: usize, why: &str| {
+        let (redrawn, after) = shrunk(&draft.glb(), |part, t| part != 1 && t == 0);
+        let found: Vec<_> =
+            redrawn.kept_groups.iter().map(|group| (group.parts.clone(), &group.why)).collect();
+        assert_eq!(found.len(), 1, "{found:?}");
+        assert!(found[0].0 == [vec![0, 1], vec![2]][group] && found[0].1.contains(why), "{found:?}");
+        assert_eq!(redrawn.kept, 28 - 3);
+        assert_eq!([count_of(&after, 0), count_of(&after, 11)][group], 28);
+        assert_eq!([count_of(&after, 11), count_of(&after, 0)][group], 3);
+    };
+    let changed = |change: &dyn Fn(&mut Value)| {
+        let mut draft = shared_scene(4);
+        change(&mut draft.json);
+        draft
+    };
+    assert_eq!(shared_scene(4).json["meshes"][2]["primitives"][0]["attributes"]["POSITION"], 11);
+    // A number in an unknown extension, of an accessor and of a view; in extras.
+    let named = "refer to their accessors or buffer views by number";
+    let draft = changed(&|json| json["extensions"] = json!({ "EXT_unknown_thing": { "values": 11 } }));
+    kept(&draft, 1, named);
+    let draft =
+        changed(&|json| json["nodes"][1]["extensions"] = json!({ "EXT_unknown_thing": { "view": 3 } }));
+    kept(&draft, 0, named);
+    let draft = changed(&|json| json["asset"]["extras"] = json!([4.5, 11]));
+    kept(&draft, 1, named);
+    let by_number = "may refer to vertices by number";
+    kept(
+        &changed(&|json| json["meshes"][2]["primitives"][0]["extras"] = json!({ "order": [300] })),
+        1,
+        by_number,
+    );
+    kept(
+        &changed(&|json| {
+            json["bufferViews"][0]["extensions"] = json!({ "EXT_unknown_thing": { "stripes": 400 } })
+        }),
+        0,
+        by_number,
+    );
+    let mut draft = shared_scene(4);
+    let view =
+        push(&mut draft.json["bufferViews"], json!({ "buffer": 0, "byteOffset": 28, "byteLength": 4 }));
+    draft.json["images"] = json!([{ "bufferView": view, "mimeType": "image/png" }]);
+    kept(&draft, 0, "belong to other data");
+    let mut draft = shared_scene(4);
+    let lines = draft.indices(U8, &[0, 1]);
+    for position in [0, 11] {
+        push(
+            &mut draft.json["meshes"][0]["primitives"],
+            json!({ "attributes": { "POSITION": position }, "mode": 1, "indices": lines }),
+        );
+    }
+    let (redrawn, _) = shrunk(&draft.glb(), |_, t| t == 0);
+    assert!(redrawn.kept_groups.iter().all(|group| group.why.contains("have the same indices")));
+    assert_eq!(redrawn.kept_groups.len(), 2);
+    let draft = changed(&|json| json["extensions"] = json!({ "EXT_unknown_thing": { "buffer": 0 } }));
+    let (redrawn, after) = shrunk(&draft.glb(), |_, t| t == 0);
+    assert!(
+        redrawn.kept_groups.iter().all(|group| group.why.contains("names bytes")) && redrawn.dropped == 0
+    );
+    assert_eq!(count_of(&after, 11), 28);
+}
+
+#[test]
+fn known_extensions_do_not_keep_vertices() {
+    let mut draft = shared_scene(4);
+    let texture =
+        json!({ "index": 0, "extensions": { "KHR_texture_transform": { "offset": [0, 1], "texCoord": 0 } } });
+    draft.json["materials"] =
+        json!([{ "extensions": { "KHR_materials_clearcoat": { "clearcoatTexture": texture } } }]);
+    draft.json["textures"] = json!([{}]);
+    let (redrawn, _) = shrunk(&draft.glb(), |_, t| t == 0);
+    assert!(redrawn.kept_groups.is_empty() && redrawn.dropped > 40);
+    // Numbers of an unknown extension inside a known one count.
+    draft.json["materials"][0]["extensions"]["KHR_materials_clearcoat"]["extensions"] =
+        json!({ "EXT_unknown_thing": [0] });
+    assert_eq!(shrunk(&draft.glb(), |_, t| t == 0).0.kept_groups.len(), 1);
+}
+
+#[test]
+fn parts_without_triangles_keep_one_vertex() {
+    let (redrawn, after) = shrunk(&shared_scene(4).glb(), |part, t| part == 2 && t == 0);
+    assert_eq!((redrawn.used, count_of(&after, 0), count_of(&after, 11)), (3, 1, 3));
+    validate("parts_without_triangles", &[("empty.glb".into(), after)]);
+    let (redrawn, after) = shrunk(&shared_scene(4).glb(), |_, _| false);
+    assert_eq!((redrawn.dropped, redrawn.kept, count_of(&after, 0)), (0, 56, 28));
+    assert!(redrawn.kept_groups.iter().all(|group| group.why == "nothing is drawn"));
+}
+
+#[test]
+fn json_is_written_without_spaces_outside_of_text() {
+    let draft = shared_scene(4);
+    let mut json = draft.json.clone();
+    json["buffers"][0]["byteLength"] = draft.bin.len().into();
+    json["asset"]["copyright"] = " a \\ \" b ".into();
+    let spaced = glb_of(&serde_json::to_vec_pretty(&json).unwrap(), Some(&draft.bin));
+    let packed = glb_of(&serde_json::to_vec(&json).unwrap(), Some(&draft.bin));
+    for left in [1, 1000] {
+        let [spaced, packed] = [&spaced, &packed].map(|glb| shrunk(glb, |_, t| t < left).1);
+        assert_eq!(json_of(&spaced)["asset"], json["asset"]);
+        assert!(
+            spaced == packed
+                && packed.len() < glb_of(&serde_json::to_vec(&json).unwrap(), Some(&draft.bin)).len()
+        );
+    }
+}
+
+#[test]
+fn integer_bounds_are_those_of_the_vertices_left() {
+    let mut draft = Draft::new();
+    let (positions, corners) = grid(3);
+    let position = draft.positions(&positions);
+    let rows: Vec<u8> = (0..positions.len()).flat_map(|i| [i as u8, 200 - i as u8, 0x80, 0]).collect();
+    let ids = interleaved(&mut draft, 4, &rows, &[(0, U8, "VEC2"), (2, 5120, "SCALAR")]);
+    draft.json["accessors"][ids[0]]["min"] = json!([0, 100]);
+    draft.json["accessors"][ids[0]]["max"] = json!([100, 200]);
+    draft.json["accessors"][ids[1]]["min"] = json!([-128]);
+    let list = draft.indices(U16, &corners);
+    draft.primitive(position, Some(list), 4);
+    let attributes = &mut draft.json["meshes"][0]["primitives"][0]["attributes"];
+    (attributes["_PAIR"], attributes["_ONE"]) = (ids[0].into(), ids[1].into());
+    let after = shrunk(&draft.glb(), |_, t| t == 0).1;
+    let mut used: Vec<u32> = corners[..3].to_vec();
+    used.sort_unstable();
+    let json = json_of(&after);
+    assert_eq!(json["accessors"][ids[0]]["min"], json!([used[0], 200 - used[2]]));
+    assert_eq!(json["accessors"][ids[0]]["max"], json!([used[2], 200 - used[0]]));
+    assert_eq!(
+        (&json["accessors"][ids[1]]["min"], &json["accessors"][ids[1]]["max"]),
+        (&json!([-128]), &json!([-128]))
+    );
+}
+
+/// Parts that are drawn by their faces get new indices where their vertices have new numbers.
+#[test]
+fn faces_of_a_reordered_scene_are_written() {
+    let model = gltf::read(shared_scene(4).glb(), None).unwrap();
+    let reordered = reorder(&model, &[Drawing::Faces; 3], Format::Glb, Layout::List).unwrap();
+    assert!(reordered.groups.iter().all(|group| group.kept.is_none() && group.order.moved_count() > 10));
+    let bytes = write(&reordered.model, &reordered.drawings(), Format::Glb, reordered.layout).unwrap();
+    let back = gltf::read(bytes, None).unwrap();
+    for (part, back) in reordered.model.parts.iter().zip(&back.parts) {
+        assert_eq!(part.mesh, back.mesh);
+    }
+}
+
+/// Documents with a few changed bytes: if they can be read, vertices can be dropped, and the triangles are the same.
+#[test]
+fn mutations_never_panic() {
+    let mut draft = shared_scene(3);
+    let lines = draft.indices(U8, &[5, 3, 3, 9]);
+    push(
+        &mut draft.json["meshes"][1]["primitives"],
+        json!({ "attributes": { "POSITION": 0 }, "mode": 1, "indices": lines }),
+    );
+    let glb = draft.glb();
+    let mut random = random();
+    let digits: Vec<usize> = (20..glb.len()).filter(|&at| glb[at].is_ascii_digit()).collect();
+    let (mut done, mut dropped) = (0, 0);
+    for _ in 0..4000 {
+        let mut changed = glb.clone();
+        for _ in 0..=random(3) {
+            let at = digits[random(digits.len())];
+            changed[at] = b'0' + random(10) as u8;
+        }
+        let Ok(model) = gltf::read(changed, None) else { continue };
+        let lists = model.parts.iter().map(|part| part.mesh.faces().as_triangles().unwrap());
+        let lists: Vec<Vec<u32>> = lists.map(|all| all[..all.len() / 6 * 3].to_vec()).collect();
+        let drawings = vec![Drawing::Faces; lists.len()];
+        let redrawn = with_triangles(&model, lists, Format::Glb).unwrap();
+        let bytes = write(&redrawn.model, &drawings, Format::Glb, Layout::List).unwrap();
+        let back = gltf::read(bytes, None).unwrap();
+        for (part, back) in redrawn.model.parts.iter().zip(&back.parts) {
+            assert_eq!(part.mesh.positions(), back.mesh.positions());
+            let bits = |mesh: &tristrip::Mesh| format!("{:?}", mesh.attributes());
+            assert_eq!(bits(&part.mesh), bits(&back.mesh));
+            assert!(part.mesh.faces().corner_count() == 0 || part.mesh.faces() == back.mesh.faces());
+        }
+        done += 1;
+        dropped += usize::from(redrawn.dropped > 0);
+    }
+    assert!(done > 500 && dropped > 300, "{done}, {dropped}");
+}
+
+#[test]
+fn real_scenes_shrink() {
+    check_real_scenes("real_scenes_shrink", |name, glb| {
+        let (redrawn, after) = shrunk(glb, |_, t| t % 10 == 0);
+        assert!(redrawn.kept_groups.is_empty(), "{name}: {:?}", redrawn.kept_groups);
+        assert!(2 * redrawn.dropped > redrawn.used, "{name}: {} of {}", redrawn.dropped, redrawn.used);
+        vec![(format!("{name}_shrunk.glb"), after)]
+    });
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 96, ..ProptestConfig::default() })]
+    /// Primitives over vertex arrays, some of them shared, interleaved in one view, behind each other in one view, or in separate
+    /// views; some of the primitives are lines.
+    #[test]
+    fn every_scene_shrinks_or_stays(
+        primitives in prop::collection::vec((0..3_usize, any::<bool>(), prop::collection::vec(0..40_u32, 6..30)), 1..5),
+        storage in 0..3,
+        modulus in 1..4_usize,
+    ) {
+        let mut draft = Draft::new();
+        let at = |list: usize| (0..40_u8).map(move |i| [f32::from(i), list as f32, f32::from(i % 7)]);
+        let accessors: Vec<usize> = match storage {
+            0 => (0..3).map(|list| draft.positions(&at(list).collect::<Vec<_>>())).collect(),
+            1 => {
+                let rows: Vec<f32> = (0..40).flat_map(|i| (0..3).flat_map(move |list| at(list).nth(i).unwrap())).collect();
+                interleaved(&mut draft, 36, &floats(&rows), &[0, 12, 24].map(|offset| (offset, F32, "VEC3")))
+            }
+            _ => {
+                let all: Vec<f32> = (0..3).flat_map(|list| at(list).flatten()).collect();
+                let view = draft.view(&floats(&all));
+                let add = |list: usize| {
+                    let accessor = draft.accessor(view, F32, 40, "VEC3");
+                    draft.json["accessors"][accessor]["byteOffset"] = (480 * list).into();
+                    accessor
+                };
+                (0..3).map(add).collect()
+            }
+        };
+        for (list, is_lines, corners) in &primitives {
+            let indices = draft.indices(U8, &corners[..corners.len() / 6 * 6]);
+            draft.primitive(accessors[*list], Some(indices), if *is_lines { 1 } else { 4 });
+        }
+        let (redrawn, after) = shrunk(&draft.glb(), |part, t| (part + t) % modulus == 0);
+        prop_assert!(redrawn.kept_groups.iter().all(|group| group.why == "nothing is drawn"));
+        let drawn: BTreeSet<usize> = primitives.iter().filter(|p| !p.1).map(|p| p.0).collect();
+        for (number, accessor) in accessors.iter().enumerate().filter(|(list, _)| drawn.contains(list)) {
+            // Exactly the vertices in use are left.
+            let json = json_of(&after);
+            let users = json["meshes"][0]["primitives"].as_array().unwrap();
+            let users = users.iter().filter(|p| p["attributes"]["POSITION"] == *accessor);
+            let used: BTreeSet<usize> = users.flat_map(|p| indices(&after, &p["indices"])).collect();
+            if redrawn.kept_groups.is_empty() {
+                prop_assert_eq!(count_of(&after, *accessor), used.len(), "array {}", number);
+            }
+        }
+    }
+}
