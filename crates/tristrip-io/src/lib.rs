@@ -6,7 +6,7 @@
 //! | PLY | ascii, little and big endian, polygons, `tristrips` | faces, `tristrips` |
 //! | OFF | polygons | – |
 //! | STL | ascii, binary; equal positions welded | – |
-//! | glTF 2.0, GLB | all triangle modes, sparse accessors, restart | GLB, with the scene |
+//! | glTF 2.0, GLB | all triangle modes, sparse accessors, restart, quantization, meshopt compression | GLB, with the scene |
 //!
 //! Every input is treated as hostile: a reader never panics, and allocates in proportion to the bytes that it was given,
 //! never to a count that they state. Its errors name the position in the file, what was found and what was expected. A

@@ -20,12 +20,14 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
     GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
 );
 
-/// Loads every buffer, and removes the `uri` of each from the document: the bytes are kept, not their text.
+/// Loads every buffer, and removes the `uri` of each from the document: the bytes are kept, not their text. Buffers that are
+/// fallbacks have no bytes, whether or not the file has them.
 pub(super) fn load(
     document: &mut Document,
     file: &Arc<Vec<u8>>,
     bin: Option<&Range<usize>>,
     folders: &[&Path],
+    is_fallback: &[bool],
 ) -> Result<Vec<SharedBytes>, Error> {
     let mut buffers = Vec::new();
     #[cfg_attr(not(feature = "fs"), allow(unused_mut, reason = "only files are remembered"))]
@@ -33,6 +35,10 @@ pub(super) fn load(
     for (index, buffer) in Located::entries(&document.root, "buffers")?.enumerate() {
         let length_at = buffer.need("byteLength")?;
         let length = length_at.size()?;
+        if is_fallback.get(index).copied().unwrap_or(false) {
+            buffers.push(SharedBytes::default());
+            continue;
+        }
         let (owner, range) = match buffer.field("uri") {
             None => match bin {
                 Some(bin) if index == 0 => (Arc::clone(file), bin.clone()),

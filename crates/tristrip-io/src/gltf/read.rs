@@ -13,10 +13,10 @@ use super::budget::{ATTRIBUTE_LIMIT, DecodeBudget, GEOMETRY_LIMIT};
 use super::document::{Document, Located, array, uses};
 use super::scene::{PrimitiveRef, Scene};
 use super::spec::{
-    ORDER_EXTENSIONS, QUANTIZATION, RESTART_EXTENSION, TRIANGLE_FAN, TRIANGLE_STRIP, TRIANGLES,
+    COMPRESSIONS, ORDER_EXTENSIONS, QUANTIZATION, RESTART_EXTENSION, TRIANGLE_FAN, TRIANGLE_STRIP, TRIANGLES,
 };
 use super::triangles::{TriangleCounts, TriangleReader};
-use super::{buffer, container, container::GlbContainer};
+use super::{buffer, compressed_views, container, container::GlbContainer};
 use crate::error::Error;
 use crate::model::{Model, Part, StoredStrips};
 
@@ -24,8 +24,6 @@ use crate::model::{Model, Part, StoredStrips};
 const GEOMETRY_FACTOR: u64 = 16;
 const ATTRIBUTE_FACTOR: u64 = 4;
 
-/// Extensions that compress the bytes of a buffer view.
-const COMPRESSIONS: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 const DRACO: &str = "KHR_draco_mesh_compression";
 
 /// How the names of extensions begin that do not concern geometry.
@@ -36,7 +34,7 @@ const NOT_GEOMETRY: [&str; 5] =
 ///
 /// # Errors
 /// The parts of the document that the geometry needs are not valid glTF 2.0, decoding would exceed the limits, the
-/// geometry is compressed, or a buffer's file cannot be read or is outside `base_dir`.
+/// geometry is compressed with Draco, or a buffer's file cannot be read or is outside `base_dir`.
 ///
 /// ```
 /// let empty = br#"{"asset":{"version":"2.0"}}"#;
@@ -69,8 +67,10 @@ fn read_document(
     folders: &[&Path],
     mut notes: Vec<String>,
 ) -> Result<Model, Error> {
-    refuse_compressed_views(&document.root)?;
-    let buffers = buffer::load(&mut document, &container.file, container.bin.as_ref(), folders)?;
+    let is_fallback = compressed_views::fallback_buffers(&document.root)?;
+    let buffers =
+        buffer::load(&mut document, &container.file, container.bin.as_ref(), folders, &is_fallback)?;
+    let buffers = compressed_views::decompress(&mut document, buffers, &is_fallback, &mut notes)?;
     let root = &document.root;
     let resolver = AccessorResolver { root, buffers: &buffers };
     check_views(&resolver)?;
@@ -155,7 +155,10 @@ impl<'a> PrimitiveReader<'a> {
     ) -> Result<(Mesh, Option<StoredStrips>), Error> {
         let extensions = primitive.field("extensions");
         if extensions.and_then(|e| e.field(DRACO)).is_some() {
-            return Err(Error::Unsupported(format!("{}: {DRACO} is not supported", primitive.at)));
+            return Err(Error::Unsupported(format!(
+                "{}: {DRACO} is not supported; export the model without Draco compression",
+                primitive.at
+            )));
         }
         // 1. Vertices, shared between primitives and checked once.
         let vertices = self.vertices(&primitive.need("attributes")?)?;
@@ -249,19 +252,12 @@ fn unknown_requirements(root: &Members) -> Vec<String> {
     let names = root.get("extensionsRequired").and_then(Value::as_array).unwrap_or_default();
     let names = names.iter().filter_map(Value::as_str);
     let is_known = |name: &str| {
-        name == QUANTIZATION || name == RESTART_EXTENSION || NOT_GEOMETRY.iter().any(|p| name.starts_with(p))
+        name == QUANTIZATION
+            || name == RESTART_EXTENSION
+            || COMPRESSIONS.contains(&name)
+            || NOT_GEOMETRY.iter().any(|p| name.starts_with(p))
     };
     names.filter(|name| !is_known(name)).map(str::to_owned).collect()
-}
-
-fn refuse_compressed_views(root: &Members) -> Result<(), Error> {
-    for (index, view) in array(root, "bufferViews")?.iter().enumerate() {
-        let Some(extensions) = view.get("extensions").and_then(Value::as_object) else { continue };
-        if let Some(name) = COMPRESSIONS.iter().find(|name| extensions.contains_key(name)) {
-            return Err(Error::Unsupported(format!("bufferViews[{index}]: {name} is not supported")));
-        }
-    }
-    Ok(())
 }
 
 /// Checks that children exist and that no node is its own ancestor.

@@ -12,17 +12,17 @@ use crate::gltf::json::{Members, Value};
 use crate::gltf::shared_bytes::SharedBytes;
 
 /// The largest alignment of buffer views that a known extension requires.
-pub(super) const ALIGNMENT: usize = 8;
+pub(in crate::gltf) const ALIGNMENT: usize = 8;
 
 /// The joining of all buffers into one, without the bytes that nothing uses.
-pub(super) struct BufferCompaction {
+pub(in crate::gltf) struct BufferCompaction {
     /// The byte ranges that are removed from each buffer, ascending and disjoint, each with the number of bytes removed up
     /// to its end.
     removed: Vec<Vec<(Range<usize>, usize)>>,
     /// The offset of each buffer in the joined one.
     bases: Vec<usize>,
     /// The end of the last buffer in the joined one.
-    pub(super) end: usize,
+    pub(in crate::gltf) end: usize,
 }
 
 impl BufferCompaction {
@@ -44,12 +44,22 @@ impl BufferCompaction {
             let sink = if unused.views.contains(&v) { &mut freed } else { &mut kept };
             sink[buffer].push(range);
         }
+        if unused.bytes_named {
+            freed.iter_mut().for_each(Vec::clear);
+        }
+        Ok(Self::without(buffers, freed, kept))
+    }
+
+    /// Plans the removal of byte ranges of each buffer, except for bytes that are kept.
+    pub(in crate::gltf) fn without(
+        buffers: &[SharedBytes],
+        freed: Vec<Vec<Range<usize>>>,
+        kept: Vec<Vec<Range<usize>>>,
+    ) -> Self {
         let mut out = Self { removed: Vec::new(), bases: Vec::new(), end: 0 };
         for ((bytes, freed), kept) in buffers.iter().zip(freed).zip(kept) {
-            let removable =
-                if unused.bytes_named { Vec::new() } else { subtract(merge(freed), &merge(kept)) };
             let mut total = 0;
-            let removed = removable.into_iter().map(|range| {
+            let removed = subtract(merge(freed), &merge(kept)).into_iter().map(|range| {
                 total += range.len();
                 (range, total)
             });
@@ -57,16 +67,20 @@ impl BufferCompaction {
             out.bases.push(out.end.next_multiple_of(ALIGNMENT));
             out.end = out.end.next_multiple_of(ALIGNMENT) + bytes.len() - total;
         }
-        Ok(out)
+        out
     }
 
     /// Returns the offset at which the new bytes start.
-    pub(super) fn new_start(&self) -> usize {
+    pub(in crate::gltf) fn new_start(&self) -> usize {
         self.end.next_multiple_of(ALIGNMENT)
     }
 
     /// Updates the offsets of all views; `new` has the offsets of new views within the new bytes.
-    pub(super) fn apply(&self, root: &mut Members, new: &BTreeMap<usize, usize>) -> Result<(), Error> {
+    pub(in crate::gltf) fn apply(
+        &self,
+        root: &mut Members,
+        new: &BTreeMap<usize, usize>,
+    ) -> Result<(), Error> {
         if !root.contains_key("bufferViews") {
             return Ok(());
         }
@@ -93,7 +107,7 @@ impl BufferCompaction {
     }
 
     /// Returns the bytes of the joined buffer as slices: those that stay, each buffer at its base, then the new ones.
-    pub(super) fn slices<'a>(&self, buffers: &'a [SharedBytes], new: &'a [u8]) -> Vec<&'a [u8]> {
+    pub(in crate::gltf) fn slices<'a>(&self, buffers: &'a [SharedBytes], new: &'a [u8]) -> Vec<&'a [u8]> {
         const PADDING: &[u8] = &[0; ALIGNMENT];
         let mut slices = Vec::new();
         let mut written = 0;
@@ -122,7 +136,11 @@ impl BufferCompaction {
 }
 
 /// Returns a view's buffer and byte range; the reader has checked both.
-fn view_range(v: usize, view: &Value, buffers: &[SharedBytes]) -> Result<(usize, Range<usize>), Error> {
+pub(in crate::gltf) fn view_range(
+    v: usize,
+    view: &Value,
+    buffers: &[SharedBytes],
+) -> Result<(usize, Range<usize>), Error> {
     let field = |name| view.get(name).and_then(index);
     let (buffer, start, length) =
         (field("buffer").unwrap_or(0), field("byteOffset").unwrap_or(0), field("byteLength").unwrap_or(0));
@@ -173,7 +191,7 @@ fn subtract(freed: Vec<Range<usize>>, kept: &[Range<usize>]) -> Vec<Range<usize>
 }
 
 /// Replaces all buffers by one of a length; by none where there are no bytes.
-pub(super) fn set_buffer(root: &mut Members, length: usize) -> Result<(), Error> {
+pub(in crate::gltf) fn set_buffer(root: &mut Members, length: usize) -> Result<(), Error> {
     if length == 0 && !root.contains_key("buffers") {
         return Ok(());
     }
