@@ -112,6 +112,13 @@ impl Console {
         self.print(&format!("  {:<9} {note}", "note"));
     }
 
+    /// Prints a warning in quiet mode, which has no notes: what is wrong with the result is among the notes of the input, too.
+    pub(crate) fn warning(&self, warning: &str) {
+        if self.quiet {
+            self.write_stderr(&format!("tristrip: warning: {warning}"));
+        }
+    }
+
     /// Prints an error, also in quiet mode.
     pub(crate) fn error(&self, message: &str) {
         let name = if self.colours { format!("{ERROR}tristrip:{ERROR:#}") } else { "tristrip:".into() };

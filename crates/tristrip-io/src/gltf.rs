@@ -48,6 +48,8 @@ mod build;
 mod compressed_views;
 mod container;
 mod document;
+#[cfg(feature = "fs")]
+pub(crate) mod images;
 mod index;
 mod json;
 mod keep;
@@ -56,6 +58,7 @@ mod read;
 mod references;
 pub(crate) mod reorder;
 pub(crate) mod scene;
+mod separate;
 mod shared_bytes;
 mod spec;
 mod triangles;
@@ -71,9 +74,10 @@ pub use budget::{
 };
 pub use build::losses;
 pub use document::JSON_VALUE_LIMIT;
-pub use read::read;
 pub(crate) use read::read_in_folders;
+pub use read::{read, read_separate};
 pub use scene::Scene;
+pub use separate::{SeparateFiles, separate};
 
 /// Checks whether a model's document has vertex data that the meshes of its parts do not hold: morph targets, and
 /// attributes that were not decoded. Vertices that are equal in the meshes may differ there.

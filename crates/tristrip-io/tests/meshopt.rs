@@ -454,6 +454,19 @@ fn what_is_written_is_uncompressed_and_the_rest_is_unchanged() {
     }
 }
 
+#[test]
+fn a_document_of_nothing_but_a_fallback_can_be_read_again() {
+    let asset = json!({ "version": "2.0" });
+    let marked = json!({ "byteLength": 8, "extensions": { EXT: { "fallback": true } } });
+    let empty = json!({ "byteLength": 0, "uri": "data:;base64," });
+    for buffer in [marked, empty] {
+        let json = json!({ "asset": asset, "buffers": [buffer] });
+        let glb = written(&gltf::read(serde_json::to_vec(&json).unwrap(), None).unwrap());
+        assert!(json_of(&glb).get("buffers").is_none());
+        assert!(gltf::read(glb, None).is_ok());
+    }
+}
+
 /// The error of a compressed ribbon after a change of its JSON.
 fn error_after(change: impl FnOnce(&mut Draft)) -> String {
     let views = [(0, Compression::attributes(12, 0)), (1, Compression::TRIANGLES)];

@@ -12,6 +12,7 @@ use super::accessor::{AccessorResolver, check_views};
 use super::budget::{ATTRIBUTE_LIMIT, DecodeBudget, GEOMETRY_LIMIT};
 use super::document::{Document, Located, array, uses};
 use super::scene::{PrimitiveRef, Scene};
+use super::separate::SeparateFiles;
 use super::spec::{
     COMPRESSIONS, ORDER_EXTENSIONS, QUANTIZATION, RESTART_EXTENSION, TRIANGLE_FAN, TRIANGLE_STRIP, TRIANGLES,
 };
@@ -48,11 +49,27 @@ pub fn read(bytes: impl Into<Vec<u8>>, base_dir: Option<&Path>) -> Result<Model,
 
 /// Reads a document whose external buffers are in the first of several folders that has them.
 pub(crate) fn read_in_folders(bytes: Arc<Vec<u8>>, folders: &[&Path]) -> Result<Model, Error> {
+    read_container(bytes, folders, None)
+}
+
+/// Reads a document and its buffer that [`separate`](super::separate()) made.
+///
+/// # Errors
+/// As of [`read`].
+pub fn read_separate(files: &SeparateFiles) -> Result<Model, Error> {
+    read_container(Arc::new(files.json.clone()), &[], Some(files))
+}
+
+fn read_container(
+    bytes: Arc<Vec<u8>>,
+    folders: &[&Path],
+    beside: Option<&SeparateFiles>,
+) -> Result<Model, Error> {
     let mut notes = Vec::new();
     let container = container::open(bytes, &mut notes)?;
     let document = Document::parse(container.json_bytes())?;
     let unknown = unknown_requirements(&document.root);
-    read_document(document, &container, folders, notes).map_err(|error| match error {
+    read_document(document, &container, folders, beside, notes).map_err(|error| match error {
         Error::Format { .. } if !unknown.is_empty() => {
             let names = unknown.join(" and ");
             Error::Unsupported(format!("{error}; the file requires {names}, which is not supported"))
@@ -65,11 +82,12 @@ fn read_document(
     mut document: Document,
     container: &GlbContainer,
     folders: &[&Path],
+    beside: Option<&SeparateFiles>,
     mut notes: Vec<String>,
 ) -> Result<Model, Error> {
     let is_fallback = compressed_views::fallback_buffers(&document.root)?;
     let buffers =
-        buffer::load(&mut document, &container.file, container.bin.as_ref(), folders, &is_fallback)?;
+        buffer::load(&mut document, &container.file, container.bin.as_ref(), folders, beside, &is_fallback)?;
     let buffers = compressed_views::decompress(&mut document, buffers, &is_fallback, &mut notes)?;
     let root = &document.root;
     let resolver = AccessorResolver { root, buffers: &buffers };
@@ -307,7 +325,7 @@ fn note_document(root: &Members, notes: &mut Vec<String>) -> Result<(), Error> {
         .filter(|uri| !uri.starts_with("data:"))
         .count();
     if external > 0 {
-        notes.push(format!("images in separate files, which a GLB still refers to: {external}"));
+        notes.push(format!("images in separate files: {external}"));
     }
     for name in ORDER_EXTENSIONS.iter().filter(|name| uses(root, name)) {
         notes.push(format!("{name} describes the order of indices: dropped from meshes with new indices"));

@@ -192,7 +192,9 @@ fn subtract(freed: Vec<Range<usize>>, kept: &[Range<usize>]) -> Vec<Range<usize>
 
 /// Replaces all buffers by one of a length; by none where there are no bytes.
 pub(in crate::gltf) fn set_buffer(root: &mut Members, length: usize) -> Result<(), Error> {
-    if length == 0 && !root.contains_key("buffers") {
+    if length == 0 {
+        // No view can name an empty buffer, and a reader would look for its bytes.
+        root.remove("buffers");
         return Ok(());
     }
     let buffers = list_mut(root, "buffers")?;
