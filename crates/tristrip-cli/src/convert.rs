@@ -9,7 +9,7 @@ use crate::console::Console;
 use crate::failure::Failure;
 use crate::job::Job;
 use crate::output::{self, WriteReport};
-use crate::stage::{Seconds, Stages, load_timed};
+use crate::stage::{Seconds, Stages, load_job};
 use crate::task::ConvertTask;
 
 /// The report of one input; the keys are those of the JSON output.
@@ -49,7 +49,7 @@ fn convert(
     console: &mut Console,
     report: &mut ConvertReport,
 ) -> Result<(), Failure> {
-    let (model, load) = load_timed(&job.input, console)?;
+    let (model, load) = load_job(job, console)?;
     let meshes = meshes(&model);
     let faces = meshes.iter().map(|mesh| mesh.faces().face_count()).sum();
     report.seconds.load = Some(load);

@@ -33,7 +33,10 @@ pub(crate) struct Output {
     pub(crate) path: Option<PathBuf>,
     /// Whether the file is in an output directory, which is created if it does not exist.
     pub(crate) in_directory: bool,
+    /// The format; GLB also for a `.gltf`, which is one in two files.
     pub(crate) format: Format,
+    /// Whether the result is a `.gltf`, with its buffer in a file beside it.
+    pub(crate) separate: bool,
     pub(crate) layout: Layout,
 }
 
@@ -45,6 +48,13 @@ impl Input {
 }
 
 impl Output {
+    /// Chooses a file in a format that can be written.
+    fn new(path: Option<PathBuf>, in_directory: bool, format: Format, layout: Layout) -> Self {
+        let separate = format == Format::Gltf;
+        let format = if separate { Format::Glb } else { format };
+        Self { path, in_directory, format, separate, layout }
+    }
+
     /// Returns the name for messages and reports.
     pub(crate) fn name(&self) -> String {
         display_name(self.path.as_deref())
@@ -101,16 +111,22 @@ fn jobs(inputs: Vec<Input>, args: &OutputArgs) -> Result<Vec<Job>, String> {
         (Some(to), _) => to,
         (None, Some(format)) if WRITTEN_FORMATS.contains(&format) => format,
         (None, Some(format)) => {
-            let hint = if format == Format::Gltf { "use .glb for glTF" } else { "use .glb, .ply or .obj" };
+            let hint = "use .glb, .gltf, .ply or .obj";
             return Err(format!("{}: cannot write {}; {hint}", target.display(), format.name()));
         }
         (None, None) => {
             let target = target.display();
-            return Err(format!("{target}: unknown extension; use .glb, .ply or .obj, or --to"));
+            return Err(format!("{target}: unknown extension; use .glb, .gltf, .ply or .obj, or --to"));
         }
     };
     let layout = layout(args, format)?;
-    let output = |_: &Input| Output { path: Some(target.clone()), in_directory: false, format, layout };
+    if format == Format::Gltf && target.extension().is_some_and(|extension| extension == "bin") {
+        return Err(format!(
+            "{}: glTF has its buffer in this file; use .gltf for the document",
+            target.display()
+        ));
+    }
+    let output = |_: &Input| Output::new(Some(target.clone()), false, format, layout);
     Ok(inputs.into_iter().map(|input| Job { output: Some(output(&input)), input }).collect())
 }
 
@@ -121,11 +137,14 @@ fn jobs_to_stdout(inputs: Vec<Input>, args: &OutputArgs) -> Result<Vec<Job>, Str
     if inputs.len() > 1 {
         return Err("-o - takes one input; name a directory for several".into());
     }
+    if format == Format::Gltf {
+        return Err("-o - cannot hold the two files of a .gltf; use --to glb".into());
+    }
     if format != Format::Obj && std::io::stdout().is_terminal() {
         return Err(format!("standard output is a terminal, and {} is binary: redirect it", format.name()));
     }
     let layout = layout(args, format)?;
-    let output = || Some(Output { path: None, in_directory: false, format, layout });
+    let output = || Some(Output::new(None, false, format, layout));
     Ok(inputs.into_iter().map(|input| Job { input, output: output() }).collect())
 }
 
@@ -166,10 +185,7 @@ fn jobs_to_directory(inputs: Vec<Input>, directory: &Path, args: &OutputArgs) ->
                 input.name()
             ));
         }
-        jobs.push(Job {
-            input,
-            output: Some(Output { path: Some(path), in_directory: true, format, layout }),
-        });
+        jobs.push(Job { input, output: Some(Output::new(Some(path), true, format, layout)) });
     }
     Ok(jobs)
 }

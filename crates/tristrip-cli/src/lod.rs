@@ -15,7 +15,7 @@ use crate::input::short_name;
 use crate::job::Job;
 use crate::output::{self, WriteReport};
 use crate::search::interrupted;
-use crate::stage::{Stages, load_timed, timed};
+use crate::stage::{Stages, load_job, timed};
 use crate::task::LodTask;
 use report::LodReport;
 
@@ -58,7 +58,7 @@ fn run_stages(
     if interrupted() {
         return Err(Failure::Input("not done: interrupted".into()));
     }
-    let (model, load) = load_timed(&job.input, console)?;
+    let (model, load) = load_job(job, console)?;
     report.seconds.load = Some(load);
     let options = LevelsOptions::default().with_stripify(task.options);
     let options = options.with_base(task.base).with_verify(task.verify);

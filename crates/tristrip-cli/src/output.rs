@@ -1,6 +1,7 @@
 //! Writes results. The bytes are read back and verified before a file is replaced.
 
 use std::fs;
+use std::path::Path;
 
 use tristrip_lab::text;
 use tristrip_pipeline::text::counted;
@@ -49,12 +50,12 @@ pub(crate) fn write(
         _ => (),
     };
     let encoded = encode(&Stages::new(console, 0.0, show)).map_err(|error| not_written(output, error))?;
-    let (written, bytes_seconds) = timed(|| write_bytes(output, &encoded.bytes, console));
-    written?;
+    let (written, bytes_seconds) = timed(|| write_files(output, &encoded, console));
+    let size = written?;
     write_seconds += bytes_seconds;
     if output.path.is_some() {
         let how = if strips { output.layout.name() } else { "faces" };
-        let what = format!("{}, {}, {how}", output.name(), text::bytes(encoded.bytes.len()));
+        let what = format!("{}, {}, {how}", output.name(), text::bytes(size));
         console.stage("write", &what, Some(write_seconds));
     }
     encoded.losses.iter().for_each(|loss| console.note(loss));
@@ -71,11 +72,34 @@ fn not_written(output: &Output, error: Error) -> Failure {
     }
 }
 
-fn write_bytes(output: &Output, bytes: &[u8], console: &mut Console) -> Result<(), Failure> {
+/// Writes the file, or the document and the buffer of a `.gltf`; returns the size of all in bytes.
+fn write_files(output: &Output, encoded: &Encoded, console: &mut Console) -> Result<usize, Failure> {
     let Some(path) = &output.path else {
-        console.write_stdout(bytes);
-        return Ok(());
+        console.write_stdout(&encoded.bytes);
+        return Ok(encoded.bytes.len());
     };
+    if !output.separate {
+        write_bytes(output, path, &encoded.bytes)?;
+        return Ok(encoded.bytes.len());
+    }
+    let buffer_path = path.with_extension("bin");
+    let Some(name) = buffer_path.file_name().and_then(|name| name.to_str()) else {
+        let invalid = std::io::Error::new(
+            std::io::ErrorKind::InvalidInput,
+            "a .gltf needs a name in UTF-8 for its buffer",
+        );
+        return Err(Failure::system(path, &invalid));
+    };
+    let files = encoded.separate(name).map_err(|error| not_written(output, error))?;
+    // The buffer first: a document is never without it.
+    if !files.buffer.is_empty() {
+        write_bytes(output, &buffer_path, &files.buffer)?;
+    }
+    write_bytes(output, path, &files.json)?;
+    Ok(files.json.len() + files.buffer.len())
+}
+
+fn write_bytes(output: &Output, path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     if let Some(directory) = path.parent().filter(|directory| output.in_directory && !directory.exists()) {
         // Create only the directory itself: a missing parent is more likely a typing error.
         fs::create_dir(directory).map_err(|error| Failure::system(directory, &error))?;
@@ -103,6 +127,7 @@ mod tests {
             path: Some(path.clone()),
             in_directory: false,
             format: Format::Ply,
+            separate: false,
             layout: Layout::Restart,
         };
         let mut strips = Strips::default();

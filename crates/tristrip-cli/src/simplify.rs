@@ -12,7 +12,7 @@ use crate::console::Console;
 use crate::failure::Failure;
 use crate::job::Job;
 use crate::output::{self, WriteReport};
-use crate::stage::{Stages, load_timed};
+use crate::stage::{Stages, load_job};
 use crate::task::SimplifyTask;
 
 /// The time of each stage in seconds; `null` for a stage that did not run.
@@ -112,7 +112,7 @@ fn simplify(
     console: &mut Console,
     report: &mut SimplifyReport,
 ) -> Result<(), Failure> {
-    let (model, load) = load_timed(&job.input, console)?;
+    let (model, load) = load_job(job, console)?;
     report.seconds.load = Some(load);
     let format = job.output.as_ref().map_or(Format::Ply, |output| output.format);
     let options = SimplifyOptions::new(task.goal).with_weights(task.weights);

@@ -1,11 +1,12 @@
 //! The stages of an input as the command shows them: an observer of the pipeline that measures their times and watches searches.
 
+use std::path::Path;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
 use tristrip::StripifyOptions;
-use tristrip_io::Model;
+use tristrip_io::{Format, Model};
 use tristrip_pipeline::text::counted;
 use tristrip_pipeline::{Event, MeshFigures, Observer, Search};
 
@@ -13,7 +14,7 @@ use crate::console::Console;
 use crate::failure::Failure;
 use crate::figures::mesh_line;
 use crate::input::load;
-use crate::job::Input;
+use crate::job::{Input, Job, Output};
 use crate::search::SearchWatch;
 
 /// The time of each stage in seconds; `null` for a stage that did not run.
@@ -38,6 +39,36 @@ pub(crate) fn load_timed(input: &Input, console: &Console) -> Result<(Model, f64
     console.doing("load");
     let (model, seconds) = timed(|| load(input));
     Ok((model?, seconds))
+}
+
+/// Loads the input of a job as [`load_timed`] does; a result in glTF gets the images that the input has in separate files. They stay
+/// where they are for a `.gltf` in the folder of the input.
+pub(crate) fn load_job(job: &Job, console: &Console) -> Result<(Model, f64), Failure> {
+    let (mut model, seconds) = load_timed(&job.input, console)?;
+    let path = job.input.path.as_deref();
+    let takes_images = |output: &Output| {
+        let stays = output.separate && same_folder(path, output.path.as_deref());
+        output.format == Format::Glb && !stays
+    };
+    if !job.output.as_ref().is_some_and(takes_images) {
+        return Ok((model, seconds));
+    }
+    let (images, image_seconds) = timed(|| tristrip_io::embed_images(&mut model, path));
+    let images = images.map_err(|error| Failure::reading(&job.input.name(), &error))?;
+    if let Some(first) = images.left.first() {
+        let message = format!("images that the file only refers to: {}, such as {first}", images.left.len());
+        console.warning(&job.input.name(), &message);
+    }
+    Ok((model, seconds + image_seconds))
+}
+
+/// Returns whether two files are in one folder, links followed.
+fn same_folder(a: Option<&Path>, b: Option<&Path>) -> bool {
+    let folder = |path: Option<&Path>| match path?.parent()? {
+        here if here.as_os_str().is_empty() => Path::new(".").canonicalize().ok(),
+        parent => parent.canonicalize().ok(),
+    };
+    folder(a).is_some_and(|a| folder(b).is_some_and(|b| a == b))
 }
 
 /// Shows the stages of an input. `handle` receives each event with the time of its stage in seconds, to report it.

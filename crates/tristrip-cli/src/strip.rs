@@ -25,7 +25,7 @@ use crate::job::{Job, Output};
 use crate::output::{self, WriteReport};
 use crate::reorder::GroupReport;
 use crate::search::{SearchWatch, interrupted};
-use crate::stage::{Seconds, Stages, load_timed, timed};
+use crate::stage::{Seconds, Stages, load_job, timed};
 use crate::task::{ParetoTask, StripTask};
 
 /// The report of one input; the keys are those of the JSON output.
@@ -152,7 +152,7 @@ fn strip(
     if interrupted() {
         return Err(Failure::Input("not processed: interrupted".into()));
     }
-    let (model, load) = load_timed(&job.input, console)?;
+    let (model, load) = load_job(job, console)?;
     report.seconds.load = Some(load);
     let options = StripOptions::default().with_stripify(task.options).with_verify(task.verify);
     let show = |event: Event<'_>, seconds: f64| show(event, seconds, console, report);
@@ -240,7 +240,8 @@ fn write(
     let any_strips = drawn.drawn_as.iter().any(|&kind| kind != DrawnAs::List);
     output::write(target, any_strips, console, fields, |observer| {
         let encoded = encode_observed(model, &drawn.drawings, &options, observer)?;
-        bytes = Some(encoded.bytes.len() as u64);
+        // As of an input, the size of a .gltf is not that of one file.
+        bytes = (!target.separate).then_some(encoded.bytes.len() as u64);
         Ok(encoded)
     })?;
     report.drawn = Some(drawn.parts());

@@ -11,7 +11,7 @@ use tristrip::{Layout, Method};
 use tristrip_io::Format;
 
 /// The formats that can be written.
-pub(crate) const WRITTEN_FORMATS: [Format; 3] = [Format::Glb, Format::Ply, Format::Obj];
+pub(crate) const WRITTEN_FORMATS: [Format; 4] = [Format::Glb, Format::Gltf, Format::Ply, Format::Obj];
 
 /// Returns a parser for the names of formats, which are their file name extensions.
 pub(crate) fn format_parser(formats: &'static [Format]) -> impl TypedValueParser<Value = Format> {

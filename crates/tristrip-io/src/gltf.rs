@@ -4,15 +4,18 @@
 //! A document is kept as JSON values with the text that they were read from, together with the bytes of its buffers. Reading copies positions, indices and attributes out of it; writing replaces its indices.
 //!
 //! ```text
-//! bytes ─ container ─▶ JSON, BIN ─ buffer ─▶ buffers ─ accessor ─ read ─▶ parts
-//!                                                │                          │ strips
-//!                          GLB ◀─ container ◀─ keep (or build, without a scene) ◀─ index
+//! bytes ─ container ─▶ JSON, BIN ─ buffer ─▶ buffers ─ compressed_views ─▶ buffers ─ accessor ─ read ─▶ parts
+//!                                                                              │                         │ strips
+//!                                        GLB ◀─ container ◀─ keep (or build, without a scene) ◀─ index
 //! ```
 //!
 //! # Algorithm
 //! Reading: every primitive of triangles, strips or fans becomes one part, in the order of meshes and primitives. Strips and
 //! fans are unpacked in order, with the winding in which they are drawn. Primitives over one `POSITION` accessor share one
 //! array, which is checked once; primitives with the same set of attributes share all attribute arrays.
+//!
+//! Buffer views that are compressed by meshoptimizer are decompressed first, and the extension is removed: a GLB that is
+//! written holds their bytes as any other.
 //!
 //! Writing, where the model has a scene: only `indices` and `mode` of its primitives change. A new index accessor replaces
 //! the old one if nothing else refers to the old one, so that no index in the document changes its meaning, and the old
@@ -36,7 +39,7 @@
 //!
 //! # Complexity
 //! Linear time. The file's bytes are kept once, plus 12 bytes per vertex for each `POSITION` accessor, 12 bytes per
-//! triangle, and the other attributes in their own width. [`GEOMETRY_LIMIT`], [`ATTRIBUTE_LIMIT`] and [`TRIANGLE_LIMIT`] bound what is decoded beyond
+//! triangle, and the other attributes in their own width. [`DECOMPRESSED_LIMIT`], [`GEOMETRY_LIMIT`], [`ATTRIBUTE_LIMIT`] and [`TRIANGLE_LIMIT`] bound what is decoded beyond
 //! what the bytes pay for. Primitives with the same indices are decoded once.
 
 mod accessor;
@@ -46,8 +49,11 @@ mod buffer;
 #[cfg(feature = "fs")]
 mod buffer_files;
 mod build;
+mod compressed_views;
 mod container;
 mod document;
+#[cfg(feature = "fs")]
+pub(crate) mod images;
 mod index;
 mod json;
 mod keep;
@@ -57,6 +63,7 @@ mod references;
 mod removed_bytes;
 pub(crate) mod renumber;
 pub(crate) mod scene;
+mod separate;
 mod shared_bytes;
 mod shrink;
 mod spec;
@@ -68,12 +75,15 @@ use tristrip::Layout;
 use crate::error::Error;
 use crate::model::{Drawing, Model};
 
-pub use budget::{ATTRIBUTE_LIMIT, GEOMETRY_LIMIT, TRIANGLE_LIMIT, TRIANGLES_PER_PRIMITIVE};
+pub use budget::{
+    ATTRIBUTE_LIMIT, DECOMPRESSED_LIMIT, GEOMETRY_LIMIT, TRIANGLE_LIMIT, TRIANGLES_PER_PRIMITIVE,
+};
 pub use build::losses;
 pub use document::JSON_VALUE_LIMIT;
-pub use read::read;
 pub(crate) use read::read_in_folders;
+pub use read::{read, read_separate};
 pub use scene::Scene;
+pub use separate::{SeparateFiles, separate};
 
 /// Checks whether a model's document has vertex data that the meshes of its parts do not hold: morph targets, and
 /// attributes that were not decoded. Vertices that are equal in the meshes may differ there.

@@ -6,7 +6,7 @@
 //! | PLY | ascii, little and big endian, polygons, `tristrips` | faces, `tristrips` |
 //! | OFF | polygons | – |
 //! | STL | ascii, binary; equal positions welded | – |
-//! | glTF 2.0, GLB | all triangle modes, sparse accessors, restart | GLB, with the scene |
+//! | glTF 2.0, GLB | all triangle modes, sparse accessors, restart, quantization, meshopt compression | GLB, with the scene; two files by [`gltf::separate`](gltf::separate()) |
 //!
 //! Every input is treated as hostile: a reader never panics, and allocates in proportion to the bytes that it was given,
 //! never to a count that they state. Its errors name the position in the file, what was found and what was expected. A
@@ -47,9 +47,11 @@ mod vertex_group;
 pub use any_format::{losses, read, read_shared, write};
 pub use error::Error;
 pub use format::Format;
+#[cfg(feature = "fs")]
+pub use gltf::images::EmbeddedImages;
 pub use model::{Drawing, Model, Part, StoredStrips};
 #[cfg(feature = "fs")]
-pub use path::{read_path, replace_file, write_path};
+pub use path::{embed_images, read_path, replace_file, write_path};
 pub use redraw::{KeptVertices, Redrawn, with_triangles};
 pub use reorder::{Reordered, reorder};
 pub use vertex_group::VertexGroup;

@@ -11,6 +11,7 @@ use tristrip::Layout;
 use crate::any_format::{read_in_folders, write};
 use crate::error::Error;
 use crate::format::Format;
+use crate::gltf::images::{EmbeddedImages, embed};
 use crate::model::{Drawing, Model};
 
 /// Reads a model from a file, in the format of its extension, or of its content if the extension is unknown. The separate
@@ -35,10 +36,51 @@ pub fn read_path(path: impl AsRef<Path>) -> Result<Model, Error> {
     }
     let bytes = fs::read(path).map_err(io_error)?;
     let format = Format::from_path(path).unwrap_or_else(|| Format::from_bytes(&bytes));
-    // A pipe has no folder of its own.
-    let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf());
-    let folders: Vec<&Path> = [path, &target].into_iter().filter_map(Path::parent).collect();
-    read_in_folders(&Arc::new(bytes), format, &folders)
+    let target = target_of(path);
+    read_in_folders(&Arc::new(bytes), format, &folders(path, &target))
+}
+
+/// Returns the file that a path leads to; a pipe has none of its own.
+fn target_of(path: &Path) -> PathBuf {
+    fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf())
+}
+
+/// Returns the folders of a document that may have been opened through a link.
+fn folders<'a>(path: &'a Path, target: &'a Path) -> Vec<&'a Path> {
+    [path, target].into_iter().filter_map(Path::parent).collect()
+}
+
+/// Takes the images of a model that are in separate files into the model, so that a GLB that is written anywhere has its
+/// textures. `path` is that of the file that the model was read from, if it is known; images are looked for in its folders, as
+/// [`read_path`] looks for buffers. An image that cannot be read keeps its URI. A note counts the images.
+///
+/// # Errors
+/// The lists of the document are not arrays.
+///
+/// ```
+/// # let dir = tempfile::tempdir().unwrap();
+/// # let path = dir.path().join("model.gltf");
+/// std::fs::write(dir.path().join("a.png"), b"\x89PNG\r\n\x1a\n")?;
+/// std::fs::write(&path, r#"{"asset":{"version":"2.0"},"images":[{"uri":"a.png"},{"uri":"b.png"}]}"#)?;
+/// let mut model = tristrip_io::read_path(&path)?;
+/// let images = tristrip_io::embed_images(&mut model, Some(&path))?;
+/// assert_eq!((images.embedded, images.left.len()), (1, 1));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn embed_images(model: &mut Model, path: Option<&Path>) -> Result<EmbeddedImages, Error> {
+    let Some(scene) = &mut model.scene else { return Ok(EmbeddedImages::default()) };
+    let images = match path {
+        Some(path) => embed(scene, &folders(path, &target_of(path)))?,
+        None => embed(scene, &[])?,
+    };
+    if images.embedded > 0 {
+        model.notes.push(format!("images copied from separate files into the file: {}", images.embedded));
+    }
+    if let Some(first) = images.left.first() {
+        let count = images.left.len();
+        model.notes.push(format!("images that the file only refers to: {count}, such as {first}"));
+    }
+    Ok(images)
 }
 
 /// Writes a model to a file in the format of its extension, with [`write()`] and [`replace_file`].

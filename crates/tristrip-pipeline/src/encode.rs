@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use tristrip::Layout;
 use tristrip::verify::verify_models;
+use tristrip_io::gltf::SeparateFiles;
 use tristrip_io::{Drawing, Format, Model, Redrawn, Reordered, VertexGroup};
 
 use crate::error::Error;
@@ -89,6 +90,35 @@ pub struct Encoded {
     pub notes: Vec<String>,
     /// Notes on what the format cannot store.
     pub losses: Vec<String>,
+}
+
+impl Encoded {
+    /// Separates a GLB into a `.gltf` and its buffer, of this file name, and proves that they hold the same meshes as the GLB, if that
+    /// was proven.
+    ///
+    /// # Errors
+    /// The file is not a GLB, or the separate files are not proven.
+    ///
+    /// ```
+    /// use tristrip_io::{Drawing, Format, read};
+    /// use tristrip_pipeline::{EncodeOptions, encode};
+    /// let model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Format::Obj)?;
+    /// let files = encode(&model, &[Drawing::Faces], &EncodeOptions::new(Format::Glb))?.separate("model.bin")?;
+    /// assert!(files.json.starts_with(b"{") && !files.buffer.is_empty());
+    /// # Ok::<(), tristrip_pipeline::Error>(())
+    /// ```
+    pub fn separate(&self, file_name: &str) -> Result<SeparateFiles, Error> {
+        let files = tristrip_io::gltf::separate(self.bytes.clone(), file_name)?;
+        if self.faces.is_some() {
+            let unproven = |error: tristrip_io::Error| Error::Unproven(error.to_string());
+            let again = tristrip_io::gltf::read_separate(&files).map_err(unproven)?;
+            let glb = tristrip_io::read(&self.bytes, Format::Glb).map_err(unproven)?;
+            if meshes(&again) != meshes(&glb) {
+                return Err(Error::Unproven("the separate files differ from the GLB".into()));
+            }
+        }
+        Ok(files)
+    }
 }
 
 /// Encodes a model as a file with one drawing for each part, and proves that the bytes draw the model.

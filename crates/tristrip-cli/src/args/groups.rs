@@ -65,8 +65,8 @@ pub(crate) struct OutputArgs {
 pub(crate) struct TargetArgs {
     /// The file to write, a directory for several inputs, or - for standard output
     ///
-    /// The extension selects the format: .glb, .ply or .obj. A file is written under a temporary name and then renamed. In a
-    /// directory, each output has the name of its input, with the extension of --to.
+    /// The extension selects the format: .glb, .gltf, .ply or .obj. A .gltf has its buffer beside it, in a file of the same name with the
+    /// extension .bin. A file is written under a temporary name and then renamed; one that exists is replaced. In a directory, each output has the name of its input, with the extension of --to.
     #[arg(short, long, value_name = "OUTPUT")]
     pub(crate) output: Option<PathBuf>,
     /// The format to write [default: by the extension; glb in a directory]

@@ -50,8 +50,12 @@ fn options_belong_to_their_methods() {
 #[test]
 fn outputs_fit_their_formats() {
     refused(&["strip", "a.ply", "-o", "b.xyz"], "b.xyz: unknown extension");
-    refused(&["strip", "a.ply", "-o", "b.stl"], "cannot write STL; use .glb, .ply or .obj");
-    refused(&["strip", "a.ply", "-o", "b.gltf"], "cannot write glTF; use .glb for glTF");
+    refused(&["strip", "a.ply", "-o", "b.stl"], "cannot write STL; use .glb, .gltf, .ply or .obj");
+    refused(
+        &["strip", "a.ply", "-o", "b.bin", "--to", "gltf"],
+        "glTF has its buffer in this file; use .gltf",
+    );
+    refused(&["strip", "a.ply", "-o", "-", "--to", "gltf"], "cannot hold the two files of a .gltf");
     refused(&["strip", "a.ply", "-o", "b.obj", "--layout", "restart"], "OBJ has no strips");
     refused(&["strip", "a.ply", "-o", "-"], "-o - needs --to");
     refused(&["strip", "a.ply", "b.ply", "-o", "-", "--to", "glb"], "-o - takes one input");

@@ -127,7 +127,11 @@ impl<'a> AccessorResolver<'a> {
 
     /// Returns the values of the accessor that `reference` is the index of.
     pub(super) fn values(&self, reference: &Located<'a>) -> Result<AccessorValues<'a>, Error> {
-        let accessor = reference.target(self.root, "accessors")?;
+        self.values_of(reference.target(self.root, "accessors")?)
+    }
+
+    /// Returns the values of an accessor.
+    pub(super) fn values_of(&self, accessor: Located<'a>) -> Result<AccessorValues<'a>, Error> {
         let component = ComponentType::from_code(&accessor.need("componentType")?)?;
         let kind = accessor.need("type")?;
         let (rows, columns) = match kind.text()? {

@@ -1,13 +1,17 @@
 //! Limits on what a document may make of its bytes: decoded values, and triangles that are drawn from the same indices again
 //! and again.
 //!
-//! What a reader decodes must be paid for by the bytes of the file, in time and in memory. Three things are not: accessors
-//! without a buffer view, which are zeros; several accessors over the same bytes; and several primitives with the same indices.
-//! The first two count as decoded bytes, against a small allowance. The third counts as triangles. Writing indices does not
-//! change this count, so that what was read can be read again.
+//! What a reader decodes must be paid for by the bytes of the file, in time and in memory. Four things are not: compressed
+//! buffer views; accessors without a buffer view, which are zeros; several accessors over the same bytes; and several primitives
+//! with the same indices. The first three count as decoded bytes, against a small allowance. The fourth counts as triangles.
+//! Writing indices does not change this count, so that what was read can be read again.
 
 use super::shared_bytes::SharedBytes;
 use crate::error::Error;
+
+/// The number of bytes that the compressed buffer views of any file may take when decompressed; 32 for each byte of its buffers
+/// are added.
+pub const DECOMPRESSED_LIMIT: u64 = 8 << 20;
 
 /// The number of bytes that positions and indices of any file may take when decoded; 16 for each byte of its buffers are
 /// added.

@@ -12,6 +12,7 @@ use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use super::buffer_files::BufferFiles;
 use super::document::{Document, Located, index, list_mut};
 use super::json::Value;
+use super::separate::SeparateFiles;
 use super::shared_bytes::{SharedBytes, whole_of};
 use crate::error::Error;
 
@@ -20,12 +21,15 @@ const BASE64: GeneralPurpose = GeneralPurpose::new(
     GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent),
 );
 
-/// Loads every buffer, and removes the `uri` of each from the document: the bytes are kept, not their text.
+/// Loads every buffer, and removes the `uri` of each from the document: the bytes are kept, not their text. Buffers that are
+/// fallbacks have no bytes, whether or not the file has them. The files of a document that is not in a folder are `beside`.
 pub(super) fn load(
     document: &mut Document,
     file: &Arc<Vec<u8>>,
     bin: Option<&Range<usize>>,
     folders: &[&Path],
+    beside: Option<&SeparateFiles>,
+    is_fallback: &[bool],
 ) -> Result<Vec<SharedBytes>, Error> {
     let mut buffers = Vec::new();
     #[cfg_attr(not(feature = "fs"), allow(unused_mut, reason = "only files are remembered"))]
@@ -33,6 +37,10 @@ pub(super) fn load(
     for (index, buffer) in Located::entries(&document.root, "buffers")?.enumerate() {
         let length_at = buffer.need("byteLength")?;
         let length = length_at.size()?;
+        if is_fallback.get(index).copied().unwrap_or(false) {
+            buffers.push(SharedBytes::default());
+            continue;
+        }
         let (owner, range) = match buffer.field("uri") {
             None => match bin {
                 Some(bin) if index == 0 => (Arc::clone(file), bin.clone()),
@@ -41,9 +49,10 @@ pub(super) fn load(
                     return Err(Error::format(format!("{}.uri", buffer.at), "nothing", expected));
                 }
             },
-            Some(uri) => whole_of(match uri.text()?.strip_prefix("data:") {
-                Some(data) => Arc::new(decode_data_uri(&uri, data)?),
-                None => files.load(&uri)?,
+            Some(uri) => whole_of(match (uri.text()?.strip_prefix("data:"), beside) {
+                (Some(data), _) => Arc::new(decode_data_uri(&uri, data)?),
+                (None, Some(beside)) if uri.text()? == beside.uri => Arc::new(beside.buffer.clone()),
+                (None, _) => files.load(&uri)?,
             }),
         };
         if range.len() < length {

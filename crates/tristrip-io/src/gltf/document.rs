@@ -128,6 +128,15 @@ impl<'a> Located<'a> {
         whole(self.value).ok_or_else(|| self.wrong("a whole number"))
     }
 
+    /// Returns the value as any number.
+    pub(super) fn number(&self) -> Option<f64> {
+        match &self.value.content {
+            Content::Whole(number) => Some(*number as f64),
+            Content::Number(text) => text.parse().ok(),
+            _ => None,
+        }
+    }
+
     /// Returns the value as a size or an index.
     pub(super) fn size(&self) -> Result<usize, Error> {
         usize::try_from(self.whole()?).map_err(|_| self.wrong("a smaller number"))

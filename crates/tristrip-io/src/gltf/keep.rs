@@ -8,8 +8,8 @@
 //!    and move the other views down. Where an extension may name bytes, nothing is removed.
 //! 4. Join all buffers, and append the new indices.
 
-mod compact;
-mod extensions;
+pub(super) mod compact;
+pub(super) mod extensions;
 mod unused;
 
 use std::collections::{BTreeMap, HashMap, HashSet};

@@ -12,11 +12,12 @@ use super::accessor::{AccessorResolver, check_views};
 use super::budget::{ATTRIBUTE_LIMIT, DecodeBudget, GEOMETRY_LIMIT};
 use super::document::{Document, Located, array, uses};
 use super::scene::{PrimitiveRef, Scene};
+use super::separate::SeparateFiles;
 use super::spec::{
-    ORDER_EXTENSIONS, QUANTIZATION, RESTART_EXTENSION, TRIANGLE_FAN, TRIANGLE_STRIP, TRIANGLES,
+    COMPRESSIONS, ORDER_EXTENSIONS, QUANTIZATION, RESTART_EXTENSION, TRIANGLE_FAN, TRIANGLE_STRIP, TRIANGLES,
 };
 use super::triangles::{TriangleCounts, TriangleReader};
-use super::{buffer, container, container::GlbContainer};
+use super::{buffer, compressed_views, container, container::GlbContainer};
 use crate::error::Error;
 use crate::model::{Model, Part, StoredStrips};
 
@@ -24,8 +25,6 @@ use crate::model::{Model, Part, StoredStrips};
 const GEOMETRY_FACTOR: u64 = 16;
 const ATTRIBUTE_FACTOR: u64 = 4;
 
-/// Extensions that compress the bytes of a buffer view.
-const COMPRESSIONS: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
 const DRACO: &str = "KHR_draco_mesh_compression";
 
 /// How the names of extensions begin that do not concern geometry.
@@ -36,7 +35,7 @@ const NOT_GEOMETRY: [&str; 5] =
 ///
 /// # Errors
 /// The parts of the document that the geometry needs are not valid glTF 2.0, decoding would exceed the limits, the
-/// geometry is compressed, or a buffer's file cannot be read or is outside `base_dir`.
+/// geometry is compressed with Draco, or a buffer's file cannot be read or is outside `base_dir`.
 ///
 /// ```
 /// let empty = br#"{"asset":{"version":"2.0"}}"#;
@@ -50,11 +49,27 @@ pub fn read(bytes: impl Into<Vec<u8>>, base_dir: Option<&Path>) -> Result<Model,
 
 /// Reads a document whose external buffers are in the first of several folders that has them.
 pub(crate) fn read_in_folders(bytes: Arc<Vec<u8>>, folders: &[&Path]) -> Result<Model, Error> {
+    read_container(bytes, folders, None)
+}
+
+/// Reads a document and its buffer that [`separate`](super::separate()) made.
+///
+/// # Errors
+/// As of [`read`].
+pub fn read_separate(files: &SeparateFiles) -> Result<Model, Error> {
+    read_container(Arc::new(files.json.clone()), &[], Some(files))
+}
+
+fn read_container(
+    bytes: Arc<Vec<u8>>,
+    folders: &[&Path],
+    beside: Option<&SeparateFiles>,
+) -> Result<Model, Error> {
     let mut notes = Vec::new();
     let container = container::open(bytes, &mut notes)?;
     let document = Document::parse(container.json_bytes())?;
     let unknown = unknown_requirements(&document.root);
-    read_document(document, &container, folders, notes).map_err(|error| match error {
+    read_document(document, &container, folders, beside, notes).map_err(|error| match error {
         Error::Format { .. } if !unknown.is_empty() => {
             let names = unknown.join(" and ");
             Error::Unsupported(format!("{error}; the file requires {names}, which is not supported"))
@@ -67,10 +82,13 @@ fn read_document(
     mut document: Document,
     container: &GlbContainer,
     folders: &[&Path],
+    beside: Option<&SeparateFiles>,
     mut notes: Vec<String>,
 ) -> Result<Model, Error> {
-    refuse_compressed_views(&document.root)?;
-    let buffers = buffer::load(&mut document, &container.file, container.bin.as_ref(), folders)?;
+    let is_fallback = compressed_views::fallback_buffers(&document.root)?;
+    let buffers =
+        buffer::load(&mut document, &container.file, container.bin.as_ref(), folders, beside, &is_fallback)?;
+    let buffers = compressed_views::decompress(&mut document, buffers, &is_fallback, &mut notes)?;
     let root = &document.root;
     let resolver = AccessorResolver { root, buffers: &buffers };
     check_views(&resolver)?;
@@ -155,7 +173,10 @@ impl<'a> PrimitiveReader<'a> {
     ) -> Result<(Mesh, Option<StoredStrips>), Error> {
         let extensions = primitive.field("extensions");
         if extensions.and_then(|e| e.field(DRACO)).is_some() {
-            return Err(Error::Unsupported(format!("{}: {DRACO} is not supported", primitive.at)));
+            return Err(Error::Unsupported(format!(
+                "{}: {DRACO} is not supported; export the model without Draco compression",
+                primitive.at
+            )));
         }
         // 1. Vertices, shared between primitives and checked once.
         let vertices = self.vertices(&primitive.need("attributes")?)?;
@@ -249,19 +270,12 @@ fn unknown_requirements(root: &Members) -> Vec<String> {
     let names = root.get("extensionsRequired").and_then(Value::as_array).unwrap_or_default();
     let names = names.iter().filter_map(Value::as_str);
     let is_known = |name: &str| {
-        name == QUANTIZATION || name == RESTART_EXTENSION || NOT_GEOMETRY.iter().any(|p| name.starts_with(p))
+        name == QUANTIZATION
+            || name == RESTART_EXTENSION
+            || COMPRESSIONS.contains(&name)
+            || NOT_GEOMETRY.iter().any(|p| name.starts_with(p))
     };
     names.filter(|name| !is_known(name)).map(str::to_owned).collect()
-}
-
-fn refuse_compressed_views(root: &Members) -> Result<(), Error> {
-    for (index, view) in array(root, "bufferViews")?.iter().enumerate() {
-        let Some(extensions) = view.get("extensions").and_then(Value::as_object) else { continue };
-        if let Some(name) = COMPRESSIONS.iter().find(|name| extensions.contains_key(name)) {
-            return Err(Error::Unsupported(format!("bufferViews[{index}]: {name} is not supported")));
-        }
-    }
-    Ok(())
 }
 
 /// Checks that children exist and that no node is its own ancestor.
@@ -311,7 +325,7 @@ fn note_document(root: &Members, notes: &mut Vec<String>) -> Result<(), Error> {
         .filter(|uri| !uri.starts_with("data:"))
         .count();
     if external > 0 {
-        notes.push(format!("images in separate files, which a GLB still refers to: {external}"));
+        notes.push(format!("images in separate files: {external}"));
     }
     for name in ORDER_EXTENSIONS.iter().filter(|name| uses(root, name)) {
         notes.push(format!("{name} describes the order of indices: dropped from meshes with new indices"));

@@ -13,6 +13,9 @@ pub(super) const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 /// The extension that allows integer positions.
 pub(super) const QUANTIZATION: &str = "KHR_mesh_quantization";
 
+/// The extensions that compress the bytes of a buffer view; the second is the successor of the first, of the same shape.
+pub(super) const COMPRESSIONS: [&str; 2] = ["EXT_meshopt_compression", "KHR_meshopt_compression"];
+
 /// The extension that allows the restart index.
 pub(super) const RESTART_EXTENSION: &str = "KHR_mesh_primitive_restart";
 

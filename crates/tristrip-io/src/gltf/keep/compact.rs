@@ -14,13 +14,13 @@ use crate::gltf::removed_bytes::{ALIGNMENT, RemovedBytes};
 use crate::gltf::shared_bytes::SharedBytes;
 
 /// The joining of all buffers into one, without the bytes that nothing uses.
-pub(super) struct BufferCompaction {
+pub(in crate::gltf) struct BufferCompaction {
     /// What is removed from each buffer.
     removed: Vec<RemovedBytes>,
     /// The offset of each buffer in the joined one.
     bases: Vec<usize>,
     /// The end of the last buffer in the joined one.
-    pub(super) end: usize,
+    pub(in crate::gltf) end: usize,
 }
 
 impl BufferCompaction {
@@ -42,24 +42,39 @@ impl BufferCompaction {
             let sink = if unused.views.contains(&v) { &mut freed } else { &mut kept };
             sink[buffer].push(range);
         }
+        if unused.bytes_named {
+            freed.iter_mut().for_each(Vec::clear);
+        }
+        Ok(Self::without(buffers, freed, kept))
+    }
+
+    /// Plans the removal of byte ranges of each buffer, except for bytes that are kept.
+    pub(in crate::gltf) fn without(
+        buffers: &[SharedBytes],
+        freed: Vec<Vec<Range<usize>>>,
+        kept: Vec<Vec<Range<usize>>>,
+    ) -> Self {
         let mut out = Self { removed: Vec::new(), bases: Vec::new(), end: 0 };
         for ((bytes, freed), kept) in buffers.iter().zip(freed).zip(kept) {
-            let freed = if unused.bytes_named { Vec::new() } else { freed };
             let removed = RemovedBytes::plan(freed, kept);
             out.bases.push(out.end.next_multiple_of(ALIGNMENT));
             out.end = out.end.next_multiple_of(ALIGNMENT) + bytes.len() - removed.total();
             out.removed.push(removed);
         }
-        Ok(out)
+        out
     }
 
     /// Returns the offset at which the new bytes start.
-    pub(super) fn new_start(&self) -> usize {
+    pub(in crate::gltf) fn new_start(&self) -> usize {
         self.end.next_multiple_of(ALIGNMENT)
     }
 
     /// Updates the offsets of all views; `new` has the offsets of new views within the new bytes.
-    pub(super) fn apply(&self, root: &mut Members, new: &BTreeMap<usize, usize>) -> Result<(), Error> {
+    pub(in crate::gltf) fn apply(
+        &self,
+        root: &mut Members,
+        new: &BTreeMap<usize, usize>,
+    ) -> Result<(), Error> {
         if !root.contains_key("bufferViews") {
             return Ok(());
         }
@@ -85,7 +100,7 @@ impl BufferCompaction {
     }
 
     /// Returns the bytes of the joined buffer as slices: those that stay, each buffer at its base, then the new ones.
-    pub(super) fn slices<'a>(&self, buffers: &'a [SharedBytes], new: &'a [u8]) -> Vec<&'a [u8]> {
+    pub(in crate::gltf) fn slices<'a>(&self, buffers: &'a [SharedBytes], new: &'a [u8]) -> Vec<&'a [u8]> {
         const PADDING: &[u8] = &[0; ALIGNMENT];
         let mut slices = Vec::new();
         let mut written = 0;
@@ -111,8 +126,10 @@ impl BufferCompaction {
 }
 
 /// Replaces all buffers by one of a length; by none where there are no bytes.
-pub(super) fn set_buffer(root: &mut Members, length: usize) -> Result<(), Error> {
-    if length == 0 && !root.contains_key("buffers") {
+pub(in crate::gltf) fn set_buffer(root: &mut Members, length: usize) -> Result<(), Error> {
+    if length == 0 {
+        // No view can name an empty buffer, and a reader would look for its bytes.
+        root.remove("buffers");
         return Ok(());
     }
     let buffers = list_mut(root, "buffers")?;

@@ -44,12 +44,20 @@ fn order_extensions(object: &Value) -> impl Iterator<Item = &'static str> {
     ORDER_EXTENSIONS.into_iter().filter(move |name| extensions.is_some_and(|e| e.contains_key(name)))
 }
 
-/// Removes them; an object of extensions that is then empty is removed, too.
+/// Removes them.
 fn remove_order_extensions(object: &mut Value) {
-    let names: Vec<&str> = order_extensions(object).collect();
-    let Some(members) = object.as_object_mut().filter(|_| !names.is_empty()) else { return };
+    remove_extensions(object, &ORDER_EXTENSIONS);
+}
+
+/// Removes extensions of an object; its member `extensions` is removed, too, if that is then empty.
+pub(in crate::gltf) fn remove_extensions(object: &mut Value, names: &[&str]) {
+    let has = |extensions: &Members| names.iter().any(|name| extensions.contains_key(name));
+    if !object.get("extensions").and_then(Value::as_object).is_some_and(has) {
+        return;
+    }
+    let Some(members) = object.as_object_mut() else { return };
     let Some(extensions) = members.get_mut("extensions").and_then(Value::as_object_mut) else { return };
-    names.into_iter().for_each(|name| extensions.remove(name));
+    names.iter().for_each(|name| extensions.remove(name));
     if extensions.is_empty() {
         members.remove("extensions");
     }
@@ -73,7 +81,7 @@ pub(super) fn declare(root: &mut Members, name: &str) -> Result<(), Error> {
 }
 
 /// Removes an extension from both lists.
-pub(super) fn undeclare(root: &mut Members, name: &str) {
+pub(in crate::gltf) fn undeclare(root: &mut Members, name: &str) {
     for list in ["extensionsUsed", "extensionsRequired"] {
         let names = root.get(list).and_then(Value::as_array).unwrap_or_default();
         if !names.iter().any(|n| n.as_str() == Some(name)) {
