@@ -37,6 +37,7 @@
 //! what the bytes pay for. Primitives with the same indices are decoded once.
 
 mod accessor;
+mod appearance;
 mod budget;
 mod buffer;
 #[cfg(feature = "fs")]
@@ -54,6 +55,7 @@ pub(crate) mod reorder;
 pub(crate) mod scene;
 mod shared_bytes;
 mod spec;
+mod transform;
 mod triangles;
 
 use self::json::{Members, Value};
@@ -62,6 +64,7 @@ use tristrip::Layout;
 use crate::error::Error;
 use crate::model::{Drawing, Model};
 
+pub use appearance::{Appearance, Image, Instance, Material, Texture, Wrap};
 pub use budget::{ATTRIBUTE_LIMIT, GEOMETRY_LIMIT, TRIANGLE_LIMIT, TRIANGLES_PER_PRIMITIVE};
 pub use build::losses;
 pub use document::JSON_VALUE_LIMIT;
