@@ -104,6 +104,8 @@ pub(crate) struct SimplifyTask {
     pub(crate) jobs: Vec<Job>,
     pub(crate) goal: Goal,
     pub(crate) verify: bool,
+    /// The PNG file of the model before and after.
+    pub(crate) picture: Option<PathBuf>,
 }
 
 #[derive(Debug)]
@@ -243,7 +245,10 @@ fn validate(command: Command, papers: &[&str]) -> Result<Task, String> {
             let verify = !args.target.no_verify;
             let output = OutputArgs { target: args.target, layout: Some(Layout::List) };
             let jobs = jobs_of(args.general, &output)?;
-            Task::Simplify(SimplifyTask { jobs, goal, verify })
+            if let Some(path) = &args.picture {
+                check_picture(path, &jobs)?;
+            }
+            Task::Simplify(SimplifyTask { jobs, goal, verify, picture: args.picture })
         }
         Command::Lod(args) => lod_task(*args)?,
         Command::Repro(args) => {
