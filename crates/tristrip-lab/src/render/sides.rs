@@ -53,7 +53,7 @@ impl Differences {
 /// use tristrip_lab::render::{Mode, TexturedModel, compare};
 /// let square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
 /// let before = TexturedModel::new(&read(square.as_bytes(), Format::Obj)?)?;
-/// let torn = TexturedModel::new(&read(square[..42].as_bytes(), Format::Obj)?)?;
+/// let torn = TexturedModel::new(&read(square[..40].as_bytes(), Format::Obj)?)?;
 /// let differences = compare(&before, &torn, Mode::Shaded)?;
 /// assert!(differences.holes > 0 && differences.grown == 0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
