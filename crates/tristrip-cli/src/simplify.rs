@@ -1,8 +1,11 @@
 //! `tristrip simplify`: reduces the number of triangles by half-edge collapses.
 
+use std::path::Path;
+
 use serde::Serialize;
 use tristrip::simplify::Stopped;
-use tristrip_io::Format;
+use tristrip_io::{Format, Model};
+use tristrip_lab::render::{Mode, TexturedModel, rows_of_sides};
 use tristrip_lab::text::table;
 use tristrip_pipeline::text::{count, counted};
 use tristrip_pipeline::{Collapses, Event, SimplifyOptions, SurfaceChange, rounded, simplify_observed};
@@ -12,8 +15,11 @@ use crate::console::Console;
 use crate::failure::Failure;
 use crate::job::Job;
 use crate::output::{self, WriteReport};
-use crate::stage::{Stages, load_job};
+use crate::stage::{Stages, load_job, timed};
 use crate::task::SimplifyTask;
+
+/// The width and height in pixels of each view of a picture.
+const PICTURE_SIZE: u32 = 256;
 
 /// The time of each stage in seconds; `null` for a stage that did not run.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
@@ -67,6 +73,9 @@ struct SimplifyReport {
     warning: Option<String>,
     notes: Vec<String>,
     output: Option<String>,
+    /// The picture of the model before and after, if it was requested.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    picture: Option<String>,
     error: Option<String>,
 }
 
@@ -123,6 +132,10 @@ fn simplify(
         console.stage("verify", "skipped", None);
     }
     report.vertices_after = Some(simplified.redrawn.used);
+    if let Some(path) = &task.picture {
+        draw(path, [&model, &simplified.redrawn.model], console, &mut report.notes)?;
+        report.picture = Some(path.display().to_string());
+    }
     let Some(target) = &job.output else { return Ok(()) };
     let fields = WriteReport {
         write: &mut report.seconds.write,
@@ -132,6 +145,21 @@ fn simplify(
     };
     output::write(target, false, console, fields, |observer| simplified.encode(observer))?;
     report.output = Some(target.name());
+    Ok(())
+}
+
+/// Draws the model before and after, and writes the picture.
+fn draw(path: &Path, models: [&Model; 2], console: &Console, notes: &mut Vec<String>) -> Result<(), Failure> {
+    console.doing("picture");
+    let (drawn, seconds) = timed(|| {
+        let [before, after] = [TexturedModel::new(models[0])?, TexturedModel::new(models[1])?];
+        let picture = rows_of_sides(&[&before, &after], Mode::Textured, PICTURE_SIZE)?;
+        Ok::<_, Failure>((picture, before))
+    });
+    let (picture, before) = drawn?;
+    notes.extend(before.notes().iter().map(|note| format!("picture: {note}")));
+    tristrip_io::replace_file(path, &picture).map_err(|error| Failure::writing(&error))?;
+    console.stage("picture", &format!("{}, before and after from 8 sides", path.display()), Some(seconds));
     Ok(())
 }
 

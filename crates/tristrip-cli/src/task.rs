@@ -106,6 +106,8 @@ pub(crate) struct SimplifyTask {
     pub(crate) goal: Goal,
     pub(crate) weights: AttributeWeights,
     pub(crate) verify: bool,
+    /// The PNG file of the model before and after.
+    pub(crate) picture: Option<PathBuf>,
 }
 
 #[derive(Debug)]
@@ -242,7 +244,11 @@ fn validate(command: Command, papers: &[&str]) -> Result<Task, String> {
             let verify = !args.target.no_verify;
             let output = OutputArgs { target: args.target, layout: Some(Layout::List) };
             let jobs = jobs_of(args.general, &output)?;
-            Task::Simplify(SimplifyTask { jobs, goal, weights: args.weight, verify })
+            if let Some(path) = &args.picture {
+                check_picture(path, &jobs)?;
+            }
+            let (weights, picture) = (args.weight, args.picture);
+            Task::Simplify(SimplifyTask { jobs, goal, weights, verify, picture })
         }
         Command::Lod(args) => lod_task(*args)?,
         Command::Repro(args) => {

@@ -43,6 +43,7 @@
 //! what the bytes pay for. Primitives with the same indices are decoded once.
 
 mod accessor;
+mod appearance;
 mod bounds;
 mod budget;
 mod buffer;
@@ -67,6 +68,7 @@ mod separate;
 mod shared_bytes;
 mod shrink;
 mod spec;
+mod transform;
 mod triangles;
 
 use self::json::{Members, Value};
@@ -75,6 +77,7 @@ use tristrip::Layout;
 use crate::error::Error;
 use crate::model::{Drawing, Model};
 
+pub use appearance::{Appearance, Image, Instance, Material, Texture, Wrap};
 pub use budget::{
     ATTRIBUTE_LIMIT, DECOMPRESSED_LIMIT, GEOMETRY_LIMIT, TRIANGLE_LIMIT, TRIANGLES_PER_PRIMITIVE,
 };

@@ -1,33 +1,54 @@
-//! Pictures of meshes and of strips, as PNG files in memory.
+//! Pictures of meshes, of strips and of whole textured models, as PNG files in memory, and what differs between two models in pictures.
 //!
 //! ```text
-//! positions, strips ─▶ scene: corners in pixels and depth, normals ─▶ raster: bands of rows, nearest sample ─▶ PNG
-//!         └▶ colours: neighbouring strips differ ───────────────┘
+//! positions, strips ─▶ scene: triangles, normals, paint ─▶ camera: pixels and depth ─▶ raster: bands of rows, nearest triangle ─▶ encoding: PNG
+//!         └▶ colours: neighbouring strips differ ──┐                                    │ shader: colour at a point
+//! model ─▶ textured: parts in their places ─▶ surfaces: materials, textures ────────────┘
+//!                └▶ sides: eight cameras around the first of two models ─▶ differences, holes
 //! ```
 //! # Algorithm
-//! 1. The vertices that triangles use are projected along the direction of view, without perspective, and scaled to fill the picture.
-//! 2. A corner has the mean normal of the triangles around its vertex, unless the surface has a crease there; a light from the upper left
-//!    shades both sides.
-//! 3. Each strip gets the colour of a palette that its neighbours do not have (`colours.rs`).
-//! 4. Bands of rows are drawn in parallel, with 4 × 4 samples per pixel and the nearest triangle at each.
+//! 1. A camera projects the vertices: without perspective, scaled to fill the picture, for strips; with perspective, from the eight corners
+//!    of the bounding box, for textured models.
+//! 2. A corner has the normal of the file, or the mean normal of the triangles around its position, unless the surface has a crease there.
+//! 3. Each strip gets the colour of a palette that its neighbours do not have (`colours.rs`). A textured model shows its base colour, its
+//!    normals or its texture coordinates, as the [`Mode`] says.
+//! 4. Bands of rows are drawn in parallel, with 4 × 4 samples per pixel. The nearest triangle of each sample is found first; then the shader
+//!    gives its colour there, with values that are corrected for perspective and textures that are mixed from four pixels.
 //!
-//! Only sums, products, quotients, square roots and `libm` decide, so that a picture has the same bytes on every machine. There is a crate
-//! for software rendering, `euc`, but its published version is years old, and it does not state this.
+//! Only sums, products, quotients, square roots and `libm` decide, and images are decoded without instructions of one architecture, so that a
+//! picture has the same bytes on every machine. There is a crate for software rendering, `euc`, but its published version is years old, and
+//! it does not state this.
 //!
 //! # Complexity
 //! Linear time in triangles and samples, and a test of each triangle per band. 150 bytes per triangle, and about as much again while a part
-//! is added; 20 bytes per sample of the bands that are drawn at the same time.
+//! is added or for texture coordinates and colours; 12 bytes per sample of the bands that are drawn at the same time.
 
+mod camera;
 mod colours;
+mod encoding;
 mod options;
+#[cfg(test)]
+mod oracle;
 mod raster;
 mod scene;
+mod shader;
+mod sides;
+mod surfaces;
+mod texture;
+mod textured;
+mod tones;
+mod vector;
 
 use tristrip::Strips;
 
 use crate::error::Error;
-pub use options::{MAX_SIZE, RenderOptions, View};
-use scene::Scene;
+use camera::Camera;
+use encoding::encode;
+pub use options::{MAX_SIZE, Mode, RenderOptions, View};
+use scene::Facet;
+use shader::Shader;
+pub use sides::{Differences, SIDES, compare, rows_of_sides};
+pub use textured::TexturedModel;
 
 /// Draws strips with one colour per strip; strips that share an edge have different colours. A part is its positions and its strips.
 /// Returns the bytes of a PNG file.
@@ -46,16 +67,17 @@ use scene::Scene;
 /// # Ok::<(), tristrip_lab::Error>(())
 /// ```
 pub fn strips(parts: &[(&[[f32; 3]], &Strips)], options: &RenderOptions) -> Result<Vec<u8>, Error> {
-    let mut scene = Scene::new(options)?;
+    options.check()?;
+    let mut facets = Vec::new();
     for (positions, strips) in parts {
         let colours = colours::of_strips(strips);
         let strips = strips.iter().zip(colours);
         let triangles = strips.flat_map(|(strip, colour)| {
             tristrip::strip_triangles(strip).map(move |triangle| (triangle, colour))
         });
-        scene.add(positions, triangles)?;
+        scene::add_part(&mut facets, positions, triangles)?;
     }
-    encode(&raster::draw(&scene.finish(), options), options)
+    fitted(facets, options)
 }
 
 /// Draws triangles, three indices each, in one colour. A part is its positions and its triangles. Returns the bytes of a PNG file.
@@ -71,30 +93,23 @@ pub fn strips(parts: &[(&[[f32; 3]], &Strips)], options: &RenderOptions) -> Resu
 /// # Ok::<(), tristrip_lab::Error>(())
 /// ```
 pub fn triangles(parts: &[(&[[f32; 3]], &[u32])], options: &RenderOptions) -> Result<Vec<u8>, Error> {
-    let mut scene = Scene::new(options)?;
+    options.check()?;
+    let mut facets = Vec::new();
     for (positions, corners) in parts {
         let (triangles, _) = corners.as_chunks();
-        scene.add(positions, triangles.iter().map(|&triangle| (triangle, colours::PLAIN)))?;
+        let triangles = triangles.iter().map(|&triangle| (triangle, colours::PLAIN));
+        scene::add_part(&mut facets, positions, triangles)?;
     }
-    encode(&raster::draw(&scene.finish(), options), options)
+    fitted(facets, options)
 }
 
-/// Encodes pixels as a PNG file.
-fn encode(pixels: &[[u8; 4]], options: &RenderOptions) -> Result<Vec<u8>, Error> {
-    let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, options.width, options.height);
-    encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-    let (colour, data): (_, Vec<u8>) = match options.background {
-        Some(_) => (png::ColorType::Rgb, pixels.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect()),
-        None => (png::ColorType::Rgba, pixels.as_flattened().to_vec()),
-    };
-    encoder.set_color(colour);
-    let picture = |error: png::EncodingError| Error::Picture(error.to_string());
-    let mut writer = encoder.write_header().map_err(picture)?;
-    writer.write_image_data(&data).map_err(picture)?;
-    writer.finish().map_err(picture)?;
-    Ok(bytes)
+/// Draws triangles as large as the picture allows, and encodes them.
+fn fitted(mut facets: Vec<Facet>, options: &RenderOptions) -> Result<Vec<u8>, Error> {
+    let camera = Camera::fitted(&facets, options)?;
+    for facet in &mut facets {
+        *facet = camera.facet(facet)?;
+    }
+    encode(&raster::draw(&facets, &Shader::plain(&camera), options), options)
 }
 
 #[cfg(test)]

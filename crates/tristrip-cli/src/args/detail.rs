@@ -23,6 +23,7 @@ use crate::values::{ModelName, effort_parser, named};
   tristrip simplify bunny.ply --ratio 5% -o bunny-small.ply
   tristrip simplify bunny.ply --triangles 2000 -o bunny-small.glb
   tristrip simplify scene.glb --error 0.1% -o light.glb   as few as this error allows
+  tristrip simplify duck.glb --ratio 20% --picture before-after.png
   tristrip simplify bunny.ply --ratio 0.05 --error 1% --json")]
 pub(crate) struct SimplifyArgs {
     #[command(flatten)]
@@ -48,6 +49,12 @@ pub(crate) struct SimplifyArgs {
     pub(crate) weight: AttributeWeights,
     #[command(flatten)]
     pub(crate) target: TargetArgs,
+    /// Draw the model before and after in a PNG file, from eight sides
+    ///
+    /// The upper row is the input, the lower row the result, each in eight views of 256 x 256 pixels from beyond the corners of the bounding
+    /// box, with base colours and textures. A scene is drawn as its nodes place it, without animations and joints. One input.
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    pub(crate) picture: Option<PathBuf>,
 }
 
 /// Draw any level of detail with the strips of the full mesh

@@ -1,4 +1,4 @@
-//! `tristrip strip --picture`: the picture, its report, and wrong usage.
+//! `--picture` of `strip` and `simplify`: the picture, its report, and wrong usage.
 
 use std::fs;
 
@@ -55,4 +55,25 @@ fn a_picture_is_a_png_of_one_input() {
     let mut command = tristrip();
     command.args(["strip", "--picture", "/nonexistent/strips.png"]).arg(&fish);
     command.assert().code(1).stderr(contains("/nonexistent/strips.png"));
+}
+
+#[test]
+fn a_simplified_model_is_drawn_below_the_original() {
+    let dir = tempfile::tempdir().unwrap();
+    let picture = |ratio: &str| {
+        let path = dir.path().join("before-after.png");
+        let mut command = tristrip();
+        command
+            .args(["simplify", "--ratio", ratio, "--json", "--picture"])
+            .arg(&path)
+            .arg(model("milktruck.glb"));
+        assert_eq!(json(&mut command)["picture"], path.display().to_string());
+        fs::read(path).unwrap()
+    };
+    let (half, all) = (picture("50%"), picture("100%"));
+    assert_eq!((size(&half), size(&all)), ((2048, 512), (2048, 512)));
+    assert!(half != all);
+    let mut command = tristrip();
+    command.args(["simplify", "--ratio", "50%", "--picture", "a.jpg"]).arg(model("milktruck.glb"));
+    command.assert().code(2).stderr(contains("--picture writes PNG; use the extension .png"));
 }

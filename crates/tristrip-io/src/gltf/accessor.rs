@@ -65,6 +65,8 @@ pub(super) struct AccessorResolver<'a> {
 /// A buffer view whose range has been checked.
 struct BufferView<'a> {
     bytes: &'a [u8],
+    /// The buffer, and the first byte in it.
+    start: (&'a SharedBytes, usize),
     stride: Option<usize>,
 }
 
@@ -99,10 +101,10 @@ impl<'a> AccessorResolver<'a> {
     fn view(&self, view: &Located<'a>) -> Result<BufferView<'a>, Error> {
         let buffer_at = view.need("buffer")?;
         let buffer = buffer_at.size()?;
-        let Some(bytes) = self.buffers.get(buffer) else {
+        let Some(owner) = self.buffers.get(buffer) else {
             return Err(buffer_at.wrong(format!("less than {}, the number of buffers", self.buffers.len())));
         };
-        let bytes = bytes.as_slice();
+        let bytes = owner.as_slice();
         let length_at = view.need("byteLength")?;
         let (offset, length) = (view.size_or("byteOffset", 0)?, length_at.size()?);
         if length == 0 {
@@ -116,13 +118,21 @@ impl<'a> AccessorResolver<'a> {
             },
         };
         match offset.checked_add(length).and_then(|end| bytes.get(offset..end)) {
-            Some(bytes) => Ok(BufferView { bytes, stride }),
+            Some(bytes) => Ok(BufferView { bytes, start: (owner, offset), stride }),
             None => Err(Error::format(
                 view.at.clone(),
                 format!("{length} bytes from byte {offset}"),
                 format!("a range within the {} bytes of buffers[{buffer}]", bytes.len()),
             )),
         }
+    }
+
+    /// Returns the bytes of the buffer view that `reference` is the index of, shared with the buffer.
+    pub(super) fn shared_view(&self, reference: &Located<'a>) -> Result<SharedBytes, Error> {
+        let view = self.view(&reference.target(self.root, "bufferViews")?)?;
+        let (owner, offset) = view.start;
+        let first = owner.range.start + offset;
+        Ok(SharedBytes { owner: owner.owner.clone(), range: first..first + view.bytes.len() })
     }
 
     /// Returns the values of the accessor that `reference` is the index of.

@@ -67,7 +67,7 @@ pub(super) fn load(
     Ok(buffers)
 }
 
-fn decode_data_uri(uri: &Located<'_>, data: &str) -> Result<Vec<u8>, Error> {
+pub(super) fn decode_data_uri(uri: &Located<'_>, data: &str) -> Result<Vec<u8>, Error> {
     let Some((_, text)) = data.split_once(";base64,") else {
         return Err(uri.wrong("a data URI in base64"));
     };
@@ -111,16 +111,16 @@ pub(super) fn view_range(
 
 /// The files of a document, where no file is read.
 #[cfg(not(feature = "fs"))]
-struct BufferFiles;
+pub(super) struct BufferFiles<'a>(std::marker::PhantomData<&'a Path>);
 
 #[cfg(not(feature = "fs"))]
-impl BufferFiles {
-    fn new(_folders: &[&Path]) -> Self {
-        Self
+impl<'a> BufferFiles<'a> {
+    pub(super) fn new(_folders: &'a [&'a Path]) -> Self {
+        Self(std::marker::PhantomData)
     }
 
     #[allow(clippy::unused_self, reason = "called like the one that reads files")]
-    fn load(&self, uri: &Located<'_>) -> Result<Arc<Vec<u8>>, Error> {
+    pub(super) fn load(&mut self, uri: &Located<'_>) -> Result<Arc<Vec<u8>>, Error> {
         Err(uri.wrong("a data URI: this program reads no files"))
     }
 }

@@ -170,7 +170,7 @@ fn inexact_bounds(
         };
         let new = declared.into_iter().filter_map(|(name, bound)| {
             let exact = if name == "min" { &min } else { &max };
-            let found = bound.items().ok()?.map(|x| x.number()).collect::<Option<Vec<f64>>>();
+            let found = bound.items().ok()?.map(|x| x.number().ok()).collect::<Option<Vec<f64>>>();
             (found.as_ref() != Some(exact)).then(|| (name, exact.iter().map(|&x| json_number(x)).collect()))
         });
         let new: Vec<NewBound> = new.collect();

@@ -128,18 +128,27 @@ impl<'a> Located<'a> {
         whole(self.value).ok_or_else(|| self.wrong("a whole number"))
     }
 
-    /// Returns the value as any number.
-    pub(super) fn number(&self) -> Option<f64> {
-        match &self.value.content {
-            Content::Whole(number) => Some(*number as f64),
-            Content::Number(text) => text.parse().ok(),
-            _ => None,
-        }
-    }
-
     /// Returns the value as a size or an index.
     pub(super) fn size(&self) -> Result<usize, Error> {
         usize::try_from(self.whole()?).map_err(|_| self.wrong("a smaller number"))
+    }
+
+    /// Returns the value as a finite number.
+    pub(super) fn number(&self) -> Result<f64, Error> {
+        let found = match &self.value.content {
+            Content::Whole(number) => Some(*number as f64),
+            Content::Number(text) => text.parse().ok(),
+            _ => None,
+        };
+        found.filter(|x| x.is_finite()).ok_or_else(|| self.wrong("a finite number"))
+    }
+
+    /// Returns the entries of an array of `N` finite numbers.
+    pub(super) fn numbers<const N: usize>(&self) -> Result<[f64; N], Error> {
+        let items = self.items()?.map(|item| item.number()).collect::<Result<Vec<_>, _>>()?;
+        let found = items.len();
+        let wrong = |_| Error::format(self.at.clone(), format!("{found} numbers"), format!("{N}"));
+        items.try_into().map_err(wrong)
     }
 
     /// Returns the value as text.

@@ -107,7 +107,8 @@ fn read_document(
     let PrimitiveReader { counts, triangles, primitives, .. } = reader;
     counts.add_notes(triangles.counts, root, &mut notes);
     note_document(root, &mut notes)?;
-    Ok(Model { parts, notes, scene: Some(Scene { document, buffers, primitives }) })
+    let folders = folders.iter().map(|folder| folder.to_path_buf()).collect();
+    Ok(Model { parts, notes, scene: Some(Scene { document, buffers, primitives, folders }) })
 }
 
 struct PrimitiveReader<'a> {

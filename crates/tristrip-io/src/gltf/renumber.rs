@@ -241,7 +241,8 @@ pub(crate) fn apply(
             }
         }
     }
-    let permuted = Scene { buffers: permuted.finish(), primitives, document: scene.document.clone() };
+    let (document, folders) = (scene.document.clone(), scene.folders.clone());
+    let permuted = Scene { buffers: permuted.finish(), primitives, document, folders };
     shrink.apply(permuted)
 }
 

@@ -1,5 +1,7 @@
 //! The glTF document around the parts of a model, kept as it was read.
 
+use std::path::PathBuf;
+
 use super::json::Value;
 
 use super::document::{Document, array, items, whole};
@@ -16,6 +18,8 @@ pub struct Scene {
     pub(super) buffers: Vec<SharedBytes>,
     /// The primitive of each part of the model, in order.
     pub(super) primitives: Vec<PrimitiveRef>,
+    /// The folders in which the files of the document are looked for.
+    pub(super) folders: Vec<PathBuf>,
 }
 
 /// The primitive of the document that a part was read from.

@@ -1,5 +1,7 @@
 //! How a picture is drawn: its size, the direction of view and the background.
 
+use crate::error::Error;
+
 /// The greatest width and height in pixels.
 pub const MAX_SIZE: u32 = 8192;
 
@@ -15,6 +17,39 @@ pub struct RenderOptions {
     pub view: View,
     /// The colour of the background, in sRGB; `None` for a transparent one.
     pub background: Option<[u8; 3]>,
+}
+
+/// What the colours of a model show.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Mode {
+    /// The base colour, with its texture and the colours of vertices, in light from the eye.
+    Textured,
+    /// The normals, mixed between the vertices: x, y and z from -1 to 1 as red, green and blue.
+    Normals,
+    /// The texture coordinates: u as red and v as green, mirrored outside 0 to 1.
+    Uv,
+    /// Grey, in light from the upper left.
+    Shaded,
+}
+
+impl Mode {
+    /// All modes.
+    pub const ALL: [Self; 4] = [Self::Textured, Self::Normals, Self::Uv, Self::Shaded];
+
+    /// Returns the name in reports: `textured`, `normals`, `uv` or `shaded`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Textured => "textured",
+            Self::Normals => "normals",
+            Self::Uv => "uv",
+            Self::Shaded => "shaded",
+        }
+    }
+
+    /// Whether colours are light, not values.
+    pub(super) fn is_lit(self) -> bool {
+        matches!(self, Self::Textured | Self::Shaded)
+    }
 }
 
 /// The direction from which a model is seen.
@@ -39,6 +74,17 @@ impl Default for RenderOptions {
 }
 
 impl RenderOptions {
+    /// Checks the size.
+    pub(super) fn check(&self) -> Result<(), Error> {
+        for size in [self.width, self.height] {
+            if !(1..=MAX_SIZE).contains(&size) {
+                let expected = format!("expected 1 to {MAX_SIZE} pixels");
+                return Err(Error::Picture(format!("size: found {size}, {expected}")));
+            }
+        }
+        Ok(())
+    }
+
     /// Sets the size in pixels.
     #[must_use]
     pub fn with_size(self, width: u32, height: u32) -> Self {

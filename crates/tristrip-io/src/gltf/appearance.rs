@@ -1,0 +1,436 @@
+//! What a scene shows: where its nodes put each part, and the base colours of its materials, for pictures.
+//!
+//! ```text
+//! scene ─▶ nodes ─▶ mesh ─▶ primitives that became parts: one instance each, with the product of the nodes' transforms
+//! part ─▶ material ─▶ base colour factor, texture ─▶ sampler: wrapping
+//!                                                 └▶ image ─▶ buffer view, data URI or file
+//! ```
+//! The pose is that of the file: animations, joints and weights of morph targets are not applied. As the specification requires, the
+//! transform of a node with a skin is ignored. Images are found, not decoded.
+//!
+//! # Complexity
+//! Linear in nodes, instances and materials; an image in a buffer is shared, not copied.
+
+use std::path::Path;
+
+use super::accessor::AccessorResolver;
+#[cfg(not(feature = "fs"))]
+use super::buffer::BufferFiles;
+use super::buffer::decode_data_uri;
+#[cfg(feature = "fs")]
+use super::buffer_files::BufferFiles;
+use super::document::{Located, array};
+use super::json::Members;
+use super::scene::Scene;
+use super::shared_bytes::{SharedBytes, whole_of};
+use super::transform::{Transform, of_node};
+use crate::error::Error;
+
+/// The extension that moves texture coordinates.
+const TEXTURE_TRANSFORM: &str = "KHR_texture_transform";
+
+/// What a scene shows.
+#[derive(Debug, Clone, Default)]
+#[non_exhaustive]
+pub struct Appearance {
+    /// The parts in the places where the scene shows them, in the order of its nodes. A scene without meshes shows each part once.
+    pub instances: Vec<Instance>,
+    /// The material of each part, in the order of the parts.
+    pub materials: Vec<Material>,
+    /// The images that the materials use, each once.
+    pub images: Vec<Image>,
+    /// What is not shown as the file has it, in words.
+    pub notes: Vec<String>,
+}
+
+/// A part in a place of the scene.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Instance {
+    /// The number of the part.
+    pub part: usize,
+    /// The rows of the affine transform from the part to the scene: three columns of the linear map, then the translation.
+    pub transform: [[f64; 4]; 3],
+}
+
+/// The base colour of a material. The default is white without a texture.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Material {
+    /// Red, green and blue in linear light, and alpha.
+    pub base_colour: [f32; 4],
+    /// The texture that the base colour is multiplied by.
+    pub texture: Option<Texture>,
+}
+
+impl Default for Material {
+    fn default() -> Self {
+        Self { base_colour: [1.0; 4], texture: None }
+    }
+}
+
+/// A texture of a material.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Texture {
+    /// The index in [`Appearance::images`].
+    pub image: usize,
+    /// The number of the texture coordinates: 0 for `TEXCOORD_0`.
+    pub coordinates: u32,
+    /// What happens outside 0 to 1, in u and v.
+    pub wrap: [Wrap; 2],
+}
+
+/// What a texture shows outside the coordinates 0 to 1.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Wrap {
+    /// The image again.
+    #[default]
+    Repeat,
+    /// The image again, every other time mirrored.
+    Mirror,
+    /// The pixels of its border.
+    Clamp,
+}
+
+/// An image as the file has it: PNG or JPEG.
+#[derive(Debug, Clone)]
+pub struct Image {
+    /// Where the document has it, for messages: `images[3]`.
+    pub at: String,
+    bytes: SharedBytes,
+}
+
+impl Image {
+    /// Returns the encoded bytes.
+    pub fn bytes(&self) -> &[u8] {
+        self.bytes.as_slice()
+    }
+}
+
+impl Scene {
+    /// Returns the parts in their places, with their materials and images.
+    ///
+    /// An image file that cannot be read is noted, and its materials have no texture.
+    ///
+    /// # Errors
+    /// The nodes, materials, textures or images that the scene uses are not valid glTF 2.0.
+    ///
+    /// ```
+    /// let json = br#"{"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"translation":[1,2,3]}]}"#;
+    /// let model = tristrip_io::gltf::read(json.to_vec(), None)?;
+    /// let appearance = model.scene.unwrap_or_default().appearance()?;
+    /// assert!(appearance.instances.is_empty() && appearance.images.is_empty());
+    /// # Ok::<(), tristrip_io::Error>(())
+    /// ```
+    pub fn appearance(&self) -> Result<Appearance, Error> {
+        let instances = self.instances()?;
+        let folders: Vec<&Path> = self.folders.iter().map(std::path::PathBuf::as_path).collect();
+        let root = &self.document.root;
+        let mut reader = MaterialReader {
+            resolver: AccessorResolver { root, buffers: &self.buffers },
+            files: BufferFiles::new(&folders),
+            images: Vec::new(),
+            known_images: vec![KnownImage::NotLookedFor; array(root, "images")?.len()],
+            moved: 0,
+            notes: Vec::new(),
+        };
+        let known = Located::entries(root, "materials")?.map(|material| reader.material(&material));
+        let known = known.collect::<Result<Vec<Material>, Error>>()?;
+        let materials = self.materials(&known)?;
+        let MaterialReader { images, moved, mut notes, .. } = reader;
+        if moved > 0 {
+            notes.push(format!("textures whose {TEXTURE_TRANSFORM} is not applied: {moved}"));
+        }
+        Ok(Appearance { instances, materials, images, notes })
+    }
+
+    /// Returns the material of each part.
+    fn materials(&self, known: &[Material]) -> Result<Vec<Material>, Error> {
+        let root = &self.document.root;
+        let mut materials = Vec::with_capacity(self.primitives.len());
+        let meshes: Vec<Located<'_>> = Located::entries(root, "meshes")?.collect();
+        for source in &self.primitives {
+            let primitive = meshes.get(source.mesh).and_then(|mesh| {
+                let value = mesh.value.get("primitives")?.as_array()?.get(source.primitive)?;
+                Some(Located { value, at: format!("{}.primitives[{}]", mesh.at, source.primitive) })
+            });
+            let material = match primitive.and_then(|primitive| primitive.field("material")) {
+                None => Material::default(),
+                Some(material) => known.get(material.size()?).copied().ok_or_else(|| {
+                    material.wrong(format!("less than {}, the number of materials", known.len()))
+                })?,
+            };
+            materials.push(material);
+        }
+        Ok(materials)
+    }
+
+    /// Returns the parts that the nodes of the scene show.
+    fn instances(&self) -> Result<Vec<Instance>, Error> {
+        let root = &self.document.root;
+        let nodes: Vec<Located<'_>> = Located::entries(root, "nodes")?.collect();
+        // 1. The parts of each mesh; they stand in the order of the meshes.
+        let mut parts_of = vec![0..0; array(root, "meshes")?.len()];
+        for (part, source) in self.primitives.iter().enumerate() {
+            if let Some(parts) = parts_of.get_mut(source.mesh) {
+                let first = if parts.start == parts.end { part } else { parts.start };
+                *parts = first..part + 1;
+            }
+        }
+        // 2. The nodes from the roots of the scene down.
+        let mut open: Vec<(usize, Transform)> = roots(root, nodes.len())?;
+        open.reverse();
+        let mut seen = vec![false; nodes.len()];
+        let mut instances = Vec::new();
+        while let Some((number, above)) = open.pop() {
+            let node = &nodes[number];
+            if std::mem::replace(&mut seen[number], true) {
+                return Err(Error::format(node.at.clone(), "a node with two parents", "a tree"));
+            }
+            let transform = above.of(&of_node(node)?);
+            if let Some(mesh) = node.field("mesh") {
+                let count = parts_of.len();
+                let parts = parts_of.get(mesh.size()?);
+                let parts =
+                    parts.ok_or_else(|| mesh.wrong(format!("less than {count}, the number of meshes")))?;
+                let skinned = node.field("skin").is_some();
+                let shown = if skinned { Transform::IDENTITY } else { transform };
+                instances.extend(parts.clone().map(|part| Instance { part, transform: shown.rows() }));
+            }
+            if let Some(children) = node.field("children") {
+                let children = children.items()?.map(|child| child.size()).collect::<Result<Vec<_>, _>>()?;
+                open.extend(children.into_iter().rev().map(|child| (child, transform)));
+            }
+        }
+        // 3. A document without such nodes is a library of meshes.
+        if instances.is_empty() {
+            let transform = Transform::IDENTITY.rows();
+            instances = (0..self.primitives.len()).map(|part| Instance { part, transform }).collect();
+        }
+        Ok(instances)
+    }
+}
+
+/// Returns the roots of the scene that the document shows first; without scenes, the nodes that are no children.
+fn roots(root: &Members, node_count: usize) -> Result<Vec<(usize, Transform)>, Error> {
+    let scenes: Vec<Located<'_>> = Located::entries(root, "scenes")?.collect();
+    let shown = match Located::root(root, "scene") {
+        Ok(shown) => Some(shown.target(root, "scenes")?),
+        Err(_) => scenes.into_iter().next(),
+    };
+    let mut numbers = Vec::new();
+    if let Some(scene) = shown {
+        let listed = scene.field("nodes").map(|nodes| nodes.items()).transpose()?;
+        for node in listed.into_iter().flatten() {
+            match node.size()? {
+                number if number < node_count => numbers.push(number),
+                _ => return Err(node.wrong(format!("less than {node_count}, the number of nodes"))),
+            }
+        }
+    } else {
+        let mut is_child = vec![false; node_count];
+        for node in Located::entries(root, "nodes")? {
+            let children = node.field("children").map(|children| children.items()).transpose()?;
+            for child in children.into_iter().flatten() {
+                if let Some(is_child) = is_child.get_mut(child.size()?) {
+                    *is_child = true;
+                }
+            }
+        }
+        numbers.extend((0..node_count).filter(|&node| !is_child[node]));
+    }
+    Ok(numbers.into_iter().map(|node| (node, Transform::IDENTITY)).collect())
+}
+
+/// What is known of an image of the document.
+#[derive(Debug, Clone, Copy)]
+enum KnownImage {
+    NotLookedFor,
+    Unreadable,
+    /// The index in the images that were found.
+    Found(usize),
+}
+
+/// Reads materials, and finds their images.
+struct MaterialReader<'a> {
+    resolver: AccessorResolver<'a>,
+    files: BufferFiles<'a>,
+    images: Vec<Image>,
+    /// What is known of each image of the document.
+    known_images: Vec<KnownImage>,
+    /// Textures with a transform.
+    moved: usize,
+    notes: Vec<String>,
+}
+
+impl<'a> MaterialReader<'a> {
+    fn material(&mut self, material: &Located<'a>) -> Result<Material, Error> {
+        let mut read = Material::default();
+        let Some(base) = material.field("pbrMetallicRoughness") else { return Ok(read) };
+        if let Some(factor) = base.field("baseColorFactor") {
+            read.base_colour = factor.numbers()?.map(|x| x as f32);
+        }
+        if let Some(texture) = base.field("baseColorTexture") {
+            read.texture = self.texture(&texture)?;
+        }
+        Ok(read)
+    }
+
+    fn texture(&mut self, info: &Located<'a>) -> Result<Option<Texture>, Error> {
+        let root = self.resolver.root;
+        if info.field("extensions").is_some_and(|all| all.field(TEXTURE_TRANSFORM).is_some()) {
+            self.moved += 1;
+        }
+        let at = info.field("texCoord");
+        let coordinates = at.map_or(Ok(0), |at| {
+            u32::try_from(at.whole()?).map_err(|_| at.wrong("the number of texture coordinates"))
+        })?;
+        let texture = info.need("index")?.target(root, "textures")?;
+        let mut wrap = [Wrap::Repeat; 2];
+        if let Some(sampler) = texture.field("sampler") {
+            let sampler = sampler.target(root, "samplers")?;
+            for (name, wrap) in ["wrapS", "wrapT"].into_iter().zip(&mut wrap) {
+                let Some(code) = sampler.field(name) else { continue };
+                *wrap = match code.whole()? {
+                    10497 => Wrap::Repeat,
+                    33648 => Wrap::Mirror,
+                    33071 => Wrap::Clamp,
+                    _ => return Err(code.wrong("10497, 33648 or 33071")),
+                };
+            }
+        }
+        // An extension may name an image in another format instead.
+        let Some(source) = texture.field("source") else {
+            self.notes.push(format!("{}: no PNG or JPEG image; drawn without it", texture.at));
+            return Ok(None);
+        };
+        let image = self.image(&source)?;
+        Ok(image.map(|image| Texture { image, coordinates, wrap }))
+    }
+
+    /// Finds an image, once for all textures that use it.
+    fn image(&mut self, source: &Located<'a>) -> Result<Option<usize>, Error> {
+        let image = source.target(self.resolver.root, "images")?;
+        let number = source.size()?;
+        match self.known_images[number] {
+            KnownImage::NotLookedFor => {}
+            KnownImage::Unreadable => return Ok(None),
+            KnownImage::Found(known) => return Ok(Some(known)),
+        }
+        let found = match (image.field("bufferView"), image.field("uri")) {
+            (Some(view), _) => Some(self.resolver.shared_view(&view)?),
+            (None, Some(uri)) => self.at_uri(&uri)?,
+            (None, None) => return Err(Error::format(image.at, "nothing", "a `bufferView` or `uri`")),
+        };
+        let found = found.map(|bytes| {
+            self.images.push(Image { at: image.at, bytes });
+            self.images.len() - 1
+        });
+        self.known_images[number] = found.map_or(KnownImage::Unreadable, KnownImage::Found);
+        Ok(found)
+    }
+
+    /// Returns the bytes at a URI; a file that cannot be read is noted.
+    fn at_uri(&mut self, uri: &Located<'a>) -> Result<Option<SharedBytes>, Error> {
+        let owner = match uri.text()?.strip_prefix("data:") {
+            Some(data) => std::sync::Arc::new(decode_data_uri(uri, data)?),
+            None => match self.files.load(uri) {
+                Ok(bytes) => bytes,
+                Err(error) => {
+                    self.notes.push(format!("drawn without an image: {error}"));
+                    return Ok(None);
+                }
+            },
+        };
+        let (owner, range) = whole_of(owner);
+        Ok(Some(SharedBytes { owner, range }))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Returns the appearance of a document with a triangle in mesh 0 and these further members.
+    fn appearance(members: &str) -> Result<Appearance, Error> {
+        let json = format!(
+            r#"{{"asset":{{"version":"2.0"}},
+            "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}},"material":0}},{{"attributes":{{"POSITION":0}}}}]}}],
+            "accessors":[{{"componentType":5126,"count":3,"type":"VEC3"}}],{members}}}"#
+        );
+        crate::gltf::read(json.into_bytes(), None)?.scene.unwrap_or_default().appearance()
+    }
+
+    const MATERIAL: &str = r#""materials":[{"pbrMetallicRoughness":{"baseColorFactor":[0.5,1,0,1],
+        "baseColorTexture":{"index":0,"texCoord":1}}}]"#;
+
+    #[test]
+    fn transforms_of_nodes_are_multiplied_from_the_root_down() {
+        let nodes = r#""nodes":[{"children":[1],"translation":[10,20,30]},
+            {"mesh":0,"rotation":[0,0,0.7071067811865476,0.7071067811865476],"scale":[2,3,4]},
+            {"mesh":0,"skin":0,"scale":[9,9,9]},{"mesh":0,"matrix":[1,2,3,0,4,5,6,0,7,8,9,0,10,11,12,1]},{"mesh":0}]"#;
+        let found =
+            |scene: &str| appearance(&format!(r#"{scene}{nodes},"materials":[{{}}]"#)).unwrap().instances;
+        let all = found("");
+        assert_eq!(all.iter().map(|instance| instance.part).collect::<Vec<_>>(), [0, 1, 0, 1, 0, 1, 0, 1]);
+        // A quarter turn around z takes x, doubled, to y.
+        let expected = [[0.0, -3.0, 0.0, 10.0], [2.0, 0.0, 0.0, 20.0], [0.0, 0.0, 4.0, 30.0]];
+        for (found, expected) in all[0].transform.iter().flatten().zip(expected.iter().flatten()) {
+            assert!((found - expected).abs() < 1e-12, "{all:?}");
+        }
+        assert_eq!(all[2].transform, Transform::IDENTITY.rows());
+        let matrix = [[1.0, 4.0, 7.0, 10.0], [2.0, 5.0, 8.0, 11.0], [3.0, 6.0, 9.0, 12.0]];
+        assert_eq!(all[4].transform, matrix);
+        let listed = found(r#""scene":1,"scenes":[{"nodes":[0]},{"nodes":[4]}],"#);
+        assert_eq!(listed.len(), 2);
+        // Nodes without meshes: the document is a library.
+        assert_eq!(found(r#""scenes":[{}],"#).len(), 2);
+    }
+
+    #[test]
+    fn materials_have_factors_textures_and_images() {
+        let textures = r#""textures":[{"source":1,"sampler":0}],"samplers":[{"wrapS":33071,"wrapT":33648}],
+            "images":[{"uri":"data:image/png;base64,AA=="},{"uri":"data:image/png;base64,AQID"}]"#;
+        let found = appearance(&format!("{MATERIAL},{textures}")).unwrap();
+        let texture = Texture { image: 0, coordinates: 1, wrap: [Wrap::Clamp, Wrap::Mirror] };
+        assert_eq!(
+            found.materials[0],
+            Material { base_colour: [0.5, 1.0, 0.0, 1.0], texture: Some(texture) }
+        );
+        assert_eq!(found.materials[1], Material::default());
+        assert_eq!(
+            (found.images.len(), found.images[0].bytes(), &*found.images[0].at),
+            (1, &[1, 2, 3][..], "images[1]")
+        );
+    }
+
+    #[test]
+    fn an_image_file_that_is_not_there_is_noted_and_wrong_documents_are_refused() {
+        let with = |members: &str| appearance(&format!("{MATERIAL},{members}"));
+        let found = with(r#""textures":[{"source":0}],"images":[{"uri":"none.png"}]"#).unwrap();
+        assert_eq!((found.materials[0].texture, found.images.len(), found.notes.len()), (None, 0, 1));
+        assert!(found.notes[0].starts_with("drawn without an image: images[0].uri: "), "{:?}", found.notes);
+        for (members, message) in [
+            (
+                r#""textures":[{"source":0}],"images":[{}]"#,
+                "images[0]: found nothing, expected a `bufferView` or `uri`",
+            ),
+            (r#""textures":[{"source":1}],"images":[{}]"#, "less than 1, the number of images"),
+            (
+                r#""textures":[{"source":0}],"images":[{"bufferView":0}]"#,
+                "less than 0, the number of bufferViews",
+            ),
+            (
+                r#""textures":[{"sampler":0}],"samplers":[{"wrapS":1}]"#,
+                "samplers[0].wrapS: found 1, expected 10497",
+            ),
+            (r#""nodes":[{"mesh":2}],"textures":[{}]"#, "nodes[0].mesh: found 2, expected less than 1"),
+            (r#""nodes":[{"matrix":[1]}],"textures":[{}]"#, "nodes[0].matrix: found 1 numbers, expected 16"),
+            (
+                r#""scenes":[{"nodes":[0,1]}],"nodes":[{"children":[1]},{}],"textures":[{}]"#,
+                "nodes[1]: found a node with two parents, expected a tree",
+            ),
+        ] {
+            let error = with(members).unwrap_err().to_string();
+            assert!(error.contains(message), "{error}");
+        }
+    }
+}

@@ -1,0 +1,222 @@
+//! Whole models: the parts in their places, with normals, texture coordinates, colours and textures.
+
+use tristrip::{Attribute, AttributeData, Mesh};
+use tristrip_io::Model;
+use tristrip_io::gltf::{Appearance, Instance, Material};
+
+use super::camera::Camera;
+use super::colours::PLAIN;
+use super::options::{Mode, RenderOptions};
+use super::raster;
+use super::scene::{Facet, Paint, corner_normals, normal, position};
+use super::shader::Shader;
+use super::surfaces::{Corners, Surfaces};
+use super::tones::Tones;
+use super::vector::{Vector, cross, dot, unit};
+use crate::error::Error;
+
+/// How often the triangles of a model may be drawn on average, and how many triangles are always allowed.
+const MAX_COPIES: usize = 16;
+const FREE_TRIANGLES: usize = 1 << 20;
+
+/// The rows of an affine transform.
+type Transform = [[f64; 4]; 3];
+
+/// A model that is ready to be drawn: its triangles in the axes of its scene, and its textures.
+#[derive(Debug)]
+pub struct TexturedModel {
+    facets: Vec<Facet>,
+    surfaces: Surfaces,
+    low: Vector,
+    high: Vector,
+    notes: Vec<String>,
+}
+
+impl TexturedModel {
+    /// Places the parts of a model as its scene does, and decodes its textures. Polygons are drawn as fans around their first corner.
+    ///
+    /// The pose is that of [`Appearance`]; every material is opaque. Models without a scene are grey.
+    ///
+    /// # Errors
+    /// The scene is not valid, an image is not PNG or JPEG or is too large, a coordinate is not finite, or the scene repeats its parts too
+    /// often.
+    ///
+    /// ```
+    /// use tristrip_io::{Format, read};
+    /// use tristrip_lab::render::{Mode, TexturedModel, compare};
+    /// let model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Format::Obj)?;
+    /// let model = TexturedModel::new(&model)?;
+    /// assert_eq!(compare(&model, &model, Mode::Shaded)?.different, 0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn new(model: &Model) -> Result<Self, Error> {
+        let appearance = match &model.scene {
+            Some(scene) => scene.appearance().map_err(|error| Error::Picture(error.to_string()))?,
+            None => without_scene(model),
+        };
+        let surfaces = Surfaces::of(&appearance)?;
+        check_count(model, &appearance.instances)?;
+        let (low, high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        let mut textured = Self { facets: Vec::new(), surfaces, low, high, notes: appearance.notes };
+        for instance in &appearance.instances {
+            let Some(part) = model.parts.get(instance.part) else { continue };
+            let texture = appearance.materials.get(instance.part).and_then(|material| material.texture);
+            let coordinates = format!("TEXCOORD_{}", texture.map_or(0, |texture| texture.coordinates));
+            textured.add(&part.mesh, instance, &coordinates)?;
+        }
+        for corner in textured.facets.iter().flat_map(|facet| facet.corners) {
+            for axis in 0..3 {
+                textured.low[axis] = textured.low[axis].min(corner[axis]);
+                textured.high[axis] = textured.high[axis].max(corner[axis]);
+            }
+        }
+        Ok(textured)
+    }
+
+    /// Returns what is not drawn as the file has it, in words.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    /// Returns the number of triangles that are drawn; a part counts in each place where the scene shows it. Those without area are not drawn.
+    pub fn triangle_count(&self) -> usize {
+        self.facets.len()
+    }
+
+    /// Returns the camera with perspective that the bounding box fills; `None` without triangles.
+    pub(super) fn camera(&self, options: &RenderOptions) -> Result<Option<Camera>, Error> {
+        if self.facets.is_empty() {
+            return Ok(None);
+        }
+        Camera::around(self.low, self.high, options).map(Some)
+    }
+
+    /// Draws the model as a camera sees it, in rows of pixels as [`raster::draw`] does.
+    pub(super) fn seen(
+        &self,
+        camera: &Camera,
+        mode: Mode,
+        options: &RenderOptions,
+    ) -> Result<Vec<[u8; 4]>, Error> {
+        let facets = self.facets.iter().map(|facet| camera.facet(facet)).collect::<Result<Vec<_>, _>>()?;
+        Ok(raster::draw(&facets, &Shader::textured(camera, &self.surfaces, mode), options))
+    }
+
+    /// Adds a part in a place.
+    fn add(&mut self, mesh: &Mesh, instance: &Instance, coordinates: &str) -> Result<(), Error> {
+        let moved = Placement::of(&instance.transform);
+        let attribute = |name: &str| mesh.attributes().iter().find(|attribute| attribute.name == name);
+        let (normals, coordinates, colours) =
+            (attribute("NORMAL"), attribute(coordinates), attribute("COLOR_0"));
+        let corners = mesh.faces().fans();
+        let (triangles, _) = corners.as_chunks::<3>();
+        let mut placed = Vec::with_capacity(triangles.len());
+        for triangle in triangles {
+            let mut found = [Vector::default(); 3];
+            for (corner, &vertex) in found.iter_mut().zip(triangle) {
+                *corner = moved.point(position(mesh.positions(), vertex)?)?;
+            }
+            placed.push(found);
+        }
+        let smooth = match normals {
+            Some(_) => placed.iter().map(|&corners| unit(normal(corners)).map(|flat| [flat; 3])).collect(),
+            None => corner_normals(&placed),
+        };
+        for ((triangle, corners), fallback) in triangles.iter().zip(placed).zip(smooth) {
+            let Some(fallback) = fallback else { continue };
+            let number = self.surfaces.push(Corners {
+                coordinates: triangle.map(|vertex| coordinates.map_or([0.0; 2], |all| values(all, vertex))),
+                colours: triangle.map(|vertex| colours.map_or([1.0; 3], |all| values(all, vertex))),
+                material: instance.part as u32,
+            });
+            let mut facet = Facet { corners, normals: fallback, paint: Paint::Corners(number) };
+            for (corner, &vertex) in facet.normals.iter_mut().zip(triangle) {
+                let of_file =
+                    normals.and_then(|normals| moved.normal(values(normals, vertex).map(f64::from)));
+                *corner = of_file.unwrap_or(*corner);
+            }
+            self.facets.push(facet);
+        }
+        Ok(())
+    }
+}
+
+/// Shows each part once, grey.
+fn without_scene(model: &Model) -> Appearance {
+    let transform = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
+    let [red, green, blue] = Tones::new().linear(PLAIN);
+    let grey = Material { base_colour: [red, green, blue, 1.0], texture: None };
+    let mut appearance = Appearance::default();
+    appearance.instances = (0..model.parts.len()).map(|part| Instance { part, transform }).collect();
+    appearance.materials = vec![grey; model.parts.len()];
+    appearance
+}
+
+/// Checks that a scene does not repeat its parts more often than the file pays for.
+fn check_count(model: &Model, instances: &[Instance]) -> Result<(), Error> {
+    let count = |part: usize| model.parts.get(part).map_or(0, |part| part.mesh.faces().triangle_count());
+    let stored: usize = (0..model.parts.len()).map(count).sum();
+    let limit = stored.saturating_mul(MAX_COPIES).saturating_add(FREE_TRIANGLES);
+    let mut drawn = 0_usize;
+    for instance in instances {
+        drawn = drawn.saturating_add(count(instance.part));
+        if drawn > limit {
+            return Err(Error::Picture(format!(
+                "scene: found more than {limit} triangles to draw, expected at most {MAX_COPIES} for each of {stored} triangles, and {FREE_TRIANGLES}"
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// Where a part stands.
+struct Placement {
+    rows: Transform,
+    /// The rows of the linear map of normals: the cofactors, which are the transposed inverse times the determinant.
+    of_normals: [Vector; 3],
+}
+
+impl Placement {
+    fn of(rows: &Transform) -> Self {
+        let [a, b, c] = rows.map(|[x, y, z, _]| [x, y, z]);
+        let cofactors = [cross(b, c), cross(c, a), cross(a, b)];
+        let sign = if dot(a, cofactors[0]) < 0.0 { -1.0 } else { 1.0 };
+        Self { rows: *rows, of_normals: cofactors.map(|row| row.map(|x| sign * x)) }
+    }
+
+    fn point(&self, point: Vector) -> Result<Vector, Error> {
+        let moved = self.rows.map(|[x, y, z, offset]| dot([x, y, z], point) + offset);
+        if moved.iter().all(|x| x.is_finite()) {
+            return Ok(moved);
+        }
+        Err(Error::Picture(format!("scene: found a vertex at {moved:?}, expected finite coordinates")))
+    }
+
+    fn normal(&self, normal: Vector) -> Option<Vector> {
+        unit(self.of_normals.map(|row| dot(row, normal)))
+    }
+}
+
+/// Returns the first values of a vertex as floats, integers as fractions of their range where the attribute says so; zeros where it has
+/// fewer.
+fn values<const N: usize>(attribute: &Attribute, vertex: u32) -> [f32; N] {
+    let components = usize::from(attribute.components);
+    std::array::from_fn(|i| {
+        let at = vertex as usize * components + i;
+        if i < components { value(attribute, at).unwrap_or_default() } else { 0.0 }
+    })
+}
+
+fn value(attribute: &Attribute, at: usize) -> Option<f32> {
+    let (value, range) = match &attribute.data {
+        AttributeData::F32(all) => return all.get(at).copied(),
+        AttributeData::F64(all) => return Some(*all.get(at)? as f32),
+        AttributeData::U8(all) => (f64::from(*all.get(at)?), f64::from(u8::MAX)),
+        AttributeData::I8(all) => (f64::from(*all.get(at)?), f64::from(i8::MAX)),
+        AttributeData::U16(all) => (f64::from(*all.get(at)?), f64::from(u16::MAX)),
+        AttributeData::I16(all) => (f64::from(*all.get(at)?), f64::from(i16::MAX)),
+        AttributeData::U32(all) => (f64::from(*all.get(at)?), f64::from(u32::MAX)),
+        AttributeData::I32(all) => (f64::from(*all.get(at)?), f64::from(i32::MAX)),
+    };
+    Some(if attribute.normalized { (value / range).max(-1.0) as f32 } else { value as f32 })
+}
