@@ -10,7 +10,8 @@
 //! Cignoni, Rocchini, Scopigno: *Metro: Measuring Error on Simplified Surfaces*, 1998.
 //!
 //! # Complexity
-//! O((n + p) log n) time for n triangles and p points where triangles are of similar size, as on scans and models; O(n p) where all overlap.
+//! O((n + p) log n) time for n triangles and p points where triangles are of similar size, as on scans and models. Where the boxes of many
+//! overlap, a search visits them all: fewer points are compared then, so that the boxes visited stay within a bound ([`MOST_VISITS`]).
 
 mod side;
 
@@ -20,6 +21,11 @@ use tristrip::random::Random;
 use crate::error::Error;
 use crate::parts::map;
 use side::{Attributes, Side};
+
+/// The number of boxes of triangles that the searches on one surface may visit, by estimate.
+const MOST_VISITS: f64 = 2e7;
+/// The boxes that a search visits at least, by estimate.
+const FEWEST_VISITS: f64 = 100.0;
 
 /// A surface before and after a change: triangles over the vertices of one mesh.
 #[derive(Debug, Clone, Copy)]
@@ -127,6 +133,7 @@ fn compare(surface: &ChangedSurface<'_>, sides: &[Side; 2], points: [f64; 2], se
         };
     }
     let trees = [before.tree(), after.tree()];
+    let points = [0, 1].map(|k| affordable(points[k], sides[k].crowd(&trees[1 - k])));
     let attributes = Attributes::new(surface.mesh);
     let mut random = Random::new(seed);
     for k in 0..2 {
@@ -160,6 +167,11 @@ fn compare(surface: &ChangedSurface<'_>, sides: &[Side; 2], points: [f64; 2], se
         }
     }
     sums
+}
+
+/// Returns the number of points to search where so many boxes contain each.
+fn affordable(points: f64, crowd: f64) -> f64 {
+    points.min(MOST_VISITS / (FEWEST_VISITS + crowd))
 }
 
 #[expect(clippy::cast_sign_loss, reason = "at least 1")]
@@ -205,5 +217,23 @@ mod tests {
         for wrong in [&[0, 1][..], &[0, 1, 4]] {
             assert!(surface_change(&[ChangedSurface { mesh: &mesh, before: wrong, after }], 10).is_err());
         }
+    }
+
+    #[test]
+    fn overlapping_triangles_get_fewer_points() {
+        let mut random = Random::new(5);
+        let mut number = || random.below(1000) as f32;
+        let corner =
+            |i: u32, x: f32, y: f32| [if i % 3 == 0 { x } else { 1000.0 - x }, y, (i % 3) as f32 * 500.0];
+        let positions: Vec<[f32; 3]> = (0..6000).map(|i| corner(i, number() / 9.0, number())).collect();
+        let mesh = Mesh::new(positions, Faces::default()).unwrap();
+        let triangles: Vec<u32> = (0..6000).collect();
+        let side = Side::new(&mesh, &triangles).unwrap();
+        let crowd = side.crowd(&side.tree());
+        assert!((300.0..2000.0).contains(&crowd), "{crowd}");
+        // A million such triangles are searched for a few points, an ordinary surface for all.
+        assert!(affordable(5000.0, 500.0 * crowd) < 150.0 && affordable(5000.0, 10.0) >= 5000.0);
+        let surface = ChangedSurface { mesh: &mesh, before: &triangles, after: &triangles };
+        assert!(surface_change(&[surface], 500).unwrap().largest < 1e-6);
     }
 }

@@ -12,9 +12,9 @@ use tristrip::stripify::{Progress, Watch};
 use tristrip::{Layout, Method, StripifyOptions, Strips};
 use tristrip_io::{Drawing, Format, Model, read};
 use tristrip_pipeline::{
-    Amount, ConvertOptions, DisplayFilter, EncodeOptions, Error, Event, Goal, LevelsOptions, ModelLevels,
-    Observer, PreparedModel, Ratio, Search, SimplifyOptions, Stage, Stopped, StripOptions, bound, convert,
-    encode, levels, simplify, strip, strip_observed, verify,
+    Amount, ConvertOptions, Deviation, DisplayFilter, EncodeOptions, Error, Event, Goal, LevelsOptions,
+    ModelLevels, Observer, PreparedModel, Ratio, Search, SimplifyOptions, Stage, Stopped, StripOptions,
+    bound, convert, encode, levels, simplify, strip, strip_observed, verify,
 };
 
 /// Returns a grid of squares in two parts, left and right of the middle, which share the vertices between them.
@@ -67,7 +67,8 @@ fn no_strips_are_better_than_the_bound() {
 #[test]
 fn shared_borders_stay_when_parts_are_simplified() {
     let model = two_parts();
-    let goal = Goal { amount: Some(Amount::Triangles(40)), ..Goal::default() };
+    let (amount, deviation) = (Some(Amount::Triangles(40)), Deviation::Percent(100.0));
+    let goal = Goal { amount, deviation };
     let simplified = simplify(&model, &SimplifyOptions::new(goal)).unwrap();
     assert_eq!((simplified.collapses.locked_vertices, simplified.collapses.reached), (18, true));
     assert!(simplified.notes.iter().any(|note| note.contains("locked 18 vertices")));

@@ -7,6 +7,9 @@ use tristrip::{Attribute, Error, Faces, Mesh};
 
 type Point = [f64; 3];
 
+/// The number of triangles at which the crowd is counted.
+const PROBES: usize = 32;
+
 /// A point of a triangle: the triangle, and the shares of its corners.
 pub(super) type On<'a> = (&'a Facet, [f64; 3]);
 
@@ -93,6 +96,18 @@ impl Side {
 
     pub(super) fn tree(&self) -> RTree<Facet> {
         RTree::bulk_load(self.facets.clone())
+    }
+
+    /// Estimates how many boxes of a tree contain a point of this surface: the mean over a few triangles.
+    pub(super) fn crowd(&self, tree: &RTree<Facet>) -> f64 {
+        let step = (self.facets.len() / PROBES).max(1);
+        let boxes = |facet: &Facet| {
+            let at = AABB::from_point(facet.at([1.0 / 3.0; 3]));
+            tree.locate_in_envelope_intersecting(at).count() as f64
+        };
+        let (sum, count) =
+            self.facets.iter().step_by(step).fold((0.0, 0), |(sum, n), f| (sum + boxes(f), n + 1));
+        sum / f64::from(count.max(1))
     }
 
     /// Visits about `points` points, spread in proportion to area: each triangle has its share of them, at random places.
