@@ -223,8 +223,9 @@ mod tests {
     fn overlapping_triangles_get_fewer_points() {
         let mut random = Random::new(5);
         let mut number = || random.below(1000) as f32;
-        let corner =
-            |i: u32, x: f32, y: f32| [if i % 3 == 0 { x } else { 1000.0 - x }, y, (i % 3) as f32 * 500.0];
+        let corner = |i: u32, x: f32, y: f32| {
+            [if i.is_multiple_of(3) { x } else { 1000.0 - x }, y, (i % 3) as f32 * 500.0]
+        };
         let positions: Vec<[f32; 3]> = (0..6000).map(|i| corner(i, number() / 9.0, number())).collect();
         let mesh = Mesh::new(positions, Faces::default()).unwrap();
         let triangles: Vec<u32> = (0..6000).collect();
