@@ -23,6 +23,7 @@
 mod attributes;
 mod decimate;
 mod frame;
+mod neighbourhood;
 mod options;
 mod quadric;
 mod queue;

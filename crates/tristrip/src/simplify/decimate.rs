@@ -19,7 +19,7 @@
 //!    kept point, and are priced when they are the cheapest.
 //!
 //! A collapse is refused if it would
-//! - rotate a remaining triangle by more than about 75 degrees ([`LEAST_COSINE`]);
+//! - rotate a remaining triangle by more than about 75 degrees (`LEAST_COSINE` of the module `neighbourhood`);
 //! - change the topology (the link condition): the two points must have no common neighbours except those of their common triangles, two or,
 //!   on a border, one; a border point moves only along the border; a last triangle or tetrahedron stays;
 //! - open a seam: each vertex at the point needs a triangle with the kept point, and they must agree;
@@ -27,11 +27,12 @@
 //!
 //! # References
 //! Garland, Heckbert: *Surface Simplification Using Quadric Error Metrics*, 1997. Dey, Edelsbrunner, Guha, Nekhayev: *Topology
-//! Preserving Edge Contraction*, 1999 (the link condition). The price is our own: it reduces the distance between the surfaces at 5 % of
-//! the triangles from 0.95 of meshoptimizer's to 0.83 on the bunny.
+//! Preserving Edge Contraction*, 1999 (the link condition). The price is our own: it reduces the mean distance between the surfaces
+//! at 5 % of the triangles to 0.78 of meshoptimizer's, and the largest to 0.67 (docs/levels.md).
 
 use super::attributes::PricedAttributes;
 use super::frame::{frame, quadrics};
+use super::neighbourhood::Neighbourhood;
 use super::options::SimplifyOptions;
 use super::quadric::Quadric;
 use super::queue::CostQueue;
@@ -40,18 +41,16 @@ use super::topology::{CornerId, LONG_RING, PointKind, Topology};
 use crate::collapse::{CollapseSequence, Rename};
 use crate::ids::OptionalId;
 use crate::mesh::{Positions, is_degenerate, triangles_of};
-use crate::vector::{Point, cross, dot, nearest_in_triangle, sub, to_segment, to_triangle, to_triangle_of};
+use crate::vector::{Point, dot, sub};
 
 /// The weight of the squared distance to the new triangles relative to the quadric. From 1 to 3 made little difference on bunny, horse and
 /// armadillo; 0.3 and 10 were worse.
 const DISTANCE_WEIGHT: f64 = 2.0;
-/// The weight of the squared distance of the new edges. 1 and 4 were worse on average over 13 models.
+/// The weight of the squared distance of the new edges. Over 13 models 1 gave a larger mean distance; 4 was as good, and slower.
 const BRIDGE_WEIGHT: f64 = 2.0;
 /// The weight of the squared edge length, relative to the quadric. If all neighbours cost the same, as on a plane, points of little weight
 /// go to near ones, and no point is passed on along a chain, which would rename the same corners repeatedly.
 const LENGTH_WEIGHT: f64 = 1e-6;
-/// The cosine of the largest angle by which a triangle may rotate.
-const LEAST_COSINE: f64 = 0.25;
 /// A point with more triangles is not removed, so that the time for its price does not depend on the size of the mesh.
 const MOST_CORNERS: usize = 256;
 
@@ -84,21 +83,6 @@ struct CollapsePlan {
     changed: u32,
 }
 
-/// The edge opposite to the current point in one of its triangles.
-#[derive(Debug, Clone, Copy)]
-struct OppositeEdge {
-    points: [u32; 2],
-    positions: [Point; 2],
-    /// The normal of the triangle, of twice its area as length.
-    normal: Point,
-}
-
-impl OppositeEdge {
-    fn has(&self, point: u32) -> bool {
-        self.points[0] == point || self.points[1] == point
-    }
-}
-
 /// A mesh while it is simplified.
 pub(super) struct Decimation {
     topology: Topology,
@@ -117,8 +101,8 @@ pub(super) struct Decimation {
     triangle_count: usize,
     /// The largest error allowed, in units of the frame.
     error_limit: f64,
-    /// The opposite edges of the current point.
-    edges: Vec<OppositeEdge>,
+    /// The triangles of the current point.
+    current: Neighbourhood,
     neighbours: Vec<u32>,
     /// The neighbours of the point that was just removed.
     around: Vec<u32>,
@@ -165,7 +149,7 @@ impl Decimation {
             marks: vec![0; count],
             mark: 0,
             error_limit: options.error().map_or(f64::INFINITY, |error| f64::from(error) / unit),
-            edges: Vec::new(),
+            current: Neighbourhood::default(),
             neighbours: Vec::new(),
             around: Vec::new(),
             candidates: Vec::new(),
@@ -202,7 +186,7 @@ impl Decimation {
                 &mut stopped.topology
             } else {
                 self.collect_candidates(point);
-                self.collect_opposite_edges(point);
+                self.set_current(point);
                 let candidates = std::mem::take(&mut self.candidates);
                 let refusals: Vec<_> = candidates.iter().map(|&(_, to)| self.refusal(point, to)).collect();
                 self.candidates = candidates;
@@ -229,16 +213,9 @@ impl Decimation {
             && ring.len() <= MOST_CORNERS
     }
 
-    /// Collects the opposite edges of a point, which becomes the current one.
-    fn collect_opposite_edges(&mut self, point: u32) {
-        let (topology, positions) = (&self.topology, &self.positions);
-        let at = positions[point as usize];
-        self.edges.clear();
-        self.edges.extend(topology.ring(point).iter().map(|&corner| {
-            let points = topology.others(corner);
-            let [u, w] = points.map(|p| positions[p as usize]);
-            OppositeEdge { points, positions: [u, w], normal: cross(sub(w, u), sub(at, u)) }
-        }));
+    /// Makes a point the current one.
+    fn set_current(&mut self, point: u32) {
+        self.current.collect(&self.topology, &self.positions, point);
     }
 
     /// Collects the neighbours that a point may go to, with their estimates: for a border point those along the border.
@@ -272,7 +249,7 @@ impl Decimation {
     /// Prices the collapses of a point, and inserts it into the queue by the best, or removes it if none is possible.
     fn price(&mut self, point: u32) {
         self.collect_candidates(point);
-        self.collect_opposite_edges(point);
+        self.set_current(point);
         let mut candidates = std::mem::take(&mut self.candidates);
         candidates.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let mut best: Option<(CollapsePrice, u32)> = None;
@@ -281,21 +258,29 @@ impl Decimation {
             if !is_better(estimate) {
                 break;
             }
+            let kept = self.positions[to as usize];
             let mut price = self.price_of(point, to, estimate);
-            if !is_better(price.cost) || price.error > self.error_limit || self.refusal(point, to).is_some() {
+            if !is_better(price.cost) || price.error > self.error_limit || self.current.folds_over(to, kept) {
                 continue;
             }
             let weight = share_of(self.quadrics[point as usize].weight);
-            price.cost += weight * self.attribute_deviation(point, to);
-            if !is_better(price.cost) {
-                continue;
+            if self.attributes.is_some() {
+                let Some(deviation) = self.attribute_deviation(point, to) else { continue };
+                price.cost += weight * deviation;
+                if !is_better(price.cost) {
+                    continue;
+                }
             }
             let most =
                 best.map_or(f64::INFINITY, |(best, _)| (best.cost - price.cost) / (BRIDGE_WEIGHT * weight));
-            let bridge = self.bridge(point, to, most);
+            let bridge = self.current.bridge(to, kept, most);
             price.cost += BRIDGE_WEIGHT * weight * bridge;
             price.error = price.error.max(bridge.sqrt());
-            if is_better(price.cost) && price.error <= self.error_limit {
+            if is_better(price.cost)
+                && price.error <= self.error_limit
+                && self.keeps_topology(point, to)
+                && self.keeps_seams(point, to)
+            {
                 best = Some((price, to));
             }
         }
@@ -311,80 +296,28 @@ impl Decimation {
         }
     }
 
-    /// Returns the price of a collapse of the current point: its estimate plus the distance to the triangles around the kept point.
+    /// Returns the price of a collapse of the current point, without its new edges and attributes: its estimate plus the distance to the triangles
+    /// around the kept point.
     fn price_of(&self, point: u32, to: u32, estimate: f64) -> CollapsePrice {
-        let (from, kept) = (self.positions[point as usize], self.positions[to as usize]);
-        let (mut least, mut least_edge) = (f64::INFINITY, f64::INFINITY);
-        for edge in &self.edges {
-            let [u, w] = edge.positions;
-            if edge.has(to) {
-                least_edge = least_edge.min(to_segment(from, [u, w]));
-            } else {
-                least = to_triangle(from, [kept, u, w], least);
-            }
-        }
-        // Without other triangles, only the opposite edge remains.
-        let square = if least.is_finite() { least } else { least_edge };
-        let weight = share_of(self.quadrics[point as usize].weight);
-        let quadric = &self.quadrics[point as usize];
+        let (kept, quadric) = (self.positions[to as usize], &self.quadrics[point as usize]);
+        let square = self.current.distance(to, kept);
         let mean = if quadric.whole_weight > 0.0 { quadric.at(kept) / quadric.whole_weight } else { 0.0 };
-        CollapsePrice { cost: estimate + DISTANCE_WEIGHT * weight * square, error: mean.max(square).sqrt() }
+        let cost = estimate + DISTANCE_WEIGHT * share_of(quadric.weight) * square;
+        CollapsePrice { cost, error: mean.max(square).sqrt() }
     }
 
-    /// Returns the largest squared distance of the middle of a new edge from the triangles of the current point, or any above `most` as soon as
-    /// there is one.
-    fn bridge(&self, point: u32, to: u32, most: f64) -> f64 {
-        let (from, kept) = (self.positions[point as usize], self.positions[to as usize]);
-        let ends = if self.topology.kind(point) == PointKind::Border { 2 } else { 1 };
-        let mut largest = 0.0;
-        for edge in self.edges.iter().filter(|edge| !edge.has(to)) {
-            for end in &edge.positions[..ends] {
-                let middle = [0, 1, 2].map(|k| 0.5 * (kept[k] + end[k]));
-                let mut least = f64::INFINITY;
-                for OppositeEdge { positions: [u, w], normal, .. } in &self.edges {
-                    least = to_triangle_of(middle, [from, *u, *w], *normal, least);
-                    if least <= largest {
-                        break;
-                    }
-                }
-                if least.is_finite() && least > largest {
-                    largest = least;
-                    if largest > most {
-                        return largest;
-                    }
-                }
-            }
-        }
-        largest
-    }
-
-    /// Returns the squared deviation of the attributes at the current point from those of the triangles that would replace its own, the
-    /// mean over its vertices, if they become those of `renames`.
-    fn attribute_deviation(&self, point: u32, to: u32) -> f64 {
-        let Some(attributes) = &self.attributes else { return 0.0 };
-        let (from, kept) = (self.positions[point as usize], self.positions[to as usize]);
-        let (mut sum, mut count) = (0.0, 0);
-        for rename in &self.renames {
-            let mut nearest: Option<usize> = None;
-            let mut least = f64::INFINITY;
-            for (i, (edge, &corner)) in self.edges.iter().zip(self.topology.ring(point)).enumerate() {
-                if edge.has(to) || self.renames.len() > 1 && self.topology.wedge(corner) != rename.removed {
-                    continue;
-                }
-                let [u, w] = edge.positions;
-                let square = to_triangle(from, [kept, u, w], least);
-                if square < least {
-                    (least, nearest) = (square, Some(i));
-                }
-            }
-            let Some(nearest) = nearest else { continue };
-            let (edge, corner) = (&self.edges[nearest], self.topology.ring(point)[nearest]);
-            let shares = nearest_in_triangle(from, [kept, edge.positions[0], edge.positions[1]]);
-            let others = [corner.next(), corner.previous()].map(|other| self.topology.wedge(other));
-            sum += attributes.deviation(rename.removed, [rename.kept, others[0], others[1]], shares);
-            count += 1;
-        }
-        if count > 0 { sum / f64::from(count) } else { 0.0 }
+    /// Returns the squared deviation of the attributes at the current point from those that would replace them; `None` if a seam would open.
+    fn attribute_deviation(&mut self, point: u32, to: u32) -> Option<f64> {
+        let Some(attributes) = &self.attributes else { return Some(0.0) };
+        self.topology.renames(point, to, &mut self.renames)?;
+        let (topology, kept) = (&self.topology, self.positions[to as usize]);
+        Some(self.current.attribute_deviation(
+            attributes,
+            topology,
+            topology.ring(point),
+            &self.renames,
+            (to, kept),
+        ))
     }
 
     /// Returns the target of a point whose price is still valid.
@@ -397,39 +330,21 @@ impl Decimation {
 
     /// Returns the first reason for which the collapse of the current point is refused.
     fn refusal(&mut self, point: u32, to: u32) -> Option<Refusal> {
-        if self.folds_over(to) {
+        if self.current.folds_over(to, self.positions[to as usize]) {
             return Some(Refusal::FoldOver);
         }
         if !self.keeps_topology(point, to) {
             return Some(Refusal::Topology);
         }
-        let mut renames = std::mem::take(&mut self.renames);
-        let renamed = self.topology.renames(point, to, &mut renames);
-        self.renames = renames;
-        if renamed.is_none() {
+        if !self.keeps_seams(point, to) {
             return Some(Refusal::Seam);
         }
         None
     }
 
-    /// Checks whether a remaining triangle of the current point would rotate too far. One without area must not become inverted.
-    fn folds_over(&self, to: u32) -> bool {
-        let kept = self.positions[to as usize];
-        // The orientation of a triangle without area is that of all triangles of the point together.
-        let all = || {
-            let sum = |sum: Point, normal: Point| [0, 1, 2].map(|k| sum[k] + normal[k]);
-            self.edges.iter().map(|edge| edge.normal).fold([0.0; 3], sum)
-        };
-        self.edges.iter().filter(|edge| !edge.has(to)).any(|edge| {
-            let [u, w] = edge.positions;
-            let (before, after) = (edge.normal, cross(sub(w, u), sub(kept, u)));
-            let square = dot(before, before);
-            if square == 0.0 {
-                return dot(after, all()) < 0.0;
-            }
-            let cosine = dot(before, after);
-            cosine <= 0.0 || cosine * cosine < LEAST_COSINE * LEAST_COSINE * square * dot(after, after)
-        })
+    /// Checks whether a collapse keeps the seams closed.
+    fn keeps_seams(&mut self, point: u32, to: u32) -> bool {
+        self.topology.renames(point, to, &mut self.renames).is_some()
     }
 
     /// Checks whether a collapse keeps the topology of the surface.

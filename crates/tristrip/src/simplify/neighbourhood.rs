@@ -1,0 +1,223 @@
+//! The triangles around a point, and how far those that would replace them are.
+//!
+//! ```text
+//!         u ───── w                   u ───── w       If b goes to a, its triangles with a are dropped, and each of the others, such as
+//!        ╱ ╲     ╱ ╲                 ╱ ╲    ╱╱        (b, u, w), becomes (a, u, w). Three distances are compared:
+//!       ╱   ╲   ╱   ╲               ╱   ╲ ╱ ╱         - of b from the new triangles;
+//!      ╱     ╲ ╱     ╲             ╱   ╱ ╲ ╱          - of the middles of the new edges, such as a–u, from the old triangles;
+//!     a ────── b ─────·     →     a ───── ·           - of the attributes at b from those of the nearest new triangle.
+//! ```
+//! The second detects new triangles that bridge a valley beside b.
+
+use super::attributes::PricedAttributes;
+use super::topology::{CornerId, PointKind, Topology};
+use crate::collapse::Rename;
+use crate::vector::{PlacedTriangle, Point, cross, dot, nearest_in_triangle, sub, to_segment, to_triangle};
+
+/// The cosine of the largest angle by which a triangle may rotate.
+const LEAST_COSINE: f64 = 0.25;
+
+/// The edge opposite to the point in one of its triangles.
+#[derive(Debug, Clone, Copy)]
+struct OppositeEdge {
+    points: [u32; 2],
+    positions: [Point; 2],
+    /// The normal of the triangle, of twice its area as length.
+    normal: Point,
+}
+
+impl OppositeEdge {
+    fn has(&self, point: u32) -> bool {
+        self.points[0] == point || self.points[1] == point
+    }
+}
+
+/// The triangles around one point, in the order of its ring.
+#[derive(Debug, Default)]
+pub(super) struct Neighbourhood {
+    from: Point,
+    is_border: bool,
+    edges: Vec<OppositeEdge>,
+    /// The same triangles, placed for distances, once these were needed.
+    placed: Vec<PlacedTriangle>,
+}
+
+impl Neighbourhood {
+    /// Collects the triangles of a point.
+    pub(super) fn collect(&mut self, topology: &Topology, positions: &[Point], point: u32) {
+        let from = positions[point as usize];
+        (self.from, self.is_border) = (from, topology.kind(point) == PointKind::Border);
+        self.placed.clear();
+        self.edges.clear();
+        self.edges.extend(topology.ring(point).iter().map(|&corner| {
+            let points = topology.others(corner);
+            let [u, w] = points.map(|p| positions[p as usize]);
+            OppositeEdge { points, positions: [u, w], normal: cross(sub(w, u), sub(from, u)) }
+        }));
+    }
+
+    /// Returns the squared distance of the point from the triangles that it would have at a neighbour, or, without any, from the edges opposite
+    /// to it.
+    pub(super) fn distance(&self, to: u32, kept: Point) -> f64 {
+        let (mut least, mut least_edge) = (f64::INFINITY, f64::INFINITY);
+        for edge in &self.edges {
+            let [u, w] = edge.positions;
+            if edge.has(to) {
+                least_edge = least_edge.min(to_segment(self.from, [u, w]));
+            } else {
+                least = to_triangle(self.from, [kept, u, w], least);
+            }
+        }
+        if least.is_finite() { least } else { least_edge }
+    }
+
+    /// Checks whether a remaining triangle would rotate too far. One without area must not become inverted.
+    pub(super) fn folds_over(&self, to: u32, kept: Point) -> bool {
+        // The orientation of a triangle without area is that of all triangles of the point together.
+        let all = || {
+            let sum = |sum: Point, normal: Point| [0, 1, 2].map(|k| sum[k] + normal[k]);
+            self.edges.iter().map(|edge| edge.normal).fold([0.0; 3], sum)
+        };
+        self.edges.iter().filter(|edge| !edge.has(to)).any(|edge| {
+            let [u, w] = edge.positions;
+            let (before, after) = (edge.normal, cross(sub(w, u), sub(kept, u)));
+            let square = dot(before, before);
+            if square == 0.0 {
+                return dot(after, all()) < 0.0;
+            }
+            let cosine = dot(before, after);
+            cosine <= 0.0 || cosine * cosine < LEAST_COSINE * LEAST_COSINE * square * dot(after, after)
+        })
+    }
+
+    /// Returns the largest squared distance of the middle of a new edge from the old triangles, or any above `most` as soon as there is one.
+    pub(super) fn bridge(&mut self, to: u32, kept: Point, most: f64) -> f64 {
+        if self.placed.is_empty() {
+            let from = self.from;
+            let place =
+                |edge: &OppositeEdge| PlacedTriangle::new([from, edge.positions[0], edge.positions[1]]);
+            self.placed.extend(self.edges.iter().map(place));
+        }
+        // Around an inner point each neighbour is the u of one triangle; on a border one is only a w.
+        let ends = if self.is_border { 2 } else { 1 };
+        let mut largest = 0.0;
+        for (i, edge) in self.edges.iter().enumerate().filter(|(_, edge)| !edge.has(to)) {
+            // The triangle at the end of the new edge is likely to be near.
+            let (later, first) = (&self.placed[i..], &self.placed[..i]);
+            for end in &edge.positions[..ends] {
+                let middle = [0, 1, 2].map(|k| 0.5 * (kept[k] + end[k]));
+                let mut least = f64::INFINITY;
+                for triangle in later.iter().chain(first) {
+                    least = triangle.distance(middle, least);
+                    if least <= largest {
+                        break;
+                    }
+                }
+                if least.is_finite() && least > largest {
+                    largest = least;
+                    if largest > most {
+                        return largest;
+                    }
+                }
+            }
+        }
+        largest
+    }
+
+    /// Returns the squared deviation of the attributes at the point from those of the triangles that would replace its own, the mean over its
+    /// vertices, if they become those of `renames`.
+    pub(super) fn attribute_deviation(
+        &self,
+        attributes: &PricedAttributes,
+        topology: &Topology,
+        ring: &[CornerId],
+        renames: &[Rename],
+        (to, kept): (u32, Point),
+    ) -> f64 {
+        let (mut sum, mut count) = (0.0, 0);
+        for rename in renames {
+            let mut nearest = None;
+            let mut least = f64::INFINITY;
+            for (edge, &corner) in self.edges.iter().zip(ring) {
+                if edge.has(to) || renames.len() > 1 && topology.wedge(corner) != rename.removed {
+                    continue;
+                }
+                let triangle = [kept, edge.positions[0], edge.positions[1]];
+                let square = to_triangle(self.from, triangle, least);
+                if square < least {
+                    (least, nearest) = (square, Some((triangle, corner)));
+                }
+            }
+            let Some((triangle, corner)) = nearest else { continue };
+            let shares = nearest_in_triangle(self.from, triangle);
+            let [u, w] = [corner.next(), corner.previous()].map(|other| topology.wedge(other));
+            sum += attributes.deviation(rename.removed, [rename.kept, u, w], shares);
+            count += 1;
+        }
+        if count > 0 { sum / f64::from(count) } else { 0.0 }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Returns the neighbourhood of vertex 0 in a closed fan around it.
+    fn fan(positions: &[[f32; 3]]) -> (Neighbourhood, Vec<Point>, impl Fn(u32) -> u32 + use<>) {
+        let rim = positions.len() as u32 - 1;
+        let triangles: Vec<u32> = (1..=rim).flat_map(|i| [0, i, i % rim + 1]).collect();
+        let topology = Topology::new(positions, |_| Vec::new(), &triangles);
+        let points: Vec<u32> = (0..positions.len() as u32).map(|p| topology.vertex_of(p)).collect();
+        let placed: Vec<Point> = points.iter().map(|&v| positions[v as usize].map(f64::from)).collect();
+        let point_of = move |v: u32| points.iter().position(|&other| other == v).unwrap() as u32;
+        let mut neighbourhood = Neighbourhood::default();
+        neighbourhood.collect(&topology, &placed, point_of(0));
+        (neighbourhood, placed, point_of)
+    }
+
+    /// A square with its centre, whose corner 3 goes up: new edges to the opposite corner 1 lie where the old triangles are not.
+    #[test]
+    fn new_edges_are_compared_with_the_old_triangles() {
+        let square = |height: f32| {
+            vec![[0.0; 3], [-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, height], [-1.0, 1.0, 0.0]]
+        };
+        for (height, is_bridge) in [(0.0, false), (1.0, true)] {
+            let (mut around, positions, point_of) = fan(&square(height));
+            let to = point_of(1);
+            let kept = positions[to as usize];
+            // The middle of the edge from corner 1 to corner 3 is at half of the height, above the centre.
+            let bridge = around.bridge(to, kept, f64::INFINITY);
+            assert_eq!(bridge > 0.1, is_bridge, "{bridge}");
+            assert!(bridge <= f64::from(height * height) / 4.0);
+            // A search that may stop early finds as much, or more than the limit.
+            assert!(around.bridge(to, kept, 0.01) > 0.01 || !is_bridge);
+            assert!(!around.folds_over(to, kept) && around.distance(to, kept) <= f64::from(height * height));
+        }
+    }
+
+    /// The largest distance does not depend on the order of the triangles: a search of all finds the same.
+    #[test]
+    fn the_bridge_is_that_of_a_full_search() {
+        let mut random = crate::random::Random::new(7);
+        for _ in 0..100 {
+            let mut height = || random.below(100) as f32 / 100.0;
+            let rim = (0..7).map(|i| {
+                let angle = i as f32 * 0.9;
+                [angle.cos(), angle.sin(), height()]
+            });
+            let positions: Vec<[f32; 3]> = std::iter::once([0.0; 3]).chain(rim).collect();
+            let (mut around, placed, point_of) = fan(&positions);
+            for v in 1..=7 {
+                let (to, kept) = (point_of(v), placed[point_of(v) as usize]);
+                let new_ends = (1..=7).filter(|&u| u != v).map(|u| placed[point_of(u) as usize]);
+                let middle = |end: Point| [0, 1, 2].map(|k| 0.5 * (kept[k] + end[k]));
+                let triangles = (1..=7).map(|u| [0, u, u % 7 + 1].map(|v| placed[point_of(v) as usize]));
+                let nearest = |p: Point| {
+                    triangles.clone().fold(f64::INFINITY, |least, triangle| to_triangle(p, triangle, least))
+                };
+                let full = new_ends.map(|end| nearest(middle(end))).fold(0.0, f64::max);
+                assert!((around.bridge(to, kept, f64::INFINITY) - full).abs() < 1e-12);
+            }
+        }
+    }
+}
