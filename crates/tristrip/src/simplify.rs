@@ -23,6 +23,7 @@
 mod attributes;
 mod decimate;
 mod frame;
+mod irregular;
 mod neighbourhood;
 mod options;
 mod quadric;

@@ -36,7 +36,7 @@ impl OppositeEdge {
 #[derive(Debug, Default)]
 pub(super) struct Neighbourhood {
     from: Point,
-    is_border: bool,
+    is_inner: bool,
     edges: Vec<OppositeEdge>,
     /// The same triangles, placed for distances, once these were needed.
     placed: Vec<PlacedTriangle>,
@@ -46,7 +46,7 @@ impl Neighbourhood {
     /// Collects the triangles of a point.
     pub(super) fn collect(&mut self, topology: &Topology, positions: &[Point], point: u32) {
         let from = positions[point as usize];
-        (self.from, self.is_border) = (from, topology.kind(point) == PointKind::Border);
+        (self.from, self.is_inner) = (from, topology.kind(point) == PointKind::Inner);
         self.placed.clear();
         self.edges.clear();
         self.edges.extend(topology.ring(point).iter().map(|&corner| {
@@ -98,8 +98,8 @@ impl Neighbourhood {
                 |edge: &OppositeEdge| PlacedTriangle::new([from, edge.positions[0], edge.positions[1]]);
             self.placed.extend(self.edges.iter().map(place));
         }
-        // Around an inner point each neighbour is the u of one triangle; on a border one is only a w.
-        let ends = if self.is_border { 2 } else { 1 };
+        // Around an inner point each neighbour is the u of one triangle; around another one may be only a w.
+        let ends = if self.is_inner { 1 } else { 2 };
         let mut largest = 0.0;
         for (i, edge) in self.edges.iter().enumerate().filter(|(_, edge)| !edge.has(to)) {
             // The triangle at the end of the new edge is likely to be near.
