@@ -26,6 +26,7 @@ mod frame;
 mod irregular;
 mod neighbourhood;
 mod options;
+mod outcome;
 mod quadric;
 mod queue;
 mod stopped;
