@@ -22,6 +22,7 @@
 
 mod attributes;
 mod decimate;
+mod fan;
 mod frame;
 mod irregular;
 mod neighbourhood;

