@@ -10,8 +10,9 @@
 //!    condition a plane would be flat-shaded.
 //! 3. The crease angle is the angle between faces that best separates the hard edges from the others: the fewest edges are on the
 //!    wrong side of it.
-//! 4. New normals: corners at a point that are connected by edges below the crease angle get one normal, the weighted mean of
-//!    their faces' normals. In a flat-shaded mesh every corner gets the normal of its face.
+//! 4. New normals: corners at a point that are connected by edges below the crease angle get one normal: of those that the mesh has at the
+//!    point the nearest to the weighted mean of their faces' normals, or this mean if none is near. In a flat-shaded mesh every
+//!    corner gets the normal of its face.
 //!
 //! # References
 //! N. Max: *Weights for Computing Vertex Normals from Facet Normals*, 1999: the weights, which need no angles and are exact for a sphere.
@@ -19,12 +20,14 @@
 //! # Complexity
 //! O(n log n) time; about 80 bytes per triangle.
 
+mod known;
 mod surface;
 
 use crate::error::Error;
 use crate::mesh::{Attribute, Mesh, check_corners, check_triangles, triangles_of};
 use crate::union_find::UnionFind;
 use crate::vector::{Point, cross, dot, sub};
+use known::KnownNormals;
 use surface::{InnerEdge, Surface, positions, scaled_to_one, unit_normal};
 
 /// The cosine of the largest angle between the normal of a flat-shaded face and those of its corners: 2 degrees, for normals of 8 bits.
@@ -102,35 +105,52 @@ impl Shading {
         self.is_flat
     }
 
-    /// Returns unit normals for other triangles over the vertices of a mesh, three per triangle. Those of a triangle without area are the
-    /// ones that its vertices have, or zero without any.
+    /// Returns unit normals for other triangles over the vertices of a mesh, three per triangle; `before` are the triangles that are shaded
+    /// so. The normals of a triangle without area are the ones that its vertices have, or zero without any.
     ///
     /// # Errors
-    /// The number of indices is not a multiple of three, or an index is out of range.
+    /// A number of indices is not a multiple of three, or an index is out of range.
     ///
     /// ```
     #[doc = include_str!("normals/example.txt")]
     /// let shading = Shading::of(&roof, &triangles)?.unwrap_or_default();
     /// // A triangle from the front of the roof to the end of its back.
-    /// let normals = shading.corner_normals(&roof, &[0, 1, 8])?;
+    /// let normals = shading.corner_normals(&roof, &triangles, &[0, 1, 8])?;
     /// assert!(normals.iter().all(|n| n[1] == n[2] && n[1] > 0.7));
     /// # Ok::<(), tristrip::Error>(())
     /// ```
-    pub fn corner_normals(&self, mesh: &Mesh, triangles: &[u32]) -> Result<Vec<[f32; 3]>, Error> {
+    pub fn corner_normals(
+        &self,
+        mesh: &Mesh,
+        before: &[u32],
+        triangles: &[u32],
+    ) -> Result<Vec<[f32; 3]>, Error> {
+        check_triangles(before.len())?;
+        check_corners(before, mesh.vertex_count())?;
         let surface = Surface::new(mesh, triangles)?;
         let stored = normals_of(mesh);
         let old = |corner: usize| {
             let normal = stored.and_then(|stored| scaled_to_one(vector(stored, triangles[corner])));
             surface.normals[corner / 3].or(normal).unwrap_or([0.0; 3])
         };
-        let sums = if self.is_flat { Vec::new() } else { self.smooth(&surface, mesh, triangles) };
-        let smooth = |corner: usize| sums.get(corner).and_then(|&sum| scaled_to_one(sum));
-        let normal = |corner| smooth(corner).unwrap_or_else(|| old(corner)).map(|x| x as f32);
-        Ok((0..triangles.len()).map(normal).collect())
+        let smooth = if self.is_flat {
+            Vec::new()
+        } else {
+            let known = KnownNormals::new(mesh, before, triangles);
+            self.smooth(&surface, mesh, triangles, &known)
+        };
+        let normal = |corner| smooth.get(corner).copied().flatten().unwrap_or_else(|| old(corner));
+        Ok((0..triangles.len()).map(|corner| normal(corner).map(|x| x as f32)).collect())
     }
 
-    /// Returns the weighted sum of the normals of the faces around each corner, up to the creases.
-    fn smooth(&self, surface: &Surface, mesh: &Mesh, triangles: &[u32]) -> Vec<Point> {
+    /// Returns the normal of the faces around each corner, up to the creases; `None` where they cancel out.
+    fn smooth(
+        &self,
+        surface: &Surface,
+        mesh: &Mesh,
+        triangles: &[u32],
+        known: &KnownNormals,
+    ) -> Vec<Option<Point>> {
         let mut fans = UnionFind::new(triangles.len());
         for edge in surface.inner_edges() {
             if surface.cosine(&edge).is_some_and(|cosine| cosine >= self.crease) {
@@ -144,7 +164,10 @@ impl Shading {
             let sum = &mut sums[fans.find(corner as u32) as usize];
             *sum = [0, 1, 2].map(|k| sum[k] + weighted[k]);
         }
-        (0..triangles.len()).map(|corner| sums[fans.find(corner as u32) as usize]).collect()
+        let of_fan = |corner: usize| scaled_to_one(sums[corner]).map(|mean| known.nearest(corner, mean));
+        let of_fans: Vec<Option<Point>> =
+            (0..triangles.len()).map(|c| if fans.is_root(c as u32) { of_fan(c) } else { None }).collect();
+        (0..triangles.len()).map(|corner| of_fans[fans.find(corner as u32) as usize]).collect()
     }
 }
 
@@ -266,7 +289,7 @@ mod tests {
         for (sides, is_smooth) in [(12, false), (12, true), (40, true)] {
             let (mesh, triangles) = tube(sides, is_smooth);
             let shading = Shading::of(&mesh, &triangles).unwrap().unwrap();
-            let found = shading.corner_normals(&mesh, &triangles).unwrap();
+            let found = shading.corner_normals(&mesh, &triangles, &triangles).unwrap();
             let old = normals_of(&mesh).unwrap();
             for (corner, normal) in found.iter().enumerate() {
                 let cosine = dot(normal.map(f64::from), vector(old, corner as u32));
@@ -291,8 +314,12 @@ mod tests {
         let mesh = with_normals(positions, &[[f32::NAN, 0.0, 1.0]; 5]);
         let triangles = [0, 1, 2, 0, 3, 4, 2, 2, 2];
         let shading = Shading::of(&mesh, &triangles).unwrap().unwrap();
-        let normals = shading.corner_normals(&mesh, &triangles).unwrap();
+        let normals = shading.corner_normals(&mesh, &triangles, &triangles).unwrap();
         assert_eq!(normals, [[0.0, 0.0, 1.0]; 9]);
-        assert!(Shading::of(&mesh, &[0, 1]).is_err() && shading.corner_normals(&mesh, &[0, 1, 5]).is_err());
+        assert!(
+            Shading::of(&mesh, &[0, 1]).is_err()
+                && shading.corner_normals(&mesh, &triangles, &[0, 1, 5]).is_err()
+        );
+        assert!(shading.corner_normals(&mesh, &[0, 1, 5], &triangles).is_err());
     }
 }

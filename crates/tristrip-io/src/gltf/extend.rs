@@ -141,11 +141,24 @@ pub(crate) fn apply(
             update(&mut extended.document.root, accessor, view, extension.sources.len(), has_new_values)?;
         }
     }
+    clear_unused_views(&mut extended.document.root, &writer.uses)?;
     list_mut(&mut extended.document.root, "buffers")?.push(json!({"byteLength": writer.bytes.len()}).into());
     extended.buffers.push(SharedBytes::from(writer.bytes));
     let mut shrink = Shrink::default();
     freed.iter().for_each(|layout| shrink.free(layout));
     shrink.apply(extended)
+}
+
+/// Removes the stride of views that accessors used and use no more: few of their bytes stay, and a stride must fit into them.
+fn clear_unused_views(root: &mut Members, uses: &HashMap<usize, usize>) -> Result<(), Error> {
+    let used: HashSet<usize> =
+        (0..array(root, "accessors")?.len()).flat_map(|a| views_of_accessor(root, a)).collect();
+    for (view, members) in list_mut(root, "bufferViews")?.iter_mut().enumerate() {
+        if uses.contains_key(&view) && !used.contains(&view) {
+            members.as_object_mut().into_iter().for_each(|members| members.remove("byteStride"));
+        }
+    }
+    Ok(())
 }
 
 /// Returns where the values of extended accessors are, unless the bytes belong to other data too.

@@ -120,7 +120,7 @@ impl RebuiltPart {
             let welds = VertexWelds::of(&simplified.with_faces(Faces::from_triangles(base.clone())?)?);
             base.iter_mut().for_each(|v| *v = welds.vertex(*v));
         }
-        let normals = shading.corner_normals(mesh, &base)?;
+        let normals = shading.corner_normals(mesh, part.triangles(), &base)?;
         let tangents = tangents(mesh, &base, &normals)?;
         let mut numbers = HashMap::new();
         let mut new = NewVertices::default();
