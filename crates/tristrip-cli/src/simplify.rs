@@ -253,7 +253,19 @@ fn summary(report: &SimplifyReport) -> String {
         row("triangles", report.triangles_before, report.triangles_after),
         row("vertices", report.vertices_before, report.vertices_after),
     ];
-    table(&rows, 1..4) + &format!("  {}\n", change_line(report))
+    table(&rows, 1..4) + &format!("  {}\n", change_line(report)) + &normals_line(report)
+}
+
+/// Returns a line on the normals that were rebuilt, if there are any.
+fn normals_line(report: &SimplifyReport) -> String {
+    let counts = report.normals.unwrap_or_default();
+    let rebuilt = [(counts.flat, "flat"), (counts.creased, "smooth up to the creases")];
+    let rebuilt: Vec<String> = rebuilt
+        .iter()
+        .filter(|(parts, _)| *parts > 0)
+        .map(|(parts, how)| format!("{how} in {}", counted(*parts, "part")))
+        .collect();
+    if rebuilt.is_empty() { String::new() } else { format!("  normals rebuilt: {}\n", rebuilt.join(", ")) }
 }
 
 /// Returns a line on how far the result is from the original.
