@@ -111,6 +111,9 @@ fn vertices_are_fixed_where_something_depends_on_them() {
         json["accessors"][1]["normalized"] = true.into();
     };
     assert!(why(bytes, 0).contains("cannot hold directions"));
+    let role: &dyn Fn(&mut Value) =
+        &|json| json["meshes"][1]["primitives"][0]["attributes"]["POSITION"] = 1.into();
+    assert_eq!(why(role, 0), "other values share their accessor");
 }
 
 /// Documents with a few changed bytes: what can be read can get new vertices, or there is a reason why not.

@@ -18,7 +18,7 @@ use tristrip::{Attribute, AttributeData, Mesh};
 
 use super::accessor::AccessorResolver;
 use super::budget::{ATTRIBUTE_LIMIT, DecodeBudget};
-use super::document::{Located, array, index, items, list_mut};
+use super::document::{Located, array, index, items, list_mut, values};
 use super::json::{Members, Value};
 use super::permute::{AccessorLayout, ByteOwners, VERTEX_FACTOR};
 use super::references::{ExtensionNumbers, views_of_accessor};
@@ -30,6 +30,9 @@ use super::spec::ARRAY_BUFFER;
 use crate::error::Error;
 use crate::le_bytes::append;
 use crate::model::Model;
+
+/// The attributes with new values.
+const DIRECTIONS: [&str; 2] = ["NORMAL", "TANGENT"];
 
 /// The alignment of the values of vertices.
 const ALIGNMENT: usize = 4;
@@ -50,6 +53,14 @@ pub(crate) fn fixed_parts(
     let mut fixed: Vec<Option<String>> = (0..model.parts.len()).map(|part| morphs(scene, part)).collect();
     if !is_written {
         return Ok(fixed);
+    }
+    let shared = shared_roles(scene)?;
+    for (part, why) in fixed.iter_mut().enumerate() {
+        let attributes = primitive(scene, part).and_then(|primitive| primitive.get("attributes"));
+        let of = |name| attributes.and_then(|attributes| index(attributes.get(name)?));
+        if why.is_none() && DIRECTIONS.into_iter().filter_map(of).any(|a| shared.contains(&a)) {
+            *why = Some("other values share their accessor".into());
+        }
     }
     let resolver = AccessorResolver { root: &scene.document.root, buffers: &scene.buffers };
     let mut budget = DecodeBudget::new(ATTRIBUTE_LIMIT, VERTEX_FACTOR, &scene.buffers);
@@ -89,11 +100,29 @@ fn check_accessor(
     budget.charge("values of new vertices", most, element).map_err(|error| error.to_string())
 }
 
+/// Returns the accessors that hold normals or tangents of vertices and have another meaning, too.
+fn shared_roles(scene: &Scene) -> Result<HashSet<usize>, Error> {
+    let mut roles: HashMap<usize, &str> = HashMap::new();
+    let mut shared = HashSet::new();
+    for primitive in array(&scene.document.root, "meshes")?.iter().flat_map(|mesh| items(mesh, "primitives"))
+    {
+        let attributes = primitive.get("attributes").and_then(Value::as_object);
+        let of_vertices = attributes.into_iter().flat_map(Members::iter);
+        let of_targets = items(primitive, "targets").iter().flat_map(values).map(|value| ("a target", value));
+        for (role, value) in of_vertices.chain(of_targets) {
+            let Some(accessor) = index(value) else { continue };
+            if *roles.entry(accessor).or_insert(role) != role {
+                shared.insert(accessor);
+            }
+        }
+    }
+    Ok(shared)
+}
+
 /// Returns why the normals of a part must stay, if a morph target changes them.
 fn morphs(scene: &Scene, part: usize) -> Option<String> {
     let targets = items(primitive(scene, part)?, "targets");
-    let names = ["NORMAL", "TANGENT"];
-    let changes = targets.iter().any(|target| names.iter().any(|name| target.get(name).is_some()));
+    let changes = targets.iter().any(|target| DIRECTIONS.iter().any(|name| target.get(name).is_some()));
     changes.then(|| "a morph target changes them".into())
 }
 
@@ -188,7 +217,7 @@ fn rebuilt_values<'a>(
     for &part in &group.parts {
         let attributes = primitive(scene, part).and_then(|primitive| primitive.get("attributes"));
         let (Some(attributes), Some(first)) = (attributes, first[part]) else { continue };
-        for name in ["NORMAL", "TANGENT"] {
+        for name in DIRECTIONS {
             let accessor = attributes.get(name).and_then(index);
             let attribute = meshes[part].attributes().iter().find(|attribute| attribute.name == name);
             if let (Some(accessor), Some(attribute)) = (accessor, attribute) {
