@@ -44,7 +44,7 @@ impl NewVertices {
     pub fn behind(&self, mesh: &Mesh) -> Result<Mesh, Error> {
         let first = mesh.vertex_count() as u32;
         let sources: Vec<u32> = (0..first).chain(self.sources.iter().copied()).collect();
-        with_values(mesh.select_vertices(&sources)?, &[(first, self)])
+        with_values(&mesh.select_vertices(&sources)?, &[(first, self)])
     }
 }
 
@@ -122,7 +122,7 @@ pub fn with_new_vertices(
     } else {
         for (part, new) in added.iter().enumerate() {
             if let Some(new) = new {
-                meshes[part] = with_values(meshes[part].select_vertices(&new.sources)?, &[(0, new)])?;
+                meshes[part] = with_values(&meshes[part].select_vertices(&new.sources)?, &[(0, new)])?;
                 first[part] = Some(0);
             }
         }
@@ -173,7 +173,7 @@ fn extend_group(
     for sharing in by_attributes.into_values() {
         let new: Vec<(u32, &NewVertices)> =
             sharing.iter().filter_map(|&part| Some((first[part]?, added[part].as_ref()?))).collect();
-        let extended = with_values(meshes[sharing[0]].select_vertices(&sources)?, &new)?;
+        let extended = with_values(&meshes[sharing[0]].select_vertices(&sources)?, &new)?;
         for part in sharing {
             meshes[part] = extended.with_faces(meshes[part].faces().clone())?;
         }
@@ -182,7 +182,7 @@ fn extend_group(
 }
 
 /// Replaces the normals and tangents of the vertices from some on.
-fn with_values(mesh: Mesh, new: &[(u32, &NewVertices)]) -> Result<Mesh, Error> {
+fn with_values(mesh: &Mesh, new: &[(u32, &NewVertices)]) -> Result<Mesh, Error> {
     let mut replaced = Mesh::new(mesh.shared_positions(), Faces::default())?;
     for attribute in mesh.attributes() {
         let mut attribute = attribute.clone();

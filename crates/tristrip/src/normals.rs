@@ -28,7 +28,7 @@ use crate::mesh::{Attribute, Mesh, check_corners, check_triangles, triangles_of}
 use crate::union_find::UnionFind;
 use crate::vector::{Point, cross, dot, sub};
 use known::KnownNormals;
-use surface::{InnerEdge, Surface, positions, scaled_to_one, unit_normal};
+use surface::{InnerEdge, Surface, normals_of, positions, scaled_to_one, unit_normal, vector};
 
 /// The cosine of the largest angle between the normal of a flat-shaded face and those of its corners: 2 degrees, for normals of 8 bits.
 const SAME_NORMAL: f64 = 0.9994;
@@ -176,18 +176,6 @@ impl Default for Shading {
     fn default() -> Self {
         Self { is_flat: false, crease: -2.0 }
     }
-}
-
-/// Returns the normals of a mesh, if it has any.
-fn normals_of(mesh: &Mesh) -> Option<&Attribute> {
-    mesh.attributes().iter().find(|a| a.name == "NORMAL" && a.components == 3)
-}
-
-/// Returns a value of three components; one that is not finite counts as zero.
-fn vector(attribute: &Attribute, vertex: u32) -> Point {
-    let component =
-        |k: usize| attribute.float(3 * vertex as usize + k).filter(|x| x.is_finite()).unwrap_or(0.0);
-    [0, 1, 2].map(|k| component(k).into())
 }
 
 /// Returns whether nearly all corners have the normals of their faces; triangles without area do not count.

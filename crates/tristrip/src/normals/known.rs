@@ -1,6 +1,6 @@
 //! The normals that a mesh has at each point.
 
-use super::{normals_of, scaled_to_one, vector};
+use super::surface::{normals_of, scaled_to_one, vector};
 use crate::csr::Csr;
 use crate::mesh::{Mesh, PositionIds};
 use crate::vector::{Point, dot};

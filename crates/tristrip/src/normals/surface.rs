@@ -1,7 +1,7 @@
-//! The faces of a surface, and the edges that two of them share by position.
+//! The faces of a surface, the edges that two of them share by position, and the normals of vertices.
 
 use crate::error::Error;
-use crate::mesh::{Mesh, PositionIds, check_corners, check_triangles, triangles_of};
+use crate::mesh::{Attribute, Mesh, PositionIds, check_corners, check_triangles, triangles_of};
 use crate::vector::{Point, dot, normal_of};
 
 /// An edge of two triangles with opposite directions. Corners are numbered through all triangles.
@@ -85,4 +85,16 @@ pub(super) fn scaled_to_one(vector: Point) -> Option<Point> {
     let scaled = vector.map(|x| x / largest);
     let length = dot(scaled, scaled).sqrt();
     Some(scaled.map(|x| x / length))
+}
+
+/// Returns the normals of a mesh, if it has any.
+pub(super) fn normals_of(mesh: &Mesh) -> Option<&Attribute> {
+    mesh.attributes().iter().find(|a| a.name == "NORMAL" && a.components == 3)
+}
+
+/// Returns a value of three components; one that is not finite counts as zero.
+pub(super) fn vector(attribute: &Attribute, vertex: u32) -> Point {
+    let component =
+        |k: usize| attribute.float(3 * vertex as usize + k).filter(|x| x.is_finite()).unwrap_or(0.0);
+    [0, 1, 2].map(|k| component(k).into())
 }
