@@ -8,7 +8,9 @@ use tristrip_io::{Format, Model};
 use tristrip_lab::render::{Mode, TexturedModel, rows_of_sides};
 use tristrip_lab::text::table;
 use tristrip_pipeline::text::{count, counted};
-use tristrip_pipeline::{Collapses, Event, SimplifyOptions, SurfaceChange, rounded, simplify_observed};
+use tristrip_pipeline::{
+    Collapses, Event, NormalCounts, SimplifyOptions, SurfaceChange, rounded, simplify_observed,
+};
 
 use crate::batch::{self, InputReport, Outcome};
 use crate::console::Console;
@@ -63,6 +65,8 @@ struct SimplifyReport {
     normal_deviation_degrees: Option<f64>,
     /// The root mean square of the distances between texture coordinates, in percent of the texture; `null` without any.
     uv_deviation_percent: Option<f64>,
+    /// The numbers of parts by what happened to their normals.
+    normals: Option<NormalCounts>,
     /// The diagonal of the model's bounding box, in mesh units.
     diagonal: Option<f64>,
     locked_vertices: Option<usize>,
@@ -124,7 +128,7 @@ fn simplify(
     let (model, load) = load_job(job, console)?;
     report.seconds.load = Some(load);
     let format = job.output.as_ref().map_or(Format::Ply, |output| output.format);
-    let options = SimplifyOptions::new(task.goal).with_weights(task.weights);
+    let options = SimplifyOptions::new(task.goal).with_weights(task.weights).with_normals(task.normals);
     let options = options.with_verify(task.verify).with_format(format);
     let show = |event: Event<'_>, seconds: f64| show(event, seconds, console, report);
     let simplified = simplify_observed(&model, &options, &Stages::new(console, load, show))?;
@@ -132,6 +136,7 @@ fn simplify(
         console.stage("verify", "skipped", None);
     }
     report.vertices_after = Some(simplified.redrawn.used);
+    report.normals = Some(simplified.normals);
     if let Some(path) = &task.picture {
         draw(path, [&model, &simplified.redrawn.model], console, &mut report.notes)?;
         report.picture = Some(path.display().to_string());
@@ -248,7 +253,19 @@ fn summary(report: &SimplifyReport) -> String {
         row("triangles", report.triangles_before, report.triangles_after),
         row("vertices", report.vertices_before, report.vertices_after),
     ];
-    table(&rows, 1..4) + &format!("  {}\n", change_line(report))
+    table(&rows, 1..4) + &format!("  {}\n", change_line(report)) + &normals_line(report)
+}
+
+/// Returns a line on the normals that were rebuilt, if there are any.
+fn normals_line(report: &SimplifyReport) -> String {
+    let counts = report.normals.unwrap_or_default();
+    let rebuilt = [(counts.flat, "flat"), (counts.creased, "smooth up to the creases")];
+    let rebuilt: Vec<String> = rebuilt
+        .iter()
+        .filter(|(parts, _)| *parts > 0)
+        .map(|(parts, how)| format!("{how} in {}", counted(*parts, "part")))
+        .collect();
+    if rebuilt.is_empty() { String::new() } else { format!("  normals rebuilt: {}\n", rebuilt.join(", ")) }
 }
 
 /// Returns a line on how far the result is from the original.

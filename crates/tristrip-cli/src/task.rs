@@ -9,7 +9,9 @@ use tristrip::lod::RepairOptions;
 use tristrip::simplify::AttributeWeights;
 use tristrip::vertex_cache::FlushPolicy;
 use tristrip::{Layout, StripifyOptions};
-use tristrip_pipeline::{Amount, AnalyzeOptions, DisplayFilter, Goal, Level, Ratio, VertexCacheList};
+use tristrip_pipeline::{
+    Amount, AnalyzeOptions, DisplayFilter, Goal, Level, Normals, Ratio, VertexCacheList,
+};
 
 use crate::args::{self, AnalyzeArgs, Command, LodArgs, OutputArgs, SharedArgs};
 use crate::job::{Input, Job, inputs, inputs_of, jobs_of, write_to_stdout};
@@ -105,6 +107,7 @@ pub(crate) struct SimplifyTask {
     pub(crate) jobs: Vec<Job>,
     pub(crate) goal: Goal,
     pub(crate) weights: AttributeWeights,
+    pub(crate) normals: Normals,
     pub(crate) verify: bool,
     /// The PNG file of the model before and after.
     pub(crate) picture: Option<PathBuf>,
@@ -247,8 +250,8 @@ fn validate(command: Command, papers: &[&str]) -> Result<Task, String> {
             if let Some(path) = &args.picture {
                 check_picture(path, &jobs)?;
             }
-            let (weights, picture) = (args.weight, args.picture);
-            Task::Simplify(SimplifyTask { jobs, goal, weights, verify, picture })
+            let (weights, normals, picture) = (args.weight, args.normals, args.picture);
+            Task::Simplify(SimplifyTask { jobs, goal, weights, normals, verify, picture })
         }
         Command::Lod(args) => lod_task(*args)?,
         Command::Repro(args) => {

@@ -31,6 +31,7 @@ pub mod gltf;
 mod join;
 mod le_bytes;
 mod model;
+mod new_vertices;
 mod obj;
 mod off;
 #[cfg(feature = "fs")]
@@ -50,6 +51,7 @@ pub use format::Format;
 #[cfg(feature = "fs")]
 pub use gltf::images::EmbeddedImages;
 pub use model::{Drawing, Model, Part, StoredStrips};
+pub use new_vertices::{Extended, NewVertices, fixed_vertices, with_new_vertices};
 #[cfg(feature = "fs")]
 pub use path::{embed_images, read_path, replace_file, write_path};
 pub use redraw::{KeptVertices, Redrawn, with_triangles};

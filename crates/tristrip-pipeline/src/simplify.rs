@@ -1,5 +1,6 @@
 //! Simplification of a whole model: shared borders locked, the collapses proven, the vertices that become unused dropped.
 
+mod normals;
 mod parts;
 mod warning;
 
@@ -17,6 +18,8 @@ use crate::parts::map;
 use crate::prepared::{PreparedModel, Survey};
 use crate::surface_change::{ChangedSurface, SurfaceChange, surface_change};
 use crate::text::{count, counted};
+pub use normals::{NormalCounts, Normals};
+use normals::{Rebuilding, RebuiltPart, redraw};
 pub(crate) use parts::{Part, UsedVertices, base_triangles, diagonal, simplify_all, surface_error};
 
 /// The maximum number of parts with a note of their own on where they stopped.
@@ -33,6 +36,8 @@ pub struct SimplifyOptions {
     pub goal: Goal,
     /// How much the attributes of vertices count.
     pub weights: AttributeWeights,
+    /// Whether normals are kept or rebuilt.
+    pub normals: Normals,
     /// Whether the collapses, and the bytes of a file, are proven.
     pub verify: bool,
     /// The format in which the result will be written. A scene that is written as GLB keeps the unused vertices that other parts of it
@@ -43,13 +48,20 @@ pub struct SimplifyOptions {
 impl SimplifyOptions {
     /// Sets the goal.
     pub fn new(goal: Goal) -> Self {
-        Self { goal, weights: AttributeWeights::default(), verify: true, format: Format::Ply }
+        let (weights, normals) = (AttributeWeights::default(), Normals::default());
+        Self { goal, weights, normals, verify: true, format: Format::Ply }
     }
 
     /// Sets how much the attributes of vertices count.
     #[must_use]
     pub fn with_weights(self, weights: AttributeWeights) -> Self {
         Self { weights, ..self }
+    }
+
+    /// Sets whether normals are kept or rebuilt.
+    #[must_use]
+    pub fn with_normals(self, normals: Normals) -> Self {
+        Self { normals, ..self }
     }
 
     /// Sets whether the collapses are proven.
@@ -75,6 +87,8 @@ pub struct Simplified {
     pub collapses: Collapses,
     /// How far the surface is from the original.
     pub change: SurfaceChange,
+    /// What happened to the normals of the parts.
+    pub normals: NormalCounts,
     /// A sentence on the goal, if it was not reached: what held it back, and what to try.
     pub warning: Option<String>,
     /// The counts of the source mesh.
@@ -129,8 +143,11 @@ pub fn simplify_observed(
 ) -> Result<Simplified, Error> {
     // 1. The triangles of each part.
     let surveyed = Survey::new(model, StripifyOptions::default(), observer)?;
-    let parts = fans(&surveyed.prepared)?;
+    let mut parts = fans(&surveyed.prepared)?;
     let (mesh, mut notes) = (surveyed.mesh, surveyed.notes);
+    let normals = Rebuilding::choose(options.normals, model, options.format, &mut parts)?;
+    normals.notes.iter().for_each(|note| observer.event(Event::Note(note)));
+    notes.extend(normals.notes.iter().cloned());
 
     // 2. The collapses.
     begin(observer, Stage::Simplify)?;
@@ -164,7 +181,8 @@ pub fn simplify_observed(
 
     // 3. How far the result is from the original.
     begin(observer, Stage::Compare)?;
-    let change = change(&parts, &done)?;
+    let rebuilt = normals.rebuild(&parts, &done)?;
+    let change = change(&parts, &done, &rebuilt)?;
     observer.event(Event::Compared(&change));
 
     // 4. The proof of the collapses.
@@ -182,11 +200,12 @@ pub fn simplify_observed(
         Ok(corners)
     };
     let triangles = parts.iter().zip(&done).map(base).collect::<Result<_, Error>>()?;
-    let redrawn = tristrip_io::with_triangles(model, triangles, options.format)?;
+    let redrawn = redraw(model, &parts, rebuilt, triangles, options.format)?;
     Ok(Simplified {
         redrawn,
         collapses,
         change,
+        normals: normals.counts,
         warning,
         mesh,
         notes,
@@ -220,14 +239,21 @@ fn fans<'a>(prepared: &PreparedModel<'a>) -> Result<Vec<Part<'a>>, Error> {
 }
 
 /// Measures how far the parts are from what they were.
-fn change(parts: &[Part<'_>], done: &[Simplification]) -> Result<SurfaceChange, Error> {
+fn change(
+    parts: &[Part<'_>],
+    done: &[Simplification],
+    rebuilt: &[Option<RebuiltPart>],
+) -> Result<SurfaceChange, Error> {
     let base = |done: &Simplification| Ok(done.sequence.drawn(0)?.into_flattened());
-    let after = done.iter().map(base).collect::<Result<Vec<_>, Error>>()?;
-    let surfaces: Vec<ChangedSurface<'_>> = parts
-        .iter()
-        .zip(&after)
-        .map(|(part, after)| ChangedSurface { mesh: &part.compact.mesh, before: part.triangles(), after })
-        .collect();
+    let mut after = done.iter().map(base).collect::<Result<Vec<_>, Error>>()?;
+    let pair = |((part, rebuilt), after)| -> ChangedSurface<'_> {
+        let (part, rebuilt, after): (&Part<'_>, &Option<RebuiltPart>, &mut Vec<u32>) = (part, rebuilt, after);
+        match rebuilt {
+            Some(rebuilt) => rebuilt.change(part.triangles(), after),
+            None => ChangedSurface { mesh: &part.compact.mesh, before: part.triangles(), after },
+        }
+    };
+    let surfaces: Vec<_> = parts.iter().zip(rebuilt).zip(&mut after).map(pair).collect();
     surface_change(&surfaces, POINTS)
 }
 

@@ -32,6 +32,7 @@ mod union_find;
 mod vector;
 
 pub mod lod;
+pub mod normals;
 pub mod random;
 pub mod simplify;
 pub mod stripify;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use tristrip::Effort;
 use tristrip::simplify::AttributeWeights;
-use tristrip_pipeline::{Deviation, DisplayFilter, Level, Ratio};
+use tristrip_pipeline::{Deviation, DisplayFilter, Level, Normals, Ratio};
 
 use super::groups::{GeneralArgs, OutputArgs, TargetArgs};
 use crate::method::MethodArgs;
@@ -47,6 +47,16 @@ pub(crate) struct SimplifyArgs {
     /// the longest side; texture coordinates count by the distance that the texture moves over the surface. 0 ignores them.
     #[arg(long, value_name = "WEIGHTS", default_value = "", hide_default_value = true)]
     pub(crate) weight: AttributeWeights,
+    /// Whether normals are kept or rebuilt
+    ///
+    /// In a flat-shaded model every corner has the normal of its face, and every edge is a seam of normals that hardly anything can collapse
+    /// across. A part is flat-shaded if 98 % of its corners have the normal of their face within 2 degrees, and normals differ at a
+    /// quarter of its edges or more. Rebuilt parts are simplified by their shape, texture coordinates and colours; then each corner gets the
+    /// normal of its face, and tangents are computed again. With rebuild, all other parts are treated likewise; their edges are hard above
+    /// the angle that best separates their hard edges from the smooth ones. This helps models with many hard edges, and it repairs shading that no longer
+    /// fits the faces. Normals that a morph target changes are kept.
+    #[arg(long, value_name = "MODE", value_parser = named(Normals::ALL, Normals::name, Normals::summary), default_value_t = Normals::default())]
+    pub(crate) normals: Normals,
     #[command(flatten)]
     pub(crate) target: TargetArgs,
     /// Draw the model before and after in a PNG file, from eight sides

@@ -43,6 +43,7 @@ fn the_report_has_its_keys_and_describes_the_file() {
             "rms_deviation_percent",
             "normal_deviation_degrees",
             "uv_deviation_percent",
+            "normals",
             "diagonal",
             "locked_vertices",
             "parts",

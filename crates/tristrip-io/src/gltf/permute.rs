@@ -248,6 +248,11 @@ impl ByteOwners {
         slots.all(|slots| self.bytes(&slots).all(|byte| *byte == ONE_GROUP))
     }
 
+    /// Checks whether other data has bytes of an accessor.
+    pub(super) fn has_others(&mut self, array: &AccessorLayout) -> bool {
+        array.slots().any(|slots| self.bytes(&slots).any(|byte| *byte & OTHER != 0))
+    }
+
     fn mark(&mut self, slots: &StridedRange, owner: u8) {
         self.bytes(slots).for_each(|byte| *byte |= owner);
     }

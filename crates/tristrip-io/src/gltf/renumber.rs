@@ -291,6 +291,11 @@ impl SceneGroup {
         self.kept.clone().or_else(|| self.has_others.then(|| POINTS_OR_LINES.to_owned()))
     }
 
+    /// Returns the accessors with a value for each vertex, ascending.
+    pub(super) fn accessors(&self) -> &BTreeSet<usize> {
+        &self.accessors
+    }
+
     /// Returns why no vertex can be dropped, if none can.
     pub(crate) fn why_complete(&self) -> Option<String> {
         self.kept.clone().or_else(|| self.complete.clone())

@@ -78,9 +78,14 @@ impl Shrink {
         }
     }
 
+    /// Adds bytes that held values of an accessor whose values are elsewhere now.
+    pub(super) fn free(&mut self, layout: &AccessorLayout) {
+        self.freed.extend(layout.slots().map(|slots| (slots.buffer, slots.span())));
+    }
+
     /// Returns the scene with the accessors cut off, and without the bytes that nothing uses any more.
     pub(super) fn apply(self, mut scene: Scene) -> Result<Scene, Error> {
-        if self.cuts.is_empty() {
+        if self.cuts.is_empty() && self.freed.is_empty() {
             return Ok(scene);
         }
         self.cut_accessors(&mut scene.document.root)?;

@@ -62,6 +62,8 @@ pub(crate) struct Part<'a> {
     pub(crate) compact: Compact<'a>,
     /// Over the vertices of `compact`.
     triangles: Vec<u32>,
+    /// The mesh that the collapses see, if it is not the part's own: it has the same vertices, with fewer attributes.
+    pub(crate) simplified: Option<Mesh>,
     /// Which vertices are locked, because other parts use their positions; empty if none is.
     locked: Vec<bool>,
 }
@@ -72,7 +74,7 @@ impl<'a> Part<'a> {
         let compacted = parts.into_iter().map(|(mesh, mut triangles)| {
             let compact = Compact::new(mesh, &triangles)?;
             compact.used.inward(&mut triangles);
-            Ok(Self { compact, triangles, locked: Vec::new() })
+            Ok(Self { compact, triangles, simplified: None, locked: Vec::new() })
         });
         let mut parts: Vec<Self> = compacted.collect::<Result<_, Error>>()?;
         if parts.len() > 1 {
@@ -148,7 +150,8 @@ pub(crate) fn simplify_all(
         if !part.locked.is_empty() {
             options = options.with_locked(part.locked.clone());
         }
-        simplify::simplify_triangles(&part.compact.mesh, part.triangles.clone(), &options)
+        let mesh = part.simplified.as_ref().unwrap_or(&part.compact.mesh);
+        simplify::simplify_triangles(mesh, part.triangles.clone(), &options)
     });
     done.into_iter().collect()
 }

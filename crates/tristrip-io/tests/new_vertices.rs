@@ -1,0 +1,152 @@
+//! Scenes whose parts get new vertices: each has all values of its source, except for the new normal.
+#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
+
+mod gltf_documents;
+mod random;
+
+use gltf_documents::scenes::{raw, shared_scene};
+use gltf_documents::*;
+use random::random;
+use serde_json::{Value, json};
+use tristrip::Layout;
+use tristrip_io::{
+    Drawing, Format, Model, NewVertices, fixed_vertices, gltf, with_new_vertices, with_triangles, write,
+};
+
+const NEW: [f32; 3] = [0.6, 0.0, -0.8];
+
+/// Gives the first triangles of some parts vertices of their own, writes the scene, and returns it with the source of each corner.
+fn rebuilt(model: &Model, parts: &[usize], left: usize) -> (Vec<u8>, Vec<Vec<u32>>) {
+    let list = |part: usize| model.parts[part].mesh.faces().as_triangles().unwrap();
+    let sources: Vec<Vec<u32>> = (0..model.parts.len())
+        .map(|part| list(part)[..3 * left.min(list(part).len() / 3)].to_vec())
+        .collect();
+    let new = |part: usize| {
+        let sources = sources[part].clone();
+        let normals = vec![NEW; sources.len()];
+        parts.contains(&part).then_some(NewVertices { sources, normals, tangents: vec![] })
+    };
+    let added: Vec<_> = (0..model.parts.len()).map(new).collect();
+    let extended = with_new_vertices(model, &added, Format::Glb).unwrap();
+    let triangles = sources.iter().zip(&extended.first).map(|(sources, first)| match first {
+        Some(first) => (*first..).take(sources.len()).collect(),
+        None => sources.clone(),
+    });
+    let redrawn = with_triangles(&extended.model, triangles.collect(), Format::Glb).unwrap();
+    let drawings = vec![Drawing::Faces; model.parts.len()];
+    (write(&redrawn.model, &drawings, Format::Glb, Layout::List).unwrap(), sources)
+}
+
+/// Checks all values of all corners by the bytes of both files.
+fn check(before: &[u8], after: &[u8], parts: &[usize], sources: &[Vec<u32>]) {
+    let (old, new) = (json_of(before), json_of(after));
+    let number = |value: &Value| value.as_u64().unwrap() as usize;
+    let primitives = |json: &Value| -> Vec<Value> {
+        let meshes = json["meshes"].as_array().unwrap().iter();
+        meshes.flat_map(|mesh| mesh["primitives"].as_array().unwrap().clone()).collect()
+    };
+    for (part, (old, new)) in primitives(&old).into_iter().zip(primitives(&new)).enumerate() {
+        assert_eq!((&old["attributes"], &old["targets"]), (&new["attributes"], &new["targets"]));
+        let indices = raw(after, number(&new["indices"]));
+        let drawn = indices.iter().map(|b| b.iter().rev().fold(0, |n, &b| n << 8 | usize::from(b)));
+        let drawn: Vec<usize> = drawn.collect();
+        assert_eq!(drawn.len(), sources[part].len());
+        let objects = old["targets"].as_array().into_iter().flatten().chain([&old["attributes"]]);
+        for (name, accessor) in objects.flat_map(|object| object.as_object().unwrap()) {
+            let [old, new] = [before, after].map(|glb| raw(glb, number(accessor)));
+            for (&source, &vertex) in sources[part].iter().zip(&drawn) {
+                if name == "NORMAL" && parts.contains(&part) {
+                    assert_eq!(new[vertex], floats(&NEW));
+                } else {
+                    assert_eq!(new[vertex], old[source as usize], "part {part}, {name}");
+                }
+            }
+        }
+    }
+    for key in ["nodes", "scenes", "skins", "materials", "images"] {
+        assert_eq!(old.get(key), new.get(key));
+    }
+}
+
+/// Interleaved, sparse, matrix and integer values over vertices that two parts share: one of them gets new normals.
+#[test]
+fn new_vertices_have_all_values_of_their_sources() {
+    let draft = shared_scene(6);
+    let glb = draft.glb();
+    let model = gltf::read(&glb[..], None).unwrap();
+    assert_eq!(fixed_vertices(&model, Format::Glb).unwrap(), [None, None, None]);
+    let mut files = Vec::new();
+    for left in [4, 1000] {
+        let (after, sources) = rebuilt(&model, &[0], left);
+        check(&glb, &after, &[0], &sources);
+        files.push((format!("new_{left}.glb"), after));
+    }
+    // What is written has no vertices that nothing uses, and is smaller where fewer are left.
+    let count = json_of(&files[0].1)["accessors"][0]["count"].as_u64().unwrap();
+    assert!((12 + 5..=24).contains(&count) && files[0].1.len() < glb.len());
+    let again = gltf::read(&files[1].1[..], None).unwrap();
+    let (twice, sources) = rebuilt(&again, &[0], 3);
+    check(&files[1].1, &twice, &[0], &sources);
+    files.push(("twice.glb".into(), twice));
+    validate("new_vertices", &files);
+}
+
+#[test]
+fn vertices_are_fixed_where_something_depends_on_them() {
+    let why = |change: &dyn Fn(&mut Value), part: usize| {
+        let mut draft = shared_scene(4);
+        change(&mut draft.json);
+        let model = gltf::read(draft.glb(), None).unwrap();
+        fixed_vertices(&model, Format::Glb).unwrap()[part].clone().unwrap_or_default()
+    };
+    assert_eq!(why(&|_| (), 0), "");
+    let morph: &dyn Fn(&mut Value) =
+        &|json| json["meshes"][0]["primitives"][0]["targets"][0]["NORMAL"] = 1.into();
+    assert_eq!(why(morph, 0), "a morph target changes them");
+    assert_eq!(why(morph, 1), "");
+    let named: &dyn Fn(&mut Value) = &|json| json["asset"]["extras"] = json!([4.5, 11]);
+    assert!(why(named, 2).contains("may refer to their accessors"));
+    let bytes: &dyn Fn(&mut Value) = &|json| {
+        json["accessors"][1]["componentType"] = 5121.into();
+        json["accessors"][1]["normalized"] = true.into();
+    };
+    assert!(why(bytes, 0).contains("cannot hold directions"));
+    let role: &dyn Fn(&mut Value) =
+        &|json| json["meshes"][1]["primitives"][0]["attributes"]["POSITION"] = 1.into();
+    assert_eq!(why(role, 0), "other values share their accessor");
+}
+
+/// Documents with a few changed bytes: what can be read can get new vertices, or there is a reason why not.
+#[test]
+fn mutations_never_panic() {
+    let glb = shared_scene(3).glb();
+    let mut random = random();
+    let digits: Vec<usize> = (20..glb.len()).filter(|&at| glb[at].is_ascii_digit()).collect();
+    let mut done = 0;
+    for _ in 0..3000 {
+        let mut changed = glb.clone();
+        for _ in 0..=random(3) {
+            let at = digits[random(digits.len())];
+            changed[at] = b'0' + random(10) as u8;
+        }
+        let Ok(model) = gltf::read(&changed[..], None) else { continue };
+        let fixed = fixed_vertices(&model, Format::Glb).unwrap();
+        let parts: Vec<usize> = (0..fixed.len()).filter(|&part| fixed[part].is_none()).collect();
+        let (after, sources) = rebuilt(&model, &parts, 5);
+        let back = gltf::read(after, None).unwrap();
+        for (part, (before, after)) in model.parts.iter().zip(&back.parts).enumerate() {
+            for (&old, &new) in sources[part].iter().zip(after.mesh.faces().corners()) {
+                let [old_at, new_at] =
+                    [(&before.mesh, old), (&after.mesh, new)].map(|(mesh, v)| mesh.positions()[v as usize]);
+                assert_eq!(old_at, new_at);
+                let normal = after.mesh.attributes().iter().find(|a| a.name == "NORMAL" && a.components == 3);
+                if let Some(normal) = normal.filter(|_| parts.contains(&part)) {
+                    let x = normal.float(3 * new as usize).unwrap();
+                    assert!((x - NEW[0]).abs() < 0.01, "{x}");
+                }
+            }
+        }
+        done += usize::from(!parts.is_empty());
+    }
+    assert!(done > 500, "{done}");
+}

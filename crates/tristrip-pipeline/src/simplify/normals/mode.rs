@@ -1,0 +1,82 @@
+//! Whether normals are kept or rebuilt, as users name it, and how many parts were treated how.
+
+use std::fmt;
+use std::str::FromStr;
+
+/// What happens to the normals of parts that are simplified.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[non_exhaustive]
+pub enum Normals {
+    /// Those of flat-shaded parts are rebuilt, all others are kept.
+    #[default]
+    Auto,
+    /// Vertices keep their normals, and collapse only along the seams where these differ.
+    Keep,
+    /// All are rebuilt from the faces: flat, or smooth up to the crease angle that the edges of the part show.
+    Rebuild,
+}
+
+impl Normals {
+    /// All of them, in the order of the help.
+    pub const ALL: [Self; 3] = [Self::Auto, Self::Keep, Self::Rebuild];
+
+    /// Returns the name on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Keep => "keep",
+            Self::Rebuild => "rebuild",
+        }
+    }
+
+    /// Returns a line of help.
+    ///
+    /// ```
+    /// assert!(tristrip_pipeline::Normals::Auto.summary().contains("flat-shaded"));
+    /// ```
+    pub fn summary(self) -> &'static str {
+        match self {
+            Self::Auto => "Rebuild those of flat-shaded parts, keep all others",
+            Self::Keep => {
+                "Keep the normals of the vertices; edges at which they differ collapse only along themselves"
+            }
+            Self::Rebuild => {
+                "Rebuild all: flat, or smooth up to the crease angle that the hard edges of a part show"
+            }
+        }
+    }
+}
+
+impl fmt::Display for Normals {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// Parses a name.
+///
+/// ```
+/// use tristrip_pipeline::Normals;
+/// assert!(Normals::ALL.iter().all(|normals| normals.to_string().parse() == Ok(*normals)));
+/// assert!("smooth".parse::<Normals>().is_err());
+/// ```
+impl FromStr for Normals {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let found = Self::ALL.into_iter().find(|normals| normals.name() == text);
+        found.ok_or_else(|| format!("found `{text}`, expected auto, keep or rebuild"))
+    }
+}
+
+/// The numbers of parts by what happened to their normals; parts without normals do not count.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize)]
+#[non_exhaustive]
+pub struct NormalCounts {
+    /// Parts whose vertices kept their normals.
+    pub kept: usize,
+    /// Flat-shaded parts, which have the normals of the remaining faces.
+    pub flat: usize,
+    /// Parts with new normals that are smooth up to a crease angle.
+    pub creased: usize,
+}

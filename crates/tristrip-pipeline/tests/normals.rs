@@ -1,0 +1,151 @@
+//! Normals of simplified models: those of flat-shaded models are the normals of the faces that are left, in every format.
+
+#![expect(clippy::unwrap_used, reason = "a test that panics fails")]
+
+use std::collections::BTreeSet;
+
+use tristrip::{Attribute, AttributeData, Faces, Mesh};
+use tristrip_io::{Format, Model, Part, read};
+use tristrip_pipeline::{Amount, Deviation, Goal, Normals, Simplified, SimplifyOptions, simplify};
+
+const COLUMNS: usize = 36;
+const ROWS: usize = 20;
+
+fn attribute(name: &str, components: u8, values: Vec<f32>) -> Attribute {
+    Attribute { name: name.into(), components, normalized: false, data: AttributeData::F32(values) }
+}
+
+fn normal_of([a, b, c]: [[f32; 3]; 3]) -> [f32; 3] {
+    let [u, v] = [b, c].map(|p| [0, 1, 2].map(|k| f64::from(p[k]) - f64::from(a[k])));
+    let n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+    let length = n.iter().map(|x| x * x).sum::<f64>().sqrt();
+    n.map(|x| (x / length) as f32)
+}
+
+/// Returns the triangles of a tube of changing width around the z axis: positions, texture coordinates and the normals of the axis.
+fn triangles(width: impl Fn(usize) -> f64) -> Vec<[([f32; 3], [f32; 2], [f32; 3]); 3]> {
+    let at = |column: usize, row: usize| {
+        let turn = (column % COLUMNS) as f64 / COLUMNS as f64 * std::f64::consts::TAU;
+        let (sin, cos) = turn.sin_cos();
+        let position = [cos * width(row), sin * width(row), row as f64 / 4.0].map(|x| x as f32);
+        let uv = [column as f32 / COLUMNS as f32, row as f32 / ROWS as f32];
+        (position, uv, [cos as f32, sin as f32, 0.0])
+    };
+    let cells = (0..ROWS).flat_map(|row| (0..COLUMNS).map(move |column| (column, row)));
+    let faces = cells.flat_map(|(x, y)| {
+        let [a, b, c, d] = [at(x, y), at(x + 1, y), at(x + 1, y + 1), at(x, y + 1)];
+        [[a, b, c], [a, c, d]]
+    });
+    faces.collect()
+}
+
+/// Returns a model in which every triangle has vertices of its own; the normals are chosen by `normal` for a triangle and a corner.
+fn model(
+    faces: &[[([f32; 3], [f32; 2], [f32; 3]); 3]],
+    normal: impl Fn([[f32; 3]; 3], [f32; 3]) -> [f32; 3],
+) -> Model {
+    let corners = || faces.as_flattened().iter();
+    let normals = faces.iter().flat_map(|face| {
+        let positions = face.map(|corner| corner.0);
+        face.map(|corner| normal(positions, corner.2))
+    });
+    let faces = Faces::from_triangles((0..3 * faces.len() as u32).collect()).unwrap();
+    let mesh = Mesh::new(corners().map(|corner| corner.0).collect::<Vec<_>>(), faces).unwrap();
+    let mesh = mesh.with_attribute(attribute("NORMAL", 3, normals.flatten().collect())).unwrap();
+    let uv = corners().flat_map(|corner| corner.1).collect();
+    let mesh = mesh.with_attribute(attribute("TEXCOORD_0", 2, uv)).unwrap();
+    Model { parts: vec![Part { mesh, ..Part::default() }], ..Model::default() }
+}
+
+fn wavy(row: usize) -> f64 {
+    2.0 + 0.5 * (row as f64 / 3.0).sin()
+}
+
+fn simplified(model: &Model, normals: Normals, format: Format) -> Simplified {
+    let amount = Some(Amount::Ratio("20%".parse().unwrap()));
+    let goal = Goal { amount, deviation: Deviation::Percent(100.0) };
+    simplify(model, &SimplifyOptions::new(goal).with_normals(normals).with_format(format)).unwrap()
+}
+
+/// Calls a check with the positions and the normals of each triangle.
+fn for_each_triangle(mesh: &Mesh, mut check: impl FnMut([[f32; 3]; 3], [[f32; 3]; 3])) {
+    let normals = mesh.attributes().iter().find(|a| a.name == "NORMAL").unwrap();
+    for face in mesh.faces().iter() {
+        let corners: [u32; 3] = face.try_into().unwrap();
+        let normal = |v: u32| [0, 1, 2].map(|k| normals.float(3 * v as usize + k).unwrap());
+        check(corners.map(|v| mesh.positions()[v as usize]), corners.map(normal));
+    }
+}
+
+#[test]
+fn flat_shaded_models_get_the_normals_of_the_faces_left() {
+    let source = model(&triangles(wavy), |face, _| normal_of(face));
+    let count = source.parts[0].mesh.faces().face_count();
+    assert_eq!(count, 1440);
+    for format in [Format::Ply, Format::Obj, Format::Glb] {
+        let result = simplified(&source, Normals::Auto, format);
+        assert!(result.proven && result.collapses.reached && result.normals.flat == 1);
+        // The texture is repeated nowhere, so that its one seam stays.
+        let bytes = result.encode(&()).unwrap().bytes;
+        let again = read(&bytes, format).unwrap();
+        let mesh = &again.parts[0].mesh;
+        assert_eq!(mesh.faces().face_count(), result.collapses.triangles_after);
+        let mut different = BTreeSet::new();
+        for_each_triangle(mesh, |positions, normals| {
+            assert_eq!(normals, [normal_of(positions); 3], "{format:?}");
+            different.insert(normals[0].map(f32::to_bits));
+        });
+        assert!(different.len() > 200, "{}", different.len());
+        assert!(mesh.vertex_count() <= 3 * result.collapses.triangles_after);
+    }
+    let kept = simplified(&source, Normals::Keep, Format::Ply);
+    assert!(kept.collapses.triangles_after > 1000 && kept.normals.kept == 1, "{:?}", kept.collapses);
+}
+
+/// The default changes nothing where no part is flat-shaded.
+#[test]
+fn smooth_models_keep_their_normals() {
+    let source = model(&triangles(wavy), |_, axis| axis);
+    let [auto, keep] = [Normals::Auto, Normals::Keep]
+        .map(|normals| simplified(&source, normals, Format::Glb).encode(&()).unwrap().bytes);
+    assert!(auto == keep);
+}
+
+/// A tube with steps: the walls are smooth around the axis, the steps flat, and the edges between them hard.
+#[test]
+fn creased_models_stay_smooth_up_to_the_creases() {
+    let step = |row: usize| [2.0, 2.0, 1.5, 1.5, 1.0, 1.0][row % 6];
+    let is_step = |face: [[f32; 3]; 3]| normal_of(face)[2].abs() > 0.5;
+    let source = model(&triangles(step), |face, axis| if is_step(face) { normal_of(face) } else { axis });
+    let result = simplified(&source, Normals::Rebuild, Format::Ply);
+    assert_eq!((result.normals.creased, result.normals.flat), (1, 0));
+    let kept = simplified(&source, Normals::Keep, Format::Ply);
+    assert!(result.collapses.triangles_after <= kept.collapses.triangles_after);
+    let (mut smooth, mut all) = (0, 0);
+    for_each_triangle(&result.redrawn.model.parts[0].mesh, |positions, normals| {
+        let face = normal_of(positions);
+        for (position, normal) in positions.iter().zip(normals) {
+            let along = (0..3).map(|k| face[k] * normal[k]).sum::<f32>();
+            assert!(along > 0.5, "a normal follows its face: {face:?}, {normal:?}");
+            let radius = position[0].hypot(position[1]);
+            let radial = (position[0] * normal[0] + position[1] * normal[1]) / radius;
+            smooth += usize::from(!is_step(positions) && radial > 0.9);
+            all += usize::from(!is_step(positions));
+        }
+    });
+    assert!(10 * smooth > 7 * all, "{smooth} of {all}");
+}
+
+/// Parts of which only one is flat-shaded: the other one is simplified as without it.
+#[test]
+fn parts_are_treated_one_by_one() {
+    let mut source = model(&triangles(wavy), |face, _| normal_of(face));
+    let far = |p: [f32; 3]| [p[0] + 9.0, p[1], p[2]];
+    let moved: Vec<_> =
+        triangles(wavy).iter().map(|face| face.map(|(p, uv, axis)| (far(p), uv, axis))).collect();
+    source.parts.extend(model(&moved, |_, axis| axis).parts);
+    let result = simplified(&source, Normals::Auto, Format::Glb);
+    assert_eq!((result.normals.flat, result.normals.kept, result.normals.creased), (1, 1, 0));
+    let alone = simplified(&model(&moved, |_, axis| axis), Normals::Auto, Format::Glb);
+    assert_eq!(result.redrawn.model.parts[1].mesh, alone.redrawn.model.parts[0].mesh);
+}

@@ -1,0 +1,45 @@
+//! The normals that a mesh has at each point.
+
+use super::surface::{normals_of, scaled_to_one, vector};
+use crate::csr::Csr;
+use crate::mesh::{Mesh, PositionIds};
+use crate::vector::{Point, dot};
+
+/// The cosine of the largest angle between a normal that is kept and the mean of the faces: 32 degrees. With less, normals of round
+/// shapes change that looked right; with more, those of faces that are gone stay.
+const NEAR: f64 = 0.85;
+
+/// The number of normals at a point that are compared.
+const MOST: usize = 32;
+
+/// The normals that vertices have at the points of triangles.
+pub(super) struct KnownNormals {
+    /// The point of each corner.
+    points: Vec<u32>,
+    /// The unit normals at each point.
+    normals: Csr<Point>,
+}
+
+impl KnownNormals {
+    /// Collects the normals of the vertices of `before`, at the points of `triangles`.
+    pub(super) fn new(mesh: &Mesh, before: &[u32], triangles: &[u32]) -> Self {
+        let mut ids = PositionIds::default();
+        let points = ids.numbers(mesh.positions(), triangles);
+        let point_count = points.iter().max().map_or(0, |&last| last as usize + 1);
+        let mut pairs: Vec<(u32, u32)> =
+            ids.numbers(mesh.positions(), before).into_iter().zip(before.iter().copied()).collect();
+        pairs.retain(|&(point, _)| (point as usize) < point_count);
+        pairs.sort_unstable();
+        pairs.dedup();
+        let unit = |(point, v)| Some((point, scaled_to_one(vector(normals_of(mesh)?, v))?));
+        let known: Vec<(u32, Point)> = pairs.into_iter().filter_map(unit).collect();
+        Self { points, normals: Csr::group_items(known.iter().copied(), point_count) }
+    }
+
+    /// Returns the known normal at the point of a corner that is the nearest to a unit vector, or that vector if none is near.
+    pub(super) fn nearest(&self, corner: usize, mean: Point) -> Point {
+        let known = self.normals.row(self.points[corner]).iter().take(MOST);
+        let best = known.map(|&normal| (dot(normal, mean), normal)).max_by(|a, b| a.0.total_cmp(&b.0));
+        best.filter(|&(cosine, _)| cosine >= NEAR).map_or(mean, |(_, normal)| normal)
+    }
+}
