@@ -59,6 +59,7 @@ mod index;
 mod json;
 mod keep;
 mod permute;
+mod placements;
 mod read;
 mod references;
 mod removed_bytes;
@@ -83,6 +84,7 @@ pub use budget::{
 };
 pub use build::losses;
 pub use document::JSON_VALUE_LIMIT;
+pub use placements::Placement;
 pub(crate) use read::read_in_folders;
 pub use read::{read, read_separate};
 pub use scene::Scene;

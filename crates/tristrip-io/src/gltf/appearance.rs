@@ -20,10 +20,9 @@ use super::buffer::decode_data_uri;
 #[cfg(feature = "fs")]
 use super::buffer_files::BufferFiles;
 use super::document::{Located, array};
-use super::json::Members;
+use super::placements::Placement;
 use super::scene::Scene;
 use super::shared_bytes::{SharedBytes, whole_of};
-use super::transform::{Transform, of_node};
 use crate::error::Error;
 
 /// The extension that moves texture coordinates.
@@ -121,7 +120,11 @@ impl Scene {
     /// # Ok::<(), tristrip_io::Error>(())
     /// ```
     pub fn appearance(&self) -> Result<Appearance, Error> {
-        let instances = self.instances()?;
+        let of_place = |place: Placement| {
+            let Placement { parts, transform } = place;
+            parts.map(move |part| Instance { part, transform })
+        };
+        let instances = self.placements()?.into_iter().flat_map(of_place).collect();
         let folders: Vec<&Path> = self.folders.iter().map(std::path::PathBuf::as_path).collect();
         let root = &self.document.root;
         let mut reader = MaterialReader {
@@ -162,82 +165,6 @@ impl Scene {
         }
         Ok(materials)
     }
-
-    /// Returns the parts that the nodes of the scene show.
-    fn instances(&self) -> Result<Vec<Instance>, Error> {
-        let root = &self.document.root;
-        let nodes: Vec<Located<'_>> = Located::entries(root, "nodes")?.collect();
-        // 1. The parts of each mesh; they stand in the order of the meshes.
-        let mut parts_of = vec![0..0; array(root, "meshes")?.len()];
-        for (part, source) in self.primitives.iter().enumerate() {
-            if let Some(parts) = parts_of.get_mut(source.mesh) {
-                let first = if parts.start == parts.end { part } else { parts.start };
-                *parts = first..part + 1;
-            }
-        }
-        // 2. The nodes from the roots of the scene down.
-        let mut open: Vec<(usize, Transform)> = roots(root, nodes.len())?;
-        open.reverse();
-        let mut seen = vec![false; nodes.len()];
-        let mut instances = Vec::new();
-        while let Some((number, above)) = open.pop() {
-            let node = &nodes[number];
-            if std::mem::replace(&mut seen[number], true) {
-                return Err(Error::format(node.at.clone(), "a node with two parents", "a tree"));
-            }
-            let transform = above.of(&of_node(node)?);
-            if let Some(mesh) = node.field("mesh") {
-                let count = parts_of.len();
-                let parts = parts_of.get(mesh.size()?);
-                let parts =
-                    parts.ok_or_else(|| mesh.wrong(format!("less than {count}, the number of meshes")))?;
-                let skinned = node.field("skin").is_some();
-                let shown = if skinned { Transform::IDENTITY } else { transform };
-                instances.extend(parts.clone().map(|part| Instance { part, transform: shown.rows() }));
-            }
-            if let Some(children) = node.field("children") {
-                let children = children.items()?.map(|child| child.size()).collect::<Result<Vec<_>, _>>()?;
-                open.extend(children.into_iter().rev().map(|child| (child, transform)));
-            }
-        }
-        // 3. A document without such nodes is a library of meshes.
-        if instances.is_empty() {
-            let transform = Transform::IDENTITY.rows();
-            instances = (0..self.primitives.len()).map(|part| Instance { part, transform }).collect();
-        }
-        Ok(instances)
-    }
-}
-
-/// Returns the roots of the scene that the document shows first; without scenes, the nodes that are no children.
-fn roots(root: &Members, node_count: usize) -> Result<Vec<(usize, Transform)>, Error> {
-    let scenes: Vec<Located<'_>> = Located::entries(root, "scenes")?.collect();
-    let shown = match Located::root(root, "scene") {
-        Ok(shown) => Some(shown.target(root, "scenes")?),
-        Err(_) => scenes.into_iter().next(),
-    };
-    let mut numbers = Vec::new();
-    if let Some(scene) = shown {
-        let listed = scene.field("nodes").map(|nodes| nodes.items()).transpose()?;
-        for node in listed.into_iter().flatten() {
-            match node.size()? {
-                number if number < node_count => numbers.push(number),
-                _ => return Err(node.wrong(format!("less than {node_count}, the number of nodes"))),
-            }
-        }
-    } else {
-        let mut is_child = vec![false; node_count];
-        for node in Located::entries(root, "nodes")? {
-            let children = node.field("children").map(|children| children.items()).transpose()?;
-            for child in children.into_iter().flatten() {
-                if let Some(is_child) = is_child.get_mut(child.size()?) {
-                    *is_child = true;
-                }
-            }
-        }
-        numbers.extend((0..node_count).filter(|&node| !is_child[node]));
-    }
-    Ok(numbers.into_iter().map(|node| (node, Transform::IDENTITY)).collect())
 }
 
 /// What is known of an image of the document.
