@@ -56,6 +56,8 @@ pub(super) struct Topology {
     on_seam: Vec<bool>,
     kinds: Vec<PointKind>,
     rings: CornerRings,
+    /// The first vertex of each mesh if there are several.
+    meshes: Vec<u32>,
 }
 
 impl Topology {
@@ -79,7 +81,18 @@ impl Topology {
         let mut fans = FanClassifier::new(vertex_of.len());
         let kinds = (0..vertex_of.len() as u32).map(|p| fans.kind(&triangles, rings.of(p))).collect();
         let wedges = if on_seam.is_empty() { Vec::new() } else { vertices.to_vec() };
-        Self { triangles, wedges, equal_vertices, vertex_of, on_seam, kinds, rings }
+        Self { triangles, wedges, equal_vertices, vertex_of, on_seam, kinds, rings, meshes: Vec::new() }
+    }
+
+    /// Sets the first vertices of the meshes that the vertices belong to.
+    pub(super) fn with_meshes(self, meshes: &[u32]) -> Self {
+        Self { meshes: meshes.to_vec(), ..self }
+    }
+
+    /// Checks whether two vertices belong to one mesh.
+    fn are_of_one_mesh(&self, a: u32, b: u32) -> bool {
+        let mesh = |v: u32| self.meshes.partition_point(|&start| start <= v);
+        self.meshes.len() < 2 || mesh(a) == mesh(b)
     }
 
     pub(super) fn point_count(&self) -> usize {
@@ -214,7 +227,7 @@ impl Topology {
         dropped.sort_unstable();
     }
 
-    /// Iterates over the sides of triangles at borders and seams: the corner at which each begins, and whether it is a border.
+    /// Iterates over the sides of triangles at borders and seams: the corner at which each begins, and whether it is a border of its mesh.
     pub(super) fn open_edges(&self) -> impl Iterator<Item = (CornerId, bool)> {
         // Sides between two points of many triangles each are found in a map.
         let is_long = |p: u32| self.ring(p).len() > LONG_RING;
@@ -238,6 +251,9 @@ impl Topology {
                 self.ring(to).iter().find(|&&other| self.others(other)[0] == from).map(|other| other.next())
             };
             let Some(other) = other else { return Some((corner, true)) };
+            if !self.are_of_one_mesh(self.wedge(corner), self.wedge(other)) {
+                return Some((corner, true));
+            }
             let is_seam = [(corner, other), (corner.next(), other.previous())]
                 .iter()
                 .any(|&(a, b)| !self.are_equal(self.wedge(a), self.wedge(b)));
