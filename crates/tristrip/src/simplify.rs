@@ -23,6 +23,7 @@
 mod attributes;
 mod decimate;
 mod frame;
+mod irregular;
 mod joined;
 mod neighbourhood;
 mod options;

@@ -32,6 +32,7 @@
 
 use super::attributes::PricedAttributes;
 use super::frame::{frame, quadrics};
+use super::irregular::Links;
 use super::neighbourhood::Neighbourhood;
 use super::options::SimplifyOptions;
 use super::quadric::Quadric;
@@ -101,6 +102,7 @@ pub(super) struct Decimation {
     triangle_count: usize,
     /// The largest error allowed, in units of the frame.
     error_limit: f64,
+    links: Links,
     /// The triangles of the current point.
     current: Neighbourhood,
     neighbours: Vec<u32>,
@@ -150,6 +152,7 @@ impl Decimation {
             marks: vec![0; count],
             mark: 0,
             error_limit: options.error().map_or(f64::INFINITY, |error| f64::from(error) / unit),
+            links: Links::default(),
             current: Neighbourhood::default(),
             neighbours: Vec::new(),
             around: Vec::new(),
@@ -181,7 +184,7 @@ impl Decimation {
             }
             let reason = if self.locked[point as usize] {
                 &mut stopped.locked
-            } else if self.topology.kind(point) == PointKind::Complex {
+            } else if self.topology.kind(point) == PointKind::Degenerate {
                 &mut stopped.non_manifold
             } else if self.topology.ring(point).len() > MOST_CORNERS {
                 &mut stopped.topology
@@ -195,6 +198,9 @@ impl Decimation {
                 match refusal {
                     Some(Refusal::FoldOver) => &mut stopped.fold_over,
                     Some(Refusal::Seam) => &mut stopped.seam,
+                    Some(Refusal::Topology) if self.topology.kind(point) == PointKind::Irregular => {
+                        &mut stopped.non_manifold
+                    }
                     Some(Refusal::Topology) => &mut stopped.topology,
                     // Only the error limit holds it.
                     None => &mut stopped.error,
@@ -209,7 +215,7 @@ impl Decimation {
     fn is_removable(&self, point: u32) -> bool {
         let ring = self.topology.ring(point);
         !self.locked[point as usize]
-            && self.topology.kind(point) != PointKind::Complex
+            && self.topology.kind(point) != PointKind::Degenerate
             && !ring.is_empty()
             && ring.len() <= MOST_CORNERS
     }
@@ -221,7 +227,10 @@ impl Decimation {
 
     /// Collects the neighbours that a point may go to, with their estimates: for a border point those along the border.
     fn collect_candidates(&mut self, point: u32) {
-        self.topology.neighbours(point, &mut self.neighbours);
+        match self.topology.kind(point) {
+            PointKind::Irregular => self.links.neighbours(&self.topology, point, &mut self.neighbours),
+            _ => self.topology.neighbours(point, &mut self.neighbours),
+        }
         let first = match self.topology.kind(point) {
             PointKind::Border => self.neighbours.len().saturating_sub(2),
             _ => 0,
@@ -350,6 +359,10 @@ impl Decimation {
 
     /// Checks whether a collapse keeps the topology of the surface.
     fn keeps_topology(&mut self, point: u32, to: u32) -> bool {
+        if self.topology.kind(point) == PointKind::Irregular {
+            return self.topology.ring(to).len() <= MOST_CORNERS
+                && self.links.allow(&self.topology, point, to);
+        }
         let ring = self.topology.ring(point);
         let common = ring.iter().filter(|&&corner| self.topology.others(corner).contains(&to)).count();
         let expected = if self.topology.kind(point) == PointKind::Border { 1 } else { 2 };
@@ -418,7 +431,11 @@ impl Decimation {
         self.topology.neighbours(point, &mut around);
         let renamed = self.topology.renames(point, to, &mut renames);
         debug_assert!(renamed.is_some());
+        let is_irregular = [point, to].iter().any(|&p| self.topology.kind(p) == PointKind::Irregular);
         self.topology.collapse(point, to, &renames, &mut dropped);
+        if is_irregular {
+            self.topology.classify(&around);
+        }
         sequence.push(&renames, &dropped, self.plans[point as usize].error);
         self.triangle_count -= dropped.len();
         self.queue.remove(point);

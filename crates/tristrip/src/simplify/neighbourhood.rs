@@ -36,8 +36,10 @@ impl OppositeEdge {
 #[derive(Debug, Default)]
 pub(super) struct Neighbourhood {
     from: Point,
-    is_border: bool,
+    is_inner: bool,
     edges: Vec<OppositeEdge>,
+    /// The mesh of each triangle, if they are of several.
+    meshes: Vec<u32>,
     /// The same triangles, placed for distances, once these were needed.
     placed: Vec<PlacedTriangle>,
 }
@@ -46,8 +48,9 @@ impl Neighbourhood {
     /// Collects the triangles of a point.
     pub(super) fn collect(&mut self, topology: &Topology, positions: &[Point], point: u32) {
         let from = positions[point as usize];
-        (self.from, self.is_border) = (from, topology.kind(point) == PointKind::Border);
+        (self.from, self.is_inner) = (from, topology.kind(point) == PointKind::Inner);
         self.placed.clear();
+        topology.meshes_around(point, &mut self.meshes);
         self.edges.clear();
         self.edges.extend(topology.ring(point).iter().map(|&corner| {
             let points = topology.others(corner);
@@ -57,10 +60,24 @@ impl Neighbourhood {
     }
 
     /// Returns the squared distance of the point from the triangles that it would have at a neighbour, or, without any, from the edges opposite
-    /// to it.
+    /// to it. Between several meshes it is the largest for any of them, so that it tells how far the line between them moves.
     pub(super) fn distance(&self, to: u32, kept: Point) -> f64 {
+        if self.meshes.is_empty() {
+            return self.distance_to(self.edges.iter(), to, kept);
+        }
+        let is_first = |i: usize| !self.meshes[..i].contains(&self.meshes[i]);
+        let of_mesh = |mesh: u32| {
+            let edges =
+                self.edges.iter().zip(&self.meshes).filter(|(_, of)| **of == mesh).map(|(edge, _)| edge);
+            self.distance_to(edges, to, kept)
+        };
+        (0..self.meshes.len()).filter(|&i| is_first(i)).map(|i| of_mesh(self.meshes[i])).fold(0.0, f64::max)
+    }
+
+    /// Returns the squared distance of the point from some of the triangles.
+    fn distance_to<'a>(&self, edges: impl Iterator<Item = &'a OppositeEdge>, to: u32, kept: Point) -> f64 {
         let (mut least, mut least_edge) = (f64::INFINITY, f64::INFINITY);
-        for edge in &self.edges {
+        for edge in edges {
             let [u, w] = edge.positions;
             if edge.has(to) {
                 least_edge = least_edge.min(to_segment(self.from, [u, w]));
@@ -98,8 +115,8 @@ impl Neighbourhood {
                 |edge: &OppositeEdge| PlacedTriangle::new([from, edge.positions[0], edge.positions[1]]);
             self.placed.extend(self.edges.iter().map(place));
         }
-        // Around an inner point each neighbour is the u of one triangle; on a border one is only a w.
-        let ends = if self.is_border { 2 } else { 1 };
+        // Around an inner point each neighbour is the u of one triangle; around another one may be only a w.
+        let ends = if self.is_inner { 1 } else { 2 };
         let mut largest = 0.0;
         for (i, edge) in self.edges.iter().enumerate().filter(|(_, edge)| !edge.has(to)) {
             // The triangle at the end of the new edge is likely to be near.

@@ -215,13 +215,27 @@ fn a_seam_stays_closed() {
     }
 }
 
+/// Three pages of a book: the points along the spine move along it only, and each page stays.
 #[test]
-fn vertices_of_an_edge_of_three_faces_stay() {
-    let positions = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0]];
-    let simplification = simplified(&positions, &[0, 1, 2, 1, 0, 3, 0, 1, 4], &SimplifyOptions::default());
-    let left: HashSet<u32> = simplification.sequence.drawn(0).unwrap().into_iter().flatten().collect();
-    assert!(left.contains(&0) && left.contains(&1));
-    assert_eq!(simplification.stopped.unwrap().non_manifold, 2);
+fn three_sheets_stay_at_their_common_line() {
+    let rows = 6_u32;
+    let page = |k: u32| (k as f32 * 2.0).sin_cos();
+    let spine = (0..rows).map(|i| [0.0, 0.0, i as f32]);
+    let edges = (0..3).flat_map(|k| (0..rows).map(move |i| [page(k).0, page(k).1, i as f32]));
+    let positions: Vec<[f32; 3]> = spine.chain(edges).collect();
+    let quad = |k: u32, i: u32| {
+        let [a, b] = [i, rows * (k + 1) + i];
+        [a, b, a + 1, a + 1, b, b + 1]
+    };
+    let triangles: Vec<u32> = (0..3).flat_map(|k| (0..rows - 1).flat_map(move |i| quad(k, i))).collect();
+    let options = SimplifyOptions::default().with_error(0.1);
+    let drawn = simplified(&positions, &triangles, &options).sequence.drawn(0).unwrap();
+    assert_eq!(drawn.len(), 6, "two triangles per page: {drawn:?}");
+    let on_spine: HashSet<u32> = drawn.into_iter().flatten().filter(|&v| v < rows).collect();
+    assert_eq!(on_spine, HashSet::from([0, rows - 1]));
+    // Without a limit, pages vanish, but for the last triangle.
+    let least = simplified(&positions, &triangles, &SimplifyOptions::default()).sequence;
+    assert_eq!(least.triangles_at(0), 1);
 }
 
 /// A cone whose tip at first has more triangles than a point that may be removed.

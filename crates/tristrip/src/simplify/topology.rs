@@ -55,6 +55,8 @@ pub(super) struct Topology {
     /// Whether a point has several vertices; empty if none has.
     on_seam: Vec<bool>,
     kinds: Vec<PointKind>,
+    /// Classifies points again that a collapse changed, if there are irregular ones.
+    classifier: Option<FanClassifier>,
     rings: CornerRings,
     /// The first vertex of each mesh if there are several.
     meshes: Vec<u32>,
@@ -79,9 +81,21 @@ impl Topology {
         let equal_vertices = equal_vertices(attribute_bits, vertices, &points, &on_seam);
         let rings = CornerRings::new(&triangles, vertices, vertex_of.len());
         let mut fans = FanClassifier::new(vertex_of.len());
-        let kinds = (0..vertex_of.len() as u32).map(|p| fans.kind(&triangles, rings.of(p))).collect();
+        let kinds: Vec<PointKind> =
+            (0..vertex_of.len() as u32).map(|p| fans.kind(&triangles, rings.of(p))).collect();
+        let classifier = kinds.contains(&PointKind::Irregular).then_some(fans);
         let wedges = if on_seam.is_empty() { Vec::new() } else { vertices.to_vec() };
-        Self { triangles, wedges, equal_vertices, vertex_of, on_seam, kinds, rings, meshes: Vec::new() }
+        Self {
+            triangles,
+            wedges,
+            equal_vertices,
+            vertex_of,
+            on_seam,
+            kinds,
+            classifier,
+            rings,
+            meshes: Vec::new(),
+        }
     }
 
     /// Sets the first vertices of the meshes that the vertices belong to.
@@ -91,8 +105,23 @@ impl Topology {
 
     /// Checks whether two vertices belong to one mesh.
     fn are_of_one_mesh(&self, a: u32, b: u32) -> bool {
-        let mesh = |v: u32| self.meshes.partition_point(|&start| start <= v);
-        self.meshes.len() < 2 || mesh(a) == mesh(b)
+        self.meshes.len() < 2 || self.mesh_of(a) == self.mesh_of(b)
+    }
+
+    /// Returns the number of the mesh that a vertex belongs to.
+    fn mesh_of(&self, v: u32) -> u32 {
+        self.meshes.partition_point(|&start| start <= v) as u32
+    }
+
+    /// Collects the mesh of each corner of a point, in the order of its ring; none if all corners are of one mesh.
+    pub(super) fn meshes_around(&self, point: u32, found: &mut Vec<u32>) {
+        found.clear();
+        if self.meshes.len() > 1 && self.on_seam.get(point as usize) == Some(&true) {
+            found.extend(self.ring(point).iter().map(|&corner| self.mesh_of(self.wedge(corner))));
+            if found.windows(2).all(|pair| pair[0] == pair[1]) {
+                found.clear();
+            }
+        }
     }
 
     pub(super) fn point_count(&self) -> usize {
@@ -117,6 +146,14 @@ impl Topology {
         self.kinds[point as usize]
     }
 
+    /// Finds the kinds of points again after a collapse at an irregular one.
+    pub(super) fn classify(&mut self, points: &[u32]) {
+        let Some(classifier) = &mut self.classifier else { return };
+        for &point in points {
+            self.kinds[point as usize] = classifier.kind(&self.triangles, self.rings.of(point));
+        }
+    }
+
     /// Returns the corners of a point.
     pub(super) fn ring(&self, point: u32) -> &[CornerId] {
         self.rings.of(point)
@@ -134,7 +171,7 @@ impl Topology {
         corner.others(&self.triangles)
     }
 
-    /// Collects the distinct neighbours of a point that is not complex; the two along a border come last.
+    /// Collects the distinct neighbours of a point; the two along a border come last.
     pub(super) fn neighbours(&self, point: u32, found: &mut Vec<u32>) {
         found.clear();
         found.extend(self.ring(point).iter().map(|&corner| self.others(corner)[0]));
@@ -147,6 +184,10 @@ impl Topology {
             }
             let last = ring.iter().map(|&corner| self.others(corner)[1]).find(|w| !found.contains(w));
             found.extend(last);
+        } else if self.kind(point) != PointKind::Inner {
+            found.extend(self.ring(point).iter().map(|&corner| self.others(corner)[1]));
+            found.sort_unstable();
+            found.dedup();
         }
     }
 
@@ -250,7 +291,12 @@ impl Topology {
             } else {
                 self.ring(to).iter().find(|&&other| self.others(other)[0] == from).map(|other| other.next())
             };
-            let Some(other) = other else { return Some((corner, true)) };
+            let Some(other) = other else {
+                // An edge between triangles of different winding is no border.
+                let has_edge = |other: &&CornerId| **other != corner && self.others(**other)[0] == to;
+                let is_inside = !is_long(from) && self.ring(from).iter().any(|other| has_edge(&other));
+                return (!is_inside).then_some((corner, true));
+            };
             if !self.are_of_one_mesh(self.wedge(corner), self.wedge(other)) {
                 return Some((corner, true));
             }
@@ -288,12 +334,12 @@ mod tests {
         let kind = |vertices: Vec<u32>| topology(&line(12), &vertices).kind(0);
         assert_eq!(kind(fan(5, true).collect()), PointKind::Inner);
         assert_eq!(kind(fan(5, false).collect()), PointKind::Border);
-        assert_eq!(kind(vec![0, 1, 2, 0, 3, 4]), PointKind::Complex);
-        assert_eq!(kind(vec![0, 1, 2, 0, 1, 3]), PointKind::Complex, "inconsistent winding");
+        assert_eq!(kind(vec![0, 1, 2, 0, 3, 4]), PointKind::Irregular);
+        assert_eq!(kind(vec![0, 1, 2, 0, 1, 3]), PointKind::Irregular, "inconsistent winding");
         assert_eq!(kind(vec![0, 1, 2, 2, 1, 3, 0, 2, 1]), PointKind::Inner, "two faces back to back");
         assert_eq!(
             kind(fan(3, true).chain([0, 4, 5, 0, 5, 6, 0, 6, 4]).collect()),
-            PointKind::Complex,
+            PointKind::Irregular,
             "two closed fans"
         );
     }

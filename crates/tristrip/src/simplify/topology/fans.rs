@@ -11,11 +11,14 @@ pub(in crate::simplify) enum PointKind {
     Inner,
     /// A fan from one border edge to another.
     Border,
-    /// More than one fan, more than two triangles at an edge, inconsistent winding, or a triangle that has the point twice.
-    Complex,
+    /// More than one fan, more than two triangles at an edge, or inconsistent winding.
+    Irregular,
+    /// No triangle, or one that has two corners at one point.
+    Degenerate,
 }
 
 /// Classifies points.
+#[derive(Debug)]
 pub(super) struct FanClassifier {
     /// For each neighbour of the current point: the corners that it follows, and those that it precedes, counted up to two.
     ins: Vec<u8>,
@@ -54,10 +57,10 @@ impl FanClassifier {
     fn classify(&self, triangles: &[[u32; 3]], ring: &[CornerId]) -> PointKind {
         let others = || ring.iter().flat_map(|corner| corner.others(triangles));
         if ring.is_empty() || ring.iter().any(|corner| is_degenerate(triangles[corner.triangle()])) {
-            return PointKind::Complex;
+            return PointKind::Degenerate;
         }
         if others().any(|p| self.ins[p as usize] > 1 || self.outs[p as usize] > 1) {
-            return PointKind::Complex;
+            return PointKind::Irregular;
         }
         // The fan from its first border edge, or from any edge if it is closed, must contain all corners.
         let opening = others().find(|&p| self.ins[p as usize] == 0);
@@ -71,7 +74,7 @@ impl FanClassifier {
             }
         }
         match (count == ring.len(), opening) {
-            (false, _) => PointKind::Complex,
+            (false, _) => PointKind::Irregular,
             (true, None) => PointKind::Inner,
             (true, Some(_)) => PointKind::Border,
         }
