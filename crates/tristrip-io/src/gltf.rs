@@ -43,12 +43,12 @@
 //! what the bytes pay for. Primitives with the same indices are decoded once.
 
 mod accessor;
-mod appearance;
+pub(crate) mod appearance;
 mod bounds;
 mod budget;
 mod buffer;
 #[cfg(feature = "fs")]
-mod buffer_files;
+pub(crate) mod buffer_files;
 mod build;
 mod compressed_views;
 mod container;
@@ -58,6 +58,7 @@ pub(crate) mod images;
 mod index;
 mod json;
 mod keep;
+mod material_builder;
 mod permute;
 mod placements;
 mod read;

@@ -174,7 +174,7 @@ pub fn simplify_observed(
 
     // 3. How far the result is from the original.
     begin(observer, Stage::Compare)?;
-    let change = change(&parts, &done)?;
+    let change = change(&parts, &done, &texture_sizes(model))?;
     observer.event(Event::Compared(&change));
 
     // 4. The proof of the collapses.
@@ -229,8 +229,26 @@ fn fans<'a>(prepared: &PreparedModel<'a>) -> Result<(Vec<Part<'a>>, usize), Erro
     Ok(Part::of_all(meshes.zip(triangles).collect(), prepared.places())?)
 }
 
+/// Returns the width and height of the texture of each part's base colour at the first texture coordinates, where they are known.
+fn texture_sizes(model: &Model) -> Vec<Option<[u32; 2]>> {
+    if let (None, Some(materials)) = (&model.scene, &model.materials) {
+        return model.parts.iter().map(|part| materials.image_size(part.material.as_deref()?)).collect();
+    }
+    let appearance = model.scene.as_ref().and_then(|scene| scene.appearance().ok());
+    let size = |part: usize| {
+        let appearance = appearance.as_ref()?;
+        let texture = appearance.materials.get(part)?.texture.filter(|texture| texture.coordinates == 0)?;
+        appearance.images.get(texture.image)?.size()
+    };
+    (0..model.parts.len()).map(size).collect()
+}
+
 /// Measures how far the parts are from what they were.
-fn change(parts: &[Part<'_>], done: &[PartCollapses]) -> Result<SurfaceChange, Error> {
+fn change(
+    parts: &[Part<'_>],
+    done: &[PartCollapses],
+    textures: &[Option<[u32; 2]>],
+) -> Result<SurfaceChange, Error> {
     let base = |done: &PartCollapses| Ok(done.sequence.drawn(0)?.into_flattened());
     let after = done.iter().map(base).collect::<Result<Vec<_>, Error>>()?;
     let shown = parts.iter().map(Part::shown).collect::<Result<Vec<_>, _>>()?;
@@ -238,7 +256,13 @@ fn change(parts: &[Part<'_>], done: &[PartCollapses]) -> Result<SurfaceChange, E
         .iter()
         .zip(&after)
         .zip(&shown)
-        .map(|((part, after), mesh)| ChangedSurface { mesh, before: part.triangles(), after })
+        .zip(textures)
+        .map(|(((part, after), mesh), &texels)| ChangedSurface {
+            mesh,
+            before: part.triangles(),
+            after,
+            texels,
+        })
         .collect();
     surface_change(&surfaces, POINTS)
 }

@@ -20,10 +20,12 @@ use super::buffer::decode_data_uri;
 #[cfg(feature = "fs")]
 use super::buffer_files::BufferFiles;
 use super::document::{Located, array};
+use super::json::Value;
 use super::placements::Placement;
 use super::scene::Scene;
 use super::shared_bytes::{SharedBytes, whole_of};
 use crate::error::Error;
+use crate::materials::image_size;
 
 /// The extension that moves texture coordinates.
 const TEXTURE_TRANSFORM: &str = "KHR_texture_transform";
@@ -102,9 +104,31 @@ impl Image {
     pub fn bytes(&self) -> &[u8] {
         self.bytes.as_slice()
     }
+
+    /// Returns the width and height in pixels; `None` if the bytes are no PNG or JPEG, or have none.
+    pub fn size(&self) -> Option<[u32; 2]> {
+        image_size(self.bytes())
+    }
 }
 
 impl Scene {
+    /// Counts the materials that have more than a base colour.
+    #[cfg(feature = "fs")]
+    pub(crate) fn shaded_material_count(&self) -> usize {
+        const MORE: [&str; 4] = ["normalTexture", "occlusionTexture", "emissiveTexture", "emissiveFactor"];
+        let is_shaded = |material: &&Value| {
+            let surface = material.get("pbrMetallicRoughness");
+            MORE.iter().any(|key| material.get(key).is_some())
+                || surface.is_some_and(|surface| surface.get("metallicRoughnessTexture").is_some())
+        };
+        array(&self.document.root, "materials").unwrap_or_default().iter().filter(is_shaded).count()
+    }
+
+    /// Returns whether the document has materials.
+    pub(crate) fn has_materials(&self) -> bool {
+        array(&self.document.root, "materials").is_ok_and(|materials| !materials.is_empty())
+    }
+
     /// Returns the parts in their places, with their materials and images.
     ///
     /// An image file that cannot be read is noted, and its materials have no texture.
@@ -275,6 +299,7 @@ impl<'a> MaterialReader<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::gltf::transform::Transform;
 
     /// Returns the appearance of a document with a triangle in mesh 0 and these further members.
     fn appearance(members: &str) -> Result<Appearance, Error> {
@@ -327,6 +352,11 @@ mod tests {
             (found.images.len(), found.images[0].bytes(), &*found.images[0].at),
             (1, &[1, 2, 3][..], "images[1]")
         );
+        assert_eq!(found.images[0].size(), None);
+        let header = b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\x02\0\0\0\0\x40\x08\x02\0\0\0".to_vec();
+        let (owner, range) = whole_of(std::sync::Arc::new(header));
+        let image = Image { at: String::new(), bytes: SharedBytes { owner, range } };
+        assert_eq!(image.size(), Some([512, 64]));
     }
 
     #[test]
