@@ -27,6 +27,7 @@ mod irregular;
 mod joined;
 mod neighbourhood;
 mod options;
+mod outcome;
 mod quadric;
 mod queue;
 mod stopped;

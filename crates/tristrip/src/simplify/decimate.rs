@@ -21,7 +21,9 @@
 //! A collapse is refused if it would
 //! - rotate a remaining triangle by more than about 75 degrees (`LEAST_COSINE` of the module `neighbourhood`);
 //! - change the topology (the link condition): the two points must have no common neighbours except those of their common triangles, two or,
-//!   on a border, one; a border point moves only along the border; a last triangle or tetrahedron stays;
+//!   on a border, one; a border point moves only along the border. For points that are neither inner ones nor on a border see the
+//!   module `irregular`. Permissive simplification allows it: holes may close, handles vanish;
+//! - remove the last triangle or tetrahedron of a component, unless the caller has stated the error of that;
 //! - open a seam: each vertex at the point needs a triangle with the kept point, and they must agree;
 //! - exceed the error limit, if there is one.
 //!
@@ -32,13 +34,13 @@
 
 use super::attributes::PricedAttributes;
 use super::frame::{frame, quadrics};
-use super::irregular::Links;
 use super::neighbourhood::Neighbourhood;
 use super::options::SimplifyOptions;
+use super::outcome::{MOST_CORNERS, Outcome, Outcomes};
 use super::quadric::Quadric;
 use super::queue::CostQueue;
 use super::stopped::Stopped;
-use super::topology::{CornerId, LONG_RING, PointKind, Topology};
+use super::topology::{PointKind, Topology};
 use crate::collapse::{CollapseSequence, Rename};
 use crate::ids::OptionalId;
 use crate::mesh::{Positions, is_degenerate, triangles_of};
@@ -52,9 +54,6 @@ const BRIDGE_WEIGHT: f64 = 2.0;
 /// The weight of the squared edge length, relative to the quadric. If all neighbours cost the same, as on a plane, points of little weight
 /// go to near ones, and no point is passed on along a chain, which would rename the same corners repeatedly.
 const LENGTH_WEIGHT: f64 = 1e-6;
-/// A point with more triangles is not removed, so that the time for its price does not depend on the size of the mesh.
-const MOST_CORNERS: usize = 256;
-
 /// The reason for which a collapse is refused.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Refusal {
@@ -93,16 +92,17 @@ pub(super) struct Decimation {
     quadrics: Vec<Quadric>,
     attributes: Option<PricedAttributes>,
     locked: Vec<bool>,
+    /// The error of the removal of each point's component, in units of the frame; empty if all components stay.
+    vanishing: Vec<f32>,
+    is_permissive: bool,
     queue: CostQueue,
     plans: Vec<CollapsePlan>,
     now: u32,
-    marks: Vec<u32>,
-    mark: u32,
     /// Triangles that are drawn.
     triangle_count: usize,
     /// The largest error allowed, in units of the frame.
     error_limit: f64,
-    links: Links,
+    outcomes: Outcomes,
     /// The triangles of the current point.
     current: Neighbourhood,
     neighbours: Vec<u32>,
@@ -125,18 +125,19 @@ impl Decimation {
         options: &SimplifyOptions,
         meshes: &[u32],
     ) -> Self {
-        let topology = Topology::new(positions, attribute_bits, vertices).with_meshes(meshes);
+        let topology =
+            Topology::new(positions, attribute_bits, vertices, options.is_permissive()).with_meshes(meshes);
         let count = topology.point_count();
-        let mut is_locked = vec![false; count];
-        let locked = options.locked();
-        if !locked.is_empty() {
-            for (&point, &v) in topology.triangles.iter().flatten().zip(vertices) {
-                is_locked[point as usize] |= locked.get(v as usize).copied().unwrap_or(false);
-            }
-        }
+        let is_locked = locked_points(&topology, vertices, options);
         let position = |p| positions.position(topology.vertex_of(p) as usize).unwrap_or_default();
         let (framed, unit) = frame((0..count as u32).map(position));
         let attributes = priced(vertices, unit);
+        let vanishing = match options.vanishing() {
+            [] => Vec::new(),
+            errors => {
+                (0..count as u32).map(|p| vanishing_error(errors, topology.vertex_of(p), unit)).collect()
+            }
+        };
         let quadrics = quadrics(&topology, &framed, attributes.is_some());
         let mut decimation = Self {
             triangle_count: triangles_of(vertices).filter(|&t| !is_degenerate(t)).count(),
@@ -146,13 +147,13 @@ impl Decimation {
             quadrics,
             attributes,
             locked: is_locked,
+            vanishing,
+            is_permissive: options.is_permissive(),
             queue: CostQueue::new(count),
             plans: vec![CollapsePlan { target: OptionalId::NONE, error: 0.0, priced: 0, changed: 1 }; count],
             now: 1,
-            marks: vec![0; count],
-            mark: 0,
             error_limit: options.error().map_or(f64::INFINITY, |error| f64::from(error) / unit),
-            links: Links::default(),
+            outcomes: Outcomes::new(count),
             current: Neighbourhood::default(),
             neighbours: Vec::new(),
             around: Vec::new(),
@@ -228,7 +229,9 @@ impl Decimation {
     /// Collects the neighbours that a point may go to, with their estimates: for a border point those along the border.
     fn collect_candidates(&mut self, point: u32) {
         match self.topology.kind(point) {
-            PointKind::Irregular => self.links.neighbours(&self.topology, point, &mut self.neighbours),
+            PointKind::Irregular => {
+                self.outcomes.irregular_neighbours(&self.topology, point, &mut self.neighbours)
+            }
             _ => self.topology.neighbours(point, &mut self.neighbours),
         }
         let first = match self.topology.kind(point) {
@@ -286,11 +289,23 @@ impl Decimation {
             let bridge = self.current.bridge(to, kept, most);
             price.cost += BRIDGE_WEIGHT * weight * bridge;
             price.error = price.error.max(bridge.sqrt());
-            if is_better(price.cost)
-                && price.error <= self.error_limit
-                && self.keeps_topology(point, to)
-                && self.keeps_seams(point, to)
-            {
+            if !is_better(price.cost) || price.error > self.error_limit {
+                continue;
+            }
+            match self.outcomes.of(&self.topology, point, to) {
+                Outcome::Keeps => {}
+                Outcome::Breaks if self.is_permissive => {}
+                Outcome::Breaks => continue,
+                Outcome::Ends => {
+                    let error = self.vanishing_error(point);
+                    if error.is_infinite() {
+                        continue;
+                    }
+                    price.cost += DISTANCE_WEIGHT * weight * error * error;
+                    price.error = price.error.max(error);
+                }
+            }
+            if is_better(price.cost) && price.error <= self.error_limit && self.keeps_seams(point, to) {
                 best = Some((price, to));
             }
         }
@@ -318,8 +333,10 @@ impl Decimation {
 
     /// Returns the squared deviation of the attributes at the current point from those that would replace them; `None` if a seam would open.
     fn attribute_deviation(&mut self, point: u32, to: u32) -> Option<f64> {
+        if !self.keeps_seams(point, to) {
+            return None;
+        }
         let Some(attributes) = &self.attributes else { return Some(0.0) };
-        self.topology.renames(point, to, &mut self.renames)?;
         let (topology, kept) = (&self.topology, self.positions[to as usize]);
         Some(self.current.attribute_deviation(
             attributes,
@@ -334,7 +351,11 @@ impl Decimation {
     fn priced_target(&mut self, point: u32) -> Option<u32> {
         let CollapsePlan { target, priced, changed, .. } = self.plans[point as usize];
         let target = target.get().filter(|_| priced >= changed)?;
-        let is_valid = priced >= self.plans[target as usize].changed || self.keeps_topology(point, target);
+        // The end of a component has a price of its own.
+        let is_permissive = self.is_permissive;
+        let is_as_priced = |outcome| outcome == Outcome::Keeps || is_permissive && outcome == Outcome::Breaks;
+        let is_valid = priced >= self.plans[target as usize].changed
+            || is_as_priced(self.outcomes.of(&self.topology, point, target));
         is_valid.then_some(target)
     }
 
@@ -343,7 +364,7 @@ impl Decimation {
         if self.current.folds_over(to, self.positions[to as usize]) {
             return Some(Refusal::FoldOver);
         }
-        if !self.keeps_topology(point, to) {
+        if !self.is_allowed(point, to) {
             return Some(Refusal::Topology);
         }
         if !self.keeps_seams(point, to) {
@@ -352,88 +373,42 @@ impl Decimation {
         None
     }
 
-    /// Checks whether a collapse keeps the seams closed.
+    /// Collects the renames of a collapse; returns whether it keeps the seams closed, or may move them.
     fn keeps_seams(&mut self, point: u32, to: u32) -> bool {
-        self.topology.renames(point, to, &mut self.renames).is_some()
+        if self.topology.renames(point, to, &mut self.renames).is_some() {
+            return true;
+        }
+        let attributes = self.attributes.as_ref();
+        let difference =
+            |a: u32, b: u32| attributes.map_or(0.0, |priced| priced.deviation(a, [b; 3], [1.0, 0.0, 0.0]));
+        self.is_permissive && self.topology.renames_across(point, to, &mut self.renames, difference).is_some()
     }
 
-    /// Checks whether a collapse keeps the topology of the surface.
-    fn keeps_topology(&mut self, point: u32, to: u32) -> bool {
-        if self.topology.kind(point) == PointKind::Irregular {
-            return self.topology.ring(to).len() <= MOST_CORNERS
-                && self.links.allow(&self.topology, point, to);
-        }
-        let ring = self.topology.ring(point);
-        let common = ring.iter().filter(|&&corner| self.topology.others(corner).contains(&to)).count();
-        let expected = if self.topology.kind(point) == PointKind::Border { 1 } else { 2 };
-        if common != expected {
-            return false;
-        }
-        if ring.len() <= 3 && !self.component_remains(point, to) {
-            return false;
-        }
-        self.common_neighbours(point, to) == common
-    }
-
-    /// Checks whether more than one triangle, or two back to back, remain of a component when a point with few triangles is removed.
-    fn component_remains(&self, point: u32, to: u32) -> bool {
-        let ring = self.topology.ring(point);
-        // Checks whether the triangle that the opposite edge would form with the kept point exists already.
-        let exists = |corner: CornerId| {
-            let [u, w] = self.topology.others(corner);
-            self.topology.triangles_with([to, u, w]) > 0
-        };
-        let other = ring.iter().find(|&&corner| !self.topology.others(corner).contains(&to));
-        match (self.topology.kind(point), other) {
-            (PointKind::Inner, Some(&corner)) => ring.len() != 3 || !exists(corner),
-            (PointKind::Border, None) => {
-                let third = ring.iter().flat_map(|&corner| self.topology.others(corner)).find(|&p| p != to);
-                third.is_some_and(|third| self.topology.triangles_with([to, third]) > 1)
-            }
-            (PointKind::Border, Some(_)) => true,
-            _ => false,
+    /// Checks whether a collapse keeps the topology of the surface, or removes a component that may vanish.
+    fn is_allowed(&mut self, point: u32, to: u32) -> bool {
+        match self.outcomes.of(&self.topology, point, to) {
+            Outcome::Keeps => true,
+            Outcome::Ends => self.vanishing_error(point).is_finite(),
+            Outcome::Breaks => self.is_permissive,
         }
     }
 
-    /// Counts the common neighbours of two points.
-    fn common_neighbours(&mut self, point: u32, to: u32) -> usize {
-        self.mark += 2;
-        let (is_neighbour, is_counted) = (self.mark, self.mark + 1);
-        let (topology, marks) = (&self.topology, &mut self.marks);
-        let around = |p: u32| topology.ring(p).iter().flat_map(|&corner| topology.others(corner));
-        let mut count = 0;
-        if topology.ring(to).len() <= LONG_RING {
-            around(point).for_each(|p| marks[p as usize] = is_neighbour);
-            for p in around(to) {
-                if marks[p as usize] == is_neighbour {
-                    marks[p as usize] = is_counted;
-                    count += 1;
-                }
-            }
-        } else {
-            for p in around(point) {
-                if p == to || std::mem::replace(&mut marks[p as usize], is_neighbour) == is_neighbour {
-                    continue;
-                }
-                let [short, long] =
-                    if topology.ring(p).len() < topology.ring(to).len() { [p, to] } else { [to, p] };
-                count += usize::from(around(short).any(|q| q == long));
-            }
-        }
-        count
+    /// Returns the error of the removal of a point's component, in units of the frame; infinite if it stays.
+    fn vanishing_error(&self, point: u32) -> f64 {
+        self.vanishing.get(point as usize).copied().unwrap_or(f32::INFINITY).into()
     }
 
     /// Does the collapse of a point to a neighbour, and updates the queue.
     fn collapse(&mut self, point: u32, to: u32, sequence: &mut CollapseSequence) {
-        let (mut renames, mut dropped) =
-            (std::mem::take(&mut self.renames), std::mem::take(&mut self.dropped));
+        let is_open = self.keeps_seams(point, to);
+        debug_assert!(is_open);
+        let (renames, mut dropped) = (std::mem::take(&mut self.renames), std::mem::take(&mut self.dropped));
         let mut around = std::mem::take(&mut self.around);
         self.topology.neighbours(point, &mut around);
-        let renamed = self.topology.renames(point, to, &mut renames);
-        debug_assert!(renamed.is_some());
-        let is_irregular = [point, to].iter().any(|&p| self.topology.kind(p) == PointKind::Irregular);
+        let is_irregular = |p: u32| self.topology.kind(p) == PointKind::Irregular;
+        let changes_kinds = self.is_permissive || is_irregular(point) || is_irregular(to);
         self.topology.collapse(point, to, &renames, &mut dropped);
-        if is_irregular {
+        if changes_kinds {
             self.topology.classify(&around);
         }
         sequence.push(&renames, &dropped, self.plans[point as usize].error);
@@ -482,4 +457,28 @@ fn estimate_of(quadric: &Quadric, from: Point, to: Point) -> f64 {
 /// Returns the part of a weight that counts: its square root.
 fn share_of(weight: f64) -> f64 {
     weight.sqrt()
+}
+
+/// Returns which points are locked: those of locked vertices, and those on borders if borders are locked.
+fn locked_points(topology: &Topology, vertices: &[u32], options: &SimplifyOptions) -> Vec<bool> {
+    let mut is_locked = vec![false; topology.point_count()];
+    let locked = options.locked();
+    if !locked.is_empty() {
+        for (&point, &v) in topology.triangles.iter().flatten().zip(vertices) {
+            is_locked[point as usize] |= locked.get(v as usize).copied().unwrap_or(false);
+        }
+    }
+    if options.locks_borders() {
+        for (corner, _) in topology.open_edges().filter(|&(_, is_border)| is_border) {
+            let [to, _] = topology.others(corner);
+            [topology.point(corner), to].iter().for_each(|&p| is_locked[p as usize] = true);
+        }
+    }
+    is_locked
+}
+
+/// Returns the error of the removal of a vertex's component in units of the frame; infinite if it stays.
+fn vanishing_error(errors: &[f32], vertex: u32, unit: f64) -> f32 {
+    let error = errors.get(vertex as usize).copied().filter(|error| *error >= 0.0);
+    error.map_or(f32::INFINITY, |error| (f64::from(error) / unit) as f32)
 }

@@ -69,6 +69,9 @@ pub struct SimplifyOptions {
     triangle_count: usize,
     error: Option<f32>,
     locked: Vec<bool>,
+    locks_borders: bool,
+    vanishing: Vec<f32>,
+    is_permissive: bool,
     weights: AttributeWeights,
 }
 
@@ -119,6 +122,64 @@ impl SimplifyOptions {
     #[must_use]
     pub fn with_locked(mut self, locked: Vec<bool>) -> Self {
         self.locked = locked;
+        self
+    }
+
+    /// Locks the vertices at the borders of the surface, so that the tiles of a terrain still fit together.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let options = SimplifyOptions::default().with_locked_borders(true);
+    /// let kept = simplify(&grid, &options)?.vertices;
+    /// // The first row, and the first and the last vertex of the second.
+    /// assert!((0..10).chain([17]).all(|v| kept.contains(&v)));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    #[must_use]
+    pub fn with_locked_borders(mut self, locks_borders: bool) -> Self {
+        self.locks_borders = locks_borders;
+        self
+    }
+
+    /// Allows components to vanish: for each vertex the error of the removal of its whole component, in mesh units. Components of vertices
+    /// without a value, or with one that is no number of at least 0, keep a triangle.
+    ///
+    /// ```
+    /// use tristrip::{Faces, Mesh, simplify::{SimplifyOptions, simplify}};
+    /// // A triangle, and a small one 0.1 above it.
+    /// let corners = vec![[0., 0., 0.], [9., 0., 0.], [0., 9., 0.], [1., 1., 0.1], [1.1, 1., 0.1], [1., 1.1, 0.1]];
+    /// let mesh = Mesh::new(corners, Faces::from_triangles(vec![0, 1, 2, 3, 4, 5])?)?;
+    /// let errors = vec![f32::INFINITY, f32::INFINITY, f32::INFINITY, 0.1, 0.1, 0.1];
+    /// let options = SimplifyOptions::default().with_error(0.5);
+    /// assert_eq!(simplify(&mesh, &options)?.mesh.faces().face_count(), 2);
+    /// assert_eq!(simplify(&mesh, &options.with_vanishing(errors))?.vertices, [0, 1, 2]);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    #[must_use]
+    pub fn with_vanishing(mut self, errors: Vec<f32>) -> Self {
+        self.vanishing = errors;
+        self
+    }
+
+    /// Allows collapses that change the topology, or move a seam onto another: holes may close, handles vanish, textures shift at
+    /// seams. For clutter that is to become very small.
+    ///
+    /// ```
+    /// use tristrip::{Faces, Mesh, simplify::{SimplifyOptions, simplify}};
+    /// // The sides of a prism without its top and bottom: a closed strip of six triangles.
+    /// let corners = vec![[0., 0., 0.], [4., 0., 0.], [0., 4., 0.], [0., 0., 1.], [4., 0., 1.], [0., 4., 1.]];
+    /// let sides = vec![0, 1, 3, 3, 1, 4, 1, 2, 4, 4, 2, 5, 2, 0, 5, 5, 0, 3];
+    /// let mesh = Mesh::new(corners, Faces::from_triangles(sides)?)?;
+    /// let count = |permissive| {
+    ///     let options = SimplifyOptions::default().with_permissive(permissive);
+    ///     Ok::<_, tristrip::Error>(simplify(&mesh, &options)?.mesh.faces().face_count())
+    /// };
+    /// assert!(count(true)? < count(false)?);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    #[must_use]
+    pub fn with_permissive(mut self, is_permissive: bool) -> Self {
+        self.is_permissive = is_permissive;
         self
     }
 
@@ -178,6 +239,33 @@ impl SimplifyOptions {
         &self.locked
     }
 
+    /// Checks whether the vertices at borders are locked.
+    ///
+    /// ```
+    /// assert!(!tristrip::simplify::SimplifyOptions::default().locks_borders());
+    /// ```
+    pub fn locks_borders(&self) -> bool {
+        self.locks_borders
+    }
+
+    /// Returns the error of the removal of each vertex's component, in mesh units.
+    ///
+    /// ```
+    /// assert!(tristrip::simplify::SimplifyOptions::default().vanishing().is_empty());
+    /// ```
+    pub fn vanishing(&self) -> &[f32] {
+        &self.vanishing
+    }
+
+    /// Checks whether the topology may change.
+    ///
+    /// ```
+    /// assert!(!tristrip::simplify::SimplifyOptions::default().is_permissive());
+    /// ```
+    pub fn is_permissive(&self) -> bool {
+        self.is_permissive
+    }
+
     /// Checks the error limit.
     pub(crate) fn check_error(&self) -> Result<(), Error> {
         match self.error {
@@ -206,9 +294,11 @@ impl SimplifyOptions {
             let (found, limit) = (corner_count as u64 / 3, MOST_TRIANGLES as u64);
             return Err(Error::LimitExceeded { what: "triangles to simplify", found, limit });
         }
-        if self.locked.len() > vertex_count {
-            let found = format!("{} values for {vertex_count} vertices", self.locked.len());
-            return Err(Error::Parameter { name: "locked", found, expected: "at most one value per vertex" });
+        for (name, count) in [("locked", self.locked.len()), ("vanishing", self.vanishing.len())] {
+            if count > vertex_count {
+                let found = format!("{count} values for {vertex_count} vertices");
+                return Err(Error::Parameter { name, found, expected: "at most one value per vertex" });
+            }
         }
         Ok(())
     }

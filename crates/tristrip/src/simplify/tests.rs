@@ -296,6 +296,26 @@ fn empty_and_flat_meshes_are_accepted() {
     assert!(simplify_triangles(&mesh(&line, &[]), vec![0, 1, 6], &SimplifyOptions::default()).is_err());
 }
 
+/// Two closed tubes that share no vertex: the small one vanishes where its removal has an error within the limit, down to nothing.
+#[test]
+fn components_vanish_if_their_removal_is_within_the_limit() {
+    let (mut positions, mut triangles) = grid(6, 6, [true, true]);
+    let count = positions.len() as u32;
+    let (small, corners) = grid(6, 6, [true, true]);
+    positions.extend(small.iter().map(|p| p.map(|x| x * 0.001)));
+    triangles.extend(corners.iter().map(|v| v + count));
+    let errors: Vec<f32> = (0..2 * count).map(|v| if v < count { f32::INFINITY } else { 0.02 }).collect();
+    let is_left = |limit: f32| {
+        let options =
+            SimplifyOptions::default().with_error(limit).with_vanishing(errors.clone()).with_permissive(true);
+        let sequence = simplified(&positions, &triangles, &options).sequence;
+        let drawn = sequence.drawn(0).unwrap();
+        assert!(drawn.iter().flatten().any(|&v| v < count));
+        drawn.iter().flatten().any(|&v| v >= count)
+    };
+    assert!(is_left(0.019) && !is_left(0.021));
+}
+
 proptest! {
     /// Triangles of any kind, non-manifold, duplicate, at one position: the sequence is consistent, and the same in a second run.
     #[test]
@@ -303,13 +323,16 @@ proptest! {
         corners in prop::collection::vec(0..12_u32, 0..90),
         positions in prop::collection::vec([0..3_u8, 0..3_u8, 0..3_u8], 12),
         target in 0..20_usize,
+        (permissive, locks, vanishing) in (any::<bool>(), any::<bool>(), prop::collection::vec(0..3_u8, 0..12)),
     ) {
         let positions: Vec<[f32; 3]> = positions.iter().map(|p| p.map(f32::from)).collect();
         let whole = corners.len() / 3 * 3;
         let triangles = corners[..whole].to_vec();
-        let options = SimplifyOptions::default().with_triangles(target);
+        let options = SimplifyOptions::default().with_triangles(target).with_permissive(permissive)
+            .with_locked_borders(locks).with_vanishing(vanishing.into_iter().map(f32::from).collect());
         let simplification = simplified(&positions, &triangles, &options);
         let sequence = &simplification.sequence;
+        prop_assert!(sequence.check().is_ok());
         for level in 0..=sequence.len() {
             prop_assert_eq!(sequence.drawn(level).unwrap().len(), sequence.triangles_at(level));
         }

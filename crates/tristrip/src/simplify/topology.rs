@@ -63,11 +63,12 @@ pub(super) struct Topology {
 }
 
 impl Topology {
-    /// Connects triangles of vertices at points of equal position.
+    /// Connects triangles of vertices at points of equal position. In a permissive simplification any point may change its kind.
     pub(super) fn new<P: Positions + ?Sized>(
         positions: &P,
         attribute_bits: impl Fn(u32) -> Vec<u8>,
         vertices: &[u32],
+        is_permissive: bool,
     ) -> Self {
         let points = PositionIds::default().numbers(positions, vertices);
         let vertex_of = lowest_vertices(vertices, &points);
@@ -83,7 +84,7 @@ impl Topology {
         let mut fans = FanClassifier::new(vertex_of.len());
         let kinds: Vec<PointKind> =
             (0..vertex_of.len() as u32).map(|p| fans.kind(&triangles, rings.of(p))).collect();
-        let classifier = kinds.contains(&PointKind::Irregular).then_some(fans);
+        let classifier = (is_permissive || kinds.contains(&PointKind::Irregular)).then_some(fans);
         let wedges = if on_seam.is_empty() { Vec::new() } else { vertices.to_vec() };
         Self {
             triangles,
@@ -214,9 +215,7 @@ impl Topology {
             return Some(());
         }
         for &corner in self.ring(removed) {
-            let with_kept =
-                [corner.next(), corner.previous()].into_iter().find(|&other| self.point(other) == kept);
-            let Some(with_kept) = with_kept else { continue };
+            let Some(with_kept) = self.corner_at(corner, kept) else { continue };
             let rename = Rename { removed: self.wedge(corner), kept: self.wedge(with_kept) };
             let differs = |known: &&Rename| {
                 known.removed == rename.removed && known.kept != rename.kept
@@ -238,6 +237,48 @@ impl Topology {
             }
         }
         Some(())
+    }
+
+    /// Does the same, but a vertex without a triangle with `kept` becomes the vertex there from which it differs least, of equal ones the
+    /// lowest, among those of the first triangles. Returns `None` if the triangles of one vertex have different vertices at `kept`: they
+    /// could not all be dropped.
+    pub(super) fn renames_across(
+        &self,
+        removed: u32,
+        kept: u32,
+        found: &mut Vec<Rename>,
+        difference: impl Fn(u32, u32) -> f64,
+    ) -> Option<()> {
+        found.clear();
+        for &corner in self.ring(removed) {
+            let Some(with_kept) = self.corner_at(corner, kept) else { continue };
+            let rename = Rename { removed: self.wedge(corner), kept: self.wedge(with_kept) };
+            match found.iter().find(|known| known.removed == rename.removed) {
+                Some(known) if known.kept != rename.kept => return None,
+                Some(_) => {}
+                None => found.push(rename),
+            }
+        }
+        let ring = self.ring(kept);
+        let mut targets: Vec<u32> = ring.iter().take(LONG_RING).map(|&corner| self.wedge(corner)).collect();
+        targets.sort_unstable();
+        targets.dedup();
+        for &corner in self.ring(removed) {
+            let vertex = self.wedge(corner);
+            if found.iter().all(|known| known.removed != vertex) {
+                let by_difference =
+                    |a: &&u32, b: &&u32| difference(vertex, **a).total_cmp(&difference(vertex, **b));
+                let of_mesh = targets.iter().filter(|&&target| self.are_of_one_mesh(target, vertex));
+                let kept = *of_mesh.min_by(by_difference)?;
+                found.push(Rename { removed: vertex, kept });
+            }
+        }
+        Some(())
+    }
+
+    /// Returns the corner of a corner's triangle at another point.
+    fn corner_at(&self, corner: CornerId, point: u32) -> Option<CornerId> {
+        [corner.next(), corner.previous()].into_iter().find(|&other| self.point(other) == point)
     }
 
     /// Moves all corners of one point to another. Removes the triangles that had both, and writes their numbers to `dropped`, ascending.
@@ -313,12 +354,12 @@ mod tests {
     use super::*;
 
     fn topology(positions: &[[f32; 3]], vertices: &[u32]) -> Topology {
-        Topology::new(positions, |_| Vec::new(), vertices)
+        Topology::new(positions, |_| Vec::new(), vertices, false)
     }
 
     /// Builds the topology of vertices of which no two have the same attributes.
     fn seamed(positions: &[[f32; 3]], vertices: &[u32]) -> Topology {
-        Topology::new(positions, |v| v.to_le_bytes().to_vec(), vertices)
+        Topology::new(positions, |v| v.to_le_bytes().to_vec(), vertices, false)
     }
 
     fn line(n: usize) -> Vec<[f32; 3]> {
