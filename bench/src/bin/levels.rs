@@ -255,7 +255,7 @@ fn measure(
     let drawn = sequence.drawn(0)?.concat();
     let diagonal = diagonal(mesh);
     let distances = |indices: &[u32]| {
-        let surface = ChangedSurface { mesh, before: triangles, after: indices };
+        let surface = ChangedSurface { mesh, before: triangles, after: indices, texels: None };
         let change = surface_change(&[surface], POINTS)?;
         Ok::<_, Failure>([change.rms / diagonal, change.largest / diagonal])
     };

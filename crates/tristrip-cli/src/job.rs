@@ -5,7 +5,7 @@ use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
 use tristrip::Layout;
-use tristrip_io::Format;
+use tristrip_io::{Format, Model};
 use tristrip_pipeline::default_layout;
 
 use crate::args::{GeneralArgs, OutputArgs};
@@ -58,6 +58,15 @@ impl Output {
     /// Returns the name for messages and reports.
     pub(crate) fn name(&self) -> String {
         display_name(self.path.as_deref())
+    }
+
+    /// Returns whether the material libraries of an OBJ are read for this result, or written beside it.
+    pub(crate) fn takes_materials(&self, model: &Model) -> bool {
+        match self.format {
+            Format::Obj => self.path.is_some(),
+            Format::Glb => model.scene.is_none() && model.materials.is_some(),
+            _ => false,
+        }
     }
 }
 

@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::Path;
 
+use tristrip_io::SideFile;
 use tristrip_lab::text;
 use tristrip_pipeline::text::counted;
 use tristrip_pipeline::{Encoded, Error, Event, Observer};
@@ -47,6 +48,10 @@ pub(crate) fn write(
             *verify = Some(verify.unwrap_or(0.0) + seconds);
         }
         Event::Note(note) => notes.push(note.into()),
+        Event::Warning(warning) => {
+            console.warning(&output.name(), warning);
+            notes.push(warning.into());
+        }
         _ => (),
     };
     let encoded = encode(&Stages::new(console, 0.0, show)).map_err(|error| not_written(output, error))?;
@@ -80,6 +85,7 @@ fn write_files(output: &Output, encoded: &Encoded, console: &mut Console) -> Res
     };
     if !output.separate {
         write_bytes(output, path, &encoded.bytes)?;
+        write_side_files(output, path, &encoded.files, console)?;
         return Ok(encoded.bytes.len());
     }
     let buffer_path = path.with_extension("bin");
@@ -97,6 +103,36 @@ fn write_files(output: &Output, encoded: &Encoded, console: &mut Console) -> Res
     }
     write_bytes(output, path, &files.json)?;
     Ok(files.json.len() + files.buffer.len())
+}
+
+/// Writes the material libraries and images of an OBJ into its folder. Files of other content stay, with a warning, unless they are named after
+/// the OBJ.
+fn write_side_files(
+    output: &Output,
+    path: &Path,
+    files: &[SideFile],
+    console: &Console,
+) -> Result<(), Failure> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    for file in files {
+        let target = folder.join(&file.name);
+        match fs::read(&target) {
+            Ok(bytes) if bytes == **file.bytes => continue,
+            Ok(_) if !file.name.starts_with(&*stem) => {
+                let message = format!("{} exists with other content and was not replaced", target.display());
+                console.warning(&output.name(), &message);
+                continue;
+            }
+            _ => (),
+        }
+        if let Some(directory) = target.parent().filter(|directory| !directory.as_os_str().is_empty()) {
+            fs::create_dir_all(directory).map_err(|error| Failure::system(directory, &error))?;
+        }
+        tristrip_io::replace_file(&target, &file.bytes).map_err(|error| Failure::writing(&error))?;
+        console.stage("write", &target.display().to_string(), None);
+    }
+    Ok(())
 }
 
 fn write_bytes(output: &Output, path: &Path, bytes: &[u8]) -> Result<(), Failure> {

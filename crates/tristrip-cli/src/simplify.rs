@@ -65,6 +65,8 @@ struct SimplifyReport {
     normal_deviation_degrees: Option<f64>,
     /// The root mean square of the distances between texture coordinates, in percent of the texture; `null` without any.
     uv_deviation_percent: Option<f64>,
+    /// The same in texels of the textures of the base colours; `null` without any.
+    uv_deviation_texels: Option<f64>,
     /// The numbers of parts by what happened to their normals.
     normals: Option<NormalCounts>,
     /// The diagonal of the model's bounding box, in mesh units.
@@ -226,6 +228,7 @@ impl SimplifyReport {
         self.rms_deviation_percent = percent(change.rms);
         self.normal_deviation_degrees = Some(rounded(change.normal_degrees));
         self.uv_deviation_percent = change.uv.map(|uv| rounded(100.0 * uv));
+        self.uv_deviation_texels = change.uv_texels.map(rounded);
     }
 }
 
@@ -278,5 +281,7 @@ fn change_line(report: &SimplifyReport) -> String {
     let rms = deviation("RMS", report.rms_deviation, report.rms_deviation_percent);
     let normals = report.normal_deviation_degrees.unwrap_or(0.0);
     let uv = report.uv_deviation_percent.map(|uv| format!(", texture {uv:.2} %")).unwrap_or_default();
-    format!("{largest}, {rms}, normals {normals:.1}°{uv}")
+    let texels =
+        report.uv_deviation_texels.map(|texels| format!(" ({texels:.1} texels)")).unwrap_or_default();
+    format!("{largest}, {rms}, normals {normals:.1}°{uv}{texels}")
 }

@@ -42,7 +42,7 @@ pub(crate) fn load_timed(input: &Input, console: &Console) -> Result<(Model, f64
 }
 
 /// Loads the input of a job as [`load_timed`] does; a result in glTF gets the images that the input has in separate files. They stay
-/// where they are for a `.gltf` in the folder of the input.
+/// where they are for a `.gltf` in the folder of the input. A result with materials gets those of an OBJ and its libraries, and an OBJ those of glTF.
 pub(crate) fn load_job(job: &Job, console: &Console) -> Result<(Model, f64), Failure> {
     let (mut model, seconds) = load_timed(&job.input, console)?;
     let path = job.input.path.as_deref();
@@ -50,6 +50,10 @@ pub(crate) fn load_job(job: &Job, console: &Console) -> Result<(Model, f64), Fai
         let stays = output.separate && same_folder(path, output.path.as_deref());
         output.format == Format::Glb && !stays
     };
+    if let Some(output) = job.output.as_ref().filter(|output| output.takes_materials(&model)) {
+        let stem = output.path.as_ref().and_then(|path| path.file_stem()).unwrap_or_default();
+        tristrip_io::load_materials(&mut model, path, &stem.to_string_lossy());
+    }
     if !job.output.as_ref().is_some_and(takes_images) {
         return Ok((model, seconds));
     }

@@ -107,6 +107,34 @@ pub fn write(model: &Model, drawings: &[Drawing], format: Format, layout: Layout
     }
 }
 
+/// Lists what a viewer will not see of the materials of a model in a file of a format, in words. A model in OBJ, or one in glTF that is
+/// written as OBJ, must have its materials, which [`load_materials`](crate::load_materials) reads.
+///
+/// ```
+/// use tristrip_io::{Format, material_losses, read};
+/// let model = read(b"mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n", Format::Obj)?;
+/// assert_eq!(material_losses(&model, Format::Ply), ["materials are not written: PLY has none"]);
+/// # Ok::<(), tristrip_io::Error>(())
+/// ```
+pub fn material_losses(model: &Model, format: Format) -> Vec<String> {
+    let of_scene = model.scene.as_ref().is_some_and(gltf::Scene::has_materials);
+    match (&model.materials, format) {
+        (_, Format::Glb | Format::Gltf) if model.scene.is_some() => Vec::new(),
+        (Some(materials), Format::Glb | Format::Gltf) => {
+            materials.problems.iter().chain(&materials.losses).cloned().collect()
+        }
+        (Some(materials), Format::Obj) => materials.problems.clone(),
+        (None, Format::Obj) if of_scene => vec!["materials are not written beside the OBJ".into()],
+        (Some(materials), _) if of_scene || !materials.libraries.is_empty() => {
+            vec![format!("materials are not written: {} has none", format.name())]
+        }
+        (None, Format::Ply) if of_scene => {
+            vec![format!("materials are not written: {} has none", format.name())]
+        }
+        _ => Vec::new(),
+    }
+}
+
 /// Lists what a format cannot hold of a model with one drawing for each part, in words, with counts, the scene around the
 /// parts included. The writers of OBJ and PLY put the same words into the file as comments.
 ///

@@ -43,12 +43,12 @@
 //! what the bytes pay for. Primitives with the same indices are decoded once.
 
 mod accessor;
-mod appearance;
+pub(crate) mod appearance;
 mod bounds;
 mod budget;
 mod buffer;
 #[cfg(feature = "fs")]
-mod buffer_files;
+pub(crate) mod buffer_files;
 mod build;
 mod compressed_views;
 mod container;
@@ -59,7 +59,9 @@ pub(crate) mod images;
 mod index;
 mod json;
 mod keep;
+mod material_builder;
 mod permute;
+mod placements;
 mod read;
 mod references;
 mod removed_bytes;
@@ -84,6 +86,7 @@ pub use budget::{
 };
 pub use build::losses;
 pub use document::JSON_VALUE_LIMIT;
+pub use placements::Placement;
 pub(crate) use read::read_in_folders;
 pub use read::{read, read_separate};
 pub use scene::Scene;

@@ -65,12 +65,21 @@ pub(crate) fn drawn_by_faces<'a>(
 /// Lists the content of the scene, for formats that hold only parts.
 pub(crate) fn scene_losses(model: &Model) -> impl Iterator<Item = String> {
     let scene = model.scene.iter().flat_map(Scene::beyond_parts);
-    scene.map(|what| format!("not written: {what}"))
+    // A library beside an OBJ has the textures.
+    scene
+        .filter(|what| model.materials.is_none() || !what.starts_with("textures"))
+        .map(|what| format!("not written: {what}"))
 }
 
 /// Returns the attribute with a name and at least `components` components.
 pub(crate) fn attribute<'a>(mesh: &'a Mesh, name: &str, components: u8) -> Option<&'a Attribute> {
     mesh.attributes().iter().find(|a| a.name == name && a.components >= components)
+}
+
+/// Returns the name under which the material of a part is written; if there are several parts, each has one, so that they stay separate.
+pub(crate) fn material_name(part: &Part, index: usize, part_count: usize) -> Option<String> {
+    let material = part.material.as_deref().map(clean).filter(|name| !name.is_empty());
+    material.or_else(|| (part_count > 1).then(|| format!("part_{index}")))
 }
 
 /// Returns a name that no file format can mistake for a keyword: one line, without control characters.

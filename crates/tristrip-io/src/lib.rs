@@ -2,7 +2,7 @@
 //!
 //! | format | read | written |
 //! |---|---|---|
-//! | OBJ | polygons, groups, materials, seams | faces |
+//! | OBJ | polygons, groups, materials, seams | faces, materials |
 //! | PLY | ascii, little and big endian, polygons, `tristrips` | faces, `tristrips` |
 //! | OFF | polygons | – |
 //! | STL | ascii, binary; equal positions welded | – |
@@ -30,6 +30,7 @@ mod format;
 pub mod gltf;
 mod join;
 mod le_bytes;
+mod materials;
 mod model;
 mod new_vertices;
 mod obj;
@@ -45,15 +46,16 @@ mod stl;
 mod text;
 mod vertex_group;
 
-pub use any_format::{losses, read, read_shared, write};
+pub use any_format::{losses, material_losses, read, read_shared, write};
 pub use error::Error;
 pub use format::Format;
 #[cfg(feature = "fs")]
 pub use gltf::images::EmbeddedImages;
+pub use materials::{Materials, SideFile};
 pub use model::{Drawing, Model, Part, StoredStrips};
 pub use new_vertices::{Extended, NewVertices, fixed_vertices, with_new_vertices};
 #[cfg(feature = "fs")]
-pub use path::{embed_images, read_path, replace_file, write_path};
+pub use path::{embed_images, load_materials, read_path, replace_file, write_path};
 pub use redraw::{KeptVertices, Redrawn, with_triangles};
 pub use reorder::{Reordered, reorder};
 pub use vertex_group::VertexGroup;

@@ -4,6 +4,7 @@ use tristrip::{Error as MeshError, Mesh, MeshProblem, Strips};
 
 use crate::error::Error;
 use crate::gltf::scene::Scene;
+use crate::materials::Materials;
 
 /// A file's geometry, in the order of the file.
 #[derive(Debug, Default)]
@@ -14,6 +15,8 @@ pub struct Model {
     pub notes: Vec<String>,
     /// The document around the parts, for glTF and GLB.
     pub scene: Option<Scene>,
+    /// The materials in files beside an OBJ; `None` for other formats. Texture coordinates count upwards where there are any.
+    pub materials: Option<Materials>,
 }
 
 impl Model {

@@ -128,7 +128,10 @@ pub fn with_new_vertices(
         }
     }
     let parts = model.parts.iter().zip(meshes).map(|(part, mesh)| part.with_mesh(mesh)).collect();
-    Ok(Extended { model: Model { parts, notes: model.notes.clone(), scene }, first })
+    Ok(Extended {
+        model: Model { parts, notes: model.notes.clone(), scene, materials: model.materials.clone() },
+        first,
+    })
 }
 
 fn check(model: &Model, added: &[Option<NewVertices>]) -> Result<(), Error> {

@@ -5,7 +5,7 @@
 //! v x y z [r g b]        position, counted from 1           f 1 2 3            corners: position
 //! vt u v                 texture coordinate                 f 1/4 2/5 3/6      position / texture coordinate
 //! vn x y z               normal                             f 1/4/7 2//8 -1    … / normal; −1 is the last one so far
-//! usemtl name            material of the faces that follow
+//! usemtl name            material of the faces that follow    mtllib name        library of materials
 //! ```
 //!
 //! A vertex of the result is a distinct triple of indices, in order of first use; if no face has a texture coordinate or
@@ -20,6 +20,8 @@
 //! Two passes over the corners; 4 to 12 bytes per corner in addition to the arrays of the result.
 
 mod read;
+#[cfg(feature = "fs")]
+pub(crate) mod scene_library;
 mod split;
 mod tables;
 mod write;

@@ -73,7 +73,7 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Model, Error> {
     if fields.texcoords {
         mesh = mesh.with_attribute(attribute("TEXCOORD_0", 2, AttributeData::F32(arrays.texcoords)))?;
     }
-    Ok(Model { parts: vec![Part { mesh, ..Part::default() }], notes, scene: None })
+    Ok(Model { parts: vec![Part { mesh, ..Part::default() }], notes, ..Model::default() })
 }
 
 fn attribute(name: &str, components: u8, data: AttributeData) -> Attribute {

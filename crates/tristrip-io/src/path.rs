@@ -11,8 +11,11 @@ use tristrip::Layout;
 use crate::any_format::{read_in_folders, write};
 use crate::error::Error;
 use crate::format::Format;
+use crate::gltf::buffer_files::BufferFiles;
 use crate::gltf::images::{EmbeddedImages, embed};
+use crate::materials::SideFile;
 use crate::model::{Drawing, Model};
+use crate::obj::scene_library::library_of;
 
 /// Reads a model from a file, in the format of its extension, or of its content if the extension is unknown. The separate
 /// buffers of a `.gltf` are looked for in the folder of the path and, where that is a link, then in the folder of the file
@@ -81,6 +84,56 @@ pub fn embed_images(model: &mut Model, path: Option<&Path>) -> Result<EmbeddedIm
         model.notes.push(format!("images that the file only refers to: {count}, such as {first}"));
     }
     Ok(images)
+}
+
+/// Reads the material libraries of a model in OBJ, and the images that they name: files in the folder of `path`, that of the file that the model was
+/// read from, or below it. A model in glTF gets a library for an OBJ file with this `stem` as name instead. What is not found is among the
+/// problems of [`Model::materials`].
+///
+/// ```
+/// # let dir = tempfile::tempdir().unwrap();
+/// # let path = dir.path().join("model.obj");
+/// std::fs::write(dir.path().join("a.mtl"), "newmtl red\nKd 1 0 0\nmap_Kd none.png\n")?;
+/// std::fs::write(&path, "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n")?;
+/// let mut model = tristrip_io::read_path(&path)?;
+/// tristrip_io::load_materials(&mut model, Some(&path), "out");
+/// let materials = model.materials.unwrap_or_default();
+/// assert_eq!((materials.files.len(), materials.problems.len(), materials.is_empty()), (1, 1, false));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn load_materials(model: &mut Model, path: Option<&Path>, stem: &str) {
+    if let Some(scene) = &model.scene {
+        model.materials = Some(library_of(scene, &model.parts, stem));
+        return;
+    }
+    let Some(materials) = &mut model.materials else { return };
+    let target = path.map(target_of);
+    let folders = match (path, &target) {
+        (Some(path), Some(target)) => folders(path, target),
+        _ => Vec::new(),
+    };
+    let mut files = BufferFiles::new(&folders);
+    let mut load = |name: &str, problems: &mut Vec<String>| match files.load_named(name) {
+        Ok(Some(bytes)) => Some(bytes),
+        Ok(None) => {
+            problems.push(format!("{name}: not a file in the folder of the OBJ"));
+            None
+        }
+        Err(error) => {
+            problems.push(error.to_string());
+            None
+        }
+    };
+    for library in materials.libraries.clone() {
+        let Some(bytes) = load(&library, &mut materials.problems) else { continue };
+        for name in materials.add_library(&library, bytes) {
+            if materials.files.iter().all(|file| file.name != name) {
+                if let Some(bytes) = load(&name, &mut materials.problems) {
+                    materials.files.push(SideFile { name, bytes });
+                }
+            }
+        }
+    }
 }
 
 /// Writes a model to a file in the format of its extension, with [`write()`] and [`replace_file`].

@@ -158,7 +158,7 @@ pub fn with_triangles(model: &Model, triangles: Vec<Vec<u32>>, format: Format) -
         }
     }
     let parts = model.parts.iter().zip(meshes).map(|(part, mesh)| part.with_mesh(mesh)).collect();
-    let model = Model { parts, notes: model.notes.clone(), scene };
+    let model = Model { parts, notes: model.notes.clone(), scene, materials: model.materials.clone() };
     let kept = kept_groups.iter().map(|group| group.vertex_count).sum();
     let used = counts.iter().map(|(by_triangles, _)| by_triangles).sum();
     Ok(Redrawn { model, used, dropped, kept, kept_groups, orders, order_of })

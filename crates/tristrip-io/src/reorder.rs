@@ -131,7 +131,7 @@ pub fn reorder(
             out[part] = strips[part].as_ref().map(|strips| group.order.strips(strips)).transpose()?;
         }
     }
-    let model = Model { parts, notes: model.notes.clone(), scene };
+    let model = Model { parts, notes: model.notes.clone(), scene, materials: model.materials.clone() };
     Ok(Reordered { model, strips: out, layout, groups })
 }
 

@@ -81,7 +81,7 @@ impl Welder {
             notes.insert(0, format!("face normals dropped: {facet_count}"));
         }
         let mesh = Mesh::new(self.positions, Faces::from_triangles(self.corners)?)?;
-        Ok(Model { parts: vec![Part { name, mesh, ..Part::default() }], notes, scene: None })
+        Ok(Model { parts: vec![Part { name, mesh, ..Part::default() }], notes, ..Model::default() })
     }
 }
 

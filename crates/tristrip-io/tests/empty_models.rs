@@ -61,3 +61,20 @@ fn a_model_without_vertices_is_written_where_a_format_has_such_files() {
         });
     }
 }
+
+/// The specification allows no empty arrays at the root of a document.
+#[test]
+fn a_scene_without_meshes_gets_no_empty_arrays() {
+    let json = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"camera":0}],
+        "cameras":[{"type":"perspective","perspective":{"yfov":1,"znear":1}}]}"#;
+    let model = read(json.as_bytes(), Format::Glb).unwrap();
+    for layout in LAYOUTS {
+        for compact in [false, true] {
+            let smaller = tristrip_io::with_triangles(&model, Vec::new(), Format::Glb).unwrap().model;
+            let written = write(if compact { &smaller } else { &model }, &[], Format::Glb, layout).unwrap();
+            let text = String::from_utf8_lossy(&written);
+            assert!(text.contains("cameras") && !text.contains("[]"), "{text}");
+            assert!(read(&written, Format::Glb).unwrap().parts.is_empty());
+        }
+    }
+}

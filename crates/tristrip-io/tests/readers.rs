@@ -68,13 +68,9 @@ fn obj_materials_make_parts_in_order_of_first_use() {
     assert_eq!((wood.material.as_deref(), iron.material.as_deref()), (Some("wood and oak"), Some("iron")));
     assert_eq!((wood.name.as_deref(), faces(&wood.mesh)), (Some("box"), vec![vec![0, 1, 2], vec![3, 0, 1]]));
     assert_eq!((iron.mesh.vertex_count(), faces(&iron.mesh)), (3, vec![vec![0, 1, 2]]));
-    assert_eq!(
-        model.notes,
-        [
-            "material libraries not read, material names kept: 1",
-            "objects and groups joined, faces grouped by material: 2",
-        ]
-    );
+    assert_eq!(model.notes, ["objects and groups joined, faces grouped by material: 2"]);
+    let materials = model.materials.unwrap_or_default();
+    assert!(materials.libraries == ["a.mtl"] && materials.is_empty());
 }
 
 #[test]

@@ -8,7 +8,7 @@ use crate::figures::rounded;
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
 pub struct Collapses {
-    /// The number of collapses.
+    /// The number of collapses; those of several parts that close a border together are one.
     pub collapse_count: usize,
     /// Triangles of the source.
     pub triangles_before: usize,
@@ -16,17 +16,17 @@ pub struct Collapses {
     pub triangles_after: usize,
     /// The requested number of triangles; `None` for no limit.
     pub target_triangles: Option<usize>,
-    /// The maximum error in mesh units; `None` for no limit.
+    /// The maximum error in the scene; `None` for no limit.
     pub target_error: Option<f32>,
-    /// Whether each part has at most its target number of triangles.
+    /// Whether each part has at most its target number of triangles, or all parts that share borders together have.
     pub reached: bool,
-    /// The greatest error of a collapse, in mesh units.
+    /// The greatest error of a collapse in the scene, where the part has the largest scale.
     pub surface_error: f32,
     /// The reasons for which vertices stayed, where there are more triangles than requested; `None` where the goal was reached.
     pub stopped: Option<Stopped>,
-    /// The diagonal of the bounding box of all triangles, in mesh units.
+    /// The diagonal of the bounding box of all triangles in the scene.
     pub diagonal: f64,
-    /// Vertices that stayed because several parts use their positions.
+    /// Vertices that stayed because they touch parts in other places of the scene.
     pub locked_vertices: usize,
 }
 

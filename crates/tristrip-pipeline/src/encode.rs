@@ -6,7 +6,7 @@ use std::sync::Arc;
 use tristrip::Layout;
 use tristrip::verify::verify_models;
 use tristrip_io::gltf::SeparateFiles;
-use tristrip_io::{Drawing, Format, Model, Redrawn, Reordered, VertexGroup};
+use tristrip_io::{Drawing, Format, Model, Redrawn, Reordered, SideFile, VertexGroup};
 
 use crate::error::Error;
 use crate::observer::{Event, Observer, Stage, begin};
@@ -90,6 +90,8 @@ pub struct Encoded {
     pub notes: Vec<String>,
     /// Notes on what the format cannot store.
     pub losses: Vec<String>,
+    /// The files that an OBJ refers to, to be written into its folder.
+    pub files: Vec<SideFile>,
 }
 
 impl Encoded {
@@ -198,7 +200,13 @@ pub fn encode_observed(
     }
     let written = reordered.as_ref().map_or(model, |moved| &moved.model);
     let losses = tristrip_io::losses(written, drawings, format);
-    Ok(Encoded { bytes, faces, groups: reordered.map(|moved| moved.groups), notes, losses })
+    let unseen = tristrip_io::material_losses(model, format);
+    if !unseen.is_empty() {
+        observer.event(Event::Warning(&unseen.join("; ")));
+    }
+    let materials = model.materials.as_ref().filter(|_| format == Format::Obj);
+    let files = materials.map(|materials| materials.files.clone()).unwrap_or_default();
+    Ok(Encoded { bytes, faces, groups: reordered.map(|moved| moved.groups), notes, losses, files })
 }
 
 /// The note on a GLB with restarts.

@@ -22,7 +22,10 @@ use crate::goal::{Amount, Ratio};
 use crate::observer::{Event, Observer, Stage, Stopped, begin};
 use crate::parts::{check_vertices, map};
 use crate::prepared::{PreparedModel, Survey};
-use crate::simplify::{Part, base_triangles, diagonal, end_notes, simplify_all, surface_error};
+use crate::simplify::{
+    Part, base_triangles, diagonal, end_notes, has_reached, place_notes, simplify_all, step_count,
+    surface_error,
+};
 pub use filter::DisplayFilter;
 pub use level::Level;
 pub use order::LevelOrder;
@@ -193,31 +196,34 @@ impl ModelLevels {
         let meshes = prepared.parts().iter().map(|part| part.mesh);
         let vertex_counts = meshes.clone().map(Mesh::vertex_count);
         check_vertices(&strips.iter().zip(vertex_counts).collect::<Vec<_>>())?;
-        let parts = Part::of_all(meshes.zip(strips.iter().map(Strips::to_list)).collect())?;
+        let drawn = meshes.zip(strips.iter().map(Strips::to_list)).collect();
+        let (parts, skipped) = Part::of_all(drawn, prepared.places())?;
         let triangles: Vec<usize> = parts.iter().map(Part::triangle_count).collect();
         let shares = Amount::Ratio(base).shares(&triangles);
         let done = simplify_all(&parts, &shares, None, AttributeWeights::default())?;
         let after: Vec<usize> = base_triangles(&done)?;
         let collapses = Collapses {
-            collapse_count: done.iter().map(|done| done.sequence.len()).sum(),
+            collapse_count: step_count(&done),
             triangles_before: triangles.iter().sum(),
             triangles_after: after.iter().sum(),
             target_triangles: Some(shares.iter().sum()),
             target_error: None,
-            reached: after.iter().zip(&shares).all(|(after, share)| after <= share),
+            reached: has_reached(&done),
             surface_error: surface_error(&done)?,
             stopped: None,
             diagonal: diagonal(&parts),
             locked_vertices: parts.iter().map(Part::locked_count).sum(),
         };
-        let notes = end_notes(collapses.locked_vertices, &done, Some(&shares));
+        let mut notes = place_notes(prepared, skipped);
+        notes.extend(end_notes(collapses.locked_vertices, &done, Some(&shares)));
+        let order = LevelOrder::new(&done);
         let all = parts.into_iter().zip(prepared.parts()).zip(strips).zip(done);
         let parts = all.map(|(((part, prepared), strips), done)| {
             LevelPart::new(part.compact.used, prepared.mesh.vertex_count(), strips, done.sequence)
         });
         let parts: Vec<LevelPart> = parts.collect();
         Ok(Self {
-            order: LevelOrder::new(parts.iter().map(|part| &**part.sequence())),
+            order,
             parts,
             collapses,
             notes,

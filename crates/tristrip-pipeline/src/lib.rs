@@ -4,7 +4,7 @@
 //! ```text
 //! Model ─▶ PreparedModel ─▶ strips of each part ─ proof ─▶ encode ─ read back, proof ─▶ bytes
 //!   │            └▶ bounds, figures of the mesh     │
-//!   ├▶ simplify: shared borders locked ─▶ smaller model
+//!   ├▶ simplify: parts that share borders together ─▶ smaller model
 //!   └▶ levels: strips ─ collapses of all parts in one order ─▶ display strips of any level, proven
 //! ```
 //! The functions take a model in memory and return owned results. They read no files, no clock and no terminal: an [`Observer`] learns
@@ -38,6 +38,7 @@ mod levels;
 mod method;
 mod observer;
 mod parts;
+mod places;
 mod prepared;
 mod simplify;
 mod strip;

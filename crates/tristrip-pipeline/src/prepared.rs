@@ -11,6 +11,7 @@ use crate::error::Error;
 use crate::figures::{Figures, MeshFigures, PartFigures};
 use crate::observer::{Event, Observer, Stage, Stopped, begin};
 use crate::parts::{PreparedPart, map, meshes};
+use crate::places::Places;
 
 /// The prepared parts of a model, in their order. The memory is that of the prepared faces and the dual graphs.
 ///
@@ -29,27 +30,33 @@ use crate::parts::{PreparedPart, map, meshes};
 #[derive(Debug)]
 pub struct PreparedModel<'a> {
     parts: Vec<PreparedPart<'a>>,
+    places: Places,
 }
 
 impl<'a> PreparedModel<'a> {
     /// Prepares the faces and builds the dual graph of each part. With `weld`, vertices with the same bits in all attributes are one.
     pub fn new(model: &'a Model, weld: bool) -> Self {
-        Self::of_meshes(&meshes(model), weld)
+        Self { places: Places::of(model), ..Self::of_meshes(&meshes(model), weld) }
     }
 
-    /// Prepares some of the meshes of a model.
+    /// Prepares some of the meshes of a model, where their coordinates are.
     pub fn of_meshes(meshes: &[&'a Mesh], weld: bool) -> Self {
         let parts = map(meshes, |&mesh| {
             let surface = PreparedFaces::new(mesh, weld);
             let graph = DualGraph::new(surface.faces());
             PreparedPart { mesh, surface, graph }
         });
-        Self { parts }
+        Self { parts, places: Places::one(meshes.len()) }
     }
 
     /// Returns the parts in their order.
     pub fn parts(&self) -> &[PreparedPart<'a>] {
         &self.parts
+    }
+
+    /// Returns where the model shows its parts.
+    pub(crate) fn places(&self) -> &Places {
+        &self.places
     }
 
     /// Counts faces, edges and vertices of all parts.

@@ -1,11 +1,15 @@
-//! Simplification of a whole model: shared borders locked, the collapses proven, the vertices that become unused dropped.
+//! Simplification of a whole model: the collapses proven, the vertices that become unused dropped.
+//!
+//! Parts that the same nodes place and that share positions, such as the materials of one mesh, are simplified as one surface: both sides of their
+//! border collapse together. Vertices that touch parts in other places of the scene stay. Errors and the bounding box are those in the scene.
 
 mod normals;
 mod parts;
+mod touching;
 mod warning;
 
 use tristrip::StripifyOptions;
-use tristrip::simplify::{AttributeWeights, Simplification};
+use tristrip::simplify::AttributeWeights;
 use tristrip_io::{Drawing, Format, Model, Redrawn};
 
 use crate::collapses::Collapses;
@@ -20,7 +24,10 @@ use crate::surface_change::{ChangedSurface, SurfaceChange, surface_change};
 use crate::text::{count, counted};
 pub use normals::{NormalCounts, Normals};
 use normals::{Rebuilding, RebuiltPart, redraw};
-pub(crate) use parts::{Part, UsedVertices, base_triangles, diagonal, simplify_all, surface_error};
+pub(crate) use parts::{
+    Part, PartCollapses, UsedVertices, base_triangles, diagonal, has_reached, simplify_all, step_count,
+    surface_error,
+};
 
 /// The maximum number of parts with a note of their own on where they stopped.
 const MAX_NAMED_PARTS: usize = 8;
@@ -100,7 +107,8 @@ pub struct Simplified {
     options: SimplifyOptions,
 }
 
-/// Simplifies a model by half-edge collapses, the cheapest first. Vertices whose position several parts use stay.
+/// Simplifies a model by half-edge collapses, the cheapest first. Borders between the parts of a mesh collapse on both sides; vertices that touch parts
+/// in other places of the scene stay.
 ///
 /// # Errors
 /// As of [`simplify_observed`].
@@ -143,7 +151,8 @@ pub fn simplify_observed(
 ) -> Result<Simplified, Error> {
     // 1. The triangles of each part.
     let surveyed = Survey::new(model, StripifyOptions::default(), observer)?;
-    let mut parts = fans(&surveyed.prepared)?;
+    let (mut parts, skipped) = fans(&surveyed.prepared)?;
+    let place_notes = place_notes(&surveyed.prepared, skipped);
     let (mesh, mut notes) = (surveyed.mesh, surveyed.notes);
     let normals = Rebuilding::choose(options.normals, model, options.format, &mut parts)?;
     normals.notes.iter().for_each(|note| observer.event(Event::Note(note)));
@@ -159,30 +168,31 @@ pub fn simplify_observed(
     let done =
         simplify_all(&parts, shares.as_ref().unwrap_or(&no_limit), Some(target_error), options.weights)?;
     let after = base_triangles(&done)?;
-    let reaches = |shares: &Vec<usize>| after.iter().zip(shares).all(|(after, share)| after <= share);
     let collapses = Collapses {
-        collapse_count: done.iter().map(|done| done.sequence.len()).sum(),
+        collapse_count: step_count(&done),
         triangles_before: before.iter().sum(),
         triangles_after: after.iter().sum(),
         target_triangles: shares.as_ref().map(|shares| shares.iter().sum()),
         target_error: Some(target_error),
-        reached: shares.as_ref().is_none_or(reaches),
+        reached: shares.is_none() || has_reached(&done),
         stopped: shares.as_deref().and_then(|shares| warning::sum(&done, shares)),
         surface_error: surface_error(&done)?,
         diagonal,
         locked_vertices: parts.iter().map(Part::locked_count).sum(),
     };
     observer.event(Event::Simplified(&collapses));
-    let locked = locked_note(collapses.locked_vertices);
-    locked.iter().for_each(|note| observer.event(Event::Note(note)));
-    notes.extend(locked);
+    let new_notes = place_notes.into_iter().chain(locked_note(collapses.locked_vertices));
+    for note in new_notes {
+        observer.event(Event::Note(&note));
+        notes.push(note);
+    }
     let warning = warning::warning(&collapses, options.goal.deviation);
     warning.iter().for_each(|warning| observer.event(Event::Warning(warning)));
 
     // 3. How far the result is from the original.
     begin(observer, Stage::Compare)?;
     let rebuilt = normals.rebuild(&parts, &done)?;
-    let change = change(&parts, &done, &rebuilt)?;
+    let change = change(&parts, &done, &rebuilt, &texture_sizes(model))?;
     observer.event(Event::Compared(&change));
 
     // 4. The proof of the collapses.
@@ -194,7 +204,7 @@ pub fn simplify_observed(
     }
 
     // 5. The model without the vertices that became unused.
-    let base = |(part, done): (&Part<'_>, &Simplification)| {
+    let base = |(part, done): (&Part<'_>, &PartCollapses)| {
         let mut corners = done.sequence.drawn(0)?.into_flattened();
         part.compact.used.outward(&mut corners);
         Ok(corners)
@@ -231,44 +241,80 @@ impl Simplified {
     }
 }
 
-/// Returns the triangles of all parts, polygons as fans around their first corner.
-fn fans<'a>(prepared: &PreparedModel<'a>) -> Result<Vec<Part<'a>>, Error> {
+/// Returns the triangles of all parts, polygons as fans around their first corner, and the number of places that were not compared.
+fn fans<'a>(prepared: &PreparedModel<'a>) -> Result<(Vec<Part<'a>>, usize), Error> {
     let triangles = map(prepared.parts(), |part| part.surface.faces().fans().into_owned());
     let meshes = prepared.parts().iter().map(|part| part.mesh);
-    Ok(Part::of_all(meshes.zip(triangles).collect())?)
+    Ok(Part::of_all(meshes.zip(triangles).collect(), prepared.places())?)
+}
+
+/// Returns the width and height of the texture of each part's base colour at the first texture coordinates, where they are known.
+fn texture_sizes(model: &Model) -> Vec<Option<[u32; 2]>> {
+    if let (None, Some(materials)) = (&model.scene, &model.materials) {
+        return model.parts.iter().map(|part| materials.image_size(part.material.as_deref()?)).collect();
+    }
+    let appearance = model.scene.as_ref().and_then(|scene| scene.appearance().ok());
+    let size = |part: usize| {
+        let appearance = appearance.as_ref()?;
+        let texture = appearance.materials.get(part)?.texture.filter(|texture| texture.coordinates == 0)?;
+        appearance.images.get(texture.image)?.size()
+    };
+    (0..model.parts.len()).map(size).collect()
 }
 
 /// Measures how far the parts are from what they were.
 fn change(
     parts: &[Part<'_>],
-    done: &[Simplification],
+    done: &[PartCollapses],
     rebuilt: &[Option<RebuiltPart>],
+    textures: &[Option<[u32; 2]>],
 ) -> Result<SurfaceChange, Error> {
-    let base = |done: &Simplification| Ok(done.sequence.drawn(0)?.into_flattened());
-    let mut after = done.iter().map(base).collect::<Result<Vec<_>, Error>>()?;
-    let pair = |((part, rebuilt), after)| -> ChangedSurface<'_> {
-        let (part, rebuilt, after): (&Part<'_>, &Option<RebuiltPart>, &mut Vec<u32>) = (part, rebuilt, after);
-        match rebuilt {
-            Some(rebuilt) => rebuilt.change(part.triangles(), after),
-            None => ChangedSurface { mesh: &part.compact.mesh, before: part.triangles(), after },
-        }
+    let drawn = |(done, rebuilt): (&PartCollapses, &Option<RebuiltPart>)| match rebuilt {
+        Some(rebuilt) => Ok(rebuilt.triangles_of_mesh()),
+        None => Ok(done.sequence.drawn(0)?.into_flattened()),
     };
-    let surfaces: Vec<_> = parts.iter().zip(rebuilt).zip(&mut after).map(pair).collect();
+    let after = done.iter().zip(rebuilt).map(drawn).collect::<Result<Vec<_>, Error>>()?;
+    let mesh = |(part, rebuilt): (&'_ Part<'_>, &Option<RebuiltPart>)| {
+        let mesh = rebuilt.as_ref().map_or(&*part.compact.mesh, |rebuilt| &rebuilt.mesh);
+        Ok(part.shown(mesh)?.into_owned())
+    };
+    let shown = parts.iter().zip(rebuilt).map(mesh).collect::<Result<Vec<_>, Error>>()?;
+    let surfaces: Vec<ChangedSurface<'_>> = parts
+        .iter()
+        .zip(&after)
+        .zip(&shown)
+        .zip(textures)
+        .map(|(((part, after), mesh), &texels)| ChangedSurface {
+            mesh,
+            before: part.triangles(),
+            after,
+            texels,
+        })
+        .collect();
     surface_change(&surfaces, POINTS)
 }
 
+/// Returns notes on nodes that could not be followed, and on places that were not compared.
+pub(crate) fn place_notes(prepared: &PreparedModel<'_>, skipped: usize) -> Vec<String> {
+    let not_compared = "not compared with other parts, gaps may open there";
+    let skipped = (skipped > 0).then(|| format!("{} of a part {not_compared}", counted(skipped, "copy")));
+    prepared.places().note().into_iter().chain(skipped).collect()
+}
+
 /// Returns notes on the locked vertices, and on the parts that stopped before their goal.
-pub(crate) fn end_notes(locked: usize, done: &[Simplification], shares: Option<&[usize]>) -> Vec<String> {
+pub(crate) fn end_notes(locked: usize, done: &[PartCollapses], shares: Option<&[usize]>) -> Vec<String> {
     locked_note(locked).into_iter().chain(ends(done, shares)).collect()
 }
 
 /// Returns a note on the locked vertices, if there are any.
 fn locked_note(locked: usize) -> Option<String> {
-    (locked > 0).then(|| format!("locked {} at positions that several parts use", counted(locked, "vertex")))
+    (locked > 0).then(|| {
+        format!("locked {} that touch parts in other places of the scene", counted(locked, "vertex"))
+    })
 }
 
 /// Returns notes on the parts that stopped before their goal, and why.
-fn ends(done: &[Simplification], shares: Option<&[usize]>) -> Vec<String> {
+fn ends(done: &[PartCollapses], shares: Option<&[usize]>) -> Vec<String> {
     let Some(shares) = shares else { return Vec::new() };
     let mut notes = Vec::new();
     for (part, (done, &share)) in done.iter().zip(shares).enumerate() {

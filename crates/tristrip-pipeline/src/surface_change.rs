@@ -36,6 +36,8 @@ pub struct ChangedSurface<'a> {
     pub before: &'a [u32],
     /// Three vertices per triangle of the result.
     pub after: &'a [u32],
+    /// The width and height in texels of the texture at `TEXCOORD_0`, if it is known.
+    pub texels: Option<[u32; 2]>,
 }
 
 /// How far the surfaces are apart, in the unit of the positions.
@@ -50,6 +52,8 @@ pub struct SurfaceChange {
     pub normal_degrees: f64,
     /// The root mean square of the distances between texture coordinates (`TEXCOORD_0`), where 1 is the size of the texture; `None` without any.
     pub uv: Option<f64>,
+    /// The same in texels, over the surfaces whose textures have a known size; `None` without any.
+    pub uv_texels: Option<f64>,
 }
 
 /// The sums over the points of one part.
@@ -63,6 +67,9 @@ struct Sums {
     angles: f64,
     uv: f64,
     uv_count: usize,
+    /// Squared distances in texels.
+    texels: f64,
+    texel_count: usize,
 }
 
 /// Measures how far surfaces are from what they were, with about `points` points on all of them in each direction.
@@ -79,7 +86,7 @@ struct Sums {
 /// let corners = vec![[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 2.0, 0.0], [0.0, 2.0, 0.0], [1.0, 1.0, 1.0]];
 /// let mesh = Mesh::new(corners, Faces::default())?;
 /// let (before, after) = (&[0, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0, 4], &[0, 1, 2, 0, 2, 3]);
-/// let change = surface_change(&[ChangedSurface { mesh: &mesh, before, after }], 1000)?;
+/// let change = surface_change(&[ChangedSurface { mesh: &mesh, before, after, texels: None }], 1000)?;
 /// assert!((change.largest - 1.0).abs() < 1e-9 && (0.3..0.7).contains(&change.rms));
 /// assert!((change.normal_degrees - 45.0).abs() < 1e-3 && change.uv.is_none());
 /// # Ok::<(), tristrip_pipeline::Error>(())
@@ -104,6 +111,8 @@ pub fn surface_change(surfaces: &[ChangedSurface<'_>], points: usize) -> Result<
         all.angles += sum.angles;
         all.uv += sum.uv;
         all.uv_count += sum.uv_count;
+        all.texels += sum.texels;
+        all.texel_count += sum.texel_count;
     }
     let mean = |sum: f64, count: usize| if count > 0 { sum / count as f64 } else { 0.0 };
     let squares = [0, 1].map(|k| mean(all.squares[k], all.counts[k]));
@@ -112,6 +121,7 @@ pub fn surface_change(surfaces: &[ChangedSurface<'_>], points: usize) -> Result<
         rms: f64::midpoint(squares[0], squares[1]).sqrt(),
         normal_degrees: mean(all.angles, all.counts[0]).sqrt().to_degrees(),
         uv: (all.uv_count > 0).then(|| mean(all.uv, all.uv_count).sqrt()),
+        uv_texels: (all.texel_count > 0).then(|| mean(all.texels, all.texel_count).sqrt()),
     })
 }
 
@@ -146,9 +156,13 @@ fn compare(surface: &ChangedSurface<'_>, sides: &[Side; 2], points: [f64; 2], se
             sums.largest = sums.largest.max(square.sqrt());
             if k == 0 {
                 sums.angles += attributes.angle((facet, shares), (nearest, there)).powi(2);
-                if let Some(square) = attributes.uv_square((facet, shares), (nearest, there)) {
-                    sums.uv += square;
+                if let Some([u, v]) = attributes.uv_difference((facet, shares), (nearest, there)) {
+                    sums.uv += u * u + v * v;
                     sums.uv_count += 1;
+                    if let Some([width, height]) = surface.texels {
+                        sums.texels += (u * f64::from(width)).powi(2) + (v * f64::from(height)).powi(2);
+                        sums.texel_count += 1;
+                    }
                 }
             }
         });
@@ -195,10 +209,18 @@ mod tests {
             AttributeData::F32((0..16).map(|i| if i < 8 { 0.0 } else { (i % 2) as f32 * 0.5 }).collect());
         let uv = Attribute { name: "TEXCOORD_0".into(), components: 2, normalized: false, data };
         let mesh = Mesh::new(positions, Faces::default()).unwrap().with_attribute(uv).unwrap();
-        let surface = ChangedSurface { mesh: &mesh, before: &[0, 1, 2, 0, 2, 3], after: &[4, 5, 6, 4, 6, 7] };
+        let surface = ChangedSurface {
+            mesh: &mesh,
+            before: &[0, 1, 2, 0, 2, 3],
+            after: &[4, 5, 6, 4, 6, 7],
+            texels: None,
+        };
         let change = surface_change(&[surface], 1000).unwrap();
         assert!((change.largest - 2.0).abs() < 1e-9 && (change.rms - 2.0).abs() < 1e-9, "{change:?}");
         assert!(change.normal_degrees < 1e-9 && (change.uv.unwrap() - 0.5).abs() < 1e-6, "{change:?}");
+        // Only v differs, by half of the texture.
+        let wide = surface_change(&[ChangedSurface { texels: Some([1024, 64]), ..surface }], 1000).unwrap();
+        assert!((wide.uv_texels.unwrap() - 32.0).abs() < 1e-4 && change.uv_texels.is_none(), "{wide:?}");
         // A second surface that did not change has half of the area.
         let same = ChangedSurface { after: &[0, 1, 2, 0, 2, 3], ..surface };
         let both = surface_change(&[surface, same], 4000).unwrap();
@@ -209,13 +231,18 @@ mod tests {
     fn nothing_left_is_the_diagonal_away() {
         let mesh = Mesh::new(square(0.0), Faces::default()).unwrap();
         let (before, after): (&[u32], &[u32]) = (&[0, 1, 2, 0, 2, 3], &[]);
-        let gone = surface_change(&[ChangedSurface { mesh: &mesh, before, after }], 10).unwrap();
+        let gone =
+            surface_change(&[ChangedSurface { mesh: &mesh, before, after, texels: None }], 10).unwrap();
         assert!((gone.largest - 5.0).abs() < 1e-9, "{gone:?}");
-        let none = surface_change(&[ChangedSurface { mesh: &mesh, before: after, after }], 10).unwrap();
+        let none = surface_change(&[ChangedSurface { mesh: &mesh, before: after, after, texels: None }], 10)
+            .unwrap();
         assert_eq!(none, SurfaceChange::default());
         assert_eq!(surface_change(&[], 10).unwrap(), SurfaceChange::default());
         for wrong in [&[0, 1][..], &[0, 1, 4]] {
-            assert!(surface_change(&[ChangedSurface { mesh: &mesh, before: wrong, after }], 10).is_err());
+            assert!(
+                surface_change(&[ChangedSurface { mesh: &mesh, before: wrong, after, texels: None }], 10)
+                    .is_err()
+            );
         }
     }
 
@@ -234,7 +261,7 @@ mod tests {
         assert!((300.0..2000.0).contains(&crowd), "{crowd}");
         // A million such triangles are searched for a few points, an ordinary surface for all.
         assert!(affordable(5000.0, 500.0 * crowd) < 150.0 && affordable(5000.0, 10.0) >= 5000.0);
-        let surface = ChangedSurface { mesh: &mesh, before: &triangles, after: &triangles };
+        let surface = ChangedSurface { mesh: &mesh, before: &triangles, after: &triangles, texels: None };
         assert!(surface_change(&[surface], 500).unwrap().largest < 1e-6);
     }
 }

@@ -65,21 +65,23 @@ fn no_strips_are_better_than_the_bound() {
 }
 
 #[test]
-fn shared_borders_stay_when_parts_are_simplified() {
+fn shared_borders_collapse_together_when_parts_are_simplified() {
     let model = two_parts();
-    let (amount, deviation) = (Some(Amount::Triangles(40)), Deviation::Percent(100.0));
+    let (amount, deviation) = (Some(Amount::Triangles(20)), Deviation::Percent(100.0));
     let goal = Goal { amount, deviation };
     let simplified = simplify(&model, &SimplifyOptions::new(goal)).unwrap();
-    assert_eq!((simplified.collapses.locked_vertices, simplified.collapses.reached), (18, true));
-    assert!(simplified.notes.iter().any(|note| note.contains("locked 18 vertices")));
-    for part in &simplified.redrawn.model.parts {
+    assert_eq!((simplified.collapses.locked_vertices, simplified.collapses.reached), (0, true));
+    let borders = simplified.redrawn.model.parts.iter().map(|part| {
         let middle = part.mesh.faces().corners().iter().map(|&v| part.mesh.positions()[v as usize]);
         let mut border: Vec<u32> =
             middle.filter(|p| p[0].to_bits() == 4.0_f32.to_bits()).map(|p| p[1].to_bits()).collect();
         border.sort_unstable();
         border.dedup();
-        assert_eq!(border.len(), 9, "no gap opens between the parts");
-    }
+        border
+    });
+    let borders: Vec<_> = borders.collect();
+    assert_eq!(borders[0], borders[1], "no gap opens between the parts");
+    assert!(borders[0].len() < 9, "the border of nine points is simplified");
     assert_eq!(simplified.encode(&()).unwrap().faces, Some(simplified.collapses.triangles_after));
 }
 

@@ -166,6 +166,31 @@ impl CollapseSequence {
         self.largest_errors.push(largest.max(error));
     }
 
+    /// Multiplies the errors by a scale of at least 0, such as that of the place where the mesh is shown.
+    ///
+    /// # Errors
+    /// The scale is negative or not a number.
+    ///
+    /// ```
+    #[doc = include_str!("lod/example.txt")]
+    /// assert_eq!(sequence.clone().with_scaled_errors(10.0)?.error(0)?, 5.0);
+    /// assert!(sequence.with_scaled_errors(-1.0).is_err());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn with_scaled_errors(mut self, scale: f64) -> Result<Self, Error> {
+        if scale.is_nan() || scale < 0.0 {
+            let found = scale.to_string();
+            return Err(Error::Parameter { name: "scale", found, expected: "0 or more" });
+        }
+        // An error of 0 stays 0 at any scale.
+        let scaled = |error: &mut f32| {
+            *error =
+                if *error > 0.0 { (f64::from(*error) * scale).min(f64::from(f32::MAX)) as f32 } else { 0.0 };
+        };
+        self.errors.iter_mut().chain(&mut self.largest_errors).for_each(scaled);
+        Ok(self)
+    }
+
     /// Counts the collapses, which is also the level of the full mesh.
     ///
     /// ```

@@ -15,8 +15,9 @@ use crate::values::{ModelName, effort_parser, named};
 ///
 /// The cheapest collapse comes first. A removed vertex is replaced by one of its neighbours; no vertex moves, and none is added. The
 /// surface keeps its holes, its connected components and, unless that costs too much, its shape. If a goal cannot be reached within
-/// the error limit, or without tearing or folding the surface, simplification stops earlier, and a warning says why; this is not an error. Vertices whose position
-/// several parts use (materials in OBJ, primitives in glTF) stay, so that no gaps open between parts. Unused vertices are removed from the
+/// the error limit, or without tearing or folding the surface, simplification stops earlier, and a warning says why; this is not an error. Parts of
+/// one mesh that share positions (materials in OBJ, primitives in glTF) are simplified as one surface: both sides of a border between them collapse
+/// together. Vertices that touch a mesh which another node of the scene places stay, so that no gaps open. Unused vertices are removed from the
 /// file, except from a GLB that was read from glTF, where other parts of the scene refer to vertices by number. Without -o, only report.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:

@@ -7,6 +7,7 @@ mod compare;
 mod convert;
 mod documents;
 mod lod;
+mod materials;
 mod pareto;
 mod picture;
 mod reorder;

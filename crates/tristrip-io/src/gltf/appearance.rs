@@ -20,11 +20,12 @@ use super::buffer::decode_data_uri;
 #[cfg(feature = "fs")]
 use super::buffer_files::BufferFiles;
 use super::document::{Located, array};
-use super::json::Members;
+use super::json::Value;
+use super::placements::Placement;
 use super::scene::Scene;
 use super::shared_bytes::{SharedBytes, whole_of};
-use super::transform::{Transform, of_node};
 use crate::error::Error;
+use crate::materials::image_size;
 
 /// The extension that moves texture coordinates.
 const TEXTURE_TRANSFORM: &str = "KHR_texture_transform";
@@ -103,9 +104,31 @@ impl Image {
     pub fn bytes(&self) -> &[u8] {
         self.bytes.as_slice()
     }
+
+    /// Returns the width and height in pixels; `None` if the bytes are no PNG or JPEG, or have none.
+    pub fn size(&self) -> Option<[u32; 2]> {
+        image_size(self.bytes())
+    }
 }
 
 impl Scene {
+    /// Counts the materials that have more than a base colour.
+    #[cfg(feature = "fs")]
+    pub(crate) fn shaded_material_count(&self) -> usize {
+        const MORE: [&str; 4] = ["normalTexture", "occlusionTexture", "emissiveTexture", "emissiveFactor"];
+        let is_shaded = |material: &&Value| {
+            let surface = material.get("pbrMetallicRoughness");
+            MORE.iter().any(|key| material.get(key).is_some())
+                || surface.is_some_and(|surface| surface.get("metallicRoughnessTexture").is_some())
+        };
+        array(&self.document.root, "materials").unwrap_or_default().iter().filter(is_shaded).count()
+    }
+
+    /// Returns whether the document has materials.
+    pub(crate) fn has_materials(&self) -> bool {
+        array(&self.document.root, "materials").is_ok_and(|materials| !materials.is_empty())
+    }
+
     /// Returns the parts in their places, with their materials and images.
     ///
     /// An image file that cannot be read is noted, and its materials have no texture.
@@ -121,7 +144,11 @@ impl Scene {
     /// # Ok::<(), tristrip_io::Error>(())
     /// ```
     pub fn appearance(&self) -> Result<Appearance, Error> {
-        let instances = self.instances()?;
+        let of_place = |place: Placement| {
+            let Placement { parts, transform } = place;
+            parts.map(move |part| Instance { part, transform })
+        };
+        let instances = self.placements()?.into_iter().flat_map(of_place).collect();
         let folders: Vec<&Path> = self.folders.iter().map(std::path::PathBuf::as_path).collect();
         let root = &self.document.root;
         let mut reader = MaterialReader {
@@ -162,82 +189,6 @@ impl Scene {
         }
         Ok(materials)
     }
-
-    /// Returns the parts that the nodes of the scene show.
-    fn instances(&self) -> Result<Vec<Instance>, Error> {
-        let root = &self.document.root;
-        let nodes: Vec<Located<'_>> = Located::entries(root, "nodes")?.collect();
-        // 1. The parts of each mesh; they stand in the order of the meshes.
-        let mut parts_of = vec![0..0; array(root, "meshes")?.len()];
-        for (part, source) in self.primitives.iter().enumerate() {
-            if let Some(parts) = parts_of.get_mut(source.mesh) {
-                let first = if parts.start == parts.end { part } else { parts.start };
-                *parts = first..part + 1;
-            }
-        }
-        // 2. The nodes from the roots of the scene down.
-        let mut open: Vec<(usize, Transform)> = roots(root, nodes.len())?;
-        open.reverse();
-        let mut seen = vec![false; nodes.len()];
-        let mut instances = Vec::new();
-        while let Some((number, above)) = open.pop() {
-            let node = &nodes[number];
-            if std::mem::replace(&mut seen[number], true) {
-                return Err(Error::format(node.at.clone(), "a node with two parents", "a tree"));
-            }
-            let transform = above.of(&of_node(node)?);
-            if let Some(mesh) = node.field("mesh") {
-                let count = parts_of.len();
-                let parts = parts_of.get(mesh.size()?);
-                let parts =
-                    parts.ok_or_else(|| mesh.wrong(format!("less than {count}, the number of meshes")))?;
-                let skinned = node.field("skin").is_some();
-                let shown = if skinned { Transform::IDENTITY } else { transform };
-                instances.extend(parts.clone().map(|part| Instance { part, transform: shown.rows() }));
-            }
-            if let Some(children) = node.field("children") {
-                let children = children.items()?.map(|child| child.size()).collect::<Result<Vec<_>, _>>()?;
-                open.extend(children.into_iter().rev().map(|child| (child, transform)));
-            }
-        }
-        // 3. A document without such nodes is a library of meshes.
-        if instances.is_empty() {
-            let transform = Transform::IDENTITY.rows();
-            instances = (0..self.primitives.len()).map(|part| Instance { part, transform }).collect();
-        }
-        Ok(instances)
-    }
-}
-
-/// Returns the roots of the scene that the document shows first; without scenes, the nodes that are no children.
-fn roots(root: &Members, node_count: usize) -> Result<Vec<(usize, Transform)>, Error> {
-    let scenes: Vec<Located<'_>> = Located::entries(root, "scenes")?.collect();
-    let shown = match Located::root(root, "scene") {
-        Ok(shown) => Some(shown.target(root, "scenes")?),
-        Err(_) => scenes.into_iter().next(),
-    };
-    let mut numbers = Vec::new();
-    if let Some(scene) = shown {
-        let listed = scene.field("nodes").map(|nodes| nodes.items()).transpose()?;
-        for node in listed.into_iter().flatten() {
-            match node.size()? {
-                number if number < node_count => numbers.push(number),
-                _ => return Err(node.wrong(format!("less than {node_count}, the number of nodes"))),
-            }
-        }
-    } else {
-        let mut is_child = vec![false; node_count];
-        for node in Located::entries(root, "nodes")? {
-            let children = node.field("children").map(|children| children.items()).transpose()?;
-            for child in children.into_iter().flatten() {
-                if let Some(is_child) = is_child.get_mut(child.size()?) {
-                    *is_child = true;
-                }
-            }
-        }
-        numbers.extend((0..node_count).filter(|&node| !is_child[node]));
-    }
-    Ok(numbers.into_iter().map(|node| (node, Transform::IDENTITY)).collect())
 }
 
 /// What is known of an image of the document.
@@ -348,6 +299,7 @@ impl<'a> MaterialReader<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::gltf::transform::Transform;
 
     /// Returns the appearance of a document with a triangle in mesh 0 and these further members.
     fn appearance(members: &str) -> Result<Appearance, Error> {
@@ -400,6 +352,11 @@ mod tests {
             (found.images.len(), found.images[0].bytes(), &*found.images[0].at),
             (1, &[1, 2, 3][..], "images[1]")
         );
+        assert_eq!(found.images[0].size(), None);
+        let header = b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\x02\0\0\0\0\x40\x08\x02\0\0\0".to_vec();
+        let (owner, range) = whole_of(std::sync::Arc::new(header));
+        let image = Image { at: String::new(), bytes: SharedBytes { owner, range } };
+        assert_eq!(image.size(), Some([512, 64]));
     }
 
     #[test]

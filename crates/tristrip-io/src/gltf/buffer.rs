@@ -10,7 +10,7 @@ use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 
 #[cfg(feature = "fs")]
 use super::buffer_files::BufferFiles;
-use super::document::{Document, Located, index, list_mut};
+use super::document::{Document, Located, entries_mut, index};
 use super::json::Value;
 use super::separate::SeparateFiles;
 use super::shared_bytes::{SharedBytes, whole_of};
@@ -80,7 +80,7 @@ pub(super) fn decode_data_uri(uri: &Located<'_>, data: &str) -> Result<Vec<u8>, 
 fn remove_uris(document: &mut Document) -> Result<(), Error> {
     let has_uri = |buffer: &&mut Value| buffer.get("uri").is_some();
     let mut data = false;
-    for buffer in list_mut(&mut document.root, "buffers")?.iter_mut().filter(has_uri) {
+    for buffer in entries_mut(&mut document.root, "buffers")?.iter_mut().filter(has_uri) {
         data |= buffer.get("uri").and_then(Value::as_str).is_some_and(|uri| uri.starts_with("data:"));
         if let Some(members) = buffer.as_object_mut() {
             members.remove("uri");

@@ -12,43 +12,56 @@ use super::document::Located;
 use crate::error::Error;
 
 /// The folders of a document, and the files that have been read.
-pub(super) struct BufferFiles<'a> {
+pub(crate) struct BufferFiles<'a> {
     folders: &'a [&'a Path],
     files: HashMap<PathBuf, Arc<Vec<u8>>>,
 }
 
 impl<'a> BufferFiles<'a> {
     /// Looks in the first folder first.
-    pub(super) fn new(folders: &'a [&'a Path]) -> Self {
+    pub(crate) fn new(folders: &'a [&'a Path]) -> Self {
         Self { folders, files: HashMap::new() }
     }
 
     /// Reads a file in one of the document's folders, once for all buffers that name it.
     pub(super) fn load(&mut self, uri: &Located<'_>) -> Result<Arc<Vec<u8>>, Error> {
-        let folders = self.folders;
-        let text = uri.text()?;
-        let Some(relative) = relative_path(text) else {
-            return Err(uri.wrong("a data URI, or a file in the folder of the document"));
-        };
-        let Some(first) = folders.first() else {
+        let outside = || uri.wrong("a data URI, or a file in the folder of the document");
+        let relative =
+            percent_decode(uri.text()?).and_then(|text| relative_path(&text)).ok_or_else(outside)?;
+        if self.folders.is_empty() {
             return Err(uri.wrong("a data URI: the folder of the document is not known"));
-        };
-        let io_error = |source| Error::Io { path: first.join(&relative).display().to_string(), source };
+        }
+        self.load_relative(&relative)?.ok_or_else(outside)
+    }
+
+    /// Reads a file by the name that a text file has for it; `None` if the name leads outside the folders, or the folders are not known.
+    pub(crate) fn load_named(&mut self, name: &str) -> Result<Option<Arc<Vec<u8>>>, Error> {
+        match relative_path(name) {
+            Some(relative) if !self.folders.is_empty() => self.load_relative(&relative),
+            _ => Ok(None),
+        }
+    }
+
+    /// Reads a file in one of the folders; `None` if a link leads outside them, or to something else.
+    fn load_relative(&mut self, relative: &Path) -> Result<Option<Arc<Vec<u8>>>, Error> {
+        let folders = self.folders;
+        let first = folders.first().copied().unwrap_or(Path::new(""));
+        let io_error = |source| Error::Io { path: first.join(relative).display().to_string(), source };
         let folders: Vec<PathBuf> =
             folders.iter().map(real_folder).collect::<Result<_, _>>().map_err(io_error)?;
-        let path = find(&folders, &relative).map_err(io_error)?;
+        let path = find(&folders, relative).map_err(io_error)?;
         // A link may lead outside the folders although the name does not.
         if !folders.iter().any(|folder| path.starts_with(folder)) || !path.is_file() {
-            return Err(uri.wrong("a data URI, or a file in the folder of the document"));
+            return Ok(None);
         }
         if let Some(bytes) = self.files.get(&path) {
-            return Ok(Arc::clone(bytes));
+            return Ok(Some(Arc::clone(bytes)));
         }
         let mut bytes = Vec::new();
         std::fs::File::open(&path).and_then(|mut f| f.read_to_end(&mut bytes)).map_err(io_error)?;
         let bytes = Arc::new(bytes);
         self.files.insert(path, Arc::clone(&bytes));
-        Ok(bytes)
+        Ok(Some(bytes))
     }
 }
 
@@ -64,9 +77,8 @@ fn find(folders: &[PathBuf], relative: &Path) -> std::io::Result<PathBuf> {
     first.or_else(|error| found.find_map(Result::ok).ok_or(error))
 }
 
-/// Returns the path of a relative URI, if it has no `..`, root or drive.
-fn relative_path(uri: &str) -> Option<PathBuf> {
-    let decoded = percent_decode(uri)?;
+/// Returns a relative path, if it has no `..`, root or drive.
+fn relative_path(decoded: &str) -> Option<PathBuf> {
     if decoded.contains(['\\', ':', '\0']) {
         return None;
     }
@@ -107,7 +119,7 @@ mod tests {
 
     #[test]
     fn relative_paths_stay_inside_the_folder() {
-        let ok = |uri| relative_path(uri).map(|p| p.display().to_string());
+        let ok = |uri| relative_path(&percent_decode(uri)?).map(|p| p.display().to_string());
         assert_eq!(ok("a%20b/c.bin").as_deref(), Some("a b/c.bin"));
         assert_eq!(ok("./c.bin").as_deref(), Some("./c.bin"));
         for bad in [

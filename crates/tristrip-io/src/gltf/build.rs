@@ -5,6 +5,8 @@
 //! normals and tangents of unit length, colours from 0 to 1, numbers without a gap. All others become custom attributes
 //! with a leading underscore; their values are never changed. Attributes without a type in glTF (64-bit floats, 32-bit
 //! integers, more than four components, values that are not finite) are not written; [`losses`] lists them.
+//!
+//! The texture coordinates of OBJ count upwards, and those of glTF downwards: `v` becomes 1 − v.
 
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::sync::Arc;
@@ -15,10 +17,12 @@ use tristrip::{Attribute, AttributeData, Layout, Mesh};
 use super::accessor::ComponentType;
 use super::container;
 use super::index::{IndexRun, pack_runs, runs};
+use super::material_builder::{JPEG, MaterialBuilder};
 use super::spec::{ARRAY_BUFFER, ELEMENT_ARRAY_BUFFER, RESTART_EXTENSION};
 use crate::error::Error;
 use crate::join;
 use crate::le_bytes::{append, fill_rows};
+use crate::materials::SideFile;
 use crate::model::{Drawing, Model, Part};
 
 /// How far the length of a normal may be from 1; the Khronos validator allows 0.00674.
@@ -73,11 +77,10 @@ pub fn losses(model: &Model, drawings: &[Drawing<'_>]) -> Vec<String> {
 
 /// Writes the minimal document; the caller has checked the drawings.
 pub(super) fn write(model: &Model, drawings: &[Drawing<'_>], layout: Layout) -> Result<Vec<u8>, Error> {
-    let mut builder = DocumentBuilder::default();
+    let mut builder = DocumentBuilder { flips: model.materials.is_some(), ..DocumentBuilder::default() };
     let mut meshes: Vec<Value> = Vec::new();
     let mut names: Vec<Option<&str>> = Vec::new();
-    let mut materials: Vec<&str> = Vec::new();
-    let mut material_ids: HashMap<&str, usize> = HashMap::new();
+    let mut materials = MaterialBuilder::new(model.materials.as_ref());
     let mut restarts = false;
     for (part, drawing) in model.parts.iter().zip(drawings) {
         let mesh = &part.mesh;
@@ -97,11 +100,8 @@ pub(super) fn write(model: &Model, drawings: &[Drawing<'_>], layout: Layout) -> 
         // 2. The members that the primitives of the part have in common.
         let mut common = json!({ "attributes": builder.attributes(mesh) });
         if let Some(material) = part.material.as_deref() {
-            let id = *material_ids.entry(material).or_insert_with(|| {
-                materials.push(material);
-                materials.len() - 1
-            });
-            common["material"] = id.into();
+            let has_coordinates = common["attributes"].get("TEXCOORD_0").is_some();
+            common["material"] = materials.id(material, has_coordinates).into();
         }
         // 3. Indices.
         let runs = runs(mesh, *drawing, layout);
@@ -117,11 +117,13 @@ pub(super) fn write(model: &Model, drawings: &[Drawing<'_>], layout: Layout) -> 
             primitives.push(primitive);
         }
     }
-    builder.finish(meshes, &names, &materials, restarts)
+    builder.finish(meshes, &names, materials, restarts)
 }
 
 #[derive(Default)]
 struct DocumentBuilder<'a> {
+    /// Whether texture coordinates count upwards.
+    flips: bool,
     bytes: Vec<u8>,
     views: Vec<Value>,
     accessors: Vec<Value>,
@@ -214,6 +216,13 @@ impl<'a> DocumentBuilder<'a> {
             AttributeData::I8(v) => self.values(v, components, ComponentType::I8, i8::to_le_bytes),
             AttributeData::U16(v) => self.values(v, components, ComponentType::U16, u16::to_le_bytes),
             AttributeData::I16(v) => self.values(v, components, ComponentType::I16, i16::to_le_bytes),
+            AttributeData::F32(v)
+                if self.flips && components == 2 && attribute.name.starts_with("TEXCOORD_") =>
+            {
+                let flip = |(i, &x): (usize, &f32)| if i % 2 == 1 { 1.0 - x } else { x };
+                let flipped: Vec<f32> = v.iter().enumerate().map(flip).collect();
+                self.values(&flipped, components, ComponentType::F32, f32::to_le_bytes)
+            }
             AttributeData::F32(v) => self.values(v, components, ComponentType::F32, f32::to_le_bytes),
             // `attribute_names` has excluded these.
             AttributeData::F64(_) | AttributeData::U32(_) | AttributeData::I32(_) => ComponentType::F32,
@@ -256,11 +265,25 @@ impl<'a> DocumentBuilder<'a> {
         runs.iter().zip(offsets).map(|(run, offset)| self.accessor(run.accessor(view, offset))).collect()
     }
 
+    /// Appends the bytes of images, and returns their entries.
+    fn images(&mut self, images: &[&SideFile]) -> Vec<Value> {
+        let mut entries = Vec::with_capacity(images.len());
+        for image in images {
+            let start = self.bytes.len();
+            self.bytes.extend_from_slice(&image.bytes);
+            self.views.push(json!({ "buffer": 0, "byteOffset": start, "byteLength": image.bytes.len() }));
+            self.align();
+            let kind = if image.bytes.starts_with(JPEG) { "image/jpeg" } else { "image/png" };
+            entries.push(json!({ "name": image.name, "bufferView": self.views.len() - 1, "mimeType": kind }));
+        }
+        entries
+    }
+
     fn finish(
-        self,
+        mut self,
         meshes: Vec<Value>,
         names: &[Option<&str>],
-        materials: &[&str],
+        materials: MaterialBuilder<'_>,
         restarts: bool,
     ) -> Result<Vec<u8>, Error> {
         let mut root = json!({ "asset": { "version": "2.0", "generator": "tristrip" } });
@@ -277,9 +300,7 @@ impl<'a> DocumentBuilder<'a> {
             root["scenes"] = json!([{ "nodes": (0..meshes.len()).collect::<Vec<_>>() }]);
             root["nodes"] = nodes.collect();
             root["meshes"] = meshes.into();
-            if !materials.is_empty() {
-                root["materials"] = materials.iter().map(|name| json!({ "name": name })).collect();
-            }
+            materials.add_to(&mut root, |images| self.images(images));
             root["accessors"] = self.accessors.into();
             root["bufferViews"] = self.views.into();
             root["buffers"] = json!([{ "byteLength": self.bytes.len() }]);

@@ -39,7 +39,7 @@ use tristrip::AttributeData;
 use super::accessor::AccessorResolver;
 use super::budget::{DECOMPRESSED_LIMIT, DecodeBudget};
 use super::buffer::view_range;
-use super::document::{Document, Located, array, list_mut};
+use super::document::{Document, Located, array, entries_mut};
 use super::json::{Members, Value};
 use super::keep::compact::{BufferCompaction, set_buffer};
 use super::keep::extensions::{remove_extensions, undeclare};
@@ -131,7 +131,7 @@ pub(super) fn decompress(
     // The same budget again: accessors over different bytes never exceed it.
     let mut budget = DecodeBudget::new(DECOMPRESSED_LIMIT, FACTOR, &buffers);
     for (index, bounds) in inexact_bounds(&document.root, &joined, &filtered, &mut budget)? {
-        let accessor = list_mut(&mut document.root, "accessors")?.get_mut(index);
+        let accessor = entries_mut(&mut document.root, "accessors")?.get_mut(index);
         if let Some(members) = accessor.and_then(Value::as_object_mut) {
             bounds.into_iter().for_each(|(name, bound)| members.insert(name, bound));
         }
@@ -372,7 +372,7 @@ fn remove_declarations(document: &mut Document) -> Result<(), Error> {
     let root = &mut document.root;
     for list in ["buffers", "bufferViews"] {
         if !array(root, list)?.is_empty() {
-            list_mut(root, list)?.iter_mut().for_each(|object| remove_extensions(object, &COMPRESSIONS));
+            entries_mut(root, list)?.iter_mut().for_each(|object| remove_extensions(object, &COMPRESSIONS));
         }
     }
     COMPRESSIONS.iter().for_each(|name| undeclare(root, name));

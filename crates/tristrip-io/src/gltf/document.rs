@@ -196,6 +196,13 @@ pub(super) fn list_mut<'a>(root: &'a mut Members, list: &str) -> Result<&'a mut 
     entries.ok_or_else(|| Error::format(list, "something else", "an array"))
 }
 
+/// Returns the entries of one of the document's arrays; none where it is missing.
+pub(super) fn entries_mut<'a>(root: &'a mut Members, list: &str) -> Result<&'a mut [Value], Error> {
+    let Some(entries) = root.get_mut(list) else { return Ok(&mut []) };
+    let entries = entries.as_array_mut().map(Vec::as_mut_slice);
+    entries.ok_or_else(|| Error::format(list, "something else", "an array"))
+}
+
 /// Returns the entries of an array that is a member of a value; none where it is missing.
 pub(super) fn items<'a>(value: &'a Value, name: &str) -> &'a [Value] {
     value.get(name).and_then(Value::as_array).unwrap_or_default()

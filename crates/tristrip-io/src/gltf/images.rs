@@ -10,7 +10,7 @@ use std::sync::Arc;
 use serde_json::json;
 
 use super::buffer_files::BufferFiles;
-use super::document::{Located, list_mut};
+use super::document::{Located, entries_mut, list_mut};
 use super::json::Value;
 use super::references::ExtensionNumbers;
 use super::scene::Scene;
@@ -62,7 +62,7 @@ pub(crate) fn embed(scene: &mut Scene, folders: &[&Path]) -> Result<EmbeddedImag
             Some(&view) => view,
             None => *views.entry(uri).or_insert(append(scene, bytes)?),
         };
-        let image = list_mut(&mut scene.document.root, "images")?.get_mut(index);
+        let image = entries_mut(&mut scene.document.root, "images")?.get_mut(index);
         if let Some(members) = image.and_then(Value::as_object_mut) {
             members.remove("uri");
             members.insert("bufferView", view);

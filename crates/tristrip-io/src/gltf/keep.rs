@@ -22,7 +22,7 @@ use self::compact::{BufferCompaction, set_buffer};
 use self::extensions::{declare, drop_order_extensions, has_line_strips, undeclare};
 use self::unused::UnusedEntries;
 use super::container;
-use super::document::{array, index, items, list_mut, whole};
+use super::document::{array, entries_mut, index, items, list_mut, whole};
 use super::index::{IndexRun, pack_runs, runs};
 use super::json::{Content, Members, Value};
 use super::removed_bytes::ALIGNMENT;
@@ -192,7 +192,8 @@ fn set_primitives(
     drawn: &HashMap<(usize, usize), Vec<DrawnPrimitive>>,
 ) -> Result<(), Error> {
     let changed: HashSet<usize> = drawn.keys().map(|&(mesh, _)| mesh).collect();
-    for (m, mesh) in list_mut(root, "meshes")?.iter_mut().enumerate().filter(|(m, _)| changed.contains(m)) {
+    for (m, mesh) in entries_mut(root, "meshes")?.iter_mut().enumerate().filter(|(m, _)| changed.contains(m))
+    {
         let members = mesh.as_object_mut();
         let primitives = members.and_then(|mesh| mesh.get_mut("primitives")).and_then(Value::as_array_mut);
         let Some(primitives) = primitives else { continue };

@@ -108,7 +108,7 @@ fn read_document(
     counts.add_notes(triangles.counts, root, &mut notes);
     note_document(root, &mut notes)?;
     let folders = folders.iter().map(|folder| folder.to_path_buf()).collect();
-    Ok(Model { parts, notes, scene: Some(Scene { document, buffers, primitives, folders }) })
+    Ok(Model { parts, notes, scene: Some(Scene { document, buffers, primitives, folders }), materials: None })
 }
 
 struct PrimitiveReader<'a> {

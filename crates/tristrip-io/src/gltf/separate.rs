@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::sync::Arc;
 
 use super::container;
-use super::document::{Document, index, list_mut};
+use super::document::{Document, entries_mut, index};
 use super::json::Value;
 use crate::error::Error;
 
@@ -42,7 +42,7 @@ pub fn separate(glb: Vec<u8>, file_name: &str) -> Result<SeparateFiles, Error> {
     let mut buffer = Vec::new();
     if let Some(bin) = &container.bin {
         let bytes = &container.file[bin.clone()];
-        let first = list_mut(&mut document.root, "buffers")?.first_mut().and_then(Value::as_object_mut);
+        let first = entries_mut(&mut document.root, "buffers")?.first_mut().and_then(Value::as_object_mut);
         if let Some(members) = first.filter(|members| !members.contains_key("uri")) {
             // The chunk is padded.
             let length = members.get("byteLength").and_then(index).unwrap_or(bytes.len());

@@ -27,7 +27,7 @@ use super::accessor::AccessorResolver;
 use super::bounds::bounds;
 use super::budget::{ATTRIBUTE_LIMIT, DecodeBudget};
 use super::buffer::view_range;
-use super::document::{Located, array, index, items, list_mut};
+use super::document::{Located, array, entries_mut, index, items};
 use super::json::{Members, Value};
 use super::permute::{AccessorLayout, PermutedBuffers, VERTEX_FACTOR};
 use super::references::{ExtensionNumbers, views_of_accessor};
@@ -102,7 +102,7 @@ impl Shrink {
     }
 
     fn cut_accessors(&self, root: &mut Members) -> Result<(), Error> {
-        let accessors = list_mut(root, "accessors")?;
+        let accessors = entries_mut(root, "accessors")?;
         for cut in &self.cuts {
             let Some(accessor) = accessors.get_mut(cut.accessor).and_then(Value::as_object_mut) else {
                 continue;
@@ -135,7 +135,7 @@ impl Shrink {
                 found.push((accessor, bounds(&resolver.values(&reference)?)?));
             }
         }
-        let accessors = list_mut(&mut scene.document.root, "accessors")?;
+        let accessors = entries_mut(&mut scene.document.root, "accessors")?;
         for (accessor, bounds) in found {
             let Some(members) = accessors.get_mut(accessor).and_then(Value::as_object_mut) else { continue };
             match bounds {
@@ -195,7 +195,7 @@ fn move_views(scene: &mut Scene, removed: &[RemovedBytes]) -> Result<(), Error> 
     let (root, buffers) = (&mut scene.document.root, &scene.buffers);
     let views = array(root, "bufferViews")?.iter().enumerate();
     let old = views.map(|(v, view)| view_range(v, view, buffers)).collect::<Result<Vec<_>, Error>>()?;
-    for (view, (buffer, range)) in list_mut(root, "bufferViews")?.iter_mut().zip(&old) {
+    for (view, (buffer, range)) in entries_mut(root, "bufferViews")?.iter_mut().zip(&old) {
         let [start, end] = [range.start, range.end].map(|offset| removed[*buffer].moved(offset));
         set(view, "byteOffset", range.start, start);
         set(view, "byteLength", range.len(), end - start);
@@ -212,7 +212,7 @@ fn move_views(scene: &mut Scene, removed: &[RemovedBytes]) -> Result<(), Error> 
             set(holder, "byteOffset", old, new);
         }
     };
-    for accessor in list_mut(root, "accessors")? {
+    for accessor in entries_mut(root, "accessors")? {
         update(accessor);
         let moves = |part: &Value| moved(part).is_some_and(|(old, new)| old != new);
         for part in ["indices", "values"] {
@@ -225,7 +225,7 @@ fn move_views(scene: &mut Scene, removed: &[RemovedBytes]) -> Result<(), Error> 
         }
     }
     for (buffer, (bytes, removed)) in
-        list_mut(root, "buffers")?.iter_mut().zip(buffers.iter().map(SharedBytes::len).zip(removed))
+        entries_mut(root, "buffers")?.iter_mut().zip(buffers.iter().map(SharedBytes::len).zip(removed))
     {
         set(buffer, "byteLength", bytes, bytes - removed.total());
     }

@@ -8,8 +8,12 @@ use tristrip::MAX_COUNT;
 use super::split::split;
 use super::tables::{MaterialGroup, ObjTables, OptionalIndex};
 use crate::error::Error;
+use crate::materials::Materials;
 use crate::model::Model;
 use crate::text::{Text, integer, quote};
+
+/// The most material libraries of a file; others are ignored.
+const MOST_LIBRARIES: usize = 64;
 
 /// Reads an OBJ file.
 pub(crate) fn read(bytes: &[u8]) -> Result<Model, Error> {
@@ -27,8 +31,9 @@ pub(crate) fn read(bytes: &[u8]) -> Result<Model, Error> {
         ObjParser::new(bytes, counts).run()?;
     }
     let mut notes = parser.notes();
+    let libraries = std::mem::take(&mut parser.libraries);
     let parts = split(parser.tables, &mut notes)?;
-    Ok(Model { parts, notes, scene: None })
+    Ok(Model { parts, notes, scene: None, materials: Some(Materials::new(libraries)) })
 }
 
 struct ObjParser<'a> {
@@ -42,6 +47,8 @@ struct ObjParser<'a> {
     /// The group of the last face; `None` after a change of material.
     current: Option<usize>,
     object_lines: u64,
+    /// The names of material libraries, each once.
+    libraries: Vec<String>,
     dropped: BTreeMap<String, u64>,
     other_dropped: u64,
     extra_values: u64,
@@ -59,6 +66,7 @@ impl<'a> ObjParser<'a> {
             object: None,
             current: None,
             object_lines: 0,
+            libraries: Vec::new(),
             dropped: BTreeMap::new(),
             other_dropped: 0,
             extra_values: 0,
@@ -79,6 +87,7 @@ impl<'a> ObjParser<'a> {
                     self.material = (!name.is_empty()).then_some(name);
                     self.current = None;
                 }
+                Some(b"mtllib") => self.library(),
                 Some(b"o" | b"g") => {
                     let name = self.text.rest();
                     self.object = if name.is_empty() { self.object } else { Some(name) };
@@ -98,6 +107,14 @@ impl<'a> ObjParser<'a> {
             ));
         }
         Ok(())
+    }
+
+    /// Takes the name of a material library, which may have spaces.
+    fn library(&mut self) {
+        let name = String::from_utf8_lossy(self.text.rest()).trim().replace('\\', "/");
+        if !name.is_empty() && !self.libraries.contains(&name) && self.libraries.len() < MOST_LIBRARIES {
+            self.libraries.push(name);
+        }
     }
 
     fn position(&mut self) -> Result<(), Error> {
@@ -268,7 +285,6 @@ impl<'a> ObjParser<'a> {
                 "l" => format!("line elements dropped: {count}"),
                 "p" => format!("point elements dropped: {count}"),
                 "s" => format!("smoothing groups dropped: {count}"),
-                "mtllib" => format!("material libraries not read, material names kept: {count}"),
                 _ => format!("lines `{word}` ignored: {count}"),
             })
             .collect();

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use tristrip::{Attribute, Mesh};
 
 use crate::error::Error;
-use crate::join::{self, attribute, clean};
+use crate::join::{self, attribute, clean, material_name};
 use crate::model::{Drawing, Model, Part};
 
 /// Writes an OBJ file.
@@ -22,13 +22,20 @@ pub(crate) fn write(model: &Model, drawings: &[Drawing]) -> Result<Vec<u8>, Erro
         out.push_str(&loss);
         out.push('\n');
     }
+    for library in model.materials.iter().flat_map(|materials| &materials.libraries) {
+        out.push_str("mtllib ");
+        out.push_str(&clean(library));
+        out.push('\n');
+    }
+    // The texture coordinates of a scene count downwards.
+    let flips = model.scene.is_some();
     // Texture coordinates and normals are counted separately: a block may lack them.
     let mut bases = vec![[0u64; 2]; model.parts.len()];
     let mut next = [0u64; 2];
     for &part in &blocks.parts {
         let mesh = &model.parts[part].mesh;
         bases[part] = next;
-        write_vertices(mesh, &mut out);
+        write_vertices(mesh, flips, &mut out);
         for (next, attribute) in next.iter_mut().zip([texcoord(mesh), normal(mesh)]) {
             *next += if attribute.is_some() { mesh.vertex_count() as u64 } else { 0 };
         }
@@ -89,7 +96,7 @@ fn normal(mesh: &Mesh) -> Option<&Attribute> {
     attribute(mesh, "NORMAL", 3)
 }
 
-fn write_vertices(mesh: &Mesh, out: &mut String) {
+fn write_vertices(mesh: &Mesh, flips: bool, out: &mut String) {
     let colour = attribute(mesh, "COLOR_0", 3);
     for (vertex, position) in mesh.positions().iter().enumerate() {
         out.push('v');
@@ -97,7 +104,7 @@ fn write_vertices(mesh: &Mesh, out: &mut String) {
             write_number(x, out);
         }
         if let Some(colour) = colour {
-            write_values(colour, vertex, 3, out);
+            write_values(colour, vertex, 3, false, out);
         }
         out.push('\n');
     }
@@ -105,17 +112,19 @@ fn write_vertices(mesh: &Mesh, out: &mut String) {
         let Some(attribute) = attribute else { continue };
         for vertex in 0..mesh.vertex_count() {
             out.push_str(keyword);
-            write_values(attribute, vertex, components, out);
+            write_values(attribute, vertex, components, flips && keyword == "vt", out);
             out.push('\n');
         }
     }
 }
 
-fn write_values(attribute: &Attribute, vertex: usize, components: usize, out: &mut String) {
+/// Writes the first values of a vertex; `flips` subtracts the second one from 1.
+fn write_values(attribute: &Attribute, vertex: usize, components: usize, flips: bool, out: &mut String) {
     let first = vertex * usize::from(attribute.components);
     for i in first..first + components {
         let value = attribute.float(i).filter(|value| value.is_finite());
-        write_number(value.unwrap_or(0.0), out);
+        let value = value.unwrap_or(0.0);
+        write_number(if flips && i == first + 1 { 1.0 - value } else { value }, out);
     }
 }
 
@@ -130,11 +139,10 @@ fn write_number(value: f32, out: &mut String) {
     };
 }
 
-/// Writes the names of a part; if there are several parts, each has a material, so that they stay separate.
+/// Writes the names of a part.
 fn write_names(part: &Part, index: usize, part_count: usize, out: &mut String) {
     let name = part.name.as_deref().map(clean).filter(|name| !name.is_empty());
-    let material = part.material.as_deref().map(clean).filter(|name| !name.is_empty());
-    let material = material.or_else(|| (part_count > 1).then(|| format!("part_{index}")));
+    let material = material_name(part, index, part_count);
     for (keyword, name) in [("o", name), ("usemtl", material)] {
         if let Some(name) = name {
             let _ = writeln!(out, "{keyword} {name}");

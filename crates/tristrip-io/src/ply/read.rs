@@ -91,7 +91,7 @@ impl<R: Rows> PlyReader<R> {
         let has_faces = header.elements.iter().any(|element| element.name == "face" && element.row_count > 0);
         let stored = self.strips.filter(|_| !has_faces);
         let part = Part { name: None, material: None, mesh, stripped: stored.is_some(), stored };
-        Ok(Model { parts: vec![part], notes: self.notes, scene: None })
+        Ok(Model { parts: vec![part], notes: self.notes, ..Model::default() })
     }
 
     fn read_vertices(&mut self, element: &Element) -> Result<(), Error> {

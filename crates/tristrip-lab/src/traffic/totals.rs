@@ -63,15 +63,17 @@ pub fn totals(levels: &ModelLevels, repair: RepairOptions) -> Result<Vec<FilterT
     }
     let (mut all_triangles, mut all): (u64, Vec<u64>) =
         (triangles, current.iter().map(|&sent| sent as u64).collect());
-    for part in levels.order.parts_from_full() {
-        let sequence = parts[part].sequence();
-        let level = sequence.len() - 1 - done[part];
-        triangles -= sequence.collapse(level)?.dropped.len() as u64;
-        let (before, after) = (&sent[part][done[part]], &sent[part][done[part] + 1]);
-        for (sum, (before, after)) in current.iter_mut().zip(before.iter().zip(after)) {
-            *sum = *sum - before + after;
+    for together in levels.order.parts_from_full() {
+        for part in together.iter().map(|&part| part as usize) {
+            let sequence = parts[part].sequence();
+            let level = sequence.len() - 1 - done[part];
+            triangles -= sequence.collapse(level)?.dropped.len() as u64;
+            let (before, after) = (&sent[part][done[part]], &sent[part][done[part] + 1]);
+            for (sum, (before, after)) in current.iter_mut().zip(before.iter().zip(after)) {
+                *sum = *sum - before + after;
+            }
+            done[part] += 1;
         }
-        done[part] += 1;
         all_triangles += triangles;
         all.iter_mut().zip(&current).for_each(|(all, &sum)| *all += sum as u64);
     }

@@ -1,40 +1,60 @@
 //! The levels of a model: the collapses of all its parts in one order.
 
-use tristrip::CollapseSequence;
+use std::collections::BTreeMap;
 
 use crate::error::Error;
+use crate::simplify::PartCollapses;
 
 /// The order of the collapses of all parts of a model: by their errors, so that at every level all parts have about the same error.
+/// Collapses of several parts that close a border together are one level, so that no level has gaps.
 ///
-/// 4 bytes per collapse.
+/// 8 bytes per collapse.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct LevelOrder {
     /// The number of collapses of each part.
     lengths: Vec<usize>,
-    /// The part of each collapse, from the full meshes to the base meshes.
-    order: Vec<u32>,
+    /// The parts of each collapse, from the full meshes to the base meshes.
+    parts: Vec<u32>,
+    /// The end of each collapse in `parts`.
+    ends: Vec<u32>,
 }
 
 impl LevelOrder {
     /// Orders the collapses of all parts.
-    pub(crate) fn new<'a>(sequences: impl IntoIterator<Item = &'a CollapseSequence>) -> Self {
-        let (mut collapses, mut lengths): (Vec<(f32, u32)>, _) = (Vec::new(), Vec::new());
-        for (part, sequence) in (0..).zip(sequences) {
-            // The greatest error so far, so that the collapses of a part keep their order.
+    pub(crate) fn new(done: &[PartCollapses]) -> Self {
+        let mut groups: BTreeMap<usize, Vec<u32>> = BTreeMap::new();
+        (0..).zip(done).for_each(|(part, done)| groups.entry(done.group).or_default().push(part));
+        // Each collapse with the greatest error so far, so that the collapses of a group keep their order, and its parts in `flat`.
+        let (mut steps, mut flat): (Vec<(f32, u32, u32)>, Vec<u32>) = (Vec::new(), Vec::new());
+        for group in groups.into_values() {
+            let mut of_group: Vec<(u32, u32, f32)> = Vec::new();
+            for part in group {
+                let PartCollapses { sequence, steps, .. } = &done[part as usize];
+                let step = |i: usize| steps.as_ref().map_or(i as u32, |steps| steps[i]);
+                of_group
+                    .extend(sequence.iter().enumerate().map(|(i, collapse)| (step(i), part, collapse.error)));
+            }
+            of_group.sort_unstable_by_key(|&(step, part, _)| (step, part));
             let mut greatest = 0.0_f32;
-            collapses.extend(sequence.iter().map(|collapse| {
-                greatest = greatest.max(collapse.error);
-                (greatest, part)
-            }));
-            lengths.push(sequence.len());
+            for together in of_group.chunk_by(|a, b| a.0 == b.0) {
+                greatest = together.iter().fold(greatest, |greatest, &(.., error)| greatest.max(error));
+                let start = flat.len() as u32;
+                flat.extend(together.iter().map(|&(_, part, _)| part));
+                steps.push((greatest, start, flat.len() as u32));
+            }
         }
-        collapses.sort_by(|a, b| a.0.total_cmp(&b.0));
-        Self { lengths, order: collapses.into_iter().map(|(_, part)| part).collect() }
+        steps.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let (mut parts, mut ends) = (Vec::with_capacity(flat.len()), Vec::with_capacity(steps.len()));
+        for (_, start, end) in steps {
+            parts.extend_from_slice(&flat[start as usize..end as usize]);
+            ends.push(parts.len() as u32);
+        }
+        Self { lengths: done.iter().map(|done| done.sequence.len()).collect(), parts, ends }
     }
 
     /// Returns the number of collapses, which is the level of the full model.
     pub fn collapse_count(&self) -> usize {
-        self.order.len()
+        self.ends.len()
     }
 
     /// Returns the level of each part at a level of the model, in linear time.
@@ -45,13 +65,15 @@ impl LevelOrder {
         let last = self.collapse_count();
         let undone = last.checked_sub(level).ok_or(Error::Level { found: level, last })?;
         let mut levels = self.lengths.clone();
-        self.order[..undone].iter().for_each(|&part| levels[part as usize] -= 1);
+        let end = if undone == 0 { 0 } else { self.ends[undone - 1] as usize };
+        self.parts[..end].iter().for_each(|&part| levels[part as usize] -= 1);
         Ok(levels)
     }
 
-    /// Iterates over the parts of the collapses, from the full model to the base meshes.
-    pub fn parts_from_full(&self) -> impl Iterator<Item = usize> {
-        self.order.iter().map(|&part| part as usize)
+    /// Iterates over the parts of each collapse, from the full model to the base meshes.
+    pub fn parts_from_full(&self) -> impl Iterator<Item = &[u32]> {
+        let starts = std::iter::once(&0).chain(&self.ends);
+        starts.zip(&self.ends).map(|(&start, &end)| &self.parts[start as usize..end as usize])
     }
 
     /// Returns levels from the base mesh to the full mesh, in `steps` equal steps, at least one; equal levels are returned once.
@@ -66,27 +88,40 @@ impl LevelOrder {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use tristrip::Rename;
+    use tristrip::{CollapseSequence, Rename};
 
-    /// Returns a sequence of collapses along the rim of a fan, with the given errors.
-    fn fan(errors: &[f32]) -> CollapseSequence {
+    /// Returns collapses along the rim of a fan, with the given errors, of a part of a group.
+    fn fan(errors: &[f32], group: usize, steps: Option<&[u32]>) -> PartCollapses {
         let corners = errors.len() as u32 + 3;
         let triangles = (0..corners - 1).flat_map(|i| [i, i + 1, corners]).collect();
         let renames: Vec<[Rename; 1]> =
             (0..errors.len() as u32).map(|i| [Rename { removed: i, kept: i + 1 }]).collect();
         let collapses = renames.iter().zip(errors).map(|(rename, &error)| (&rename[..], error));
-        CollapseSequence::from_collapses(corners as usize + 1, triangles, collapses).unwrap()
+        let sequence = CollapseSequence::from_collapses(corners as usize + 1, triangles, collapses).unwrap();
+        PartCollapses { sequence, stopped: None, group, steps: steps.map(<[u32]>::to_vec) }
     }
 
     #[test]
     fn collapses_of_all_parts_are_ordered_by_error() {
-        let (a, b) = (fan(&[1.0, 4.0, 2.0]), fan(&[2.0, 3.0, 5.0]));
-        let levels = LevelOrder::new([&a, &b]);
+        let levels = LevelOrder::new(&[fan(&[1.0, 4.0, 2.0], 0, None), fan(&[2.0, 3.0, 5.0], 1, None)]);
         let all: Vec<_> = (0..=6).rev().map(|level| levels.of_parts(level).unwrap()).collect();
         assert_eq!(all, [[3, 3], [2, 3], [2, 2], [2, 1], [1, 1], [0, 1], [0, 0]]);
         assert!(matches!(levels.of_parts(7), Err(Error::Level { found: 7, last: 6 })));
         assert_eq!(levels.evenly(3), [0, 2, 4, 6]);
         assert_eq!(levels.evenly(20), [0, 1, 2, 3, 4, 5, 6]);
-        assert_eq!(LevelOrder::new([]).evenly(20), [0]);
+        assert_eq!(LevelOrder::new(&[]).evenly(20), [0]);
+    }
+
+    #[test]
+    fn collapses_that_close_a_border_together_are_one_level() {
+        // Step 1 of the group of the parts 0 and 2 collapses both.
+        let levels = LevelOrder::new(&[
+            fan(&[1.0, 4.0], 0, Some(&[0, 1])),
+            fan(&[2.0], 1, None),
+            fan(&[4.0, 3.0], 0, Some(&[1, 2])),
+        ]);
+        let all: Vec<_> = (0..=4).rev().map(|level| levels.of_parts(level).unwrap()).collect();
+        assert_eq!(all, [[2, 1, 2], [1, 1, 2], [1, 0, 2], [0, 0, 1], [0, 0, 0]]);
+        assert_eq!(levels.parts_from_full().collect::<Vec<_>>(), [&[0][..], &[1], &[0, 2], &[2]]);
     }
 }

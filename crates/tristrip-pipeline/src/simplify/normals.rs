@@ -16,14 +16,12 @@ mod tangents;
 use std::collections::{BTreeMap, HashMap};
 
 use tristrip::normals::Shading;
-use tristrip::simplify::Simplification;
 use tristrip::{Attribute, Faces, Mesh, VertexWelds};
 use tristrip_io::{Format, Model, NewVertices, Redrawn};
 
-use super::parts::Part;
+use super::parts::{Part, PartCollapses};
 use crate::error::Error;
 use crate::parts::map;
-use crate::surface_change::ChangedSurface;
 use crate::text::counted;
 pub use mode::{NormalCounts, Normals};
 use tangents::tangents;
@@ -89,7 +87,7 @@ impl Rebuilding {
     pub(super) fn rebuild(
         &self,
         parts: &[Part<'_>],
-        done: &[Simplification],
+        done: &[PartCollapses],
     ) -> Result<Vec<Option<RebuiltPart>>, Error> {
         let all: Vec<_> = parts.iter().zip(done).zip(&self.of_parts).collect();
         let rebuilt = map(&all, |((part, done), shading)| {
@@ -108,11 +106,11 @@ pub(super) struct RebuiltPart {
     /// The triangles over the new vertices.
     triangles: Vec<u32>,
     /// The vertices of the reduced part, then the new ones.
-    mesh: Mesh,
+    pub(super) mesh: Mesh,
 }
 
 impl RebuiltPart {
-    fn new(part: &Part<'_>, done: &Simplification, shading: Shading) -> Result<Self, Error> {
+    fn new(part: &Part<'_>, done: &PartCollapses, shading: Shading) -> Result<Self, Error> {
         let mesh = &*part.compact.mesh;
         let mut base = done.sequence.drawn(0)?.into_flattened();
         // Vertices of equal attributes are one, so that triangles of one plane share vertices.
@@ -139,11 +137,10 @@ impl RebuiltPart {
         Ok(Self { mesh: new.behind(mesh)?, new, triangles })
     }
 
-    /// Returns the surface before and after.
-    pub(super) fn change<'a>(&'a self, before: &'a [u32], after: &'a mut Vec<u32>) -> ChangedSurface<'a> {
+    /// Returns the triangles over the vertices of `mesh`.
+    pub(super) fn triangles_of_mesh(&self) -> Vec<u32> {
         let first = (self.mesh.vertex_count() - self.new.sources.len()) as u32;
-        *after = self.triangles.iter().map(|&v| v + first).collect();
-        ChangedSurface { mesh: &self.mesh, before, after }
+        self.triangles.iter().map(|&v| v + first).collect()
     }
 }
 

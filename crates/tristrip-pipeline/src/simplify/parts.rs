@@ -1,16 +1,25 @@
-//! Simplifies the parts of a model separately, with the vertices that parts share locked.
+//! Simplifies the parts of a model: those that share positions together, with the vertices that touch parts in other places locked.
 
 use std::borrow::Cow;
+use std::collections::BTreeMap;
+use std::sync::Arc;
 
-use tristrip::PositionIds;
-use tristrip::simplify::{self, AttributeWeights, Simplification};
-use tristrip::{Error, Faces, Mesh};
+use tristrip::simplify::{self, AttributeWeights, Stopped};
+use tristrip::{CollapseSequence, Error, Faces, Mesh, PositionIds};
 
+use super::touching::{PlacedPositions, Touching, bounds, box_corners, touching};
 use crate::parts::map;
+use crate::places::{Place, Places};
 
 /// The ratio of vertices to corners above which a part is simplified over its used vertices only: thousands of parts may share one
 /// long vertex list.
 const SPARSE: usize = 16;
+
+/// Scales that differ by less are the same: a rotation has a scale of 1 except for rounding.
+const SAME_SCALE: f64 = 1e-6;
+
+/// The number of positions in all places from which a bounding box is measured exactly; beyond it the boxes of parts are.
+const MOST_PLACED: usize = 1 << 27;
 
 /// The vertices of a part that a reduced mesh has, ascending; `None` if it has all of them.
 #[derive(Debug, Clone, Default)]
@@ -64,23 +73,38 @@ pub(crate) struct Part<'a> {
     triangles: Vec<u32>,
     /// The mesh that the collapses see, if it is not the part's own: it has the same vertices, with fewer attributes.
     pub(crate) simplified: Option<Mesh>,
-    /// Which vertices are locked, because other parts use their positions; empty if none is.
+    /// Which vertices are locked, because parts in other places touch them; empty if none is.
     locked: Vec<bool>,
+    places: Arc<[Place]>,
+    /// The place of the largest scale, and the scale.
+    largest: (Place, f64),
+    /// The first part of the group that is simplified as one surface.
+    group: usize,
 }
 
 impl<'a> Part<'a> {
-    /// Builds the parts of a model from their meshes and triangles, and locks the vertices that parts share.
-    pub(crate) fn of_all(parts: Vec<(&'a Mesh, Vec<u32>)>) -> Result<Vec<Self>, Error> {
-        let compacted = parts.into_iter().map(|(mesh, mut triangles)| {
-            let compact = Compact::new(mesh, &triangles)?;
-            compact.used.inward(&mut triangles);
-            Ok(Self { compact, triangles, simplified: None, locked: Vec::new() })
-        });
+    /// Builds the parts of a model from their meshes and triangles. Parts of one list of places that share positions become a group; the
+    /// vertices that touch parts in other places are locked. Returns the number of places that were not compared, too.
+    pub(crate) fn of_all(
+        parts: Vec<(&'a Mesh, Vec<u32>)>,
+        places: &Places,
+    ) -> Result<(Vec<Self>, usize), Error> {
+        let compacted = parts.into_iter().zip(&places.of_part).enumerate().map(
+            |(group, ((mesh, mut triangles), &list))| {
+                let compact = Compact::new(mesh, &triangles)?;
+                compact.used.inward(&mut triangles);
+                let places = Arc::clone(&places.lists[list]);
+                let with_scale = places.iter().map(|place| (*place, place.scale()));
+                let largest = with_scale.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((Place::IDENTITY, 1.0));
+                Ok(Self { compact, triangles, simplified: None, locked: Vec::new(), places, largest, group })
+            },
+        );
         let mut parts: Vec<Self> = compacted.collect::<Result<_, Error>>()?;
-        if parts.len() > 1 {
-            lock(&mut parts)?;
+        if parts.len() < 2 && places.lists.iter().all(|list| list.len() < 2) {
+            return Ok((parts, 0));
         }
-        Ok(parts)
+        let skipped = compare(&mut parts, places)?;
+        Ok((parts, skipped))
     }
 
     /// Returns the triangles, over the vertices of the reduced mesh.
@@ -97,83 +121,257 @@ impl<'a> Part<'a> {
     pub(crate) fn locked_count(&self) -> usize {
         self.locked.iter().filter(|&&locked| locked).count()
     }
+
+    /// Returns the mesh that the collapses see.
+    fn seen(&self) -> &Mesh {
+        self.simplified.as_ref().unwrap_or(&self.compact.mesh)
+    }
+
+    /// Returns a mesh of the part in the size and direction of the place with the largest scale.
+    pub(crate) fn shown<'m>(&self, mesh: &'m Mesh) -> Result<Cow<'m, Mesh>, Error> {
+        let place = self.largest.0;
+        if place.only_moves() {
+            return Ok(Cow::Borrowed(mesh));
+        }
+        let positions: Vec<[f32; 3]> =
+            mesh.positions().iter().map(|&p| place.turned(p).map(|x| x as f32)).collect();
+        if !positions.as_flattened().iter().all(|x| x.is_finite()) {
+            return Ok(Cow::Borrowed(mesh));
+        }
+        let shown = Mesh::new(positions, Faces::default())?;
+        Ok(Cow::Owned(mesh.attributes().iter().cloned().try_fold(shown, Mesh::with_attribute)?))
+    }
+
+    /// Returns the largest error in the coordinates of the part that is an error of at most `error` in the scene.
+    fn own_error(&self, error: f32) -> f32 {
+        let scale = self.largest.1;
+        if scale > 0.0 { (f64::from(error) / scale) as f32 } else { f32::INFINITY }
+    }
 }
 
-/// Locks the vertices whose position a triangle of another part uses.
-fn lock(parts: &mut [Part<'_>]) -> Result<(), Error> {
+/// Groups the parts, and locks the vertices that touch parts in other places. Returns the number of places that were not compared.
+fn compare(parts: &mut [Part<'_>], places: &Places) -> Result<usize, Error> {
     let drawn: Vec<Mesh> = parts
         .iter()
         .map(|part| part.compact.mesh.with_faces(Faces::from_triangles(part.triangles.clone())?))
         .collect::<Result<_, Error>>()?;
-    let ids = PositionIds::default().faces(&drawn.iter().collect::<Vec<_>>())?;
-    let id_count = ids.corners().iter().max().map_or(0, |&id| id as usize + 1);
-    // The part that uses a position, counted from 1; 0 for none, `several` for more than one.
-    let mut users = vec![0_usize; id_count];
-    let several = parts.len() + 1;
-    let mut corners = ids.corners();
-    for (part, mesh) in drawn.iter().enumerate() {
-        let (own, rest) = corners.split_at(mesh.faces().corner_count());
-        for &id in own {
-            let user = &mut users[id as usize];
-            *user = if *user == 0 || *user == part + 1 { part + 1 } else { several };
-        }
-        corners = rest;
+    let mut ids = PositionIds::default();
+    let mut corners = ids.faces(&drawn.iter().collect::<Vec<_>>())?.corners().to_vec();
+    drop(drawn);
+    // 1. The positions of each list of places, each once; corners become their numbers.
+    let id_count = corners.iter().max().map_or(0, |&id| id as usize + 1);
+    // For each position the last list that has it, the number there, and the first part.
+    let mut last = vec![(usize::MAX, 0_u32, 0_usize); id_count];
+    let mut lists: Vec<PlacedPositions> = places
+        .lists
+        .iter()
+        .map(|places| PlacedPositions { places: Arc::clone(places), positions: Vec::new() })
+        .collect();
+    let mut neighbours: Vec<Vec<usize>> = vec![Vec::new(); parts.len()];
+    let mut starts = Vec::with_capacity(parts.len());
+    let mut start = 0;
+    for part in &*parts {
+        starts.push(start);
+        start += part.triangles.len();
     }
-    let mut corners = ids.corners();
-    for part in parts {
-        let (own, rest) = corners.split_at(part.triangles.len());
-        if own.iter().any(|&id| users[id as usize] == several) {
+    let mut by_list: Vec<usize> = (0..parts.len()).collect();
+    by_list.sort_by_key(|&part| places.of_part[part]);
+    for &part in &by_list {
+        let list = places.of_part[part];
+        for corner in &mut corners[starts[part]..starts[part] + parts[part].triangles.len()] {
+            let known = &mut last[*corner as usize];
+            if known.0 != list {
+                let positions = &mut lists[list].positions;
+                *known = (list, positions.len() as u32, part);
+                positions.push(ids.position(*corner).unwrap_or_default());
+            } else if known.2 != part && neighbours[part].last() != Some(&known.2) {
+                neighbours[part].push(known.2);
+                neighbours[known.2].push(part);
+            }
+            *corner = known.1;
+        }
+    }
+    // 2. The groups.
+    for (part, group) in components(&neighbours).into_iter().enumerate() {
+        parts[part].group = group;
+    }
+    // 3. The vertices that touch other places.
+    let Touching { touches, skipped } = touching(&lists);
+    for (part, start) in starts.into_iter().enumerate() {
+        let touches = &touches[places.of_part[part]];
+        let part = &mut parts[part];
+        let own = &corners[start..start + part.triangles.len()];
+        if own.iter().any(|&position| touches.get(position as usize) == Some(&true)) {
             part.locked = vec![false; part.compact.mesh.vertex_count()];
-            for (&id, &vertex) in own.iter().zip(&part.triangles) {
-                part.locked[vertex as usize] |= users[id as usize] == several;
+            for (&position, &vertex) in own.iter().zip(&part.triangles) {
+                part.locked[vertex as usize] |= touches[position as usize];
             }
         }
-        corners = rest;
     }
-    Ok(())
+    Ok(skipped)
 }
 
-/// Simplifies each part to its own number of triangles, or until the error would exceed the maximum, in mesh units. The results are in the
-/// order of the parts.
+/// Returns for each node of a graph the lowest node of its component.
+fn components(neighbours: &[Vec<usize>]) -> Vec<usize> {
+    let mut component = vec![usize::MAX; neighbours.len()];
+    let mut open = Vec::new();
+    for first in 0..neighbours.len() {
+        open.push(first);
+        while let Some(node) = open.pop() {
+            if component[node] == usize::MAX {
+                component[node] = first;
+                open.extend_from_slice(&neighbours[node]);
+            }
+        }
+    }
+    component
+}
+
+/// The collapses of a part.
+#[derive(Debug, Clone)]
+pub(crate) struct PartCollapses {
+    /// The collapses, with errors in the scene, at the place of the largest scale.
+    pub(crate) sequence: CollapseSequence,
+    /// The reasons for which there are more triangles than requested. Of a group, the first part with more than its share has those of all.
+    pub(crate) stopped: Option<Stopped>,
+    /// The first part of the group.
+    pub(crate) group: usize,
+    /// For each collapse the number of the step of the group that it is a part of; `None` for a part that is alone, whose collapses are the steps.
+    pub(crate) steps: Option<Vec<u32>>,
+}
+
+/// Simplifies each part to its own number of triangles, or until the error in the scene would exceed the maximum. The parts of a
+/// group are simplified as one surface, to the sum of their numbers. The results are in the order of the parts.
 pub(crate) fn simplify_all(
     parts: &[Part<'_>],
     shares: &[usize],
     error: Option<f32>,
     weights: AttributeWeights,
-) -> Result<Vec<Simplification>, Error> {
-    let with_shares: Vec<_> = parts.iter().zip(shares).collect();
-    let done = map(&with_shares, |(part, share)| {
-        let mut options = simplify::SimplifyOptions::default().with_triangles(**share).with_weights(weights);
+) -> Result<Vec<PartCollapses>, Error> {
+    let mut groups: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    parts.iter().enumerate().for_each(|(number, part)| groups.entry(part.group).or_default().push(number));
+    let groups: Vec<Vec<usize>> = groups.into_values().collect();
+    let done = map(&groups, |group| {
+        let share = group.iter().map(|&part| shares[part]).sum();
+        let mut options = simplify::SimplifyOptions::default().with_triangles(share).with_weights(weights);
         if let Some(error) = error {
-            options = options.with_error(error);
+            options = options.with_error(parts[group[0]].own_error(error));
         }
-        if !part.locked.is_empty() {
-            options = options.with_locked(part.locked.clone());
+        match group[..] {
+            [part] => alone(&parts[part], options).map(|done| vec![done]),
+            _ => joined(parts, group, shares, options),
         }
-        let mesh = part.simplified.as_ref().unwrap_or(&part.compact.mesh);
-        simplify::simplify_triangles(mesh, part.triangles.clone(), &options)
     });
-    done.into_iter().collect()
+    let mut all: Vec<Option<PartCollapses>> = vec![None; parts.len()];
+    for (group, done) in groups.iter().zip(done) {
+        group.iter().zip(done?).for_each(|(&part, done)| all[part] = Some(done));
+    }
+    Ok(all.into_iter().flatten().collect())
+}
+
+/// Simplifies a part that is a group of its own.
+fn alone(part: &Part<'_>, options: simplify::SimplifyOptions) -> Result<PartCollapses, Error> {
+    let options = options.with_locked(part.locked.clone());
+    let done = simplify::simplify_triangles(part.seen(), part.triangles.clone(), &options)?;
+    let sequence = in_scene(done.sequence, part)?;
+    Ok(PartCollapses { sequence, stopped: done.stopped, group: part.group, steps: None })
+}
+
+/// Simplifies the parts of a group as one surface.
+fn joined(
+    parts: &[Part<'_>],
+    group: &[usize],
+    shares: &[usize],
+    options: simplify::SimplifyOptions,
+) -> Result<Vec<PartCollapses>, Error> {
+    let of_group = || group.iter().map(|&part| &parts[part]);
+    let mut locked = Vec::new();
+    if of_group().any(|part| !part.locked.is_empty()) {
+        for part in of_group() {
+            let end = locked.len() + part.compact.mesh.vertex_count();
+            locked.extend_from_slice(&part.locked);
+            locked.resize(end, false);
+        }
+    }
+    let meshes: Vec<(&Mesh, &[u32])> = of_group().map(|part| (part.seen(), &part.triangles[..])).collect();
+    let done = simplify::simplify_joined(&meshes, &options.with_locked(locked))?;
+    let mut stopped = done.stopped;
+    let mut all = Vec::with_capacity(group.len());
+    for ((&number, sequence), steps) in group.iter().zip(done.sequences).zip(done.steps) {
+        let triangle_count = sequence.triangle_count(0)?;
+        let stopped = if triangle_count > shares[number] { stopped.take() } else { None };
+        let stopped = stopped.map(|mut all| {
+            all.triangle_count = triangle_count;
+            all
+        });
+        let part = &parts[number];
+        all.push(PartCollapses {
+            sequence: in_scene(sequence, part)?,
+            stopped,
+            group: part.group,
+            steps: Some(steps),
+        });
+    }
+    Ok(all)
+}
+
+/// Returns collapses with their errors in the scene.
+fn in_scene(sequence: CollapseSequence, part: &Part<'_>) -> Result<CollapseSequence, Error> {
+    let scale = part.largest.1;
+    if (scale - 1.0).abs() < SAME_SCALE { Ok(sequence) } else { sequence.with_scaled_errors(scale) }
+}
+
+/// Counts the collapses of all groups: those of different parts that close a border together are one.
+pub(crate) fn step_count(done: &[PartCollapses]) -> usize {
+    let mut last: BTreeMap<usize, usize> = BTreeMap::new();
+    for part in done {
+        let count = match &part.steps {
+            None => part.sequence.len(),
+            Some(steps) => steps.last().map_or(0, |&step| step as usize + 1),
+        };
+        let last = last.entry(part.group).or_default();
+        *last = count.max(*last);
+    }
+    last.into_values().sum()
+}
+
+/// Checks whether every group has at most as many triangles as requested.
+pub(crate) fn has_reached(done: &[PartCollapses]) -> bool {
+    done.iter().all(|done| done.stopped.is_none())
 }
 
 /// Counts the triangles of each base mesh.
-pub(crate) fn base_triangles(done: &[Simplification]) -> Result<Vec<usize>, Error> {
+pub(crate) fn base_triangles(done: &[PartCollapses]) -> Result<Vec<usize>, Error> {
     done.iter().map(|done| done.sequence.triangle_count(0)).collect()
 }
 
-/// Returns the largest error of all collapses, in mesh units.
-pub(crate) fn surface_error(done: &[Simplification]) -> Result<f32, Error> {
+/// Returns the largest error of all collapses, in the scene.
+pub(crate) fn surface_error(done: &[PartCollapses]) -> Result<f32, Error> {
     done.iter().try_fold(0.0, |largest: f32, done| Ok(largest.max(done.sequence.error(0)?)))
 }
 
-/// Returns the diagonal of the bounding box of all triangles, in mesh units.
+/// Returns the diagonal of the bounding box of all triangles in the scene.
 pub(crate) fn diagonal(parts: &[Part<'_>]) -> f64 {
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    let mut extend = |p: [f64; 3]| {
+        for (axis, x) in p.into_iter().enumerate() {
+            low[axis] = low[axis].min(x);
+            high[axis] = high[axis].max(x);
+        }
+    };
+    let mut budget = MOST_PLACED;
     for part in parts {
-        for &vertex in &part.triangles {
-            for (axis, &x) in part.compact.mesh.positions()[vertex as usize].iter().enumerate() {
-                low[axis] = low[axis].min(x.into());
-                high[axis] = high[axis].max(x.into());
+        let positions = part.compact.mesh.positions();
+        let corners = part.triangles.iter().map(|&vertex| positions[vertex as usize]);
+        let work = part.triangles.len().saturating_mul(part.places.len());
+        if work <= budget {
+            budget -= work;
+            for place in &*part.places {
+                corners.clone().for_each(|p| extend(place.at(p)));
+            }
+        } else if let Some([low, high]) = bounds(corners) {
+            for place in &*part.places {
+                box_corners([low, high]).for_each(|p| extend(place.at(p)));
             }
         }
     }
@@ -186,6 +384,10 @@ mod tests {
     use super::*;
     use tristrip::{Attribute, AttributeData};
 
+    fn up(y: f64) -> Place {
+        Place::new([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, y], [0.0, 0.0, 1.0, 0.0]])
+    }
+
     fn strip_of(length: usize, y: f32) -> (Mesh, Vec<u32>) {
         let positions: Vec<[f32; 3]> =
             (0..2 * length as u32).map(|i| [(i / 2) as f32, y + (i % 2) as f32, 0.0]).collect();
@@ -195,14 +397,50 @@ mod tests {
     }
 
     #[test]
-    fn shared_positions_are_locked() {
+    fn parts_that_share_positions_are_grouped_or_locked() {
         let (lower, upper, far) = (strip_of(4, 0.0), strip_of(4, 1.0), strip_of(3, 7.0));
         let parts = [&lower, &upper, &far].map(|(mesh, triangles)| (mesh, triangles.clone()));
-        let parts = Part::of_all(parts.to_vec()).unwrap();
+        let (together, _) = Part::of_all(parts.to_vec(), &Places::one(3)).unwrap();
+        assert_eq!(together.iter().map(Part::locked_count).sum::<usize>(), 0);
+        assert_eq!(together.iter().map(|part| part.group).collect::<Vec<_>>(), [0, 0, 2]);
+        // Other nodes place the upper and the far one, at the same places as above.
+        let lists = [Place::IDENTITY, up(1.0), up(7.0)].map(|place| Arc::from([place]));
+        let places = Places { lists: lists.to_vec(), of_part: vec![0, 1, 2], problem: None };
+        let (lower, upper, far) = (strip_of(4, 0.0), strip_of(4, 0.0), strip_of(3, 0.0));
+        let parts = [&lower, &upper, &far].map(|(mesh, triangles)| (mesh, triangles.clone()));
+        let (parts, _) = Part::of_all(parts.to_vec(), &places).unwrap();
         assert_eq!(parts.iter().map(Part::locked_count).collect::<Vec<_>>(), [4, 4, 0]);
         assert!(parts[0].locked.iter().enumerate().all(|(v, &locked)| locked == (v % 2 == 1)));
+        assert!((diagonal(&together) - diagonal(&parts)).abs() < 1e-9);
         assert!((diagonal(&parts) - (3.0_f64 * 3.0 + 8.0 * 8.0).sqrt()).abs() < 1e-9);
         assert_eq!(diagonal(&[]).to_bits(), 0);
+    }
+
+    #[test]
+    fn errors_are_those_in_the_scene() {
+        let (mut mesh, triangles) = strip_of(40, 0.0);
+        let positions: Vec<[f32; 3]> =
+            mesh.positions().iter().map(|&[x, y, _]| [x, y, (x * 0.7).sin() * 0.1]).collect();
+        mesh = Mesh::new(positions, Faces::default()).unwrap();
+        let simplified = |scale: f64, error: f32| {
+            let large = Place::new([[scale, 0.0, 0.0, 0.0], [0.0, 0.0, scale, 0.0], [0.0, -scale, 0.0, 5.0]]);
+            let places =
+                Places { lists: vec![Arc::from([Place::IDENTITY, large])], of_part: vec![0], problem: None };
+            let (parts, _) = Part::of_all(vec![(&mesh, triangles.clone())], &places).unwrap();
+            let shown = parts[0].shown(&parts[0].compact.mesh).unwrap();
+            assert!((f64::from(shown.positions()[79][0]) - 39.0 * scale.max(1.0)).abs() < 1e-3);
+            simplify_all(&parts, &[0], Some(error), AttributeWeights::default()).unwrap().remove(0).sequence
+        };
+        let (one, ten) = (simplified(1.0, 0.05), simplified(10.0, 0.5));
+        assert_eq!(base_of(&one), base_of(&ten));
+        let errors = [&one, &ten].map(|sequence| f64::from(sequence.error(0).unwrap()));
+        assert!((errors[1] / errors[0] - 10.0).abs() < 1e-4, "{errors:?}");
+        assert!(simplified(10.0, 0.05).len() < one.len());
+        assert_eq!(simplified(0.0, 0.05).len(), one.len(), "the copy of scale 1 counts");
+    }
+
+    fn base_of(sequence: &CollapseSequence) -> Vec<[u32; 3]> {
+        sequence.drawn(0).unwrap()
     }
 
     #[test]
@@ -212,7 +450,7 @@ mod tests {
         let data = AttributeData::U16((0..1000).collect());
         let number = Attribute { name: "number".into(), components: 1, normalized: false, data };
         let mesh = mesh.with_attribute(number).unwrap();
-        let parts = Part::of_all(vec![(&mesh, vec![900, 5, 77])]).unwrap();
+        let (parts, _) = Part::of_all(vec![(&mesh, vec![900, 5, 77])], &Places::one(1)).unwrap();
         let kept = &parts[0].compact.mesh.attributes()[0].data;
         assert_eq!(*kept, AttributeData::U16(vec![5, 77, 900]), "attributes decide where seams are");
 

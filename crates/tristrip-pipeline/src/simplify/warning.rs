@@ -1,13 +1,14 @@
 //! The warning about a goal that was not reached: what held it back, and what to try.
 
-use tristrip::simplify::{Simplification, Stopped};
+use tristrip::simplify::Stopped;
 
+use super::parts::PartCollapses;
 use crate::collapses::Collapses;
 use crate::goal::Deviation;
 use crate::text::{count, counted};
 
 /// Sums the reasons of the parts that have more triangles than their shares; `None` if there are none.
-pub(super) fn sum(done: &[Simplification], shares: &[usize]) -> Option<Stopped> {
+pub(super) fn sum(done: &[PartCollapses], shares: &[usize]) -> Option<Stopped> {
     let mut sum: Option<Stopped> = None;
     for (done, &share) in done.iter().zip(shares) {
         if let Some(stopped) = done.stopped.filter(|stopped| stopped.triangle_count > share) {
@@ -33,8 +34,8 @@ pub(super) fn warning(collapses: &Collapses, limit: Deviation) -> Option<String>
         (stopped.error, format!("would exceed {limit}"), "a larger limit allows fewer triangles"),
         (
             stopped.locked,
-            "are used by several parts and stay, so that no gaps open".into(),
-            "parts of one material can be joined first",
+            "touch parts in other places of the scene and stay, so that no gaps open".into(),
+            "parts of one node are simplified together",
         ),
         (
             stopped.seam,

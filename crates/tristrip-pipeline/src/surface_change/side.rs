@@ -155,12 +155,12 @@ impl<'a> Attributes<'a> {
         libm::atan2(dot(across, across).sqrt(), dot(a, b))
     }
 
-    /// Returns the squared distance between the texture coordinates at two points; `None` without any.
-    pub(super) fn uv_square(&self, here: On<'_>, there: On<'_>) -> Option<f64> {
+    /// Returns the difference of the texture coordinates at two points; `None` without any.
+    pub(super) fn uv_difference(&self, here: On<'_>, there: On<'_>) -> Option<[f64; 2]> {
         let uv = self.uv?;
         let of = |(facet, shares): On<'_>| mix(facet.vertices.map(|v| value(uv, v)), shares);
-        let difference = sub(of(here), of(there));
-        Some(dot(difference, difference))
+        let [u, v, _] = sub(of(here), of(there));
+        Some([u, v])
     }
 }
 

@@ -72,6 +72,31 @@ impl PricedAttributes {
         (width > 0).then_some(Self { width, values, normal_length })
     }
 
+    /// Joins the values of several meshes, each with its number of vertices, which are compared only within a mesh; `None` if no mesh has any.
+    pub(super) fn joined(meshes: Vec<(Option<Self>, usize)>) -> Option<Self> {
+        let of_all = || meshes.iter().filter_map(|(priced, _)| priced.as_ref());
+        let normal_length = of_all().find_map(|priced| priced.normal_length);
+        // Where one mesh has normals, the first three values of all are those.
+        let first =
+            |priced: &Self| if priced.normal_length.is_none() && normal_length.is_some() { 3 } else { 0 };
+        let width = of_all().map(|priced| first(priced) + priced.width).max()?;
+        let mut values =
+            vec![0.0; width * meshes.iter().map(|(_, vertex_count)| vertex_count).sum::<usize>()];
+        let mut rows = values.chunks_exact_mut(width);
+        for (priced, vertex_count) in &meshes {
+            let rows = rows.by_ref().take(*vertex_count);
+            let Some(priced) = priced else {
+                rows.for_each(drop);
+                continue;
+            };
+            let first = first(priced);
+            for (row, own) in rows.zip(priced.values.chunks_exact(priced.width)) {
+                row[first..first + priced.width].copy_from_slice(own);
+            }
+        }
+        Some(Self { width, values, normal_length })
+    }
+
     /// Returns the squared deviation of the attributes of a vertex from those at a point of a triangle, given as shares of its corners.
     pub(super) fn deviation(&self, vertex: u32, corners: [u32; 3], shares: [f64; 3]) -> f64 {
         let of = |v: u32| &self.values[v as usize * self.width..(v as usize + 1) * self.width];

@@ -116,15 +116,17 @@ pub(super) struct Decimation {
 
 impl Decimation {
     /// Connects the vertices of each point, computes the quadrics, and estimates all points. `priced` returns the attributes
-    /// that have a price, given the triangles and the unit of the frame.
+    /// that have a price, given the triangles and the unit of the frame; `meshes` are the first vertices of the meshes if there are several.
     pub(super) fn new<P: Positions + ?Sized>(
         positions: &P,
         attribute_bits: impl Fn(u32) -> Vec<u8>,
         vertices: &[u32],
         priced: impl FnOnce(&[u32], f64) -> Option<PricedAttributes>,
         options: &SimplifyOptions,
+        meshes: &[u32],
     ) -> Self {
-        let topology = Topology::new(positions, attribute_bits, vertices, options.is_permissive());
+        let topology =
+            Topology::new(positions, attribute_bits, vertices, options.is_permissive()).with_meshes(meshes);
         let count = topology.point_count();
         let is_locked = locked_points(&topology, vertices, options);
         let position = |p| positions.position(topology.vertex_of(p) as usize).unwrap_or_default();

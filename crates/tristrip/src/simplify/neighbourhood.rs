@@ -13,7 +13,7 @@ use super::attributes::PricedAttributes;
 use super::fan::Fan;
 use super::topology::{CornerId, PointKind, Topology};
 use crate::collapse::Rename;
-use crate::vector::{Point, cross, dot, nearest_in_triangle, sub, to_triangle};
+use crate::vector::{Point, cross, dot, nearest_in_triangle, sub, to_segment, to_triangle};
 
 /// The cosine of the largest angle by which a triangle may rotate.
 const LEAST_COSINE: f64 = 0.25;
@@ -39,6 +39,8 @@ pub(super) struct Neighbourhood {
     from: Point,
     is_inner: bool,
     edges: Vec<OppositeEdge>,
+    /// The mesh of each triangle, if they are of several.
+    meshes: Vec<u32>,
     /// The same triangles, for distances.
     fan: Fan,
 }
@@ -48,6 +50,7 @@ impl Neighbourhood {
     pub(super) fn collect(&mut self, topology: &Topology, positions: &[Point], point: u32) {
         let from = positions[point as usize];
         (self.from, self.is_inner) = (from, topology.kind(point) == PointKind::Inner);
+        topology.meshes_around(point, &mut self.meshes);
         self.edges.clear();
         self.edges.extend(topology.ring(point).iter().map(|&corner| {
             let points = topology.others(corner);
@@ -58,10 +61,33 @@ impl Neighbourhood {
     }
 
     /// Returns the squared distance of the point from the triangles that it would have at a neighbour, or, without any, from the edges opposite
-    /// to it.
+    /// to it. Between several meshes it is the largest for any of them, so that it tells how far the line between them moves.
     pub(super) fn distance(&mut self, to: u32, kept: Point) -> f64 {
-        let edges = &self.edges;
-        self.fan.distance(kept, |i| edges[i].has(to))
+        if self.meshes.is_empty() {
+            let edges = &self.edges;
+            return self.fan.distance(kept, |i| edges[i].has(to));
+        }
+        let is_first = |i: usize| !self.meshes[..i].contains(&self.meshes[i]);
+        let of_mesh = |mesh: u32| {
+            let edges =
+                self.edges.iter().zip(&self.meshes).filter(|(_, of)| **of == mesh).map(|(edge, _)| edge);
+            self.distance_to(edges, to, kept)
+        };
+        (0..self.meshes.len()).filter(|&i| is_first(i)).map(|i| of_mesh(self.meshes[i])).fold(0.0, f64::max)
+    }
+
+    /// Returns the squared distance of the point from some of the triangles.
+    fn distance_to<'a>(&self, edges: impl Iterator<Item = &'a OppositeEdge>, to: u32, kept: Point) -> f64 {
+        let (mut least, mut least_edge) = (f64::INFINITY, f64::INFINITY);
+        for edge in edges {
+            let [u, w] = edge.positions;
+            if edge.has(to) {
+                least_edge = least_edge.min(to_segment(self.from, [u, w]));
+            } else {
+                least = to_triangle(self.from, [kept, u, w], least);
+            }
+        }
+        if least.is_finite() { least } else { least_edge }
     }
 
     /// Checks whether a remaining triangle would rotate too far. One without area must not become inverted.

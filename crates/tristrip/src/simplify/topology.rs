@@ -58,6 +58,8 @@ pub(super) struct Topology {
     /// Classifies points again that a collapse changed, if there are irregular ones.
     classifier: Option<FanClassifier>,
     rings: CornerRings,
+    /// The first vertex of each mesh if there are several.
+    meshes: Vec<u32>,
 }
 
 impl Topology {
@@ -84,7 +86,43 @@ impl Topology {
             (0..vertex_of.len() as u32).map(|p| fans.kind(&triangles, rings.of(p))).collect();
         let classifier = (is_permissive || kinds.contains(&PointKind::Irregular)).then_some(fans);
         let wedges = if on_seam.is_empty() { Vec::new() } else { vertices.to_vec() };
-        Self { triangles, wedges, equal_vertices, vertex_of, on_seam, kinds, classifier, rings }
+        Self {
+            triangles,
+            wedges,
+            equal_vertices,
+            vertex_of,
+            on_seam,
+            kinds,
+            classifier,
+            rings,
+            meshes: Vec::new(),
+        }
+    }
+
+    /// Sets the first vertices of the meshes that the vertices belong to.
+    pub(super) fn with_meshes(self, meshes: &[u32]) -> Self {
+        Self { meshes: meshes.to_vec(), ..self }
+    }
+
+    /// Checks whether two vertices belong to one mesh.
+    fn are_of_one_mesh(&self, a: u32, b: u32) -> bool {
+        self.meshes.len() < 2 || self.mesh_of(a) == self.mesh_of(b)
+    }
+
+    /// Returns the number of the mesh that a vertex belongs to.
+    fn mesh_of(&self, v: u32) -> u32 {
+        self.meshes.partition_point(|&start| start <= v) as u32
+    }
+
+    /// Collects the mesh of each corner of a point, in the order of its ring; none if all corners are of one mesh.
+    pub(super) fn meshes_around(&self, point: u32, found: &mut Vec<u32>) {
+        found.clear();
+        if self.meshes.len() > 1 && self.on_seam.get(point as usize) == Some(&true) {
+            found.extend(self.ring(point).iter().map(|&corner| self.mesh_of(self.wedge(corner))));
+            if found.windows(2).all(|pair| pair[0] == pair[1]) {
+                found.clear();
+            }
+        }
     }
 
     pub(super) fn point_count(&self) -> usize {
@@ -230,7 +268,8 @@ impl Topology {
             if found.iter().all(|known| known.removed != vertex) {
                 let by_difference =
                     |a: &&u32, b: &&u32| difference(vertex, **a).total_cmp(&difference(vertex, **b));
-                let kept = *targets.iter().min_by(by_difference)?;
+                let of_mesh = targets.iter().filter(|&&target| self.are_of_one_mesh(target, vertex));
+                let kept = *of_mesh.min_by(by_difference)?;
                 found.push(Rename { removed: vertex, kept });
             }
         }
@@ -270,7 +309,7 @@ impl Topology {
         dropped.sort_unstable();
     }
 
-    /// Iterates over the sides of triangles at borders and seams: the corner at which each begins, and whether it is a border.
+    /// Iterates over the sides of triangles at borders and seams: the corner at which each begins, and whether it is a border of its mesh.
     pub(super) fn open_edges(&self) -> impl Iterator<Item = (CornerId, bool)> {
         // Sides between two points of many triangles each are found in a map.
         let is_long = |p: u32| self.ring(p).len() > LONG_RING;
@@ -299,6 +338,9 @@ impl Topology {
                 let is_inside = !is_long(from) && self.ring(from).iter().any(|other| has_edge(&other));
                 return (!is_inside).then_some((corner, true));
             };
+            if !self.are_of_one_mesh(self.wedge(corner), self.wedge(other)) {
+                return Some((corner, true));
+            }
             let is_seam = [(corner, other), (corner.next(), other.previous())]
                 .iter()
                 .any(|&(a, b)| !self.are_equal(self.wedge(a), self.wedge(b)));

@@ -8,7 +8,7 @@ use serde_json::json;
 use super::unused::UnusedEntries;
 use crate::error::Error;
 use crate::gltf::buffer::view_range;
-use crate::gltf::document::{array, index, list_mut};
+use crate::gltf::document::{array, entries_mut, index, list_mut};
 use crate::gltf::json::Members;
 use crate::gltf::removed_bytes::{ALIGNMENT, RemovedBytes};
 use crate::gltf::shared_bytes::SharedBytes;
@@ -78,7 +78,7 @@ impl BufferCompaction {
         if !root.contains_key("bufferViews") {
             return Ok(());
         }
-        for (v, view) in list_mut(root, "bufferViews")?.iter_mut().enumerate() {
+        for (v, view) in entries_mut(root, "bufferViews")?.iter_mut().enumerate() {
             let field = |name| view.get(name).and_then(index).unwrap_or(0);
             let (buffer, offset) = (field("buffer"), field("byteOffset"));
             let moved = if let Some(start) = new.get(&v) {

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use crate::gltf::json::{Members, Value};
 
 use crate::error::Error;
-use crate::gltf::document::{array, items, list_mut, uses, whole};
+use crate::gltf::document::{array, entries_mut, items, list_mut, uses, whole};
 use crate::gltf::spec::ORDER_EXTENSIONS;
 
 /// Removes extensions that describe the order of indices from the meshes whose indices are new.
@@ -18,7 +18,7 @@ pub(super) fn drop_order_extensions(
     }
     let rewritten_meshes: HashSet<usize> = rewritten.iter().map(|&(mesh, _)| mesh).collect();
     let mut still_used: HashSet<&str> = HashSet::new();
-    for (m, mesh) in list_mut(root, "meshes")?.iter_mut().enumerate() {
+    for (m, mesh) in entries_mut(root, "meshes")?.iter_mut().enumerate() {
         if !rewritten_meshes.contains(&m) {
             still_used.extend(order_extensions(mesh));
             items(mesh, "primitives")

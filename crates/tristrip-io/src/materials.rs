@@ -1,0 +1,277 @@
+//! The materials of an OBJ file: libraries beside it (`.mtl`), and the images that they name.
+//!
+//! ```text
+//! newmtl wood            begins a material                  map_Kd oak.png         image of the colour
+//! Kd r g b, d a          colour and opacity                 map_Ke glow.png        image of the emitted light
+//! Ns e, or Pr r          exponent of the highlight, or      norm oak_n.png         image of the normals
+//!                        roughness from 0 to 1              map_Bump, map_Ks, …    have no counterpart in glTF
+//! Ke r g b, Pm m         emitted light, metalness
+//! ```
+//! `tobj` parses the libraries: its lines are those that exporters write, among them the extensions for physically based rendering.
+//!
+//! # References
+//! Wavefront Technologies: *MTL material format*, 1995. Exocortex: *Physically-based rendering extension of MTL*, 2014. Walter, Marschner, Li,
+//! Torrance: *Microfacet Models for Refraction through Rough Surfaces*, 2007 (roughness of a highlight's exponent).
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// The most bytes of a library that are parsed; longer ones are no material libraries.
+const LONGEST_LIBRARY: usize = 64 << 20;
+/// The most images of a library.
+const MOST_IMAGES: usize = 4096;
+
+/// A file that an OBJ file refers to, directly or in a library.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct SideFile {
+    /// The path relative to the folder of the OBJ file, without `..`.
+    pub name: String,
+    /// The bytes, which copies of a model share.
+    pub bytes: Arc<Vec<u8>>,
+}
+
+/// The materials of a model that was read from OBJ, or will be written as OBJ.
+#[derive(Debug, Clone, Default)]
+#[non_exhaustive]
+pub struct Materials {
+    /// The names of the libraries.
+    pub libraries: Vec<String>,
+    /// The libraries and images that were found.
+    pub files: Vec<SideFile>,
+    /// What is missing or cannot be read, in words.
+    pub problems: Vec<String>,
+    /// What glTF cannot hold, in words.
+    pub losses: Vec<String>,
+    by_name: BTreeMap<String, ObjMaterial>,
+}
+
+/// A material as glTF has it.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct ObjMaterial {
+    pub(crate) colour: [f32; 4],
+    pub(crate) emissive: [f32; 3],
+    pub(crate) roughness: f32,
+    pub(crate) metalness: f32,
+    /// Whether an image of the opacity is the one of the colour.
+    pub(crate) is_blended: bool,
+    /// The names of the images of colour, emitted light and normals.
+    pub(crate) images: [Option<String>; 3],
+}
+
+impl Materials {
+    /// Takes the names of libraries that are not read yet.
+    pub(crate) fn new(libraries: Vec<String>) -> Self {
+        Self { libraries, ..Self::default() }
+    }
+
+    /// Returns a material; `None` if no library has it.
+    pub(crate) fn get(&self, name: &str) -> Option<&ObjMaterial> {
+        self.by_name.get(name)
+    }
+
+    /// Returns whether no library has a material.
+    pub fn is_empty(&self) -> bool {
+        self.by_name.is_empty()
+    }
+
+    /// Returns the width and height in pixels of the image of a material's colour; `None` without one, or if it is no PNG or JPEG.
+    pub fn image_size(&self, material: &str) -> Option<[u32; 2]> {
+        image_size(&self.image(self.get(material)?.images[0].as_deref()?)?.bytes)
+    }
+
+    /// Adds a material, unless there is one of this name.
+    pub(crate) fn add(&mut self, name: String, material: ObjMaterial) -> bool {
+        let is_new = !self.by_name.contains_key(&name);
+        if is_new {
+            self.by_name.insert(name, material);
+        }
+        is_new
+    }
+
+    /// Returns an image.
+    pub(crate) fn image(&self, name: &str) -> Option<&SideFile> {
+        self.files.iter().find(|file| file.name == name)
+    }
+
+    /// Parses a library, and returns the names of the images that its materials have, from the folder of the OBJ file. Programs without files
+    /// append these to [`Materials::files`]; [`load_materials`](crate::load_materials) does so for files.
+    ///
+    /// ```
+    /// use std::sync::Arc;
+    /// let mut materials = tristrip_io::Materials::default();
+    /// let library = b"newmtl wood\nKd 0.5 0.25 0\nmap_Kd oak.png\n".to_vec();
+    /// assert_eq!(materials.add_library("maps/a.mtl", Arc::new(library)), ["maps/oak.png"]);
+    /// ```
+    pub fn add_library(&mut self, name: &str, bytes: Arc<Vec<u8>>) -> Vec<String> {
+        let text = String::from_utf8_lossy(&bytes[..bytes.len().min(LONGEST_LIBRARY)]).into_owned();
+        self.files.push(SideFile { name: name.to_owned(), bytes });
+        let parsed = tobj::load_mtl_buf(&mut text.as_bytes());
+        let Ok((materials, _)) = parsed else {
+            self.problems.push(format!("{name}: not a material library"));
+            return Vec::new();
+        };
+        // Images are named from the folder of their library.
+        let folder = name.rsplit_once('/').map_or("", |(folder, _)| folder);
+        let from_obj = |image: String| if folder.is_empty() { image } else { format!("{folder}/{image}") };
+        let mut lost = BTreeMap::new();
+        let mut images = Vec::new();
+        for material in materials {
+            count_lost(&material, &mut lost);
+            images.extend(all_images(&material).into_iter().map(from_obj));
+            let mut read = ObjMaterial::of(&material);
+            read.images = read.images.map(|image| image.map(from_obj));
+            self.add(material.name, read);
+        }
+        let lost = lost.into_iter().map(|(what, count)| format!("{name}: {what} in {count} materials"));
+        self.losses.extend(lost);
+        images.sort_unstable();
+        images.dedup();
+        if images.len() > MOST_IMAGES {
+            self.problems
+                .push(format!("{name}: only the first {MOST_IMAGES} images of {} are read", images.len()));
+            images.truncate(MOST_IMAGES);
+        }
+        images
+    }
+}
+
+/// Returns the width and height of a PNG or JPEG; `None` if the bytes are neither, or have none.
+pub(crate) fn image_size(bytes: &[u8]) -> Option<[u32; 2]> {
+    let size = imagesize::blob_size(bytes).ok()?;
+    let side = |side: usize| u32::try_from(side).ok().filter(|&side| side > 0);
+    Some([side(size.width)?, side(size.height)?])
+}
+
+impl ObjMaterial {
+    fn of(material: &tobj::Material) -> Self {
+        let number =
+            |key: &str| material.unknown_param.get(key)?.split_whitespace().next()?.parse::<f32>().ok();
+        let unit = |x: f32| if x.is_finite() { x.clamp(0.0, 1.0) } else { 1.0 };
+        let images = [
+            material.diffuse_texture.as_deref(),
+            material.unknown_param.get("map_Ke").map(String::as_str),
+            material.unknown_param.get("norm").map(String::as_str),
+        ]
+        .map(|image| image.and_then(image_name));
+        let opacity = material.dissolve.or_else(|| Some(1.0 - number("Tr")?)).unwrap_or(1.0);
+        let [r, g, b] = match material.diffuse {
+            // Black under an image would hide it.
+            Some([0.0, 0.0, 0.0]) if images[0].is_some() => [1.0; 3],
+            Some(colour) => colour.map(unit),
+            None if images[0].is_some() => [1.0; 3],
+            None => [0.8; 3],
+        };
+        // Of a highlight with exponent e: α² = 2 / (e + 2), and roughness is the root of α.
+        let of_exponent = |e: f32| (2.0 / (e.max(0.0) + 2.0)).sqrt().sqrt();
+        let roughness = number("Pr").or_else(|| material.shininess.map(of_exponent)).unwrap_or(1.0);
+        let dissolve_image = material.dissolve_texture.as_deref().and_then(image_name);
+        Self {
+            colour: [r, g, b, unit(opacity)],
+            emissive: material.emissive.map_or([0.0; 3], |light| light.map(unit)),
+            roughness: unit(roughness),
+            metalness: number("Pm").map_or(0.0, unit),
+            is_blended: unit(opacity) < 1.0 || dissolve_image.is_some() && dissolve_image == images[0],
+            images,
+        }
+    }
+}
+
+/// Returns the images that a material names, also those that glTF cannot hold.
+fn all_images(material: &tobj::Material) -> Vec<String> {
+    let known = [
+        &material.ambient_texture,
+        &material.diffuse_texture,
+        &material.specular_texture,
+        &material.normal_texture,
+        &material.shininess_texture,
+        &material.dissolve_texture,
+    ];
+    let other = material.unknown_param.iter();
+    let other = other
+        .filter(|(key, _)| key.starts_with("map_") || *key == "norm" || *key == "disp")
+        .map(|(_, value)| value);
+    known.into_iter().flatten().chain(other).filter_map(|text| image_name(text)).collect()
+}
+
+/// Counts the visible properties of a material that glTF cannot hold.
+fn count_lost(material: &tobj::Material, lost: &mut BTreeMap<&'static str, usize>) {
+    let has = |key: &str| material.unknown_param.contains_key(key);
+    let opacity = material.dissolve_texture.as_deref().and_then(image_name);
+    let colour = material.diffuse_texture.as_deref().and_then(image_name);
+    let losses = [
+        (material.normal_texture.is_some(), "bump map"),
+        (material.specular_texture.is_some(), "map of highlights"),
+        (opacity.is_some() && opacity != colour, "separate map of the opacity"),
+        (has("map_Pr") || has("map_Pm"), "maps of roughness or metalness"),
+        (has("disp"), "displacement map"),
+    ];
+    losses
+        .into_iter()
+        .filter(|(is_lost, _)| *is_lost)
+        .for_each(|(_, what)| *lost.entry(what).or_default() += 1);
+}
+
+/// Returns the path of an image after the options of its line, such as `-s 1 1 1`; `None` if there is none.
+fn image_name(text: &str) -> Option<String> {
+    let mut rest = text.trim();
+    while let Some(option) = rest.strip_prefix('-') {
+        let (option, after) = option.split_once(char::is_whitespace)?;
+        rest = after.trim_start();
+        // `-o`, `-s` and `-t` have one to three numbers, `-mm` two, and the others one value.
+        let most = match option {
+            "o" | "s" | "t" => 3,
+            "mm" => 2,
+            _ => 1,
+        };
+        for value in 0..most {
+            let Some((word, after)) = rest.split_once(char::is_whitespace) else { break };
+            if value > 0 && word.parse::<f32>().is_err() {
+                break;
+            }
+            rest = after.trim_start();
+        }
+    }
+    let name = rest.replace('\\', "/");
+    (!name.is_empty()).then_some(name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> (Materials, Vec<String>) {
+        let mut materials = Materials::default();
+        let images = materials.add_library("a.mtl", Arc::new(text.as_bytes().to_vec()));
+        (materials, images)
+    }
+
+    #[test]
+    fn materials_become_those_of_gltf() {
+        let (all, images) = read(
+            "newmtl wood\nKd 0.5 0.25 0\nd 0.5\nNs 30\nmap_Kd -s 2 2 -o 0.5 1 0 maps\\oak wood.png\nmap_Bump b.png\n\
+             newmtl lamp\nKd 0 0 0\nKe 9 1 0.5\nPr 0.25\nPm 1\nmap_Kd glow.jpg\nmap_d glow.jpg\n",
+        );
+        let wood = all.get("wood").unwrap();
+        assert_eq!((wood.colour, wood.metalness, wood.is_blended), ([0.5, 0.25, 0.0, 0.5], 0.0, true));
+        assert!((wood.roughness - 0.5).abs() < 1e-6);
+        assert_eq!(wood.images, [Some("maps/oak wood.png".into()), None, None]);
+        let lamp = all.get("lamp").unwrap();
+        assert_eq!((lamp.colour, lamp.emissive), ([1.0; 4], [1.0, 1.0, 0.5]));
+        assert_eq!((lamp.roughness, lamp.metalness, lamp.is_blended), (0.25, 1.0, true));
+        assert_eq!(images, ["b.png", "glow.jpg", "maps/oak wood.png"]);
+        assert_eq!(all.losses, ["a.mtl: bump map in 1 materials"]);
+    }
+
+    #[test]
+    fn wrong_libraries_are_a_problem_and_no_error() {
+        for text in ["newmtl", "newmtl a\nKd 1", "newmtl a\nmap_Kd", "newmtl a\nillum x"] {
+            let (all, images) = read(text);
+            assert!(all.is_empty() && images.is_empty());
+            assert_eq!(all.problems, ["a.mtl: not a material library"], "{text}");
+        }
+        let (all, images) =
+            read("newmtl \u{fffd}\nKd NaN inf -1\nd nan\nTr\nmap_Kd -s\nmap_Kd -s 1\nmap_Kd -\n");
+        assert_eq!(all.get("\u{fffd}").map(|m| m.colour), Some([1.0, 1.0, 0.0, 1.0]));
+        assert!(images.len() < 2, "{images:?}");
+    }
+}

@@ -1,0 +1,65 @@
+//! A material library for the parts of a glTF scene: their base colours, as OBJ can hold them.
+
+use std::fmt::Write;
+use std::sync::Arc;
+
+use crate::gltf::appearance::Appearance;
+use crate::gltf::scene::Scene;
+use crate::join::{clean, material_name};
+use crate::materials::{Materials, ObjMaterial, SideFile};
+use crate::model::Part;
+
+/// Builds the library, and the images that it names. `stem` is the name of the OBJ file without its extension.
+pub(crate) fn library_of(scene: &Scene, parts: &[Part], stem: &str) -> Materials {
+    let library = format!("{stem}.mtl");
+    let appearance = match scene.appearance() {
+        Ok(appearance) => appearance,
+        Err(error) => {
+            let mut out = Materials::new(Vec::new());
+            out.problems.push(error.to_string());
+            return out;
+        }
+    };
+    let mut out = Materials::new(vec![library.clone()]);
+    let mut images = Vec::with_capacity(appearance.images.len());
+    for (number, image) in appearance.images.iter().enumerate() {
+        let extension = if image.bytes().starts_with(b"\xff\xd8\xff") { "jpg" } else { "png" };
+        images.push(format!("{stem}_{number}.{extension}"));
+        out.files.push(SideFile { name: images[number].clone(), bytes: Arc::new(image.bytes().to_vec()) });
+    }
+    let text = text_of(&appearance, &images, parts, &mut out);
+    out.files.push(SideFile { name: library, bytes: Arc::new(text.into_bytes()) });
+    out.problems.extend(appearance.notes);
+    let shaded = scene.shaded_material_count();
+    if shaded > 0 {
+        let which = "materials with maps or emitted light";
+        out.problems.push(format!("{which}: {shaded}, the library has only their base colours"));
+    }
+    out
+}
+
+/// Writes the materials, and adds them to `out`.
+fn text_of(appearance: &Appearance, images: &[String], parts: &[Part], out: &mut Materials) -> String {
+    let mut text = String::new();
+    for (number, (part, material)) in parts.iter().zip(&appearance.materials).enumerate() {
+        let Some(name) = material_name(part, number, parts.len()) else { continue };
+        let [r, g, b, opacity] = material.base_colour;
+        let image = material.texture.and_then(|texture| images.get(texture.image));
+        let known = ObjMaterial {
+            colour: [r, g, b, opacity],
+            emissive: [0.0; 3],
+            roughness: 1.0,
+            metalness: 0.0,
+            is_blended: opacity < 1.0,
+            images: [image.cloned(), None, None],
+        };
+        if out.add(name.clone(), known) {
+            // Writing to a string cannot fail.
+            let _ = writeln!(text, "newmtl {name}\nKd {r} {g} {b}\nd {opacity}");
+            if let Some(image) = image {
+                let _ = writeln!(text, "map_Kd {}", clean(image));
+            }
+        }
+    }
+    text
+}

@@ -1,0 +1,181 @@
+//! Where a model shows its parts: the transforms of the nodes that place them.
+//!
+//! Parts that the same nodes place, such as the primitives of one glTF mesh, share a list of places, and can be compared in their own coordinates.
+//! All parts of a file without nodes are in one place. A part that no node shows is where its coordinates are.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use tristrip_io::Model;
+
+/// The largest magnitude of a number of a transform: products with positions stay far from the limits of a float.
+const MOST: f64 = 1e30;
+
+/// The rows of an affine transform from a part to the scene: a linear map, and a translation.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Place([[f64; 4]; 3]);
+
+impl Place {
+    pub(crate) const IDENTITY: Self =
+        Self([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]);
+
+    /// Takes a transform; one whose numbers are too large counts as none. Adding 0.0 turns −0.0 into 0.0.
+    pub(crate) fn new(rows: [[f64; 4]; 3]) -> Self {
+        let usable = rows.as_flattened().iter().all(|x| x.abs() <= MOST);
+        if usable { Self(rows.map(|row| row.map(|x| x + 0.0))) } else { Self::IDENTITY }
+    }
+
+    /// Returns a position in the scene.
+    pub(crate) fn at(&self, p: [f32; 3]) -> [f64; 3] {
+        let p = p.map(f64::from);
+        self.0.map(|row| row[0] * p[0] + row[1] * p[1] + row[2] * p[2] + row[3])
+    }
+
+    /// Returns a position under the linear map alone.
+    pub(crate) fn turned(&self, p: [f32; 3]) -> [f64; 3] {
+        let p = p.map(f64::from);
+        self.0.map(|row| row[0] * p[0] + row[1] * p[1] + row[2] * p[2])
+    }
+
+    /// Returns the largest sum of the magnitudes that are added for a coordinate in the scene, to which rounding is proportional.
+    pub(crate) fn magnitude(&self, p: [f32; 3]) -> f64 {
+        let p = p.map(|x| f64::from(x).abs());
+        let sums =
+            self.0.map(|row| row[0].abs() * p[0] + row[1].abs() * p[1] + row[2].abs() * p[2] + row[3].abs());
+        sums.into_iter().fold(0.0, f64::max)
+    }
+
+    /// Checks whether lengths and directions stay as they are.
+    pub(crate) fn only_moves(&self) -> bool {
+        self.0.map(|row| [row[0], row[1], row[2]]) == Self::IDENTITY.0.map(|row| [row[0], row[1], row[2]])
+    }
+
+    /// Returns the factor by which the place lengthens the distances of the most stretched direction: the largest singular value of the linear map.
+    ///
+    /// The eigenvalues of the symmetric matrix are the roots of its characteristic polynomial, in trigonometric form (Smith: *Eigenvalues of a
+    /// Symmetric 3 × 3 Matrix*, 1961).
+    pub(crate) fn scale(&self) -> f64 {
+        if self.only_moves() {
+            return 1.0;
+        }
+        let m = &self.0;
+        let entry = |i: usize, j: usize| (0..3).map(|k| m[k][i] * m[k][j]).sum::<f64>();
+        let [a, b, c] = [entry(0, 0), entry(1, 1), entry(2, 2)];
+        let [d, e, f] = [entry(0, 1), entry(1, 2), entry(0, 2)];
+        let off = d * d + e * e + f * f;
+        let mean = (a + b + c) / 3.0;
+        let spread = ((a - mean).powi(2) + (b - mean).powi(2) + (c - mean).powi(2) + 2.0 * off) / 6.0;
+        let p = spread.sqrt();
+        if p <= mean * f64::EPSILON {
+            return mean.sqrt();
+        }
+        let [a, b, c] = [a, b, c].map(|x| (x - mean) / p);
+        let [d, e, f] = [d, e, f].map(|x| x / p);
+        let half = (a * (b * c - e * e) - d * (d * c - e * f) + f * (d * e - b * f)) / 2.0;
+        let angle = libm::acos(half.clamp(-1.0, 1.0)) / 3.0;
+        (mean + 2.0 * p * libm::cos(angle)).max(0.0).sqrt()
+    }
+
+    fn bits(&self) -> [u64; 12] {
+        let mut bits = [0; 12];
+        bits.iter_mut().zip(self.0.as_flattened()).for_each(|(bits, x)| *bits = x.to_bits());
+        bits
+    }
+}
+
+/// The places of all parts of a model.
+#[derive(Debug, Clone)]
+pub(crate) struct Places {
+    /// The lists of places, no two alike and none empty.
+    pub(crate) lists: Vec<Arc<[Place]>>,
+    /// The list of each part.
+    pub(crate) of_part: Vec<usize>,
+    /// Why the nodes of the model could not be followed, if they could not.
+    pub(crate) problem: Option<String>,
+}
+
+impl Places {
+    /// Puts all parts into one place.
+    pub(crate) fn one(part_count: usize) -> Self {
+        Self { lists: vec![Arc::new([Place::IDENTITY])], of_part: vec![0; part_count], problem: None }
+    }
+
+    /// Returns the places where the nodes of a model's scene show its parts.
+    pub(crate) fn of(model: &Model) -> Self {
+        let part_count = model.parts.len();
+        let Some(scene) = &model.scene else { return Self::one(part_count) };
+        let placements = match scene.placements() {
+            Ok(placements) => placements,
+            Err(error) => return Self { problem: Some(error.to_string()), ..Self::one(part_count) },
+        };
+        // 1. The places of each range of parts; ranges do not overlap.
+        let mut ranges = HashMap::new();
+        let mut found: Vec<(std::ops::Range<usize>, Vec<Place>)> = Vec::new();
+        for placement in placements {
+            let range = *ranges.entry(placement.parts.start).or_insert(found.len());
+            if range == found.len() {
+                found.push((placement.parts, Vec::new()));
+            }
+            found[range].1.push(Place::new(placement.transform));
+        }
+        // 2. Equal lists once.
+        let mut lists: Vec<Arc<[Place]>> = vec![Arc::new([Place::IDENTITY])];
+        let mut known = HashMap::from([(vec![Place::IDENTITY.bits()], 0)]);
+        let mut of_part = vec![0; part_count];
+        for (parts, mut places) in found {
+            places.sort_by_key(Place::bits);
+            places.dedup_by_key(|place| place.bits());
+            let list = *known.entry(places.iter().map(Place::bits).collect()).or_insert_with(|| {
+                lists.push(places.into());
+                lists.len() - 1
+            });
+            of_part[parts].fill(list);
+        }
+        Self { lists, of_part, problem: None }
+    }
+
+    /// Returns a note if the nodes could not be followed.
+    pub(crate) fn note(&self) -> Option<String> {
+        let problem = self.problem.as_ref()?;
+        Some(format!(
+            "the nodes of the scene cannot be followed, parts compared in their own coordinates: {problem}"
+        ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_scale_is_the_largest_singular_value() {
+        let of = |m: [[f64; 3]; 3]| Place::new(m.map(|[a, b, c]| [a, b, c, 7.0])).scale();
+        let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+        near(of([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]), 1.0);
+        near(of([[0.0, -10.0, 0.0], [10.0, 0.0, 0.0], [0.0, 0.0, 10.0]]), 10.0);
+        near(of([[0.6, -1.6, 0.0], [0.8, 1.2, 0.0], [0.0, 0.0, 0.5]]), 2.0);
+        near(of([[0.0; 3]; 3]), 0.0);
+        // A shear; the golden ratio is its largest singular value.
+        near(of([[1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]), (1.0 + 5.0_f64.sqrt()) / 2.0);
+        near(of([[1e31, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]), 1.0);
+    }
+
+    #[test]
+    fn parts_of_one_mesh_share_their_places() {
+        let json = r#"{"asset":{"version":"2.0"},"nodes":[{"mesh":1,"scale":[2,2,2]},{"mesh":1,"scale":[2,2,2]},
+            {"mesh":0,"scale":[2,2,2]},{"mesh":2}],"meshes":[
+            {"primitives":[{"attributes":{"POSITION":0}}]},
+            {"primitives":[{"attributes":{"POSITION":0}},{"attributes":{"POSITION":0}}]},
+            {"primitives":[{"attributes":{"POSITION":0}}]},{"primitives":[{"attributes":{"POSITION":0}}]}],
+            "accessors":[{"componentType":5126,"count":3,"type":"VEC3"}]}"#;
+        let model = tristrip_io::read(json.as_bytes(), tristrip_io::Format::Glb).unwrap();
+        let places = Places::of(&model);
+        assert_eq!(places.of_part, [1, 1, 1, 0, 0], "mesh 3 is not shown");
+        assert_eq!(places.lists.iter().map(|list| list.len()).collect::<Vec<_>>(), [1, 1]);
+        assert_eq!(places.lists[1][0].at([1.0, 2.0, 3.0]), [2.0, 4.0, 6.0]);
+        let twice = json.replace(r#"{"mesh":2}"#, r#"{"children":[0]},{"children":[0]}"#);
+        let model = tristrip_io::read(twice.as_bytes(), tristrip_io::Format::Glb).unwrap();
+        let places = Places::of(&model);
+        assert!(places.note().unwrap().contains("two parents") && places.of_part == [0; 5]);
+    }
+}
