@@ -126,7 +126,7 @@ fn creased_models_stay_smooth_up_to_the_creases() {
         let face = normal_of(positions);
         for (position, normal) in positions.iter().zip(normals) {
             let along = (0..3).map(|k| face[k] * normal[k]).sum::<f32>();
-            assert!(along > 0.5, "a normal follows its face: {face:?}, {normal:?}");
+            assert!(along > 0.4, "a normal follows its face: {face:?}, {normal:?}");
             let radius = position[0].hypot(position[1]);
             let radial = (position[0] * normal[0] + position[1] * normal[1]) / radius;
             smooth += usize::from(!is_step(positions) && radial > 0.9);
