@@ -8,9 +8,7 @@ use tristrip_io::{Format, Model};
 use tristrip_lab::render::{Mode, TexturedModel, rows_of_sides};
 use tristrip_lab::text::table;
 use tristrip_pipeline::text::{count, counted};
-use tristrip_pipeline::{
-    Collapses, Event, NormalCounts, SimplifyOptions, SurfaceChange, rounded, simplify_observed,
-};
+use tristrip_pipeline::{Collapses, Event, NormalCounts, SurfaceChange, rounded, simplify_observed};
 
 use crate::batch::{self, InputReport, Outcome};
 use crate::console::Console;
@@ -71,6 +69,8 @@ struct SimplifyReport {
     normals: Option<NormalCounts>,
     /// The diagonal of the model's bounding box, in mesh units.
     diagonal: Option<f64>,
+    /// Small components that vanished within the error limit.
+    vanished_components: Option<usize>,
     locked_vertices: Option<usize>,
     parts: Option<usize>,
     /// The number of vertices by the reason for which they stayed; `null` where the goal was reached.
@@ -130,11 +130,10 @@ fn simplify(
     let (model, load) = load_job(job, console)?;
     report.seconds.load = Some(load);
     let format = job.output.as_ref().map_or(Format::Ply, |output| output.format);
-    let options = SimplifyOptions::new(task.goal).with_weights(task.weights).with_normals(task.normals);
-    let options = options.with_verify(task.verify).with_format(format);
+    let options = task.options.with_format(format);
     let show = |event: Event<'_>, seconds: f64| show(event, seconds, console, report);
     let simplified = simplify_observed(&model, &options, &Stages::new(console, load, show))?;
-    if !task.verify {
+    if !task.options.verify {
         console.stage("verify", "skipped", None);
     }
     report.vertices_after = Some(simplified.redrawn.used);
@@ -214,6 +213,7 @@ impl SimplifyReport {
         self.surface_error = Some(collapses.surface_error);
         self.surface_error_percent = Some(collapses.surface_error_percent());
         self.diagonal = Some(collapses.diagonal);
+        self.vanished_components = Some(collapses.vanished_components);
         self.locked_vertices = Some(collapses.locked_vertices);
         self.stopped = collapses.stopped.map(StoppedReport::from);
     }

@@ -6,11 +6,10 @@ use std::time::Duration;
 
 use tristrip::Effort;
 use tristrip::lod::RepairOptions;
-use tristrip::simplify::AttributeWeights;
 use tristrip::vertex_cache::FlushPolicy;
 use tristrip::{Layout, StripifyOptions};
 use tristrip_pipeline::{
-    Amount, AnalyzeOptions, DisplayFilter, Goal, Level, Normals, Ratio, VertexCacheList,
+    Amount, AnalyzeOptions, DisplayFilter, Goal, Level, Ratio, SimplifyOptions, VertexCacheList,
 };
 
 use crate::args::{self, AnalyzeArgs, Command, LodArgs, OutputArgs, SharedArgs};
@@ -105,10 +104,7 @@ pub(crate) struct ConvertTask {
 #[derive(Debug)]
 pub(crate) struct SimplifyTask {
     pub(crate) jobs: Vec<Job>,
-    pub(crate) goal: Goal,
-    pub(crate) weights: AttributeWeights,
-    pub(crate) normals: Normals,
-    pub(crate) verify: bool,
+    pub(crate) options: SimplifyOptions,
     /// The PNG file of the model before and after.
     pub(crate) picture: Option<PathBuf>,
 }
@@ -250,8 +246,11 @@ fn validate(command: Command, papers: &[&str]) -> Result<Task, String> {
             if let Some(path) = &args.picture {
                 check_picture(path, &jobs)?;
             }
-            let (weights, normals, picture) = (args.weight, args.normals, args.picture);
-            Task::Simplify(SimplifyTask { jobs, goal, weights, normals, verify, picture })
+            let (permissive, lock_borders) = (args.permissive, args.lock_borders);
+            let options = SimplifyOptions::new(goal).with_weights(args.weight).with_normals(args.normals);
+            let options =
+                options.with_permissive(permissive).with_locked_borders(lock_borders).with_verify(verify);
+            Task::Simplify(SimplifyTask { jobs, options, picture: args.picture })
         }
         Command::Lod(args) => lod_task(*args)?,
         Command::Repro(args) => {

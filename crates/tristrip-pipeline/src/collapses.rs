@@ -26,6 +26,8 @@ pub struct Collapses {
     pub stopped: Option<Stopped>,
     /// The diagonal of the bounding box of all triangles in the scene.
     pub diagonal: f64,
+    /// Small components that vanished within the error limit.
+    pub vanished_components: usize,
     /// Vertices that stayed because they touch parts in other places of the scene.
     pub locked_vertices: usize,
 }

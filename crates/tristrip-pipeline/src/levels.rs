@@ -23,15 +23,14 @@ use crate::observer::{Event, Observer, Stage, Stopped, begin};
 use crate::parts::{check_vertices, map};
 use crate::prepared::{PreparedModel, Survey};
 use crate::simplify::{
-    Part, base_triangles, diagonal, end_notes, has_reached, place_notes, simplify_all, step_count,
-    surface_error,
+    CollapseRules, Part, base_triangles, diagonal, end_notes, has_reached, place_notes, simplify_all,
+    step_count, surface_error,
 };
 pub use filter::DisplayFilter;
 pub use level::Level;
 pub use order::LevelOrder;
 pub use part::LevelPart;
 use part::without_unused;
-use tristrip::simplify::AttributeWeights;
 
 /// How levels of detail are built. The base mesh of the default is what the surface allows; everything is proven.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -200,7 +199,7 @@ impl ModelLevels {
         let (parts, skipped) = Part::of_all(drawn, prepared.places())?;
         let triangles: Vec<usize> = parts.iter().map(Part::triangle_count).collect();
         let shares = Amount::Ratio(base).shares(&triangles);
-        let done = simplify_all(&parts, &shares, None, AttributeWeights::default())?;
+        let done = simplify_all(&parts, &shares, None, CollapseRules::default())?;
         let after: Vec<usize> = base_triangles(&done)?;
         let collapses = Collapses {
             collapse_count: step_count(&done),
@@ -212,6 +211,7 @@ impl ModelLevels {
             surface_error: surface_error(&done)?,
             stopped: None,
             diagonal: diagonal(&parts),
+            vanished_components: 0,
             locked_vertices: parts.iter().map(Part::locked_count).sum(),
         };
         let mut notes = place_notes(prepared, skipped);

@@ -6,6 +6,7 @@
 mod normals;
 mod parts;
 mod touching;
+mod vanishing;
 mod warning;
 
 use tristrip::StripifyOptions;
@@ -25,8 +26,8 @@ use crate::text::{count, counted};
 pub use normals::{NormalCounts, Normals};
 use normals::{Rebuilding, RebuiltPart, redraw};
 pub(crate) use parts::{
-    Part, PartCollapses, UsedVertices, base_triangles, diagonal, has_reached, simplify_all, step_count,
-    surface_error,
+    CollapseRules, Part, PartCollapses, UsedVertices, base_triangles, diagonal, has_reached, simplify_all,
+    step_count, surface_error,
 };
 
 /// The maximum number of parts with a note of their own on where they stopped.
@@ -45,6 +46,10 @@ pub struct SimplifyOptions {
     pub weights: AttributeWeights,
     /// Whether normals are kept or rebuilt.
     pub normals: Normals,
+    /// Whether the topology may change, and seams may move onto others.
+    pub permissive: bool,
+    /// Whether vertices at borders stay.
+    pub lock_borders: bool,
     /// Whether the collapses, and the bytes of a file, are proven.
     pub verify: bool,
     /// The format in which the result will be written. A scene that is written as GLB keeps the unused vertices that other parts of it
@@ -56,7 +61,15 @@ impl SimplifyOptions {
     /// Sets the goal.
     pub fn new(goal: Goal) -> Self {
         let (weights, normals) = (AttributeWeights::default(), Normals::default());
-        Self { goal, weights, normals, verify: true, format: Format::Ply }
+        Self {
+            goal,
+            weights,
+            normals,
+            permissive: false,
+            lock_borders: false,
+            verify: true,
+            format: Format::Ply,
+        }
     }
 
     /// Sets how much the attributes of vertices count.
@@ -69,6 +82,18 @@ impl SimplifyOptions {
     #[must_use]
     pub fn with_normals(self, normals: Normals) -> Self {
         Self { normals, ..self }
+    }
+
+    /// Sets whether holes may close, handles vanish, and seams move onto others: for clutter that is to become very small.
+    #[must_use]
+    pub fn with_permissive(self, permissive: bool) -> Self {
+        Self { permissive, ..self }
+    }
+
+    /// Sets whether vertices at borders stay, so that the tiles of a terrain still fit together.
+    #[must_use]
+    pub fn with_locked_borders(self, lock_borders: bool) -> Self {
+        Self { lock_borders, ..self }
     }
 
     /// Sets whether the collapses are proven.
@@ -165,8 +190,13 @@ pub fn simplify_observed(
     let shares = options.goal.amount.map(|amount| amount.shares(&before));
     let target_error = options.goal.deviation.units(diagonal);
     let no_limit = vec![0; parts.len()];
-    let done =
-        simplify_all(&parts, shares.as_ref().unwrap_or(&no_limit), Some(target_error), options.weights)?;
+    let rules = CollapseRules {
+        weights: options.weights,
+        permissive: options.permissive,
+        lock_borders: options.lock_borders,
+        vanishing: true,
+    };
+    let done = simplify_all(&parts, shares.as_ref().unwrap_or(&no_limit), Some(target_error), rules)?;
     let after = base_triangles(&done)?;
     let collapses = Collapses {
         collapse_count: step_count(&done),
@@ -178,6 +208,7 @@ pub fn simplify_observed(
         stopped: shares.as_deref().and_then(|shares| warning::sum(&done, shares)),
         surface_error: surface_error(&done)?,
         diagonal,
+        vanished_components: done.iter().map(|done| done.vanished).sum(),
         locked_vertices: parts.iter().map(Part::locked_count).sum(),
     };
     observer.event(Event::Simplified(&collapses));

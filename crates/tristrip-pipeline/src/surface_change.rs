@@ -20,10 +20,11 @@ use tristrip::random::Random;
 
 use crate::error::Error;
 use crate::parts::map;
-use side::{Attributes, Side};
+use side::Attributes;
+pub(crate) use side::Side;
 
 /// The number of boxes of triangles that the searches on one surface may visit, by estimate.
-const MOST_VISITS: f64 = 2e7;
+pub(crate) const MOST_VISITS: f64 = 2e7;
 /// The boxes that a search visits at least, by estimate.
 const FEWEST_VISITS: f64 = 100.0;
 

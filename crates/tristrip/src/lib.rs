@@ -28,7 +28,7 @@ mod prepare;
 #[cfg(feature = "serde")]
 mod serialize;
 mod strip;
-mod union_find;
+pub mod union_find;
 mod vector;
 
 pub mod lod;

@@ -7,20 +7,42 @@
 //! 4 bytes per element; nearly O(1) amortized per call, O(log n) for unions by lowest root.
 
 /// Disjoint sets of `u32` elements.
+///
+/// ```
+/// use tristrip::union_find::UnionFind;
+/// // The components of two edges between five vertices.
+/// let mut components = UnionFind::new(5);
+/// components.unite(4, 1);
+/// components.unite(1, 3);
+/// assert_eq!([0, 1, 2, 3, 4].map(|vertex| components.find(vertex)), [0, 1, 2, 1, 1]);
+/// ```
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct UnionFind {
+pub struct UnionFind {
     parents: Vec<u32>,
 }
 
 impl UnionFind {
-    /// Creates `count` sets of one element each.
-    pub(crate) fn new(count: usize) -> Self {
+    /// Creates `count` sets of one element each, at most 2³².
+    ///
+    /// ```
+    /// assert_eq!(tristrip::union_find::UnionFind::new(3).find(2), 2);
+    /// ```
+    pub fn new(count: usize) -> Self {
         Self { parents: (0..count as u32).collect() }
     }
 
     /// Returns the root of the set of an element, and halves the path to it.
+    ///
+    /// # Panics
+    /// The element is not less than the number of elements.
+    ///
+    /// ```
+    /// let mut sets = tristrip::union_find::UnionFind::new(3);
+    /// sets.unite(1, 2);
+    /// assert_eq!(sets.find(2), sets.find(1));
+    /// ```
     #[inline]
-    pub(crate) fn find(&mut self, mut element: u32) -> u32 {
+    pub fn find(&mut self, mut element: u32) -> u32 {
         while self.parents[element as usize] != element {
             let parent = self.parents[element as usize];
             let grandparent = self.parents[parent as usize];
@@ -31,7 +53,16 @@ impl UnionFind {
     }
 
     /// Unites the sets of two elements. The lower of the two roots becomes the root.
-    pub(crate) fn unite(&mut self, a: u32, b: u32) {
+    ///
+    /// # Panics
+    /// An element is not less than the number of elements.
+    ///
+    /// ```
+    /// let mut sets = tristrip::union_find::UnionFind::new(3);
+    /// sets.unite(2, 1);
+    /// assert_eq!(sets.find(2), 1);
+    /// ```
+    pub fn unite(&mut self, a: u32, b: u32) {
         let (a, b) = (self.find(a), self.find(b));
         self.parents[a.max(b) as usize] = a.min(b);
     }

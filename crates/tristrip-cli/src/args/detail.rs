@@ -14,7 +14,7 @@ use crate::values::{ModelName, effort_parser, named};
 /// Simplify a mesh by half-edge collapses
 ///
 /// The cheapest collapse comes first. A removed vertex is replaced by one of its neighbours; no vertex moves, and none is added. The
-/// surface keeps its holes, its connected components and, unless that costs too much, its shape. If a goal cannot be reached within
+/// surface keeps its holes and, unless that costs too much, its shape; small components within the error limit of others vanish. If a goal cannot be reached within
 /// the error limit, or without tearing or folding the surface, simplification stops earlier, and a warning says why; this is not an error. Parts of
 /// one mesh that share positions (materials in OBJ, primitives in glTF) are simplified as one surface: both sides of a border between them collapse
 /// together. Vertices that touch a mesh which another node of the scene places stay, so that no gaps open. Unused vertices are removed from the
@@ -58,6 +58,12 @@ pub(crate) struct SimplifyArgs {
     /// fits the faces. Normals that a morph target changes are kept.
     #[arg(long, value_name = "MODE", value_parser = named(Normals::ALL, Normals::name, Normals::summary), default_value_t = Normals::default())]
     pub(crate) normals: Normals,
+    /// Let holes close, handles vanish and textures shift at their seams: for clutter that is to become very small
+    #[arg(long)]
+    pub(crate) permissive: bool,
+    /// Keep all vertices at open borders, so that the tiles of a terrain still fit together
+    #[arg(long)]
+    pub(crate) lock_borders: bool,
     #[command(flatten)]
     pub(crate) target: TargetArgs,
     /// Draw the model before and after in a PNG file, from eight sides

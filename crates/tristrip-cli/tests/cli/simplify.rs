@@ -46,6 +46,7 @@ fn the_report_has_its_keys_and_describes_the_file() {
             "uv_deviation_texels",
             "normals",
             "diagonal",
+            "vanished_components",
             "locked_vertices",
             "parts",
             "stopped",

@@ -8,6 +8,7 @@ use tristrip::simplify::{self, AttributeWeights, Stopped};
 use tristrip::{CollapseSequence, Error, Faces, Mesh, PositionIds};
 
 use super::touching::{PlacedPositions, Touching, bounds, box_corners, touching};
+use super::vanishing::Vanishing;
 use crate::parts::map;
 use crate::places::{Place, Places};
 
@@ -236,8 +237,32 @@ pub(crate) struct PartCollapses {
     pub(crate) stopped: Option<Stopped>,
     /// The first part of the group.
     pub(crate) group: usize,
+    /// The number of components of the group that vanished, at its first part.
+    pub(crate) vanished: usize,
     /// For each collapse the number of the step of the group that it is a part of; `None` for a part that is alone, whose collapses are the steps.
     pub(crate) steps: Option<Vec<u32>>,
+}
+
+/// What collapses may do.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(crate) struct CollapseRules {
+    /// How much the attributes of vertices count.
+    pub(crate) weights: AttributeWeights,
+    /// Whether the topology may change, and seams may move onto others.
+    pub(crate) permissive: bool,
+    /// Whether vertices at borders stay.
+    pub(crate) lock_borders: bool,
+    /// Whether components that are small, and near others, may vanish.
+    pub(crate) vanishing: bool,
+}
+
+impl CollapseRules {
+    fn options(self) -> simplify::SimplifyOptions {
+        simplify::SimplifyOptions::default()
+            .with_weights(self.weights)
+            .with_permissive(self.permissive)
+            .with_locked_borders(self.lock_borders)
+    }
 }
 
 /// Simplifies each part to its own number of triangles, or until the error in the scene would exceed the maximum. The parts of a
@@ -246,21 +271,30 @@ pub(crate) fn simplify_all(
     parts: &[Part<'_>],
     shares: &[usize],
     error: Option<f32>,
-    weights: AttributeWeights,
+    rules: CollapseRules,
 ) -> Result<Vec<PartCollapses>, Error> {
     let mut groups: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     parts.iter().enumerate().for_each(|(number, part)| groups.entry(part.group).or_default().push(number));
     let groups: Vec<Vec<usize>> = groups.into_values().collect();
     let done = map(&groups, |group| {
         let share = group.iter().map(|&part| shares[part]).sum();
-        let mut options = simplify::SimplifyOptions::default().with_triangles(share).with_weights(weights);
+        let (mut options, mut small) = (rules.options().with_triangles(share), Vanishing::default());
         if let Some(error) = error {
-            options = options.with_error(parts[group[0]].own_error(error));
+            let error = parts[group[0]].own_error(error);
+            options = options.with_error(error);
+            if rules.vanishing {
+                let surface = |&part: &usize| (&*parts[part].compact.mesh, parts[part].triangles());
+                let of_group: Vec<(&Mesh, &[u32])> = group.iter().map(surface).collect();
+                small = Vanishing::new(&of_group, error.into())?;
+                options = options.with_vanishing(small.errors.clone());
+            }
         }
-        match group[..] {
-            [part] => alone(&parts[part], options).map(|done| vec![done]),
-            _ => joined(parts, group, shares, options),
-        }
+        let mut done = match group[..] {
+            [part] => vec![alone(&parts[part], options)?],
+            _ => joined(parts, group, shares, options)?,
+        };
+        done[0].vanished = small.count(done.iter().map(|done| &done.sequence))?;
+        Ok::<_, Error>(done)
     });
     let mut all: Vec<Option<PartCollapses>> = vec![None; parts.len()];
     for (group, done) in groups.iter().zip(done) {
@@ -274,7 +308,7 @@ fn alone(part: &Part<'_>, options: simplify::SimplifyOptions) -> Result<PartColl
     let options = options.with_locked(part.locked.clone());
     let done = simplify::simplify_triangles(part.seen(), part.triangles.clone(), &options)?;
     let sequence = in_scene(done.sequence, part)?;
-    Ok(PartCollapses { sequence, stopped: done.stopped, group: part.group, steps: None })
+    Ok(PartCollapses { sequence, stopped: done.stopped, group: part.group, vanished: 0, steps: None })
 }
 
 /// Simplifies the parts of a group as one surface.
@@ -309,6 +343,7 @@ fn joined(
             sequence: in_scene(sequence, part)?,
             stopped,
             group: part.group,
+            vanished: 0,
             steps: Some(steps),
         });
     }
@@ -429,7 +464,7 @@ mod tests {
             let (parts, _) = Part::of_all(vec![(&mesh, triangles.clone())], &places).unwrap();
             let shown = parts[0].shown(&parts[0].compact.mesh).unwrap();
             assert!((f64::from(shown.positions()[79][0]) - 39.0 * scale.max(1.0)).abs() < 1e-3);
-            simplify_all(&parts, &[0], Some(error), AttributeWeights::default()).unwrap().remove(0).sequence
+            simplify_all(&parts, &[0], Some(error), CollapseRules::default()).unwrap().remove(0).sequence
         };
         let (one, ten) = (simplified(1.0, 0.05), simplified(10.0, 0.5));
         assert_eq!(base_of(&one), base_of(&ten));

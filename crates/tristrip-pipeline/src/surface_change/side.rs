@@ -15,7 +15,7 @@ pub(super) type On<'a> = (&'a Facet, [f64; 3]);
 
 /// A triangle of a surface.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Facet {
+pub(crate) struct Facet {
     vertices: [u32; 3],
     corners: [Point; 3],
 }
@@ -38,7 +38,7 @@ impl Facet {
     }
 
     /// Returns the squared distance of a point, and the shares of the corners at the nearest point of the triangle.
-    pub(super) fn nearest(&self, p: Point) -> (f64, [f64; 3]) {
+    pub(crate) fn nearest(&self, p: Point) -> (f64, [f64; 3]) {
         let shares = nearest_in_triangle(p, self.corners);
         let rest = sub(p, self.at(shares));
         (dot(rest, rest), shares)
@@ -60,20 +60,28 @@ impl PointDistance for Facet {
 }
 
 /// The triangles of a surface.
-pub(super) struct Side {
+#[derive(Debug, Default)]
+pub(crate) struct Side {
     pub(super) facets: Vec<Facet>,
 }
 
 impl Side {
     pub(super) fn new(mesh: &Mesh, triangles: &[u32]) -> Result<Self, Error> {
+        let mut side = Self::default();
+        side.add(mesh, triangles)?;
+        Ok(side)
+    }
+
+    /// Adds triangles over the vertices of a mesh.
+    pub(crate) fn add(&mut self, mesh: &Mesh, triangles: &[u32]) -> Result<(), Error> {
         let faces = Faces::from_triangles(triangles.to_vec())?;
         let mesh = mesh.with_faces(faces)?;
         let facet = |vertices: [u32; 3]| {
             let corners = vertices.map(|v| mesh.positions()[v as usize].map(f64::from));
             Facet { vertices, corners }
         };
-        let facets = triangles.chunks_exact(3).map(|t| facet([t[0], t[1], t[2]])).collect();
-        Ok(Self { facets })
+        self.facets.extend(triangles.chunks_exact(3).map(|t| facet([t[0], t[1], t[2]])));
+        Ok(())
     }
 
     pub(super) fn area(&self) -> f64 {
@@ -94,12 +102,12 @@ impl Side {
         dot(sides, sides).sqrt()
     }
 
-    pub(super) fn tree(&self) -> RTree<Facet> {
+    pub(crate) fn tree(&self) -> RTree<Facet> {
         RTree::bulk_load(self.facets.clone())
     }
 
     /// Estimates how many boxes of a tree contain a point of this surface: the mean over a few triangles.
-    pub(super) fn crowd(&self, tree: &RTree<Facet>) -> f64 {
+    pub(crate) fn crowd(&self, tree: &RTree<Facet>) -> f64 {
         let step = (self.facets.len() / PROBES).max(1);
         let boxes = |facet: &Facet| {
             let at = AABB::from_point(facet.at([1.0 / 3.0; 3]));
