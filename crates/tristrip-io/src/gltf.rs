@@ -53,6 +53,7 @@ mod build;
 mod compressed_views;
 mod container;
 mod document;
+mod draco;
 #[cfg(feature = "fs")]
 pub(crate) mod images;
 mod index;
