@@ -53,6 +53,7 @@ mod build;
 mod compressed_views;
 mod container;
 mod document;
+mod draco;
 pub(crate) mod extend;
 #[cfg(feature = "fs")]
 pub(crate) mod images;

@@ -7,7 +7,7 @@
 //!                        roughness from 0 to 1              map_Bump, map_Ks, …    have no counterpart in glTF
 //! Ke r g b, Pm m         emitted light, metalness
 //! ```
-//! `tobj` parses the libraries: its lines are those that exporters write, among them the extensions for physically based rendering.
+//! A line with values that are no numbers counts as missing. The crate `tobj` is not used because it panics on lines such as `Kd 1`.
 //!
 //! # References
 //! Wavefront Technologies: *MTL material format*, 1995. Exocortex: *Physically-based rendering extension of MTL*, 2014. Walter, Marschner, Li,
@@ -105,22 +105,21 @@ impl Materials {
     pub fn add_library(&mut self, name: &str, bytes: Arc<Vec<u8>>) -> Vec<String> {
         let text = String::from_utf8_lossy(&bytes[..bytes.len().min(LONGEST_LIBRARY)]).into_owned();
         self.files.push(SideFile { name: name.to_owned(), bytes });
-        let parsed = tobj::load_mtl_buf(&mut text.as_bytes());
-        let Ok((materials, _)) = parsed else {
-            self.problems.push(format!("{name}: not a material library"));
-            return Vec::new();
-        };
+        let materials = materials_of(&text);
+        if materials.is_empty() {
+            self.problems.push(format!("{name}: no material in it"));
+        }
         // Images are named from the folder of their library.
         let folder = name.rsplit_once('/').map_or("", |(folder, _)| folder);
         let from_obj = |image: String| if folder.is_empty() { image } else { format!("{folder}/{image}") };
         let mut lost = BTreeMap::new();
         let mut images = Vec::new();
         for material in materials {
-            count_lost(&material, &mut lost);
-            images.extend(all_images(&material).into_iter().map(from_obj));
+            material.count_lost(&mut lost);
+            images.extend(material.images().map(from_obj));
             let mut read = ObjMaterial::of(&material);
             read.images = read.images.map(|image| image.map(from_obj));
-            self.add(material.name, read);
+            self.add(material.name.to_owned(), read);
         }
         let lost = lost.into_iter().map(|(what, count)| format!("{name}: {what} in {count} materials"));
         self.losses.extend(lost);
@@ -142,73 +141,95 @@ pub(crate) fn image_size(bytes: &[u8]) -> Option<[u32; 2]> {
     Some([side(size.width)?, side(size.height)?])
 }
 
+/// The lines of a material: the last one of each keyword.
+struct MaterialLines<'a> {
+    name: &'a str,
+    lines: BTreeMap<&'a str, &'a str>,
+}
+
+/// Splits a library into materials.
+fn materials_of(text: &str) -> Vec<MaterialLines<'_>> {
+    let mut materials: Vec<MaterialLines<'_>> = Vec::new();
+    for line in text.lines() {
+        let (keyword, rest) = line.trim().split_once(char::is_whitespace).unwrap_or_default();
+        let rest = rest.trim();
+        if keyword == "newmtl" {
+            materials.push(MaterialLines { name: rest, lines: BTreeMap::new() });
+        } else if let Some(material) = materials.last_mut().filter(|_| !keyword.starts_with('#')) {
+            material.lines.insert(keyword, rest);
+        }
+    }
+    materials
+}
+
+impl MaterialLines<'_> {
+    /// Returns the numbers of a line; `None` unless all are finite.
+    fn numbers<const N: usize>(&self, keyword: &str) -> Option<[f32; N]> {
+        let words = self.lines.get(keyword)?.split_whitespace();
+        let numbers: Vec<f32> = words.take(N).map_while(|word| word.parse().ok()).collect();
+        numbers.try_into().ok().filter(|numbers: &[f32; N]| numbers.iter().all(|x| x.is_finite()))
+    }
+
+    fn number(&self, keyword: &str) -> Option<f32> {
+        self.numbers(keyword).map(|[x]| x)
+    }
+
+    /// Returns the image of the first of some keywords that has one.
+    fn image(&self, keywords: &[&str]) -> Option<String> {
+        keywords.iter().find_map(|keyword| image_name(self.lines.get(keyword)?))
+    }
+
+    /// Returns all images, also those that glTF cannot hold.
+    fn images(&self) -> impl Iterator<Item = String> {
+        let names_image =
+            |keyword: &str| keyword.starts_with("map_") || ["norm", "bump", "disp"].contains(&keyword);
+        self.lines
+            .iter()
+            .filter(move |(keyword, _)| names_image(keyword))
+            .filter_map(|(_, line)| image_name(line))
+    }
+
+    /// Counts the visible properties that glTF cannot hold.
+    fn count_lost(&self, lost: &mut BTreeMap<&'static str, usize>) {
+        let opacity = self.image(&["map_d"]);
+        let losses = [
+            (self.image(&["map_Bump", "map_bump", "bump"]).is_some(), "bump map"),
+            (self.image(&["map_Ks", "map_Ns"]).is_some(), "map of highlights"),
+            (opacity.is_some() && opacity != self.image(&["map_Kd"]), "separate map of the opacity"),
+            (self.image(&["map_Pr", "map_Pm"]).is_some(), "map of roughness or metalness"),
+            (self.image(&["disp"]).is_some(), "displacement map"),
+        ];
+        losses
+            .into_iter()
+            .filter(|(is_lost, _)| *is_lost)
+            .for_each(|(_, what)| *lost.entry(what).or_default() += 1);
+    }
+}
+
 impl ObjMaterial {
-    fn of(material: &tobj::Material) -> Self {
-        let number =
-            |key: &str| material.unknown_param.get(key)?.split_whitespace().next()?.parse::<f32>().ok();
-        let unit = |x: f32| if x.is_finite() { x.clamp(0.0, 1.0) } else { 1.0 };
-        let images = [
-            material.diffuse_texture.as_deref(),
-            material.unknown_param.get("map_Ke").map(String::as_str),
-            material.unknown_param.get("norm").map(String::as_str),
-        ]
-        .map(|image| image.and_then(image_name));
-        let opacity = material.dissolve.or_else(|| Some(1.0 - number("Tr")?)).unwrap_or(1.0);
-        let [r, g, b] = match material.diffuse {
+    fn of(lines: &MaterialLines<'_>) -> Self {
+        let unit = |x: f32| x.clamp(0.0, 1.0);
+        let images = [lines.image(&["map_Kd"]), lines.image(&["map_Ke"]), lines.image(&["norm"])];
+        let opacity = lines.number("d").or_else(|| Some(1.0 - lines.number("Tr")?)).map_or(1.0, unit);
+        let [r, g, b] = match lines.numbers("Kd") {
             // Black under an image would hide it.
-            Some([0.0, 0.0, 0.0]) if images[0].is_some() => [1.0; 3],
+            Some([0.0, 0.0, 0.0]) | None if images[0].is_some() => [1.0; 3],
             Some(colour) => colour.map(unit),
-            None if images[0].is_some() => [1.0; 3],
             None => [0.8; 3],
         };
         // Of a highlight with exponent e: α² = 2 / (e + 2), and roughness is the root of α.
         let of_exponent = |e: f32| (2.0 / (e.max(0.0) + 2.0)).sqrt().sqrt();
-        let roughness = number("Pr").or_else(|| material.shininess.map(of_exponent)).unwrap_or(1.0);
-        let dissolve_image = material.dissolve_texture.as_deref().and_then(image_name);
+        let roughness = lines.number("Pr").or_else(|| lines.number("Ns").map(of_exponent)).map_or(1.0, unit);
+        let opacity_image = lines.image(&["map_d"]);
         Self {
-            colour: [r, g, b, unit(opacity)],
-            emissive: material.emissive.map_or([0.0; 3], |light| light.map(unit)),
-            roughness: unit(roughness),
-            metalness: number("Pm").map_or(0.0, unit),
-            is_blended: unit(opacity) < 1.0 || dissolve_image.is_some() && dissolve_image == images[0],
+            colour: [r, g, b, opacity],
+            emissive: lines.numbers("Ke").map_or([0.0; 3], |light| light.map(unit)),
+            roughness,
+            metalness: lines.number("Pm").map_or(0.0, unit),
+            is_blended: opacity < 1.0 || opacity_image.is_some() && opacity_image == images[0],
             images,
         }
     }
-}
-
-/// Returns the images that a material names, also those that glTF cannot hold.
-fn all_images(material: &tobj::Material) -> Vec<String> {
-    let known = [
-        &material.ambient_texture,
-        &material.diffuse_texture,
-        &material.specular_texture,
-        &material.normal_texture,
-        &material.shininess_texture,
-        &material.dissolve_texture,
-    ];
-    let other = material.unknown_param.iter();
-    let other = other
-        .filter(|(key, _)| key.starts_with("map_") || *key == "norm" || *key == "disp")
-        .map(|(_, value)| value);
-    known.into_iter().flatten().chain(other).filter_map(|text| image_name(text)).collect()
-}
-
-/// Counts the visible properties of a material that glTF cannot hold.
-fn count_lost(material: &tobj::Material, lost: &mut BTreeMap<&'static str, usize>) {
-    let has = |key: &str| material.unknown_param.contains_key(key);
-    let opacity = material.dissolve_texture.as_deref().and_then(image_name);
-    let colour = material.diffuse_texture.as_deref().and_then(image_name);
-    let losses = [
-        (material.normal_texture.is_some(), "bump map"),
-        (material.specular_texture.is_some(), "map of highlights"),
-        (opacity.is_some() && opacity != colour, "separate map of the opacity"),
-        (has("map_Pr") || has("map_Pm"), "maps of roughness or metalness"),
-        (has("disp"), "displacement map"),
-    ];
-    losses
-        .into_iter()
-        .filter(|(is_lost, _)| *is_lost)
-        .for_each(|(_, what)| *lost.entry(what).or_default() += 1);
 }
 
 /// Returns the path of an image after the options of its line, such as `-s 1 1 1`; `None` if there is none.
@@ -263,15 +284,25 @@ mod tests {
     }
 
     #[test]
-    fn wrong_libraries_are_a_problem_and_no_error() {
-        for text in ["newmtl", "newmtl a\nKd 1", "newmtl a\nmap_Kd", "newmtl a\nillum x"] {
-            let (all, images) = read(text);
-            assert!(all.is_empty() && images.is_empty());
-            assert_eq!(all.problems, ["a.mtl: not a material library"], "{text}");
+    fn wrong_lines_count_as_missing() {
+        let (all, images) = read("Kd 1 1 1\n# newmtl no\nmap_Kd a.png\n");
+        assert!(all.is_empty() && images.is_empty());
+        assert_eq!(all.problems, ["a.mtl: no material in it"]);
+        for line in [
+            "Kd 1",
+            "Kd 1 x 1",
+            "Kd NaN inf -1",
+            "d",
+            "d nan",
+            "Tr",
+            "map_Kd",
+            "map_Kd -s",
+            "map_Kd -",
+            "illum x",
+        ] {
+            let (all, images) = read(&format!("newmtl \u{fffd}\n{line}\n"));
+            assert_eq!(all.get("\u{fffd}").map(|m| m.colour), Some([0.8, 0.8, 0.8, 1.0]), "{line}");
+            assert!(images.is_empty(), "{line} {images:?}");
         }
-        let (all, images) =
-            read("newmtl \u{fffd}\nKd NaN inf -1\nd nan\nTr\nmap_Kd -s\nmap_Kd -s 1\nmap_Kd -\n");
-        assert_eq!(all.get("\u{fffd}").map(|m| m.colour), Some([1.0, 1.0, 0.0, 1.0]));
-        assert!(images.len() < 2, "{images:?}");
     }
 }

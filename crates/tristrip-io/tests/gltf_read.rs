@@ -233,15 +233,6 @@ fn reads_only_files_in_its_own_folder() {
 }
 
 #[test]
-fn names_the_compression_that_it_cannot_read() {
-    let mut draft = one(U8, &[0, 1, 2], LIST);
-    draft.json["meshes"][0]["primitives"][0]["extensions"] = json!({ "KHR_draco_mesh_compression": {} });
-    let error = gltf::read(draft.glb(), None).unwrap_err();
-    let what = "KHR_draco_mesh_compression is not supported; export the model without Draco compression";
-    assert_eq!(error.to_string(), format!("meshes[0].primitives[0]: {what}"));
-}
-
-#[test]
 fn names_the_extension_whose_absence_makes_a_file_unreadable() {
     let mut draft = one(U8, &[0, 1, 2], LIST);
     draft.json["extensionsRequired"] =

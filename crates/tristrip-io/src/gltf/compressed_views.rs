@@ -380,7 +380,7 @@ fn remove_declarations(document: &mut Document) -> Result<(), Error> {
 }
 
 /// Joins all buffers into one: without the freed ranges, except for what uncompressed views name, and with the decoded views.
-fn join(
+pub(super) fn join(
     root: &mut Members,
     buffers: &[SharedBytes],
     mut freed: Vec<Vec<Range<usize>>>,

@@ -17,15 +17,13 @@ use super::spec::{
     COMPRESSIONS, ORDER_EXTENSIONS, QUANTIZATION, RESTART_EXTENSION, TRIANGLE_FAN, TRIANGLE_STRIP, TRIANGLES,
 };
 use super::triangles::{TriangleCounts, TriangleReader};
-use super::{buffer, compressed_views, container, container::GlbContainer};
+use super::{buffer, compressed_views, container, container::GlbContainer, draco};
 use crate::error::Error;
 use crate::model::{Model, Part, StoredStrips};
 
 /// Decoded bytes allowed per byte of the buffers: strips of byte indices need twelve.
 const GEOMETRY_FACTOR: u64 = 16;
 const ATTRIBUTE_FACTOR: u64 = 4;
-
-const DRACO: &str = "KHR_draco_mesh_compression";
 
 /// How the names of extensions begin that do not concern geometry.
 const NOT_GEOMETRY: [&str; 5] =
@@ -34,8 +32,7 @@ const NOT_GEOMETRY: [&str; 5] =
 /// Reads a GLB, or the JSON of a `.gltf` whose buffers are data URIs or files inside `base_dir`.
 ///
 /// # Errors
-/// The parts of the document that the geometry needs are not valid glTF 2.0, decoding would exceed the limits, the
-/// geometry is compressed with Draco, or a buffer's file cannot be read or is outside `base_dir`.
+/// The parts of the document that the geometry needs are not valid glTF 2.0, decoding would exceed the limits, or a buffer's file cannot be read or is outside `base_dir`.
 ///
 /// ```
 /// let empty = br#"{"asset":{"version":"2.0"}}"#;
@@ -89,6 +86,7 @@ fn read_document(
     let buffers =
         buffer::load(&mut document, &container.file, container.bin.as_ref(), folders, beside, &is_fallback)?;
     let buffers = compressed_views::decompress(&mut document, buffers, &is_fallback, &mut notes)?;
+    let buffers = draco::decompress(&mut document, buffers, &mut notes)?;
     let root = &document.root;
     let resolver = AccessorResolver { root, buffers: &buffers };
     check_views(&resolver)?;
@@ -172,13 +170,6 @@ impl<'a> PrimitiveReader<'a> {
         mode: u64,
         parts: &[Part],
     ) -> Result<(Mesh, Option<StoredStrips>), Error> {
-        let extensions = primitive.field("extensions");
-        if extensions.and_then(|e| e.field(DRACO)).is_some() {
-            return Err(Error::Unsupported(format!(
-                "{}: {DRACO} is not supported; export the model without Draco compression",
-                primitive.at
-            )));
-        }
         // 1. Vertices, shared between primitives and checked once.
         let vertices = self.vertices(&primitive.need("attributes")?)?;
         // 2. Triangles, shared likewise.
@@ -273,6 +264,7 @@ fn unknown_requirements(root: &Members) -> Vec<String> {
     let is_known = |name: &str| {
         name == QUANTIZATION
             || name == RESTART_EXTENSION
+            || name == draco::DRACO
             || COMPRESSIONS.contains(&name)
             || NOT_GEOMETRY.iter().any(|p| name.starts_with(p))
     };

@@ -98,7 +98,7 @@ mod tests {
             (0..errors.len() as u32).map(|i| [Rename { removed: i, kept: i + 1 }]).collect();
         let collapses = renames.iter().zip(errors).map(|(rename, &error)| (&rename[..], error));
         let sequence = CollapseSequence::from_collapses(corners as usize + 1, triangles, collapses).unwrap();
-        PartCollapses { sequence, stopped: None, group, steps: steps.map(<[u32]>::to_vec) }
+        PartCollapses { sequence, stopped: None, group, vanished: 0, steps: steps.map(<[u32]>::to_vec) }
     }
 
     #[test]
