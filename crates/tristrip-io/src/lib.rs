@@ -30,6 +30,7 @@ mod format;
 pub mod gltf;
 mod join;
 mod le_bytes;
+mod levels;
 mod model;
 mod obj;
 mod off;
@@ -49,6 +50,7 @@ pub use error::Error;
 pub use format::Format;
 #[cfg(feature = "fs")]
 pub use gltf::images::EmbeddedImages;
+pub use levels::{LeveledModel, PartLevel, SceneLevels, in_level_order};
 pub use model::{Drawing, Model, Part, StoredStrips};
 #[cfg(feature = "fs")]
 pub use path::{embed_images, read_path, replace_file, write_path};
