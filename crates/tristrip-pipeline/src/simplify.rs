@@ -18,6 +18,7 @@ use crate::prepared::{PreparedModel, Survey};
 use crate::surface_change::{ChangedSurface, SurfaceChange, surface_change};
 use crate::text::{count, counted};
 pub(crate) use parts::{Part, UsedVertices, base_triangles, diagonal, simplify_all, surface_error};
+pub(crate) use warning::{sum as sum_stopped, warning};
 
 /// The maximum number of parts with a note of their own on where they stopped.
 const MAX_NAMED_PARTS: usize = 8;
@@ -150,7 +151,7 @@ pub fn simplify_observed(
         target_triangles: shares.as_ref().map(|shares| shares.iter().sum()),
         target_error: Some(target_error),
         reached: shares.as_ref().is_none_or(reaches),
-        stopped: shares.as_deref().and_then(|shares| warning::sum(&done, shares)),
+        stopped: shares.as_deref().and_then(|shares| sum_stopped(&done, shares)),
         surface_error: surface_error(&done)?,
         diagonal,
         locked_vertices: parts.iter().map(Part::locked_count).sum(),
@@ -159,7 +160,7 @@ pub fn simplify_observed(
     let locked = locked_note(collapses.locked_vertices);
     locked.iter().for_each(|note| observer.event(Event::Note(note)));
     notes.extend(locked);
-    let warning = warning::warning(&collapses, options.goal.deviation);
+    let warning = warning(&collapses, options.goal.deviation);
     warning.iter().for_each(|warning| observer.event(Event::Warning(warning)));
 
     // 3. How far the result is from the original.
@@ -213,7 +214,7 @@ impl Simplified {
 }
 
 /// Returns the triangles of all parts, polygons as fans around their first corner.
-fn fans<'a>(prepared: &PreparedModel<'a>) -> Result<Vec<Part<'a>>, Error> {
+pub(crate) fn fans<'a>(prepared: &PreparedModel<'a>) -> Result<Vec<Part<'a>>, Error> {
     let triangles = map(prepared.parts(), |part| part.surface.faces().fans().into_owned());
     let meshes = prepared.parts().iter().map(|part| part.mesh);
     Ok(Part::of_all(meshes.zip(triangles).collect())?)
@@ -237,7 +238,7 @@ pub(crate) fn end_notes(locked: usize, done: &[Simplification], shares: Option<&
 }
 
 /// Returns a note on the locked vertices, if there are any.
-fn locked_note(locked: usize) -> Option<String> {
+pub(crate) fn locked_note(locked: usize) -> Option<String> {
     (locked > 0).then(|| format!("locked {} at positions that several parts use", counted(locked, "vertex")))
 }
 

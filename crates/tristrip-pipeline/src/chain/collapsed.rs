@@ -1,0 +1,91 @@
+//! The levels of a chain: which level of the collapses of each part is drawn, and the vertices in the order of their removal.
+
+use tristrip::CollapseSequence;
+use tristrip::simplify::Simplification;
+use tristrip_io::PartLevel;
+
+use super::coverage::PartExtent;
+use super::ratios::ChainRatios;
+use crate::error::Error;
+use crate::goal::Amount;
+use crate::simplify::Part;
+
+/// A level of all parts.
+pub(super) struct CollapsedLevel {
+    /// The number of triangles requested.
+    pub(super) target_triangles: usize,
+    /// The number of triangles drawn.
+    pub(super) triangles: usize,
+    /// Whether each part has at most its share of the triangles requested.
+    pub(super) reached: bool,
+    /// What is drawn of each part, over its vertices in the model.
+    pub(super) parts: Vec<PartLevel>,
+}
+
+/// Returns the levels, the finest first. Every level undoes collapses of the next coarser one.
+pub(super) fn levels(
+    parts: &[Part<'_>],
+    done: &[Simplification],
+    ratios: &ChainRatios,
+) -> Result<Vec<CollapsedLevel>, Error> {
+    let before: Vec<usize> = parts.iter().map(Part::triangle_count).collect();
+    let mut levels = Vec::new();
+    let mut coarser: Vec<Option<usize>> = vec![None; parts.len()];
+    for ratio in ratios.as_slice().iter().rev() {
+        let shares = Amount::Ratio(*ratio).shares(&before);
+        let mut level = CollapsedLevel {
+            target_triangles: shares.iter().sum(),
+            triangles: 0,
+            reached: true,
+            parts: Vec::with_capacity(parts.len()),
+        };
+        for (((part, done), &share), coarser) in parts.iter().zip(done).zip(&shares).zip(&mut coarser) {
+            let at = done.sequence.level_of_triangles(share);
+            let count = done.sequence.triangle_count(at)?;
+            level.triangles += count;
+            level.reached &= count <= share;
+            level.parts.push(part_level(part, &done.sequence, *coarser, at)?);
+            *coarser = Some(at);
+        }
+        levels.push(level);
+    }
+    levels.reverse();
+    Ok(levels)
+}
+
+/// Returns what a level draws of a part, and the vertices that it adds to the next coarser level.
+fn part_level(
+    part: &Part<'_>,
+    sequence: &CollapseSequence,
+    coarser: Option<usize>,
+    level: usize,
+) -> Result<PartLevel, Error> {
+    let mut triangles = sequence.drawn(level)?.into_flattened();
+    let mut added = Vec::new();
+    // The split of a level adds the vertices that the collapse to it removed.
+    for undone in coarser.unwrap_or(level)..level {
+        added.extend(sequence.collapse(undone)?.renames.iter().map(|rename| rename.removed));
+    }
+    part.compact.used.outward(&mut triangles);
+    part.compact.used.outward(&mut added);
+    Ok(PartLevel { triangles, added })
+}
+
+/// Returns the extent of a part and the errors of its levels.
+pub(super) fn extent(
+    part: &Part<'_>,
+    sequence: &CollapseSequence,
+    ratios: &ChainRatios,
+) -> Result<PartExtent, Error> {
+    let (mut lowest, mut highest) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for &vertex in part.triangles() {
+        for (axis, &x) in part.compact.mesh.positions()[vertex as usize].iter().enumerate() {
+            lowest[axis] = lowest[axis].min(x.into());
+            highest[axis] = highest[axis].max(x.into());
+        }
+    }
+    let error = |share: usize| sequence.error(sequence.level_of_triangles(share));
+    let shares = ratios.as_slice().iter().map(|ratio| ratio.of(part.triangle_count()));
+    let errors = shares.map(error).collect::<Result<Vec<f32>, _>>()?;
+    Ok(PartExtent { lowest, highest, errors })
+}
