@@ -105,7 +105,7 @@ pub fn in_level_order(
         let group = found.as_ref().map(|found| &found[number]);
         let counts: Vec<usize> = parts.iter().map(|&part| meshes[part].vertex_count()).collect();
         let vertex_count = counts.iter().copied().max().unwrap_or(0);
-        let mut kept = group.and_then(|group| group.why_ordered());
+        let mut kept = group.and_then(gltf::renumber::SceneGroup::why_ordered);
         if counts.iter().any(|&count| count != vertex_count) {
             kept.get_or_insert_with(|| {
                 "parts over shared accessors have different numbers of vertices".into()

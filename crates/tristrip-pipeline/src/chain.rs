@@ -217,7 +217,7 @@ pub fn chain_observed(
     notes.extend(more);
 
     // 4. The figures of the levels.
-    let coverage = coverages(extents.iter());
+    let coverage = coverages(&extents.iter().collect::<Vec<_>>());
     let figures = figures.into_iter().zip(options.ratios.as_slice()).zip(coverage).enumerate();
     let levels =
         figures.map(|(level, (((target_triangles, triangles, reached), &ratio), screen_coverage))| {

@@ -108,8 +108,8 @@ pub(crate) struct LodArgs {
     ///
     /// Up to 16 levels, the finest first. All are points of one simplification, and the vertices are in the order of their removal, so
     /// that each level uses the first vertices of the one before it. A GLB or .gltf holds all levels: the nodes of a mesh name those of
-    /// its lower levels with MSFT_lod, and MSFT_screencoverage says when each is drawn. Into a directory, each level is written as a file
-    /// of its own: NAME_0 is the finest. With --layout list, the triangles of each level are in the order of --method cache unless another
+    /// its lower levels with `MSFT_lod`, and `MSFT_screencoverage` says when each is drawn. Into a directory, each level is written as a file
+    /// of its own: `NAME_0` is the finest. With --layout list, the triangles of each level are in the order of --method cache unless another
     /// method is named.
     #[arg(
         long,

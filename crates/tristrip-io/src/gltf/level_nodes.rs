@@ -187,12 +187,13 @@ fn name_levels(node: &mut Value, lower: &[usize], coverage: &[f64]) {
 }
 
 /// Sets a member of an object that is itself a member, created if it is missing.
-fn set_inside(members: &mut Members, object: &str, name: &str, value: serde_json::Value) {
+fn set_inside(members: &mut Members, object: &str, name: &str, value: impl Into<Value>) {
     if !members.contains_key(object) {
         members.insert(object, Content::Object(Members::default()));
     }
-    let inner = members.get_mut(object).and_then(Value::as_object_mut);
-    inner.into_iter().for_each(|inner| inner.insert(name, value.clone()));
+    if let Some(inner) = members.get_mut(object).and_then(Value::as_object_mut) {
+        inner.insert(name, value);
+    }
 }
 
 /// Repeats the animations of morph weights for the nodes that draw the levels of each node.

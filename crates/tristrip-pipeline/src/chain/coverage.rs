@@ -31,17 +31,17 @@ pub(super) struct PartExtent {
 }
 
 /// Returns for each level of some parts, the finest first, the coverage down to which it is drawn.
-pub(super) fn coverages<'a>(parts: impl Iterator<Item = &'a PartExtent> + Clone) -> Vec<f64> {
+pub(super) fn coverages(parts: &[&PartExtent]) -> Vec<f64> {
     let axes = [0, 1, 2].map(|axis| {
-        let lowest = parts.clone().map(|part| part.lowest[axis]).fold(f64::INFINITY, f64::min);
-        let highest = parts.clone().map(|part| part.highest[axis]).fold(f64::NEG_INFINITY, f64::max);
+        let lowest = parts.iter().map(|part| part.lowest[axis]).fold(f64::INFINITY, f64::min);
+        let highest = parts.iter().map(|part| part.highest[axis]).fold(f64::NEG_INFINITY, f64::max);
         (highest - lowest).max(0.0)
     });
     let diameter = axes.iter().map(|x| x * x).sum::<f64>().sqrt();
-    let level_count = parts.clone().map(|part| part.errors.len()).max().unwrap_or(0);
+    let level_count = parts.iter().map(|part| part.errors.len()).max().unwrap_or(0);
     let mut from = 1.0;
     let begins = (1..level_count).map(|level| {
-        let error = parts.clone().map(|part| f64::from(part.errors[level])).fold(0.0, f64::max);
+        let error = parts.iter().map(|part| f64::from(part.errors[level])).fold(0.0, f64::max);
         let pixels = if error > 0.0 { diameter / error } else { f64::INFINITY };
         from = (FRAC_PI_4 * pixels * pixels / PIXELS).min(STEP * from);
         from
@@ -61,7 +61,7 @@ mod tests {
 
     #[test]
     fn a_level_begins_where_its_error_is_a_pixel() {
-        let found = coverages([extent(1000.0, &[0.0, 1.0, 3.0, 10.0])].iter());
+        let found = coverages(&[&extent(1000.0, &[0.0, 1.0, 3.0, 10.0])]);
         for (found, expected) in found.iter().zip([0.378, 0.0421, 0.00379, 0.0]) {
             assert!((found - expected).abs() < 0.001, "{found}, expected {expected}");
         }
@@ -72,18 +72,17 @@ mod tests {
 
     #[test]
     fn coverages_decrease_also_where_errors_do_not() {
-        let same = coverages([extent(1.0, &[0.0, 0.0, 0.5, 0.5, 0.5])].iter());
+        let same = coverages(&[&extent(1.0, &[0.0, 0.0, 0.5, 0.5, 0.5])]);
         assert!(same.is_sorted_by(|a, b| a > b) && (same[0] - STEP).abs() < 1e-9, "{same:?}");
-        let flat = coverages([extent(0.0, &[0.0, 1.0])].iter());
+        let flat = coverages(&[&extent(0.0, &[0.0, 1.0])]);
         assert_eq!(flat, [0.0, 0.0]);
     }
 
     #[test]
     fn parts_of_a_mesh_are_one_object() {
         let (large, small) = (extent(1000.0, &[0.0, 0.0]), extent(1.0, &[0.0, 3.0]));
-        let both = [large, small];
-        let apart = coverages(both[1..].iter());
-        let together = coverages(both.iter());
+        let both = [&large, &small];
+        let (apart, together) = (coverages(&both[1..]), coverages(&both));
         assert!(together[0] > 0.04 && apart[0] < 1e-6, "{together:?} {apart:?}");
     }
 }

@@ -57,13 +57,16 @@ impl Chain {
                 "several levels of detail in one file are written as GLB; others get a file per level";
             return Err(tristrip_io::Error::Unsupported(message.into()).into());
         }
-        self.check_format(options)?;
+        self.check_format(*options)?;
         // A model without a scene becomes one, and may lose what glTF cannot hold.
         let drawings = vec![tristrip_io::Drawing::Faces; model.parts.len()];
         let losses = tristrip_io::losses(&self.leveled.model, &drawings, options.format);
-        let coverage = |parts: &[usize]| coverage::coverages(parts.iter().map(|&part| &self.extents[part]));
+        let coverage = |parts: &[usize]| {
+            let extents: Vec<_> = parts.iter().map(|&part| &self.extents[part]).collect();
+            coverage::coverages(&extents)
+        };
         let scene = self.leveled.scene(&coverage)?;
-        let mut encoded = self.strip_and_encode(&scene.model, options, observer)?;
+        let mut encoded = self.strip_and_encode(&scene.model, *options, observer)?;
         let (level_bytes, faces) = self.prove_scene(model, &scene, &mut encoded.bytes, *options, observer)?;
         encoded.faces = faces;
         encoded.losses = losses;
@@ -100,15 +103,16 @@ impl Chain {
         options: &EncodeOptions,
         observer: &dyn Observer,
     ) -> Result<Encoded, Error> {
-        self.check_format(options)?;
+        self.check_format(*options)?;
         let last = self.levels.len() - 1;
         let triangles = self.leveled.triangles.get(level).ok_or(Error::Level { found: level, last })?;
         let smaller = tristrip_io::with_triangles(&self.leveled.model, triangles.clone(), options.format)?;
-        let mut encoded = self.strip_and_encode(&smaller.model, options, observer)?;
+        let mut encoded = self.strip_and_encode(&smaller.model, *options, observer)?;
         if options.verify {
             begin(observer, Stage::ReadBack)?;
             let shared = Arc::new(std::mem::take(&mut encoded.bytes));
-            let again = tristrip_io::read_shared(&shared, options.format).map_err(unproven)?;
+            let again =
+                tristrip_io::read_shared(&shared, options.format).map_err(|error| unproven(&error))?;
             encoded.faces = Some(self.prove_level(model, level, &meshes(&again))?);
             drop(again);
             encoded.bytes = Arc::unwrap_or_clone(shared);
@@ -118,7 +122,7 @@ impl Chain {
     }
 
     /// Checks that a file has the format that the vertices were numbered for.
-    fn check_format(&self, options: &EncodeOptions) -> Result<(), Error> {
+    fn check_format(&self, options: EncodeOptions) -> Result<(), Error> {
         let (found, expected) = (options.format, self.options.format);
         if found == expected {
             return Ok(());
@@ -131,7 +135,7 @@ impl Chain {
     fn strip_and_encode(
         &self,
         model: &Model,
-        options: &EncodeOptions,
+        options: EncodeOptions,
         observer: &dyn Observer,
     ) -> Result<Encoded, Error> {
         let stripify: StripifyOptions = self.options.stripify;
@@ -143,7 +147,7 @@ impl Chain {
         }
         drop(prepared);
         let keep_found = stripify.method() == Method::Cache;
-        let drawn = choose(model, (&strips, &of_parts), *options, keep_found);
+        let drawn = choose(model, (&strips, &of_parts), options, keep_found);
         let mut encoded = encode_observed(model, &drawn.drawings, &options.with_verify(false), observer)?;
         encoded.notes.extend(stopped.map(|stopped| stopped.note().to_owned()));
         Ok(encoded)
@@ -160,7 +164,7 @@ impl Chain {
     ) -> Result<(Vec<usize>, Option<usize>), Error> {
         begin(observer, Stage::ReadBack)?;
         let shared = Arc::new(std::mem::take(bytes));
-        let again = tristrip_io::read_shared(&shared, options.format).map_err(unproven)?;
+        let again = tristrip_io::read_shared(&shared, options.format).map_err(|error| unproven(&error))?;
         let Some(found) = &again.scene else { return Err(Error::Unproven("found no scene".into())) };
         let mesh_of_parts = found.mesh_of_parts();
         let (mut level_bytes, mut faces) = (Vec::new(), 0);
@@ -196,6 +200,6 @@ impl Chain {
     }
 }
 
-fn unproven(error: tristrip_io::Error) -> Error {
+fn unproven(error: &tristrip_io::Error) -> Error {
     Error::Unproven(error.to_string())
 }
