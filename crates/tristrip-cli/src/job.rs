@@ -68,6 +68,23 @@ impl Output {
             _ => false,
         }
     }
+
+    /// Returns the output of a level of detail: a file beside this one, with the number of the level in its name.
+    pub(crate) fn of_level(&self, level: usize) -> Self {
+        let path = self.path.as_deref().map(|path| path_of_level(path, level));
+        Self { path, ..*self }
+    }
+}
+
+/// Returns the name of a file with the number of a level before its extension.
+fn path_of_level(path: &Path, level: usize) -> PathBuf {
+    let mut name = path.file_stem().unwrap_or_default().to_owned();
+    name.push(format!("_{level}"));
+    if let Some(extension) = path.extension() {
+        name.push(".");
+        name.push(extension);
+    }
+    path.with_file_name(name)
 }
 
 /// Returns the name of a file, or `-` for a standard stream.
@@ -82,7 +99,25 @@ pub(crate) fn inputs_of(args: GeneralArgs) -> Result<Vec<Input>, String> {
 
 /// Returns the jobs of a subcommand that writes files.
 pub(crate) fn jobs_of(args: GeneralArgs, output: &OutputArgs) -> Result<Vec<Job>, String> {
-    jobs(inputs_of(args)?, output)
+    jobs_to(inputs_of(args)?, output, None)
+}
+
+/// Returns the jobs of a subcommand that writes several levels: into one GLB, or into a file each in a directory.
+pub(crate) fn jobs_of_levels(
+    args: GeneralArgs,
+    output: &OutputArgs,
+    level_count: usize,
+) -> Result<Vec<Job>, String> {
+    let jobs = jobs_to(inputs_of(args)?, output, Some(level_count))?;
+    for output in jobs.iter().filter_map(|job| job.output.as_ref()).filter(|output| !output.in_directory) {
+        if output.format != Format::Glb {
+            let (name, format) = (output.name(), output.format.name());
+            return Err(format!(
+                "{name}: {format} holds one level; use .glb, .gltf, or a directory for a file per level"
+            ));
+        }
+    }
+    Ok(jobs)
 }
 
 /// Returns the inputs of paths, of which one may be standard input.
@@ -103,8 +138,8 @@ fn is_dash(path: &Path) -> bool {
     path.as_os_str() == "-"
 }
 
-/// Pairs each input with its output.
-fn jobs(inputs: Vec<Input>, args: &OutputArgs) -> Result<Vec<Job>, String> {
+/// Pairs each input with its output; with a number of levels, an output in a directory is as many files.
+fn jobs_to(inputs: Vec<Input>, args: &OutputArgs, level_count: Option<usize>) -> Result<Vec<Job>, String> {
     let Some(target) = &args.target.output else {
         return Ok(inputs.into_iter().map(|input| Job { input, output: None }).collect());
     };
@@ -114,7 +149,7 @@ fn jobs(inputs: Vec<Input>, args: &OutputArgs) -> Result<Vec<Job>, String> {
     let slash =
         target.as_os_str().as_encoded_bytes().last().is_some_and(|&b| std::path::is_separator(b.into()));
     if inputs.len() > 1 || slash || target.is_dir() {
-        return jobs_to_directory(inputs, target, args);
+        return jobs_to_directory(inputs, target, args, level_count);
     }
     let format = match (args.target.to, Format::from_path(target)) {
         (Some(to), _) => to,
@@ -157,7 +192,12 @@ fn jobs_to_stdout(inputs: Vec<Input>, args: &OutputArgs) -> Result<Vec<Job>, Str
     Ok(inputs.into_iter().map(|input| Job { input, output: output() }).collect())
 }
 
-fn jobs_to_directory(inputs: Vec<Input>, directory: &Path, args: &OutputArgs) -> Result<Vec<Job>, String> {
+fn jobs_to_directory(
+    inputs: Vec<Input>,
+    directory: &Path,
+    args: &OutputArgs,
+    level_count: Option<usize>,
+) -> Result<Vec<Job>, String> {
     let format = args.target.to.unwrap_or(Format::Glb);
     let layout = layout(args, format)?;
     // Remove a slash at the end: with it, `exists` is false for a file.
@@ -172,6 +212,7 @@ fn jobs_to_directory(inputs: Vec<Input>, directory: &Path, args: &OutputArgs) ->
         ));
     }
     let mut first: HashMap<PathBuf, String> = HashMap::new();
+    let all: Vec<PathBuf> = inputs.iter().filter_map(|input| input.path.clone()).collect();
     let mut jobs = Vec::with_capacity(inputs.len());
     for input in inputs {
         let stem = input.path.as_ref().and_then(|path| path.file_stem()).unwrap_or("stdin".as_ref());
@@ -179,24 +220,28 @@ fn jobs_to_directory(inputs: Vec<Input>, directory: &Path, args: &OutputArgs) ->
         file.push(".");
         file.push(format.extension());
         let path = directory.join(file);
-        let same =
-            |a: &Path, b: &Path| matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b);
-        if input.path.as_ref().is_some_and(|from| same(from, &path)) {
-            return Err(format!(
-                "{}: the output would replace the input; choose another directory",
-                path.display()
-            ));
-        }
-        if let Some(other) = first.insert(path.clone(), input.name()) {
-            return Err(format!(
-                "{}: both {other} and {} would be written to this file",
-                path.display(),
-                input.name()
-            ));
+        let written = match level_count {
+            None => vec![path.clone()],
+            Some(count) => (0..count).map(|level| path_of_level(&path, level)).collect(),
+        };
+        for file in written {
+            if all.iter().any(|from| is_same_file(from, &file)) {
+                let file = file.display();
+                return Err(format!("{file}: the output would replace the input; choose another directory"));
+            }
+            if let Some(other) = first.insert(file.clone(), input.name()) {
+                let (file, name) = (file.display(), input.name());
+                return Err(format!("{file}: both {other} and {name} would be written to this file"));
+            }
         }
         jobs.push(Job { input, output: Some(Output::new(Some(path), true, format, layout)) });
     }
     Ok(jobs)
+}
+
+/// Returns whether two paths name the same file, links followed.
+fn is_same_file(a: &Path, b: &Path) -> bool {
+    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }
 
 /// Returns the requested layout, or the default of the format.

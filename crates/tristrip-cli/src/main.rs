@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! args ─▶ task ─▶ input ─▶ tristrip-pipeline, tristrip-lab ─▶ output ─▶ figures ─▶ console
-//!                 strip │ compare │ bound │ analyze │ verify │ convert │ simplify │ lod │ repro
+//!                 strip │ compare │ bound │ analyze │ verify │ convert │ simplify │ lod │ chain │ repro
 //! ```
 //! Exit code 0: everything was done and proven. 1: something was not proven, or an input or output was bad. 2: wrong usage.
 
@@ -12,6 +12,7 @@ mod analyze;
 mod args;
 mod batch;
 mod bound;
+mod chain;
 mod compare;
 mod console;
 mod convert;
@@ -79,6 +80,7 @@ fn run(task: &Task, console: &mut Console) -> bool {
         Task::Convert(task) => convert::run(task, console),
         Task::Simplify(task) => simplify::run(task, console),
         Task::Lod(task) => lod::run(task, console),
+        Task::Chain(task) => chain::run(task, console),
         Task::Repro(task) => repro::run(task, console),
         Task::Print(text) => {
             console.write_stdout(text);

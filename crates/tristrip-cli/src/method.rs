@@ -26,13 +26,13 @@ pub(crate) struct WeldArgs {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Method")]
 pub(crate) struct MethodArgs {
-    /// The stripification method
+    /// The stripification method [default: best]
     ///
     /// The default starts from the cheapest result of `sequential`, `stripe` and `input`, so it is never worse than the input. A higher
     /// --effort gives fewer indices. Most other methods are published algorithms, included for comparison; `tristrip compare` shows
     /// them side by side.
-    #[arg(short, long, value_parser = method_parser(), default_value_t = Method::Best, value_name = "METHOD")]
-    method: Method,
+    #[arg(short, long, value_parser = method_parser(), value_name = "METHOD")]
+    method: Option<Method>,
     /// When stripe-local triangulates polygons [default: whole]
     #[arg(long, value_parser = named(FaceTriangulation::ALL, FaceTriangulation::name, FaceTriangulation::summary), value_name = "WHEN")]
     triangulation: Option<FaceTriangulation>,
@@ -91,18 +91,23 @@ pub(crate) struct MethodArgs {
 }
 
 impl MethodArgs {
+    /// Uses the order for vertex caches unless a method is named: for triangle lists, in which strips save nothing.
+    pub(crate) fn for_lists(self) -> Self {
+        Self { method: self.method.or(Some(Method::Cache)), ..self }
+    }
+
     /// Builds the options. With `all_methods`, the flags of searches fit any method, because all methods run.
     ///
     /// # Errors
     /// A flag belongs to another method.
     pub(crate) fn validate(&self, all_methods: bool) -> Result<StripifyOptions, String> {
-        let local = matches!(self.method, Method::StripeLocal { .. });
-        let global = matches!(self.method, Method::StripeGlobal { .. });
-        let (tunnel, eta) =
-            (matches!(self.method, Method::Tunnel { .. }), matches!(self.method, Method::Eta(_)));
+        let chosen = self.method.unwrap_or(Method::Best);
+        let local = matches!(chosen, Method::StripeLocal { .. });
+        let global = matches!(chosen, Method::StripeGlobal { .. });
+        let (tunnel, eta) = (matches!(chosen, Method::Tunnel { .. }), matches!(chosen, Method::Eta(_)));
         let check = |flag: &str, is_set: bool, fits: bool, methods: &str| {
             if is_set && !fits {
-                return Err(format!("{flag} belongs to --method {methods}, not to {}", self.method));
+                return Err(format!("{flag} belongs to --method {methods}, not to {chosen}"));
             }
             Ok(())
         };
@@ -110,9 +115,9 @@ impl MethodArgs {
         check("--ties", self.ties.is_some(), local, "stripe-local")?;
         check("--patches", self.patches.is_some(), global, "stripe-global")?;
         check("--cutoff", self.cutoff.is_some(), global, "stripe-global")?;
-        let best = matches!(self.method, Method::Best);
-        let cache = self.method == Method::Cache;
-        let search = best || cache || self.method == Method::Fewest || all_methods;
+        let best = matches!(chosen, Method::Best);
+        let cache = chosen == Method::Cache;
+        let search = best || cache || chosen == Method::Fewest || all_methods;
         let tunnels = tunnel || eta;
         check("--cost", self.cost.is_some(), best, "best")?;
         check("--effort", self.effort.is_some(), search, "best, fewest or cache")?;
@@ -125,7 +130,7 @@ impl MethodArgs {
         check("--start", self.start.is_some(), eta, "eta")?;
         let randomized = local || global || search || eta;
         check("--seed", self.seed.is_some(), randomized, "best, fewest, cache, eta or one of stripe")?;
-        let method = match self.method {
+        let method = match chosen {
             Method::StripeLocal { triangulation, ties } => Method::StripeLocal {
                 triangulation: self.triangulation.unwrap_or(triangulation),
                 ties: self.ties.unwrap_or(ties),

@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::Path;
+use std::time::Duration;
 
 use tristrip_io::SideFile;
 use tristrip_lab::text;
@@ -22,6 +23,14 @@ pub(crate) struct WriteReport<'a> {
     pub(crate) vertex_order: Option<&'a mut Option<Vec<GroupReport>>>,
 }
 
+/// The search for strips within a write.
+pub(crate) struct SearchReport<'a> {
+    /// The time after which the search is stopped.
+    pub(crate) budget: Option<Duration>,
+    /// The time of the search.
+    pub(crate) stripify: &'a mut Option<f64>,
+}
+
 /// Writes a model: encodes it, which proves that the bytes draw the source unless the user did not want it, and writes them to the
 /// output. `strips` states whether any part is drawn as strips.
 pub(crate) fn write(
@@ -31,6 +40,21 @@ pub(crate) fn write(
     report: WriteReport<'_>,
     encode: impl FnOnce(&dyn Observer) -> Result<Encoded, Error>,
 ) -> Result<(), Failure> {
+    let search = SearchReport { budget: None, stripify: &mut None };
+    write_searched(output, strips, console, report, search, encode).map(drop)
+}
+
+/// Does the same where the encoding searches for strips, and returns the size of the files in bytes. Times are added to those of the
+/// report.
+pub(crate) fn write_searched(
+    output: &Output,
+    strips: bool,
+    console: &mut Console,
+    report: WriteReport<'_>,
+    search: SearchReport<'_>,
+    encode: impl FnOnce(&dyn Observer) -> Result<Encoded, Error>,
+) -> Result<usize, Failure> {
+    let SearchReport { budget, stripify } = search;
     let WriteReport { write, verify, notes, mut vertex_order } = report;
     let mut write_seconds = 0.0;
     let show = |event: Event<'_>, seconds: f64| match event {
@@ -40,6 +64,10 @@ pub(crate) fn write(
             if let Some(order) = &mut vertex_order {
                 **order = Some(groups.iter().map(GroupReport::of).collect());
             }
+        }
+        Event::Stripified { strips, .. } => {
+            console.stage("stripify", &counted(strips, "strip"), Some(seconds));
+            *stripify = Some(stripify.unwrap_or(0.0) + seconds);
         }
         Event::Encoded { .. } => write_seconds += seconds,
         Event::ReadBack { faces } => {
@@ -54,7 +82,8 @@ pub(crate) fn write(
         }
         _ => (),
     };
-    let encoded = encode(&Stages::new(console, 0.0, show)).map_err(|error| not_written(output, error))?;
+    let stages = Stages::new(console, 0.0, show).with_budget(budget);
+    let encoded = encode(&stages).map_err(|error| not_written(output, error))?;
     let (written, bytes_seconds) = timed(|| write_files(output, &encoded, console));
     let size = written?;
     write_seconds += bytes_seconds;
@@ -64,9 +93,9 @@ pub(crate) fn write(
         console.stage("write", &what, Some(write_seconds));
     }
     encoded.losses.iter().for_each(|loss| console.note(loss));
-    *write = Some(write_seconds);
+    *write = Some(write.unwrap_or(0.0) + write_seconds);
     notes.extend(encoded.losses);
-    Ok(())
+    Ok(size)
 }
 
 /// Names the output in the error of a result that is not proven.

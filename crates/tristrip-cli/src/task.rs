@@ -9,11 +9,12 @@ use tristrip::lod::RepairOptions;
 use tristrip::vertex_cache::FlushPolicy;
 use tristrip::{Layout, StripifyOptions};
 use tristrip_pipeline::{
-    Amount, AnalyzeOptions, DisplayFilter, Goal, Level, Ratio, SimplifyOptions, VertexCacheList,
+    Amount, AnalyzeOptions, ChainRatios, Deviation, DisplayFilter, Goal, Level, Ratio, SimplifyOptions,
+    VertexCacheList,
 };
 
 use crate::args::{self, AnalyzeArgs, Command, LodArgs, OutputArgs, SharedArgs};
-use crate::job::{Input, Job, inputs, inputs_of, jobs_of, write_to_stdout};
+use crate::job::{Input, Job, inputs, inputs_of, jobs_of, jobs_of_levels, write_to_stdout};
 use crate::shell;
 use crate::values::ModelName;
 
@@ -31,6 +32,7 @@ pub(crate) enum Task {
     Convert(ConvertTask),
     Simplify(SimplifyTask),
     Lod(LodTask),
+    Chain(ChainTask),
     Repro(ReproTask),
     /// A text to print: completions, or a man page.
     Print(Vec<u8>),
@@ -129,6 +131,19 @@ pub(crate) struct LodTask {
 }
 
 #[derive(Debug)]
+pub(crate) struct ChainTask {
+    pub(crate) jobs: Vec<Job>,
+    pub(crate) ratios: ChainRatios,
+    /// The maximum error of a collapse.
+    pub(crate) deviation: Deviation,
+    pub(crate) options: StripifyOptions,
+    pub(crate) budget: Option<Duration>,
+    /// Whether a part may be written as a list: not if the user chose a layout.
+    pub(crate) list: bool,
+    pub(crate) verify: bool,
+}
+
+#[derive(Debug)]
 pub(crate) struct ReproTask {
     /// The keys of the papers.
     pub(crate) papers: BTreeSet<String>,
@@ -151,7 +166,8 @@ impl Task {
             Self::Strip(StripTask { jobs, .. })
             | Self::Convert(ConvertTask { jobs, .. })
             | Self::Simplify(SimplifyTask { jobs, .. })
-            | Self::Lod(LodTask { jobs, .. }) => write_to_stdout(jobs),
+            | Self::Lod(LodTask { jobs, .. })
+            | Self::Chain(ChainTask { jobs, .. }) => write_to_stdout(jobs),
             Self::Compare(_)
             | Self::Bound(_)
             | Self::Analyze(_)
@@ -252,7 +268,10 @@ fn validate(command: Command, papers: &[&str]) -> Result<Task, String> {
                 options.with_permissive(permissive).with_locked_borders(lock_borders).with_verify(verify);
             Task::Simplify(SimplifyTask { jobs, options, picture: args.picture })
         }
-        Command::Lod(args) => lod_task(*args)?,
+        Command::Lod(args) => match args.chain.clone() {
+            Some(ratios) => chain_task(*args, ratios)?,
+            None => lod_task(*args)?,
+        },
         Command::Repro(args) => {
             let papers = select_papers(args.papers, papers)?;
             let models = args.models.unwrap_or_else(default_models);
@@ -293,6 +312,22 @@ fn lod_task(args: LodArgs) -> Result<Task, String> {
         verify: !args.output.target.no_verify,
     };
     Ok(Task::Lod(task))
+}
+
+fn chain_task(args: LodArgs, ratios: ChainRatios) -> Result<Task, String> {
+    let jobs = jobs_of_levels(args.general, &args.output, ratios.as_slice().len())?;
+    let draws_lists = args.output.layout == Some(Layout::List);
+    let method = if draws_lists { args.method.for_lists() } else { args.method };
+    let task = ChainTask {
+        jobs,
+        ratios,
+        deviation: args.error.unwrap_or_default(),
+        options: method.validate(false)?,
+        budget: method.budget(),
+        list: args.output.layout.is_none(),
+        verify: !args.output.target.no_verify,
+    };
+    Ok(Task::Chain(task))
 }
 
 /// Returns the effort of [`DisplayFilter::Repair`].

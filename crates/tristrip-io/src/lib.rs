@@ -30,6 +30,7 @@ mod format;
 pub mod gltf;
 mod join;
 mod le_bytes;
+mod levels;
 mod materials;
 mod model;
 mod new_vertices;
@@ -51,6 +52,7 @@ pub use error::Error;
 pub use format::Format;
 #[cfg(feature = "fs")]
 pub use gltf::images::EmbeddedImages;
+pub use levels::{LeveledModel, PartLevel, SceneLevels, in_level_order};
 pub use materials::{Materials, SideFile};
 pub use model::{Drawing, Model, Part, StoredStrips};
 pub use new_vertices::{Extended, NewVertices, fixed_vertices, with_new_vertices};

@@ -1,11 +1,16 @@
-//! Pictures of a textured scene, built here: strips change no pixel, simplification opens no hole, and a torn mesh is noticed.
+//! Pictures of a textured scene, built here: strips change no pixel, simplification opens no hole, a torn mesh is noticed, and
+//! a level of detail looks the same in a scene and in its own file.
 #![allow(clippy::unwrap_used, reason = "tests")]
 
 use std::f64::consts::PI;
 
+use serde_json::Value;
 use tristrip_io::{Format, Model, read, with_triangles};
 use tristrip_lab::render::{Differences, Mode, TexturedModel, compare, rows_of_sides};
-use tristrip_pipeline::{Amount, EncodeOptions, Goal, Ratio, SimplifyOptions, StripOptions, simplify, strip};
+use tristrip_pipeline::{
+    Amount, ChainOptions, Deviation, EncodeOptions, Goal, Ratio, SimplifyOptions, StripOptions, chain,
+    simplify, strip,
+};
 
 /// Quadrilaterals around, and from pole to pole.
 const AROUND: usize = 32;
@@ -201,4 +206,53 @@ fn wrong_images_and_a_model_behind_the_eye_are_refused() {
     };
     let error = compare(&triangle("1"), &triangle("100"), Mode::Shaded).unwrap_err().to_string();
     assert!(error.contains("behind the eye"), "{error}");
+}
+
+/// Returns a GLB in which the nodes of a level stand where those of the finest level stood.
+fn with_level(glb: &[u8], level: usize) -> Vec<u8> {
+    let length = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
+    let mut json: Value = serde_json::from_slice(&glb[20..20 + length]).unwrap();
+    let nodes = json["nodes"].clone();
+    let replace = |list: &mut Value| {
+        for node in list.as_array_mut().into_iter().flatten() {
+            let lower = &nodes[node.as_u64().unwrap() as usize]["extensions"]["MSFT_lod"]["ids"];
+            if level > 0 && lower.is_array() {
+                *node = lower[level - 1].clone();
+            }
+        }
+    };
+    json["scenes"].as_array_mut().unwrap().iter_mut().for_each(|scene| replace(&mut scene["nodes"]));
+    let with_children = json["nodes"].as_array_mut().unwrap().iter_mut();
+    with_children
+        .filter(|node| node.get("children").is_some())
+        .for_each(|node| replace(&mut node["children"]));
+    let mut text = serde_json::to_vec(&json).unwrap();
+    text.resize(text.len().next_multiple_of(4), b' ');
+    let head = [12 + 8 + text.len() + glb.len() - 20 - length, text.len()].map(|n| (n as u32).to_le_bytes());
+    [&glb[..8], &head[0], &head[1], &glb[16..20], &text, &glb[20 + length..]].concat()
+}
+
+/// One egg has a child, so that its mesh moves to another one; the other only places its mesh.
+#[test]
+fn every_level_of_a_scene_looks_like_its_own_file() {
+    let model = scene();
+    let options = ChainOptions::new("100%,50%,20%".parse().unwrap(), Format::Glb);
+    let chain = chain(&model, &options.with_deviation(Deviation::Percent(100.0))).unwrap();
+    let encode = EncodeOptions::new(Format::Glb);
+    let all = chain.encode(&model, &encode, &()).unwrap().encoded.bytes;
+    let text = String::from_utf8_lossy(&all).into_owned();
+    assert_eq!(text.matches("MSFT_lod\":").count(), 2);
+    let mut shown = Vec::new();
+    for level in 0..3 {
+        let own = chain.encode_level(&model, level, &encode, &()).unwrap().bytes;
+        let own = read(&own, Format::Glb).unwrap();
+        let in_scene = read(&with_level(&all, level), Format::Glb).unwrap();
+        let [own, in_scene] = [own, in_scene].map(|model| TexturedModel::new(&model).unwrap());
+        let found = compare(&own, &in_scene, Mode::Textured).unwrap();
+        assert!(found.shown > 50_000, "{found:?}");
+        assert_eq!((found.different, found.holes, found.grown), (0, 0, 0), "level {level}: {found:?}");
+        shown.push(own);
+    }
+    // The comparison sees a level that is not the right one.
+    assert!(compare(&shown[0], &shown[2], Mode::Textured).unwrap().different > 1000);
 }

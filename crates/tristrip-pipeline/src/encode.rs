@@ -230,13 +230,13 @@ fn reorder(
     begin(observer, Stage::Reorder)?;
     let reordered = tristrip_io::reorder(model, drawings, options.format, options.layout)?;
     observer.event(Event::Reordered(&reordered.groups));
-    notes.extend(kept(&reordered.groups));
+    notes.extend(kept_groups(&reordered.groups));
     notes.iter().for_each(|note| observer.event(Event::Note(note)));
     Ok(reordered)
 }
 
 /// Returns a note per reason for which parts kept their vertex order.
-fn kept(groups: &[VertexGroup]) -> Vec<String> {
+pub(crate) fn kept_groups(groups: &[VertexGroup]) -> Vec<String> {
     let mut by_reason: BTreeMap<&str, usize> = BTreeMap::new();
     for group in groups {
         if let Some(why) = &group.kept {

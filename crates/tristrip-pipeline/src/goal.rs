@@ -4,7 +4,7 @@ use std::fmt;
 use std::str::FromStr;
 
 /// A ratio from 0 to 1, of triangles or collapses: `0.05` or `5%`.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
 pub struct Ratio(f64);
 
 impl Ratio {
@@ -20,6 +20,15 @@ impl Ratio {
     /// ```
     pub fn new(ratio: f64) -> Option<Self> {
         (0.0..=1.0).contains(&ratio).then_some(Self(ratio))
+    }
+
+    /// Returns the ratio as a number from 0 to 1.
+    ///
+    /// ```
+    /// assert!(tristrip_pipeline::Ratio::ZERO.value() < f64::EPSILON);
+    /// ```
+    pub fn value(self) -> f64 {
+        self.0
     }
 
     /// Multiplies a count, and rounds to the nearest integer.

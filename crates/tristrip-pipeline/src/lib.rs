@@ -4,6 +4,7 @@
 //! ```text
 //! Model ─▶ PreparedModel ─▶ strips of each part ─ proof ─▶ encode ─ read back, proof ─▶ bytes
 //!   │            └▶ bounds, figures of the mesh     │
+//!   ├▶ chain: collapses ─ levels asked for, vertices in the order of removal ─▶ one scene, or a file per level, proven
 //!   ├▶ simplify: parts that share borders together ─▶ smaller model
 //!   └▶ levels: strips ─ collapses of all parts in one order ─▶ display strips of any level, proven
 //! ```
@@ -27,6 +28,7 @@
 mod analyze;
 mod bound;
 mod bounds;
+mod chain;
 mod collapses;
 mod convert;
 mod drawing;
@@ -52,6 +54,7 @@ pub use analyze::{
 };
 pub use bound::{Bounded, PartBound, bound, bound_observed};
 pub use bounds::{BoundGap, Bounds};
+pub use chain::{Chain, ChainLevel, ChainOptions, ChainRatios, EncodedChain, chain, chain_observed};
 pub use collapses::Collapses;
 pub use convert::{ConvertOptions, Converted, convert, convert_observed, strips_as_stored};
 pub use drawing::{DrawCost, Drawn, DrawnAs, DrawnParts};

@@ -29,6 +29,7 @@ pub(crate) use parts::{
     CollapseRules, Part, PartCollapses, UsedVertices, base_triangles, diagonal, has_reached, simplify_all,
     step_count, surface_error,
 };
+pub(crate) use warning::{sum as sum_stopped, warning};
 
 /// The maximum number of parts with a note of their own on where they stopped.
 const MAX_NAMED_PARTS: usize = 8;
@@ -205,7 +206,7 @@ pub fn simplify_observed(
         target_triangles: shares.as_ref().map(|shares| shares.iter().sum()),
         target_error: Some(target_error),
         reached: shares.is_none() || has_reached(&done),
-        stopped: shares.as_deref().and_then(|shares| warning::sum(&done, shares)),
+        stopped: shares.as_deref().and_then(|shares| sum_stopped(&done, shares)),
         surface_error: surface_error(&done)?,
         diagonal,
         vanished_components: done.iter().map(|done| done.vanished).sum(),
@@ -217,7 +218,7 @@ pub fn simplify_observed(
         observer.event(Event::Note(&note));
         notes.push(note);
     }
-    let warning = warning::warning(&collapses, options.goal.deviation);
+    let warning = warning(&collapses, options.goal.deviation);
     warning.iter().for_each(|warning| observer.event(Event::Warning(warning)));
 
     // 3. How far the result is from the original.
@@ -273,7 +274,7 @@ impl Simplified {
 }
 
 /// Returns the triangles of all parts, polygons as fans around their first corner, and the number of places that were not compared.
-fn fans<'a>(prepared: &PreparedModel<'a>) -> Result<(Vec<Part<'a>>, usize), Error> {
+pub(crate) fn fans<'a>(prepared: &PreparedModel<'a>) -> Result<(Vec<Part<'a>>, usize), Error> {
     let triangles = map(prepared.parts(), |part| part.surface.faces().fans().into_owned());
     let meshes = prepared.parts().iter().map(|part| part.mesh);
     Ok(Part::of_all(meshes.zip(triangles).collect(), prepared.places())?)
@@ -338,7 +339,7 @@ pub(crate) fn end_notes(locked: usize, done: &[PartCollapses], shares: Option<&[
 }
 
 /// Returns a note on the locked vertices, if there are any.
-fn locked_note(locked: usize) -> Option<String> {
+pub(crate) fn locked_note(locked: usize) -> Option<String> {
     (locked > 0).then(|| {
         format!("locked {} that touch parts in other places of the scene", counted(locked, "vertex"))
     })

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use tristrip::Effort;
 use tristrip::simplify::AttributeWeights;
-use tristrip_pipeline::{Deviation, DisplayFilter, Level, Normals, Ratio};
+use tristrip_pipeline::{ChainRatios, Deviation, DisplayFilter, Level, Normals, Ratio};
 
 use super::groups::{GeneralArgs, OutputArgs, TargetArgs};
 use crate::method::MethodArgs;
@@ -79,12 +79,16 @@ pub(crate) struct SimplifyArgs {
 /// Strips are built once, for the full mesh. Half-edge collapses, the cheapest first, rename vertices in them down to a base mesh. Level 0
 /// is the base mesh, the highest level is the full mesh, and each level adds one vertex. A filter removes degenerate triangles
 /// before a level is drawn. The level is proven to draw exactly the triangles that remain after the collapses. Without -o, only report.
+///
+/// With --chain, several levels are written that a viewer switches between: as one GLB, or as a file per level.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip lod bunny.ply --level 40% -o level.glb     strips at any level
   tristrip lod bunny.ply --table                      vertices sent by each filter, level by level
   tristrip lod bunny.ply --method stripe --base 1% --filter dtfs --level 120
-  tristrip lod bunny.ply --compare --plot lod.svg     filters compared with a triangle list")]
+  tristrip lod bunny.ply --compare --plot lod.svg     filters compared with a triangle list
+  tristrip lod truck.gltf --chain 100%,50%,25%,10% -o truck.lod.glb
+  tristrip lod duck.glb --chain 100%,50%,25%,10% -o levels/ --layout list")]
 pub(crate) struct LodArgs {
     #[command(flatten)]
     pub(crate) general: GeneralArgs,
@@ -117,6 +121,25 @@ pub(crate) struct LodArgs {
     /// Plot the vertices sent by every filter against the level, in an SVG file; up to three inputs
     #[arg(long, value_name = "FILE", help_heading = "Levels")]
     pub(crate) plot: Option<PathBuf>,
+    /// Write levels that keep these ratios of the triangles of each part, such as 100%,50%,25%,10%
+    ///
+    /// Up to 16 levels, the finest first. All are points of one simplification, and the vertices are in the order of their removal, so
+    /// that each level uses the first vertices of the one before it. A GLB or .gltf holds all levels: the nodes of a mesh name those of
+    /// its lower levels with `MSFT_lod`, and `MSFT_screencoverage` says when each is drawn. Into a directory, each level is written as a file
+    /// of its own: `NAME_0` is the finest. With --layout list, the triangles of each level are in the order of --method cache unless another
+    /// method is named.
+    #[arg(
+        long,
+        value_name = "RATIOS",
+        help_heading = "Chain",
+        conflicts_with_all = ["model", "base", "level", "filter", "filter_effort", "table", "compare", "plot"],
+    )]
+    pub(crate) chain: Option<ChainRatios>,
+    /// The maximum error of a collapse of --chain: a distance in mesh units, or a percentage of the diagonal [default: 1%]
+    ///
+    /// A level that needs a larger error is not reached: it has more triangles, and a warning says so.
+    #[arg(long, value_name = "DISTANCE", help_heading = "Chain", requires = "chain")]
+    pub(crate) error: Option<Deviation>,
     #[command(flatten)]
     pub(crate) output: OutputArgs,
     #[command(flatten)]

@@ -54,7 +54,7 @@ fn the_docs_contain_the_help() {
 }
 
 /// The command of the sample in each section of FORMAT.md.
-const SAMPLES: [&str; 9] = [
+const SAMPLES: [&str; 10] = [
     "strip fish_control.ply -o fish.glb --json",
     "compare fish_control.ply --json",
     "bound fish_control.ply --json",
@@ -63,6 +63,7 @@ const SAMPLES: [&str; 9] = [
     "convert fish_control.ply -o fish.obj --json",
     "simplify fish_control.ply --ratio 50% -o small.ply --json",
     "lod fish_control.ply --level 50% -o level.glb --json",
+    "lod fish_control.ply --chain 100%,50%,10% -o levels.glb --json",
     "repro --papers 000 --models . -o . --json",
 ];
 
@@ -101,7 +102,8 @@ fn the_samples_of_reports_are_what_the_command_prints() {
     for line in SAMPLES {
         let mut report = json(tristrip().args(line.split_whitespace()).current_dir(&dir));
         sample_of(&mut report);
-        let name = line.split_whitespace().next().unwrap();
+        let mut name = line.split_whitespace().next().unwrap().to_owned();
+        name.push_str(if line.contains("--chain") { " --chain" } else { "" });
         let heading = format!("### `tristrip {name}`\n\n");
         let report = serde_json::to_string_pretty(&report).unwrap();
         let sample = format!("`tristrip {line}` prints\n\n```json\n{report}\n```\n\n");
@@ -146,6 +148,8 @@ fn every_json_key_is_described() {
     let lod = json(tristrip().args(["lod", "--json", "--table", "--compare"]).arg(&fish));
     let row = &lod["table"][0];
     let levels = [&lod, &lod["seconds"], row, &row["vertices_sent"], &row["refinement"], &lod["compare"][0]];
+    let chain = json(tristrip().args(["lod", "--json", "--chain", "100%,50%"]).arg(&fish));
+    let chain = [&chain, &chain["seconds"], &chain["chain"][0]];
     let simplified = json(tristrip().args(["simplify", "--json", "--ratio", "50%"]).arg(&fish));
     let whole = [
         &simplified,
@@ -164,7 +168,7 @@ fn every_json_key_is_described() {
     let inner = [&strip["mesh"], &strip["seconds"], &best["bound"], &bound["bound"], &bound["components"][0]];
     let analyzed = [&analyze["seconds"], &analyze["vertex_caches"][0], &analyze["by_part"][0]];
     let ordered = [&ordered["vertex_order"][0], &drawn["pareto"][0]];
-    let reports = [&levels[..], &whole[..], &inner[..], &analyzed[..], &ordered[..]].concat();
+    let reports = [&levels[..], &chain[..], &whole[..], &inner[..], &analyzed[..], &ordered[..]].concat();
     for key in reports.into_iter().flat_map(keys) {
         assert!(described.contains(&format!("`{key}`")), "FORMAT.md does not describe `{key}`");
     }

@@ -3,6 +3,7 @@
 #![expect(clippy::panic, reason = "a test that panics fails")]
 
 mod analyze;
+mod chain;
 mod compare;
 mod convert;
 mod documents;

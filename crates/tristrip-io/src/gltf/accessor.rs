@@ -256,6 +256,29 @@ impl AccessorValues<'_> {
         self.sparse.as_ref().map_or(Ok(()), |sparse| sparse.indices(self.count).map(drop))
     }
 
+    /// Returns the first values, at most as many as there are; those that are replaced among them stay replaced.
+    pub(super) fn first(mut self, count: usize) -> Result<Self, Error> {
+        let count = count.min(self.count);
+        if let Some(sparse) = &mut self.sparse {
+            let left = sparse.indices(self.count)?.partition_point(|&index| (index as usize) < count);
+            sparse.indices = &sparse.indices[..left * sparse.component.bytes()];
+            sparse.values = &sparse.values[..left * self.element];
+        }
+        Ok(Self { count, ..self })
+    }
+
+    /// Returns the number of values that are replaced.
+    pub(super) fn sparse_count(&self) -> usize {
+        self.sparse.as_ref().map_or(0, |sparse| sparse.values.len() / self.element)
+    }
+
+    /// Returns the bytes of the values in the file, without those between them: values that are replaced count twice, with their
+    /// indices.
+    pub(super) fn stored_bytes(&self) -> usize {
+        let base = if self.base.is_some() { self.count * self.element } else { 0 };
+        base + self.sparse.as_ref().map_or(0, |sparse| sparse.indices.len() + sparse.values.len())
+    }
+
     /// Decodes all values, each of `per` items of `N` bytes.
     fn decode<T: Copy, const N: usize>(
         &self,

@@ -5,11 +5,12 @@ use std::collections::HashSet;
 use super::json::{Content, Members, Value};
 
 use super::document::{array, index, items};
+use super::spec::{LEVELS_OF_DETAIL, SCREEN_COVERAGE};
 use crate::error::Error;
 
 /// Extensions of which every number is known: none refers to an accessor or a buffer view. Numbers inside their own extensions and
 /// extras count.
-const WITHOUT_REFERENCES: [&str; 7] = [
+const WITHOUT_REFERENCES: [&str; 8] = [
     "EXT_lights_image_based",
     "EXT_texture_avif",
     "EXT_texture_webp",
@@ -17,6 +18,7 @@ const WITHOUT_REFERENCES: [&str; 7] = [
     "KHR_mesh_quantization",
     "KHR_texture_basisu",
     "KHR_texture_transform",
+    LEVELS_OF_DETAIL,
 ];
 
 /// How the names of further such extensions begin.
@@ -39,6 +41,9 @@ impl ExtensionNumbers {
     }
 
     fn add(&mut self, key: &str, value: &Value, inside: bool) {
+        if key == SCREEN_COVERAGE {
+            return;
+        }
         self.names_bytes |= inside && matches!(key, "buffer" | "byteOffset" | "byteLength");
         match &value.content {
             Content::Object(members) if key == "extensions" => {
@@ -91,4 +96,11 @@ pub(super) fn skin_and_animation_accessors(root: &Members) -> Result<HashSet<usi
         }
     }
     Ok(used)
+}
+
+/// Returns the accessors of positions, also those of morph targets.
+pub(super) fn position_accessors(root: &Members) -> Result<HashSet<usize>, Error> {
+    let primitives = array(root, "meshes")?.iter().flat_map(|mesh| items(mesh, "primitives"));
+    let objects = primitives.flat_map(|p| items(p, "targets").iter().chain(p.get("attributes")));
+    Ok(objects.filter_map(|object| index(object.get("POSITION")?)).collect())
 }

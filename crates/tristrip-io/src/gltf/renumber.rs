@@ -303,7 +303,7 @@ impl SceneGroup {
 }
 
 /// Iterates over the accessors that have a value for each vertex of a primitive.
-fn vertex_accessors(primitive: &Value) -> impl Iterator<Item = usize> {
+pub(super) fn vertex_accessors(primitive: &Value) -> impl Iterator<Item = usize> {
     let attributes = primitive.get("attributes").into_iter().flat_map(values);
     let targets = items(primitive, "targets").iter().flat_map(values);
     attributes.chain(targets).filter_map(index)

@@ -27,10 +27,10 @@ use super::accessor::AccessorResolver;
 use super::bounds::bounds;
 use super::budget::{ATTRIBUTE_LIMIT, DecodeBudget};
 use super::buffer::view_range;
-use super::document::{Located, array, entries_mut, index, items};
+use super::document::{Located, array, entries_mut, index};
 use super::json::{Members, Value};
 use super::permute::{AccessorLayout, PermutedBuffers, VERTEX_FACTOR};
-use super::references::{ExtensionNumbers, views_of_accessor};
+use super::references::{ExtensionNumbers, position_accessors, views_of_accessor};
 use super::removed_bytes::RemovedBytes;
 use super::scene::Scene;
 use super::shared_bytes::SharedBytes;
@@ -181,13 +181,6 @@ impl Shrink {
         self.freed.into_iter().for_each(|(buffer, range)| freed[buffer].push(range));
         Ok(freed.into_iter().zip(kept).map(|(freed, kept)| RemovedBytes::plan(freed, kept)).collect())
     }
-}
-
-/// Returns the accessors of positions, also those of morph targets.
-fn position_accessors(root: &Members) -> Result<HashSet<usize>, Error> {
-    let primitives = array(root, "meshes")?.iter().flat_map(|mesh| items(mesh, "primitives"));
-    let objects = primitives.flat_map(|p| items(p, "targets").iter().chain(p.get("attributes")));
-    Ok(objects.filter_map(|object| index(object.get("POSITION")?)).collect())
 }
 
 /// Moves the views and the accessors to the bytes that stay.

@@ -19,6 +19,12 @@ pub(super) const COMPRESSIONS: [&str; 2] = ["EXT_meshopt_compression", "KHR_mesh
 /// The extension that allows the restart index.
 pub(super) const RESTART_EXTENSION: &str = "KHR_mesh_primitive_restart";
 
+/// The extension that names the nodes, or materials, of lower levels of detail, and nothing else.
+pub(super) const LEVELS_OF_DETAIL: &str = "MSFT_lod";
+
+/// The extras of a node with levels of detail: the screen coverages down to which its levels are drawn.
+pub(super) const SCREEN_COVERAGE: &str = "MSFT_screencoverage";
+
 /// Extensions that describe the order of indices, and become invalid when the indices change.
 pub(super) const ORDER_EXTENSIONS: [&str; 3] =
     ["EXT_mesh_manifold", "EXT_mesh_primitive_edge_visibility", "EXT_mesh_primitive_restart"];

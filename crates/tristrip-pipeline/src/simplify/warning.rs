@@ -8,7 +8,7 @@ use crate::goal::Deviation;
 use crate::text::{count, counted};
 
 /// Sums the reasons of the parts that have more triangles than their shares; `None` if there are none.
-pub(super) fn sum(done: &[PartCollapses], shares: &[usize]) -> Option<Stopped> {
+pub(crate) fn sum(done: &[PartCollapses], shares: &[usize]) -> Option<Stopped> {
     let mut sum: Option<Stopped> = None;
     for (done, &share) in done.iter().zip(shares) {
         if let Some(stopped) = done.stopped.filter(|stopped| stopped.triangle_count > share) {
@@ -26,7 +26,7 @@ pub(super) fn sum(done: &[PartCollapses], shares: &[usize]) -> Option<Stopped> {
 }
 
 /// Returns a sentence on the goal, if it was not reached.
-pub(super) fn warning(collapses: &Collapses, limit: Deviation) -> Option<String> {
+pub(crate) fn warning(collapses: &Collapses, limit: Deviation) -> Option<String> {
     let (stopped, target) = (collapses.stopped?, collapses.target_triangles?);
     let limit = format!("the error limit of {limit}");
     // What holds vertices, and what to try, by the number of vertices; of equal numbers the first.

@@ -1,0 +1,157 @@
+//! The report of `tristrip lod --chain`: the keys are those of the JSON output.
+
+use serde::Serialize;
+use tristrip_lab::text::{bytes, table};
+use tristrip_pipeline::text::count;
+use tristrip_pipeline::{Chain, ChainLevel, Collapses, MethodReport};
+
+use crate::batch::{InputReport, Outcome};
+
+/// The time of each stage in seconds; `null` for a stage that did not run.
+#[derive(Debug, Clone, Copy, Default, Serialize)]
+pub(crate) struct ChainSeconds {
+    pub(crate) load: Option<f64>,
+    pub(crate) dual: Option<f64>,
+    pub(crate) simplify: Option<f64>,
+    pub(crate) stripify: Option<f64>,
+    pub(crate) verify: Option<f64>,
+    pub(crate) write: Option<f64>,
+}
+
+/// The report of one input.
+#[derive(Debug, Serialize)]
+pub(crate) struct ChainReport {
+    pub(crate) file: String,
+    #[serde(flatten)]
+    pub(crate) method: MethodReport,
+    pub(crate) proven: Option<bool>,
+    pub(crate) seconds: ChainSeconds,
+    /// The maximum error in mesh units.
+    pub(crate) target_error: Option<f32>,
+    pub(crate) triangles_before: Option<usize>,
+    /// Used vertices.
+    pub(crate) vertices_before: Option<usize>,
+    pub(crate) diagonal: Option<f64>,
+    /// The levels, the finest first.
+    pub(crate) chain: Vec<LevelReport>,
+    pub(crate) locked_vertices: Option<usize>,
+    pub(crate) parts: Option<usize>,
+    /// A sentence on the levels that were not reached.
+    pub(crate) warning: Option<String>,
+    pub(crate) notes: Vec<String>,
+    /// The file with all levels; `null` where each level has its own.
+    pub(crate) output: Option<String>,
+    pub(crate) layout: Option<&'static str>,
+    pub(crate) error: Option<String>,
+}
+
+/// A level.
+#[derive(Debug, Serialize)]
+pub(crate) struct LevelReport {
+    /// The number of the level; 0 is the finest.
+    pub(crate) level: usize,
+    pub(crate) ratio: f64,
+    pub(crate) target_triangles: usize,
+    pub(crate) triangles: usize,
+    /// The number of vertices, from the first on, that the level uses.
+    pub(crate) vertices: usize,
+    pub(crate) surface_error: f32,
+    pub(crate) surface_error_percent: f64,
+    pub(crate) screen_coverage: f64,
+    pub(crate) reached: bool,
+    /// The size of the level's file, or of the indices and vertices that it uses of a file with all levels.
+    pub(crate) bytes: Option<usize>,
+    /// The file of the level; `null` where one file has all levels.
+    pub(crate) output: Option<String>,
+}
+
+impl LevelReport {
+    fn new(number: usize, level: &ChainLevel) -> Self {
+        Self {
+            level: number,
+            ratio: level.ratio.value(),
+            target_triangles: level.target_triangles,
+            triangles: level.triangles,
+            vertices: level.vertices,
+            surface_error: level.surface_error,
+            surface_error_percent: level.surface_error_percent,
+            screen_coverage: level.screen_coverage,
+            reached: level.reached,
+            bytes: None,
+            output: None,
+        }
+    }
+
+    /// Returns the row of the table.
+    fn row(&self) -> Vec<String> {
+        vec![
+            format!("  level {}", self.level),
+            count(self.triangles),
+            count(self.vertices),
+            format!("{:.3} %", self.surface_error_percent),
+            format!("{:.2} %", 100.0 * self.screen_coverage),
+            self.bytes.map_or_else(|| "-".into(), bytes),
+            if self.reached {
+                String::new()
+            } else {
+                format!("{} not reached", count(self.target_triangles))
+            },
+        ]
+    }
+}
+
+impl ChainReport {
+    /// Creates the report of an input that is yet to be processed.
+    pub(crate) fn new(file: String, method: MethodReport) -> Self {
+        Self {
+            file,
+            method,
+            proven: None,
+            seconds: ChainSeconds::default(),
+            target_error: None,
+            triangles_before: None,
+            vertices_before: None,
+            diagonal: None,
+            chain: Vec::new(),
+            locked_vertices: None,
+            parts: None,
+            warning: None,
+            notes: Vec::new(),
+            output: None,
+            layout: None,
+            error: None,
+        }
+    }
+
+    /// Fills in what the collapses reached.
+    pub(crate) fn record(&mut self, collapses: &Collapses) {
+        self.target_error = collapses.target_error;
+        self.triangles_before = Some(collapses.triangles_before);
+        self.diagonal = Some(collapses.diagonal);
+        self.locked_vertices = Some(collapses.locked_vertices);
+    }
+
+    /// Fills in the levels.
+    pub(crate) fn record_levels(&mut self, chain: &Chain) {
+        self.chain =
+            (0..).zip(&chain.levels).map(|(number, level)| LevelReport::new(number, level)).collect();
+    }
+
+    /// Returns a table of the levels.
+    pub(crate) fn summary(&self) -> String {
+        if self.chain.is_empty() {
+            return String::new();
+        }
+        let head = ["", "triangles", "vertices", "error", "down to coverage", "size", ""];
+        let rows: Vec<Vec<String>> = std::iter::once(head.map(str::to_owned).to_vec())
+            .chain(self.chain.iter().map(LevelReport::row))
+            .collect();
+        table(&rows, 1..6)
+    }
+}
+
+impl InputReport for ChainReport {
+    fn outcome(&mut self) -> Outcome<'_> {
+        Outcome { file: &self.file, proven: Some(&mut self.proven), error: &mut self.error }
+    }
+}

@@ -1,0 +1,280 @@
+//! Chains of levels of detail: a model at a few chosen sizes over one vertex buffer, of which every level uses the first vertices.
+//!
+//! ```text
+//! Model ─ one sequence of collapses per part ─▶ the levels asked for ─▶ vertices in the order of their removal
+//!                                                                 │                    │
+//!                   proof of each level from the bytes ◀─ encode ─┴─ strips or lists ◀─┘
+//! ```
+//! # Algorithm
+//! 1. Every part is simplified once, to the coarsest level or to the error limit; parts that share a border are simplified together. A level is
+//!    the first point of this sequence at which there are no more triangles than their share; so each level is a simplification of the next finer one.
+//! 2. Vertices are numbered in the opposite order of their removal: first those of the coarsest level, then each vertex that undoing
+//!    a collapse brings back. A level, and any point of the sequence between two levels, uses the first vertices only, so that a
+//!    program may load a coarse level first and append vertices to its buffer. Coarse levels are spread over the surface, and fetch
+//!    vertices from memory in no particular order.
+//! 3. Each level gets strips, or a list, of its own triangles.
+//!
+//! # Complexity
+//! That of one simplification, and of the strips of all levels.
+
+mod collapsed;
+mod coverage;
+mod encode;
+mod ratios;
+
+use tristrip::StripifyOptions;
+use tristrip::simplify::AttributeWeights;
+use tristrip_io::{Format, LeveledModel, Model, PartLevel};
+
+use crate::collapses::{Collapses, percent_of};
+use crate::encode::kept_groups;
+use crate::error::Error;
+use crate::figures::MeshFigures;
+use crate::goal::{Amount, Deviation, Ratio};
+use crate::observer::{Event, Observer, Stage, begin};
+use crate::parts::map;
+use crate::prepared::Survey;
+use crate::simplify::{
+    CollapseRules, Part, PartCollapses, base_triangles, diagonal, fans, has_reached, locked_note,
+    place_notes, simplify_all, step_count, sum_stopped, surface_error, warning,
+};
+use collapsed::CollapsedLevel;
+use coverage::{PartExtent, coverages};
+pub use encode::EncodedChain;
+pub use ratios::ChainRatios;
+
+/// How a chain is built.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct ChainOptions {
+    /// The ratios of triangles that the levels keep.
+    pub ratios: ChainRatios,
+    /// The maximum error of a collapse: a level that needs a larger one is not reached.
+    pub deviation: Deviation,
+    /// How much the attributes of vertices count.
+    pub weights: AttributeWeights,
+    /// The method of the strips, or of the order of triangles in lists.
+    pub stripify: StripifyOptions,
+    /// The format in which the levels will be written.
+    pub format: Format,
+    /// Whether the collapses are proven.
+    pub verify: bool,
+}
+
+impl ChainOptions {
+    /// Chooses levels and a format, with an error of at most 1 % of the diagonal.
+    pub fn new(ratios: ChainRatios, format: Format) -> Self {
+        Self {
+            ratios,
+            deviation: Deviation::default(),
+            weights: AttributeWeights::default(),
+            stripify: StripifyOptions::default(),
+            format,
+            verify: true,
+        }
+    }
+
+    /// Sets the maximum error of a collapse.
+    #[must_use]
+    pub fn with_deviation(self, deviation: Deviation) -> Self {
+        Self { deviation, ..self }
+    }
+
+    /// Sets how much the attributes of vertices count.
+    #[must_use]
+    pub fn with_weights(self, weights: AttributeWeights) -> Self {
+        Self { weights, ..self }
+    }
+
+    /// Sets the method of the strips.
+    #[must_use]
+    pub fn with_stripify(self, stripify: StripifyOptions) -> Self {
+        Self { stripify, ..self }
+    }
+
+    /// Sets whether the collapses are proven.
+    #[must_use]
+    pub fn with_verify(self, verify: bool) -> Self {
+        Self { verify, ..self }
+    }
+}
+
+/// A level of a chain.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct ChainLevel {
+    /// The ratio of triangles requested.
+    pub ratio: Ratio,
+    /// The number of triangles requested.
+    pub target_triangles: usize,
+    /// The number of triangles drawn.
+    pub triangles: usize,
+    /// The number of vertices, from the first on, that the level uses.
+    pub vertices: usize,
+    /// The greatest error of the collapses of the level, in mesh units.
+    pub surface_error: f32,
+    /// The same in percent of the diagonal of the model.
+    pub surface_error_percent: f64,
+    /// The area of the model's bounding sphere on a screen, as a ratio of the screen, down to which the level is drawn.
+    pub screen_coverage: f64,
+    /// Whether each part has at most its target number of triangles.
+    pub reached: bool,
+}
+
+/// A model at several levels of detail, the finest first.
+#[derive(Debug)]
+#[non_exhaustive]
+pub struct Chain {
+    /// The levels, the finest first.
+    pub levels: Vec<ChainLevel>,
+    /// The collapses to the coarsest level.
+    pub collapses: Collapses,
+    /// The counts of the source mesh.
+    pub mesh: MeshFigures,
+    /// A sentence on the levels that were not reached, if there are any: what held them back, and what to try.
+    pub warning: Option<String>,
+    /// Notes of the reader, on what was dropped, on locked vertices, and on vertices that kept their order.
+    pub notes: Vec<String>,
+    options: ChainOptions,
+    leveled: LeveledModel,
+    /// For each level the triangles of each part, over the vertices of the source.
+    expected: Vec<Vec<Vec<u32>>>,
+    extents: Vec<PartExtent>,
+}
+
+/// Builds the levels of a chain.
+///
+/// # Errors
+/// As of [`chain_observed`].
+///
+/// ```
+/// use tristrip_io::{Format, read};
+/// use tristrip_pipeline::{ChainOptions, chain};
+/// // A flat fan of four triangles around a vertex, which one collapse removes.
+/// let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\n";
+/// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
+/// let options = ChainOptions::new("100%,50%".parse().unwrap_or_else(|_| unreachable!()), Format::Glb);
+/// let chain = chain(&model, &options)?;
+/// let sizes: Vec<_> = chain.levels.iter().map(|level| (level.triangles, level.vertices, level.reached)).collect();
+/// assert_eq!(sizes, [(4, 5, true), (2, 4, true)]);
+/// # Ok::<(), tristrip_pipeline::Error>(())
+/// ```
+pub fn chain(model: &Model, options: &ChainOptions) -> Result<Chain, Error> {
+    chain_observed(model, options, &())
+}
+
+/// Does the same, and reports each stage to an observer.
+///
+/// # Errors
+/// The maximum error is negative or not a number, a part is too large, the collapses are not proven, or the observer cancelled.
+///
+/// ```
+/// use tristrip_io::{Format, read};
+/// use tristrip_pipeline::{ChainOptions, Deviation, chain_observed};
+/// let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 9\n";
+/// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
+/// let options = ChainOptions::new("100%,50%".parse().unwrap_or_else(|_| unreachable!()), Format::Glb);
+/// let chain = chain_observed(&model, &options.with_deviation(Deviation::Units(0.5)), &())?;
+/// assert_eq!((chain.levels[1].triangles, chain.levels[1].reached, chain.warning.is_some()), (4, false, true));
+/// # Ok::<(), tristrip_pipeline::Error>(())
+/// ```
+pub fn chain_observed(
+    model: &Model,
+    options: &ChainOptions,
+    observer: &dyn Observer,
+) -> Result<Chain, Error> {
+    // 1. The triangles of each part.
+    let surveyed = Survey::new(model, options.stripify, observer)?;
+    let (parts, skipped) = fans(&surveyed.prepared)?;
+    let place_notes = place_notes(&surveyed.prepared, skipped);
+    let (mesh, mut notes) = (surveyed.mesh, surveyed.notes);
+
+    // 2. The collapses of all levels.
+    begin(observer, Stage::Simplify)?;
+    let (collapses, done) = collapse(&parts, options)?;
+    observer.event(Event::Simplified(&collapses));
+    let levels = collapsed::levels(&parts, &done, &options.ratios)?;
+    let warning = warn(&levels, &collapses, options.deviation);
+    warning.iter().for_each(|warning| observer.event(Event::Warning(warning)));
+    if options.verify {
+        begin(observer, Stage::Prove)?;
+        let proofs = map(&done, |done| done.sequence.check());
+        proofs.into_iter().collect::<Result<(), _>>().map_err(|why| Error::Unproven(why.to_string()))?;
+        observer.event(Event::Proven { faces: collapses.triangles_after });
+    }
+
+    // 3. The vertices in the order of their removal.
+    begin(observer, Stage::Reorder)?;
+    let extents = (0..parts.len()).map(|part| collapsed::extent(&parts[part], part, &done, &levels));
+    let extents = extents.collect::<Result<Vec<PartExtent>, Error>>()?;
+    drop(parts);
+    let (figures, of_parts): (Vec<_>, Vec<Vec<PartLevel>>) = levels
+        .into_iter()
+        .map(|level| ((level.target_triangles, level.triangles, level.reached), level.parts))
+        .unzip();
+    let leveled = tristrip_io::in_level_order(model, &of_parts, options.format)?;
+    observer.event(Event::Reordered(&leveled.groups));
+    let locked = locked_note(collapses.locked_vertices);
+    let more: Vec<String> =
+        place_notes.into_iter().chain(locked).chain(kept_groups(&leveled.groups)).collect();
+    more.iter().for_each(|note| observer.event(Event::Note(note)));
+    notes.extend(more);
+
+    // 4. The figures of the levels.
+    let coverage = coverages(&extents.iter().collect::<Vec<_>>());
+    let figures = figures.into_iter().zip(options.ratios.as_slice()).zip(coverage).enumerate();
+    let levels =
+        figures.map(|(level, (((target_triangles, triangles, reached), &ratio), screen_coverage))| {
+            let surface_error = extents.iter().map(|extent| extent.errors[level]).fold(0.0, f32::max);
+            let surface_error_percent = percent_of(surface_error, collapses.diagonal);
+            let vertices = leveled.vertex_count(level)?;
+            Ok(ChainLevel {
+                ratio,
+                target_triangles,
+                triangles,
+                vertices,
+                surface_error,
+                surface_error_percent,
+                screen_coverage,
+                reached,
+            })
+        });
+    let levels = levels.collect::<Result<Vec<ChainLevel>, Error>>()?;
+    let expected = of_parts.into_iter().map(|parts| parts.into_iter().map(|part| part.triangles).collect());
+    let expected = expected.collect();
+    let options = ChainOptions { stripify: surveyed.options, ..options.clone() };
+    Ok(Chain { levels, collapses, mesh, warning, notes, options, leveled, expected, extents })
+}
+
+/// Simplifies all parts to the coarsest level.
+fn collapse(parts: &[Part<'_>], options: &ChainOptions) -> Result<(Collapses, Vec<PartCollapses>), Error> {
+    let before: Vec<usize> = parts.iter().map(Part::triangle_count).collect();
+    let shares = Amount::Ratio(options.ratios.last()).shares(&before);
+    let diagonal = diagonal(parts);
+    let target_error = options.deviation.units(diagonal);
+    let rules = CollapseRules { weights: options.weights, vanishing: true, ..CollapseRules::default() };
+    let done = simplify_all(parts, &shares, Some(target_error), rules)?;
+    let after = base_triangles(&done)?;
+    let collapses = Collapses {
+        collapse_count: step_count(&done),
+        triangles_before: before.iter().sum(),
+        triangles_after: after.iter().sum(),
+        target_triangles: Some(shares.iter().sum()),
+        target_error: Some(target_error),
+        reached: has_reached(&done),
+        stopped: sum_stopped(&done, &shares),
+        surface_error: surface_error(&done)?,
+        diagonal,
+        vanished_components: done.iter().map(|done| done.vanished).sum(),
+        locked_vertices: parts.iter().map(Part::locked_count).sum(),
+    };
+    Ok((collapses, done))
+}
+
+/// Returns a sentence on the levels that were not reached, which are the coarsest ones.
+fn warn(levels: &[CollapsedLevel], collapses: &Collapses, limit: Deviation) -> Option<String> {
+    let first = levels.iter().position(|level| !level.reached)?;
+    let last = levels.len() - 1;
+    let which = if first == last { format!("level {last}") } else { format!("levels {first} to {last}") };
+    Some(format!("{which} not reached: {}", warning(collapses, limit)?))
+}

@@ -1,0 +1,205 @@
+//! Files of a chain: one scene with all levels, or a file for each; drawn as strips or cache-ordered lists, and proven from the bytes.
+//!
+//! What is proven: the bytes are read back, and the meshes that each level draws are compared, by the bits of their positions, with the
+//! triangles that the collapses of the source leave at the level.
+
+use std::collections::HashSet;
+use std::sync::Arc;
+
+use tristrip::verify::verify_models;
+use tristrip::{Faces, Mesh, Method, StripifyOptions};
+use tristrip_io::{Format, Model, SceneLevels};
+
+use super::{Chain, coverage};
+use crate::drawing::choose;
+use crate::encode::{EncodeOptions, Encoded, encode_observed};
+use crate::error::Error;
+use crate::observer::{Event, Observer, Stage, begin};
+use crate::parts::meshes;
+use crate::prepared::PreparedModel;
+use crate::text::counted;
+
+/// A file with all levels of a chain.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct EncodedChain {
+    /// The file.
+    pub encoded: Encoded,
+    /// For each level, the finest first, the bytes of the indices and vertices that it uses.
+    pub level_bytes: Vec<usize>,
+}
+
+impl Chain {
+    /// Encodes all levels as one GLB: the nodes of a mesh name those of its lower levels with `MSFT_lod`. The bytes are proven, level by
+    /// level, if requested. The model is the one that the chain was built of.
+    ///
+    /// # Errors
+    /// The format is not GLB, the scene already has levels of detail, the bytes are not proven, or the observer cancelled.
+    ///
+    /// ```
+    /// use tristrip_io::{Format, read};
+    /// use tristrip_pipeline::{ChainOptions, EncodeOptions, chain};
+    /// let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\n";
+    /// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
+    /// let options = ChainOptions::new("100%,50%".parse().unwrap_or_else(|_| unreachable!()), Format::Glb);
+    /// let file = chain(&model, &options)?.encode(&model, &EncodeOptions::new(Format::Glb), &())?;
+    /// assert_eq!((file.encoded.faces, file.level_bytes.len()), (Some(4 + 2), 2));
+    /// # Ok::<(), tristrip_pipeline::Error>(())
+    /// ```
+    pub fn encode(
+        &self,
+        model: &Model,
+        options: &EncodeOptions,
+        observer: &dyn Observer,
+    ) -> Result<EncodedChain, Error> {
+        if options.format != Format::Glb {
+            let message =
+                "several levels of detail in one file are written as GLB; others get a file per level";
+            return Err(tristrip_io::Error::Unsupported(message.into()).into());
+        }
+        self.check_format(*options)?;
+        // A model without a scene becomes one, and may lose what glTF cannot hold.
+        let drawings = vec![tristrip_io::Drawing::Faces; model.parts.len()];
+        let losses = tristrip_io::losses(&self.leveled.model, &drawings, options.format);
+        let coverage = |parts: &[usize]| {
+            let extents: Vec<_> = parts.iter().map(|&part| &self.extents[part]).collect();
+            coverage::coverages(&extents)
+        };
+        let scene = self.leveled.scene(&coverage)?;
+        let mut encoded = self.strip_and_encode(&scene.model, *options, observer)?;
+        let (level_bytes, faces) = self.prove_scene(model, &scene, &mut encoded.bytes, *options, observer)?;
+        encoded.faces = faces;
+        encoded.losses = losses;
+        if scene.nodes_without > 0 {
+            let nodes = counted(scene.nodes_without, "node");
+            let note =
+                format!("{nodes} without lower levels: KHR_animation_pointer animates their morph weights");
+            observer.event(Event::Note(&note));
+            encoded.notes.push(note);
+        }
+        Ok(EncodedChain { encoded, level_bytes })
+    }
+
+    /// Encodes a level as a file of its own, over the vertices that it uses, and proves the bytes if requested. The model is the one that
+    /// the chain was built of.
+    ///
+    /// # Errors
+    /// There is no such level, the format cannot store it, the bytes are not proven, or the observer cancelled.
+    ///
+    /// ```
+    /// use tristrip_io::{Format, read};
+    /// use tristrip_pipeline::{ChainOptions, EncodeOptions, chain};
+    /// let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\n";
+    /// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
+    /// let options = ChainOptions::new("100%,50%".parse().unwrap_or_else(|_| unreachable!()), Format::Ply);
+    /// let half = chain(&model, &options)?.encode_level(&model, 1, &EncodeOptions::new(Format::Ply), &())?;
+    /// assert_eq!(half.faces, Some(2));
+    /// # Ok::<(), tristrip_pipeline::Error>(())
+    /// ```
+    pub fn encode_level(
+        &self,
+        model: &Model,
+        level: usize,
+        options: &EncodeOptions,
+        observer: &dyn Observer,
+    ) -> Result<Encoded, Error> {
+        self.check_format(*options)?;
+        let last = self.levels.len() - 1;
+        let triangles = self.leveled.triangles.get(level).ok_or(Error::Level { found: level, last })?;
+        let smaller = tristrip_io::with_triangles(&self.leveled.model, triangles.clone(), options.format)?;
+        let mut encoded = self.strip_and_encode(&smaller.model, *options, observer)?;
+        if options.verify {
+            begin(observer, Stage::ReadBack)?;
+            let shared = Arc::new(std::mem::take(&mut encoded.bytes));
+            let again =
+                tristrip_io::read_shared(&shared, options.format).map_err(|error| unproven(&error))?;
+            encoded.faces = Some(self.prove_level(model, level, &meshes(&again))?);
+            drop(again);
+            encoded.bytes = Arc::unwrap_or_clone(shared);
+            observer.event(Event::ReadBack { faces: encoded.faces.unwrap_or(0) });
+        }
+        Ok(encoded)
+    }
+
+    /// Checks that a file has the format that the vertices were numbered for.
+    fn check_format(&self, options: EncodeOptions) -> Result<(), Error> {
+        let (found, expected) = (options.format, self.options.format);
+        if found == expected {
+            return Ok(());
+        }
+        let message = format!("format: found {}, expected {} as of the chain", found.name(), expected.name());
+        Err(tristrip_io::Error::Unsupported(message).into())
+    }
+
+    /// Finds the strips of a model, or its triangles in the order of a vertex cache, and encodes it without a proof of the bytes.
+    fn strip_and_encode(
+        &self,
+        model: &Model,
+        options: EncodeOptions,
+        observer: &dyn Observer,
+    ) -> Result<Encoded, Error> {
+        let stripify: StripifyOptions = self.options.stripify;
+        let prepared = PreparedModel::new(model, stripify.weld());
+        let (strips, stopped) = prepared.search(&stripify, observer)?;
+        let (_, of_parts) = prepared.figures_with_parts(&strips, &stripify)?;
+        if options.verify {
+            prepared.prove(&strips)?;
+        }
+        drop(prepared);
+        let keep_found = stripify.method() == Method::Cache;
+        let drawn = choose(model, (&strips, &of_parts), options, keep_found);
+        let mut encoded = encode_observed(model, &drawn.drawings, &options.with_verify(false), observer)?;
+        encoded.notes.extend(stopped.map(|stopped| stopped.note().to_owned()));
+        Ok(encoded)
+    }
+
+    /// Reads a scene back; returns the bytes that each level uses, and the number of faces proven.
+    fn prove_scene(
+        &self,
+        model: &Model,
+        scene: &SceneLevels,
+        bytes: &mut Vec<u8>,
+        options: EncodeOptions,
+        observer: &dyn Observer,
+    ) -> Result<(Vec<usize>, Option<usize>), Error> {
+        begin(observer, Stage::ReadBack)?;
+        let shared = Arc::new(std::mem::take(bytes));
+        let again = tristrip_io::read_shared(&shared, options.format).map_err(|error| unproven(&error))?;
+        let Some(found) = &again.scene else { return Err(Error::Unproven("found no scene".into())) };
+        let mesh_of_parts = found.mesh_of_parts();
+        let (mut level_bytes, mut faces) = (Vec::new(), 0);
+        for (level, drawn) in scene.meshes.iter().enumerate() {
+            level_bytes.push(found.bytes_of_meshes(drawn)?);
+            if options.verify {
+                let drawn: HashSet<usize> = drawn.iter().copied().collect();
+                let parts = again.parts.iter().zip(&mesh_of_parts);
+                let of_level = parts.filter(|(_, mesh)| drawn.contains(mesh)).map(|(part, _)| &part.mesh);
+                faces += self.prove_level(model, level, &of_level.collect::<Vec<_>>())?;
+            }
+        }
+        drop(again);
+        *bytes = Arc::unwrap_or_clone(shared);
+        if options.verify {
+            observer.event(Event::ReadBack { faces });
+        }
+        Ok((level_bytes, options.verify.then_some(faces)))
+    }
+
+    /// Proves that meshes draw a level, and returns its number of triangles.
+    fn prove_level(&self, model: &Model, level: usize, found: &[&Mesh]) -> Result<usize, Error> {
+        let expected = model
+            .parts
+            .iter()
+            .zip(&self.expected[level])
+            .map(|(part, triangles)| part.mesh.with_faces(Faces::from_triangles(triangles.clone())?));
+        let expected: Vec<Mesh> = expected.collect::<Result<_, tristrip::Error>>()?;
+        match verify_models(&expected.iter().collect::<Vec<_>>(), found)? {
+            Ok(proof) => Ok(proof.faces),
+            Err(why) => Err(Error::Unproven(format!("level {level}: {why}"))),
+        }
+    }
+}
+
+fn unproven(error: &tristrip_io::Error) -> Error {
+    Error::Unproven(error.to_string())
+}
