@@ -95,6 +95,8 @@ pub(super) struct Decimation {
     /// The error of the removal of each point's component, in units of the frame; empty if all components stay.
     vanishing: Vec<f32>,
     is_permissive: bool,
+    /// Whether any collapse may change the topology.
+    may_break: bool,
     queue: CostQueue,
     plans: Vec<CollapsePlan>,
     now: u32,
@@ -126,7 +128,7 @@ impl Decimation {
         meshes: &[u32],
     ) -> Self {
         let topology =
-            Topology::new(positions, attribute_bits, vertices, options.is_permissive()).with_meshes(meshes);
+            Topology::new(positions, attribute_bits, vertices, options.may_break()).with_meshes(meshes);
         let count = topology.point_count();
         let is_locked = locked_points(&topology, vertices, options);
         let position = |p| positions.position(topology.vertex_of(p) as usize).unwrap_or_default();
@@ -149,6 +151,7 @@ impl Decimation {
             locked: is_locked,
             vanishing,
             is_permissive: options.is_permissive(),
+            may_break: options.may_break(),
             queue: CostQueue::new(count),
             plans: vec![CollapsePlan { target: OptionalId::NONE, error: 0.0, priced: 0, changed: 1 }; count],
             now: 1,
@@ -295,8 +298,8 @@ impl Decimation {
             match self.outcomes.of(&self.topology, point, to) {
                 Outcome::Keeps => {}
                 Outcome::Breaks if self.is_permissive => {}
-                Outcome::Breaks => continue,
-                Outcome::Ends => {
+                // A component that may vanish may also break on the way.
+                Outcome::Breaks | Outcome::Loses | Outcome::Ends => {
                     let error = self.vanishing_error(point);
                     if error.is_infinite() {
                         continue;
@@ -389,8 +392,8 @@ impl Decimation {
     fn is_allowed(&mut self, point: u32, to: u32) -> bool {
         match self.outcomes.of(&self.topology, point, to) {
             Outcome::Keeps => true,
-            Outcome::Ends => self.vanishing_error(point).is_finite(),
-            Outcome::Breaks => self.is_permissive,
+            Outcome::Breaks if self.is_permissive => true,
+            Outcome::Breaks | Outcome::Loses | Outcome::Ends => self.vanishing_error(point).is_finite(),
         }
     }
 
@@ -407,7 +410,7 @@ impl Decimation {
         let mut around = std::mem::take(&mut self.around);
         self.topology.neighbours(point, &mut around);
         let is_irregular = |p: u32| self.topology.kind(p) == PointKind::Irregular;
-        let changes_kinds = self.is_permissive || is_irregular(point) || is_irregular(to);
+        let changes_kinds = self.may_break || is_irregular(point) || is_irregular(to);
         self.topology.collapse(point, to, &renames, &mut dropped);
         if changes_kinds {
             self.topology.classify(&around);

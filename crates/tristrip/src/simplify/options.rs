@@ -266,6 +266,11 @@ impl SimplifyOptions {
         self.is_permissive
     }
 
+    /// Checks whether any collapse may change the topology.
+    pub(super) fn may_break(&self) -> bool {
+        self.is_permissive || !self.vanishing.is_empty()
+    }
+
     /// Checks the error limit.
     pub(crate) fn check_error(&self) -> Result<(), Error> {
         match self.error {

@@ -21,8 +21,10 @@ pub(super) enum Outcome {
     Keeps,
     /// The last triangles of a component disappear, or two back to back are left of it.
     Ends,
-    /// A hole would open or close, or parts would join.
+    /// A hole or a handle would close.
     Breaks,
+    /// A triangle would disappear of which nothing takes the place, or the points have too many triangles to tell.
+    Loses,
 }
 
 /// Finds the outcomes of collapses.
@@ -60,7 +62,13 @@ impl Outcomes {
                 && (ring.len() > 3 || component_remains(topology, point, to))
                 && self.common_neighbours(topology, point, to) == common
         };
-        if keeps { Outcome::Keeps } else { Outcome::Breaks }
+        if keeps {
+            Outcome::Keeps
+        } else if loses_triangle(topology, point, to) {
+            Outcome::Loses
+        } else {
+            Outcome::Breaks
+        }
     }
 
     /// Counts the common neighbours of two points.
@@ -90,6 +98,24 @@ impl Outcomes {
         }
         count
     }
+}
+
+/// Checks whether an edge that two edges become would have no triangle.
+fn loses_triangle(topology: &Topology, point: u32, to: u32) -> bool {
+    let (own, kept) = (topology.ring(point), topology.ring(to));
+    let has_other = |ring: &[CornerId], third: u32, other: u32| {
+        let points = ring.iter().map(|&corner| topology.others(corner));
+        points.into_iter().any(|points| points.contains(&third) && !points.contains(&other))
+    };
+    let third = |corner: &CornerId| {
+        let [u, w] = topology.others(*corner);
+        (u == to || w == to).then_some(if u == to { w } else { u })
+    };
+    kept.len() > MOST_CORNERS
+        || own
+            .iter()
+            .filter_map(third)
+            .any(|third| !has_other(own, third, to) && !has_other(kept, third, point))
 }
 
 /// Checks whether a collapse leaves nothing of a component, or two triangles back to back.
@@ -152,5 +178,6 @@ mod tests {
         // The sides of a prism: its three corners at each end are a hole.
         let sides = [0, 1, 3, 3, 1, 4, 1, 2, 4, 4, 2, 5, 2, 0, 5, 5, 0, 3];
         assert_eq!(outcome(&sides, 0, 1), Outcome::Breaks);
+        assert_eq!(outcome(&[0, 1, 2, 0, 3, 4, 1, 5, 6], 0, 1), Outcome::Loses, "three triangles in a row");
     }
 }

@@ -63,12 +63,12 @@ pub(super) struct Topology {
 }
 
 impl Topology {
-    /// Connects triangles of vertices at points of equal position. In a permissive simplification any point may change its kind.
+    /// Connects triangles of vertices at points of equal position. If collapses may break the surface, any point may change its kind.
     pub(super) fn new<P: Positions + ?Sized>(
         positions: &P,
         attribute_bits: impl Fn(u32) -> Vec<u8>,
         vertices: &[u32],
-        is_permissive: bool,
+        may_break: bool,
     ) -> Self {
         let points = PositionIds::default().numbers(positions, vertices);
         let vertex_of = lowest_vertices(vertices, &points);
@@ -84,7 +84,7 @@ impl Topology {
         let mut fans = FanClassifier::new(vertex_of.len());
         let kinds: Vec<PointKind> =
             (0..vertex_of.len() as u32).map(|p| fans.kind(&triangles, rings.of(p))).collect();
-        let classifier = (is_permissive || kinds.contains(&PointKind::Irregular)).then_some(fans);
+        let classifier = (may_break || kinds.contains(&PointKind::Irregular)).then_some(fans);
         let wedges = if on_seam.is_empty() { Vec::new() } else { vertices.to_vec() };
         Self {
             triangles,
