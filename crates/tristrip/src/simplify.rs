@@ -18,8 +18,10 @@
 //! Mesh Decimation*, 1998 (half-edge collapses).
 //!
 //! # Complexity
-//! O(n log n) time; 260 bytes per triangle while it runs, 30 of them for the result.
+//! O(n log n) time; 260 bytes per triangle while it runs, 30 of them for the result; for attributes that have a price 92 bytes per vertex
+//! more, and 36 per value.
 
+mod attribute_quadrics;
 mod attributes;
 mod decimate;
 mod frame;

@@ -1,4 +1,4 @@
-//! The attributes of the vertices: how far they are from those of the triangles that would replace a point's own.
+//! The attributes of the vertices that have a price, as lengths on the surface.
 //!
 //! Positions, normals, texture coordinates and colours have different units. Each becomes a length on the surface, so that its deviation
 //! adds to the distance between the surfaces:
@@ -7,14 +7,11 @@
 //! - *normals* and *colours*: the difference, times a fixed length in the local frame ([`NORMAL_LENGTH`], [`COLOUR_LENGTH`]): a surface that moves by
 //!   that length is as bad as a normal that turns by a radian, or a colour from black to full.
 //!
-//! # References
-//! Garland, Heckbert: *Simplifying Surfaces with Color and Texture using Quadric Error Metrics*, 1998, and Hoppe: *New Quadric Metric for
-//! Simplifying Meshes with Appearance Attributes*, 1999, add attributes to the quadric. Here they are compared where a vertex was, like the
-//! distance to the new triangles.
+//! The module `attribute_quadrics` compares them.
 
 use super::options::AttributeWeights;
 use crate::mesh::{Attribute, Mesh, triangles_of};
-use crate::vector::{Point, dot, normal_of, sub};
+use crate::vector::{Point, dot, normal_of};
 
 /// The distance, in units of the frame, that is as bad as a difference of 1 between unit normals. Of 0.03, 0.1, 0.2 and 0.4 this gave the pictures of a
 /// duck and of a man that differ least: textured, by normals and by texture coordinates together.
@@ -30,8 +27,6 @@ pub(super) struct PricedAttributes {
     /// The number of values per vertex.
     width: usize,
     values: Vec<f32>,
-    /// The length of a unit normal, if the first three values are one.
-    normal_length: Option<f64>,
 }
 
 impl PricedAttributes {
@@ -39,7 +34,6 @@ impl PricedAttributes {
     /// A value that is not finite counts as zero.
     pub(super) fn new(mesh: &Mesh, triangles: &[u32], unit: f64, weights: AttributeWeights) -> Option<Self> {
         let mut columns: Vec<(&Attribute, usize, f64)> = Vec::new();
-        let mut normal_length = None;
         for attribute in mesh.attributes() {
             let components = usize::from(attribute.components);
             let (count, length) = match attribute.name.as_str() {
@@ -53,12 +47,7 @@ impl PricedAttributes {
                 _ => continue,
             };
             if length > 0.0 {
-                if attribute.name == "NORMAL" {
-                    normal_length = Some(length);
-                    columns.insert(0, (attribute, count, length));
-                } else {
-                    columns.push((attribute, count, length));
-                }
+                columns.push((attribute, count, length));
             }
         }
         let width: usize = columns.iter().map(|column| column.1).sum();
@@ -69,32 +58,22 @@ impl PricedAttributes {
                 values.extend((0..count).map(|k| (f64::from(finite(at(k))) * length) as f32));
             }
         }
-        (width > 0).then_some(Self { width, values, normal_length })
+        (width > 0).then_some(Self { width, values })
     }
 
-    /// Returns the squared deviation of the attributes of a vertex from those at a point of a triangle, given as shares of its corners.
-    pub(super) fn deviation(&self, vertex: u32, corners: [u32; 3], shares: [f64; 3]) -> f64 {
-        let of = |v: u32| &self.values[v as usize * self.width..(v as usize + 1) * self.width];
-        let ([a, b, c], own) = (corners.map(of), of(vertex));
-        let at = |k: usize| {
-            shares[0] * f64::from(a[k]) + shares[1] * f64::from(b[k]) + shares[2] * f64::from(c[k])
-        };
-        let mut sum = 0.0;
-        let mut first = 0;
-        if let Some(length) = self.normal_length {
-            // An interpolated normal is drawn as a unit vector.
-            let normal = [at(0), at(1), at(2)];
-            let size = dot(normal, normal).sqrt();
-            let scale = if size > 0.0 { length / size } else { 0.0 };
-            let difference = sub(normal.map(|x| x * scale), [0, 1, 2].map(|k| f64::from(own[k])));
-            sum += dot(difference, difference);
-            first = 3;
-        }
-        for k in first..self.width {
-            let difference = at(k) - f64::from(own[k]);
-            sum += difference * difference;
-        }
-        sum
+    /// Returns the number of values per vertex.
+    pub(super) fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Returns the number of vertices.
+    pub(super) fn vertex_count(&self) -> usize {
+        self.values.len() / self.width
+    }
+
+    /// Returns the values of a vertex.
+    pub(super) fn of(&self, vertex: u32) -> &[f32] {
+        &self.values[vertex as usize * self.width..][..self.width]
     }
 }
 
@@ -131,7 +110,7 @@ mod tests {
     use super::*;
     use crate::mesh::{AttributeData, Faces};
     use crate::simplify::{SimplifyOptions, simplify};
-    use crate::vector::nearest_in_triangle;
+    use crate::vector::{nearest_in_triangle, sub};
 
     const SIDE: u32 = 20;
 
