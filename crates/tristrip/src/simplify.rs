@@ -29,6 +29,7 @@ mod neighbourhood;
 mod options;
 mod quadric;
 mod queue;
+mod skin;
 mod stopped;
 #[cfg(test)]
 mod tests;
