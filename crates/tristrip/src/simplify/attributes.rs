@@ -16,13 +16,14 @@ use crate::mesh::{Attribute, Mesh, triangles_of};
 use crate::vector::{Point, dot, normal_of};
 
 /// The distance, in units of the frame, that is as bad as a difference of 1 between unit normals. Of 0.05 to 0.1, in pictures of
-/// Duck, CesiumMan, CesiumMilkTruck and Fox, more gave better normals, and less better textures; this is better than gltfpack in both.
+/// a duck, a man, a truck and a fox, more gave better normals, and less better textures; this is better than gltfpack in both.
 const NORMAL_LENGTH: f64 = 0.06;
 /// The same for tangents, which only light normal maps.
 const TANGENT_LENGTH: f64 = 0.03;
 /// The same for a component of a colour, of 1 between none and full.
 const COLOUR_LENGTH: f64 = 0.1;
-/// The radians by which joints are expected to turn. From 0.1 to 0.5 more was better for CesiumMan, also in its own pose, and worse for Fox.
+/// The radians by which joints are expected to turn. From 0.1 to 0.5 more was better for the man, even in
+/// the pose of the file, and worse for the fox.
 const SKIN_LENGTH: f64 = 0.1;
 /// Most values per vertex that count: the time for a price is in proportion to their number.
 const MOST_VALUES: usize = 32;
@@ -55,7 +56,12 @@ impl PricedAttributes {
                 let n = usize::from(attribute.components);
                 (n * v..n * (v + 1)).map(move |i| f64::from(finite(attribute.float(i))) * length)
             });
-            values.extend(of_columns.chain(of_skin).take(width).map(|x| x as f32));
+            values.extend(
+                of_columns
+                    .chain(of_skin)
+                    .take(width)
+                    .map(|x| x.clamp(f32::MIN.into(), f32::MAX.into()) as f32),
+            );
         }
         (width > 0).then_some(Self { width, values })
     }

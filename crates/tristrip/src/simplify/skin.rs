@@ -18,12 +18,10 @@
 
 use std::collections::BTreeMap;
 
-use crate::mesh::{Attribute, Mesh};
+use crate::mesh::{Attribute, AttributeData, Mesh};
 
 /// The values per vertex that joints become.
 const MOST_VALUES: usize = 8;
-/// The number from which on joints do not count: glTF has at most 16 bits.
-const JOINT_LIMIT: f32 = 65_536.0;
 
 /// The weights of joints as lengths.
 #[derive(Debug)]
@@ -103,6 +101,16 @@ fn share(joint: usize, value: usize, joint_count: usize) -> f64 {
     sign / (MOST_VALUES as f64).sqrt()
 }
 
+/// Returns value `i` of all as the number of a joint.
+fn joint_number(joints: &Attribute, i: usize) -> Option<u32> {
+    match &joints.data {
+        AttributeData::U8(numbers) => numbers.get(i).map(|&joint| joint.into()),
+        AttributeData::U16(numbers) => numbers.get(i).map(|&joint| joint.into()),
+        AttributeData::U32(numbers) => numbers.get(i).copied(),
+        _ => None,
+    }
+}
+
 /// The pairs of attributes with joints and their weights.
 struct Influences<'a>(Vec<[&'a Attribute; 2]>);
 
@@ -120,9 +128,8 @@ impl<'a> Influences<'a> {
         self.0.iter().flat_map(move |[joints, weights]| {
             let components = usize::from(joints.components);
             (vertex * components..(vertex + 1) * components).filter_map(move |i| {
-                let (joint, weight) = (joints.float(i)?, weights.float(i)?);
-                let is_used = weight > 0.0 && weight.is_finite() && (0.0..JOINT_LIMIT).contains(&joint);
-                is_used.then_some((joint as u32, weight.into()))
+                let weight = weights.float(i).filter(|&weight| weight > 0.0 && weight.is_finite())?;
+                Some((joint_number(joints, i)?, weight.min(1.0).into()))
             })
         })
     }
@@ -131,7 +138,7 @@ impl<'a> Influences<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{AttributeData, Faces};
+    use crate::mesh::Faces;
 
     /// Returns points along a line, each moved by the joint of its number and the next one.
     fn chain(joint_count: u16) -> Mesh {
@@ -185,11 +192,23 @@ mod tests {
             normalized: false,
             data: AttributeData::F32([f32::NAN, -1.0, 1e9, 0.0].repeat(5)),
         };
+        let unused = Attribute {
+            name: "JOINTS_2".into(),
+            components: 1,
+            normalized: false,
+            data: AttributeData::U32([9, u32::MAX].repeat(10)),
+        };
+        let no_weights = Attribute {
+            name: "WEIGHTS_2".into(),
+            data: AttributeData::F32([f32::NAN, 0.0].repeat(10)),
+            ..unused.clone()
+        };
         let weights = Attribute {
             name: "WEIGHTS_1".into(),
             data: AttributeData::F32([1.0, 1.0, 1.0, f32::NAN].repeat(5)),
             ..wrong.clone()
         };
+        mesh = mesh.with_attribute(unused).unwrap().with_attribute(no_weights).unwrap();
         mesh = mesh.with_attribute(wrong).unwrap().with_attribute(weights).unwrap();
         assert_eq!(
             SkinValues::new(&mesh, 1.0).unwrap().values,
