@@ -18,8 +18,10 @@
 //! Mesh Decimation*, 1998 (half-edge collapses).
 //!
 //! # Complexity
-//! O(n log n) time; 260 bytes per triangle while it runs, 30 of them for the result.
+//! O(n log n) time; 260 bytes per triangle while it runs, 30 of them for the result; for attributes that have a price 92 bytes per vertex
+//! more, and 36 per value.
 
+mod attribute_quadrics;
 mod attributes;
 mod decimate;
 mod fan;
@@ -31,6 +33,7 @@ mod options;
 mod outcome;
 mod quadric;
 mod queue;
+mod skin;
 mod stopped;
 #[cfg(test)]
 mod tests;

@@ -42,10 +42,11 @@ pub(crate) struct SimplifyArgs {
     /// with --ratio or --triangles, the limit that is reached first ends the simplification.
     #[arg(long, value_name = "ERROR", default_value = "1%")]
     pub(crate) error: Deviation,
-    /// How much attributes count relative to the shape: normal=1,uv=1,colour=1 [default: 1 each]
+    /// How much attributes count relative to the shape: normal=1,uv=1,colour=1,tangent=1,skin=1 [default: 1 each]
     ///
-    /// Normals that turn by a radian, and colours that change from none to full, count like a surface that moves by a tenth of
-    /// the longest side; texture coordinates count by the distance that the texture moves over the surface. 0 ignores them.
+    /// Normals that turn by a radian count like a surface that moves by 6% of the longest side, tangents half as much, and colours that
+    /// change from none to full like 10%; texture coordinates count by the distance that the texture moves over the surface, and joints by
+    /// the distance that a vertex moves elsewhere if a joint turns by a tenth of a radian. 0 ignores them.
     #[arg(long, value_name = "WEIGHTS", default_value = "", hide_default_value = true)]
     pub(crate) weight: AttributeWeights,
     /// Whether normals are kept or rebuilt

@@ -6,7 +6,8 @@
 //!   bound of the other;
 //! - the *price*: the estimate plus squared distances between the old and the new triangles, weighted like the quadric: of the point from
 //!   the triangles that would replace its own, and of the middles of the edges that these would have from its own triangles. The quadric knows
-//!   only planes; the price detects that an edge would run across a ridge, or bridge a valley.
+//!   only planes; the price detects that an edge would run across a ridge, or bridge a valley. The quadrics of the attributes are added,
+//!   if there are any (module `attribute_quadrics`).
 //!
 //! Both are divided by the square root of the weight of the point, the area that it represents: by area alone thin parts would vanish first,
 //! since they have none, and by distance alone a small part would cost as much as a large one.
@@ -32,6 +33,7 @@
 //! Preserving Edge Contraction*, 1999 (the link condition). The price is our own: it reduces the mean distance between the surfaces
 //! at 5 % of the triangles to 0.78 of meshoptimizer's, and the largest to 0.67 (docs/levels.md).
 
+use super::attribute_quadrics::AttributeQuadrics;
 use super::attributes::PricedAttributes;
 use super::frame::{frame, quadrics};
 use super::neighbourhood::Neighbourhood;
@@ -90,7 +92,7 @@ pub(super) struct Decimation {
     /// The unit of the local frame, in mesh units.
     unit: f64,
     quadrics: Vec<Quadric>,
-    attributes: Option<PricedAttributes>,
+    attributes: Option<AttributeQuadrics>,
     locked: Vec<bool>,
     /// The error of the removal of each point's component, in units of the frame; empty if all components stay.
     vanishing: Vec<f32>,
@@ -133,7 +135,8 @@ impl Decimation {
         let is_locked = locked_points(&topology, vertices, options);
         let position = |p| positions.position(topology.vertex_of(p) as usize).unwrap_or_default();
         let (framed, unit) = frame((0..count as u32).map(position));
-        let attributes = priced(vertices, unit);
+        let attributes =
+            priced(vertices, unit).map(|values| AttributeQuadrics::new(&topology, &framed, values));
         let vanishing = match options.vanishing() {
             [] => Vec::new(),
             errors => {
@@ -281,8 +284,8 @@ impl Decimation {
             }
             let weight = share_of(self.quadrics[point as usize].weight);
             if self.attributes.is_some() {
-                let Some(deviation) = self.attribute_deviation(point, to) else { continue };
-                price.cost += weight * deviation;
+                let Some(change) = self.attribute_change(point, to) else { continue };
+                price.cost += if weight > 0.0 { change / weight } else { change };
                 if !is_better(price.cost) {
                     continue;
                 }
@@ -335,20 +338,13 @@ impl Decimation {
         CollapsePrice { cost, error: mean.max(square).sqrt() }
     }
 
-    /// Returns the squared deviation of the attributes at the current point from those that would replace them; `None` if a seam would open.
-    fn attribute_deviation(&mut self, point: u32, to: u32) -> Option<f64> {
+    /// Returns the sum of the squared deviations of the attributes if a point goes to a neighbour; `None` if a seam would open.
+    fn attribute_change(&mut self, point: u32, to: u32) -> Option<f64> {
         if !self.keeps_seams(point, to) {
             return None;
         }
-        let Some(attributes) = &self.attributes else { return Some(0.0) };
-        let (topology, kept) = (&self.topology, self.positions[to as usize]);
-        Some(self.current.attribute_deviation(
-            attributes,
-            topology,
-            topology.ring(point),
-            &self.renames,
-            (to, kept),
-        ))
+        let attributes = self.attributes.as_ref()?;
+        Some(attributes.change(&self.renames, self.positions[to as usize]))
     }
 
     /// Returns the target of a point whose price is still valid.
@@ -383,8 +379,7 @@ impl Decimation {
             return true;
         }
         let attributes = self.attributes.as_ref();
-        let difference =
-            |a: u32, b: u32| attributes.map_or(0.0, |priced| priced.deviation(a, [b; 3], [1.0, 0.0, 0.0]));
+        let difference = |a: u32, b: u32| attributes.map_or(0.0, |attributes| attributes.difference(a, b));
         self.is_permissive && self.topology.renames_across(point, to, &mut self.renames, difference).is_some()
     }
 
@@ -420,6 +415,9 @@ impl Decimation {
         self.queue.remove(point);
         let quadric = self.quadrics[point as usize];
         self.quadrics[to as usize].add(&quadric);
+        if let Some(attributes) = &mut self.attributes {
+            attributes.merge(&renames);
+        }
         (self.renames, self.dropped) = (renames, dropped);
 
         self.now += 1;

@@ -2,18 +2,16 @@
 //!
 //! ```text
 //!         u ───── w                   u ───── w       If b goes to a, its triangles with a are dropped, and each of the others, such as
-//!        ╱ ╲     ╱ ╲                 ╱ ╲    ╱╱        (b, u, w), becomes (a, u, w). Three distances are compared:
+//!        ╱ ╲     ╱ ╲                 ╱ ╲    ╱╱        (b, u, w), becomes (a, u, w). Two distances are compared:
 //!       ╱   ╲   ╱   ╲               ╱   ╲ ╱ ╱         - of b from the new triangles;
-//!      ╱     ╲ ╱     ╲             ╱   ╱ ╲ ╱          - of the middles of the new edges, such as a–u, from the old triangles;
-//!     a ────── b ─────·     →     a ───── ·           - of the attributes at b from those of the nearest new triangle.
+//!      ╱     ╲ ╱     ╲             ╱   ╱ ╲ ╱          - of the middles of the new edges, such as a–u, from the old triangles.
+//!     a ────── b ─────·     →     a ───── ·
 //! ```
 //! The second detects new triangles that bridge a valley beside b.
 
-use super::attributes::PricedAttributes;
 use super::fan::Fan;
-use super::topology::{CornerId, PointKind, Topology};
-use crate::collapse::Rename;
-use crate::vector::{Point, cross, dot, nearest_in_triangle, sub, to_segment, to_triangle};
+use super::topology::{PointKind, Topology};
+use crate::vector::{Point, cross, dot, sub, to_segment, to_triangle};
 
 /// The cosine of the largest angle by which a triangle may rotate.
 const LEAST_COSINE: f64 = 0.25;
@@ -126,39 +124,6 @@ impl Neighbourhood {
             }
         }
         largest
-    }
-
-    /// Returns the squared deviation of the attributes at the point from those of the triangles that would replace its own, the mean over its
-    /// vertices, if they become those of `renames`.
-    pub(super) fn attribute_deviation(
-        &self,
-        attributes: &PricedAttributes,
-        topology: &Topology,
-        ring: &[CornerId],
-        renames: &[Rename],
-        (to, kept): (u32, Point),
-    ) -> f64 {
-        let (mut sum, mut count) = (0.0, 0);
-        for rename in renames {
-            let mut nearest = None;
-            let mut least = f64::INFINITY;
-            for (edge, &corner) in self.edges.iter().zip(ring) {
-                if edge.has(to) || renames.len() > 1 && topology.wedge(corner) != rename.removed {
-                    continue;
-                }
-                let triangle = [kept, edge.positions[0], edge.positions[1]];
-                let square = to_triangle(self.from, triangle, least);
-                if square < least {
-                    (least, nearest) = (square, Some((triangle, corner)));
-                }
-            }
-            let Some((triangle, corner)) = nearest else { continue };
-            let shares = nearest_in_triangle(self.from, triangle);
-            let [u, w] = [corner.next(), corner.previous()].map(|other| topology.wedge(other));
-            sum += attributes.deviation(rename.removed, [rename.kept, u, w], shares);
-            count += 1;
-        }
-        if count > 0 { sum / f64::from(count) } else { 0.0 }
     }
 }
 

@@ -7,14 +7,16 @@ use crate::error::Error;
 
 /// How much the attributes of vertices count relative to the distance between the surfaces; 0 for not at all.
 ///
-/// At a weight of 1 normals (`NORMAL`) that deviate by a radian, and colours (`COLOR_0`) that deviate by 1, count like a distance of a tenth of the
-/// longest side of the bounding box; texture coordinates (`TEXCOORD_0`, `TEXCOORD_1`) count like the distance by which the texture moves over the surface.
+/// At a weight of 1 normals (`NORMAL`) that deviate by a radian count like a distance of 0.06 of the longest side of the bounding box, tangents
+/// (`TANGENT`) half as much, and colours (`COLOR_n`) that deviate by 1 like a tenth of it. Texture coordinates (`TEXCOORD_n`) count like the distance by
+/// which the texture moves over the surface, and a skin (`JOINTS_n`, `WEIGHTS_n`) like that by which a vertex moves elsewhere if a
+/// joint turns by a tenth of a radian.
 ///
 /// ```
 /// use tristrip::simplify::{AttributeWeights, SimplifyOptions};
-/// let shape_only = AttributeWeights { normal: 0.0, uv: 0.0, colour: 0.0 };
-/// let options = SimplifyOptions::default().with_weights(shape_only);
-/// assert_eq!((options.weights().uv, SimplifyOptions::default().weights().uv), (0.0, 1.0));
+/// let only_texture = AttributeWeights { uv: 1.0, ..AttributeWeights::NONE };
+/// let options = SimplifyOptions::default().with_weights(only_texture);
+/// assert_eq!((options.weights().normal, SimplifyOptions::default().weights().normal), (0.0, 1.0));
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AttributeWeights {
@@ -24,11 +26,35 @@ pub struct AttributeWeights {
     pub uv: f32,
     /// The weight of the colours.
     pub colour: f32,
+    /// The weight of the tangents.
+    pub tangent: f32,
+    /// The weight of the joints and their weights.
+    pub skin: f32,
+}
+
+impl AttributeWeights {
+    /// No attribute counts, only the shape.
+    ///
+    /// ```
+    /// use tristrip::simplify::AttributeWeights;
+    /// assert_eq!("normal=0,uv=0,colour=0,tangent=0,skin=0".parse(), Ok(AttributeWeights::NONE));
+    /// ```
+    pub const NONE: Self = Self::all(0.0);
+
+    const fn all(weight: f32) -> Self {
+        Self { normal: weight, uv: weight, colour: weight, tangent: weight, skin: weight }
+    }
+
+    /// Returns the weights with their names.
+    fn named(&mut self) -> [(&'static str, &mut f32); 5] {
+        let Self { normal, uv, colour, tangent, skin } = self;
+        [("normal", normal), ("uv", uv), ("colour", colour), ("tangent", tangent), ("skin", skin)]
+    }
 }
 
 impl Default for AttributeWeights {
     fn default() -> Self {
-        Self { normal: 1.0, uv: 1.0, colour: 1.0 }
+        Self::all(1.0)
     }
 }
 
@@ -45,19 +71,15 @@ impl FromStr for AttributeWeights {
             let unknown = || Error::Parameter {
                 name: "weight",
                 found: format!("`{}`", part.trim()),
-                expected: "normal, uv or colour with a number of at least 0, such as uv=0.5",
+                expected: "normal, uv, colour, tangent or skin with a number of at least 0, such as uv=0.5",
             };
             let (name, value) = part.split_once('=').ok_or_else(unknown)?;
             let value: f32 = value.trim().parse().map_err(|_| unknown())?;
             if !value.is_finite() || value < 0.0 {
                 return Err(unknown());
             }
-            match name.trim() {
-                "normal" => weights.normal = value,
-                "uv" => weights.uv = value,
-                "colour" => weights.colour = value,
-                _ => return Err(unknown()),
-            }
+            let named = weights.named().into_iter().find(|(known, _)| *known == name.trim());
+            *named.ok_or_else(unknown)?.1 = value;
         }
         Ok(weights)
     }
@@ -282,8 +304,8 @@ impl SimplifyOptions {
     }
 
     fn check_weights(&self) -> Result<(), Error> {
-        let AttributeWeights { normal, uv, colour } = self.weights;
-        for (name, weight) in [("normal", normal), ("uv", uv), ("colour", colour)] {
+        let mut weights = self.weights;
+        for (name, &mut weight) in weights.named() {
             if !weight.is_finite() || weight < 0.0 {
                 return Err(Error::Parameter { name, found: weight.to_string(), expected: "0 or more" });
             }
@@ -315,10 +337,11 @@ mod tests {
 
     #[test]
     fn weights_are_read_by_name() {
-        let read = |text: &str| text.parse::<AttributeWeights>().ok().map(|w| [w.normal, w.uv, w.colour]);
-        assert_eq!(read(""), Some([1.0; 3]));
-        assert_eq!(read("uv=0.5, normal=2"), Some([2.0, 0.5, 1.0]));
-        for wrong in ["uv", "uv=", "uv=-1", "uv=nan", "uv=inf", "tangent=1"] {
+        let read = |text: &str| text.parse::<AttributeWeights>().ok();
+        assert_eq!(read(""), Some(AttributeWeights::default()));
+        let some = AttributeWeights { normal: 2.0, uv: 0.5, skin: 0.0, ..AttributeWeights::default() };
+        assert_eq!(read("uv=0.5, normal=2,skin=0"), Some(some));
+        for wrong in ["uv", "uv=", "uv=-1", "uv=nan", "uv=inf", "tangents=1"] {
             assert_eq!(read(wrong), None, "{wrong}");
         }
     }

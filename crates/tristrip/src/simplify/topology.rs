@@ -200,6 +200,11 @@ impl Topology {
         around.map_or(0, |p| self.ring(p).iter().filter(has_all).take(2).count())
     }
 
+    /// Returns the first of the vertices of a point that have the same attributes as a vertex.
+    pub(super) fn first_equal(&self, v: u32) -> u32 {
+        self.equal_vertices.get(&v).copied().unwrap_or(v)
+    }
+
     /// Checks whether two vertices of one position have the same attributes.
     fn are_equal(&self, a: u32, b: u32) -> bool {
         let first_equal = |v: u32| self.equal_vertices.get(&v);
