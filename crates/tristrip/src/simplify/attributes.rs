@@ -73,7 +73,7 @@ impl PricedAttributes {
     }
 
     /// Joins the values of several meshes, each with its number of vertices, which are compared only within a mesh; `None` if no mesh has any.
-    pub(super) fn joined(meshes: Vec<(Option<Self>, usize)>) -> Option<Self> {
+    pub(super) fn joined(meshes: &[(Option<Self>, usize)]) -> Option<Self> {
         let of_all = || meshes.iter().filter_map(|(priced, _)| priced.as_ref());
         let normal_length = of_all().find_map(|priced| priced.normal_length);
         // Where one mesh has normals, the first three values of all are those.
@@ -83,7 +83,7 @@ impl PricedAttributes {
         let mut values =
             vec![0.0; width * meshes.iter().map(|(_, vertex_count)| vertex_count).sum::<usize>()];
         let mut rows = values.chunks_exact_mut(width);
-        for (priced, vertex_count) in &meshes {
+        for (priced, vertex_count) in meshes {
             let rows = rows.by_ref().take(*vertex_count);
             let Some(priced) = priced else {
                 rows.for_each(drop);
