@@ -1,6 +1,7 @@
 //! Files by path: read at once, and written to a temporary file that is renamed, so that a failure leaves the old file
 //! unchanged.
 
+use std::collections::HashSet;
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -124,13 +125,15 @@ pub fn load_materials(model: &mut Model, path: Option<&Path>, stem: &str) {
             None
         }
     };
+    let mut seen: HashSet<String> = HashSet::new();
     for library in materials.libraries.clone() {
         let Some(bytes) = load(&library, &mut materials.problems) else { continue };
         for name in materials.add_library(&library, bytes) {
-            if materials.files.iter().all(|file| file.name != name) {
-                if let Some(bytes) = load(&name, &mut materials.problems) {
-                    materials.files.push(SideFile { name, bytes });
-                }
+            if !seen.insert(name.clone()) {
+                continue;
+            }
+            if let Some(bytes) = load(&name, &mut materials.problems) {
+                materials.files.push(SideFile { name, bytes });
             }
         }
     }

@@ -71,8 +71,8 @@ impl Place {
         }
         let [a, b, c] = [a, b, c].map(|x| (x - mean) / p);
         let [d, e, f] = [d, e, f].map(|x| x / p);
-        let half = (a * (b * c - e * e) - d * (d * c - e * f) + f * (d * e - b * f)) / 2.0;
-        let angle = libm::acos(half.clamp(-1.0, 1.0)) / 3.0;
+        let determinant = a * (b * c - e * e) - d * (d * c - e * f) + f * (d * e - b * f);
+        let angle = libm::acos((0.5 * determinant).clamp(-1.0, 1.0)) / 3.0;
         (mean + 2.0 * p * libm::cos(angle)).max(0.0).sqrt()
     }
 
@@ -156,7 +156,7 @@ mod tests {
         near(of([[0.6, -1.6, 0.0], [0.8, 1.2, 0.0], [0.0, 0.0, 0.5]]), 2.0);
         near(of([[0.0; 3]; 3]), 0.0);
         // A shear; the golden ratio is its largest singular value.
-        near(of([[1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]), (1.0 + 5.0_f64.sqrt()) / 2.0);
+        near(of([[1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]), f64::midpoint(1.0, 5.0_f64.sqrt()));
         near(of([[1e31, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]), 1.0);
     }
 
@@ -172,7 +172,10 @@ mod tests {
         let places = Places::of(&model);
         assert_eq!(places.of_part, [1, 1, 1, 0, 0], "mesh 3 is not shown");
         assert_eq!(places.lists.iter().map(|list| list.len()).collect::<Vec<_>>(), [1, 1]);
-        assert_eq!(places.lists[1][0].at([1.0, 2.0, 3.0]), [2.0, 4.0, 6.0]);
+        assert_eq!(
+            places.lists[1][0].at([1.0, 2.0, 3.0]).map(f64::to_bits),
+            [2.0_f64, 4.0, 6.0].map(f64::to_bits)
+        );
         let twice = json.replace(r#"{"mesh":2}"#, r#"{"children":[0]},{"children":[0]}"#);
         let model = tristrip_io::read(twice.as_bytes(), tristrip_io::Format::Glb).unwrap();
         let places = Places::of(&model);

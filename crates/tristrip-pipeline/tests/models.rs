@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use tristrip::Effort;
 use tristrip::lod::RepairOptions;
 use tristrip::stripify::{Progress, Watch};
-use tristrip::{Layout, Method, StripifyOptions, Strips};
+use tristrip::{Layout, Mesh, Method, StripifyOptions, Strips};
 use tristrip_io::{Drawing, Format, Model, read};
 use tristrip_pipeline::{
     Amount, ConvertOptions, Deviation, DisplayFilter, EncodeOptions, Error, Event, Goal, LevelsOptions,
@@ -64,25 +64,39 @@ fn no_strips_are_better_than_the_bound() {
     }
 }
 
+/// Returns the heights of the vertices that triangles have on the line between the two parts.
+fn border(mesh: &Mesh, corners: &[u32]) -> Vec<u32> {
+    let drawn = corners.iter().map(|&v| mesh.positions()[v as usize]);
+    let mut border: Vec<u32> =
+        drawn.filter(|p| p[0].to_bits() == 4.0_f32.to_bits()).map(|p| p[1].to_bits()).collect();
+    border.sort_unstable();
+    border.dedup();
+    border
+}
+
 #[test]
-fn shared_borders_collapse_together_when_parts_are_simplified() {
+fn both_sides_of_a_shared_border_are_simplified_together() {
     let model = two_parts();
     let (amount, deviation) = (Some(Amount::Triangles(20)), Deviation::Percent(100.0));
     let goal = Goal { amount, deviation };
     let simplified = simplify(&model, &SimplifyOptions::new(goal)).unwrap();
     assert_eq!((simplified.collapses.locked_vertices, simplified.collapses.reached), (0, true));
-    let borders = simplified.redrawn.model.parts.iter().map(|part| {
-        let middle = part.mesh.faces().corners().iter().map(|&v| part.mesh.positions()[v as usize]);
-        let mut border: Vec<u32> =
-            middle.filter(|p| p[0].to_bits() == 4.0_f32.to_bits()).map(|p| p[1].to_bits()).collect();
-        border.sort_unstable();
-        border.dedup();
-        border
-    });
-    let borders: Vec<_> = borders.collect();
-    assert_eq!(borders[0], borders[1], "no gap opens between the parts");
-    assert!(borders[0].len() < 9, "the border of nine points is simplified");
+    let borders: Vec<Vec<u32>> = simplified
+        .redrawn
+        .model
+        .parts
+        .iter()
+        .map(|part| border(&part.mesh, part.mesh.faces().corners()))
+        .collect();
+    assert!(borders[0] == borders[1] && borders[0].len() < 9, "{borders:?}");
     assert_eq!(simplified.encode(&()).unwrap().faces, Some(simplified.collapses.triangles_after));
+    // So does every level of detail.
+    let all = levels(&model, &LevelsOptions::default()).unwrap();
+    for level in 0..=all.collapse_count() {
+        let of_parts = all.order.of_parts(level).unwrap();
+        let of_part = |i: usize| border(&model.parts[i].mesh, &all.parts[i].triangles(of_parts[i]).unwrap());
+        assert_eq!(of_part(0), of_part(1), "level {level}");
+    }
 }
 
 #[test]

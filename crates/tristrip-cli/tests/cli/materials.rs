@@ -1,5 +1,7 @@
 //! Materials of OBJ: libraries and images beside the file travel with every result that can hold them.
 
+#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
+
 use std::fs;
 use std::path::Path;
 

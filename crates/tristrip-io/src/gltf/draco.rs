@@ -249,7 +249,7 @@ impl<'a> CompressedPrimitive<'a> {
         limits.max_decoded_bytes = (vertices as u64).saturating_mul(vertex_bytes as u64).max(FEWEST_BYTES);
         let failed = |why: String| Error::format(extension.at.clone(), why, "a stream of Draco");
         let text = json_of(extension)?;
-        let json = JsonValue::parse(&text).map_err(|error| failed(error.to_string()))?;
+        let json = JsonValue::parse(&text).map_err(failed)?;
         let parsed = DracoPrimitiveExtension::from_json(&json).map_err(|error| failed(error.to_string()))?;
         let bytes = resolver.shared_view(&extension.need("bufferView")?)?;
         let geometry = parsed.decode(bytes.as_slice(), &contract.with_limits(limits));

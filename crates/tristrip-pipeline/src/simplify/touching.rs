@@ -134,12 +134,12 @@ fn mark_level(placed: &[Placed], level: i32, lists: &[PlacedPositions], touches:
 /// Returns the eight cells nearest to a point, its own among them.
 fn nearest_cells(at: [f64; 3]) -> [[i32; 3]; 8] {
     let low = at.map(|x| (x - 0.5).floor() as i32);
-    std::array::from_fn(|i| [0, 1, 2].map(|axis| low[axis].saturating_add((i >> axis & 1) as i32)))
+    std::array::from_fn(|i| [0, 1, 2].map(|axis| low[axis].saturating_add(i32::from(i >> axis & 1 == 1))))
 }
 
 /// Returns a power of two whose exponent is small.
 fn power_of_two(exponent: i32) -> f64 {
-    f64::from_bits(((1023 + i64::from(exponent)) as u64) << 52)
+    f64::from_bits(u64::from((1023 + exponent).unsigned_abs()) << 52)
 }
 
 /// Returns the level of a magnitude: the exponent of a cell that is larger than twice its rounding.

@@ -19,7 +19,7 @@ pub(super) const MOST_CORNERS: usize = 256;
 pub(super) enum Outcome {
     /// Everything stays as it is arranged.
     Keeps,
-    /// The last triangles of a component disappear, or two back to back are left of it.
+    /// The last triangles of a component or of a mesh disappear, or two back to back are left of it.
     Ends,
     /// A hole or a handle would close.
     Breaks,
@@ -50,7 +50,7 @@ impl Outcomes {
     /// Returns what a collapse does to the surface.
     pub(super) fn of(&mut self, topology: &Topology, point: u32, to: u32) -> Outcome {
         let ring = topology.ring(point);
-        if is_end(topology, point, to) {
+        if is_end(topology, point, to) || topology.ends_mesh(point, to) {
             return Outcome::Ends;
         }
         let keeps = if topology.kind(point) == PointKind::Irregular {

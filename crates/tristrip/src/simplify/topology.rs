@@ -60,6 +60,8 @@ pub(super) struct Topology {
     rings: CornerRings,
     /// The first vertex of each mesh if there are several.
     meshes: Vec<u32>,
+    /// The number of triangles of each mesh that are left, by [`Topology::mesh_of`].
+    triangles_left: Vec<u32>,
 }
 
 impl Topology {
@@ -96,12 +98,36 @@ impl Topology {
             classifier,
             rings,
             meshes: Vec::new(),
+            triangles_left: Vec::new(),
         }
     }
 
     /// Sets the first vertices of the meshes that the vertices belong to.
-    pub(super) fn with_meshes(self, meshes: &[u32]) -> Self {
-        Self { meshes: meshes.to_vec(), ..self }
+    pub(super) fn with_meshes(mut self, meshes: &[u32]) -> Self {
+        if meshes.len() > 1 {
+            self.meshes = meshes.to_vec();
+            self.triangles_left = vec![0; meshes.len() + 1];
+            for triangle in 0..self.triangles.len() {
+                let mesh = self.mesh_of(self.wedge(CornerId::new(triangle, 0)));
+                self.triangles_left[mesh as usize] += 1;
+            }
+        }
+        self
+    }
+
+    /// Checks whether a collapse removes the last triangles of one of several meshes.
+    pub(super) fn ends_mesh(&self, removed: u32, kept: u32) -> bool {
+        if self.meshes.len() < 2 {
+            return false;
+        }
+        let dropped = || {
+            let corners = self.ring(removed).iter().filter(|&&corner| self.others(corner).contains(&kept));
+            corners.map(|&corner| self.mesh_of(self.wedge(corner)))
+        };
+        dropped().any(|mesh| {
+            let count = dropped().filter(|&other| other == mesh).count();
+            self.triangles_left[mesh as usize] as usize <= count
+        })
     }
 
     /// Checks whether two vertices belong to one mesh.
@@ -306,6 +332,10 @@ impl Topology {
             }
         }
         for &t in &*dropped {
+            if self.meshes.len() > 1 {
+                let mesh = self.mesh_of(self.wedge(CornerId::new(t as usize, 0)));
+                self.triangles_left[mesh as usize] -= 1;
+            }
             for (k, &p) in self.triangles[t as usize].iter().enumerate() {
                 self.rings.remove(p, CornerId::new(t as usize, k));
             }
