@@ -225,9 +225,10 @@ fn measure(
     let bytes: Vec<u8> = mesh.positions().iter().flatten().flat_map(|x| x.to_ne_bytes()).collect();
     let adapter = meshopt::VertexDataAdapter::new(&bytes, 12, 0)?;
     let peer = || {
-        let options = match goal.permissive {
-            true => meshopt::SimplifyOptions::Permissive,
-            false => meshopt::SimplifyOptions::empty(),
+        let options = if goal.permissive {
+            meshopt::SimplifyOptions::Permissive
+        } else {
+            meshopt::SimplifyOptions::empty()
         };
         meshopt::simplify(black_box(triangles), &adapter, 3 * target, f32::MAX, options, None)
     };
