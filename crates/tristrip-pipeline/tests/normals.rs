@@ -22,8 +22,11 @@ fn normal_of([a, b, c]: [[f32; 3]; 3]) -> [f32; 3] {
     n.map(|x| (x / length) as f32)
 }
 
+/// The position, the texture coordinates and the smooth normal of a corner.
+type Corner = ([f32; 3], [f32; 2], [f32; 3]);
+
 /// Returns the triangles of a tube of changing width around the z axis: positions, texture coordinates and the normals of the axis.
-fn triangles(width: impl Fn(usize) -> f64) -> Vec<[([f32; 3], [f32; 2], [f32; 3]); 3]> {
+fn triangles(width: impl Fn(usize) -> f64) -> Vec<[Corner; 3]> {
     let at = |column: usize, row: usize| {
         let turn = (column % COLUMNS) as f64 / COLUMNS as f64 * std::f64::consts::TAU;
         let (sin, cos) = turn.sin_cos();
@@ -40,10 +43,7 @@ fn triangles(width: impl Fn(usize) -> f64) -> Vec<[([f32; 3], [f32; 2], [f32; 3]
 }
 
 /// Returns a model in which every triangle has vertices of its own; the normals are chosen by `normal` for a triangle and a corner.
-fn model(
-    faces: &[[([f32; 3], [f32; 2], [f32; 3]); 3]],
-    normal: impl Fn([[f32; 3]; 3], [f32; 3]) -> [f32; 3],
-) -> Model {
+fn model(faces: &[[Corner; 3]], normal: impl Fn([[f32; 3]; 3], [f32; 3]) -> [f32; 3]) -> Model {
     let corners = || faces.as_flattened().iter();
     let normals = faces.iter().flat_map(|face| {
         let positions = face.map(|corner| corner.0);

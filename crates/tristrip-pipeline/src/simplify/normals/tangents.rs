@@ -178,7 +178,11 @@ mod tests {
             let found = tangents(&mesh, &triangles, &vec![[0.0, 0.0, 1.0]; triangles.len()]).unwrap();
             assert_eq!(found.len(), triangles.len());
             for [x, y, z, w] in found {
-                assert!((x * x + y * y - 1.0).abs() < 1e-5 && z.abs() < 1e-5 && w.abs() == 1.0);
+                assert!(
+                    (x * x + y * y - 1.0).abs() < 1e-5
+                        && z.abs() < 1e-5
+                        && w.abs().to_bits() == 1.0_f32.to_bits()
+                );
             }
         }
     }
