@@ -4,9 +4,10 @@
 //! input mesh. No vertex is created or moved, so that every level is drawn from the vertices of the full mesh.
 //!
 //! Vertices of one position are one point. If their attributes differ they are on a seam, and collapse together along the seam or not at
-//! all. If the triangles around a point are not arranged like a disk or half of one, the point stays: non-manifold edges do not change. Holes
-//! do not close, and components do not merge or vanish: a mesh that allows no more collapses stops above the target triangle count, and
-//! [`Stopped`] gives the reasons. Only a face that is attached by a non-manifold edge alone may be removed from that edge.
+//! all. Holes do not close, and components do not merge: a mesh that allows no more collapses stops above the target triangle count, and
+//! [`Stopped`] gives the reasons. Where surfaces are not manifold, points move along the edges of three or more triangles, and triangles that only such
+//! an edge attaches may vanish. Components vanish only where the caller states the error of that, and permissive simplification lets holes
+//! close and seams move onto others.
 //!
 //! # Algorithm
 //! See the module `decimate`: quadrics in a local frame for a first order of the collapses, the distance to the new triangles for
