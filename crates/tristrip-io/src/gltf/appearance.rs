@@ -20,7 +20,6 @@ use super::buffer::decode_data_uri;
 #[cfg(feature = "fs")]
 use super::buffer_files::BufferFiles;
 use super::document::{Located, array};
-use super::json::Value;
 use super::placements::Placement;
 use super::scene::Scene;
 use super::shared_bytes::{SharedBytes, whole_of};
@@ -116,7 +115,7 @@ impl Scene {
     #[cfg(feature = "fs")]
     pub(crate) fn shaded_material_count(&self) -> usize {
         const MORE: [&str; 4] = ["normalTexture", "occlusionTexture", "emissiveTexture", "emissiveFactor"];
-        let is_shaded = |material: &&Value| {
+        let is_shaded = |material: &&super::json::Value| {
             let surface = material.get("pbrMetallicRoughness");
             MORE.iter().any(|key| material.get(key).is_some())
                 || surface.is_some_and(|surface| surface.get("metallicRoughnessTexture").is_some())
