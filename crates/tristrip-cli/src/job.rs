@@ -1,6 +1,6 @@
 //! The inputs of a subcommand, each with its output: files, directories, and the standard streams.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
@@ -212,7 +212,9 @@ fn jobs_to_directory(
         ));
     }
     let mut first: HashMap<PathBuf, String> = HashMap::new();
-    let all: Vec<PathBuf> = inputs.iter().filter_map(|input| input.path.clone()).collect();
+    // Links followed, so that an input is found by any of its names.
+    let all: HashSet<PathBuf> =
+        inputs.iter().filter_map(|input| input.path.as_ref()?.canonicalize().ok()).collect();
     let mut jobs = Vec::with_capacity(inputs.len());
     for input in inputs {
         let stem = input.path.as_ref().and_then(|path| path.file_stem()).unwrap_or("stdin".as_ref());
@@ -225,7 +227,7 @@ fn jobs_to_directory(
             Some(count) => (0..count).map(|level| path_of_level(&path, level)).collect(),
         };
         for file in written {
-            if all.iter().any(|from| is_same_file(from, &file)) {
+            if file.canonicalize().is_ok_and(|file| all.contains(&file)) {
                 let file = file.display();
                 return Err(format!("{file}: the output would replace the input; choose another directory"));
             }
@@ -237,11 +239,6 @@ fn jobs_to_directory(
         jobs.push(Job { input, output: Some(Output::new(Some(path), true, format, layout)) });
     }
     Ok(jobs)
-}
-
-/// Returns whether two paths name the same file, links followed.
-fn is_same_file(a: &Path, b: &Path) -> bool {
-    matches!((a.canonicalize(), b.canonicalize()), (Ok(a), Ok(b)) if a == b)
 }
 
 /// Returns the requested layout, or the default of the format.
