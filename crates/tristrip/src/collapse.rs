@@ -166,6 +166,28 @@ impl CollapseSequence {
         self.largest_errors.push(largest.max(error));
     }
 
+    /// Puts the collapses in another order, given by their numbers from 0, the first done first. Those that follow after at most
+    /// `triangle_count` triangles are left are removed.
+    pub(crate) fn reorder(&mut self, order: &[u32], triangle_count: usize) {
+        let highest = self.len();
+        let mut left = self.triangles_at(highest);
+        let full = Self {
+            vertex_count: self.vertex_count,
+            triangles: std::mem::take(&mut self.triangles),
+            degenerate_count: self.degenerate_count,
+            ..Self::default()
+        };
+        let found = std::mem::replace(self, full);
+        for &number in order {
+            if left <= triangle_count {
+                break;
+            }
+            let collapse = found.collapse_to(highest - 1 - number as usize);
+            left -= collapse.dropped.len();
+            self.push(collapse.renames, collapse.dropped, collapse.error);
+        }
+    }
+
     /// Multiplies the errors by a scale of at least 0, such as that of the place where the mesh is shown.
     ///
     /// # Errors

@@ -24,6 +24,7 @@
 
 mod attribute_quadrics;
 mod attributes;
+mod curve;
 mod decimate;
 mod fan;
 mod frame;
@@ -31,9 +32,10 @@ mod irregular;
 mod joined;
 mod neighbourhood;
 mod options;
+mod order;
 mod outcome;
+mod price;
 mod quadric;
-mod queue;
 mod skin;
 mod stopped;
 #[cfg(test)]
@@ -50,7 +52,7 @@ pub use crate::vector::nearest_in_triangle;
 use attributes::PricedAttributes;
 use decimate::Decimation;
 pub use joined::{JoinedSimplification, simplify_joined};
-pub use options::{AttributeWeights, SimplifyOptions};
+pub use options::{AttributeWeights, Price, SimplifyOptions};
 pub use stopped::Stopped;
 
 /// The collapses of a simplification.

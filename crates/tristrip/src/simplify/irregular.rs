@@ -34,7 +34,7 @@ impl Link {
     fn collect(&mut self, topology: &Topology, point: u32) {
         self.arcs.clear();
         let ordered = |[u, w]: [u32; 2]| [u.min(w), u.max(w)];
-        self.arcs.extend(topology.ring(point).iter().map(|&corner| ordered(topology.others(corner))));
+        self.arcs.extend(topology.opposite(point).iter().map(|&edge| ordered(edge)));
         self.arcs.sort_unstable();
         self.arcs.dedup();
         self.nodes.clear();

@@ -50,8 +50,7 @@ impl Neighbourhood {
         (self.from, self.is_inner) = (from, topology.kind(point) == PointKind::Inner);
         topology.meshes_around(point, &mut self.meshes);
         self.edges.clear();
-        self.edges.extend(topology.ring(point).iter().map(|&corner| {
-            let points = topology.others(corner);
+        self.edges.extend(topology.opposite(point).iter().map(|&points| {
             let [u, w] = points.map(|p| positions[p as usize]);
             OppositeEdge { points, positions: [u, w], normal: cross(sub(w, u), sub(from, u)) }
         }));

@@ -9,7 +9,7 @@
 //! On a border the points have one common triangle and neighbour. Points that are neither are left to the module `irregular`.
 
 use super::irregular::Links;
-use super::topology::{CornerId, LONG_RING, PointKind, Topology};
+use super::topology::{LONG_RING, PointKind, Topology};
 
 /// A point with more triangles is not removed, so that the time for its price does not depend on the size of the mesh.
 pub(super) const MOST_CORNERS: usize = 256;
@@ -49,14 +49,14 @@ impl Outcomes {
 
     /// Returns what a collapse does to the surface.
     pub(super) fn of(&mut self, topology: &Topology, point: u32, to: u32) -> Outcome {
-        let ring = topology.ring(point);
+        let ring = topology.opposite(point);
         if is_end(topology, point, to) || topology.ends_mesh(point, to) {
             return Outcome::Ends;
         }
         let keeps = if topology.kind(point) == PointKind::Irregular {
             topology.ring(to).len() <= MOST_CORNERS && self.links.allow(topology, point, to)
         } else {
-            let common = ring.iter().filter(|&&corner| topology.others(corner).contains(&to)).count();
+            let common = ring.iter().filter(|edge| edge.contains(&to)).count();
             let expected = if topology.kind(point) == PointKind::Border { 1 } else { 2 };
             common == expected
                 && (ring.len() > 3 || component_remains(topology, point, to))
@@ -76,7 +76,7 @@ impl Outcomes {
         self.mark += 2;
         let (is_neighbour, is_counted) = (self.mark, self.mark + 1);
         let marks = &mut self.marks;
-        let around = |p: u32| topology.ring(p).iter().flat_map(|&corner| topology.others(corner));
+        let around = |p: u32| topology.opposite(p).iter().flatten().copied();
         let mut count = 0;
         if topology.ring(to).len() <= LONG_RING {
             around(point).for_each(|p| marks[p as usize] = is_neighbour);
@@ -102,15 +102,11 @@ impl Outcomes {
 
 /// Checks whether an edge that two edges become would have no triangle.
 fn loses_triangle(topology: &Topology, point: u32, to: u32) -> bool {
-    let (own, kept) = (topology.ring(point), topology.ring(to));
-    let has_other = |ring: &[CornerId], third: u32, other: u32| {
-        let points = ring.iter().map(|&corner| topology.others(corner));
-        points.into_iter().any(|points| points.contains(&third) && !points.contains(&other))
+    let (own, kept) = (topology.opposite(point), topology.opposite(to));
+    let has_other = |ring: &[[u32; 2]], third: u32, other: u32| {
+        ring.iter().any(|edge| edge.contains(&third) && !edge.contains(&other))
     };
-    let third = |corner: &CornerId| {
-        let [u, w] = topology.others(*corner);
-        (u == to || w == to).then_some(if u == to { w } else { u })
-    };
+    let third = |&[u, w]: &[u32; 2]| (u == to || w == to).then_some(if u == to { w } else { u });
     kept.len() > MOST_CORNERS
         || own
             .iter()
@@ -120,13 +116,11 @@ fn loses_triangle(topology: &Topology, point: u32, to: u32) -> bool {
 
 /// Checks whether a collapse leaves nothing of a component, or two triangles back to back.
 fn is_end(topology: &Topology, point: u32, to: u32) -> bool {
-    let (own, kept) = (topology.ring(point), topology.ring(to));
-    let has = |corner: &CornerId, p: u32| topology.others(*corner).contains(&p);
-    match own.iter().find(|corner| !has(corner, to)) {
-        None => kept.iter().all(|corner| has(corner, point)),
+    let (own, kept) = (topology.opposite(point), topology.opposite(to));
+    match own.iter().find(|edge| !edge.contains(&to)) {
+        None => kept.iter().all(|edge| edge.contains(&point)),
         // A tetrahedron: each of the other triangles has an edge at the kept point.
-        Some(other) => {
-            let [u, w] = topology.others(*other);
+        Some(&[u, w]) => {
             own.len() == 3
                 && kept.len() == 3
                 && topology.ring(u).len() == 3
@@ -138,17 +132,14 @@ fn is_end(topology: &Topology, point: u32, to: u32) -> bool {
 /// Checks whether a point with few triangles, of which it is not the last of the component, can be removed without a triangle that exists
 /// already, or an edge without triangles.
 fn component_remains(topology: &Topology, point: u32, to: u32) -> bool {
-    let ring = topology.ring(point);
+    let ring = topology.opposite(point);
     // Checks whether the triangle that the opposite edge would form with the kept point exists already.
-    let exists = |corner: CornerId| {
-        let [u, w] = topology.others(corner);
-        topology.triangles_with([to, u, w]) > 0
-    };
-    let other = ring.iter().find(|&&corner| !topology.others(corner).contains(&to));
+    let exists = |[u, w]: [u32; 2]| topology.triangles_with([to, u, w]) > 0;
+    let other = ring.iter().find(|edge| !edge.contains(&to));
     match (topology.kind(point), other) {
-        (PointKind::Inner, Some(&corner)) => ring.len() != 3 || !exists(corner),
+        (PointKind::Inner, Some(&edge)) => ring.len() != 3 || !exists(edge),
         (PointKind::Border, None) => {
-            let third = ring.iter().flat_map(|&corner| topology.others(corner)).find(|&p| p != to);
+            let third = ring.iter().flatten().copied().find(|&p| p != to);
             third.is_some_and(|third| topology.triangles_with([to, third]) > 1)
         }
         (PointKind::Border, Some(_)) => true,

@@ -26,13 +26,14 @@ mod rings;
 
 use std::collections::HashMap;
 
+use super::curve::along_curve;
 use crate::collapse::Rename;
 use crate::mesh::{PositionIds, Positions, triangles_of};
 pub(super) use corner::CornerId;
 use corner::corners;
 use fans::FanClassifier;
 pub(super) use fans::PointKind;
-use points::{equal_vertices, lowest_vertices};
+use points::{by_first_use, equal_vertices, lowest_vertices, picked};
 use rings::CornerRings;
 
 /// Most triangles of a mesh: rings that grow move to the end of their array, which about ten corners per triangle do not fill.
@@ -46,6 +47,8 @@ pub(super) const LONG_RING: usize = 64;
 pub(super) struct Topology {
     /// The points of each triangle; of a removed one, its last points.
     pub(super) triangles: Vec<[u32; 3]>,
+    /// The number of each triangle in the mesh, if they are in another order.
+    triangle_ids: Option<Vec<u32>>,
     /// The vertex at each corner; empty if each point has one vertex.
     wedges: Vec<u32>,
     /// For each vertex of a point with several vertices the first one of the point with the same attributes, bit for bit.
@@ -73,23 +76,32 @@ impl Topology {
         may_break: bool,
     ) -> Self {
         let points = PositionIds::default().numbers(positions, vertices);
-        let vertex_of = lowest_vertices(vertices, &points);
-        let triangles: Vec<[u32; 3]> = triangles_of(&points).collect();
+        let triangle_ids = along_curve(positions, vertices, &points);
+        let sorted =
+            triangle_ids.as_ref().map(|ids| [picked(vertices, ids), by_first_use(picked(&points, ids))]);
+        let (vertices, points) = match &sorted {
+            Some([vertices, points]) => (&vertices[..], &points[..]),
+            None => (vertices, &points[..]),
+        };
+        let vertex_of = lowest_vertices(vertices, points);
+        let triangles: Vec<[u32; 3]> = triangles_of(points).collect();
         let is_other = |(&v, &p): (&u32, &u32)| (vertex_of[p as usize] != v).then_some(p);
         let mut on_seam = Vec::new();
-        for point in vertices.iter().zip(&points).filter_map(is_other) {
+        for point in vertices.iter().zip(points).filter_map(is_other) {
             on_seam.resize(vertex_of.len(), false);
             on_seam[point as usize] = true;
         }
-        let equal_vertices = equal_vertices(attribute_bits, vertices, &points, &on_seam);
+        let equal_vertices = equal_vertices(attribute_bits, vertices, points, &on_seam);
         let rings = CornerRings::new(&triangles, vertices, vertex_of.len());
         let mut fans = FanClassifier::new(vertex_of.len());
-        let kinds: Vec<PointKind> =
-            (0..vertex_of.len() as u32).map(|p| fans.kind(&triangles, rings.of(p))).collect();
+        let kinds: Vec<PointKind> = (0..vertex_of.len() as u32)
+            .map(|p| fans.kind(&triangles, rings.of(p), rings.opposite(p)))
+            .collect();
         let classifier = (may_break || kinds.contains(&PointKind::Irregular)).then_some(fans);
         let wedges = if on_seam.is_empty() { Vec::new() } else { vertices.to_vec() };
         Self {
             triangles,
+            triangle_ids,
             wedges,
             equal_vertices,
             vertex_of,
@@ -121,8 +133,10 @@ impl Topology {
             return false;
         }
         let dropped = || {
-            let corners = self.ring(removed).iter().filter(|&&corner| self.others(corner).contains(&kept));
-            corners.map(|&corner| self.mesh_of(self.wedge(corner)))
+            let corners = self.ring(removed).iter().zip(self.opposite(removed));
+            corners
+                .filter(|(_, edge)| edge.contains(&kept))
+                .map(|(&corner, _)| self.mesh_of(self.wedge(corner)))
         };
         dropped().any(|mesh| {
             let count = dropped().filter(|&other| other == mesh).count();
@@ -177,13 +191,25 @@ impl Topology {
     pub(super) fn classify(&mut self, points: &[u32]) {
         let Some(classifier) = &mut self.classifier else { return };
         for &point in points {
-            self.kinds[point as usize] = classifier.kind(&self.triangles, self.rings.of(point));
+            self.kinds[point as usize] =
+                classifier.kind(&self.triangles, self.rings.of(point), self.rings.opposite(point));
         }
     }
 
     /// Returns the corners of a point.
     pub(super) fn ring(&self, point: u32) -> &[CornerId] {
         self.rings.of(point)
+    }
+
+    /// Returns the opposite edge of each corner of a point, in the order of its ring: the points of the two other corners of the triangle, in
+    /// its winding.
+    pub(super) fn opposite(&self, point: u32) -> &[[u32; 2]] {
+        self.rings.opposite(point)
+    }
+
+    /// Iterates over all corners.
+    pub(super) fn corners(&self) -> impl Iterator<Item = CornerId> + use<> {
+        corners(self.triangles.len())
     }
 
     /// Returns the point of a corner.
@@ -201,18 +227,18 @@ impl Topology {
     /// Collects the distinct neighbours of a point; the two along a border come last.
     pub(super) fn neighbours(&self, point: u32, found: &mut Vec<u32>) {
         found.clear();
-        found.extend(self.ring(point).iter().map(|&corner| self.others(corner)[0]));
+        let edges = self.opposite(point);
+        found.extend(edges.iter().map(|&[u, _]| u));
         if self.kind(point) == PointKind::Border {
-            let ring = self.ring(point);
-            let is_w = |u: u32| ring.iter().any(|&corner| self.others(corner)[1] == u);
+            let is_w = |u: u32| edges.iter().any(|&[_, w]| w == u);
             if let Some(first) = found.iter().position(|&u| !is_w(u)) {
                 let end = found.len() - 1;
                 found.swap(first, end);
             }
-            let last = ring.iter().map(|&corner| self.others(corner)[1]).find(|w| !found.contains(w));
+            let last = edges.iter().map(|&[_, w]| w).find(|w| !found.contains(w));
             found.extend(last);
         } else if self.kind(point) != PointKind::Inner {
-            found.extend(self.ring(point).iter().map(|&corner| self.others(corner)[1]));
+            found.extend(edges.iter().map(|&[_, w]| w));
             found.sort_unstable();
             found.dedup();
         }
@@ -220,10 +246,9 @@ impl Topology {
 
     /// Counts the triangles that have all of the given points, up to two, around the point with the fewest triangles.
     pub(super) fn triangles_with<const N: usize>(&self, points: [u32; N]) -> usize {
-        let around = points.into_iter().min_by_key(|&p| self.ring(p).len());
-        let has_all =
-            |corner: &&CornerId| points.iter().all(|p| self.triangles[corner.triangle()].contains(p));
-        around.map_or(0, |p| self.ring(p).iter().filter(has_all).take(2).count())
+        let Some(around) = points.into_iter().min_by_key(|&p| self.opposite(p).len()) else { return 0 };
+        let has_all = |edge: &&[u32; 2]| points.iter().all(|p| *p == around || edge.contains(p));
+        self.opposite(around).iter().filter(has_all).take(2).count()
     }
 
     /// Returns the first of the vertices of a point that have the same attributes as a vertex.
@@ -312,7 +337,7 @@ impl Topology {
         [corner.next(), corner.previous()].into_iter().find(|&other| self.point(other) == point)
     }
 
-    /// Moves all corners of one point to another. Removes the triangles that had both, and writes their numbers to `dropped`, ascending.
+    /// Moves all corners of one point to another. Removes the triangles that had both, and writes their numbers in the mesh to `dropped`, ascending.
     pub(super) fn collapse(&mut self, removed: u32, kept: u32, renames: &[Rename], dropped: &mut Vec<u32>) {
         dropped.clear();
         for i in 0..self.ring(removed).len() {
@@ -323,6 +348,9 @@ impl Topology {
                 continue;
             }
             self.triangles[t][k] = kept;
+            for (other, end) in [(corner.next(), 1), (corner.previous(), 0)] {
+                self.rings.set_opposite(self.triangles[t][other.within()], other, end, kept);
+            }
             if !self.wedges.is_empty() {
                 let wedge = &mut self.wedges[corner.index()];
                 *wedge = renames
@@ -341,6 +369,9 @@ impl Topology {
             }
         }
         self.rings.append(removed, kept);
+        if let Some(ids) = &self.triangle_ids {
+            dropped.iter_mut().for_each(|t| *t = ids[*t as usize]);
+        }
         dropped.sort_unstable();
     }
 

@@ -36,8 +36,17 @@ impl FanClassifier {
         }
     }
 
-    /// Classifies a point by the corners around it.
-    pub(super) fn kind(&mut self, triangles: &[[u32; 3]], ring: &[CornerId]) -> PointKind {
+    /// Classifies a point by the corners around it and their opposite edges.
+    pub(super) fn kind(
+        &mut self,
+        triangles: &[[u32; 3]],
+        ring: &[CornerId],
+        opposite: &[[u32; 2]],
+    ) -> PointKind {
+        if is_short_circle(opposite) && !ring.iter().any(|corner| is_degenerate(triangles[corner.triangle()]))
+        {
+            return PointKind::Inner;
+        }
         for &corner in ring {
             let [u, w] = corner.others(triangles);
             self.outs[u as usize] = (self.outs[u as usize] + 1).min(2);
@@ -79,4 +88,22 @@ impl FanClassifier {
             (true, Some(_)) => PointKind::Border,
         }
     }
+}
+
+/// Checks whether a few edges follow each other in one circle, each neighbour once: by far the most points have such a ring.
+fn is_short_circle(edges: &[[u32; 2]]) -> bool {
+    const LONGEST: usize = 10;
+    let Some(&[first, mut at]) = edges.first() else { return false };
+    if edges.len() > LONGEST {
+        return false;
+    }
+    for _ in 1..edges.len() {
+        if at == first {
+            return false;
+        }
+        let mut next = edges.iter().filter(|&&[u, _]| u == at);
+        let (Some(&[_, w]), None) = (next.next(), next.next()) else { return false };
+        at = w;
+    }
+    at == first
 }

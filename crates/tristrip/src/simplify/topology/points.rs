@@ -2,6 +2,29 @@
 
 use std::collections::HashMap;
 
+use crate::ids::OptionalId;
+use crate::mesh::{triangle_at, vertex_bound};
+
+/// Returns the corners of some triangles, in their order.
+pub(super) fn picked(corners: &[u32], triangles: &[u32]) -> Vec<u32> {
+    triangles.iter().flat_map(|&t| triangle_at(corners, t as usize)).collect()
+}
+
+/// Numbers points in the order of their first use.
+pub(super) fn by_first_use(mut points: Vec<u32>) -> Vec<u32> {
+    let mut numbers = vec![OptionalId::NONE; vertex_bound(&points)];
+    let mut count = 0;
+    for point in &mut points {
+        let number = &mut numbers[*point as usize];
+        *point = number.get().unwrap_or(count);
+        if *point == count {
+            *number = OptionalId::some(count);
+            count += 1;
+        }
+    }
+    points
+}
+
 /// Returns the lowest vertex of each point. Points are numbered in the order in which corners first use them.
 pub(super) fn lowest_vertices(vertices: &[u32], points: &[u32]) -> Vec<u32> {
     let mut lowest: Vec<u32> = Vec::new();

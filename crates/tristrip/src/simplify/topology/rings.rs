@@ -13,6 +13,8 @@ use crate::mesh::{is_degenerate, triangle_at};
 #[derive(Debug)]
 pub(super) struct CornerRings {
     corners: Vec<CornerId>,
+    /// The opposite edge of each of these corners: the points of the two others of its triangle, in its winding.
+    opposite: Vec<[u32; 2]>,
     rings: Vec<RingRange>,
     /// The position of each corner in its ring.
     positions: Vec<u32>,
@@ -40,18 +42,21 @@ impl CornerRings {
         let is_drawn = |t: usize| !is_degenerate(triangle_at(vertices, t));
         let points = (0..triangles.len()).flat_map(|t| if is_drawn(t) { triangles[t] } else { left_out });
         let by_point = Csr::group(points, point_count + 1);
-        let mut corners = Vec::with_capacity(by_point.range(point_count as u32).start);
+        let count = by_point.range(point_count as u32).start;
+        let (mut corners, mut opposite) = (Vec::with_capacity(count), Vec::with_capacity(count));
         let mut rings = Vec::with_capacity(point_count);
         let mut positions = vec![0; 3 * triangles.len()];
         for row in by_point.rows().take(point_count) {
             let (start, length) = (corners.len() as u32, row.len() as u32);
             rings.push(RingRange { start, length, capacity: length });
             for (position, &corner) in (0..).zip(row) {
-                corners.push(CornerId::new(corner as usize / 3, corner as usize % 3));
+                let id = CornerId::new(corner as usize / 3, corner as usize % 3);
+                corners.push(id);
+                opposite.push(id.others(triangles));
                 positions[corner as usize] = position;
             }
         }
-        Self { corners, rings, positions }
+        Self { corners, opposite, rings, positions }
     }
 
     /// Returns the corners around a point.
@@ -59,13 +64,25 @@ impl CornerRings {
         &self.corners[self.rings[point as usize].range()]
     }
 
+    /// Returns the opposite edge of each corner around a point.
+    pub(super) fn opposite(&self, point: u32) -> &[[u32; 2]] {
+        &self.opposite[self.rings[point as usize].range()]
+    }
+
+    /// Sets one end of the opposite edge of a corner in the ring of a point.
+    pub(super) fn set_opposite(&mut self, point: u32, corner: CornerId, end: usize, to: u32) {
+        let position = self.rings[point as usize].start + self.positions[corner.index()];
+        self.opposite[position as usize][end] = to;
+    }
+
     /// Removes a corner from the ring of a point; the last corner takes its position.
     pub(super) fn remove(&mut self, point: u32, corner: CornerId) {
         let ring = &mut self.rings[point as usize];
-        let corners = &mut self.corners[ring.range()];
         let position = self.positions[corner.index()];
-        let last = corners[corners.len() - 1];
-        corners[position as usize] = last;
+        let (at, end) = ((ring.start + position) as usize, ring.range().end - 1);
+        let last = self.corners[end];
+        self.corners[at] = last;
+        self.opposite[at] = self.opposite[end];
         self.positions[last.index()] = position;
         ring.length -= 1;
     }
@@ -80,12 +97,17 @@ impl CornerRings {
         }
         if length <= ring.capacity {
             self.corners.copy_within(source.range(), ring.range().end);
+            self.opposite.copy_within(source.range(), ring.range().end);
         } else {
             let start = self.corners.len() as u32;
-            self.corners.extend_from_within(ring.range());
-            self.corners.extend_from_within(source.range());
             let spare = length / 4 + 1;
-            self.corners.resize(self.corners.len() + spare as usize, CornerId::default());
+            let end = self.corners.len() + (length + spare) as usize;
+            for range in [ring.range(), source.range()] {
+                self.corners.extend_from_within(range.clone());
+                self.opposite.extend_from_within(range);
+            }
+            self.corners.resize(end, CornerId::default());
+            self.opposite.resize(end, [0; 2]);
             (ring.start, ring.capacity) = (start, length + spare);
         }
         ring.length = length;
