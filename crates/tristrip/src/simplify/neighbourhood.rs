@@ -39,8 +39,9 @@ pub(super) struct Neighbourhood {
     edges: Vec<OppositeEdge>,
     /// The mesh of each triangle, if they are of several.
     meshes: Vec<u32>,
-    /// The same triangles, for distances.
+    /// The same triangles, for distances, once they are asked for.
     fan: Fan,
+    is_placed: bool,
 }
 
 impl Neighbourhood {
@@ -54,13 +55,22 @@ impl Neighbourhood {
             let [u, w] = points.map(|p| positions[p as usize]);
             OppositeEdge { points, positions: [u, w], normal: cross(sub(w, u), sub(from, u)) }
         }));
-        self.fan.place(from, self.is_inner, self.edges.iter().map(|edge| edge.positions));
+        self.is_placed = false;
+    }
+
+    /// Places the triangles for distances, once.
+    fn place(&mut self) {
+        if !self.is_placed {
+            self.fan.place(self.from, self.is_inner, self.edges.iter().map(|edge| edge.positions));
+            self.is_placed = true;
+        }
     }
 
     /// Returns the squared distance of the point from the triangles that it would have at a neighbour, or, without any, from the edges opposite
     /// to it. Between several meshes it is the largest for any of them, so that it tells how far the line between them moves.
     pub(super) fn distance(&mut self, to: u32, kept: Point) -> f64 {
         if self.meshes.is_empty() {
+            self.place();
             let edges = &self.edges;
             return self.fan.distance(kept, |i| edges[i].has(to));
         }
@@ -108,6 +118,7 @@ impl Neighbourhood {
 
     /// Returns the largest squared distance of the middle of a new edge from the old triangles, or any above `most` as soon as there is one.
     pub(super) fn bridge(&mut self, to: u32, kept: Point, most: f64) -> f64 {
+        self.place();
         // Around an inner point each neighbour is the u of one triangle; around another one may be only a w.
         let ends = if self.is_inner { 1 } else { 2 };
         let mut largest = 0.0;

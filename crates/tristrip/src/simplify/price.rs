@@ -91,7 +91,7 @@ impl Decimation {
     /// no longer, if no collapse is possible.
     pub(super) fn price(&mut self, point: u32, limit: f32) -> Option<PricedCollapse> {
         self.collect_candidates(point);
-        self.set_current(point);
+        let mut is_current = false;
         let mut candidates = std::mem::take(&mut self.candidates);
         candidates.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let mut best: Option<PricedCollapse> = None;
@@ -103,6 +103,9 @@ impl Decimation {
             if expected > most {
                 above = above.min(expected);
                 break;
+            }
+            if !std::mem::replace(&mut is_current, true) {
+                self.set_current(point);
             }
             match self.price_of(point, to, estimate, most) {
                 Found::Refused => {}
