@@ -90,6 +90,8 @@ impl PositionIds {
     /// Returns the number of the position of each corner; the corners are vertices that have positions.
     pub(crate) fn numbers<P: Positions + ?Sized>(&mut self, positions: &P, corners: &[u32]) -> Vec<u32> {
         let mut known = unknown_numbers(positions.vertex_count(), corners.len());
+        // A surface has about half as many points as triangles.
+        self.id_of.reserve(positions.vertex_count().min(corners.len() / 6));
         corners.iter().map(|&v| self.number_of_vertex(positions, v, &mut known)).collect()
     }
 

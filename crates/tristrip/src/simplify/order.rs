@@ -30,8 +30,10 @@ impl CollapseOrder {
 
     /// Sorts the collapses of a sequence, and removes those after the first level of at most `triangle_count` triangles.
     pub(super) fn apply(self, triangle_count: usize, sequence: &mut CollapseSequence) {
-        let mut order: Vec<u32> = (0..self.keys.len() as u32).collect();
-        order.sort_by(|&a, &b| self.keys[a as usize].total_cmp(&self.keys[b as usize]));
+        // The bits of numbers from 0 on have the order of the numbers.
+        let mut order: Vec<(u32, u32)> = self.keys.iter().map(|key| key.to_bits()).zip(0..).collect();
+        order.sort_unstable();
+        let order: Vec<u32> = order.into_iter().map(|(_, number)| number).collect();
         sequence.reorder(&order, triangle_count);
     }
 }
