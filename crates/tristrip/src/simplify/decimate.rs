@@ -4,9 +4,9 @@
 //! Every point that may be removed waits with a cost, that of its best collapse as far as known (module `price`). Points are removed in passes:
 //!
 //! 1. The limit of a pass is the cost of the cheapest eighth of the points that wait.
-//! 2. All points are visited in their order. One whose cost is at most the limit, and near which nothing has changed in this pass, is priced.
-//!    If its price is at most the limit it collapses: its corners move to the kept point, its triangles with that point are dropped, its
-//!    quadric is added to that of the kept point. Otherwise it waits with a cost above the limit.
+//! 2. All points are visited in their order. One whose cost is at most the limit, and near which nothing has changed in this pass, is priced,
+//!    unless its last price still holds. If its price is at most the limit it collapses: its corners move to the kept
+//!    point, its triangles with that point are dropped, its quadric is added to that of the kept point. Otherwise it waits with that price.
 //! 3. The neighbours of a point that was removed keep their costs, and wait for the next pass; the kept point adds the price to its own.
 //!
 //! The next cheapest point of all could be taken instead, from a queue. It would lie anywhere in the mesh: its triangles, positions and quadrics
@@ -43,6 +43,7 @@ use super::quadric::Quadric;
 use super::stopped::Stopped;
 use super::topology::{PointKind, Topology};
 use crate::collapse::{CollapseSequence, Rename};
+use crate::ids::OptionalId;
 use crate::mesh::{Positions, is_degenerate, triangles_of};
 use crate::vector::Point;
 
@@ -65,12 +66,16 @@ enum Refusal {
 pub(super) struct Waiting {
     /// The cost of its best collapse, as far as known; infinite if none is possible.
     pub(super) cost: f32,
+    /// The point that it would go to, if it has a price.
+    pub(super) target: OptionalId,
+    /// The error of that, in units of the frame.
+    pub(super) error: f32,
     /// The last pass in which its neighbourhood changed.
     changed: u32,
 }
 
 impl Waiting {
-    const NOT: Self = Self { cost: f32::INFINITY, changed: 0 };
+    const NOT: Self = Self { cost: f32::INFINITY, target: OptionalId::NONE, error: 0.0, changed: 0 };
 
     /// Returns whether the point waits.
     fn waits(&self) -> bool {
@@ -179,7 +184,8 @@ impl Decimation {
                 if waiting.changed == self.pass || waiting.cost > limit {
                     continue;
                 }
-                if let Some(collapse) = self.price(point, limit) {
+                let priced = self.priced(point).or_else(|| self.price(point));
+                if let Some(collapse) = priced.filter(|collapse| collapse.cost <= limit) {
                     self.topology.neighbours(point, &mut self.around);
                     order.push(collapse.cost, point, &self.around);
                     self.collapse(point, &collapse, sequence);
@@ -257,15 +263,16 @@ impl Decimation {
         }
     }
 
-    /// Lets a point wait with a cost.
-    pub(super) fn wait(&mut self, point: u32, cost: f64) {
-        // A cost that is too large for the type is finite still: the point waits.
-        self.waiting[point as usize].cost = cost.min(f64::from(f32::MAX)) as f32;
+    /// Lets a point wait with a cost that is no price.
+    fn wait(&mut self, point: u32, cost: f64) {
+        let waiting = &mut self.waiting[point as usize];
+        (waiting.cost, waiting.target) = (finite(cost), OptionalId::NONE);
     }
 
     /// Lets a point wait no longer, as no collapse is possible until something changes around it.
     pub(super) fn give_up(&mut self, point: u32) {
-        self.waiting[point as usize].cost = f32::INFINITY;
+        let waiting = &mut self.waiting[point as usize];
+        (waiting.cost, waiting.target) = (f32::INFINITY, OptionalId::NONE);
     }
 
     /// Does the collapse of a point, whose neighbours are known.
@@ -281,7 +288,7 @@ impl Decimation {
         if changes_kinds {
             self.topology.classify(&around);
         }
-        sequence.push(&renames, &dropped, (collapse.error * self.unit).min(f64::from(f32::MAX)) as f32);
+        sequence.push(&renames, &dropped, finite(f64::from(collapse.error) * self.unit));
         self.triangle_count -= dropped.len();
         let quadric = self.quadrics[point as usize];
         self.quadrics[to as usize].add(&quadric);
@@ -293,12 +300,12 @@ impl Decimation {
         self.give_up(point);
         for &p in &around {
             let waiting = &mut self.waiting[p as usize];
-            waiting.changed = self.pass;
+            (waiting.changed, waiting.target) = (self.pass, OptionalId::NONE);
             if !waiting.waits() {
                 self.estimate(p);
             } else if p == to {
-                let own = f64::from(waiting.cost);
-                self.wait(p, own + collapse.cost);
+                let cost = f64::from(waiting.cost) + f64::from(collapse.cost);
+                self.wait(p, cost);
             }
         }
         self.around = around;
@@ -341,6 +348,11 @@ impl Decimation {
     pub(super) fn vanishing_error(&self, point: u32) -> f64 {
         self.vanishing.get(point as usize).copied().unwrap_or(f32::INFINITY).into()
     }
+}
+
+/// Returns a number as one that is finite in fewer bits.
+pub(super) fn finite(x: f64) -> f32 {
+    x.min(f64::from(f32::MAX)) as f32
 }
 
 /// Returns which points are locked: those of locked vertices, and those on borders if borders are locked.

@@ -20,8 +20,7 @@ impl CollapseOrder {
     }
 
     /// Adds the collapse of a point with its price, at least 0; the neighbours include the point that it goes to.
-    pub(super) fn push(&mut self, price: f64, point: u32, neighbours: &[u32]) {
-        let price = price.min(f64::from(f32::MAX)) as f32;
+    pub(super) fn push(&mut self, price: f32, point: u32, neighbours: &[u32]) {
         let key = neighbours.iter().map(|&p| self.latest[p as usize]).fold(price, f32::max);
         let key = key.max(self.latest[point as usize]);
         neighbours.iter().for_each(|&p| self.latest[p as usize] = key);

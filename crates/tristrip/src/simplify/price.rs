@@ -13,17 +13,17 @@
 //!
 //! # Algorithm
 //! The neighbours are priced by ascending estimate. A price is found in steps, the cheap ones first, and left as soon as it exceeds the best
-//! one or the limit of the pass: then it is a lower bound, which is all that a point needs that waits. Points that were never priced wait with
-//! their estimate times a usual ratio of the two, so that few are priced in vain; and a neighbour whose estimate times that ratio
-//! exceeds the best price is left out, since it has seldom the better one.
+//! one. Points that were never priced wait with their estimate times a usual ratio of the two, so that few are priced in vain; and a
+//! neighbour whose estimate times that ratio exceeds the best price is left out, since it has seldom the better one.
 //!
 //! By [`Price::Planes`] the price is the estimate, with the attributes.
 
-use super::decimate::Decimation;
+use super::decimate::{Decimation, Waiting, finite};
 use super::options::Price;
 use super::outcome::Outcome;
 use super::quadric::Quadric;
 use super::topology::PointKind;
+use crate::ids::OptionalId;
 use crate::vector::{Point, dot, sub};
 
 /// The weight of the squared distance to the new triangles relative to the quadric. From 1 to 3 made little difference on bunny, horse and
@@ -37,18 +37,14 @@ const LENGTH_WEIGHT: f64 = 1e-6;
 /// The price by distance is seldom less than this times the estimate; three times is usual. With 1 distances are one percent smaller over
 /// eight models, and half as many prices again are found; with 3 they are two percent larger.
 const USUAL_RATIO: f64 = 2.0;
-/// What is left out of a price raises it by so much usually: the new edges, if only they are missing, and those after the first that is
-/// too far away. Distances are half a percent smaller than with 1, as fewer points are priced again soon.
-const WITH_EDGES: f64 = 1.5;
-const WITH_MORE_EDGES: f64 = 1.2;
 
 /// A collapse with its price.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct PricedCollapse {
     pub(super) to: u32,
-    pub(super) cost: f64,
+    pub(super) cost: f32,
     /// The distance between the surfaces, in units of the frame.
-    pub(super) error: f64,
+    pub(super) error: f32,
 }
 
 impl Price {
@@ -87,50 +83,48 @@ impl Decimation {
         self.candidates.extend(self.neighbours[first..].iter().map(estimate));
     }
 
-    /// Returns the best collapse of a point if its price is at most the limit. Otherwise the point waits with a higher cost, or
-    /// no longer, if no collapse is possible.
-    pub(super) fn price(&mut self, point: u32, limit: f32) -> Option<PricedCollapse> {
+    /// Returns the collapse of a point whose price still holds.
+    pub(super) fn priced(&mut self, point: u32) -> Option<PricedCollapse> {
+        let Waiting { cost, target, error, .. } = self.waiting[point as usize];
+        let to = target.get()?;
+        // Something may have changed around the other point. The end of a component has a price of its own.
+        let is_as_priced = match self.outcomes.of(&self.topology, point, to) {
+            Outcome::Keeps => true,
+            Outcome::Breaks => self.is_permissive,
+            Outcome::Loses | Outcome::Ends => false,
+        };
+        is_as_priced.then_some(PricedCollapse { to, cost, error })
+    }
+
+    /// Prices a point: returns its best collapse, with which it waits. If none is possible it waits no longer.
+    pub(super) fn price(&mut self, point: u32) -> Option<PricedCollapse> {
         self.collect_candidates(point);
-        let mut is_current = false;
+        self.set_current(point);
         let mut candidates = std::mem::take(&mut self.candidates);
         candidates.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let mut best: Option<PricedCollapse> = None;
-        // A lower bound of the prices that exceed the limit.
-        let mut above = f64::INFINITY;
-        let mut most = f64::from(limit);
+        let (mut best, mut most) = (None, f64::INFINITY);
         for &(estimate, to) in &candidates {
-            let expected = self.price.expected(estimate);
-            if expected > most {
-                above = above.min(expected);
+            if self.price.expected(estimate) >= most {
                 break;
             }
-            if !std::mem::replace(&mut is_current, true) {
-                self.set_current(point);
-            }
-            match self.price_of(point, to, estimate, most) {
-                Found::Refused => {}
-                Found::Above(cost) => above = above.min(cost),
-                Found::Priced(found) => {
-                    if best.is_none_or(|best| found.cost < best.cost) {
-                        most = found.cost;
-                        best = Some(found);
-                    }
-                }
+            if let Some((cost, error)) = self.price_of(point, to, estimate, most) {
+                most = cost;
+                best = Some(PricedCollapse { to, cost: finite(cost), error: finite(error) });
             }
         }
         self.candidates = candidates;
-        if best.is_none() {
-            if above.is_finite() {
-                self.wait(point, above.max(limit.next_up().into()));
-            } else {
-                self.give_up(point);
+        match best {
+            None => self.give_up(point),
+            Some(PricedCollapse { to, cost, error }) => {
+                let waiting = &mut self.waiting[point as usize];
+                (waiting.cost, waiting.target, waiting.error) = (cost, OptionalId::some(to), error);
             }
         }
         best
     }
 
-    /// Returns the price of a collapse of the current point, if it is at most `most`.
-    fn price_of(&mut self, point: u32, to: u32, estimate: f64, most: f64) -> Found {
+    /// Returns the price of a collapse of the current point and its error, if it is possible and its price below `most`.
+    fn price_of(&mut self, point: u32, to: u32, estimate: f64, most: f64) -> Option<(f64, f64)> {
         let kept = self.positions[to as usize];
         let quadric = &self.quadrics[point as usize];
         let weight = quadric.weight.sqrt();
@@ -139,29 +133,20 @@ impl Decimation {
         let square = if measures { self.current.distance(to, kept) } else { 0.0 };
         let mut error = mean.max(square).sqrt();
         let mut cost = estimate + DISTANCE_WEIGHT * weight * square;
-        if error > self.error_limit || cost <= most && self.current.folds_over(to, kept) {
-            return Found::Refused;
-        }
-        if cost > most {
-            return Found::Above(cost * WITH_EDGES);
+        if cost >= most || error > self.error_limit || self.current.folds_over(to, kept) {
+            return None;
         }
         if self.attributes.is_some() {
-            let Some(change) = self.attribute_change(point, to) else { return Found::Refused };
+            let change = self.attribute_change(point, to)?;
             cost += if weight > 0.0 { change / weight } else { change };
-            if cost > most {
-                return Found::Above(cost);
-            }
         }
-        if measures {
+        if measures && cost < most {
             let bridge = self.current.bridge(to, kept, (most - cost) / (BRIDGE_WEIGHT * weight));
             cost += BRIDGE_WEIGHT * weight * bridge;
             error = error.max(bridge.sqrt());
-            if error > self.error_limit {
-                return Found::Refused;
-            }
-            if cost > most {
-                return Found::Above(cost * WITH_MORE_EDGES);
-            }
+        }
+        if cost >= most || error > self.error_limit {
+            return None;
         }
         match self.outcomes.of(&self.topology, point, to) {
             Outcome::Keeps => {}
@@ -169,20 +154,12 @@ impl Decimation {
             // A component that may vanish may also break on the way.
             Outcome::Breaks | Outcome::Loses | Outcome::Ends => {
                 let removal = self.vanishing_error(point);
-                if removal.is_infinite() {
-                    return Found::Refused;
-                }
                 cost += DISTANCE_WEIGHT * weight * removal * removal;
                 error = error.max(removal);
             }
         }
-        if error > self.error_limit || !self.keeps_seams(point, to) {
-            Found::Refused
-        } else if cost > most {
-            Found::Above(cost)
-        } else {
-            Found::Priced(PricedCollapse { to, cost, error })
-        }
+        let is_possible = cost < most && error.is_finite() && error <= self.error_limit;
+        (is_possible && self.keeps_seams(point, to)).then_some((cost, error))
     }
 
     /// Returns the sum of the squared deviations of the attributes if a point goes to a neighbour; `None` if a seam would open.
@@ -193,15 +170,6 @@ impl Decimation {
         let attributes = self.attributes.as_ref()?;
         Some(attributes.change(&self.renames, self.positions[to as usize]))
     }
-}
-
-/// What is known of a price.
-enum Found {
-    /// The collapse is not possible.
-    Refused,
-    /// It exceeds what was asked for; this is a lower bound.
-    Above(f64),
-    Priced(PricedCollapse),
 }
 
 /// Returns the estimate of a collapse between two positions, times the square root of the weight.
