@@ -262,7 +262,11 @@ fn summary(report: &SimplifyReport) -> String {
 /// Returns a line on the normals that were rebuilt, if there are any.
 fn normals_line(report: &SimplifyReport) -> String {
     let counts = report.normals.unwrap_or_default();
-    let rebuilt = [(counts.flat, "flat"), (counts.creased, "smooth up to the creases")];
+    let rebuilt = [
+        (counts.repaired, "where they no longer fitted"),
+        (counts.flat, "flat"),
+        (counts.creased, "smooth up to the creases"),
+    ];
     let rebuilt: Vec<String> = rebuilt
         .iter()
         .filter(|(parts, _)| *parts > 0)

@@ -12,7 +12,8 @@
 //!    a collapse brings back. A level, and any point of the sequence between two levels, uses the first vertices only, so that a
 //!    program may load a coarse level first and append vertices to its buffer. Coarse levels are spread over the surface, and fetch
 //!    vertices from memory in no particular order.
-//! 3. Each level gets strips, or a list, of its own triangles.
+//! 3. Each level gets strips, or a list, of its own triangles. Vertices keep their normals in all levels: one that a level repaired would be a
+//!    vertex of its own.
 //!
 //! # Complexity
 //! That of one simplification, and of the strips of all levels.

@@ -70,7 +70,9 @@ pub use method::{MethodReport, methods_to_compare, parse_method};
 pub use observer::{Event, Observer, Search, Stage, Stopped};
 pub use parts::{PreparedPart, meshes};
 pub use prepared::{PreparedModel, Survey};
-pub use simplify::{NormalCounts, Normals, Simplified, SimplifyOptions, simplify, simplify_observed};
+pub use simplify::{
+    NormalCounts, Normals, Simplified, SimplifyOptions, simplify, simplify_observed, simplify_parts,
+};
 pub use strip::{StripOptions, Stripped, strip, strip_observed};
 pub use surface_change::{ChangedSurface, SurfaceChange, surface_change};
 pub use verify::{DifferenceReport, verify};

@@ -175,20 +175,57 @@ pub fn simplify_observed(
     options: &SimplifyOptions,
     observer: &dyn Observer,
 ) -> Result<Simplified, Error> {
+    simplify_to(model, options, |before| options.goal.amount.map(|amount| amount.shares(before)), observer)
+}
+
+/// Simplifies each part to a number of triangles of its own, instead of the amount of the goal. Parts of a mesh that share positions are simplified
+/// to the sum of theirs. This compares with the result of another program.
+///
+/// # Errors
+/// There is not one number per part, or as of [`simplify_observed`].
+///
+/// ```
+/// use tristrip_io::{Format, read};
+/// use tristrip_pipeline::{Goal, SimplifyOptions, simplify_parts};
+/// let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\n";
+/// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
+/// let options = SimplifyOptions::new(Goal::default());
+/// assert_eq!(simplify_parts(&model, &[2], &options)?.collapses.triangles_after, 2);
+/// assert!(simplify_parts(&model, &[2, 2], &options).is_err());
+/// # Ok::<(), tristrip_pipeline::Error>(())
+/// ```
+pub fn simplify_parts(
+    model: &Model,
+    triangles: &[usize],
+    options: &SimplifyOptions,
+) -> Result<Simplified, Error> {
+    if triangles.len() != model.parts.len() {
+        let found = format!("{} for {}", triangles.len(), counted(model.parts.len(), "part"));
+        let expected = "a number of triangles for each part";
+        return Err(tristrip::Error::Parameter { name: "triangles", found, expected }.into());
+    }
+    simplify_to(model, options, |_| Some(triangles.to_vec()), &())
+}
+
+/// Simplifies a model to the numbers of triangles that `shares` gives for those of its parts, if it gives any.
+fn simplify_to(
+    model: &Model,
+    options: &SimplifyOptions,
+    shares: impl FnOnce(&[usize]) -> Option<Vec<usize>>,
+    observer: &dyn Observer,
+) -> Result<Simplified, Error> {
     // 1. The triangles of each part.
     let surveyed = Survey::new(model, StripifyOptions::default(), observer)?;
     let (mut parts, skipped) = fans(&surveyed.prepared)?;
     let place_notes = place_notes(&surveyed.prepared, skipped);
     let (mesh, mut notes) = (surveyed.mesh, surveyed.notes);
-    let normals = Rebuilding::choose(options.normals, model, options.format, &mut parts)?;
-    normals.notes.iter().for_each(|note| observer.event(Event::Note(note)));
-    notes.extend(normals.notes.iter().cloned());
+    let mut normals = Rebuilding::choose(options.normals, model, options.format, &mut parts)?;
 
     // 2. The collapses.
     begin(observer, Stage::Simplify)?;
     let before: Vec<usize> = parts.iter().map(Part::triangle_count).collect();
     let diagonal = diagonal(&parts);
-    let shares = options.goal.amount.map(|amount| amount.shares(&before));
+    let shares = shares(&before);
     let target_error = options.goal.deviation.units(diagonal);
     let no_limit = vec![0; parts.len()];
     let rules = CollapseRules {
@@ -213,7 +250,11 @@ pub fn simplify_observed(
         locked_vertices: parts.iter().map(Part::locked_count).sum(),
     };
     observer.event(Event::Simplified(&collapses));
-    let new_notes = place_notes.into_iter().chain(locked_note(collapses.locked_vertices));
+    if options.normals == Normals::Auto {
+        normals.choose_unfit(model, options.format, &parts, &done)?;
+    }
+    let of_parts = place_notes.into_iter().chain(locked_note(collapses.locked_vertices));
+    let new_notes: Vec<String> = normals.notes.iter().cloned().chain(of_parts).collect();
     for note in new_notes {
         observer.event(Event::Note(&note));
         notes.push(note);
@@ -247,7 +288,7 @@ pub fn simplify_observed(
         redrawn,
         collapses,
         change,
-        normals: normals.counts,
+        normals: normals.counts(&parts),
         warning,
         mesh,
         notes,

@@ -151,3 +151,64 @@ fn parts_are_treated_one_by_one() {
     let alone = simplified(&model(&moved, |_, axis| axis), Normals::Auto, Format::Glb);
     assert_eq!(result.redrawn.model.parts[1].mesh, alone.redrawn.model.parts[0].mesh);
 }
+
+/// Returns a box with rounded edges: its sides are flat, and the normals go over into each other along the edges, without a seam.
+fn rounded_box() -> Model {
+    const ROUNDED: usize = 4;
+    const CELLS: usize = 2 * ROUNDED + 3;
+    // Beside the middle of a side the normal turns by up to 45 degrees towards the next side.
+    let turn = |i: usize| match i {
+        i if i <= ROUNDED => i as f64 / ROUNDED as f64 - 1.0,
+        i if i >= CELLS - ROUNDED => (i + ROUNDED - CELLS) as f64 / ROUNDED as f64,
+        _ => 0.0,
+    };
+    // The box without its edges, of a size of 7; the radius of the edges is 0.5.
+    let core = |i: usize| ((i.clamp(ROUNDED, CELLS - ROUNDED) - ROUNDED) as f64 / 3.0 - 0.5) * 7.0;
+    let corner = |axis: usize, up: f64, [i, j]: [usize; 2]| {
+        let turned = |v: [f64; 3]| -> [f32; 3] { std::array::from_fn(|k| v[(k + axis) % 3] as f32) };
+        let direction = [turn(i), turn(j) * up, up];
+        let length = direction.iter().map(|x| x * x).sum::<f64>().sqrt();
+        let middle = [core(i), core(j) * up, 3.5 * up];
+        let at = [0, 1, 2].map(|k| middle[k] + 0.5 * direction[k] / length);
+        (turned(at), [0.0; 2], turned(direction.map(|x| x / length)))
+    };
+    let mut faces = Vec::new();
+    for (axis, up) in (0..3).flat_map(|axis| [(axis, 1.0), (axis, -1.0)]) {
+        for (i, j) in (0..CELLS).flat_map(|i| (0..CELLS).map(move |j| (i, j))) {
+            let cell = [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]];
+            let [a, b, c, d] = cell.map(|at| corner(axis, up, at));
+            faces.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+    model(&faces, |_, normal| normal)
+}
+
+/// With few triangles left the sides of a rounded box end at vertices of its edges.
+#[test]
+fn normals_that_no_longer_fit_are_repaired() {
+    let source = rounded_box();
+    let unfit = |mesh: &Mesh| {
+        let triangles = mesh.faces().as_triangles().unwrap();
+        tristrip::normals::NormalFit::of(mesh, triangles).unwrap().unwrap()
+    };
+    let before = unfit(&source.parts[0].mesh);
+    assert!(before.flat > 0.6 && before.unfit < 0.01, "{before:?}");
+    let few = |normals| {
+        let goal = Goal { amount: Some(Amount::Triangles(12)), deviation: Deviation::Percent(100.0) };
+        simplify(&source, &SimplifyOptions::new(goal).with_normals(normals)).unwrap()
+    };
+    let (auto, keep) = (few(Normals::Auto), few(Normals::Keep));
+    assert_eq!((auto.normals.repaired, auto.normals.kept), (1, 0));
+    assert_eq!((keep.normals.repaired, keep.normals.kept), (0, 1));
+    // The same triangles in the same places, with other normals.
+    assert_eq!(auto.collapses, keep.collapses);
+    let [auto, keep] = [auto, keep].map(|done| done.redrawn.model.parts[0].mesh.clone());
+    assert!(unfit(&keep).unfit > 0.1, "{:?}", unfit(&keep));
+    assert!(unfit(&auto).unfit < 1e-9 && auto.vertex_count() > keep.vertex_count(), "{:?}", unfit(&auto));
+    let positions = |mesh: &Mesh| {
+        let mut all = Vec::new();
+        for_each_triangle(mesh, |positions, _| all.push(positions.map(|p| p.map(f32::to_bits))));
+        all
+    };
+    assert_eq!(positions(&auto), positions(&keep));
+}

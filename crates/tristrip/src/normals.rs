@@ -10,9 +10,10 @@
 //!    condition a plane would be flat-shaded.
 //! 3. The crease angle is the angle between faces that best separates the hard edges from the others: the fewest edges are on the
 //!    wrong side of it.
-//! 4. New normals: corners at a point that are connected by edges below the crease angle get one normal: of those that the mesh has at the
-//!    point the nearest to the weighted mean of their faces' normals, or this mean if none is near. In a flat-shaded mesh every
-//!    corner gets the normal of its face.
+//! 4. New normals: a corner gets the normal that the mesh has at the point and that is the nearest to the normal of its face, if it fits (within 45 degrees).
+//!    All other corners at a point that are connected by edges below the crease angle get one normal: of those that the mesh has there the nearest
+//!    to the weighted mean of their faces' normals, or this mean if none is near. In a flat-shaded mesh every corner gets the normal of its
+//!    face.
 //!
 //! # References
 //! N. Max: *Weights for Computing Vertex Normals from Facet Normals*, 1999: the weights, which need no angles and are exact for a sphere.
@@ -20,6 +21,7 @@
 //! # Complexity
 //! O(n log n) time; about 80 bytes per triangle.
 
+mod fit;
 mod known;
 mod surface;
 
@@ -27,11 +29,11 @@ use crate::error::Error;
 use crate::mesh::{Attribute, Mesh, check_corners, check_triangles, triangles_of};
 use crate::union_find::UnionFind;
 use crate::vector::{Point, cross, dot, sub};
+pub use fit::NormalFit;
+use fit::{SAME_NORMAL, fits};
 use known::KnownNormals;
 use surface::{InnerEdge, Surface, normals_of, positions, scaled_to_one, unit_normal, vector};
 
-/// The cosine of the largest angle between the normal of a flat-shaded face and those of its corners: 2 degrees, for normals of 8 bits.
-const SAME_NORMAL: f64 = 0.9994;
 /// The share of corners with the normals of their faces, in a flat-shaded mesh.
 const FLAT_CORNERS: f64 = 0.98;
 /// The share of hard edges in a flat-shaded mesh: with fewer, its faces are mostly parts of planes, which collapse as they are.
@@ -125,25 +127,62 @@ impl Shading {
         before: &[u32],
         triangles: &[u32],
     ) -> Result<Vec<[f32; 3]>, Error> {
+        self.normals_of_corners(mesh, before, triangles, false)
+    }
+
+    /// Does the same, but a corner has the normal of its vertex where this fits the face, and that of the face where no other fits.
+    ///
+    /// # Errors
+    /// As of [`Shading::corner_normals`].
+    ///
+    /// ```
+    #[doc = include_str!("normals/example.txt")]
+    /// let shading = Shading::of(&roof, &triangles)?.unwrap_or_default();
+    /// // A triangle of the back with a vertex of the front.
+    /// let normals = shading.repaired_normals(&roof, &triangles, &[3, 8, 10])?;
+    /// assert_eq!(normals, [[0.0, 1.0, 0.0]; 3]);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn repaired_normals(
+        &self,
+        mesh: &Mesh,
+        before: &[u32],
+        triangles: &[u32],
+    ) -> Result<Vec<[f32; 3]>, Error> {
+        self.normals_of_corners(mesh, before, triangles, true)
+    }
+
+    /// Returns the normal of each corner; with `keeps` that of its vertex where it fits.
+    fn normals_of_corners(
+        &self,
+        mesh: &Mesh,
+        before: &[u32],
+        triangles: &[u32],
+        keeps: bool,
+    ) -> Result<Vec<[f32; 3]>, Error> {
         check_triangles(before.len())?;
         check_corners(before, mesh.vertex_count())?;
         let surface = Surface::new(mesh, triangles)?;
         let stored = normals_of(mesh);
-        let old = |corner: usize| {
-            let normal = stored.and_then(|stored| scaled_to_one(vector(stored, triangles[corner])));
-            surface.normals[corner / 3].or(normal).unwrap_or([0.0; 3])
-        };
+        let own = |corner: usize| stored.and_then(|stored| scaled_to_one(vector(stored, triangles[corner])));
         let smooth = if self.is_flat {
             Vec::new()
         } else {
             let known = KnownNormals::new(mesh, before, triangles);
             self.smooth(&surface, mesh, triangles, &known)
         };
-        let normal = |corner| smooth.get(corner).copied().flatten().unwrap_or_else(|| old(corner));
+        let normal = |corner: usize| {
+            let face = surface.normals[corner / 3];
+            let is_fit = |&normal: &Point| face.is_none_or(|face| fits(normal, face));
+            let smooth = smooth.get(corner).copied().flatten();
+            let new = if keeps { own(corner).filter(is_fit).or(smooth.filter(is_fit)) } else { smooth };
+            new.or(face).or_else(|| own(corner)).unwrap_or([0.0; 3])
+        };
         Ok((0..triangles.len()).map(|corner| normal(corner).map(|x| x as f32)).collect())
     }
 
-    /// Returns the normal of the faces around each corner, up to the creases; `None` where they cancel out.
+    /// Returns the known normal that fits the face of each corner, or that of the faces around it, up to the creases; `None` where these
+    /// cancel out.
     fn smooth(
         &self,
         surface: &Surface,
@@ -167,7 +206,11 @@ impl Shading {
         let of_fan = |corner: usize| scaled_to_one(sums[corner]).map(|mean| known.nearest(corner, mean));
         let of_fans: Vec<Option<Point>> =
             (0..triangles.len()).map(|c| if fans.is_root(c as u32) { of_fan(c) } else { None }).collect();
-        (0..triangles.len()).map(|corner| of_fans[fans.find(corner as u32) as usize]).collect()
+        let normal = |corner: usize| {
+            let fitting = surface.normals[corner / 3].and_then(|face| known.fitting(corner, face));
+            fitting.or(of_fans[fans.find(corner as u32) as usize])
+        };
+        (0..triangles.len()).map(normal).collect()
     }
 }
 

@@ -51,12 +51,17 @@ pub(crate) struct SimplifyArgs {
     pub(crate) weight: AttributeWeights,
     /// Whether normals are kept or rebuilt
     ///
+    /// Vertices keep their normals, which then lie on other faces: those of a rounded edge that is gone would darken the flat sides beside it.
+    /// In a part of which a third is flat, where the share of the area with normals more than 45 degrees off their faces grows by more than
+    /// 2 %, such corners get another one: of the normals that the model had at the place the nearest to the face, or the mean of
+    /// the faces around it up to the hard edges, or that of the face.
+    ///
     /// In a flat-shaded model every corner has the normal of its face, and every edge is a seam of normals that hardly anything can collapse
     /// across. A part is flat-shaded if 98 % of its corners have the normal of their face within 2 degrees, and normals differ at a
     /// quarter of its edges or more. Rebuilt parts are simplified by their shape, texture coordinates and colours; then each corner gets the
-    /// normal of its face, and tangents are computed again. With rebuild, all other parts are treated likewise; their edges are hard above
-    /// the angle that best separates their hard edges from the smooth ones. This helps models with many hard edges, and it repairs shading that no longer
-    /// fits the faces. Normals that a morph target changes are kept.
+    /// normal of its face, and tangents are computed again. With rebuild, all other parts are simplified likewise, and all their corners
+    /// get the nearest normal or the mean; edges are hard above the angle that best separates the hard edges of the part from the
+    /// smooth ones. This helps models with many hard edges to get smaller. Normals that a morph target changes are kept.
     #[arg(long, value_name = "MODE", value_parser = named(Normals::ALL, Normals::name, Normals::summary), default_value_t = Normals::default())]
     pub(crate) normals: Normals,
     /// Let holes close, handles vanish and textures shift at their seams: for clutter that is to become very small

@@ -144,6 +144,20 @@ fn one_percent_of_the_diagonal_is_the_default_limit() {
     assert!(held["normal_deviation_degrees"].as_f64() > Some(1.0) && held["uv_deviation_percent"].is_null());
 }
 
+/// The edges of the body are rounded: with few triangles its flat sides end at vertices with normals between two sides.
+#[test]
+fn normals_that_no_longer_fit_are_repaired() {
+    let dir = tempfile::tempdir().unwrap();
+    let glb = dir.path().join("truck.glb");
+    let of = |mode: &str| simplify("milktruck.glb", &["--ratio", "20%", "--normals", mode], &glb);
+    let [auto, keep] = ["auto", "keep"].map(of);
+    assert_eq!((&auto["normals"]["kept"], &auto["normals"]["repaired"]), (&3.into(), &1.into()));
+    assert_eq!((&keep["normals"]["kept"], &keep["normals"]["repaired"]), (&4.into(), &0.into()));
+    assert_eq!(auto["triangles_after"], keep["triangles_after"]);
+    let degrees = [&auto, &keep].map(|report| report["normal_deviation_degrees"].as_f64().unwrap());
+    assert!(degrees[0] < degrees[1] - 1.0, "{degrees:?}");
+}
+
 #[test]
 fn parts_stay_connected_and_the_scene_unchanged() {
     let dir = tempfile::tempdir().unwrap();

@@ -1,5 +1,6 @@
 //! The normals that a mesh has at each point.
 
+use super::fit::fits;
 use super::surface::{normals_of, scaled_to_one, vector};
 use crate::csr::Csr;
 use crate::mesh::{Mesh, PositionIds};
@@ -38,8 +39,17 @@ impl KnownNormals {
 
     /// Returns the known normal at the point of a corner that is the nearest to a unit vector, or that vector if none is near.
     pub(super) fn nearest(&self, corner: usize, mean: Point) -> Point {
+        self.best(corner, mean).filter(|&normal| dot(normal, mean) >= NEAR).unwrap_or(mean)
+    }
+
+    /// Returns the known normal at the point of a corner that is the nearest to the normal of its face, if it fits.
+    pub(super) fn fitting(&self, corner: usize, face: Point) -> Option<Point> {
+        self.best(corner, face).filter(|&normal| fits(normal, face))
+    }
+
+    fn best(&self, corner: usize, to: Point) -> Option<Point> {
         let known = self.normals.row(self.points[corner]).iter().take(MOST);
-        let best = known.map(|&normal| (dot(normal, mean), normal)).max_by(|a, b| a.0.total_cmp(&b.0));
-        best.filter(|&(cosine, _)| cosine >= NEAR).map_or(mean, |(_, normal)| normal)
+        let best = known.map(|&normal| (dot(normal, to), normal)).max_by(|a, b| a.0.total_cmp(&b.0));
+        best.map(|(_, normal)| normal)
     }
 }

@@ -7,7 +7,7 @@ use std::str::FromStr;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
 pub enum Normals {
-    /// Those of flat-shaded parts are rebuilt, all others are kept.
+    /// Those of flat-shaded parts are rebuilt, all others are kept where they still fit the faces.
     #[default]
     Auto,
     /// Vertices keep their normals, and collapse only along the seams where these differ.
@@ -36,7 +36,9 @@ impl Normals {
     /// ```
     pub fn summary(self) -> &'static str {
         match self {
-            Self::Auto => "Rebuild those of flat-shaded parts, keep all others",
+            Self::Auto => {
+                "Rebuild those of flat-shaded parts; keep all others where they still fit the faces"
+            }
             Self::Keep => {
                 "Keep the normals of the vertices; edges at which they differ collapse only along themselves"
             }
@@ -75,6 +77,8 @@ impl FromStr for Normals {
 pub struct NormalCounts {
     /// Parts whose vertices kept their normals.
     pub kept: usize,
+    /// Parts whose vertices kept their normals except where these no longer fitted the faces.
+    pub repaired: usize,
     /// Flat-shaded parts, which have the normals of the remaining faces.
     pub flat: usize,
     /// Parts with new normals that are smooth up to a crease angle.
