@@ -4,8 +4,10 @@
 //! cargo run --release -p tristrip-bench --bin pictures -- --gltfpack gltfpack
 //! ```
 //!
-//! Each scene is simplified to 50 % and to 20 % of its triangles. With gltfpack, ours gets as many triangles as gltfpack's result has. The
-//! figures are those of [`compare`]: the share of the pixels of eight views that differ, and the pixels of holes.
+//! Each scene is simplified to 50 % and to 20 % of its triangles. With gltfpack, ours gets as many triangles as gltfpack's result shows, with the
+//! same ratio for each part, or with `--by-part` as many in each part: gltfpack stops where its error would be too large, in some
+//! parts earlier than in others. The figures are those of [`compare`]: the share of the pixels of eight views that differ, and the pixels of
+//! holes. The last rows are the sums over all scenes, and ours divided by gltfpack's.
 #![allow(clippy::print_stdout, reason = "a program that prints")]
 
 use std::fs;
@@ -13,16 +15,19 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use clap::Parser;
+use tristrip::simplify::AttributeWeights;
 use tristrip_bench::failure::Failure;
 use tristrip_bench::text::Table;
 use tristrip_io::{Format, Model, read_path, replace_file};
 use tristrip_lab::render::{Differences, Mode, TexturedModel, compare, rows_of_sides};
-use tristrip_pipeline::{Amount, Deviation, Goal, Ratio, SimplifyOptions, simplify};
+use tristrip_pipeline::{Amount, Deviation, Goal, Normals, Ratio, SimplifyOptions, simplify, simplify_parts};
 
 /// The shares of the triangles that are kept.
 const SHARES: [f64; 2] = [0.5, 0.2];
 /// The modes that are compared.
 const MODES: [Mode; 3] = [Mode::Textured, Mode::Normals, Mode::Uv];
+/// The programs, as they are in the table.
+const PROGRAMS: [&str; 2] = ["tristrip", "gltfpack"];
 /// The width and height of a view in the pictures that are written.
 const PICTURE_SIZE: u32 = 256;
 
@@ -39,6 +44,15 @@ struct Args {
     /// Compare with this gltfpack program
     #[arg(long, value_name = "PATH")]
     gltfpack: Option<PathBuf>,
+    /// Give each part as many triangles as gltfpack's has
+    #[arg(long, requires = "gltfpack")]
+    by_part: bool,
+    /// What happens to normals: auto, keep or rebuild
+    #[arg(long, value_name = "MODE", default_value_t)]
+    normals: Normals,
+    /// How much attributes count, such as normal=2,uv=0.5
+    #[arg(long, value_name = "WEIGHTS", default_value = "", hide_default_value = true)]
+    weight: AttributeWeights,
     /// Write pictures into this folder: the scene, ours and gltfpack's below each other
     #[arg(long, value_name = "DIR")]
     pictures: Option<PathBuf>,
@@ -56,15 +70,77 @@ fn main() -> Result<(), Failure> {
     }
     let heads = ["scene", "by", "before", "after", "textured %", "normals %", "uv %", "holes", "grown"];
     let mut table = Table::new(2, &heads);
+    let mut sums = [Figures::default(); 2];
     for source in &sources {
         for share in SHARES {
-            for row in measure(source, share, &args)? {
-                table.push(row);
+            let found = measure(source, share, &args)?;
+            for ((by, figures), sum) in PROGRAMS.iter().zip(&found).zip(&mut sums) {
+                table.push(figures.cells(&name(source), by));
+                sum.add(figures);
+            }
+            if let [ours, theirs] = &found[..] {
+                table.push(ours.ratios(&name(source), theirs));
             }
         }
     }
+    for (by, sum) in PROGRAMS.iter().zip(&sums).filter(|(_, sum)| sum.before > 0) {
+        table.push(sum.cells("all", by));
+    }
+    if sums[1].before > 0 {
+        table.push(sums[0].ratios("all", &sums[1]));
+    }
     println!("{}", table.aligned());
     Ok(())
+}
+
+/// The triangles of a scene or of all, and the pixels that differ.
+#[derive(Debug, Clone, Copy, Default)]
+struct Figures {
+    before: usize,
+    after: usize,
+    found: [Differences; 3],
+}
+
+impl Figures {
+    fn new(before: &TexturedModel, after: &TexturedModel) -> Result<Self, Failure> {
+        let found = MODES.map(|mode| compare(before, after, mode));
+        let [textured, normals, uv] = found;
+        Ok(Self {
+            before: before.triangle_count(),
+            after: after.triangle_count(),
+            found: [textured?, normals?, uv?],
+        })
+    }
+
+    fn add(&mut self, other: &Self) {
+        self.before += other.before;
+        self.after += other.after;
+        for (sum, found) in self.found.iter_mut().zip(&other.found) {
+            sum.shown += found.shown;
+            sum.different += found.different;
+            sum.holes += found.holes;
+            sum.grown += found.grown;
+        }
+    }
+
+    /// Returns a row of figures.
+    fn cells(&self, scene: &str, by: &str) -> Vec<String> {
+        let mut cells = vec![scene.to_owned(), by.to_owned()];
+        cells.extend([self.before, self.after].map(|count| count.to_string()));
+        cells.extend(self.found.map(|found| format!("{:.2}", 100.0 * found.share())));
+        // The same in all modes.
+        cells.extend([self.found[0].holes, self.found[0].grown].map(|count| count.to_string()));
+        cells
+    }
+
+    /// Returns a row of the numbers of pixels that differ, divided by those of another result.
+    fn ratios(&self, scene: &str, other: &Self) -> Vec<String> {
+        let mut cells = vec![scene.to_owned(), "ratio".to_owned(), String::new(), String::new()];
+        let pairs = self.found.iter().zip(&other.found);
+        cells.extend(pairs.map(|(a, b)| format!("{:.2}", a.different as f64 / b.different.max(1) as f64)));
+        cells.extend([String::new(), String::new()]);
+        cells
+    }
 }
 
 /// Lists the scenes of a folder and of its subfolders, by name.
@@ -88,53 +164,55 @@ fn name(source: &Path) -> String {
     source.file_stem().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
 }
 
-/// Simplifies a scene with both programs, and returns a row for each.
-fn measure(source: &Path, share: f64, args: &Args) -> Result<Vec<Vec<String>>, Failure> {
+/// Simplifies a scene with both programs, and returns the figures of each.
+fn measure(source: &Path, share: f64, args: &Args) -> Result<Vec<Figures>, Failure> {
     let model = read_path(source)?;
     let before = TexturedModel::new(&model)?;
     before.notes().iter().for_each(|note| println!("{}: {note}", name(source)));
-    let theirs = match &args.gltfpack {
-        None => None,
-        Some(program) => Some(TexturedModel::new(&packed(program, source, share)?)?),
+    let packed = args.gltfpack.as_ref().map(|program| packed(program, source, share)).transpose()?;
+    let theirs = packed.as_ref().map(TexturedModel::new).transpose()?;
+    let ours = match (&packed, &theirs) {
+        (Some(packed), _) if args.by_part => {
+            let triangles = packed.parts.iter().map(|part| part.mesh.faces().triangle_count());
+            let done = simplify_parts(&model, &triangles.collect::<Vec<_>>(), &options(args, None))?;
+            TexturedModel::new(&done.redrawn.model)?
+        }
+        (_, Some(theirs)) => simplified_to(&model, theirs.triangle_count(), args)?,
+        (_, None) => simplified(&model, share, args)?,
     };
-    let ours = match &theirs {
-        None => simplified(&model, share)?,
-        Some(theirs) => simplified_to(&model, theirs.triangle_count())?,
-    };
-    let mut rows = Vec::new();
-    for (by, after) in [("tristrip", Some(&ours)), ("gltfpack", theirs.as_ref())] {
-        let Some(after) = after else { continue };
-        let found = MODES.map(|mode| compare(&before, after, mode));
-        let [textured, normals, uv] = found;
-        rows.push(cells(source, by, [&before, after], [textured?, normals?, uv?]));
-    }
+    let shown = || [&ours].into_iter().chain(&theirs);
     if let Some(folder) = &args.pictures {
         fs::create_dir_all(folder)?;
-        let models: Vec<&TexturedModel> = [&before, &ours].into_iter().chain(&theirs).collect();
+        let models: Vec<&TexturedModel> = [&before].into_iter().chain(shown()).collect();
         for mode in MODES {
             let file = format!("{}-{}-{}.png", name(source), (100.0 * share).round(), mode.name());
             replace_file(folder.join(file), &rows_of_sides(&models, mode, PICTURE_SIZE)?)?;
         }
     }
-    Ok(rows)
+    shown().map(|after| Figures::new(&before, after)).collect()
+}
+
+/// Returns the options of a simplification without a limit to its error.
+fn options(args: &Args, amount: Option<Amount>) -> SimplifyOptions {
+    let options = SimplifyOptions::new(Goal { amount, deviation: Deviation::Percent(100.0) });
+    options.with_normals(args.normals).with_weights(args.weight).with_format(Format::Glb)
 }
 
 /// Simplifies to a share of the triangles.
-fn simplified(model: &Model, share: f64) -> Result<TexturedModel, Failure> {
+fn simplified(model: &Model, share: f64, args: &Args) -> Result<TexturedModel, Failure> {
     let ratio = Ratio::new(share).ok_or_else(|| format!("found a share of {share}, expected 0 to 1"))?;
-    let goal = Goal { amount: Some(Amount::Ratio(ratio)), deviation: Deviation::Percent(100.0) };
-    let done = simplify(model, &SimplifyOptions::new(goal).with_format(Format::Glb))?;
+    let done = simplify(model, &options(args, Some(Amount::Ratio(ratio))))?;
     Ok(TexturedModel::new(&done.redrawn.model)?)
 }
 
 /// Simplifies until a scene shows at most this number of triangles, or as few as possible. A part that is shown twice counts twice, and parts
 /// do not lose the same share, so that the share of all triangles is searched.
-fn simplified_to(model: &Model, triangles: usize) -> Result<TexturedModel, Failure> {
+fn simplified_to(model: &Model, triangles: usize, args: &Args) -> Result<TexturedModel, Failure> {
     let (mut fewer, mut more) = (0.0, 1.0);
-    let mut best = simplified(model, fewer)?;
+    let mut best = simplified(model, fewer, args)?;
     for _ in 0..12 {
         let share = f64::midpoint(fewer, more);
-        let tried = simplified(model, share)?;
+        let tried = simplified(model, share, args)?;
         if tried.triangle_count() > triangles {
             more = share;
         } else {
@@ -161,19 +239,4 @@ fn packed(program: &Path, source: &Path, share: f64) -> Result<Model, Failure> {
         return Err(format!("{}: {}", program.display(), message.trim()).into());
     }
     Ok(read_path(&result)?)
-}
-
-/// Returns the row of a result.
-fn cells(
-    source: &Path,
-    by: &str,
-    [before, after]: [&TexturedModel; 2],
-    found: [Differences; 3],
-) -> Vec<String> {
-    let mut cells = vec![name(source), by.to_owned()];
-    cells.extend([before, after].map(|model| model.triangle_count().to_string()));
-    cells.extend(found.map(|found| format!("{:.2}", 100.0 * found.share())));
-    // The same in all modes.
-    cells.extend([found[0].holes, found[0].grown].map(|count| count.to_string()));
-    cells
 }
