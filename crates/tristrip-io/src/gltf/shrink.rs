@@ -20,7 +20,7 @@
 //! Linear in the bytes of the buffers and of the accessors, with the limits of decoded ones; n log n in the number of accessors and
 //! views.
 
-use std::collections::{BTreeSet, HashSet};
+use std::collections::BTreeSet;
 use std::ops::Range;
 
 use super::accessor::AccessorResolver;
@@ -158,9 +158,7 @@ impl Shrink {
         let mut kept: Vec<Vec<Range<usize>>> = vec![Vec::new(); buffers.len()];
         // 1. Values of accessors. The views of an accessor that is not understood stay whole.
         let mut whole = ExtensionNumbers::of(root).numbers;
-        let mut of_accessors = HashSet::new();
         for accessor in 0..array(root, "accessors")?.len() {
-            of_accessors.extend(views_of_accessor(root, accessor));
             match AccessorLayout::find(&resolver, accessor, &mut budget) {
                 Ok(layout) => layout.slots().for_each(|slots| kept[slots.buffer].push(slots.span())),
                 Err(_) => whole.extend(views_of_accessor(root, accessor)),

@@ -1,7 +1,22 @@
-//! Reproducible random numbers for the tests that mutate files.
+//! Reproducible random numbers, for the tests that mutate files.
+#![allow(dead_code, reason = "each test file uses a part of it")]
 
 /// Returns a generator, always with the same seed, of numbers below its argument.
 pub(crate) fn random() -> impl FnMut(usize) -> usize {
     let mut random = tristrip::random::Random::new(1);
     move |below: usize| random.below(below)
+}
+
+/// Iterates over copies of a GLB, one to four digits of which are other digits.
+pub(crate) fn mutated_documents(glb: &[u8], count: usize) -> impl Iterator<Item = Vec<u8>> {
+    let mut random = random();
+    let digits: Vec<usize> = (20..glb.len()).filter(|&at| glb[at].is_ascii_digit()).collect();
+    (0..count).map(move |_| {
+        let mut changed = glb.to_vec();
+        for _ in 0..=random(3) {
+            let at = digits[random(digits.len())];
+            changed[at] = b'0' + random(10) as u8;
+        }
+        changed
+    })
 }
