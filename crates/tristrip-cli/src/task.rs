@@ -8,6 +8,7 @@ use tristrip::Effort;
 use tristrip::lod::RepairOptions;
 use tristrip::vertex_cache::FlushPolicy;
 use tristrip::{Layout, StripifyOptions};
+use tristrip_io::gltf::Rounding;
 use tristrip_pipeline::{
     Amount, AnalyzeOptions, ChainRatios, Deviation, DisplayFilter, Goal, Level, Ratio, SimplifyOptions,
     VertexCacheList,
@@ -263,9 +264,11 @@ fn validate(command: Command, papers: &[&str]) -> Result<Task, String> {
                 check_picture(path, &jobs)?;
             }
             let (permissive, lock_borders) = (args.permissive, args.lock_borders);
+            let rounding = if args.compact { Rounding::WeightsAndRotations } else { Rounding::None };
             let options = SimplifyOptions::new(goal).with_weights(args.weight).with_normals(args.normals);
             let options =
                 options.with_permissive(permissive).with_locked_borders(lock_borders).with_verify(verify);
+            let options = options.with_rounding(rounding);
             Task::Simplify(SimplifyTask { jobs, options, picture: args.picture })
         }
         Command::Lod(args) => match args.chain.clone() {

@@ -54,6 +54,7 @@ mod compressed_views;
 mod container;
 mod document;
 mod draco;
+pub(crate) mod equal_vertices;
 pub(crate) mod extend;
 #[cfg(feature = "fs")]
 pub(crate) mod images;
@@ -63,6 +64,7 @@ mod keep;
 mod level_nodes;
 pub(crate) mod levels;
 mod material_builder;
+mod pack;
 mod permute;
 mod placements;
 mod prefixes;
@@ -90,6 +92,7 @@ pub use budget::{
 };
 pub use build::losses;
 pub use document::JSON_VALUE_LIMIT;
+pub use pack::{Rounding, pack};
 pub use placements::Placement;
 pub(crate) use read::read_in_folders;
 pub use read::{read, read_separate};

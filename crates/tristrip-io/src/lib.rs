@@ -58,6 +58,6 @@ pub use model::{Drawing, Model, Part, StoredStrips};
 pub use new_vertices::{Extended, NewVertices, fixed_vertices, with_new_vertices};
 #[cfg(feature = "fs")]
 pub use path::{embed_images, load_materials, read_path, replace_file, write_path};
-pub use redraw::{KeptVertices, Redrawn, with_triangles};
+pub use redraw::{KeptVertices, Redrawn, merge_equal_vertices, with_triangles};
 pub use reorder::{Reordered, reorder};
 pub use vertex_group::VertexGroup;

@@ -94,11 +94,7 @@ impl Redrawn {
 /// # Ok::<(), tristrip_io::Error>(())
 /// ```
 pub fn with_triangles(model: &Model, triangles: Vec<Vec<u32>>, format: Format) -> Result<Redrawn, Error> {
-    if triangles.len() != model.parts.len() {
-        let (found, expected) = (triangles.len(), model.parts.len());
-        let message = format!("lists of triangles: found {found}, expected {expected} (one for each part)");
-        return Err(Error::Unsupported(message));
-    }
+    check_lists(model, &triangles)?;
     let mut meshes = Vec::with_capacity(model.parts.len());
     for (part, corners) in model.parts.iter().zip(triangles) {
         meshes.push(part.mesh.with_faces(Faces::from_triangles(corners)?)?);
@@ -162,6 +158,44 @@ pub fn with_triangles(model: &Model, triangles: Vec<Vec<u32>>, format: Format) -
     let kept = kept_groups.iter().map(|group| group.vertex_count).sum();
     let used = counts.iter().map(|(by_triangles, _)| by_triangles).sum();
     Ok(Redrawn { model, used, dropped, kept, kept_groups, orders, order_of })
+}
+
+/// Lets the triangles of each part use one of several vertices that are equal in every value, where a scene that is written as a GLB has
+/// such: [`with_triangles`] then drops the others.
+///
+/// # Errors
+/// There is not one list of triangles for each part.
+///
+/// ```
+/// use tristrip_io::{Format, gltf, merge_equal_vertices};
+/// let json = br#"{"asset":{"version":"2.0"},"accessors":[{"componentType":5126,"type":"VEC3","count":3}],
+///     "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}]}"#;
+/// let model = gltf::read(json.to_vec(), None)?;
+/// let mut triangles = vec![vec![0, 1, 2]];
+/// // An accessor without bytes: all three vertices are zero.
+/// merge_equal_vertices(&model, &mut triangles, Format::Glb)?;
+/// assert_eq!(triangles, [[0, 0, 0]]);
+/// # Ok::<(), tristrip_io::Error>(())
+/// ```
+pub fn merge_equal_vertices(model: &Model, triangles: &mut [Vec<u32>], format: Format) -> Result<(), Error> {
+    check_lists(model, triangles)?;
+    let Some(scene) = model.scene.as_ref().filter(|_| format == Format::Glb) else { return Ok(()) };
+    let counts: Vec<usize> = model.parts.iter().map(|part| part.mesh.vertex_count()).collect();
+    for (corners, first) in triangles.iter_mut().zip(gltf::equal_vertices::first_equal(scene, &counts)?) {
+        let Some(first) = first else { continue };
+        corners.iter_mut().for_each(|v| *v = first.get(*v as usize).copied().unwrap_or(*v));
+    }
+    Ok(())
+}
+
+/// Checks that there is a list of triangles for each part.
+fn check_lists(model: &Model, triangles: &[Vec<u32>]) -> Result<(), Error> {
+    if triangles.len() == model.parts.len() {
+        return Ok(());
+    }
+    let (found, expected) = (triangles.len(), model.parts.len());
+    let message = format!("lists of triangles: found {found}, expected {expected} (one for each part)");
+    Err(Error::Unsupported(message))
 }
 
 /// The vertices of a group that its parts use.

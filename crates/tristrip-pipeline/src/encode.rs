@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use tristrip::Layout;
 use tristrip::verify::verify_models;
-use tristrip_io::gltf::SeparateFiles;
+use tristrip_io::gltf::{Rounding, SeparateFiles};
 use tristrip_io::{Drawing, Format, Model, Redrawn, Reordered, SideFile, VertexGroup};
 
 use crate::error::Error;
@@ -25,6 +25,8 @@ pub struct EncodeOptions {
     pub list: bool,
     /// Whether vertices are numbered in the order in which the drawings first use them.
     pub reorder: bool,
+    /// How a GLB is packed into fewer bytes: data that is stored twice once, animations without needless keyframes; `None` for not at all.
+    pub pack: Option<Rounding>,
     /// Whether the bytes are read back and proven.
     pub verify: bool,
 }
@@ -33,7 +35,7 @@ impl EncodeOptions {
     /// Chooses a format, with the layout that every reader of it draws, or a list for a part where that takes fewer indices; proven, with
     /// the vertices in their order.
     pub fn new(format: Format) -> Self {
-        Self { format, layout: default_layout(format), list: true, reorder: false, verify: true }
+        Self { format, layout: default_layout(format), list: true, reorder: false, pack: None, verify: true }
     }
 
     /// Sets the layout of strips; no part is drawn as a list instead.
@@ -52,6 +54,12 @@ impl EncodeOptions {
     #[must_use]
     pub fn with_reorder(self, reorder: bool) -> Self {
         Self { reorder, ..self }
+    }
+
+    /// Sets how a GLB is packed into fewer bytes.
+    #[must_use]
+    pub fn with_pack(self, pack: Option<Rounding>) -> Self {
+        Self { pack, ..self }
     }
 
     /// Sets whether the bytes are read back and proven.
@@ -187,6 +195,9 @@ pub fn encode_observed(
         None => tristrip_io::write(model, drawings, format, layout)?,
         Some(moved) => tristrip_io::write(&moved.model, &moved.drawings(), format, moved.layout)?,
     };
+    if let Some(rounding) = options.pack.filter(|_| format == Format::Glb) {
+        bytes = tristrip_io::gltf::pack(bytes, rounding)?;
+    }
     observer.event(Event::Encoded { bytes: bytes.len() });
     let mut faces = None;
     if options.verify {

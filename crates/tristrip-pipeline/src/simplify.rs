@@ -11,6 +11,7 @@ mod warning;
 
 use tristrip::StripifyOptions;
 use tristrip::simplify::AttributeWeights;
+use tristrip_io::gltf::Rounding;
 use tristrip_io::{Drawing, Format, Model, Redrawn};
 
 use crate::collapses::Collapses;
@@ -51,6 +52,8 @@ pub struct SimplifyOptions {
     pub permissive: bool,
     /// Whether vertices at borders stay.
     pub lock_borders: bool,
+    /// What is rounded when a GLB is packed into few bytes.
+    pub rounding: Rounding,
     /// Whether the collapses, and the bytes of a file, are proven.
     pub verify: bool,
     /// The format in which the result will be written. A scene that is written as GLB keeps the unused vertices that other parts of it
@@ -68,6 +71,7 @@ impl SimplifyOptions {
             normals,
             permissive: false,
             lock_borders: false,
+            rounding: Rounding::None,
             verify: true,
             format: Format::Ply,
         }
@@ -95,6 +99,12 @@ impl SimplifyOptions {
     #[must_use]
     pub fn with_locked_borders(self, lock_borders: bool) -> Self {
         Self { lock_borders, ..self }
+    }
+
+    /// Sets what is rounded when a GLB is packed into few bytes.
+    #[must_use]
+    pub fn with_rounding(self, rounding: Rounding) -> Self {
+        Self { rounding, ..self }
     }
 
     /// Sets whether the collapses are proven.
@@ -307,7 +317,7 @@ impl Simplified {
         let mut notes = kept_vertices(&self.redrawn, observer);
         let drawings: Vec<Drawing<'_>> = model.parts.iter().map(|_| Drawing::Faces).collect();
         let options = EncodeOptions::new(self.options.format).with_layout(tristrip::Layout::List);
-        let options = options.with_verify(self.options.verify);
+        let options = options.with_pack(Some(self.options.rounding)).with_verify(self.options.verify);
         let encoded = encode_observed(model, &drawings, &options, observer)?;
         notes.extend(encoded.notes);
         Ok(Encoded { notes, ..encoded })

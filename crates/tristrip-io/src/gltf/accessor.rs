@@ -267,6 +267,11 @@ impl AccessorValues<'_> {
         Ok(Self { count, ..self })
     }
 
+    /// Checks whether the values are in a view, one directly after the other, and none of them is replaced.
+    pub(super) fn is_packed(&self) -> bool {
+        self.sparse.is_none() && self.base.is_some_and(|(_, stride)| stride == self.element)
+    }
+
     /// Returns the number of values that are replaced.
     pub(super) fn sparse_count(&self) -> usize {
         self.sparse.as_ref().map_or(0, |sparse| sparse.values.len() / self.element)

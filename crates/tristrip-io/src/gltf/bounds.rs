@@ -33,7 +33,7 @@ pub(super) fn bounds(values: &AccessorValues<'_>) -> Result<Option<[Value; 2]>, 
 }
 
 /// Reads a number, which a 64-bit float holds exactly; there are enough bytes.
-fn number(component: ComponentType, bytes: &[u8]) -> f64 {
+pub(super) fn number(component: ComponentType, bytes: &[u8]) -> f64 {
     match (component, bytes) {
         (ComponentType::I8, &[a, ..]) => i8::from_le_bytes([a]).into(),
         (ComponentType::U8, &[a, ..]) => a.into(),

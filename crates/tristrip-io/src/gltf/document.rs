@@ -34,6 +34,13 @@ impl Document {
         out
     }
 
+    /// Returns the JSON of a value of the document, or of one that was built.
+    pub(super) fn text_of(&self, value: &Value) -> Vec<u8> {
+        let mut out = Vec::new();
+        value.write(self.text.as_slice(), &mut out);
+        out
+    }
+
     /// Returns the document with its JSON as it is now, without the spaces between values.
     pub(super) fn without_spaces(self) -> Result<Self, Error> {
         let text = SharedBytes::from(json::without_spaces(&self.to_bytes()));

@@ -208,8 +208,13 @@ impl Value {
         Some(items)
     }
 
+    /// Builds a number from its JSON.
+    pub(super) fn number(text: &str) -> Self {
+        Content::number(text).into()
+    }
+
     /// Appends the JSON of the value; `source` is the text that it was parsed from.
-    fn write(&self, source: &[u8], out: &mut Vec<u8>) {
+    pub(super) fn write(&self, source: &[u8], out: &mut Vec<u8>) {
         if let Some(text) = &self.text {
             out.extend_from_slice(&source[text.start as usize..text.end as usize]);
             return;
@@ -269,6 +274,11 @@ impl Members {
 
     pub(super) fn values(&self) -> impl Iterator<Item = &Value> {
         self.0.values().map(|member| &member.value)
+    }
+
+    /// Iterates over the members for a change.
+    pub(super) fn iter_mut(&mut self) -> impl Iterator<Item = (&str, &mut Value)> {
+        self.0.iter_mut().map(|(name, member)| (&**name, &mut member.value))
     }
 
     /// Sets a member, in the order behind the others if it is new.

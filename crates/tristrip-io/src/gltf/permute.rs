@@ -24,9 +24,9 @@ pub(super) const OVER_BUDGET: &str = "the buffers hold more data than the limits
 #[derive(Clone, Copy)]
 pub(super) struct StridedRange {
     pub(super) buffer: usize,
-    start: usize,
-    stride: usize,
-    element: usize,
+    pub(super) start: usize,
+    pub(super) stride: usize,
+    pub(super) element: usize,
     count: usize,
     /// The end of the view.
     end: usize,
@@ -57,7 +57,7 @@ impl StridedRange {
         start..start + self.element
     }
 
-    fn ranges(&self) -> impl Iterator<Item = Range<usize>> + use<> {
+    pub(super) fn ranges(&self) -> impl Iterator<Item = Range<usize>> + use<> {
         let slots = *self;
         (0..slots.count).map(move |slot| slots.range(slot))
     }

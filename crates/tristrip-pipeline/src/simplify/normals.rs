@@ -205,7 +205,8 @@ impl RebuiltPart {
     }
 }
 
-/// Returns the model with the triangles of each part, given over its old vertices; those of a rebuilt part are over new ones instead.
+/// Returns the model with the triangles of each part, given over its old vertices; those of a rebuilt part are over new ones instead. Of
+/// equal vertices they use one.
 pub(super) fn redraw(
     model: &Model,
     parts: &[Part<'_>],
@@ -214,6 +215,7 @@ pub(super) fn redraw(
     format: Format,
 ) -> Result<Redrawn, Error> {
     if rebuilt.iter().all(Option::is_none) {
+        tristrip_io::merge_equal_vertices(model, &mut triangles, format)?;
         return Ok(tristrip_io::with_triangles(model, triangles, format)?);
     }
     let mut added = Vec::with_capacity(parts.len());
@@ -228,6 +230,7 @@ pub(super) fn redraw(
     for (triangles, first) in triangles.iter_mut().zip(&extended.first) {
         triangles.iter_mut().for_each(|v| *v += first.unwrap_or(0));
     }
+    tristrip_io::merge_equal_vertices(&extended.model, &mut triangles, format)?;
     Ok(tristrip_io::with_triangles(&extended.model, triangles, format)?)
 }
 

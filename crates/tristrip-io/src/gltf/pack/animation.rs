@@ -1,0 +1,236 @@
+//! Animations with fewer keyframes: those that the interpolation of their neighbours gives back are removed.
+//!
+//! ```text
+//! value      ·   ·                       kept: the first, the last, and where the direction changes
+//!          ·       ·   ·   ·   ·
+//!        ·
+//! kept   x       x     x           x
+//! ```
+//! # Algorithm
+//! 1. Each sampler of translations, rotations, scales or morph weights becomes a track: times, and the values at them.
+//! 2. A track of which all values are equal keeps its first keyframe, if other tracks of the animation have its first and its last time, so
+//!    that the animation begins and ends as before; otherwise the first and the last one. If moreover the value is the one that the node
+//!    has without the animation, and no other animation moves that property, the channel is removed.
+//! 3. In other linear tracks a keyframe is kept where the segment from the last one that was kept, which ends one keyframe later, would be
+//!    further than the tolerance from one of the keyframes inside it. Between keyframes both are segments, or arcs of the same circle,
+//!    so that no point is further. A segment has a bounded number of keyframes inside, and an arc of a rotation at most 46 degrees, so that
+//!    players that interpolate rotations in another way show the same.
+//! 4. In tracks with steps a keyframe is kept where its value differs from the one before. Cubic splines keep all keyframes.
+//! 5. Samplers without a channel are removed. Rotations are rounded to 16 bits, if that is asked for.
+
+mod track;
+
+use std::collections::{HashMap, HashSet};
+
+use serde_json::json;
+
+use self::track::Track;
+use super::{NewAccessors, Packing, Rounding, entry_mut};
+use crate::error::Error;
+use crate::gltf::accessor::ComponentType;
+use crate::gltf::budget::{ATTRIBUTE_LIMIT, DecodeBudget};
+use crate::gltf::document::{Located, array, index, items, uses};
+use crate::gltf::json::{Members, Value};
+use crate::gltf::permute::VERTEX_FACTOR;
+use crate::gltf::references::has_number;
+
+/// The bytes of the JSON of an accessor, about: what keyframes of its own cost a track.
+const ACCESSOR_BYTES: usize = 120;
+
+/// Removes keyframes, and channels that change nothing.
+pub(super) fn reduce(scene: &mut Packing, rounding: Rounding) -> Result<(), Error> {
+    let root = &scene.document.root;
+    let mut budget = DecodeBudget::new(ATTRIBUTE_LIMIT, VERTEX_FACTOR, &scene.buffers);
+    let targets = Targets::of(root)?;
+    let mut new = NewAccessors::of(root)?;
+    let mut changes = Vec::new();
+    for animation in array(root, "animations")? {
+        let tracks = tracks(scene, animation, &mut budget);
+        changes.push(Change::of(animation, &tracks, &targets, rounding, &mut new));
+    }
+    scene.append(new)?;
+    for (number, change) in changes.into_iter().enumerate() {
+        if let Some(animation) = entry_mut(&mut scene.document.root, "animations", number)? {
+            change.apply(animation);
+        }
+    }
+    Ok(())
+}
+
+/// Decodes the samplers of an animation; `None` for those that must stay.
+fn tracks(scene: &Packing, animation: &Value, budget: &mut DecodeBudget) -> Vec<Option<Track>> {
+    let samplers = items(animation, "samplers");
+    let mut paths: Vec<HashSet<&str>> = vec![HashSet::new(); samplers.len()];
+    for channel in items(animation, "channels") {
+        let sampler = channel.get("sampler").and_then(index).and_then(|sampler| paths.get_mut(sampler));
+        // What an extension moves has no path of the specification.
+        let path = target(channel).map_or("", |(_, path)| path);
+        sampler.into_iter().for_each(|paths| paths.extend([path]));
+    }
+    let decoded = samplers.iter().zip(&paths).map(|(sampler, paths)| {
+        let mut paths = paths.iter();
+        let path = paths.next().filter(|_| paths.next().is_none())?;
+        Track::decode(&scene.resolver(), sampler, path, budget)
+    });
+    decoded.collect()
+}
+
+/// Returns the node and the property that a channel moves.
+fn target(channel: &Value) -> Option<(usize, &str)> {
+    let target = channel.get("target").filter(|target| target.get("extensions").is_none())?;
+    Some((target.get("node").and_then(index)?, target.get("path")?.as_str()?))
+}
+
+/// The properties that animations move.
+struct Targets<'a> {
+    root: &'a Members,
+    /// The number of channels by node and property.
+    channels: HashMap<(usize, &'a str), usize>,
+    /// Whether an extension may move properties, too.
+    has_pointers: bool,
+}
+
+impl<'a> Targets<'a> {
+    fn of(root: &'a Members) -> Result<Self, Error> {
+        let mut channels: HashMap<(usize, &str), usize> = HashMap::new();
+        for channel in array(root, "animations")?.iter().flat_map(|animation| items(animation, "channels")) {
+            target(channel).into_iter().for_each(|target| *channels.entry(target).or_default() += 1);
+        }
+        Ok(Self { root, channels, has_pointers: uses(root, "KHR_animation_pointer") })
+    }
+
+    /// Checks whether a channel only sets what its node has anyway, and nothing else moves it.
+    fn is_at_rest(&self, channel: &Value, track: &Track) -> bool {
+        let Some((number, path)) = target(channel).filter(|_| !self.has_pointers) else { return false };
+        let default: &[f64] = match path {
+            "translation" => &[0.0; 3],
+            "rotation" => &[0.0, 0.0, 0.0, 1.0],
+            "scale" => &[1.0; 3],
+            _ => return false,
+        };
+        let node = array(self.root, "nodes").ok().and_then(|nodes| nodes.get(number));
+        let Some(node) = node.filter(|node| node.get("matrix").is_none()) else { return false };
+        let rest: Vec<f64> = match node.get(path) {
+            None => default.to_vec(),
+            Some(value) => {
+                let numbers = value.as_array().unwrap_or_default().iter();
+                numbers.filter_map(|value| Located { value, at: String::new() }.number().ok()).collect()
+            }
+        };
+        let names_more = ["extensions", "extras"].iter().any(|name| channel.get(name).is_some());
+        !names_more && self.channels.get(&(number, path)) == Some(&1) && track.begins_with(&rest)
+    }
+}
+
+/// How an animation changes.
+#[derive(Default)]
+struct Change {
+    /// The new times and values of samplers.
+    samplers: HashMap<usize, (usize, usize)>,
+    /// The channels that are removed.
+    channels: HashSet<usize>,
+}
+
+impl Change {
+    fn of(
+        animation: &Value,
+        tracks: &[Option<Track>],
+        targets: &Targets<'_>,
+        rounding: Rounding,
+        new: &mut NewAccessors,
+    ) -> Self {
+        let mut change = Self::default();
+        let known = || tracks.iter().flatten();
+        let first = known().map(Track::first_time).fold(f32::INFINITY, f32::min);
+        let last = known().map(Track::last_time).fold(f32::NEG_INFINITY, f32::max);
+        let mut moving = known().filter(|track| !track.is_constant());
+        let begins = moving.clone().any(|track| track.first_time() <= first);
+        // The animation begins and ends with tracks that keep their first and last keyframes.
+        let is_covered = begins && moving.any(|track| track.last_time() >= last);
+        for (number, track) in tracks.iter().enumerate() {
+            let Some(track) = track else { continue };
+            let kept = match track.is_constant() {
+                true if is_covered => vec![0],
+                true => vec![0, track.len() - 1],
+                false => track.kept(),
+            };
+            let removed = track.len().saturating_sub(kept.len());
+            // Tracks of one or two keyframes have the same times as others.
+            let cost = if kept.len() <= 2 { 0 } else { ACCESSOR_BYTES + 4 * kept.len() };
+            let rounds = rounding == Rounding::WeightsAndRotations && track.rounded(0).is_some();
+            let pays = removed * track.key_bytes() > cost;
+            if pays || rounds {
+                let kept = if pays { kept } else { (0..track.len()).collect() };
+                change.samplers.insert(number, add(track, &kept, rounds, new));
+            }
+        }
+        let names_more =
+            ["extensions", "extras"].iter().any(|name| animation.get(name).is_some_and(has_number));
+        if is_covered && !names_more {
+            for (number, channel) in items(animation, "channels").iter().enumerate() {
+                let track =
+                    channel.get("sampler").and_then(index).and_then(|sampler| tracks.get(sampler)?.as_ref());
+                if track.is_some_and(|track| track.is_constant() && targets.is_at_rest(channel, track)) {
+                    change.channels.insert(number);
+                }
+            }
+        }
+        change
+    }
+
+    fn apply(self, animation: &mut Members) {
+        let samplers = animation.get_mut("samplers").filter(|_| !self.samplers.is_empty());
+        for (number, sampler) in samplers.and_then(Value::as_array_mut).into_iter().flatten().enumerate() {
+            if let Some((&(input, output), members)) = self.samplers.get(&number).zip(sampler.as_object_mut())
+            {
+                members.insert("input", input);
+                members.insert("output", output);
+            }
+        }
+        if self.channels.is_empty() {
+            return;
+        }
+        let Some(channels) = animation.get_mut("channels").and_then(Value::as_array_mut) else { return };
+        let mut number = 0..;
+        channels.retain(|_| number.next().is_none_or(|number| !self.channels.contains(&number)));
+        // The samplers of the other channels, with their new numbers.
+        let mut used: Vec<usize> =
+            channels.iter().filter_map(|channel| channel.get("sampler").and_then(index)).collect();
+        used.sort_unstable();
+        used.dedup();
+        for channel in channels {
+            let old = channel.get("sampler").and_then(index).and_then(|old| used.binary_search(&old).ok());
+            if let Some((new, members)) = old.zip(channel.as_object_mut()) {
+                members.insert("sampler", new);
+            }
+        }
+        let samplers = animation.get_mut("samplers").and_then(Value::as_array_mut);
+        let mut number = 0..;
+        samplers.into_iter().for_each(|samplers| {
+            samplers.retain(|_| number.next().is_none_or(|number| used.binary_search(&number).is_ok()));
+        });
+    }
+}
+
+/// Adds the times and the values of the keyframes that are kept.
+fn add(track: &Track, kept: &[usize], rounds: bool, new: &mut NewAccessors) -> (usize, usize) {
+    let times: Vec<f32> = kept.iter().map(|&key| track.time(key)).collect();
+    let bytes: Vec<u8> = times.iter().flat_map(|time| time.to_le_bytes()).collect();
+    let bound = |key: usize| json!([f64::from(times[key])]);
+    let input = json!({
+        "componentType": 5126, "count": times.len(), "type": "SCALAR", "min": bound(0), "max": bound(times.len() - 1),
+    });
+    let input = new.add(&bytes, input);
+    let (bytes, component): (Vec<u8>, _) = if rounds {
+        let rounded = kept.iter().filter_map(|&key| track.rounded(key)).flatten();
+        (rounded.flat_map(i16::to_le_bytes).collect(), ComponentType::I16)
+    } else {
+        (kept.iter().flat_map(|&key| track.key(key)).copied().collect(), track.component)
+    };
+    let count = bytes.len() / (track.components * component.bytes());
+    let mut output = json!({ "componentType": component.code(), "count": count, "type": track.kind() });
+    if track.normalized || rounds {
+        output["normalized"] = true.into();
+    }
+    (input, new.add(&bytes, output))
+}

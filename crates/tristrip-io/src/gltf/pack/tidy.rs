@@ -1,0 +1,151 @@
+//! JSON without what it need not say: members with the value that a missing member has, bounds that are not required, and digits.
+//!
+//! Nothing inside extensions and extras changes. A number keeps its value as a 64-bit float; only the bounds of 32-bit floats, which the
+//! specification says are to be rounded to these, are written with the fewest digits of the 32-bit float.
+
+use std::collections::HashSet;
+
+use super::Packing;
+use crate::error::Error;
+use crate::gltf::document::{array, entries_mut, index, items};
+use crate::gltf::json::{Content, Members, Value};
+use crate::gltf::references::position_accessors;
+
+/// Removes what need not be said.
+pub(super) fn tidy(scene: &mut Packing) -> Result<(), Error> {
+    let fixed = scene.fixed.accessors;
+    let root = &mut scene.document.root;
+    let mut bounded = position_accessors(root)?;
+    bounded.extend(times(root)?);
+    for (number, accessor) in entries_mut(root, "accessors")?.iter_mut().enumerate() {
+        let Some(members) = accessor.as_object_mut() else { continue };
+        if number >= fixed && !bounded.contains(&number) {
+            ["min", "max"].into_iter().for_each(|name| members.remove(name));
+        }
+        if members.get("componentType").and_then(index) == Some(5126) {
+            for name in ["min", "max"] {
+                let numbers = members.get_mut(name).and_then(Value::as_array_mut);
+                numbers.into_iter().flatten().for_each(shorten_float);
+            }
+        }
+    }
+    for (list, defaults) in DEFAULTS {
+        for entry in entries_mut(root, list)? {
+            remove_defaults(entry, defaults);
+        }
+    }
+    for mesh in entries_mut(root, "meshes")? {
+        each_item(mesh, "primitives", &[("mode", "4")]);
+    }
+    for animation in entries_mut(root, "animations")? {
+        each_item(animation, "samplers", &[("interpolation", "\"LINEAR\"")]);
+    }
+    let known = root.iter_mut().filter(|(name, _)| !matches!(*name, "extensions" | "extras"));
+    known.for_each(|(_, value)| shorten_numbers(value));
+    Ok(())
+}
+
+/// Members whose default the specification states, as JSON, by the array of the document.
+const DEFAULTS: [(&str, &[(&str, &str)]); 5] = [
+    ("accessors", &[("byteOffset", "0"), ("normalized", "false")]),
+    ("bufferViews", &[("byteOffset", "0")]),
+    (
+        "nodes",
+        &[
+            ("translation", "[0,0,0]"),
+            ("rotation", "[0,0,0,1]"),
+            ("scale", "[1,1,1]"),
+            ("matrix", "[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1]"),
+        ],
+    ),
+    ("samplers", &[("wrapS", "10497"), ("wrapT", "10497")]),
+    ("materials", &[("doubleSided", "false"), ("alphaMode", "\"OPAQUE\""), ("emissiveFactor", "[0,0,0]")]),
+];
+
+fn each_item(owner: &mut Value, list: &str, defaults: &[(&str, &str)]) {
+    let entries = owner.as_object_mut().and_then(|owner| owner.get_mut(list)?.as_array_mut());
+    entries.into_iter().flatten().for_each(|entry| remove_defaults(entry, defaults));
+}
+
+fn remove_defaults(entry: &mut Value, defaults: &[(&str, &str)]) {
+    let is_default =
+        |&(name, default): &(&str, &str)| entry.get(name).is_some_and(|value| equals(value, default));
+    let found: Vec<&str> = defaults.iter().filter(|one| is_default(one)).map(|&(name, _)| name).collect();
+    if let Some(members) = Some(entry).filter(|_| !found.is_empty()).and_then(Value::as_object_mut) {
+        found.into_iter().for_each(|name| members.remove(name));
+    }
+}
+
+/// Compares a value with JSON of an array of numbers, a number, a string or a bool.
+fn equals(value: &Value, json: &str) -> bool {
+    match &value.content {
+        Content::Array(items) => {
+            json.strip_prefix('[').and_then(|json| json.strip_suffix(']')).is_some_and(|json| {
+                items.len() == json.split(',').count()
+                    && items.iter().zip(json.split(',')).all(|(item, json)| equals(item, json))
+            })
+        }
+        Content::Whole(_) | Content::Number(_) => {
+            // A negative zero is not the default: its sign may count.
+            number(value)
+                .zip(json.parse::<f64>().ok())
+                .is_some_and(|(found, default)| found.to_bits() == default.to_bits())
+        }
+        Content::String(text) => json.len() == text.len() + 2 && json[1..json.len() - 1] == **text,
+        Content::Bool(value) => json == value.to_string(),
+        Content::Null | Content::Object(_) => false,
+    }
+}
+
+fn number(value: &Value) -> Option<f64> {
+    match &value.content {
+        Content::Whole(number) => Some(*number as f64),
+        Content::Number(text) => text.parse().ok(),
+        _ => None,
+    }
+}
+
+/// Writes all numbers with the fewest digits of the same 64-bit float, except inside extensions and extras.
+fn shorten_numbers(value: &mut Value) {
+    match &value.content {
+        Content::Array(items) if items.iter().any(may_shorten) => {
+            value.as_array_mut().into_iter().flatten().for_each(shorten_numbers);
+        }
+        Content::Object(members) if members.values().any(may_shorten) => {
+            let members = value.as_object_mut().into_iter().flat_map(Members::iter_mut);
+            let known = members.filter(|(name, _)| !matches!(*name, "extensions" | "extras"));
+            known.for_each(|(_, member)| shorten_numbers(member));
+        }
+        Content::Number(text) => {
+            let shorter = text.parse::<f64>().ok().filter(|x| x.is_finite()).map(|x| shortest(&x));
+            if let Some(shorter) = shorter.filter(|shorter| shorter.len() < text.len()) {
+                *value = Value::number(&shorter);
+            }
+        }
+        _ => {}
+    }
+}
+
+fn may_shorten(value: &Value) -> bool {
+    matches!(value.content, Content::Number(_) | Content::Array(_) | Content::Object(_))
+}
+
+/// Writes a bound with the fewest digits of the same 32-bit float.
+fn shorten_float(value: &mut Value) {
+    let float = number(value).map(|x| x as f32).filter(|x| x.is_finite());
+    if let Some(float) = float {
+        *value = Value::number(&shortest(&float));
+    }
+}
+
+/// Returns the shorter one of the two notations of a float.
+fn shortest(x: &(impl std::fmt::Display + std::fmt::LowerExp)) -> String {
+    let (plain, exponent) = (x.to_string(), format!("{x:e}"));
+    if exponent.len() < plain.len() { exponent } else { plain }
+}
+
+/// Returns the accessors with the times of keyframes.
+fn times(root: &Members) -> Result<HashSet<usize>, Error> {
+    let samplers = array(root, "animations")?.iter().flat_map(|animation| items(animation, "samplers"));
+    Ok(samplers.filter_map(|sampler| index(sampler.get("input")?)).collect())
+}
