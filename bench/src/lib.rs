@@ -27,6 +27,7 @@ pub mod models;
 pub mod papers;
 pub mod peers;
 pub mod scaling;
+pub mod scenes;
 pub mod searches;
 pub mod targets;
 pub mod text;

@@ -12,13 +12,13 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Command;
 
 use clap::Parser;
 use tristrip::simplify::AttributeWeights;
 use tristrip_bench::failure::Failure;
+use tristrip_bench::scenes::{self, name, packed};
 use tristrip_bench::text::Table;
-use tristrip_io::{Format, Model, read_path, replace_file};
+use tristrip_io::{Format, Model, read, read_path, replace_file};
 use tristrip_lab::render::{Differences, Mode, TexturedModel, compare, rows_of_sides};
 use tristrip_pipeline::{Amount, Deviation, Goal, Normals, Ratio, SimplifyOptions, simplify, simplify_parts};
 
@@ -60,8 +60,7 @@ struct Args {
 
 fn main() -> Result<(), Failure> {
     let args = Args::parse();
-    let mut sources = Vec::new();
-    find(&args.models, &mut sources)?;
+    let mut sources = scenes::find(&args.models)?;
     sources.retain(|source| args.model.is_empty() || args.model.contains(&name(source)));
     if sources.is_empty() {
         return Err(
@@ -143,33 +142,16 @@ impl Figures {
     }
 }
 
-/// Lists the scenes of a folder and of its subfolders, by name.
-fn find(folder: &Path, sources: &mut Vec<PathBuf>) -> Result<(), Failure> {
-    let subject = |error| format!("{}: {error}", folder.display());
-    let entries = fs::read_dir(folder).map_err(subject)?.collect::<Result<Vec<_>, _>>().map_err(subject)?;
-    let mut paths: Vec<PathBuf> = entries.into_iter().map(|entry| entry.path()).collect();
-    paths.sort();
-    for path in paths {
-        if path.is_dir() {
-            find(&path, sources)?;
-        } else if path.extension().is_some_and(|extension| extension == "glb" || extension == "gltf") {
-            sources.push(path);
-        }
-    }
-    Ok(())
-}
-
-/// Returns the name of a scene.
-fn name(source: &Path) -> String {
-    source.file_stem().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
-}
-
 /// Simplifies a scene with both programs, and returns the figures of each.
 fn measure(source: &Path, share: f64, args: &Args) -> Result<Vec<Figures>, Failure> {
     let model = read_path(source)?;
     let before = TexturedModel::new(&model)?;
     before.notes().iter().for_each(|note| println!("{}: {note}", name(source)));
-    let packed = args.gltfpack.as_ref().map(|program| packed(program, source, share)).transpose()?;
+    let packed = args
+        .gltfpack
+        .as_ref()
+        .map(|program| Ok::<_, Failure>(read(&packed(program, source, share)?, Format::Glb)?))
+        .transpose()?;
     let theirs = packed.as_ref().map(TexturedModel::new).transpose()?;
     let ours = match (&packed, &theirs) {
         (Some(packed), _) if args.by_part => {
@@ -221,22 +203,4 @@ fn simplified_to(model: &Model, triangles: usize, args: &Args) -> Result<Texture
         }
     }
     Ok(best)
-}
-
-/// Simplifies with gltfpack, which keeps attributes, materials and nodes as they are.
-fn packed(program: &Path, source: &Path, share: f64) -> Result<Model, Failure> {
-    let folder = tempfile::tempdir()?;
-    let result = folder.path().join("packed.glb");
-    let run = Command::new(program)
-        .args(["-noq", "-kv", "-km", "-kn", "-si", &share.to_string(), "-i"])
-        .arg(source)
-        .arg("-o")
-        .arg(&result)
-        .output()
-        .map_err(|error| format!("{}: {error}", program.display()))?;
-    if !run.status.success() {
-        let message = String::from_utf8_lossy(&run.stderr);
-        return Err(format!("{}: {}", program.display(), message.trim()).into());
-    }
-    Ok(read_path(&result)?)
 }

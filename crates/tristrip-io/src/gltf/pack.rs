@@ -22,34 +22,21 @@
 
 mod animation;
 mod layout;
+mod packing;
 mod tidy;
 mod types;
 
 use std::sync::Arc;
 
-use serde_json::json;
-
+use self::packing::{Fixed, Packing};
 use super::accessor::{AccessorResolver, check_views};
 use super::buffer;
 use super::container;
-use super::document::{Document, array, entries_mut, list_mut};
-use super::json::{Members, Value};
+use super::document::{Document, array};
 use super::references::ExtensionNumbers;
-use super::shared_bytes::SharedBytes;
 use crate::error::Error;
 
-/// What [`pack`] may round.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Rounding {
-    /// Nothing: vertices and the JSON keep their values, and a track of an animation is nowhere further than a millionth of
-    /// its greatest value from what it was.
-    #[default]
-    None,
-    /// Weights of joints to 8 bits, which changes each by less than 1/255; rotations of animations to 16 bits, which changes each
-    /// component of a quaternion by at most 1/65534, the angle by less than 0.004 degrees.
-    WeightsAndRotations,
-}
+pub use packing::Rounding;
 
 /// Returns a GLB with the same scene in fewer bytes.
 ///
@@ -85,86 +72,4 @@ pub fn pack(glb: Vec<u8>, rounding: Rounding) -> Result<Vec<u8>, Error> {
     drop(container);
     // A small file may need more bytes for the views than it had.
     Ok(packed.filter(|packed| packed.len() < glb.len()).unwrap_or_else(|| Arc::unwrap_or_clone(glb)))
-}
-
-/// A document while it is packed.
-struct Packing {
-    document: Document,
-    buffers: Vec<SharedBytes>,
-    fixed: Fixed,
-}
-
-impl Packing {
-    fn resolver(&self) -> AccessorResolver<'_> {
-        AccessorResolver { root: &self.document.root, buffers: &self.buffers }
-    }
-
-    /// Appends accessors with values of their own, from the number on that [`NewAccessors::of`] found.
-    fn append(&mut self, new: NewAccessors) -> Result<(), Error> {
-        if new.accessors.is_empty() {
-            return Ok(());
-        }
-        let (root, buffer) = (&mut self.document.root, self.buffers.len());
-        let first_view = array(root, "bufferViews")?.len();
-        let views = new.views.into_iter().map(|(offset, length)| {
-            json!({ "buffer": buffer, "byteOffset": offset, "byteLength": length }).into()
-        });
-        list_mut(root, "bufferViews")?.extend(views);
-        list_mut(root, "buffers")?.push(json!({ "byteLength": new.bytes.len() }).into());
-        for (i, mut accessor) in new.accessors.into_iter().enumerate() {
-            let members = accessor.as_object_mut();
-            members.into_iter().for_each(|members| members.insert("bufferView", first_view + i));
-            list_mut(root, "accessors")?.push(accessor);
-        }
-        self.buffers.push(SharedBytes::from(new.bytes));
-        Ok(())
-    }
-}
-
-/// Accessors that are to be appended, each with a view of its own.
-struct NewAccessors {
-    /// The number of accessors that are there already.
-    first: usize,
-    bytes: Vec<u8>,
-    views: Vec<(usize, usize)>,
-    accessors: Vec<Value>,
-}
-
-impl NewAccessors {
-    fn of(root: &Members) -> Result<Self, Error> {
-        let first = array(root, "accessors")?.len();
-        Ok(Self { first, bytes: Vec::new(), views: Vec::new(), accessors: Vec::new() })
-    }
-
-    /// Adds an accessor over at least one byte; returns its number.
-    fn add(&mut self, bytes: &[u8], accessor: impl Into<Value>) -> usize {
-        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
-        self.views.push((self.bytes.len(), bytes.len()));
-        self.bytes.extend_from_slice(bytes);
-        self.accessors.push(accessor.into());
-        self.first + self.accessors.len() - 1
-    }
-}
-
-/// How many of the first accessors and buffer views keep their numbers and values, since extensions or extras may name them.
-#[derive(Clone, Copy)]
-struct Fixed {
-    accessors: usize,
-    views: usize,
-}
-
-impl Fixed {
-    fn of(root: &Members) -> Result<Self, Error> {
-        let possible = ExtensionNumbers::of(root).numbers;
-        let count = |list| {
-            let count = array(root, list)?.len();
-            Ok::<_, Error>(possible.iter().filter(|&&number| number < count).max().map_or(0, |last| last + 1))
-        };
-        Ok(Self { accessors: count("accessors")?, views: count("bufferViews")? })
-    }
-}
-
-/// Returns the members of an entry of one of the document's arrays for a change, if it is an object.
-fn entry_mut<'a>(root: &'a mut Members, list: &str, number: usize) -> Result<Option<&'a mut Members>, Error> {
-    Ok(entries_mut(root, list)?.get_mut(number).and_then(Value::as_object_mut))
 }

@@ -25,7 +25,7 @@ use std::collections::{HashMap, HashSet};
 use serde_json::json;
 
 use self::track::Track;
-use super::{NewAccessors, Packing, Rounding, entry_mut};
+use super::packing::{NewAccessors, Packing, Rounding, entry_mut};
 use crate::error::Error;
 use crate::gltf::accessor::ComponentType;
 use crate::gltf::budget::{ATTRIBUTE_LIMIT, DecodeBudget};

@@ -21,15 +21,12 @@ use std::collections::HashMap;
 use self::arrays::ViewArrays;
 use self::bytes::Layout;
 use self::uses::{Uses, renumber};
-use super::Packing;
+use super::packing::{OWN_MEMBERS, Packing};
 use crate::error::Error;
 use crate::gltf::container;
 use crate::gltf::document::{Document, array};
 use crate::gltf::json::{Content, Members, Value};
 use crate::gltf::keep::compact::set_buffer;
-
-/// Members of an accessor, or of a view, that must not be lost.
-const OWN_MEMBERS: [&str; 3] = ["name", "extensions", "extras"];
 
 /// Writes the scene; `None` if a reference of the document leads nowhere.
 pub(super) fn write(scene: Packing) -> Result<Option<Vec<u8>>, Error> {

@@ -5,7 +5,7 @@
 
 use std::collections::HashSet;
 
-use super::Packing;
+use super::packing::Packing;
 use crate::error::Error;
 use crate::gltf::document::{array, entries_mut, index, items};
 use crate::gltf::json::{Content, Members, Value};

@@ -7,11 +7,13 @@
 //! 3. Weights become 8 bits where each is exactly k/255. With rounding each becomes ⌊255 w⌋/255, and those with the largest remainders
 //!    1/255 more, so that the four of a vertex sum to 1 as the specification requires, if they did before.
 
+#![allow(clippy::cast_sign_loss, reason = "indices, joints and weights are not negative")]
+
 use std::collections::BTreeMap;
 
 use serde_json::json;
 
-use super::{NewAccessors, Packing, Rounding, entry_mut};
+use super::packing::{NewAccessors, Packing, Rounding, entry_mut};
 use crate::error::Error;
 use crate::gltf::accessor::{AccessorValues, ComponentType};
 use crate::gltf::bounds::number;
@@ -147,7 +149,7 @@ fn narrowed(
 fn weights(all: &[[f64; 4]], rounding: Rounding) -> Option<Vec<u8>> {
     let exact = |&weight: &f64| {
         let eight_bits = (0.0..=1.0).contains(&weight).then(|| (weight * 255.0).round())?;
-        (f64::from(eight_bits as f32 / 255.0) == weight).then_some(eight_bits as u8)
+        (f64::from(eight_bits as f32 / 255.0).to_bits() == weight.to_bits()).then_some(eight_bits as u8)
     };
     if let Some(bytes) = all.iter().flatten().map(exact).collect::<Option<Vec<u8>>>() {
         let sums = bytes.chunks(4).all(|four| four.iter().map(|&w| u32::from(w)).sum::<u32>() == 255);

@@ -30,9 +30,8 @@ pub(super) struct Track {
     pub(super) normalized: bool,
     is_step: bool,
     is_rotation: bool,
-    /// Whether normalized integers can hold the values, but for rounding.
-    is_within_one: bool,
-    tolerance: f64,
+    /// The greatest absolute value.
+    greatest: f64,
 }
 
 impl Track {
@@ -105,8 +104,7 @@ impl Track {
             normalized: output.normalized,
             is_step,
             is_rotation: path == "rotation",
-            is_within_one: greatest <= 1.0 + TOLERANCE,
-            tolerance: TOLERANCE * greatest,
+            greatest,
         })
     }
 
@@ -134,7 +132,8 @@ impl Track {
 
     /// Returns the value at a keyframe in 16 bits per component, if it is a rotation in 32-bit floats.
     pub(super) fn rounded(&self, key: usize) -> Option<impl Iterator<Item = i16>> {
-        let is_rounded = self.is_rotation && self.component == ComponentType::F32 && self.is_within_one;
+        let is_rounded =
+            self.is_rotation && self.component == ComponentType::F32 && self.greatest <= 1.0 + TOLERANCE;
         let of = |x: &f64| (x.clamp(-1.0, 1.0) * f64::from(i16::MAX)).round() as i16;
         is_rounded.then(|| self.value(key).iter().map(of))
     }
@@ -156,15 +155,22 @@ impl Track {
         &self.numbers[key * self.width..][..self.width]
     }
 
+    fn tolerance(&self) -> f64 {
+        TOLERANCE * self.greatest
+    }
+
     fn is_near(&self, a: &[f64], b: &[f64]) -> bool {
-        a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() <= self.tolerance)
+        a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() <= self.tolerance())
     }
 
     /// Checks whether all values are equal within the tolerance; those of steps exactly.
     pub(super) fn is_constant(&self) -> bool {
-        let is_same = |key| match self.is_step {
-            true => self.key(key) == self.key(0),
-            false => self.is_near(self.value(key), self.value(0)),
+        let is_same = |key| {
+            if self.is_step {
+                self.key(key) == self.key(0)
+            } else {
+                self.is_near(self.value(key), self.value(0))
+            }
         };
         (1..self.len()).all(is_same)
     }
@@ -180,9 +186,10 @@ impl Track {
         let mut kept = vec![0];
         let mut from = 0;
         for key in 1..last {
-            let stays = match self.is_step {
-                true => self.key(key) != self.key(from),
-                false => key + 1 - from > LONGEST || !self.is_given_back(from, key + 1),
+            let stays = if self.is_step {
+                self.key(key) != self.key(from)
+            } else {
+                key + 1 - from > LONGEST || !self.is_given_back(from, key + 1)
             };
             if stays {
                 kept.push(key);
@@ -205,7 +212,7 @@ impl Track {
             let share = (f64::from(self.times[key]) - start) / (end - start);
             let [of_a, of_b] = arc.as_ref().map_or([1.0 - share, share], |arc| arc.weights(share));
             let numbers = self.value(key).iter().zip(a.iter().zip(b));
-            numbers.into_iter().all(|(x, (a, b))| (of_a * a + of_b * b - x).abs() <= self.tolerance)
+            numbers.into_iter().all(|(x, (a, b))| (of_a * a + of_b * b - x).abs() <= self.tolerance())
         })
     }
 }

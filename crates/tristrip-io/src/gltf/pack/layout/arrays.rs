@@ -3,8 +3,7 @@
 use std::collections::HashSet;
 use std::ops::Range;
 
-use super::super::Packing;
-use super::OWN_MEMBERS;
+use super::super::packing::{OWN_MEMBERS, Packing};
 use super::uses::{Kind, Uses};
 use crate::error::Error;
 use crate::gltf::budget::{ATTRIBUTE_LIMIT, DecodeBudget};

@@ -6,7 +6,7 @@ use std::ops::Range;
 use indexmap::IndexSet;
 use serde_json::json;
 
-use super::super::Packing;
+use super::super::packing::Packing;
 use super::arrays::{Array, Holder, ViewArrays};
 use super::uses::Kind;
 use crate::error::Error;

@@ -2,7 +2,7 @@
 
 use std::collections::HashSet;
 
-use super::super::Packing;
+use super::super::packing::Packing;
 use crate::error::Error;
 use crate::gltf::document::{array, entries_mut, index, items};
 use crate::gltf::json::{Members, Value};
@@ -114,9 +114,8 @@ fn set(value: &mut Value, numbers: &[Option<usize>]) {
 
 /// Returns a member for a change, if there is one.
 fn member<'a>(object: &'a mut Value, name: &str) -> Option<&'a mut Value> {
-    if object.get(name).is_none() {
-        return None;
-    }
+    // Access for a change drops the text of the object.
+    object.get(name)?;
     object.as_object_mut()?.get_mut(name)
 }
 

@@ -1,0 +1,89 @@
+//! Measures the bytes of simplified scenes, images aside, compared with gltfpack.
+//!
+//! ```sh
+//! cargo run --release -p tristrip-bench --bin bytes -- --gltfpack gltfpack ../shared/models/textured ../shared/models/milktruck.glb
+//! ```
+//!
+//! Each scene is simplified to 20 % of its triangles by both programs, within the error limit that each has by default; `compact` is ours with
+//! weights in 8 bits and rotations in 16 bits, which is what gltfpack stores.
+#![allow(clippy::print_stdout, reason = "a program that prints")]
+
+use std::path::{Path, PathBuf};
+
+use clap::Parser;
+use tristrip_bench::failure::Failure;
+use tristrip_bench::scenes;
+use tristrip_bench::text::Table;
+use tristrip_io::gltf::Rounding;
+use tristrip_io::{Format, Model, embed_images, read, read_path};
+use tristrip_pipeline::{Amount, Goal, Ratio, SimplifyOptions, simplify};
+
+/// Measure the bytes of simplified scenes, images aside
+#[derive(Debug, Parser)]
+#[command(version)]
+struct Args {
+    /// Scenes, and folders of scenes
+    #[arg(default_value = "../shared/models/textured")]
+    models: Vec<PathBuf>,
+    /// Compare with this gltfpack program
+    #[arg(long, value_name = "PATH")]
+    gltfpack: PathBuf,
+    /// The share of the triangles that is kept
+    #[arg(long, default_value_t = 0.2)]
+    share: f64,
+}
+
+fn main() -> Result<(), Failure> {
+    let args = Args::parse();
+    let heads = ["scene", "triangles", "gltfpack's", "bytes", "compact", "gltfpack's", "ratio", "compact"];
+    let mut table = Table::new(1, &heads);
+    for path in &args.models {
+        let sources = if path.is_dir() { scenes::find(path)? } else { vec![path.clone()] };
+        for source in &sources {
+            table.push(measure(source, &args)?);
+        }
+    }
+    println!("{}", table.aligned());
+    Ok(())
+}
+
+/// Simplifies a scene with both programs, and returns its row.
+fn measure(source: &Path, args: &Args) -> Result<Vec<String>, Failure> {
+    let mut model = read_path(source)?;
+    embed_images(&mut model, Some(source))?;
+    let [exact, compact] = [Rounding::None, Rounding::WeightsAndRotations]
+        .map(|rounding| Measured::of(&simplified(&model, args.share, rounding)?));
+    let (exact, compact) = (exact?, compact?);
+    let theirs = Measured::of(&scenes::packed(&args.gltfpack, source, args.share)?)?;
+    let ratio = |ours: &Measured| format!("{:.3}", ours.bytes as f64 / theirs.bytes as f64);
+    let counts = [exact.triangles, theirs.triangles, exact.bytes, compact.bytes, theirs.bytes];
+    let counts = counts.into_iter().map(|count| count.to_string());
+    Ok([scenes::name(source)].into_iter().chain(counts).chain([ratio(&exact), ratio(&compact)]).collect())
+}
+
+/// Simplifies to a share of the triangles; returns a GLB.
+fn simplified(model: &Model, share: f64, rounding: Rounding) -> Result<Vec<u8>, Failure> {
+    let ratio = Ratio::new(share).ok_or_else(|| format!("found a share of {share}, expected 0 to 1"))?;
+    let goal = Goal { amount: Some(Amount::Ratio(ratio)), ..Goal::default() };
+    let options = SimplifyOptions::new(goal).with_format(Format::Glb).with_rounding(rounding);
+    Ok(simplify(model, &options)?.encode(&())?.bytes)
+}
+
+/// A GLB.
+struct Measured {
+    triangles: usize,
+    /// Without its images.
+    bytes: usize,
+}
+
+impl Measured {
+    fn of(glb: &[u8]) -> Result<Self, Failure> {
+        let model = read(glb, Format::Glb)?;
+        let images = match &model.scene {
+            None => 0,
+            Some(scene) => scene.appearance()?.images.iter().map(|image| image.bytes().len()).sum(),
+        };
+        let triangles = model.parts.iter().map(|part| part.mesh.faces().face_count()).sum();
+        Ok(Self { triangles, bytes: glb.len() - images })
+    }
+}

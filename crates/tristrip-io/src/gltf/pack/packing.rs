@@ -1,0 +1,112 @@
+//! A document while it is packed: what must stay, and accessors that are added.
+
+use serde_json::json;
+
+use crate::error::Error;
+use crate::gltf::accessor::AccessorResolver;
+use crate::gltf::document::{Document, array, entries_mut, list_mut};
+use crate::gltf::json::{Members, Value};
+use crate::gltf::references::ExtensionNumbers;
+use crate::gltf::shared_bytes::SharedBytes;
+
+/// Members of an accessor, or of a view, that must not be lost.
+pub(super) const OWN_MEMBERS: [&str; 3] = ["name", "extensions", "extras"];
+
+/// What [`pack`](super::pack()) may round.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Rounding {
+    /// Nothing: vertices and the JSON keep their values, and a track of an animation is nowhere further than a millionth of
+    /// its greatest value from what it was.
+    #[default]
+    None,
+    /// Weights of joints to 8 bits, which changes each by less than 1/255; rotations of animations to 16 bits, which changes each
+    /// component of a quaternion by at most 1/65534, the angle by less than 0.004 degrees.
+    WeightsAndRotations,
+}
+
+/// A document while it is packed.
+pub(super) struct Packing {
+    pub(super) document: Document,
+    pub(super) buffers: Vec<SharedBytes>,
+    pub(super) fixed: Fixed,
+}
+
+impl Packing {
+    pub(super) fn resolver(&self) -> AccessorResolver<'_> {
+        AccessorResolver { root: &self.document.root, buffers: &self.buffers }
+    }
+
+    /// Appends accessors with values of their own, from the number on that [`NewAccessors::of`] found.
+    pub(super) fn append(&mut self, new: NewAccessors) -> Result<(), Error> {
+        if new.accessors.is_empty() {
+            return Ok(());
+        }
+        let (root, buffer) = (&mut self.document.root, self.buffers.len());
+        let first_view = array(root, "bufferViews")?.len();
+        let views = new.views.into_iter().map(|(offset, length)| {
+            json!({ "buffer": buffer, "byteOffset": offset, "byteLength": length }).into()
+        });
+        list_mut(root, "bufferViews")?.extend(views);
+        list_mut(root, "buffers")?.push(json!({ "byteLength": new.bytes.len() }).into());
+        for (i, mut accessor) in new.accessors.into_iter().enumerate() {
+            let members = accessor.as_object_mut();
+            members.into_iter().for_each(|members| members.insert("bufferView", first_view + i));
+            list_mut(root, "accessors")?.push(accessor);
+        }
+        self.buffers.push(SharedBytes::from(new.bytes));
+        Ok(())
+    }
+}
+
+/// Accessors that are to be appended, each with a view of its own.
+pub(super) struct NewAccessors {
+    /// The number of accessors that are there already.
+    first: usize,
+    bytes: Vec<u8>,
+    views: Vec<(usize, usize)>,
+    accessors: Vec<Value>,
+}
+
+impl NewAccessors {
+    pub(super) fn of(root: &Members) -> Result<Self, Error> {
+        let first = array(root, "accessors")?.len();
+        Ok(Self { first, bytes: Vec::new(), views: Vec::new(), accessors: Vec::new() })
+    }
+
+    /// Adds an accessor over at least one byte; returns its number.
+    pub(super) fn add(&mut self, bytes: &[u8], accessor: impl Into<Value>) -> usize {
+        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
+        self.views.push((self.bytes.len(), bytes.len()));
+        self.bytes.extend_from_slice(bytes);
+        self.accessors.push(accessor.into());
+        self.first + self.accessors.len() - 1
+    }
+}
+
+/// How many of the first accessors and buffer views keep their numbers and values, since extensions or extras may name them.
+#[derive(Clone, Copy)]
+pub(super) struct Fixed {
+    pub(super) accessors: usize,
+    pub(super) views: usize,
+}
+
+impl Fixed {
+    pub(super) fn of(root: &Members) -> Result<Self, Error> {
+        let possible = ExtensionNumbers::of(root).numbers;
+        let count = |list| {
+            let count = array(root, list)?.len();
+            Ok::<_, Error>(possible.iter().filter(|&&number| number < count).max().map_or(0, |last| last + 1))
+        };
+        Ok(Self { accessors: count("accessors")?, views: count("bufferViews")? })
+    }
+}
+
+/// Returns the members of an entry of one of the document's arrays for a change, if it is an object.
+pub(super) fn entry_mut<'a>(
+    root: &'a mut Members,
+    list: &str,
+    number: usize,
+) -> Result<Option<&'a mut Members>, Error> {
+    Ok(entries_mut(root, list)?.get_mut(number).and_then(Value::as_object_mut))
+}
