@@ -50,6 +50,7 @@ mod buffer;
 #[cfg(feature = "fs")]
 pub(crate) mod buffer_files;
 mod build;
+mod component;
 mod compressed_views;
 mod container;
 mod document;

@@ -3,6 +3,7 @@
 use tristrip::AttributeData;
 
 use super::budget::DecodeBudget;
+use super::component::ComponentType;
 use super::document::{Located, uses};
 use super::json::Members;
 use super::shared_bytes::SharedBytes;
@@ -11,50 +12,6 @@ use crate::error::Error;
 
 /// The largest `byteStride` that the specification allows.
 const MAX_STRIDE: usize = 252;
-
-/// The type of the numbers in a buffer.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum ComponentType {
-    I8,
-    U8,
-    I16,
-    U16,
-    U32,
-    F32,
-}
-
-impl ComponentType {
-    fn from_code(code: &Located<'_>) -> Result<Self, Error> {
-        Ok(match code.whole()? {
-            5120 => Self::I8,
-            5121 => Self::U8,
-            5122 => Self::I16,
-            5123 => Self::U16,
-            5125 => Self::U32,
-            5126 => Self::F32,
-            _ => return Err(code.wrong("5120, 5121, 5122, 5123, 5125 or 5126")),
-        })
-    }
-
-    pub(super) fn code(self) -> u32 {
-        match self {
-            Self::I8 => 5120,
-            Self::U8 => 5121,
-            Self::I16 => 5122,
-            Self::U16 => 5123,
-            Self::U32 => 5125,
-            Self::F32 => 5126,
-        }
-    }
-
-    pub(super) fn bytes(self) -> usize {
-        match self {
-            Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
-            Self::U32 | Self::F32 => 4,
-        }
-    }
-}
 
 /// A document and its buffers: finds the bytes that accessors refer to.
 pub(super) struct AccessorResolver<'a> {
@@ -236,7 +193,7 @@ impl SparseValues<'_> {
     fn indices(&self, count: usize) -> Result<Vec<u32>, Error> {
         let mut replaced = Vec::with_capacity(self.indices.len() / self.component.bytes());
         for (i, raw) in self.indices.chunks_exact(self.component.bytes()).enumerate() {
-            let index = index_of(self.component, raw);
+            let index = self.component.index(raw);
             if index as usize >= count || replaced.last().is_some_and(|&last| index <= last) {
                 return Err(Error::format(
                     format!("{}, index {i}", self.at),
@@ -507,8 +464,4 @@ fn vector<const N: usize>(raw: &[u8], read: impl Fn([u8; N]) -> f32) -> [f32; 3]
         *x = read(*b);
     }
     out
-}
-
-fn index_of(component: ComponentType, raw: &[u8]) -> u32 {
-    raw[..component.bytes()].iter().rev().fold(0, |index, &b| index << 8 | u32::from(b))
 }

@@ -2,7 +2,8 @@
 
 use serde_json::json;
 
-use super::accessor::{AccessorValues, ComponentType};
+use super::accessor::AccessorValues;
+use super::component::ComponentType;
 use super::json::Value;
 use crate::error::Error;
 

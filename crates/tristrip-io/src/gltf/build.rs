@@ -14,7 +14,7 @@ use std::sync::Arc;
 use serde_json::{Value, json};
 use tristrip::{Attribute, AttributeData, Layout, Mesh};
 
-use super::accessor::ComponentType;
+use super::component::ComponentType;
 use super::container;
 use super::index::{IndexRun, pack_runs, runs};
 use super::material_builder::{JPEG, MaterialBuilder};

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use tristrip::strip_triangles;
 use tristrip::{Layout, Mesh, Strips};
 
-use super::accessor::ComponentType;
+use super::component::ComponentType;
 use super::spec::{TRIANGLE_STRIP, TRIANGLES};
 use crate::le_bytes::append;
 use crate::model::Drawing;

@@ -15,9 +15,10 @@ use serde_json::json;
 
 use super::packing::{NewAccessors, Packing, Rounding, entry_mut};
 use crate::error::Error;
-use crate::gltf::accessor::{AccessorValues, ComponentType};
+use crate::gltf::accessor::AccessorValues;
 use crate::gltf::bounds::number;
 use crate::gltf::budget::{ATTRIBUTE_LIMIT, DecodeBudget};
+use crate::gltf::component::ComponentType;
 use crate::gltf::document::{Located, array, index, items, values, whole};
 use crate::gltf::json::{Content, Members, Value};
 use crate::gltf::permute::VERTEX_FACTOR;

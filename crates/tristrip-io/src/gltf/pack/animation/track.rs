@@ -1,8 +1,9 @@
 //! A track of an animation: which of its keyframes the interpolation of the others gives back.
 
-use crate::gltf::accessor::{AccessorResolver, AccessorValues, ComponentType};
+use crate::gltf::accessor::{AccessorResolver, AccessorValues};
 use crate::gltf::bounds::number;
 use crate::gltf::budget::DecodeBudget;
+use crate::gltf::component::ComponentType;
 use crate::gltf::document::Located;
 use crate::gltf::json::Value;
 
