@@ -13,6 +13,7 @@ mod pareto;
 mod picture;
 mod reorder;
 mod repro;
+mod search;
 mod simplify;
 mod strip;
 mod usage;

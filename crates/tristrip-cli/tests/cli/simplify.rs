@@ -236,3 +236,45 @@ fn bad_inputs_and_outputs_are_reported_and_the_others_processed() {
     command.assert().code(1).stderr(contains("no such file or directory"));
     tristrip().args(["simplify", "missing.ply", "--ratio", "5%"]).assert().code(1);
 }
+
+/// A triangle that a rotation of three keyframes turns, in a folder.
+fn turning_triangle(folder: &Path) -> std::path::PathBuf {
+    let floats = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0].into_iter();
+    let times = [0.0, 1.0, 2.0];
+    let rotations = [[0.0, 0.0, 0.0, 1.0], [0.6, 0.0, 0.0, 0.8], [0.0, 0.6, 0.0, 0.8]];
+    let all = floats.chain(times).chain(rotations.into_iter().flatten());
+    let bytes: Vec<u8> = all.flat_map(f32::to_le_bytes).collect();
+    fs::write(folder.join("turning.bin"), &bytes).unwrap();
+    let view = |start: usize, length: usize| serde_json::json!({"buffer": 0, "byteOffset": start, "byteLength": length});
+    let accessor = |view: usize, kind: &str| serde_json::json!({"bufferView": view, "componentType": 5126, "count": 3, "type": kind});
+    let json = serde_json::json!({
+        "asset": {"version": "2.0"}, "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "animations": [{"samplers": [{"input": 1, "output": 2}], "channels": [{"sampler": 0, "target": {"node": 0, "path": "rotation"}}]}],
+        "accessors": [accessor(0, "VEC3"), accessor(1, "SCALAR"), accessor(2, "VEC4")],
+        "bufferViews": [view(0, 36), view(36, 12), view(48, 48)],
+        "buffers": [{"uri": "turning.bin", "byteLength": bytes.len()}],
+    });
+    let path = folder.join("turning.gltf");
+    fs::write(&path, json.to_string()).unwrap();
+    path
+}
+
+#[test]
+fn compact_rounds_rotations_and_nothing_else_does() {
+    let folder = tempfile::tempdir().unwrap();
+    let source = turning_triangle(folder.path());
+    let written = |arguments: &[&str]| {
+        let out = folder.path().join("out.gltf");
+        tristrip().arg("simplify").arg(&source).args(arguments).arg("-o").arg(&out).assert().success();
+        let json: Value = serde_json::from_slice(&fs::read(out).unwrap()).unwrap();
+        let output = json["animations"][0]["samplers"][0]["output"].as_u64().unwrap() as usize;
+        (
+            json["accessors"][output]["componentType"].clone(),
+            json["buffers"][0]["byteLength"].as_u64().unwrap(),
+        )
+    };
+    let (exact, rounded) = (written(&[]), written(&["--compact"]));
+    assert_eq!((exact.0, rounded.0), (5126.into(), 5122.into()));
+    assert_eq!(exact.1, rounded.1 + 24);
+}

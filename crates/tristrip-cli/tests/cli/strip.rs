@@ -1,7 +1,6 @@
 //! `tristrip strip`: reports, files, streams, several inputs, and errors.
 
 use std::fs;
-use std::io::{BufRead, BufReader};
 
 use super::{SQUARE, json, keys, model, tristrip};
 use predicates::prelude::*;
@@ -442,86 +441,4 @@ fn no_directory_is_created_under_the_name_of_a_file() {
         .code(2)
         .stderr(contains("names a file"));
     assert!(!out.exists());
-}
-
-#[test]
-fn searches_report_the_gap_to_their_bound() {
-    let report = json(tristrip().args(["strip", "--json", "-m", "fewest"]).arg(model("hand.ply")));
-    let bound = &report["bound"];
-    assert_eq!(keys(bound), ["figure", "found", "bound", "gap", "optimal"]);
-    assert_eq!((&bound["figure"], &bound["found"]), (&Value::from("strips"), &report["strips"]));
-    assert_eq!((&bound["bound"], &bound["gap"], &bound["optimal"]), (&1.into(), &0.into(), &true.into()));
-    assert_eq!(report["stopped"], Value::Null);
-    for (cost, figure) in [
-        ("restart", "indices_restart"),
-        ("opengl", "vertices_sent"),
-        ("degenerate", "indices_degenerate"),
-        ("gl", "gl_cost"),
-    ] {
-        let mut command = tristrip();
-        command.args(["strip", "--json", "-m", "best", "--effort", "3", "--cost", cost]);
-        let report = json(command.arg(model("fish_control.ply")));
-        assert_eq!((&report["cost"], &report["effort"]), (&cost.into(), &3.into()));
-        assert_eq!(
-            (&report["bound"]["figure"], &report["bound"]["found"]),
-            (&figure.into(), &report[figure])
-        );
-        assert!(report["bound"]["bound"].as_u64() <= report[figure].as_u64());
-    }
-    let quick = json(tristrip().args(["strip", "--json"]).arg(model("fish_control.ply")));
-    assert_eq!(quick["bound"], Value::Null, "the bound takes longer than the default search");
-}
-
-#[test]
-fn best_is_repeatable_and_never_worse_than_the_fast_methods() {
-    for name in ["fish_control.ply", "wingnut.ply", "catmark_bishop.ply"] {
-        let cost = |arguments: &[&str]| {
-            let report = json(tristrip().args(["strip", "--json"]).args(arguments).arg(model(name)));
-            assert_eq!(report["proven"], true);
-            report["indices_restart"].as_u64().unwrap()
-        };
-        let best = cost(&["-m", "best", "--effort", "2"]);
-        assert_eq!(best, cost(&["-m", "best", "--effort", "2", "--threads", "1"]));
-        for other in ["sequential", "input", "stripe"] {
-            assert!(best <= cost(&["-m", other]), "{name}: {other}");
-        }
-    }
-}
-
-#[test]
-fn a_budget_stops_a_search_with_a_proven_result() {
-    let report = json(
-        tristrip()
-            .args(["strip", "--json", "-m", "best", "--effort", "9", "--budget", "1ms"])
-            .arg(model("wingnut.ply")),
-    );
-    assert_eq!((&report["stopped"], &report["proven"]), (&"budget".into(), &true.into()));
-    assert!(report["notes"].as_array().unwrap().iter().any(|n| n.as_str().unwrap().contains("budget")));
-}
-
-/// Sends Ctrl-C during a search: the best result so far is proven and written.
-#[cfg(unix)]
-#[test]
-fn an_interrupt_stops_a_search_with_a_proven_result() {
-    let dir = tempfile::tempdir().unwrap();
-    let out = dir.path().join("wingnut.glb");
-    let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_tristrip"))
-        .args(["strip", "--json", "-m", "best", "--effort", "9", "-o"])
-        .arg(&out)
-        .arg(model("wingnut.ply"))
-        .stdout(std::process::Stdio::piped())
-        .stderr(std::process::Stdio::piped())
-        .spawn()
-        .unwrap();
-    // The search starts after the line on the dual graph, and takes seconds.
-    let stages = BufReader::new(child.stderr.take().unwrap()).lines();
-    assert!(stages.map_while(Result::ok).any(|line| line.trim_start().starts_with("dual")));
-    std::thread::sleep(std::time::Duration::from_millis(500));
-    let killed = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
-    assert!(killed.success());
-    let output = child.wait_with_output().unwrap();
-    assert_eq!(output.status.code(), Some(0));
-    let report: Value = serde_json::from_slice(&output.stdout).unwrap();
-    assert_eq!((&report["stopped"], &report["proven"]), (&"interrupt".into(), &true.into()));
-    assert!(out.exists());
 }
