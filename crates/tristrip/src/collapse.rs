@@ -383,6 +383,31 @@ impl CollapseSequence {
         self.len() - self.largest_errors.partition_point(|&largest| largest <= error)
     }
 
+    /// Returns the collapses to a level, which becomes the base mesh; those below it are left out.
+    ///
+    /// # Errors
+    /// `level` is greater than [`CollapseSequence::len`].
+    ///
+    /// ```
+    #[doc = include_str!("lod/example.txt")]
+    /// let finer = sequence.clone().with_base(1)?;
+    /// assert_eq!((finer.len(), finer.drawn(0)?), (1, sequence.drawn(1)?));
+    /// assert!(finer.with_base(2).is_err());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn with_base(mut self, level: usize) -> Result<Self, Error> {
+        check_level(level, self.len())?;
+        let done = self.len() - level;
+        let last = |ends: &[u32]| if done == 0 { 0 } else { ends[done - 1] as usize };
+        self.renames.truncate(last(&self.rename_ends));
+        self.dropped.truncate(last(&self.dropped_ends));
+        self.rename_ends.truncate(done);
+        self.dropped_ends.truncate(done);
+        self.errors.truncate(done);
+        self.largest_errors.truncate(done);
+        Ok(self)
+    }
+
     /// Returns for each vertex the one that replaces it at a level.
     ///
     /// # Errors

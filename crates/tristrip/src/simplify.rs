@@ -51,7 +51,7 @@ use crate::prepare::PreparedFaces;
 pub use crate::vector::nearest_in_triangle;
 use attributes::PricedAttributes;
 use decimate::Decimation;
-pub use joined::{JoinedSimplification, simplify_joined};
+pub use joined::{JoinedSimplification, SurfaceSimplifier, simplify_joined};
 pub use options::{AttributeWeights, Price, SimplifyOptions};
 pub use stopped::Stopped;
 
@@ -132,7 +132,7 @@ pub fn simplify_triangles(
     let sequence = CollapseSequence::new(mesh.vertex_count(), triangles)?;
     let bits = |v| attribute_bits(mesh, v as usize);
     let priced = |triangles: &[u32], unit| PricedAttributes::new(mesh, triangles, unit, *options.weights());
-    Ok(run(sequence, mesh.positions(), bits, priced, options, &[]))
+    Ok(run(sequence, mesh.positions(), bits, priced, options))
 }
 
 /// Simplifies the triangles of an index buffer, three indices of 8, 16 or 32 bits or `usize` each, by half-edge collapses. The positions
@@ -160,22 +160,21 @@ pub fn simplify_indices<I: Index, P: Positions + ?Sized>(
     options.check(positions.vertex_count(), indices.len())?;
     let sequence = CollapseSequence::new(positions.vertex_count(), vertices_of(indices)?)?;
     check_positions(sequence.triangles(), positions)?;
-    Ok(run(sequence, positions, |v| v.to_le_bytes().to_vec(), |_, _| None, options, &[]))
+    Ok(run(sequence, positions, |v| v.to_le_bytes().to_vec(), |_, _| None, options))
 }
 
-/// Appends collapses to a sequence that has none. `meshes` are the first vertices of the meshes if there are several.
+/// Appends collapses to a sequence that has none.
 fn run<P: Positions + ?Sized>(
     mut sequence: CollapseSequence,
     positions: &P,
     attribute_bits: impl Fn(u32) -> Vec<u8>,
     priced: impl FnOnce(&[u32], f64) -> Option<PricedAttributes>,
     options: &SimplifyOptions,
-    meshes: &[u32],
 ) -> Simplification {
     let mut decimation =
-        Decimation::new(positions, attribute_bits, sequence.triangles(), priced, options, meshes);
-    decimation.run(options.triangle_count(), &mut sequence);
-    let reached = sequence.triangles_at(0);
-    let stopped = (reached > options.triangle_count()).then(|| decimation.stopped());
+        Decimation::new(positions, attribute_bits, sequence.triangles(), priced, options, &[]);
+    let is_reached = decimation.run(options.triangle_count(), &mut sequence);
+    let stopped = (!is_reached).then(|| decimation.stopped());
+    decimation.finish(options.triangle_count(), &mut sequence);
     Simplification { sequence, stopped }
 }

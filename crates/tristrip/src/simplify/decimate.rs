@@ -84,6 +84,7 @@ impl Waiting {
 }
 
 /// A mesh while it is simplified.
+#[derive(Debug)]
 pub(super) struct Decimation {
     pub(super) topology: Topology,
     pub(super) positions: Vec<Point>,
@@ -100,8 +101,11 @@ pub(super) struct Decimation {
     pub(super) waiting: Vec<Waiting>,
     /// What a collapse costs.
     pub(super) price: Price,
+    /// The points that may wait, ascending.
+    points: Vec<u32>,
     /// The number of the pass, from 1.
     pass: u32,
+    order: CollapseOrder,
     /// Triangles that are drawn.
     triangle_count: usize,
     /// The largest error allowed, in units of the frame.
@@ -157,7 +161,9 @@ impl Decimation {
             may_break: options.may_break(),
             waiting: vec![Waiting::NOT; count],
             price: options.price(),
+            points: (0..count as u32).collect(),
             pass: 0,
+            order: CollapseOrder::new(count),
             error_limit: options.error().map_or(f64::INFINITY, |error| f64::from(error) / unit),
             outcomes: Outcomes::new(count),
             current: Neighbourhood::default(),
@@ -171,10 +177,10 @@ impl Decimation {
         decimation
     }
 
-    /// Collapses until there are at most `triangle_count` triangles, or no collapse is possible.
-    pub(super) fn run(&mut self, triangle_count: usize, sequence: &mut CollapseSequence) {
-        let mut points: Vec<u32> = (0..self.topology.point_count() as u32).collect();
-        let mut order = CollapseOrder::new(points.len());
+    /// Does passes until there are at most `triangle_count` triangles, or no collapse is possible; returns whether there are. The collapses
+    /// come in the order in which they were found, the last ones of a pass beyond the number, until [`Decimation::finish`] puts them in order.
+    pub(super) fn run(&mut self, triangle_count: usize, sequence: &mut CollapseSequence) -> bool {
+        let mut points = std::mem::take(&mut self.points);
         while self.triangle_count > triangle_count {
             points.retain(|&point| self.waiting[point as usize].waits());
             let Some(limit) = self.pass_limit(&points) else { break };
@@ -187,12 +193,29 @@ impl Decimation {
                 let priced = self.priced(point).or_else(|| self.price(point));
                 if let Some(collapse) = priced.filter(|collapse| collapse.cost <= limit) {
                     self.topology.neighbours(point, &mut self.around);
-                    order.push(collapse.cost, point, &self.around);
+                    self.order.push(collapse.cost, point, &self.around);
                     self.collapse(point, &collapse, sequence);
                 }
             }
         }
-        order.apply(triangle_count, sequence);
+        self.points = points;
+        self.triangle_count <= triangle_count
+    }
+
+    /// Puts the collapses in order, and removes those after at most `triangle_count` triangles. Returns the greatest cost so far of each that is
+    /// left, in units of the frame to the third power.
+    pub(super) fn finish(self, triangle_count: usize, sequence: &mut CollapseSequence) -> Vec<f32> {
+        self.order.apply(triangle_count, sequence)
+    }
+
+    /// Returns the greatest cost of a collapse, as [`Decimation::finish`] does.
+    pub(super) fn greatest_cost(&self) -> f32 {
+        self.order.greatest()
+    }
+
+    /// Returns the unit of the frame, in mesh units.
+    pub(super) fn unit(&self) -> f64 {
+        self.unit
     }
 
     /// Returns the cost below which a share of the points wait; `None` without any points.

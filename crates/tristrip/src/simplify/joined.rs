@@ -13,7 +13,8 @@
 //! As of the simplification of one mesh of all triangles, and 12 bytes per vertex.
 
 use super::attributes::PricedAttributes;
-use super::{SimplifyOptions, Stopped, run};
+use super::decimate::Decimation;
+use super::{SimplifyOptions, Stopped};
 use crate::collapse::{CollapseSequence, Rename};
 use crate::error::Error;
 use crate::ids::check_count;
@@ -28,17 +29,31 @@ pub struct JoinedSimplification {
     /// For each collapse of a mesh, from the full mesh on, the number of the collapse of the joined surface that it is a part of, ascending.
     /// Collapses of different meshes with one number close a border together: one without the other opens a gap.
     pub steps: Vec<Vec<u32>>,
-    /// The number of collapses of the joined surface.
-    pub step_count: usize,
+    /// For each collapse of the joined surface the greatest cost of the collapses so far, as of [`SurfaceSimplifier::cost`].
+    pub costs: Vec<f64>,
     /// The reasons for which there are more triangles than requested, if there are, for all meshes together.
     pub stopped: Option<Stopped>,
+}
+
+impl JoinedSimplification {
+    /// Counts the collapses of the joined surface.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let joined = simplify_joined(&[(&grid, grid.faces().corners())], &SimplifyOptions::default().with_triangles(126))?;
+    /// assert_eq!(joined.step_count(), 1);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn step_count(&self) -> usize {
+        self.costs.len()
+    }
 }
 
 /// Simplifies several meshes, each with triangles over its vertices, as one surface. The limits of the options are those of all
 /// meshes together; vertices are locked by their numbers if those of all meshes are counted one after the other.
 ///
 /// # Errors
-/// As [`simplify_triangles`](super::simplify_triangles), or the meshes together have too many vertices for 32-bit ids.
+/// As of [`SurfaceSimplifier::new`].
 ///
 /// ```
 /// use tristrip::{Faces, Mesh, simplify::{SimplifyOptions, simplify_joined}};
@@ -59,43 +74,188 @@ pub fn simplify_joined(
     parts: &[(&Mesh, &[u32])],
     options: &SimplifyOptions,
 ) -> Result<JoinedSimplification, Error> {
-    let vertex_count = parts.iter().map(|(mesh, _)| mesh.vertex_count()).sum();
-    check_count("vertices", vertex_count)?;
-    // 1. One mesh of all vertices and triangles.
-    let (mut positions, mut triangles) = (Vec::with_capacity(vertex_count), Vec::new());
-    let mut starts = Vec::with_capacity(parts.len());
-    for (mesh, corners) in parts {
-        check_corners(corners, mesh.vertex_count())?;
-        if corners.len() % 3 != 0 {
-            CollapseSequence::new(mesh.vertex_count(), corners.to_vec())?;
+    let mut surface = SurfaceSimplifier::new(parts.to_vec(), options)?;
+    surface.simplify_to(options.triangle_count());
+    let stopped = (surface.triangle_count() > options.triangle_count()).then(|| surface.stopped());
+    Ok(JoinedSimplification { stopped, ..surface.finish_at(options.triangle_count())? })
+}
+
+/// One or several meshes that are simplified as one surface, step by step: to share a number of triangles among several surfaces, the one
+/// whose last collapse cost least goes on.
+///
+/// ```
+/// use tristrip::simplify::{SimplifyOptions, SurfaceSimplifier};
+/// use tristrip::{Faces, Mesh};
+/// // A flat fan of four triangles around vertex 4.
+/// let corners = vec![[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 2.0, 0.0], [0.0, 2.0, 0.0], [1.0, 1.0, 0.0]];
+/// let (mesh, fan) = (Mesh::new(corners, Faces::default())?, [0, 1, 4, 1, 2, 4, 2, 3, 4, 3, 0, 4]);
+/// let mut surface = SurfaceSimplifier::new(vec![(&mesh, &fan)], &SimplifyOptions::default())?;
+/// assert_eq!(surface.triangle_count(), 4);
+/// assert!(surface.simplify_to(3) && surface.triangle_count() == 2);
+/// assert!(surface.cost() < 1e-5);
+/// assert_eq!(surface.finish()?.sequences[0].len(), 1);
+/// # Ok::<(), tristrip::Error>(())
+/// ```
+#[derive(Debug)]
+pub struct SurfaceSimplifier<'a> {
+    parts: Vec<(&'a Mesh, &'a [u32])>,
+    /// The first vertex of each mesh.
+    starts: Vec<u32>,
+    decimation: Decimation,
+    sequence: CollapseSequence,
+}
+
+impl<'a> SurfaceSimplifier<'a> {
+    /// Joins meshes, each with triangles over its vertices, into one surface. Of the options the number of triangles does not count.
+    ///
+    /// # Errors
+    /// As [`simplify_triangles`](super::simplify_triangles), or the meshes together have too many vertices for 32-bit ids.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let options = SimplifyOptions::default();
+    /// assert!(SurfaceSimplifier::new(vec![(&grid, &[0, 1, 2])], &options).is_ok());
+    /// assert!(SurfaceSimplifier::new(vec![(&grid, &[0, 1, 81])], &options).is_err());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn new(parts: Vec<(&'a Mesh, &'a [u32])>, options: &SimplifyOptions) -> Result<Self, Error> {
+        let vertex_count = parts.iter().map(|(mesh, _)| mesh.vertex_count()).sum();
+        check_count("vertices", vertex_count)?;
+        // 1. One mesh of all vertices and triangles.
+        let (mut positions, mut triangles) = (Vec::with_capacity(vertex_count), Vec::new());
+        let mut starts = Vec::with_capacity(parts.len());
+        for (mesh, corners) in &parts {
+            check_corners(corners, mesh.vertex_count())?;
+            if corners.len() % 3 != 0 {
+                CollapseSequence::new(mesh.vertex_count(), corners.to_vec())?;
+            }
+            let start = positions.len() as u32;
+            starts.push(start);
+            positions.extend_from_slice(mesh.positions());
+            triangles.extend(corners.iter().map(|&v| start + v));
         }
-        let start = positions.len() as u32;
-        starts.push(start);
-        positions.extend_from_slice(mesh.positions());
-        triangles.extend(corners.iter().map(|&v| start + v));
-    }
-    options.check(vertex_count, triangles.len())?;
+        options.check(vertex_count, triangles.len())?;
 
-    // 2. Its collapses.
-    let mesh_of = |v: u32| starts.partition_point(|&start| start <= v).saturating_sub(1);
-    let bits = |v: u32| {
-        let part = mesh_of(v);
-        let mut bits = (part as u32).to_le_bytes().to_vec();
-        bits.extend(attribute_bits(parts[part].0, (v - starts[part]) as usize));
-        bits
-    };
-    let priced = |_: &[u32], unit: f64| {
-        let of_part = |(mesh, triangles): &(&Mesh, &[u32])| {
-            (PricedAttributes::new(mesh, triangles, unit, *options.weights()), mesh.vertex_count())
+        // 2. What its collapses depend on.
+        let mesh_of = |v: u32| starts.partition_point(|&start| start <= v).saturating_sub(1);
+        let bits = |v: u32| {
+            let part = mesh_of(v);
+            let mut bits = (part as u32).to_le_bytes().to_vec();
+            bits.extend(attribute_bits(parts[part].0, (v - starts[part]) as usize));
+            bits
         };
-        PricedAttributes::joined(&parts.iter().map(of_part).collect::<Vec<_>>())
-    };
-    let sequence = CollapseSequence::new(vertex_count, triangles)?;
-    let joined = run(sequence, &positions[..], bits, priced, options, &starts);
+        let priced = |_: &[u32], unit: f64| {
+            let of_part = |(mesh, triangles): &(&Mesh, &[u32])| {
+                (PricedAttributes::new(mesh, triangles, unit, *options.weights()), mesh.vertex_count())
+            };
+            PricedAttributes::joined(&parts.iter().map(of_part).collect::<Vec<_>>())
+        };
+        let sequence = CollapseSequence::new(vertex_count, triangles)?;
+        let decimation =
+            Decimation::new(&positions[..], bits, sequence.triangles(), priced, options, &starts);
+        Ok(Self { parts, starts, decimation, sequence })
+    }
 
-    // 3. Those of each mesh.
-    let (sequences, steps) = split(&joined.sequence, parts, &starts)?;
-    Ok(JoinedSimplification { sequences, steps, step_count: joined.sequence.len(), stopped: joined.stopped })
+    /// Counts the triangles that are left.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let surface = SurfaceSimplifier::new(vec![(&grid, grid.faces().corners())], &SimplifyOptions::default())?;
+    /// assert_eq!(surface.triangle_count(), 128);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn triangle_count(&self) -> usize {
+        self.sequence.triangles_at(0)
+    }
+
+    /// Goes on until there are at most this number of triangles, or no more collapse is possible. Returns whether the number is reached. There
+    /// may be fewer, as collapses are done many at a time; [`SurfaceSimplifier::finish`] puts them in the order of their costs.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let mut surface = SurfaceSimplifier::new(vec![(&grid, grid.faces().corners())], &SimplifyOptions::default())?;
+    /// assert!(surface.simplify_to(100) && surface.triangle_count() <= 100);
+    /// // The peak and the corners stay.
+    /// assert!(!surface.simplify_to(0) && surface.triangle_count() > 0);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn simplify_to(&mut self, triangle_count: usize) -> bool {
+        self.decimation.run(triangle_count, &mut self.sequence)
+    }
+
+    /// Returns the greatest cost of the collapses so far: squared deviations of the surface and its attributes, times the square root of the
+    /// area that they concern, in mesh units to the third power. The collapse that costs least comes next, so that costs of several surfaces tell
+    /// which of them suffers least from the next collapse.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let mut surface = SurfaceSimplifier::new(vec![(&grid, grid.faces().corners())], &SimplifyOptions::default())?;
+    /// surface.simplify_to(100);
+    /// let flat = surface.cost();
+    /// surface.simplify_to(0);
+    /// // The side of the peak costs more.
+    /// assert!(surface.cost() > 1e3 * flat);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn cost(&self) -> f64 {
+        f64::from(self.decimation.greatest_cost()) * self.cost_unit()
+    }
+
+    /// Counts the reasons for which the remaining vertices stay.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let mut surface = SurfaceSimplifier::new(vec![(&grid, grid.faces().corners())], &SimplifyOptions::default())?;
+    /// surface.simplify_to(0);
+    /// assert_eq!(surface.stopped().triangle_count, surface.triangle_count());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn stopped(&mut self) -> Stopped {
+        self.decimation.stopped()
+    }
+
+    /// Returns the collapses of each mesh. The reasons for which vertices stay are not counted.
+    ///
+    /// # Errors
+    /// None for meshes that [`SurfaceSimplifier::new`] accepted.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let mut surface = SurfaceSimplifier::new(vec![(&grid, grid.faces().corners())], &SimplifyOptions::default())?;
+    /// surface.simplify_to(100);
+    /// let count = surface.triangle_count();
+    /// let joined = surface.finish()?;
+    /// assert_eq!(joined.sequences[0].triangle_count(0)?, count);
+    /// assert!(joined.costs.is_sorted() && joined.costs.len() == joined.steps[0].len());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn finish(self) -> Result<JoinedSimplification, Error> {
+        self.finish_at(0)
+    }
+
+    /// Returns the collapses of each mesh until there are at most this number of triangles.
+    fn finish_at(mut self, triangle_count: usize) -> Result<JoinedSimplification, Error> {
+        let unit = self.cost_unit();
+        let costs = self.decimation.finish(triangle_count, &mut self.sequence);
+        let costs = costs.into_iter().map(|cost| f64::from(cost) * unit).collect();
+        if self.parts.len() == 1 {
+            let steps = (0..self.sequence.len() as u32).collect();
+            return Ok(JoinedSimplification {
+                sequences: vec![self.sequence],
+                steps: vec![steps],
+                costs,
+                stopped: None,
+            });
+        }
+        let (sequences, steps) = split(&self.sequence, &self.parts, &self.starts)?;
+        Ok(JoinedSimplification { sequences, steps, costs, stopped: None })
+    }
+
+    /// Returns the cost of 1 of the frame, in mesh units to the third power.
+    fn cost_unit(&self) -> f64 {
+        let unit = self.decimation.unit();
+        unit * unit * unit
+    }
 }
 
 /// Splits the collapses of the joined mesh among the meshes, each with the numbers of its collapses.
@@ -193,7 +353,7 @@ mod tests {
         let together = joined.steps[0].iter().filter(|step| joined.steps[1].contains(step)).count();
         assert!(together > 3, "{together}");
         let mut lengths = Vec::new();
-        for step in 0..=joined.step_count as u32 {
+        for step in 0..=joined.step_count() as u32 {
             let edges = [0, 1].map(|i| {
                 joined.sequences[i].check().unwrap();
                 let done = joined.steps[i].partition_point(|&s| s < step);
@@ -237,10 +397,10 @@ mod tests {
         let joined = simplify_joined(&[(&mesh, &triangles)], &options).unwrap();
         let alone = crate::simplify::simplify_triangles(&mesh, triangles, &options).unwrap();
         assert_eq!((&joined.sequences[0], joined.stopped), (&alone.sequence, alone.stopped));
-        assert_eq!(joined.step_count, alone.sequence.len());
+        assert_eq!(joined.step_count(), alone.sequence.len());
         assert!(simplify_joined(&[(&mesh, &[0, 1])], &options).is_err());
         let other = grid(8..9, true).0;
         assert!(simplify_joined(&[(&mesh, &[0, 1, 2]), (&other, &[0, 1, 200])], &options).is_err());
-        assert_eq!(simplify_joined(&[], &options).unwrap().step_count, 0);
+        assert_eq!(simplify_joined(&[], &options).unwrap().step_count(), 0);
     }
 }
