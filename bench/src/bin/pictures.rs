@@ -20,7 +20,9 @@ use tristrip_bench::scenes::{self, name, packed};
 use tristrip_bench::text::Table;
 use tristrip_io::{Format, Model, read, read_path, replace_file};
 use tristrip_lab::render::{Differences, Mode, TexturedModel, compare, rows_of_sides};
-use tristrip_pipeline::{Amount, Deviation, Goal, Normals, Ratio, SimplifyOptions, simplify, simplify_parts};
+use tristrip_pipeline::{
+    Amount, CollapseRules, Deviation, Goal, Normals, Ratio, SimplifyOptions, simplify, simplify_parts,
+};
 
 /// The shares of the triangles that are kept.
 const SHARES: [f64; 2] = [0.5, 0.2];
@@ -177,7 +179,8 @@ fn measure(source: &Path, share: f64, args: &Args) -> Result<Vec<Figures>, Failu
 /// Returns the options of a simplification without a limit to its error.
 fn options(args: &Args, amount: Option<Amount>) -> SimplifyOptions {
     let options = SimplifyOptions::new(Goal { amount, deviation: Deviation::Percent(100.0) });
-    options.with_normals(args.normals).with_weights(args.weight).with_format(Format::Glb)
+    let rules = CollapseRules { weights: args.weight, ..CollapseRules::default() };
+    options.with_normals(args.normals).with_rules(rules).with_format(Format::Glb)
 }
 
 /// Simplifies to a share of the triangles.

@@ -4,7 +4,7 @@ mod report;
 
 use tristrip_io::{Format, Model};
 use tristrip_pipeline::text::counted;
-use tristrip_pipeline::{Chain, ChainOptions, EncodeOptions, Event, MethodReport, chain_observed};
+use tristrip_pipeline::{Chain, EncodeOptions, Event, MethodReport, chain_observed};
 
 use crate::batch;
 use crate::console::Console;
@@ -18,7 +18,7 @@ use report::ChainReport;
 
 /// Processes all inputs in order; returns whether all succeeded.
 pub(crate) fn run(task: &ChainTask, console: &mut Console) -> bool {
-    let new_report = |job: &Job| ChainReport::new(job.input.name(), MethodReport::of(&task.options));
+    let new_report = |job: &Job| ChainReport::new(job.input.name(), MethodReport::of(&task.options.stripify));
     let process =
         |job: &Job, console: &mut Console, report: &mut ChainReport| run_stages(job, task, console, report);
     let show = |job: &Job, report: &ChainReport, title: &str, console: &mut Console| {
@@ -41,11 +41,10 @@ fn run_stages(
     let (model, load) = load_job(job, console)?;
     report.seconds.load = Some(load);
     let format = job.output.as_ref().map_or(Format::Glb, |output| output.format);
-    let options = ChainOptions::new(task.ratios.clone(), format).with_deviation(task.deviation);
-    let options = options.with_stripify(task.options).with_verify(task.verify);
+    let options = task.options.clone().with_format(format);
     let show = |event: Event<'_>, seconds: f64| show(event, seconds, console, report);
     let chain = chain_observed(&model, &options, &Stages::new(console, load, show))?;
-    if !task.verify {
+    if !task.options.verify {
         console.stage("verify", "skipped", None);
     }
     report.record_levels(&chain);
@@ -69,12 +68,6 @@ fn run_stages(
 /// Prints and reports an event of the collapses.
 fn show(event: Event<'_>, seconds: f64, console: &Console, report: &mut ChainReport) {
     match event {
-        Event::Prepared => report.seconds.dual = Some(seconds),
-        Event::Surveyed { parts, mesh, notes } => {
-            report.parts = Some(parts);
-            report.notes = notes.to_vec();
-            report.vertices_before = Some(mesh.vertices - mesh.unreferenced_vertices);
-        }
         Event::Simplified(collapses) => {
             report.seconds.simplify = Some(seconds);
             report.record(collapses);
@@ -85,17 +78,7 @@ fn show(event: Event<'_>, seconds: f64, console: &Console, report: &mut ChainRep
             );
             console.stage("simplify", &what, Some(seconds));
         }
-        Event::Warning(warning) => {
-            console.warning(&report.file, warning);
-            report.warning = Some(warning.into());
-        }
-        Event::Proven { .. } => {
-            (report.seconds.verify, report.proven) = (Some(seconds), Some(true));
-            let what = "proven: replaying the collapses removes exactly these triangles";
-            console.stage("verify", what, Some(seconds));
-        }
-        Event::Note(note) => report.notes.push(note.into()),
-        _ => (),
+        other => report.collapse_fields().show(other, seconds, console),
     }
 }
 
@@ -138,7 +121,7 @@ fn write_level(
 
 fn encode_options(target: &Output, task: &ChainTask) -> EncodeOptions {
     let options = EncodeOptions::new(target.format).with_layout(target.layout);
-    options.with_list(task.list).with_verify(task.verify)
+    options.with_list(task.list).with_verify(task.options.verify)
 }
 
 /// Returns the fields of a report that a write fills in.

@@ -13,6 +13,7 @@ mod args;
 mod batch;
 mod bound;
 mod chain;
+mod collapses;
 mod compare;
 mod console;
 mod convert;

@@ -11,6 +11,7 @@ use tristrip_pipeline::text::{count, counted};
 use tristrip_pipeline::{Collapses, Event, NormalCounts, SurfaceChange, rounded, simplify_observed};
 
 use crate::batch::{self, InputReport, Outcome};
+use crate::collapses::CollapseFields;
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::job::Job;
@@ -42,7 +43,7 @@ struct SimplifyReport {
     target_triangles: Option<usize>,
     /// The maximum error in mesh units; `null` for no limit.
     target_error: Option<f32>,
-    /// Whether each part has at most its target number of triangles.
+    /// Whether there are at most as many triangles as requested.
     reached: Option<bool>,
     triangles_before: Option<usize>,
     triangles_after: Option<usize>,
@@ -172,12 +173,6 @@ fn draw(path: &Path, models: [&Model; 2], console: &Console, notes: &mut Vec<Str
 /// Prints and reports an event.
 fn show(event: Event<'_>, seconds: f64, console: &Console, report: &mut SimplifyReport) {
     match event {
-        Event::Prepared => report.seconds.dual = Some(seconds),
-        Event::Surveyed { parts, mesh, notes } => {
-            report.parts = Some(parts);
-            report.notes = notes.to_vec();
-            report.vertices_before = Some(mesh.vertices - mesh.unreferenced_vertices);
-        }
         Event::Simplified(collapses) => {
             report.seconds.simplify = Some(seconds);
             report.record(collapses);
@@ -188,21 +183,25 @@ fn show(event: Event<'_>, seconds: f64, console: &Console, report: &mut Simplify
             report.compare(change);
             console.stage("compare", &change_line(report), Some(seconds));
         }
-        Event::Note(note) => report.notes.push(note.into()),
-        Event::Warning(warning) => {
-            console.warning(&report.file, warning);
-            report.warning = Some(warning.into());
-        }
-        Event::Proven { .. } => {
-            (report.seconds.verify, report.proven) = (Some(seconds), Some(true));
-            let what = "proven: replaying the collapses removes exactly these triangles";
-            console.stage("verify", what, Some(seconds));
-        }
-        _ => (),
+        other => report.fields().show(other, seconds, console),
     }
 }
 
 impl SimplifyReport {
+    /// Returns the fields that the stages before and after the collapses fill in.
+    fn fields(&mut self) -> CollapseFields<'_> {
+        CollapseFields {
+            file: &self.file,
+            dual: &mut self.seconds.dual,
+            verify: &mut self.seconds.verify,
+            parts: &mut self.parts,
+            vertices_before: &mut self.vertices_before,
+            warning: &mut self.warning,
+            notes: &mut self.notes,
+            proven: &mut self.proven,
+        }
+    }
+
     fn record(&mut self, collapses: &Collapses) {
         self.target_triangles = collapses.target_triangles;
         self.target_error = collapses.target_error;

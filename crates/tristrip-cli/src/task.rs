@@ -8,9 +8,10 @@ use tristrip::Effort;
 use tristrip::lod::RepairOptions;
 use tristrip::vertex_cache::FlushPolicy;
 use tristrip::{Layout, StripifyOptions};
+use tristrip_io::Format;
 use tristrip_io::gltf::Rounding;
 use tristrip_pipeline::{
-    Amount, AnalyzeOptions, ChainRatios, Deviation, DisplayFilter, Goal, Level, Ratio, SimplifyOptions,
+    Amount, AnalyzeOptions, ChainOptions, ChainRatios, DisplayFilter, Goal, Level, Ratio, SimplifyOptions,
     VertexCacheList,
 };
 
@@ -134,14 +135,10 @@ pub(crate) struct LodTask {
 #[derive(Debug)]
 pub(crate) struct ChainTask {
     pub(crate) jobs: Vec<Job>,
-    pub(crate) ratios: ChainRatios,
-    /// The maximum error of a collapse.
-    pub(crate) deviation: Deviation,
-    pub(crate) options: StripifyOptions,
+    pub(crate) options: ChainOptions,
     pub(crate) budget: Option<Duration>,
     /// Whether a part may be written as a list: not if the user chose a layout.
     pub(crate) list: bool,
-    pub(crate) verify: bool,
 }
 
 #[derive(Debug)]
@@ -256,19 +253,16 @@ fn validate(command: Command, papers: &[&str]) -> Result<Task, String> {
         }
         Command::Simplify(args) => {
             let amount = args.ratio.map(Amount::Ratio).or(args.triangles.map(Amount::Triangles));
-            let goal = Goal { amount, deviation: args.error };
+            let goal = Goal { amount, deviation: args.collapse.error.unwrap_or_default() };
             let verify = !args.target.no_verify;
             let output = OutputArgs { target: args.target, layout: Some(Layout::List) };
             let jobs = jobs_of(args.general, &output)?;
             if let Some(path) = &args.picture {
                 check_picture(path, &jobs)?;
             }
-            let (permissive, lock_borders) = (args.permissive, args.lock_borders);
             let rounding = if args.compact { Rounding::WeightsAndRotations } else { Rounding::None };
-            let options = SimplifyOptions::new(goal).with_weights(args.weight).with_normals(args.normals);
-            let options =
-                options.with_permissive(permissive).with_locked_borders(lock_borders).with_verify(verify);
-            let options = options.with_rounding(rounding);
+            let options = SimplifyOptions::new(goal).with_rules(args.collapse.rules());
+            let options = options.with_normals(args.normals).with_rounding(rounding).with_verify(verify);
             Task::Simplify(SimplifyTask { jobs, options, picture: args.picture })
         }
         Command::Lod(args) => match args.chain.clone() {
@@ -294,6 +288,9 @@ impl LodTask {
 }
 
 fn lod_task(args: LodArgs) -> Result<Task, String> {
+    if let Some(flag) = args.collapse.first_given() {
+        return Err(format!("{flag} needs --chain: other levels go down to the base mesh, without limits"));
+    }
     let filter_effort = filter_effort(&args)?;
     let jobs = jobs_of(args.general, &args.output)?;
     if let Some(path) = &args.plot {
@@ -321,16 +318,12 @@ fn chain_task(args: LodArgs, ratios: ChainRatios) -> Result<Task, String> {
     let jobs = jobs_of_levels(args.general, &args.output, ratios.as_slice().len())?;
     let draws_lists = args.output.layout == Some(Layout::List);
     let method = if draws_lists { args.method.for_lists() } else { args.method };
-    let task = ChainTask {
-        jobs,
-        ratios,
-        deviation: args.error.unwrap_or_default(),
-        options: method.validate(false)?,
-        budget: method.budget(),
-        list: args.output.layout.is_none(),
-        verify: !args.output.target.no_verify,
-    };
-    Ok(Task::Chain(task))
+    let options = ChainOptions::new(ratios, Format::Glb)
+        .with_deviation(args.collapse.error.unwrap_or_default())
+        .with_rules(args.collapse.rules())
+        .with_stripify(method.validate(false)?)
+        .with_verify(!args.output.target.no_verify);
+    Ok(Task::Chain(ChainTask { jobs, options, budget: method.budget(), list: args.output.layout.is_none() }))
 }
 
 /// Returns the effort of [`DisplayFilter::Repair`].

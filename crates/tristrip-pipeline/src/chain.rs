@@ -6,8 +6,9 @@
 //!                   proof of each level from the bytes ◀─ encode ─┴─ strips or lists ◀─┘
 //! ```
 //! # Algorithm
-//! 1. Every part is simplified once, to the coarsest level or to the error limit; parts that share a border are simplified together. A level is
-//!    the first point of this sequence at which there are no more triangles than their share; so each level is a simplification of the next finer one.
+//! 1. Every part is simplified once, to the coarsest level or to the error limit; parts that share a border are simplified together. The collapses of
+//!    all parts are in one order, by their costs. A level is the first point of this order at which there are no more triangles than requested; so
+//!    each level is a simplification of the next finer one.
 //! 2. Vertices are numbered in the opposite order of their removal: first those of the coarsest level, then each vertex that undoing
 //!    a collapse brings back. A level, and any point of the sequence between two levels, uses the first vertices only, so that a
 //!    program may load a coarse level first and append vertices to its buffer. Coarse levels are spread over the surface, and fetch
@@ -24,7 +25,6 @@ mod encode;
 mod ratios;
 
 use tristrip::StripifyOptions;
-use tristrip::simplify::AttributeWeights;
 use tristrip_io::{Format, LeveledModel, Model, PartLevel};
 
 use crate::collapses::{Collapses, percent_of};
@@ -36,8 +36,8 @@ use crate::observer::{Event, Observer, Stage, begin};
 use crate::parts::map;
 use crate::prepared::Survey;
 use crate::simplify::{
-    CollapseRules, Part, PartCollapses, base_triangles, diagonal, fans, has_reached, locked_note,
-    place_notes, simplify_all, step_count, sum_stopped, surface_error, warning,
+    CollapseRules, Part, PartCollapses, TriangleGoal, diagonal, fans, locked_note, place_notes, simplify_all,
+    warning,
 };
 use collapsed::CollapsedLevel;
 use coverage::{PartExtent, coverages};
@@ -52,8 +52,8 @@ pub struct ChainOptions {
     pub ratios: ChainRatios,
     /// The maximum error of a collapse: a level that needs a larger one is not reached.
     pub deviation: Deviation,
-    /// How much the attributes of vertices count.
-    pub weights: AttributeWeights,
+    /// What collapses may do, and what they cost.
+    pub rules: CollapseRules,
     /// The method of the strips, or of the order of triangles in lists.
     pub stripify: StripifyOptions,
     /// The format in which the levels will be written.
@@ -68,7 +68,7 @@ impl ChainOptions {
         Self {
             ratios,
             deviation: Deviation::default(),
-            weights: AttributeWeights::default(),
+            rules: CollapseRules::default(),
             stripify: StripifyOptions::default(),
             format,
             verify: true,
@@ -81,10 +81,10 @@ impl ChainOptions {
         Self { deviation, ..self }
     }
 
-    /// Sets how much the attributes of vertices count.
+    /// Sets what collapses may do, and what they cost.
     #[must_use]
-    pub fn with_weights(self, weights: AttributeWeights) -> Self {
-        Self { weights, ..self }
+    pub fn with_rules(self, rules: CollapseRules) -> Self {
+        Self { rules, ..self }
     }
 
     /// Sets the method of the strips.
@@ -97,6 +97,12 @@ impl ChainOptions {
     #[must_use]
     pub fn with_verify(self, verify: bool) -> Self {
         Self { verify, ..self }
+    }
+
+    /// Sets the format in which the levels will be written.
+    #[must_use]
+    pub fn with_format(self, format: Format) -> Self {
+        Self { format, ..self }
     }
 }
 
@@ -118,7 +124,7 @@ pub struct ChainLevel {
     pub surface_error_percent: f64,
     /// The area of the model's bounding sphere on a screen, as a ratio of the screen, down to which the level is drawn.
     pub screen_coverage: f64,
-    /// Whether each part has at most its target number of triangles.
+    /// Whether there are at most as many triangles as requested.
     pub reached: bool,
 }
 
@@ -211,7 +217,7 @@ pub fn chain_observed(
     drop(parts);
     let (figures, of_parts): (Vec<_>, Vec<Vec<PartLevel>>) = levels
         .into_iter()
-        .map(|level| ((level.target_triangles, level.triangles, level.reached), level.parts))
+        .map(|level| ((level.target_triangles, level.triangles, level.is_reached()), level.parts))
         .unzip();
     let leveled = tristrip_io::in_level_order(model, &of_parts, options.format)?;
     observer.event(Event::Reordered(&leveled.groups));
@@ -249,32 +255,15 @@ pub fn chain_observed(
 
 /// Simplifies all parts to the coarsest level.
 fn collapse(parts: &[Part<'_>], options: &ChainOptions) -> Result<(Collapses, Vec<PartCollapses>), Error> {
-    let before: Vec<usize> = parts.iter().map(Part::triangle_count).collect();
-    let shares = Amount::Ratio(options.ratios.last()).shares(&before);
-    let diagonal = diagonal(parts);
-    let target_error = options.deviation.units(diagonal);
-    let rules = CollapseRules { weights: options.weights, vanishing: true, ..CollapseRules::default() };
-    let done = simplify_all(parts, &shares, Some(target_error), rules)?;
-    let after = base_triangles(&done)?;
-    let collapses = Collapses {
-        collapse_count: step_count(&done),
-        triangles_before: before.iter().sum(),
-        triangles_after: after.iter().sum(),
-        target_triangles: Some(shares.iter().sum()),
-        target_error: Some(target_error),
-        reached: has_reached(&done),
-        stopped: sum_stopped(&done, &shares),
-        surface_error: surface_error(&done)?,
-        diagonal,
-        vanished_components: done.iter().map(|done| done.vanished).sum(),
-        locked_vertices: parts.iter().map(Part::locked_count).sum(),
-    };
-    Ok((collapses, done))
+    let goal = Amount::Ratio(options.ratios.last()).of(parts.iter().map(Part::triangle_count).sum());
+    let target_error = options.deviation.units(diagonal(parts));
+    let all = simplify_all(parts, TriangleGoal::OfModel(goal), Some(target_error), options.rules)?;
+    Ok((all.summary(parts)?, all.parts))
 }
 
 /// Returns a sentence on the levels that were not reached, which are the coarsest ones.
 fn warn(levels: &[CollapsedLevel], collapses: &Collapses, limit: Deviation) -> Option<String> {
-    let first = levels.iter().position(|level| !level.reached)?;
+    let first = levels.iter().position(|level| !level.is_reached())?;
     let last = levels.len() - 1;
     let which = if first == last { format!("level {last}") } else { format!("levels {first} to {last}") };
     Some(format!("{which} not reached: {}", warning(collapses, limit)?))

@@ -18,7 +18,7 @@ pub struct Collapses {
     pub target_triangles: Option<usize>,
     /// The maximum error in the scene; `None` for no limit.
     pub target_error: Option<f32>,
-    /// Whether each part has at most its target number of triangles, or all parts that share borders together have.
+    /// Whether there are at most as many triangles as requested.
     pub reached: bool,
     /// The greatest error of a collapse in the scene, where the part has the largest scale.
     pub surface_error: f32,

@@ -1,4 +1,4 @@
-//! The goals of a simplification, also as typed, and their distribution over the parts of a model.
+//! The goals of a simplification, also as typed.
 
 use std::fmt;
 use std::str::FromStr;
@@ -100,41 +100,27 @@ impl FromStr for Deviation {
     }
 }
 
-/// The number of triangles to keep.
+/// The number of triangles to keep of a whole model. Its parts share them: each keeps as many as its shape needs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Amount {
-    /// The same ratio of each part.
+    /// A ratio of all triangles.
     Ratio(Ratio),
-    /// The sum over all parts.
+    /// The number of triangles.
     Triangles(usize),
 }
 
 impl Amount {
-    /// Returns the number of triangles to keep for each part, given the triangle counts of the parts.
-    ///
-    /// A sum is distributed in proportion; the remainder goes to the parts with the greatest rounding loss, ties to the first part, so
-    /// that the sum is met exactly.
+    /// Returns the number of triangles to keep of this many.
     ///
     /// ```
     /// use tristrip_pipeline::Amount;
-    /// assert_eq!(Amount::Triangles(10).shares(&[100, 100, 100]), [4, 3, 3]);
+    /// assert_eq!([10, 1000].map(|wanted| Amount::Triangles(wanted).of(300)), [10, 300]);
     /// ```
-    pub fn shares(self, triangles: &[usize]) -> Vec<usize> {
-        let wanted = match self {
-            Self::Ratio(ratio) => return triangles.iter().map(|&count| ratio.of(count)).collect(),
-            Self::Triangles(wanted) => wanted as u128,
-        };
-        let all = triangles.iter().sum::<usize>() as u128;
-        if wanted >= all {
-            return triangles.to_vec();
+    pub fn of(self, triangles: usize) -> usize {
+        match self {
+            Self::Ratio(ratio) => ratio.of(triangles),
+            Self::Triangles(wanted) => wanted.min(triangles),
         }
-        let exact = |&count: &usize| count as u128 * wanted;
-        let mut shares: Vec<usize> = triangles.iter().map(|count| (exact(count) / all) as usize).collect();
-        let mut by_remainder: Vec<usize> = (0..triangles.len()).collect();
-        by_remainder.sort_by_key(|&part| std::cmp::Reverse(exact(&triangles[part]) % all));
-        let remainder = wanted as usize - shares.iter().sum::<usize>();
-        by_remainder.iter().take(remainder).for_each(|&part| shares[part] += 1);
-        shares
     }
 }
 
@@ -174,20 +160,5 @@ mod tests {
         let read = |text: &str| text.parse::<Deviation>().ok().map(|distance| distance.units(50.0));
         assert_eq!(["2", "2%", "0", "1e-3"].map(read), [2.0, 1.0, 0.0, 1e-3].map(Some));
         assert_eq!(["-1", "inf", "nan%", "x", ""].map(read), [None; 5]);
-    }
-
-    #[test]
-    fn a_sum_is_distributed_exactly() {
-        let shares = |wanted, triangles: &[usize]| Amount::Triangles(wanted).shares(triangles);
-        assert_eq!(shares(10, &[100, 100, 100]), [4, 3, 3]);
-        assert_eq!(shares(7, &[10, 0, 90]), [1, 0, 6]);
-        assert_eq!(shares(500, &[10, 20]), [10, 20]);
-        assert_eq!(shares(0, &[10, 20]), [0, 0]);
-        assert_eq!(shares(0, &[]), [0; 0]);
-        let all = [17, 3, 999, 51];
-        assert!((0..=1070).all(|wanted| {
-            let given = shares(wanted, &all);
-            given.iter().sum::<usize>() == wanted && given.iter().zip(&all).all(|(g, a)| g <= a)
-        }));
     }
 }

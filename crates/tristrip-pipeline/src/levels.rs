@@ -7,7 +7,6 @@
 
 mod filter;
 mod level;
-mod order;
 mod part;
 
 use tristrip::lod::RepairOptions;
@@ -23,12 +22,11 @@ use crate::observer::{Event, Observer, Stage, Stopped, begin};
 use crate::parts::{check_vertices, map};
 use crate::prepared::{PreparedModel, Survey};
 use crate::simplify::{
-    CollapseRules, Part, base_triangles, diagonal, end_notes, has_reached, place_notes, simplify_all,
-    step_count, surface_error,
+    CollapseRules, LevelOrder, Part, TriangleGoal, locked_note, place_notes, simplify_all,
 };
+use crate::text::count;
 pub use filter::DisplayFilter;
 pub use level::Level;
-pub use order::LevelOrder;
 pub use part::LevelPart;
 use part::without_unused;
 
@@ -197,25 +195,12 @@ impl ModelLevels {
         check_vertices(&strips.iter().zip(vertex_counts).collect::<Vec<_>>())?;
         let drawn = meshes.zip(strips.iter().map(Strips::to_list)).collect();
         let (parts, skipped) = Part::of_all(drawn, prepared.places())?;
-        let triangles: Vec<usize> = parts.iter().map(Part::triangle_count).collect();
-        let shares = Amount::Ratio(base).shares(&triangles);
-        let done = simplify_all(&parts, &shares, None, CollapseRules::default())?;
-        let after: Vec<usize> = base_triangles(&done)?;
-        let collapses = Collapses {
-            collapse_count: step_count(&done),
-            triangles_before: triangles.iter().sum(),
-            triangles_after: after.iter().sum(),
-            target_triangles: Some(shares.iter().sum()),
-            target_error: None,
-            reached: has_reached(&done),
-            surface_error: surface_error(&done)?,
-            stopped: None,
-            diagonal: diagonal(&parts),
-            vanished_components: 0,
-            locked_vertices: parts.iter().map(Part::locked_count).sum(),
-        };
+        let goal = Amount::Ratio(base).of(parts.iter().map(Part::triangle_count).sum());
+        let all = simplify_all(&parts, TriangleGoal::OfModel(goal), None, CollapseRules::default())?;
+        let (collapses, done) = (all.summary(&parts)?, all.parts);
         let mut notes = place_notes(prepared, skipped);
-        notes.extend(end_notes(collapses.locked_vertices, &done, Some(&shares)));
+        notes.extend(locked_note(collapses.locked_vertices));
+        notes.extend(collapses.stopped.map(|stopped| format!("target {}, {stopped}", count(goal))));
         let order = LevelOrder::new(&done);
         let all = parts.into_iter().zip(prepared.parts()).zip(strips).zip(done);
         let parts = all.map(|(((part, prepared), strips), done)| {

@@ -63,15 +63,15 @@ pub use error::Error;
 pub use figures::{Figures, MeshFigures, rounded};
 pub use goal::{Amount, Deviation, Goal, Ratio};
 pub use levels::{
-    DisplayFilter, DisplayedLevel, Level, LevelOrder, LevelPart, LevelsOptions, ModelLevels, levels,
-    levels_observed,
+    DisplayFilter, DisplayedLevel, Level, LevelPart, LevelsOptions, ModelLevels, levels, levels_observed,
 };
 pub use method::{MethodReport, methods_to_compare, parse_method};
 pub use observer::{Event, Observer, Search, Stage, Stopped};
 pub use parts::{PreparedPart, meshes};
 pub use prepared::{PreparedModel, Survey};
 pub use simplify::{
-    NormalCounts, Normals, Simplified, SimplifyOptions, simplify, simplify_observed, simplify_parts,
+    CollapseRules, LevelOrder, NormalCounts, Normals, Simplified, SimplifyOptions, simplify,
+    simplify_observed, simplify_parts,
 };
 pub use strip::{StripOptions, Stripped, strip, strip_observed};
 pub use surface_change::{ChangedSurface, SurfaceChange, surface_change};

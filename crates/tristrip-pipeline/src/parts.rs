@@ -7,7 +7,7 @@ use tristrip_io::Model;
 use crate::error::Error;
 
 /// Calls `work` for each item in parallel; the results are in the order of the items.
-pub(crate) fn map<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync + Send) -> Vec<R> {
+pub(crate) fn map<'a, T: Sync, R: Send>(items: &'a [T], work: impl Fn(&'a T) -> R + Sync + Send) -> Vec<R> {
     items.par_iter().map(work).collect()
 }
 

@@ -3,14 +3,15 @@
 //! Parts that the same nodes place and that share positions, such as the materials of one mesh, are simplified as one surface: both sides of their
 //! border collapse together. Vertices that touch parts in other places of the scene stay. Errors and the bounding box are those in the scene.
 
+mod groups;
 mod normals;
+mod order;
 mod parts;
 mod touching;
 mod vanishing;
 mod warning;
 
 use tristrip::StripifyOptions;
-use tristrip::simplify::AttributeWeights;
 use tristrip_io::gltf::Rounding;
 use tristrip_io::{Drawing, Format, Model, Redrawn};
 
@@ -23,17 +24,15 @@ use crate::observer::{Event, Observer, Stage, begin};
 use crate::parts::map;
 use crate::prepared::{PreparedModel, Survey};
 use crate::surface_change::{ChangedSurface, SurfaceChange, surface_change};
-use crate::text::{count, counted};
+use crate::text::counted;
+pub use groups::CollapseRules;
+pub(crate) use groups::{TriangleGoal, simplify_all};
 pub use normals::{NormalCounts, Normals};
 use normals::{Rebuilding, RebuiltPart, redraw};
-pub(crate) use parts::{
-    CollapseRules, Part, PartCollapses, UsedVertices, base_triangles, diagonal, has_reached, simplify_all,
-    step_count, surface_error,
-};
-pub(crate) use warning::{sum as sum_stopped, warning};
-
-/// The maximum number of parts with a note of their own on where they stopped.
-const MAX_NAMED_PARTS: usize = 8;
+pub use order::LevelOrder;
+pub(crate) use order::PartCollapses;
+pub(crate) use parts::{Part, UsedVertices, diagonal};
+pub(crate) use warning::warning;
 
 /// The number of points at which the result is compared with the original, in each direction.
 const POINTS: usize = 5_000;
@@ -44,14 +43,10 @@ const POINTS: usize = 5_000;
 pub struct SimplifyOptions {
     /// The number of triangles to keep, and the maximum error.
     pub goal: Goal,
-    /// How much the attributes of vertices count.
-    pub weights: AttributeWeights,
+    /// What collapses may do, and what they cost.
+    pub rules: CollapseRules,
     /// Whether normals are kept or rebuilt.
     pub normals: Normals,
-    /// Whether the topology may change, and seams may move onto others.
-    pub permissive: bool,
-    /// Whether vertices at borders stay.
-    pub lock_borders: bool,
     /// What is rounded when a GLB is packed into few bytes.
     pub rounding: Rounding,
     /// Whether the collapses, and the bytes of a file, are proven.
@@ -64,41 +59,20 @@ pub struct SimplifyOptions {
 impl SimplifyOptions {
     /// Sets the goal.
     pub fn new(goal: Goal) -> Self {
-        let (weights, normals) = (AttributeWeights::default(), Normals::default());
-        Self {
-            goal,
-            weights,
-            normals,
-            permissive: false,
-            lock_borders: false,
-            rounding: Rounding::None,
-            verify: true,
-            format: Format::Ply,
-        }
+        let (rules, normals) = (CollapseRules::default(), Normals::default());
+        Self { goal, rules, normals, rounding: Rounding::None, verify: true, format: Format::Ply }
     }
 
-    /// Sets how much the attributes of vertices count.
+    /// Sets what collapses may do, and what they cost.
     #[must_use]
-    pub fn with_weights(self, weights: AttributeWeights) -> Self {
-        Self { weights, ..self }
+    pub fn with_rules(self, rules: CollapseRules) -> Self {
+        Self { rules, ..self }
     }
 
     /// Sets whether normals are kept or rebuilt.
     #[must_use]
     pub fn with_normals(self, normals: Normals) -> Self {
         Self { normals, ..self }
-    }
-
-    /// Sets whether holes may close, handles vanish, and seams move onto others: for clutter that is to become very small.
-    #[must_use]
-    pub fn with_permissive(self, permissive: bool) -> Self {
-        Self { permissive, ..self }
-    }
-
-    /// Sets whether vertices at borders stay, so that the tiles of a terrain still fit together.
-    #[must_use]
-    pub fn with_locked_borders(self, lock_borders: bool) -> Self {
-        Self { lock_borders, ..self }
     }
 
     /// Sets what is rounded when a GLB is packed into few bytes.
@@ -185,7 +159,10 @@ pub fn simplify_observed(
     options: &SimplifyOptions,
     observer: &dyn Observer,
 ) -> Result<Simplified, Error> {
-    simplify_to(model, options, |before| options.goal.amount.map(|amount| amount.shares(before)), observer)
+    let goal = |count| {
+        options.goal.amount.map_or(TriangleGoal::Fewest, |amount| TriangleGoal::OfModel(amount.of(count)))
+    };
+    simplify_to(model, options, goal, observer)
 }
 
 /// Simplifies each part to a number of triangles of its own, instead of the amount of the goal. Parts of a mesh that share positions are simplified
@@ -214,14 +191,14 @@ pub fn simplify_parts(
         let expected = "a number of triangles for each part";
         return Err(tristrip::Error::Parameter { name: "triangles", found, expected }.into());
     }
-    simplify_to(model, options, |_| Some(triangles.to_vec()), &())
+    simplify_to(model, options, |_| TriangleGoal::OfParts(triangles), &())
 }
 
-/// Simplifies a model to the numbers of triangles that `shares` gives for those of its parts, if it gives any.
-fn simplify_to(
+/// Simplifies a model to the goal for its number of triangles.
+fn simplify_to<'a>(
     model: &Model,
     options: &SimplifyOptions,
-    shares: impl FnOnce(&[usize]) -> Option<Vec<usize>>,
+    goal: impl FnOnce(usize) -> TriangleGoal<'a>,
     observer: &dyn Observer,
 ) -> Result<Simplified, Error> {
     // 1. The triangles of each part.
@@ -233,32 +210,10 @@ fn simplify_to(
 
     // 2. The collapses.
     begin(observer, Stage::Simplify)?;
-    let before: Vec<usize> = parts.iter().map(Part::triangle_count).collect();
-    let diagonal = diagonal(&parts);
-    let shares = shares(&before);
-    let target_error = options.goal.deviation.units(diagonal);
-    let no_limit = vec![0; parts.len()];
-    let rules = CollapseRules {
-        weights: options.weights,
-        permissive: options.permissive,
-        lock_borders: options.lock_borders,
-        vanishing: true,
-    };
-    let done = simplify_all(&parts, shares.as_ref().unwrap_or(&no_limit), Some(target_error), rules)?;
-    let after = base_triangles(&done)?;
-    let collapses = Collapses {
-        collapse_count: step_count(&done),
-        triangles_before: before.iter().sum(),
-        triangles_after: after.iter().sum(),
-        target_triangles: shares.as_ref().map(|shares| shares.iter().sum()),
-        target_error: Some(target_error),
-        reached: shares.is_none() || has_reached(&done),
-        stopped: shares.as_deref().and_then(|shares| sum_stopped(&done, shares)),
-        surface_error: surface_error(&done)?,
-        diagonal,
-        vanished_components: done.iter().map(|done| done.vanished).sum(),
-        locked_vertices: parts.iter().map(Part::locked_count).sum(),
-    };
+    let count = parts.iter().map(Part::triangle_count).sum();
+    let target_error = options.goal.deviation.units(diagonal(&parts));
+    let all = simplify_all(&parts, goal(count), Some(target_error), options.rules)?;
+    let (collapses, done) = (all.summary(&parts)?, all.parts);
     observer.event(Event::Simplified(&collapses));
     if options.normals == Normals::Auto {
         normals.choose_unfit(model, options.format, &parts, &done)?;
@@ -384,32 +339,9 @@ pub(crate) fn place_notes(prepared: &PreparedModel<'_>, skipped: usize) -> Vec<S
     prepared.places().note().into_iter().chain(skipped).collect()
 }
 
-/// Returns notes on the locked vertices, and on the parts that stopped before their goal.
-pub(crate) fn end_notes(locked: usize, done: &[PartCollapses], shares: Option<&[usize]>) -> Vec<String> {
-    locked_note(locked).into_iter().chain(ends(done, shares)).collect()
-}
-
 /// Returns a note on the locked vertices, if there are any.
 pub(crate) fn locked_note(locked: usize) -> Option<String> {
     (locked > 0).then(|| {
         format!("locked {} that touch parts in other places of the scene", counted(locked, "vertex"))
     })
-}
-
-/// Returns notes on the parts that stopped before their goal, and why.
-fn ends(done: &[PartCollapses], shares: Option<&[usize]>) -> Vec<String> {
-    let Some(shares) = shares else { return Vec::new() };
-    let mut notes = Vec::new();
-    for (part, (done, &share)) in done.iter().zip(shares).enumerate() {
-        if let Some(stopped) = done.stopped.as_ref().filter(|stopped| stopped.triangle_count > share) {
-            let name = if shares.len() > 1 { format!("part {part}: ") } else { String::new() };
-            notes.push(format!("{name}target {}, {stopped}", count(share)));
-        }
-    }
-    let more = notes.len().saturating_sub(MAX_NAMED_PARTS);
-    if more > 0 {
-        notes.truncate(MAX_NAMED_PARTS);
-        notes.push(format!("{} more stopped before their targets", counted(more, "part")));
-    }
-    notes
 }

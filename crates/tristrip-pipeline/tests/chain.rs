@@ -88,7 +88,11 @@ fn one_scene_holds_all_levels_over_no_more_vertices_than_the_source() {
         let file = all.encode(&source, &EncodeOptions::new(Format::Glb).with_layout(layout), &()).unwrap();
         let triangles = all.levels.iter().map(|level| level.triangles).sum::<usize>();
         assert_eq!(file.encoded.faces, Some(triangles), "{layout:?}");
-        assert!(file.level_bytes.is_sorted_by(|a, b| a > b), "{:?}", file.level_bytes);
+        // The error limit ends the two coarsest levels at the same collapse.
+        let triangles: Vec<usize> = all.levels.iter().map(|level| level.triangles).collect();
+        for (bytes, triangles) in file.level_bytes.windows(2).zip(triangles.windows(2)) {
+            assert_eq!(bytes[0] > bytes[1], triangles[0] > triangles[1], "{:?}", file.level_bytes);
+        }
         let again = read(&file.encoded.bytes, Format::Glb).unwrap();
         assert_eq!(parts_of_level(&again, &[0, 1]), all.levels[0].triangles);
     }

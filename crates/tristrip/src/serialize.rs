@@ -20,7 +20,7 @@ use crate::effort::Effort;
 use crate::lod::Encoding;
 use crate::lod::{Filter, RepairOptions};
 use crate::mesh::VertexWelds;
-use crate::simplify::SimplifyOptions;
+use crate::simplify::{AttributeWeights, Price, SimplifyOptions};
 use crate::strip::{Cost, Layout, Strips};
 use crate::stripify::{
     EtaOptions, FaceTriangulation, Method, Objective, Patches, Start, StripifyOptions, Ties,
@@ -66,6 +66,7 @@ by_name!(
     Layout,
     Objective,
     Patches,
+    Price,
     Replacement,
     Start,
     Ties,
@@ -210,21 +211,78 @@ struct SimplifyFields {
     triangle_count: usize,
     error: Option<f32>,
     locked: Vec<bool>,
+    locked_borders: bool,
+    /// None for components that stay: not every format has infinity.
+    vanishing: Vec<Option<f32>>,
+    permissive: bool,
+    weights: WeightFields,
+    price: Price,
+}
+
+/// The fields of [`AttributeWeights`].
+#[derive(serde::Serialize, serde::Deserialize)]
+#[serde(rename = "AttributeWeights", default, deny_unknown_fields)]
+struct WeightFields {
+    normal: f32,
+    uv: f32,
+    colour: f32,
+    tangent: f32,
+    skin: f32,
+}
+
+impl Default for WeightFields {
+    fn default() -> Self {
+        AttributeWeights::default().into()
+    }
+}
+
+impl From<AttributeWeights> for WeightFields {
+    fn from(AttributeWeights { normal, uv, colour, tangent, skin }: AttributeWeights) -> Self {
+        Self { normal, uv, colour, tangent, skin }
+    }
+}
+
+impl From<WeightFields> for AttributeWeights {
+    fn from(WeightFields { normal, uv, colour, tangent, skin }: WeightFields) -> Self {
+        Self { normal, uv, colour, tangent, skin }
+    }
 }
 
 impl Serialize for SimplifyOptions {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        let (triangle_count, error, locked) = (self.triangle_count(), self.error(), self.locked().to_vec());
-        SimplifyFields { triangle_count, error, locked }.serialize(to)
+        let vanishing =
+            self.vanishing().iter().map(|&error| (error >= 0.0 && error.is_finite()).then_some(error));
+        let fields = SimplifyFields {
+            triangle_count: self.triangle_count(),
+            error: self.error(),
+            locked: self.locked().to_vec(),
+            locked_borders: self.locks_borders(),
+            vanishing: vanishing.collect(),
+            permissive: self.is_permissive(),
+            weights: (*self.weights()).into(),
+            price: self.price(),
+        };
+        fields.serialize(to)
     }
 }
 
 impl<'de> Deserialize<'de> for SimplifyOptions {
     fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
-        let SimplifyFields { triangle_count, error, locked } = SimplifyFields::deserialize(from)?;
-        let options = Self::default().with_triangles(triangle_count).with_locked(locked);
-        let options = error.map_or(options.clone(), |error| options.with_error(error));
-        options.check_error().map_err(D::Error::custom)?;
+        let fields = SimplifyFields::deserialize(from)?;
+        let vanishing = fields.vanishing.into_iter().map(|error| error.unwrap_or(f32::INFINITY)).collect();
+        let options = Self::default()
+            .with_triangles(fields.triangle_count)
+            .with_locked(fields.locked)
+            .with_locked_borders(fields.locked_borders)
+            .with_vanishing(vanishing)
+            .with_permissive(fields.permissive)
+            .with_weights(fields.weights.into())
+            .with_price(fields.price);
+        let options = match fields.error {
+            Some(error) => options.with_error(error),
+            None => options,
+        };
+        options.check_limits().map_err(D::Error::custom)?;
         Ok(options)
     }
 }
@@ -392,6 +450,14 @@ mod tests {
         round_trip(&RepairOptions::default().with_seed(3).with_cost(Cost::Restart));
         round_trip(
             &SimplifyOptions::default().with_triangles(7).with_error(0.5).with_locked(vec![true, false]),
+        );
+        round_trip(
+            &SimplifyOptions::default()
+                .with_locked_borders(true)
+                .with_vanishing(vec![0.5, f32::INFINITY])
+                .with_permissive(true)
+                .with_weights(AttributeWeights { uv: 0.5, ..AttributeWeights::NONE })
+                .with_price(Price::Planes),
         );
         assert_eq!(serde_json::from_str::<StripifyOptions>("{}").unwrap(), StripifyOptions::default());
     }

@@ -4,10 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 use tristrip::Effort;
-use tristrip::simplify::AttributeWeights;
-use tristrip_pipeline::{ChainRatios, Deviation, DisplayFilter, Level, Normals, Ratio};
+use tristrip_pipeline::{ChainRatios, DisplayFilter, Level, Normals, Ratio};
 
-use super::groups::{GeneralArgs, OutputArgs, TargetArgs};
+use super::groups::{CollapseArgs, GeneralArgs, OutputArgs, TargetArgs};
 use crate::method::MethodArgs;
 use crate::values::{ModelName, effort_parser, named};
 
@@ -29,26 +28,18 @@ use crate::values::{ModelName, effort_parser, named};
 pub(crate) struct SimplifyArgs {
     #[command(flatten)]
     pub(crate) general: GeneralArgs,
-    /// The ratio of triangles to keep of each part: 0.05 or 5%
+    /// The ratio of all triangles to keep: 0.05 or 5%
+    ///
+    /// The parts share the triangles: the collapse that costs least comes next, wherever it is, so that dense parts give most of them and all
+    /// parts of a scene have about the same error in the end. Without --ratio or --triangles, as few are kept as --error allows; with
+    /// one of them, the limit that is reached first ends the simplification.
     #[arg(long, value_name = "RATIO", conflicts_with = "triangles")]
     pub(crate) ratio: Option<Ratio>,
-    /// The number of triangles to keep; it is distributed over the parts in proportion
+    /// The number of triangles to keep; the parts share them as with --ratio
     #[arg(long, value_name = "N")]
     pub(crate) triangles: Option<usize>,
-    /// The maximum surface error: 0.01 in mesh units, or 0.1% of the diagonal of the model's bounding box; 100% for any
-    ///
-    /// The error of a collapse is the distance of the removed vertex from the triangles that replace it, or the root mean square of
-    /// its distances to the planes that it represented, whichever is greater. Alone, it gives as few triangles as this error allows;
-    /// with --ratio or --triangles, the limit that is reached first ends the simplification.
-    #[arg(long, value_name = "ERROR", default_value = "1%")]
-    pub(crate) error: Deviation,
-    /// How much attributes count relative to the shape: normal=1,uv=1,colour=1,tangent=1,skin=1 [default: 1 each]
-    ///
-    /// Normals that turn by a radian count like a surface that moves by 6% of the longest side, tangents half as much, and colours that
-    /// change from none to full like 10%; texture coordinates count by the distance that the texture moves over the surface, and joints by
-    /// the distance that a vertex moves elsewhere if a joint turns by a tenth of a radian. 0 ignores them.
-    #[arg(long, value_name = "WEIGHTS", default_value = "", hide_default_value = true)]
-    pub(crate) weight: AttributeWeights,
+    #[command(flatten)]
+    pub(crate) collapse: CollapseArgs,
     /// Whether normals are kept or rebuilt
     ///
     /// Vertices keep their normals, which then lie on other faces: those of a rounded edge that is gone would darken the flat sides beside it.
@@ -64,12 +55,6 @@ pub(crate) struct SimplifyArgs {
     /// smooth ones. This helps models with many hard edges to get smaller. Normals that a morph target changes are kept.
     #[arg(long, value_name = "MODE", value_parser = named(Normals::ALL, Normals::name, Normals::summary), default_value_t = Normals::default())]
     pub(crate) normals: Normals,
-    /// Let holes close, handles vanish and textures shift at their seams: for clutter that is to become very small
-    #[arg(long)]
-    pub(crate) permissive: bool,
-    /// Keep all vertices at open borders, so that the tiles of a terrain still fit together
-    #[arg(long)]
-    pub(crate) lock_borders: bool,
     /// Round joint weights to 8 bits and rotations of animations to 16 bits in a GLB or .gltf
     ///
     /// Weights change by less than 1/255 each, rotations by less than 0.004 degrees. Without it no value of a vertex is rounded, and
@@ -92,7 +77,8 @@ pub(crate) struct SimplifyArgs {
 /// is the base mesh, the highest level is the full mesh, and each level adds one vertex. A filter removes degenerate triangles
 /// before a level is drawn. The level is proven to draw exactly the triangles that remain after the collapses. Without -o, only report.
 ///
-/// With --chain, several levels are written that a viewer switches between: as one GLB, or as a file per level.
+/// With --chain, several levels are written that a viewer switches between: as one GLB, or as a file per level. All levels share the
+/// vertices of the input, so that normals are kept: `simplify --normals` rebuilds them, with new vertices for a single level.
 #[derive(Debug, Args)]
 #[command(after_long_help = "Examples:
   tristrip lod bunny.ply --level 40% -o level.glb     strips at any level
@@ -107,7 +93,7 @@ pub(crate) struct LodArgs {
     /// How levels are stored and replayed
     #[arg(long, value_enum, value_name = "MODEL", default_value_t = ModelName::Progressive, help_heading = "Levels")]
     pub(crate) model: ModelName,
-    /// The ratio of the triangles of each part that the base mesh keeps: 0.05 or 5%
+    /// The ratio of all triangles that the base mesh keeps: 0.05 or 5%
     ///
     /// If the surface cannot be simplified this far without tearing or folding, the base mesh has more triangles, and a note says so.
     #[arg(long, value_name = "RATIO", default_value = "5%", help_heading = "Levels")]
@@ -115,7 +101,7 @@ pub(crate) struct LodArgs {
     /// The level to draw: the number of undone collapses, or a percentage of all collapses such as 40%
     ///
     /// P% of n collapses is level P n / 100, rounded to the nearest integer. In a model of several parts, the levels undo the collapses
-    /// of all parts, the greatest error first. 0 is the base mesh, 100% the full mesh.
+    /// of all parts, the greatest cost first. 0 is the base mesh, 100% the full mesh.
     #[arg(long, value_name = "LEVEL", default_value = "10%", help_heading = "Levels")]
     pub(crate) level: Level,
     /// How strips are filtered before they are drawn
@@ -133,9 +119,9 @@ pub(crate) struct LodArgs {
     /// Plot the vertices sent by every filter against the level, in an SVG file; up to three inputs
     #[arg(long, value_name = "FILE", help_heading = "Levels")]
     pub(crate) plot: Option<PathBuf>,
-    /// Write levels that keep these ratios of the triangles of each part, such as 100%,50%,25%,10%
+    /// Write levels that keep these ratios of all triangles, such as 100%,50%,25%,10%
     ///
-    /// Up to 16 levels, the finest first. All are points of one simplification, and the vertices are in the order of their removal, so
+    /// Up to 16 levels, the finest first. All are points of one simplification, in which the parts share the triangles as in `simplify --ratio`, and the vertices are in the order of their removal, so
     /// that each level uses the first vertices of the one before it. A GLB or .gltf holds all levels: the nodes of a mesh name those of
     /// its lower levels with `MSFT_lod`, and `MSFT_screencoverage` says when each is drawn. Into a directory, each level is written as a file
     /// of its own: `NAME_0` is the finest. With --layout list, the triangles of each level are in the order of --method cache unless another
@@ -147,11 +133,8 @@ pub(crate) struct LodArgs {
         conflicts_with_all = ["model", "base", "level", "filter", "filter_effort", "table", "compare", "plot"],
     )]
     pub(crate) chain: Option<ChainRatios>,
-    /// The maximum error of a collapse of --chain: a distance in mesh units, or a percentage of the diagonal [default: 1%]
-    ///
-    /// A level that needs a larger error is not reached: it has more triangles, and a warning says so.
-    #[arg(long, value_name = "DISTANCE", help_heading = "Chain", requires = "chain")]
-    pub(crate) error: Option<Deviation>,
+    #[command(flatten, next_help_heading = "Collapses of --chain")]
+    pub(crate) collapse: CollapseArgs,
     #[command(flatten)]
     pub(crate) output: OutputArgs,
     #[command(flatten)]

@@ -4,7 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 use tristrip::Layout;
+use tristrip::simplify::{AttributeWeights, Price};
 use tristrip_io::Format;
+use tristrip_pipeline::{CollapseRules, Deviation};
 
 use crate::values::{WRITTEN_FORMATS, format_parser, layout_help, named};
 
@@ -75,4 +77,60 @@ pub(crate) struct TargetArgs {
     /// Skip verification
     #[arg(long)]
     pub(crate) no_verify: bool,
+}
+
+/// What collapses may do, and what they cost.
+#[derive(Debug, Args)]
+pub(crate) struct CollapseArgs {
+    /// The maximum surface error: 0.01 in mesh units, or 0.1% of the diagonal of the model's bounding box; 100% for any [default: 1%]
+    ///
+    /// The error of a collapse is the distance of the removed vertex from the triangles that replace it, or the root mean square of
+    /// its distances to the planes that it represented, whichever is greater. A number of triangles or a level that needs a larger error is
+    /// not reached, and a warning says so.
+    #[arg(long, value_name = "ERROR")]
+    pub(crate) error: Option<Deviation>,
+    /// How much attributes count relative to the shape: normal=1,uv=1,colour=1,tangent=1,skin=1 [default: 1 each]
+    ///
+    /// Normals that turn by a radian count like a surface that moves by 6% of the longest side, tangents half as much, and colours that
+    /// change from none to full like 10%; texture coordinates count by the distance that the texture moves over the surface, and joints by
+    /// the distance that a vertex moves elsewhere if a joint turns by a tenth of a radian. 0 ignores them.
+    #[arg(long, value_name = "WEIGHTS")]
+    pub(crate) weight: Option<AttributeWeights>,
+    /// What a collapse costs
+    ///
+    /// By planes alone it takes about half the time. Errors are then root mean squares of distances to planes: the largest distance between the surfaces
+    /// may be greater than --error, and the mean distance is about a quarter greater at as many triangles.
+    #[arg(long, value_name = "PRICE", value_parser = named(Price::ALL, Price::name, Price::summary), default_value_t = Price::default())]
+    pub(crate) price: Price,
+    /// Let holes close, handles vanish and textures shift at their seams: for clutter that is to become very small
+    #[arg(long)]
+    pub(crate) permissive: bool,
+    /// Keep all vertices at open borders, so that the tiles of a terrain still fit together
+    #[arg(long)]
+    pub(crate) lock_borders: bool,
+}
+
+impl CollapseArgs {
+    /// Returns the rules of the collapses.
+    pub(crate) fn rules(&self) -> CollapseRules {
+        let weights = self.weight.unwrap_or_default();
+        CollapseRules {
+            weights,
+            price: self.price,
+            permissive: self.permissive,
+            lock_borders: self.lock_borders,
+        }
+    }
+
+    /// Returns the first of the flags that is given.
+    pub(crate) fn first_given(&self) -> Option<&'static str> {
+        let given = [
+            (self.error.is_some(), "--error"),
+            (self.weight.is_some(), "--weight"),
+            (self.price != Price::default(), "--price"),
+            (self.permissive, "--permissive"),
+            (self.lock_borders, "--lock-borders"),
+        ];
+        given.iter().find(|(is_given, _)| *is_given).map(|(_, name)| *name)
+    }
 }

@@ -52,8 +52,11 @@ fn one_glb_has_all_levels() {
     assert_eq!(keys(&report["chain"][0]), level);
     assert_eq!((&report["proven"], &report["layout"]), (&true.into(), &"degenerate".into()));
     assert_eq!(numbers(&report, "ratio"), [1.0, 0.5, 0.25, 0.1]);
-    assert!(numbers(&report, "vertices").is_sorted_by(|a, b| a > b));
-    assert!(numbers(&report, "bytes").is_sorted_by(|a, b| a > b));
+    // The error limit ends the two coarsest levels at the same collapse.
+    assert!(numbers(&report, "triangles")[..3].is_sorted_by(|a, b| a > b));
+    for key in ["triangles", "vertices", "bytes"] {
+        assert!(numbers(&report, key).is_sorted_by(|a, b| a >= b), "{key}");
+    }
     assert!(numbers(&report, "screen_coverage").is_sorted_by(|a, b| a > b));
     let text = String::from_utf8_lossy(&fs::read(&path).unwrap()).into_owned();
     assert!(text.contains("\"MSFT_lod\":{\"ids\":[") && text.contains("MSFT_screencoverage"));
@@ -61,6 +64,20 @@ fn one_glb_has_all_levels() {
     let mut again = tristrip();
     again.args(["lod", "--chain", FOUR]).arg(&path).arg("-o").arg(dir.path().join("again.glb"));
     again.assert().code(1).stderr(contains("levels of detail already"));
+}
+
+#[test]
+fn collapses_have_the_rules_of_simplify() {
+    let source = model("milktruck.glb");
+    let mut sizes = Vec::new();
+    for rules in [&[][..], &["--weight", "normal=0,uv=0"], &["--permissive"], &["--lock-borders"]] {
+        let chain = json(tristrip().args(["lod", "--json", "--chain", "50%,20%"]).args(rules).arg(&source));
+        let simple = json(tristrip().args(["simplify", "--json", "--ratio", "20%"]).args(rules).arg(&source));
+        let (coarsest, after) = (&chain["chain"][1], &simple["triangles_after"]);
+        assert_eq!((&coarsest["triangles"], &coarsest["surface_error"]), (after, &simple["surface_error"]));
+        sizes.push((after.to_string(), coarsest["surface_error"].to_string()));
+    }
+    assert!(sizes[1..].iter().all(|size| *size != sizes[0]), "each rule has an effect: {sizes:?}");
 }
 
 #[test]
@@ -132,7 +149,9 @@ fn flags_that_do_not_fit_are_wrong_usage() {
     usage(&["--chain", "50%,100%"], "ratios that decrease");
     usage(&["--chain", FOUR, "--level", "40%"], "cannot be used with");
     usage(&["--chain", FOUR, "--base", "1%"], "cannot be used with");
-    usage(&["--error", "1%"], "--chain");
+    for flags in [&["--error", "1%"][..], &["--weight", "uv=2"], &["--permissive"], &["--lock-borders"]] {
+        usage(flags, "--chain");
+    }
     usage(&["--chain", FOUR, "-o", "fish.ply"], "PLY holds one level");
     usage(&["--chain", FOUR, "-o", "fish.obj"], "OBJ holds one level");
 }

@@ -1,7 +1,5 @@
 //! The levels of a chain: which level of the collapses of each part is drawn, and the vertices in the order of their removal.
 
-use std::collections::BTreeMap;
-
 use tristrip::CollapseSequence;
 use tristrip_io::PartLevel;
 
@@ -9,7 +7,7 @@ use super::coverage::PartExtent;
 use super::ratios::ChainRatios;
 use crate::error::Error;
 use crate::goal::Amount;
-use crate::simplify::{Part, PartCollapses};
+use crate::simplify::{LevelOrder, Part, PartCollapses};
 
 /// A level of all parts.
 pub(super) struct CollapsedLevel {
@@ -17,12 +15,17 @@ pub(super) struct CollapsedLevel {
     pub(super) target_triangles: usize,
     /// The number of triangles drawn.
     pub(super) triangles: usize,
-    /// Whether each group of parts has at most its share of the triangles requested.
-    pub(super) reached: bool,
     /// The level of the collapses of each part.
     at: Vec<usize>,
     /// What is drawn of each part, over its vertices in the model.
     pub(super) parts: Vec<PartLevel>,
+}
+
+impl CollapsedLevel {
+    /// Returns whether there are at most as many triangles as requested.
+    pub(super) fn is_reached(&self) -> bool {
+        self.triangles <= self.target_triangles
+    }
 }
 
 /// Returns the levels, the finest first. Every level undoes collapses of the next coarser one.
@@ -31,24 +34,17 @@ pub(super) fn levels(
     done: &[PartCollapses],
     ratios: &ChainRatios,
 ) -> Result<Vec<CollapsedLevel>, Error> {
-    let before: Vec<usize> = parts.iter().map(Part::triangle_count).collect();
+    let full = parts.iter().map(Part::triangle_count).sum();
+    let order = LevelOrder::new(done);
     let mut levels = Vec::new();
     let mut coarser: Vec<Option<usize>> = vec![None; parts.len()];
     for ratio in ratios.as_slice().iter().rev() {
-        let shares = Amount::Ratio(*ratio).shares(&before);
-        let mut level = CollapsedLevel {
-            target_triangles: shares.iter().sum(),
-            triangles: 0,
-            reached: true,
-            at: vec![0; parts.len()],
-            parts: Vec::with_capacity(parts.len()),
-        };
-        for group in groups(done) {
-            let share: usize = group.iter().map(|&part| shares[part]).sum();
-            let count = choose(&group, done, share, &mut level.at)?;
-            level.triangles += count;
-            level.reached &= count <= share;
-        }
+        let target_triangles = Amount::Ratio(*ratio).of(full);
+        let at = order.of_parts(order.level_of_triangles(done, target_triangles)?)?;
+        let counts = done.iter().zip(&at).map(|(done, &level)| done.sequence.triangle_count(level));
+        let triangles = counts.sum::<Result<usize, _>>()?;
+        let mut level =
+            CollapsedLevel { target_triangles, triangles, at, parts: Vec::with_capacity(parts.len()) };
         for (((part, done), &at), coarser) in parts.iter().zip(done).zip(&level.at).zip(&mut coarser) {
             level.parts.push(part_level(part, &done.sequence, *coarser, at)?);
             *coarser = Some(at);
@@ -57,42 +53,6 @@ pub(super) fn levels(
     }
     levels.reverse();
     Ok(levels)
-}
-
-/// Returns the parts of each group that is simplified as one surface.
-fn groups(done: &[PartCollapses]) -> Vec<Vec<usize>> {
-    let mut groups: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-    done.iter().enumerate().for_each(|(part, done)| groups.entry(done.group).or_default().push(part));
-    groups.into_values().collect()
-}
-
-/// Chooses the levels of the parts of a group: those after the fewest steps of the group at which it has no more triangles than its share, so
-/// that borders between its parts stay closed. Returns the number of triangles.
-fn choose(group: &[usize], done: &[PartCollapses], share: usize, at: &mut [usize]) -> Result<usize, Error> {
-    let level_after = |part: usize, steps: usize| {
-        let PartCollapses { sequence, steps: of_part, .. } = &done[part];
-        let collapses = match of_part {
-            None => steps.min(sequence.len()),
-            Some(of_part) => of_part.partition_point(|&step| (step as usize) < steps),
-        };
-        sequence.len() - collapses
-    };
-    let count = |steps: usize| -> Result<usize, Error> {
-        group
-            .iter()
-            .try_fold(0, |sum, &part| Ok(sum + done[part].sequence.triangle_count(level_after(part, steps))?))
-    };
-    let most = group.iter().map(|&part| match &done[part].steps {
-        None => done[part].sequence.len(),
-        Some(steps) => steps.last().map_or(0, |&step| step as usize + 1),
-    });
-    let (mut low, mut high) = (0, most.max().unwrap_or(0));
-    while low < high {
-        let middle = usize::midpoint(low, high);
-        if count(middle)? <= share { high = middle } else { low = middle + 1 }
-    }
-    group.iter().for_each(|&part| at[part] = level_after(part, low));
-    count(low)
 }
 
 /// Returns what a level draws of a part, and the vertices that it adds to the next coarser level.

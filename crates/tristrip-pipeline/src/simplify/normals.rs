@@ -21,7 +21,8 @@ use tristrip::normals::{NormalFit, Shading};
 use tristrip::{Attribute, Faces, Mesh, VertexWelds};
 use tristrip_io::{Format, Model, NewVertices, Redrawn};
 
-use super::parts::{Part, PartCollapses};
+use super::order::PartCollapses;
+use super::parts::Part;
 use crate::error::Error;
 use crate::parts::map;
 use crate::text::counted;

@@ -1,23 +1,16 @@
 //! Simplifies the parts of a model: those that share positions together, with the vertices that touch parts in other places locked.
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use tristrip::simplify::{self, AttributeWeights, Stopped};
-use tristrip::{CollapseSequence, Error, Faces, Mesh, PositionIds};
+use tristrip::{Error, Faces, Mesh, PositionIds};
 
 use super::touching::{PlacedPositions, Touching, bounds, box_corners, touching};
-use super::vanishing::Vanishing;
-use crate::parts::map;
 use crate::places::{Place, Places};
 
 /// The ratio of vertices to corners above which a part is simplified over its used vertices only: thousands of parts may share one
 /// long vertex list.
 const SPARSE: usize = 16;
-
-/// Scales that differ by less are the same: a rotation has a scale of 1 except for rounding.
-const SAME_SCALE: f64 = 1e-6;
 
 /// The number of positions in all places from which a bounding box is measured exactly; beyond it the boxes of parts are.
 const MOST_PLACED: usize = 1 << 27;
@@ -123,8 +116,23 @@ impl<'a> Part<'a> {
         self.locked.iter().filter(|&&locked| locked).count()
     }
 
+    /// Returns which vertices are locked; nothing if none is.
+    pub(super) fn locked(&self) -> &[bool] {
+        &self.locked
+    }
+
+    /// Returns the first part of the group that is simplified as one surface.
+    pub(super) fn group(&self) -> usize {
+        self.group
+    }
+
+    /// Returns the largest scale at which nodes place the part.
+    pub(super) fn scale(&self) -> f64 {
+        self.largest.1
+    }
+
     /// Returns the mesh that the collapses see.
-    fn seen(&self) -> &Mesh {
+    pub(super) fn seen(&self) -> &Mesh {
         self.simplified.as_ref().unwrap_or(&self.compact.mesh)
     }
 
@@ -144,7 +152,7 @@ impl<'a> Part<'a> {
     }
 
     /// Returns the largest error in the coordinates of the part that is an error of at most `error` in the scene.
-    fn own_error(&self, error: f32) -> f32 {
+    pub(super) fn own_error(&self, error: f32) -> f32 {
         let scale = self.largest.1;
         if scale > 0.0 { (f64::from(error) / scale) as f32 } else { f32::INFINITY }
     }
@@ -228,163 +236,6 @@ fn components(neighbours: &[Vec<usize>]) -> Vec<usize> {
     component
 }
 
-/// The collapses of a part.
-#[derive(Debug, Clone)]
-pub(crate) struct PartCollapses {
-    /// The collapses, with errors in the scene, at the place of the largest scale.
-    pub(crate) sequence: CollapseSequence,
-    /// The reasons for which there are more triangles than requested. Of a group, the first part with more than its share has those of all.
-    pub(crate) stopped: Option<Stopped>,
-    /// The first part of the group.
-    pub(crate) group: usize,
-    /// The number of components of the group that vanished, at its first part.
-    pub(crate) vanished: usize,
-    /// For each collapse the number of the step of the group that it is a part of; `None` for a part that is alone, whose collapses are the steps.
-    pub(crate) steps: Option<Vec<u32>>,
-}
-
-/// What collapses may do.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct CollapseRules {
-    /// How much the attributes of vertices count.
-    pub(crate) weights: AttributeWeights,
-    /// Whether the topology may change, and seams may move onto others.
-    pub(crate) permissive: bool,
-    /// Whether vertices at borders stay.
-    pub(crate) lock_borders: bool,
-    /// Whether components that are small, and near others, may vanish.
-    pub(crate) vanishing: bool,
-}
-
-impl CollapseRules {
-    fn options(self) -> simplify::SimplifyOptions {
-        simplify::SimplifyOptions::default()
-            .with_weights(self.weights)
-            .with_permissive(self.permissive)
-            .with_locked_borders(self.lock_borders)
-    }
-}
-
-/// Simplifies each part to its own number of triangles, or until the error in the scene would exceed the maximum. The parts of a
-/// group are simplified as one surface, to the sum of their numbers. The results are in the order of the parts.
-pub(crate) fn simplify_all(
-    parts: &[Part<'_>],
-    shares: &[usize],
-    error: Option<f32>,
-    rules: CollapseRules,
-) -> Result<Vec<PartCollapses>, Error> {
-    let mut groups: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-    parts.iter().enumerate().for_each(|(number, part)| groups.entry(part.group).or_default().push(number));
-    let groups: Vec<Vec<usize>> = groups.into_values().collect();
-    let done = map(&groups, |group| {
-        let share = group.iter().map(|&part| shares[part]).sum();
-        let (mut options, mut small) = (rules.options().with_triangles(share), Vanishing::default());
-        if let Some(error) = error {
-            let error = parts[group[0]].own_error(error);
-            options = options.with_error(error);
-            if rules.vanishing {
-                let surface = |&part: &usize| (&*parts[part].compact.mesh, parts[part].triangles());
-                let of_group: Vec<(&Mesh, &[u32])> = group.iter().map(surface).collect();
-                small = Vanishing::new(&of_group, error.into())?;
-                options = options.with_vanishing(small.errors.clone());
-            }
-        }
-        let mut done = match group[..] {
-            [part] => vec![alone(&parts[part], options)?],
-            _ => joined(parts, group, shares, options)?,
-        };
-        done[0].vanished = small.count(done.iter().map(|done| &done.sequence))?;
-        Ok::<_, Error>(done)
-    });
-    let mut all: Vec<Option<PartCollapses>> = vec![None; parts.len()];
-    for (group, done) in groups.iter().zip(done) {
-        group.iter().zip(done?).for_each(|(&part, done)| all[part] = Some(done));
-    }
-    Ok(all.into_iter().flatten().collect())
-}
-
-/// Simplifies a part that is a group of its own.
-fn alone(part: &Part<'_>, options: simplify::SimplifyOptions) -> Result<PartCollapses, Error> {
-    let options = options.with_locked(part.locked.clone());
-    let done = simplify::simplify_triangles(part.seen(), part.triangles.clone(), &options)?;
-    let sequence = in_scene(done.sequence, part)?;
-    Ok(PartCollapses { sequence, stopped: done.stopped, group: part.group, vanished: 0, steps: None })
-}
-
-/// Simplifies the parts of a group as one surface.
-fn joined(
-    parts: &[Part<'_>],
-    group: &[usize],
-    shares: &[usize],
-    options: simplify::SimplifyOptions,
-) -> Result<Vec<PartCollapses>, Error> {
-    let of_group = || group.iter().map(|&part| &parts[part]);
-    let mut locked = Vec::new();
-    if of_group().any(|part| !part.locked.is_empty()) {
-        for part in of_group() {
-            let end = locked.len() + part.compact.mesh.vertex_count();
-            locked.extend_from_slice(&part.locked);
-            locked.resize(end, false);
-        }
-    }
-    let meshes: Vec<(&Mesh, &[u32])> = of_group().map(|part| (part.seen(), &part.triangles[..])).collect();
-    let done = simplify::simplify_joined(&meshes, &options.with_locked(locked))?;
-    let mut stopped = done.stopped;
-    let mut all = Vec::with_capacity(group.len());
-    for ((&number, sequence), steps) in group.iter().zip(done.sequences).zip(done.steps) {
-        let triangle_count = sequence.triangle_count(0)?;
-        let stopped = if triangle_count > shares[number] { stopped.take() } else { None };
-        let stopped = stopped.map(|mut all| {
-            all.triangle_count = triangle_count;
-            all
-        });
-        let part = &parts[number];
-        all.push(PartCollapses {
-            sequence: in_scene(sequence, part)?,
-            stopped,
-            group: part.group,
-            vanished: 0,
-            steps: Some(steps),
-        });
-    }
-    Ok(all)
-}
-
-/// Returns collapses with their errors in the scene.
-fn in_scene(sequence: CollapseSequence, part: &Part<'_>) -> Result<CollapseSequence, Error> {
-    let scale = part.largest.1;
-    if (scale - 1.0).abs() < SAME_SCALE { Ok(sequence) } else { sequence.with_scaled_errors(scale) }
-}
-
-/// Counts the collapses of all groups: those of different parts that close a border together are one.
-pub(crate) fn step_count(done: &[PartCollapses]) -> usize {
-    let mut last: BTreeMap<usize, usize> = BTreeMap::new();
-    for part in done {
-        let count = match &part.steps {
-            None => part.sequence.len(),
-            Some(steps) => steps.last().map_or(0, |&step| step as usize + 1),
-        };
-        let last = last.entry(part.group).or_default();
-        *last = count.max(*last);
-    }
-    last.into_values().sum()
-}
-
-/// Checks whether every group has at most as many triangles as requested.
-pub(crate) fn has_reached(done: &[PartCollapses]) -> bool {
-    done.iter().all(|done| done.stopped.is_none())
-}
-
-/// Counts the triangles of each base mesh.
-pub(crate) fn base_triangles(done: &[PartCollapses]) -> Result<Vec<usize>, Error> {
-    done.iter().map(|done| done.sequence.triangle_count(0)).collect()
-}
-
-/// Returns the largest error of all collapses, in the scene.
-pub(crate) fn surface_error(done: &[PartCollapses]) -> Result<f32, Error> {
-    done.iter().try_fold(0.0, |largest: f32, done| Ok(largest.max(done.sequence.error(0)?)))
-}
-
 /// Returns the diagonal of the bounding box of all triangles in the scene.
 pub(crate) fn diagonal(parts: &[Part<'_>]) -> f64 {
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
@@ -449,33 +300,6 @@ mod tests {
         assert!((diagonal(&together) - diagonal(&parts)).abs() < 1e-9);
         assert!((diagonal(&parts) - (3.0_f64 * 3.0 + 8.0 * 8.0).sqrt()).abs() < 1e-9);
         assert_eq!(diagonal(&[]).to_bits(), 0);
-    }
-
-    #[test]
-    fn errors_are_those_in_the_scene() {
-        let (mut mesh, triangles) = strip_of(40, 0.0);
-        let positions: Vec<[f32; 3]> =
-            mesh.positions().iter().map(|&[x, y, _]| [x, y, (x * 0.7).sin() * 0.1]).collect();
-        mesh = Mesh::new(positions, Faces::default()).unwrap();
-        let simplified = |scale: f64, error: f32| {
-            let large = Place::new([[scale, 0.0, 0.0, 0.0], [0.0, 0.0, scale, 0.0], [0.0, -scale, 0.0, 5.0]]);
-            let places =
-                Places { lists: vec![Arc::from([Place::IDENTITY, large])], of_part: vec![0], problem: None };
-            let (parts, _) = Part::of_all(vec![(&mesh, triangles.clone())], &places).unwrap();
-            let shown = parts[0].shown(&parts[0].compact.mesh).unwrap();
-            assert!((f64::from(shown.positions()[79][0]) - 39.0 * scale.max(1.0)).abs() < 1e-3);
-            simplify_all(&parts, &[0], Some(error), CollapseRules::default()).unwrap().remove(0).sequence
-        };
-        let (one, ten) = (simplified(1.0, 0.05), simplified(10.0, 0.5));
-        assert_eq!(base_of(&one), base_of(&ten));
-        let errors = [&one, &ten].map(|sequence| f64::from(sequence.error(0).unwrap()));
-        assert!((errors[1] / errors[0] - 10.0).abs() < 1e-4, "{errors:?}");
-        assert!(simplified(10.0, 0.05).len() < one.len());
-        assert_eq!(simplified(0.0, 0.05).len(), one.len(), "the copy of scale 1 counts");
-    }
-
-    fn base_of(sequence: &CollapseSequence) -> Vec<[u32; 3]> {
-        sequence.drawn(0).unwrap()
     }
 
     #[test]

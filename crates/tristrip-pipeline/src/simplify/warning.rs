@@ -1,29 +1,8 @@
 //! The warning about a goal that was not reached: what held it back, and what to try.
 
-use tristrip::simplify::Stopped;
-
-use super::parts::PartCollapses;
 use crate::collapses::Collapses;
 use crate::goal::Deviation;
 use crate::text::{count, counted};
-
-/// Sums the reasons of the parts that have more triangles than their shares; `None` if there are none.
-pub(crate) fn sum(done: &[PartCollapses], shares: &[usize]) -> Option<Stopped> {
-    let mut sum: Option<Stopped> = None;
-    for (done, &share) in done.iter().zip(shares) {
-        if let Some(stopped) = done.stopped.filter(|stopped| stopped.triangle_count > share) {
-            let sum = sum.get_or_insert_default();
-            sum.triangle_count += stopped.triangle_count;
-            sum.locked += stopped.locked;
-            sum.non_manifold += stopped.non_manifold;
-            sum.seam += stopped.seam;
-            sum.topology += stopped.topology;
-            sum.fold_over += stopped.fold_over;
-            sum.error += stopped.error;
-        }
-    }
-    sum
-}
 
 /// Returns a sentence on the goal, if it was not reached.
 pub(crate) fn warning(collapses: &Collapses, limit: Deviation) -> Option<String> {
@@ -62,6 +41,8 @@ pub(crate) fn warning(collapses: &Collapses, limit: Deviation) -> Option<String>
 
 #[cfg(test)]
 mod tests {
+    use tristrip::simplify::Stopped;
+
     use super::*;
 
     #[test]

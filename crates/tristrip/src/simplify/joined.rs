@@ -77,7 +77,7 @@ pub fn simplify_joined(
     let mut surface = SurfaceSimplifier::new(parts.to_vec(), options)?;
     surface.simplify_to(options.triangle_count());
     let stopped = (surface.triangle_count() > options.triangle_count()).then(|| surface.stopped());
-    Ok(JoinedSimplification { stopped, ..surface.finish_at(options.triangle_count())? })
+    Ok(JoinedSimplification { stopped, ..surface.finish(options.triangle_count())? })
 }
 
 /// One or several meshes that are simplified as one surface, step by step: to share a number of triangles among several surfaces, the one
@@ -93,7 +93,7 @@ pub fn simplify_joined(
 /// assert_eq!(surface.triangle_count(), 4);
 /// assert!(surface.simplify_to(3) && surface.triangle_count() == 2);
 /// assert!(surface.cost() < 1e-5);
-/// assert_eq!(surface.finish()?.sequences[0].len(), 1);
+/// assert_eq!(surface.finish(3)?.sequences[0].len(), 1);
 /// # Ok::<(), tristrip::Error>(())
 /// ```
 #[derive(Debug)]
@@ -214,7 +214,8 @@ impl<'a> SurfaceSimplifier<'a> {
         self.decimation.stopped()
     }
 
-    /// Returns the collapses of each mesh. The reasons for which vertices stay are not counted.
+    /// Returns the collapses of each mesh in the order of their costs, until all meshes together have at most this number of triangles; 0 for all
+    /// that were done. The reasons for which vertices stay are not counted.
     ///
     /// # Errors
     /// None for meshes that [`SurfaceSimplifier::new`] accepted.
@@ -224,17 +225,12 @@ impl<'a> SurfaceSimplifier<'a> {
     /// let mut surface = SurfaceSimplifier::new(vec![(&grid, grid.faces().corners())], &SimplifyOptions::default())?;
     /// surface.simplify_to(100);
     /// let count = surface.triangle_count();
-    /// let joined = surface.finish()?;
+    /// let joined = surface.finish(0)?;
     /// assert_eq!(joined.sequences[0].triangle_count(0)?, count);
     /// assert!(joined.costs.is_sorted() && joined.costs.len() == joined.steps[0].len());
     /// # Ok::<(), tristrip::Error>(())
     /// ```
-    pub fn finish(self) -> Result<JoinedSimplification, Error> {
-        self.finish_at(0)
-    }
-
-    /// Returns the collapses of each mesh until there are at most this number of triangles.
-    fn finish_at(mut self, triangle_count: usize) -> Result<JoinedSimplification, Error> {
+    pub fn finish(mut self, triangle_count: usize) -> Result<JoinedSimplification, Error> {
         let unit = self.cost_unit();
         let costs = self.decimation.finish(triangle_count, &mut self.sequence);
         let costs = costs.into_iter().map(|cost| f64::from(cost) * unit).collect();

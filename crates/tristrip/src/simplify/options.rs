@@ -4,6 +4,7 @@ use std::str::FromStr;
 
 use super::topology::MOST_TRIANGLES;
 use crate::error::Error;
+use crate::names::names;
 
 /// How much the attributes of vertices count relative to the distance between the surfaces; 0 for not at all.
 ///
@@ -92,7 +93,8 @@ impl FromStr for AttributeWeights {
 /// assert_eq!(SimplifyOptions::default().price(), Price::Distance);
 /// assert_eq!(SimplifyOptions::default().with_price(Price::Planes).price(), Price::Planes);
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[non_exhaustive]
 pub enum Price {
     /// The distances between the old and the new triangles, and from the planes of the full mesh.
     #[default]
@@ -100,6 +102,12 @@ pub enum Price {
     /// The distances from the planes of the full mesh alone: takes about half the time. The mean distance between the surfaces
     /// is about a quarter larger, and the largest is not known: where triangles bridge a valley it exceeds the error.
     Planes,
+}
+
+names! {
+    "tristrip::simplify::Price", Price, "price",
+    Distance => "distance", "The distances between the old and the new triangles, and from the planes of the full mesh";
+    Planes => "planes", "The distances from the planes of the full mesh alone: half the time, larger distances";
 }
 
 /// The limits of a simplification. Without a limit a mesh is simplified as far as its topology allows.
@@ -336,13 +344,13 @@ impl SimplifyOptions {
         self.is_permissive || !self.vanishing.is_empty()
     }
 
-    /// Checks the error limit.
-    pub(crate) fn check_error(&self) -> Result<(), Error> {
+    /// Checks the error limit and the weights.
+    pub(crate) fn check_limits(&self) -> Result<(), Error> {
         match self.error {
             Some(error) if error.is_nan() || error < 0.0 => {
                 Err(Error::Parameter { name: "error", found: error.to_string(), expected: "0 or more" })
             }
-            _ => Ok(()),
+            _ => self.check_weights(),
         }
     }
 
@@ -358,8 +366,7 @@ impl SimplifyOptions {
 
     /// Checks the options for a mesh.
     pub(super) fn check(&self, vertex_count: usize, corner_count: usize) -> Result<(), Error> {
-        self.check_error()?;
-        self.check_weights()?;
+        self.check_limits()?;
         if corner_count / 3 > MOST_TRIANGLES {
             let (found, limit) = (corner_count as u64 / 3, MOST_TRIANGLES as u64);
             return Err(Error::LimitExceeded { what: "triangles to simplify", found, limit });

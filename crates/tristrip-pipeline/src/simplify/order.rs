@@ -2,10 +2,34 @@
 
 use std::collections::BTreeMap;
 
-use crate::error::Error;
-use crate::simplify::PartCollapses;
+use tristrip::CollapseSequence;
 
-/// The order of the collapses of all parts of a model: by their errors, so that at every level all parts have about the same error.
+use crate::error::Error;
+
+/// The collapses of a part.
+#[derive(Debug, Clone)]
+pub(crate) struct PartCollapses {
+    /// The collapses, with errors in the scene, at the place of the largest scale.
+    pub(crate) sequence: CollapseSequence,
+    /// The first part of the group that is simplified as one surface.
+    pub(crate) group: usize,
+    /// For each collapse the number of the step of the group that it is a part of.
+    pub(crate) steps: Vec<u32>,
+    /// For each collapse the greatest cost of a step of the group so far, in the scene.
+    pub(crate) costs: Vec<f64>,
+}
+
+impl PartCollapses {
+    /// Returns the collapses to a level, which becomes the base mesh.
+    pub(crate) fn with_base(mut self, level: usize) -> Result<Self, Error> {
+        self.sequence = self.sequence.with_base(level)?;
+        self.steps.truncate(self.sequence.len());
+        self.costs.truncate(self.sequence.len());
+        Ok(self)
+    }
+}
+
+/// The order of the collapses of all parts of a model: by their costs, so that at every level all parts have about the same error.
 /// Collapses of several parts that close a border together are one level, so that no level has gaps.
 ///
 /// 8 bytes per collapse.
@@ -24,23 +48,19 @@ impl LevelOrder {
     pub(crate) fn new(done: &[PartCollapses]) -> Self {
         let mut groups: BTreeMap<usize, Vec<u32>> = BTreeMap::new();
         (0..).zip(done).for_each(|(part, done)| groups.entry(done.group).or_default().push(part));
-        // Each collapse with the greatest error so far, so that the collapses of a group keep their order, and its parts in `flat`.
-        let (mut steps, mut flat): (Vec<(f32, u32, u32)>, Vec<u32>) = (Vec::new(), Vec::new());
+        // Each collapse with its cost, and its parts in `flat`.
+        let (mut steps, mut flat): (Vec<(f64, u32, u32)>, Vec<u32>) = (Vec::new(), Vec::new());
         for group in groups.into_values() {
-            let mut of_group: Vec<(u32, u32, f32)> = Vec::new();
+            let mut of_group: Vec<(u32, u32, f64)> = Vec::new();
             for part in group {
-                let PartCollapses { sequence, steps, .. } = &done[part as usize];
-                let step = |i: usize| steps.as_ref().map_or(i as u32, |steps| steps[i]);
-                of_group
-                    .extend(sequence.iter().enumerate().map(|(i, collapse)| (step(i), part, collapse.error)));
+                let PartCollapses { steps, costs, .. } = &done[part as usize];
+                of_group.extend(steps.iter().zip(costs).map(|(&step, &cost)| (step, part, cost)));
             }
             of_group.sort_unstable_by_key(|&(step, part, _)| (step, part));
-            let mut greatest = 0.0_f32;
             for together in of_group.chunk_by(|a, b| a.0 == b.0) {
-                greatest = together.iter().fold(greatest, |greatest, &(.., error)| greatest.max(error));
                 let start = flat.len() as u32;
                 flat.extend(together.iter().map(|&(_, part, _)| part));
-                steps.push((greatest, start, flat.len() as u32));
+                steps.push((together[0].2, start, flat.len() as u32));
             }
         }
         steps.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -70,6 +90,29 @@ impl LevelOrder {
         Ok(levels)
     }
 
+    /// Returns the highest level with at most this number of triangles; 0 if there is none. In linear time.
+    pub(crate) fn level_of_triangles(
+        &self,
+        done: &[PartCollapses],
+        triangle_count: usize,
+    ) -> Result<usize, Error> {
+        let full = done.iter().zip(&self.lengths).map(|(done, &level)| done.sequence.triangle_count(level));
+        let mut left = full.sum::<Result<usize, _>>()?;
+        let (mut levels, mut level) = (self.lengths.clone(), self.collapse_count());
+        for parts in self.parts_from_full() {
+            if left <= triangle_count {
+                break;
+            }
+            for &part in parts {
+                let part = part as usize;
+                levels[part] -= 1;
+                left -= done[part].sequence.collapse(levels[part])?.dropped.len();
+            }
+            level -= 1;
+        }
+        Ok(level)
+    }
+
     /// Iterates over the parts of each collapse, from the full model to the base meshes.
     pub fn parts_from_full(&self) -> impl Iterator<Item = &[u32]> {
         let starts = std::iter::once(&0).chain(&self.ends);
@@ -90,20 +133,22 @@ mod tests {
     use super::*;
     use tristrip::{CollapseSequence, Rename};
 
-    /// Returns collapses along the rim of a fan, with the given errors, of a part of a group.
-    fn fan(errors: &[f32], group: usize, steps: Option<&[u32]>) -> PartCollapses {
-        let corners = errors.len() as u32 + 3;
+    /// Returns collapses along the rim of a fan, with the given costs, of a part of a group.
+    fn fan(costs: &[f64], group: usize, steps: Option<&[u32]>) -> PartCollapses {
+        let corners = costs.len() as u32 + 3;
         let triangles = (0..corners - 1).flat_map(|i| [i, i + 1, corners]).collect();
         let renames: Vec<[Rename; 1]> =
-            (0..errors.len() as u32).map(|i| [Rename { removed: i, kept: i + 1 }]).collect();
-        let collapses = renames.iter().zip(errors).map(|(rename, &error)| (&rename[..], error));
+            (0..costs.len() as u32).map(|i| [Rename { removed: i, kept: i + 1 }]).collect();
+        let collapses = renames.iter().map(|rename| (&rename[..], 0.0));
         let sequence = CollapseSequence::from_collapses(corners as usize + 1, triangles, collapses).unwrap();
-        PartCollapses { sequence, stopped: None, group, vanished: 0, steps: steps.map(<[u32]>::to_vec) }
+        let all: Vec<u32> = (0..costs.len() as u32).collect();
+        let steps = steps.unwrap_or(&all).to_vec();
+        PartCollapses { sequence, group, steps, costs: costs.to_vec() }
     }
 
     #[test]
-    fn collapses_of_all_parts_are_ordered_by_error() {
-        let levels = LevelOrder::new(&[fan(&[1.0, 4.0, 2.0], 0, None), fan(&[2.0, 3.0, 5.0], 1, None)]);
+    fn collapses_of_all_parts_are_ordered_by_cost() {
+        let levels = LevelOrder::new(&[fan(&[1.0, 4.0, 4.0], 0, None), fan(&[2.0, 3.0, 5.0], 1, None)]);
         let all: Vec<_> = (0..=6).rev().map(|level| levels.of_parts(level).unwrap()).collect();
         assert_eq!(all, [[3, 3], [2, 3], [2, 2], [2, 1], [1, 1], [0, 1], [0, 0]]);
         assert!(matches!(levels.of_parts(7), Err(Error::Level { found: 7, last: 6 })));
@@ -118,7 +163,7 @@ mod tests {
         let levels = LevelOrder::new(&[
             fan(&[1.0, 4.0], 0, Some(&[0, 1])),
             fan(&[2.0], 1, None),
-            fan(&[4.0, 3.0], 0, Some(&[1, 2])),
+            fan(&[4.0, 4.0], 0, Some(&[1, 2])),
         ]);
         let all: Vec<_> = (0..=4).rev().map(|level| levels.of_parts(level).unwrap()).collect();
         assert_eq!(all, [[2, 1, 2], [1, 1, 2], [1, 0, 2], [0, 0, 1], [0, 0, 0]]);
