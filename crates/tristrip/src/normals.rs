@@ -139,7 +139,7 @@ impl Shading {
     #[doc = include_str!("normals/example.txt")]
     /// let shading = Shading::of(&roof, &triangles)?.unwrap_or_default();
     /// // A triangle of the back with a vertex of the front.
-    /// let normals = shading.repaired_normals(&roof, &triangles, &[3, 8, 10])?;
+    /// let normals = shading.repaired_normals(&roof, &triangles, &[5, 8, 11])?;
     /// assert_eq!(normals, [[0.0, 1.0, 0.0]; 3]);
     /// # Ok::<(), tristrip::Error>(())
     /// ```

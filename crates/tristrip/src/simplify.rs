@@ -41,6 +41,7 @@ mod stopped;
 #[cfg(test)]
 mod tests;
 mod topology;
+mod waiting;
 
 use crate::collapse::CollapseSequence;
 use crate::error::Error;

@@ -40,7 +40,7 @@ impl NormalFit {
     /// assert!(NormalFit::of(&roof, &triangles)?.is_some_and(|fit| fit.flat == 1.0 && fit.unfit == 0.0));
     /// // A triangle of the back with a vertex of the front, whose normal is at a right angle to it.
     /// let third = 1.0 / 3.0;
-    /// assert!(NormalFit::of(&roof, &[3, 8, 10])?.is_some_and(|fit| (fit.unfit - third).abs() < 1e-9));
+    /// assert!(NormalFit::of(&roof, &[5, 8, 11])?.is_some_and(|fit| (fit.unfit - third).abs() < 1e-9));
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     pub fn of(mesh: &Mesh, triangles: &[u32]) -> Result<Option<Self>, Error> {

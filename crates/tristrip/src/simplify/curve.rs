@@ -36,7 +36,7 @@ pub(super) fn along_curve<P: Positions + ?Sized>(
     }
     let side = (0..3).map(|k| f64::from(high[k]) - f64::from(low[k])).fold(0.0, f64::max);
     let scale = if side > 0.0 { f64::from((1 << CELL_BITS) - 1) / side } else { 0.0 };
-    let along = |x: f32, low: f32| spread(((f64::from(x) - f64::from(low)) * scale) as u32);
+    let along = |x: f32, low: f32| spread((((f64::from(x) - f64::from(low)) * scale) as i32).unsigned_abs());
     let cell = |[x, y, z]: [f32; 3]| along(x, low[0]) | along(y, low[1]) << 1 | along(z, low[2]) << 2;
     let mut cells: Vec<(u32, u32)> = firsts().map(cell).zip(0..).collect();
     cells.sort_unstable();

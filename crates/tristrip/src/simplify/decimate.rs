@@ -11,11 +11,9 @@
 //!
 //! The next cheapest point of all could be taken instead, from a queue. It would lie anywhere in the mesh: its triangles, positions and quadrics
 //! would come from memory each time, where those of the next point in a pass are at hand (module `curve`); and it would often be a
-//! neighbour of the last one, whose price has just become void. The collapses of a pass do not touch each other, so that their order does
-//! not matter: at the end all are sorted by price, each after those before it that it depends on (module `order`), and cut off where the
-//! goal is reached.
-//!
-//! Distances after passes and after a queue differ by less than one percent over the models of docs/levels.md.
+//! neighbour of the last one, whose price has just become void. A pass is always done to its end, and its collapses are sorted by price then, each
+//! after those that it depends on (module `order`); they are cut off where the goal is reached. Distances after passes and after a
+//! queue differ by one or two percent (docs/levels.md).
 //!
 //! A collapse is refused if it would
 //! - rotate a remaining triangle by more than about 75 degrees (`LEAST_COSINE` of the module `neighbourhood`);
@@ -38,10 +36,10 @@ use super::neighbourhood::Neighbourhood;
 use super::options::{Price, SimplifyOptions};
 use super::order::CollapseOrder;
 use super::outcome::{MOST_CORNERS, Outcome, Outcomes};
-use super::price::PricedCollapse;
 use super::quadric::Quadric;
 use super::stopped::Stopped;
 use super::topology::{PointKind, Topology};
+use super::waiting::{PricedCollapse, Waiting, finite};
 use crate::collapse::{CollapseSequence, Rename};
 use crate::ids::OptionalId;
 use crate::mesh::{Positions, is_degenerate, triangles_of};
@@ -59,28 +57,6 @@ enum Refusal {
     FoldOver,
     Topology,
     Seam,
-}
-
-/// A point that may be removed.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Waiting {
-    /// The cost of its best collapse, as far as known; infinite if none is possible.
-    pub(super) cost: f32,
-    /// The point that it would go to, if it has a price.
-    pub(super) target: OptionalId,
-    /// The error of that, in units of the frame.
-    pub(super) error: f32,
-    /// The last pass in which its neighbourhood changed.
-    changed: u32,
-}
-
-impl Waiting {
-    const NOT: Self = Self { cost: f32::INFINITY, target: OptionalId::NONE, error: 0.0, changed: 0 };
-
-    /// Returns whether the point waits.
-    fn waits(&self) -> bool {
-        self.cost < f32::INFINITY
-    }
 }
 
 /// A mesh while it is simplified.
@@ -193,7 +169,7 @@ impl Decimation {
                 let priced = self.priced(point).or_else(|| self.price(point));
                 if let Some(collapse) = priced.filter(|collapse| collapse.cost <= limit) {
                     self.topology.neighbours(point, &mut self.around);
-                    self.order.push(collapse.cost, point, &self.around);
+                    self.order.push(self.pass, collapse.cost, &self.around);
                     self.collapse(point, &collapse, sequence);
                 }
             }
@@ -371,11 +347,6 @@ impl Decimation {
     pub(super) fn vanishing_error(&self, point: u32) -> f64 {
         self.vanishing.get(point as usize).copied().unwrap_or(f32::INFINITY).into()
     }
-}
-
-/// Returns a number as one that is finite in fewer bits.
-pub(super) fn finite(x: f64) -> f32 {
-    x.min(f64::from(f32::MAX)) as f32
 }
 
 /// Returns which points are locked: those of locked vertices, and those on borders if borders are locked.

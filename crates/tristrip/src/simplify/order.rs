@@ -1,33 +1,45 @@
-//! The order of collapses that were found in another one.
+//! The order of the collapses of a pass, which are found in another one.
 //!
 //! Two collapses whose points have no neighbour in common do not touch each other: they give the same in either order. All others keep
-//! their order. Each collapse gets a key, its price or the largest key of those before it that had one of its points as a neighbour, whichever is
-//! more; sorted by key, and of equal keys in the order in which they were found, each comes after all that it depends on.
+//! their order. Each collapse gets a key, its price or the largest key of those before it in the pass that had one of its neighbours,
+//! whichever is more; sorted by key, and of equal keys in the order in which they were found, each comes after all that it depends on.
+//!
+//! Passes follow each other. So the collapses to some number of triangles are the first of those to any smaller number, whenever a
+//! simplification stops.
 
 use crate::collapse::CollapseSequence;
 
-/// The keys of the collapses of a sequence.
+/// The place of a collapse: the pass, and the key within it.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    pass: u32,
+    key: f32,
+}
+
+/// The order of the collapses of a sequence.
 #[derive(Debug)]
 pub(super) struct CollapseOrder {
-    keys: Vec<f32>,
-    /// The largest key of a collapse that had this point as a neighbour.
-    latest: Vec<f32>,
+    places: Vec<Place>,
+    /// For each point the place of the last collapse that had it as a neighbour.
+    latest: Vec<Place>,
     /// The largest key.
     greatest: f32,
 }
 
 impl CollapseOrder {
     pub(super) fn new(point_count: usize) -> Self {
-        Self { keys: Vec::new(), latest: vec![0.0; point_count], greatest: 0.0 }
+        Self { places: Vec::new(), latest: vec![Place { pass: 0, key: 0.0 }; point_count], greatest: 0.0 }
     }
 
-    /// Adds the collapse of a point with its price, at least 0; the neighbours include the point that it goes to.
-    pub(super) fn push(&mut self, price: f32, point: u32, neighbours: &[u32]) {
-        let key = neighbours.iter().map(|&p| self.latest[p as usize]).fold(price, f32::max);
-        let key = key.max(self.latest[point as usize]);
-        neighbours.iter().for_each(|&p| self.latest[p as usize] = key);
+    /// Adds a collapse of a pass, counted from 1, with its price, at least 0; the neighbours include the point that it goes to.
+    pub(super) fn push(&mut self, pass: u32, price: f32, neighbours: &[u32]) {
+        let of_pass =
+            neighbours.iter().map(|&p| self.latest[p as usize]).filter(|latest| latest.pass == pass);
+        let key = of_pass.map(|latest| latest.key).fold(price, f32::max);
+        let place = Place { pass, key };
+        neighbours.iter().for_each(|&p| self.latest[p as usize] = place);
         self.greatest = self.greatest.max(key);
-        self.keys.push(key);
+        self.places.push(place);
     }
 
     /// Returns the largest key, 0 without any.
@@ -35,14 +47,44 @@ impl CollapseOrder {
         self.greatest
     }
 
-    /// Sorts the collapses of a sequence, and removes those after the first level of at most `triangle_count` triangles. Returns the keys
-    /// of those that are left, ascending.
+    /// Sorts the collapses of a sequence, and removes those after the first level of at most `triangle_count` triangles. Returns the greatest
+    /// key so far for each of those that are left.
     pub(super) fn apply(self, triangle_count: usize, sequence: &mut CollapseSequence) -> Vec<f32> {
         // The bits of numbers from 0 on have the order of the numbers.
-        let mut order: Vec<(u32, u32)> = self.keys.iter().map(|key| key.to_bits()).zip(0..).collect();
+        let rank = |place: &Place| u64::from(place.pass) << 32 | u64::from(place.key.to_bits());
+        let mut order: Vec<(u64, u32)> = self.places.iter().map(rank).zip(0..).collect();
         order.sort_unstable();
-        let numbers: Vec<u32> = order.iter().map(|&(_, number)| number).collect();
+        let numbers: Vec<u32> = order.into_iter().map(|(_, number)| number).collect();
         sequence.reorder(&numbers, triangle_count);
-        order.iter().take(sequence.len()).map(|&(bits, _)| f32::from_bits(bits)).collect()
+        let mut greatest = 0.0_f32;
+        let so_far = numbers[..sequence.len()].iter().map(|&number| {
+            greatest = greatest.max(self.places[number as usize].key);
+            greatest
+        });
+        so_far.collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::collapse::Rename;
+
+    #[test]
+    fn collapses_are_sorted_within_a_pass_and_after_those_they_depend_on() {
+        // Five separate triangles, of which each collapse drops one.
+        let mut sequence = CollapseSequence::new(15, (0..15).collect()).unwrap();
+        let mut order = CollapseOrder::new(10);
+        let found =
+            [(1, 3.0, [0, 1]), (1, 1.0, [1, 2]), (1, 2.0, [3, 4]), (2, 0.5, [1, 5]), (2, 0.25, [6, 7])];
+        for (number, (pass, price, neighbours)) in (0..).zip(found) {
+            order.push(pass, price, &neighbours);
+            sequence.push(&[Rename { removed: 3 * number, kept: 3 * number + 1 }], &[number], price);
+        }
+        assert_eq!(order.greatest().to_bits(), 3.0_f32.to_bits());
+        let costs = order.apply(1, &mut sequence);
+        let dropped: Vec<u32> = sequence.iter().flat_map(|collapse| collapse.dropped).copied().collect();
+        assert_eq!(dropped, [2, 0, 1, 4]);
+        assert_eq!(costs, [2.0, 3.0, 3.0, 3.0]);
     }
 }

@@ -18,11 +18,12 @@
 //!
 //! By [`Price::Planes`] the price is the estimate, with the attributes.
 
-use super::decimate::{Decimation, Waiting, finite};
+use super::decimate::Decimation;
 use super::options::Price;
 use super::outcome::Outcome;
 use super::quadric::Quadric;
 use super::topology::PointKind;
+use super::waiting::{PricedCollapse, Waiting, finite};
 use crate::ids::OptionalId;
 use crate::vector::{Point, dot, sub};
 
@@ -37,15 +38,6 @@ const LENGTH_WEIGHT: f64 = 1e-6;
 /// The price by distance is seldom less than this times the estimate; three times is usual. With 1 distances are one percent smaller over
 /// eight models, and half as many prices again are found; with 3 they are two percent larger.
 const USUAL_RATIO: f64 = 2.0;
-
-/// A collapse with its price.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct PricedCollapse {
-    pub(super) to: u32,
-    pub(super) cost: f32,
-    /// The distance between the surfaces, in units of the frame.
-    pub(super) error: f32,
-}
 
 impl Price {
     /// Returns the price to expect of a collapse.

@@ -1,0 +1,41 @@
+//! What is known of the best collapse of a point.
+
+use crate::ids::OptionalId;
+
+/// A point that may be removed.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Waiting {
+    /// The cost of its best collapse, as far as known; infinite if none is possible.
+    pub(super) cost: f32,
+    /// The point that it would go to, if it has a price.
+    pub(super) target: OptionalId,
+    /// The error of that, in units of the frame.
+    pub(super) error: f32,
+    /// The last pass in which its neighbourhood changed.
+    pub(super) changed: u32,
+}
+
+impl Waiting {
+    /// A point that does not wait.
+    pub(super) const NOT: Self =
+        Self { cost: f32::INFINITY, target: OptionalId::NONE, error: 0.0, changed: 0 };
+
+    /// Returns whether the point waits.
+    pub(super) fn waits(&self) -> bool {
+        self.cost < f32::INFINITY
+    }
+}
+
+/// A collapse with its price.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PricedCollapse {
+    pub(super) to: u32,
+    pub(super) cost: f32,
+    /// The distance between the surfaces, in units of the frame.
+    pub(super) error: f32,
+}
+
+/// Returns a number as one that is finite in fewer bits.
+pub(super) fn finite(x: f64) -> f32 {
+    x.min(f64::from(f32::MAX)) as f32
+}
