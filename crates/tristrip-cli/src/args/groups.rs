@@ -99,7 +99,7 @@ pub(crate) struct CollapseArgs {
     /// What a collapse costs
     ///
     /// By planes alone it takes about half the time. Errors are then root mean squares of distances to planes: the largest distance between the surfaces
-    /// may be greater than --error, and the mean distance is about a quarter greater at as many triangles.
+    /// may be greater than --error, and the mean distance is about a sixth greater at as many triangles.
     #[arg(long, value_name = "PRICE", value_parser = named(Price::ALL, Price::name, Price::summary), default_value_t = Price::default())]
     pub(crate) price: Price,
     /// Let holes close, handles vanish and textures shift at their seams: for clutter that is to become very small

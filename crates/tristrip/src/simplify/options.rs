@@ -100,7 +100,7 @@ pub enum Price {
     #[default]
     Distance,
     /// The distances from the planes of the full mesh alone: takes about half the time. The mean distance between the surfaces
-    /// is about a quarter larger, and the largest is not known: where triangles bridge a valley it exceeds the error.
+    /// is about a sixth larger, and the largest is not known: where triangles bridge a valley it exceeds the error.
     Planes,
 }
 

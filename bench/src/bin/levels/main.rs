@@ -8,6 +8,8 @@
 //! on one thread, in rounds that alternate with meshoptimizer.
 #![allow(clippy::print_stdout, reason = "a program that prints")]
 
+mod simplification;
+
 use std::fmt::Write as _;
 use std::fs;
 use std::hint::black_box;
@@ -16,28 +18,28 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use clap::Parser;
+use simplification::{
+    POINTS, SimplificationFigures, SimplificationGoal, measure, simplification_table, summary,
+};
 use tristrip::Effort;
 use tristrip::lod::{Encoding, ProgressiveStrips};
 use tristrip::lod::{Filter, traffic};
 use tristrip::lod::{LevelCursor, Repair, RepairOptions};
-use tristrip::simplify::{self, Simplification, simplify_triangles};
-use tristrip::{CollapseSequence, Mesh, Method, StripifyOptions, Strips, stripify};
+use tristrip::simplify::{self, Price, simplify_triangles};
+use tristrip::{CollapseSequence, Method, StripifyOptions, Strips, stripify};
 use tristrip_bench::failure::Failure;
 use tristrip_bench::levels;
 use tristrip_bench::measure::median;
-use tristrip_bench::memory::{CountingAllocator, extra_bytes};
+use tristrip_bench::memory::CountingAllocator;
 use tristrip_bench::models::{self, Source, load};
 use tristrip_bench::targets::Target;
 use tristrip_bench::text::{self, Table};
-use tristrip_pipeline::{ChangedSurface, surface_change};
 
 #[global_allocator]
 static ALLOCATOR: CountingAllocator = CountingAllocator;
 
 /// The command that generates the page.
 const COMMAND: &str = "cargo run --release -p tristrip-bench --bin levels -- --docs docs";
-/// Sample points in each direction for the distance of two surfaces.
-const POINTS: usize = 40_000;
 /// Models whose quality has a target relative to meshoptimizer's.
 const QUALITY: [&str; 3] = ["bunny", "horse", "armadillo_43k"];
 const QUALITY_TARGET: f64 = 0.95;
@@ -77,45 +79,12 @@ struct Args {
     /// Let both programs change the topology
     #[arg(long)]
     permissive: bool,
+    /// What a collapse of ours costs: distance or planes; the page shows both
+    #[arg(long, default_value_t, value_name = "PRICE")]
+    price: Price,
     /// Write levels.md into this folder
     #[arg(long, value_name = "DIR")]
     docs: Option<PathBuf>,
-}
-
-/// What both programs are asked for.
-#[derive(Clone, Copy)]
-struct SimplificationGoal {
-    /// One in this number of triangles.
-    share: usize,
-    /// Whether the topology may change.
-    permissive: bool,
-}
-
-impl SimplificationGoal {
-    fn with_share(self, share: usize) -> Self {
-        Self { share, ..self }
-    }
-}
-
-/// The figures of a model simplified by both programs to the same number of triangles.
-struct SimplificationFigures {
-    model: String,
-    before: usize,
-    /// Triangles at which ours and meshoptimizer's stop.
-    after: [usize; 2],
-    /// Times, in seconds.
-    times: [f64; 2],
-    /// Root mean square and largest distances from the full mesh, as fractions of the diagonal.
-    rms: [f64; 2],
-    largest: [f64; 2],
-    bytes_per_triangle: f64,
-}
-
-impl SimplificationFigures {
-    /// Checks whether both have about the same number of triangles.
-    fn is_alike(&self) -> bool {
-        self.after[0].abs_diff(self.after[1]) <= 2 + self.after[0] / 100
-    }
 }
 
 /// The figures of a model at all levels, with one method's strips.
@@ -143,7 +112,8 @@ fn main() -> Result<(), Failure> {
     let mut sources = models::find(&folder)?;
     sources.retain(|source| args.model.is_empty() || args.model.contains(&source.name));
     let rounds = usize::from(args.rounds);
-    let goal = SimplificationGoal { share: args.share.into(), permissive: args.permissive };
+    let goal =
+        SimplificationGoal { share: args.share.into(), permissive: args.permissive, price: args.price };
 
     let mut simplified = Vec::new();
     for source in &sources {
@@ -152,6 +122,11 @@ fn main() -> Result<(), Failure> {
         if source.name == "dragon" {
             simplified.push(measure("dragon to 1 %", &mesh, &goal.with_share(100), rounds.min(3))?);
         }
+    }
+    let mut by_planes = Vec::new();
+    for source in sources.iter().filter(|_| args.share == 20 && args.price == Price::Distance) {
+        let goal = SimplificationGoal { price: Price::Planes, ..goal };
+        by_planes.push(measure(&source.name, &load(source)?.triangles, &goal, rounds)?);
     }
     let mut dirty = Vec::new();
     for source in sources.iter().filter(|source| args.share == 20 && DIRTY.contains(&source.name.as_str())) {
@@ -173,8 +148,12 @@ fn main() -> Result<(), Failure> {
     }
     let targets = compare(&simplified, &dirty, &all_levels);
     let (table, of_levels) = (simplification_table(&simplified), levels_table(&all_levels));
-    let of_dirty = simplification_table(&dirty);
-    println!("{}\n{}\n{}", table.aligned(), of_dirty.aligned(), of_levels.aligned());
+    let (of_dirty, of_planes) = (simplification_table(&dirty), simplification_table(&by_planes));
+    let tables = [&table, &of_planes, &of_dirty, &of_levels].map(Table::aligned);
+    println!("{}", tables.join("\n"));
+    for (price, figures) in [(args.price, &simplified), (Price::Planes, &by_planes)] {
+        println!("{}", summary(price, figures));
+    }
     println!("{}", text::targets(&targets).aligned());
     if let Some(docs) = &args.docs {
         fs::create_dir_all(docs)?;
@@ -190,8 +169,16 @@ fn main() -> Result<(), Failure> {
              `tristrip simplify` compared with meshoptimizer's `simplify`, both by half-edge collapses, ours with all collapses recorded. RMS is the\n\
              two-sided distance from the full mesh in percent of its diagonal, by {POINTS} points in each direction; largest is the largest of these, and of\n\
              the distances of up to {POINTS} removed vertices. Bytes are the peak in use beyond\n\
-             input and result. Both stop where meshoptimizer stops.\n\n{}\n",
+             input and result. Both stop where meshoptimizer stops.\n\n{}\n\n{}\n",
+            summary(Price::Distance, &simplified),
             table.markdown()
+        )?;
+        write!(
+            page,
+            "## The same by planes alone\n\n\
+             `tristrip simplify --price planes`: faster, with larger distances.\n\n{}\n\n{}\n",
+            summary(Price::Planes, &by_planes),
+            of_planes.markdown()
         )?;
         write!(
             page,
@@ -211,77 +198,6 @@ fn main() -> Result<(), Failure> {
         fs::write(docs.join("levels.md"), page)?;
     }
     Ok(())
-}
-
-/// Simplifies with both programs, alternating.
-fn measure(
-    name: &str,
-    mesh: &Mesh,
-    goal: &SimplificationGoal,
-    rounds: usize,
-) -> Result<SimplificationFigures, Failure> {
-    let triangles = mesh.faces().as_triangles().ok_or("a model of triangles was expected")?;
-    let target = triangles.len() / 3 / goal.share;
-    let bytes: Vec<u8> = mesh.positions().iter().flatten().flat_map(|x| x.to_ne_bytes()).collect();
-    let adapter = meshopt::VertexDataAdapter::new(&bytes, 12, 0)?;
-    let peer = || {
-        let options = if goal.permissive {
-            meshopt::SimplifyOptions::Permissive
-        } else {
-            meshopt::SimplifyOptions::empty()
-        };
-        meshopt::simplify(black_box(triangles), &adapter, 3 * target, f32::MAX, options, None)
-    };
-    let mut theirs = peer();
-    // Ours stops where meshoptimizer stops: with more or fewer triangles the distances could not be compared.
-    let target = theirs.len() / 3;
-    let options =
-        simplify::SimplifyOptions::default().with_triangles(target).with_permissive(goal.permissive);
-    let (mut times, mut ours) = ([Vec::new(), Vec::new()], None);
-    for _ in 0..rounds {
-        let input = triangles.to_vec();
-        let start = Instant::now();
-        let done = simplify_triangles(mesh, black_box(input), &options)?;
-        times[0].push(start.elapsed().as_secs_f64());
-        ours = Some(done);
-        let start = Instant::now();
-        theirs = peer();
-        times[1].push(start.elapsed().as_secs_f64());
-    }
-    let input = triangles.to_vec();
-    let (result, extra) = extra_bytes(|| simplify_triangles(mesh, input, &options));
-    result?;
-    let Simplification { sequence, .. } = ours.ok_or("no round was requested")?;
-    sequence.check()?;
-    let drawn = sequence.drawn(0)?.concat();
-    let diagonal = diagonal(mesh);
-    let distances = |indices: &[u32]| {
-        let surface = ChangedSurface { mesh, before: triangles, after: indices, texels: None };
-        let change = surface_change(&[surface], POINTS)?;
-        Ok::<_, Failure>([change.rms / diagonal, change.largest / diagonal])
-    };
-    let (our_distances, their_distances) = (distances(&drawn)?, distances(&theirs)?);
-    Ok(SimplificationFigures {
-        model: name.into(),
-        before: triangles.len() / 3,
-        after: [drawn.len() / 3, theirs.len() / 3],
-        times: times.map(median),
-        rms: [our_distances[0], their_distances[0]],
-        largest: [our_distances[1], their_distances[1]],
-        bytes_per_triangle: extra
-            .map_or(f64::NAN, |extra| extra as f64 / (triangles.len() / 3).max(1) as f64),
-    })
-}
-
-/// Returns the diagonal of the bounding box of the drawn vertices.
-fn diagonal(mesh: &Mesh) -> f64 {
-    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    for &v in mesh.faces().iter().flatten() {
-        for (k, &x) in mesh.positions()[v as usize].iter().enumerate() {
-            (low[k], high[k]) = (low[k].min(x.into()), high[k].max(x.into()));
-        }
-    }
-    (0..3).map(|k| (high[k] - low[k]).max(0.0).powi(2)).sum::<f64>().sqrt()
 }
 
 /// Measures all levels of a model, down to 5 % of its triangles.
@@ -447,49 +363,6 @@ fn compare(
         targets.push(Target::at_least(of("million vertex splits per second"), 5.0, slower / 1e6, 1));
     }
     targets
-}
-
-fn simplification_table(simplified: &[SimplificationFigures]) -> Table {
-    let heads = [
-        "model",
-        "triangles",
-        "ours",
-        "meshoptimizer",
-        "ms",
-        "meshoptimizer ms",
-        "ratio",
-        "RMS %",
-        "meshoptimizer RMS %",
-        "ratio",
-        "largest %",
-        "meshoptimizer largest %",
-        "ratio",
-        "bytes/T",
-    ];
-    let mut table = Table::new(1, &heads);
-    for s in simplified {
-        let same = s.is_alike();
-        let ratio = |[ours, theirs]: [f64; 2]| {
-            if theirs > 0.0 { format!("{:.2}", ours / theirs) } else { "–".into() }
-        };
-        table.push(vec![
-            s.model.clone(),
-            s.before.to_string(),
-            s.after[0].to_string(),
-            s.after[1].to_string(),
-            format!("{:.1}", 1e3 * s.times[0]),
-            format!("{:.1}", 1e3 * s.times[1]),
-            if same { ratio(s.times) } else { "–".into() },
-            format!("{:.4}", 100.0 * s.rms[0]),
-            format!("{:.4}", 100.0 * s.rms[1]),
-            if same { ratio(s.rms) } else { "–".into() },
-            format!("{:.3}", 100.0 * s.largest[0]),
-            format!("{:.3}", 100.0 * s.largest[1]),
-            if same { ratio(s.largest) } else { "–".into() },
-            format!("{:.0}", s.bytes_per_triangle),
-        ]);
-    }
-    table
 }
 
 fn levels_table(all_levels: &[LevelFigures]) -> Table {
