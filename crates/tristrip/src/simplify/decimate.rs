@@ -77,8 +77,10 @@ pub(super) struct Decimation {
     pub(super) waiting: Vec<Waiting>,
     /// What a collapse costs.
     pub(super) price: Price,
-    /// The points that may wait, ascending.
+    /// The points that wait, ascending, with others that did so until the last pass.
     points: Vec<u32>,
+    /// Points for which no collapse was possible, and which wait again since something changed around them.
+    revived: Vec<u32>,
     /// The number of the pass, from 1.
     pass: u32,
     order: CollapseOrder,
@@ -138,6 +140,7 @@ impl Decimation {
             waiting: vec![Waiting::NOT; count],
             price: options.price(),
             points: (0..count as u32).collect(),
+            revived: Vec::new(),
             pass: 0,
             order: CollapseOrder::new(count),
             error_limit: options.error().map_or(f64::INFINITY, |error| f64::from(error) / unit),
@@ -158,6 +161,12 @@ impl Decimation {
     pub(super) fn run(&mut self, triangle_count: usize, sequence: &mut CollapseSequence) -> bool {
         let mut points = std::mem::take(&mut self.points);
         while self.triangle_count > triangle_count {
+            if !self.revived.is_empty() {
+                points.append(&mut self.revived);
+                // One ascending run and another: a stable sort merges them.
+                points.sort();
+                points.dedup();
+            }
             points.retain(|&point| self.waiting[point as usize].waits());
             let Some(limit) = self.pass_limit(&points) else { break };
             self.pass += 1;
@@ -302,6 +311,7 @@ impl Decimation {
             (waiting.changed, waiting.target) = (self.pass, OptionalId::NONE);
             if !waiting.waits() {
                 self.estimate(p);
+                self.revived.push(p);
             } else if p == to {
                 let cost = f64::from(waiting.cost) + f64::from(collapse.cost);
                 self.wait(p, cost);

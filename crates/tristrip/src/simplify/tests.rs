@@ -346,7 +346,9 @@ proptest! {
         let (positions, triangles) = grid(8, 8, closed);
         let triangles: Vec<u32> = triangles.chunks_exact(3).enumerate()
             .filter(|(t, _)| !missing.contains(t)).flat_map(|(_, t)| t.to_vec()).collect();
-        let sequence = simplified(&positions, &triangles, &SimplifyOptions::default()).sequence;
+        let Simplification { sequence, stopped } = simplified(&positions, &triangles, &SimplifyOptions::default());
+        // A vertex that could not be removed at first is tried again when something has changed around it.
+        prop_assert_eq!(stopped.map_or(0, |stopped| stopped.error), 0);
         let full = shape(&sequence.drawn(sequence.len()).unwrap());
         for level in 0..sequence.len() {
             prop_assert_eq!(shape(&sequence.drawn(level).unwrap()), full, "level {}", level);
