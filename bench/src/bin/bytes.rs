@@ -51,14 +51,14 @@ fn main() -> Result<(), Failure> {
 fn measure(source: &Path, args: &Args) -> Result<Vec<String>, Failure> {
     let mut model = read_path(source)?;
     embed_images(&mut model, Some(source))?;
-    let [exact, compact] = [Rounding::None, Rounding::WeightsAndRotations]
+    let [default, compact] = [Rounding::Weights, Rounding::WeightsAndRotations]
         .map(|rounding| Measured::of(&simplified(&model, args.share, rounding)?));
-    let (exact, compact) = (exact?, compact?);
+    let (default, compact) = (default?, compact?);
     let theirs = Measured::of(&scenes::packed(&args.gltfpack, source, args.share)?)?;
     let ratio = |ours: &Measured| format!("{:.3}", ours.bytes as f64 / theirs.bytes as f64);
-    let counts = [exact.triangles, theirs.triangles, exact.bytes, compact.bytes, theirs.bytes];
+    let counts = [default.triangles, theirs.triangles, default.bytes, compact.bytes, theirs.bytes];
     let counts = counts.into_iter().map(|count| count.to_string());
-    Ok([scenes::name(source)].into_iter().chain(counts).chain([ratio(&exact), ratio(&compact)]).collect())
+    Ok([scenes::name(source)].into_iter().chain(counts).chain([ratio(&default), ratio(&compact)]).collect())
 }
 
 /// Simplifies to a share of the triangles; returns a GLB.

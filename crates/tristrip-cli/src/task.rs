@@ -260,9 +260,11 @@ fn validate(command: Command, papers: &[&str]) -> Result<Task, String> {
             if let Some(path) = &args.picture {
                 check_picture(path, &jobs)?;
             }
-            let rounding = if args.compact { Rounding::WeightsAndRotations } else { Rounding::None };
-            let options = SimplifyOptions::new(goal).with_rules(args.collapse.rules());
-            let options = options.with_normals(args.normals).with_rounding(rounding).with_verify(verify);
+            let mut options = SimplifyOptions::new(goal).with_rules(args.collapse.rules());
+            options = options.with_normals(args.normals).with_verify(verify);
+            if args.compact {
+                options = options.with_rounding(Rounding::WeightsAndRotations);
+            }
             Task::Simplify(SimplifyTask { jobs, options, picture: args.picture })
         }
         Command::Lod(args) => match args.chain.clone() {

@@ -80,6 +80,9 @@ fn numbers(glb: &[u8], accessor: &Value) -> Vec<Vec<f64>> {
             .iter()
             .map(|b| (f64::from(i16::from_le_bytes(*b)) / 32767.0).max(-1.0))
             .collect(),
+        Some(5123) => {
+            value.as_chunks::<2>().0.iter().map(|b| f64::from(u16::from_le_bytes(*b)) / 65535.0).collect()
+        }
         _ => value.iter().map(|&b| f64::from(b) / 255.0).collect(),
     };
     raw(glb, number).iter().map(of).collect()
@@ -376,18 +379,26 @@ fn joints_get_bytes_and_weights_on_request() {
         assert_eq!(old.iter().step_by(2).collect::<Vec<_>>(), new.iter().collect::<Vec<_>>());
     }
     assert_eq!(attribute(&exact, "WEIGHTS_0").1, attribute(&glb, "WEIGHTS_0").1);
-    let rounded = packed(&glb, Rounding::WeightsAndRotations);
-    let (component, bytes, number) = attribute(&rounded, "WEIGHTS_0");
-    assert_eq!(component, json!(U8));
     let before = numbers(&glb, &attribute(&glb, "WEIGHTS_0").2);
-    let mut changed = 0;
-    for ((before, after), bytes) in before.iter().zip(numbers(&rounded, &number)).zip(bytes) {
-        assert_eq!(bytes.iter().map(|&b| u32::from(b)).sum::<u32>(), 255);
-        assert!(before.iter().zip(&after).all(|(a, b)| (a - b).abs() < 1.0 / 255.0));
-        changed += usize::from(*before != after);
+    let mut files = vec![("exact.glb".into(), exact)];
+    for (rounding, highest) in [(Rounding::Weights, 65535), (Rounding::WeightsAndRotations, 255)] {
+        let rounded = packed(&glb, rounding);
+        let (component, bytes, number) = attribute(&rounded, "WEIGHTS_0");
+        let width = if highest == 255 { 1 } else { 2 };
+        assert_eq!(component, json!(if width == 1 { U8 } else { U16 }));
+        let mut changed = 0;
+        for ((before, after), bytes) in before.iter().zip(numbers(&rounded, &number)).zip(bytes) {
+            let parts =
+                bytes.chunks(width).map(|part| part.iter().rev().fold(0, |sum, &b| 256 * sum + u32::from(b)));
+            assert_eq!(parts.sum::<u32>(), highest);
+            let least = 1.0 / f64::from(highest);
+            assert!(before.iter().zip(&after).all(|(a, b)| (a - b).abs() < least));
+            changed += usize::from(*before != after);
+        }
+        assert!(changed > 5);
+        files.push((format!("{highest}.glb"), rounded));
     }
-    assert!(changed > 5);
-    validate("weights", &[("exact.glb".into(), exact), ("rounded.glb".into(), rounded)]);
+    validate("weights", &files);
 }
 
 #[test]

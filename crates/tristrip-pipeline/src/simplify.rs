@@ -47,7 +47,7 @@ pub struct SimplifyOptions {
     pub rules: CollapseRules,
     /// Whether normals are kept or rebuilt.
     pub normals: Normals,
-    /// What is rounded when a GLB is packed into few bytes.
+    /// What is rounded when a GLB is packed into few bytes; by default weights of joints to 16 bits.
     pub rounding: Rounding,
     /// Whether the collapses, and the bytes of a file, are proven.
     pub verify: bool,
@@ -60,7 +60,7 @@ impl SimplifyOptions {
     /// Sets the goal.
     pub fn new(goal: Goal) -> Self {
         let (rules, normals) = (CollapseRules::default(), Normals::default());
-        Self { goal, rules, normals, rounding: Rounding::None, verify: true, format: Format::Ply }
+        Self { goal, rules, normals, rounding: Rounding::Weights, verify: true, format: Format::Ply }
     }
 
     /// Sets what collapses may do, and what they cost.

@@ -57,8 +57,8 @@ pub(crate) struct SimplifyArgs {
     pub(crate) normals: Normals,
     /// Round joint weights to 8 bits and rotations of animations to 16 bits in a GLB or .gltf
     ///
-    /// Weights change by less than 1/255 each, rotations by less than 0.004 degrees. Without it no value of a vertex is rounded, and
-    /// animations play the same within a millionth of each track's greatest value.
+    /// Weights change by less than 1/255 each, rotations by less than 0.004 degrees. Without it weights are rounded to 16 bits, which
+    /// changes them by less than 1/65535, and animations play the same within a millionth of each track's greatest value.
     #[arg(long)]
     pub(crate) compact: bool,
     #[command(flatten)]

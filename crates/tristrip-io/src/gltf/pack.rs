@@ -6,8 +6,8 @@
 //! ```
 //! # Algorithm
 //! 1. Keyframes are removed that the interpolation of their neighbours gives back (`animation.rs`).
-//! 2. Joints and indices get the smallest type that holds them (`types.rs`); with [`Rounding::WeightsAndRotations`] also the weights of
-//!    joints and the rotations of animations, which is not exact.
+//! 2. Joints and indices get the smallest type that holds them (`types.rs`); with rounding also the weights of
+//!    joints and the rotations of animations ([`Rounding`]), which is not exact.
 //! 3. Members of the JSON are removed that have the value that a missing member has, and bounds that are not required; numbers are
 //!    written with the fewest digits of the same value (`tidy.rs`).
 //! 4. Accessors that nothing uses are removed; arrays of the same bytes are written once; arrays of one kind share a buffer view

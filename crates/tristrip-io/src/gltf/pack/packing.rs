@@ -20,6 +20,8 @@ pub enum Rounding {
     /// its greatest value from what it was.
     #[default]
     None,
+    /// Weights of joints to 16 bits, which changes each by less than 1/65535 where those of a vertex sum to 1.
+    Weights,
     /// Weights of joints to 8 bits, which changes each by less than 1/255; rotations of animations to 16 bits, which changes each
     /// component of a quaternion by at most 1/65534, the angle by less than 0.004 degrees.
     WeightsAndRotations,

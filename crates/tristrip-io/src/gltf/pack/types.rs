@@ -4,8 +4,9 @@
 //! # Algorithm
 //! 1. Each accessor that has one meaning everywhere, with values one directly after the other, is decoded.
 //! 2. Joints become 8 bits, and indices of points, lines and triangle lists the smallest type in which no index has the highest value.
-//! 3. Weights become 8 bits where each is exactly k/255. With rounding each becomes ⌊255 w⌋/255, and those with the largest remainders
-//!    1/255 more, so that the four of a vertex sum to 1 as the specification requires, if they did before.
+//! 3. Weights become 8 bits where each is exactly k/255, 16 where each is exactly k/65535. With rounding to h = 255 or 65535 each becomes
+//!    ⌊h w⌋/h, and those with the largest remainders 1/h more, so that the four of a vertex sum to 1 as the specification requires, if they
+//!    did before.
 
 #![allow(clippy::cast_sign_loss, reason = "indices, joints and weights are not negative")]
 
@@ -132,7 +133,7 @@ fn narrowed(
     let all = raw.chunks_exact(component.bytes()).map(|bytes| number(component, bytes));
     if meaning == Meaning::Weights {
         let all: Vec<f64> = all.collect();
-        return weights(all.as_chunks::<4>().0, rounding).map(|bytes| (ComponentType::U8, bytes));
+        return weights(all.as_chunks::<4>().0, rounding);
     }
     let highest = all.clone().fold(0.0, f64::max);
     // An index may not have the highest value of its type.
@@ -146,42 +147,69 @@ fn narrowed(
     }
 }
 
-/// Returns weights in 8 bits: the same ones or, with rounding, those with a sum of 255 that are nearest.
-fn weights(all: &[[f64; 4]], rounding: Rounding) -> Option<Vec<u8>> {
-    let exact = |&weight: &f64| {
-        let eight_bits = (0.0..=1.0).contains(&weight).then(|| (weight * 255.0).round())?;
-        (f64::from(eight_bits as f32 / 255.0).to_bits() == weight.to_bits()).then_some(eight_bits as u8)
+/// Returns weights in fewer bits: the same ones or, with rounding, those with a sum of 1 that are nearest.
+fn weights(all: &[[f64; 4]], rounding: Rounding) -> Option<(ComponentType, Vec<u8>)> {
+    let exact = [ComponentType::U8, ComponentType::U16].into_iter().find_map(|component| {
+        let fours = all.iter().map(|&four| exact(four, highest(component)));
+        fours.collect::<Option<Vec<_>>>().map(|fours| (component, fours))
+    });
+    let rounded = || {
+        let component = match rounding {
+            Rounding::None => return None,
+            Rounding::Weights => ComponentType::U16,
+            Rounding::WeightsAndRotations => ComponentType::U8,
+        };
+        let fours = all.iter().map(|&four| nearest(four, highest(component)));
+        Some((component, fours.collect::<Option<Vec<_>>>()?))
     };
-    if let Some(bytes) = all.iter().flatten().map(exact).collect::<Option<Vec<u8>>>() {
-        let sums = bytes.chunks(4).all(|four| four.iter().map(|&w| u32::from(w)).sum::<u32>() == 255);
-        if sums {
-            return Some(bytes);
-        }
-    }
-    if rounding == Rounding::None {
-        return None;
-    }
-    let mut out = Vec::with_capacity(4 * all.len());
-    for four in all {
-        if !four.iter().all(|weight| (0.0..=1.0 + SUM_TOLERANCE).contains(weight)) {
-            return None;
-        }
-        let is_one = (four.iter().sum::<f64>() - 1.0).abs() <= SUM_TOLERANCE;
-        let four = four.map(|weight| 255.0 * weight);
-        out.extend(if is_one { rounded(four) } else { four.map(|weight| weight.round() as u8) });
-    }
-    Some(out)
+    // Rounding to fewer bits than the exact weights need is a request.
+    let is_enough = |(component, _): &(ComponentType, _)| {
+        rounding != Rounding::WeightsAndRotations || *component == ComponentType::U8
+    };
+    let (component, fours) = exact.filter(is_enough).or_else(rounded)?;
+    let parts = fours.into_iter().flatten();
+    let bytes = if component == ComponentType::U8 {
+        parts.map(|part| part as u8).collect()
+    } else {
+        parts.flat_map(u16::to_le_bytes).collect()
+    };
+    Some((component, bytes))
 }
 
-/// Rounds four numbers up or down, so that their sum is 255; it is already, but for the tolerance.
-fn rounded(four: [f64; 4]) -> [u8; 4] {
-    let mut out = four.map(|x| x as u8);
+/// Returns the number that stands for the weight 1 in a type of 8 or 16 bits.
+fn highest(component: ComponentType) -> u16 {
+    if component == ComponentType::U8 { 255 } else { u16::MAX }
+}
+
+/// Returns four weights as parts of a highest number, if they have exactly these values, and the sum 1.
+fn exact(four: [f64; 4], highest: u16) -> Option<[u16; 4]> {
+    let parts = four.map(|weight| (weight * f64::from(highest)).round());
+    let is_exact = four.iter().zip(&parts).all(|(weight, &part)| {
+        (0.0..=1.0).contains(weight)
+            && f64::from(part as f32 / f32::from(highest)).to_bits() == weight.to_bits()
+    });
+    let sum: f64 = parts.iter().sum();
+    (is_exact && sum == f64::from(highest)).then(|| parts.map(|part| part as u16))
+}
+
+/// Returns four weights as the nearest parts of a highest number; `None` if one is no weight. If their sum is 1, that of the parts is the
+/// highest number.
+fn nearest(four: [f64; 4], highest: u16) -> Option<[u16; 4]> {
+    if !four.iter().all(|weight| (0.0..=1.0 + SUM_TOLERANCE).contains(weight)) {
+        return None;
+    }
+    let sum: f64 = four.iter().sum();
+    if (sum - 1.0).abs() > SUM_TOLERANCE {
+        return Some(four.map(|weight| (f64::from(highest) * weight).round() as u16));
+    }
+    let four = four.map(|weight| f64::from(highest) * (weight / sum));
+    let mut parts = four.map(|x| x as u16);
     let mut order = [0, 1, 2, 3];
-    let remainder = |i: usize| four[i] - f64::from(out[i]);
+    let remainder = |i: usize| four[i] - f64::from(parts[i]);
     order.sort_by(|&a, &b| remainder(b).total_cmp(&remainder(a)));
-    let missing = 255_usize.saturating_sub(out.iter().map(|&w| usize::from(w)).sum());
-    order.into_iter().take(missing).for_each(|i| out[i] = out[i].saturating_add(1));
-    out
+    let missing = usize::from(highest).saturating_sub(parts.iter().map(|&part| usize::from(part)).sum());
+    order.into_iter().take(missing).for_each(|i| parts[i] = parts[i].saturating_add(1));
+    Some(parts)
 }
 
 #[cfg(test)]
@@ -191,37 +219,55 @@ mod tests {
     #[test]
     fn rounded_weights_are_near_and_sum_to_one() {
         let mut tried = 0;
-        for a in 0..40 {
-            for b in 0..40 - a {
-                let (x, y) = (f64::from(a) / 41.3, f64::from(b) / 41.3);
-                let all = [x, y, (1.0 - x - y) / 3.0, (1.0 - x - y) / 1.5];
-                let [four] = [rounded(all.map(|w| 255.0 * w))];
-                assert_eq!(four.iter().map(|&w| u32::from(w)).sum::<u32>(), 255);
-                for (weight, byte) in all.iter().zip(four) {
-                    assert!((weight - f64::from(byte) / 255.0).abs() < 1.0 / 255.0);
-                    tried += 1;
+        for highest in [255, u16::MAX] {
+            for a in 0..40 {
+                for b in 0..40 - a {
+                    let (x, y) = (f64::from(a) / 41.3, f64::from(b) / 41.3);
+                    let all = [x, y, (1.0 - x - y) / 3.0, (1.0 - x - y) / 1.5];
+                    let parts = nearest(all, highest).unwrap();
+                    assert_eq!(parts.iter().map(|&part| u32::from(part)).sum::<u32>(), u32::from(highest));
+                    for (weight, part) in all.iter().zip(parts) {
+                        assert!(
+                            (weight - f64::from(part) / f64::from(highest)).abs() < 1.0 / f64::from(highest)
+                        );
+                        tried += 1;
+                    }
                 }
             }
         }
-        assert!(tried > 3000);
+        assert!(tried > 6000);
     }
 
     #[test]
-    fn weights_become_bytes_without_rounding_only_if_they_are_exact() {
-        let exact = |k: [u8; 4]| k.map(|k| f64::from(f32::from(k) / 255.0));
+    fn weights_become_smaller_without_rounding_only_if_they_are_exact() {
+        let exact = |k: [u16; 4], highest: f32| k.map(|k| f64::from(f32::from(k) / highest));
+        let eight_bits = [exact([255, 0, 0, 0], 255.0), exact([1, 254, 0, 0], 255.0)];
+        let bytes = vec![255, 0, 0, 0, 1, 254, 0, 0];
+        assert_eq!(weights(&eight_bits, Rounding::None), Some((ComponentType::U8, bytes.clone())));
+        assert_eq!(weights(&eight_bits, Rounding::Weights), Some((ComponentType::U8, bytes)));
+        let sixteen_bits = [exact([65534, 1, 0, 0], 65535.0)];
+        let bytes = vec![254, 255, 1, 0, 0, 0, 0, 0];
+        assert_eq!(weights(&sixteen_bits, Rounding::None), Some((ComponentType::U16, bytes)));
         assert_eq!(
-            weights(&[exact([255, 0, 0, 0]), exact([1, 254, 0, 0])], Rounding::None).unwrap(),
-            [255, 0, 0, 0, 1, 254, 0, 0]
+            weights(&sixteen_bits, Rounding::WeightsAndRotations),
+            Some((ComponentType::U8, vec![255, 0, 0, 0]))
         );
+    }
+
+    #[test]
+    fn weights_are_rounded_on_request() {
         let half = [[0.5, 0.5, 0.0, 0.0]];
-        assert!(weights(&half, Rounding::None).is_none());
-        assert_eq!(weights(&half, Rounding::WeightsAndRotations).unwrap(), [128, 127, 0, 0]);
-        assert_eq!(
-            weights(&[[0.25, 0.25, 0.1, 0.0]], Rounding::WeightsAndRotations).unwrap(),
-            [64, 64, 26, 0]
-        );
+        assert_eq!(weights(&half, Rounding::None), None);
+        let sixteen_bits = vec![0, 128, 255, 127, 0, 0, 0, 0];
+        assert_eq!(weights(&half, Rounding::Weights), Some((ComponentType::U16, sixteen_bits)));
+        for (four, bytes) in [(half[0], [128, 127, 0, 0]), ([0.25, 0.25, 0.1, 0.0], [64, 64, 26, 0])] {
+            let rounded = weights(&[four], Rounding::WeightsAndRotations);
+            assert_eq!(rounded, Some((ComponentType::U8, bytes.to_vec())));
+        }
         for bad in [[1.5, 0.0, 0.0, 0.0], [1.5, -0.5, 0.0, 0.0], [f64::NAN, 1.0, 0.0, 0.0]] {
-            assert!(weights(&[bad], Rounding::WeightsAndRotations).is_none(), "{bad:?}");
+            for rounding in [Rounding::Weights, Rounding::WeightsAndRotations] {
+                assert_eq!(weights(&[bad], rounding), None, "{bad:?}");
+            }
         }
     }
 }
