@@ -36,6 +36,7 @@ mod order;
 mod outcome;
 mod price;
 mod quadric;
+mod removed_points;
 mod skin;
 mod stopped;
 #[cfg(test)]

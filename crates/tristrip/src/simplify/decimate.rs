@@ -37,6 +37,7 @@ use super::options::{Price, SimplifyOptions};
 use super::order::CollapseOrder;
 use super::outcome::{MOST_CORNERS, Outcome, Outcomes};
 use super::quadric::Quadric;
+use super::removed_points::RemovedPoints;
 use super::stopped::Stopped;
 use super::topology::{PointKind, Topology};
 use super::waiting::{PricedCollapse, Waiting, finite};
@@ -89,6 +90,8 @@ pub(super) struct Decimation {
     /// The largest error allowed, in units of the frame.
     pub(super) error_limit: f64,
     pub(super) outcomes: Outcomes,
+    /// The removed points, if the price needs them.
+    pub(super) removed: Option<RemovedPoints>,
     /// The triangles of the current point.
     pub(super) current: Neighbourhood,
     pub(super) neighbours: Vec<u32>,
@@ -126,6 +129,10 @@ impl Decimation {
             }
         };
         let quadrics = quadrics(&topology, &framed, attributes.is_some());
+        let removed = (options.price() == Price::Distance).then(|| {
+            let areas = quadrics.iter().map(|quadric| quadric.weight / 3.0);
+            RemovedPoints::new(topology.triangles.len(), areas.collect())
+        });
         let mut decimation = Self {
             triangle_count: triangles_of(vertices).filter(|&t| !is_degenerate(t)).count(),
             topology,
@@ -145,6 +152,7 @@ impl Decimation {
             order: CollapseOrder::new(count),
             error_limit: options.error().map_or(f64::INFINITY, |error| f64::from(error) / unit),
             outcomes: Outcomes::new(count),
+            removed,
             current: Neighbourhood::default(),
             neighbours: Vec::new(),
             around: Vec::new(),
@@ -163,8 +171,7 @@ impl Decimation {
         while self.triangle_count > triangle_count {
             if !self.revived.is_empty() {
                 points.append(&mut self.revived);
-                // One ascending run and another: a stable sort merges them.
-                points.sort();
+                points.sort_unstable();
                 points.dedup();
             }
             points.retain(|&point| self.waiting[point as usize].waits());
@@ -292,6 +299,9 @@ impl Decimation {
         let around = std::mem::take(&mut self.around);
         let is_irregular = |p: u32| self.topology.kind(p) == PointKind::Irregular;
         let changes_kinds = self.may_break || is_irregular(point) || is_irregular(to);
+        if let Some(removed) = &mut self.removed {
+            removed.collapse(&self.topology, &self.positions, point, to);
+        }
         self.topology.collapse(point, to, &renames, &mut dropped);
         if changes_kinds {
             self.topology.classify(&around);

@@ -238,13 +238,33 @@ impl Fan {
 
     /// Returns the squared distance of a position from the old triangles.
     pub(super) fn old_distance(&mut self, position: Point) -> f64 {
+        self.place_old();
+        let point = splat(self.local(position));
+        let found = self.blocks.iter().map(|block| least(block.old_distance(point, self.is_inner)));
+        f64::from(found.fold(f32::INFINITY, f32::min)) * self.unit * self.unit
+    }
+
+    /// Returns which of the old triangles is nearest to a position.
+    pub(super) fn nearest(&mut self, position: Point) -> usize {
+        self.place_old();
+        let point = splat(self.local(position));
+        let (mut nearest, mut distance) = (0, f32::INFINITY);
+        for (i, block) in self.blocks.iter().enumerate() {
+            for (lane, found) in block.old_distance(point, self.is_inner).to_array().into_iter().enumerate() {
+                if found < distance {
+                    (nearest, distance) = (i * LANES + lane, found);
+                }
+            }
+        }
+        nearest.min(self.count - 1)
+    }
+
+    /// Prepares distances from the old triangles, once.
+    fn place_old(&mut self) {
         if !self.is_placed {
             self.blocks.iter_mut().for_each(Block::place);
             self.is_placed = true;
         }
-        let point = splat(self.local(position));
-        let found = self.blocks.iter().map(|block| least(block.old_distance(point, self.is_inner)));
-        f64::from(found.fold(f32::INFINITY, f32::min)) * self.unit * self.unit
     }
 }
 
@@ -280,6 +300,8 @@ mod tests {
             let is_near = |found: f64, oracle: f64| (found.sqrt() - oracle.sqrt()).abs() < 2e-3 * scale;
             let old = nearest(at, edges.iter().map(|&[u, w]| [origin, u, w]));
             prop_assert!(is_near(fan.old_distance(at), old), "{} {old}", fan.old_distance(at));
+            let [u, w] = edges[fan.nearest(at)];
+            prop_assert!(is_near(to_triangle(at, [origin, u, w], f64::INFINITY), old));
             for (k, &kept) in rim.iter().enumerate() {
                 let has = |i: usize| i == k || (i + 1) % rim.len() == k;
                 let left = (0..count).filter(|&i| !has(i)).map(|i| [kept, edges[i][0], edges[i][1]]);

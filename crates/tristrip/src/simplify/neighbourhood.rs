@@ -10,6 +10,7 @@
 //! The second detects new triangles that bridge a valley beside b.
 
 use super::fan::Fan;
+use super::removed_points::{RemovedPoint, RemovedPoints};
 use super::topology::{PointKind, Topology};
 use crate::vector::{Point, cross, dot, sub, to_segment, to_triangle};
 
@@ -42,6 +43,11 @@ pub(super) struct Neighbourhood {
     /// The same triangles, for distances, once they are asked for.
     fan: Fan,
     is_placed: bool,
+    /// The removed points that belong to the triangles.
+    removed: Vec<RemovedPoint>,
+    /// The triangles that would replace them, for distances from the removed points.
+    new_fan: Fan,
+    new_edges: Vec<[Point; 2]>,
 }
 
 impl Neighbourhood {
@@ -56,6 +62,47 @@ impl Neighbourhood {
             OppositeEdge { points, positions: [u, w], normal: cross(sub(w, u), sub(from, u)) }
         }));
         self.is_placed = false;
+    }
+
+    /// Collects the removed points that belong to the triangles.
+    pub(super) fn collect_removed(
+        &mut self,
+        topology: &Topology,
+        positions: &[Point],
+        point: u32,
+        removed: &RemovedPoints,
+    ) {
+        removed.around(topology, positions, point, &mut self.removed);
+    }
+
+    /// Returns the sum of the squared distances of the removed points from the triangles that the point would have at a neighbour, weighted by area,
+    /// and the largest squared distance; `None` if the sum exceeds `most`, or a distance `most_square`.
+    pub(super) fn removed_distances(
+        &mut self,
+        to: u32,
+        kept: Point,
+        most: f64,
+        most_square: f64,
+    ) -> Option<(f64, f64)> {
+        self.new_edges.clear();
+        if self.removed.is_empty() {
+            return Some((0.0, 0.0));
+        }
+        self.new_edges.extend(self.edges.iter().filter(|edge| !edge.has(to)).map(|edge| edge.positions));
+        if self.new_edges.is_empty() {
+            return Some((0.0, 0.0));
+        }
+        self.new_fan.place(kept, false, self.new_edges.iter().copied());
+        let (mut sum, mut largest) = (0.0, 0.0);
+        for removed in &self.removed {
+            let square = self.new_fan.old_distance(removed.position);
+            sum += removed.area * square;
+            largest = f64::max(largest, square);
+            if sum > most || square > most_square {
+                return None;
+            }
+        }
+        Some((sum, largest))
     }
 
     /// Places the triangles for distances, once.
