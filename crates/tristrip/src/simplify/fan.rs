@@ -1,4 +1,4 @@
-//! Distances between the triangles around a point and those that would replace them, for eight triangles at a time.
+//! Distances between the triangles around a point and those that would replace them, for four triangles at a time.
 //!
 //! ```text
 //!        u ───── w         The point is the origin o, and the longest edge to a neighbour is the unit, so that 32-bit floats have seven digits
@@ -13,20 +13,20 @@
 //!
 //! Neighbouring triangles share the edges at o or a, so that one of each is enough around an inner point.
 
-use wide::f32x8;
+use wide::f32x4;
 
 use crate::vector::{Point, dot, sub};
 
-const LANES: usize = 8;
+const LANES: usize = 4;
 /// A triangle with a smaller normal, of unit edges, consists of its edges: rounding could turn the normal anywhere.
 const LEAST_NORMAL: f32 = 1e-5;
 /// Added to divisors that may be zero.
 const TINY: f32 = 1e-30;
 
-/// Eight vectors.
-type Lanes = [f32x8; 3];
+/// Four vectors.
+type Lanes = [f32x4; 3];
 
-fn dots(a: Lanes, b: Lanes) -> f32x8 {
+fn dots(a: Lanes, b: Lanes) -> f32x4 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
@@ -38,26 +38,26 @@ fn crosses(a: Lanes, b: Lanes) -> Lanes {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-fn scaled(a: Lanes, by: f32x8) -> Lanes {
+fn scaled(a: Lanes, by: f32x4) -> Lanes {
     a.map(|x| x * by)
 }
 
 fn splat(a: [f32; 3]) -> Lanes {
-    a.map(f32x8::splat)
+    a.map(f32x4::splat)
 }
 
 /// Returns the squared distance of points from segments that begin at the origin; `inverse` is the inverse of their squared length.
-fn from_segment(points: Lanes, along: Lanes, inverse: f32x8) -> f32x8 {
-    let share = (dots(points, along) * inverse).fast_max(f32x8::ZERO).fast_min(f32x8::ONE);
+fn from_segment(points: Lanes, along: Lanes, inverse: f32x4) -> f32x4 {
+    let share = (dots(points, along) * inverse).fast_max(f32x4::ZERO).fast_min(f32x4::ONE);
     let rest = subs(points, scaled(along, share));
     dots(rest, rest)
 }
 
-fn least(lanes: f32x8) -> f32 {
+fn least(lanes: f32x4) -> f32 {
     lanes.to_array().into_iter().fold(f32::INFINITY, |least, x| if x < least { x } else { least })
 }
 
-/// Eight triangles around the point.
+/// Four triangles around the point.
 #[derive(Debug, Clone, Copy)]
 struct Block {
     u: Lanes,
@@ -65,9 +65,9 @@ struct Block {
     /// The normals of the old triangles, of twice their areas as length.
     normal: Lanes,
     /// Their squared lengths.
-    square: f32x8,
+    square: f32x4,
     /// The squared distance of the point from the opposite edge.
-    outer: f32x8,
+    outer: f32x4,
     old: OldTriangles,
 }
 
@@ -79,54 +79,54 @@ struct OldTriangles {
     /// The cross products of the normal and u, and of w and the normal.
     sides: [Lanes; 2],
     /// What the products of a point with both sides may add up to; negative where the triangle consists of its edges.
-    most: f32x8,
+    most: f32x4,
     /// The vector from u to w.
     edge: Lanes,
     /// The inverses of the squared lengths of u and w, and of the edge between.
-    inverses: [f32x8; 3],
+    inverses: [f32x4; 3],
 }
 
 impl Block {
     fn new(u: Lanes, w: Lanes) -> Self {
         let normal = crosses(u, w);
         let edge = subs(w, u);
-        let tiny = f32x8::splat(TINY);
+        let tiny = f32x4::splat(TINY);
         let negative = u.map(|x| -x);
-        let outer = from_segment(negative, edge, f32x8::ONE / (dots(edge, edge) + tiny));
+        let outer = from_segment(negative, edge, f32x4::ONE / (dots(edge, edge) + tiny));
         Self { u, w, normal, square: dots(normal, normal), outer, old: OldTriangles::default() }
     }
 
     /// Prepares distances from the old triangles.
     fn place(&mut self) {
-        let tiny = f32x8::splat(TINY);
-        let has_area = self.square.simd_gt(f32x8::splat(LEAST_NORMAL * LEAST_NORMAL));
-        let scale = has_area.select(f32x8::ONE / (self.square + tiny).sqrt(), f32x8::ZERO);
+        let tiny = f32x4::splat(TINY);
+        let has_area = self.square.simd_gt(f32x4::splat(LEAST_NORMAL * LEAST_NORMAL));
+        let scale = has_area.select(f32x4::ONE / (self.square + tiny).sqrt(), f32x4::ZERO);
         let edge = subs(self.w, self.u);
         self.old = OldTriangles {
             unit: scaled(self.normal, scale),
             sides: [crosses(self.normal, self.u), crosses(self.w, self.normal)],
-            most: has_area.select(self.square, f32x8::splat(-1.0)),
+            most: has_area.select(self.square, f32x4::splat(-1.0)),
             edge,
-            inverses: [self.u, self.w, edge].map(|along| f32x8::ONE / (dots(along, along) + tiny)),
+            inverses: [self.u, self.w, edge].map(|along| f32x4::ONE / (dots(along, along) + tiny)),
         };
     }
 
     /// Returns the squared distances of the origin from the new triangles at a point, plus `left_out`.
-    fn new_distance(&self, at: Lanes, left_out: f32x8, is_inner: bool) -> f32x8 {
+    fn new_distance(&self, at: Lanes, left_out: f32x4, is_inner: bool) -> f32x4 {
         let (first, last) = (crosses(at, self.u), crosses(self.w, at));
         let normal = [0, 1, 2].map(|k| self.normal[k] + first[k] + last[k]);
         let square = dots(normal, normal);
-        let positive = |cross: Lanes| dots(normal, cross).simd_gt(f32x8::ZERO);
+        let positive = |cross: Lanes| dots(normal, cross).simd_gt(f32x4::ZERO);
         let is_inside = positive(self.normal)
             & positive(first)
             & positive(last)
-            & square.simd_gt(f32x8::splat(LEAST_NORMAL * LEAST_NORMAL));
+            & square.simd_gt(f32x4::splat(LEAST_NORMAL * LEAST_NORMAL));
         let height = dots(at, self.normal);
-        let from_plane = height * height / (square + f32x8::splat(TINY));
+        let from_plane = height * height / (square + f32x4::splat(TINY));
         let from_face = is_inside.select(from_plane, self.outer) + left_out;
         let spoke = |end: Lanes| {
             let along = subs(end, at);
-            from_segment(at.map(|x| -x), along, f32x8::ONE / (dots(along, along) + f32x8::splat(TINY)))
+            from_segment(at.map(|x| -x), along, f32x4::ONE / (dots(along, along) + f32x4::splat(TINY)))
         };
         // Around an inner point, u of a triangle that is left out is w of one that stays.
         if is_inner {
@@ -137,11 +137,11 @@ impl Block {
     }
 
     /// Returns the squared distances of a point from the old triangles.
-    fn old_distance(&self, point: Lanes, is_inner: bool) -> f32x8 {
+    fn old_distance(&self, point: Lanes, is_inner: bool) -> f32x4 {
         let old = &self.old;
         let sides = old.sides.map(|side| dots(point, side));
-        let is_inside = sides[0].simd_ge(f32x8::ZERO)
-            & sides[1].simd_ge(f32x8::ZERO)
+        let is_inside = sides[0].simd_ge(f32x4::ZERO)
+            & sides[1].simd_ge(f32x4::ZERO)
             & (sides[0] + sides[1]).simd_le(old.most);
         let height = dots(point, old.unit);
         let from_edge = from_segment(subs(point, self.u), old.edge, old.inverses[2]);
@@ -163,7 +163,7 @@ pub(super) struct Fan {
     /// Whether the blocks are ready for distances from old triangles.
     is_placed: bool,
     /// Infinite for triangles that the neighbour `left_out_at` has, otherwise zero.
-    left_out: Vec<f32x8>,
+    left_out: Vec<f32x4>,
 }
 
 impl Fan {
@@ -197,7 +197,7 @@ impl Fan {
                     }
                 }
             }
-            let [u, w] = lanes.map(|end| end.map(f32x8::from));
+            let [u, w] = lanes.map(|end| end.map(f32x4::from));
             self.blocks.push(Block::new(u, w));
         }
     }
@@ -224,7 +224,7 @@ impl Fan {
                     remain = true;
                 }
             }
-            self.left_out.push(f32x8::from(lanes));
+            self.left_out.push(f32x4::from(lanes));
         }
         let found = if remain {
             let all = self.blocks.iter().zip(&self.left_out);
