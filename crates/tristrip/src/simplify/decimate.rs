@@ -131,7 +131,7 @@ impl Decimation {
         let quadrics = quadrics(&topology, &framed, attributes.is_some());
         let removed = (options.price() == Price::Distance).then(|| {
             let areas = quadrics.iter().map(|quadric| quadric.weight / 3.0);
-            RemovedPoints::new(topology.triangles.len(), areas.collect())
+            RemovedPoints::new(topology.triangles.len(), framed.iter().copied().zip(areas))
         });
         let mut decimation = Self {
             triangle_count: triangles_of(vertices).filter(|&t| !is_degenerate(t)).count(),
@@ -300,7 +300,7 @@ impl Decimation {
         let is_irregular = |p: u32| self.topology.kind(p) == PointKind::Irregular;
         let changes_kinds = self.may_break || is_irregular(point) || is_irregular(to);
         if let Some(removed) = &mut self.removed {
-            removed.collapse(&self.topology, &self.positions, point, to);
+            removed.collapse(&self.topology, point, to);
         }
         self.topology.collapse(point, to, &renames, &mut dropped);
         if changes_kinds {

@@ -65,14 +65,8 @@ impl Neighbourhood {
     }
 
     /// Collects the removed points that belong to the triangles.
-    pub(super) fn collect_removed(
-        &mut self,
-        topology: &Topology,
-        positions: &[Point],
-        point: u32,
-        removed: &RemovedPoints,
-    ) {
-        removed.around(topology, positions, point, &mut self.removed);
+    pub(super) fn collect_removed(&mut self, topology: &Topology, point: u32, removed: &RemovedPoints) {
+        removed.around(topology, point, &mut self.removed);
     }
 
     /// Returns the sum of the squared distances of the removed points from the triangles that the point would have at a neighbour, weighted by area,
@@ -96,7 +90,7 @@ impl Neighbourhood {
         let (mut sum, mut largest) = (0.0, 0.0);
         for removed in &self.removed {
             let square = self.new_fan.old_distance(removed.position);
-            sum += removed.area * square;
+            sum += f64::from(removed.area) * square;
             largest = f64::max(largest, square);
             if sum > most || square > most_square {
                 return None;

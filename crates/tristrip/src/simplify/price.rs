@@ -100,7 +100,7 @@ impl Decimation {
         self.collect_candidates(point);
         self.set_current(point);
         if let Some(removed) = &self.removed {
-            self.current.collect_removed(&self.topology, &self.positions, point, removed);
+            self.current.collect_removed(&self.topology, point, removed);
         }
         let mut candidates = std::mem::take(&mut self.candidates);
         candidates.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));

@@ -11,7 +11,7 @@
 //! quadric only approximates, as its planes have no ends.
 //!
 //! # Complexity
-//! Twelve bytes per point, four per triangle. At a level where one point in k remains, about 3 (k − 1) removed points belong to the triangles
+//! 32 bytes per point, four per triangle. At a level where one point in k remains, about 3 (k − 1) removed points belong to the triangles
 //! around a point: over all collapses down to one point in k that is 3 (ln k − 1) on average.
 //!
 //! # References
@@ -20,15 +20,18 @@
 
 use super::fan::Fan;
 use super::topology::Topology;
+use super::waiting::finite;
 use crate::ids::OptionalId;
 use crate::vector::Point;
 
-/// A removed point near the triangles of another.
+/// A point, with what is needed once it has been removed: all in one place of memory.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct RemovedPoint {
     pub(super) position: Point,
-    /// The area that it represents, in squared units of the frame.
-    pub(super) area: f64,
+    /// The area that it represents, in squared units of the frame: a third of that of its triangles in the full mesh.
+    pub(super) area: f32,
+    /// The next removed point of the same triangle.
+    next: OptionalId,
 }
 
 /// The removed points of each triangle, in lists.
@@ -36,10 +39,8 @@ pub(super) struct RemovedPoint {
 pub(super) struct RemovedPoints {
     /// The first removed point of each triangle.
     first: Vec<OptionalId>,
-    /// For each removed point, the next one of the same triangle.
-    next: Vec<OptionalId>,
-    /// The area of each point in the full mesh: a third of that of its triangles.
-    areas: Vec<f64>,
+    /// All points, removed or not.
+    points: Vec<RemovedPoint>,
     /// Points that move to other triangles.
     moving: Vec<u32>,
     /// The triangles that they move to, and the edge of each that is opposite to the kept point.
@@ -50,11 +51,11 @@ pub(super) struct RemovedPoints {
 
 impl RemovedPoints {
     /// Without any points removed.
-    pub(super) fn new(triangle_count: usize, areas: Vec<f64>) -> Self {
+    pub(super) fn new(triangle_count: usize, points: impl Iterator<Item = (Point, f64)>) -> Self {
+        let point = |(position, area)| RemovedPoint { position, area: finite(area), next: OptionalId::NONE };
         Self {
             first: vec![OptionalId::NONE; triangle_count],
-            next: vec![OptionalId::NONE; areas.len()],
-            areas,
+            points: points.map(point).collect(),
             moving: Vec::new(),
             triangles: Vec::new(),
             edges: Vec::new(),
@@ -64,29 +65,24 @@ impl RemovedPoints {
 
     /// Returns the area of a point.
     pub(super) fn area(&self, point: u32) -> f64 {
-        self.areas[point as usize]
+        self.points[point as usize].area.into()
     }
 
     /// Collects the removed points that belong to the triangles of a point.
-    pub(super) fn around(
-        &self,
-        topology: &Topology,
-        positions: &[Point],
-        point: u32,
-        found: &mut Vec<RemovedPoint>,
-    ) {
+    pub(super) fn around(&self, topology: &Topology, point: u32, found: &mut Vec<RemovedPoint>) {
         found.clear();
         for corner in topology.ring(point) {
             let mut at = self.first[corner.triangle()];
-            while let Some(removed) = at.get() {
-                found.push(RemovedPoint { position: positions[removed as usize], area: self.area(removed) });
-                at = self.next[removed as usize];
+            while let Some(number) = at.get() {
+                let removed = self.points[number as usize];
+                found.push(removed);
+                at = removed.next;
             }
         }
     }
 
     /// Moves a point that is about to go to another, and the removed points of its triangles, to those that are left.
-    pub(super) fn collapse(&mut self, topology: &Topology, positions: &[Point], point: u32, to: u32) {
+    pub(super) fn collapse(&mut self, topology: &Topology, point: u32, to: u32) {
         self.moving.clear();
         self.moving.push(point);
         self.triangles.clear();
@@ -95,22 +91,22 @@ impl RemovedPoints {
             let mut at = std::mem::replace(&mut self.first[corner.triangle()], OptionalId::NONE);
             while let Some(removed) = at.get() {
                 self.moving.push(removed);
-                at = self.next[removed as usize];
+                at = self.points[removed as usize].next;
             }
             if !edge.contains(&to) {
                 self.triangles.push(corner.triangle());
-                self.edges.push(edge.map(|p| positions[p as usize]));
+                self.edges.push(edge.map(|p| self.points[p as usize].position));
             }
         }
         // Where no triangle is left, the points go with their part of the surface.
         if self.triangles.is_empty() {
             return;
         }
-        self.fan.place(positions[to as usize], false, self.edges.iter().copied());
+        self.fan.place(self.points[to as usize].position, false, self.edges.iter().copied());
         for &moved in &self.moving {
-            let triangle = self.triangles[self.fan.nearest(positions[moved as usize])];
-            self.next[moved as usize] = self.first[triangle];
-            self.first[triangle] = OptionalId::some(moved);
+            let point = &mut self.points[moved as usize];
+            let triangle = self.triangles[self.fan.nearest(point.position)];
+            point.next = std::mem::replace(&mut self.first[triangle], OptionalId::some(moved));
         }
     }
 }
@@ -144,21 +140,21 @@ mod tests {
         let collapses = [(14, 15), (15, 21), (20, 21), (22, 21), (21, 27), (16, 27)]
             .map(|(from, to)| (point_of(from), point_of(to)));
         let areas: Vec<f64> = (0..36).map(|p| 1.0 + f64::from(p)).collect();
-        let mut removed = RemovedPoints::new(topology.triangles.len(), areas.clone());
+        let mut removed = RemovedPoints::new(topology.triangles.len(), placed.iter().copied().zip(areas));
         let mut gone: Vec<u32> = Vec::new();
         let (mut found, mut neighbourhood, mut most_around) = (Vec::new(), Neighbourhood::default(), 0);
         for (point, to) in collapses {
             // The sum that the price has, by a search.
-            removed.around(&topology, &placed, point, &mut found);
+            removed.around(&topology, point, &mut found);
             most_around = most_around.max(found.len());
             let left = || topology.opposite(point).iter().filter(|edge| !edge.contains(&to));
             let corner = |p: u32| placed[p as usize];
             let nearest = |p: Point| {
                 left().fold(f64::INFINITY, |least, &[u, w]| to_triangle(p, [to, u, w].map(corner), least))
             };
-            let oracle: f64 = found.iter().map(|p| p.area * nearest(p.position)).sum();
+            let oracle: f64 = found.iter().map(|p| f64::from(p.area) * nearest(p.position)).sum();
             neighbourhood.collect(&topology, &placed, point);
-            neighbourhood.collect_removed(&topology, &placed, point, &removed);
+            neighbourhood.collect_removed(&topology, point, &removed);
             let kept = corner(to);
             let (sum, largest) =
                 neighbourhood.removed_distances(to, kept, f64::INFINITY, f64::INFINITY).unwrap();
@@ -168,7 +164,7 @@ mod tests {
                 assert!(neighbourhood.removed_distances(to, kept, f64::INFINITY, 0.5 * largest).is_none());
             }
 
-            removed.collapse(&topology, &placed, point, to);
+            removed.collapse(&topology, point, to);
             topology.collapse(point, to, &[], &mut Vec::new());
             gone.push(point);
             let mut listed = Vec::new();
@@ -177,7 +173,7 @@ mod tests {
                 while let Some(p) = at.get() {
                     assert!(topology.triangles[t].iter().all(|other| !gone.contains(other)), "{t} is gone");
                     listed.push(p);
-                    at = removed.next[p as usize];
+                    at = removed.points[p as usize].next;
                 }
             }
             listed.sort_unstable();
@@ -185,7 +181,7 @@ mod tests {
             expected.sort_unstable();
             assert_eq!(listed, expected);
             // The point itself belongs to the nearest of the triangles that replace its own.
-            removed.around(&topology, &placed, to, &mut found);
+            removed.around(&topology, to, &mut found);
             assert!(found.iter().any(|p| p.position.map(f64::to_bits) == corner(point).map(f64::to_bits)));
         }
         assert!(most_around >= 4);
