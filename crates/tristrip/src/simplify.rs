@@ -10,8 +10,8 @@
 //! close and seams move onto others.
 //!
 //! # Algorithm
-//! See the module `decimate`: quadrics in a local frame for a first order of the collapses, the distance to the new triangles for
-//! their price.
+//! See the module `decimate`: quadrics in a local frame for a first order of the collapses, the distances of all removed vertices
+//! from the triangles for their price.
 //!
 //! # References
 //! Garland, Heckbert: *Surface Simplification Using Quadric Error Metrics*, 1997. Kim, Park, Yang, Neelamkavil: *A Rendering-Efficient
@@ -19,7 +19,7 @@
 //! Mesh Decimation*, 1998 (half-edge collapses).
 //!
 //! # Complexity
-//! O(n log n) time; 260 bytes per triangle while it runs, 30 of them for the result; for attributes that have a price 92 bytes per vertex
+//! O(n log n) time; 270 bytes per triangle while it runs, 30 of them for the result; for attributes that have a price 92 bytes per vertex
 //! more, and 36 per value.
 
 mod attribute_quadrics;

@@ -84,22 +84,22 @@ pub(crate) struct TargetArgs {
 pub(crate) struct CollapseArgs {
     /// The maximum surface error: 0.01 in mesh units, or 0.1% of the diagonal of the model's bounding box; 100% for any [default: 1%]
     ///
-    /// The error of a collapse is the distance of the removed vertex from the triangles that replace it, or the root mean square of
-    /// its distances to the planes that it represented, whichever is greater. A number of triangles or a level that needs a larger error is
-    /// not reached, and a warning says so.
+    /// The error of a collapse is the largest distance from the triangles that it leaves to the vertices that they replace, those of earlier
+    /// collapses included, or from the old triangles to the middles of its new edges. A number of triangles or a level that needs
+    /// a larger error is not reached, and a warning says so.
     #[arg(long, value_name = "ERROR")]
     pub(crate) error: Option<Deviation>,
     /// How much attributes count relative to the shape: normal=1,uv=1,colour=1,tangent=1,skin=1 [default: 1 each]
     ///
-    /// Normals that turn by a radian count like a surface that moves by 6% of the longest side, tangents half as much, and colours that
-    /// change from none to full like 10%; texture coordinates count by the distance that the texture moves over the surface, and joints by
-    /// the distance that a vertex moves elsewhere if a joint turns by a tenth of a radian. 0 ignores them.
+    /// Normals that turn by a radian count like a surface that moves by 4% of the longest side, tangents like 3%, and colours that change from
+    /// none to full like 10%; texture coordinates count by one and a half times the distance that the texture moves over the surface, and
+    /// joints by the distance that a vertex moves elsewhere if a joint turns by a tenth of a radian. 0 ignores them.
     #[arg(long, value_name = "WEIGHTS")]
     pub(crate) weight: Option<AttributeWeights>,
     /// What a collapse costs
     ///
-    /// By planes alone it takes about half the time. Errors are then root mean squares of distances to planes: the largest distance between the surfaces
-    /// may be greater than --error, and the mean distance is about a sixth greater at as many triangles.
+    /// By planes alone it takes about a third of the time. Errors are then root mean squares of distances to planes: the largest distance between the
+    /// surfaces may be greater than --error, and the mean distance is about a third greater at as many triangles.
     #[arg(long, value_name = "PRICE", value_parser = named(Price::ALL, Price::name, Price::summary), default_value_t = Price::default())]
     pub(crate) price: Price,
     /// Let holes close, handles vanish and textures shift at their seams: for clutter that is to become very small

@@ -96,18 +96,18 @@ impl FromStr for AttributeWeights {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
 pub enum Price {
-    /// The distances between the old and the new triangles, and from the planes of the full mesh.
+    /// The distances of all removed vertices from the triangles, and between old and new triangles.
     #[default]
     Distance,
-    /// The distances from the planes of the full mesh alone: takes about half the time. The mean distance between the surfaces
-    /// is about a sixth larger, and the largest is not known: where triangles bridge a valley it exceeds the error.
+    /// The distances from the planes of the full mesh alone: takes about a third of the time. The mean distance between the surfaces
+    /// is about a third larger, and the largest is not known: where triangles bridge a valley it exceeds the error.
     Planes,
 }
 
 names! {
     "tristrip::simplify::Price", Price, "price",
-    Distance => "distance", "The distances between the old and the new triangles, and from the planes of the full mesh";
-    Planes => "planes", "The distances from the planes of the full mesh alone: half the time, larger distances";
+    Distance => "distance", "The distances of all removed vertices from the triangles, and between old and new triangles";
+    Planes => "planes", "The distances from the planes of the full mesh alone: a third of the time, larger distances";
 }
 
 /// The limits of a simplification. Without a limit a mesh is simplified as far as its topology allows.
