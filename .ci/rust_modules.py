@@ -110,6 +110,8 @@ def crate_roots(folder: Path) -> list[tuple[str, Path]]:
     roots = [(name, folder / "src" / f"{name}.rs") for name in ("lib", "main")]
     for name, pattern in [("bin", "src/bin/*.rs"), ("example", "examples/*.rs"), ("bench", "benches/*.rs")]:
         roots += [(f"{name}::{path.stem}", path) for path in sorted(folder.glob(pattern))]
+        folders = sorted(folder.glob(pattern.replace("*.rs", "*/main.rs")))
+        roots += [(f"{name}::{path.parent.name}", path) for path in folders]
     return [(name, path) for name, path in roots if path.is_file()]
 
 
@@ -124,7 +126,7 @@ def read_module(root: Path, path: Path, folder: Path, scope: Scope) -> None:
         file = next((file for file in (below / f"{name}.rs", below / name / "mod.rs") if file.is_file()), None)
         if file is None:
             continue  # a `#[path]`, which the project does not use
-        prefix = "" if scope.node.is_root else scope.node.name + "::"
+        prefix = "" if scope.node.name in ("lib", "main") else scope.node.name + "::"
         node = Node(scope.node.crate, prefix + "::".join([*inner, name]), str(file.relative_to(root)))
         child = Scope(node, parent)
         parent.modules[name] = child

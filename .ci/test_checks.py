@@ -112,6 +112,14 @@ class Layers(Tree):
             "low/src/left/other.rs:1: left::other imports left::deep as `super::Deep`",
         )
 
+    def test_circle_in_a_command_of_several_files(self) -> None:
+        found = self.problems(
+            high_src_bin_chart_main="mod axis;\nmod line;\nfn main() {}\n",
+            high_src_bin_chart_axis="pub struct Axis(Vec<crate::line::Line>);\n",
+            high_src_bin_chart_line="pub struct Line(Option<crate::axis::Axis>);\n",
+        )
+        self.assert_one(found, "circle of 2 modules in high: bin::chart::axis, bin::chart::line")
+
     def test_circle_through_super(self) -> None:
         found = self.problems(
             low_src_left="mod deep;\npub use deep::Deep;\nconst NONE: u32 = 0;\npub struct Left(pub Vec<Deep>);\n",
