@@ -1,0 +1,82 @@
+//! Methods as text: the name, then the parameters that are not the default.
+
+use serde::de::{Deserialize, Deserializer, Error as _};
+use serde::ser::{Error as _, Serialize, Serializer};
+
+use crate::stripify::{EtaOptions, Method};
+
+/// Returns the parameters of a method, by the names of their flags.
+fn parameters(method: Method) -> Vec<(&'static str, String)> {
+    match method {
+        Method::StripeLocal { triangulation, ties } => {
+            vec![("triangulation", triangulation.to_string()), ("ties", ties.to_string())]
+        }
+        Method::StripeGlobal { patches, cutoff } => {
+            vec![("patches", patches.to_string()), ("cutoff", cutoff.to_string())]
+        }
+        Method::Tunnel { length } => vec![("length", length.to_string())],
+        Method::Eta(eta) => vec![
+            ("length", eta.length().to_string()),
+            ("threshold", eta.threshold().to_string()),
+            ("start", eta.start().to_string()),
+        ],
+        _ => Vec::new(),
+    }
+}
+
+/// Returns a method with another value of a parameter; `None` if it has no such parameter, or no such value.
+fn with_parameter(method: Method, name: &str, value: &str) -> Option<Method> {
+    Some(match (method, name) {
+        (Method::StripeLocal { ties, .. }, "triangulation") => {
+            Method::StripeLocal { triangulation: value.parse().ok()?, ties }
+        }
+        (Method::StripeLocal { triangulation, .. }, "ties") => {
+            Method::StripeLocal { triangulation, ties: value.parse().ok()? }
+        }
+        (Method::StripeGlobal { cutoff, .. }, "patches") => {
+            Method::StripeGlobal { patches: value.parse().ok()?, cutoff }
+        }
+        (Method::StripeGlobal { patches, .. }, "cutoff") => {
+            Method::StripeGlobal { patches, cutoff: value.parse().ok()? }
+        }
+        (Method::Tunnel { .. }, "length") => Method::Tunnel { length: value.parse().ok()? },
+        (Method::Eta(eta), _) => Method::Eta(eta_with(eta, name, value)?),
+        _ => return None,
+    })
+}
+
+fn eta_with(eta: EtaOptions, name: &str, value: &str) -> Option<EtaOptions> {
+    match name {
+        "length" => Some(eta.with_length(value.parse().ok()?)),
+        "threshold" => Some(eta.with_threshold(value.parse().ok()?)),
+        "start" => Some(eta.with_start(value.parse().ok()?)),
+        _ => None,
+    }
+}
+
+impl Serialize for Method {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let mut text = self.name().to_owned();
+        let usual: Method = text.parse().map_err(S::Error::custom)?;
+        for ((name, value), (_, usual)) in parameters(*self).into_iter().zip(parameters(usual)) {
+            if value != usual {
+                text = format!("{text} {name}={value}");
+            }
+        }
+        to.serialize_str(&text)
+    }
+}
+
+impl<'de> Deserialize<'de> for Method {
+    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
+        let text = <std::borrow::Cow<'de, str>>::deserialize(from)?;
+        let mut words = text.split(' ');
+        let method = words.next().unwrap_or_default().parse().map_err(D::Error::custom)?;
+        words.try_fold(method, |method, word| {
+            let parameter =
+                word.split_once('=').and_then(|(name, value)| with_parameter(method, name, value));
+            parameter
+                .ok_or_else(|| D::Error::custom(format!("found `{word}`, expected a parameter of {method}")))
+        })
+    }
+}
