@@ -201,7 +201,7 @@ pub fn chain_observed(
     let (collapses, done) = collapse(&parts, options)?;
     observer.event(Event::Simplified(&collapses));
     let levels = collapsed::levels(&parts, &done, &options.ratios)?;
-    let warning = warn(&levels, &collapses, options.deviation);
+    let warning = warn(&levels, &collapses, options);
     warning.iter().for_each(|warning| observer.event(Event::Warning(warning)));
     if options.verify {
         begin(observer, Stage::Prove)?;
@@ -262,9 +262,10 @@ fn collapse(parts: &[Part<'_>], options: &ChainOptions) -> Result<(Collapses, Ve
 }
 
 /// Returns a sentence on the levels that were not reached, which are the coarsest ones.
-fn warn(levels: &[CollapsedLevel], collapses: &Collapses, limit: Deviation) -> Option<String> {
+fn warn(levels: &[CollapsedLevel], collapses: &Collapses, options: &ChainOptions) -> Option<String> {
     let first = levels.iter().position(|level| !level.is_reached())?;
     let last = levels.len() - 1;
     let which = if first == last { format!("level {last}") } else { format!("levels {first} to {last}") };
-    Some(format!("{which} not reached: {}", warning(collapses, limit)?))
+    let why = warning(collapses, options.deviation, options.rules.lock_borders)?;
+    Some(format!("{which} not reached: {why}"))
 }

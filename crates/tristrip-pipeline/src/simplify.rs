@@ -224,7 +224,7 @@ fn simplify_to<'a>(
         observer.event(Event::Note(&note));
         notes.push(note);
     }
-    let warning = warning(&collapses, options.goal.deviation);
+    let warning = warning(&collapses, options.goal.deviation, options.rules.lock_borders);
     warning.iter().for_each(|warning| observer.event(Event::Warning(warning)));
 
     // 3. How far the result is from the original.

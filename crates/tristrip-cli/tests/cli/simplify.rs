@@ -185,6 +185,16 @@ fn parts_stay_connected_and_the_scene_unchanged() {
 }
 
 #[test]
+fn locked_borders_are_named_where_they_hold_a_model() {
+    let fan = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n";
+    for goal in [["simplify", "--triangles", "1"], ["lod", "--chain", "1%"]] {
+        let mut command = tristrip();
+        command.args(goal).args(["--lock-borders", "-"]).write_stdin(fan);
+        command.assert().success().stderr(contains("4 vertices lie at open borders, which are locked; "));
+    }
+}
+
+#[test]
 fn results_are_deterministic_for_every_mesh() {
     let dir = tempfile::tempdir().unwrap();
     for name in ["fish_control.ply", "wingnut.ply", "chair_nonmanifold.ply", "milktruck.glb"] {

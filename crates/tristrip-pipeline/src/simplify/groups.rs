@@ -268,8 +268,8 @@ impl<'a> Group<'a> {
         self.is_next = false;
     }
 
-    /// Returns the collapses of each part; unless the goal is reached, with the reasons.
-    /// Returns the collapses of the parts, until they have at most this number of triangles together.
+    /// Returns the collapses of each part, until they have at most this number of triangles together; unless the goal of the model is reached,
+    /// with the reasons.
     fn finish(
         mut self,
         parts: &[Part<'_>],

@@ -5,17 +5,26 @@ use crate::goal::Deviation;
 use crate::text::{count, counted};
 
 /// Returns a sentence on the goal, if it was not reached.
-pub(crate) fn warning(collapses: &Collapses, limit: Deviation) -> Option<String> {
+pub(crate) fn warning(collapses: &Collapses, limit: Deviation, locks_borders: bool) -> Option<String> {
     let (stopped, target) = (collapses.stopped?, collapses.target_triangles?);
     let limit = format!("the error limit of {limit}");
+    let (locked, unlocked) = match (locks_borders, collapses.locked_vertices) {
+        (true, 0) => {
+            ("lie at open borders, which are locked", "a model without locked borders can get smaller")
+        }
+        (true, _) => (
+            "lie at open borders, which are locked, or touch parts in other places of the scene",
+            "a model without locked borders can get smaller",
+        ),
+        (false, _) => (
+            "touch parts in other places of the scene and stay, so that no gaps open",
+            "parts of one node are simplified together",
+        ),
+    };
     // What holds vertices, and what to try, by the number of vertices; of equal numbers the first.
     let reasons = [
         (stopped.error, format!("would exceed {limit}"), "a larger limit allows fewer triangles"),
-        (
-            stopped.locked,
-            "touch parts in other places of the scene and stay, so that no gaps open".into(),
-            "parts of one node are simplified together",
-        ),
+        (stopped.locked, locked.into(), unlocked),
         (
             stopped.seam,
             "lie on seams of normals, texture coordinates or colours, which would open".into(),
@@ -51,15 +60,30 @@ mod tests {
         (stopped.error, stopped.seam) = (1200, 1200);
         let mut collapses = Collapses::default();
         (collapses.triangles_after, collapses.target_triangles) = (1380, Some(292));
-        assert_eq!(warning(&collapses, Deviation::default()), None);
+        let warn =
+            |collapses: &Collapses, locks_borders| warning(collapses, Deviation::default(), locks_borders);
+        assert_eq!(warn(&collapses, false), None);
         collapses.stopped = Some(stopped);
         assert_eq!(
-            warning(&collapses, Deviation::default()).unwrap(),
+            warn(&collapses, false).unwrap(),
             "1,380 triangles remain, 292 were asked for: 1,200 vertices would exceed the error limit of 1 % of the diagonal; a larger \
              limit allows fewer triangles"
         );
         stopped.seam = 1201;
         collapses.stopped = Some(stopped);
-        assert!(warning(&collapses, Deviation::default()).unwrap().contains("1,201 vertices lie on seams"));
+        assert!(warn(&collapses, false).unwrap().contains("1,201 vertices lie on seams"));
+        // Vertices are locked at borders, or where other parts touch them.
+        stopped.locked = 1300;
+        collapses.stopped = Some(stopped);
+        assert!(warn(&collapses, false).unwrap().contains("1,300 vertices touch parts in other places"));
+        assert!(
+            warn(&collapses, true)
+                .unwrap()
+                .contains("1,300 vertices lie at open borders, which are locked; ")
+        );
+        collapses.locked_vertices = 7;
+        assert!(
+            warn(&collapses, true).unwrap().contains("locked, or touch parts in other places of the scene; ")
+        );
     }
 }
