@@ -7,6 +7,7 @@ use tristrip_pipeline::text::counted;
 use tristrip_pipeline::{Chain, EncodeOptions, Event, MethodReport, chain_observed};
 
 use crate::batch;
+use crate::collapses::collapse_fields;
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::job::{Job, Output};
@@ -78,7 +79,7 @@ fn show(event: Event<'_>, seconds: f64, console: &Console, report: &mut ChainRep
             );
             console.stage("simplify", &what, Some(seconds));
         }
-        other => report.collapse_fields().show(other, seconds, console),
+        other => collapse_fields!(report).show(other, seconds, console),
     }
 }
 

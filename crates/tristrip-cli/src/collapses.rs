@@ -42,3 +42,20 @@ impl CollapseFields<'_> {
         }
     }
 }
+
+/// Returns the [`CollapseFields`] of a report, which has them by the same names.
+macro_rules! collapse_fields {
+    ($report:expr) => {
+        $crate::collapses::CollapseFields {
+            file: &$report.file,
+            dual: &mut $report.seconds.dual,
+            verify: &mut $report.seconds.verify,
+            parts: &mut $report.parts,
+            vertices_before: &mut $report.vertices_before,
+            warning: &mut $report.warning,
+            notes: &mut $report.notes,
+            proven: &mut $report.proven,
+        }
+    };
+}
+pub(crate) use collapse_fields;

@@ -11,7 +11,7 @@ use tristrip_pipeline::text::{count, counted};
 use tristrip_pipeline::{Collapses, Event, NormalCounts, SurfaceChange, rounded, simplify_observed};
 
 use crate::batch::{self, InputReport, Outcome};
-use crate::collapses::CollapseFields;
+use crate::collapses::collapse_fields;
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::job::Job;
@@ -183,25 +183,11 @@ fn show(event: Event<'_>, seconds: f64, console: &Console, report: &mut Simplify
             report.compare(change);
             console.stage("compare", &change_line(report), Some(seconds));
         }
-        other => report.fields().show(other, seconds, console),
+        other => collapse_fields!(report).show(other, seconds, console),
     }
 }
 
 impl SimplifyReport {
-    /// Returns the fields that the stages before and after the collapses fill in.
-    fn fields(&mut self) -> CollapseFields<'_> {
-        CollapseFields {
-            file: &self.file,
-            dual: &mut self.seconds.dual,
-            verify: &mut self.seconds.verify,
-            parts: &mut self.parts,
-            vertices_before: &mut self.vertices_before,
-            warning: &mut self.warning,
-            notes: &mut self.notes,
-            proven: &mut self.proven,
-        }
-    }
-
     fn record(&mut self, collapses: &Collapses) {
         self.target_triangles = collapses.target_triangles;
         self.target_error = collapses.target_error;

@@ -6,7 +6,6 @@ use tristrip_pipeline::text::count;
 use tristrip_pipeline::{Chain, ChainLevel, Collapses, MethodReport};
 
 use crate::batch::{InputReport, Outcome};
-use crate::collapses::CollapseFields;
 
 /// The time of each stage in seconds; `null` for a stage that did not run.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
@@ -121,20 +120,6 @@ impl ChainReport {
             output: None,
             layout: None,
             error: None,
-        }
-    }
-
-    /// Returns the fields that the stages before and after the collapses fill in.
-    pub(crate) fn collapse_fields(&mut self) -> CollapseFields<'_> {
-        CollapseFields {
-            file: &self.file,
-            dual: &mut self.seconds.dual,
-            verify: &mut self.seconds.verify,
-            parts: &mut self.parts,
-            vertices_before: &mut self.vertices_before,
-            warning: &mut self.warning,
-            notes: &mut self.notes,
-            proven: &mut self.proven,
         }
     }
 
