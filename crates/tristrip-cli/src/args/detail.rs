@@ -33,10 +33,10 @@ pub(crate) struct SimplifyArgs {
     /// The parts share the triangles: the collapse that costs least comes next, wherever it is, so that dense parts give most of them and all
     /// parts of a scene have about the same error in the end. Without --ratio or --triangles, as few are kept as --error allows; with
     /// one of them, the limit that is reached first ends the simplification.
-    #[arg(long, value_name = "RATIO", conflicts_with = "triangles")]
+    #[arg(long, value_name = "RATIO", conflicts_with = "triangles", allow_negative_numbers = true)]
     pub(crate) ratio: Option<Ratio>,
     /// The number of triangles to keep; the parts share them as with --ratio
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub(crate) triangles: Option<usize>,
     #[command(flatten)]
     pub(crate) collapse: CollapseArgs,
@@ -96,13 +96,25 @@ pub(crate) struct LodArgs {
     /// The ratio of all triangles that the base mesh keeps: 0.05 or 5%
     ///
     /// If the surface cannot be simplified this far without tearing or folding, the base mesh has more triangles, and a note says so.
-    #[arg(long, value_name = "RATIO", default_value = "5%", help_heading = "Levels")]
+    #[arg(
+        long,
+        value_name = "RATIO",
+        default_value = "5%",
+        help_heading = "Levels",
+        allow_negative_numbers = true
+    )]
     pub(crate) base: Ratio,
     /// The level to draw: the number of undone collapses, or a percentage of all collapses such as 40%
     ///
     /// P% of n collapses is level P n / 100, rounded to the nearest integer. In a model of several parts, the levels undo the collapses
     /// of all parts, the greatest cost first. 0 is the base mesh, 100% the full mesh.
-    #[arg(long, value_name = "LEVEL", default_value = "10%", help_heading = "Levels")]
+    #[arg(
+        long,
+        value_name = "LEVEL",
+        default_value = "10%",
+        help_heading = "Levels",
+        allow_negative_numbers = true
+    )]
     pub(crate) level: Level,
     /// How strips are filtered before they are drawn
     #[arg(long, value_parser = named(DisplayFilter::ALL, DisplayFilter::name, DisplayFilter::summary), value_name = "FILTER", default_value_t = DisplayFilter::default(), help_heading = "Levels")]
@@ -121,11 +133,11 @@ pub(crate) struct LodArgs {
     pub(crate) plot: Option<PathBuf>,
     /// Write levels that keep these ratios of all triangles, such as 100%,50%,25%,10%
     ///
-    /// Up to 16 levels, the finest first. All are points of one simplification, in which the parts share the triangles as in `simplify --ratio`, and the vertices are in the order of their removal, so
-    /// that each level uses the first vertices of the one before it. A GLB or .gltf holds all levels: the nodes of a mesh name those of
-    /// its lower levels with `MSFT_lod`, and `MSFT_screencoverage` says when each is drawn. Into a directory, each level is written as a file
-    /// of its own: `NAME_0` is the finest. With --layout list, the triangles of each level are in the order of --method cache unless another
-    /// method is named.
+    /// Up to 16 levels, the finest first. All are points of one simplification, in which the parts share the triangles as in
+    /// `simplify --ratio`, and the vertices are in the order of their removal, so that each level uses the first vertices of the one
+    /// before it. A GLB or .gltf holds all levels: the nodes of a mesh name those of its lower levels with `MSFT_lod`, and
+    /// `MSFT_screencoverage` says when each is drawn. Into a directory, each level is written as a file of its own: `NAME_0` is the
+    /// finest. With --layout list, the triangles of each level are in the order of --method cache unless another method is named.
     #[arg(
         long,
         value_name = "RATIOS",

@@ -87,7 +87,7 @@ pub(crate) struct CollapseArgs {
     /// The error of a collapse is the largest distance from the triangles that it leaves to the vertices that they replace, those of earlier
     /// collapses included, or from the old triangles to the middles of its new edges. A number of triangles or a level that needs
     /// a larger error is not reached, and a warning says so.
-    #[arg(long, value_name = "ERROR")]
+    #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]
     pub(crate) error: Option<Deviation>,
     /// How much attributes count relative to the shape: normal=1,uv=1,colour=1,tangent=1,skin=1 [default: 1 each]
     ///

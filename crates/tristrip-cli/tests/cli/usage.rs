@@ -14,6 +14,15 @@ fn refused(arguments: &[&str], message: &str) {
 }
 
 #[test]
+fn negative_numbers_are_values_out_of_range() {
+    refused(&["simplify", "a.ply", "--ratio", "-1"], "found `-1`, expected a ratio from 0 to 1");
+    refused(&["simplify", "a.ply", "--triangles", "-3"], "invalid value '-3' for '--triangles <N>'");
+    refused(&["simplify", "a.ply", "--error", "-0.5"], "found `-0.5`, expected a distance");
+    refused(&["lod", "a.ply", "--base", "-1"], "found `-1`, expected a ratio from 0 to 1");
+    refused(&["lod", "a.ply", "--level", "-1"], "invalid value '-1' for '--level <LEVEL>'");
+}
+
+#[test]
 fn options_belong_to_their_methods() {
     refused(&["strip", "a.ply", "--ties", "random"], "--ties belongs to --method stripe-local, not to best");
     refused(&["strip", "a.ply", "-m", "sgi", "--triangulation", "static"], "--triangulation belongs to");
