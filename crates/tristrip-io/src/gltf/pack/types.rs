@@ -188,8 +188,9 @@ fn exact(four: [f64; 4], highest: u16) -> Option<[u16; 4]> {
         (0.0..=1.0).contains(weight)
             && f64::from(part as f32 / f32::from(highest)).to_bits() == weight.to_bits()
     });
-    let sum: f64 = parts.iter().sum();
-    (is_exact && sum == f64::from(highest)).then(|| parts.map(|part| part as u16))
+    let parts = parts.map(|part| part as u16);
+    let sum: u32 = parts.iter().map(|&part| u32::from(part)).sum();
+    (is_exact && sum == u32::from(highest)).then_some(parts)
 }
 
 /// Returns four weights as the nearest parts of a highest number; `None` if one is no weight. If their sum is 1, that of the parts is the
