@@ -4,8 +4,8 @@
 //! cargo run --release -p tristrip-bench --bin pictures -- --gltfpack gltfpack
 //! ```
 //!
-//! Each scene is simplified to 50 % and to 20 % of its triangles. With gltfpack, ours gets as many triangles as gltfpack's result shows, with the
-//! same ratio for each part, or with `--by-part` as many in each part: gltfpack stops where its error would be too large, in some
+//! Each scene is simplified to 50 % and to 20 % of its triangles. With gltfpack, ours gets as many triangles as gltfpack's result shows, which
+//! the parts share, or with `--by-part` as many in each part: gltfpack stops where its error would be too large, in some
 //! parts earlier than in others. The figures are those of [`compare`]: the share of the pixels of eight views that differ, and the pixels of
 //! holes. The last rows are the sums over all scenes, and ours divided by gltfpack's.
 #![allow(clippy::print_stdout, reason = "a program that prints")]
