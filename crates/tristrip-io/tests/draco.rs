@@ -1,29 +1,38 @@
 //! glTF with geometry compressed by Draco: read as if it were not, and bounded on wrong streams.
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
+mod doubling;
+mod random;
+
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use doubling::check_linear;
 use draco_gltf::{
     ComponentType, CompressionOptions, DracoPrimitiveEncoding, PackedAttribute, PackedGeometry,
     PackedIndices, PrimitiveMode,
 };
+use random::random;
 use serde_json::{Value, json};
 use tristrip::Layout;
-use tristrip_io::{Drawing, Format, gltf, write};
+use tristrip_io::{Drawing, Error, Format, gltf, write};
 
 const SIDE: u32 = 12;
 
-/// Returns a grid of (SIDE + 1)² vertices with positions, and colours of three bytes.
 fn encoded() -> DracoPrimitiveEncoding {
-    let vertex_count = ((SIDE + 1) * (SIDE + 1)) as usize;
-    let at = |i: u32| [(i % (SIDE + 1)) as f32, (i / (SIDE + 1)) as f32, ((i * 7) % 5) as f32];
+    encoded_grid(SIDE)
+}
+
+/// Returns a grid of (side + 1)² vertices with positions, and colours of three bytes.
+fn encoded_grid(side: u32) -> DracoPrimitiveEncoding {
+    let vertex_count = ((side + 1) * (side + 1)) as usize;
+    let at = |i: u32| [(i % (side + 1)) as f32, (i / (side + 1)) as f32, ((i * 7) % 5) as f32];
     let positions: Vec<u8> = (0..vertex_count as u32).flat_map(at).flat_map(f32::to_le_bytes).collect();
     let colours: Vec<u8> = (0..vertex_count as u32).flat_map(|i| [i as u8, 3, 9]).collect();
     let quad = |i: u32| {
-        let v = i / SIDE * (SIDE + 1) + i % SIDE;
-        [v, v + 1, v + SIDE + 1, v + SIDE + 1, v + 1, v + SIDE + 2]
+        let v = i / side * (side + 1) + i % side;
+        [v, v + 1, v + side + 1, v + side + 1, v + 1, v + side + 2]
     };
-    let corners: Vec<u8> = (0..SIDE * SIDE).flat_map(quad).flat_map(u32::to_le_bytes).collect();
+    let corners: Vec<u8> = (0..side * side).flat_map(quad).flat_map(u32::to_le_bytes).collect();
     let attributes = vec![
         PackedAttribute::new("POSITION", vertex_count, 3, ComponentType::F32, false, positions).unwrap(),
         PackedAttribute::new("COLOR_0", vertex_count, 3, ComponentType::U8, true, colours).unwrap(),
@@ -108,4 +117,139 @@ fn wrong_streams_and_counts_are_errors() {
     assert!(read(&json).unwrap_err().contains("less than 2"));
     json["meshes"][0]["primitives"][0]["extensions"]["KHR_draco_mesh_compression"] = json!({});
     assert!(read(&json).unwrap_err().contains("bufferView"));
+}
+
+const EXTENSION: &str = "KHR_draco_mesh_compression";
+
+fn message(json: &Value) -> String {
+    gltf::read(json.to_string(), None).map(drop).unwrap_err().to_string()
+}
+
+#[test]
+fn damaged_streams_never_panic() {
+    let encoded = encoded_grid(4);
+    let bytes = encoded.bytes();
+    for length in 1..bytes.len() {
+        let error = message(&document(&encoded, &bytes[..length]));
+        assert!(
+            error.contains(EXTENSION) && error.ends_with("expected a stream of Draco"),
+            "{length}: {error}"
+        );
+    }
+    let mut random = random();
+    let mut wrong = 0;
+    for _ in 0..4000 {
+        let mut changed = bytes.to_vec();
+        for _ in 0..=random(4) {
+            let at = random(changed.len());
+            changed[at] = random(256) as u8;
+        }
+        match gltf::read(document(&encoded, &changed).to_string(), None) {
+            Ok(model) => {
+                let mesh = &model.parts[0].mesh;
+                let vertex_count = mesh.vertex_count() as u32;
+                assert!(
+                    mesh.faces().corners().iter().all(|&v| v < vertex_count) && vertex_count <= 96,
+                    "{vertex_count}"
+                );
+            }
+            Err(error) => {
+                wrong += 1;
+                assert!(error.to_string().contains("found"), "{error}");
+            }
+        }
+    }
+    assert!((1000..3000).contains(&wrong), "{wrong}");
+}
+
+#[test]
+fn wrong_members_are_named() {
+    let encoded = encoded_grid(2);
+    let primitive = "meshes[0].primitives[0]";
+    let at = format!("{primitive}.extensions.{EXTENSION}");
+    let wrong = |change: &dyn Fn(&mut Value)| {
+        let mut json = document(&encoded, encoded.bytes());
+        change(&mut json["meshes"][0]["primitives"][0]);
+        message(&json)
+    };
+    for (member, value, found) in [
+        ("bufferView", json!(-1), format!("{at}.bufferView: found -1, expected a whole number")),
+        ("bufferView", json!(null), format!("{at}.bufferView: found null, expected a whole number")),
+        ("attributes", json!([]), format!("{at}.attributes: found an array, expected an object")),
+        ("attributes", json!({ "POSITION": -1 }), format!("{at}.attributes.POSITION: found -1")),
+        ("attributes", json!({ "POSITION": u64::MAX }), format!("{at}: found ")),
+        ("attributes", json!({ "POSITION": 99 }), format!("{at}: found ")),
+        ("attributes", json!({}), format!("{at}: found ")),
+    ] {
+        let error = wrong(&|primitive| primitive["extensions"][EXTENSION][member] = value.clone());
+        assert!(error.starts_with(&found), "{error}");
+    }
+    for (member, value, found) in [
+        (
+            "indices",
+            json!(9),
+            format!("{primitive}.indices: found 9, expected less than 3, the number of accessors"),
+        ),
+        ("indices", json!(-1), format!("{primitive}.indices: found -1, expected a whole number")),
+        ("attributes", json!({ "POSITION": 9 }), format!("{primitive}.attributes.POSITION: found 9")),
+        ("attributes", json!(0), format!("{primitive}.attributes: found 0, expected an object")),
+        ("attributes", json!({}), format!("{at}: found ")),
+    ] {
+        let error = wrong(&|primitive| primitive[member] = value.clone());
+        assert!(error.starts_with(&found), "{error}");
+    }
+    let error = wrong(&|primitive| drop(primitive.as_object_mut().unwrap().remove("indices")));
+    assert_eq!(error, format!("{primitive}.indices: found nothing, expected a value"));
+}
+
+#[test]
+fn attributes_that_the_primitive_does_not_have_are_not_decoded() {
+    let encoded = encoded_grid(2);
+    let mut json = document(&encoded, encoded.bytes());
+    for i in 0..1000 {
+        json["meshes"][0]["primitives"][0]["extensions"][EXTENSION]["attributes"][format!("_{i}")] =
+            99.into();
+    }
+    let mesh = &gltf::read(json.to_string(), None).unwrap().parts[0].mesh;
+    assert_eq!((mesh.vertex_count(), mesh.attributes().len()), (9, 1));
+}
+
+/// Returns a document of primitives that each have their own accessors, and a stream of their own or the same one.
+fn primitives(count: usize, padding: usize, is_shared: bool) -> Value {
+    let encoded = encoded_grid(1);
+    let mut json = document(&encoded, &[encoded.bytes(), &vec![0; padding]].concat());
+    let accessors = json["accessors"].as_array().unwrap().clone();
+    let (primitive, view) = (json["meshes"][0]["primitives"][0].clone(), json["bufferViews"][0].clone());
+    for i in 1..count {
+        let mut next = primitive.clone();
+        next["attributes"] = json!({ "POSITION": 3 * i, "COLOR_0": 3 * i + 1 });
+        next["indices"] = (3 * i + 2).into();
+        if !is_shared {
+            next["extensions"][EXTENSION]["bufferView"] = (i + 1).into();
+            json["bufferViews"].as_array_mut().unwrap().push(view.clone());
+        }
+        json["accessors"].as_array_mut().unwrap().extend(accessors.clone());
+        json["meshes"][0]["primitives"].as_array_mut().unwrap().push(next);
+    }
+    json
+}
+
+#[test]
+fn streams_of_many_primitives_take_linear_time() {
+    check_linear(
+        400,
+        |count| (count, primitives(count, 0, false).to_string()),
+        |(count, text)| {
+            assert_eq!(gltf::read(&**text, None).unwrap().parts.len(), *count);
+        },
+    );
+}
+
+#[test]
+fn a_stream_that_is_decoded_again_and_again_is_limited() {
+    assert_eq!(gltf::read(primitives(200, 300_000, true).to_string(), None).unwrap().parts.len(), 200);
+    let error = gltf::read(primitives(400, 300_000, true).to_string(), None).unwrap_err();
+    let Error::LimitExceeded { at, found, limit } = error else { unreachable!("{error}") };
+    assert!(at.ends_with("KHR_draco_mesh_compression, bytes decoded so far"), "{at}");
+    assert!(found > limit && limit < (8 << 20) + 256 * 301_000, "{found}, {limit}");
 }

@@ -96,6 +96,17 @@ impl<'a> Located<'a> {
         Ok(entries.map(move |(i, value)| Self { value, at: format!("{list}[{i}]") }))
     }
 
+    /// Returns an entry of one of the document's arrays by its number.
+    pub(super) fn entry(root: &'a Members, list: &str, number: usize) -> Result<Self, Error> {
+        let entries = array(root, list)?;
+        let missing = || {
+            let expected = format!("less than {}, the number of {list}", entries.len());
+            Error::format(list, number.to_string(), expected)
+        };
+        let value = entries.get(number).ok_or_else(missing)?;
+        Ok(Self { value, at: format!("{list}[{number}]") })
+    }
+
     /// Returns the entry of one of the document's arrays that the value is an index of.
     pub(super) fn target(&self, root: &'a Members, list: &str) -> Result<Self, Error> {
         let (index, entries) = (self.size()?, array(root, list)?);
@@ -199,15 +210,16 @@ pub(super) fn list_mut<'a>(root: &'a mut Members, list: &str) -> Result<&'a mut 
     if !root.contains_key(list) {
         root.insert(list, Value::from(Content::Array(Vec::new())));
     }
+    array(root, list)?;
     let entries = root.get_mut(list).and_then(Value::as_array_mut);
-    entries.ok_or_else(|| Error::format(list, "something else", "an array"))
+    entries.ok_or_else(|| Error::format(list, "nothing", "an array"))
 }
 
 /// Returns the entries of one of the document's arrays; none where it is missing.
 pub(super) fn entries_mut<'a>(root: &'a mut Members, list: &str) -> Result<&'a mut [Value], Error> {
-    let Some(entries) = root.get_mut(list) else { return Ok(&mut []) };
-    let entries = entries.as_array_mut().map(Vec::as_mut_slice);
-    entries.ok_or_else(|| Error::format(list, "something else", "an array"))
+    array(root, list)?;
+    let entries = root.get_mut(list).and_then(Value::as_array_mut);
+    Ok(entries.map(Vec::as_mut_slice).unwrap_or_default())
 }
 
 /// Returns the entries of an array that is a member of a value; none where it is missing.

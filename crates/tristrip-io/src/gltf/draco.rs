@@ -9,7 +9,8 @@
 //! ```
 //!
 //! # Algorithm
-//! 1. Before a stream is decoded, the values that its accessors state are charged to the budget; the decoder may give no more.
+//! 1. Before a stream is decoded, its bytes and the values that its accessors state are charged to the budget; the decoder may give no
+//!    more. Attributes of the stream that the primitive does not have are left out.
 //! 2. Each decoded attribute, and the indices, becomes a buffer view of its own; accessors that several primitives name are decoded once.
 //! 3. The buffers are joined into one, without the streams. The extension is removed from primitives and from the lists of extensions.
 //!
@@ -176,28 +177,25 @@ fn decode(root: &Members, buffers: &[SharedBytes]) -> Result<Decoded, Error> {
             let primitive = CompressedPrimitive::of(&located, &extension, root)?;
             decoded.primitives.push((mesh, number));
             let stream = primitive.stream;
-            let is_known = |(_, index): &(&str, usize)| stream_of.get(index) == Some(&stream);
-            let all = || primitive.attributes.iter().chain(std::iter::once(&primitive.indices));
-            if all().all(|accessor| is_known(accessor) || has_values(root, accessor.1)) {
+            let is_known = |index: usize| stream_of.get(&index) == Some(&stream);
+            let all = || primitive.attributes.values().copied().chain([primitive.indices]);
+            if all().all(|accessor| is_known(accessor) || has_values(root, accessor)) {
                 continue;
             }
-            if let Some((_, index)) =
-                all().find(|(_, index)| stream_of.get(index).is_some_and(|of| *of != stream))
-            {
+            if let Some(index) = all().find(|index| stream_of.get(index).is_some_and(|of| *of != stream)) {
                 return Err(extension.wrong(format!("accessors[{index}] in one stream only")));
             }
             let geometry = primitive.decode(&extension, &resolver, &mut budget)?;
             decoded.streams.insert(stream);
             for attribute in geometry.attributes() {
-                let named = primitive.attributes.iter().find(|(name, _)| *name == attribute.semantic());
-                let Some(&(_, index)) = named else { continue };
+                let Some(&index) = primitive.attributes.get(attribute.semantic()) else { continue };
                 check_type(&located, attribute.component_type())?;
                 stream_of.insert(index, stream);
                 decoded.accessors.insert(index, DecodedAccessor::of_vertices(attribute));
             }
             if let Some(indices) = geometry.indices() {
-                stream_of.insert(primitive.indices.1, stream);
-                decoded.accessors.insert(primitive.indices.1, DecodedAccessor::of_indices(indices));
+                stream_of.insert(primitive.indices, stream);
+                decoded.accessors.insert(primitive.indices, DecodedAccessor::of_indices(indices));
             }
         }
     }
@@ -207,8 +205,8 @@ fn decode(root: &Members, buffers: &[SharedBytes]) -> Result<Decoded, Error> {
 /// A compressed primitive: the stream, and the accessors by the names of their attributes.
 struct CompressedPrimitive<'a> {
     stream: usize,
-    attributes: Vec<(&'a str, usize)>,
-    indices: (&'a str, usize),
+    attributes: BTreeMap<&'a str, usize>,
+    indices: usize,
 }
 
 impl<'a> CompressedPrimitive<'a> {
@@ -218,7 +216,7 @@ impl<'a> CompressedPrimitive<'a> {
         let attributes = attributes.collect::<Result<_, Error>>()?;
         let view = extension.need("bufferView")?;
         view.target(root, "bufferViews")?;
-        let indices = ("indices", accessor(&located.need("indices")?)?);
+        let indices = accessor(&located.need("indices")?)?;
         Ok(Self { stream: view.size()?, attributes, indices })
     }
 
@@ -229,17 +227,20 @@ impl<'a> CompressedPrimitive<'a> {
         resolver: &AccessorResolver<'a>,
         budget: &mut DecodeBudget,
     ) -> Result<PackedGeometry, Error> {
-        let accessors: Vec<Located<'_>> = Located::entries(resolver.root, "accessors")?.collect();
-        let count = |index: usize| accessors[index].need("count")?.size();
-        let corners = count(self.indices.1)?;
+        let accessor = |index: usize| Located::entry(resolver.root, "accessors", index);
+        let count = |accessor: &Located<'_>| accessor.need("count")?.size();
+        let corners = count(&accessor(self.indices)?)?;
         let mut contract = DracoPrimitiveContract::new().with_indices(corners as u64);
         let mut vertices = 0;
-        for &(name, index) in &self.attributes {
-            let own = count(index)?;
+        for (&name, &index) in &self.attributes {
+            let accessor = accessor(index)?;
+            let own = count(&accessor)?;
             vertices = own.max(vertices);
-            let normalized = accessors[index].field("normalized").and_then(|flag| flag.value.as_bool());
+            let normalized = accessor.field("normalized").and_then(|flag| flag.value.as_bool());
             contract = contract.with_attribute(name, own as u64, normalized.unwrap_or(false));
         }
+        let bytes = resolver.shared_view(&extension.need("bufferView")?)?;
+        budget.charge(&extension.at, bytes.len(), 1)?;
         budget.charge(&extension.at, corners, size_of::<u32>())?;
         let vertex_bytes = VALUE_BYTES * self.attributes.len();
         budget.charge(&extension.at, vertices, vertex_bytes)?;
@@ -248,23 +249,24 @@ impl<'a> CompressedPrimitive<'a> {
         limits.max_faces = corners as u64 / 3;
         limits.max_decoded_bytes = (vertices as u64).saturating_mul(vertex_bytes as u64).max(FEWEST_BYTES);
         let failed = |why: String| Error::format(extension.at.clone(), why, "a stream of Draco");
-        let text = json_of(extension)?;
+        let text = self.json_of(extension)?;
         let json = JsonValue::parse(&text).map_err(failed)?;
         let parsed = DracoPrimitiveExtension::from_json(&json).map_err(|error| failed(error.to_string()))?;
-        let bytes = resolver.shared_view(&extension.need("bufferView")?)?;
         let geometry = parsed.decode(bytes.as_slice(), &contract.with_limits(limits));
         geometry.map_err(|error| failed(error.to_string()))
     }
-}
 
-/// Returns the text of an extension's object with the members that the decoder reads.
-fn json_of(extension: &Located<'_>) -> Result<Vec<u8>, Error> {
-    let mut attributes = serde_json::Map::new();
-    for (name, number) in extension.need("attributes")?.members()? {
-        attributes.insert(name.to_owned(), number.whole()?.into());
+    /// Returns the text of an extension's object with the members that the decoder reads, and the attributes that are charged.
+    fn json_of(&self, extension: &Located<'_>) -> Result<Vec<u8>, Error> {
+        let mut attributes = serde_json::Map::new();
+        for (name, number) in extension.need("attributes")?.members()? {
+            if self.attributes.contains_key(name) {
+                attributes.insert(name.to_owned(), number.whole()?.into());
+            }
+        }
+        let object = json!({ "bufferView": self.stream, "attributes": attributes });
+        Ok(object.to_string().into_bytes())
     }
-    let object = json!({ "bufferView": extension.need("bufferView")?.size()?, "attributes": attributes });
-    Ok(object.to_string().into_bytes())
 }
 
 /// Returns whether an accessor has values without the stream.
