@@ -13,7 +13,7 @@
 //! Wavefront Technologies: *MTL material format*, 1995. Exocortex: *Physically-based rendering extension of MTL*, 2014. Walter, Marschner, Li,
 //! Torrance: *Microfacet Models for Refraction through Rough Surfaces*, 2007 (roughness of a highlight's exponent).
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
 /// The most bytes of a library that are parsed; longer ones are no material libraries.
@@ -55,7 +55,7 @@ pub(crate) struct ObjMaterial {
     /// Whether an image of the opacity is the one of the colour.
     pub(crate) is_blended: bool,
     /// The names of the images of colour, emitted light and normals.
-    pub(crate) images: [Option<String>; 3],
+    pub(crate) images: [Option<Arc<str>>; 3],
 }
 
 impl Materials {
@@ -105,32 +105,54 @@ impl Materials {
     pub fn add_library(&mut self, name: &str, bytes: Arc<Vec<u8>>) -> Vec<String> {
         let text = String::from_utf8_lossy(&bytes[..bytes.len().min(LONGEST_LIBRARY)]).into_owned();
         self.files.push(SideFile { name: name.to_owned(), bytes });
-        let materials = materials_of(&text);
-        if materials.is_empty() {
-            self.problems.push(format!("{name}: no material in it"));
-        }
-        // Images are named from the folder of their library.
-        let folder = name.rsplit_once('/').map_or("", |(folder, _)| folder);
-        let from_obj = |image: String| if folder.is_empty() { image } else { format!("{folder}/{image}") };
+        let mut images = LibraryImages::of(name);
         let mut lost = BTreeMap::new();
-        let mut images = Vec::new();
-        for material in materials {
+        let mut has_materials = false;
+        for material in materials_of(&text) {
+            has_materials = true;
             material.count_lost(&mut lost);
-            images.extend(material.images().map(from_obj));
-            let mut read = ObjMaterial::of(&material);
-            read.images = read.images.map(|image| image.map(from_obj));
+            material.images().for_each(|image| drop(images.name(image)));
+            let read = ObjMaterial::of(&material, |image| images.name(image));
             self.add(material.name.to_owned(), read);
+        }
+        if !has_materials {
+            self.problems.push(format!("{name}: no material in it"));
         }
         let lost = lost.into_iter().map(|(what, count)| format!("{name}: {what} in {count} materials"));
         self.losses.extend(lost);
-        images.sort_unstable();
-        images.dedup();
-        if images.len() > MOST_IMAGES {
-            self.problems
-                .push(format!("{name}: only the first {MOST_IMAGES} images of {} are read", images.len()));
-            images.truncate(MOST_IMAGES);
+        if images.by_name.len() > MOST_IMAGES {
+            let count = images.by_name.len();
+            self.problems.push(format!("{name}: only the first {MOST_IMAGES} images of {count} are read"));
         }
-        images
+        let mut names: Vec<String> =
+            images.by_name.into_values().flatten().map(|image| (*image).into()).collect();
+        names.sort_unstable();
+        names
+    }
+}
+
+/// The images of a library, which are named from its folder.
+struct LibraryImages<'a> {
+    folder: &'a str,
+    /// The names from the folder of the OBJ file by those in the library; only the first ones have one, since each may be much longer.
+    by_name: HashMap<String, Option<Arc<str>>>,
+}
+
+impl<'a> LibraryImages<'a> {
+    fn of(library: &'a str) -> Self {
+        let folder = library.rsplit_once('/').map_or("", |(folder, _)| folder);
+        Self { folder, by_name: HashMap::new() }
+    }
+
+    /// Returns the name of an image from the folder of the OBJ file; `None` if there are too many images.
+    fn name(&mut self, image: String) -> Option<Arc<str>> {
+        let is_read = self.by_name.len() < MOST_IMAGES;
+        let folder = self.folder;
+        let named = |image: &String| {
+            let name = if folder.is_empty() { image.clone() } else { format!("{folder}/{image}") };
+            is_read.then(|| name.into())
+        };
+        self.by_name.entry(image).or_insert_with_key(named).clone()
     }
 }
 
@@ -147,19 +169,25 @@ struct MaterialLines<'a> {
     lines: BTreeMap<&'a str, &'a str>,
 }
 
-/// Splits a library into materials.
-fn materials_of(text: &str) -> Vec<MaterialLines<'_>> {
-    let mut materials: Vec<MaterialLines<'_>> = Vec::new();
-    for line in text.lines() {
-        let (keyword, rest) = line.trim().split_once(char::is_whitespace).unwrap_or_default();
-        let rest = rest.trim();
-        if keyword == "newmtl" {
-            materials.push(MaterialLines { name: rest, lines: BTreeMap::new() });
-        } else if let Some(material) = materials.last_mut().filter(|_| !keyword.starts_with('#')) {
-            material.lines.insert(keyword, rest);
+/// Splits a library into materials, one after the other: their lines take much more memory than the text.
+fn materials_of<'a>(text: &'a str) -> impl Iterator<Item = MaterialLines<'a>> {
+    let words = |line: &'a str| line.trim().split_once(char::is_whitespace).unwrap_or_default();
+    let mut lines = text.lines().map(words).map(|(keyword, rest)| (keyword, rest.trim()));
+    let mut next = lines.find(|(keyword, _)| *keyword == "newmtl");
+    std::iter::from_fn(move || {
+        let (_, name) = next.take()?;
+        let mut material = MaterialLines { name, lines: BTreeMap::new() };
+        for (keyword, rest) in lines.by_ref() {
+            if keyword == "newmtl" {
+                next = Some((keyword, rest));
+                break;
+            }
+            if !keyword.is_empty() && !keyword.starts_with('#') {
+                material.lines.insert(keyword, rest);
+            }
         }
-    }
-    materials
+        Some(material)
+    })
 }
 
 impl MaterialLines<'_> {
@@ -207,7 +235,8 @@ impl MaterialLines<'_> {
 }
 
 impl ObjMaterial {
-    fn of(lines: &MaterialLines<'_>) -> Self {
+    /// Takes the lines of a material; `from_obj` names images from the folder of the OBJ file.
+    fn of(lines: &MaterialLines<'_>, mut from_obj: impl FnMut(String) -> Option<Arc<str>>) -> Self {
         let unit = |x: f32| x.clamp(0.0, 1.0);
         let images = [lines.image(&["map_Kd"]), lines.image(&["map_Ke"]), lines.image(&["norm"])];
         let opacity = lines.number("d").or_else(|| Some(1.0 - lines.number("Tr")?)).map_or(1.0, unit);
@@ -227,7 +256,7 @@ impl ObjMaterial {
             roughness,
             metalness: lines.number("Pm").map_or(0.0, unit),
             is_blended: opacity < 1.0 || opacity_image.is_some() && opacity_image == images[0],
-            images,
+            images: images.map(|image| from_obj(image?)),
         }
     }
 }

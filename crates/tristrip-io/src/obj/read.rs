@@ -15,6 +15,9 @@ use crate::text::{Text, integer, quote};
 /// The most material libraries of a file; others are ignored.
 const MOST_LIBRARIES: usize = 64;
 
+/// The most bytes of the name of a material library; others are ignored, as longer paths are in no file system.
+const LONGEST_NAME: usize = 4096;
+
 /// Reads an OBJ file.
 pub(crate) fn read(bytes: &[u8]) -> Result<Model, Error> {
     let mut parser = ObjParser::new(bytes, [MAX_COUNT; 3]);
@@ -109,10 +112,16 @@ impl<'a> ObjParser<'a> {
         Ok(())
     }
 
-    /// Takes the name of a material library, which may have spaces.
+    /// Takes the name of a material library, which may have spaces. It is read once, however often its path has `./`.
     fn library(&mut self) {
         let name = String::from_utf8_lossy(self.text.rest()).trim().replace('\\', "/");
-        if !name.is_empty() && !self.libraries.contains(&name) && self.libraries.len() < MOST_LIBRARIES {
+        let is_kept =
+            |&(number, folder): &(usize, &str)| folder != "." && (number == 0 || !folder.is_empty());
+        let folders: Vec<&str> =
+            name.split('/').enumerate().filter(is_kept).map(|(_, folder)| folder).collect();
+        let name = folders.join("/");
+        let is_name = !name.is_empty() && name.len() <= LONGEST_NAME;
+        if is_name && !self.libraries.contains(&name) && self.libraries.len() < MOST_LIBRARIES {
             self.libraries.push(name);
         }
     }

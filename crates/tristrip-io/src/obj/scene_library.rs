@@ -51,7 +51,7 @@ fn text_of(appearance: &Appearance, images: &[String], parts: &[Part], out: &mut
             roughness: 1.0,
             metalness: 0.0,
             is_blended: opacity < 1.0,
-            images: [image.cloned(), None, None],
+            images: [image.map(|image| image.as_str().into()), None, None],
         };
         if out.add(name.clone(), known) {
             // Writing to a string cannot fail.
