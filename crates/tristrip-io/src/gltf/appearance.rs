@@ -9,7 +9,8 @@
 //! transform of a node with a skin is ignored. Images are found, not decoded.
 //!
 //! # Complexity
-//! Linear in nodes, instances and materials; an image in a buffer is shared, not copied.
+//! Linear in nodes, instances and materials; an image in a buffer is shared, not copied. Many nodes that place a mesh with many primitives
+//! would have more instances than the file has bytes: their number is limited.
 
 use std::path::Path;
 
@@ -28,6 +29,12 @@ use crate::materials::image_size;
 
 /// The extension that moves texture coordinates.
 const TEXTURE_TRANSFORM: &str = "KHR_texture_transform";
+
+/// The number of instances that any scene may have.
+const FREE_INSTANCES: usize = 1 << 20;
+
+/// The further instances per node that places a mesh.
+const INSTANCES_PER_NODE: usize = 4;
 
 /// What a scene shows.
 #[derive(Debug, Clone, Default)]
@@ -133,7 +140,7 @@ impl Scene {
     /// An image file that cannot be read is noted, and its materials have no texture.
     ///
     /// # Errors
-    /// The nodes, materials, textures or images that the scene uses are not valid glTF 2.0.
+    /// The nodes, materials, textures or images that the scene uses are not valid glTF 2.0, or nodes place too many parts.
     ///
     /// ```
     /// let json = br#"{"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"translation":[1,2,3]}]}"#;
@@ -143,11 +150,24 @@ impl Scene {
     /// # Ok::<(), tristrip_io::Error>(())
     /// ```
     pub fn appearance(&self) -> Result<Appearance, Error> {
-        let of_place = |place: Placement| {
-            let Placement { parts, transform } = place;
-            parts.map(move |part| Instance { part, transform })
-        };
-        let instances = self.placements()?.into_iter().flat_map(of_place).collect();
+        Ok(Appearance { instances: self.instances()?, ..self.surfaces()? })
+    }
+
+    /// Returns the parts in their places.
+    fn instances(&self) -> Result<Vec<Instance>, Error> {
+        let placements = self.placements()?;
+        let found = placements.iter().map(|place| place.parts.len()).fold(0, usize::saturating_add);
+        let limit = FREE_INSTANCES + INSTANCES_PER_NODE * placements.len();
+        if found > limit {
+            let at = "nodes, parts in their places".into();
+            return Err(Error::LimitExceeded { at, found: found as u64, limit: limit as u64 });
+        }
+        let of_place = |Placement { parts, transform }| parts.map(move |part| Instance { part, transform });
+        Ok(placements.into_iter().flat_map(of_place).collect())
+    }
+
+    /// Returns the appearance without instances.
+    pub(crate) fn surfaces(&self) -> Result<Appearance, Error> {
         let folders: Vec<&Path> = self.folders.iter().map(std::path::PathBuf::as_path).collect();
         let root = &self.document.root;
         let mut reader = MaterialReader {
@@ -165,7 +185,7 @@ impl Scene {
         if moved > 0 {
             notes.push(format!("textures whose {TEXTURE_TRANSFORM} is not applied: {moved}"));
         }
-        Ok(Appearance { instances, materials, images, notes })
+        Ok(Appearance { instances: Vec::new(), materials, images, notes })
     }
 
     /// Returns the material of each part.
@@ -216,7 +236,7 @@ impl<'a> MaterialReader<'a> {
         let mut read = Material::default();
         let Some(base) = material.field("pbrMetallicRoughness") else { return Ok(read) };
         if let Some(factor) = base.field("baseColorFactor") {
-            read.base_colour = factor.numbers()?.map(|x| x as f32);
+            read.base_colour = factor.numbers()?.map(|x| x.clamp(0.0, 1.0) as f32);
         }
         if let Some(texture) = base.field("baseColorTexture") {
             read.texture = self.texture(&texture)?;

@@ -61,6 +61,10 @@ impl Scene {
                     parts.ok_or_else(|| mesh.wrong(format!("less than {count}, the number of meshes")))?;
                 let skinned = node.field("skin").is_some();
                 let shown = if skinned { Transform::IDENTITY } else { transform };
+                if !shown.is_finite() {
+                    let found = "a transform beyond the largest number";
+                    return Err(Error::format(node.at.clone(), found, "finite products of transforms"));
+                }
                 if !parts.is_empty() {
                     placements.push(Placement { parts: parts.clone(), transform: shown.rows() });
                 }

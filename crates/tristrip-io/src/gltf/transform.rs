@@ -21,6 +21,11 @@ impl Transform {
         }))
     }
 
+    /// Returns whether all numbers are finite: products of finite ones may not be.
+    pub(super) fn is_finite(&self) -> bool {
+        self.0.iter().flatten().all(|x| x.is_finite())
+    }
+
     pub(super) fn rows(self) -> [[f64; 4]; 3] {
         self.0
     }

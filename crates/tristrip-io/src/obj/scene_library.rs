@@ -12,7 +12,7 @@ use crate::model::Part;
 /// Builds the library, and the images that it names. `stem` is the name of the OBJ file without its extension.
 pub(crate) fn library_of(scene: &Scene, parts: &[Part], stem: &str) -> Materials {
     let library = format!("{stem}.mtl");
-    let appearance = match scene.appearance() {
+    let appearance = match scene.surfaces() {
         Ok(appearance) => appearance,
         Err(error) => {
             let mut out = Materials::new(Vec::new());
