@@ -53,14 +53,14 @@ pub(super) struct MeshLevels {
 /// # Errors
 /// The document already has levels of detail.
 pub(super) fn add(root: &mut Members, levels: &BTreeMap<usize, MeshLevels>) -> Result<usize, Error> {
-    if uses(root, LEVELS_OF_DETAIL) {
+    let old = array(root, "nodes")?;
+    if uses(root, LEVELS_OF_DETAIL) || old.iter().any(has_levels) {
         return Err(Error::Unsupported(format!(
             "the scene has levels of detail already ({LEVELS_OF_DETAIL}): name a directory to write a file per level"
         )));
     }
     let motion = Motion::of(root)?;
     let joints = joints(root)?;
-    let old = array(root, "nodes")?;
     let mut changed: Vec<(usize, Value)> = Vec::new();
     let mut new: Vec<Value> = Vec::new();
     let mut animated: HashMap<usize, Vec<usize>> = HashMap::new();
@@ -114,14 +114,20 @@ pub(super) fn name_level(members: &mut Members, level: usize) {
     name.into_iter().for_each(|name| members.insert("name", name.as_str()));
 }
 
+/// Checks whether a node names lower levels, which counts even if the document does not declare the extension.
+fn has_levels(node: &Value) -> bool {
+    node.get("extensions").is_some_and(|extensions| extensions.get(LEVELS_OF_DETAIL).is_some())
+}
+
 /// Checks whether a node does nothing but place a mesh.
 fn only_places(node: &Value) -> bool {
     let is_of_mesh = |name: &str| MESH_EXTENSIONS.contains(&name);
-    let extensions = node.get("extensions").and_then(Value::as_object);
     items(node, "children").is_empty()
         && node.get("camera").is_none()
         && node.get("extras").is_none_or(|extras| extras.as_object().is_some())
-        && extensions.is_none_or(|extensions| extensions.iter().all(|(name, _)| is_of_mesh(name)))
+        && node.get("extensions").is_none_or(|extensions| {
+            extensions.as_object().is_some_and(|members| members.iter().all(|(name, _)| is_of_mesh(name)))
+        })
 }
 
 /// Moves the mesh of a node, and what belongs to it, to a new node.

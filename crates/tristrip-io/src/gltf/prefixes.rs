@@ -88,9 +88,7 @@ impl<'a> Prefixes<'a> {
     }
 
     fn values(&self, accessor: usize) -> Result<AccessorValues<'a>, Error> {
-        let entry = Located::entries(self.resolver.root, "accessors")?.nth(accessor);
-        let entry = entry.ok_or_else(|| Error::format("accessors", accessor.to_string(), "an accessor"))?;
-        self.resolver.values_of(entry)
+        self.resolver.values_of(Located::entry(self.resolver.root, "accessors", accessor)?)
     }
 
     /// Checks whether the view of an accessor has a stride or may get one.
