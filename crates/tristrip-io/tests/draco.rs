@@ -214,6 +214,26 @@ fn attributes_that_the_primitive_does_not_have_are_not_decoded() {
     assert_eq!((mesh.vertex_count(), mesh.attributes().len()), (9, 1));
 }
 
+#[test]
+fn an_attribute_by_many_names_is_limited() {
+    let encoded = encoded_grid(2);
+    let named = |count: usize| {
+        let mut json = document(&encoded, encoded.bytes());
+        let primitive = &mut json["meshes"][0]["primitives"][0];
+        let colour = primitive["extensions"][EXTENSION]["attributes"]["COLOR_0"].clone();
+        for i in 0..count {
+            primitive["attributes"][format!("_{i}")] = 1.into();
+            primitive["extensions"][EXTENSION]["attributes"][format!("_{i}")] = colour.clone();
+        }
+        gltf::read(json.to_string(), None)
+    };
+    assert_eq!(named(100).unwrap().parts[0].mesh.attributes().len(), 101);
+    let error = named(1000).unwrap_err();
+    let Error::LimitExceeded { at, found, limit } = error else { unreachable!("{error}") };
+    assert!(at.ends_with("KHR_draco_mesh_compression, bytes decoded so far"), "{at}");
+    assert!(found > 1000 * (1 << 16) && limit < 9 << 20, "{found}, {limit}");
+}
+
 /// Returns a document of primitives that each have their own accessors, and a stream of their own or the same one.
 fn primitives(count: usize, padding: usize, is_shared: bool) -> Value {
     let encoded = encoded_grid(1);

@@ -49,7 +49,7 @@ const FACTOR: u64 = 256;
 const VALUE_BYTES: usize = 16;
 
 /// The bytes that any stream may decode to.
-const FEWEST_BYTES: u64 = 1 << 16;
+const FEWEST_BYTES: usize = 1 << 16;
 
 /// The values of an accessor that was compressed.
 struct DecodedAccessor {
@@ -244,28 +244,28 @@ impl<'a> CompressedPrimitive<'a> {
         budget.charge(&extension.at, corners, size_of::<u32>())?;
         let vertex_bytes = VALUE_BYTES * self.attributes.len();
         budget.charge(&extension.at, vertices, vertex_bytes)?;
+        let numbers = self.numbers(extension)?;
+        let decoded = vertices.saturating_mul(vertex_bytes).max(FEWEST_BYTES);
+        // The decoder copies an attribute for each of its names.
+        let distinct: BTreeSet<u64> = numbers.values().copied().collect();
+        budget.charge(&extension.at, numbers.len() - distinct.len(), decoded)?;
         let mut limits = DecodeLimits::default();
         limits.max_points = vertices as u64;
         limits.max_faces = corners as u64 / 3;
-        limits.max_decoded_bytes = (vertices as u64).saturating_mul(vertex_bytes as u64).max(FEWEST_BYTES);
+        limits.max_decoded_bytes = decoded as u64;
         let failed = |why: String| Error::format(extension.at.clone(), why, "a stream of Draco");
-        let text = self.json_of(extension)?;
+        let text = json!({ "bufferView": self.stream, "attributes": numbers }).to_string().into_bytes();
         let json = JsonValue::parse(&text).map_err(failed)?;
         let parsed = DracoPrimitiveExtension::from_json(&json).map_err(|error| failed(error.to_string()))?;
         let geometry = parsed.decode(bytes.as_slice(), &contract.with_limits(limits));
         geometry.map_err(|error| failed(error.to_string()))
     }
 
-    /// Returns the text of an extension's object with the members that the decoder reads, and the attributes that are charged.
-    fn json_of(&self, extension: &Located<'_>) -> Result<Vec<u8>, Error> {
-        let mut attributes = serde_json::Map::new();
-        for (name, number) in extension.need("attributes")?.members()? {
-            if self.attributes.contains_key(name) {
-                attributes.insert(name.to_owned(), number.whole()?.into());
-            }
-        }
-        let object = json!({ "bufferView": self.stream, "attributes": attributes });
-        Ok(object.to_string().into_bytes())
+    /// Returns the numbers in the stream of the attributes that the primitive has.
+    fn numbers(&self, extension: &Located<'a>) -> Result<BTreeMap<&'a str, u64>, Error> {
+        let all = extension.need("attributes")?.members()?;
+        let own = all.filter(|(name, _)| self.attributes.contains_key(name));
+        own.map(|(name, number)| Ok((name, number.whole()?))).collect()
     }
 }
 
