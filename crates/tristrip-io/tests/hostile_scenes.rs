@@ -238,6 +238,21 @@ fn levels_of_many_accessors_take_linear_time() {
 }
 
 #[test]
+fn extras_of_a_mesh_are_searched_once_for_all_its_primitives() {
+    let primitives = |count: usize| {
+        let mut draft = with_nodes(json!([{ "mesh": 0 }]));
+        let mesh = &mut draft.json["meshes"][0];
+        mesh["primitives"] = vec![mesh["primitives"][0].clone(); count].into();
+        mesh["extras"] = vec![json!("x"); 4 * count].into();
+        gltf::read(draft.glb(), None).unwrap()
+    };
+    check_linear(1000, primitives, |model| {
+        let level: Vec<PartLevel> = vec![PartLevel::default(); model.parts.len()];
+        assert_eq!(in_level_order(model, &[level], Format::Glb).unwrap().level_count(), 1);
+    });
+}
+
+#[test]
 fn parts_in_too_many_places_are_refused_before_they_are_listed() {
     let mut draft = with_nodes(vec![json!({ "mesh": 0 }); 2000].into());
     let primitive = draft.json["meshes"][0]["primitives"][0].clone();

@@ -86,6 +86,7 @@ pub(crate) fn groups(scene: &Scene, part_count: usize) -> Result<Vec<SceneGroup>
     let mut sets = PrimitiveSets::default();
     let mut primitives = Vec::new();
     for (m, mesh) in array(root, "meshes")?.iter().enumerate() {
+        let mesh_may_name_vertices = may_name_vertices(mesh);
         for (p, primitive) in items(mesh, "primitives").iter().enumerate() {
             let accessors: Vec<usize> = vertex_accessors(primitive).collect();
             primitives.push(Primitive {
@@ -93,7 +94,7 @@ pub(crate) fn groups(scene: &Scene, part_count: usize) -> Result<Vec<SceneGroup>
                 part: parts.get(&(m, p)).copied(),
                 indices: primitive.get("indices").and_then(index),
                 accessors,
-                may_name_vertices: may_name_vertices(mesh, primitive),
+                may_name_vertices: mesh_may_name_vertices || may_name_vertices(primitive),
             });
         }
     }
@@ -309,20 +310,18 @@ pub(super) fn vertex_accessors(primitive: &Value) -> impl Iterator<Item = usize>
     attributes.chain(targets).filter_map(index)
 }
 
-/// Checks whether extensions or extras of a mesh or primitive may refer to vertices by number.
-fn may_name_vertices(mesh: &Value, primitive: &Value) -> bool {
-    [mesh, primitive].into_iter().any(|object| {
-        let extensions =
-            object.get("extensions").and_then(Value::as_object).into_iter().flat_map(Members::iter);
-        let names_vertices = |(name, value): (&str, &Value)| match name {
-            FEATURES => !items(value, "featureIds").iter().all(has_stored_ids),
-            // Extensions about the index order are dropped with the old indices.
-            name => {
-                !HARMLESS_EXTENSIONS.contains(&name) && !ORDER_EXTENSIONS.contains(&name) && has_number(value)
-            }
-        };
-        object.get("extras").is_some_and(has_number) || extensions.into_iter().any(names_vertices)
-    })
+/// Checks whether extensions or extras of a mesh or a primitive may refer to vertices by number.
+fn may_name_vertices(object: &Value) -> bool {
+    let mut extensions =
+        object.get("extensions").and_then(Value::as_object).into_iter().flat_map(Members::iter);
+    let names_vertices = |(name, value): (&str, &Value)| match name {
+        FEATURES => !items(value, "featureIds").iter().all(has_stored_ids),
+        // Extensions about the index order are dropped with the old indices.
+        name => {
+            !HARMLESS_EXTENSIONS.contains(&name) && !ORDER_EXTENSIONS.contains(&name) && has_number(value)
+        }
+    };
+    object.get("extras").is_some_and(has_number) || extensions.any(names_vertices)
 }
 
 /// Checks whether the ids of a set of features are stored in an attribute or texture.
