@@ -303,7 +303,7 @@ impl Decimation {
         }
         self.topology.collapse(point, to, &renames, &mut dropped);
         if changes_kinds {
-            self.topology.classify(&around);
+            self.topology.classify(&around, MOST_CORNERS);
         }
         sequence.push(&renames, &dropped, finite(f64::from(collapse.error) * self.unit));
         self.triangle_count -= dropped.len();

@@ -73,6 +73,10 @@ impl Outcomes {
 
     /// Counts the common neighbours of two points.
     fn common_neighbours(&mut self, topology: &Topology, point: u32, to: u32) -> usize {
+        if self.mark > u32::MAX - 4 {
+            self.marks.fill(0);
+            self.mark = 0;
+        }
         self.mark += 2;
         let (is_neighbour, is_counted) = (self.mark, self.mark + 1);
         let marks = &mut self.marks;

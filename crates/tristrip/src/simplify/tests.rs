@@ -239,17 +239,22 @@ fn three_sheets_stay_at_their_common_line() {
 }
 
 /// A cone whose tip at first has more triangles than a point that may be removed.
+/// A cone of many triangles around one point: also where any collapse may change the kinds of the points beside it, which would take hours
+/// if all triangles of that point were visited each time.
 #[test]
 fn a_cone_of_many_triangles_reaches_its_target() {
-    let n = 20_000_u32;
+    let n = 100_000_u32;
     let rim = |i: u32| {
         let a = std::f32::consts::TAU * i as f32 / n as f32;
         [a.cos(), a.sin(), 0.0]
     };
     let positions: Vec<[f32; 3]> = std::iter::once([0.0, 0.0, 1.0]).chain((0..n).map(rim)).collect();
     let triangles: Vec<u32> = (0..n).flat_map(|i| [0, i + 1, (i + 1) % n + 1]).collect();
-    let simplification = simplified(&positions, &triangles, &SimplifyOptions::default().with_triangles(10));
-    assert!(simplification.sequence.triangles_at(0) <= 10);
+    for permissive in [false, true] {
+        let options = SimplifyOptions::default().with_triangles(10).with_permissive(permissive);
+        let simplification = simplified(&positions, &triangles, &options);
+        assert!(simplification.sequence.triangles_at(0) <= 10);
+    }
 }
 
 /// A plane with triangles without area at T-junctions: none of them becomes inverted.

@@ -187,12 +187,17 @@ impl Topology {
         self.kinds[point as usize]
     }
 
-    /// Finds the kinds of points again after a collapse at an irregular one.
-    pub(super) fn classify(&mut self, points: &[u32]) {
+    /// Finds the kinds of points again after a collapse at an irregular one. Those of more than `most` triangles count as irregular, however
+    /// many collapses there are beside them.
+    pub(super) fn classify(&mut self, points: &[u32], most: usize) {
         let Some(classifier) = &mut self.classifier else { return };
         for &point in points {
-            self.kinds[point as usize] =
-                classifier.kind(&self.triangles, self.rings.of(point), self.rings.opposite(point));
+            let (ring, kind) = (self.rings.of(point), &mut self.kinds[point as usize]);
+            if ring.len() <= most {
+                *kind = classifier.kind(&self.triangles, ring, self.rings.opposite(point));
+            } else if *kind != PointKind::Degenerate {
+                *kind = PointKind::Irregular;
+            }
         }
     }
 
