@@ -3,7 +3,7 @@
 
 mod random;
 
-use random::random;
+use random::{mutate, random};
 use tristrip_io::{Format, read};
 
 const OBJ: &str = "o a\nv 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvn 0 0 1\nusemtl m\n\
@@ -106,20 +106,11 @@ fn truncations_never_panic() {
 
 #[test]
 fn mutations_never_panic() {
-    let interesting = *b"\0\x01\x7f\x80\xff\n\r\\#/-+.eE 0129nf";
     let mut random = random();
     for (format, bytes) in samples() {
         for _ in 0..20_000 {
             let mut changed = bytes.clone();
-            for _ in 0..=random(3) {
-                let at = random(changed.len());
-                match random(4) {
-                    0 => changed[at] ^= 1 << random(8),
-                    1 => changed[at] = interesting[random(interesting.len())],
-                    2 => changed.insert(at, interesting[random(interesting.len())]),
-                    _ => drop(changed.remove(at)),
-                }
-            }
+            mutate(&mut changed, 3, &mut random);
             let _ = read(&changed, format);
         }
     }

@@ -466,3 +466,22 @@ fn real_scenes_are_packed() {
     assert!(after.len() + 40_000 < man.len());
     check_animations(&man, &packed(&man, Rounding::WeightsAndRotations), 1e-4);
 }
+
+#[test]
+fn places_of_nodes_keep_their_floats() {
+    let glb = skinned(|i| [1.0 - (i + 1) as f32 / 64.0, (i + 1) as f32 / 64.0, 0.0, 0.0]);
+    let mut json = json_of(&glb);
+    let third = 1.0_f32 / 3.0;
+    // The last one is no 32-bit float.
+    let numbers = [f64::from(third), f64::from(0.1_f32), 0.1];
+    json["nodes"][0]["translation"] = json!(numbers);
+    json["nodes"][0]["extras"] = json!([f64::from(third)]);
+    let glb = glb_of(json.to_string().as_bytes(), Some(bin_of(&glb)));
+    let text = |rounding| json_of(&packed(&glb, rounding))["nodes"][0].clone();
+    assert_eq!(text(Rounding::None)["translation"], json!(numbers));
+    for rounding in [Rounding::Weights, Rounding::WeightsAndRotations] {
+        let node = text(rounding);
+        assert_eq!(node["translation"], json!([0.333_333_34, 0.1, 0.1]));
+        assert_eq!(node["extras"], json!([f64::from(third)]));
+    }
+}

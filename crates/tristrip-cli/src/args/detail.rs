@@ -58,7 +58,8 @@ pub(crate) struct SimplifyArgs {
     /// Round joint weights to 8 bits and rotations of animations to 16 bits in a GLB or .gltf
     ///
     /// Weights change by less than 1/255 each, rotations by less than 0.004 degrees. Without it weights are rounded to 16 bits, which
-    /// changes them by less than 1/65535, and animations play the same within a millionth of each track's greatest value.
+    /// changes them by less than 1/65535, and animations play the same within a millionth of each track's greatest value. Either way numbers
+    /// that place nodes have no more digits than 32-bit floats need.
     #[arg(long)]
     pub(crate) compact: bool,
     #[command(flatten)]

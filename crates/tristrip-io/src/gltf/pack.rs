@@ -67,7 +67,7 @@ pub fn pack(glb: Vec<u8>, rounding: Rounding) -> Result<Vec<u8>, Error> {
     let mut scene = Packing { document, buffers, fixed };
     animation::reduce(&mut scene, rounding)?;
     types::narrow(&mut scene, rounding)?;
-    tidy::tidy(&mut scene)?;
+    tidy::tidy(&mut scene, rounding)?;
     let packed = layout::write(scene)?;
     drop(container);
     // A small file may need more bytes for the views than it had.

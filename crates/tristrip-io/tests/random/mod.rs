@@ -20,3 +20,17 @@ pub(crate) fn mutated_documents(glb: &[u8], count: usize) -> impl Iterator<Item 
         changed
     })
 }
+
+/// Changes, adds or removes a few bytes, at least one and at most `most` + 1.
+pub(crate) fn mutate(bytes: &mut Vec<u8>, most: usize, random: &mut impl FnMut(usize) -> usize) {
+    const INTERESTING: [u8; 23] = *b"\0\x01\x7f\x80\xff\n\r\t\\#/-+.eE 0129nf";
+    for _ in 0..=random(most) {
+        let at = random(bytes.len());
+        match random(4) {
+            0 => bytes[at] ^= 1 << random(8),
+            1 => bytes[at] = INTERESTING[random(INTERESTING.len())],
+            2 => bytes.insert(at, INTERESTING[random(INTERESTING.len())]),
+            _ => drop(bytes.remove(at)),
+        }
+    }
+}

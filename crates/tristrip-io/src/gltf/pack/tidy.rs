@@ -1,18 +1,19 @@
 //! JSON without what it need not say: members with the value that a missing member has, bounds that are not required, and digits.
 //!
 //! Nothing inside extensions and extras changes. A number keeps its value as a 64-bit float; only the bounds of 32-bit floats, which the
-//! specification says are to be rounded to these, are written with the fewest digits of the 32-bit float.
+//! specification says are to be rounded to these, are written with the fewest digits of the 32-bit float. With rounding so are the numbers
+//! that place nodes, where they are exactly 32-bit floats: programs that read them as such read the same.
 
 use std::collections::HashSet;
 
-use super::packing::Packing;
+use super::packing::{Packing, Rounding};
 use crate::error::Error;
 use crate::gltf::document::{array, entries_mut, index, items};
 use crate::gltf::json::{Content, Members, Value};
 use crate::gltf::references::position_accessors;
 
 /// Removes what need not be said.
-pub(super) fn tidy(scene: &mut Packing) -> Result<(), Error> {
+pub(super) fn tidy(scene: &mut Packing, rounding: Rounding) -> Result<(), Error> {
     let fixed = scene.fixed.accessors;
     let root = &mut scene.document.root;
     let mut bounded = position_accessors(root)?;
@@ -27,6 +28,12 @@ pub(super) fn tidy(scene: &mut Packing) -> Result<(), Error> {
                 let numbers = members.get_mut(name).and_then(Value::as_array_mut);
                 numbers.into_iter().flatten().for_each(shorten_float);
             }
+        }
+    }
+    for node in entries_mut(root, "nodes")?.iter_mut().filter(|_| rounding != Rounding::None) {
+        for name in PLACES {
+            let numbers = node.as_object_mut().and_then(|node| node.get_mut(name)?.as_array_mut());
+            numbers.into_iter().flatten().filter(|value| is_float(value)).for_each(shorten_float);
         }
     }
     for (list, defaults) in DEFAULTS {
@@ -44,6 +51,9 @@ pub(super) fn tidy(scene: &mut Packing) -> Result<(), Error> {
     known.for_each(|(_, value)| shorten_numbers(value));
     Ok(())
 }
+
+/// Members that place a node.
+const PLACES: [&str; 4] = ["translation", "rotation", "scale", "matrix"];
 
 /// Members whose default the specification states, as JSON, by the array of the document.
 const DEFAULTS: [(&str, &[(&str, &str)]); 5] = [
@@ -130,7 +140,12 @@ fn may_shorten(value: &Value) -> bool {
     matches!(value.content, Content::Number(_) | Content::Array(_) | Content::Object(_))
 }
 
-/// Writes a bound with the fewest digits of the same 32-bit float.
+/// Checks whether a number is exactly a 32-bit float.
+fn is_float(value: &Value) -> bool {
+    number(value).is_some_and(|x| f64::from(x as f32).to_bits() == x.to_bits())
+}
+
+/// Writes a number with the fewest digits of the same 32-bit float.
 fn shorten_float(value: &mut Value) {
     let float = number(value).map(|x| x as f32).filter(|x| x.is_finite());
     if let Some(float) = float {
