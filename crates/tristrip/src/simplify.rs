@@ -11,7 +11,7 @@
 //!
 //! # Algorithm
 //! See the module `decimate`: quadrics in a local frame for a first order of the collapses, the distances of all removed vertices
-//! from the triangles for their price.
+//! from the triangles for their price. With the feature `rayon` several threads find prices (module `ahead`); the result is the same.
 //!
 //! # References
 //! Garland, Heckbert: *Surface Simplification Using Quadric Error Metrics*, 1997. Kim, Park, Yang, Neelamkavil: *A Rendering-Efficient
@@ -22,6 +22,7 @@
 //! O(n log n) time; 270 bytes per triangle while it runs, 30 of them for the result; for attributes that have a price 92 bytes per vertex
 //! more, and 36 per value.
 
+mod ahead;
 mod attribute_quadrics;
 mod attributes;
 mod curve;
@@ -39,6 +40,7 @@ mod quadric;
 mod removed_points;
 mod skin;
 mod stopped;
+mod surface;
 #[cfg(test)]
 mod tests;
 mod topology;

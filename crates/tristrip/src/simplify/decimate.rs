@@ -28,22 +28,19 @@
 //! Preserving Edge Contraction*, 1999 (the link condition). Passes over collapses that do not touch each other are known from parallel
 //! simplification; the order by price afterwards, and the price, are our own.
 
-use super::attribute_quadrics::AttributeQuadrics;
+use super::ahead::{PricesAhead, least_estimates};
 use super::attributes::PricedAttributes;
-use super::frame::{frame, quadrics};
-use super::neighbourhood::Neighbourhood;
-use super::options::{Price, SimplifyOptions};
+use super::options::SimplifyOptions;
 use super::order::CollapseOrder;
 use super::outcome::{MOST_CORNERS, Outcome, Outcomes};
-use super::quadric::Quadric;
-use super::removed_points::RemovedPoints;
+use super::price::PriceSearch;
 use super::stopped::Stopped;
+use super::surface::Surface;
 use super::topology::{PointKind, Topology};
 use super::waiting::{PricedCollapse, Waiting, finite};
-use crate::collapse::{CollapseSequence, Rename};
+use crate::collapse::CollapseSequence;
 use crate::ids::OptionalId;
 use crate::mesh::{Positions, is_degenerate, triangles_of};
-use crate::vector::Point;
 
 /// One in so many of the points that wait are below the limit of a pass. From one in 6 to one in 12 the mean of the distances over 37 models
 /// differs by one percent, and the time hardly.
@@ -62,21 +59,11 @@ enum Refusal {
 /// A mesh while it is simplified.
 #[derive(Debug)]
 pub(super) struct Decimation {
-    pub(super) topology: Topology,
-    pub(super) positions: Vec<Point>,
-    /// The unit of the local frame, in mesh units.
-    unit: f64,
-    pub(super) quadrics: Vec<Quadric>,
-    pub(super) attributes: Option<AttributeQuadrics>,
+    surface: Surface,
     locked: Vec<bool>,
-    /// The error of the removal of each point's component, in units of the frame; empty if all components stay.
-    vanishing: Vec<f32>,
-    pub(super) is_permissive: bool,
     /// Whether any collapse may change the topology.
     may_break: bool,
-    pub(super) waiting: Vec<Waiting>,
-    /// What a collapse costs.
-    pub(super) price: Price,
+    waiting: Vec<Waiting>,
     /// The points that wait, ascending, with others that did so until the last pass.
     points: Vec<u32>,
     /// Points for which no collapse was possible, and which wait again since something changed around them.
@@ -86,19 +73,11 @@ pub(super) struct Decimation {
     order: CollapseOrder,
     /// Triangles that are drawn.
     triangle_count: usize,
-    /// The largest error allowed, in units of the frame.
-    pub(super) error_limit: f64,
-    pub(super) outcomes: Outcomes,
-    /// The removed points, if the price needs them.
-    pub(super) removed: Option<RemovedPoints>,
-    /// The triangles of the current point.
-    pub(super) current: Neighbourhood,
-    pub(super) neighbours: Vec<u32>,
+    outcomes: Outcomes,
+    search: PriceSearch,
+    ahead: PricesAhead,
     /// The neighbours of the point that was just removed.
     around: Vec<u32>,
-    /// The neighbours that the current point may go to, with their estimates.
-    pub(super) candidates: Vec<(f64, u32)>,
-    pub(super) renames: Vec<Rename>,
     dropped: Vec<u32>,
 }
 
@@ -116,50 +95,28 @@ impl Decimation {
         let topology =
             Topology::new(positions, attribute_bits, vertices, options.may_break()).with_meshes(meshes);
         let count = topology.point_count();
-        let is_locked = locked_points(&topology, options);
-        let position = |p| positions.position(topology.vertex_of(p) as usize).unwrap_or_default();
-        let (framed, unit) = frame((0..count as u32).map(position));
-        let attributes =
-            priced(vertices, unit).map(|values| AttributeQuadrics::new(&topology, &framed, values));
-        let vanishing = match options.vanishing() {
-            [] => Vec::new(),
-            errors => {
-                (0..count as u32).map(|p| vanishing_error(errors, topology.vertex_of(p), unit)).collect()
-            }
-        };
-        let quadrics = quadrics(&topology, &framed, attributes.is_some());
-        let removed = (options.price() == Price::Distance).then(|| {
-            let areas = quadrics.iter().map(|quadric| quadric.weight / 3.0);
-            RemovedPoints::new(topology.triangles.len(), framed.iter().copied().zip(areas))
-        });
+        let locked = locked_points(&topology, options);
+        let surface = Surface::new(topology, positions, |unit| priced(vertices, unit), options);
         let mut decimation = Self {
             triangle_count: triangles_of(vertices).filter(|&t| !is_degenerate(t)).count(),
-            topology,
-            positions: framed,
-            unit,
-            quadrics,
-            attributes,
-            locked: is_locked,
-            vanishing,
-            is_permissive: options.is_permissive(),
+            surface,
+            locked,
             may_break: options.may_break(),
             waiting: vec![Waiting::NOT; count],
-            price: options.price(),
             points: (0..count as u32).collect(),
             revived: Vec::new(),
             pass: 0,
             order: CollapseOrder::new(count),
-            error_limit: options.error().map_or(f64::INFINITY, |error| f64::from(error) / unit),
             outcomes: Outcomes::new(count),
-            removed,
-            current: Neighbourhood::default(),
-            neighbours: Vec::new(),
+            search: PriceSearch::default(),
+            ahead: PricesAhead::default(),
             around: Vec::new(),
-            candidates: Vec::new(),
-            renames: Vec::new(),
             dropped: Vec::new(),
         };
-        (0..count as u32).for_each(|point| decimation.estimate(point));
+        let estimates = least_estimates(&decimation.surface, |point| decimation.is_removable(point));
+        for (point, estimate) in (0..).zip(estimates) {
+            decimation.wait_estimated(point, estimate);
+        }
         decimation
     }
 
@@ -176,14 +133,18 @@ impl Decimation {
             points.retain(|&point| self.waiting[point as usize].waits());
             let Some(limit) = self.pass_limit(&points) else { break };
             self.pass += 1;
+            self.ahead.find(&self.surface, &self.waiting, &points, limit);
             for &point in &points {
                 let waiting = &self.waiting[point as usize];
                 if waiting.changed == self.pass || waiting.cost > limit {
                     continue;
                 }
+                if let Some(found) = self.ahead.of(point) {
+                    self.wait_priced(point, found.best);
+                }
                 let priced = self.priced(point).or_else(|| self.price(point));
                 if let Some(collapse) = priced.filter(|collapse| collapse.cost <= limit) {
-                    self.topology.neighbours(point, &mut self.around);
+                    self.surface.topology.neighbours(point, &mut self.around);
                     self.order.push(self.pass, collapse.cost, &self.around);
                     self.collapse(point, &collapse, sequence);
                 }
@@ -206,7 +167,7 @@ impl Decimation {
 
     /// Returns the unit of the frame, in mesh units.
     pub(super) fn unit(&self) -> f64 {
-        self.unit
+        self.surface.unit
     }
 
     /// Returns the cost below which a share of the points wait; `None` without any points.
@@ -223,27 +184,28 @@ impl Decimation {
     /// Counts the reasons for which the remaining points cannot be removed.
     pub(super) fn stopped(&mut self) -> Stopped {
         let mut stopped = Stopped { triangle_count: self.triangle_count, ..Stopped::default() };
-        for point in 0..self.topology.point_count() as u32 {
-            if self.topology.ring(point).is_empty() {
+        for point in 0..self.surface.topology.point_count() as u32 {
+            let topology = &self.surface.topology;
+            if topology.ring(point).is_empty() {
                 continue;
             }
             let reason = if self.locked[point as usize] {
                 &mut stopped.locked
-            } else if self.topology.kind(point) == PointKind::Degenerate {
+            } else if topology.kind(point) == PointKind::Degenerate {
                 &mut stopped.non_manifold
-            } else if self.topology.ring(point).len() > MOST_CORNERS {
+            } else if topology.ring(point).len() > MOST_CORNERS {
                 &mut stopped.topology
             } else {
-                self.collect_candidates(point);
-                self.set_current(point);
-                let candidates = std::mem::take(&mut self.candidates);
+                self.search.collect_candidates(&self.surface, point);
+                self.search.set_current(&self.surface, point);
+                let candidates = std::mem::take(&mut self.search.candidates);
                 let refusals: Vec<_> = candidates.iter().map(|&(_, to)| self.refusal(point, to)).collect();
-                self.candidates = candidates;
+                self.search.candidates = candidates;
                 let refusal = if refusals.contains(&None) { None } else { refusals[0] };
                 match refusal {
                     Some(Refusal::FoldOver) => &mut stopped.fold_over,
                     Some(Refusal::Seam) => &mut stopped.seam,
-                    Some(Refusal::Topology) if self.topology.kind(point) == PointKind::Irregular => {
+                    Some(Refusal::Topology) if self.surface.topology.kind(point) == PointKind::Irregular => {
                         &mut stopped.non_manifold
                     }
                     Some(Refusal::Topology) => &mut stopped.topology,
@@ -258,22 +220,25 @@ impl Decimation {
 
     /// Checks whether a point may be removed at all.
     fn is_removable(&self, point: u32) -> bool {
-        let ring = self.topology.ring(point);
+        let ring = self.surface.topology.ring(point);
         !self.locked[point as usize]
-            && self.topology.kind(point) != PointKind::Degenerate
+            && self.surface.topology.kind(point) != PointKind::Degenerate
             && !ring.is_empty()
             && ring.len() <= MOST_CORNERS
     }
 
     /// Estimates the cost of a point, if it may be removed.
     fn estimate(&mut self, point: u32) {
-        self.give_up(point);
-        if self.is_removable(point) {
-            self.collect_candidates(point);
-            if let Some(least) = self.candidates.iter().map(|&(estimate, _)| estimate).min_by(f64::total_cmp)
-            {
-                self.wait(point, self.price.expected(least));
-            }
+        let is_removable = self.is_removable(point);
+        let least = is_removable.then(|| self.search.least_estimate(&self.surface, point)).flatten();
+        self.wait_estimated(point, least);
+    }
+
+    /// Lets a point wait with the price to expect from its least estimate, if there is one.
+    fn wait_estimated(&mut self, point: u32, estimate: Option<f64>) {
+        match estimate {
+            None => self.wait_priced(point, None),
+            Some(estimate) => self.wait(point, self.surface.price.expected(estimate)),
         }
     }
 
@@ -283,38 +248,55 @@ impl Decimation {
         (waiting.cost, waiting.target) = (finite(cost), OptionalId::NONE);
     }
 
-    /// Lets a point wait no longer, as no collapse is possible until something changes around it.
-    pub(super) fn give_up(&mut self, point: u32) {
+    /// Lets a point wait with its best collapse; without any it waits no longer, until something changes around it.
+    fn wait_priced(&mut self, point: u32, best: Option<PricedCollapse>) {
         let waiting = &mut self.waiting[point as usize];
-        (waiting.cost, waiting.target) = (f32::INFINITY, OptionalId::NONE);
+        match best {
+            None => (waiting.cost, waiting.target) = (f32::INFINITY, OptionalId::NONE),
+            Some(PricedCollapse { to, cost, error }) => {
+                (waiting.cost, waiting.target, waiting.error) = (cost, OptionalId::some(to), error);
+            }
+        }
+    }
+
+    /// Returns the collapse of a point whose price still holds.
+    fn priced(&mut self, point: u32) -> Option<PricedCollapse> {
+        let Waiting { cost, target, error, .. } = self.waiting[point as usize];
+        let to = target.get()?;
+        // Something may have changed around the other point. The end of a component has a price of its own.
+        let is_as_priced = match self.outcomes.of(&self.surface.topology, point, to) {
+            Outcome::Keeps => true,
+            Outcome::Breaks => self.surface.is_permissive,
+            Outcome::Loses | Outcome::Ends => false,
+        };
+        is_as_priced.then_some(PricedCollapse { to, cost, error })
+    }
+
+    /// Prices a point: returns its best collapse, with which it waits.
+    fn price(&mut self, point: u32) -> Option<PricedCollapse> {
+        let Self { surface, outcomes, search, .. } = self;
+        let best = search.best(surface, point, |to| outcomes.of(&surface.topology, point, to));
+        self.wait_priced(point, best);
+        best
     }
 
     /// Does the collapse of a point, whose neighbours are known.
     fn collapse(&mut self, point: u32, collapse: &PricedCollapse, sequence: &mut CollapseSequence) {
         let to = collapse.to;
-        let is_open = self.keeps_seams(point, to);
+        let is_open = self.surface.keeps_seams(point, to, &mut self.search.renames);
         debug_assert!(is_open);
-        let (renames, mut dropped) = (std::mem::take(&mut self.renames), std::mem::take(&mut self.dropped));
         let around = std::mem::take(&mut self.around);
-        let is_irregular = |p: u32| self.topology.kind(p) == PointKind::Irregular;
+        let is_irregular = |p: u32| self.surface.topology.kind(p) == PointKind::Irregular;
         let changes_kinds = self.may_break || is_irregular(point) || is_irregular(to);
-        if let Some(removed) = &mut self.removed {
-            removed.collapse(&self.topology, point, to);
-        }
-        self.topology.collapse(point, to, &renames, &mut dropped);
+        self.surface.collapse(point, to, &self.search.renames, &mut self.dropped);
         if changes_kinds {
-            self.topology.classify(&around, MOST_CORNERS);
+            self.surface.topology.classify(&around, MOST_CORNERS);
         }
-        sequence.push(&renames, &dropped, finite(f64::from(collapse.error) * self.unit));
-        self.triangle_count -= dropped.len();
-        let quadric = self.quadrics[point as usize];
-        self.quadrics[to as usize].add(&quadric);
-        if let Some(attributes) = &mut self.attributes {
-            attributes.merge(&renames);
-        }
-        (self.renames, self.dropped) = (renames, dropped);
+        let error = finite(f64::from(collapse.error) * self.surface.unit);
+        sequence.push(&self.search.renames, &self.dropped, error);
+        self.triangle_count -= self.dropped.len();
 
-        self.give_up(point);
+        self.wait_priced(point, None);
         for &p in &around {
             let waiting = &mut self.waiting[p as usize];
             (waiting.changed, waiting.target) = (self.pass, OptionalId::NONE);
@@ -331,40 +313,27 @@ impl Decimation {
 
     /// Returns the first reason for which the collapse of the current point is refused.
     fn refusal(&mut self, point: u32, to: u32) -> Option<Refusal> {
-        if self.current.folds_over(to, self.positions[to as usize]) {
+        if self.search.current.folds_over(to, self.surface.positions[to as usize]) {
             return Some(Refusal::FoldOver);
         }
         if !self.is_allowed(point, to) {
             return Some(Refusal::Topology);
         }
-        if !self.keeps_seams(point, to) {
+        if !self.surface.keeps_seams(point, to, &mut self.search.renames) {
             return Some(Refusal::Seam);
         }
         None
     }
 
-    /// Collects the renames of a collapse; returns whether it keeps the seams closed, or may move them.
-    pub(super) fn keeps_seams(&mut self, point: u32, to: u32) -> bool {
-        if self.topology.renames(point, to, &mut self.renames).is_some() {
-            return true;
-        }
-        let attributes = self.attributes.as_ref();
-        let difference = |a: u32, b: u32| attributes.map_or(0.0, |attributes| attributes.difference(a, b));
-        self.is_permissive && self.topology.renames_across(point, to, &mut self.renames, difference).is_some()
-    }
-
     /// Checks whether a collapse keeps the topology of the surface, or removes a component that may vanish.
     fn is_allowed(&mut self, point: u32, to: u32) -> bool {
-        match self.outcomes.of(&self.topology, point, to) {
+        match self.outcomes.of(&self.surface.topology, point, to) {
             Outcome::Keeps => true,
-            Outcome::Breaks if self.is_permissive => true,
-            Outcome::Breaks | Outcome::Loses | Outcome::Ends => self.vanishing_error(point).is_finite(),
+            Outcome::Breaks if self.surface.is_permissive => true,
+            Outcome::Breaks | Outcome::Loses | Outcome::Ends => {
+                self.surface.vanishing_error(point).is_finite()
+            }
         }
-    }
-
-    /// Returns the error of the removal of a point's component, in units of the frame; infinite if it stays.
-    pub(super) fn vanishing_error(&self, point: u32) -> f64 {
-        self.vanishing.get(point as usize).copied().unwrap_or(f32::INFINITY).into()
     }
 }
 
@@ -385,10 +354,4 @@ fn locked_points(topology: &Topology, options: &SimplifyOptions) -> Vec<bool> {
         }
     }
     is_locked
-}
-
-/// Returns the error of the removal of a vertex's component in units of the frame; infinite if it stays.
-fn vanishing_error(errors: &[f32], vertex: u32, unit: f64) -> f32 {
-    let error = errors.get(vertex as usize).copied().filter(|error| *error >= 0.0);
-    error.map_or(f32::INFINITY, |error| (f64::from(error) / unit) as f32)
 }

@@ -42,11 +42,6 @@ impl Outcomes {
         Self { marks: vec![0; point_count], mark: 0, links: Links::default() }
     }
 
-    /// Collects the neighbours that an irregular point may move to.
-    pub(super) fn irregular_neighbours(&mut self, topology: &Topology, point: u32, found: &mut Vec<u32>) {
-        self.links.neighbours(topology, point, found);
-    }
-
     /// Returns what a collapse does to the surface.
     pub(super) fn of(&mut self, topology: &Topology, point: u32, to: u32) -> Outcome {
         let ring = topology.opposite(point);

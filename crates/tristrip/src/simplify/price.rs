@@ -19,13 +19,15 @@
 //!
 //! By [`Price::Planes`] the price is the estimate, with the attributes.
 
-use super::decimate::Decimation;
+use super::irregular::Links;
+use super::neighbourhood::Neighbourhood;
 use super::options::Price;
 use super::outcome::Outcome;
 use super::quadric::Quadric;
+use super::surface::Surface;
 use super::topology::PointKind;
-use super::waiting::{PricedCollapse, Waiting, finite};
-use crate::ids::OptionalId;
+use super::waiting::{PricedCollapse, finite};
+use crate::collapse::Rename;
 use crate::vector::{Point, dot, sub};
 
 /// The weight of the squared distances by area relative to the quadric, in which each area counts for three points.
@@ -56,51 +58,61 @@ impl Price {
     }
 }
 
-impl Decimation {
+/// What is known of the current point while its price is found; one for each thread.
+#[derive(Debug, Default)]
+pub(super) struct PriceSearch {
+    /// The triangles of the point.
+    pub(super) current: Neighbourhood,
+    pub(super) neighbours: Vec<u32>,
+    /// The neighbours that the point may go to, with their estimates.
+    pub(super) candidates: Vec<(f64, u32)>,
+    /// The renames of the collapse that was looked at last.
+    pub(super) renames: Vec<Rename>,
+    links: Links,
+}
+
+impl PriceSearch {
     /// Makes a point the current one.
-    pub(super) fn set_current(&mut self, point: u32) {
-        self.current.collect(&self.topology, &self.positions, point);
+    pub(super) fn set_current(&mut self, surface: &Surface, point: u32) {
+        self.current.collect(&surface.topology, &surface.positions, point);
     }
 
     /// Collects the neighbours that a point may go to, with their estimates: for a border point those along the border.
-    pub(super) fn collect_candidates(&mut self, point: u32) {
-        match self.topology.kind(point) {
-            PointKind::Irregular => {
-                self.outcomes.irregular_neighbours(&self.topology, point, &mut self.neighbours)
-            }
-            _ => self.topology.neighbours(point, &mut self.neighbours),
+    pub(super) fn collect_candidates(&mut self, surface: &Surface, point: u32) {
+        let kind = surface.topology.kind(point);
+        match kind {
+            PointKind::Irregular => self.links.neighbours(&surface.topology, point, &mut self.neighbours),
+            _ => surface.topology.neighbours(point, &mut self.neighbours),
         }
-        let first = match self.topology.kind(point) {
+        let first = match kind {
             PointKind::Border => self.neighbours.len().saturating_sub(2),
             _ => 0,
         };
-        let (quadric, from) = (&self.quadrics[point as usize], self.positions[point as usize]);
+        let (quadric, from) = (&surface.quadrics[point as usize], surface.positions[point as usize]);
         let root = quadric.weight.sqrt();
         let scale = if root > 0.0 { 1.0 / root } else { 1.0 };
-        let estimate = |&to: &u32| (scale * estimate_of(quadric, from, self.positions[to as usize]), to);
+        let estimate = |&to: &u32| (scale * estimate_of(quadric, from, surface.positions[to as usize]), to);
         self.candidates.clear();
         self.candidates.extend(self.neighbours[first..].iter().map(estimate));
     }
 
-    /// Returns the collapse of a point whose price still holds.
-    pub(super) fn priced(&mut self, point: u32) -> Option<PricedCollapse> {
-        let Waiting { cost, target, error, .. } = self.waiting[point as usize];
-        let to = target.get()?;
-        // Something may have changed around the other point. The end of a component has a price of its own.
-        let is_as_priced = match self.outcomes.of(&self.topology, point, to) {
-            Outcome::Keeps => true,
-            Outcome::Breaks => self.is_permissive,
-            Outcome::Loses | Outcome::Ends => false,
-        };
-        is_as_priced.then_some(PricedCollapse { to, cost, error })
+    /// Returns the least estimate of a point.
+    pub(super) fn least_estimate(&mut self, surface: &Surface, point: u32) -> Option<f64> {
+        self.collect_candidates(surface, point);
+        self.candidates.iter().map(|&(estimate, _)| estimate).min_by(f64::total_cmp)
     }
 
-    /// Prices a point: returns its best collapse, with which it waits. If none is possible it waits no longer.
-    pub(super) fn price(&mut self, point: u32) -> Option<PricedCollapse> {
-        self.collect_candidates(point);
-        self.set_current(point);
-        if let Some(removed) = &self.removed {
-            self.current.collect_removed(&self.topology, point, removed);
+    /// Returns the best collapse of a point; `outcome` tells what that to a neighbour does to the topology.
+    pub(super) fn best(
+        &mut self,
+        surface: &Surface,
+        point: u32,
+        mut outcome: impl FnMut(u32) -> Outcome,
+    ) -> Option<PricedCollapse> {
+        self.collect_candidates(surface, point);
+        self.set_current(surface, point);
+        if let Some(removed) = &surface.removed {
+            self.current.collect_removed(&surface.topology, point, removed);
         }
         let mut candidates = std::mem::take(&mut self.candidates);
         candidates.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
@@ -109,33 +121,34 @@ impl Decimation {
             if estimate >= most {
                 break;
             }
-            if let Some((cost, error)) = self.price_of(point, to, estimate, most) {
+            if let Some((cost, error)) = self.price_of(surface, point, to, estimate, most, &mut outcome) {
                 most = cost;
                 best = Some(PricedCollapse { to, cost: finite(cost), error: finite(error) });
             }
         }
         self.candidates = candidates;
-        match best {
-            None => self.give_up(point),
-            Some(PricedCollapse { to, cost, error }) => {
-                let waiting = &mut self.waiting[point as usize];
-                (waiting.cost, waiting.target, waiting.error) = (cost, OptionalId::some(to), error);
-            }
-        }
         best
     }
 
     /// Returns the price of a collapse of the current point and its error, if it is possible and its price below `most`.
-    fn price_of(&mut self, point: u32, to: u32, estimate: f64, most: f64) -> Option<(f64, f64)> {
-        let kept = self.positions[to as usize];
-        let quadric = &self.quadrics[point as usize];
+    fn price_of(
+        &mut self,
+        surface: &Surface,
+        point: u32,
+        to: u32,
+        estimate: f64,
+        most: f64,
+        outcome: &mut impl FnMut(u32) -> Outcome,
+    ) -> Option<(f64, f64)> {
+        let kept = surface.positions[to as usize];
+        let quadric = &surface.quadrics[point as usize];
         let weight = quadric.weight.sqrt();
         let per_area = if weight > 0.0 { DISTANCE_WEIGHT / weight } else { 0.0 };
-        let most_square = self.error_limit * self.error_limit;
+        let most_square = surface.error_limit * surface.error_limit;
         // 1. The distance of the point, or of the planes.
-        let (mut cost, mut square) = if let Some(removed) = &self.removed {
+        let (mut cost, mut square) = if let Some(removed) = &surface.removed {
             let square = self.current.distance(to, kept);
-            let is_inner = self.topology.kind(point) == PointKind::Inner;
+            let is_inner = surface.topology.kind(point) == PointKind::Inner;
             let share = if is_inner { INNER_ESTIMATE_SHARE } else { ESTIMATE_SHARE };
             (share * estimate + per_area * removed.area(point) * square, square)
         } else {
@@ -146,22 +159,22 @@ impl Decimation {
             return None;
         }
         // 2. The distances of the removed points.
-        if self.removed.is_some() {
+        if surface.removed.is_some() {
             let most_sum = if per_area > 0.0 { (most - cost) / per_area } else { f64::INFINITY };
             let (sum, largest) = self.current.removed_distances(to, kept, most_sum, most_square)?;
             cost += per_area * sum;
             square = square.max(largest);
         }
         // 3. The attributes.
-        if self.attributes.is_some() {
-            let change = self.attribute_change(point, to)?;
+        if surface.attributes.is_some() {
+            let change = self.attribute_change(surface, point, to)?;
             cost += if weight > 0.0 { change / weight } else { change };
         }
         if cost >= most {
             return None;
         }
         // 4. The new edges.
-        if self.removed.is_some() {
+        if surface.removed.is_some() {
             let bridge = self.current.bridge(to, kept, (most - cost) / (BRIDGE_WEIGHT * weight));
             cost += BRIDGE_WEIGHT * weight * bridge;
             square = square.max(bridge);
@@ -171,27 +184,27 @@ impl Decimation {
         }
         // 5. What it does to the topology.
         let mut error = square.sqrt();
-        match self.outcomes.of(&self.topology, point, to) {
+        match outcome(to) {
             Outcome::Keeps => {}
-            Outcome::Breaks if self.is_permissive => {}
+            Outcome::Breaks if surface.is_permissive => {}
             // A component that may vanish may also break on the way.
             Outcome::Breaks | Outcome::Loses | Outcome::Ends => {
-                let removal = self.vanishing_error(point);
+                let removal = surface.vanishing_error(point);
                 cost += VANISHING_WEIGHT * weight * removal * removal;
                 error = error.max(removal);
             }
         }
-        let is_possible = cost < most && error.is_finite() && error <= self.error_limit;
-        (is_possible && self.keeps_seams(point, to)).then_some((cost, error))
+        let is_possible = cost < most && error.is_finite() && error <= surface.error_limit;
+        (is_possible && surface.keeps_seams(point, to, &mut self.renames)).then_some((cost, error))
     }
 
     /// Returns the sum of the squared deviations of the attributes if a point goes to a neighbour; `None` if a seam would open.
-    fn attribute_change(&mut self, point: u32, to: u32) -> Option<f64> {
-        if !self.keeps_seams(point, to) {
+    fn attribute_change(&mut self, surface: &Surface, point: u32, to: u32) -> Option<f64> {
+        if !surface.keeps_seams(point, to, &mut self.renames) {
             return None;
         }
-        let attributes = self.attributes.as_ref()?;
-        Some(attributes.change(&self.renames, self.positions[to as usize]))
+        let attributes = surface.attributes.as_ref()?;
+        Some(attributes.change(&self.renames, surface.positions[to as usize]))
     }
 }
 

@@ -10,7 +10,7 @@ use crate::union_find::UnionFind;
 
 /// Builds a grid of quadrilaterals cut into two triangles, `width` by `height`, optionally closed in either direction, with a bump at
 /// each vertex.
-fn grid(width: u32, height: u32, closed: [bool; 2]) -> (Vec<[f32; 3]>, Vec<u32>) {
+pub(super) fn grid(width: u32, height: u32, closed: [bool; 2]) -> (Vec<[f32; 3]>, Vec<u32>) {
     let columns = if closed[0] { width } else { width + 1 };
     let rows = if closed[1] { height } else { height + 1 };
     let at = |x: u32, y: u32| (y % rows) * columns + x % columns;

@@ -1,0 +1,106 @@
+//! A surface while it is simplified: all that the price of a collapse depends on.
+//!
+//! What only one collapse after the other can use, such as the order of the points, is in the module `decimate`; several threads may read
+//! a surface at a time.
+
+use super::attribute_quadrics::AttributeQuadrics;
+use super::attributes::PricedAttributes;
+use super::frame::{frame, quadrics};
+use super::options::{Price, SimplifyOptions};
+use super::quadric::Quadric;
+use super::removed_points::RemovedPoints;
+use super::topology::Topology;
+use crate::collapse::Rename;
+use crate::mesh::Positions;
+use crate::vector::Point;
+
+/// The triangles that are left, and what they stand for.
+#[derive(Debug)]
+pub(super) struct Surface {
+    pub(super) topology: Topology,
+    /// The positions of the points, in the frame.
+    pub(super) positions: Vec<Point>,
+    /// The unit of the frame, in mesh units.
+    pub(super) unit: f64,
+    pub(super) quadrics: Vec<Quadric>,
+    pub(super) attributes: Option<AttributeQuadrics>,
+    /// The removed points, if the price needs them.
+    pub(super) removed: Option<RemovedPoints>,
+    /// The error of the removal of each point's component, in units of the frame; empty if all components stay.
+    vanishing: Vec<f32>,
+    /// What a collapse costs.
+    pub(super) price: Price,
+    /// The largest error allowed, in units of the frame.
+    pub(super) error_limit: f64,
+    pub(super) is_permissive: bool,
+}
+
+impl Surface {
+    /// Places the points in a frame, and finds their quadrics. `priced` returns the attributes that have a price, given the unit of the frame.
+    pub(super) fn new<P: Positions + ?Sized>(
+        topology: Topology,
+        positions: &P,
+        priced: impl FnOnce(f64) -> Option<PricedAttributes>,
+        options: &SimplifyOptions,
+    ) -> Self {
+        let count = topology.point_count() as u32;
+        let position = |p| positions.position(topology.vertex_of(p) as usize).unwrap_or_default();
+        let (framed, unit) = frame((0..count).map(position));
+        let attributes = priced(unit).map(|values| AttributeQuadrics::new(&topology, &framed, values));
+        let vanishing = match options.vanishing() {
+            [] => Vec::new(),
+            errors => (0..count).map(|p| vanishing_error(errors, topology.vertex_of(p), unit)).collect(),
+        };
+        let quadrics = quadrics(&topology, &framed, attributes.is_some());
+        let removed = (options.price() == Price::Distance).then(|| {
+            let areas = quadrics.iter().map(|quadric| quadric.weight / 3.0);
+            RemovedPoints::new(topology.triangles.len(), framed.iter().copied().zip(areas))
+        });
+        Self {
+            topology,
+            positions: framed,
+            unit,
+            quadrics,
+            attributes,
+            removed,
+            vanishing,
+            price: options.price(),
+            error_limit: options.error().map_or(f64::INFINITY, |error| f64::from(error) / unit),
+            is_permissive: options.is_permissive(),
+        }
+    }
+
+    /// Collects the renames of a collapse; returns whether it keeps the seams closed, or may move them.
+    pub(super) fn keeps_seams(&self, point: u32, to: u32, renames: &mut Vec<Rename>) -> bool {
+        if self.topology.renames(point, to, renames).is_some() {
+            return true;
+        }
+        let attributes = self.attributes.as_ref();
+        let difference = |a: u32, b: u32| attributes.map_or(0.0, |attributes| attributes.difference(a, b));
+        self.is_permissive && self.topology.renames_across(point, to, renames, difference).is_some()
+    }
+
+    /// Returns the error of the removal of a point's component, in units of the frame; infinite if it stays.
+    pub(super) fn vanishing_error(&self, point: u32) -> f64 {
+        self.vanishing.get(point as usize).copied().unwrap_or(f32::INFINITY).into()
+    }
+
+    /// Does a collapse, and writes the numbers of the triangles that it drops to `dropped`, ascending.
+    pub(super) fn collapse(&mut self, point: u32, to: u32, renames: &[Rename], dropped: &mut Vec<u32>) {
+        if let Some(removed) = &mut self.removed {
+            removed.collapse(&self.topology, point, to);
+        }
+        self.topology.collapse(point, to, renames, dropped);
+        let quadric = self.quadrics[point as usize];
+        self.quadrics[to as usize].add(&quadric);
+        if let Some(attributes) = &mut self.attributes {
+            attributes.merge(renames);
+        }
+    }
+}
+
+/// Returns the error of the removal of a vertex's component in units of the frame; infinite if it stays.
+fn vanishing_error(errors: &[f32], vertex: u32, unit: f64) -> f32 {
+    let error = errors.get(vertex as usize).copied().filter(|error| *error >= 0.0);
+    error.map_or(f32::INFINITY, |error| (f64::from(error) / unit) as f32)
+}
