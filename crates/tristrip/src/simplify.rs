@@ -25,8 +25,10 @@
 mod ahead;
 mod attribute_quadrics;
 mod attributes;
+mod box_tree;
 mod curve;
 mod decimate;
+mod deviation;
 mod fan;
 mod frame;
 mod irregular;

@@ -54,6 +54,6 @@ pub(crate) fn triangle_at(list: &[u32], t: usize) -> [u32; 3] {
 
 /// Iterates over the triangles of a triangle list.
 #[inline]
-pub(crate) fn triangles_of(list: &[u32]) -> impl ExactSizeIterator<Item = [u32; 3]> {
+pub(crate) fn triangles_of(list: &[u32]) -> impl ExactSizeIterator<Item = [u32; 3]> + Clone {
     list.chunks_exact(3).map(|corners| [corners[0], corners[1], corners[2]])
 }

@@ -26,9 +26,14 @@ pub(super) fn along_curve<P: Positions + ?Sized>(
     if triangles_of(points).filter(is_far).count() <= points.len() / 3 / FEW {
         return None;
     }
-    let firsts = || triangles_of(vertices).map(|[v, ..]| positions.position(v as usize).unwrap_or_default());
+    let first = |[v, ..]: [u32; 3]| positions.position(v as usize).unwrap_or_default();
+    Some(order_along_curve(triangles_of(vertices).map(first)))
+}
+
+/// Returns the numbers of places in the order of the curve through their bounding box; those in one cell keep their order.
+pub(super) fn order_along_curve(places: impl Iterator<Item = [f32; 3]> + Clone) -> Vec<u32> {
     let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
-    for p in firsts() {
+    for p in places.clone() {
         for k in 0..3 {
             low[k] = low[k].min(p[k]);
             high[k] = high[k].max(p[k]);
@@ -38,9 +43,9 @@ pub(super) fn along_curve<P: Positions + ?Sized>(
     let scale = if side > 0.0 { f64::from((1 << CELL_BITS) - 1) / side } else { 0.0 };
     let along = |x: f32, low: f32| spread((((f64::from(x) - f64::from(low)) * scale) as i32).unsigned_abs());
     let cell = |[x, y, z]: [f32; 3]| along(x, low[0]) | along(y, low[1]) << 1 | along(z, low[2]) << 2;
-    let mut cells: Vec<(u32, u32)> = firsts().map(cell).zip(0..).collect();
+    let mut cells: Vec<(u32, u32)> = places.map(cell).zip(0..).collect();
     cells.sort_unstable();
-    Some(cells.into_iter().map(|(_, t)| t).collect())
+    cells.into_iter().map(|(_, place)| place).collect()
 }
 
 /// Returns the ten lowest bits with two zeros between neighbours.

@@ -142,8 +142,7 @@ impl Decimation {
                 if let Some(found) = self.ahead.of(point) {
                     self.wait_priced(point, found.best);
                 }
-                let priced = self.priced(point).or_else(|| self.price(point));
-                if let Some(collapse) = priced.filter(|collapse| collapse.cost <= limit) {
+                if let Some(collapse) = self.collapse_below(point, limit) {
                     self.surface.topology.neighbours(point, &mut self.around);
                     self.order.push(self.pass, collapse.cost, &self.around);
                     self.collapse(point, &collapse, sequence);
@@ -278,6 +277,22 @@ impl Decimation {
         let best = search.best(surface, point, |to| outcomes.of(&surface.topology, point, to));
         self.wait_priced(point, best);
         best
+    }
+
+    /// Returns the best collapse of a point if its price is at most the limit. If the triangles of one would be too far from the full mesh, the
+    /// next best is taken.
+    fn collapse_below(&mut self, point: u32, limit: f32) -> Option<PricedCollapse> {
+        let mut best = self.priced(point).or_else(|| self.price(point));
+        while let Some(collapse) = best.filter(|collapse| collapse.cost <= limit) {
+            if self.surface.stays_near(point, collapse.to, &mut self.search.current) {
+                self.search.refused.clear();
+                return Some(collapse);
+            }
+            self.search.refused.push(collapse.to);
+            best = self.price(point);
+        }
+        self.search.refused.clear();
+        None
     }
 
     /// Does the collapse of a point, whose neighbours are known.

@@ -17,6 +17,20 @@ use crate::vector::{Point, cross, dot, sub, to_segment, to_triangle};
 /// The cosine of the largest angle by which a triangle may rotate.
 const LEAST_COSINE: f64 = 0.25;
 
+/// The shares of the corners of a new triangle at places that are compared with the full mesh.
+const NEW_PLACES: [[f64; 3]; 10] = [
+    [0.5, 0.5, 0.0],
+    [0.5, 0.0, 0.5],
+    [0.25, 0.75, 0.0],
+    [0.75, 0.25, 0.0],
+    [0.25, 0.0, 0.75],
+    [0.75, 0.0, 0.25],
+    [0.34, 0.33, 0.33],
+    [0.66, 0.17, 0.17],
+    [0.17, 0.66, 0.17],
+    [0.17, 0.17, 0.66],
+];
+
 /// The edge opposite to the point in one of its triangles.
 #[derive(Debug, Clone, Copy)]
 struct OppositeEdge {
@@ -154,6 +168,16 @@ impl Neighbourhood {
             }
             let cosine = dot(before, after);
             cosine <= 0.0 || cosine * cosine < LEAST_COSINE * LEAST_COSINE * square * dot(after, after)
+        })
+    }
+
+    /// Iterates over places on the triangles that the point would have at a neighbour: quarters of their edges at it, and their insides.
+    pub(super) fn new_places(&self, to: u32, kept: Point) -> impl Iterator<Item = Point> {
+        let edges = self.edges.iter().filter(move |edge| !edge.has(to));
+        edges.flat_map(move |edge| {
+            let [u, w] = edge.positions;
+            NEW_PLACES
+                .map(|[of_kept, of_u, of_w]| [0, 1, 2].map(|k| of_kept * kept[k] + of_u * u[k] + of_w * w[k]))
         })
     }
 

@@ -66,6 +66,8 @@ pub(super) struct PriceSearch {
     pub(super) neighbours: Vec<u32>,
     /// The neighbours that the point may go to, with their estimates.
     pub(super) candidates: Vec<(f64, u32)>,
+    /// Neighbours that the point must not go to.
+    pub(super) refused: Vec<u32>,
     /// The renames of the collapse that was looked at last.
     pub(super) renames: Vec<Rename>,
     links: Links,
@@ -121,7 +123,11 @@ impl PriceSearch {
             if estimate >= most {
                 break;
             }
-            if let Some((cost, error)) = self.price_of(surface, point, to, estimate, most, &mut outcome) {
+            if self.refused.contains(&to) {
+                continue;
+            }
+            if let Some(priced) = self.price_of(surface, point, to, estimate, most, &mut outcome) {
+                let (cost, error) = priced;
                 most = cost;
                 best = Some(PricedCollapse { to, cost: finite(cost), error: finite(error) });
             }

@@ -19,10 +19,13 @@
 //! that are nearest, and bound the largest distance by them. The sum by area as the price of a collapse is our own.
 
 use super::fan::Fan;
-use super::topology::Topology;
+use super::topology::{CornerId, Topology};
 use super::waiting::finite;
 use crate::ids::OptionalId;
-use crate::vector::Point;
+use crate::vector::{Point, dot, sub};
+
+/// Places on the edges of a mesh without points: more are allowed for each point.
+const FEW_SAMPLES: usize = 10_000;
 
 /// A point, with what is needed once it has been removed: all in one place of memory.
 #[derive(Debug, Clone, Copy)]
@@ -39,7 +42,7 @@ pub(super) struct RemovedPoint {
 pub(super) struct RemovedPoints {
     /// The first removed point of each triangle.
     first: Vec<OptionalId>,
-    /// All points, removed or not.
+    /// All points, removed or not, and then the places on edges.
     points: Vec<RemovedPoint>,
     /// Points that move to other triangles.
     moving: Vec<u32>,
@@ -61,6 +64,44 @@ impl RemovedPoints {
             edges: Vec::new(),
             fan: Fan::default(),
         }
+    }
+
+    /// Adds places on the edges of the full mesh, about `spacing` apart unless there would be too many. They stand for no area, and count for the
+    /// largest distance alone: the middle of a long edge may be far from a surface that is near its ends.
+    pub(super) fn with_samples(mut self, topology: &Topology, spacing: f64) -> Self {
+        if !spacing.is_finite() {
+            return self;
+        }
+        let ends = |corner: CornerId| [topology.point(corner), topology.others(corner)[0]];
+        let ascends = |corner: &CornerId| ends(*corner).is_sorted();
+        // Each edge once: both triangles at an inner one have it, in opposite directions.
+        let borders = topology.open_edges().filter_map(|(corner, is_border)| is_border.then_some(corner));
+        let descending = borders.filter(|corner| !ascends(corner));
+        let edges: Vec<CornerId> = topology.corners().filter(ascends).chain(descending).collect();
+        let span = |corner: CornerId| {
+            let [from, to] = ends(corner).map(|p| self.points[p as usize].position);
+            (from, sub(to, from))
+        };
+        let length = |along: Point| dot(along, along).sqrt();
+        let whole: f64 = edges.iter().map(|&corner| length(span(corner).1)).sum();
+        let spacing = spacing.max(whole / (FEW_SAMPLES + self.points.len()) as f64);
+        let mut samples = Vec::new();
+        for corner in edges {
+            let (from, along) = span(corner);
+            let parts = (length(along) / spacing).ceil();
+            let mut part = 1.0;
+            while part < parts {
+                let position = [0, 1, 2].map(|k| from[k] + part / parts * along[k]);
+                samples.push((corner.triangle(), position));
+                part += 1.0;
+            }
+        }
+        for (triangle, position) in samples {
+            let number = OptionalId::some(self.points.len() as u32);
+            let next = std::mem::replace(&mut self.first[triangle], number);
+            self.points.push(RemovedPoint { position, area: 0.0, next });
+        }
+        self
     }
 
     /// Returns the area of a point.
@@ -114,7 +155,9 @@ impl RemovedPoints {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::simplify::SimplifyOptions;
     use crate::simplify::neighbourhood::Neighbourhood;
+    use crate::simplify::surface::Surface;
     use crate::vector::to_triangle;
 
     /// Positions on a paraboloid, over a square grid of `side` by `side`, and the triangles.
@@ -126,6 +169,42 @@ mod tests {
         let squares = (0..side - 1).flat_map(|y| (0..side - 1).map(move |x| y * side + x));
         let triangles = squares.flat_map(|a| [a, a + 1, a + side, a + side, a + 1, a + side + 1]);
         ((0..side * side).map(place).collect(), triangles.collect())
+    }
+
+    /// A square of two triangles: each side and the diagonal have places at most 0.5 apart, in a triangle with that edge.
+    #[test]
+    fn long_edges_have_places() {
+        let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
+        let topology = Topology::new(&corners[..], |_| Vec::new(), &[0, 1, 2, 2, 1, 3], false);
+        let points = || corners.iter().map(|corner| (corner.map(f64::from), 1.0));
+        let places = |spacing: f64| {
+            let removed = RemovedPoints::new(2, points()).with_samples(&topology, spacing);
+            let mut places = Vec::new();
+            for (t, first) in removed.first.iter().enumerate() {
+                let mut at = *first;
+                while let Some(number) = at.get() {
+                    let place = removed.points[number as usize];
+                    assert!(place.area == 0.0);
+                    let sides =
+                        [place.position[0], place.position[1], 1.0 - place.position[0] - place.position[1]];
+                    assert!(sides[2].abs() < 1e-9 || (sides[2] > 0.0) == (t == 0));
+                    places.push(place.position.map(|x| (x * 12.0).round() as i32));
+                    at = place.next;
+                }
+            }
+            places.sort_unstable();
+            places
+        };
+        assert_eq!(places(0.5), [[0, 6, 0], [4, 8, 0], [6, 0, 0], [6, 12, 0], [8, 4, 0], [12, 6, 0]]);
+        assert_eq!(places(1.2), [[6, 6, 0]], "the diagonal alone is longer");
+        assert!(places(f64::INFINITY).is_empty());
+        assert!((1..2 * FEW_SAMPLES).contains(&places(0.0).len()), "bounded");
+        let points_of = |options: SimplifyOptions| {
+            let topology = Topology::new(&corners[..], |_| Vec::new(), &[0, 1, 2, 2, 1, 3], false);
+            Surface::new(topology, &corners[..], |_| None, &options).removed.unwrap().points.len()
+        };
+        assert_eq!(points_of(SimplifyOptions::default()), 4);
+        assert_eq!(points_of(SimplifyOptions::default().with_error(0.25)), 10, "twice the error limit apart");
     }
 
     /// Collapses of a bowl: each removed point is in one list, that of the nearest triangle around the point that was kept, and the sum of distances is

@@ -5,7 +5,9 @@
 
 use super::attribute_quadrics::AttributeQuadrics;
 use super::attributes::PricedAttributes;
+use super::deviation::Deviations;
 use super::frame::{frame, quadrics};
+use super::neighbourhood::Neighbourhood;
 use super::options::{Price, SimplifyOptions};
 use super::quadric::Quadric;
 use super::removed_points::RemovedPoints;
@@ -26,6 +28,8 @@ pub(super) struct Surface {
     pub(super) attributes: Option<AttributeQuadrics>,
     /// The removed points, if the price needs them.
     pub(super) removed: Option<RemovedPoints>,
+    /// How far the triangles are from the full mesh, if there is an error limit and the price knows distances.
+    deviations: Option<Deviations>,
     /// The error of the removal of each point's component, in units of the frame; empty if all components stay.
     vanishing: Vec<f32>,
     /// What a collapse costs.
@@ -52,10 +56,15 @@ impl Surface {
             errors => (0..count).map(|p| vanishing_error(errors, topology.vertex_of(p), unit)).collect(),
         };
         let quadrics = quadrics(&topology, &framed, attributes.is_some());
-        let removed = (options.price() == Price::Distance).then(|| {
+        let error_limit = options.error().map_or(f64::INFINITY, |error| f64::from(error) / unit);
+        let by_distance = options.price() == Price::Distance;
+        let removed = by_distance.then(|| {
             let areas = quadrics.iter().map(|quadric| quadric.weight / 3.0);
-            RemovedPoints::new(topology.triangles.len(), framed.iter().copied().zip(areas))
+            let removed = RemovedPoints::new(topology.triangles.len(), framed.iter().copied().zip(areas));
+            removed.with_samples(&topology, 2.0 * error_limit)
         });
+        let is_limited = by_distance && error_limit.is_finite();
+        let deviations = is_limited.then(|| Deviations::new(&topology.triangles));
         Self {
             topology,
             positions: framed,
@@ -63,9 +72,10 @@ impl Surface {
             quadrics,
             attributes,
             removed,
+            deviations,
             vanishing,
             price: options.price(),
-            error_limit: options.error().map_or(f64::INFINITY, |error| f64::from(error) / unit),
+            error_limit,
             is_permissive: options.is_permissive(),
         }
     }
@@ -85,8 +95,18 @@ impl Surface {
         self.vanishing.get(point as usize).copied().unwrap_or(f32::INFINITY).into()
     }
 
+    /// Checks whether the new triangles of a collapse are within the error limit of the full mesh. The next collapse is this one then.
+    pub(super) fn stays_near(&mut self, point: u32, to: u32, around: &mut Neighbourhood) -> bool {
+        let Some(deviations) = &mut self.deviations else { return true };
+        around.collect(&self.topology, &self.positions, point);
+        deviations.allow(&self.topology, &self.positions, (around, point, to), self.error_limit)
+    }
+
     /// Does a collapse, and writes the numbers of the triangles that it drops to `dropped`, ascending.
     pub(super) fn collapse(&mut self, point: u32, to: u32, renames: &[Rename], dropped: &mut Vec<u32>) {
+        if let Some(deviations) = &mut self.deviations {
+            deviations.collapse(&self.topology, point, to);
+        }
         if let Some(removed) = &mut self.removed {
             removed.collapse(&self.topology, point, to);
         }
