@@ -192,7 +192,7 @@ pub fn chain_observed(
 ) -> Result<Chain, Error> {
     // 1. The triangles of each part.
     let surveyed = Survey::new(model, options.stripify, observer)?;
-    let (parts, skipped) = fans(&surveyed.prepared)?;
+    let (parts, skipped) = fans(&surveyed.prepared, options.rules)?;
     let place_notes = place_notes(&surveyed.prepared, skipped);
     let (mesh, mut notes) = (surveyed.mesh, surveyed.notes);
 

@@ -194,9 +194,10 @@ impl ModelLevels {
         let vertex_counts = meshes.clone().map(Mesh::vertex_count);
         check_vertices(&strips.iter().zip(vertex_counts).collect::<Vec<_>>())?;
         let drawn = meshes.zip(strips.iter().map(Strips::to_list)).collect();
-        let (parts, skipped) = Part::of_all(drawn, prepared.places())?;
+        let rules = CollapseRules::default();
+        let (parts, skipped) = Part::of_all(drawn, prepared.places(), rules.weld_distance)?;
         let goal = Amount::Ratio(base).of(parts.iter().map(Part::triangle_count).sum());
-        let all = simplify_all(&parts, TriangleGoal::OfModel(goal), None, CollapseRules::default())?;
+        let all = simplify_all(&parts, TriangleGoal::OfModel(goal), None, rules)?;
         let (collapses, done) = (all.summary(&parts)?, all.parts);
         let mut notes = place_notes(prepared, skipped);
         notes.extend(locked_note(collapses.locked_vertices));

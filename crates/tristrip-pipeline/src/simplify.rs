@@ -203,7 +203,7 @@ fn simplify_to<'a>(
 ) -> Result<Simplified, Error> {
     // 1. The triangles of each part.
     let surveyed = Survey::new(model, StripifyOptions::default(), observer)?;
-    let (mut parts, skipped) = fans(&surveyed.prepared)?;
+    let (mut parts, skipped) = fans(&surveyed.prepared, options.rules)?;
     let place_notes = place_notes(&surveyed.prepared, skipped);
     let (mesh, mut notes) = (surveyed.mesh, surveyed.notes);
     let mut normals = Rebuilding::choose(options.normals, model, options.format, &mut parts)?;
@@ -280,10 +280,13 @@ impl Simplified {
 }
 
 /// Returns the triangles of all parts, polygons as fans around their first corner, and the number of places that were not compared.
-pub(crate) fn fans<'a>(prepared: &PreparedModel<'a>) -> Result<(Vec<Part<'a>>, usize), Error> {
+pub(crate) fn fans<'a>(
+    prepared: &PreparedModel<'a>,
+    rules: CollapseRules,
+) -> Result<(Vec<Part<'a>>, usize), Error> {
     let triangles = map(prepared.parts(), |part| part.surface.faces().fans().into_owned());
     let meshes = prepared.parts().iter().map(|part| part.mesh);
-    Ok(Part::of_all(meshes.zip(triangles).collect(), prepared.places())?)
+    Ok(Part::of_all(meshes.zip(triangles).collect(), prepared.places(), rules.weld_distance)?)
 }
 
 /// Returns the width and height of the texture of each part's base colour at the first texture coordinates, where they are known.

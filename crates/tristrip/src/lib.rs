@@ -47,7 +47,8 @@ pub use error::{Error, MeshProblem};
 pub use ids::{FaceId, HalfEdge, MAX_COUNT};
 pub use index::Index;
 pub use mesh::{
-    Attribute, AttributeData, Faces, InterleavedPositions, Mesh, PositionIds, Positions, VertexWelds,
+    Attribute, AttributeData, Faces, InterleavedPositions, Mesh, NearPositions, PositionIds, Positions,
+    VertexWelds,
 };
 pub use prepare::{PreparedCounts, PreparedFaces};
 pub use strip::{Cost, Layout, Metrics, Strips, VertexOrder, split_joined, strip_triangles};

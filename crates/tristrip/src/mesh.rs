@@ -8,6 +8,7 @@
 
 mod attribute;
 mod faces;
+mod near_positions;
 mod position_ids;
 mod positions;
 mod triangle;
@@ -18,6 +19,7 @@ pub(crate) use attribute::select;
 pub use attribute::{Attribute, AttributeData};
 pub use faces::Faces;
 pub(crate) use faces::without_repeats;
+pub use near_positions::NearPositions;
 pub use position_ids::PositionIds;
 pub(crate) use positions::check_positions;
 pub use positions::{InterleavedPositions, Positions};

@@ -141,6 +141,7 @@ struct SimplifyFields {
     permissive: bool,
     weights: WeightFields,
     price: Price,
+    weld_distance: f32,
 }
 
 /// The fields of [`AttributeWeights`].
@@ -185,6 +186,7 @@ impl Serialize for SimplifyOptions {
             permissive: self.is_permissive(),
             weights: (*self.weights()).into(),
             price: self.price(),
+            weld_distance: self.weld_distance(),
         };
         fields.serialize(to)
     }
@@ -201,7 +203,8 @@ impl<'de> Deserialize<'de> for SimplifyOptions {
             .with_vanishing(vanishing)
             .with_permissive(fields.permissive)
             .with_weights(fields.weights.into())
-            .with_price(fields.price);
+            .with_price(fields.price)
+            .with_weld_distance(fields.weld_distance);
         let options = match fields.error {
             Some(error) => options.with_error(error),
             None => options,

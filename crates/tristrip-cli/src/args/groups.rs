@@ -85,8 +85,8 @@ pub(crate) struct CollapseArgs {
     /// The maximum surface error: 0.01 in mesh units, or 0.1% of the diagonal of the model's bounding box; 100% for any [default: 1%]
     ///
     /// The error of a collapse is the largest distance from the triangles that it leaves to the vertices that they replace, those of earlier
-    /// collapses included, or from the old triangles to the middles of its new edges. A number of triangles or a level that needs
-    /// a larger error is not reached, and a warning says so.
+    /// collapses included, or from the old triangles to the middles of its new edges. Near the limit the new triangles are also compared with the
+    /// full mesh. A number of triangles or a level that needs a larger error is not reached, and a warning says so.
     #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]
     pub(crate) error: Option<Deviation>,
     /// How much attributes count relative to the shape: normal=1,uv=1,colour=1,tangent=1,skin=1 [default: 1 each]
@@ -108,17 +108,24 @@ pub(crate) struct CollapseArgs {
     /// Keep all vertices at open borders, so that the tiles of a terrain still fit together
     #[arg(long)]
     pub(crate) lock_borders: bool,
+    /// How far the two sides of an open border may be apart to collapse together: in mesh units, or of the diagonal [default: 0.0001%]
+    ///
+    /// Scanners and CAD write the positions of such a border with small differences; a crack opens where each side is simplified by itself. Less
+    /// than the edges are long, or a border is joined to itself. Positions stay what they are. 0 for equal positions only. Parts that different nodes place are not joined.
+    #[arg(long, value_name = "DISTANCE", allow_negative_numbers = true)]
+    pub(crate) weld_distance: Option<Deviation>,
 }
 
 impl CollapseArgs {
     /// Returns the rules of the collapses.
     pub(crate) fn rules(&self) -> CollapseRules {
-        let weights = self.weight.unwrap_or_default();
+        let usual = CollapseRules::default();
         CollapseRules {
-            weights,
+            weights: self.weight.unwrap_or(usual.weights),
             price: self.price,
             permissive: self.permissive,
             lock_borders: self.lock_borders,
+            weld_distance: self.weld_distance.unwrap_or(usual.weld_distance),
         }
     }
 
@@ -130,6 +137,7 @@ impl CollapseArgs {
             (self.price != Price::default(), "--price"),
             (self.permissive, "--permissive"),
             (self.lock_borders, "--lock-borders"),
+            (self.weld_distance.is_some(), "--weld-distance"),
         ];
         given.iter().find(|(is_given, _)| *is_given).map(|(_, name)| *name)
     }

@@ -70,7 +70,8 @@ fn one_glb_has_all_levels() {
 fn collapses_have_the_rules_of_simplify() {
     let source = model("milktruck.glb");
     let mut sizes = Vec::new();
-    for rules in [&[][..], &["--weight", "normal=0,uv=0"], &["--permissive"], &["--lock-borders"]] {
+    let weld = ["--weld-distance", "1%"];
+    for rules in [&[][..], &["--weight", "normal=0,uv=0"], &["--permissive"], &["--lock-borders"], &weld] {
         let chain = json(tristrip().args(["lod", "--json", "--chain", "50%,20%"]).args(rules).arg(&source));
         let simple = json(tristrip().args(["simplify", "--json", "--ratio", "20%"]).args(rules).arg(&source));
         let (coarsest, after) = (&chain["chain"][1], &simple["triangles_after"]);
@@ -149,9 +150,13 @@ fn flags_that_do_not_fit_are_wrong_usage() {
     usage(&["--chain", "50%,100%"], "ratios that decrease");
     usage(&["--chain", FOUR, "--level", "40%"], "cannot be used with");
     usage(&["--chain", FOUR, "--base", "1%"], "cannot be used with");
-    for flags in [&["--error", "1%"][..], &["--weight", "uv=2"], &["--permissive"], &["--lock-borders"]] {
+    let weld = ["--weld-distance", "0"];
+    for flags in
+        [&["--error", "1%"][..], &["--weight", "uv=2"], &["--permissive"], &["--lock-borders"], &weld]
+    {
         usage(flags, "--chain");
     }
+    usage(&["--chain", FOUR, "--weld-distance", "-1"], "expected a distance");
     usage(&["--chain", FOUR, "-o", "fish.ply"], "PLY holds one level");
     usage(&["--chain", FOUR, "-o", "fish.obj"], "OBJ holds one level");
 }

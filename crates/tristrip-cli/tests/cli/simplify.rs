@@ -195,6 +195,63 @@ fn locked_borders_are_named_where_they_hold_a_model() {
 }
 
 #[test]
+fn the_sides_of_a_narrow_gap_collapse_together() {
+    // Two sheets of 40 × 4 and 40 × 6 squares, bent, with a gap of 0.001 between x = 0 and x = 0.001; each with a material of its own or not.
+    let sheets = |materials: bool| {
+        let mut lines = Vec::new();
+        let mut first = 1;
+        for (name, columns, end, side) in [("left", 4, 0.0, -1.0), ("right", 6, 0.001, 1.0)] {
+            lines.extend(materials.then(|| format!("usemtl {name}")));
+            for (x, y) in
+                (0..=40).flat_map(|y| (0..=columns).map(move |x| (f64::from(x), f64::from(y) / 4.0)))
+            {
+                let z = 0.3 * (1.7 * y).sin() + 0.02 * (x * 7.0 % 5.0);
+                lines.push(format!("v {} {y} {z}", end + side * 5.0 * x / f64::from(columns)));
+            }
+            for i in 0..40 * columns {
+                let a = first + i / columns * (columns + 1) + i % columns;
+                let [b, c, d] = [a + 1, a + columns + 2, a + columns + 1];
+                lines.push(if side > 0.0 {
+                    format!("f {a} {b} {c} {d}")
+                } else {
+                    format!("f {b} {a} {d} {c}")
+                });
+            }
+            first += 41 * (columns + 1);
+        }
+        lines.join("\n")
+    };
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("small.obj");
+    // Where along the border vertices stay, on both sides.
+    let sides = |materials: bool, rules: &[&str]| {
+        let mut small = tristrip();
+        small.args(["simplify", "--quiet", "--error", "0.2", "-", "-o"]).arg(&path).args(rules);
+        small.write_stdin(sheets(materials)).assert().success();
+        let text = fs::read_to_string(&path).unwrap();
+        let vertices = text.lines().filter_map(|line| line.strip_prefix("v "));
+        let (mut left, mut right) = (Vec::new(), Vec::new());
+        for vertex in vertices {
+            let [x, y, _] =
+                vertex.split(' ').map(|x| x.parse::<f64>().unwrap()).collect::<Vec<_>>().try_into().unwrap();
+            if x == 0.0 {
+                left.push(y);
+            } else if (x - 0.001).abs() < 1e-6 {
+                right.push(y);
+            }
+        }
+        (left, right)
+    };
+    for materials in [false, true] {
+        let (left, right) = sides(materials, &["--weld-distance", "0.002"]);
+        // The border may go as a whole, unless materials meet there.
+        assert!(left == right && left.len() < 20 && left.is_empty() != materials, "{left:?} {right:?}");
+        let (left, right) = sides(materials, &[]);
+        assert!(left != right, "apart: {left:?}");
+    }
+}
+
+#[test]
 fn results_are_deterministic_for_every_mesh() {
     let dir = tempfile::tempdir().unwrap();
     for name in ["fish_control.ply", "wingnut.ply", "chair_nonmanifold.ply", "milktruck.glb"] {

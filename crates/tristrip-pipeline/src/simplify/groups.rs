@@ -35,6 +35,7 @@ use super::parts::{Part, diagonal};
 use super::vanishing::Vanishing;
 use crate::collapses::Collapses;
 use crate::error::Error;
+use crate::goal::Deviation;
 use crate::parts::map;
 
 /// Scales that differ by less are the same: a rotation has a scale of 1 except for rounding.
@@ -50,7 +51,7 @@ const ROUND: (usize, usize) = (16, 4);
 /// let tiles = CollapseRules { lock_borders: true, ..CollapseRules::default() };
 /// assert!(!tiles.permissive && SimplifyOptions::new(Goal::default()).with_rules(tiles).rules == tiles);
 /// ```
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CollapseRules {
     /// How much the attributes of vertices count.
     pub weights: AttributeWeights,
@@ -60,6 +61,22 @@ pub struct CollapseRules {
     pub permissive: bool,
     /// Whether vertices at borders stay, so that the tiles of a terrain still fit together.
     pub lock_borders: bool,
+    /// How far the two sides of a border may be apart to collapse together, in the scene; 0 if their positions must be equal. Errors may be
+    /// larger by this distance.
+    pub weld_distance: Deviation,
+}
+
+impl Default for CollapseRules {
+    /// Welds what is apart by rounding: a millionth of the diagonal.
+    fn default() -> Self {
+        Self {
+            weights: AttributeWeights::default(),
+            price: Price::default(),
+            permissive: false,
+            lock_borders: false,
+            weld_distance: Deviation::Percent(1e-4),
+        }
+    }
 }
 
 /// How many triangles are to be left.
@@ -230,6 +247,7 @@ impl<'a> Group<'a> {
             .with_price(rules.price)
             .with_permissive(rules.permissive)
             .with_locked_borders(rules.lock_borders)
+            .with_weld_distance(first.weld_distance())
             .with_locked(locked(of_group()));
         if let Some(error) = error {
             let error = first.own_error(error);
@@ -385,7 +403,7 @@ mod tests {
 
     fn parts<'a>(meshes: &'a [(Mesh, Vec<u32>)], scales: &[f64]) -> Vec<Part<'a>> {
         let drawn = meshes.iter().map(|(mesh, triangles)| (mesh, triangles.clone())).collect();
-        Part::of_all(drawn, &in_a_row(meshes, scales)).unwrap().0
+        Part::of_all(drawn, &in_a_row(meshes, scales), Deviation::Units(0.0)).unwrap().0
     }
 
     fn counts(all: &AllCollapses) -> Vec<usize> {
@@ -463,7 +481,8 @@ mod tests {
             let large = Place::new([[scale, 0.0, 0.0, 0.0], [0.0, 0.0, scale, 0.0], [0.0, -scale, 0.0, 5.0]]);
             let places =
                 Places { lists: vec![Arc::from([Place::IDENTITY, large])], of_part: vec![0], problem: None };
-            let (parts, _) = Part::of_all(vec![(&mesh, triangles.clone())], &places).unwrap();
+            let (parts, _) =
+                Part::of_all(vec![(&mesh, triangles.clone())], &places, Deviation::Units(0.0)).unwrap();
             let shown = parts[0].shown(&parts[0].compact.mesh).unwrap();
             assert!((f64::from(shown.positions()[12][0]) - scale.max(1.0)).abs() < 1e-3);
             let all =

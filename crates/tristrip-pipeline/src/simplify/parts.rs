@@ -3,9 +3,11 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
-use tristrip::{Error, Faces, Mesh, PositionIds};
+use tristrip::union_find::UnionFind;
+use tristrip::{Error, Faces, Mesh, NearPositions, PositionIds};
 
 use super::touching::{PlacedPositions, Touching, bounds, box_corners, touching};
+use crate::goal::Deviation;
 use crate::places::{Place, Places};
 
 /// The ratio of vertices to corners above which a part is simplified over its used vertices only: thousands of parts may share one
@@ -74,14 +76,17 @@ pub(crate) struct Part<'a> {
     largest: (Place, f64),
     /// The first part of the group that is simplified as one surface.
     group: usize,
+    /// How far the two sides of a border may be apart to be simplified as one surface, in the coordinates of the part.
+    weld_distance: f32,
 }
 
 impl<'a> Part<'a> {
-    /// Builds the parts of a model from their meshes and triangles. Parts of one list of places that share positions become a group; the
-    /// vertices that touch parts in other places are locked. Returns the number of places that were not compared, too.
+    /// Builds the parts of a model from their meshes and triangles. Parts of one list of places become a group if positions of theirs are equal or
+    /// within a distance; the vertices that touch parts in other places are locked. Returns the number of places that were not compared, too.
     pub(crate) fn of_all(
         parts: Vec<(&'a Mesh, Vec<u32>)>,
         places: &Places,
+        weld_distance: Deviation,
     ) -> Result<(Vec<Self>, usize), Error> {
         let compacted = parts.into_iter().zip(&places.of_part).enumerate().map(
             |(group, ((mesh, mut triangles), &list))| {
@@ -90,10 +95,16 @@ impl<'a> Part<'a> {
                 let places = Arc::clone(&places.lists[list]);
                 let with_scale = places.iter().map(|place| (*place, place.scale()));
                 let largest = with_scale.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((Place::IDENTITY, 1.0));
-                Ok(Self { compact, triangles, simplified: None, locked: Vec::new(), places, largest, group })
+                let (simplified, locked, weld_distance) = (None, Vec::new(), 0.0);
+                Ok(Self { compact, triangles, simplified, locked, places, largest, group, weld_distance })
             },
         );
         let mut parts: Vec<Self> = compacted.collect::<Result<_, Error>>()?;
+        let weld_distance = weld_distance.units(diagonal(&parts));
+        for part in &mut parts {
+            let own = part.own_error(weld_distance);
+            part.weld_distance = if own.is_finite() { own } else { 0.0 };
+        }
         if parts.len() < 2 && places.lists.iter().all(|list| list.len() < 2) {
             return Ok((parts, 0));
         }
@@ -124,6 +135,11 @@ impl<'a> Part<'a> {
     /// Returns the first part of the group that is simplified as one surface.
     pub(super) fn group(&self) -> usize {
         self.group
+    }
+
+    /// Returns how far the two sides of a border may be apart to be simplified as one surface, in the coordinates of the part.
+    pub(super) fn weld_distance(&self) -> f32 {
+        self.weld_distance
     }
 
     /// Returns the largest scale at which nodes place the part.
@@ -176,7 +192,7 @@ fn compare(parts: &mut [Part<'_>], places: &Places) -> Result<usize, Error> {
         .iter()
         .map(|places| PlacedPositions { places: Arc::clone(places), positions: Vec::new() })
         .collect();
-    let mut neighbours: Vec<Vec<usize>> = vec![Vec::new(); parts.len()];
+    let mut groups = UnionFind::new(parts.len());
     let mut starts = Vec::with_capacity(parts.len());
     let mut start = 0;
     for part in &*parts {
@@ -185,24 +201,35 @@ fn compare(parts: &mut [Part<'_>], places: &Places) -> Result<usize, Error> {
     }
     let mut by_list: Vec<usize> = (0..parts.len()).collect();
     by_list.sort_by_key(|&part| places.of_part[part]);
-    for &part in &by_list {
+    // The parts of the positions of a list, if it has several.
+    let mut grid: Option<NearPositions> = None;
+    for (i, &part) in by_list.iter().enumerate() {
         let list = places.of_part[part];
+        let list_of = |i: usize| by_list.get(i).map(|&part| places.of_part[part]);
+        if i.checked_sub(1).and_then(list_of) != Some(list) {
+            let has_several = list_of(i + 1) == Some(list);
+            grid = has_several.then(|| NearPositions::new(parts[part].weld_distance).ok()).flatten();
+        }
         for corner in &mut corners[starts[part]..starts[part] + parts[part].triangles.len()] {
             let known = &mut last[*corner as usize];
-            if known.0 != list {
+            if known.0 == list {
+                groups.unite(part as u32, known.2 as u32);
+            } else {
                 let positions = &mut lists[list].positions;
                 *known = (list, positions.len() as u32, part);
-                positions.push(ids.position(*corner).unwrap_or_default());
-            } else if known.2 != part && neighbours[part].last() != Some(&known.2) {
-                neighbours[part].push(known.2);
-                neighbours[known.2].push(part);
+                let position = ids.position(*corner).unwrap_or_default();
+                positions.push(position);
+                if let Some(grid) = &mut grid {
+                    grid.near(position).for_each(|(_, other)| groups.unite(part as u32, other));
+                    grid.insert(part as u32, position)?;
+                }
             }
             *corner = known.1;
         }
     }
     // 2. The groups.
-    for (part, group) in components(&neighbours).into_iter().enumerate() {
-        parts[part].group = group;
+    for (number, part) in (0..).zip(parts.iter_mut()) {
+        part.group = groups.find(number) as usize;
     }
     // 3. The vertices that touch other places.
     let Touching { touches, skipped } = touching(&lists);
@@ -218,22 +245,6 @@ fn compare(parts: &mut [Part<'_>], places: &Places) -> Result<usize, Error> {
         }
     }
     Ok(skipped)
-}
-
-/// Returns for each node of a graph the lowest node of its component.
-fn components(neighbours: &[Vec<usize>]) -> Vec<usize> {
-    let mut component = vec![usize::MAX; neighbours.len()];
-    let mut open = Vec::new();
-    for first in 0..neighbours.len() {
-        open.push(first);
-        while let Some(node) = open.pop() {
-            if component[node] == usize::MAX {
-                component[node] = first;
-                open.extend_from_slice(&neighbours[node]);
-            }
-        }
-    }
-    component
 }
 
 /// Returns the diagonal of the bounding box of all triangles in the scene.
@@ -282,11 +293,35 @@ mod tests {
         (Mesh::new(positions, Faces::default()).unwrap(), triangles.collect())
     }
 
+    fn of_all<'a>(parts: Vec<(&'a Mesh, Vec<u32>)>, places: &Places) -> Vec<Part<'a>> {
+        Part::of_all(parts, places, Deviation::Units(0.0)).unwrap().0
+    }
+
+    #[test]
+    fn parts_within_the_weld_distance_are_grouped() {
+        let strips = [strip_of(4, 0.0), strip_of(4, 1.125), strip_of(3, 7.0)];
+        let groups = |distance: f64, places: &Places| {
+            let parts = strips.iter().map(|(mesh, triangles)| (mesh, triangles.clone())).collect();
+            let (parts, _) = Part::of_all(parts, places, Deviation::Units(distance)).unwrap();
+            parts.iter().map(|part| part.group).collect::<Vec<_>>()
+        };
+        assert_eq!(groups(0.1, &Places::one(3)), [0, 1, 2]);
+        assert_eq!(groups(0.125, &Places::one(3)), [0, 0, 2]);
+        assert_eq!(groups(5.0, &Places::one(3)), [0, 0, 0]);
+        // The distance is one in the scene.
+        let half = Place::new([[0.5, 0.0, 0.0, 0.0], [0.0, 0.5, 0.0, 0.0], [0.0, 0.0, 0.5, 0.0]]);
+        let places = Places { lists: vec![Arc::from([half])], of_part: vec![0; 3], problem: None };
+        assert_eq!(groups(0.0625, &places), [0, 0, 2]);
+        // Parts that other nodes place are not.
+        let lists = vec![Arc::from([Place::IDENTITY]); 3];
+        assert_eq!(groups(5.0, &Places { lists, of_part: vec![0, 1, 2], problem: None }), [0, 1, 2]);
+    }
+
     #[test]
     fn parts_that_share_positions_are_grouped_or_locked() {
         let (lower, upper, far) = (strip_of(4, 0.0), strip_of(4, 1.0), strip_of(3, 7.0));
         let parts = [&lower, &upper, &far].map(|(mesh, triangles)| (mesh, triangles.clone()));
-        let (together, _) = Part::of_all(parts.to_vec(), &Places::one(3)).unwrap();
+        let together = of_all(parts.to_vec(), &Places::one(3));
         assert_eq!(together.iter().map(Part::locked_count).sum::<usize>(), 0);
         assert_eq!(together.iter().map(|part| part.group).collect::<Vec<_>>(), [0, 0, 2]);
         // Other nodes place the upper and the far one, at the same places as above.
@@ -294,7 +329,7 @@ mod tests {
         let places = Places { lists: lists.to_vec(), of_part: vec![0, 1, 2], problem: None };
         let (lower, upper, far) = (strip_of(4, 0.0), strip_of(4, 0.0), strip_of(3, 0.0));
         let parts = [&lower, &upper, &far].map(|(mesh, triangles)| (mesh, triangles.clone()));
-        let (parts, _) = Part::of_all(parts.to_vec(), &places).unwrap();
+        let parts = of_all(parts.to_vec(), &places);
         assert_eq!(parts.iter().map(Part::locked_count).collect::<Vec<_>>(), [4, 4, 0]);
         assert!(parts[0].locked.iter().enumerate().all(|(v, &locked)| locked == (v % 2 == 1)));
         assert!((diagonal(&together) - diagonal(&parts)).abs() < 1e-9);
@@ -309,7 +344,7 @@ mod tests {
         let data = AttributeData::U16((0..1000).collect());
         let number = Attribute { name: "number".into(), components: 1, normalized: false, data };
         let mesh = mesh.with_attribute(number).unwrap();
-        let (parts, _) = Part::of_all(vec![(&mesh, vec![900, 5, 77])], &Places::one(1)).unwrap();
+        let parts = of_all(vec![(&mesh, vec![900, 5, 77])], &Places::one(1));
         let kept = &parts[0].compact.mesh.attributes()[0].data;
         assert_eq!(*kept, AttributeData::U16(vec![5, 77, 900]), "attributes decide where seams are");
 

@@ -45,7 +45,8 @@ fn options_have_the_names_of_the_command() {
             .with_vanishing(vec![0.5, f32::INFINITY])
             .with_permissive(true)
             .with_weights(AttributeWeights { uv: 0.5, ..AttributeWeights::NONE })
-            .with_price(Price::Planes),
+            .with_price(Price::Planes)
+            .with_weld_distance(0.25),
     );
     assert_eq!(serde_json::from_str::<StripifyOptions>("{}").unwrap(), StripifyOptions::default());
 }
@@ -60,6 +61,7 @@ fn wrong_options_are_refused() {
     refuses::<StripifyOptions>(r#"{"methods":"best"}"#, "unknown field");
     refuses::<RepairOptions>(r#"{"cost":"cheap"}"#, "cost");
     refuses::<SimplifyOptions>(r#"{"error":-1.0}"#, "0 or more");
+    refuses::<SimplifyOptions>(r#"{"weld_distance":-1.0}"#, "at least 0");
 }
 
 #[test]

@@ -250,7 +250,7 @@ mod tests {
     fn prices_found_ahead_are_those_of_a_search() {
         let mesh = mesh();
         let triangles = mesh.faces().as_triangles().unwrap();
-        let topology = Topology::new(mesh.positions(), |v| v.to_le_bytes().to_vec(), triangles, false);
+        let topology = Topology::new(mesh.positions(), |v| v.to_le_bytes().to_vec(), triangles, false, 0.0);
         let options = SimplifyOptions::default();
         let surface = Surface::new(topology, mesh.positions(), |_| None, &options);
         let points: Vec<u32> = (0..surface.topology.point_count() as u32).collect();

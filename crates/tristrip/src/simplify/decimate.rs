@@ -92,8 +92,9 @@ impl Decimation {
         options: &SimplifyOptions,
         meshes: &[u32],
     ) -> Self {
-        let topology =
-            Topology::new(positions, attribute_bits, vertices, options.may_break()).with_meshes(meshes);
+        let (may_break, weld_distance) = (options.may_break(), options.weld_distance());
+        let topology = Topology::new(positions, attribute_bits, vertices, may_break, weld_distance);
+        let topology = topology.with_meshes(meshes);
         let count = topology.point_count();
         let locked = locked_points(&topology, options);
         let surface = Surface::new(topology, positions, |unit| priced(vertices, unit), options);
@@ -101,7 +102,7 @@ impl Decimation {
             triangle_count: triangles_of(vertices).filter(|&t| !is_degenerate(t)).count(),
             surface,
             locked,
-            may_break: options.may_break(),
+            may_break,
             waiting: vec![Waiting::NOT; count],
             points: (0..count as u32).collect(),
             revived: Vec::new(),

@@ -105,7 +105,7 @@ mod tests {
 
     fn topology(vertices: &[u32]) -> Topology {
         let positions: Vec<[f32; 3]> = (0..20).map(|i| [i as f32, (i * i) as f32, 0.0]).collect();
-        Topology::new(&positions[..], |_| Vec::new(), vertices, false)
+        Topology::new(&positions[..], |_| Vec::new(), vertices, false, 0.0)
     }
 
     /// Returns the points of vertices below 20.

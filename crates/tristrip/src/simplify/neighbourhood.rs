@@ -210,7 +210,7 @@ mod tests {
     fn fan(positions: &[[f32; 3]]) -> (Neighbourhood, Vec<Point>, impl Fn(u32) -> u32 + use<>) {
         let rim = positions.len() as u32 - 1;
         let triangles: Vec<u32> = (1..=rim).flat_map(|i| [0, i, i % rim + 1]).collect();
-        let topology = Topology::new(positions, |_| Vec::new(), &triangles, false);
+        let topology = Topology::new(positions, |_| Vec::new(), &triangles, false, 0.0);
         let points: Vec<u32> = (0..positions.len() as u32).map(|p| topology.vertex_of(p)).collect();
         let placed: Vec<Point> = points.iter().map(|&v| positions[v as usize].map(f64::from)).collect();
         let point_of = move |v: u32| points.iter().position(|&other| other == v).unwrap() as u32;

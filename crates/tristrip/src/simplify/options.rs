@@ -121,6 +121,7 @@ pub struct SimplifyOptions {
     is_permissive: bool,
     weights: AttributeWeights,
     price: Price,
+    weld_distance: f32,
 }
 
 impl SimplifyOptions {
@@ -259,6 +260,43 @@ impl SimplifyOptions {
         self
     }
 
+    /// Joins vertices at open borders that are at most this far apart, in mesh units, so that the sides of a border that scanners or CAD wrote with
+    /// small differences collapse together, as those of a seam do. Positions stay what they are; errors may be larger by the distance. 0, the
+    /// default, joins only vertices of equal position. The distance should be less than the edges are long.
+    ///
+    /// ```
+    /// use tristrip::{Faces, Mesh, simplify::{SimplifyOptions, simplify}};
+    /// // Two flat grids of 8 × 8 squares, side by side with a gap of 0.001; the border between them is a zigzag.
+    /// let at = |i: u32| {
+    ///     let (x, y) = ((i % 9) as f32, (i / 9 % 9) as f32);
+    ///     [x + y % 2.0 / 2.0 + (i / 81) as f32 * 8.001, y, 0.0]
+    /// };
+    /// let square = |i: u32| [i, i + 1, i + 9, i + 9, i + 1, i + 10];
+    /// let grid = |first: u32| (0..64).flat_map(move |i| square(first + i / 8 * 9 + i % 8));
+    /// let mesh = Mesh::new((0..162).map(at).collect::<Vec<_>>(), Faces::from_triangles(grid(0).chain(grid(81)).collect())?)?;
+    /// let count = |weld_distance| {
+    ///     let options = SimplifyOptions::default().with_error(0.01).with_weld_distance(weld_distance);
+    ///     Ok::<_, tristrip::Error>(simplify(&mesh, &options)?.vertices.len())
+    /// };
+    /// // Joined, the border between them lies inside a flat surface: only those outside stay.
+    /// assert!(count(0.01)? <= count(0.0)? / 2);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    #[must_use]
+    pub fn with_weld_distance(mut self, weld_distance: f32) -> Self {
+        self.weld_distance = weld_distance;
+        self
+    }
+
+    /// Returns the distance at which vertices at open borders are joined, in mesh units; 0 for equal positions only.
+    ///
+    /// ```
+    /// assert_eq!(tristrip::simplify::SimplifyOptions::default().weld_distance(), 0.0);
+    /// ```
+    pub fn weld_distance(&self) -> f32 {
+        self.weld_distance
+    }
+
     /// Returns what a collapse costs.
     ///
     /// ```
@@ -344,14 +382,17 @@ impl SimplifyOptions {
         self.is_permissive || !self.vanishing.is_empty()
     }
 
-    /// Checks the error limit and the weights.
+    /// Checks the error limit, the distances and the weights.
     pub(crate) fn check_limits(&self) -> Result<(), Error> {
-        match self.error {
-            Some(error) if error.is_nan() || error < 0.0 => {
-                Err(Error::Parameter { name: "error", found: error.to_string(), expected: "0 or more" })
-            }
-            _ => self.check_weights(),
+        let (error, welds) = (self.error.unwrap_or_default(), self.weld_distance);
+        if error.is_nan() || error < 0.0 {
+            return Err(Error::Parameter { name: "error", found: error.to_string(), expected: "0 or more" });
         }
+        if !welds.is_finite() || welds < 0.0 {
+            let (found, expected) = (welds.to_string(), "a finite number of at least 0");
+            return Err(Error::Parameter { name: "weld_distance", found, expected });
+        }
+        self.check_weights()
     }
 
     fn check_weights(&self) -> Result<(), Error> {

@@ -152,7 +152,7 @@ mod tests {
 
     fn outcome(vertices: &[u32], point: u32, to: u32) -> Outcome {
         let positions: Vec<[f32; 3]> = (0..9).map(|i| [i as f32, (i * i) as f32, 0.0]).collect();
-        let topology = Topology::new(&positions[..], |_| Vec::new(), vertices, false);
+        let topology = Topology::new(&positions[..], |_| Vec::new(), vertices, false, 0.0);
         let at = |v: u32| (0..topology.point_count() as u32).find(|&p| topology.vertex_of(p) == v).unwrap();
         Outcomes::new(topology.point_count()).of(&topology, at(point), at(to))
     }

@@ -175,7 +175,7 @@ mod tests {
     #[test]
     fn long_edges_have_places() {
         let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
-        let topology = Topology::new(&corners[..], |_| Vec::new(), &[0, 1, 2, 2, 1, 3], false);
+        let topology = Topology::new(&corners[..], |_| Vec::new(), &[0, 1, 2, 2, 1, 3], false, 0.0);
         let points = || corners.iter().map(|corner| (corner.map(f64::from), 1.0));
         let places = |spacing: f64| {
             let removed = RemovedPoints::new(2, points()).with_samples(&topology, spacing);
@@ -200,7 +200,7 @@ mod tests {
         assert!(places(f64::INFINITY).is_empty());
         assert!((1..2 * FEW_SAMPLES).contains(&places(0.0).len()), "bounded");
         let points_of = |options: SimplifyOptions| {
-            let topology = Topology::new(&corners[..], |_| Vec::new(), &[0, 1, 2, 2, 1, 3], false);
+            let topology = Topology::new(&corners[..], |_| Vec::new(), &[0, 1, 2, 2, 1, 3], false, 0.0);
             Surface::new(topology, &corners[..], |_| None, &options).removed.unwrap().points.len()
         };
         assert_eq!(points_of(SimplifyOptions::default()), 4);
@@ -212,7 +212,7 @@ mod tests {
     #[test]
     fn removed_points_belong_to_the_nearest_triangle() {
         let (positions, triangles) = bowl(6);
-        let mut topology = Topology::new(&positions[..], |_| Vec::new(), &triangles, false);
+        let mut topology = Topology::new(&positions[..], |_| Vec::new(), &triangles, false, 0.0);
         let placed: Vec<Point> =
             (0..36).map(|p| positions[topology.vertex_of(p) as usize].map(f64::from)).collect();
         let point_of = |v: u32| (0..36).find(|&p| topology.vertex_of(p) == v).unwrap();

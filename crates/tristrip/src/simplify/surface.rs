@@ -53,7 +53,7 @@ impl Surface {
         let attributes = priced(unit).map(|values| AttributeQuadrics::new(&topology, &framed, values));
         let vanishing = match options.vanishing() {
             [] => Vec::new(),
-            errors => (0..count).map(|p| vanishing_error(errors, topology.vertex_of(p), unit)).collect(),
+            errors => vanishing_errors(errors, &topology, unit),
         };
         let quadrics = quadrics(&topology, &framed, attributes.is_some());
         let error_limit = options.error().map_or(f64::INFINITY, |error| f64::from(error) / unit);
@@ -119,8 +119,14 @@ impl Surface {
     }
 }
 
-/// Returns the error of the removal of a vertex's component in units of the frame; infinite if it stays.
-fn vanishing_error(errors: &[f32], vertex: u32, unit: f64) -> f32 {
-    let error = errors.get(vertex as usize).copied().filter(|error| *error >= 0.0);
-    error.map_or(f32::INFINITY, |error| (f64::from(error) / unit) as f32)
+/// Returns the error of the removal of each point's component in units of the frame, the largest of its vertices; infinite if it stays.
+fn vanishing_errors(errors: &[f32], topology: &Topology, unit: f64) -> Vec<f32> {
+    let mut of_points = vec![0.0_f32; topology.point_count()];
+    for corner in topology.corners() {
+        let error = errors.get(topology.wedge(corner) as usize).copied().filter(|error| *error >= 0.0);
+        let error = error.map_or(f32::INFINITY, |error| (f64::from(error) / unit) as f32);
+        let of_point = &mut of_points[topology.point(corner) as usize];
+        *of_point = of_point.max(error);
+    }
+    of_points
 }

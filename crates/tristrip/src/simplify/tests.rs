@@ -478,3 +478,48 @@ fn vertices_of_one_position_stay_on_a_seam() {
     assert!(expected.sequence.iter().any(|collapse| collapse.renames.len() == 2));
     assert_eq!(simplify_indices(&seamed, &double, &options).unwrap(), expected);
 }
+
+/// Returns two sheets with a wavy border between them, where each has vertices of its own, apart by a gap.
+fn sheets_with_a_gap(gap: f32) -> (Vec<[f32; 3]>, Vec<u32>) {
+    let height = |x: u32, y: f32| 0.3 * (1.7 * y).sin() + 0.02 * (x * 7 % 5) as f32;
+    let sheet = |columns: u32, side: f32| {
+        (0..41_u32).flat_map(move |y| {
+            let y = y as f32 / 4.0;
+            (0..=columns)
+                .map(move |x| [side * (x as f32 / columns as f32 * 5.0 + gap / 2.0), y, height(x, y)])
+        })
+    };
+    let triangles = |columns: u32, first: u32, turned: bool| {
+        (0..40 * columns).flat_map(move |i| {
+            let v = first + i / columns * (columns + 1) + i % columns;
+            let [a, b, c, d] = [v, v + 1, v + columns + 1, v + columns + 2];
+            if turned { [a, c, b, b, c, d] } else { [a, b, c, c, b, d] }
+        })
+    };
+    let positions: Vec<[f32; 3]> = sheet(8, 1.0).chain(sheet(13, -1.0)).collect();
+    (positions, triangles(8, 0, false).chain(triangles(13, 9 * 41, true)).collect())
+}
+
+#[test]
+fn gaps_narrower_than_the_weld_distance_stay_as_narrow() {
+    // The rows of the border whose vertices stay, on each side.
+    let sides = |gap: f32, weld_distance: f32| {
+        let (positions, triangles) = sheets_with_a_gap(gap);
+        let options = SimplifyOptions::default().with_triangles(200).with_weld_distance(weld_distance);
+        let simplification = simplified(&positions, &triangles, &options);
+        assert!(simplification.stopped.is_none());
+        let drawn: HashSet<u32> = simplification.sequence.drawn(0).unwrap().into_iter().flatten().collect();
+        let rows = |first: u32, columns: u32| {
+            (0..41).filter(|row| drawn.contains(&(first + row * (columns + 1)))).collect::<Vec<_>>()
+        };
+        [rows(0, 8), rows(9 * 41, 13)]
+    };
+    let [left, right] = sides(0.0, 0.0);
+    assert_eq!(left, right);
+    for gap in [1e-7, 1e-3] {
+        let [left, right] = sides(gap, 0.0);
+        assert_ne!(left, right, "apart, each side keeps what it needs, and a crack opens");
+        let [left, right] = sides(gap, 1.5 * gap);
+        assert!(left == right && left.len() < 35, "{left:?} {right:?}");
+    }
+}

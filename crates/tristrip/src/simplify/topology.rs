@@ -1,7 +1,8 @@
 //! Triangles over points, and the triangles around each point, while half-edge collapses change them.
 //!
 //! A *point* is a position; vertices of one position are one point, so that a mesh with attribute seams has the connectivity that
-//! it appears to have. The vertex of each corner is stored separately, if points have several vertices.
+//! it appears to have. At open borders nearly equal positions may be one point too (module `near_points`). The vertex of each corner is
+//! stored separately, if points have several vertices.
 //!
 //! ```text
 //!        u ───── w        A corner of the point b, in the triangle (b, u, w). The ring of b contains its corners, in any order.
@@ -21,6 +22,7 @@
 
 mod corner;
 mod fans;
+mod near_points;
 mod open_edges;
 mod points;
 mod rings;
@@ -69,20 +71,50 @@ pub(super) struct Topology {
 }
 
 impl Topology {
-    /// Connects triangles of vertices at points of equal position. If collapses may break the surface, any point may change its kind.
+    /// Connects triangles of vertices at points of equal position, and at open borders within a distance; 0 for none. If collapses may break
+    /// the surface, any point may change its kind.
     pub(super) fn new<P: Positions + ?Sized>(
         positions: &P,
         attribute_bits: impl Fn(u32) -> Vec<u8>,
         vertices: &[u32],
         may_break: bool,
+        weld_distance: f32,
     ) -> Self {
         let points = PositionIds::default().numbers(positions, vertices);
-        let triangle_ids = along_curve(positions, vertices, &points);
+        let apart = Self::connect(positions, &attribute_bits, vertices, &points, may_break);
+        match apart.near_points(positions, weld_distance) {
+            Some(joined) => {
+                let points = by_first_use(apart.points_in_mesh_order(|p| joined[p as usize]));
+                Self::connect(positions, &attribute_bits, vertices, &points, may_break)
+            }
+            None => apart,
+        }
+    }
+
+    /// Returns what each corner's point becomes, in the order of the triangles in the mesh.
+    fn points_in_mesh_order(&self, becomes: impl Fn(u32) -> u32) -> Vec<u32> {
+        let mut points = vec![0; 3 * self.triangles.len()];
+        for (i, triangle) in self.triangles.iter().enumerate() {
+            let t = self.triangle_ids.as_ref().map_or(i, |ids| ids[i] as usize);
+            points[3 * t..3 * t + 3].copy_from_slice(&triangle.map(&becomes));
+        }
+        points
+    }
+
+    /// Connects triangles of vertices at points, numbered in the order of their first use.
+    fn connect<P: Positions + ?Sized>(
+        positions: &P,
+        attribute_bits: impl Fn(u32) -> Vec<u8>,
+        vertices: &[u32],
+        points: &[u32],
+        may_break: bool,
+    ) -> Self {
+        let triangle_ids = along_curve(positions, vertices, points);
         let sorted =
-            triangle_ids.as_ref().map(|ids| [picked(vertices, ids), by_first_use(picked(&points, ids))]);
+            triangle_ids.as_ref().map(|ids| [picked(vertices, ids), by_first_use(picked(points, ids))]);
         let (vertices, points) = match &sorted {
             Some([vertices, points]) => (&vertices[..], &points[..]),
-            None => (vertices, &points[..]),
+            None => (vertices, points),
         };
         let vertex_of = lowest_vertices(vertices, points);
         let triangles: Vec<[u32; 3]> = triangles_of(points).collect();
@@ -387,12 +419,12 @@ mod tests {
     use super::*;
 
     fn topology(positions: &[[f32; 3]], vertices: &[u32]) -> Topology {
-        Topology::new(positions, |_| Vec::new(), vertices, false)
+        Topology::new(positions, |_| Vec::new(), vertices, false, 0.0)
     }
 
     /// Builds the topology of vertices of which no two have the same attributes.
     fn seamed(positions: &[[f32; 3]], vertices: &[u32]) -> Topology {
-        Topology::new(positions, |v| v.to_le_bytes().to_vec(), vertices, false)
+        Topology::new(positions, |v| v.to_le_bytes().to_vec(), vertices, false, 0.0)
     }
 
     fn line(n: usize) -> Vec<[f32; 3]> {
