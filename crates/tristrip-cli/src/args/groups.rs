@@ -110,8 +110,9 @@ pub(crate) struct CollapseArgs {
     pub(crate) lock_borders: bool,
     /// How far the two sides of an open border may be apart to collapse together: in mesh units, or of the diagonal [default: 0.0001%]
     ///
-    /// Scanners and CAD write the positions of such a border with small differences; a crack opens where each side is simplified by itself. Less
-    /// than the edges are long, or a border is joined to itself. Positions stay what they are. 0 for equal positions only. Parts that different nodes place are not joined.
+    /// Scanners and CAD write the positions of such a border with small differences; a crack opens where each side is simplified by itself. It
+    /// should be less than the edges are long: a border is joined to itself otherwise. Positions stay what they are. 0 joins equal positions
+    /// only. Parts that different nodes place are not joined.
     #[arg(long, value_name = "DISTANCE", allow_negative_numbers = true)]
     pub(crate) weld_distance: Option<Deviation>,
 }
