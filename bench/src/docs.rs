@@ -18,7 +18,7 @@ use crate::vertex_caches::CacheResults;
 pub const COMMAND: &str = "cargo run --release -p tristrip-bench -- --docs docs";
 
 /// The methods that have a column of indices per triangle.
-const METHODS: [&str; 5] = [BEST, "sequential", "input", "sgi", "stripe"];
+const METHODS: [&str; 6] = [BEST, "sequential", "quad-rows", "input", "sgi", "stripe"];
 
 /// Writes the page as Markdown.
 pub fn page(
@@ -129,14 +129,16 @@ fn times(outcomes: &[Outcome]) -> String {
 }
 
 fn polygons(outcomes: &[Outcome]) -> String {
-    let others = ["sequential strips", "stripe strips", "sgi vertices", "stripe vertices"];
+    let others =
+        ["sequential strips", "stripe strips", "sgi vertices", "stripe vertices", "quad-rows vertices"];
     let mut table = Table::new(1, &[&["model", "triangles"][..], &METHODS, &others].concat());
     for outcome in outcomes.iter().filter(|outcome| outcome.polygons) {
         let strips = |m| outcome.row(m).map_or("–".into(), |row| row.strips.to_string());
         let vertices = |m| outcome.row(m).map_or("–".into(), |row| row.vertices_sent.to_string());
         let mut cells = vec![outcome.model.clone(), outcome.triangles.to_string()];
         cells.extend(METHODS.map(|method| cost(outcome, method)));
-        cells.extend([strips("sequential"), strips("stripe"), vertices("sgi"), vertices("stripe")]);
+        cells.extend(["sequential", "stripe"].map(strips));
+        cells.extend(["sgi", "stripe", "quad-rows"].map(vertices));
         table.push(cells);
     }
     format!("Indices per triangle with restarts, strips, and vertices sent.\n\n{}", table.markdown())

@@ -78,8 +78,9 @@ pub fn main_methods() -> Vec<NamedMethod> {
     vec![
         named("sequential", Method::Sequential),
         named("input", Method::Input),
-        named("sgi", Method::Sgi),
+        named("sgi", Method::SGI),
         named("stripe", Method::STRIPE),
+        named("quad-rows", Method::QUAD_ROWS),
         named(LOCAL.0, LOCAL.1),
         NamedMethod::search(Method::Best, 2, Cost::Restart),
         NamedMethod::search(Method::Fewest, 0, Cost::Restart),
@@ -88,7 +89,7 @@ pub fn main_methods() -> Vec<NamedMethod> {
     ]
 }
 
-/// Returns every method with all its options: those without options, the 15 and 10 of STRIPE, and `best` for each cost.
+/// Returns every method with all its options: those without options, the 24 and 10 of STRIPE, and `best` for each cost.
 pub fn all_methods() -> Vec<NamedMethod> {
     let mut methods = main_methods();
     for triangulation in FaceTriangulation::ALL {
@@ -101,7 +102,7 @@ pub fn all_methods() -> Vec<NamedMethod> {
     }
     for patches in Patches::ALL {
         for cutoff in CUTOFFS {
-            let method = Method::StripeGlobal { patches, cutoff };
+            let method = Method::StripeGlobal { patches, cutoff, ties: Ties::default() };
             if method != Method::STRIPE {
                 methods.push(NamedMethod::new(format!("stripe-global {patches} {cutoff}"), method));
             }
@@ -128,7 +129,7 @@ mod tests {
     #[test]
     fn every_variant_comes_once() {
         let methods = all_methods();
-        assert_eq!(methods.len(), 3 + 15 + 10 + 4 + 1 + 6 + Cost::ALL.len());
+        assert_eq!(methods.len(), 4 + 24 + 10 + 4 + 1 + 6 + Cost::ALL.len());
         assert_eq!(methods.iter().map(|m| m.options).collect::<HashSet<_>>().len(), methods.len());
         assert_eq!(methods.iter().map(|m| &m.name).collect::<HashSet<_>>().len(), methods.len());
         assert_eq!(BEST, format!("best {}", StripifyOptions::default().effort().level()));

@@ -9,7 +9,7 @@ use tristrip::stripify::{EtaOptions, Objective, Start, plan};
 use tristrip::verify::verify;
 use tristrip::vertex_cache::VertexCache;
 use tristrip::{DualGraph, Error, Method, PreparedFaces, StripifyOptions, Strips};
-use tristrip::stripify::{FaceTriangulation, Patches, Ties};
+use tristrip::stripify::{FaceTriangulation, LastTie, Patches, Ties};
 use tristrip_fuzz::{Bytes, mesh, sorted};
 
 const RESTART: u32 = u32::MAX;
@@ -69,20 +69,21 @@ fn layouts_agree(strips: &Strips) {
 
 /// Returns every method with every variant that it has.
 fn methods(cutoff: u32) -> Vec<Method> {
-    let mut all = vec![Method::Best, Method::Sequential, Method::Input, Method::Sgi, Method::STRIPE];
-    all.extend([Method::Fewest, Method::Cache, Method::Tunnel { length: 5 }]);
+    let mut all = vec![Method::Best, Method::Sequential, Method::Input, Method::STRIPE];
+    all.extend(LastTie::ALL.map(|last_tie| Method::Sgi { last_tie }));
+    all.extend([Method::QuadRows { cutoff }, Method::Fewest, Method::Cache, Method::Tunnel { length: 5 }]);
     all.extend(
         [Start::Isolated, Start::Sgi, Start::Sequential]
             .map(|start| Method::Eta(EtaOptions::default().with_start(start).with_length(2 * cutoff + 1))),
     );
-    for triangulation in [FaceTriangulation::Static, FaceTriangulation::Whole, FaceTriangulation::Partial] {
-        for ties in [Ties::Arbitrary, Ties::LookAhead, Ties::Alternate, Ties::Random, Ties::Sequential] {
+    for triangulation in FaceTriangulation::ALL {
+        for ties in Ties::ALL {
             all.push(Method::StripeLocal { triangulation, ties });
         }
     }
-    for patches in [Patches::Rows, Patches::Full] {
-        for cutoff in [1, cutoff] {
-            all.push(Method::StripeGlobal { patches, cutoff });
+    for patches in Patches::ALL {
+        for ties in Ties::ALL {
+            all.extend([1, cutoff].map(|cutoff| Method::StripeGlobal { patches, cutoff, ties }));
         }
     }
     all

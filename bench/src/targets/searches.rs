@@ -185,12 +185,13 @@ fn against_peers(searched: &[SearchResults]) -> Vec<Target> {
 fn against_starts(outcomes: &[Outcome]) -> Option<Target> {
     let cost = |o: &Outcome, method| Some(o.row(method)?.indices_restart_per_triangle);
     let pair = |o: &Outcome| {
-        let start = ["input", "sequential", "stripe"].into_iter().filter_map(|m| cost(o, m)).reduce(f64::min);
+        let start =
+            ["input", "sequential", "quad-rows"].into_iter().filter_map(|m| cost(o, m)).reduce(f64::min);
         Some((o.model.clone(), cost(o, BEST)?, start?))
     };
     let pairs: Vec<_> = outcomes.iter().filter_map(pair).collect();
     let names = pairs.iter().filter(|(_, ours, start)| ours > start).map(|(model, ..)| model.clone());
-    none("best, models with more indices than input, sequential or stripe", names, pairs.len())
+    none("best, models with more indices than input, sequential or quad-rows", names, pairs.len())
 }
 
 fn memory(outcomes: &[Outcome], searched: &[SearchResults]) -> Vec<Target> {

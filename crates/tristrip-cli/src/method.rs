@@ -6,7 +6,7 @@ use clap::Args;
 use tristrip::Cost;
 use tristrip::Effort;
 use tristrip::stripify::{EtaOptions, Objective, Start};
-use tristrip::stripify::{FaceTriangulation, Patches, Ties};
+use tristrip::stripify::{FaceTriangulation, LastTie, Patches, Ties};
 use tristrip::vertex_cache::VertexCache;
 use tristrip::{Method, StripifyOptions};
 
@@ -28,7 +28,7 @@ pub(crate) struct WeldArgs {
 pub(crate) struct MethodArgs {
     /// The stripification method [default: best]
     ///
-    /// The default starts from the cheapest result of `sequential`, `stripe` and `input`, so it is never worse than the input. A higher
+    /// The default starts from the cheapest result of `sequential`, `quad-rows` and `input`, so it is never worse than the input. A higher
     /// --effort gives fewer indices. Most other methods are published algorithms, included for comparison; `tristrip compare` shows
     /// them side by side.
     #[arg(short, long, value_parser = method_parser(), value_name = "METHOD")]
@@ -36,13 +36,16 @@ pub(crate) struct MethodArgs {
     /// When stripe-local triangulates polygons [default: whole]
     #[arg(long, value_parser = named(FaceTriangulation::ALL, FaceTriangulation::name, FaceTriangulation::summary), value_name = "WHEN")]
     triangulation: Option<FaceTriangulation>,
-    /// How stripe-local chooses between equally good neighbours [default: sequential]
+    /// How stripe-local and stripe-global choose between equally good neighbours [default: sequential]
     #[arg(long, value_parser = named(Ties::ALL, Ties::name, Ties::summary), value_name = "RULE")]
     ties: Option<Ties>,
+    /// Which neighbour sgi takes where looking ahead leaves several [default: last]
+    #[arg(long, value_parser = named(LastTie::ALL, LastTie::name, LastTie::summary), value_name = "WHICH")]
+    last_tie: Option<LastTie>,
     /// How stripe-global turns patches into strips [default: rows]
     #[arg(long, value_parser = named(Patches::ALL, Patches::name, Patches::summary), value_name = "HOW")]
     patches: Option<Patches>,
-    /// The minimum size of a patch of stripe-global, in quadrilaterals [default: 5]
+    /// The minimum size of a patch of stripe-global and quad-rows, in quadrilaterals [default: 5]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     cutoff: Option<u32>,
     /// The cost that best minimizes [default: restart]
@@ -83,7 +86,7 @@ pub(crate) struct MethodArgs {
     /// The initial strips of eta [default: sequential]
     #[arg(long, value_parser = named(Start::ALL, Start::name, Start::summary), value_name = "STRIPS")]
     start: Option<Start>,
-    /// The seed of randomized methods: best, fewest, cache, eta, stripe [default: 0]
+    /// The seed of randomized methods: best, fewest, cache, eta, quad-rows, stripe [default: 0]
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
     #[command(flatten)]
@@ -104,6 +107,7 @@ impl MethodArgs {
         let chosen = self.method.unwrap_or(Method::Best);
         let local = matches!(chosen, Method::StripeLocal { .. });
         let global = matches!(chosen, Method::StripeGlobal { .. });
+        let (rows, sgi) = (matches!(chosen, Method::QuadRows { .. }), matches!(chosen, Method::Sgi { .. }));
         let (tunnel, eta) = (matches!(chosen, Method::Tunnel { .. }), matches!(chosen, Method::Eta(_)));
         let check = |flag: &str, is_set: bool, fits: bool, methods: &str| {
             if is_set && !fits {
@@ -112,9 +116,10 @@ impl MethodArgs {
             Ok(())
         };
         check("--triangulation", self.triangulation.is_some(), local, "stripe-local")?;
-        check("--ties", self.ties.is_some(), local, "stripe-local")?;
+        check("--ties", self.ties.is_some(), local || global, "stripe-local or stripe-global")?;
+        check("--last-tie", self.last_tie.is_some(), sgi, "sgi")?;
         check("--patches", self.patches.is_some(), global, "stripe-global")?;
-        check("--cutoff", self.cutoff.is_some(), global, "stripe-global")?;
+        check("--cutoff", self.cutoff.is_some(), global || rows, "stripe-global or quad-rows")?;
         let best = matches!(chosen, Method::Best);
         let cache = chosen == Method::Cache;
         let search = best || cache || chosen == Method::Fewest || all_methods;
@@ -128,17 +133,25 @@ impl MethodArgs {
         check("--tunnel-length", self.tunnel_length.is_some(), tunnels, "tunnel or eta")?;
         check("--threshold", self.threshold.is_some(), eta, "eta")?;
         check("--start", self.start.is_some(), eta, "eta")?;
-        let randomized = local || global || search || eta;
-        check("--seed", self.seed.is_some(), randomized, "best, fewest, cache, eta or one of stripe")?;
+        let randomized = local || global || rows || search || eta;
+        check(
+            "--seed",
+            self.seed.is_some(),
+            randomized,
+            "best, fewest, cache, eta, quad-rows or one of stripe",
+        )?;
         let method = match chosen {
             Method::StripeLocal { triangulation, ties } => Method::StripeLocal {
                 triangulation: self.triangulation.unwrap_or(triangulation),
                 ties: self.ties.unwrap_or(ties),
             },
-            Method::StripeGlobal { patches, cutoff } => Method::StripeGlobal {
+            Method::StripeGlobal { patches, cutoff, ties } => Method::StripeGlobal {
                 patches: self.patches.unwrap_or(patches),
                 cutoff: self.cutoff.unwrap_or(cutoff),
+                ties: self.ties.unwrap_or(ties),
             },
+            Method::QuadRows { cutoff } => Method::QuadRows { cutoff: self.cutoff.unwrap_or(cutoff) },
+            Method::Sgi { last_tie } => Method::Sgi { last_tie: self.last_tie.unwrap_or(last_tie) },
             Method::Tunnel { length } => Method::Tunnel { length: self.tunnel_length.unwrap_or(length) },
             Method::Eta(_) => Method::Eta(self.eta()),
             method => method,
@@ -216,10 +229,13 @@ mod tests {
             each("eta", "--start", &Start::ALL.map(Start::name)),
             each("stripe-local", "--triangulation", &FaceTriangulation::ALL.map(FaceTriangulation::name)),
             each("stripe-local", "--ties", &Ties::ALL.map(Ties::name)),
+            each("stripe-global", "--ties", &Ties::ALL.map(Ties::name)),
+            each("sgi", "--last-tie", &LastTie::ALL.map(LastTie::name)),
             each("stripe-global", "--patches", &Patches::ALL.map(Patches::name)),
             [
                 "",
                 "--method stripe --cutoff 25 --seed 7",
+                "--method quad-rows --seed 7 --cutoff 3",
                 "--method tunnel --tunnel-length 1001",
                 "--method eta --tunnel-length 20 --threshold 9",
                 "--method cache --vertex-cache lru:24 --effort 4",

@@ -146,8 +146,9 @@ fn candidates(options: &StripifyOptions, effort: Option<Effort>) -> Vec<Candidat
     let mut candidates = vec![
         plain("input", Method::Input),
         plain("sequential", Method::Sequential),
-        plain("sgi", Method::Sgi),
+        plain("sgi", Method::SGI),
         plain("stripe", Method::STRIPE),
+        plain("quad-rows", Method::QUAD_ROWS),
         plain("eta", Method::Eta(EtaOptions::default())),
     ];
     let efforts: Vec<Effort> = match effort {
@@ -291,7 +292,7 @@ mod tests {
     fn the_requested_method_is_included() {
         let with = |method| labels(&StripifyOptions::default().with_method(method), None);
         assert_eq!(with(Method::Best).len(), 14);
-        assert_eq!(with(Method::STRIPE).len(), 14);
+        assert_eq!(with(Method::STRIPE).len(), 15);
         assert_eq!(with(Method::Tunnel { length: 9 }).last().map(String::as_str), Some("tunnel 9"));
         let opengl = StripifyOptions::default().with_cost(tristrip::Cost::OpenGl);
         assert_eq!(labels(&opengl, None).last().map(String::as_str), Some("best opengl 2"));

@@ -5,7 +5,7 @@ use std::str::FromStr;
 use serde::Serialize;
 use tristrip::Effort;
 use tristrip::stripify::EtaOptions;
-use tristrip::stripify::{FaceTriangulation, Patches, Ties};
+use tristrip::stripify::{FaceTriangulation, LastTie, Patches, Ties};
 use tristrip::{Error, Method, StripifyOptions};
 
 /// A method and its options in the words of the command line; the keys are those of the JSON report.
@@ -16,6 +16,8 @@ pub struct MethodReport {
     triangulation: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     ties: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    last_tie: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     patches: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -55,9 +57,14 @@ impl MethodReport {
                 ties: Some(ties.to_string()),
                 ..seeded
             },
-            Method::StripeGlobal { patches, cutoff } => {
-                Self { patches: Some(patches.to_string()), cutoff: Some(cutoff), ..seeded }
-            }
+            Method::StripeGlobal { patches, cutoff, ties } => Self {
+                patches: Some(patches.to_string()),
+                cutoff: Some(cutoff),
+                ties: Some(ties.to_string()),
+                ..seeded
+            },
+            Method::QuadRows { cutoff } => Self { cutoff: Some(cutoff), ..seeded },
+            Method::Sgi { last_tie } => Self { last_tie: Some(last_tie.to_string()), ..plain },
             Method::Best => Self { cost: Some(options.cost().to_string()), ..search },
             Method::Fewest => search,
             Method::Cache => Self {
@@ -91,11 +98,18 @@ impl MethodReport {
         self.effort
     }
 
-    /// Returns a short name of the method and its options: `stripe-local whole sequential`.
+    /// Returns a short name of the method and its options: `stripe-local whole sequential`. The ties of `stripe-global` and `sgi` are
+    /// named where they are not the default.
     pub fn label(&self) -> String {
+        let shown = |ties: &Option<String>, usual: &str| ties.clone().filter(|ties| ties != usual);
+        let ties = match self.method.as_str() {
+            "stripe-local" => self.ties.clone(),
+            _ => shown(&self.ties, Ties::default().name()),
+        };
         let words = [
             &self.triangulation,
-            &self.ties,
+            &ties,
+            &shown(&self.last_tie, LastTie::default().name()),
             &self.patches,
             &self.cost,
             &self.vertex_cache,
@@ -114,6 +128,7 @@ impl MethodReport {
         let options = [
             ("triangulation", self.triangulation.clone()),
             ("ties", self.ties.clone()),
+            ("last tie", self.last_tie.clone()),
             ("patches", self.patches.clone()),
             ("cutoff", number(self.cutoff)),
             ("cost", self.cost.clone()),
@@ -132,15 +147,26 @@ impl MethodReport {
 /// Returns the methods to compare: one or a few per family, or every variant.
 ///
 /// ```
-/// assert_eq!(tristrip_pipeline::methods_to_compare(true).len(), 33);
+/// assert_eq!(tristrip_pipeline::methods_to_compare(true).len(), 44);
 /// ```
 pub fn methods_to_compare(every_variant: bool) -> Vec<Method> {
-    let mut methods =
-        vec![Method::Best, Method::Fewest, Method::Cache, Method::Input, Method::Sequential, Method::Sgi];
+    let mut methods = vec![
+        Method::Best,
+        Method::Fewest,
+        Method::Cache,
+        Method::Input,
+        Method::Sequential,
+        Method::SGI,
+        Method::QUAD_ROWS,
+    ];
     let local = |triangulation, ties| Method::StripeLocal { triangulation, ties };
-    let global = |patches, cutoff| Method::StripeGlobal { patches, cutoff };
+    let global = |patches, cutoff| Method::StripeGlobal { patches, cutoff, ties: Ties::default() };
     if every_variant {
-        methods.extend([Method::TUNNEL, Method::Eta(EtaOptions::default())]);
+        methods.extend([
+            Method::TUNNEL,
+            Method::Eta(EtaOptions::default()),
+            Method::Sgi { last_tie: LastTie::First },
+        ]);
         for triangulation in FaceTriangulation::ALL {
             methods.extend(Ties::ALL.map(|ties| local(triangulation, ties)));
         }
@@ -249,10 +275,17 @@ impl<'a> Flags<'a> {
                 triangulation: self.named("--triangulation")?.unwrap_or(triangulation),
                 ties: self.named("--ties")?.unwrap_or(ties),
             },
-            Method::StripeGlobal { patches, cutoff } => Method::StripeGlobal {
+            Method::StripeGlobal { patches, cutoff, ties } => Method::StripeGlobal {
                 patches: self.named("--patches")?.unwrap_or(patches),
                 cutoff: self.number("--cutoff")?.unwrap_or(cutoff),
+                ties: self.named("--ties")?.unwrap_or(ties),
             },
+            Method::QuadRows { cutoff } => {
+                Method::QuadRows { cutoff: self.number("--cutoff")?.unwrap_or(cutoff) }
+            }
+            Method::Sgi { last_tie } => {
+                Method::Sgi { last_tie: self.named("--last-tie")?.unwrap_or(last_tie) }
+            }
             Method::Tunnel { length } => {
                 Method::Tunnel { length: self.number("--tunnel-length")?.unwrap_or(length) }
             }
@@ -289,7 +322,7 @@ mod tests {
     fn all_variants_have_distinct_names() {
         let label = |method| MethodReport::of(&StripifyOptions::default().with_method(method)).label();
         let labels: HashSet<String> = methods_to_compare(true).into_iter().map(label).collect();
-        assert_eq!(labels.len(), 8 + 15 + 10);
+        assert_eq!(labels.len(), 7 + 3 + 24 + 10);
         assert!(
             labels.contains("stripe-local partial look-ahead") && labels.contains("stripe-global full 25")
         );
@@ -301,6 +334,9 @@ mod tests {
         let best = MethodReport::of(&StripifyOptions::default());
         assert_eq!(best.description(), "method best, cost restart, effort 2");
         let local = StripifyOptions::default().with_method(Method::STRIPE);
-        assert_eq!(MethodReport::of(&local).description(), "method stripe-global, patches rows, cutoff 5");
+        assert_eq!(
+            MethodReport::of(&local).description(),
+            "method stripe-global, ties sequential, patches rows, cutoff 5"
+        );
     }
 }

@@ -21,7 +21,7 @@ use crate::places::Places;
 /// use tristrip_pipeline::PreparedModel;
 /// let model = read(b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n", Format::Obj)?;
 /// let prepared = PreparedModel::new(&model, false);
-/// let options = StripifyOptions::default().with_method(Method::Sgi);
+/// let options = StripifyOptions::default().with_method(Method::SGI);
 /// let strips = prepared.find_strips(&options, &())?;
 /// prepared.prove(&strips)?;
 /// assert_eq!(prepared.figures(&strips, &options)?.vertices_sent, 4);

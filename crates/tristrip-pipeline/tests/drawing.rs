@@ -129,7 +129,7 @@ fn stored_strips_win_over_worse_ones() {
             stored += usize::from(drawn.drawn_as[0] == DrawnAs::Stored);
         }
         assert!(stored >= 2, "{stored} methods are worse than the stored strips");
-        check(&source, Method::Sgi);
+        check(&source, Method::SGI);
     }
 }
 

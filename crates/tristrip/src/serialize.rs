@@ -24,7 +24,7 @@ use crate::effort::Effort;
 use crate::lod::{Encoding, Filter, RepairOptions};
 use crate::simplify::{AttributeWeights, Price, SimplifyOptions};
 use crate::strip::{Cost, Layout};
-use crate::stripify::{FaceTriangulation, Method, Objective, Patches, Start, StripifyOptions, Ties};
+use crate::stripify::{FaceTriangulation, LastTie, Method, Objective, Patches, Start, StripifyOptions, Ties};
 use crate::vertex_cache::{FlushPolicy, Replacement, VertexCache};
 
 /// Serializes a value as it is written. A value that would not be parsed is refused.
@@ -63,6 +63,7 @@ by_name!(
     FaceTriangulation,
     Filter,
     FlushPolicy,
+    LastTie,
     Layout,
     Objective,
     Patches,

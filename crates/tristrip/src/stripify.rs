@@ -27,7 +27,7 @@ use crate::error::Error;
 use crate::prepare::PreparedFaces;
 #[cfg(test)]
 pub(crate) use one_shot::stripify;
-pub use options::{EtaOptions, FaceTriangulation, Objective, Patches, Start, Ties};
+pub use options::{EtaOptions, FaceTriangulation, LastTie, Objective, Patches, Start, Ties};
 pub(crate) use options::{Method, StripifyOptions};
 pub use plan::StripPlan;
 pub use watch::{Progress, Watch};
@@ -112,13 +112,14 @@ fn plan_in_order<'a>(
         Method::Fewest => fewest::plan(prepared, graph, options, watch),
         Method::Cache => cache::plan(prepared, graph, options, watch),
         Method::Input => input::plan(prepared, graph),
-        Method::Sgi => sgi::plan(prepared, graph),
+        Method::Sgi { last_tie } => sgi::plan(prepared, graph, last_tie),
         Method::StripeLocal { triangulation, ties } => {
             stripe::plan_local(prepared, graph, triangulation, ties, options.seed())
         }
-        Method::StripeGlobal { patches, cutoff } => {
-            stripe::plan_global(prepared, graph, patches, cutoff, options.seed())?
+        Method::StripeGlobal { patches, cutoff, ties } => {
+            stripe::plan_global(prepared, graph, (patches, cutoff, ties), options.seed())?
         }
+        Method::QuadRows { cutoff } => stripe::quad_rows::plan(prepared, graph, cutoff, options.seed())?,
         Method::Tunnel { length } => tunnel::plan(prepared, graph, length, watch),
         Method::Eta(eta) => eta::plan(prepared, graph, eta, options.seed(), watch),
     })

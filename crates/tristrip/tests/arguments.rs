@@ -8,7 +8,7 @@ use tristrip::lod::{
     Encoding, Filter, LevelModel, LevelTable, ProgressiveMesh, ProgressiveStrips, Repair, RepairOptions,
     RepairedStrips, View,
 };
-use tristrip::stripify::{EtaOptions, Objective, Patches, Start};
+use tristrip::stripify::{EtaOptions, Objective, Patches, Start, Ties};
 use tristrip::verify::{verify, verify_models};
 use tristrip::vertex_cache::VertexCache;
 use tristrip::{
@@ -117,8 +117,9 @@ fn methods() {
     let all = [0, 1, 2, u32::MAX].into_iter().flat_map(|n| {
         [
             Method::Tunnel { length: n },
-            Method::StripeGlobal { patches: Patches::Rows, cutoff: n },
-            Method::StripeGlobal { patches: Patches::Full, cutoff: n },
+            Method::StripeGlobal { patches: Patches::Rows, cutoff: n, ties: Ties::Sequential },
+            Method::StripeGlobal { patches: Patches::Full, cutoff: n, ties: Ties::Random },
+            Method::QuadRows { cutoff: n },
             Method::Eta(eta(n, n).with_start(Start::Isolated)),
             Method::Eta(eta(u32::MAX, n)),
             Method::Eta(eta(n, u32::MAX)),

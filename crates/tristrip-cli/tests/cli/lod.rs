@@ -62,6 +62,7 @@ fn the_report_has_its_keys() {
     let expected = [
         "file",
         "method",
+        "ties",
         "patches",
         "cutoff",
         "seed",

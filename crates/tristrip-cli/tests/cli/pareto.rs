@@ -52,7 +52,7 @@ fn every_method_has_a_point_and_the_optimal_ones_are_marked() {
     ] {
         let report = json(pareto(&chart, name, flags).arg("--json"));
         let all: Vec<_> = points(&report).iter().map(figures).collect();
-        assert_eq!(all.len(), if flags.is_empty() { 15 } else { 11 });
+        assert_eq!(all.len(), if flags.is_empty() { 16 } else { 12 });
         for (i, (point, &(x, y))) in points(&report).iter().zip(&all).enumerate() {
             assert_eq!(keys(point), KEYS);
             // No other point is to the left and not above, or below and not to the right.
@@ -71,6 +71,7 @@ fn points_equal_the_reports_of_the_methods() {
     for (label, flags) in [
         ("sgi", &["-m", "sgi"][..]),
         ("stripe", &["-m", "stripe"]),
+        ("quad-rows", &["-m", "quad-rows"]),
         ("eta", &["-m", "eta"]),
         ("best 2", &["-m", "best", "--effort", "2"]),
         ("fewest 5", &["-m", "fewest"]),
@@ -152,7 +153,7 @@ fn a_chart_that_cannot_be_written_is_an_error() {
     let assert = assert.stderr(contains("a.svg: no such file or directory"));
     let report: Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
     assert!(report["error"].as_str().unwrap().contains("a.svg"));
-    assert_eq!((points(&report).len(), &report["proven"]), (11, &true.into()));
+    assert_eq!((points(&report).len(), &report["proven"]), (12, &true.into()));
     assert!(output.is_file());
 }
 
@@ -177,7 +178,7 @@ fn bad_inputs_are_reported_and_the_others_drawn() {
 fn small_and_empty_models_have_a_chart() {
     let dir = tempfile::tempdir().unwrap();
     let chart = dir.path().join("a.svg");
-    for (source, more) in [(SQUARE, 11), ("v 0 0 0\nv 1 0 0\n", 12)] {
+    for (source, more) in [(SQUARE, 12), ("v 0 0 0\nv 1 0 0\n", 13)] {
         let mut command = tristrip();
         command.args(["strip", "-", "--json", "--pareto"]).arg(&chart).write_stdin(source);
         let report = json(&mut command);

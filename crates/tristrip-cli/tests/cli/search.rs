@@ -44,7 +44,7 @@ fn best_is_repeatable_and_never_worse_than_the_fast_methods() {
         };
         let best = cost(&["-m", "best", "--effort", "2"]);
         assert_eq!(best, cost(&["-m", "best", "--effort", "2", "--threads", "1"]));
-        for other in ["sequential", "input", "stripe"] {
+        for other in ["sequential", "input", "stripe", "quad-rows"] {
             assert!(best <= cost(&["-m", other]), "{name}: {other}");
         }
     }

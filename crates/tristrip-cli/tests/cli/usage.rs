@@ -24,11 +24,15 @@ fn negative_numbers_are_values_out_of_range() {
 
 #[test]
 fn options_belong_to_their_methods() {
-    refused(&["strip", "a.ply", "--ties", "random"], "--ties belongs to --method stripe-local, not to best");
+    refused(
+        &["strip", "a.ply", "--ties", "random"],
+        "--ties belongs to --method stripe-local or stripe-global, not to best",
+    );
     refused(&["strip", "a.ply", "-m", "sgi", "--triangulation", "static"], "--triangulation belongs to");
     refused(&["strip", "a.ply", "-m", "stripe-local", "--patches", "rows"], "--patches belongs to");
     refused(&["strip", "a.ply", "-m", "sequential", "--cutoff", "5"], "--cutoff belongs to");
     refused(&["strip", "a.ply", "-m", "sgi", "--seed", "1"], "--seed belongs to --method best, fewest");
+    refused(&["strip", "a.ply", "-m", "stripe", "--last-tie", "first"], "--last-tie belongs to --method sgi");
     refused(
         &["strip", "a.ply", "-m", "eta", "--effort", "3"],
         "--effort belongs to --method best, fewest or cache",

@@ -11,9 +11,11 @@ fn parameters(method: Method) -> Vec<(&'static str, String)> {
         Method::StripeLocal { triangulation, ties } => {
             vec![("triangulation", triangulation.to_string()), ("ties", ties.to_string())]
         }
-        Method::StripeGlobal { patches, cutoff } => {
-            vec![("patches", patches.to_string()), ("cutoff", cutoff.to_string())]
+        Method::StripeGlobal { patches, cutoff, ties } => {
+            vec![("patches", patches.to_string()), ("cutoff", cutoff.to_string()), ("ties", ties.to_string())]
         }
+        Method::QuadRows { cutoff } => vec![("cutoff", cutoff.to_string())],
+        Method::Sgi { last_tie } => vec![("last-tie", last_tie.to_string())],
         Method::Tunnel { length } => vec![("length", length.to_string())],
         Method::Eta(eta) => vec![
             ("length", eta.length().to_string()),
@@ -33,12 +35,17 @@ fn with_parameter(method: Method, name: &str, value: &str) -> Option<Method> {
         (Method::StripeLocal { triangulation, .. }, "ties") => {
             Method::StripeLocal { triangulation, ties: value.parse().ok()? }
         }
-        (Method::StripeGlobal { cutoff, .. }, "patches") => {
-            Method::StripeGlobal { patches: value.parse().ok()?, cutoff }
+        (Method::StripeGlobal { cutoff, ties, .. }, "patches") => {
+            Method::StripeGlobal { patches: value.parse().ok()?, cutoff, ties }
         }
-        (Method::StripeGlobal { patches, .. }, "cutoff") => {
-            Method::StripeGlobal { patches, cutoff: value.parse().ok()? }
+        (Method::StripeGlobal { patches, ties, .. }, "cutoff") => {
+            Method::StripeGlobal { patches, cutoff: value.parse().ok()?, ties }
         }
+        (Method::StripeGlobal { patches, cutoff, .. }, "ties") => {
+            Method::StripeGlobal { patches, cutoff, ties: value.parse().ok()? }
+        }
+        (Method::QuadRows { .. }, "cutoff") => Method::QuadRows { cutoff: value.parse().ok()? },
+        (Method::Sgi { .. }, "last-tie") => Method::Sgi { last_tie: value.parse().ok()? },
         (Method::Tunnel { .. }, "length") => Method::Tunnel { length: value.parse().ok()? },
         (Method::Eta(eta), _) => Method::Eta(eta_with(eta, name, value)?),
         _ => return None,

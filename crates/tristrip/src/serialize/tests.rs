@@ -25,7 +25,10 @@ fn options_have_the_names_of_the_command() {
     let eta = EtaOptions::default().with_threshold(7).with_start(Start::Sgi);
     assert_eq!(round_trip(&Method::Eta(eta)), r#""eta threshold=7 start=sgi""#);
     assert_eq!(round_trip(&Method::Tunnel { length: 5 }), r#""tunnel length=5""#);
-    round_trip(&Method::StripeGlobal { patches: Patches::Full, cutoff: 0 });
+    let global = Method::StripeGlobal { patches: Patches::Full, cutoff: 0, ties: Ties::Random };
+    assert_eq!(round_trip(&global), r#""stripe-global patches=full cutoff=0 ties=random""#);
+    assert_eq!(round_trip(&Method::QuadRows { cutoff: 9 }), r#""quad-rows cutoff=9""#);
+    assert_eq!(round_trip(&Method::Sgi { last_tie: LastTie::First }), r#""sgi last-tie=first""#);
     let local = Method::StripeLocal { triangulation: FaceTriangulation::Partial, ties: Ties::LookAhead };
     assert_eq!(round_trip(&local), r#""stripe-local triangulation=partial ties=look-ahead""#);
     assert_eq!(round_trip(&Layout::Separate), r#""separate""#);

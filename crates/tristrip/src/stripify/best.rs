@@ -1,7 +1,7 @@
 //! `best`: our search for the cheapest cover, for a given cost and effort.
 //!
 //! # Algorithm
-//! 1. *Start*: the cheapest of the covers of `sequential`, `input` and `stripe`.
+//! 1. *Start*: the cheapest of the covers of `sequential`, `input` and `quad-rows`.
 //! 2. *Cold*: annealing from a low temperature, which improves the start and keeps its regular parts.
 //! 3. *Hot*: slow annealing from a temperature at which nothing of the start remains. On irregular meshes this gains the most.
 //! 4. The result is the cheapest of the three by the measured cost, so that no effort makes it worse than the start.
@@ -35,7 +35,9 @@ mod anneal;
 #[cfg(test)]
 mod tests;
 
-use super::{Effort, Patches, StripPlan, Watch, input, sequential, stripe};
+use super::options::QUAD_ROWS_CUTOFF;
+use super::stripe::quad_rows;
+use super::{Effort, StripPlan, Watch, input, sequential};
 use crate::cover::priced::{PricedPaths, TRIANGLE_LIMIT};
 use crate::dual::DualGraph;
 use crate::prepare::PreparedFaces;
@@ -47,8 +49,8 @@ const SWEEPS: [u32; 10] = [0, 1, 8, 36, 100, 300, 600, 1200, 2400, 4800];
 /// Smaller meshes get more sweeps, up to [`MAX_ROUNDS`] times as many, so that a level takes the time of a mesh of this size.
 const SMALL: usize = 1 << 16;
 const MAX_ROUNDS: usize = 8;
-/// From this level on, `stripe` is one of the starts. It takes longer than level 1.
-const STRIPE_LEVEL: u8 = 2;
+/// From this level on, `quad-rows` is one of the starts. It takes longer than level 1.
+const QUAD_ROWS_LEVEL: u8 = 2;
 
 /// Computes strips by annealing.
 pub(super) fn plan<'a>(
@@ -118,8 +120,8 @@ fn cheapest_start<'a>(
         }
     };
     offer(input::plan(prepared, graph));
-    if effort.level() >= STRIPE_LEVEL
-        && let Ok(plan) = stripe::plan_global(prepared, graph, Patches::Rows, 5, seed)
+    if effort.level() >= QUAD_ROWS_LEVEL
+        && let Ok(plan) = quad_rows::plan(prepared, graph, QUAD_ROWS_CUTOFF, seed)
     {
         offer(plan);
     }

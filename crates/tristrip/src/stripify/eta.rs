@@ -47,7 +47,7 @@ use super::tunnel::context::SearchContext;
 use super::tunnel::isolated_triangles;
 use super::tunnel::path_tags::PathTags;
 use super::watch::Watch;
-use super::{EtaOptions, Start, StripPlan, input, sequential, sgi};
+use super::{EtaOptions, LastTie, Start, StripPlan, input, sequential, sgi};
 use crate::cover::PathCover;
 use crate::dual::DualGraph;
 use crate::ids::FaceId;
@@ -79,7 +79,7 @@ pub(super) fn plan<'a>(
     let mut plan = match options.start() {
         Start::Isolated => isolated_triangles(prepared, graph),
         Start::Input => input::plan(prepared, graph),
-        Start::Sgi => sgi::plan(prepared, graph),
+        Start::Sgi => sgi::plan(prepared, graph, LastTie::Last),
         Start::Sequential => sequential::plan(prepared, graph),
     };
     join(plan.triangulation.graph(), &mut plan.cover, options, seed, watch);

@@ -10,6 +10,9 @@ use crate::names::names;
 use crate::strip::Cost;
 use crate::vertex_cache::VertexCache;
 
+/// The cutoff of [`Method::QUAD_ROWS`], in quadrilaterals.
+pub(super) const QUAD_ROWS_CUTOFF: u32 = 5;
+
 /// A stripification method.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 #[non_exhaustive]
@@ -27,7 +30,10 @@ pub enum Method {
     /// The order of the input faces.
     Input,
     /// The SGI algorithm: fewest free neighbours, one level of look-ahead.
-    Sgi,
+    Sgi {
+        /// Which neighbour is taken where the look-ahead leaves several.
+        last_tie: LastTie,
+    },
     /// STRIPE's local algorithms.
     StripeLocal {
         /// When polygons are triangulated.
@@ -39,6 +45,13 @@ pub enum Method {
     StripeGlobal {
         /// How patches are turned into strips.
         patches: Patches,
+        /// The minimum size of a patch, in quadrilaterals.
+        cutoff: u32,
+        /// How ties between neighbours of the lowest adjacency are broken, outside the patches.
+        ties: Ties,
+    },
+    /// Our strips along the rows of patches of quadrilaterals, which grow at their ends and choose all their diagonals together.
+    QuadRows {
         /// The minimum size of a patch, in quadrilaterals.
         cutoff: u32,
     },
@@ -59,7 +72,8 @@ impl Method {
         Self::Fewest,
         Self::Cache,
         Self::Input,
-        Self::Sgi,
+        Self::QUAD_ROWS,
+        Self::SGI,
         Self::StripeLocal { triangulation: FaceTriangulation::Whole, ties: Ties::Sequential },
         Self::STRIPE,
         Self::TUNNEL,
@@ -82,7 +96,8 @@ impl Method {
             Self::Fewest => "fewest",
             Self::Cache => "cache",
             Self::Input => "input",
-            Self::Sgi => "sgi",
+            Self::QuadRows { .. } => "quad-rows",
+            Self::Sgi { .. } => "sgi",
             Self::StripeLocal { .. } => "stripe-local",
             Self::StripeGlobal { .. } => "stripe-global",
             Self::Tunnel { .. } => "tunnel",
@@ -106,7 +121,10 @@ impl Method {
             Self::Fewest => "A search for the fewest strips, see --effort",
             Self::Cache => "Strips ordered for a vertex cache, see --vertex-cache and --objective",
             Self::Input => "Strips in the order of the input",
-            Self::Sgi => "The SGI algorithm: least adjacency, one level of look-ahead",
+            Self::QuadRows { .. } => {
+                "Rows of patches of quadrilaterals, which grow at both ends, with the diagonals of a strip chosen together"
+            }
+            Self::Sgi { .. } => "The SGI algorithm: least adjacency, one level of look-ahead",
             Self::StripeLocal { .. } => "STRIPE's local algorithms",
             Self::StripeGlobal { .. } => {
                 "STRIPE's global algorithms: patches of quadrilaterals first, the rest locally"
@@ -120,8 +138,12 @@ impl Method {
 
     /// The tunnelling operator up to length 9: beyond it, every two more edges multiply the time several times.
     pub const TUNNEL: Self = Self::Tunnel { length: 9 };
-    /// STRIPE with its authors' recommended settings: rows or columns of patches of at least 5 quadrilaterals.
-    pub const STRIPE: Self = Self::StripeGlobal { patches: Patches::Rows, cutoff: 5 };
+    /// The SGI algorithm with the last of the neighbours that its look-ahead leaves: the first sends 1.5 % more vertices for power lines.
+    pub const SGI: Self = Self::Sgi { last_tie: LastTie::Last };
+    /// STRIPE with its authors' recommended settings: rows or columns of patches of at least 5 quadrilaterals, sequential ties.
+    pub const STRIPE: Self = Self::StripeGlobal { patches: Patches::Rows, cutoff: 5, ties: Ties::Sequential };
+    /// Our rows of patches of at least 5 quadrilaterals, as in [`Self::STRIPE`].
+    pub const QUAD_ROWS: Self = Self::QuadRows { cutoff: QUAD_ROWS_CUTOFF };
 }
 
 impl std::fmt::Display for Method {
@@ -142,7 +164,7 @@ impl std::str::FromStr for Method {
         method.ok_or_else(|| Error::Parameter {
             name: "method",
             found: format!("`{name}`"),
-            expected: "best, sequential, fewest, cache, input, sgi, stripe, stripe-local, stripe-global, tunnel or eta",
+            expected: "best, sequential, fewest, cache, input, quad-rows, sgi, stripe, stripe-local, stripe-global, tunnel or eta",
         })
     }
 }
@@ -157,6 +179,8 @@ pub enum FaceTriangulation {
     Whole,
     /// Only as far as the strip needs to leave the face over the chosen edge.
     Partial,
+    /// As [`Self::Partial`], but a rest that would keep fewer than two free neighbours goes into the strip. This is ours.
+    Absorbing,
 }
 
 /// How STRIPE breaks ties between neighbours of the lowest adjacency (Evans et al. 1996, section 3.1).
@@ -173,6 +197,18 @@ pub enum Ties {
     /// One that needs no swap, otherwise one at random.
     #[default]
     Sequential,
+    /// One that needs the fewest swaps. This is ours.
+    FewestSwaps,
+}
+
+/// Which of several equal neighbours the look-ahead takes, where the papers say nothing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum LastTie {
+    /// The first after the entry.
+    First,
+    /// The last after the entry: the first before it.
+    #[default]
+    Last,
 }
 
 /// How STRIPE turns patches into strips (Evans et al. 1996, section 3.2).
@@ -190,6 +226,7 @@ names! {
     Static => "static", "In advance, by alternate left and right turns";
     Whole => "whole", "Completely, when a strip enters the face";
     Partial => "partial", "Only as far as the strip needs to leave the face";
+    Absorbing => "absorbing", "Partial, but a rest with fewer than two neighbours goes into the strip (ours)";
 }
 
 names! {
@@ -199,6 +236,13 @@ names! {
     Alternate => "alternate", "The one on the other side from the previous turn";
     Random => "random", "One chosen at random, by the seed";
     Sequential => "sequential", "One that needs no swap, else one chosen at random";
+    FewestSwaps => "fewest-swaps", "One of those that need the fewest swaps (ours)";
+}
+
+names! {
+    "tristrip::stripify::LastTie", LastTie, "last tie",
+    First => "first", "The first after the entry";
+    Last => "last", "The last after the entry";
 }
 
 names! {

@@ -13,7 +13,7 @@
 //! 1. Polygons are triangulated first, by alternate left and right turns: the algorithm works on triangles only.
 //! 2. A strip starts at a free triangle with the fewest free neighbours.
 //! 3. It continues to the free neighbour with the fewest free neighbours. Ties are broken by the fewest free neighbours of a
-//!    neighbour's neighbour (one level of look-ahead), then by the winding: the first before the entry.
+//!    neighbour's neighbour (one level of look-ahead), then by the winding: the last tie, see [`LastTie`].
 //! 4. At a dead end it continues from its start in the same way.
 //!
 //! The implementation follows section 3 of the paper. Where that says "arbitrary", the start is the triangle that lost a
@@ -26,15 +26,19 @@
 //! # Complexity
 //! O(n) time, by a bucket queue; 22 bytes per triangle.
 
-use super::{StripPlan, stripe};
+use super::{LastTie, StripPlan, stripe};
 use crate::dual::DualGraph;
 use crate::dual::Triangulation;
 use crate::prepare::PreparedFaces;
 
 /// Computes strips over the triangulated faces.
-pub(super) fn plan<'a>(prepared: &'a PreparedFaces<'_>, graph: &'a DualGraph) -> StripPlan<'a> {
+pub(super) fn plan<'a>(
+    prepared: &'a PreparedFaces<'_>,
+    graph: &'a DualGraph,
+    last_tie: LastTie,
+) -> StripPlan<'a> {
     let triangulation = Triangulation::zigzag(prepared, graph);
-    let cover = stripe::cover_by_look_ahead(triangulation.graph());
+    let cover = stripe::cover_by_look_ahead(triangulation.graph(), last_tie);
     StripPlan::new(triangulation, cover)
 }
 
@@ -55,6 +59,7 @@ mod tests {
         /// The last time that a triangle lost a neighbour.
         changed: Vec<i64>,
         clock: i64,
+        last_tie: LastTie,
     }
 
     impl Naive<'_> {
@@ -86,7 +91,11 @@ mod tests {
         fn grow(&mut self, mut exits: Vec<HalfEdge>) -> Option<HalfEdge> {
             let mut first = None;
             loop {
-                let neighbours = exits.iter().rev().filter_map(|&h| Some((h, self.free_neighbour(h)?)));
+                // Of equal neighbours the first in this order is taken.
+                if self.last_tie == LastTie::Last {
+                    exits.reverse();
+                }
+                let neighbours = exits.iter().filter_map(|&h| Some((h, self.free_neighbour(h)?)));
                 let best = neighbours.min_by_key(|&(_, (twin, face))| {
                     let beyond = Self::exits(twin).into_iter().filter_map(|h| self.free_neighbour(h));
                     (self.adjacency(face), beyond.map(|(_, f)| self.adjacency(f)).min().unwrap_or(9))
@@ -119,12 +128,12 @@ mod tests {
         }
     }
 
-    fn with_plan<T>(triangles: &[[u32; 3]], check: impl FnOnce(&StripPlan<'_>) -> T) -> T {
+    fn with_plan<T>(triangles: &[[u32; 3]], last_tie: LastTie, check: impl FnOnce(&StripPlan<'_>) -> T) -> T {
         let faces = Faces::from_polygons(triangles).unwrap();
         let mesh = Mesh::new(vec![[0.0; 3]; 64], faces).unwrap();
         let prepared = PreparedFaces::new(&mesh, false);
         let graph = DualGraph::new(prepared.faces());
-        check(&plan(&prepared, &graph))
+        check(&plan(&prepared, &graph, last_tie))
     }
 
     /// Two triangles per cell of a grid, some with the other diagonal, some left out.
@@ -146,8 +155,9 @@ mod tests {
 
     proptest! {
         #[test]
-        fn agrees_with_the_naive_algorithm(triangles in any_triangles()) {
-            with_plan(&triangles, |plan| {
+        fn agrees_with_the_naive_algorithm(triangles in any_triangles(), is_first in any::<bool>()) {
+            let last_tie = if is_first { LastTie::First } else { LastTie::Last };
+            with_plan(&triangles, last_tie, |plan| {
                 let (graph, n) = (plan.triangulation.graph(), plan.cover.len());
                 let naive = Naive {
                     graph,
@@ -155,6 +165,7 @@ mod tests {
                     taken: vec![false; n],
                     changed: (0..n).map(|i| -i64::try_from(i).unwrap()).collect(),
                     clock: 0,
+                    last_tie,
                 };
                 let naive = naive.run();
                 let linked = |cover: &PathCover| {
@@ -169,13 +180,13 @@ mod tests {
     fn ignores_the_cost_of_swaps() {
         // A closed fan of six triangles is one strip, although every turn except the first needs a swap.
         let fan: Vec<_> = (0..6).map(|i| [0, 1 + i, 1 + (i + 1) % 6]).collect();
-        assert_eq!(with_plan(&fan, |plan| plan.cover.path_count()), 1);
+        assert_eq!(with_plan(&fan, LastTie::Last, |plan| plan.cover.path_count()), 1);
     }
 
     #[test]
     fn starts_at_the_fewest_neighbours() {
         // Three arms of two triangles around one triangle: one strip covers two of the arms from end to end, another the third.
         let star = [[0, 1, 2], [1, 0, 3], [2, 1, 4], [0, 2, 5], [3, 0, 6], [4, 1, 7], [5, 2, 8]];
-        assert_eq!(with_plan(&star, |plan| plan.cover.path_count()), 2);
+        assert_eq!(with_plan(&star, LastTie::Last, |plan| plan.cover.path_count()), 2);
     }
 }

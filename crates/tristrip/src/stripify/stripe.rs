@@ -20,18 +20,11 @@
 //! 2. Each row of a patch becomes a strip, or column, whichever is longer; or the whole patch becomes one strip ([`Patches`]).
 //! 3. The local algorithm covers the rest.
 //!
-//! Departures from the paper, where the OpenGL cost showed that they pay:
-//! - The diagonals of a strip's polygons are chosen together, for the fewest swaps.
-//! - In the global algorithms a swap weighs as much as two neighbours in the choice of the exit, and further ties go to the
-//!   exit whose face has neighbours of the most adjacency. The local ones choose strictly by adjacency first, as the paper says.
-//! - Rows grow at both ends, too, not only full patches. Faces that a strip grew into are no longer part of a patch that
-//!   comes later; sections of its rows that are shorter than three quadrilaterals are left to step 3.
-//! - Step 3 takes partial faces where the paper takes whole ones, though it found partial ones better by themselves: 4537, 6728
-//!   and 10084 vertices instead of 4635, 6634 and 10489 for the three models below.
-//! - Partial triangulation leaves no rest of a polygon that has fewer than two neighbours.
+//! Where the paper is silent: of the faces with the fewest neighbours, strips start at the one that has had so few for the longest time;
+//! the first face of a strip is cut for the second. Step 3 takes whole faces, with the ties of the method; step 2 takes all patches
+//! before the strips of full patches grow.
 //!
-//! For skyscraper, triceratops and power lines, rows with cutoff 5 send 4537, 6728 and 10084 vertices; the paper has 4616, 6911
-//! and, in the later report, 10417.
+//! Our own global method, with fewer vertices, is [`quad_rows`].
 //!
 //! # References
 //! Evans, Skiena, Varshney: *Efficiently Generating Triangle Strips for Fast Rendering* (the journal report of *Optimizing
@@ -45,24 +38,22 @@
 mod local;
 mod patch;
 mod polygon_triangulator;
+pub(super) mod quad_rows;
 mod queue;
 mod remaining_faces;
 #[cfg(test)]
 mod tests;
 mod turn_sequence;
 
-use super::{FaceTriangulation, Patches, StripPlan, Ties};
+use super::{FaceTriangulation, LastTie, Patches, StripPlan, Ties};
 use crate::cover::PathCover;
 use crate::dual::{DualGraph, Triangulation};
 use crate::error::Error;
 use crate::prepare::PreparedFaces;
-use local::{ExitRule, LocalStripper};
+use local::{LocalStripper, PathEnds, StripRules};
 use polygon_triangulator::{PolygonTriangulator, TriangleLinker};
+use queue::QueueOrder;
 use remaining_faces::RemainingFaces;
-
-/// The shortest section of a row that becomes a strip. Over eight polygon models 2 sends 0.1 % more vertices, and 5 sends 0.25 %
-/// fewer, but then a cutoff of 5 would have no effect on patches of short rows.
-const MIN_ROW_LENGTH: usize = 3;
 
 /// Plans strips by a local algorithm.
 pub(super) fn plan_local<'a>(
@@ -72,15 +63,18 @@ pub(super) fn plan_local<'a>(
     ties: Ties,
     seed: u64,
 ) -> StripPlan<'a> {
-    let (faces, rule) = (prepared.faces(), ExitRule::Adjacency(ties));
+    let faces = prepared.faces();
+    let absorbs_rests = triangulation == FaceTriangulation::Absorbing;
+    let rules = StripRules { absorbs_rests, ..StripRules::PUBLISHED.with_ties(ties) };
     if triangulation == FaceTriangulation::Static || faces.as_triangles().is_some() {
         let triangulation = Triangulation::zigzag(prepared, graph);
-        let cover = cover(triangulation.graph(), rule, seed);
+        let cover = cover(triangulation.graph(), rules, seed);
         return StripPlan::new(triangulation, cover);
     }
-    let mut triangulator = PolygonTriangulator::new(faces, graph);
-    let remaining = RemainingFaces::new(graph, triangulation == FaceTriangulation::Partial);
-    LocalStripper::new(remaining, rule, seed).strip_all(&mut triangulator);
+    let mut triangulator = PolygonTriangulator::new(faces, graph, rules.diagonals);
+    let is_partial = absorbs_rests || triangulation == FaceTriangulation::Partial;
+    let remaining = RemainingFaces::new(graph, is_partial, rules.starts);
+    LocalStripper::new(remaining, rules, seed).strip_all(&mut triangulator);
     triangulator.finish()
 }
 
@@ -88,10 +82,32 @@ pub(super) fn plan_local<'a>(
 pub(super) fn plan_global<'a>(
     prepared: &'a PreparedFaces<'_>,
     graph: &'a DualGraph,
-    patches: Patches,
-    cutoff: u32,
+    (patches, cutoff, ties): (Patches, u32, Ties),
     seed: u64,
 ) -> Result<StripPlan<'a>, Error> {
+    check_cutoff(cutoff)?;
+    let (faces, rules) = (prepared.faces(), StripRules::PUBLISHED.with_ties(ties));
+    if faces.as_triangles().is_some() {
+        let triangulation = Triangulation::zigzag(prepared, graph);
+        let cover = cover(graph, rules, seed);
+        return Ok(StripPlan::new(triangulation, cover));
+    }
+    let mut triangulator = PolygonTriangulator::new(faces, graph, rules.diagonals);
+    let mut stripper = LocalStripper::new(RemainingFaces::new(graph, false, rules.starts), rules, seed);
+    let found = patch::PatchFinder::new(graph).find(cutoff);
+    let (paths, ends): (Vec<_>, _) = match patches {
+        Patches::Rows => (found.into_iter().flatten().collect(), PathEnds::Fixed),
+        Patches::Full => {
+            (found.iter().map(|rows| patch::serpentine(graph, rows)).collect(), PathEnds::Growing)
+        }
+    };
+    stripper.strip_along(&paths, 1, ends, &mut triangulator);
+    stripper.strip_all(&mut triangulator);
+    Ok(triangulator.finish())
+}
+
+/// Checks that patches have a least size.
+fn check_cutoff(cutoff: u32) -> Result<(), Error> {
     if cutoff == 0 {
         return Err(Error::Parameter {
             name: "cutoff",
@@ -99,33 +115,18 @@ pub(super) fn plan_global<'a>(
             expected: "at least 1 quadrilateral",
         });
     }
-    let faces = prepared.faces();
-    if faces.as_triangles().is_some() {
-        let triangulation = Triangulation::zigzag(prepared, graph);
-        let cover = cover(graph, ExitRule::FewSwaps, seed);
-        return Ok(StripPlan::new(triangulation, cover));
-    }
-    let mut triangulator = PolygonTriangulator::new(faces, graph);
-    let mut stripper = LocalStripper::new(RemainingFaces::new(graph, true), ExitRule::FewSwaps, seed);
-    for rows in patch::PatchFinder::new(graph).find(cutoff) {
-        let paths = match patches {
-            Patches::Rows => rows,
-            Patches::Full => vec![patch::serpentine(graph, &rows)],
-        };
-        stripper.strip_along(&paths, MIN_ROW_LENGTH, &mut triangulator);
-    }
-    stripper.strip_all(&mut triangulator);
-    Ok(triangulator.finish())
+    Ok(())
 }
 
 /// Covers triangles by least adjacency, ties by one level of look-ahead.
-pub(super) fn cover_by_look_ahead(graph: &DualGraph) -> PathCover {
-    cover(graph, ExitRule::Adjacency(Ties::LookAhead), 0)
+pub(super) fn cover_by_look_ahead(graph: &DualGraph, last_tie: LastTie) -> PathCover {
+    let rules = StripRules { last_tie, starts: QueueOrder::LastChanged, ..StripRules::PUBLISHED };
+    cover(graph, rules.with_ties(Ties::LookAhead), 0)
 }
 
 /// Covers triangles by the local algorithm.
-fn cover(graph: &DualGraph, rule: ExitRule, seed: u64) -> PathCover {
+fn cover(graph: &DualGraph, rules: StripRules, seed: u64) -> PathCover {
     let mut linker = TriangleLinker::new(graph);
-    LocalStripper::new(RemainingFaces::new(graph, false), rule, seed).strip_all(&mut linker);
+    LocalStripper::new(RemainingFaces::new(graph, false, rules.starts), rules, seed).strip_all(&mut linker);
     linker.finish()
 }

@@ -264,7 +264,7 @@ proptest! {
         let corners: Vec<u32> =
             corners.iter().enumerate().flat_map(|(i, t)| t.map(|v| v + 5 * shift * (i as u32 % 3))).collect();
         let mesh = Mesh::new(vec![[0.0; 3]; 40], Faces::from_triangles(corners).unwrap()).unwrap();
-        check_methods(&mesh, &[Method::Best, Method::Sequential, Method::Input, Method::Sgi, Method::STRIPE])?;
+        check_methods(&mesh, &[Method::Best, Method::Sequential, Method::Input, Method::SGI, Method::STRIPE])?;
     }
 
     #[test]
@@ -273,6 +273,6 @@ proptest! {
             (0..n as u32).map(|i| (first + i * step) % 13).collect::<Vec<_>>()
         });
         let mesh = Mesh::new(vec![[0.0; 3]; 13], Faces::from_polygons(polygons).unwrap()).unwrap();
-        check_methods(&mesh, &[Method::Best, Method::Sequential, Method::Sgi, Method::STRIPE])?;
+        check_methods(&mesh, &[Method::Best, Method::Sequential, Method::SGI, Method::STRIPE])?;
     }
 }

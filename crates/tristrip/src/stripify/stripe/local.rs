@@ -5,11 +5,14 @@
 //! 2. It continues with a free neighbour of the strip's end that has the fewest free neighbours; the rule for
 //!    ties chooses among several. Where polygons are not cut beforehand, all edges of the polygon are candidates.
 //! 3. When it is stuck it is reversed, and grows from its start.
-//! 4. Where polygons are cut, a rest that would keep fewer than two free neighbours does not remain: it goes into the strip.
 //!
-//! Two departures from the paper. Step 4 is ours: a triangle with one neighbour left ends a strip, one with none is a strip, and costs
-//! three vertices where a swap costs one. And whether an exit needs a swap depends on the best order of turns in all polygons
-//! passed so far, not on one that was fixed at each of them; see [`super::turn_sequence`].
+//! [`StripRules::PUBLISHED`] is this algorithm. Our own rules, which send fewer vertices:
+//! - [`StripRules::absorbs_rests`]: a part of a polygon that would keep fewer than two free neighbours goes into the strip. A triangle
+//!   with one neighbour left ends a strip, one with none is a strip, and costs three vertices where a swap costs one.
+//! - [`Ties::FewestSwaps`]: of several exits that all need a swap, one of those with the fewest.
+//! - [`ExitRule::FewSwaps`]: swaps weigh in the choice.
+//! - [`Diagonals::Together`]: whether an exit needs a swap depends on the best order of turns in all polygons passed so far,
+//!   not on one that was fixed at each of them.
 //!
 //! # References
 //! Section 3.1 of the paper; see [`super`].
@@ -18,10 +21,11 @@
 //! O(n) for triangles and for whole polygons, O(n log n) at worst where parts are cut out.
 
 use super::polygon_triangulator::{StripFace, StripSink};
+use super::queue::QueueOrder;
 use super::remaining_faces::{REACH, RemainingFaces};
-use super::turn_sequence::{A, B, LeastSwaps, TurnCounts};
+use super::turn_sequence::{A, B, Diagonals, LeastSwaps, TurnCounts};
 use crate::random::Random;
-use crate::stripify::Ties;
+use crate::stripify::{LastTie, Ties};
 
 /// How many more neighbours an exit may lead to before a swap is preferred, under [`ExitRule::FewSwaps`]. Over eight
 /// polygon models 2 and 3 send 0.4 % fewer vertices than 1.
@@ -36,11 +40,49 @@ pub(super) enum ExitRule {
     FewSwaps,
 }
 
+/// The rules by which strips are built.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct StripRules {
+    pub(super) exit: ExitRule,
+    /// Which exit is taken where the look-ahead leaves several.
+    pub(super) last_tie: LastTie,
+    pub(super) diagonals: Diagonals,
+    /// Where a strip starts, of the faces with the fewest neighbours.
+    pub(super) starts: QueueOrder,
+    /// Whether a rest of a polygon goes into the strip if it would keep fewer than two free neighbours.
+    pub(super) absorbs_rests: bool,
+}
+
+impl StripRules {
+    /// The algorithm of the paper, with its sequential ties.
+    pub(super) const PUBLISHED: Self = Self {
+        exit: ExitRule::Adjacency(Ties::Sequential),
+        last_tie: LastTie::Last,
+        diagonals: Diagonals::Passing,
+        starts: QueueOrder::FirstIn,
+        absorbs_rests: false,
+    };
+
+    /// Returns the rules with other ties.
+    pub(super) fn with_ties(self, ties: Ties) -> Self {
+        Self { exit: ExitRule::Adjacency(ties), ..self }
+    }
+}
+
+/// Which faces strips along paths take, beside those of the paths.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum PathEnds {
+    /// None.
+    Fixed,
+    /// Those to which they grow at both ends.
+    Growing,
+}
+
 /// Builds strips from the remaining faces.
 #[derive(Debug)]
 pub(super) struct LocalStripper<'a> {
     remaining: RemainingFaces<'a>,
-    rule: ExitRule,
+    rules: StripRules,
     random: Random,
     strip: Vec<StripFace>,
     /// The swaps up to the entry of the strip's last face.
@@ -63,10 +105,10 @@ struct ExitCandidate {
 }
 
 impl<'a> LocalStripper<'a> {
-    pub(super) fn new(remaining: RemainingFaces<'a>, rule: ExitRule, seed: u64) -> Self {
+    pub(super) fn new(remaining: RemainingFaces<'a>, rules: StripRules, seed: u64) -> Self {
         Self {
             remaining,
-            rule,
+            rules,
             random: Random::new(seed),
             strip: Vec::new(),
             swaps: LeastSwaps::FREE,
@@ -81,14 +123,21 @@ impl<'a> LocalStripper<'a> {
             self.strip.clear();
             self.enter(face, None);
             self.recount_swaps();
+            self.grow_both_ends();
             self.finish_strip(sink);
         }
     }
 
     /// Builds strips along paths through whole faces, each given by the half-edges that lead from one face to the next and one
-    /// more. Faces that are in a strip already divide a path; sections of fewer than `min_length` faces are skipped. The strips grow at
-    /// both ends, after the faces of all sections have been taken.
-    pub(super) fn strip_along(&mut self, paths: &[Vec<u32>], min_length: usize, sink: &mut impl StripSink) {
+    /// more. Faces that are in a strip already divide a path; sections of fewer than `min_length` faces are skipped. The strips grow,
+    /// if they do, after the faces of all sections have been taken.
+    pub(super) fn strip_along(
+        &mut self,
+        paths: &[Vec<u32>],
+        min_length: usize,
+        ends: PathEnds,
+        sink: &mut impl StripSink,
+    ) {
         let mut sections = Vec::new();
         for path in paths {
             let free_or_taken = path.chunk_by(|&a, &b| self.is_untouched_at(a) == self.is_untouched_at(b));
@@ -116,6 +165,9 @@ impl<'a> LocalStripper<'a> {
                 entry = self.remaining.twin(exit);
             }
             self.recount_swaps();
+            if ends == PathEnds::Growing {
+                self.grow_both_ends();
+            }
             self.finish_strip(sink);
         }
     }
@@ -137,11 +189,14 @@ impl<'a> LocalStripper<'a> {
         [offset - 1, size - 1 - offset]
     }
 
-    /// Grows the strip at both ends, and passes it to the sink.
-    fn finish_strip(&mut self, sink: &mut impl StripSink) {
+    fn grow_both_ends(&mut self) {
         self.grow();
         self.reverse();
         self.grow();
+    }
+
+    /// Passes the strip to the sink.
+    fn finish_strip(&mut self, sink: &mut impl StripSink) {
         sink.receive(&self.strip, &self.remaining);
         if self.remaining.is_partial() {
             let ends = [self.strip.first(), self.strip.last()];
@@ -178,7 +233,7 @@ impl<'a> LocalStripper<'a> {
 
     /// Adds a face that the strip has passed to the swaps, and notes its side.
     fn count_face(&mut self, counts: TurnCounts) {
-        self.swaps = self.swaps.through(counts);
+        self.swaps = self.swaps.passing(counts, self.rules.diagonals);
         if counts[A] != counts[B] {
             self.side = Some(usize::from(counts[B] < counts[A]));
         }
@@ -207,25 +262,27 @@ impl<'a> LocalStripper<'a> {
     fn choose_exit(&mut self) -> Option<ExitCandidate> {
         let StripFace { face, entry, .. } = *self.strip.last()?;
         self.list_exits(face, entry);
-        match self.rule {
+        match self.rules.exit {
             _ if self.tied.len() < 2 => self.tied.first().copied(),
             ExitRule::FewSwaps => self.tied.iter().max_by_key(|exit| self.look_ahead(exit)).copied(),
             ExitRule::Adjacency(Ties::Arbitrary) => self.tied.first().copied(),
-            // The last of those that are still equal; with the first, sgi sends 1.5 % more vertices for power lines.
-            ExitRule::Adjacency(Ties::LookAhead) => {
-                self.tied.iter().rev().min_by_key(|exit| self.look_ahead(exit)).copied()
-            }
+            ExitRule::Adjacency(Ties::LookAhead) => match self.rules.last_tie {
+                LastTie::First => self.tied.iter().min_by_key(|exit| self.look_ahead(exit)).copied(),
+                LastTie::Last => self.tied.iter().rev().min_by_key(|exit| self.look_ahead(exit)).copied(),
+            },
             ExitRule::Adjacency(Ties::Alternate) => {
                 self.tied.iter().min_by_key(|exit| self.turns_to_last_side(exit)).copied()
             }
             ExitRule::Adjacency(Ties::Random) => self.pick(),
-            ExitRule::Adjacency(Ties::Sequential) => {
+            ExitRule::Adjacency(ties @ (Ties::Sequential | Ties::FewestSwaps)) => {
                 let swaps = |exit: &ExitCandidate| self.swaps.through(exit.counts).least();
                 if entry.is_some() {
                     let least = self.tied.iter().map(swaps).min()?;
-                    let mut tied = std::mem::take(&mut self.tied);
-                    tied.retain(|exit| swaps(exit) == least);
-                    self.tied = tied;
+                    if ties == Ties::FewestSwaps || least == self.swaps.least() {
+                        let mut tied = std::mem::take(&mut self.tied);
+                        tied.retain(|exit| swaps(exit) == least);
+                        self.tied = tied;
+                    }
                 }
                 self.pick()
             }
@@ -265,7 +322,7 @@ impl<'a> LocalStripper<'a> {
         }
         if let Some(entry) = entry {
             self.set_counts(&mut exit, entry, size);
-            if self.rule == ExitRule::FewSwaps {
+            if self.rules.exit == ExitRule::FewSwaps {
                 weight += SWAP_WEIGHT * (self.swaps.through(exit.counts).least() - self.swaps.least());
             }
         }
@@ -278,15 +335,16 @@ impl<'a> LocalStripper<'a> {
         }
     }
 
-    /// Determines which part of a face a strip takes on its way from an entry to an exit: step 4.
+    /// Determines which part of a face a strip takes on its way from an entry to an exit.
     fn set_counts(&self, exit: &mut ExitCandidate, entry: u32, size: u32) {
         exit.counts = [exit.offset - 1, size - 1 - exit.offset];
         if self.remaining.is_partial() {
             let firsts = [self.remaining.next(entry), self.remaining.next(exit.half_edge)];
             for side in [A, B] {
                 let edge_count = exit.counts[side];
-                exit.rests[side] =
-                    edge_count > 1 && self.remaining.has_two_neighbours(firsts[side], edge_count);
+                exit.rests[side] = edge_count > 1
+                    && (!self.rules.absorbs_rests
+                        || self.remaining.has_two_neighbours(firsts[side], edge_count));
                 if exit.rests[side] {
                     exit.counts[side] = 1;
                 }

@@ -7,12 +7,14 @@
 //!    with a good beginning, and with a good end.
 //! 3. Backward from the better end, each face gets its turns, and the turns determine its triangles.
 //!
+//! With [`Diagonals::Passing`] the turns are those that had the fewest swaps when the strip passed a face, from its first face on.
+//!
 //! # Complexity
 //! O(n); 4 bytes per triangle for the links, which are set when the triangulation is complete.
 
 use super::remaining_faces::RemainingFaces;
 use super::turn_sequence::{
-    A, B, LeastSwaps, TurnCounts, alternate, alternating_counts, append_turns, least_swaps,
+    A, B, Diagonals, LeastSwaps, TurnCounts, alternate, alternating_counts, append_turns, least_swaps,
 };
 use crate::cover::PathCover;
 use crate::dual::{DualGraph, TriangulationBuilder};
@@ -68,6 +70,7 @@ impl StripSink for TriangleLinker<'_> {
 pub(super) struct PolygonTriangulator<'a> {
     faces: &'a Faces,
     builder: TriangulationBuilder<'a>,
+    diagonals: Diagonals,
     /// Half-edges over which a triangle is linked to the one before.
     linked: Vec<u32>,
     /// The least swaps at the exit of each face of the current strip but the last, and the last turns that are chosen there.
@@ -113,10 +116,10 @@ impl StripSink for PolygonTriangulator<'_> {
 }
 
 impl<'a> PolygonTriangulator<'a> {
-    pub(super) fn new(faces: &'a Faces, graph: &'a DualGraph) -> Self {
+    pub(super) fn new(faces: &'a Faces, graph: &'a DualGraph, diagonals: Diagonals) -> Self {
         let builder = TriangulationBuilder::new(faces, graph);
         let (linked, swaps, last_turns, turns) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        Self { faces, builder, linked, swaps, last_turns, turns }
+        Self { faces, builder, diagonals, linked, swaps, last_turns, turns }
     }
 
     /// Sets the turns to an alternating order.
@@ -131,14 +134,24 @@ impl<'a> PolygonTriangulator<'a> {
         let free_turn = alternate(B, first_size - 3);
         let start_swaps = [A, B].map(|last| u32::from(last != free_turn));
         let end_swaps = [A, B].map(|last| u32::from(alternate(last, last_size - 3) != B));
-        let from_behind = self.accumulate_swaps(strip, LeastSwaps::FREE);
-        let at_end = LeastSwaps([A, B].map(|last| from_behind.0[last] + end_swaps[last]));
-        let from_front = self.accumulate_swaps(strip, LeastSwaps(start_swaps));
-        let mut last = from_front.best_turn();
-        if at_end.least() < from_front.least() {
-            self.accumulate_swaps(strip, LeastSwaps::FREE);
-            last = at_end.best_turn();
-        }
+        let last = if self.diagonals == Diagonals::Together {
+            let from_behind = self.accumulate_swaps(strip, LeastSwaps::FREE);
+            let at_end = LeastSwaps([A, B].map(|last| from_behind.0[last] + end_swaps[last]));
+            let from_front = self.accumulate_swaps(strip, LeastSwaps(start_swaps));
+            if at_end.least() < from_front.least() {
+                self.accumulate_swaps(strip, LeastSwaps::FREE);
+                at_end.best_turn()
+            } else {
+                from_front.best_turn()
+            }
+        } else {
+            self.accumulate_swaps(strip, LeastSwaps(start_swaps)).best_turn()
+        };
+        self.choose_backward(strip, last);
+    }
+
+    /// Chooses the last turns from that of the last face but one, backward: step 3.
+    fn choose_backward(&mut self, strip: &[StripFace], mut last: usize) {
         let inner_count = strip.len() - 2;
         self.last_turns.clear();
         self.last_turns.push(last);
@@ -157,7 +170,7 @@ impl<'a> PolygonTriangulator<'a> {
         self.swaps.push(start);
         let mut swaps = start;
         for face in &strip[1..strip.len() - 1] {
-            swaps = swaps.through(face.counts);
+            swaps = swaps.passing(face.counts, self.diagonals);
             self.swaps.push(swaps);
         }
         swaps

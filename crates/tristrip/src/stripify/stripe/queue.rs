@@ -1,19 +1,29 @@
 //! A bucket queue: remaining faces ordered by a small number that changes in small steps, each found and moved in constant time.
 //!
 //! # Algorithm
-//! One doubly linked list per key. A face that is added or moved goes to the front of its list, so that among the
-//! faces of least key the last one that changed comes first: strips start next to earlier ones.
+//! One doubly linked list per key. A face that is added or moved goes to the front of its list or to its end: see [`QueueOrder`].
 //!
 //! # Complexity
 //! O(1) for adding, moving and removing; finding the least key is O(1) on average, because keys fall by one at a time.
-//! 12 bytes per face and 4 per key.
+//! 12 bytes per face and 8 per key.
 
 use crate::ids::OptionalId;
 
+/// Which of several faces of the least key comes first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum QueueOrder {
+    /// The one whose key changed last: strips start next to earlier ones.
+    LastChanged,
+    /// The one that has had its key for the longest time.
+    FirstIn,
+}
+
 /// Faces by key, the least first.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub(super) struct BucketQueue {
+    order: QueueOrder,
     heads: Vec<OptionalId>,
+    tails: Vec<OptionalId>,
     links: Vec<BucketLink>,
     /// All buckets below this one are empty.
     least: usize,
@@ -28,7 +38,11 @@ struct BucketLink {
 }
 
 impl BucketQueue {
-    /// Adds a face, or moves it to the front of another bucket.
+    pub(super) fn new(order: QueueOrder) -> Self {
+        Self { order, heads: Vec::new(), tails: Vec::new(), links: Vec::new(), least: 0 }
+    }
+
+    /// Adds a face, or moves it to another bucket or to its own place again.
     pub(super) fn put(&mut self, face: u32, key: u32) {
         self.remove(face);
         let (f, k) = (face as usize, key as usize);
@@ -37,11 +51,20 @@ impl BucketQueue {
         }
         if k >= self.heads.len() {
             self.heads.resize(k + 1, OptionalId::NONE);
+            self.tails.resize(k + 1, OptionalId::NONE);
         }
-        let after = std::mem::replace(&mut self.heads[k], OptionalId::some(face));
-        self.links[f] = BucketLink { before: OptionalId::NONE, after, key: OptionalId::some(key) };
-        if let Some(after) = after.get() {
-            self.links[after as usize].before = OptionalId::some(face);
+        let (before, after) = match self.order {
+            QueueOrder::LastChanged => (OptionalId::NONE, self.heads[k]),
+            QueueOrder::FirstIn => (self.tails[k], OptionalId::NONE),
+        };
+        self.links[f] = BucketLink { before, after, key: OptionalId::some(key) };
+        match before.get() {
+            Some(before) => self.links[before as usize].after = OptionalId::some(face),
+            None => self.heads[k] = OptionalId::some(face),
+        }
+        match after.get() {
+            Some(after) => self.links[after as usize].before = OptionalId::some(face),
+            None => self.tails[k] = OptionalId::some(face),
         }
         self.least = self.least.min(k);
     }
@@ -56,8 +79,9 @@ impl BucketQueue {
             Some(before) => self.links[before as usize].after = after,
             None => self.heads[key as usize] = after,
         }
-        if let Some(after) = after.get() {
-            self.links[after as usize].before = before;
+        match after.get() {
+            Some(after) => self.links[after as usize].before = before,
+            None => self.tails[key as usize] = before,
         }
     }
 
@@ -66,7 +90,7 @@ impl BucketQueue {
         self.links.get(face as usize).is_some_and(|link| !link.key.is_none())
     }
 
-    /// Returns the face of least key that changed last.
+    /// Returns the first face of the least key.
     pub(super) fn least(&mut self) -> Option<u32> {
         while let Some(head) = self.heads.get(self.least) {
             if let Some(face) = head.get() {
@@ -85,17 +109,20 @@ mod tests {
 
     proptest! {
         #[test]
-        fn returns_the_face_of_least_key_that_changed_last(
+        fn returns_the_face_of_least_key_in_the_order(
             changes in prop::collection::vec((0..20_u32, prop::option::of(0..6_u32)), 1..80),
+            is_last_first in any::<bool>(),
         ) {
-            let mut queue = BucketQueue::default();
+            let order = if is_last_first { QueueOrder::LastChanged } else { QueueOrder::FirstIn };
+            let mut queue = BucketQueue::new(order);
             let mut keys = [None; 20];
-            for (time, (face, key)) in changes.into_iter().enumerate() {
+            for (time, (face, key)) in (0_i32..).zip(changes) {
                 match key {
                     Some(key) => queue.put(face, key),
                     None => queue.remove(face),
                 }
-                keys[face as usize] = key.map(|key| (key, std::cmp::Reverse(time), face));
+                let rank = time * if is_last_first { -1 } else { 1 };
+                keys[face as usize] = key.map(|key| (key, rank, face));
                 prop_assert_eq!(queue.least(), keys.iter().flatten().min().map(|&(_, _, face)| face));
                 prop_assert!((0..20).all(|face| queue.contains(face) == keys[face as usize].is_some()));
             }

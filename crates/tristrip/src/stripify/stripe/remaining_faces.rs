@@ -15,7 +15,7 @@
 //! O(1) per edge taken; O(log n) per corner where polygons are cut, because the smaller rest gets the new number.
 //! 12 bytes per corner while polygons are cut, 17 per face.
 
-use super::queue::BucketQueue;
+use super::queue::{BucketQueue, QueueOrder};
 use crate::dual::DualGraph;
 use crate::ids::{FaceId, HalfEdge, OptionalId};
 
@@ -57,19 +57,23 @@ struct RingSide {
 }
 
 impl<'a> RemainingFaces<'a> {
-    /// Starts with all faces; `partial` lets strips take parts of polygons.
-    pub(super) fn new(graph: &'a DualGraph, partial: bool) -> Self {
+    /// Starts with all faces; `partial` lets strips take parts of polygons, and `starts` chooses among those of fewest neighbours.
+    pub(super) fn new(graph: &'a DualGraph, partial: bool, starts: QueueOrder) -> Self {
         let face_count = graph.face_count() as u32;
         let faces = || (0..face_count).map(FaceId);
         let adjacency: Vec<u32> = faces().map(|face| graph.neighbours(face).count() as u32).collect();
-        let mut queue = BucketQueue::default();
-        (0..face_count).rev().for_each(|face| queue.put(face, adjacency[face as usize]));
+        let mut queue = BucketQueue::new(starts);
+        let mut put = |face: u32| queue.put(face, adjacency[face as usize]);
+        match starts {
+            QueueOrder::LastChanged => (0..face_count).rev().for_each(&mut put),
+            QueueOrder::FirstIn => (0..face_count).for_each(&mut put),
+        }
         let has_polygons = graph.half_edge_count() > 3 * graph.face_count();
         let rings = (partial && has_polygons).then(|| FaceRings::new(graph));
         Self { graph, rings, adjacency, taken: vec![false; face_count as usize], queue }
     }
 
-    /// Returns a free face with the fewest neighbours, the one that changed last.
+    /// Returns a free face with the fewest neighbours, the first in the order of the queue.
     pub(super) fn fewest_neighbours(&mut self) -> Option<u32> {
         self.queue.least()
     }

@@ -25,6 +25,15 @@ pub(super) const B: usize = 1;
 /// How many triangles advance on chain A and on chain B.
 pub(super) type TurnCounts = [u32; 2];
 
+/// When the order of the turns inside polygons is chosen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Diagonals {
+    /// At each polygon, when the strip passes it: with the fewest swaps so far.
+    Passing,
+    /// For all polygons of a strip together: with the fewest swaps in the whole strip.
+    Together,
+}
+
 /// The swaps of an order that does not exist; small enough to be added to.
 const IMPOSSIBLE: u32 = u32::MAX / 4;
 
@@ -42,9 +51,17 @@ impl LeastSwaps {
             [A, B]
                 .map(|before| self.0[before] + least_swaps(counts, before, last))
                 .into_iter()
-                .min()
-                .unwrap_or(IMPOSSIBLE)
+                .fold(IMPOSSIBLE, u32::min)
         }))
+    }
+
+    /// Returns the swaps at the exit of a face as [`Self::through`], of those orders that are still open then.
+    pub(super) fn passing(self, counts: TurnCounts, diagonals: Diagonals) -> Self {
+        let mut swaps = self.through(counts);
+        if diagonals == Diagonals::Passing {
+            swaps.0[1 - swaps.best_turn()] = IMPOSSIBLE;
+        }
+        swaps
     }
 
     /// Returns the lesser of the two numbers.

@@ -1,0 +1,76 @@
+//! `quad-rows`: our strips along the rows of patches, with the fewest vertices of the methods that start from patches.
+//!
+//! It begins as STRIPE's global algorithm does, with the rows of the largest patches of quadrilaterals. But rows are no fixed pieces, and
+//! swaps and short ends count in every choice:
+//!
+//! ```text
+//!   ┌───┬───┬───┬───┐ ╲        the rows of the patch, then their ends: each row grows into
+//!   │───┼───┼───┼───┼──▶╲      the faces around it, and may take a part of a polygon
+//!   ├───┼───┼───┼───┤───┤
+//! ◀─┼───┼───┼───┼───┼───┼──▶
+//!   └───┴───┴───┴───┘───┘
+//! ```
+//!
+//! # Algorithm
+//! 1. The largest patch gives its rows. Faces that are in a strip already divide a row; sections of fewer than three
+//!    quadrilaterals are left to step 3.
+//! 2. Each row grows at both ends, by step 3's rule. Then comes the next largest patch.
+//! 3. The rest is covered locally: a strip leaves over the edge of the least sum of neighbours and weighted swaps, and takes only
+//!    the part of a polygon up to that edge, but no rest with fewer than two neighbours remains.
+//! 4. The diagonals of all polygons of a strip are chosen together, for the fewest swaps.
+//!
+//! For skyscraper, triceratops and power lines, a cutoff of 5 sends 4537, 6737 and 10084 vertices; for the published rows the papers
+//! have 4616, 6911 and 10621, later 4849, 7248 and 10417.
+//!
+//! # References
+//! The patches: section 3.2 of the paper by Evans, Skiena and Varshney; see [`super`]. The rest is ours.
+//!
+//! # Complexity
+//! O(n log n) time at worst; patches take a few rounds of O(n). About 40 bytes per triangle beside the triangulation.
+
+use super::local::{ExitRule, LocalStripper, PathEnds, StripRules};
+use super::patch::PatchFinder;
+use super::polygon_triangulator::PolygonTriangulator;
+use super::queue::QueueOrder;
+use super::remaining_faces::RemainingFaces;
+use super::turn_sequence::Diagonals;
+use super::{check_cutoff, cover};
+use crate::dual::{DualGraph, Triangulation};
+use crate::error::Error;
+use crate::prepare::PreparedFaces;
+use crate::stripify::{LastTie, StripPlan};
+
+/// The shortest section of a row that becomes a strip. Over eight polygon models 2 sends 0.1 % more vertices, and 5 sends 0.25 %
+/// fewer, but then a cutoff of 5 would have no effect on patches of short rows.
+const MIN_ROW_LENGTH: usize = 3;
+
+const RULES: StripRules = StripRules {
+    exit: ExitRule::FewSwaps,
+    last_tie: LastTie::Last,
+    diagonals: Diagonals::Together,
+    starts: QueueOrder::LastChanged,
+    absorbs_rests: true,
+};
+
+/// Plans strips along rows.
+pub(in crate::stripify) fn plan<'a>(
+    prepared: &'a PreparedFaces<'_>,
+    graph: &'a DualGraph,
+    cutoff: u32,
+    seed: u64,
+) -> Result<StripPlan<'a>, Error> {
+    check_cutoff(cutoff)?;
+    let faces = prepared.faces();
+    if faces.as_triangles().is_some() {
+        let triangulation = Triangulation::zigzag(prepared, graph);
+        let cover = cover(graph, RULES, seed);
+        return Ok(StripPlan::new(triangulation, cover));
+    }
+    let mut triangulator = PolygonTriangulator::new(faces, graph, RULES.diagonals);
+    let mut stripper = LocalStripper::new(RemainingFaces::new(graph, true, RULES.starts), RULES, seed);
+    for rows in PatchFinder::new(graph).find(cutoff) {
+        stripper.strip_along(&rows, MIN_ROW_LENGTH, PathEnds::Growing, &mut triangulator);
+    }
+    stripper.strip_all(&mut triangulator);
+    Ok(triangulator.finish())
+}
