@@ -276,14 +276,14 @@ mod tests {
         let default = labels(&StripifyOptions::default(), None);
         assert_eq!(
             default.join(", "),
-            "input, sequential, sgi, stripe, eta, fewest 5, best 2, best 5, cache indices 2, cache indices 5, \
+            "input, sequential, sgi, stripe, quad-rows, eta, fewest 5, best 2, best 5, cache indices 2, cache indices 5, \
              cache balanced 2, cache balanced 5, cache misses 2, cache misses 5"
         );
         assert_eq!(default.iter().collect::<HashSet<_>>().len(), default.len());
         let effort = Effort::new(1);
         let short = labels(&StripifyOptions::default().with_effort(Effort::new(1).unwrap()), effort);
         assert_eq!(
-            short[5..].join(", "),
+            short[6..].join(", "),
             "fewest 1, best 1, cache indices 1, cache balanced 1, cache misses 1"
         );
     }
@@ -291,7 +291,7 @@ mod tests {
     #[test]
     fn the_requested_method_is_included() {
         let with = |method| labels(&StripifyOptions::default().with_method(method), None);
-        assert_eq!(with(Method::Best).len(), 14);
+        assert_eq!(with(Method::Best).len(), 15);
         assert_eq!(with(Method::STRIPE).len(), 15);
         assert_eq!(with(Method::Tunnel { length: 9 }).last().map(String::as_str), Some("tunnel 9"));
         let opengl = StripifyOptions::default().with_cost(tristrip::Cost::OpenGl);
