@@ -36,6 +36,13 @@ pub(super) fn page(paper: &Paper, report: &PaperReport) -> String {
             chart.file
         );
     }
+    if !paper.remarks.is_empty() {
+        out.push_str("## Remarks\n\n");
+        paper.remarks.iter().for_each(|remark| {
+            let _ = writeln!(out, "- {remark}");
+        });
+        out.push('\n');
+    }
     if !report.left_out.is_empty() {
         out.push_str("## Not reproduced\n\n");
         report.left_out.iter().for_each(|part| {

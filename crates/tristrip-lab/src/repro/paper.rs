@@ -30,6 +30,9 @@ pub(crate) struct Paper {
     pub(crate) tables: Vec<PublishedTable>,
     pub(crate) charts: Vec<ChartData>,
     pub(crate) claims: Vec<Claim>,
+    /// What a reader must know to compare: departures of the measured methods, gaps and contradictions of the text.
+    #[serde(default)]
+    pub(crate) remarks: Vec<String>,
     pub(crate) left_out: Vec<LeftOut>,
 }
 
