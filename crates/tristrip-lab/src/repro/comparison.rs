@@ -60,10 +60,7 @@ fn compare_row(row: &PublishedRow, columns: &[PublishedColumn], runner: &Runner)
     let mut cells = Vec::with_capacity(columns.len());
     for (column, measured) in columns.iter().zip(measured) {
         let published = if column.ours { None } else { published.next().copied() };
-        // A saving follows from two other columns, which have their own verdicts.
-        let is_compared = !matches!(column.quantity, Quantity::Saving { .. });
-        let pair = published.zip(measured).filter(|_| is_compared);
-        let verdict = pair.map(|(published, measured)| match &identity {
+        let verdict = published.zip(measured).map(|(published, measured)| match &identity {
             Identity::StandIn { name, .. } => Verdict::StandIn(name.clone()),
             _ => Verdict::of(published, measured, column.better, column.tolerance, column.digits),
         });
@@ -123,9 +120,10 @@ fn measured_values(row: &PublishedRow, columns: &[PublishedColumn], runner: &Run
 
 fn compare_claim(claim: &Claim, paper: &Paper, runner: &Runner) -> ClaimReport {
     let measured = statistics::compute(&claim.statistic, paper, runner);
+    let published = claim.published(paper);
     let criteria = (claim.better, claim.tolerance, claim.digits);
     let verdict = match measured {
-        Some((measured, _)) => Verdict::of_claim(claim.published, measured, claim.expects, criteria),
+        Some((measured, _)) => Verdict::of_claim(published, measured, claim.expects, criteria),
         None => Verdict::NotAvailable,
     };
     ClaimReport {
@@ -137,7 +135,7 @@ fn compare_claim(claim: &Claim, paper: &Paper, runner: &Runner) -> ClaimReport {
             Expects::AtLeast => "at least",
             Expects::AtMost => "at most",
         },
-        published: claim.published,
+        published,
         measured: measured.map(|(value, _)| rounded(value, 6)),
         models: measured.map_or(0, |(_, models)| models),
         verdict,
@@ -180,9 +178,10 @@ mod tests {
         let measured: Vec<Option<f64>> = same.columns.iter().map(|cell| cell.measured).collect();
         assert_eq!(measured[0], model.strips(&"--method sgi".into(), "vertices_sent"));
         assert_eq!(measured[1..], [Some(0.0), Some(6090.0)]);
-        // Neither a saving nor a column of ours has a verdict.
-        assert_eq!(same.columns.iter().filter(|cell| cell.verdict.is_some()).count(), 1);
-        assert_eq!(same.verdict, "better");
+        // A column of ours has no verdict.
+        let verdicts: Vec<bool> = same.columns.iter().map(|cell| cell.verdict.is_some()).collect();
+        assert_eq!(verdicts, [true, true, false]);
+        assert_eq!(same.verdict, "better: SGI; worse: saving");
         let other = compare_row(&row("wingnut", (1, 1)), &columns, &runner);
         assert_eq!((other.verdict.as_str(), other.columns[0].measured), ("stand-in: wingnut", measured[0]));
         let missing = compare_row(&row("", (1, 1)), &columns, &runner);

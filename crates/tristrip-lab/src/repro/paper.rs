@@ -49,6 +49,16 @@ pub(crate) struct PublishedTable {
     pub(crate) rows: Vec<PublishedRow>,
 }
 
+impl PublishedTable {
+    /// Returns the printed cells of a column, of the rows with a model that is no stand-in.
+    fn printed(&self, column: &str) -> Vec<f64> {
+        let mut printed = self.columns.iter().filter(|known| !known.ours);
+        let Some(at) = printed.position(|known| known.name == column) else { return Vec::new() };
+        let own = self.rows.iter().filter(|row| row.file.is_some() && !row.stand_in);
+        own.filter_map(|row| row.published.get(at).copied()).collect()
+    }
+}
+
 /// A column of a table, and the measurement with which it is compared.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -198,7 +208,10 @@ pub(crate) struct MethodSeries {
 pub(crate) struct Claim {
     pub(crate) at: String,
     pub(crate) says: String,
-    pub(crate) published: f64,
+    /// The number, where the paper prints it.
+    published: Option<f64>,
+    /// The number, where it follows from a table.
+    mean_of: Option<PrintedMean>,
     #[serde(default)]
     pub(crate) expects: Expects,
     pub(crate) unit: String,
@@ -208,6 +221,25 @@ pub(crate) struct Claim {
     #[serde(default = "exact")]
     pub(crate) tolerance: Tolerance,
     pub(crate) statistic: Statistic,
+}
+
+/// The mean of the printed cells of a column, over the rows whose model is in the folder and no stand-in.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct PrintedMean {
+    table: String,
+    column: String,
+}
+
+impl Claim {
+    /// Returns the number that the paper prints, or the mean that follows from its cells, with one decimal as it is shown; NaN if the
+    /// claim has neither.
+    pub(crate) fn published(&self, paper: &Paper) -> f64 {
+        let Some(mean) = &self.mean_of else { return self.published.unwrap_or(f64::NAN) };
+        let table = paper.tables.iter().find(|known| known.name == mean.table);
+        let cells: Vec<f64> = table.map(|table| table.printed(&mean.column)).unwrap_or_default();
+        (10.0 * cells.iter().sum::<f64>() / cells.len() as f64).round() / 10.0
+    }
 }
 
 fn exact() -> Tolerance {
@@ -398,6 +430,35 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn printed_savings_and_means_follow_from_printed_costs() {
+        let mut others = Vec::new();
+        let (mut savings, mut means) = (0, 0);
+        for paper in load(&keys().map(String::from).collect()).unwrap() {
+            for table in &paper.tables {
+                let printed: Vec<_> = table.columns.iter().filter(|column| !column.ours).collect();
+                for (at, column) in printed.iter().enumerate() {
+                    let Quantity::Saving { of, than } = column.quantity else { continue };
+                    for row in &table.rows {
+                        let saving = 100.0 * (1.0 - row.published[of] / row.published[than]);
+                        savings += 1;
+                        if (saving - row.published[at]).abs() > 0.51 * 0.1_f64.powi(column.digits as i32) {
+                            others.push(format!("{} {} {saving:.1}", paper.key, row.model));
+                        }
+                    }
+                }
+            }
+            for claim in &paper.claims {
+                means += usize::from(claim.mean_of.is_some());
+                assert!(claim.published.is_some() != claim.mean_of.is_some(), "{}", claim.says);
+                assert!(claim.published(&paper).is_finite(), "{}", claim.says);
+            }
+        }
+        assert!(savings >= 18 && means >= 2, "{savings} savings, {means} means");
+        // Both are in the remarks of the page.
+        assert_eq!(others, ["000 skyscraper 13.7", "004 porsche 13.1"]);
     }
 
     #[test]
