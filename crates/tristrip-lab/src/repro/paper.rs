@@ -443,8 +443,9 @@ mod tests {
                     let Quantity::Saving { of, than } = column.quantity else { continue };
                     for row in &table.rows {
                         let saving = 100.0 * (1.0 - row.published[of] / row.published[than]);
+                        let last_digit = 0.1_f64.powi(i32::try_from(column.digits).unwrap());
                         savings += 1;
-                        if (saving - row.published[at]).abs() > 0.51 * 0.1_f64.powi(column.digits as i32) {
+                        if (saving - row.published[at]).abs() > 0.51 * last_digit {
                             others.push(format!("{} {} {saving:.1}", paper.key, row.model));
                         }
                     }
