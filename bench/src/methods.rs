@@ -2,7 +2,7 @@
 
 use tristrip::Cost;
 use tristrip::Effort;
-use tristrip::stripify::{EtaOptions, Objective};
+use tristrip::stripify::{Acceptance, EtaOptions, Localization, Objective, TunnelOptions};
 use tristrip::stripify::{FaceTriangulation, Patches, Ties};
 use tristrip::vertex_cache::VertexCache;
 use tristrip::{Method, StripifyOptions};
@@ -12,11 +12,14 @@ const CUTOFFS: [u32; 5] = [5, 10, 15, 20, 25];
 pub const BEST: &str = "best 2";
 /// The name of `fewest` among the main methods: at the lowest effort, because it runs on every model many times.
 pub const FEWEST: &str = "fewest 0";
-/// The name of `eta` among the main methods: with a tunnel length that takes seconds even on half a million triangles without tunnels.
-pub const ETA: &str = "eta 20";
+/// The name of `guided-tunnels` among the main methods: with a tunnel length that takes seconds even on half a million triangles without
+/// tunnels.
+pub const GUIDED_TUNNELS: &str = "guided-tunnels 20";
 /// The name of `cache` among the main methods: for the default vertex cache, at the default effort.
 pub const CACHE: &str = "cache fifo:16 balanced";
-const ETA_LENGTH: u32 = 20;
+const GUIDED_LENGTH: u32 = 20;
+/// The maximum length of the tunnels of `eta`, with which it takes seconds on the largest models.
+const ETA_LENGTH: u32 = 9;
 /// The maximum length of plain tunnels, whose time grows exponentially with it.
 const TUNNEL_LENGTH: u32 = 5;
 
@@ -84,7 +87,7 @@ pub fn main_methods() -> Vec<NamedMethod> {
         named(LOCAL.0, LOCAL.1),
         NamedMethod::search(Method::Best, 2, Cost::Restart),
         NamedMethod::search(Method::Fewest, 0, Cost::Restart),
-        named(ETA, Method::Eta(EtaOptions::default().with_length(ETA_LENGTH))),
+        named(GUIDED_TUNNELS, Method::GuidedTunnels(TunnelOptions::default().with_length(GUIDED_LENGTH))),
         NamedMethod::cache(VertexCache::default(), Objective::default()),
     ]
 }
@@ -114,7 +117,12 @@ pub fn all_methods() -> Vec<NamedMethod> {
             methods.push(NamedMethod::cache(cache, objective));
         }
     }
-    methods.push(NamedMethod::new("eta", Method::Eta(EtaOptions::default())));
+    methods.push(NamedMethod::new("guided-tunnels", Method::GuidedTunnels(TunnelOptions::default())));
+    let eta = EtaOptions::default().with_length(ETA_LENGTH);
+    methods.push(NamedMethod::new(format!("eta {ETA_LENGTH}"), Method::Eta(eta)));
+    let plain = eta.with_acceptance(Acceptance::BreadthFirst).with_localization(Localization::None);
+    methods
+        .push(NamedMethod::new(format!("eta {ETA_LENGTH} breadth-first not localized"), Method::Eta(plain)));
     methods
         .push(NamedMethod::new(format!("tunnel {TUNNEL_LENGTH}"), Method::Tunnel { length: TUNNEL_LENGTH }));
     methods.extend(Cost::ALL.map(|cost| NamedMethod::search(Method::Best, 1, cost)));
@@ -129,10 +137,14 @@ mod tests {
     #[test]
     fn every_variant_comes_once() {
         let methods = all_methods();
-        assert_eq!(methods.len(), 4 + 24 + 10 + 4 + 1 + 6 + Cost::ALL.len());
+        assert_eq!(methods.len(), 4 + 24 + 10 + 4 + 3 + 6 + Cost::ALL.len());
         assert_eq!(methods.iter().map(|m| m.options).collect::<HashSet<_>>().len(), methods.len());
         assert_eq!(methods.iter().map(|m| &m.name).collect::<HashSet<_>>().len(), methods.len());
         assert_eq!(BEST, format!("best {}", StripifyOptions::default().effort().level()));
-        assert!([BEST, FEWEST, ETA, CACHE].iter().all(|name| main_methods().iter().any(|m| m.name == *name)));
+        assert!(
+            [BEST, FEWEST, GUIDED_TUNNELS, CACHE]
+                .iter()
+                .all(|name| main_methods().iter().any(|m| m.name == *name))
+        );
     }
 }

@@ -1,4 +1,4 @@
-//! The searches: the strips of `fewest` and `eta` and the costs of `best`, compared with lower bounds, with the best of all
+//! The searches: the strips of `fewest` and `guided-tunnels` and the costs of `best`, compared with lower bounds, with the best of all
 //! peers and with published results.
 //!
 //! A search takes seconds, so its first run is timed; a short one runs twice more, and the median counts. Every result is proven
@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::time::Instant;
 
 use serde::Serialize;
-use tristrip::stripify::EtaOptions;
+use tristrip::stripify::TunnelOptions;
 use tristrip::stripify::bound::Bound;
 use tristrip::verify::verify;
 use tristrip::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
@@ -123,8 +123,8 @@ pub struct SearchResults {
     pub bound: usize,
     /// The result of `fewest`.
     pub fewest: SearchRow,
-    /// The result of `eta`, on the models of its paper.
-    pub eta: Option<SearchRow>,
+    /// The result of `guided-tunnels`, on the models of the paper that it is based on.
+    pub guided_tunnels: Option<SearchRow>,
     /// The figures of the paper.
     pub published: Option<PublishedFigures>,
     /// The results of `best` for each of [`PEER_COSTS`].
@@ -185,8 +185,9 @@ pub fn search(
     let count = mesh.faces().face_count();
     let name = source.name.as_str();
     let best = PEER_COSTS.map(|cost| run(&mesh, NamedMethod::search(Method::Best, depth.best(count), cost)));
-    let eta = StripifyOptions::default().with_method(Method::Eta(EtaOptions::default()));
-    let eta = published.map(|_| run(&mesh, NamedMethod { name: "eta".into(), options: eta })).transpose()?;
+    let guided = StripifyOptions::default().with_method(Method::GuidedTunnels(TunnelOptions::default()));
+    let guided = NamedMethod { name: "guided-tunnels".into(), options: guided };
+    let guided_tunnels = published.map(|_| run(&mesh, guided)).transpose()?;
     let vertices = NamedMethod::search(Method::Best, depth.best(count), Cost::OpenGl);
     let polygons = polygons.filter(|_| POLYGONS.contains(&name));
     let surface = PreparedFaces::new(&mesh, false);
@@ -197,7 +198,7 @@ pub fn search(
         is_closed: is_closed(&mesh) && graph.components().1 == 1,
         bound: Bound::of_prepared(&surface, &graph)?.strips,
         fewest: run(&mesh, NamedMethod::search(Method::Fewest, depth.fewest, Cost::Restart))?,
-        eta,
+        guided_tunnels,
         published: published.cloned(),
         best: best.into_iter().collect::<Result<Vec<_>, _>>()?,
         polygons: polygons.map(|mesh| run(&mesh, vertices)).transpose()?,
@@ -290,7 +291,7 @@ mod tests {
         let searched =
             search(&source, SearchEffort::SMOKE, None, published().unwrap().get("goblet")).unwrap();
         assert!(searched.bound >= 1 && searched.bound <= searched.fewest.row.strips);
-        assert!(searched.eta.is_some_and(|eta| eta.row.strips >= searched.bound));
+        assert!(searched.guided_tunnels.is_some_and(|search| search.row.strips >= searched.bound));
         assert_eq!(searched.best.len(), PEER_COSTS.len());
         assert!(searched.best.iter().all(|s| s.row.proven && s.row.seconds > 0.0 && s.acmr_fifo_32 > 0.0));
     }

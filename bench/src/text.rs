@@ -91,7 +91,7 @@ pub fn outcome(outcome: &Outcome) -> String {
 pub fn searched(searched: &SearchResults) -> String {
     let mut table =
         Table::new(1, &["search", "strips", "restart/T", "degenerate/T", "vertices_sent", "s", "bytes/T"]);
-    let all = [&searched.fewest].into_iter().chain(&searched.eta).chain(&searched.best);
+    let all = [&searched.fewest].into_iter().chain(&searched.guided_tunnels).chain(&searched.best);
     for search in all.chain(&searched.polygons).chain(&searched.ladder) {
         let row = &search.row;
         table.push(vec![

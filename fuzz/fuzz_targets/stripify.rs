@@ -5,7 +5,7 @@
 use tristrip::{Cost, Metrics, strip_triangles};
 use tristrip::stripify::bound::Bound;
 use tristrip::Effort;
-use tristrip::stripify::{EtaOptions, Objective, Start, plan};
+use tristrip::stripify::{Acceptance, EtaOptions, Localization, Objective, Start, TunnelOptions, plan};
 use tristrip::verify::verify;
 use tristrip::vertex_cache::VertexCache;
 use tristrip::{DualGraph, Error, Method, PreparedFaces, StripifyOptions, Strips};
@@ -74,8 +74,12 @@ fn methods(cutoff: u32) -> Vec<Method> {
     all.extend([Method::QuadRows { cutoff }, Method::Fewest, Method::Cache, Method::Tunnel { length: 5 }]);
     all.extend(
         [Start::Isolated, Start::Sgi, Start::Sequential]
-            .map(|start| Method::Eta(EtaOptions::default().with_start(start).with_length(2 * cutoff + 1))),
+            .map(|start| Method::GuidedTunnels(TunnelOptions::default().with_start(start).with_length(2 * cutoff + 1))),
     );
+    for &acceptance in Acceptance::ALL {
+        let eta = EtaOptions::default().with_length(2 * cutoff + 1).with_acceptance(acceptance);
+        all.extend(Localization::ALL.iter().map(|&each| Method::Eta(eta.with_localization(each))));
+    }
     for triangulation in FaceTriangulation::ALL {
         for ties in Ties::ALL {
             all.push(Method::StripeLocal { triangulation, ties });

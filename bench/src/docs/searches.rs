@@ -45,7 +45,7 @@ fn published(searched: &[&SearchResults]) -> Table {
     let heads = ["model", "by", "strips", "isolated", "ACMR 32", "vertices/T", "seconds", "bound", "gap"];
     let mut table = Table::new(2, &heads);
     for s in searched {
-        let (Some(paper), Some(eta)) = (&s.published, &s.eta) else { continue };
+        let (Some(paper), Some(guided)) = (&s.published, &s.guided_tunnels) else { continue };
         let model = format!("{} ({} T)", s.model, s.triangles);
         table.push(vec![
             model,
@@ -58,7 +58,7 @@ fn published(searched: &[&SearchResults]) -> Table {
             String::new(),
             String::new(),
         ]);
-        for (by, search) in [("eta", eta), ("fewest", &s.fewest)] {
+        for (by, search) in [("guided-tunnels", guided), ("fewest", &s.fewest)] {
             let row = &search.row;
             let beyond = row.strips.saturating_sub(s.bound) as f64 / row.strips.max(1) as f64;
             table.push(vec![

@@ -2,7 +2,7 @@
 
 use super::target::{ROUNDING, Target, geometric_mean, none};
 use crate::measure::{MethodRow, Outcome};
-use crate::methods::{BEST, ETA, FEWEST};
+use crate::methods::{BEST, FEWEST, GUIDED_TUNNELS};
 use crate::searches::{PEER_COSTS, SearchResults, per_triangle};
 
 /// Target strips and seconds of `fewest`.
@@ -39,7 +39,7 @@ const BYTES: f64 = 120.0;
 /// Returns the targets for which a search ran.
 pub(super) fn compare(outcomes: &[Outcome], searched: &[SearchResults]) -> Vec<Target> {
     let mut targets = fewest(searched);
-    targets.extend(eta(searched));
+    targets.extend(guided_tunnels(searched));
     targets.extend(best(searched));
     targets.extend(against_peers(searched));
     targets.extend(against_starts(outcomes));
@@ -95,10 +95,11 @@ fn fewest(searched: &[SearchResults]) -> Vec<Target> {
     targets
 }
 
-fn eta(searched: &[SearchResults]) -> Vec<Target> {
+fn guided_tunnels(searched: &[SearchResults]) -> Vec<Target> {
     let target = |s: &SearchResults| {
-        let (row, published) = (&s.eta.as_ref()?.row, s.published.as_ref()?);
-        let what = format!("eta, the published number of strips in a hundredth of the time, {}", s.model);
+        let (row, published) = (&s.guided_tunnels.as_ref()?.row, s.published.as_ref()?);
+        let what =
+            format!("guided-tunnels, the published strips of ETA in a hundredth of the time, {}", s.model);
         let most = (published.strips.to_string(), published.seconds / FASTER);
         Some(timed(what, most, &row.strips.to_string(), row.strips as f64 <= published.strips, row.seconds))
     };
@@ -202,12 +203,12 @@ fn memory(outcomes: &[Outcome], searched: &[SearchResults]) -> Vec<Target> {
         Some(Target::at_most(what, BYTES, bytes, 0))
     };
     let mut targets = Vec::new();
-    for method in [BEST, FEWEST, ETA] {
+    for method in [BEST, FEWEST, GUIDED_TUNNELS] {
         let mut all = outcomes.iter().filter_map(|o| bytes(o.row(method)?, &o.model));
         targets.extend(target(method, &mut all));
     }
     let mut longer = searched.iter().flat_map(|s| {
-        let all = s.best.iter().chain(&s.eta).chain([&s.fewest]);
+        let all = s.best.iter().chain(&s.guided_tunnels).chain([&s.fewest]);
         all.filter_map(|search| bytes(&search.row, &s.model)).collect::<Vec<_>>()
     });
     targets.extend(target("every longer search", &mut longer));

@@ -114,7 +114,7 @@ pub(crate) struct StripArgs {
 pub(crate) struct CompareArgs {
     #[command(flatten)]
     pub(crate) general: GeneralArgs,
-    /// Also compare tunnel, eta and all 24 stripe-local and 10 stripe-global variants
+    /// Also compare tunnel, eta, guided-tunnels and all 24 stripe-local and 10 stripe-global variants
     #[arg(long)]
     pub(crate) all: bool,
     /// The search effort of best, fewest and cache, from 0 to 9

@@ -5,7 +5,7 @@ use std::time::Duration;
 use clap::Args;
 use tristrip::Cost;
 use tristrip::Effort;
-use tristrip::stripify::{EtaOptions, Objective, Start};
+use tristrip::stripify::{Acceptance, EtaOptions, Localization, Objective, Start, TunnelOptions};
 use tristrip::stripify::{FaceTriangulation, LastTie, Patches, Ties};
 use tristrip::vertex_cache::VertexCache;
 use tristrip::{Method, StripifyOptions};
@@ -73,20 +73,28 @@ pub(crate) struct MethodArgs {
     effort: Option<Effort>,
     /// Stop a search after a time such as 5s or 500ms, with the best result so far
     ///
-    /// Applies to best, fewest, cache, tunnel and eta, for each input; the first growth of cache is always completed. Results
+    /// Applies to best, fewest, cache, tunnel, eta and guided-tunnels, for each input; the first growth of cache is always completed. Results
     /// with a budget differ from run to run; results with --effort do not.
     #[arg(long, value_name = "TIME", value_parser = humantime::parse_duration)]
     budget: Option<Duration>,
-    /// The maximum length of a tunnel for tunnel and eta, in edges of the dual graph [default: 9 for tunnel, 1000 for eta]
+    /// The maximum length of a tunnel, in edges of the dual graph [default: 9 for tunnel, 199 for eta, 1000 for guided-tunnels]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     tunnel_length: Option<u32>,
-    /// The number of triangles that eta visits before it gives up a search [default: 512]
+    /// The number of triangles that a search of eta or guided-tunnels steps on before it gives up [default: 1000 for eta, 512 for guided-tunnels]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     threshold: Option<u32>,
-    /// The initial strips of eta [default: sequential]
+    /// The initial strips of eta and guided-tunnels [default: input for eta, sequential for guided-tunnels]
     #[arg(long, value_parser = named(Start::ALL, Start::name, Start::summary), value_name = "STRIPS")]
     start: Option<Start>,
-    /// The seed of randomized methods: best, fewest, cache, eta, quad-rows, stripe [default: 0]
+    /// Which tunnels eta accepts [default: depth-first]
+    #[arg(long, value_parser = named(Acceptance::ALL, Acceptance::name, Acceptance::summary), value_name = "ORDER")]
+    acceptance: Option<Acceptance>,
+    /// How far eta writes identifiers during a search [default: on-demand]
+    ///
+    /// The strips are the same; only the time differs.
+    #[arg(long, value_parser = named(Localization::ALL, Localization::name, Localization::summary), value_name = "RANGE")]
+    localization: Option<Localization>,
+    /// The seed of randomized methods: best, fewest, cache, eta, guided-tunnels, quad-rows, stripe [default: 0]
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
     #[command(flatten)]
@@ -109,6 +117,7 @@ impl MethodArgs {
         let global = matches!(chosen, Method::StripeGlobal { .. });
         let (rows, sgi) = (matches!(chosen, Method::QuadRows { .. }), matches!(chosen, Method::Sgi { .. }));
         let (tunnel, eta) = (matches!(chosen, Method::Tunnel { .. }), matches!(chosen, Method::Eta(_)));
+        let long = eta || matches!(chosen, Method::GuidedTunnels(_));
         let check = |flag: &str, is_set: bool, fits: bool, methods: &str| {
             if is_set && !fits {
                 return Err(format!("{flag} belongs to --method {methods}, not to {chosen}"));
@@ -123,22 +132,24 @@ impl MethodArgs {
         let best = matches!(chosen, Method::Best);
         let cache = chosen == Method::Cache;
         let search = best || cache || chosen == Method::Fewest || all_methods;
-        let tunnels = tunnel || eta;
+        let tunnels = tunnel || long;
         check("--cost", self.cost.is_some(), best, "best")?;
         check("--effort", self.effort.is_some(), search, "best, fewest or cache")?;
         check("--vertex-cache", self.vertex_cache.is_some(), cache || all_methods, "cache")?;
         check("--objective", self.objective.is_some(), cache, "cache")?;
-        let stoppable = "best, fewest, cache, tunnel or eta";
+        let stoppable = "best, fewest, cache, tunnel, eta or guided-tunnels";
         check("--budget", self.budget.is_some(), search || tunnels, stoppable)?;
-        check("--tunnel-length", self.tunnel_length.is_some(), tunnels, "tunnel or eta")?;
-        check("--threshold", self.threshold.is_some(), eta, "eta")?;
-        check("--start", self.start.is_some(), eta, "eta")?;
-        let randomized = local || global || rows || search || eta;
+        check("--tunnel-length", self.tunnel_length.is_some(), tunnels, "tunnel, eta or guided-tunnels")?;
+        check("--threshold", self.threshold.is_some(), long, "eta or guided-tunnels")?;
+        check("--start", self.start.is_some(), long, "eta or guided-tunnels")?;
+        check("--acceptance", self.acceptance.is_some(), eta, "eta")?;
+        check("--localization", self.localization.is_some(), eta, "eta")?;
+        let randomized = local || global || rows || search || long;
         check(
             "--seed",
             self.seed.is_some(),
             randomized,
-            "best, fewest, cache, eta, quad-rows or one of stripe",
+            "best, fewest, cache, eta, guided-tunnels, quad-rows or one of stripe",
         )?;
         let method = match chosen {
             Method::StripeLocal { triangulation, ties } => Method::StripeLocal {
@@ -153,7 +164,8 @@ impl MethodArgs {
             Method::QuadRows { cutoff } => Method::QuadRows { cutoff: self.cutoff.unwrap_or(cutoff) },
             Method::Sgi { last_tie } => Method::Sgi { last_tie: self.last_tie.unwrap_or(last_tie) },
             Method::Tunnel { length } => Method::Tunnel { length: self.tunnel_length.unwrap_or(length) },
-            Method::Eta(_) => Method::Eta(self.eta()),
+            Method::Eta(eta) => Method::Eta(self.eta(eta)),
+            Method::GuidedTunnels(tunnels) => Method::GuidedTunnels(self.tunnels(tunnels)),
             method => method,
         };
         let options = StripifyOptions::default()
@@ -169,8 +181,7 @@ impl MethodArgs {
         })
     }
 
-    fn eta(&self) -> EtaOptions {
-        let mut eta = EtaOptions::default();
+    fn eta(&self, mut eta: EtaOptions) -> EtaOptions {
         if let Some(length) = self.tunnel_length {
             eta = eta.with_length(length);
         }
@@ -180,7 +191,26 @@ impl MethodArgs {
         if let Some(start) = self.start {
             eta = eta.with_start(start);
         }
+        if let Some(acceptance) = self.acceptance {
+            eta = eta.with_acceptance(acceptance);
+        }
+        if let Some(localization) = self.localization {
+            eta = eta.with_localization(localization);
+        }
         eta
+    }
+
+    fn tunnels(&self, mut tunnels: TunnelOptions) -> TunnelOptions {
+        if let Some(length) = self.tunnel_length {
+            tunnels = tunnels.with_length(length);
+        }
+        if let Some(threshold) = self.threshold {
+            tunnels = tunnels.with_threshold(threshold);
+        }
+        if let Some(start) = self.start {
+            tunnels = tunnels.with_start(start);
+        }
+        tunnels
     }
 
     /// Returns the requested effort.
@@ -227,6 +257,9 @@ mod tests {
             each("best", "--cost", &Cost::ALL.map(Cost::name)),
             each("cache", "--objective", &Objective::ALL.map(Objective::name)),
             each("eta", "--start", &Start::ALL.map(Start::name)),
+            each("guided-tunnels", "--start", &Start::ALL.map(Start::name)),
+            each("eta", "--acceptance", &Acceptance::ALL.map(Acceptance::name)),
+            each("eta", "--localization", &Localization::ALL.map(Localization::name)),
             each("stripe-local", "--triangulation", &FaceTriangulation::ALL.map(FaceTriangulation::name)),
             each("stripe-local", "--ties", &Ties::ALL.map(Ties::name)),
             each("stripe-global", "--ties", &Ties::ALL.map(Ties::name)),
@@ -238,6 +271,7 @@ mod tests {
                 "--method quad-rows --seed 7 --cutoff 3",
                 "--method tunnel --tunnel-length 1001",
                 "--method eta --tunnel-length 20 --threshold 9",
+                "--method guided-tunnels --tunnel-length 20 --threshold 9",
                 "--method cache --vertex-cache lru:24 --effort 4",
                 "--method fewest --effort 9",
             ]

@@ -45,7 +45,11 @@ pub(crate) struct SearchWatch {
 impl SearchWatch {
     pub(crate) fn new(bar: ProgressBar, budget: Option<Duration>, options: &StripifyOptions) -> Self {
         let searches = match options.method() {
-            Method::Best | Method::Fewest | Method::Tunnel { .. } | Method::Eta(_) => true,
+            Method::Best
+            | Method::Fewest
+            | Method::Tunnel { .. }
+            | Method::Eta(_)
+            | Method::GuidedTunnels(_) => true,
             Method::Cache => {
                 options.objective() == Objective::Indices || options.effort().level() >= CACHE_SEARCHES
             }

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 use tristrip::Effort;
 use tristrip::Metrics;
-use tristrip::stripify::{EtaOptions, Objective};
+use tristrip::stripify::{Objective, TunnelOptions};
 use tristrip::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
 use tristrip::{Method, StripifyOptions, Strips};
 use tristrip_pipeline::{
@@ -149,7 +149,7 @@ fn candidates(options: &StripifyOptions, effort: Option<Effort>) -> Vec<Candidat
         plain("sgi", Method::SGI),
         plain("stripe", Method::STRIPE),
         plain("quad-rows", Method::QUAD_ROWS),
-        plain("eta", Method::Eta(EtaOptions::default())),
+        plain("guided-tunnels", Method::GuidedTunnels(TunnelOptions::default())),
     ];
     let efforts: Vec<Effort> = match effort {
         Some(effort) => vec![effort],

@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 use serde::Serialize;
 use tristrip::Effort;
-use tristrip::stripify::EtaOptions;
+use tristrip::stripify::{Acceptance, EtaOptions, Localization, TunnelOptions};
 use tristrip::stripify::{FaceTriangulation, LastTie, Patches, Ties};
 use tristrip::{Error, Method, StripifyOptions};
 
@@ -36,6 +36,10 @@ pub struct MethodReport {
     threshold: Option<u32>,
     #[serde(skip_serializing_if = "Option::is_none")]
     start: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    acceptance: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    localization: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     seed: Option<u64>,
 }
@@ -77,6 +81,14 @@ impl MethodReport {
                 tunnel_length: Some(eta.length()),
                 threshold: Some(eta.threshold()),
                 start: Some(eta.start().to_string()),
+                acceptance: Some(eta.acceptance().to_string()),
+                localization: Some(eta.localization().to_string()),
+                ..seeded
+            },
+            Method::GuidedTunnels(tunnels) => Self {
+                tunnel_length: Some(tunnels.length()),
+                threshold: Some(tunnels.threshold()),
+                start: Some(tunnels.start().to_string()),
                 ..seeded
             },
             _ => plain,
@@ -98,8 +110,8 @@ impl MethodReport {
         self.effort
     }
 
-    /// Returns a short name of the method and its options: `stripe-local whole sequential`. The ties of `stripe-global` and `sgi` are
-    /// named where they are not the default.
+    /// Returns a short name of the method and its options: `stripe-local whole sequential`. The ties of `stripe-global` and `sgi`,
+    /// and acceptance and localization of `eta`, are named where they are not the default.
     pub fn label(&self) -> String {
         let shown = |ties: &Option<String>, usual: &str| ties.clone().filter(|ties| ties != usual);
         let ties = match self.method.as_str() {
@@ -115,6 +127,9 @@ impl MethodReport {
             &self.vertex_cache,
             &self.objective,
             &self.start,
+            &shown(&self.acceptance, Acceptance::default().name()),
+            &shown(&self.localization, Localization::default().name())
+                .map(|name| format!("localization {name}")),
         ];
         let numbers = [self.cutoff, self.effort.map(u32::from), self.tunnel_length];
         let words = [Some(self.method.clone())].into_iter().chain(words.into_iter().cloned()).flatten();
@@ -138,6 +153,8 @@ impl MethodReport {
             ("tunnel length", number(self.tunnel_length)),
             ("threshold", number(self.threshold)),
             ("start", self.start.clone()),
+            ("acceptance", self.acceptance.clone()),
+            ("localization", self.localization.clone()),
         ];
         let options = options.into_iter().filter_map(|(name, value)| Some(format!("{name} {}", value?)));
         std::iter::once(format!("method {}", self.method)).chain(options).collect::<Vec<_>>().join(", ")
@@ -147,7 +164,7 @@ impl MethodReport {
 /// Returns the methods to compare: one or a few per family, or every variant.
 ///
 /// ```
-/// assert_eq!(tristrip_pipeline::methods_to_compare(true).len(), 44);
+/// assert_eq!(tristrip_pipeline::methods_to_compare(true).len(), 45);
 /// ```
 pub fn methods_to_compare(every_variant: bool) -> Vec<Method> {
     let mut methods = vec![
@@ -165,6 +182,7 @@ pub fn methods_to_compare(every_variant: bool) -> Vec<Method> {
         methods.extend([
             Method::TUNNEL,
             Method::Eta(EtaOptions::default()),
+            Method::GuidedTunnels(TunnelOptions::default()),
             Method::Sgi { last_tie: LastTie::First },
         ]);
         for triangulation in FaceTriangulation::ALL {
@@ -289,13 +307,13 @@ impl<'a> Flags<'a> {
             Method::Tunnel { length } => {
                 Method::Tunnel { length: self.number("--tunnel-length")?.unwrap_or(length) }
             }
-            Method::Eta(_) => Method::Eta(self.eta()?),
+            Method::Eta(eta) => Method::Eta(self.eta(eta)?),
+            Method::GuidedTunnels(tunnels) => Method::GuidedTunnels(self.tunnels(tunnels)?),
             method => method,
         })
     }
 
-    fn eta(&mut self) -> Result<EtaOptions, Error> {
-        let mut eta = EtaOptions::default();
+    fn eta(&mut self, mut eta: EtaOptions) -> Result<EtaOptions, Error> {
         if let Some(length) = self.number("--tunnel-length")? {
             eta = eta.with_length(length);
         }
@@ -305,7 +323,26 @@ impl<'a> Flags<'a> {
         if let Some(start) = self.named("--start")? {
             eta = eta.with_start(start);
         }
+        if let Some(acceptance) = self.named("--acceptance")? {
+            eta = eta.with_acceptance(acceptance);
+        }
+        if let Some(localization) = self.named("--localization")? {
+            eta = eta.with_localization(localization);
+        }
         Ok(eta)
+    }
+
+    fn tunnels(&mut self, mut tunnels: TunnelOptions) -> Result<TunnelOptions, Error> {
+        if let Some(length) = self.number("--tunnel-length")? {
+            tunnels = tunnels.with_length(length);
+        }
+        if let Some(threshold) = self.number("--threshold")? {
+            tunnels = tunnels.with_threshold(threshold);
+        }
+        if let Some(start) = self.named("--start")? {
+            tunnels = tunnels.with_start(start);
+        }
+        Ok(tunnels)
     }
 }
 
@@ -322,7 +359,7 @@ mod tests {
     fn all_variants_have_distinct_names() {
         let label = |method| MethodReport::of(&StripifyOptions::default().with_method(method)).label();
         let labels: HashSet<String> = methods_to_compare(true).into_iter().map(label).collect();
-        assert_eq!(labels.len(), 7 + 3 + 24 + 10);
+        assert_eq!(labels.len(), 7 + 4 + 24 + 10);
         assert!(
             labels.contains("stripe-local partial look-ahead") && labels.contains("stripe-global full 25")
         );

@@ -10,6 +10,7 @@ mod eta;
 mod fewest;
 #[cfg(test)]
 mod generated_meshes;
+mod guided_tunnels;
 mod input;
 pub(crate) mod one_shot;
 pub(crate) mod options;
@@ -27,7 +28,10 @@ use crate::error::Error;
 use crate::prepare::PreparedFaces;
 #[cfg(test)]
 pub(crate) use one_shot::stripify;
-pub use options::{EtaOptions, FaceTriangulation, LastTie, Objective, Patches, Start, Ties};
+pub use options::{
+    Acceptance, EtaOptions, FaceTriangulation, LastTie, Localization, Objective, Patches, Start, Ties,
+    TunnelOptions,
+};
 pub(crate) use options::{Method, StripifyOptions};
 pub use plan::StripPlan;
 pub use watch::{Progress, Watch};
@@ -122,6 +126,9 @@ fn plan_in_order<'a>(
         Method::QuadRows { cutoff } => stripe::quad_rows::plan(prepared, graph, cutoff, options.seed())?,
         Method::Tunnel { length } => tunnel::plan(prepared, graph, length, watch),
         Method::Eta(eta) => eta::plan(prepared, graph, eta, options.seed(), watch),
+        Method::GuidedTunnels(tunnels) => {
+            guided_tunnels::plan(prepared, graph, tunnels, options.seed(), watch)
+        }
     })
 }
 

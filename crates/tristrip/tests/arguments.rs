@@ -8,7 +8,9 @@ use tristrip::lod::{
     Encoding, Filter, LevelModel, LevelTable, ProgressiveMesh, ProgressiveStrips, Repair, RepairOptions,
     RepairedStrips, View,
 };
-use tristrip::stripify::{EtaOptions, Objective, Patches, Start, Ties};
+use tristrip::stripify::{
+    Acceptance, EtaOptions, Localization, Objective, Patches, Start, Ties, TunnelOptions,
+};
 use tristrip::verify::{verify, verify_models};
 use tristrip::vertex_cache::VertexCache;
 use tristrip::{
@@ -113,6 +115,7 @@ fn index_buffers() {
 #[test]
 fn methods() {
     let mesh = grid(3);
+    let tunnels = |length, threshold| TunnelOptions::default().with_length(length).with_threshold(threshold);
     let eta = |length, threshold| EtaOptions::default().with_length(length).with_threshold(threshold);
     let all = [0, 1, 2, u32::MAX].into_iter().flat_map(|n| {
         [
@@ -120,9 +123,12 @@ fn methods() {
             Method::StripeGlobal { patches: Patches::Rows, cutoff: n, ties: Ties::Sequential },
             Method::StripeGlobal { patches: Patches::Full, cutoff: n, ties: Ties::Random },
             Method::QuadRows { cutoff: n },
+            Method::GuidedTunnels(tunnels(n, n).with_start(Start::Isolated)),
+            Method::GuidedTunnels(tunnels(u32::MAX, n)),
+            Method::GuidedTunnels(tunnels(n, u32::MAX)),
             Method::Eta(eta(n, n).with_start(Start::Isolated)),
-            Method::Eta(eta(u32::MAX, n)),
-            Method::Eta(eta(n, u32::MAX)),
+            Method::Eta(eta(u32::MAX, n).with_acceptance(Acceptance::BreadthFirst)),
+            Method::Eta(eta(n, u32::MAX).with_localization(Localization::None)),
         ]
     });
     for method in all {

@@ -72,7 +72,7 @@ fn points_equal_the_reports_of_the_methods() {
         ("sgi", &["-m", "sgi"][..]),
         ("stripe", &["-m", "stripe"]),
         ("quad-rows", &["-m", "quad-rows"]),
-        ("eta", &["-m", "eta"]),
+        ("guided-tunnels", &["-m", "guided-tunnels"]),
         ("best 2", &["-m", "best", "--effort", "2"]),
         ("fewest 5", &["-m", "fewest"]),
         ("cache misses 2", &["-m", "cache", "--objective", "misses"]),

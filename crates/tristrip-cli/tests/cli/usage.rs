@@ -44,6 +44,11 @@ fn options_belong_to_their_methods() {
     refused(&["strip", "a.ply", "-m", "best", "--tunnel-length", "3"], "--tunnel-length belongs to");
     refused(&["strip", "a.ply", "-m", "tunnel", "--threshold", "3"], "--threshold belongs to --method eta");
     refused(&["strip", "a.ply", "-m", "tunnel", "--start", "sgi"], "--start belongs to --method eta");
+    refused(
+        &["strip", "a.ply", "-m", "guided-tunnels", "--acceptance", "breadth-first"],
+        "--acceptance belongs to --method eta, not to guided-tunnels",
+    );
+    refused(&["strip", "a.ply", "-m", "tunnel", "--localization", "none"], "--localization belongs to");
     refused(&["strip", "a.ply", "-m", "stripe", "--cutoff", "0"], "--cutoff");
     refused(
         &["strip", "a.ply", "-m", "best", "--vertex-cache", "fifo:8"],

@@ -3,7 +3,7 @@
 use serde::de::{Deserialize, Deserializer, Error as _};
 use serde::ser::{Error as _, Serialize, Serializer};
 
-use crate::stripify::{EtaOptions, Method};
+use crate::stripify::{EtaOptions, Method, TunnelOptions};
 
 /// Returns the parameters of a method, by the names of their flags.
 fn parameters(method: Method) -> Vec<(&'static str, String)> {
@@ -21,6 +21,13 @@ fn parameters(method: Method) -> Vec<(&'static str, String)> {
             ("length", eta.length().to_string()),
             ("threshold", eta.threshold().to_string()),
             ("start", eta.start().to_string()),
+            ("acceptance", eta.acceptance().to_string()),
+            ("localization", eta.localization().to_string()),
+        ],
+        Method::GuidedTunnels(tunnels) => vec![
+            ("length", tunnels.length().to_string()),
+            ("threshold", tunnels.threshold().to_string()),
+            ("start", tunnels.start().to_string()),
         ],
         _ => Vec::new(),
     }
@@ -48,6 +55,7 @@ fn with_parameter(method: Method, name: &str, value: &str) -> Option<Method> {
         (Method::Sgi { .. }, "last-tie") => Method::Sgi { last_tie: value.parse().ok()? },
         (Method::Tunnel { .. }, "length") => Method::Tunnel { length: value.parse().ok()? },
         (Method::Eta(eta), _) => Method::Eta(eta_with(eta, name, value)?),
+        (Method::GuidedTunnels(tunnels), _) => Method::GuidedTunnels(tunnels_with(tunnels, name, value)?),
         _ => return None,
     })
 }
@@ -57,6 +65,17 @@ fn eta_with(eta: EtaOptions, name: &str, value: &str) -> Option<EtaOptions> {
         "length" => Some(eta.with_length(value.parse().ok()?)),
         "threshold" => Some(eta.with_threshold(value.parse().ok()?)),
         "start" => Some(eta.with_start(value.parse().ok()?)),
+        "acceptance" => Some(eta.with_acceptance(value.parse().ok()?)),
+        "localization" => Some(eta.with_localization(value.parse().ok()?)),
+        _ => None,
+    }
+}
+
+fn tunnels_with(tunnels: TunnelOptions, name: &str, value: &str) -> Option<TunnelOptions> {
+    match name {
+        "length" => Some(tunnels.with_length(value.parse().ok()?)),
+        "threshold" => Some(tunnels.with_threshold(value.parse().ok()?)),
+        "start" => Some(tunnels.with_start(value.parse().ok()?)),
         _ => None,
     }
 }

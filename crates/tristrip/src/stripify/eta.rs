@@ -1,72 +1,66 @@
-//! `eta`, the enhanced tunnelling algorithm: tunnels of hundreds of edges, found in a part of the graph that is built for each search.
+//! `eta`, the enhanced tunnelling algorithm as published: tunnels within a star, identifiers rewritten node by node.
 //!
 //! # Algorithm
-//! The numbers are those of the paper's section 4.1; see [`tunnel`](super::tunnel) for the terms.
+//! The numbers are those of section 4.1 of the paper; see [`tunnel`](super::tunnel) for the terms.
 //!
-//! 1. *The length k.* It grows, 3, 7, 15 …; a length is repeated while it joins many strips.
+//! 1. *The length k*: fixed, and every tunnel up to it is accepted (depth first); or 1, 3, 5 …, where the next begins when no terminal has
+//!    a tunnel of the last (breadth first, section 5).
 //! 2. *A terminal*, in random order.
-//! 3. *Its k-star*: the triangles that alternating paths of k edges from it reach, and of these the distances, along
-//!    alternating paths, to the terminals of other strips. No terminal, no search.
-//! 4. *Temporary edges* for the strips that leave the star and come back: none are added, see below.
-//! 5. *Tunnelling*, depth first, any length up to k: at each step the path of the least distance first, of equals a random one. The
-//!    forecast of section 4.2 ends a search after a given number of accesses to nodes.
-//! 6. *Complement*, if a tunnel was found; identifiers are written only then.
+//! 3. *Its k-star*: the triangles at most k steps away.
+//! 4. *Temporary edges* for the strips that leave the star and come back.
+//! 5. *Tunnelling*: alternating paths, depth first. A step cuts a black edge, which splits a strip, and links the part at its near end with
+//!    the tip; the part gets the identifier of the tip, node by node, and its own again when the path is given up. No step closes a loop:
+//!    both must not be the same part of one strip. A search ends after a given number of accesses to nodes, the forecast of section 4.2.
+//! 6. *Complement*, if a tunnel was found: the temporary edges vanish, and the strips get their identifiers everywhere.
 //! 7. *The next terminal.*
 //!
-//! When lengths of some dozens find few tunnels, the maximum length is used, and terminals *move*: of a search that fails, the part that
-//! came nearest to another terminal is complemented, which makes a triangle there the terminal in place of the first, with the same
-//! number of strips. It ends when that has found nothing for a while, or when no star contains a terminal of another strip.
+//! Without localization, steps 3, 4 and 6 fall away: identifiers are written to the end of each strip. It finds the same tunnels. On demand, a
+//! search begins without localization, and begins again within a star when it has become long: the same tunnels, too.
 //!
-//! ```text
-//!   w ┄┄ v ━━ b ┄ … ┄ x        w ━━ v    b ┄ … ┄ x        b is the new terminal, and nearer to x
-//! ```
 //! # Departures
-//! - The star is that of alternating paths, which no tunnel leaves: the paper's star contains triangles that no path reaches. It ends a
-//!   few steps beyond the nearest terminal, which keeps it small while there are many.
-//! - The paper bridges what lies outside the star by temporary edges, so that tags need not be written there. Here no search writes
-//!   tags: a part of a strip is an interval of positions, whether it lies in the star or not.
-//! - A loop may be closed if the path opens it again later, one at a time. Within one long strip the rule against loops leaves a
-//!   single path at each step, and nothing to search: with that rule horse stays at 2 to 7 strips, without it it ends with 1.
-//! - The order of the paths, which the paper leaves open; terminals that move.
+//! - A strip's consecutive crossings of the star's boundary are found by the position of a triangle on its strip, kept beside the
+//!   identifier; the paper does not say how it finds them.
+//! - Where the cut divides a strip that is the tip's own, one part is followed to find out whether the tip is on it, in place of an
+//!   identifier that would be written on it and taken back. As many nodes are accessed.
+//! - The threshold counts the triangles that paths step on, not the identifiers written, so that it cuts the same searches with and
+//!   without localization.
+//! - The paper leaves open the order of terminals and paths: both are random, but an end of the tunnel is taken first. It does not say when
+//!   to end: here, when [`MAX_FRUITLESS_PASSES`] passes over all terminals have found nothing.
+//!
+//! [`guided_tunnels`](super::guided_tunnels) is what we made of it.
 //!
 //! # References
-//! Porcu, Scateni: *Partitioning Meshes into Strips using the Enhanced Tunnelling Algorithm (ETA)*, 2006; Pósa: *Hamiltonian
-//! circuits in random graphs*, 1976 (moving an end).
+//! Porcu, Scateni: *Partitioning Meshes into Strips using the Enhanced Tunnelling Algorithm (ETA)*, 2006.
 //!
 //! # Complexity
-//! A search takes O(star + threshold · length) time. At most 36 bytes per
-//! triangle, beside the cover and the dual graph.
+//! A search takes O(star + threshold · star) time. At most 45 bytes per triangle, beside the cover and the dual graph.
 
 mod search;
 mod star;
+mod tagged_strips;
 #[cfg(test)]
 mod tests;
 
+use super::StripPlan;
+use super::options::{Acceptance, EtaOptions, Localization};
 use super::tunnel::accesses::{AccessCounter, SearchOutcome};
-use super::tunnel::context::SearchContext;
-use super::tunnel::isolated_triangles;
-use super::tunnel::path_tags::PathTags;
+use super::tunnel::initial_strips;
+use super::tunnel::path_tags::{PathTags, complement_links};
 use super::watch::Watch;
-use super::{EtaOptions, LastTie, Start, StripPlan, input, sequential, sgi};
 use crate::cover::PathCover;
 use crate::dual::DualGraph;
 use crate::ids::FaceId;
 use crate::prepare::PreparedFaces;
 use crate::random::Random;
-use search::{EtaSearch, TunnelLimits};
+use search::{EtaSearch, SearchLimits};
 use star::Star;
+use tagged_strips::TaggedStrips;
 
-/// A length is repeated if it joined at least one strip in this many.
-const REPEAT_SHARE: usize = 20;
-/// The length after which terminals move, and all lengths are tried at once. Tuned on bunny and dragon: a greater one leaves more strips.
-const MOVING_LENGTH: u32 = 63;
-/// Passes that move terminals and join nothing, after which the search ends. Tuned on horse: 20 leave it at 3 strips for one seed
-/// in twelve.
-const MAX_FRUITLESS_PASSES: u32 = 40;
-/// Of these, one in this many starts with all terminals, the others with those that had a terminal of another strip in their star.
-const FULL_PASS_INTERVAL: u32 = 5;
-/// Loops that may be closed at a time while terminals move; before, none. Tuned on bunny and horse: two lead away from tunnels.
-const MAX_LOOPS: u32 = 1;
+/// Passes over all terminals that find nothing, after which the search ends.
+const MAX_FRUITLESS_PASSES: u32 = 20;
+
+/// Accesses to nodes after which a search is repeated within a star, if stars are found on demand. On bunny it saves two thirds of the time.
+const SHORT_SEARCH: u64 = 256;
 
 /// Plans strips by the enhanced tunnelling algorithm. The triangulation is that of the strips that it starts from.
 pub(super) fn plan<'a>(
@@ -76,122 +70,146 @@ pub(super) fn plan<'a>(
     seed: u64,
     watch: &dyn Watch,
 ) -> StripPlan<'a> {
-    let mut plan = match options.start() {
-        Start::Isolated => isolated_triangles(prepared, graph),
-        Start::Input => input::plan(prepared, graph),
-        Start::Sgi => sgi::plan(prepared, graph, LastTie::Last),
-        Start::Sequential => sequential::plan(prepared, graph),
-    };
+    let mut plan = initial_strips(prepared, graph, options.start());
     join(plan.triangulation.graph(), &mut plan.cover, options, seed, watch);
     plan
 }
 
 /// Joins paths of a cover until no more tunnels are found or the watch stops it.
-pub(super) fn join(
-    graph: &DualGraph,
-    cover: &mut PathCover,
-    options: EtaOptions,
-    seed: u64,
-    watch: &dyn Watch,
-) {
-    let mut counter = AccessCounter::new(watch);
-    let min_path_count = graph.components().1;
-    let mut state = EtaState {
-        tags: PathTags::new(graph, cover),
+fn join(graph: &DualGraph, cover: &mut PathCover, options: EtaOptions, seed: u64, watch: &dyn Watch) {
+    let tags = PathTags::new(graph, cover);
+    let strips = TaggedStrips::new(cover, &tags);
+    let is_local = options.localization() != Localization::None;
+    let state = Eta {
+        graph,
+        options,
+        min_path_count: graph.components().1,
+        cover,
+        strips,
+        tags: is_local.then_some(tags),
         star: Star::default(),
         search: EtaSearch::default(),
         random: Random::new(seed),
-        graph,
-        cover,
     };
-    let mut length = options.length().min(3);
-    let (mut is_moving, mut fruitless_passes) = (false, 0);
-    let mut terminals = Vec::new();
-    while state.cover.path_count() > min_path_count && fruitless_passes < MAX_FRUITLESS_PASSES {
-        let before = state.cover.path_count();
-        let is_full = fruitless_passes % FULL_PASS_INTERVAL == 0;
-        if is_full {
-            state.find_terminals(&mut terminals);
-        }
-        let max_loops = if is_moving { MAX_LOOPS } else { 0 };
-        let limits = TunnelLimits { length, accesses: options.threshold(), loops: max_loops };
-        if !state.pass(&mut terminals, limits, is_moving, &mut counter) {
-            return;
-        }
-        let found = before - state.cover.path_count();
-        if is_moving {
-            fruitless_passes = if found == 0 { fruitless_passes + 1 } else { 1 };
-            if is_full && terminals.is_empty() {
-                return;
-            }
-        } else if REPEAT_SHARE * found < before {
-            is_moving = length >= options.length().min(MOVING_LENGTH);
-            length = if is_moving { options.length() } else { (2 * length + 1).min(options.length()) };
-        }
-    }
+    state.run(&mut AccessCounter::new(watch));
 }
 
 /// The state of the method.
-struct EtaState<'a> {
+struct Eta<'a> {
     graph: &'a DualGraph,
+    options: EtaOptions,
+    min_path_count: usize,
     cover: &'a mut PathCover,
-    tags: PathTags,
+    strips: TaggedStrips,
+    /// With localization: the strips before a search, and the order of their triangles.
+    tags: Option<PathTags>,
     star: Star,
     search: EtaSearch,
     random: Random,
 }
 
-impl EtaState<'_> {
-    /// Finds the terminals.
-    fn find_terminals(&self, terminals: &mut Vec<u32>) {
-        terminals.clear();
-        terminals.extend((0..self.cover.len() as u32).filter(|&t| self.cover.degree(FaceId(t)) < 2));
+impl Eta<'_> {
+    fn run(mut self, counter: &mut AccessCounter<'_>) {
+        let max_length = self.options.length();
+        let (mut length, patience) = match self.options.acceptance() {
+            Acceptance::DepthFirst => (max_length, MAX_FRUITLESS_PASSES),
+            Acceptance::BreadthFirst => (1, 1),
+        };
+        let mut fruitless_passes = 0;
+        while length <= max_length && self.cover.path_count() > self.min_path_count {
+            let before = self.cover.path_count();
+            if !self.pass(length, counter) {
+                return;
+            }
+            fruitless_passes = if self.cover.path_count() < before { 0 } else { fruitless_passes + 1 };
+            if fruitless_passes == patience {
+                (length, fruitless_passes) = (length.saturating_add(2), 0);
+                if length == u32::MAX {
+                    return;
+                }
+            }
+        }
     }
 
-    /// Searches from every terminal, repeatedly where it finds a tunnel, and keeps the terminals that might find one in another pass.
-    /// Returns whether to continue.
-    fn pass(
-        &mut self,
-        terminals: &mut Vec<u32>,
-        limits: TunnelLimits,
-        is_moving: bool,
-        counter: &mut AccessCounter<'_>,
-    ) -> bool {
+    /// Searches once from every terminal. Returns whether to continue.
+    fn pass(&mut self, length: u32, counter: &mut AccessCounter<'_>) -> bool {
+        let mut terminals: Vec<u32> =
+            (0..self.cover.len() as u32).filter(|&t| self.cover.degree(FaceId(t)) < 2).collect();
         for i in (1..terminals.len()).rev() {
             terminals.swap(i, self.random.below(i + 1));
         }
-        let mut kept = 0;
-        for i in 0..terminals.len() {
-            let mut terminal = terminals[i];
-            while self.cover.degree(FaceId(terminal)) < 2 {
-                let context = SearchContext { graph: self.graph, cover: self.cover, tags: &self.tags };
-                if !self.star.build(&context, terminal, limits.length, counter) {
-                    break;
-                }
-                match self.search.find(&context, &self.star, terminal, limits, &mut self.random, counter) {
-                    SearchOutcome::Stopped => return false,
-                    SearchOutcome::Found => {
-                        self.tags.complement(self.graph, self.cover, self.search.tunnel());
-                    }
-                    SearchOutcome::NotFound => {
-                        if is_moving {
-                            let nearest = self.search.nearest();
-                            self.tags.complement(self.graph, self.cover, nearest);
-                            let black = nearest.last().and_then(|step| step.black.get());
-                            terminal =
-                                black.and_then(|h| self.graph.twin_of(h)).map_or(terminal, |twin| twin / 3);
-                        }
-                        terminals[kept] = terminal;
-                        kept += 1;
-                        break;
-                    }
-                }
+        for terminal in terminals {
+            if self.cover.degree(FaceId(terminal)) == 2 {
+                continue;
+            }
+            let before = counter.accesses();
+            let outcome = self.search_from(terminal, length, counter);
+            if outcome == SearchOutcome::Stopped {
+                return false;
+            }
+            counter.end_search(before, outcome == SearchOutcome::Found);
+            if self.cover.path_count() == self.min_path_count {
+                return true;
             }
             if !counter.may_continue(self.cover) {
                 return false;
             }
         }
-        terminals.truncate(kept);
         true
+    }
+
+    /// Searches from a terminal, and complements the tunnel if one was found.
+    fn search_from(&mut self, terminal: u32, length: u32, counter: &mut AccessCounter<'_>) -> SearchOutcome {
+        let outcome = match self.options.localization() {
+            Localization::None => self.find(terminal, length, u64::MAX, counter),
+            Localization::Star => self.find_in_star(terminal, length, counter),
+            Localization::OnDemand => {
+                let random = self.random.clone();
+                self.find(terminal, length, SHORT_SEARCH, counter).or_else(|| {
+                    self.random = random;
+                    self.find_in_star(terminal, length, counter)
+                })
+            }
+        };
+        // No search has more accesses than `u64::MAX`.
+        let outcome = outcome.unwrap_or(SearchOutcome::NotFound);
+        if outcome == SearchOutcome::Found {
+            let tunnel = self.search.tunnel();
+            if let Some(tags) = &mut self.tags {
+                tags.complement(self.graph, self.cover, tunnel);
+                self.strips.write_changed(self.graph, tags, tunnel);
+                counter.add(self.strips.take_accesses());
+            } else {
+                complement_links(self.graph, self.cover, tunnel);
+            }
+        }
+        outcome
+    }
+
+    fn find_in_star(
+        &mut self,
+        terminal: u32,
+        length: u32,
+        counter: &mut AccessCounter<'_>,
+    ) -> Option<SearchOutcome> {
+        if let Some(tags) = &self.tags {
+            let context = (self.graph, &*self.cover, tags);
+            counter.add(self.star.build(context, terminal, length, &mut self.strips));
+        }
+        let outcome = self.find(terminal, length, u64::MAX, counter);
+        self.star.remove(&mut self.strips);
+        outcome
+    }
+
+    fn find(
+        &mut self,
+        terminal: u32,
+        length: u32,
+        accesses: u64,
+        counter: &mut AccessCounter<'_>,
+    ) -> Option<SearchOutcome> {
+        let limits = SearchLimits { length, threshold: self.options.threshold(), accesses };
+        let context = (self.graph, &*self.cover);
+        self.search.find(context, &mut self.strips, terminal, limits, &mut self.random, counter)
     }
 }

@@ -16,7 +16,7 @@
 //! may have any length. Each component is searched separately, from the cover of `sequential`, until it reaches its lower bound
 //! or the steps of the effort are used up.
 //!
-//! 1. *Tunnels* (see [`super::eta`]): the long tunnels of `eta` make most of the joins in components that are not large, and
+//! 1. *Tunnels* (see [`super::guided_tunnels`]): the long tunnels of `guided-tunnels` make most of the joins in components that are not large, and
 //!    work better than walks for ends at a boundary, where walks get stuck.
 //! 2. *Rotation walks* from random ends. In a triangle of three neighbours the next step is mostly forced; where it enters another
 //!    path, the side of the cut is chosen at random. While there are many ends, two of them meet soon.
@@ -46,10 +46,10 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 
 use super::bound::strip_lower_bounds;
-use super::options::{EtaOptions, StripifyOptions};
+use super::options::{StripifyOptions, TunnelOptions};
 use super::plan::StripPlan;
 use super::watch::{Progress, Watch};
-use super::{eta, sequential};
+use super::{guided_tunnels, sequential};
 use crate::cover::PathCover;
 use crate::dual::DualGraph;
 use crate::effort::Effort;
@@ -146,7 +146,7 @@ fn search_component(
     if cover.len() <= TUNNEL_LIMIT {
         let reported = Mutex::new((0, cover.path_count()));
         let watch = TunnelWatch { lower_bound, budget, shared, reported };
-        eta::join(graph, cover, EtaOptions::default(), seed, &watch);
+        guided_tunnels::join(graph, cover, TunnelOptions::default(), seed, &watch);
         budget -= watch.report(None, cover.path_count()).0.min(budget);
     }
     FewestSearch::new(graph, cover, Random::new(seed ^ first << 32)).run(lower_bound, budget, shared);

@@ -1,8 +1,10 @@
 //! The stripification methods and their options.
 
 mod eta;
+mod tunnels;
 
-pub use eta::{EtaOptions, Start};
+pub use eta::{Acceptance, EtaOptions, Localization};
+pub use tunnels::{Start, TunnelOptions};
 
 use crate::effort::Effort;
 use crate::error::Error;
@@ -60,8 +62,10 @@ pub enum Method {
         /// The maximum length of a tunnel, in edges. The running time is exponential in it.
         length: u32,
     },
-    /// The enhanced tunnelling algorithm: long tunnels, and path ends that move toward each other.
+    /// The enhanced tunnelling algorithm: long tunnels, each searched for within a star.
     Eta(EtaOptions),
+    /// Our long tunnels, guided by the distance to the ends of strips, which move toward each other.
+    GuidedTunnels(TunnelOptions),
 }
 
 impl Method {
@@ -78,6 +82,7 @@ impl Method {
         Self::STRIPE,
         Self::TUNNEL,
         Self::Eta(EtaOptions::DEFAULT),
+        Self::GuidedTunnels(TunnelOptions::DEFAULT),
     ];
 
     /// Returns the name of the method, without its parameters, as the command line and JSON have it.
@@ -102,6 +107,7 @@ impl Method {
             Self::StripeGlobal { .. } => "stripe-global",
             Self::Tunnel { .. } => "tunnel",
             Self::Eta(_) => "eta",
+            Self::GuidedTunnels(_) => "guided-tunnels",
         }
     }
 
@@ -133,6 +139,9 @@ impl Method {
                 "Stewart's tunneling operator, short tunnels first, starting from isolated triangles"
             }
             Self::Eta(_) => "The Enhanced Tunneling Algorithm of Porcu and Scateni",
+            Self::GuidedTunnels(_) => {
+                "Long tunnels toward the nearest end of another strip, and ends that move"
+            }
         }
     }
 
@@ -164,7 +173,7 @@ impl std::str::FromStr for Method {
         method.ok_or_else(|| Error::Parameter {
             name: "method",
             found: format!("`{name}`"),
-            expected: "best, sequential, fewest, cache, input, quad-rows, sgi, stripe, stripe-local, stripe-global, tunnel or eta",
+            expected: "best, sequential, fewest, cache, input, quad-rows, sgi, stripe, stripe-local, stripe-global, tunnel, eta or guided-tunnels",
         })
     }
 }

@@ -9,8 +9,8 @@
 //!        ┃    ┃        ─▶         ┃    ┃          three strips become two
 //!        c    d                   c    d
 //! ```
-//! `baseline` is the operator as it was first described; [`eta`](super::eta) is the search that makes it fast. Both
-//! find loops by `path_tags` and `path_intervals`.
+//! `baseline` is the operator as it was first described; [`eta`](super::eta) is the search that makes it local, and
+//! [`guided_tunnels`](super::guided_tunnels) ours. The first and the last find loops by `path_tags` and `path_intervals`.
 //!
 //! # References
 //! Stewart: *Tunneling for Triangle Strips in Continuous Level-of-Detail Meshes*, 2001 (the operator);
@@ -25,8 +25,9 @@ pub(super) mod path_tags;
 #[cfg(test)]
 pub(super) mod tests;
 
-use super::StripPlan;
+use super::options::{LastTie, Start};
 use super::watch::Watch;
+use super::{StripPlan, input, sequential, sgi};
 use crate::cover::PathCover;
 use crate::dual::{DualGraph, Triangulation};
 use crate::prepare::PreparedFaces;
@@ -44,8 +45,22 @@ pub(super) fn plan<'a>(
     plan
 }
 
+/// Plans the strips that a search starts from.
+pub(super) fn initial_strips<'a>(
+    prepared: &'a PreparedFaces<'_>,
+    graph: &'a DualGraph,
+    start: Start,
+) -> StripPlan<'a> {
+    match start {
+        Start::Isolated => isolated_triangles(prepared, graph),
+        Start::Input => input::plan(prepared, graph),
+        Start::Sgi => sgi::plan(prepared, graph, LastTie::Last),
+        Start::Sequential => sequential::plan(prepared, graph),
+    }
+}
+
 /// Plans one strip per triangle.
-pub(super) fn isolated_triangles<'a>(prepared: &'a PreparedFaces<'_>, graph: &'a DualGraph) -> StripPlan<'a> {
+fn isolated_triangles<'a>(prepared: &'a PreparedFaces<'_>, graph: &'a DualGraph) -> StripPlan<'a> {
     let triangulation = Triangulation::fan(prepared, graph);
     let cover = PathCover::isolated(triangulation.triangle_count());
     StripPlan::new(triangulation, cover)

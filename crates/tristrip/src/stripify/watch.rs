@@ -39,6 +39,36 @@ pub trait Watch: Sync {
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     fn go_on(&self, progress: Progress) -> bool;
+
+    /// Receives the end of each search of [`Method::Eta`](super::Method::Eta) from one end of a strip: the accesses to nodes that it took,
+    /// and whether it joined two strips.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
+    /// #[derive(Default)]
+    /// struct Searches(AtomicU64, AtomicU64);
+    /// impl Watch for Searches {
+    ///     fn go_on(&self, _: Progress) -> bool {
+    ///         true
+    ///     }
+    ///     fn search_ended(&self, _accesses: u64, has_found: bool) {
+    ///         self.0.fetch_add(1, Relaxed);
+    ///         self.1.fetch_add(u64::from(has_found), Relaxed);
+    ///     }
+    /// }
+    /// # let mesh = Mesh::new(vec![[0.0; 3]; 289], Faces::from_triangles(grid)?)?;
+    /// # let prepared = PreparedFaces::new(&mesh, false);
+    /// # let graph = DualGraph::new(prepared.faces());
+    /// let options = StripifyOptions::default().with_method("eta".parse()?);
+    /// let searches = Searches::default();
+    /// plan_watched(&prepared, &graph, &options, &searches)?;
+    /// assert!(searches.0.into_inner() >= searches.1.into_inner());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    fn search_ended(&self, accesses: u64, has_found: bool) {
+        let _ = (accesses, has_found);
+    }
 }
 
 /// A closure watches: it receives the progress, and returns whether the search is to continue.

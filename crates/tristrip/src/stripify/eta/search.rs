@@ -1,85 +1,131 @@
-//! A search of `eta` from one terminal: depth first within its star, the path nearest to another terminal first.
+//! A search of `eta` from one terminal: alternating paths, depth first, none of which closes a loop.
 
-use super::star::Star;
+use super::tagged_strips::{Link, TaggedStrips, UndoStep};
+use crate::cover::PathCover;
+use crate::dual::DualGraph;
+use crate::ids::{FaceId, HalfEdge, OptionalId};
 use crate::random::Random;
 use crate::stripify::tunnel::accesses::{AccessCounter, SearchOutcome};
-use crate::stripify::tunnel::context::SearchContext;
-use crate::stripify::tunnel::partial_tunnel::PartialTunnel;
 use crate::stripify::tunnel::path_tags::TunnelStep;
 
-/// How far a search goes.
+/// Where a search ends without a tunnel.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct TunnelLimits {
+pub(super) struct SearchLimits {
     /// The maximum length of a tunnel, in edges.
     pub(super) length: u32,
-    /// The maximum number of accesses to nodes.
-    pub(super) accesses: u32,
-    /// The maximum number of loops that are closed at a time.
-    pub(super) loops: u32,
+    /// The maximum number of triangles that the paths step on.
+    pub(super) threshold: u32,
+    /// The maximum number of accesses to nodes, those by identifiers included.
+    pub(super) accesses: u64,
 }
 
 /// A search from one terminal.
 #[derive(Debug, Default)]
 pub(super) struct EtaSearch {
-    tunnel: PartialTunnel,
-    /// The part of a tunnel, without a loop, that came nearest to a terminal.
-    nearest: Vec<TunnelStep>,
-    /// The steps from the tip: the distance after it, a random number, and the step.
-    sorted: Vec<(u32, u64, TunnelStep)>,
+    /// The tunnel so far, and what undoes each step.
+    steps: Vec<TunnelStep>,
+    undo_steps: Vec<UndoStep>,
+    /// The steps to try, each with the number of steps before it.
+    candidates: Vec<(usize, TunnelStep)>,
+    /// The steps from the tip.
+    next: Vec<TunnelStep>,
 }
 
 impl EtaSearch {
-    /// Searches for a tunnel from a terminal.
-    pub(super) fn find(
-        &mut self,
-        context: &SearchContext<'_>,
-        star: &Star,
-        terminal: u32,
-        limits: TunnelLimits,
-        random: &mut Random,
-        counter: &mut AccessCounter<'_>,
-    ) -> SearchOutcome {
-        let Self { tunnel, nearest, sorted } = self;
-        nearest.clear();
-        let mut nearest_distance = u32::MAX;
-        let mut add_candidates = |tunnel: &mut PartialTunnel, from| {
-            let depth = tunnel.steps().len() as u64;
-            sorted.clear();
-            context.for_each_step(tunnel.steps(), from, |step, target| {
-                let Some(b) = target else { return sorted.push((0, random.next_u64(), step)) };
-                if let Some(distance) = star.distance(b)
-                    && 2 * (depth + 1) + u64::from(distance) <= u64::from(limits.length)
-                {
-                    sorted.push((distance, random.next_u64(), step));
-                }
-            });
-            // The best is tried first, so it is added last.
-            sorted.sort_unstable_by_key(|&(distance, random, _)| std::cmp::Reverse((distance, random)));
-            tunnel.add_candidates(sorted.iter().map(|&(_, _, step)| step));
-        };
-        tunnel.begin(context, terminal);
-        add_candidates(tunnel, terminal);
-        tunnel.search(context, counter, u64::from(limits.accesses), |tunnel, step, [v, b]| {
-            if !tunnel.try_step(context, step, [v, b], limits.loops) {
-                return;
-            }
-            if let Some(distance) = star.distance(b).filter(|&d| d < nearest_distance && tunnel.loops() == 0)
-            {
-                nearest_distance = distance;
-                nearest.clear();
-                nearest.extend_from_slice(tunnel.steps());
-            }
-            add_candidates(tunnel, b);
-        })
-    }
-
     /// Returns the tunnel that was found.
     pub(super) fn tunnel(&self) -> &[TunnelStep] {
-        self.tunnel.steps()
+        &self.steps
     }
 
-    /// Returns the part of a tunnel that came nearest to another terminal, for a search that found none.
-    pub(super) fn nearest(&self) -> &[TunnelStep] {
-        &self.nearest
+    /// Searches for a tunnel. If none is found, the strips are as before; otherwise they are complemented. Returns `None`, with the strips as
+    /// before, if it takes more accesses than the limit.
+    pub(super) fn find(
+        &mut self,
+        (graph, cover): (&DualGraph, &PathCover),
+        strips: &mut TaggedStrips,
+        terminal: u32,
+        limits: SearchLimits,
+        random: &mut Random,
+        counter: &mut AccessCounter<'_>,
+    ) -> Option<SearchOutcome> {
+        self.steps.clear();
+        self.undo_steps.clear();
+        self.candidates.clear();
+        self.add_candidates((graph, cover), strips, terminal, limits.length, random);
+        let (mut stepped_on, start) = (0, counter.accesses());
+        let outcome = loop {
+            if counter.accesses() - start > limits.accesses {
+                break None;
+            }
+            let Some((depth, step)) = self.candidates.pop().filter(|_| stepped_on < limits.threshold) else {
+                break Some(SearchOutcome::NotFound);
+            };
+            stepped_on += 1;
+            if !counter.count(cover) {
+                break Some(SearchOutcome::Stopped);
+            }
+            self.back_to(depth, graph, strips);
+            let Some(black) = step.black.get() else {
+                strips.end(graph, step.red);
+                self.steps.push(step);
+                break Some(SearchOutcome::Found);
+            };
+            if let (Some(undo), Some(b)) = (strips.step(graph, step), graph.twin_of(black)) {
+                self.steps.push(step);
+                self.undo_steps.push(undo);
+                self.add_candidates((graph, cover), strips, b / 3, limits.length, random);
+            }
+            counter.add(strips.take_accesses());
+        };
+        if outcome != Some(SearchOutcome::Found) {
+            self.back_to(0, graph, strips);
+        }
+        counter.add(strips.take_accesses());
+        outcome
+    }
+
+    /// Undoes the steps after the first `depth`.
+    fn back_to(&mut self, depth: usize, graph: &DualGraph, strips: &mut TaggedStrips) {
+        self.steps.truncate(depth);
+        for undo in self.undo_steps.drain(depth..).rev() {
+            strips.undo(graph, undo);
+        }
+    }
+
+    /// Adds the steps from the tip: an end of the tunnel is tried first, the others in random order.
+    fn add_candidates(
+        &mut self,
+        (graph, cover): (&DualGraph, &PathCover),
+        strips: &TaggedStrips,
+        tip: u32,
+        length: u32,
+        random: &mut Random,
+    ) {
+        self.next.clear();
+        // A path of n steps has 2 n edges, and one more at its end.
+        let edges = 2 * self.steps.len() as u64 + 1;
+        if edges > u64::from(length) {
+            return;
+        }
+        let links = strips.links(tip);
+        let red = (3 * tip..3 * tip + 3)
+            .filter(|&h| !cover.is_linked(HalfEdge(h)) && !links.contains(&Link::Black(h)));
+        for (red, twin) in red.filter_map(|h| Some((h, graph.twin_of(h)?))) {
+            if strips.may_end(tip, twin / 3) {
+                self.candidates.push((self.steps.len(), TunnelStep { red, black: OptionalId::NONE }));
+                return;
+            }
+            if edges + 2 <= u64::from(length) {
+                let links = strips.links(twin / 3);
+                let black = cover.edges(FaceId(twin / 3)).into_iter().flatten();
+                let black = black.filter(|h| links.contains(&Link::Black(h.0)));
+                self.next.extend(black.map(|h| TunnelStep { red, black: OptionalId::some(h.0) }));
+            }
+        }
+        for i in (1..self.next.len()).rev() {
+            self.next.swap(i, random.below(i + 1));
+        }
+        let depth = self.steps.len();
+        self.candidates.extend(self.next.iter().map(|&step| (depth, step)));
     }
 }

@@ -1,193 +1,125 @@
-//! The star of a terminal: the triangles that alternating paths reach, and how far it is from there to a terminal of another strip.
+//! The k-star of a terminal: the triangles at most k steps away, and the strips within it, bridged where they leave it and come back.
 //!
 //! ```text
-//!          11 ╲                  The tip of a tunnel has a distance: that of the shortest alternating path on from it, if there were
-//!   w ┄┄ v ━━ 9 ┄┄ ▪ ━━ 7 ┄ …    no loops. From `w` the way over v leads to tips at distances 9 and 11.
+//!      star │ outside            Between two crossings of the same strip, one temporary edge replaces
+//!   ━━ a ━━━┿━ o ━ o             what lies outside. A strip that ends outside keeps a crossing
+//!      ┊    │      ┃             that has no other: there it neither continues nor ends.
+//!   ━━ c ━━━┿━ o ━ o
 //! ```
-//!
 //! # Complexity
-//! O(star) time; 12 bytes per triangle.
+//! O(star + crossings · log crossings) time; 4 bytes per triangle.
 
-use crate::stripify::tunnel::accesses::AccessCounter;
-use crate::stripify::tunnel::context::{DualArc, SearchContext};
+use super::tagged_strips::{Link, TaggedStrips};
+use crate::cover::PathCover;
+use crate::dual::DualGraph;
+use crate::ids::{FaceId, HalfEdge};
+use crate::stripify::tunnel::path_tags::PathTags;
 
-/// Edges that the star extends beyond the nearest terminal. Tuned on fandisk, cessna and bunny: 0 leaves half as many strips again,
-/// 20 takes a third more time and gains nothing.
-const MARGIN: u32 = 6;
-
-/// The k-star of a terminal. Entries of an earlier star have an older stamp.
+/// The star of the last search.
 #[derive(Debug, Default)]
 pub(super) struct Star {
     stamp: u32,
-    /// The stamp of the star in which each triangle was last reached, over a black edge or as the terminal.
-    reached: Vec<u32>,
-    /// The stamp of the star in which each triangle last had a distance to a terminal, and the distance in edges.
-    distance: Vec<(u32, u32)>,
-    queue: Vec<u32>,
-    terminals: Vec<u32>,
+    /// The stamp of the star in which each triangle last was.
+    stamps: Vec<u32>,
+    triangles: Vec<u32>,
+    crossings: Vec<Crossing>,
+}
+
+/// Where a strip crosses the boundary of a star.
+#[derive(Debug, Clone, Copy)]
+struct Crossing {
+    path: u32,
+    /// The positions of the triangles inside and outside.
+    inside: u32,
+    outside: u32,
+    triangle: u32,
+    /// The half-edge that leads outside.
+    half_edge: u32,
+    /// What replaces it.
+    link: Link,
 }
 
 impl Star {
-    /// Builds the star of a terminal. Returns whether another strip has a terminal in it.
+    /// Finds the star of a terminal, and replaces the links that cross its boundary. Returns the number of accesses to nodes.
     pub(super) fn build(
         &mut self,
-        context: &SearchContext<'_>,
+        (graph, cover, tags): (&DualGraph, &PathCover, &PathTags),
         terminal: u32,
         length: u32,
-        counter: &mut AccessCounter<'_>,
-    ) -> bool {
+        strips: &mut TaggedStrips,
+    ) -> u64 {
+        let last_ring = self.find(graph, cover.len(), terminal, length);
+        self.crossings.clear();
+        for &triangle in &self.triangles[last_ring] {
+            for HalfEdge(half_edge) in cover.edges(FaceId(triangle)).into_iter().flatten() {
+                let Some(twin) = graph.twin_of(half_edge) else { continue };
+                if self.stamps[twin as usize / 3] != self.stamp {
+                    self.crossings.push(Crossing {
+                        path: tags.path(triangle),
+                        inside: tags.position(triangle),
+                        outside: tags.position(twin / 3),
+                        triangle,
+                        half_edge,
+                        link: Link::Outside,
+                    });
+                }
+            }
+        }
+        self.crossings
+            .sort_unstable_by_key(|crossing| (crossing.path, crossing.inside.min(crossing.outside)));
+        for i in 1..self.crossings.len() {
+            let [leaving, back] = [self.crossings[i - 1], self.crossings[i]];
+            if leaving.path == back.path && leaving.inside < leaving.outside && back.outside < back.inside {
+                self.crossings[i - 1].link = Link::Temporary(back.triangle);
+                self.crossings[i].link = Link::Temporary(leaving.triangle);
+            }
+        }
+        for crossing in &self.crossings {
+            strips.replace(crossing.triangle, Link::Black(crossing.half_edge), crossing.link);
+        }
+        (self.triangles.len() + self.crossings.len()) as u64
+    }
+
+    /// Restores the links that cross the boundary.
+    pub(super) fn remove(&self, strips: &mut TaggedStrips) {
+        for crossing in &self.crossings {
+            strips.replace(crossing.triangle, crossing.link, Link::Black(crossing.half_edge));
+        }
+    }
+
+    /// Finds the triangles at most `length` steps away, breadth first. Returns the range of those that are exactly as far.
+    fn find(
+        &mut self,
+        graph: &DualGraph,
+        triangle_count: usize,
+        terminal: u32,
+        length: u32,
+    ) -> std::ops::Range<usize> {
+        self.stamps.resize(triangle_count, 0);
         self.stamp = self.stamp.wrapping_add(1);
         if self.stamp == 0 {
             // After 2³² stars the stamps start again from 1.
-            self.reached.fill(0);
-            self.distance.fill((0, 0));
+            self.stamps.fill(0);
             self.stamp = 1;
         }
-        if self.reached.len() < context.cover.len() {
-            self.reached.resize(context.cover.len(), 0);
-            self.distance.resize(context.cover.len(), (0, 0));
-        }
-        self.expand(context, terminal, length);
-        counter.add(self.queue.len() as u64);
-        self.measure_distances(context);
-        counter.add(self.queue.len() as u64);
-        !self.terminals.is_empty()
-    }
-
-    /// Follows alternating paths from the terminal, breadth first, and collects the terminals of other strips that they reach.
-    fn expand(&mut self, context: &SearchContext<'_>, terminal: u32, mut max_length: u32) {
-        self.queue.clear();
-        self.terminals.clear();
-        self.reach(terminal);
-        let own_path = context.tags.path(terminal);
-        let (mut ring, mut length) = (0..1, 1);
-        while !ring.is_empty() && length <= max_length {
+        self.triangles.clear();
+        self.triangles.push(terminal);
+        self.stamps[terminal as usize] = self.stamp;
+        let mut ring = 0..1;
+        for _ in 0..length {
             for i in ring.clone() {
-                let tip = self.queue[i];
-                for v in context.red_edges(tip).map(DualArc::target) {
-                    if context.is_terminal(v) && context.tags.path(v) != own_path {
-                        self.terminals.push(v);
-                        max_length = max_length.min(length + MARGIN);
-                    }
-                    context.black_edges(v).for_each(|black| self.reach(black.target()));
-                }
-            }
-            ring = ring.end..self.queue.len();
-            length += 2;
-        }
-    }
-
-    fn reach(&mut self, triangle: u32) {
-        if std::mem::replace(&mut self.reached[triangle as usize], self.stamp) != self.stamp {
-            self.queue.push(triangle);
-        }
-    }
-
-    /// Measures the distances from the terminals back, breadth first.
-    fn measure_distances(&mut self, context: &SearchContext<'_>) {
-        self.queue.clear();
-        for i in 0..self.terminals.len() {
-            context.red_edges(self.terminals[i]).for_each(|red| self.set_distance(red.target(), 1));
-        }
-        let mut next = 0;
-        while next < self.queue.len() {
-            let tip = self.queue[next];
-            let distance = self.distance[tip as usize].1 + 2;
-            for black in context.black_edges(tip) {
-                context.red_edges(black.target()).for_each(|red| self.set_distance(red.target(), distance));
-            }
-            next += 1;
-        }
-    }
-
-    /// Sets the distance of a triangle of the star that has none yet.
-    fn set_distance(&mut self, triangle: u32, distance: u32) {
-        let t = triangle as usize;
-        if self.reached[t] == self.stamp && self.distance[t].0 != self.stamp {
-            self.distance[t] = (self.stamp, distance);
-            self.queue.push(triangle);
-        }
-    }
-
-    /// Returns the length of the shortest alternating path on from a triangle that has just been cut off, if there were no loops.
-    pub(super) fn distance(&self, triangle: u32) -> Option<u32> {
-        let (stamp, distance) = self.distance[triangle as usize];
-        (stamp == self.stamp).then_some(distance)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::ids::HalfEdge;
-    use crate::stripify::tunnel::path_tags::PathTags;
-    use crate::stripify::tunnel::tests::graph_and_cover;
-    use proptest::prelude::*;
-
-    /// Computes, by repeated relaxation over all triangles, the edges from the terminal to each triangle over a black edge at last, and from
-    /// each such triangle to a terminal that a path of at most `limit` edges reaches.
-    fn naive_star(
-        context: &SearchContext<'_>,
-        terminal: u32,
-        limit: u32,
-    ) -> (Vec<Option<u32>>, Vec<Option<u32>>) {
-        let n = context.cover.len() as u32;
-        let is_shorter = |old: Option<u32>, new: u32| old.is_none_or(|old| new < old);
-        let (mut out, mut back) = (vec![None; n as usize], vec![None; n as usize]);
-        out[terminal as usize] = Some(0);
-        for _ in 0..2 * n {
-            for (a, red) in (0..n).flat_map(|a| context.red_edges(a).map(move |red| (a as usize, red))) {
-                assert!(!context.cover.is_linked(HalfEdge(red.half_edge)));
-                let v = red.target();
-                for b in context.black_edges(v).map(|black| black.target() as usize) {
-                    if let Some(length) = out[a]
-                        && is_shorter(out[b], length + 2)
-                    {
-                        out[b] = Some(length + 2);
-                    }
-                    if let Some(length) = back[b]
-                        && is_shorter(back[a], length + 2)
-                    {
-                        back[a] = Some(length + 2);
+                let t = self.triangles[i];
+                for neighbour in (3 * t..3 * t + 3).filter_map(|h| Some(graph.twin_of(h)? / 3)) {
+                    if std::mem::replace(&mut self.stamps[neighbour as usize], self.stamp) != self.stamp {
+                        self.triangles.push(neighbour);
                     }
                 }
-                let is_reached = out[a].is_some_and(|length: u32| length < limit);
-                if is_reached && context.is_terminal(v) && context.tags.path(v) != context.tags.path(terminal)
-                {
-                    // Any red edge leads to it from there on.
-                    context.red_edges(v).for_each(|red| back[red.target() as usize] = Some(1));
-                }
+            }
+            ring = ring.end..self.triangles.len();
+            if ring.is_empty() {
+                break;
             }
         }
-        (out, back)
-    }
-
-    proptest! {
-        #[test]
-        fn distances_are_those_of_relaxation((graph, cover) in graph_and_cover(), terminal in any::<u32>(), limit in 1..40_u32) {
-            prop_assume!(!cover.is_empty());
-            let terminal = terminal % cover.len() as u32;
-            let tags = PathTags::new(&graph, &cover);
-            let context = SearchContext { graph: &graph, cover: &cover, tags: &tags };
-            prop_assume!(context.is_terminal(terminal));
-            let mut star = Star::default();
-            // The star ends a few edges beyond the nearest terminal.
-            let (_, back) = naive_star(&context, terminal, limit);
-            let nearest = back[terminal as usize].filter(|&nearest| nearest <= limit);
-            let found = star.build(&context, terminal, limit, &mut AccessCounter::new(&()));
-            prop_assert_eq!(found, nearest.is_some());
-            prop_assert_eq!(star.distance(terminal), nearest);
-            let limit = limit.min(nearest.unwrap_or(limit).saturating_add(MARGIN));
-            let (out, back) = naive_star(&context, terminal, limit);
-            for t in 0..cover.len() {
-                let inside = out[t].is_some_and(|length| length <= limit + 1);
-                prop_assert_eq!(star.reached[t] == star.stamp, inside, "{}", t);
-                if let Some(distance) = star.distance(t as u32) {
-                    prop_assert!(inside && back[t].is_some_and(|back| back <= distance));
-                    let is_within = out[t].is_some_and(|length| length + distance <= limit);
-                    prop_assert!(!is_within || back[t] == Some(distance), "{} {:?} {}", t, back[t], distance);
-                }
-            }
-        }
+        ring
     }
 }

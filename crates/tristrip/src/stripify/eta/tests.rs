@@ -1,41 +1,117 @@
-//! Tests of `eta` over generated graphs and closed grids.
+//! Tests of `eta`: a search that really cuts and links, the star against distances, and runs with and without localization.
+
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use proptest::prelude::*;
-use proptest::strategy::ValueTree;
-use proptest::test_runner::TestRunner;
 
 use super::join;
+use super::star::Star;
+use super::tagged_strips::{Link, TaggedStrips};
 use crate::cover::PathCover;
 use crate::dual::DualGraph;
+use crate::ids::{FaceId, HalfEdge};
 use crate::prepare::PreparedFaces;
 use crate::stripify::sequential::tests::{mesh, polygons};
-use crate::stripify::tunnel::context::{DualArc, SearchContext};
 use crate::stripify::tunnel::path_tags::PathTags;
 use crate::stripify::tunnel::tests::{check_watch, graph_and_cover, torus};
-use crate::stripify::{EtaOptions, Method, Start, StripifyOptions, plan};
+use crate::stripify::watch::{Progress, Watch};
+use crate::stripify::{Acceptance, EtaOptions, Localization, Method, Start, StripifyOptions, plan};
 use crate::verify::verify;
 
-/// Joins isolated triangles.
-fn cover_of(graph: &DualGraph, seed: u64) -> PathCover {
-    let mut cover = PathCover::isolated(graph.face_count());
-    join(graph, &mut cover, EtaOptions::default(), seed, &());
-    assert_eq!(cover.check(graph), Ok(()));
+fn exhaustive(length: u32) -> EtaOptions {
+    EtaOptions::default().with_length(length).with_threshold(u32::MAX)
+}
+
+fn joined(graph: &DualGraph, cover: &PathCover, options: EtaOptions, seed: u64) -> PathCover {
+    let mut cover = cover.clone();
+    join(graph, &mut cover, options, seed, &());
     cover
+}
+
+/// Returns whether a terminal has a tunnel of at most `length` edges no step of which closes a loop, by cutting and linking on the cover itself.
+fn has_tunnel(graph: &DualGraph, cover: &PathCover, length: usize) -> bool {
+    fn follow(
+        graph: &DualGraph,
+        original: &PathCover,
+        cover: &mut PathCover,
+        tip: FaceId,
+        left: usize,
+        used: &mut Vec<HalfEdge>,
+    ) -> bool {
+        for red in graph.half_edges(tip) {
+            let Some(twin) = graph.twin(red) else { continue };
+            if left == 0 || original.is_linked(red) || used.contains(&red) || used.contains(&twin) {
+                continue;
+            }
+            if cover.link(graph, red) {
+                let is_open = cover.check(graph).is_ok();
+                cover.cut(graph, red);
+                if is_open {
+                    return true;
+                }
+            }
+            for black in original.edges(graph.face_of(twin)).into_iter().flatten() {
+                if left < 3 || !cover.is_linked(black) {
+                    continue;
+                }
+                let far = graph.face_of(graph.twin(black).unwrap());
+                cover.cut(graph, black);
+                assert!(cover.link(graph, red));
+                used.push(red);
+                let found = cover.check(graph).is_ok() && follow(graph, original, cover, far, left - 2, used);
+                used.pop();
+                cover.cut(graph, red);
+                assert!(cover.link(graph, black));
+                if found {
+                    return true;
+                }
+            }
+        }
+        false
+    }
+    let mut changed = cover.clone();
+    let mut terminals = (0..cover.len() as u32).map(FaceId).filter(|&t| cover.degree(t) < 2);
+    terminals.any(|t| follow(graph, cover, &mut changed, t, length, &mut Vec::new()))
+}
+
+/// Returns the number of steps from a triangle to each other.
+fn distances(graph: &DualGraph, from: u32) -> Vec<u32> {
+    let mut distances = vec![u32::MAX; graph.face_count()];
+    distances[from as usize] = 0;
+    let mut queue = std::collections::VecDeque::from([from]);
+    while let Some(t) = queue.pop_front() {
+        for v in (3 * t..3 * t + 3).filter_map(|h| Some(graph.twin_of(h)? / 3)) {
+            if distances[v as usize] == u32::MAX {
+                distances[v as usize] = distances[t as usize] + 1;
+                queue.push_back(v);
+            }
+        }
+    }
+    distances
 }
 
 proptest! {
     #[test]
-    fn joins_any_cover((graph, cover) in graph_and_cover(), length in 0..60_u32, seed in any::<u64>()) {
-        let join = |length| {
-            let mut cover = cover.clone();
-            join(&graph, &mut cover, EtaOptions::default().with_length(length), seed, &());
-            cover
-        };
-        let joined = join(length);
-        prop_assert_eq!(joined.check(&graph), Ok(()));
-        prop_assert!(joined.path_count() <= cover.path_count());
-        prop_assert!(joined.path_count() >= graph.components().1);
-        prop_assert_eq!(&joined, &join(length));
+    fn leaves_no_tunnel_without_loops((graph, cover) in graph_and_cover(), half in 0..4_u32, seed in any::<u64>()) {
+        let length = 2 * half + 1;
+        for acceptance in Acceptance::ALL.iter().copied() {
+            let joined = joined(&graph, &cover, exhaustive(length).with_acceptance(acceptance), seed);
+            prop_assert_eq!(joined.check(&graph), Ok(()));
+            prop_assert!((graph.components().1..=cover.path_count()).contains(&joined.path_count()));
+            prop_assert!(!has_tunnel(&graph, &joined, length as usize), "{}", acceptance);
+        }
+    }
+
+    #[test]
+    fn localization_leaves_the_strips_as_they_are((graph, cover) in graph_and_cover(), length in 0..40_u32, seed in any::<u64>()) {
+        for acceptance in Acceptance::ALL.iter().copied() {
+            let options = EtaOptions::default().with_length(length).with_threshold(200).with_acceptance(acceptance);
+            let [local, plain, on_demand] =
+                [Localization::Star, Localization::None, Localization::OnDemand].map(|l| joined(&graph, &cover, options.with_localization(l), seed));
+            prop_assert_eq!(&local, &plain);
+            prop_assert_eq!(&local, &on_demand);
+            prop_assert_eq!(&local, &joined(&graph, &cover, options, seed));
+        }
     }
 
     #[test]
@@ -43,49 +119,79 @@ proptest! {
         let mesh = mesh(&polygons);
         let prepared = PreparedFaces::new(&mesh, false);
         let graph = DualGraph::new(prepared.faces());
-        for start in [Start::Isolated, Start::Input, Start::Sgi, Start::Sequential] {
+        for start in Start::ALL.iter().copied() {
             let method = Method::Eta(EtaOptions::default().with_start(start));
             let options = StripifyOptions::default().with_method(method).with_seed(seed);
             let plan = plan(&prepared, &graph, &options).unwrap();
             prop_assert!(verify(&mesh, &plan.strips()).is_ok(), "{:?}", start);
         }
     }
-}
 
-/// The inputs are fixed, because terminals that move in the last passes may leave such a pair.
-#[test]
-fn leaves_no_terminals_of_two_strips_side_by_side() {
-    let mut runner = TestRunner::deterministic();
-    let mut pair_count = 0;
-    for _ in 0..200 {
-        let inputs = (graph_and_cover(), 1..60_u32, any::<u64>());
-        let ((graph, mut cover), length, seed) = inputs.new_tree(&mut runner).unwrap().current();
-        join(&graph, &mut cover, EtaOptions::default().with_length(length), seed, &());
+    /// Within the star every strip keeps the order of its triangles, and continues where it comes back.
+    #[test]
+    fn temporary_edges_bridge_what_lies_outside((graph, cover) in graph_and_cover(), length in 0..6_u32, at in any::<prop::sample::Index>()) {
+        prop_assume!(!cover.is_empty());
+        let terminal = at.index(cover.len()) as u32;
         let tags = PathTags::new(&graph, &cover);
-        let context = SearchContext { graph: &graph, cover: &cover, tags: &tags };
-        for t in (0..cover.len() as u32).filter(|&t| context.is_terminal(t)) {
-            for v in context.red_edges(t).map(DualArc::target).filter(|&v| context.is_terminal(v)) {
-                assert_eq!(tags.path(v), tags.path(t), "{t} {v}");
-                pair_count += 1;
-            }
+        let mut strips = TaggedStrips::new(&cover, &tags);
+        let before: Vec<_> = (0..cover.len() as u32).map(|t| strips.links(t)).collect();
+        let mut star = Star::default();
+        star.build((&graph, &cover, &tags), terminal, length, &mut strips);
+        let distances = distances(&graph, terminal);
+        let is_inside = |t: u32| distances[t as usize] <= length;
+        let mut inside: Vec<u32> = (0..cover.len() as u32).filter(|&t| is_inside(t)).collect();
+        inside.sort_by_key(|&t| (tags.path(t), tags.position(t)));
+        for pair in inside.windows(2) {
+            let [a, b] = [pair[0], pair[1]];
+            let is_joined = |a: u32, b: u32| strips.links(a).into_iter().any(|link| match link {
+                Link::Black(h) => graph.twin_of(h).is_some_and(|twin| twin / 3 == b),
+                Link::Temporary(other) => other == b,
+                Link::Free | Link::Outside => false,
+            });
+            prop_assert_eq!(is_joined(a, b), tags.path(a) == tags.path(b));
+            prop_assert_eq!(is_joined(b, a), tags.path(a) == tags.path(b));
+        }
+        star.remove(&mut strips);
+        for (t, links) in before.iter().enumerate() {
+            let after = strips.links(t as u32);
+            prop_assert!(links.iter().all(|link| after.contains(link)), "{} {:?} {:?}", t, links, after);
         }
     }
-    assert!(pair_count > 100, "{pair_count}");
 }
 
 #[test]
-fn makes_one_strip_of_a_closed_grid() {
-    let graph = torus(90, 60);
-    for seed in 0..4 {
-        assert_eq!(cover_of(&graph, seed).path_count(), 1, "{seed}");
+fn makes_few_strips_of_a_closed_grid() {
+    let graph = torus(60, 40);
+    let isolated = PathCover::isolated(graph.face_count());
+    let covers = [1, 1, 2].map(|seed| joined(&graph, &isolated, EtaOptions::default(), seed));
+    assert!(covers[0] == covers[1] && covers[0] != covers[2], "the seed decides");
+    assert!(covers.iter().all(|cover| cover.path_count() <= 3), "{:?}", covers.map(|c| c.path_count()));
+}
+
+/// Localization is what makes the accesses of a search independent of the lengths of strips.
+#[test]
+fn localization_saves_accesses_where_strips_are_long() {
+    #[derive(Default)]
+    struct Accesses(AtomicU64, AtomicU64);
+    impl Watch for Accesses {
+        fn go_on(&self, _: Progress) -> bool {
+            true
+        }
+        fn search_ended(&self, accesses: u64, has_found: bool) {
+            self.0.fetch_add(accesses, Ordering::Relaxed);
+            self.1.fetch_add(u64::from(has_found), Ordering::Relaxed);
+        }
     }
-}
-
-#[test]
-fn the_seed_decides() {
-    let graph = torus(30, 20);
-    let covers = [1, 1, 2].map(|seed| cover_of(&graph, seed));
-    assert!(covers[0] == covers[1] && covers[0] != covers[2]);
+    let graph = torus(120, 80);
+    let options = EtaOptions::default().with_length(19);
+    let [local, plain] = [Localization::Star, Localization::None].map(|localization| {
+        let accesses = Accesses::default();
+        let mut cover = PathCover::isolated(graph.face_count());
+        join(&graph, &mut cover, options.with_localization(localization), 7, &accesses);
+        assert_eq!(accesses.1.into_inner(), (cover.len() - cover.path_count()) as u64);
+        accesses.0.into_inner()
+    });
+    assert!(2 * local < plain, "{local} {plain}");
 }
 
 #[test]

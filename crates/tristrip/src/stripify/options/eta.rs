@@ -1,5 +1,6 @@
 //! The options of the enhanced tunnelling algorithm.
 
+use super::Start;
 use crate::names::names;
 
 /// The options of [`Method::Eta`](super::Method::Eta).
@@ -20,33 +21,47 @@ pub struct EtaOptions {
     length: u32,
     threshold: u32,
     start: Start,
+    acceptance: Acceptance,
+    localization: Localization,
 }
 
-/// The initial strips of [`Method::Eta`](super::Method::Eta).
+/// Which tunnels [`Method::Eta`](super::Method::Eta) accepts (Porcu and Scateni 2006, section 5).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum Start {
-    /// Isolated triangles.
-    Isolated,
-    /// The strips of [`Method::Input`](super::Method::Input). The paper starts from strips of a first phase that it does not name; from these strips, the
-    /// misses per triangle are within 0.02 of the paper's on all six available models of its tables.
-    Input,
-    /// The strips of [`Method::Sgi`](super::Method::Sgi).
-    Sgi,
-    /// The strips of [`Method::Sequential`](super::Method::Sequential), which lead to the fewest strips and swaps in the shortest time: 446 strips for
-    /// dragon, compared with 461 from isolated triangles.
+pub enum Acceptance {
+    /// Every tunnel up to the maximum length, as it is found.
     #[default]
-    Sequential,
+    DepthFirst,
+    /// Tunnels of length 1, 3, 5 …: the next length when no terminal has a tunnel of the last.
+    BreadthFirst,
+}
+
+/// How far [`Method::Eta`](super::Method::Eta) writes identifiers (Porcu and Scateni 2006, section 4.1).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Localization {
+    /// Within the star of the terminal; to the ends of the strips when a tunnel is found.
+    Star,
+    /// The same, but a star is found only when a search without it has become long. The strips are the same, in less time.
+    #[default]
+    OnDemand,
+    /// To the ends of the strips, at every step of a search.
+    None,
 }
 
 names! {
-    "tristrip::stripify::Start", Start, "start",
-    Isolated => "isolated", "One strip per triangle";
-    Input => "input", "The strips of input";
-    Sgi => "sgi", "The strips of sgi";
-    Sequential => "sequential", "The strips of sequential";
+    "tristrip::stripify::Acceptance", Acceptance, "acceptance",
+    DepthFirst => "depth-first", "Every tunnel up to the maximum length, as it is found";
+    BreadthFirst => "breadth-first", "Shorter tunnels first, over the whole mesh";
 }
 
-/// Tunnels of up to 1000 edges, 512 node accesses per search, starting from the strips of `sequential`.
+names! {
+    "tristrip::stripify::Localization", Localization, "localization",
+    Star => "star", "Identifiers are written within the star of a search";
+    OnDemand => "on-demand", "The same; a star is found when a search becomes long";
+    None => "none", "Identifiers are written to the ends of the strips";
+}
+
+/// Tunnels of up to 199 edges, 1000 node accesses per search, every tunnel accepted, stars on demand, from the strips of `input`. The paper
+/// names no defaults; 200 is the only length in its text (section 6.1).
 impl Default for EtaOptions {
     fn default() -> Self {
         Self::DEFAULT
@@ -54,9 +69,15 @@ impl Default for EtaOptions {
 }
 
 impl EtaOptions {
-    pub(super) const DEFAULT: Self = Self { length: 1000, threshold: 512, start: Start::Sequential };
+    pub(super) const DEFAULT: Self = Self {
+        length: 199,
+        threshold: 1000,
+        start: Start::Input,
+        acceptance: Acceptance::DepthFirst,
+        localization: Localization::OnDemand,
+    };
 
-    /// Sets the maximum length of a tunnel, in edges.
+    /// Sets the maximum length of a tunnel, in edges: the k of the paper.
     ///
     /// ```
     #[doc = include_str!("../example.txt")]
@@ -64,7 +85,7 @@ impl EtaOptions {
     ///     let eta = EtaOptions::default().with_start(Start::Isolated).with_length(length);
     ///     stripify_indices_with(&grid, 289, &StripifyOptions::default().with_method(Method::Eta(eta)))
     /// };
-    /// assert!(strips(9)?.len() < strips(3)?.len() && strips(3)?.len() < strips(1)?.len());
+    /// assert!(strips(9)?.len() < strips(1)?.len());
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     #[must_use]
@@ -73,7 +94,7 @@ impl EtaOptions {
         self
     }
 
-    /// Sets the maximum number of node accesses of a search from one path end.
+    /// Sets the maximum number of triangles that the paths of a search step on: the access threshold of section 4.2.
     ///
     /// ```
     #[doc = include_str!("../example.txt")]
@@ -81,7 +102,7 @@ impl EtaOptions {
     ///     let eta = EtaOptions::default().with_start(Start::Isolated).with_threshold(threshold);
     ///     stripify_indices_with(&grid, 289, &StripifyOptions::default().with_method(Method::Eta(eta)))
     /// };
-    /// assert!(strips(512)?.len() < strips(1)?.len());
+    /// assert!(strips(1000)?.len() < strips(1)?.len());
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     #[must_use]
@@ -108,23 +129,55 @@ impl EtaOptions {
         self
     }
 
+    /// Sets which tunnels are accepted.
+    ///
+    /// ```
+    #[doc = include_str!("../example.txt")]
+    /// let strips = |acceptance| {
+    ///     let eta = EtaOptions::default().with_length(9).with_start(Start::Isolated).with_acceptance(acceptance);
+    ///     stripify_indices_with(&grid, 289, &StripifyOptions::default().with_method(Method::Eta(eta)))
+    /// };
+    /// assert_ne!(strips(Acceptance::DepthFirst)?, strips(Acceptance::BreadthFirst)?);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    #[must_use]
+    pub fn with_acceptance(mut self, acceptance: Acceptance) -> Self {
+        self.acceptance = acceptance;
+        self
+    }
+
+    /// Sets how far identifiers are written. The strips are the same.
+    ///
+    /// ```
+    #[doc = include_str!("../example.txt")]
+    /// let strips = |localization| {
+    ///     let eta = EtaOptions::default().with_length(9).with_localization(localization);
+    ///     stripify_indices_with(&grid, 289, &StripifyOptions::default().with_method(Method::Eta(eta)))
+    /// };
+    /// assert_eq!(strips(Localization::OnDemand)?, strips(Localization::None)?);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    #[must_use]
+    pub fn with_localization(mut self, localization: Localization) -> Self {
+        self.localization = localization;
+        self
+    }
+
     /// Returns the maximum length of a tunnel, in edges.
     ///
     /// ```
     /// use tristrip::stripify::EtaOptions;
-    /// assert_eq!(EtaOptions::default().length(), 1000);
-    /// assert_eq!(EtaOptions::default().with_length(9).length(), 9);
+    /// assert_eq!(EtaOptions::default().length(), 199);
     /// ```
     pub fn length(&self) -> u32 {
         self.length
     }
 
-    /// Returns the maximum number of node accesses of a search from one path end.
+    /// Returns the maximum number of triangles that the paths of a search step on.
     ///
     /// ```
     /// use tristrip::stripify::EtaOptions;
-    /// assert_eq!(EtaOptions::default().threshold(), 512);
-    /// assert_eq!(EtaOptions::default().with_threshold(64).threshold(), 64);
+    /// assert_eq!(EtaOptions::default().threshold(), 1000);
     /// ```
     pub fn threshold(&self) -> u32 {
         self.threshold
@@ -134,10 +187,29 @@ impl EtaOptions {
     ///
     /// ```
     /// use tristrip::stripify::{EtaOptions, Start};
-    /// assert_eq!(EtaOptions::default().start(), Start::Sequential);
-    /// assert_eq!(EtaOptions::default().with_start(Start::Sgi).start().name(), "sgi");
+    /// assert_eq!(EtaOptions::default().start(), Start::Input);
     /// ```
     pub fn start(&self) -> Start {
         self.start
+    }
+
+    /// Returns which tunnels are accepted.
+    ///
+    /// ```
+    /// use tristrip::stripify::{Acceptance, EtaOptions};
+    /// assert_eq!(EtaOptions::default().acceptance(), Acceptance::DepthFirst);
+    /// ```
+    pub fn acceptance(&self) -> Acceptance {
+        self.acceptance
+    }
+
+    /// Returns how far identifiers are written.
+    ///
+    /// ```
+    /// use tristrip::stripify::{EtaOptions, Localization};
+    /// assert_eq!(EtaOptions::default().localization(), Localization::OnDemand);
+    /// ```
+    pub fn localization(&self) -> Localization {
+        self.localization
     }
 }

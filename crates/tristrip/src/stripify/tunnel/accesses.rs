@@ -31,6 +31,16 @@ impl<'a> AccessCounter<'a> {
         Self { accesses: 0, next_check: WATCH_INTERVAL, watch }
     }
 
+    /// Returns the accesses so far.
+    pub(in crate::stripify) fn accesses(&self) -> u64 {
+        self.accesses
+    }
+
+    /// Reports to the watch that a search has ended that began at this count.
+    pub(in crate::stripify) fn end_search(&self, start: u64, has_found: bool) {
+        self.watch.search_ended(self.accesses - start, has_found);
+    }
+
     /// Adds accesses without asking the watch.
     #[inline]
     pub(in crate::stripify) fn add(&mut self, accesses: u64) {

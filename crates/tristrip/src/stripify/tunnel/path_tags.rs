@@ -102,6 +102,11 @@ impl PathTags {
         self.position[triangle as usize].wrapping_sub(self.starts[self.path(triangle) as usize])
     }
 
+    /// Returns the first triangle of a path.
+    pub(in crate::stripify) fn first(&self, path: u32) -> Option<u32> {
+        self.ends[path as usize][0].get()
+    }
+
     /// Returns the position of a path's last triangle.
     #[inline]
     pub(super) fn last_position(&self, path: u32) -> u32 {
@@ -269,7 +274,7 @@ impl PathTags {
 }
 
 /// Cuts the black edges of a tunnel and links its red ones.
-fn complement_links(graph: &DualGraph, cover: &mut PathCover, tunnel: &[TunnelStep]) {
+pub(in crate::stripify) fn complement_links(graph: &DualGraph, cover: &mut PathCover, tunnel: &[TunnelStep]) {
     for black in tunnel.iter().filter_map(|step| step.black.get()) {
         if let Some(twin) = graph.twin_of(black) {
             cover.cut_unchecked(black, twin);

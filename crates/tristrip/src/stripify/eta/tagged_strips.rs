@@ -1,0 +1,202 @@
+//! Strips as a search of `eta` sees them: the links of each triangle, and its identifier, rewritten node by node.
+//!
+//! ```text
+//!   ┄┄ v ━━ b        the step to b cuts v from b, and writes the tip's identifier on v and on what is beyond it
+//!      ┃
+//! ```
+//! # Complexity
+//! 20 bytes per triangle. A step takes time linear in the part of the strip that it writes on.
+
+use crate::cover::PathCover;
+use crate::dual::DualGraph;
+use crate::ids::{FaceId, HalfEdge};
+use crate::stripify::tunnel::path_tags::{PathTags, TunnelStep};
+
+/// What a side of a triangle is linked with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Link {
+    /// Nothing: the triangle is the end of a strip there.
+    Free,
+    /// The rest of the strip, which ends outside the star.
+    Outside,
+    /// The triangle across a half-edge.
+    Black(u32),
+    /// A triangle at which the strip comes back into the star.
+    Temporary(u32),
+}
+
+/// The links and the identifiers of triangles.
+#[derive(Debug)]
+pub(super) struct TaggedStrips {
+    links: Vec<[Link; 2]>,
+    tags: Vec<u32>,
+    /// Triangles accessed by writing identifiers and by following strips, since the last call of [`Self::take_accesses`].
+    accesses: u64,
+}
+
+/// What undoes a step.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct UndoStep {
+    step: TunnelStep,
+    /// The identifier of the part that the step linked with the tip.
+    tag: u32,
+}
+
+impl TaggedStrips {
+    /// Enters the strips of a cover, each with the number of its path as its identifier.
+    pub(super) fn new(cover: &PathCover, tags: &PathTags) -> Self {
+        let triangles = 0..cover.len() as u32;
+        let link = |edge: Option<HalfEdge>| edge.map_or(Link::Free, |h| Link::Black(h.0));
+        Self {
+            links: triangles.clone().map(|t| cover.edges(FaceId(t)).map(link)).collect(),
+            tags: triangles.map(|t| tags.path(t)).collect(),
+            accesses: 0,
+        }
+    }
+
+    /// Replaces one link of a triangle by another.
+    pub(super) fn replace(&mut self, triangle: u32, old: Link, new: Link) {
+        let links = &mut self.links[triangle as usize];
+        if let Some(link) = links.iter_mut().find(|link| **link == old) {
+            *link = new;
+        }
+    }
+
+    /// Returns the links of a triangle.
+    #[inline]
+    pub(super) fn links(&self, triangle: u32) -> [Link; 2] {
+        self.links[triangle as usize]
+    }
+
+    /// Returns whether a tunnel may end with a red edge between these: whether the second is the end of another strip.
+    #[inline]
+    pub(super) fn may_end(&self, tip: u32, x: u32) -> bool {
+        self.links(x).contains(&Link::Free) && self.tags[x as usize] != self.tags[tip as usize]
+    }
+
+    /// Returns the number of triangles accessed since the last call.
+    pub(super) fn take_accesses(&mut self) -> u64 {
+        std::mem::take(&mut self.accesses)
+    }
+
+    /// Cuts `v` from `b`, its neighbour on its strip, links it with the tip, and writes identifiers. Returns `None`, and changes nothing, if
+    /// that would close a loop.
+    pub(super) fn step(&mut self, graph: &DualGraph, step: TunnelStep) -> Option<UndoStep> {
+        let (tip, v) = (step.red / 3, graph.twin_of(step.red)? / 3);
+        let black = step.black.get()?;
+        let (tag, tip_tag) = (self.tags[v as usize], self.tags[tip as usize]);
+        self.cut(graph, black);
+        if tag == tip_tag {
+            // Both are on one strip: no loop if the cut parts them.
+            if self.leads_to(graph, v, tip) {
+                self.link(graph, black);
+                return None;
+            }
+        } else {
+            self.write(graph, v, tip_tag);
+        }
+        self.link(graph, step.red);
+        Some(UndoStep { step, tag })
+    }
+
+    /// Undoes a step.
+    pub(super) fn undo(&mut self, graph: &DualGraph, UndoStep { step, tag }: UndoStep) {
+        let (Some(twin), Some(black)) = (graph.twin_of(step.red), step.black.get()) else { return };
+        self.cut(graph, step.red);
+        if self.tags[twin as usize / 3] != tag {
+            self.write(graph, twin / 3, tag);
+        }
+        self.link(graph, black);
+    }
+
+    /// Links the tip with the end of another strip, and writes the tip's identifier on that.
+    pub(super) fn end(&mut self, graph: &DualGraph, red: u32) {
+        let Some(twin) = graph.twin_of(red) else { return };
+        self.write(graph, twin / 3, self.tags[red as usize / 3]);
+        self.link(graph, red);
+    }
+
+    /// Writes the identifiers of the strips that a tunnel has changed, from end to end.
+    pub(super) fn write_changed(&mut self, graph: &DualGraph, tags: &PathTags, tunnel: &[TunnelStep]) {
+        let mut paths: Vec<u32> = tunnel.iter().map(|step| tags.path(step.red / 3)).collect();
+        paths.sort_unstable();
+        paths.dedup();
+        for path in paths {
+            if let Some(first) = tags.first(path) {
+                self.write(graph, first, path);
+            }
+        }
+    }
+
+    fn cut(&mut self, graph: &DualGraph, half_edge: u32) {
+        let Some(twin) = graph.twin_of(half_edge) else { return };
+        for h in [half_edge, twin] {
+            self.replace(h / 3, Link::Black(h), Link::Free);
+        }
+    }
+
+    fn link(&mut self, graph: &DualGraph, half_edge: u32) {
+        let Some(twin) = graph.twin_of(half_edge) else { return };
+        for h in [half_edge, twin] {
+            self.replace(h / 3, Link::Free, Link::Black(h));
+        }
+    }
+
+    /// Writes an identifier on every triangle of a strip, from one of its ends on.
+    fn write(&mut self, graph: &DualGraph, end: u32, tag: u32) {
+        let mut at = StripPosition::at_end(end);
+        loop {
+            self.tags[at.triangle as usize] = tag;
+            self.accesses += 1;
+            match self.next(graph, at) {
+                Some(next) => at = next,
+                None => return,
+            }
+        }
+    }
+
+    /// Returns whether a triangle is on the strip that has this end.
+    fn leads_to(&mut self, graph: &DualGraph, end: u32, triangle: u32) -> bool {
+        let mut at = StripPosition::at_end(end);
+        loop {
+            self.accesses += 1;
+            if at.triangle == triangle {
+                return true;
+            }
+            match self.next(graph, at) {
+                Some(next) => at = next,
+                None => return false,
+            }
+        }
+    }
+
+    /// Returns the next position on a strip, if there is one within the star.
+    #[inline]
+    fn next(&self, graph: &DualGraph, at: StripPosition) -> Option<StripPosition> {
+        let [first, second] = self.links(at.triangle);
+        match if first == at.back { second } else { first } {
+            Link::Black(h) => {
+                let twin = graph.twin_of(h)?;
+                Some(StripPosition { triangle: twin / 3, back: Link::Black(twin) })
+            }
+            Link::Temporary(next) => {
+                Some(StripPosition { triangle: next, back: Link::Temporary(at.triangle) })
+            }
+            Link::Free | Link::Outside => None,
+        }
+    }
+}
+
+/// A position on a strip: a triangle, and the link over which it was reached.
+#[derive(Debug, Clone, Copy)]
+struct StripPosition {
+    triangle: u32,
+    back: Link,
+}
+
+impl StripPosition {
+    /// Returns the position at an end of a strip, which has one link at most.
+    fn at_end(triangle: u32) -> Self {
+        Self { triangle, back: Link::Free }
+    }
+}

@@ -1,0 +1,186 @@
+//! `guided-tunnels`: tunnels of hundreds of edges, each searched for toward the nearest end of another strip, and ends that move.
+//!
+//! It is what we made of the enhanced tunnelling algorithm ([`eta`](super::eta)), and leaves fewer strips in less time.
+//!
+//! # Algorithm
+//! See [`tunnel`](super::tunnel) for the terms.
+//!
+//! 1. *The length k* grows, 3, 7, 15 …; a length is repeated while it joins many strips.
+//! 2. *A terminal*, in random order.
+//! 3. *Its star*: the triangles that alternating paths of k edges from it reach, and of these the distances, along alternating
+//!    paths, to the terminals of other strips. It ends a few steps beyond the nearest terminal. No terminal, no search.
+//! 4. *A search*, depth first: at each step the path of the least distance first, of equals a random one. It ends after a given number of
+//!    accesses to nodes. It writes no identifiers: a part of a strip is an interval of positions, whether it lies in the star or not.
+//! 5. *Complement*, if a tunnel was found; identifiers are written only then.
+//!
+//! When lengths of some dozens find few tunnels, the maximum length is used, and terminals *move*: of a search that fails, the part that
+//! came nearest to another terminal is complemented, which makes a triangle there the terminal in place of the first, with the same
+//! number of strips. It ends when that has found nothing for a while, or when no star contains a terminal of another strip.
+//!
+//! ```text
+//!   w ┄┄ v ━━ b ┄ … ┄ x        w ━━ v    b ┄ … ┄ x        b is the new terminal, and nearer to x
+//! ```
+//! A loop may be closed if the path opens it again later, one at a time. Within one long strip the rule of `eta` against loops leaves a
+//! single path at each step, and nothing to search: with that rule horse stays at 2 to 7 strips, without it it ends with 1.
+//!
+//! # References
+//! Porcu, Scateni: *Partitioning Meshes into Strips using the Enhanced Tunnelling Algorithm (ETA)*, 2006; Pósa: *Hamiltonian
+//! circuits in random graphs*, 1976 (moving an end).
+//!
+//! # Complexity
+//! A search takes O(star + threshold · length) time. At most 36 bytes per
+//! triangle, beside the cover and the dual graph.
+
+mod search;
+mod star;
+#[cfg(test)]
+mod tests;
+
+use super::tunnel::accesses::{AccessCounter, SearchOutcome};
+use super::tunnel::context::SearchContext;
+use super::tunnel::initial_strips;
+use super::tunnel::path_tags::PathTags;
+use super::watch::Watch;
+use super::{StripPlan, TunnelOptions};
+use crate::cover::PathCover;
+use crate::dual::DualGraph;
+use crate::ids::FaceId;
+use crate::prepare::PreparedFaces;
+use crate::random::Random;
+use search::{GuidedSearch, TunnelLimits};
+use star::Star;
+
+/// A length is repeated if it joined at least one strip in this many.
+const REPEAT_SHARE: usize = 20;
+/// The length after which terminals move, and all lengths are tried at once. Tuned on bunny and dragon: a greater one leaves more strips.
+const MOVING_LENGTH: u32 = 63;
+/// Passes that move terminals and join nothing, after which the search ends. Tuned on horse: 20 leave it at 3 strips for one seed
+/// in twelve.
+const MAX_FRUITLESS_PASSES: u32 = 40;
+/// Of these, one in this many starts with all terminals, the others with those that had a terminal of another strip in their star.
+const FULL_PASS_INTERVAL: u32 = 5;
+/// Loops that may be closed at a time while terminals move; before, none. Tuned on bunny and horse: two lead away from tunnels.
+const MAX_LOOPS: u32 = 1;
+
+/// Plans strips by guided tunnels. The triangulation is that of the strips that it starts from.
+pub(super) fn plan<'a>(
+    prepared: &'a PreparedFaces<'_>,
+    graph: &'a DualGraph,
+    options: TunnelOptions,
+    seed: u64,
+    watch: &dyn Watch,
+) -> StripPlan<'a> {
+    let mut plan = initial_strips(prepared, graph, options.start());
+    join(plan.triangulation.graph(), &mut plan.cover, options, seed, watch);
+    plan
+}
+
+/// Joins paths of a cover until no more tunnels are found or the watch stops it.
+pub(super) fn join(
+    graph: &DualGraph,
+    cover: &mut PathCover,
+    options: TunnelOptions,
+    seed: u64,
+    watch: &dyn Watch,
+) {
+    let mut counter = AccessCounter::new(watch);
+    let min_path_count = graph.components().1;
+    let mut state = GuidedTunnels {
+        tags: PathTags::new(graph, cover),
+        star: Star::default(),
+        search: GuidedSearch::default(),
+        random: Random::new(seed),
+        graph,
+        cover,
+    };
+    let mut length = options.length().min(3);
+    let (mut is_moving, mut fruitless_passes) = (false, 0);
+    let mut terminals = Vec::new();
+    while state.cover.path_count() > min_path_count && fruitless_passes < MAX_FRUITLESS_PASSES {
+        let before = state.cover.path_count();
+        let is_full = fruitless_passes % FULL_PASS_INTERVAL == 0;
+        if is_full {
+            state.find_terminals(&mut terminals);
+        }
+        let max_loops = if is_moving { MAX_LOOPS } else { 0 };
+        let limits = TunnelLimits { length, accesses: options.threshold(), loops: max_loops };
+        if !state.pass(&mut terminals, limits, is_moving, &mut counter) {
+            return;
+        }
+        let found = before - state.cover.path_count();
+        if is_moving {
+            fruitless_passes = if found == 0 { fruitless_passes + 1 } else { 1 };
+            if is_full && terminals.is_empty() {
+                return;
+            }
+        } else if REPEAT_SHARE * found < before {
+            is_moving = length >= options.length().min(MOVING_LENGTH);
+            length = if is_moving { options.length() } else { (2 * length + 1).min(options.length()) };
+        }
+    }
+}
+
+/// The state of the method.
+struct GuidedTunnels<'a> {
+    graph: &'a DualGraph,
+    cover: &'a mut PathCover,
+    tags: PathTags,
+    star: Star,
+    search: GuidedSearch,
+    random: Random,
+}
+
+impl GuidedTunnels<'_> {
+    /// Finds the terminals.
+    fn find_terminals(&self, terminals: &mut Vec<u32>) {
+        terminals.clear();
+        terminals.extend((0..self.cover.len() as u32).filter(|&t| self.cover.degree(FaceId(t)) < 2));
+    }
+
+    /// Searches from every terminal, repeatedly where it finds a tunnel, and keeps the terminals that might find one in another pass.
+    /// Returns whether to continue.
+    fn pass(
+        &mut self,
+        terminals: &mut Vec<u32>,
+        limits: TunnelLimits,
+        is_moving: bool,
+        counter: &mut AccessCounter<'_>,
+    ) -> bool {
+        for i in (1..terminals.len()).rev() {
+            terminals.swap(i, self.random.below(i + 1));
+        }
+        let mut kept = 0;
+        for i in 0..terminals.len() {
+            let mut terminal = terminals[i];
+            while self.cover.degree(FaceId(terminal)) < 2 {
+                let context = SearchContext { graph: self.graph, cover: self.cover, tags: &self.tags };
+                if !self.star.build(&context, terminal, limits.length, counter) {
+                    break;
+                }
+                match self.search.find(&context, &self.star, terminal, limits, &mut self.random, counter) {
+                    SearchOutcome::Stopped => return false,
+                    SearchOutcome::Found => {
+                        self.tags.complement(self.graph, self.cover, self.search.tunnel());
+                    }
+                    SearchOutcome::NotFound => {
+                        if is_moving {
+                            let nearest = self.search.nearest();
+                            self.tags.complement(self.graph, self.cover, nearest);
+                            let black = nearest.last().and_then(|step| step.black.get());
+                            terminal =
+                                black.and_then(|h| self.graph.twin_of(h)).map_or(terminal, |twin| twin / 3);
+                        }
+                        terminals[kept] = terminal;
+                        kept += 1;
+                        break;
+                    }
+                }
+            }
+            if !counter.may_continue(self.cover) {
+                return false;
+            }
+        }
+        terminals.truncate(kept);
+        true
+    }
+}
