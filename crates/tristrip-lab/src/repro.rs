@@ -17,6 +17,7 @@ mod observer;
 mod page;
 mod paper;
 mod paper_report;
+mod printed;
 mod recipe;
 mod runner;
 mod statistics;

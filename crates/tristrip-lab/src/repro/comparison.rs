@@ -2,10 +2,12 @@
 
 use super::identity::{Identity, identify};
 use super::paper::{Claim, Expects, Paper, PublishedColumn, PublishedRow, PublishedTable, Quantity};
-use super::paper_report::{CellReport, ChartReport, ClaimReport, PaperReport, RowReport, TableReport};
+use super::paper_report::{
+    BesideReport, CellReport, ChartReport, ClaimReport, PaperReport, RowReport, TableReport,
+};
 use super::recipe::Recipe;
 use super::runner::Runner;
-use super::statistics;
+use super::statistics::{self, Computed};
 use super::verdict::{Verdict, rounded, row_verdict};
 
 /// Requests the measurements of a paper's tables and claims.
@@ -22,7 +24,12 @@ pub(super) fn request(paper: &Paper, runner: &mut Runner) {
             }
         }
     }
-    paper.claims.iter().for_each(|claim| statistics::request(&claim.statistic, paper, runner));
+    for claim in &paper.claims {
+        statistics::request(&claim.statistic, None, paper, runner);
+        if claim.beside.is_some() {
+            statistics::request(&claim.statistic, claim.beside, paper, runner);
+        }
+    }
 }
 
 fn recipe(quantity: &Quantity) -> Option<Recipe> {
@@ -74,7 +81,9 @@ fn compare_row(row: &PublishedRow, columns: &[PublishedColumn], runner: &Runner)
             verdict,
         });
     }
+    let is_measurable = columns.iter().any(|column| !matches!(column.quantity, Quantity::Unmeasured));
     let verdict = match &identity {
+        _ if !is_measurable => Verdict::NotMeasured.to_string(),
         Identity::Missing => Verdict::NotAvailable.to_string(),
         Identity::StandIn { name, .. } => Verdict::StandIn(name.clone()).to_string(),
         Identity::Same { .. } => {
@@ -119,11 +128,12 @@ fn measured_values(row: &PublishedRow, columns: &[PublishedColumn], runner: &Run
 }
 
 fn compare_claim(claim: &Claim, paper: &Paper, runner: &Runner) -> ClaimReport {
-    let measured = statistics::compute(&claim.statistic, paper, runner);
-    let published = claim.published(paper);
+    let measured = statistics::compute(&claim.statistic, None, paper, runner);
+    let beside = claim.beside.and_then(|set| statistics::compute(&claim.statistic, Some(set), paper, runner));
+    let published = claim.number(paper);
     let criteria = (claim.better, claim.tolerance, claim.digits);
     let verdict = match measured {
-        Some((measured, _)) => Verdict::of_claim(published, measured, claim.expects, criteria),
+        Some(Computed { value, .. }) => Verdict::of_claim(published, value, claim.expects, criteria),
         None => Verdict::NotAvailable,
     };
     ClaimReport {
@@ -136,8 +146,16 @@ fn compare_claim(claim: &Claim, paper: &Paper, runner: &Runner) -> ClaimReport {
             Expects::AtMost => "at most",
         },
         published,
-        measured: measured.map(|(value, _)| rounded(value, 6)),
-        models: measured.map_or(0, |(_, models)| models),
+        tolerance: (claim.expects == Expects::About).then_some(claim.tolerance),
+        is_our_bar: claim.is_our_bar,
+        measured: measured.map(|measured| rounded(measured.value, 6)),
+        models: measured.map_or(0, |measured| measured.models),
+        stand_ins: measured.map_or(0, |measured| measured.stand_ins),
+        beside: beside.map(|beside| BesideReport {
+            measured: rounded(beside.value, 6),
+            models: beside.models,
+            stand_ins: beside.stand_ins,
+        }),
         verdict,
         digits: claim.digits,
     }

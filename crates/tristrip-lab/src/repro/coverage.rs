@@ -29,9 +29,9 @@ impl Coverage {
             let Some(cells) = line.strip_prefix("| ").filter(|_| !in_head) else { continue };
             let cells: Vec<&str> = cells.split(" | ").collect();
             let [first, second, ..] = cells[..] else { continue };
-            let claimed = cells.get(CLAIM_MODELS).filter(|_| section == CLAIMS);
+            let claimed = cells.get(CLAIM_MODELS..).filter(|_| section == CLAIMS);
             let (row, models) = match claimed {
-                Some(models) => (format!("{first}: {second}"), models.parse().unwrap_or(0)),
+                Some(cells) => (format!("{first}: {second}"), most_models(cells)),
                 None => (first.to_owned(), usize::from(second != UNMEASURED)),
             };
             let most: &mut usize = rows.entry(format!("{section}, {row}")).or_default();
@@ -50,6 +50,12 @@ impl Coverage {
         let more = |(row, models): &(&String, &usize)| self.0.get(*row).is_some_and(|here| here < *models);
         other.0.iter().filter(more).map(|(row, _)| row.as_str()).collect()
     }
+}
+
+/// Returns the most models of the cells of a claim: `15`, or `11.2 % on 15 models`.
+fn most_models(cells: &[&str]) -> usize {
+    let models = |cell: &&str| cell.split(" models").next()?.rsplit(' ').next()?.parse().ok();
+    cells.iter().filter_map(models).max().unwrap_or(0)
 }
 
 /// The title of the section of claims.
@@ -73,6 +79,8 @@ mod tests {
         assert_eq!(some.missing(&all), ["Claims in the text, 4: less"]);
         assert_eq!(none.missing(&some), ["Claims in the text, 4: less", "Table 1, Bunny"]);
         assert!(all.missing(&some).is_empty() && all.missing(&all).is_empty());
+        assert_eq!(most_models(&["3", "matched", "11.2 % on 15 models, 12 stand-ins |"]), 15);
+        assert_eq!(most_models(&["59 models, 53 stand-ins", "matched |"]), 59);
         assert!(Coverage::of("## Table 1\n").missing(&all).is_empty(), "rows of one page only");
     }
 }

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::paper::{LeftOut, ModelSize};
+use super::paper::{LeftOut, ModelSize, Tolerance};
 use super::verdict::Verdict;
 
 /// A paper with published and measured values.
@@ -62,11 +62,26 @@ pub(crate) struct ClaimReport {
     pub(crate) unit: String,
     pub(crate) expects: &'static str,
     pub(crate) published: f64,
+    /// The difference up to which the values match, where the claim is not a bound.
+    pub(crate) tolerance: Option<Tolerance>,
+    /// Whether `published` is a bar of this project for what the paper says in words.
+    pub(crate) is_our_bar: bool,
     pub(crate) measured: Option<f64>,
+    /// The number of models, and how many of them are not known to be a model of the paper.
     pub(crate) models: usize,
+    pub(crate) stand_ins: usize,
+    /// The value on a wider set of models, which has no verdict.
+    pub(crate) beside: Option<BesideReport>,
     pub(crate) verdict: Verdict,
     #[serde(skip)]
     pub(crate) digits: usize,
+}
+
+#[derive(Debug, Serialize)]
+pub(crate) struct BesideReport {
+    pub(crate) measured: f64,
+    pub(crate) models: usize,
+    pub(crate) stand_ins: usize,
 }
 
 /// A figure of the paper, drawn from measured values.

@@ -94,7 +94,7 @@ impl Runner {
         match set {
             ModelSet::All => scope.all = true,
             ModelSet::Polygons => scope.polygons = true,
-            ModelSet::Table => return,
+            ModelSet::Table | ModelSet::Own => return,
         }
         self.requested_meshes.all = true;
     }

@@ -8,17 +8,28 @@ use super::paper::{ChartKind, ModelSet, Paper, SavingOver, Statistic};
 use super::recipe::Recipe;
 use super::runner::Runner;
 
-/// Requests the measurements of a statistic.
-pub(super) fn request(statistic: &Statistic, paper: &Paper, runner: &mut Runner) {
+/// The value of a statistic.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Computed {
+    pub(super) value: f64,
+    /// The number of models, and how many of them are not known to be a model of the paper.
+    pub(super) models: usize,
+    pub(super) stand_ins: usize,
+}
+
+/// Requests the measurements of a statistic on its models, or on another set of models.
+pub(super) fn request(statistic: &Statistic, other: Option<ModelSet>, paper: &Paper, runner: &mut Runner) {
+    let mut request_set =
+        |flags: &str, set: &ModelSet| request_set(flags, other.unwrap_or(*set), paper, runner);
     match statistic {
         Statistic::Saving { flags, than, models, .. } => {
-            [flags, than].into_iter().for_each(|flags| request_set(flags, *models, paper, runner));
+            [flags, than].into_iter().for_each(|flags| request_set(flags, models));
         }
         Statistic::Excess { flags, models, .. }
         | Statistic::Mean { flags, models, .. }
-        | Statistic::Exponent { flags, models, .. } => request_set(flags, *models, paper, runner),
+        | Statistic::Exponent { flags, models, .. } => request_set(flags, models),
         Statistic::Rank { among, models, .. } => {
-            among.flags().iter().for_each(|flags| request_set(flags, *models, paper, runner));
+            among.flags().iter().for_each(|flags| request_set(flags, models));
         }
         Statistic::Levels { flags, models, .. } => request_levels(flags, *models, paper, runner),
         Statistic::LevelsOf { flags, model, .. } => runner.request_levels(flags.as_str().into(), model),
@@ -29,7 +40,7 @@ pub(super) fn request(statistic: &Statistic, paper: &Paper, runner: &mut Runner)
 }
 
 fn request_set(flags: &str, set: ModelSet, paper: &Paper, runner: &mut Runner) {
-    if set == ModelSet::Table {
+    if matches!(set, ModelSet::Table | ModelSet::Own) {
         let rows = paper.tables.iter().flat_map(|table| &table.rows);
         rows.filter_map(|row| row.file.as_ref()).for_each(|file| runner.request(flags.into(), file));
     } else {
@@ -43,29 +54,69 @@ fn request_levels(flags: &str, set: ModelSet, paper: &Paper, runner: &mut Runner
     rows.filter_map(|row| row.file.as_ref()).for_each(|file| runner.request_levels(flags.into(), file));
 }
 
-/// Returns the measured models of a set, except empty meshes.
-fn models<'a>(set: ModelSet, paper: &Paper, runner: &'a Runner) -> Vec<&'a MeasuredModel> {
-    let is_table = |name: &str| {
-        let rows = paper.tables.iter().flat_map(|table| &table.rows);
-        rows.filter(|row| row.file.as_deref() == Some(name))
-            .any(|row| matches!(identify(row, runner), Identity::Same { .. }))
-    };
+/// Checks whether a file is a model of the paper's tables.
+fn is_own(name: &str, paper: &Paper, runner: &Runner) -> bool {
+    let rows = paper.tables.iter().flat_map(|table| &table.rows);
+    rows.filter(|row| row.file.as_deref() == Some(name))
+        .any(|row| matches!(identify(row, runner), Identity::Same { .. }))
+}
+
+/// Returns the measured models of a set with their names, except empty meshes.
+fn models<'a>(set: ModelSet, paper: &Paper, runner: &'a Runner) -> Vec<(&'a str, &'a MeasuredModel)> {
     let chosen = runner.models().filter(|(name, measured)| match set {
-        ModelSet::Table => is_table(name),
+        ModelSet::Table => is_own(name, paper, runner),
+        ModelSet::Own => measured.has_polygons && is_own(name, paper, runner),
         ModelSet::Polygons => measured.has_polygons,
         ModelSet::All => true,
     });
     // Statistics divide by the number of triangles.
-    chosen.map(|(_, measured)| measured).filter(|measured| measured.size.triangles > 0).collect()
+    chosen.filter(|(_, measured)| measured.size.triangles > 0).collect()
 }
 
-/// Computes a statistic and the number of its models; `None` if there is no model.
-pub(super) fn compute(statistic: &Statistic, paper: &Paper, runner: &Runner) -> Option<(f64, usize)> {
-    let figures = |flags: &str, figure: &str, set| -> Vec<(f64, f64)> {
+/// Computes a statistic on its models, or on another set of models; `None` if there is no model.
+pub(super) fn compute(
+    statistic: &Statistic,
+    other: Option<ModelSet>,
+    paper: &Paper,
+    runner: &Runner,
+) -> Option<Computed> {
+    let (value, models) = value(statistic, other, paper, runner)?;
+    Some(Computed { value, models, stand_ins: stand_ins(statistic, other, paper, runner) })
+}
+
+/// Counts the models of a statistic that are not known to be a model of the paper.
+fn stand_ins(statistic: &Statistic, other: Option<ModelSet>, paper: &Paper, runner: &Runner) -> usize {
+    let is_other = |name: &str| !is_own(name, paper, runner);
+    match statistic {
+        Statistic::Saving { models: set, .. }
+        | Statistic::Excess { models: set, .. }
+        | Statistic::Mean { models: set, .. }
+        | Statistic::Exponent { models: set, .. }
+        | Statistic::Rank { models: set, .. }
+        | Statistic::Levels { models: set, .. } => {
+            let names = models(other.unwrap_or(*set), paper, runner);
+            names.into_iter().filter(|(name, _)| is_other(name)).count()
+        }
+        Statistic::LevelsOf { model, .. }
+        | Statistic::Mesh { model, .. }
+        | Statistic::Speed { model, .. } => usize::from(is_other(model)),
+        // They leave stand-ins out.
+        Statistic::LruSaving { .. } | Statistic::SavedBy { .. } => 0,
+    }
+}
+
+/// Returns the value of a statistic and the number of its models; `None` if there is no model.
+fn value(
+    statistic: &Statistic,
+    other: Option<ModelSet>,
+    paper: &Paper,
+    runner: &Runner,
+) -> Option<(f64, usize)> {
+    let figures = |flags: &str, figure: &str, set: ModelSet| -> Vec<(f64, f64)> {
         let recipe = Recipe::from(flags);
-        let pairs = models(set, paper, runner).into_iter();
+        let pairs = models(other.unwrap_or(set), paper, runner).into_iter();
         pairs
-            .filter_map(|model| Some((model.size.triangles as f64, model.strips(&recipe, figure)?)))
+            .filter_map(|(_, model)| Some((model.size.triangles as f64, model.strips(&recipe, figure)?)))
             .collect()
     };
     match statistic {
@@ -95,7 +146,8 @@ pub(super) fn compute(statistic: &Statistic, paper: &Paper, runner: &Runner) -> 
         }
         Statistic::Levels { figure, flags, models: set } => {
             let recipe = Recipe::from(flags.as_str());
-            mean(models(*set, paper, runner).into_iter().filter_map(|model| model.levels(&recipe, figure)))
+            let chosen = models(other.unwrap_or(*set), paper, runner).into_iter();
+            mean(chosen.filter_map(|(_, model)| model.levels(&recipe, figure)))
         }
         Statistic::LevelsOf { figure, flags, model } => {
             Some((runner.model(model)?.levels(&flags.as_str().into(), figure)?, 1))
@@ -122,7 +174,7 @@ pub(super) fn compute(statistic: &Statistic, paper: &Paper, runner: &Runner) -> 
     }
 }
 
-/// Returns the transmitted vertices by vertex-cache size, for LRU and FIFO, of each measured model of a chart.
+/// Returns the transmitted vertices by vertex-cache size, for LRU and FIFO, of each measured model of a chart that is no stand-in.
 fn transmitted(
     chart: &str,
     flush_policy: FlushPolicy,
@@ -134,8 +186,8 @@ fn transmitted(
     for data in charts {
         if let ChartKind::VertexCaches { flags, models, .. } = &data.kind {
             let recipe = Recipe::from(flags.as_str());
-            let measured =
-                models.iter().filter_map(|name| runner.model(name)).filter(|model| model.size.triangles > 0);
+            let own = models.iter().filter(|name| is_own(name, paper, runner));
+            let measured = own.filter_map(|name| runner.model(name)).filter(|model| model.size.triangles > 0);
             let both = |model: &MeasuredModel| {
                 let of = |rule| model.transmitted(&recipe, rule, flush_policy);
                 (of(Replacement::Lru), of(Replacement::Fifo))
@@ -169,6 +221,7 @@ fn saving(pairs: &[(f64, f64)], over: SavingOver) -> Option<f64> {
     let percent = |(a, b): (f64, f64)| if b == 0.0 { 0.0 } else { 100.0 * (1.0 - a / b) };
     match over {
         SavingOver::Mean => mean(pairs.iter().copied().map(percent)).map(|mean| mean.0),
+        SavingOver::Least => pairs.iter().copied().map(percent).min_by(f64::total_cmp),
         SavingOver::Greatest => pairs.iter().copied().map(percent).max_by(f64::total_cmp),
         SavingOver::Sum if pairs.is_empty() => None,
         SavingOver::Sum => {
@@ -178,7 +231,7 @@ fn saving(pairs: &[(f64, f64)], over: SavingOver) -> Option<f64> {
 }
 
 /// Returns the slope of the regression line (least squares) of the logarithms of pairs.
-fn slope(pairs: &[(f64, f64)]) -> Option<f64> {
+pub(super) fn slope(pairs: &[(f64, f64)]) -> Option<f64> {
     let pairs = pairs.iter().filter(|pair| pair.0 > 0.0 && pair.1 > 0.0);
     let logs: Vec<(f64, f64)> = pairs.map(|pair| (libm::log(pair.0), libm::log(pair.1))).collect();
     let (x_mean, _) = mean(logs.iter().map(|pair| pair.0))?;
@@ -197,9 +250,10 @@ mod tests {
         let pairs = [(90.0, 100.0), (100.0, 200.0)];
         assert_eq!(saving(&pairs, SavingOver::Mean).map(f64::round), Some(30.0));
         assert_eq!(saving(&pairs, SavingOver::Greatest), Some(50.0));
+        assert_eq!(saving(&pairs, SavingOver::Least).map(f64::round), Some(10.0));
         assert_eq!(saving(&pairs, SavingOver::Sum).map(f64::round), Some(37.0));
         assert!(
-            [SavingOver::Mean, SavingOver::Greatest, SavingOver::Sum]
+            [SavingOver::Mean, SavingOver::Least, SavingOver::Greatest, SavingOver::Sum]
                 .iter()
                 .all(|&over| saving(&[], over).is_none())
         );

@@ -15,6 +15,8 @@ pub(crate) enum Verdict {
     Differs,
     /// The model is not in the folder.
     NotAvailable,
+    /// The project does not measure it.
+    NotMeasured,
     /// A different model was measured, so that the values are not comparable.
     StandIn(String),
 }
@@ -68,6 +70,7 @@ impl std::fmt::Display for Verdict {
             Self::Worse => f.write_str("worse"),
             Self::Differs => f.write_str("differs"),
             Self::NotAvailable => f.write_str("model not available"),
+            Self::NotMeasured => f.write_str("not measured"),
             Self::StandIn(name) => write!(f, "stand-in: {name}"),
         }
     }
