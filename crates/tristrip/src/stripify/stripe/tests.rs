@@ -81,6 +81,23 @@ fn a_full_patch_costs_three_swaps_per_row_change() {
     }
 }
 
+/// Section 3.2: strips along rows have the faces of their rows only; the strip of a full patch grows backward and forward.
+#[test]
+fn rows_do_not_grow_and_full_patches_do() {
+    // A grid of six by two, and a triangle at each end of its rows.
+    let mut polygons = grid(6, 2);
+    polygons.extend([[0, 7, 30], [7, 14, 31], [13, 6, 32], [20, 13, 33]].map(Vec::from));
+    let metrics = |patches| {
+        let method = Method::StripeGlobal { patches, cutoff: 5, ties: Ties::Sequential };
+        let m = Metrics::of(&strips(&mesh(&polygons), method, 0));
+        (m.strips, m.isolated)
+    };
+    assert_eq!(metrics(Patches::Rows), (6, 4), "two rows and four triangles");
+    assert_eq!(metrics(Patches::Full), (3, 2), "the strip takes the triangles at its ends");
+    let grown = Metrics::of(&strips(&mesh(&polygons), Method::QUAD_ROWS, 0));
+    assert_eq!((grown.strips, grown.isolated), (2, 0), "our rows grow");
+}
+
 #[test]
 fn the_cutoff_is_the_size_of_the_smallest_patch() {
     // A grid of twelve and a triangle.
