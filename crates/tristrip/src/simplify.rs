@@ -11,7 +11,7 @@
 //!
 //! # Algorithm
 //! See the module `decimate`: quadrics in a local frame for a first order of the collapses, the distances of all removed vertices
-//! from the triangles for their price. With the feature `rayon` several threads find prices (module `ahead`); the result is the same.
+//! from the triangles for their price; and the module `queue` for [`Price::Quadric`], the published algorithm. With the feature `rayon` several threads find prices (module `ahead`); the result is the same.
 //!
 //! # References
 //! Garland, Heckbert: *Surface Simplification Using Quadric Error Metrics*, 1997. Kim, Park, Yang, Neelamkavil: *A Rendering-Efficient
@@ -39,6 +39,7 @@ mod order;
 mod outcome;
 mod price;
 mod quadric;
+mod queue;
 mod removed_points;
 mod skin;
 mod stopped;

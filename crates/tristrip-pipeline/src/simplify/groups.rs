@@ -263,7 +263,7 @@ impl<'a> Group<'a> {
             members,
             surface,
             small,
-            cost_unit: scale * scale * scale,
+            cost_unit: rules.price.cost_unit(scale),
             full_count,
             rounds: Vec::new(),
             is_next: false,

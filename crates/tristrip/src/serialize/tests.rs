@@ -54,6 +54,7 @@ fn options_have_the_names_of_the_command() {
             .with_price(Price::Planes)
             .with_weld_distance(0.25),
     );
+    round_trip(&SimplifyOptions::default().with_price(Price::Quadric));
     assert_eq!(serde_json::from_str::<StripifyOptions>("{}").unwrap(), StripifyOptions::default());
 }
 

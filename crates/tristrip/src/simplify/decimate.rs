@@ -26,16 +26,17 @@
 //! # References
 //! Garland, Heckbert: *Surface Simplification Using Quadric Error Metrics*, 1997. Dey, Edelsbrunner, Guha, Nekhayev: *Topology
 //! Preserving Edge Contraction*, 1999 (the link condition). Passes over collapses that do not touch each other are known from parallel
-//! simplification; the order by price afterwards, and the price, are our own.
+//! simplification; the order by price afterwards, and the price, are our own. The module `queue` is the published algorithm, without passes.
 
 use super::ahead::{PricesAhead, least_estimates};
 use super::attributes::PricedAttributes;
-use super::options::SimplifyOptions;
+use super::options::{Price, SimplifyOptions};
 use super::order::CollapseOrder;
 use super::outcome::{MOST_CORNERS, Outcome, Outcomes};
 use super::price::PriceSearch;
+use super::queue::{CollapseQueue, WaitingCollapse};
 use super::stopped::Stopped;
-use super::surface::Surface;
+use super::surface::{Surface, locked_points};
 use super::topology::{PointKind, Topology};
 use super::waiting::{PricedCollapse, Waiting, finite};
 use crate::collapse::CollapseSequence;
@@ -79,6 +80,8 @@ pub(super) struct Decimation {
     /// The neighbours of the point that was just removed.
     around: Vec<u32>,
     dropped: Vec<u32>,
+    /// The collapses that wait, if they are done one by one.
+    queue: Option<CollapseQueue>,
 }
 
 impl Decimation {
@@ -113,7 +116,12 @@ impl Decimation {
             ahead: PricesAhead::default(),
             around: Vec::new(),
             dropped: Vec::new(),
+            queue: None,
         };
+        if options.price() == Price::Quadric {
+            decimation.queue = Some(CollapseQueue::new(&decimation.surface));
+            return decimation;
+        }
         let estimates = least_estimates(&decimation.surface, |point| decimation.is_removable(point));
         for (point, estimate) in (0..).zip(estimates) {
             decimation.wait_estimated(point, estimate);
@@ -121,9 +129,19 @@ impl Decimation {
         decimation
     }
 
-    /// Does passes until there are at most `triangle_count` triangles, or no collapse is possible; returns whether there are. The collapses
+    /// Does collapses until there are at most `triangle_count` triangles, or no collapse is possible; returns whether there are. The collapses
     /// come in the order in which they were found, the last ones of a pass beyond the number, until [`Decimation::finish`] puts them in order.
     pub(super) fn run(&mut self, triangle_count: usize, sequence: &mut CollapseSequence) -> bool {
+        if let Some(mut queue) = self.queue.take() {
+            self.run_cheapest_first(&mut queue, triangle_count, sequence);
+            self.queue = Some(queue);
+        } else {
+            self.run_passes(triangle_count, sequence);
+        }
+        self.triangle_count <= triangle_count
+    }
+
+    fn run_passes(&mut self, triangle_count: usize, sequence: &mut CollapseSequence) {
         let mut points = std::mem::take(&mut self.points);
         while self.triangle_count > triangle_count {
             if !self.revived.is_empty() {
@@ -151,11 +169,52 @@ impl Decimation {
             }
         }
         self.points = points;
-        self.triangle_count <= triangle_count
+    }
+
+    /// Does collapses, the cheapest first, until there are at most `triangle_count` triangles, or none is possible.
+    fn run_cheapest_first(
+        &mut self,
+        queue: &mut CollapseQueue,
+        triangle_count: usize,
+        sequence: &mut CollapseSequence,
+    ) {
+        while self.triangle_count > triangle_count {
+            let Some(WaitingCollapse { cost, point, to, .. }) = queue.next() else { break };
+            let Some(error) = self.error_if_allowed(cost, point, to) else { continue };
+            let collapse = PricedCollapse { to, cost: finite(cost), error: finite(error) };
+            self.pass += 1;
+            self.surface.topology.neighbours(point, &mut self.around);
+            self.order.push(self.pass, collapse.cost, &self.around);
+            self.apply(point, &collapse, sequence);
+            queue.update(&self.surface, point, &self.around);
+        }
+    }
+
+    /// Returns the error of a collapse if it is allowed: the square root of its cost, which no plane is farther away from the kept point than.
+    fn error_if_allowed(&mut self, cost: f64, point: u32, to: u32) -> Option<f64> {
+        if !self.is_removable(point) {
+            return None;
+        }
+        let Self { search, surface, .. } = self;
+        search.collect_candidates(surface, point);
+        if search.candidates.iter().all(|&(_, candidate)| candidate != to) {
+            return None;
+        }
+        search.set_current(surface, point);
+        if self.refusal(point, to).is_some() {
+            return None;
+        }
+        let removal = match self.outcomes.of(&self.surface.topology, point, to) {
+            Outcome::Keeps => 0.0,
+            Outcome::Breaks if self.surface.is_permissive => 0.0,
+            Outcome::Breaks | Outcome::Loses | Outcome::Ends => self.surface.vanishing_error(point),
+        };
+        let error = cost.sqrt().max(removal);
+        (error <= self.surface.error_limit).then_some(error)
     }
 
     /// Puts the collapses in order, and removes those after at most `triangle_count` triangles. Returns the greatest cost so far of each that is
-    /// left, in units of the frame to the third power.
+    /// left, in units of the frame.
     pub(super) fn finish(self, triangle_count: usize, sequence: &mut CollapseSequence) -> Vec<f32> {
         self.order.apply(triangle_count, sequence)
     }
@@ -165,9 +224,9 @@ impl Decimation {
         self.order.greatest()
     }
 
-    /// Returns the unit of the frame, in mesh units.
-    pub(super) fn unit(&self) -> f64 {
-        self.surface.unit
+    /// Returns the cost of 1 of the frame, in mesh units.
+    pub(super) fn cost_unit(&self) -> f64 {
+        self.surface.price.cost_unit(self.surface.unit)
     }
 
     /// Returns the cost below which a share of the points wait; `None` without any points.
@@ -296,22 +355,10 @@ impl Decimation {
         None
     }
 
-    /// Does the collapse of a point, whose neighbours are known.
+    /// Does the collapse of a point, whose neighbours are known, and lets these wait for the next pass.
     fn collapse(&mut self, point: u32, collapse: &PricedCollapse, sequence: &mut CollapseSequence) {
-        let to = collapse.to;
-        let is_open = self.surface.keeps_seams(point, to, &mut self.search.renames);
-        debug_assert!(is_open);
+        self.apply(point, collapse, sequence);
         let around = std::mem::take(&mut self.around);
-        let is_irregular = |p: u32| self.surface.topology.kind(p) == PointKind::Irregular;
-        let changes_kinds = self.may_break || is_irregular(point) || is_irregular(to);
-        self.surface.collapse(point, to, &self.search.renames, &mut self.dropped);
-        if changes_kinds {
-            self.surface.topology.classify(&around, MOST_CORNERS);
-        }
-        let error = finite(f64::from(collapse.error) * self.surface.unit);
-        sequence.push(&self.search.renames, &self.dropped, error);
-        self.triangle_count -= self.dropped.len();
-
         self.wait_priced(point, None);
         for &p in &around {
             let waiting = &mut self.waiting[p as usize];
@@ -319,12 +366,28 @@ impl Decimation {
             if !waiting.waits() {
                 self.estimate(p);
                 self.revived.push(p);
-            } else if p == to {
+            } else if p == collapse.to {
                 let cost = f64::from(waiting.cost) + f64::from(collapse.cost);
                 self.wait(p, cost);
             }
         }
         self.around = around;
+    }
+
+    /// Changes the surface by the collapse of a point, whose neighbours are known, and records it.
+    fn apply(&mut self, point: u32, collapse: &PricedCollapse, sequence: &mut CollapseSequence) {
+        let to = collapse.to;
+        let is_open = self.surface.keeps_seams(point, to, &mut self.search.renames);
+        debug_assert!(is_open);
+        let is_irregular = |p: u32| self.surface.topology.kind(p) == PointKind::Irregular;
+        let changes_kinds = self.may_break || is_irregular(point) || is_irregular(to);
+        self.surface.collapse(point, to, &self.search.renames, &mut self.dropped);
+        if changes_kinds {
+            self.surface.topology.classify(&self.around, MOST_CORNERS);
+        }
+        let error = finite(f64::from(collapse.error) * self.surface.unit);
+        sequence.push(&self.search.renames, &self.dropped, error);
+        self.triangle_count -= self.dropped.len();
     }
 
     /// Returns the first reason for which the collapse of the current point is refused.
@@ -353,21 +416,5 @@ impl Decimation {
     }
 }
 
-/// Returns which points are locked: those of locked vertices, and those on borders if borders are locked.
-fn locked_points(topology: &Topology, options: &SimplifyOptions) -> Vec<bool> {
-    let mut is_locked = vec![false; topology.point_count()];
-    let locked = options.locked();
-    if !locked.is_empty() {
-        for corner in topology.corners() {
-            is_locked[topology.point(corner) as usize] |=
-                locked.get(topology.wedge(corner) as usize).copied().unwrap_or(false);
-        }
-    }
-    if options.locks_borders() {
-        for (corner, _) in topology.open_edges().filter(|&(_, is_border)| is_border) {
-            let [to, _] = topology.others(corner);
-            [topology.point(corner), to].iter().for_each(|&p| is_locked[p as usize] = true);
-        }
-    }
-    is_locked
-}
+#[cfg(test)]
+mod tests;

@@ -10,6 +10,10 @@ const BORDER_WEIGHT: f64 = 10.0;
 /// may move, and with planes as well the vertices on seams stay at the expense of all others.
 const SEAM_WEIGHT: f64 = 1.0;
 
+/// The weight of a plane along a border where planes of faces have a weight of 1: "a large penalty factor" in the paper, and this number by default in
+/// its authors' program `QSlim`.
+const BORDER_PENALTY: f64 = 1000.0;
+
 /// Returns positions in a frame in which the longest side of their bounding box is 1, and the length of that side.
 pub(super) fn frame(positions: impl Iterator<Item = [f32; 3]> + Clone) -> (Vec<Point>, f64) {
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
@@ -28,6 +32,27 @@ pub(super) fn frame(positions: impl Iterator<Item = [f32; 3]> + Clone) -> (Vec<P
 ///
 /// `priced` tells whether attributes have a price, so that seams need no planes.
 pub(super) fn quadrics(topology: &Topology, positions: &[Point], priced: bool) -> Vec<Quadric> {
+    let edge_weight = |is_border: bool, square: f64| match is_border {
+        true => Some(square * BORDER_WEIGHT),
+        false if priced => None,
+        false => Some(square * SEAM_WEIGHT),
+    };
+    sums_of_planes(topology, positions, |area| area, edge_weight)
+}
+
+/// Returns for each point the planes of its triangles, each with a weight of 1, and planes perpendicular to them along borders, as
+/// Garland and Heckbert have them.
+pub(super) fn fundamental_quadrics(topology: &Topology, positions: &[Point]) -> Vec<Quadric> {
+    sums_of_planes(topology, positions, |_| 1.0, |is_border, _| is_border.then_some(BORDER_PENALTY))
+}
+
+/// Adds up planes: of triangles, with a weight by twice their area, and of borders and seams, with one, if any, by the square of their length.
+fn sums_of_planes(
+    topology: &Topology,
+    positions: &[Point],
+    face_weight: impl Fn(f64) -> f64,
+    edge_weight: impl Fn(bool, f64) -> Option<f64>,
+) -> Vec<Quadric> {
     let mut quadrics = vec![Quadric::default(); positions.len()];
     let unit_normal = |t: usize| {
         let normal = normal_of(topology.triangles[t].map(|p| positions[p as usize]));
@@ -35,18 +60,19 @@ pub(super) fn quadrics(topology: &Topology, positions: &[Point], priced: bool) -
         (length > 0.0).then(|| (normal.map(|x| x / length), length))
     };
     for (t, triangle) in topology.triangles.iter().enumerate() {
-        let Some((normal, weight)) = unit_normal(t) else { continue };
+        let Some((normal, area)) = unit_normal(t) else { continue };
+        let weight = face_weight(area);
         let plane = Quadric::plane(normal, positions[triangle[0] as usize], weight).of_faces(weight);
         triangle.iter().for_each(|&p| quadrics[p as usize].add(&plane));
     }
-    for (corner, is_border) in topology.open_edges().filter(|&(_, is_border)| is_border || !priced) {
+    for (corner, is_border) in topology.open_edges() {
         let [from, to] = [topology.point(corner), topology.others(corner)[0]];
-        let Some((normal, _)) = unit_normal(corner.triangle()) else { continue };
         let edge = sub(positions[to as usize], positions[from as usize]);
+        let Some(weight) = edge_weight(is_border, dot(edge, edge)) else { continue };
+        let Some((normal, _)) = unit_normal(corner.triangle()) else { continue };
         let across = cross(edge, normal);
         let length = dot(across, across).sqrt();
         if length > 0.0 {
-            let weight = dot(edge, edge) * if is_border { BORDER_WEIGHT } else { SEAM_WEIGHT };
             let plane = Quadric::plane(across.map(|x| x / length), positions[from as usize], weight);
             [from, to].iter().for_each(|&p| quadrics[p as usize].add(&plane));
         }

@@ -184,7 +184,8 @@ impl<'a> SurfaceSimplifier<'a> {
     }
 
     /// Returns the greatest cost of the collapses so far: squared deviations of the surface and its attributes, times the square root of the
-    /// area that they concern, in mesh units to the third power. The collapse that costs least comes next, so that costs of several surfaces tell
+    /// area that they concern, in mesh units to the third power; by [`Price::Quadric`](super::Price::Quadric) without the area, in square
+    /// mesh units. The collapse that costs least comes next, so that costs of several surfaces tell
     /// which of them suffers least from the next collapse.
     ///
     /// ```
@@ -247,10 +248,9 @@ impl<'a> SurfaceSimplifier<'a> {
         Ok(JoinedSimplification { sequences, steps, costs, stopped: None })
     }
 
-    /// Returns the cost of 1 of the frame, in mesh units to the third power.
+    /// Returns the cost of 1 of the frame, in mesh units.
     fn cost_unit(&self) -> f64 {
-        let unit = self.decimation.unit();
-        unit * unit * unit
+        self.decimation.cost_unit()
     }
 }
 

@@ -102,12 +102,31 @@ pub enum Price {
     /// The distances from the planes of the full mesh alone: takes about a third of the time. The mean distance between the surfaces
     /// is about a third larger, and the largest is not known: where triangles bridge a valley it exceeds the error.
     Planes,
+    /// The quadrics of Garland and Heckbert 1997, as Kim et al. 2005 use them: the sum of the squared distances from the planes of both points,
+    /// the cheapest of all collapses next. The error is the square root of that sum. Attributes do not count, and one thread does all.
+    Quadric,
+}
+
+impl Price {
+    /// Returns the unit of costs for a unit of length: its third power, or its square for [`Price::Quadric`].
+    ///
+    /// ```
+    /// use tristrip::simplify::Price;
+    /// assert_eq!(Price::ALL.map(|price| price.cost_unit(10.0)), [1000.0, 1000.0, 100.0]);
+    /// ```
+    pub fn cost_unit(self, length: f64) -> f64 {
+        match self {
+            Self::Distance | Self::Planes => length * length * length,
+            Self::Quadric => length * length,
+        }
+    }
 }
 
 names! {
     "tristrip::simplify::Price", Price, "price",
     Distance => "distance", "The distances of all removed vertices from the triangles, and between old and new triangles";
     Planes => "planes", "The distances from the planes of the full mesh alone: a third of the time, larger distances";
+    Quadric => "quadric", "Quadric error metrics as published in 1997: the cheapest pair of all next; attributes do not count";
 }
 
 /// The limits of a simplification. Without a limit a mesh is simplified as far as its topology allows.

@@ -17,7 +17,7 @@
 //! one. Points that were never priced wait with their estimate times a usual ratio of the two, so that few are priced in vain; and a
 //! neighbour whose estimate exceeds the best price is left out, since it has seldom the better one.
 //!
-//! By [`Price::Planes`] the price is the estimate, with the attributes.
+//! By [`Price::Planes`] the price is the estimate, with the attributes. [`Price::Quadric`] has nothing of all this; see the module `queue`.
 
 use super::irregular::Links;
 use super::neighbourhood::Neighbourhood;
@@ -53,7 +53,7 @@ impl Price {
     pub(super) fn expected(self, estimate: f64) -> f64 {
         match self {
             Self::Distance => USUAL_RATIO * estimate,
-            Self::Planes => estimate,
+            Self::Planes | Self::Quadric => estimate,
         }
     }
 }

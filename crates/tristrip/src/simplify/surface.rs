@@ -6,7 +6,7 @@
 use super::attribute_quadrics::AttributeQuadrics;
 use super::attributes::PricedAttributes;
 use super::deviation::Deviations;
-use super::frame::{frame, quadrics};
+use super::frame::{frame, fundamental_quadrics, quadrics};
 use super::neighbourhood::Neighbourhood;
 use super::options::{Price, SimplifyOptions};
 use super::quadric::Quadric;
@@ -50,12 +50,18 @@ impl Surface {
         let count = topology.point_count() as u32;
         let position = |p| positions.position(topology.vertex_of(p) as usize).unwrap_or_default();
         let (framed, unit) = frame((0..count).map(position));
-        let attributes = priced(unit).map(|values| AttributeQuadrics::new(&topology, &framed, values));
+        let is_published = options.price() == Price::Quadric;
+        let priced = if is_published { None } else { priced(unit) };
+        let attributes = priced.map(|values| AttributeQuadrics::new(&topology, &framed, values));
         let vanishing = match options.vanishing() {
             [] => Vec::new(),
             errors => vanishing_errors(errors, &topology, unit),
         };
-        let quadrics = quadrics(&topology, &framed, attributes.is_some());
+        let quadrics = if is_published {
+            fundamental_quadrics(&topology, &framed)
+        } else {
+            quadrics(&topology, &framed, attributes.is_some())
+        };
         let error_limit = options.error().map_or(f64::INFINITY, |error| f64::from(error) / unit);
         let by_distance = options.price() == Price::Distance;
         let removed = by_distance.then(|| {
@@ -129,4 +135,23 @@ fn vanishing_errors(errors: &[f32], topology: &Topology, unit: f64) -> Vec<f32> 
         *of_point = of_point.max(error);
     }
     of_points
+}
+
+/// Returns which points are locked: those of locked vertices, and those on borders if borders are locked.
+pub(super) fn locked_points(topology: &Topology, options: &SimplifyOptions) -> Vec<bool> {
+    let mut is_locked = vec![false; topology.point_count()];
+    let locked = options.locked();
+    if !locked.is_empty() {
+        for corner in topology.corners() {
+            is_locked[topology.point(corner) as usize] |=
+                locked.get(topology.wedge(corner) as usize).copied().unwrap_or(false);
+        }
+    }
+    if options.locks_borders() {
+        for (corner, _) in topology.open_edges().filter(|&(_, is_border)| is_border) {
+            let [to, _] = topology.others(corner);
+            [topology.point(corner), to].iter().for_each(|&p| is_locked[p as usize] = true);
+        }
+    }
+    is_locked
 }
