@@ -74,6 +74,9 @@ fn what_has_no_triangle_sends_nothing() {
             assert_eq!(filter.sent(strip), DrawCost::default());
         }
     }
+    assert_eq!(filtered(Filter::Stss, &[1, 2, 1, 2, 1, 3, 4, 5, 4, 5]).vertices(), [1, 2, 1, 3, 4, 5]);
+    // A run that begins within a pair is not found.
+    assert_eq!(filtered(Filter::Stss, &[3, 1, 2, 1, 2, 4]).vertices(), [3, 1, 2, 1, 2, 4]);
     assert_eq!(Filter::Stss.sent(&[4; 9]), DrawCost { vertices: 3, strips: 1, winding_repeats: 0 });
     assert_eq!(Filter::None.sent(&[]), DrawCost::default());
 }
