@@ -61,7 +61,7 @@ fn run_stages(
     let (model, load) = load_job(job, console)?;
     report.seconds.load = Some(load);
     let options = LevelsOptions::default().with_stripify(task.options);
-    let options = options.with_base(task.base).with_verify(task.verify);
+    let options = options.with_base(task.base).with_price(task.price).with_verify(task.verify);
     let show = |event: Event<'_>, seconds: f64| show_building(event, seconds, console, report);
     let stages = Stages::new(console, load, show).with_budget(task.budget);
     let levels = levels_observed(&model, &options, &stages)?;

@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use tristrip::Effort;
 use tristrip::lod::RepairOptions;
+use tristrip::simplify::Price;
 use tristrip::vertex_cache::FlushPolicy;
 use tristrip::{Layout, StripifyOptions};
 use tristrip_io::Format;
@@ -121,6 +122,7 @@ pub(crate) struct LodTask {
     pub(crate) model: ModelName,
     /// The ratio of triangles that the base mesh keeps.
     pub(crate) base: Ratio,
+    pub(crate) price: Price,
     pub(crate) level: Level,
     pub(crate) filter: DisplayFilter,
     /// The effort of [`DisplayFilter::Repair`].
@@ -290,7 +292,7 @@ impl LodTask {
 }
 
 fn lod_task(args: LodArgs) -> Result<Task, String> {
-    if let Some(flag) = args.collapse.first_given() {
+    if let Some(flag) = args.collapse.first_of_chains() {
         return Err(format!("{flag} needs --chain: other levels go down to the base mesh, without limits"));
     }
     let filter_effort = filter_effort(&args)?;
@@ -305,6 +307,7 @@ fn lod_task(args: LodArgs) -> Result<Task, String> {
         budget: args.method.budget(),
         model: args.model,
         base: args.base,
+        price: args.collapse.price,
         level: args.level,
         filter: args.filter,
         filter_effort,

@@ -10,6 +10,7 @@ mod level;
 mod part;
 
 use tristrip::lod::RepairOptions;
+use tristrip::simplify::Price;
 use tristrip::{Mesh, StripifyOptions, Strips};
 use tristrip_io::{Drawing, Model};
 
@@ -18,6 +19,7 @@ use crate::encode::{EncodeOptions, Encoded, encode_observed, kept_vertices};
 use crate::error::Error;
 use crate::figures::{Figures, MeshFigures};
 use crate::goal::{Amount, Ratio};
+use crate::method::parse_with_price;
 use crate::observer::{Event, Observer, Stage, Stopped, begin};
 use crate::parts::{check_vertices, map};
 use crate::prepared::{PreparedModel, Survey};
@@ -38,13 +40,16 @@ pub struct LevelsOptions {
     pub stripify: StripifyOptions,
     /// The ratio of triangles that the base mesh keeps.
     pub base: Ratio,
+    /// What a collapse costs.
+    pub price: Price,
     /// Whether strips and levels are proven.
     pub verify: bool,
 }
 
 impl Default for LevelsOptions {
     fn default() -> Self {
-        Self { stripify: StripifyOptions::default(), base: Ratio::ZERO, verify: true }
+        let (stripify, price) = (StripifyOptions::default(), Price::default());
+        Self { stripify, base: Ratio::ZERO, price, verify: true }
     }
 }
 
@@ -61,11 +66,34 @@ impl LevelsOptions {
         Self { base, ..self }
     }
 
+    /// Sets what a collapse costs.
+    #[must_use]
+    pub fn with_price(self, price: Price) -> Self {
+        Self { price, ..self }
+    }
+
     /// Sets whether strips and levels are proven.
     #[must_use]
     pub fn with_verify(self, verify: bool) -> Self {
         Self { verify, ..self }
     }
+}
+
+/// Parses the flags of levels of detail: those of the method, and `--price` of their collapses.
+///
+/// # Errors
+/// As of [`parse_method`](crate::parse_method), or the price is unknown.
+///
+/// ```
+/// use tristrip::simplify::Price;
+/// use tristrip_pipeline::parse_levels;
+/// assert_eq!(parse_levels("--method stripe --price quadric")?.price, Price::Quadric);
+/// assert!(parse_levels("--price low").is_err());
+/// # Ok::<(), tristrip::Error>(())
+/// ```
+pub fn parse_levels(flags: &str) -> Result<LevelsOptions, tristrip::Error> {
+    let (stripify, price) = parse_with_price(flags)?;
+    Ok(LevelsOptions::default().with_stripify(stripify).with_price(price))
 }
 
 /// The levels of detail of a model, from the base mesh at level 0 to the full mesh at [`ModelLevels::collapse_count`].
@@ -161,31 +189,36 @@ pub fn levels_observed(
 
     // 2. The collapses.
     begin(observer, Stage::Simplify)?;
-    let mut all = ModelLevels::from_strips(&prepared, &strips, options.base)?;
+    let options = LevelsOptions { stripify, ..*options };
+    let mut all = ModelLevels::from_strips(&prepared, &strips, &options)?;
     observer.event(Event::Simplified(&all.collapses));
     all.notes.iter().for_each(|note| observer.event(Event::Note(note)));
     notes.append(&mut all.notes);
-    let options = LevelsOptions { stripify, ..*options };
-    Ok(ModelLevels { mesh, stopped, notes, options, ..all })
+    Ok(ModelLevels { mesh, stopped, notes, ..all })
 }
 
 impl ModelLevels {
-    /// Builds levels of detail from strips of the full mesh, which are those of a prepared model. The report on the mesh is left empty.
+    /// Builds levels of detail from strips of the full mesh, which are those of a prepared model by the method of the options. The report on the
+    /// mesh is left empty.
     ///
     /// # Errors
     /// The strips do not fit the model, or it is too large.
     ///
     /// ```
-    /// use tristrip::StripifyOptions;
-    /// use tristrip_pipeline::{ModelLevels, PreparedModel, Ratio};
+    /// use tristrip_pipeline::{LevelsOptions, ModelLevels, PreparedModel};
     /// let model = tristrip_io::read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", tristrip_io::Format::Obj)?;
     /// let prepared = PreparedModel::new(&model, false);
-    /// let strips = prepared.find_strips(&StripifyOptions::default(), &())?;
-    /// let levels = ModelLevels::from_strips(&prepared, &strips, Ratio::ZERO)?;
+    /// let options = LevelsOptions::default();
+    /// let strips = prepared.find_strips(&options.stripify, &())?;
+    /// let levels = ModelLevels::from_strips(&prepared, &strips, &options)?;
     /// assert_eq!((levels.collapse_count(), levels.triangle_count(0)?), (0, 1));
     /// # Ok::<(), tristrip_pipeline::Error>(())
     /// ```
-    pub fn from_strips(prepared: &PreparedModel<'_>, strips: &[Strips], base: Ratio) -> Result<Self, Error> {
+    pub fn from_strips(
+        prepared: &PreparedModel<'_>,
+        strips: &[Strips],
+        options: &LevelsOptions,
+    ) -> Result<Self, Error> {
         if strips.len() != prepared.parts().len() {
             let (found, expected) = (strips.len(), prepared.parts().len());
             return Err(Error::Unproven(format!("found strips of {found} parts, expected {expected}")));
@@ -194,9 +227,9 @@ impl ModelLevels {
         let vertex_counts = meshes.clone().map(Mesh::vertex_count);
         check_vertices(&strips.iter().zip(vertex_counts).collect::<Vec<_>>())?;
         let drawn = meshes.zip(strips.iter().map(Strips::to_list)).collect();
-        let rules = CollapseRules::default();
+        let rules = CollapseRules { price: options.price, ..CollapseRules::default() };
         let (parts, skipped) = Part::of_all(drawn, prepared.places(), rules.weld_distance)?;
-        let goal = Amount::Ratio(base).of(parts.iter().map(Part::triangle_count).sum());
+        let goal = Amount::Ratio(options.base).of(parts.iter().map(Part::triangle_count).sum());
         let all = simplify_all(&parts, TriangleGoal::OfModel(goal), None, rules)?;
         let (collapses, done) = (all.summary(&parts)?, all.parts);
         let mut notes = place_notes(prepared, skipped);
@@ -215,7 +248,7 @@ impl ModelLevels {
             notes,
             mesh: MeshFigures::default(),
             stopped: None,
-            options: LevelsOptions { base, ..LevelsOptions::default() },
+            options: *options,
         })
     }
 

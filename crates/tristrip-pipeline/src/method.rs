@@ -4,6 +4,7 @@ use std::str::FromStr;
 
 use serde::Serialize;
 use tristrip::Effort;
+use tristrip::simplify::Price;
 use tristrip::stripify::{Acceptance, EtaOptions, Localization, TunnelOptions};
 use tristrip::stripify::{FaceTriangulation, LastTie, Patches, Ties};
 use tristrip::{Error, Method, StripifyOptions};
@@ -218,12 +219,14 @@ pub fn methods_to_compare(every_variant: bool) -> Vec<Method> {
 /// # Ok::<(), tristrip::Error>(())
 /// ```
 pub fn parse_method(flags: &str) -> Result<StripifyOptions, Error> {
+    Flags::of(flags)?.all_options()
+}
+
+/// Parses the flags of a method, and `--price` of collapses.
+pub(crate) fn parse_with_price(flags: &str) -> Result<(StripifyOptions, Price), Error> {
     let mut flags = Flags::of(flags)?;
-    let options = flags.options()?;
-    match flags.0.first() {
-        None => Ok(options),
-        Some((flag, _)) => Err(invalid("flag", flag, "a flag that belongs to the method")),
-    }
+    let price = flags.named("--price")?.unwrap_or_default();
+    Ok((flags.all_options()?, price))
 }
 
 /// Flags that are not used yet, with their values.
@@ -253,6 +256,15 @@ impl<'a> Flags<'a> {
 
     fn named<T: FromStr<Err = Error>>(&mut self, flag: &str) -> Result<Option<T>, Error> {
         self.take(flag).map(str::parse).transpose()
+    }
+
+    /// Returns the options of the method, to which all flags that are left belong.
+    fn all_options(&mut self) -> Result<StripifyOptions, Error> {
+        let options = self.options()?;
+        match self.0.first() {
+            None => Ok(options),
+            Some((flag, _)) => Err(invalid("flag", flag, "a flag that belongs to the method")),
+        }
     }
 
     fn options(&mut self) -> Result<StripifyOptions, Error> {

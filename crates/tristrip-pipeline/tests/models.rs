@@ -13,8 +13,8 @@ use tristrip::{Layout, Mesh, Method, StripifyOptions, Strips};
 use tristrip_io::{Drawing, Format, Model, read};
 use tristrip_pipeline::{
     Amount, ConvertOptions, Deviation, DisplayFilter, EncodeOptions, Error, Event, Goal, LevelsOptions,
-    ModelLevels, Observer, PreparedModel, Ratio, Search, SimplifyOptions, Stage, Stopped, StripOptions,
-    bound, convert, encode, levels, simplify, strip, strip_observed, verify,
+    ModelLevels, Observer, PreparedModel, Search, SimplifyOptions, Stage, Stopped, StripOptions, bound,
+    convert, encode, levels, simplify, strip, strip_observed, verify,
 };
 
 /// Returns a grid of squares in two parts, left and right of the middle, which share the vertices between them.
@@ -129,8 +129,8 @@ fn strips_of_another_model_are_refused() {
     assert!(matches!(prepared.prove(&both), Err(Error::Unproven(_))));
     assert!(matches!(prepared.prove(&both[..1]), Err(Error::Unproven(_))));
     assert!(prepared.figures(&both, &StripifyOptions::default()).is_err());
-    assert!(ModelLevels::from_strips(&prepared, &both, Ratio::ZERO).is_err());
-    assert!(ModelLevels::from_strips(&prepared, &both[..1], Ratio::ZERO).is_err());
+    assert!(ModelLevels::from_strips(&prepared, &both, &LevelsOptions::default()).is_err());
+    assert!(ModelLevels::from_strips(&prepared, &both[..1], &LevelsOptions::default()).is_err());
     let all = levels(&model, &LevelsOptions::default()).unwrap();
     assert!(all.parts[0].outward(&strips).is_err());
 }

@@ -146,7 +146,7 @@ pub(crate) struct LodArgs {
         conflicts_with_all = ["model", "base", "level", "filter", "filter_effort", "table", "compare", "plot"],
     )]
     pub(crate) chain: Option<ChainRatios>,
-    #[command(flatten, next_help_heading = "Collapses of --chain")]
+    #[command(flatten, next_help_heading = "Collapses; all but --price need --chain")]
     pub(crate) collapse: CollapseArgs,
     #[command(flatten)]
     pub(crate) output: OutputArgs,

@@ -99,7 +99,9 @@ pub(crate) struct CollapseArgs {
     /// What a collapse costs
     ///
     /// By planes alone it takes about a third of the time. Errors are then root mean squares of distances to planes: the largest distance between the
-    /// surfaces may be greater than --error, and the mean distance is about a third greater at as many triangles.
+    /// surfaces may be greater than --error, and the mean distance is about a third greater at as many triangles. By quadric the cheapest pair of all is
+    /// collapsed next, as Garland and Heckbert published it: the cost is a sum of squared distances to planes, its root is the error, attributes
+    /// do not count, and one thread does all.
     #[arg(long, value_name = "PRICE", value_parser = named(Price::ALL, Price::name, Price::summary), default_value_t = Price::default())]
     pub(crate) price: Price,
     /// Let holes close, handles vanish and textures shift at their seams: for clutter that is to become very small
@@ -130,12 +132,11 @@ impl CollapseArgs {
         }
     }
 
-    /// Returns the first of the flags that is given.
-    pub(crate) fn first_given(&self) -> Option<&'static str> {
+    /// Returns the first of the flags that is given and belongs to chains of levels, not to strips for all levels.
+    pub(crate) fn first_of_chains(&self) -> Option<&'static str> {
         let given = [
             (self.error.is_some(), "--error"),
             (self.weight.is_some(), "--weight"),
-            (self.price != Price::default(), "--price"),
             (self.permissive, "--permissive"),
             (self.lock_borders, "--lock-borders"),
             (self.weld_distance.is_some(), "--weld-distance"),

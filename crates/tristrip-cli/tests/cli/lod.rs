@@ -56,6 +56,25 @@ fn levels_range_from_the_base_mesh_to_the_full_mesh() {
 }
 
 #[test]
+fn collapses_cost_what_the_price_says() {
+    let of = |price: &str| {
+        let report = lod("hand.ply", &["--base", "10%", "--level", "0", "--compare", "--price", price]);
+        assert_eq!(report["proven"], true);
+        (report["surface_error"].as_f64(), report["compare"].clone())
+    };
+    let [distance, planes, quadric] = ["distance", "planes", "quadric"].map(of);
+    assert_eq!(lod("hand.ply", &["--base", "10%", "--level", "0", "--compare"])["compare"], distance.1);
+    assert!(quadric != distance && quadric != planes && planes != distance);
+    // Chains and single meshes have the same collapses.
+    let mut command = tristrip();
+    command.args(["simplify", "--json", "--ratio", "10%", "--error", "100%", "--price", "quadric"]);
+    assert_eq!(json(command.arg(model("hand.ply")))["surface_error"].as_f64(), quadric.0);
+    let mut command = tristrip();
+    command.args(["lod", "--chain", "100%,10%", "--error", "100%", "--price", "quadric"]);
+    command.arg(model("hand.ply")).assert().success();
+}
+
+#[test]
 fn the_report_has_its_keys() {
     let report = lod("fish_control.ply", &["--level", "50%", "--table"]);
     let found = keys(&report);

@@ -1,13 +1,15 @@
-//! Levels of detail as in Kim et al. 2005: base meshes of 5 % of the triangles, and the vertices that each filter sends.
+//! Levels of detail as in Kim et al. 2005: base meshes of 5 % of the triangles, the cow's of 254, and the vertices that each filter sends.
 //!
 //! Figures of a model over all levels, each drawn once:
 //! - `collapses`, `triangles_base`, `vertices_base`;
 //! - `gbits_triangles`, and for each filter `gbits_…`: the vertices sent, in the published unit ([`gigabits`]);
 //! - `percent_…`: in percent of the vertices sent as single triangles; `percent_base_…`, `percent_full_…`: at the base and full mesh;
-//! - `saving_dtfs`: by how many percent dtfs sends less than stss;
+//! - `saving_dtfs`: by how many percent dtfs sends less than stss; `saving_triangles_dtfs`, `saving_full_dtfs`: less than single triangles, at all
+//!   levels and at the full mesh;
 //! - `crossing_stss`: the highest level at which stss sends more than single triangles, in percent, in steps of 1 %;
 //! - `updates_naive`, `updates_encoded`: index-map slots written per vertex split;
-//! - `saving_updates`, `saving_bytes`: percent of the slots and of the bytes that the encoding saves.
+//! - `saving_updates`, `saving_bytes`: percent of the slots and of the bytes that the encoding saves; `saving_bytes_with_id` with two bytes more
+//!   for the id of each split's vertex.
 //!
 //! Curves by level: `triangles` and the names of the filters for vertices sent; `updates_naive` and `updates_encoded` per 5 %.
 
@@ -16,17 +18,21 @@ use std::collections::BTreeMap;
 use tristrip::Strips;
 use tristrip::lod::RepairOptions;
 use tristrip::lod::traffic::gigabits;
-use tristrip_pipeline::{LevelPart, ModelLevels, PreparedModel, Ratio};
+use tristrip_pipeline::{LevelPart, LevelsOptions, ModelLevels, PreparedModel, Ratio};
 
 use crate::error::Error;
 use crate::traffic::{LevelRow, TrafficModel, measure_levels, totals};
 
 /// The size of the paper's base meshes, as a ratio of the triangles.
 const BASE: &str = "5%";
+/// The triangles of a model whose base mesh has another size, the cow, and that size: 254 triangles.
+const OTHER_BASE: (usize, &str) = (5804, "4.377%");
 /// Steps of the curves of vertices sent, and of the averages of updates.
 const CURVE_STEPS: usize = 100;
 const BIN_STEPS: usize = 20;
 
+/// Bytes of the id of a vertex.
+const ID_BYTES: usize = 2;
 /// Figures and curves of levels, by their names.
 #[derive(Debug, Default)]
 pub(super) struct LevelFigures {
@@ -34,14 +40,20 @@ pub(super) struct LevelFigures {
     pub(super) curves: BTreeMap<String, Vec<(f64, f64)>>,
 }
 
-/// Measures the levels of a model, drawn with the strips of its full mesh.
+/// Measures the levels of a model, drawn with the strips of its full mesh, by the collapses of the options.
 ///
 /// # Errors
 /// A level is not proven.
-pub(super) fn measure(prepared: &PreparedModel<'_>, strips: &[Strips]) -> Result<LevelFigures, Error> {
+pub(super) fn measure(
+    prepared: &PreparedModel<'_>,
+    strips: &[Strips],
+    options: LevelsOptions,
+) -> Result<LevelFigures, Error> {
     // 1. The collapses.
-    let base = BASE.parse::<Ratio>().map_err(Error::Data)?;
-    let levels = ModelLevels::from_strips(prepared, strips, base)?;
+    let (triangles, other) = OTHER_BASE;
+    let base = if prepared.mesh_figures().triangles == triangles { other } else { BASE };
+    let base = base.parse::<Ratio>().map_err(Error::Data)?;
+    let levels = ModelLevels::from_strips(prepared, strips, &options.with_base(base))?;
     let traffic = TrafficModel::new(&levels);
 
     // 2. Vertices sent.
@@ -63,9 +75,11 @@ pub(super) fn measure(prepared: &PreparedModel<'_>, strips: &[Strips]) -> Result
         measured.add(&format!("percent_{}", total.filter), total.percent);
     }
     measured.add_saving("saving_dtfs", "percent_dtfs", "percent_stss");
+    measured.add_saving("saving_triangles_dtfs", "percent_dtfs", "percent_triangles");
     if let [first, .., last] = &curve[..] {
         measured.add_ends(first, last);
     }
+    measured.add_saving("saving_full_dtfs", "percent_full_dtfs", "percent_triangles");
     let above = curve.iter().filter(|row| {
         row.vertices_sent.filters().any(|(name, sent)| name == "stss" && sent > row.vertices_sent.triangles)
     });
@@ -78,6 +92,9 @@ pub(super) fn measure(prepared: &PreparedModel<'_>, strips: &[Strips]) -> Result
     measured.add_saving("saving_updates", "updates_encoded", "updates_naive");
     let saved = 100.0 * (1.0 - all.bytes_encoded as f64 / all.bytes_naive.max(1) as f64);
     measured.add("saving_bytes", saved);
+    let ids = ID_BYTES * all.splits;
+    let saved = 100.0 * (1.0 - (all.bytes_encoded + ids) as f64 / (all.bytes_naive + ids).max(1) as f64);
+    measured.add("saving_bytes_with_id", saved);
     measured.add_curve(&curve);
     measured.add_bins(&traffic, &levels)?;
     Ok(measured)

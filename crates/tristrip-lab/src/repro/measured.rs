@@ -9,7 +9,9 @@ use tristrip::stripify::{Progress, Watch};
 use tristrip::vertex_cache::{FlushPolicy, GeneralizedCost, Replacement, VertexCache, VertexCacheStatistics};
 use tristrip::{StripifyOptions, Strips};
 use tristrip_io::Model;
-use tristrip_pipeline::{Error as PipelineError, PreparedModel, Search, parse_method};
+use tristrip_pipeline::{
+    Error as PipelineError, LevelsOptions, PreparedModel, Search, parse_levels, parse_method,
+};
 
 use super::level_figures::{self, LevelFigures};
 use super::observer::ReproObserver;
@@ -145,7 +147,12 @@ fn measure_strips(
     if observer.is_cancelled() {
         return Err(Error::Interrupted("not done"));
     }
-    let options = parse_method(&recipe.flags)?;
+    let levels = if extras.levels {
+        parse_levels(&recipe.flags)?
+    } else {
+        LevelsOptions::default().with_stripify(parse_method(&recipe.flags)?)
+    };
+    let options = levels.stripify;
     let watch = ProgressRecorder {
         outer: observer.search(&options),
         steps: recipe.steps,
@@ -162,7 +169,7 @@ fn measure_strips(
         progress,
         transmitted: if extras.generalized { transmitted(&strips) } else { Vec::new() },
         levels: if extras.levels {
-            level_figures::measure(prepared, &strips)?
+            level_figures::measure(prepared, &strips, levels)?
         } else {
             LevelFigures::default()
         },

@@ -10,8 +10,8 @@ const BORDER_WEIGHT: f64 = 10.0;
 /// may move, and with planes as well the vertices on seams stay at the expense of all others.
 const SEAM_WEIGHT: f64 = 1.0;
 
-/// The weight of a plane along a border where planes of faces have a weight of 1: "a large penalty factor" in the paper, and this number by default in
-/// its authors' program `QSlim`.
+/// The weight of a plane along a border where planes of faces have a weight of 1. The paper only says that it is large; this is the default of its
+/// authors' program `QSlim`.
 const BORDER_PENALTY: f64 = 1000.0;
 
 /// Returns positions in a frame in which the longest side of their bounding box is 1, and the length of that side.

@@ -12,8 +12,8 @@
 //! these triangles alone, and is checked when the entry comes to the front: a refused one comes back with the next change.
 //!
 //! # Departures
-//! - The paper's weight of border planes is "a large penalty factor"; here it is 1000, the default of its authors' program `QSlim`. `QSlim` and the later
-//!   papers also weight each plane by the area of its triangle; the paper of 1997 does not, and neither does this.
+//! - The paper only says that the weight of border planes is large; here it is 1000, the default of its authors' program `QSlim`. `QSlim` and the
+//!   later papers also weight each plane by the area of its triangle; the paper of 1997 does not, and neither does this.
 //! - All collapses that `decimate` refuses are refused here: the paper allows any topology, and only asks that no normal flips; here no triangle
 //!   rotates by more than about 75 degrees, the link condition holds, the last triangle of a component stays, and seams of attributes stay closed.
 //! - Pairs are edges alone: the paper's distance threshold for pairs without an edge is 0.
