@@ -130,10 +130,12 @@ fn measured_values(row: &PublishedRow, columns: &[PublishedColumn], runner: &Run
 fn compare_claim(claim: &Claim, paper: &Paper, runner: &Runner) -> ClaimReport {
     let measured = statistics::compute(&claim.statistic, None, paper, runner);
     let beside = claim.beside.and_then(|set| statistics::compute(&claim.statistic, Some(set), paper, runner));
-    let published = claim.number(paper);
+    let (published, published_to) = (claim.number(paper), claim.number_to(paper));
     let criteria = (claim.better, claim.tolerance, claim.digits);
     let verdict = match measured {
-        Some(Computed { value, .. }) => Verdict::of_claim(published, value, claim.expects, criteria),
+        Some(Computed { value, .. }) => {
+            Verdict::of_claim((published, published_to), value, claim.expects, criteria)
+        }
         None => Verdict::NotAvailable,
     };
     ClaimReport {
@@ -146,6 +148,7 @@ fn compare_claim(claim: &Claim, paper: &Paper, runner: &Runner) -> ClaimReport {
             Expects::AtMost => "at most",
         },
         published,
+        published_to,
         tolerance: (claim.expects == Expects::About).then_some(claim.tolerance),
         is_our_bar: claim.is_our_bar,
         measured: measured.map(|measured| rounded(measured.value, 6)),

@@ -24,7 +24,11 @@ pub(super) fn page(paper: &Paper, report: &PaperReport) -> String {
         out.push_str(&columns(table));
     }
     if !report.claims.is_empty() {
-        let _ = writeln!(out, "## {CLAIMS}\n\n{}", claims(&report.claims));
+        let _ = writeln!(
+            out,
+            "## {CLAIMS}\n\nA measured value matches within ±, which is our tolerance, or if it is in the published range.\n\n{}",
+            claims(&report.claims)
+        );
     }
     for (data, chart) in paper.charts.iter().zip(&report.charts) {
         let _ = writeln!(
@@ -197,9 +201,10 @@ fn published(claim: &ClaimReport) -> String {
     let tolerance = match claim.tolerance {
         None | Some(Tolerance::Absolute(0.0)) => String::new(),
         Some(Tolerance::Absolute(units)) => format!(" ± {units}"),
-        Some(Tolerance::Percent(percent)) => format!(" ± {}", claim.published.abs() * percent / 100.0),
+        Some(Tolerance::Percent(percent)) => format!(" ± {percent} % of that"),
     };
-    let text = with_unit(format!("{expects}{}{tolerance}", claim.published), claim);
+    let end = claim.published_to.map(|end| format!("–{end}")).unwrap_or_default();
+    let text = with_unit(format!("{expects}{}{end}{tolerance}", claim.published), claim);
     if claim.is_our_bar { format!("{text} (our bar)") } else { text }
 }
 
@@ -240,6 +245,7 @@ mod tests {
             unit: "%".into(),
             expects,
             published,
+            published_to: (expects == "about").then_some(22.4),
             tolerance: (expects == "about").then_some(Tolerance::Absolute(2.0)),
             is_our_bar: expects != "about",
             measured: Some(10.46),
@@ -252,7 +258,7 @@ mod tests {
         let beside = BesideReport { measured: 11.2, models: 15, stand_ins: 12 };
         let page = claims(&[claim("about", 18.0, Some(beside))]);
         assert!(
-            page.contains("| 18 ± 2 % | 10.5 % | 3 | differs | 11.2 % on 15 models, 12 stand-ins |"),
+            page.contains("| 18–22.4 ± 2 % | 10.5 % | 3 | differs | 11.2 % on 15 models, 12 stand-ins |"),
             "{page}"
         );
         let page = claims(&[claim("at most", 5.0, None)]);

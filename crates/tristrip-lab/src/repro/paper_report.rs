@@ -62,6 +62,9 @@ pub(crate) struct ClaimReport {
     pub(crate) unit: String,
     pub(crate) expects: &'static str,
     pub(crate) published: f64,
+    /// The higher end of a published range.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) published_to: Option<f64>,
     /// The difference up to which the values match, where the claim is not a bound.
     pub(crate) tolerance: Option<Tolerance>,
     /// Whether `published` is a bar of this project for what the paper says in words.

@@ -3,18 +3,45 @@
 //! A claim does not repeat such a number; it names the cells, and the number is computed. The tests recompute those that papers print.
 
 use super::paper::{
-    Claim, Paper, PrintedCells, PrintedNumber, PrintedOver, PrintedRows, PublishedRow, PublishedTable,
+    Claim, Paper, PrintedCells, PrintedNumber, PrintedOver, PrintedRows, PrintedSavings, PublishedRow,
+    PublishedTable,
 };
 use super::statistics::slope;
 use super::verdict::rounded;
 
 impl Claim {
-    /// Returns the number that the paper prints, or that follows from its cells; NaN if the claim has neither.
+    /// Returns the number that the paper prints, or that follows from others; NaN if the claim has neither. Of a range it is the lower end.
     pub(super) fn number(&self, paper: &Paper) -> f64 {
-        match &self.follows {
-            Some(number) => number.compute(paper, self.digits),
+        if let Some(number) = &self.follows {
+            return number.compute(paper, self.digits);
+        }
+        if let Some([part, whole]) = self.percent_of {
+            return rounded(100.0 * part / whole, self.digits);
+        }
+        match &self.range_of {
+            Some(savings) => rounded(savings.all(paper).into_iter().fold(f64::NAN, f64::min), self.digits),
             None => self.published.unwrap_or(f64::NAN),
         }
+    }
+
+    /// Returns the higher end of a range.
+    pub(super) fn number_to(&self, paper: &Paper) -> Option<f64> {
+        let Some(savings) = &self.range_of else { return self.up_to };
+        savings.all(paper).into_iter().reduce(f64::max).map(|greatest| rounded(greatest, self.digits))
+    }
+}
+
+impl PrintedSavings {
+    /// Returns the savings of all rows, in their order.
+    fn all(&self, paper: &Paper) -> Vec<f64> {
+        let Some(table) = paper.tables.iter().find(|known| known.name == self.table) else {
+            return Vec::new();
+        };
+        let saving = |row: &PublishedRow| {
+            let (of, than) = (table.printed(row, &self.of)?, table.printed(row, &self.than)?);
+            Some(100.0 * (1.0 - of / than))
+        };
+        table.rows.iter().filter_map(saving).collect()
     }
 }
 
@@ -58,6 +85,9 @@ impl PublishedTable {
 fn mean(values: &[f64]) -> f64 {
     values.iter().sum::<f64>() / values.len() as f64
 }
+
+#[cfg(test)]
+mod paper_001;
 
 #[cfg(test)]
 mod tests {
@@ -132,6 +162,14 @@ mod tests {
         for paper in papers() {
             for claim in &paper.claims {
                 assert!(claim.number(&paper).is_finite(), "{}", claim.says);
+                assert!(claim.up_to.is_none_or(|to| Some(to) > claim.published), "{}", claim.says);
+                let sources = [
+                    claim.published.is_some(),
+                    claim.follows.is_some(),
+                    claim.range_of.is_some(),
+                    claim.percent_of.is_some(),
+                ];
+                assert_eq!(sources.into_iter().filter(|&is| is).count(), 1, "{}", claim.says);
                 // What is compared on the models of a table as it prints them is computed from its cells, not typed.
                 if let Statistic::Saving { models: ModelSet::Table, .. }
                 | Statistic::Excess { models: ModelSet::Table, .. }

@@ -46,15 +46,22 @@ impl Verdict {
         }
     }
 
-    /// Compares a value with a claim.
+    /// Compares a value with a claim: a number or a range.
     pub(crate) fn of_claim(
-        published: f64,
+        (published, up_to): (f64, Option<f64>),
         measured: f64,
         expects: Expects,
         (better, tolerance, digits): (Better, Tolerance, usize),
     ) -> Self {
         let holds = match expects {
-            Expects::About => return Self::of(published, measured, better, tolerance, digits),
+            Expects::About => {
+                // The number of the range that is nearest as printed.
+                let nearest = match up_to {
+                    Some(end) if measured > published => rounded(measured, digits).min(end),
+                    _ => published,
+                };
+                return Self::of(nearest, measured, better, tolerance, digits);
+            }
             Expects::AtLeast => measured >= published,
             Expects::AtMost => measured <= published,
         };
@@ -129,7 +136,7 @@ mod tests {
     #[test]
     fn claims_are_values_or_bounds() {
         let of = |measured, expects| {
-            Verdict::of_claim(60.0, measured, expects, (Better::Higher, Tolerance::Absolute(2.0), 0))
+            Verdict::of_claim((60.0, None), measured, expects, (Better::Higher, Tolerance::Absolute(2.0), 0))
         };
         assert_eq!(of(61.0, Expects::About), Verdict::Matched);
         assert_eq!(of(70.0, Expects::About), Verdict::Better);
@@ -137,6 +144,12 @@ mod tests {
         assert_eq!(of(59.9, Expects::AtLeast), Verdict::Differs);
         assert_eq!(of(59.9, Expects::AtMost), Verdict::Matched);
         assert_eq!(of(60.1, Expects::AtMost), Verdict::Differs);
+        let range = |measured| {
+            let criteria = (Better::Lower, Tolerance::Absolute(0.0), 1);
+            Verdict::of_claim((19.4, Some(22.4)), measured, Expects::About, criteria)
+        };
+        assert_eq!([19.36, 20.0, 22.44].map(range), [Verdict::Matched, Verdict::Matched, Verdict::Matched]);
+        assert_eq!([19.34, 22.46].map(range), [Verdict::Better, Verdict::Worse]);
     }
 
     #[test]
