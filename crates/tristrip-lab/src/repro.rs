@@ -8,6 +8,7 @@
 //! values, which is not an error; a result that is not proven is an error.
 
 mod comparison;
+mod components;
 mod coverage;
 mod draw;
 mod identity;
@@ -20,6 +21,7 @@ mod paper_report;
 mod printed;
 mod recipe;
 mod runner;
+mod searches;
 mod statistics;
 mod verdict;
 

@@ -13,10 +13,12 @@ use tristrip_pipeline::{
     Error as PipelineError, LevelsOptions, PreparedModel, Search, parse_levels, parse_method,
 };
 
+use super::components;
 use super::level_figures::{self, LevelFigures};
 use super::observer::ReproObserver;
 use super::paper::ModelSize;
 use super::recipe::Recipe;
+use super::searches::Searches;
 use crate::error::Error;
 
 /// Vertex caches for which misses per triangle are measured in addition to those of every report.
@@ -25,6 +27,9 @@ const CACHES: [VertexCache; 4] =
 /// Vertex-cache sizes for which generalized triangle meshes are measured.
 pub(super) const CACHE_ENTRIES: std::ops::RangeInclusive<u32> = 2..=64;
 
+/// The figure of the components that one strip draws.
+pub(super) const ONE_STRIP_COMPONENTS: &str = "one_strip_components";
+
 /// What is measured for a recipe in addition to the figures of its strips.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Extras {
@@ -32,6 +37,8 @@ pub(super) struct Extras {
     pub(super) generalized: bool,
     /// Levels of detail.
     pub(super) levels: bool,
+    /// Components and their strips.
+    pub(super) components: bool,
 }
 
 /// The measurements of a model.
@@ -74,6 +81,8 @@ impl MeasuredModel {
             mesh: numbers_of(&mesh),
             by_recipe: BTreeMap::new(),
         };
+        let twos = components::of_two_triangles(&prepared) as f64;
+        measured.mesh.insert("two_triangle_components".into(), twos);
         let recipes = wanted(has_polygons);
         let results = recipes.par_iter().map(|(recipe, extras)| {
             observer.recipe(&recipe.flags);
@@ -157,6 +166,7 @@ fn measure_strips(
         outer: observer.search(&options),
         steps: recipe.steps,
         progress: Mutex::default(),
+        searches: Mutex::default(),
     };
     let strips = prepared.find_strips(&options, &watch)?;
     if watch.outer.stopped().is_some() {
@@ -164,8 +174,13 @@ fn measure_strips(
     }
     prepared.prove(&strips)?;
     let progress = watch.progress.into_inner().unwrap_or_default();
+    let mut figures = strip_figures(prepared, &strips, &options)?;
+    figures.extend(watch.searches.into_inner().unwrap_or_default().figures());
+    if extras.components {
+        figures.insert(ONE_STRIP_COMPONENTS.into(), components::drawn_by_one_strip(prepared, &strips) as f64);
+    }
     Ok(MeasuredStrips {
-        figures: strip_figures(prepared, &strips, &options)?,
+        figures,
         progress,
         transmitted: if extras.generalized { transmitted(&strips) } else { Vec::new() },
         levels: if extras.levels {
@@ -212,6 +227,7 @@ struct ProgressRecorder<'a> {
     steps: Option<u64>,
     /// Steps and the number of strips after them.
     progress: Mutex<Vec<(u64, usize)>>,
+    searches: Mutex<Searches>,
 }
 
 impl Watch for ProgressRecorder<'_> {
@@ -224,6 +240,13 @@ impl Watch for ProgressRecorder<'_> {
         }
         self.steps.is_none_or(|steps| progress.steps < steps) && self.outer.go_on(progress)
     }
+
+    fn search_ended(&self, accesses: u64, has_found: bool) {
+        if let Ok(mut searches) = self.searches.lock() {
+            searches.add(accesses, has_found);
+        }
+        self.outer.search_ended(accesses, has_found);
+    }
 }
 
 #[cfg(test)]
@@ -232,7 +255,12 @@ mod tests {
 
     #[test]
     fn a_recorder_records_changes_and_stops_the_search() {
-        let recorder = ProgressRecorder { outer: Box::new(()), steps: Some(30), progress: Mutex::default() };
+        let recorder = ProgressRecorder {
+            outer: Box::new(()),
+            steps: Some(30),
+            progress: Mutex::default(),
+            searches: Mutex::default(),
+        };
         let go_on = |steps, strips| {
             let mut progress = Progress::default();
             (progress.steps, progress.strips) = (steps, strips);

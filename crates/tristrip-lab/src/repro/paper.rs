@@ -307,6 +307,10 @@ pub(crate) enum Statistic {
     LevelsOf { figure: String, flags: String, model: String },
     /// A figure of a mesh.
     Mesh { figure: String, model: String },
+    /// A figure of the strips of a model, divided by that of another method if there is one.
+    StripsOf { figure: String, flags: String, than: Option<String>, model: String },
+    /// The components of a model that one strip draws.
+    OneStripComponents { flags: String, model: String },
     /// By how many percent LRU transmits less than FIFO, on average over a range of vertex-cache sizes and a chart's models.
     LruSaving {
         chart: String,

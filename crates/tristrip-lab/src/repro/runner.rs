@@ -24,6 +24,8 @@ struct ModelScope {
     generalized: BTreeSet<String>,
     /// Models for which levels of detail are measured, too.
     levels: BTreeSet<String>,
+    /// Models for which components are measured, too.
+    components: BTreeSet<String>,
 }
 
 impl ModelScope {
@@ -32,7 +34,11 @@ impl ModelScope {
     }
 
     fn extras(&self, name: &str) -> Extras {
-        Extras { generalized: self.generalized.contains(name), levels: self.levels.contains(name) }
+        Extras {
+            generalized: self.generalized.contains(name),
+            levels: self.levels.contains(name),
+            components: self.components.contains(name),
+        }
     }
 }
 
@@ -85,6 +91,12 @@ impl Runner {
     /// Requests the levels of detail of a model, drawn with the strips of a recipe.
     pub(super) fn request_levels(&mut self, recipe: Recipe, model: &str) {
         self.requested.entry(recipe.clone()).or_default().levels.insert(model.into());
+        self.request(recipe, model);
+    }
+
+    /// Requests the strips of a recipe, and which components one of them draws.
+    pub(super) fn request_components(&mut self, recipe: Recipe, model: &str) {
+        self.requested.entry(recipe.clone()).or_default().components.insert(model.into());
         self.request(recipe, model);
     }
 

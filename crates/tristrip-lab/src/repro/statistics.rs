@@ -3,7 +3,7 @@
 use tristrip::vertex_cache::{FlushPolicy, Replacement};
 
 use super::identity::{Identity, identify};
-use super::measured::{CACHE_ENTRIES, MeasuredModel};
+use super::measured::{CACHE_ENTRIES, MeasuredModel, ONE_STRIP_COMPONENTS};
 use super::paper::{ChartKind, ModelSet, Paper, SavingOver, Statistic};
 use super::recipe::Recipe;
 use super::runner::Runner;
@@ -34,6 +34,13 @@ pub(super) fn request(statistic: &Statistic, other: Option<ModelSet>, paper: &Pa
         Statistic::Levels { flags, models, .. } => request_levels(flags, *models, paper, runner),
         Statistic::LevelsOf { flags, model, .. } => runner.request_levels(flags.as_str().into(), model),
         Statistic::Mesh { model, .. } => runner.request_mesh(model),
+        Statistic::StripsOf { flags, than, model, .. } => {
+            let all = std::iter::once(flags).chain(than);
+            all.for_each(|flags| runner.request(flags.as_str().into(), model));
+        }
+        Statistic::OneStripComponents { flags, model } => {
+            runner.request_components(flags.as_str().into(), model);
+        }
         // The charts request their own measurements.
         Statistic::LruSaving { .. } | Statistic::SavedBy { .. } | Statistic::Speed { .. } => (),
     }
@@ -99,6 +106,8 @@ fn stand_ins(statistic: &Statistic, other: Option<ModelSet>, paper: &Paper, runn
         }
         Statistic::LevelsOf { model, .. }
         | Statistic::Mesh { model, .. }
+        | Statistic::StripsOf { model, .. }
+        | Statistic::OneStripComponents { model, .. }
         | Statistic::Speed { model, .. } => usize::from(is_other(model)),
         // They leave stand-ins out.
         Statistic::LruSaving { .. } | Statistic::SavedBy { .. } => 0,
@@ -153,6 +162,14 @@ fn value(
             Some((runner.model(model)?.levels(&flags.as_str().into(), figure)?, 1))
         }
         Statistic::Mesh { figure, model } => Some((runner.model(model)?.mesh(figure)?, 1)),
+        Statistic::StripsOf { figure, flags, than, model } => {
+            let of = |flags: &String| runner.model(model)?.strips(&flags.as_str().into(), figure);
+            let than = than.as_ref().map_or(Some(1.0), of)?;
+            Some((of(flags)? / than, 1))
+        }
+        Statistic::OneStripComponents { flags, model } => {
+            Some((runner.model(model)?.strips(&flags.as_str().into(), ONE_STRIP_COMPONENTS)?, 1))
+        }
         Statistic::LruSaving { chart, entries, flush_policy } => {
             let savings = transmitted(chart, *flush_policy, paper, runner).into_iter().map(|(lru, fifo)| {
                 let of_size = CACHE_ENTRIES.zip(lru.iter().zip(&fifo));

@@ -3,8 +3,9 @@
 //! # Algorithm
 //! The numbers are those of section 4.1 of the paper; see [`tunnel`](super::tunnel) for the terms.
 //!
-//! 1. *The length k*: fixed, and every tunnel up to it is accepted (depth first); or 1, 3, 5 …, where the next begins when no terminal has
-//!    a tunnel of the last (breadth first, section 5).
+//! 1. *The length k*: fixed, and every tunnel up to it is accepted (depth first). Where strips are left, the search is repeated with a longer
+//!    one (section 6.1): 49, 99, 199 …. Or it is 1, 3, 5 …, where the next begins when no terminal has a tunnel of the last (breadth first,
+//!    section 5).
 //! 2. *A terminal*, in random order.
 //! 3. *Its k-star*: the triangles at most k steps away.
 //! 4. *Temporary edges* for the strips that leave the star and come back.
@@ -25,7 +26,7 @@
 //! - The threshold counts the triangles that paths step on, not the identifiers written, so that it cuts the same searches with and
 //!   without localization.
 //! - The paper leaves open the order of terminals and paths: both are random, but an end of the tunnel is taken first. It does not say when
-//!   to end: here, when [`MAX_FRUITLESS_PASSES`] passes over all terminals have found nothing.
+//!   to end: here, when some passes over all terminals have found nothing.
 //!
 //! [`guided_tunnels`](super::guided_tunnels) is what we made of it.
 //!
@@ -33,7 +34,7 @@
 //! Porcu, Scateni: *Partitioning Meshes into Strips using the Enhanced Tunnelling Algorithm (ETA)*, 2006.
 //!
 //! # Complexity
-//! A search takes O(star + threshold · star) time. At most 45 bytes per triangle, beside the cover and the dual graph.
+//! A search takes O(star + threshold · star) time. At most 48 bytes per triangle, beside the cover and the dual graph.
 
 mod search;
 mod star;
@@ -56,8 +57,21 @@ use search::{EtaSearch, SearchLimits};
 use star::Star;
 use tagged_strips::TaggedStrips;
 
-/// Passes over all terminals that find nothing, after which the search ends.
-const MAX_FRUITLESS_PASSES: u32 = 20;
+/// How many passes over all terminals, and how many strips in them, find nothing before the search ends.
+#[derive(Debug, Clone, Copy)]
+struct Patience {
+    passes: u32,
+    searches: usize,
+}
+
+/// The patience with the last maximum length. With 20 passes alone, fandisk keeps a second strip for some seeds.
+const LAST_PATIENCE: Patience = Patience { passes: 20, searches: 1000 };
+
+/// The patience while longer tunnels are to come.
+const SHORT_PATIENCE: Patience = Patience { passes: 3, searches: 0 };
+
+/// The first maximum length, if lengths are repeated.
+const FIRST_LENGTH: u32 = 49;
 
 /// Accesses to nodes after which a search is repeated within a star, if stars are found on demand. On bunny it saves two thirds of the time.
 const SHORT_SEARCH: u64 = 256;
@@ -111,24 +125,45 @@ struct Eta<'a> {
 impl Eta<'_> {
     fn run(mut self, counter: &mut AccessCounter<'_>) {
         let max_length = self.options.length();
-        let (mut length, patience) = match self.options.acceptance() {
-            Acceptance::DepthFirst => (max_length, MAX_FRUITLESS_PASSES),
-            Acceptance::BreadthFirst => (1, 1),
+        let mut length = match self.options.acceptance() {
+            Acceptance::DepthFirst => max_length,
+            Acceptance::Repeated => max_length.min(FIRST_LENGTH),
+            Acceptance::BreadthFirst => 1,
         };
-        let mut fruitless_passes = 0;
         while length <= max_length && self.cover.path_count() > self.min_path_count {
-            let before = self.cover.path_count();
-            if !self.pass(length, counter) {
+            let patience = match self.options.acceptance() {
+                Acceptance::BreadthFirst => Patience { passes: 1, searches: 0 },
+                _ if length < max_length => SHORT_PATIENCE,
+                _ => LAST_PATIENCE,
+            };
+            if !self.passes(length, patience, counter) || length == max_length {
                 return;
             }
-            fruitless_passes = if self.cover.path_count() < before { 0 } else { fruitless_passes + 1 };
-            if fruitless_passes == patience {
-                (length, fruitless_passes) = (length.saturating_add(2), 0);
-                if length == u32::MAX {
-                    return;
-                }
+            length = match self.options.acceptance() {
+                Acceptance::BreadthFirst => length.saturating_add(2),
+                _ => length.saturating_mul(2).saturating_add(1).min(max_length),
+            };
+        }
+    }
+
+    /// Does passes over all terminals until some have found nothing. Returns whether to continue.
+    fn passes(&mut self, length: u32, patience: Patience, counter: &mut AccessCounter<'_>) -> bool {
+        let mut fruitless = Patience { passes: 0, searches: 0 };
+        while self.cover.path_count() > self.min_path_count
+            && (fruitless.passes < patience.passes || fruitless.searches < patience.searches)
+        {
+            let before = self.cover.path_count();
+            if !self.pass(length, counter) {
+                return false;
+            }
+            if self.cover.path_count() < before {
+                fruitless = Patience { passes: 0, searches: 0 };
+            } else {
+                fruitless.passes += 1;
+                fruitless.searches += before;
             }
         }
+        true
     }
 
     /// Searches once from every terminal. Returns whether to continue.

@@ -31,6 +31,9 @@ pub enum Acceptance {
     /// Every tunnel up to the maximum length, as it is found.
     #[default]
     DepthFirst,
+    /// The same for one maximum length after the other, each about twice the last: 49, 99, 199 … up to the one given. Section 6.1 continues like that
+    /// where strips are left.
+    Repeated,
     /// Tunnels of length 1, 3, 5 …: the next length when no terminal has a tunnel of the last.
     BreadthFirst,
 }
@@ -50,6 +53,7 @@ pub enum Localization {
 names! {
     "tristrip::stripify::Acceptance", Acceptance, "acceptance",
     DepthFirst => "depth-first", "Every tunnel up to the maximum length, as it is found";
+    Repeated => "repeated", "The same with maximum lengths 49, 99, 199 … up to the one given";
     BreadthFirst => "breadth-first", "Shorter tunnels first, over the whole mesh";
 }
 

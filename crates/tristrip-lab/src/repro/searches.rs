@@ -1,0 +1,52 @@
+//! The searches of `eta` from single ends of strips: how their accesses to nodes are distributed.
+
+use std::cmp::Reverse;
+
+/// The share of the searches that counts as expensive, as in Porcu and Scateni 2006, section 4.2.
+const EXPENSIVE: f64 = 0.1;
+
+/// The accesses of each search, and whether it found a tunnel.
+#[derive(Debug, Default)]
+pub(super) struct Searches(Vec<(u64, bool)>);
+
+impl Searches {
+    /// Adds a search.
+    pub(super) fn add(&mut self, accesses: u64, has_found: bool) {
+        self.0.push((accesses, has_found));
+    }
+
+    /// Returns the figures of the searches, none without searches: `search_accesses`; `percent_expensive`, the percentage of the accesses that
+    /// the tenth of the searches with most accesses takes; `percent_expensive_in_vain`, the percentage of these that found nothing.
+    pub(super) fn figures(mut self) -> Vec<(String, f64)> {
+        if self.0.is_empty() {
+            return Vec::new();
+        }
+        self.0.sort_unstable_by_key(|&(accesses, has_found)| (Reverse(accesses), has_found));
+        let sum = |searches: &[(u64, bool)]| searches.iter().map(|search| search.0).sum::<u64>();
+        let expensive = &self.0[..(EXPENSIVE * self.0.len() as f64).ceil() as usize];
+        let in_vain = expensive.iter().filter(|search| !search.1).count();
+        let percent = |part: f64, whole: f64| if whole == 0.0 { 0.0 } else { 100.0 * part / whole };
+        let all = sum(&self.0) as f64;
+        vec![
+            ("search_accesses".into(), all),
+            ("percent_expensive".into(), percent(sum(expensive) as f64, all)),
+            ("percent_expensive_in_vain".into(), percent(in_vain as f64, expensive.len() as f64)),
+        ]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_tenth_with_most_accesses_is_expensive() {
+        let mut searches = Searches::default();
+        (0..18).for_each(|_| searches.add(10, true));
+        searches.add(700, false);
+        searches.add(120, true);
+        let figures = searches.figures().into_iter().map(|(_, value)| value).collect::<Vec<_>>();
+        assert_eq!(figures, [1000.0, 82.0, 50.0]);
+        assert!(Searches::default().figures().is_empty());
+    }
+}
