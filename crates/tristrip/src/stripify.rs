@@ -125,9 +125,13 @@ fn plan_in_order<'a>(
         }
         Method::QuadRows { cutoff } => stripe::quad_rows::plan(prepared, graph, cutoff, options.seed())?,
         Method::Tunnel { length } => tunnel::plan(prepared, graph, length, watch),
-        Method::Eta(eta) => eta::plan(prepared, graph, eta, options.seed(), watch),
+        Method::Eta(eta) => tunnel::plan_joined(prepared, graph, eta.start(), |graph, cover| {
+            eta::join(graph, cover, eta, options.seed(), watch);
+        }),
         Method::GuidedTunnels(tunnels) => {
-            guided_tunnels::plan(prepared, graph, tunnels, options.seed(), watch)
+            tunnel::plan_joined(prepared, graph, tunnels.start(), |graph, cover| {
+                guided_tunnels::join(graph, cover, tunnels, options.seed(), watch);
+            })
         }
     })
 }

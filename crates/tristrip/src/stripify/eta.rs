@@ -42,16 +42,13 @@ mod tagged_strips;
 #[cfg(test)]
 mod tests;
 
-use super::StripPlan;
 use super::options::{Acceptance, EtaOptions, Localization};
 use super::tunnel::accesses::{AccessCounter, SearchOutcome};
-use super::tunnel::initial_strips;
 use super::tunnel::path_tags::{PathTags, complement_links};
 use super::watch::Watch;
 use crate::cover::PathCover;
 use crate::dual::DualGraph;
 use crate::ids::FaceId;
-use crate::prepare::PreparedFaces;
 use crate::random::Random;
 use search::{EtaSearch, SearchLimits};
 use star::Star;
@@ -76,21 +73,14 @@ const FIRST_LENGTH: u32 = 49;
 /// Accesses to nodes after which a search is repeated within a star, if stars are found on demand. On bunny it saves two thirds of the time.
 const SHORT_SEARCH: u64 = 256;
 
-/// Plans strips by the enhanced tunnelling algorithm. The triangulation is that of the strips that it starts from.
-pub(super) fn plan<'a>(
-    prepared: &'a PreparedFaces<'_>,
-    graph: &'a DualGraph,
+/// Joins paths of a cover until no more tunnels are found or the watch stops it.
+pub(super) fn join(
+    graph: &DualGraph,
+    cover: &mut PathCover,
     options: EtaOptions,
     seed: u64,
     watch: &dyn Watch,
-) -> StripPlan<'a> {
-    let mut plan = initial_strips(prepared, graph, options.start());
-    join(plan.triangulation.graph(), &mut plan.cover, options, seed, watch);
-    plan
-}
-
-/// Joins paths of a cover until no more tunnels are found or the watch stops it.
-fn join(graph: &DualGraph, cover: &mut PathCover, options: EtaOptions, seed: u64, watch: &dyn Watch) {
+) {
     let tags = PathTags::new(graph, cover);
     let strips = TaggedStrips::new(cover, &tags);
     let is_local = options.localization() != Localization::None;

@@ -36,16 +36,14 @@ mod star;
 #[cfg(test)]
 mod tests;
 
+use super::TunnelOptions;
 use super::tunnel::accesses::{AccessCounter, SearchOutcome};
 use super::tunnel::context::SearchContext;
-use super::tunnel::initial_strips;
 use super::tunnel::path_tags::PathTags;
 use super::watch::Watch;
-use super::{StripPlan, TunnelOptions};
 use crate::cover::PathCover;
 use crate::dual::DualGraph;
 use crate::ids::FaceId;
-use crate::prepare::PreparedFaces;
 use crate::random::Random;
 use search::{GuidedSearch, TunnelLimits};
 use star::Star;
@@ -61,19 +59,6 @@ const MAX_FRUITLESS_PASSES: u32 = 40;
 const FULL_PASS_INTERVAL: u32 = 5;
 /// Loops that may be closed at a time while terminals move; before, none. Tuned on bunny and horse: two lead away from tunnels.
 const MAX_LOOPS: u32 = 1;
-
-/// Plans strips by guided tunnels. The triangulation is that of the strips that it starts from.
-pub(super) fn plan<'a>(
-    prepared: &'a PreparedFaces<'_>,
-    graph: &'a DualGraph,
-    options: TunnelOptions,
-    seed: u64,
-    watch: &dyn Watch,
-) -> StripPlan<'a> {
-    let mut plan = initial_strips(prepared, graph, options.start());
-    join(plan.triangulation.graph(), &mut plan.cover, options, seed, watch);
-    plan
-}
 
 /// Joins paths of a cover until no more tunnels are found or the watch stops it.
 pub(super) fn join(

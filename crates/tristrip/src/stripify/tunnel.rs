@@ -45,12 +45,19 @@ pub(super) fn plan<'a>(
     plan
 }
 
-/// Plans the strips that a search starts from.
-pub(super) fn initial_strips<'a>(
+/// Plans strips by joining initial strips. The triangulation is that of the strips that it starts from.
+pub(super) fn plan_joined<'a>(
     prepared: &'a PreparedFaces<'_>,
     graph: &'a DualGraph,
     start: Start,
+    join: impl FnOnce(&DualGraph, &mut PathCover),
 ) -> StripPlan<'a> {
+    let mut plan = initial_strips(prepared, graph, start);
+    join(plan.triangulation.graph(), &mut plan.cover);
+    plan
+}
+
+fn initial_strips<'a>(prepared: &'a PreparedFaces<'_>, graph: &'a DualGraph, start: Start) -> StripPlan<'a> {
     match start {
         Start::Isolated => isolated_triangles(prepared, graph),
         Start::Input => input::plan(prepared, graph),
