@@ -126,7 +126,9 @@ impl Eta<'_> {
                 _ if length < max_length => SHORT_PATIENCE,
                 _ => LAST_PATIENCE,
             };
-            if !self.passes(length, patience, counter) || length == max_length {
+            self.search.was_cut_short = false;
+            // If no path reached this length, a longer one finds nothing else.
+            if !self.passes(length, patience, counter) || length == max_length || !self.search.was_cut_short {
                 return;
             }
             length = match self.options.acceptance() {

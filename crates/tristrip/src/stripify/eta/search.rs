@@ -29,6 +29,8 @@ pub(super) struct EtaSearch {
     candidates: Vec<(usize, TunnelStep)>,
     /// The steps from the tip.
     next: Vec<TunnelStep>,
+    /// Whether a path was not followed because of its length.
+    pub(super) was_cut_short: bool,
 }
 
 impl EtaSearch {
@@ -105,6 +107,7 @@ impl EtaSearch {
         // A path of n steps has 2 n edges, and one more at its end.
         let edges = 2 * self.steps.len() as u64 + 1;
         if edges > u64::from(length) {
+            self.was_cut_short = true;
             return;
         }
         let links = strips.links(tip);
@@ -115,7 +118,9 @@ impl EtaSearch {
                 self.candidates.push((self.steps.len(), TunnelStep { red, black: OptionalId::NONE }));
                 return;
             }
-            if edges + 2 <= u64::from(length) {
+            if edges + 2 > u64::from(length) {
+                self.was_cut_short = true;
+            } else {
                 let links = strips.links(twin / 3);
                 let black = cover.edges(FaceId(twin / 3)).into_iter().flatten();
                 let black = black.filter(|h| links.contains(&Link::Black(h.0)));
