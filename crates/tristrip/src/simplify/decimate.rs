@@ -179,7 +179,7 @@ impl Decimation {
         sequence: &mut CollapseSequence,
     ) {
         while self.triangle_count > triangle_count {
-            let Some(WaitingCollapse { cost, point, to, .. }) = queue.next() else { break };
+            let Some(WaitingCollapse { cost, point, to, .. }) = queue.next(&self.surface) else { break };
             let Some(error) = self.error_if_allowed(cost, point, to) else { continue };
             let collapse = PricedCollapse { to, cost: finite(cost), error: finite(error) };
             self.pass += 1;

@@ -6,10 +6,12 @@
 //! 2. The cost of a collapse of `p` to `q` is `(Qp + Qq)` at the position of `q`. Every pair of neighbours waits in both directions, which
 //!    is the paper's pair whose better end is kept: Kim et al. 2005 collapse half-edges, and no vertex moves.
 //! 3. The cheapest collapse is taken from a queue; of equal costs that of the lowest point, then to the lowest one. Points are numbered in
-//!    the order in which the triangles use them. The quadric of `p` is added to that of `q`, and all pairs around are priced again.
+//!    the order in which the triangles use them, sorted along a curve where they are far apart (module `curve`). The quadric of `p` is added to that of `q`, and all pairs around are priced again.
 //!
 //! An entry of the queue is void once a collapse has changed the triangles of one of its points. Whether a collapse is allowed depends on
-//! these triangles alone, and is checked when the entry comes to the front: a refused one comes back with the next change.
+//! these triangles alone, and is checked when the entry comes to the front: a refused one comes back with the next change. A point of more than
+//! 256 triangles does not collapse, and its pairs are not priced again when others collapse to it: costs only increase, so that a pair is priced
+//! again when it comes to the front.
 //!
 //! # Departures
 //! - The paper only says that the weight of border planes is large; here it is 1000, the default of its authors' program `QSlim`. `QSlim` and the
@@ -23,12 +25,13 @@
 //! Garland, Heckbert: *Surface Simplification Using Quadric Error Metrics*, 1997. Garland: `QSlim`, 1998 (the weight of border planes).
 //!
 //! # Complexity
-//! O(d log n) time per collapse, d the number of triangles around its points and their neighbours; 24 bytes per entry of the queue. There are three
+//! O(d log n) time per collapse, d the number of triangles around its points and their neighbours, of which each counts 256 at most; 24 bytes per entry of the queue. There are three
 //! entries per triangle that are not void, and void ones are removed when there are as many of them.
 
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 
+use super::outcome::MOST_CORNERS;
 use super::surface::Surface;
 
 /// A collapse that waits.
@@ -102,7 +105,7 @@ impl CollapseQueue {
             neighbours: Vec::new(),
         };
         let mut entries = Vec::new();
-        for point in 0..count as u32 {
+        for point in (0..count as u32).filter(|&point| may_collapse(surface, point)) {
             surface.topology.neighbours(point, &mut queue.neighbours);
             entries.extend(queue.neighbours.iter().map(|&to| Reverse(queue.priced(surface, point, to))));
         }
@@ -116,11 +119,16 @@ impl CollapseQueue {
     }
 
     /// Returns the cheapest collapse whose points have not changed, and removes it.
-    pub(super) fn next(&mut self) -> Option<WaitingCollapse> {
+    pub(super) fn next(&mut self, surface: &Surface) -> Option<WaitingCollapse> {
         while let Some(Reverse(next)) = self.heap.pop() {
-            if next.is_current(&self.changed) {
+            if !next.is_current(&self.changed) {
+                continue;
+            }
+            let priced = self.priced(surface, next.point, next.to);
+            if priced.cost.total_cmp(&next.cost).is_eq() {
                 return Some(next);
             }
+            self.heap.push(Reverse(priced));
         }
         None
     }
@@ -129,14 +137,15 @@ impl CollapseQueue {
     pub(super) fn update(&mut self, surface: &Surface, removed: u32, around: &[u32]) {
         self.done += 1;
         self.changed[removed as usize] = self.done;
-        around.iter().for_each(|&p| self.changed[p as usize] = self.done);
+        let around = || around.iter().copied().filter(|&point| may_collapse(surface, point));
+        around().for_each(|point| self.changed[point as usize] = self.done);
         let mut neighbours = std::mem::take(&mut self.neighbours);
-        for &point in around {
+        for point in around() {
             surface.topology.neighbours(point, &mut neighbours);
             for &other in &neighbours {
                 self.heap.push(Reverse(self.priced(surface, point, other)));
                 // The other direction is priced with the other point, if that is around, too.
-                if self.changed[other as usize] != self.done {
+                if self.changed[other as usize] != self.done && may_collapse(surface, other) {
                     self.heap.push(Reverse(self.priced(surface, other, point)));
                 }
             }
@@ -148,6 +157,11 @@ impl CollapseQueue {
             self.most_entries = 2 * self.heap.len().max(LEAST_ENTRIES);
         }
     }
+}
+
+/// Returns whether a point has few enough triangles to collapse.
+fn may_collapse(surface: &Surface, point: u32) -> bool {
+    surface.topology.ring(point).len() <= MOST_CORNERS
 }
 
 /// Returns the cost of a collapse in units of the frame: the sum of the quadrics of both points where the kept one is.

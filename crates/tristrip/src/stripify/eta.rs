@@ -11,7 +11,7 @@
 //! 4. *Temporary edges* for the strips that leave the star and come back.
 //! 5. *Tunnelling*: alternating paths, depth first. A step cuts a black edge, which splits a strip, and links the part at its near end with
 //!    the tip; the part gets the identifier of the tip, node by node, and its own again when the path is given up. No step closes a loop:
-//!    both must not be the same part of one strip. A search ends after a given number of accesses to nodes, the forecast of section 4.2.
+//!    both must not be the same part of one strip. A search ends after its paths have stepped on a given number of triangles, the forecast of section 4.2.
 //! 6. *Complement*, if a tunnel was found: the temporary edges vanish, and the strips get their identifiers everywhere.
 //! 7. *The next terminal.*
 //!
@@ -28,13 +28,15 @@
 //! - The paper leaves open the order of terminals and paths: both are random, but an end of the tunnel is taken first. It does not say when
 //!   to end: here, when some passes over all terminals have found nothing.
 //!
-//! [`guided_tunnels`](super::guided_tunnels) is what we made of it.
+//! - The lengths at which the search is repeated are ours; section 6.1 only says that longer tunnels can be searched for.
+//!
+//! [`guided_tunnels`](super::guided_tunnels) is our variant.
 //!
 //! # References
 //! Porcu, Scateni: *Partitioning Meshes into Strips using the Enhanced Tunnelling Algorithm (ETA)*, 2006.
 //!
 //! # Complexity
-//! A search takes O(star + threshold · star) time. At most 48 bytes per triangle, beside the cover and the dual graph.
+//! A search takes O(star + threshold · star) time. At most 60 bytes per triangle, beside the cover and the dual graph.
 
 mod search;
 mod star;
@@ -54,18 +56,19 @@ use search::{EtaSearch, SearchLimits};
 use star::Star;
 use tagged_strips::TaggedStrips;
 
-/// How many passes over all terminals, and how many strips in them, find nothing before the search ends.
+/// Passes over all terminals that find nothing, and the sum of the strips in them, before the search ends.
 #[derive(Debug, Clone, Copy)]
-struct Patience {
+struct EmptyPasses {
     passes: u32,
-    searches: usize,
+    strips: usize,
 }
 
-/// The patience with the last maximum length. With 20 passes alone, fandisk keeps a second strip for some seeds.
-const LAST_PATIENCE: Patience = Patience { passes: 20, searches: 1000 };
+/// Those with the last maximum length. With 20 passes alone, fandisk keeps a second strip for some seeds.
+const AT_LAST_LENGTH: EmptyPasses = EmptyPasses { passes: 20, strips: 1000 };
 
-/// The patience while longer tunnels are to come.
-const SHORT_PATIENCE: Patience = Patience { passes: 3, searches: 0 };
+/// Those while longer tunnels are to come, depth first and breadth first.
+const DEPTH_FIRST: EmptyPasses = EmptyPasses { passes: 3, strips: 0 };
+const BREADTH_FIRST: EmptyPasses = EmptyPasses { passes: 1, strips: 0 };
 
 /// The first maximum length, if lengths are repeated.
 const FIRST_LENGTH: u32 = 49;
@@ -84,8 +87,10 @@ pub(super) fn join(
     let tags = PathTags::new(graph, cover);
     let strips = TaggedStrips::new(cover, &tags);
     let is_local = options.localization() != Localization::None;
+    let terminals = (0..cover.len() as u32).filter(|&t| cover.degree(FaceId(t)) < 2).collect();
     let state = Eta {
         graph,
+        terminals,
         options,
         min_path_count: graph.components().1,
         cover,
@@ -105,6 +110,8 @@ struct Eta<'a> {
     min_path_count: usize,
     cover: &'a mut PathCover,
     strips: TaggedStrips,
+    /// The ends of strips at the last pass. No search makes another triangle the end of a strip.
+    terminals: Vec<u32>,
     /// With localization: the strips before a search, and the order of their triangles.
     tags: Option<PathTags>,
     star: Star,
@@ -114,21 +121,24 @@ struct Eta<'a> {
 
 impl Eta<'_> {
     fn run(mut self, counter: &mut AccessCounter<'_>) {
-        let max_length = self.options.length();
+        // A path steps on a triangle for every second edge, and the threshold ends the search.
+        let max_length =
+            self.options.length().min(self.options.threshold().saturating_mul(2).saturating_add(1));
         let mut length = match self.options.acceptance() {
             Acceptance::DepthFirst => max_length,
             Acceptance::Repeated => max_length.min(FIRST_LENGTH),
             Acceptance::BreadthFirst => 1,
         };
         while length <= max_length && self.cover.path_count() > self.min_path_count {
-            let patience = match self.options.acceptance() {
-                Acceptance::BreadthFirst => Patience { passes: 1, searches: 0 },
-                _ if length < max_length => SHORT_PATIENCE,
-                _ => LAST_PATIENCE,
+            let most_empty = match self.options.acceptance() {
+                Acceptance::BreadthFirst if length.saturating_add(2) <= max_length => BREADTH_FIRST,
+                Acceptance::Repeated if length < max_length => DEPTH_FIRST,
+                _ => AT_LAST_LENGTH,
             };
             self.search.was_cut_short = false;
-            // If no path reached this length, a longer one finds nothing else.
-            if !self.passes(length, patience, counter) || length == max_length || !self.search.was_cut_short {
+            // If no path was cut short, a longer one finds nothing else.
+            if !self.passes(length, most_empty, counter) || length == max_length || !self.search.was_cut_short
+            {
                 return;
             }
             length = match self.options.acceptance() {
@@ -138,21 +148,21 @@ impl Eta<'_> {
         }
     }
 
-    /// Does passes over all terminals until some have found nothing. Returns whether to continue.
-    fn passes(&mut self, length: u32, patience: Patience, counter: &mut AccessCounter<'_>) -> bool {
-        let mut fruitless = Patience { passes: 0, searches: 0 };
+    /// Does passes over all terminals until enough of them in succession have found nothing. Returns whether to continue.
+    fn passes(&mut self, length: u32, most_empty: EmptyPasses, counter: &mut AccessCounter<'_>) -> bool {
+        let mut empty = EmptyPasses { passes: 0, strips: 0 };
         while self.cover.path_count() > self.min_path_count
-            && (fruitless.passes < patience.passes || fruitless.searches < patience.searches)
+            && (empty.passes < most_empty.passes || empty.strips < most_empty.strips)
         {
             let before = self.cover.path_count();
             if !self.pass(length, counter) {
                 return false;
             }
             if self.cover.path_count() < before {
-                fruitless = Patience { passes: 0, searches: 0 };
+                empty = EmptyPasses { passes: 0, strips: 0 };
             } else {
-                fruitless.passes += 1;
-                fruitless.searches += before;
+                empty.passes += 1;
+                empty.strips += before;
             }
         }
         true
@@ -160,8 +170,9 @@ impl Eta<'_> {
 
     /// Searches once from every terminal. Returns whether to continue.
     fn pass(&mut self, length: u32, counter: &mut AccessCounter<'_>) -> bool {
-        let mut terminals: Vec<u32> =
-            (0..self.cover.len() as u32).filter(|&t| self.cover.degree(FaceId(t)) < 2).collect();
+        let cover = &*self.cover;
+        self.terminals.retain(|&t| cover.degree(FaceId(t)) < 2);
+        let mut terminals = self.terminals.clone();
         for i in (1..terminals.len()).rev() {
             terminals.swap(i, self.random.below(i + 1));
         }
@@ -170,6 +181,7 @@ impl Eta<'_> {
                 continue;
             }
             let before = counter.accesses();
+            counter.add(1);
             let outcome = self.search_from(terminal, length, counter);
             if outcome == SearchOutcome::Stopped {
                 return false;

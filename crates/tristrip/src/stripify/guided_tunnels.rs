@@ -1,6 +1,6 @@
 //! `guided-tunnels`: tunnels of hundreds of edges, each searched for toward the nearest end of another strip, and ends that move.
 //!
-//! It is what we made of the enhanced tunnelling algorithm ([`eta`](super::eta)), and leaves fewer strips in less time.
+//! It is our variant of the enhanced tunnelling algorithm ([`eta`](super::eta)), and leaves fewer strips in less time.
 //!
 //! # Algorithm
 //! See [`tunnel`](super::tunnel) for the terms.

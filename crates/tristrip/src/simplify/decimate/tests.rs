@@ -157,6 +157,26 @@ proptest! {
 ///    │ ╱     ╲ │      plane through 3 0, which is perpendicular to it. Cost: 2 + 1000 · 2.
 ///    0 ─────── 1
 /// ```
+/// The hub is not priced again at each collapse beside it, which would take minutes.
+#[test]
+fn cones_and_fans_of_many_triangles_are_simplified() {
+    let rim = 40_000_u32;
+    // Points of a circle.
+    let on_circle = |i: u32| {
+        let t = (f64::from(i) - 0.5 * f64::from(rim)) / 2000.0;
+        [(1.0 - t * t) / (1.0 + t * t), 2.0 * t / (1.0 + t * t), 0.0].map(|x| x as f32)
+    };
+    let positions: Vec<[f32; 3]> = std::iter::once([0.0, 0.0, 1.0]).chain((0..rim).map(on_circle)).collect();
+    let mesh = Mesh::new(positions, Faces::default()).unwrap();
+    let half = rim as usize / 2;
+    for is_closed in [true, false] {
+        let count = if is_closed { rim } else { rim - 1 };
+        let corners: Vec<u32> = (0..count).flat_map(|i| [0, 1 + i, 1 + (i + 1) % rim]).collect();
+        let done = simplify_triangles(&mesh, corners, &options().with_triangles(half)).unwrap();
+        assert_eq!(done.sequence.triangle_count(0).unwrap(), half, "{is_closed}");
+    }
+}
+
 #[test]
 fn costs_of_a_pyramid_are_those_computed_by_hand() {
     let positions = vec![[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 2.0, 0.0], [0.0, 2.0, 0.0], [1.0, 1.0, 1.0]];

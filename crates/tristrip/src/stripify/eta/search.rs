@@ -29,7 +29,7 @@ pub(super) struct EtaSearch {
     candidates: Vec<(usize, TunnelStep)>,
     /// The steps from the tip.
     next: Vec<TunnelStep>,
-    /// Whether a path was not followed because of its length.
+    /// Whether a path was not followed because of its length or the threshold.
     pub(super) was_cut_short: bool,
 }
 
@@ -59,9 +59,13 @@ impl EtaSearch {
             if counter.accesses() - start > limits.accesses {
                 break None;
             }
-            let Some((depth, step)) = self.candidates.pop().filter(|_| stepped_on < limits.threshold) else {
+            let Some((depth, step)) = self.candidates.pop() else {
                 break Some(SearchOutcome::NotFound);
             };
+            if stepped_on >= limits.threshold {
+                self.was_cut_short = true;
+                break Some(SearchOutcome::NotFound);
+            }
             stepped_on += 1;
             if !counter.count(cover) {
                 break Some(SearchOutcome::Stopped);

@@ -7,7 +7,7 @@
 //!   ━━ c ━━━┿━ o ━ o
 //! ```
 //! # Complexity
-//! O(star + crossings · log crossings) time; 4 bytes per triangle.
+//! O(star + crossings · log crossings) time; 8 bytes per triangle, and 32 per crossing.
 
 use super::tagged_strips::{Link, TaggedStrips};
 use crate::cover::PathCover;

@@ -31,8 +31,8 @@ pub enum Acceptance {
     /// Every tunnel up to the maximum length, as it is found.
     #[default]
     DepthFirst,
-    /// The same for one maximum length after the other, each about twice the last: 49, 99, 199 … up to the one given. Section 6.1 continues like that
-    /// where strips are left.
+    /// The same for one maximum length after the other, each about twice the last: 49, 99, 199 … up to the one given: section 6.1 suggests
+    /// longer tunnels where strips are left.
     Repeated,
     /// Tunnels of length 1, 3, 5 …: the next length when no terminal has a tunnel of the last.
     BreadthFirst,
@@ -64,7 +64,7 @@ names! {
     None => "none", "Identifiers are written to the ends of the strips";
 }
 
-/// Tunnels of up to 199 edges, 1000 node accesses per search, every tunnel accepted, stars on demand, from the strips of `input`. The paper
+/// Tunnels of up to 199 edges, 1000 triangles stepped on per search, every tunnel accepted, stars on demand, from the strips of `input`. The paper
 /// names no defaults; 200 is the only length in its text (section 6.1).
 impl Default for EtaOptions {
     fn default() -> Self {
