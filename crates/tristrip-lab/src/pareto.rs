@@ -276,7 +276,7 @@ mod tests {
         let default = labels(&StripifyOptions::default(), None);
         assert_eq!(
             default.join(", "),
-            "input, sequential, sgi, stripe, quad-rows, eta, fewest 5, best 2, best 5, cache indices 2, cache indices 5, \
+            "input, sequential, sgi, stripe, quad-rows, guided-tunnels, fewest 5, best 2, best 5, cache indices 2, cache indices 5, \
              cache balanced 2, cache balanced 5, cache misses 2, cache misses 5"
         );
         assert_eq!(default.iter().collect::<HashSet<_>>().len(), default.len());
