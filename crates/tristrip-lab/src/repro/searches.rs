@@ -2,8 +2,8 @@
 
 use std::cmp::Reverse;
 
-/// The share of the searches that counts as expensive, as in Porcu and Scateni 2006, section 4.2.
-const EXPENSIVE: f64 = 0.1;
+/// One search in this many counts as expensive, as in Porcu and Scateni 2006, section 4.2.
+const EXPENSIVE: usize = 10;
 
 /// The accesses of each search, and whether it found a tunnel.
 #[derive(Debug, Default)]
@@ -23,7 +23,7 @@ impl Searches {
         }
         self.0.sort_unstable_by_key(|&(accesses, has_found)| (Reverse(accesses), has_found));
         let sum = |searches: &[(u64, bool)]| searches.iter().map(|search| search.0).sum::<u64>();
-        let expensive = &self.0[..(EXPENSIVE * self.0.len() as f64).ceil() as usize];
+        let expensive = &self.0[..self.0.len().div_ceil(EXPENSIVE)];
         let in_vain = expensive.iter().filter(|search| !search.1).count();
         let percent = |part: f64, whole: f64| if whole == 0.0 { 0.0 } else { 100.0 * part / whole };
         let all = sum(&self.0) as f64;
