@@ -76,9 +76,9 @@ fn methods(cutoff: u32) -> Vec<Method> {
         [Start::Isolated, Start::Sgi, Start::Sequential]
             .map(|start| Method::GuidedTunnels(TunnelOptions::default().with_start(start).with_length(2 * cutoff + 1))),
     );
-    for &acceptance in Acceptance::ALL {
+    for acceptance in Acceptance::ALL {
         let eta = EtaOptions::default().with_length(2 * cutoff + 1).with_acceptance(acceptance);
-        all.extend(Localization::ALL.iter().map(|&each| Method::Eta(eta.with_localization(each))));
+        all.extend(Localization::ALL.map(|each| Method::Eta(eta.with_localization(each))));
     }
     for triangulation in FaceTriangulation::ALL {
         for ties in Ties::ALL {
