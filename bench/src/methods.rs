@@ -2,7 +2,7 @@
 
 use tristrip::Cost;
 use tristrip::Effort;
-use tristrip::stripify::{Acceptance, EtaOptions, Localization, Objective, TunnelOptions};
+use tristrip::stripify::{Acceptance, Localization, Objective, TunnelOptions};
 use tristrip::stripify::{FaceTriangulation, Patches, Ties};
 use tristrip::vertex_cache::VertexCache;
 use tristrip::{Method, StripifyOptions};
@@ -118,11 +118,12 @@ pub fn all_methods() -> Vec<NamedMethod> {
         }
     }
     methods.push(NamedMethod::new("guided-tunnels", Method::GuidedTunnels(TunnelOptions::default())));
-    let eta = EtaOptions::default().with_length(ETA_LENGTH);
-    methods.push(NamedMethod::new(format!("eta {ETA_LENGTH}"), Method::Eta(eta)));
-    let plain = eta.with_acceptance(Acceptance::BreadthFirst).with_localization(Localization::None);
-    methods
-        .push(NamedMethod::new(format!("eta {ETA_LENGTH} breadth-first not localized"), Method::Eta(plain)));
+    let tunnels = TunnelOptions::ETA.with_length(ETA_LENGTH);
+    let eta = |acceptance, localization| Method::Eta { tunnels, acceptance, localization };
+    let published = eta(Acceptance::DepthFirst, Localization::OnDemand);
+    methods.push(NamedMethod::new(format!("eta {ETA_LENGTH}"), published));
+    let plain = eta(Acceptance::BreadthFirst, Localization::None);
+    methods.push(NamedMethod::new(format!("eta {ETA_LENGTH} breadth-first not localized"), plain));
     methods
         .push(NamedMethod::new(format!("tunnel {TUNNEL_LENGTH}"), Method::Tunnel { length: TUNNEL_LENGTH }));
     methods.extend(Cost::ALL.map(|cost| NamedMethod::search(Method::Best, 1, cost)));

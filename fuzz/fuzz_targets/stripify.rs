@@ -5,7 +5,7 @@
 use tristrip::{Cost, Metrics, strip_triangles};
 use tristrip::stripify::bound::Bound;
 use tristrip::Effort;
-use tristrip::stripify::{Acceptance, EtaOptions, Localization, Objective, Start, TunnelOptions, plan};
+use tristrip::stripify::{Acceptance, Localization, Objective, Start, TunnelOptions, plan};
 use tristrip::verify::verify;
 use tristrip::vertex_cache::VertexCache;
 use tristrip::{DualGraph, Error, Method, PreparedFaces, StripifyOptions, Strips};
@@ -77,8 +77,8 @@ fn methods(cutoff: u32) -> Vec<Method> {
             .map(|start| Method::GuidedTunnels(TunnelOptions::default().with_start(start).with_length(2 * cutoff + 1))),
     );
     for acceptance in Acceptance::ALL {
-        let eta = EtaOptions::default().with_length(2 * cutoff + 1).with_acceptance(acceptance);
-        all.extend(Localization::ALL.map(|each| Method::Eta(eta.with_localization(each))));
+        let tunnels = TunnelOptions::ETA.with_length(2 * cutoff + 1);
+        all.extend(Localization::ALL.map(|localization| Method::Eta { tunnels, acceptance, localization }));
     }
     for triangulation in FaceTriangulation::ALL {
         for ties in Ties::ALL {

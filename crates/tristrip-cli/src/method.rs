@@ -5,7 +5,7 @@ use std::time::Duration;
 use clap::Args;
 use tristrip::Cost;
 use tristrip::Effort;
-use tristrip::stripify::{Acceptance, EtaOptions, Localization, Objective, Start, TunnelOptions};
+use tristrip::stripify::{Acceptance, Localization, Objective, Start, TunnelOptions};
 use tristrip::stripify::{FaceTriangulation, LastTie, Patches, Ties};
 use tristrip::vertex_cache::VertexCache;
 use tristrip::{Method, StripifyOptions};
@@ -116,7 +116,7 @@ impl MethodArgs {
         let local = matches!(chosen, Method::StripeLocal { .. });
         let global = matches!(chosen, Method::StripeGlobal { .. });
         let (rows, sgi) = (matches!(chosen, Method::QuadRows { .. }), matches!(chosen, Method::Sgi { .. }));
-        let (tunnel, eta) = (matches!(chosen, Method::Tunnel { .. }), matches!(chosen, Method::Eta(_)));
+        let (tunnel, eta) = (matches!(chosen, Method::Tunnel { .. }), matches!(chosen, Method::Eta { .. }));
         let long = eta || matches!(chosen, Method::GuidedTunnels(_));
         let check = |flag: &str, is_set: bool, fits: bool, methods: &str| {
             if is_set && !fits {
@@ -164,7 +164,11 @@ impl MethodArgs {
             Method::QuadRows { cutoff } => Method::QuadRows { cutoff: self.cutoff.unwrap_or(cutoff) },
             Method::Sgi { last_tie } => Method::Sgi { last_tie: self.last_tie.unwrap_or(last_tie) },
             Method::Tunnel { length } => Method::Tunnel { length: self.tunnel_length.unwrap_or(length) },
-            Method::Eta(eta) => Method::Eta(self.eta(eta)),
+            Method::Eta { tunnels, acceptance, localization } => Method::Eta {
+                tunnels: self.tunnels(tunnels),
+                acceptance: self.acceptance.unwrap_or(acceptance),
+                localization: self.localization.unwrap_or(localization),
+            },
             Method::GuidedTunnels(tunnels) => Method::GuidedTunnels(self.tunnels(tunnels)),
             method => method,
         };
@@ -179,25 +183,6 @@ impl MethodArgs {
             Some(effort) => options.with_effort(effort),
             None => options,
         })
-    }
-
-    fn eta(&self, mut eta: EtaOptions) -> EtaOptions {
-        if let Some(length) = self.tunnel_length {
-            eta = eta.with_length(length);
-        }
-        if let Some(threshold) = self.threshold {
-            eta = eta.with_threshold(threshold);
-        }
-        if let Some(start) = self.start {
-            eta = eta.with_start(start);
-        }
-        if let Some(acceptance) = self.acceptance {
-            eta = eta.with_acceptance(acceptance);
-        }
-        if let Some(localization) = self.localization {
-            eta = eta.with_localization(localization);
-        }
-        eta
     }
 
     fn tunnels(&self, mut tunnels: TunnelOptions) -> TunnelOptions {

@@ -48,7 +48,7 @@ impl SearchWatch {
             Method::Best
             | Method::Fewest
             | Method::Tunnel { .. }
-            | Method::Eta(_)
+            | Method::Eta { .. }
             | Method::GuidedTunnels(_) => true,
             Method::Cache => {
                 options.objective() == Objective::Indices || options.effort().level() >= CACHE_SEARCHES

@@ -5,7 +5,7 @@ use std::str::FromStr;
 use serde::Serialize;
 use tristrip::Effort;
 use tristrip::simplify::Price;
-use tristrip::stripify::{Acceptance, EtaOptions, Localization, TunnelOptions};
+use tristrip::stripify::{Acceptance, Localization, TunnelOptions};
 use tristrip::stripify::{FaceTriangulation, LastTie, Patches, Ties};
 use tristrip::{Error, Method, StripifyOptions};
 
@@ -78,21 +78,22 @@ impl MethodReport {
                 ..search
             },
             Method::Tunnel { length } => Self { tunnel_length: Some(length), ..plain },
-            Method::Eta(eta) => Self {
-                tunnel_length: Some(eta.length()),
-                threshold: Some(eta.threshold()),
-                start: Some(eta.start().to_string()),
-                acceptance: Some(eta.acceptance().to_string()),
-                localization: Some(eta.localization().to_string()),
-                ..seeded
+            Method::Eta { tunnels, acceptance, localization } => Self {
+                acceptance: Some(acceptance.to_string()),
+                localization: Some(localization.to_string()),
+                ..seeded.with_tunnels(tunnels)
             },
-            Method::GuidedTunnels(tunnels) => Self {
-                tunnel_length: Some(tunnels.length()),
-                threshold: Some(tunnels.threshold()),
-                start: Some(tunnels.start().to_string()),
-                ..seeded
-            },
+            Method::GuidedTunnels(tunnels) => seeded.with_tunnels(tunnels),
             _ => plain,
+        }
+    }
+
+    fn with_tunnels(self, tunnels: TunnelOptions) -> Self {
+        Self {
+            tunnel_length: Some(tunnels.length()),
+            threshold: Some(tunnels.threshold()),
+            start: Some(tunnels.start().to_string()),
+            ..self
         }
     }
 
@@ -162,6 +163,13 @@ impl MethodReport {
     }
 }
 
+/// The variant of `eta` that is compared: with the default length it takes a quarter of an hour for a million triangles.
+const ETA_TO_COMPARE: Method = Method::Eta {
+    tunnels: TunnelOptions::ETA.with_length(49),
+    acceptance: Acceptance::DepthFirst,
+    localization: Localization::OnDemand,
+};
+
 /// Returns the methods to compare: one or a few per family, or every variant.
 ///
 /// ```
@@ -182,7 +190,7 @@ pub fn methods_to_compare(every_variant: bool) -> Vec<Method> {
     if every_variant {
         methods.extend([
             Method::TUNNEL,
-            Method::Eta(EtaOptions::default()),
+            ETA_TO_COMPARE,
             Method::GuidedTunnels(TunnelOptions::default()),
             Method::Sgi { last_tie: LastTie::First },
         ]);
@@ -319,29 +327,14 @@ impl<'a> Flags<'a> {
             Method::Tunnel { length } => {
                 Method::Tunnel { length: self.number("--tunnel-length")?.unwrap_or(length) }
             }
-            Method::Eta(eta) => Method::Eta(self.eta(eta)?),
+            Method::Eta { tunnels, acceptance, localization } => Method::Eta {
+                tunnels: self.tunnels(tunnels)?,
+                acceptance: self.named("--acceptance")?.unwrap_or(acceptance),
+                localization: self.named("--localization")?.unwrap_or(localization),
+            },
             Method::GuidedTunnels(tunnels) => Method::GuidedTunnels(self.tunnels(tunnels)?),
             method => method,
         })
-    }
-
-    fn eta(&mut self, mut eta: EtaOptions) -> Result<EtaOptions, Error> {
-        if let Some(length) = self.number("--tunnel-length")? {
-            eta = eta.with_length(length);
-        }
-        if let Some(threshold) = self.number("--threshold")? {
-            eta = eta.with_threshold(threshold);
-        }
-        if let Some(start) = self.named("--start")? {
-            eta = eta.with_start(start);
-        }
-        if let Some(acceptance) = self.named("--acceptance")? {
-            eta = eta.with_acceptance(acceptance);
-        }
-        if let Some(localization) = self.named("--localization")? {
-            eta = eta.with_localization(localization);
-        }
-        Ok(eta)
     }
 
     fn tunnels(&mut self, mut tunnels: TunnelOptions) -> Result<TunnelOptions, Error> {

@@ -26,11 +26,11 @@ use crate::dual::DualGraph;
 pub(crate) use crate::effort::Effort;
 use crate::error::Error;
 use crate::prepare::PreparedFaces;
+use eta::EtaOptions;
 #[cfg(test)]
 pub(crate) use one_shot::stripify;
 pub use options::{
-    Acceptance, EtaOptions, FaceTriangulation, LastTie, Localization, Objective, Patches, Start, Ties,
-    TunnelOptions,
+    Acceptance, FaceTriangulation, LastTie, Localization, Objective, Patches, Start, Ties, TunnelOptions,
 };
 pub(crate) use options::{Method, StripifyOptions};
 pub use plan::StripPlan;
@@ -125,9 +125,12 @@ fn plan_in_order<'a>(
         }
         Method::QuadRows { cutoff } => stripe::quad_rows::plan(prepared, graph, cutoff, options.seed())?,
         Method::Tunnel { length } => tunnel::plan(prepared, graph, length, watch),
-        Method::Eta(eta) => tunnel::plan_joined(prepared, graph, eta.start(), |graph, cover| {
-            eta::join(graph, cover, eta, options.seed(), watch);
-        }),
+        Method::Eta { tunnels, acceptance, localization } => {
+            tunnel::plan_joined(prepared, graph, tunnels.start(), |graph, cover| {
+                let eta = EtaOptions { tunnels, acceptance, localization };
+                eta::join(graph, cover, eta, options.seed(), watch);
+            })
+        }
         Method::GuidedTunnels(tunnels) => {
             tunnel::plan_joined(prepared, graph, tunnels.start(), |graph, cover| {
                 guided_tunnels::join(graph, cover, tunnels, options.seed(), watch);

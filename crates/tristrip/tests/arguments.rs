@@ -8,9 +8,7 @@ use tristrip::lod::{
     Encoding, Filter, LevelModel, LevelTable, ProgressiveMesh, ProgressiveStrips, Repair, RepairOptions,
     RepairedStrips, View,
 };
-use tristrip::stripify::{
-    Acceptance, EtaOptions, Localization, Objective, Patches, Start, Ties, TunnelOptions,
-};
+use tristrip::stripify::{Acceptance, Localization, Objective, Patches, Start, Ties, TunnelOptions};
 use tristrip::verify::{verify, verify_models};
 use tristrip::vertex_cache::VertexCache;
 use tristrip::{
@@ -116,7 +114,7 @@ fn index_buffers() {
 fn methods() {
     let mesh = grid(3);
     let tunnels = |length, threshold| TunnelOptions::default().with_length(length).with_threshold(threshold);
-    let eta = |length, threshold| EtaOptions::default().with_length(length).with_threshold(threshold);
+    let eta = |tunnels, acceptance, localization| Method::Eta { tunnels, acceptance, localization };
     let all = [0, 1, 2, u32::MAX].into_iter().flat_map(|n| {
         [
             Method::Tunnel { length: n },
@@ -126,9 +124,9 @@ fn methods() {
             Method::GuidedTunnels(tunnels(n, n).with_start(Start::Isolated)),
             Method::GuidedTunnels(tunnels(u32::MAX, n)),
             Method::GuidedTunnels(tunnels(n, u32::MAX)),
-            Method::Eta(eta(n, n).with_start(Start::Isolated)),
-            Method::Eta(eta(u32::MAX, n).with_acceptance(Acceptance::BreadthFirst)),
-            Method::Eta(eta(n, u32::MAX).with_localization(Localization::None)),
+            eta(tunnels(n, n).with_start(Start::Isolated), Acceptance::Repeated, Localization::Star),
+            eta(tunnels(u32::MAX, n), Acceptance::BreadthFirst, Localization::OnDemand),
+            eta(tunnels(n, u32::MAX), Acceptance::DepthFirst, Localization::None),
         ]
     });
     for method in all {

@@ -100,7 +100,7 @@ pub(crate) struct CollapseArgs {
     ///
     /// By planes alone it takes about a third of the time. Errors are then root mean squares of distances to planes: the largest distance between the
     /// surfaces may be greater than --error, and the mean distance is about a third greater at as many triangles. By quadric the cheapest pair of all is
-    /// collapsed next, as Garland and Heckbert published it: the cost is a sum of squared distances to planes, its root is the error, attributes
+    /// collapsed next, as Garland and Heckbert published it: the cost is a sum of squared distances to planes, those along borders 1000 times, its root is the error, attributes
     /// do not count, and one thread does all.
     #[arg(long, value_name = "PRICE", value_parser = named(Price::ALL, Price::name, Price::summary), default_value_t = Price::default())]
     pub(crate) price: Price,

@@ -173,9 +173,14 @@ fn measure_strips(
         return Err(Error::Interrupted("not done"));
     }
     prepared.prove(&strips)?;
-    let progress = watch.progress.into_inner().unwrap_or_default();
+    let mut progress = watch.progress.into_inner().unwrap_or_default();
+    let searches = watch.searches.into_inner().unwrap_or_default();
+    // The watch is asked at intervals, so that it may have missed the last joins.
+    if let Some(accesses) = searches.accesses() {
+        progress.push((accesses, strips.iter().map(Strips::len).sum()));
+    }
     let mut figures = strip_figures(prepared, &strips, &options)?;
-    figures.extend(watch.searches.into_inner().unwrap_or_default().figures());
+    figures.extend(searches.figures());
     if extras.components {
         figures.insert(ONE_STRIP_COMPONENTS.into(), components::drawn_by_one_strip(prepared, &strips) as f64);
     }

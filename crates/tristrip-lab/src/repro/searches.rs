@@ -15,8 +15,13 @@ impl Searches {
         self.0.push((accesses, has_found));
     }
 
+    /// Returns the sum of the accesses of all searches, if there are any.
+    pub(super) fn accesses(&self) -> Option<u64> {
+        (!self.0.is_empty()).then(|| self.0.iter().map(|search| search.0).sum())
+    }
+
     /// Returns the figures of the searches, none without searches: `search_accesses`; `percent_expensive`, the percentage of the accesses that
-    /// the tenth of the searches with most accesses takes; `percent_expensive_in_vain`, the percentage of these that found nothing.
+    /// the tenth of the searches with most accesses takes; `percent_expensive_not_found`, the percentage of these that found nothing.
     pub(super) fn figures(mut self) -> Vec<(String, f64)> {
         if self.0.is_empty() {
             return Vec::new();
@@ -24,13 +29,13 @@ impl Searches {
         self.0.sort_unstable_by_key(|&(accesses, has_found)| (Reverse(accesses), has_found));
         let sum = |searches: &[(u64, bool)]| searches.iter().map(|search| search.0).sum::<u64>();
         let expensive = &self.0[..self.0.len().div_ceil(EXPENSIVE)];
-        let in_vain = expensive.iter().filter(|search| !search.1).count();
+        let not_found = expensive.iter().filter(|search| !search.1).count();
         let percent = |part: f64, whole: f64| if whole == 0.0 { 0.0 } else { 100.0 * part / whole };
         let all = sum(&self.0) as f64;
         vec![
             ("search_accesses".into(), all),
             ("percent_expensive".into(), percent(sum(expensive) as f64, all)),
-            ("percent_expensive_in_vain".into(), percent(in_vain as f64, expensive.len() as f64)),
+            ("percent_expensive_not_found".into(), percent(not_found as f64, expensive.len() as f64)),
         ]
     }
 }

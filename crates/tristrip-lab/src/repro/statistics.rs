@@ -121,17 +121,25 @@ fn value(
     paper: &Paper,
     runner: &Runner,
 ) -> Option<(f64, usize)> {
+    let chosen = |set: ModelSet| models(other.unwrap_or(set), paper, runner);
     let figures = |flags: &str, figure: &str, set: ModelSet| -> Vec<(f64, f64)> {
         let recipe = Recipe::from(flags);
-        let pairs = models(other.unwrap_or(set), paper, runner).into_iter();
-        pairs
+        chosen(set)
+            .into_iter()
             .filter_map(|(_, model)| Some((model.size.triangles as f64, model.strips(&recipe, figure)?)))
             .collect()
     };
     match statistic {
         Statistic::Saving { over, figure, flags, than, models } => {
-            let (ours, theirs) = (figures(flags, figure, *models), figures(than, figure, *models));
-            let pairs: Vec<_> = ours.iter().zip(&theirs).map(|(a, b)| (a.1 / a.0, b.1 / b.0)).collect();
+            let [ours, theirs] = [flags, than].map(|flags| Recipe::from(flags.as_str()));
+            let pairs: Vec<_> = chosen(*models)
+                .into_iter()
+                .filter_map(|(_, model)| {
+                    let triangles = model.size.triangles as f64;
+                    let [a, b] = [&ours, &theirs].map(|recipe| model.strips(recipe, figure));
+                    Some((a? / triangles, b? / triangles))
+                })
+                .collect();
             saving(&pairs, *over).map(|saving| (saving, pairs.len()))
         }
         Statistic::Excess { figure, flags, models } => {
@@ -155,8 +163,7 @@ fn value(
         }
         Statistic::Levels { figure, flags, models: set } => {
             let recipe = Recipe::from(flags.as_str());
-            let chosen = models(other.unwrap_or(*set), paper, runner).into_iter();
-            mean(chosen.filter_map(|(_, model)| model.levels(&recipe, figure)))
+            mean(chosen(*set).into_iter().filter_map(|(_, model)| model.levels(&recipe, figure)))
         }
         Statistic::LevelsOf { figure, flags, model } => {
             Some((runner.model(model)?.levels(&flags.as_str().into(), figure)?, 1))

@@ -3,7 +3,7 @@
 use serde::de::{Deserialize, Deserializer, Error as _};
 use serde::ser::{Error as _, Serialize, Serializer};
 
-use crate::stripify::{EtaOptions, Method, TunnelOptions};
+use crate::stripify::{Method, TunnelOptions};
 
 /// Returns the parameters of a method, by the names of their flags.
 fn parameters(method: Method) -> Vec<(&'static str, String)> {
@@ -17,20 +17,22 @@ fn parameters(method: Method) -> Vec<(&'static str, String)> {
         Method::QuadRows { cutoff } => vec![("cutoff", cutoff.to_string())],
         Method::Sgi { last_tie } => vec![("last-tie", last_tie.to_string())],
         Method::Tunnel { length } => vec![("length", length.to_string())],
-        Method::Eta(eta) => vec![
-            ("length", eta.length().to_string()),
-            ("threshold", eta.threshold().to_string()),
-            ("start", eta.start().to_string()),
-            ("acceptance", eta.acceptance().to_string()),
-            ("localization", eta.localization().to_string()),
-        ],
-        Method::GuidedTunnels(tunnels) => vec![
-            ("length", tunnels.length().to_string()),
-            ("threshold", tunnels.threshold().to_string()),
-            ("start", tunnels.start().to_string()),
-        ],
+        Method::Eta { tunnels, acceptance, localization } => {
+            let [acceptance, localization] = [acceptance.to_string(), localization.to_string()];
+            let own = [("acceptance", acceptance), ("localization", localization)];
+            tunnel_parameters(tunnels).into_iter().chain(own).collect()
+        }
+        Method::GuidedTunnels(tunnels) => tunnel_parameters(tunnels).into(),
         _ => Vec::new(),
     }
+}
+
+fn tunnel_parameters(tunnels: TunnelOptions) -> [(&'static str, String); 3] {
+    [
+        ("length", tunnels.length().to_string()),
+        ("threshold", tunnels.threshold().to_string()),
+        ("start", tunnels.start().to_string()),
+    ]
 }
 
 /// Returns a method with another value of a parameter; `None` if it has no such parameter, or no such value.
@@ -54,21 +56,18 @@ fn with_parameter(method: Method, name: &str, value: &str) -> Option<Method> {
         (Method::QuadRows { .. }, "cutoff") => Method::QuadRows { cutoff: value.parse().ok()? },
         (Method::Sgi { .. }, "last-tie") => Method::Sgi { last_tie: value.parse().ok()? },
         (Method::Tunnel { .. }, "length") => Method::Tunnel { length: value.parse().ok()? },
-        (Method::Eta(eta), _) => Method::Eta(eta_with(eta, name, value)?),
+        (Method::Eta { tunnels, localization, .. }, "acceptance") => {
+            Method::Eta { tunnels, acceptance: value.parse().ok()?, localization }
+        }
+        (Method::Eta { tunnels, acceptance, .. }, "localization") => {
+            Method::Eta { tunnels, acceptance, localization: value.parse().ok()? }
+        }
+        (Method::Eta { tunnels, acceptance, localization }, _) => {
+            Method::Eta { tunnels: tunnels_with(tunnels, name, value)?, acceptance, localization }
+        }
         (Method::GuidedTunnels(tunnels), _) => Method::GuidedTunnels(tunnels_with(tunnels, name, value)?),
         _ => return None,
     })
-}
-
-fn eta_with(eta: EtaOptions, name: &str, value: &str) -> Option<EtaOptions> {
-    match name {
-        "length" => Some(eta.with_length(value.parse().ok()?)),
-        "threshold" => Some(eta.with_threshold(value.parse().ok()?)),
-        "start" => Some(eta.with_start(value.parse().ok()?)),
-        "acceptance" => Some(eta.with_acceptance(value.parse().ok()?)),
-        "localization" => Some(eta.with_localization(value.parse().ok()?)),
-        _ => None,
-    }
 }
 
 fn tunnels_with(tunnels: TunnelOptions, name: &str, value: &str) -> Option<TunnelOptions> {

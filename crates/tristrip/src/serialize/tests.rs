@@ -3,7 +3,7 @@ use crate::collapse::CollapseSequence;
 use crate::mesh::{Faces, Mesh};
 use crate::simplify::simplify;
 use crate::strip::Strips;
-use crate::stripify::{Acceptance, EtaOptions, Localization, TunnelOptions, stripify};
+use crate::stripify::{Acceptance, Localization, TunnelOptions, stripify};
 use serde::de::DeserializeOwned;
 
 fn round_trip<T: Serialize + DeserializeOwned + PartialEq + std::fmt::Debug>(value: &T) -> String {
@@ -24,9 +24,12 @@ fn options_have_the_names_of_the_command() {
     }
     let tunnels = TunnelOptions::default().with_threshold(7).with_start(Start::Sgi);
     assert_eq!(round_trip(&Method::GuidedTunnels(tunnels)), r#""guided-tunnels threshold=7 start=sgi""#);
-    let eta = EtaOptions::default().with_acceptance(Acceptance::BreadthFirst);
-    let eta = eta.with_localization(Localization::None).with_length(9);
-    assert_eq!(round_trip(&Method::Eta(eta)), r#""eta length=9 acceptance=breadth-first localization=none""#);
+    let eta = Method::Eta {
+        tunnels: TunnelOptions::ETA.with_length(9),
+        acceptance: Acceptance::BreadthFirst,
+        localization: Localization::None,
+    };
+    assert_eq!(round_trip(&eta), r#""eta length=9 acceptance=breadth-first localization=none""#);
     assert_eq!(round_trip(&Method::Tunnel { length: 5 }), r#""tunnel length=5""#);
     let global = Method::StripeGlobal { patches: Patches::Full, cutoff: 0, ties: Ties::Random };
     assert_eq!(round_trip(&global), r#""stripe-global patches=full cutoff=0 ties=random""#);

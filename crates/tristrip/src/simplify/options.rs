@@ -103,7 +103,8 @@ pub enum Price {
     /// is about a third larger, and the largest is not known: where triangles bridge a valley it exceeds the error.
     Planes,
     /// The quadrics of Garland and Heckbert 1997, as Kim et al. 2005 use them: the sum of the squared distances from the planes of both points,
-    /// the cheapest of all collapses next. The error is the square root of that sum, in which planes along borders count 1000 times. Attributes do not count, and one thread does all.
+    /// the cheapest of all collapses next. The error is the square root of that sum, in which planes along borders count 1000 times. Attributes
+    /// do not count, and one thread does all.
     Quadric,
 }
 

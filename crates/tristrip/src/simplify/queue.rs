@@ -6,7 +6,8 @@
 //! 2. The cost of a collapse of `p` to `q` is `(Qp + Qq)` at the position of `q`. Every pair of neighbours waits in both directions, which
 //!    is the paper's pair whose better end is kept: Kim et al. 2005 collapse half-edges, and no vertex moves.
 //! 3. The cheapest collapse is taken from a queue; of equal costs that of the lowest point, then to the lowest one. Points are numbered in
-//!    the order in which the triangles use them, sorted along a curve where they are far apart (module `curve`). The quadric of `p` is added to that of `q`, and all pairs around are priced again.
+//!    the order in which the triangles use them, sorted along a curve where they are far apart (module `curve`). The quadric of `p` is
+//!    added to that of `q`, and all pairs around are priced again.
 //!
 //! An entry of the queue is void once a collapse has changed the triangles of one of its points. Whether a collapse is allowed depends on
 //! these triangles alone, and is checked when the entry comes to the front: a refused one comes back with the next change. A point of more than
@@ -25,8 +26,8 @@
 //! Garland, Heckbert: *Surface Simplification Using Quadric Error Metrics*, 1997. Garland: `QSlim`, 1998 (the weight of border planes).
 //!
 //! # Complexity
-//! O(d log n) time per collapse, d the number of triangles around its points and their neighbours, of which each counts 256 at most; 24 bytes per entry of the queue. There are three
-//! entries per triangle that are not void, and void ones are removed when there are as many of them.
+//! O(d log n) time per collapse, d the number of triangles around its points and their neighbours, of which each counts 256 at most; 24 bytes
+//! per entry of the queue. There are three entries per triangle that are not void, and void ones are removed when there are as many of them.
 
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;

@@ -44,7 +44,7 @@ mod tagged_strips;
 #[cfg(test)]
 mod tests;
 
-use super::options::{Acceptance, EtaOptions, Localization};
+use super::options::{Acceptance, Localization, TunnelOptions};
 use super::tunnel::accesses::{AccessCounter, SearchOutcome};
 use super::tunnel::path_tags::{PathTags, complement_links};
 use super::watch::Watch;
@@ -55,6 +55,14 @@ use crate::random::Random;
 use search::{EtaSearch, SearchLimits};
 use star::Star;
 use tagged_strips::TaggedStrips;
+
+/// The parameters of [`Method::Eta`](super::Method::Eta).
+#[derive(Debug, Clone, Copy)]
+pub(super) struct EtaOptions {
+    pub(super) tunnels: TunnelOptions,
+    pub(super) acceptance: Acceptance,
+    pub(super) localization: Localization,
+}
 
 /// Passes over all terminals that find nothing, and the sum of the strips in them, before the search ends.
 #[derive(Debug, Clone, Copy)]
@@ -86,7 +94,7 @@ pub(super) fn join(
 ) {
     let tags = PathTags::new(graph, cover);
     let strips = TaggedStrips::new(cover, &tags);
-    let is_local = options.localization() != Localization::None;
+    let is_local = options.localization != Localization::None;
     let terminals = (0..cover.len() as u32).filter(|&t| cover.degree(FaceId(t)) < 2).collect();
     let state = Eta {
         graph,
@@ -122,15 +130,18 @@ struct Eta<'a> {
 impl Eta<'_> {
     fn run(mut self, counter: &mut AccessCounter<'_>) {
         // A path steps on a triangle for every second edge, and the threshold ends the search.
-        let max_length =
-            self.options.length().min(self.options.threshold().saturating_mul(2).saturating_add(1));
-        let mut length = match self.options.acceptance() {
+        let max_length = self
+            .options
+            .tunnels
+            .length()
+            .min(self.options.tunnels.threshold().saturating_mul(2).saturating_add(1));
+        let mut length = match self.options.acceptance {
             Acceptance::DepthFirst => max_length,
             Acceptance::Repeated => max_length.min(FIRST_LENGTH),
             Acceptance::BreadthFirst => 1,
         };
         while length <= max_length && self.cover.path_count() > self.min_path_count {
-            let most_empty = match self.options.acceptance() {
+            let most_empty = match self.options.acceptance {
                 Acceptance::BreadthFirst if length.saturating_add(2) <= max_length => BREADTH_FIRST,
                 Acceptance::Repeated if length < max_length => DEPTH_FIRST,
                 _ => AT_LAST_LENGTH,
@@ -141,7 +152,7 @@ impl Eta<'_> {
             {
                 return;
             }
-            length = match self.options.acceptance() {
+            length = match self.options.acceptance {
                 Acceptance::BreadthFirst => length.saturating_add(2),
                 _ => length.saturating_mul(2).saturating_add(1).min(max_length),
             };
@@ -199,7 +210,7 @@ impl Eta<'_> {
 
     /// Searches from a terminal, and complements the tunnel if one was found.
     fn search_from(&mut self, terminal: u32, length: u32, counter: &mut AccessCounter<'_>) -> SearchOutcome {
-        let outcome = match self.options.localization() {
+        let outcome = match self.options.localization {
             Localization::None => self.find(terminal, length, u64::MAX, counter),
             Localization::Star => self.find_in_star(terminal, length, counter),
             Localization::OnDemand => {
@@ -247,7 +258,7 @@ impl Eta<'_> {
         accesses: u64,
         counter: &mut AccessCounter<'_>,
     ) -> Option<SearchOutcome> {
-        let limits = SearchLimits { length, threshold: self.options.threshold(), accesses };
+        let limits = SearchLimits { length, threshold: self.options.tunnels.threshold(), accesses };
         let context = (self.graph, &*self.cover);
         self.search.find(context, &mut self.strips, terminal, limits, &mut self.random, counter)
     }

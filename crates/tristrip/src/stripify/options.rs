@@ -1,10 +1,10 @@
 //! The stripification methods and their options.
 
-mod eta;
+mod stripe;
 mod tunnels;
 
-pub use eta::{Acceptance, EtaOptions, Localization};
-pub use tunnels::{Start, TunnelOptions};
+pub use stripe::{FaceTriangulation, LastTie, Patches, Ties};
+pub use tunnels::{Acceptance, Localization, Start, TunnelOptions};
 
 use crate::effort::Effort;
 use crate::error::Error;
@@ -63,7 +63,14 @@ pub enum Method {
         length: u32,
     },
     /// The enhanced tunnelling algorithm: long tunnels, each searched for within a star.
-    Eta(EtaOptions),
+    Eta {
+        /// The tunnels, and the strips to start from.
+        tunnels: TunnelOptions,
+        /// Which tunnels are accepted.
+        acceptance: Acceptance,
+        /// How far identifiers are written. The strips are the same.
+        localization: Localization,
+    },
     /// Our long tunnels, guided by the distance to the ends of strips, which move toward each other.
     GuidedTunnels(TunnelOptions),
 }
@@ -81,7 +88,7 @@ impl Method {
         Self::StripeLocal { triangulation: FaceTriangulation::Whole, ties: Ties::Sequential },
         Self::STRIPE,
         Self::TUNNEL,
-        Self::Eta(EtaOptions::DEFAULT),
+        Self::ETA,
         Self::GuidedTunnels(TunnelOptions::DEFAULT),
     ];
 
@@ -106,7 +113,7 @@ impl Method {
             Self::StripeLocal { .. } => "stripe-local",
             Self::StripeGlobal { .. } => "stripe-global",
             Self::Tunnel { .. } => "tunnel",
-            Self::Eta(_) => "eta",
+            Self::Eta { .. } => "eta",
             Self::GuidedTunnels(_) => "guided-tunnels",
         }
     }
@@ -138,7 +145,7 @@ impl Method {
             Self::Tunnel { .. } => {
                 "Stewart's tunneling operator, short tunnels first, starting from isolated triangles"
             }
-            Self::Eta(_) => "The Enhanced Tunneling Algorithm of Porcu and Scateni",
+            Self::Eta { .. } => "The Enhanced Tunneling Algorithm of Porcu and Scateni",
             Self::GuidedTunnels(_) => {
                 "Long tunnels toward the nearest end of another strip, and ends that move"
             }
@@ -147,6 +154,12 @@ impl Method {
 
     /// The tunnelling operator up to length 9: beyond it, every two more edges multiply the time several times.
     pub const TUNNEL: Self = Self::Tunnel { length: 9 };
+    /// The enhanced tunnelling algorithm depth first, with stars on demand. Its paper names no defaults; those are [`TunnelOptions::ETA`].
+    pub const ETA: Self = Self::Eta {
+        tunnels: TunnelOptions::ETA,
+        acceptance: Acceptance::DepthFirst,
+        localization: Localization::OnDemand,
+    };
     /// The SGI algorithm with the last of the neighbours that its look-ahead leaves: the first sends 1.5 % more vertices for power lines.
     pub const SGI: Self = Self::Sgi { last_tie: LastTie::Last };
     /// STRIPE with its authors' recommended settings: rows or columns of patches of at least 5 quadrilaterals, sequential ties.
@@ -176,88 +189,6 @@ impl std::str::FromStr for Method {
             expected: "best, sequential, fewest, cache, input, quad-rows, sgi, stripe, stripe-local, stripe-global, tunnel, eta or guided-tunnels",
         })
     }
-}
-
-/// When STRIPE triangulates polygons (Evans et al. 1996, section 3.1).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum FaceTriangulation {
-    /// In advance, by alternate left and right turns.
-    Static,
-    /// Completely, when a strip enters the face.
-    #[default]
-    Whole,
-    /// Only as far as the strip needs to leave the face over the chosen edge.
-    Partial,
-    /// As [`Self::Partial`], but a rest that would keep fewer than two free neighbours goes into the strip. This is ours.
-    Absorbing,
-}
-
-/// How STRIPE breaks ties between neighbours of the lowest adjacency (Evans et al. 1996, section 3.1).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum Ties {
-    /// The first found.
-    Arbitrary,
-    /// The one whose neighbours have the lowest adjacency.
-    LookAhead,
-    /// The one on the side opposite to the previous turn.
-    Alternate,
-    /// One at random, from the seed.
-    Random,
-    /// One that needs no swap, otherwise one at random.
-    #[default]
-    Sequential,
-    /// One that needs the fewest swaps. This is ours.
-    FewestSwaps,
-}
-
-/// Which of several equal neighbours the look-ahead takes, where the papers say nothing.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum LastTie {
-    /// The first after the entry.
-    First,
-    /// The last after the entry: the first before it.
-    #[default]
-    Last,
-}
-
-/// How STRIPE turns patches into strips (Evans et al. 1996, section 3.2).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub enum Patches {
-    /// One strip per row or per column, whichever gives longer strips.
-    #[default]
-    Rows,
-    /// One strip per patch, extended backward and forward.
-    Full,
-}
-
-names! {
-    "tristrip::stripify::FaceTriangulation", FaceTriangulation, "triangulation",
-    Static => "static", "In advance, by alternate left and right turns";
-    Whole => "whole", "Completely, when a strip enters the face";
-    Partial => "partial", "Only as far as the strip needs to leave the face";
-    Absorbing => "absorbing", "Partial, but a rest with fewer than two neighbours goes into the strip (ours)";
-}
-
-names! {
-    "tristrip::stripify::Ties", Ties, "ties",
-    Arbitrary => "arbitrary", "The first one found";
-    LookAhead => "look-ahead", "The one whose neighbours have the least adjacency";
-    Alternate => "alternate", "The one on the other side from the previous turn";
-    Random => "random", "One chosen at random, by the seed";
-    Sequential => "sequential", "One that needs no swap, else one chosen at random";
-    FewestSwaps => "fewest-swaps", "One of those that need the fewest swaps (ours)";
-}
-
-names! {
-    "tristrip::stripify::LastTie", LastTie, "last tie",
-    First => "first", "The first after the entry";
-    Last => "last", "The last after the entry";
-}
-
-names! {
-    "tristrip::stripify::Patches", Patches, "patches",
-    Rows => "rows", "One strip per row or column";
-    Full => "full", "One strip per patch, extended at both ends";
 }
 
 names! {

@@ -4,9 +4,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use proptest::prelude::*;
 
-use super::join;
 use super::star::Star;
 use super::tagged_strips::{Link, TaggedStrips};
+use super::{EtaOptions, join};
 use crate::cover::PathCover;
 use crate::dual::DualGraph;
 use crate::ids::{FaceId, HalfEdge};
@@ -15,11 +15,16 @@ use crate::stripify::sequential::tests::{mesh, polygons};
 use crate::stripify::tunnel::path_tags::PathTags;
 use crate::stripify::tunnel::tests::{check_watch, graph_and_cover, torus};
 use crate::stripify::watch::{Progress, Watch};
-use crate::stripify::{Acceptance, EtaOptions, Localization, Method, Start, StripifyOptions, plan};
+use crate::stripify::{Acceptance, Localization, Method, Start, StripifyOptions, TunnelOptions, plan};
 use crate::verify::verify;
 
+/// The default, with other tunnels.
+fn eta(tunnels: TunnelOptions) -> EtaOptions {
+    EtaOptions { tunnels, acceptance: Acceptance::default(), localization: Localization::default() }
+}
+
 fn exhaustive(length: u32) -> EtaOptions {
-    EtaOptions::default().with_length(length).with_threshold(u32::MAX)
+    eta(TunnelOptions::ETA.with_length(length).with_threshold(u32::MAX))
 }
 
 fn joined(graph: &DualGraph, cover: &PathCover, options: EtaOptions, seed: u64) -> PathCover {
@@ -95,7 +100,7 @@ proptest! {
     fn leaves_no_tunnel_without_loops((graph, cover) in graph_and_cover(), half in 0..4_u32, seed in any::<u64>()) {
         let length = 2 * half + 1;
         for acceptance in Acceptance::ALL.iter().copied() {
-            let joined = joined(&graph, &cover, exhaustive(length).with_acceptance(acceptance), seed);
+            let joined = joined(&graph, &cover, EtaOptions { acceptance, ..exhaustive(length) }, seed);
             prop_assert_eq!(joined.check(&graph), Ok(()));
             prop_assert!((graph.components().1..=cover.path_count()).contains(&joined.path_count()));
             prop_assert!(!has_tunnel(&graph, &joined, length as usize), "{}", acceptance);
@@ -105,9 +110,9 @@ proptest! {
     #[test]
     fn localization_leaves_the_strips_as_they_are((graph, cover) in graph_and_cover(), length in 0..40_u32, seed in any::<u64>()) {
         for acceptance in Acceptance::ALL.iter().copied() {
-            let options = EtaOptions::default().with_length(length).with_threshold(200).with_acceptance(acceptance);
+            let options = EtaOptions { acceptance, ..eta(TunnelOptions::ETA.with_length(length).with_threshold(200)) };
             let [local, plain, on_demand] =
-                [Localization::Star, Localization::None, Localization::OnDemand].map(|l| joined(&graph, &cover, options.with_localization(l), seed));
+                [Localization::Star, Localization::None, Localization::OnDemand].map(|l| joined(&graph, &cover, EtaOptions { localization: l, ..options }, seed));
             prop_assert_eq!(&local, &plain);
             prop_assert_eq!(&local, &on_demand);
             prop_assert_eq!(&local, &joined(&graph, &cover, options, seed));
@@ -120,7 +125,8 @@ proptest! {
         let prepared = PreparedFaces::new(&mesh, false);
         let graph = DualGraph::new(prepared.faces());
         for start in Start::ALL.iter().copied() {
-            let method = Method::Eta(EtaOptions::default().with_start(start));
+            let EtaOptions { tunnels, acceptance, localization } = eta(TunnelOptions::ETA.with_start(start));
+            let method = Method::Eta { tunnels, acceptance, localization };
             let options = StripifyOptions::default().with_method(method).with_seed(seed);
             let plan = plan(&prepared, &graph, &options).unwrap();
             prop_assert!(verify(&mesh, &plan.strips()).is_ok(), "{:?}", start);
@@ -163,7 +169,7 @@ proptest! {
 fn makes_few_strips_of_a_closed_grid() {
     let graph = torus(60, 40);
     let isolated = PathCover::isolated(graph.face_count());
-    let covers = [1, 1, 2].map(|seed| joined(&graph, &isolated, EtaOptions::default(), seed));
+    let covers = [1, 1, 2].map(|seed| joined(&graph, &isolated, eta(TunnelOptions::ETA), seed));
     assert!(covers[0] == covers[1] && covers[0] != covers[2], "the seed decides");
     assert!(covers.iter().all(|cover| cover.path_count() <= 3), "{:?}", covers.map(|c| c.path_count()));
 }
@@ -183,11 +189,11 @@ fn localization_saves_accesses_where_strips_are_long() {
         }
     }
     let graph = torus(120, 80);
-    let options = EtaOptions::default().with_length(19);
+    let options = eta(TunnelOptions::ETA.with_length(19));
     let [local, plain] = [Localization::Star, Localization::None].map(|localization| {
         let accesses = Accesses::default();
         let mut cover = PathCover::isolated(graph.face_count());
-        join(&graph, &mut cover, options.with_localization(localization), 7, &accesses);
+        join(&graph, &mut cover, EtaOptions { localization, ..options }, 7, &accesses);
         assert_eq!(accesses.1.into_inner(), (cover.len() - cover.path_count()) as u64);
         accesses.0.into_inner()
     });
@@ -196,5 +202,5 @@ fn localization_saves_accesses_where_strips_are_long() {
 
 #[test]
 fn the_watch_stops_it() {
-    check_watch(|graph, cover, watch| join(graph, cover, EtaOptions::default(), 0, watch));
+    check_watch(|graph, cover, watch| join(graph, cover, eta(TunnelOptions::ETA), 0, watch));
 }

@@ -1,8 +1,8 @@
-//! The options of guided tunnels, and the strips that tunnels start from.
+//! The options of the methods that search for long tunnels.
 
 use crate::names::names;
 
-/// The options of [`Method::GuidedTunnels`](super::Method::GuidedTunnels).
+/// The tunnels of [`Method::GuidedTunnels`](super::Method::GuidedTunnels) and [`Method::Eta`](super::Method::Eta). The default is that of the first.
 ///
 /// ```
 /// use tristrip::{Faces, Mesh, Method, StripifyOptions, stripify};
@@ -38,6 +38,45 @@ pub enum Start {
     Sequential,
 }
 
+/// Which tunnels [`Method::Eta`](super::Method::Eta) accepts (Porcu and Scateni 2006, section 5).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Acceptance {
+    /// Every tunnel up to the maximum length, as it is found.
+    #[default]
+    DepthFirst,
+    /// The same for one maximum length after the other, each about twice the last: 49, 99, 199 … up to the one given: section 6.1 suggests
+    /// longer tunnels where strips are left.
+    Repeated,
+    /// Tunnels of length 1, 3, 5 …: the next length when no terminal has a tunnel of the last.
+    BreadthFirst,
+}
+
+/// How far [`Method::Eta`](super::Method::Eta) writes identifiers (Porcu and Scateni 2006, section 4.1).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Localization {
+    /// Within the star of the terminal; to the ends of the strips when a tunnel is found.
+    Star,
+    /// The same, but a star is found only when a search without it has become long. The strips are the same, in less time.
+    #[default]
+    OnDemand,
+    /// To the ends of the strips, at every step of a search.
+    None,
+}
+
+names! {
+    "tristrip::stripify::Acceptance", Acceptance, "acceptance",
+    DepthFirst => "depth-first", "Every tunnel up to the maximum length, as it is found";
+    Repeated => "repeated", "The same with maximum lengths 49, 99, 199 … up to the one given";
+    BreadthFirst => "breadth-first", "Shorter tunnels first, over the whole mesh";
+}
+
+names! {
+    "tristrip::stripify::Localization", Localization, "localization",
+    Star => "star", "Identifiers are written within the star of a search";
+    OnDemand => "on-demand", "The same; a star is found when a search becomes long";
+    None => "none", "Identifiers are written to the ends of the strips";
+}
+
 names! {
     "tristrip::stripify::Start", Start, "start",
     Isolated => "isolated", "One strip per triangle";
@@ -46,7 +85,7 @@ names! {
     Sequential => "sequential", "The strips of sequential";
 }
 
-/// Tunnels of up to 1000 edges, 512 node accesses per search, starting from the strips of `sequential`.
+/// Tunnels of up to 1000 edges, 512 triangles stepped on per search, starting from the strips of `sequential`.
 impl Default for TunnelOptions {
     fn default() -> Self {
         Self::DEFAULT
@@ -54,6 +93,10 @@ impl Default for TunnelOptions {
 }
 
 impl TunnelOptions {
+    /// The default of [`Method::Eta`](super::Method::Eta): up to 199 edges, 1000 triangles stepped on per search, from the strips of `input`. The paper
+    /// names no defaults; 200 is the only length in its text (section 6.1).
+    pub const ETA: Self = Self { length: 199, threshold: 1000, start: Start::Input };
+
     pub(super) const DEFAULT: Self = Self { length: 1000, threshold: 512, start: Start::Sequential };
 
     /// Sets the maximum length of a tunnel, in edges.
@@ -68,12 +111,12 @@ impl TunnelOptions {
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     #[must_use]
-    pub fn with_length(mut self, length: u32) -> Self {
+    pub const fn with_length(mut self, length: u32) -> Self {
         self.length = length;
         self
     }
 
-    /// Sets the maximum number of node accesses of a search from one path end.
+    /// Sets the maximum number of triangles that the paths of a search from one end of a strip step on.
     ///
     /// ```
     #[doc = include_str!("../example.txt")]
@@ -85,7 +128,7 @@ impl TunnelOptions {
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     #[must_use]
-    pub fn with_threshold(mut self, threshold: u32) -> Self {
+    pub const fn with_threshold(mut self, threshold: u32) -> Self {
         self.threshold = threshold;
         self
     }
@@ -103,7 +146,7 @@ impl TunnelOptions {
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     #[must_use]
-    pub fn with_start(mut self, start: Start) -> Self {
+    pub const fn with_start(mut self, start: Start) -> Self {
         self.start = start;
         self
     }
@@ -119,7 +162,7 @@ impl TunnelOptions {
         self.length
     }
 
-    /// Returns the maximum number of node accesses of a search from one path end.
+    /// Returns the maximum number of triangles that the paths of a search from one end of a strip step on.
     ///
     /// ```
     /// use tristrip::stripify::TunnelOptions;

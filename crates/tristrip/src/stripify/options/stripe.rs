@@ -1,0 +1,85 @@
+//! The variants of STRIPE and of the SGI algorithm.
+
+use crate::names::names;
+
+/// When STRIPE triangulates polygons (Evans et al. 1996, section 3.1).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum FaceTriangulation {
+    /// In advance, by alternate left and right turns.
+    Static,
+    /// Completely, when a strip enters the face.
+    #[default]
+    Whole,
+    /// Only as far as the strip needs to leave the face over the chosen edge.
+    Partial,
+    /// As [`Self::Partial`], but a rest that would keep fewer than two free neighbours goes into the strip. This is ours.
+    Absorbing,
+}
+
+/// How STRIPE breaks ties between neighbours of the lowest adjacency (Evans et al. 1996, section 3.1).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Ties {
+    /// The first found.
+    Arbitrary,
+    /// The one whose neighbours have the lowest adjacency.
+    LookAhead,
+    /// The one on the side opposite to the previous turn.
+    Alternate,
+    /// One at random, from the seed.
+    Random,
+    /// One that needs no swap, otherwise one at random.
+    #[default]
+    Sequential,
+    /// One that needs the fewest swaps. This is ours.
+    FewestSwaps,
+}
+
+/// Which of several equal neighbours the look-ahead takes, where the papers say nothing.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum LastTie {
+    /// The first after the entry.
+    First,
+    /// The last after the entry: the first before it.
+    #[default]
+    Last,
+}
+
+/// How STRIPE turns patches into strips (Evans et al. 1996, section 3.2).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Patches {
+    /// One strip per row or per column, whichever gives longer strips.
+    #[default]
+    Rows,
+    /// One strip per patch, extended backward and forward.
+    Full,
+}
+
+names! {
+    "tristrip::stripify::FaceTriangulation", FaceTriangulation, "triangulation",
+    Static => "static", "In advance, by alternate left and right turns";
+    Whole => "whole", "Completely, when a strip enters the face";
+    Partial => "partial", "Only as far as the strip needs to leave the face";
+    Absorbing => "absorbing", "Partial, but a rest with fewer than two neighbours goes into the strip (ours)";
+}
+
+names! {
+    "tristrip::stripify::Ties", Ties, "ties",
+    Arbitrary => "arbitrary", "The first one found";
+    LookAhead => "look-ahead", "The one whose neighbours have the least adjacency";
+    Alternate => "alternate", "The one on the other side from the previous turn";
+    Random => "random", "One chosen at random, by the seed";
+    Sequential => "sequential", "One that needs no swap, else one chosen at random";
+    FewestSwaps => "fewest-swaps", "One of those that need the fewest swaps (ours)";
+}
+
+names! {
+    "tristrip::stripify::LastTie", LastTie, "last tie",
+    First => "first", "The first after the entry";
+    Last => "last", "The last after the entry";
+}
+
+names! {
+    "tristrip::stripify::Patches", Patches, "patches",
+    Rows => "rows", "One strip per row or column";
+    Full => "full", "One strip per patch, extended at both ends";
+}
