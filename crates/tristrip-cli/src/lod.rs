@@ -2,7 +2,9 @@
 
 mod report;
 
+use tristrip::lod::ModelKind;
 use tristrip_io::Model;
+use tristrip_lab::recovery;
 use tristrip_lab::traffic::{self, TrafficModel, measure_levels, totals, totals_as_text};
 use tristrip_pipeline::text::{count, counted};
 use tristrip_pipeline::{EncodeOptions, Event, LevelsOptions, MethodReport, ModelLevels, levels_observed};
@@ -23,6 +25,9 @@ use report::LodReport;
 const TABLE_STEPS: usize = 20;
 const CURVE_STEPS: usize = 100;
 
+/// Rounds of which the times of recovery are medians.
+const ROUNDS: usize = 3;
+
 /// Processes all inputs in order; returns whether all succeeded.
 pub(crate) fn run(task: &LodTask, console: &mut Console) -> bool {
     let new_report = |job: &Job| LodReport::new(job.input.name(), MethodReport::of(&task.options), task);
@@ -33,19 +38,32 @@ pub(crate) fn run(task: &LodTask, console: &mut Console) -> bool {
         console.result(&format!("{title}{}", summary(report, task)), requested);
     };
     let mut reports = batch::process_all(&task.jobs, None, console, new_report, process, show);
-    if let Some(path) = &task.plot {
-        let done = reports.iter().filter(|report| report.error.is_none());
-        let measured: Vec<_> = done.map(|report| (short_name(&report.file), &report.rows[..])).collect();
-        if !measured.is_empty() {
-            let chart = traffic::draw(&measured).map_err(Failure::from);
-            if batch::write_chart(path, chart, &mut reports, console) {
-                for report in reports.iter_mut().filter(|report| report.error.is_none()) {
-                    report.plot = Some(path.display().to_string());
-                }
-            }
+    if let Some(path) = &task.plot
+        && let Some(chart) = chart(&reports, task)
+        && batch::write_chart(path, chart, &mut reports, console)
+    {
+        for report in reports.iter_mut().filter(|report| report.error.is_none()) {
+            report.plot = Some(path.display().to_string());
         }
     }
     batch::finish(reports, console)
+}
+
+/// Draws the chart of the inputs that were measured; `None` if there is none.
+fn chart(reports: &[LodReport], task: &LodTask) -> Option<Result<String, Failure>> {
+    let done: Vec<&LodReport> = reports.iter().filter(|report| report.error.is_none()).collect();
+    if done.is_empty() {
+        return None;
+    }
+    let chart = if task.sweeps.is_empty() {
+        let rows: Vec<_> = done.iter().map(|report| (short_name(&report.file), &report.rows[..])).collect();
+        traffic::draw(&rows)
+    } else {
+        let of = |report: &&LodReport| short_name(&report.file);
+        let measured = done.iter().map(|report| (of(report), report.recovery.as_deref().unwrap_or_default()));
+        recovery::draw(&measured.collect::<Vec<_>>())
+    };
+    Some(chart.map_err(Failure::from))
 }
 
 /// Runs all stages on one input; after a failure the report has the results of the stages before.
@@ -119,7 +137,9 @@ fn draw(
             let strips = counted(figures.strips, "strip");
             let triangles = counted(figures.triangles, "triangle");
             let level = count(level);
-            let what = format!("level {level}: {triangles} in {strips} (filter {})", task.filter);
+            let model = task.model;
+            let what =
+                format!("level {level}: {triangles} in {strips} (model {model}, filter {})", task.filter);
             console.stage("filter", &what, report.seconds.filter);
             report.figures = Some(figures.clone());
         }
@@ -129,7 +149,13 @@ fn draw(
         }
         _ => (),
     };
-    let displayed = levels.display(level, task.filter, task.repair(), &Stages::new(console, 0.0, show))?;
+    let stages = Stages::new(console, 0.0, show);
+    let displayed = match task.model {
+        ModelKind::Progressive | ModelKind::Naive => {
+            levels.display(level, task.filter, task.repair(), &stages)?
+        }
+        kind => levels.display_of(kind, level, &stages)?,
+    };
     report.surface_error = Some(displayed.surface_error);
     report.surface_error_percent = Some(displayed.surface_error_percent);
     if !task.verify {
@@ -159,7 +185,7 @@ fn measure(
     console: &Console,
     report: &mut LodReport,
 ) -> Result<(), Failure> {
-    if task.table || task.plot.is_some() {
+    if task.table || task.plot.is_some() && task.sweeps.is_empty() {
         console.doing("table");
         let steps = if task.plot.is_some() { CURVE_STEPS } else { TABLE_STEPS };
         let at = levels.order.evenly(steps);
@@ -180,6 +206,12 @@ fn measure(
         console.stage("compare", &what, Some(seconds));
         report.compare = Some(all?);
     }
+    if !task.sweeps.is_empty() {
+        console.doing("recovery");
+        let (measured, seconds) = timed(|| recovery::measure(levels, &task.sweeps, ROUNDS));
+        console.stage("recovery", &format!("{} models", ModelKind::ALL.len()), Some(seconds));
+        report.recovery = Some(measured?);
+    }
     Ok(())
 }
 
@@ -188,5 +220,6 @@ fn summary(report: &LodReport, task: &LodTask) -> String {
     let figures = report.figures.as_ref().map(figures::summary).unwrap_or_default();
     let table = if task.table { report.table.as_deref().map(traffic::as_text) } else { None };
     let totals = report.compare.as_deref().map(totals_as_text);
-    [Some(figures), table, totals].into_iter().flatten().collect()
+    let recovery = report.recovery.as_deref().map(recovery::as_text);
+    [Some(figures), table, totals, recovery].into_iter().flatten().collect()
 }

@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use tristrip::Effort;
-use tristrip::lod::RepairOptions;
+use tristrip::lod::{ModelKind, RepairOptions};
 use tristrip::simplify::Price;
 use tristrip::vertex_cache::FlushPolicy;
 use tristrip::{Layout, StripifyOptions};
 use tristrip_io::Format;
 use tristrip_io::gltf::Rounding;
+use tristrip_lab::recovery::Sweep;
 use tristrip_pipeline::{
     Amount, AnalyzeOptions, ChainOptions, ChainRatios, DisplayFilter, Goal, Level, Ratio, SimplifyOptions,
     VertexCacheList,
@@ -19,7 +20,6 @@ use tristrip_pipeline::{
 use crate::args::{self, AnalyzeArgs, Command, LodArgs, OutputArgs, SharedArgs};
 use crate::job::{Input, Job, inputs, inputs_of, jobs_of, jobs_of_levels, write_to_stdout};
 use crate::shell;
-use crate::values::ModelName;
 
 /// The maximum number of inputs in one chart: with more, the curves cannot be told apart.
 const MAX_PLOTTED_INPUTS: usize = 3;
@@ -119,7 +119,7 @@ pub(crate) struct LodTask {
     pub(crate) jobs: Vec<Job>,
     pub(crate) options: StripifyOptions,
     pub(crate) budget: Option<Duration>,
-    pub(crate) model: ModelName,
+    pub(crate) model: ModelKind,
     /// The ratio of triangles that the base mesh keeps.
     pub(crate) base: Ratio,
     pub(crate) price: Price,
@@ -129,6 +129,8 @@ pub(crate) struct LodTask {
     pub(crate) filter_effort: Effort,
     pub(crate) table: bool,
     pub(crate) compare: bool,
+    /// The sweeps over which every model is measured.
+    pub(crate) sweeps: Vec<Sweep>,
     /// The SVG file to write.
     pub(crate) plot: Option<PathBuf>,
     pub(crate) verify: bool,
@@ -291,11 +293,16 @@ impl LodTask {
     }
 }
 
-fn lod_task(args: LodArgs) -> Result<Task, String> {
+fn lod_task(mut args: LodArgs) -> Result<Task, String> {
+    if args.model == ModelKind::ProgressiveMesh {
+        // It has no strips: in any other layout, each triangle would be one.
+        args.output.layout = args.output.layout.or(Some(Layout::List));
+    }
     if let Some(flag) = args.collapse.first_of_chains() {
         return Err(format!("{flag} needs --chain: other levels go down to the base mesh, without limits"));
     }
-    let filter_effort = filter_effort(&args)?;
+    let filter = display_filter(args.model, args.filter)?;
+    let filter_effort = filter_effort(&args, filter)?;
     let jobs = jobs_of(args.general, &args.output)?;
     if let Some(path) = &args.plot {
         check_chart("--plot", path, jobs.len())?;
@@ -309,10 +316,11 @@ fn lod_task(args: LodArgs) -> Result<Task, String> {
         base: args.base,
         price: args.collapse.price,
         level: args.level,
-        filter: args.filter,
+        filter,
         filter_effort,
         table: args.table,
         compare: args.compare,
+        sweeps: Sweep::ALL.into_iter().filter(|sweep| args.sweep.contains(sweep)).collect(),
         plot: args.plot,
         verify: !args.output.target.no_verify,
     };
@@ -331,13 +339,22 @@ fn chain_task(args: LodArgs, ratios: ChainRatios) -> Result<Task, String> {
     Ok(Task::Chain(ChainTask { jobs, options, budget: method.budget(), list: args.output.layout.is_none() }))
 }
 
+/// Returns the filter of a model: models that store strips by themselves have none.
+fn display_filter(model: ModelKind, filter: Option<DisplayFilter>) -> Result<DisplayFilter, String> {
+    match (model, filter) {
+        (ModelKind::Progressive | ModelKind::Naive, filter) => Ok(filter.unwrap_or_default()),
+        (_, None | Some(DisplayFilter::None)) => Ok(DisplayFilter::None),
+        (model, Some(filter)) => Err(format!(
+            "--filter {filter} belongs to --model progressive and naive: {model} is drawn as it is stored"
+        )),
+    }
+}
+
 /// Returns the effort of [`DisplayFilter::Repair`].
-fn filter_effort(args: &LodArgs) -> Result<Effort, String> {
-    let is_used = args.filter == DisplayFilter::Repair || args.table || args.compare || args.plot.is_some();
+fn filter_effort(args: &LodArgs, filter: DisplayFilter) -> Result<Effort, String> {
+    let is_used = filter == DisplayFilter::Repair || args.table || args.compare || args.plot.is_some();
     match args.filter_effort {
-        Some(_) if !is_used => {
-            Err(format!("--filter-effort belongs to --filter repair, not to {}", args.filter))
-        }
+        Some(_) if !is_used => Err(format!("--filter-effort belongs to --filter repair, not to {filter}")),
         effort => Ok(effort.unwrap_or_default()),
     }
 }

@@ -4,7 +4,6 @@
 
 use std::str::FromStr;
 
-use clap::ValueEnum;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use tristrip::Effort;
 use tristrip::{Layout, Method};
@@ -27,11 +26,6 @@ pub(crate) fn effort_parser() -> impl TypedValueParser<Value = Effort> {
     clap::value_parser!(u8)
         .range(0..=9)
         .try_map(|level| Effort::new(level).ok_or_else(|| format!("{level} is not in 0..=9")))
-}
-
-/// Returns the name of a value on the command line.
-pub(crate) fn name_of<E: ValueEnum + Copy>(value: E) -> String {
-    value.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default()
 }
 
 /// Returns a parser for the values of a type of the library, by their names and with a line of help each.
@@ -67,11 +61,4 @@ pub(crate) fn layout_help(layout: Layout) -> &'static str {
         Layout::Separate => "One primitive (glTF) or row (PLY) per strip",
         Layout::List => "A triangle list in strip order",
     }
-}
-
-/// A level-of-detail model: how levels are stored and replayed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(crate) enum ModelName {
-    /// Progressive strips: collapses and vertex splits in one fixed order (Kim et al. 2005)
-    Progressive,
 }

@@ -4,11 +4,12 @@
 //! ```text
 //! PreparedModel ─▶ pareto: every method, indices against misses   ─▶ chart (SVG)
 //! ModelLevels   ─▶ traffic: what every filter sends               ─▶ tables, chart
+//! ModelLevels   ─▶ recovery: time and memory of every level model ─▶ table, chart
 //! Analysis      ─▶ analysis: misses by cache size, strip lengths  ─▶ chart
 //! models, papers ─▶ repro: published beside measured              ─▶ pages, charts
 //! positions, strips ─▶ render: one colour per strip               ─▶ picture (PNG)
 //! ```
-//! All texts and pictures have the same bytes on every machine.
+//! All texts and pictures have the same bytes on every machine, except the times of `recovery`.
 
 #![forbid(unsafe_code)]
 
@@ -16,6 +17,7 @@ pub mod analysis;
 mod chart;
 mod error;
 pub mod pareto;
+pub mod recovery;
 pub mod render;
 pub mod repro;
 pub mod text;

@@ -5,11 +5,12 @@
 //!                  └──────── vertices renamed for a level ─ filter ─▶ display strips ─ proof ─ encode ─ read back, proof
 //! ```
 
+mod cursor;
 mod filter;
 mod level;
 mod part;
 
-use tristrip::lod::RepairOptions;
+use tristrip::lod::{ModelKind, RepairOptions};
 use tristrip::simplify::Price;
 use tristrip::{Mesh, StripifyOptions, Strips};
 use tristrip_io::{Drawing, Model};
@@ -27,6 +28,7 @@ use crate::simplify::{
     CollapseRules, LevelOrder, Part, TriangleGoal, locked_note, place_notes, simplify_all,
 };
 use crate::text::count;
+pub use cursor::ModelCursor;
 pub use filter::DisplayFilter;
 pub use level::Level;
 pub use part::LevelPart;
@@ -141,7 +143,7 @@ pub struct DisplayedLevel {
 /// As of [`levels_observed`].
 ///
 /// ```
-/// use tristrip::lod::RepairOptions;
+/// use tristrip::lod::{ModelKind, RepairOptions};
 /// use tristrip_io::{Format, read};
 /// use tristrip_pipeline::{DisplayFilter, LevelsOptions, levels};
 /// let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\n";
@@ -161,7 +163,7 @@ pub fn levels(model: &Model, options: &LevelsOptions) -> Result<ModelLevels, Err
 /// A part is too large, an option has an invalid value, the strips are not proven, or the observer cancelled.
 ///
 /// ```
-/// use tristrip::lod::RepairOptions;
+/// use tristrip::lod::{ModelKind, RepairOptions};
 /// use tristrip_io::{Format, read};
 /// use tristrip_pipeline::{DisplayFilter, EncodeOptions, LevelsOptions, levels_observed};
 /// let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\n";
@@ -282,6 +284,66 @@ impl ModelLevels {
         let of_parts = self.order.of_parts(level)?;
         let pairs: Vec<_> = self.parts.iter().zip(&of_parts).collect();
         let strips = map(&pairs, |(part, level)| part.display(**level, filter, repair));
+        self.displayed(level, of_parts, strips, observer)
+    }
+
+    /// Does the same with the strips that a level model has at the level.
+    ///
+    /// # Errors
+    /// There is no such level, a part is too large for the model, the strips are not proven, or the observer cancelled.
+    ///
+    /// ```
+    /// use tristrip::lod::ModelKind;
+    /// use tristrip_io::{Format, read};
+    /// use tristrip_pipeline::{LevelsOptions, levels};
+    /// let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\n";
+    /// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
+    /// let levels = levels(&model, &LevelsOptions::default())?;
+    /// let base = levels.display_of(ModelKind::Sets, 0, &())?;
+    /// assert_eq!((base.figures.triangles, base.proven), (1, true));
+    /// # Ok::<(), tristrip_pipeline::Error>(())
+    /// ```
+    pub fn display_of(
+        &self,
+        kind: ModelKind,
+        level: usize,
+        observer: &dyn Observer,
+    ) -> Result<DisplayedLevel, Error> {
+        begin(observer, Stage::Filter)?;
+        let of_parts = self.order.of_parts(level)?;
+        let pairs: Vec<_> = self.parts.iter().zip(&of_parts).collect();
+        let strips = map(&pairs, |(part, level)| {
+            let mut cursor = kind.build(part.strips(), part.sequence())?.start();
+            cursor.set_level(**level)?;
+            Ok(cursor.strips().clone())
+        });
+        self.displayed(level, of_parts, strips, observer)
+    }
+
+    /// Returns a level model of each part at the full mesh, which move together.
+    ///
+    /// # Errors
+    /// A part is too large for the kind of model.
+    ///
+    /// ```
+    /// use tristrip::lod::ModelKind;
+    /// let model = tristrip_io::read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", tristrip_io::Format::Obj)?;
+    /// let levels = tristrip_pipeline::levels(&model, &Default::default())?;
+    /// assert_eq!(levels.cursor(ModelKind::Mts)?.level(), levels.collapse_count());
+    /// # Ok::<(), tristrip_pipeline::Error>(())
+    /// ```
+    pub fn cursor(&self, kind: ModelKind) -> Result<ModelCursor<'_>, Error> {
+        ModelCursor::new(&self.order, &self.parts, kind)
+    }
+
+    /// Measures and proves the display strips of a level.
+    fn displayed(
+        &self,
+        level: usize,
+        of_parts: Vec<usize>,
+        strips: Vec<Result<Strips, Error>>,
+        observer: &dyn Observer,
+    ) -> Result<DisplayedLevel, Error> {
         let strips = strips.into_iter().collect::<Result<Vec<_>, Error>>()?;
         observer.event(Event::Filtered);
         begin(observer, Stage::Measure)?;
@@ -294,7 +356,7 @@ impl ModelLevels {
         let surface_error = errors.into_iter().fold(0.0, f32::max);
         if self.options.verify {
             begin(observer, Stage::Prove)?;
-            let all: Vec<_> = pairs.iter().zip(&strips).collect();
+            let all: Vec<_> = self.parts.iter().zip(&of_parts).zip(&strips).collect();
             let proofs = map(&all, |((part, level), strips)| part.prove(**level, strips));
             proofs.into_iter().collect::<Result<(), Error>>()?;
             observer.event(Event::Proven { faces: self.triangle_count(level)? });
@@ -337,5 +399,41 @@ impl ModelLevels {
         let encoded = encode_observed(&smaller.model, &drawings, options, observer)?;
         notes.extend(encoded.notes);
         Ok(Encoded { notes, ..encoded })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tristrip_io::{Format, read};
+
+    #[test]
+    fn parts_move_together() {
+        // Two tents of four triangles, of different heights, in one file as two materials.
+        let tent = |z: u32| format!("v 0 0 {z}\nv 2 0 {z}\nv 2 2 {z}\nv 0 2 {z}\nv 1 1 {z}.{z}\n");
+        let faces = |m: u32, v: u32| {
+            let c = v + 4;
+            let side = |i: u32| format!("f {} {} {c}\n", v + i, v + (i + 1) % 4);
+            format!("usemtl m{m}\n{}", (0..4).map(side).collect::<String>())
+        };
+        let text = [tent(1), tent(7), faces(0, 1), faces(1, 6)].concat();
+        let model = read(text.as_bytes(), Format::Obj).unwrap();
+        let levels = levels(&model, &LevelsOptions::default()).unwrap();
+        assert!(levels.parts.len() == 2 && levels.collapse_count() > 2);
+        for kind in ModelKind::ALL {
+            let mut cursor = levels.cursor(kind).unwrap();
+            let last = levels.collapse_count();
+            for level in (0..=last).rev().chain([last, 0, last / 2]) {
+                cursor.set_level(level).unwrap();
+                let of_parts = levels.order.of_parts(level).unwrap();
+                let at: Vec<usize> = cursor.of_parts_mut().iter().map(|part| part.level()).collect();
+                assert_eq!((cursor.level(), at), (level, of_parts));
+                for (part, own) in cursor.of_parts_mut().iter_mut().zip(&levels.parts) {
+                    own.prove(part.level(), part.strips()).unwrap();
+                }
+            }
+            assert!(matches!(cursor.set_level(last + 1), Err(Error::Level { .. })));
+            assert!(cursor.model_memory() > 0 && cursor.cursor_memory() > 0);
+        }
     }
 }

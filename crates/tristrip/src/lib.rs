@@ -24,6 +24,7 @@ mod ids;
 mod index;
 mod mesh;
 mod names;
+mod packed;
 mod prepare;
 #[cfg(feature = "serde")]
 mod serialize;

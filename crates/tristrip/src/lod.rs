@@ -37,18 +37,30 @@ mod filter;
 mod index_map;
 mod level_mesh;
 mod level_model;
+mod lod_strips;
+mod model_kind;
+mod mts;
+mod multiresolution;
 mod progressive;
 mod repair;
 mod replay;
 #[cfg(test)]
 mod samples;
+mod sets;
+mod shortened;
+mod strip_graph;
+mod strip_states;
 pub mod traffic;
 
 pub use filter::{DrawCost, Filter};
 pub use index_map::RESTART;
 pub use level_model::{LevelCursor, LevelModel, LevelTable, View};
+pub use lod_strips::LodStrips;
+pub use model_kind::ModelKind;
+pub use mts::Mts;
 pub use progressive::{
     Encoding, ProgressiveMesh, ProgressiveMeshCursor, ProgressiveStrips, ProgressiveStripsCursor, SlotUpdate,
     VertexSplit, encoded_offset,
 };
 pub use repair::{Repair, RepairOptions, RepairedStrips};
+pub use sets::Sets;

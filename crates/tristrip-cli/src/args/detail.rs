@@ -4,11 +4,13 @@ use std::path::PathBuf;
 
 use clap::Args;
 use tristrip::Effort;
+use tristrip::lod::ModelKind;
+use tristrip_lab::recovery::Sweep;
 use tristrip_pipeline::{ChainRatios, DisplayFilter, Level, Normals, Ratio};
 
 use super::groups::{CollapseArgs, GeneralArgs, OutputArgs, TargetArgs};
 use crate::method::MethodArgs;
-use crate::values::{ModelName, effort_parser, named};
+use crate::values::{effort_parser, named};
 
 /// Simplify a mesh by half-edge collapses
 ///
@@ -86,14 +88,18 @@ pub(crate) struct SimplifyArgs {
   tristrip lod bunny.ply --table                      vertices sent by each filter, level by level
   tristrip lod bunny.ply --method stripe --base 1% --filter dtfs --level 120
   tristrip lod bunny.ply --compare --plot lod.svg     filters compared with a triangle list
+  tristrip lod bunny.ply --model sets --level 25% -o level.glb
+  tristrip lod bunny.ply --compare --sweep linear,exponential --plot recovery.svg
   tristrip lod truck.gltf --chain 100%,50%,25%,10% -o truck.lod.glb
   tristrip lod duck.glb --chain 100%,50%,25%,10% -o levels/ --layout list")]
 pub(crate) struct LodArgs {
     #[command(flatten)]
     pub(crate) general: GeneralArgs,
     /// How levels are stored and replayed
-    #[arg(long, value_enum, value_name = "MODEL", default_value_t = ModelName::Progressive, help_heading = "Levels")]
-    pub(crate) model: ModelName,
+    ///
+    /// All models have the same levels. Those that store strips by themselves are drawn as they are; --filter belongs to the others.
+    #[arg(long, value_parser = named(ModelKind::ALL, ModelKind::name, ModelKind::summary), value_name = "MODEL", default_value_t = ModelKind::default(), help_heading = "Levels")]
+    pub(crate) model: ModelKind,
     /// The ratio of all triangles that the base mesh keeps: 0.05 or 5%
     ///
     /// If the surface cannot be simplified this far without tearing or folding, the base mesh has more triangles, and a note says so.
@@ -117,9 +123,9 @@ pub(crate) struct LodArgs {
         allow_negative_numbers = true
     )]
     pub(crate) level: Level,
-    /// How strips are filtered before they are drawn
-    #[arg(long, value_parser = named(DisplayFilter::ALL, DisplayFilter::name, DisplayFilter::summary), value_name = "FILTER", default_value_t = DisplayFilter::default(), help_heading = "Levels")]
-    pub(crate) filter: DisplayFilter,
+    /// How the strips of --model progressive and naive are filtered before they are drawn [default: repair]
+    #[arg(long, value_parser = named(DisplayFilter::ALL, DisplayFilter::name, DisplayFilter::summary), value_name = "FILTER", help_heading = "Levels")]
+    pub(crate) filter: Option<DisplayFilter>,
     /// The search effort of --filter repair, from 0 to 9 [default: 5]
     #[arg(long, value_name = "LEVEL", value_parser = effort_parser(), help_heading = "Levels")]
     pub(crate) filter_effort: Option<Effort>,
@@ -129,7 +135,14 @@ pub(crate) struct LodArgs {
     /// Show the total of vertices sent by every filter, from the base mesh to the full mesh, each level drawn once
     #[arg(long, help_heading = "Levels")]
     pub(crate) compare: bool,
-    /// Plot the vertices sent by every filter against the level, in an SVG file; up to three inputs
+    /// With --compare, measure the time in which every model recovers a share of all levels, and its memory
+    ///
+    /// The levels of a sweep are recovered from the full mesh down to the base mesh and up again: 1, 3, 6, 10, 15 and 20 percent of all
+    /// levels, at equal distances (linear), or close to each other near the full mesh (exponential). Times are medians of three
+    /// rounds.
+    #[arg(long, value_name = "SWEEPS", value_delimiter = ',', requires = "compare", help_heading = "Levels")]
+    pub(crate) sweep: Vec<Sweep>,
+    /// Plot the vertices sent by every filter against the level, or the times of --sweep, in an SVG file; up to three inputs
     #[arg(long, value_name = "FILE", help_heading = "Levels")]
     pub(crate) plot: Option<PathBuf>,
     /// Write levels that keep these ratios of all triangles, such as 100%,50%,25%,10%
@@ -143,7 +156,7 @@ pub(crate) struct LodArgs {
         long,
         value_name = "RATIOS",
         help_heading = "Chain",
-        conflicts_with_all = ["model", "base", "level", "filter", "filter_effort", "table", "compare", "plot"],
+        conflicts_with_all = ["model", "base", "level", "filter", "filter_effort", "table", "compare", "sweep", "plot"],
     )]
     pub(crate) chain: Option<ChainRatios>,
     #[command(flatten, next_help_heading = "Collapses; all but --price need --chain")]

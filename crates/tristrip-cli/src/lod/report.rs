@@ -1,12 +1,12 @@
 //! The report of `tristrip lod`: the keys are those of the JSON output.
 
 use serde::Serialize;
+use tristrip_lab::recovery::ModelRecovery;
 use tristrip_lab::traffic::{FilterTotal, LevelRow};
 use tristrip_pipeline::{Figures, MethodReport, Stopped};
 
 use crate::batch::{InputReport, Outcome};
 use crate::task::LodTask;
-use crate::values::name_of;
 
 /// The time of each stage in seconds; `null` for a stage that did not run.
 #[derive(Debug, Clone, Copy, Default, Serialize)]
@@ -47,6 +47,8 @@ pub(crate) struct LodReport {
     pub(crate) table: Option<Vec<LevelRow>>,
     /// Sums over all levels.
     pub(crate) compare: Option<Vec<FilterTotal>>,
+    /// The time and the memory of every level model.
+    pub(crate) recovery: Option<Vec<ModelRecovery>>,
     /// The rows of the chart.
     #[serde(skip)]
     pub(crate) rows: Vec<LevelRow>,
@@ -65,7 +67,7 @@ impl LodReport {
         Self {
             file,
             method,
-            model: name_of(task.model),
+            model: task.model.name().into(),
             filter: task.filter.to_string(),
             filter_effort: task.filter_effort.level(),
             proven: None,
@@ -80,6 +82,7 @@ impl LodReport {
             figures: None,
             table: None,
             compare: None,
+            recovery: None,
             rows: Vec::new(),
             plot: None,
             stopped: None,

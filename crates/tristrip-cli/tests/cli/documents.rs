@@ -145,9 +145,19 @@ fn every_json_key_is_described() {
     let mut command = tristrip();
     command.args(["strip", "--json", "--effort", "0", "--pareto"]).arg(dir.path().join("a.svg"));
     let drawn = json(command.arg(&fish));
-    let lod = json(tristrip().args(["lod", "--json", "--table", "--compare"]).arg(&fish));
-    let row = &lod["table"][0];
-    let levels = [&lod, &lod["seconds"], row, &row["vertices_sent"], &row["refinement"], &lod["compare"][0]];
+    let lod =
+        json(tristrip().args(["lod", "--json", "--table", "--compare", "--sweep", "linear"]).arg(&fish));
+    let (row, recovery) = (&lod["table"][0], &lod["recovery"][0]);
+    let levels = [
+        &lod,
+        &lod["seconds"],
+        row,
+        &row["vertices_sent"],
+        &row["refinement"],
+        &lod["compare"][0],
+        recovery,
+        &recovery["tests"][0],
+    ];
     let chain = json(tristrip().args(["lod", "--json", "--chain", "100%,50%"]).arg(&fish));
     let chain = [&chain, &chain["seconds"], &chain["chain"][0]];
     let simplified = json(tristrip().args(["simplify", "--json", "--ratio", "50%"]).arg(&fish));

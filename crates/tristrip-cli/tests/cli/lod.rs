@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use super::{SQUARE, json, keys, model, tristrip};
+use predicates::prelude::PredicateBooleanExt;
 use predicates::str::contains;
 use serde_json::Value;
 
@@ -102,8 +103,8 @@ fn the_report_has_its_keys() {
     ];
     assert_eq!(found[..expected.len()], expected);
     assert_eq!(
-        found[found.len() - 9..],
-        ["table", "compare", "plot", "stopped", "parts", "notes", "output", "layout", "error"]
+        found[found.len() - 10..],
+        ["table", "compare", "recovery", "plot", "stopped", "parts", "notes", "output", "layout", "error"]
     );
     let row = &report["table"][0];
     assert_eq!(keys(row), ["level", "percent", "triangles", "vertices_sent", "refinement"]);
@@ -187,6 +188,61 @@ fn parts_share_levels_and_the_scene_is_kept() {
     lod("milktruck.glb", &["--level", "25%", "--base", "50%", "-o", path(&ply)]);
     let stored = json(tristrip().args(["analyze", "--json"]).arg(&ply));
     assert_eq!(stored["triangles"], report["triangles"]);
+}
+
+#[test]
+fn every_level_model_draws_the_level() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["progressive-mesh", "naive", "progressive", "mts", "sets", "lod-strips"] {
+        let file = folder.path().join(format!("{name}.glb"));
+        let report = lod("hand.ply", &["--model", name, "--level", "40%", "-o", path(&file)]);
+        assert_eq!((&report["model"], &report["proven"]), (&name.into(), &true.into()));
+        let has_filter = ["naive", "progressive"].contains(&name);
+        assert_eq!(report["filter"], if has_filter { "repair" } else { "none" });
+        // Single triangles are written as a list, in which none has a restart or a degenerate triangle after it.
+        assert_eq!(report["layout"], if name == "progressive-mesh" { "list" } else { "degenerate" });
+        let written = json(tristrip().args(["strip", "-m", "input", "--json"]).arg(&file));
+        assert_eq!(written["triangles"], report["triangles"]);
+    }
+    let filtered = ["lod", "--model", "sets", "--filter", "dtfs"];
+    let refused = tristrip().args(filtered).arg(model("hand.ply")).assert().code(2);
+    refused.stderr(contains("--filter dtfs belongs to --model progressive and naive"));
+    tristrip().args(["lod", "--model", "sets", "--filter", "none"]).arg(model("hand.ply")).assert().success();
+}
+
+#[test]
+fn recovery_is_measured_for_every_model() {
+    let folder = tempfile::tempdir().unwrap();
+    let chart = folder.path().join("recovery.svg");
+    let measured = ["--compare", "--sweep", "exponential,linear", "--plot", path(&chart)];
+    let report = lod("hand.ply", &measured);
+    let models = report["recovery"].as_array().unwrap();
+    let names: Vec<&str> = models.iter().filter_map(|model| model["model"].as_str()).collect();
+    assert_eq!(names, ["progressive-mesh", "naive", "progressive", "mts", "sets", "lod-strips"]);
+    let levels = number(&report, "levels");
+    for model in models {
+        assert!(number(model, "memory") > 0 && number(model, "cursor_memory") > 0);
+        let tests = model["tests"].as_array().unwrap();
+        let of: Vec<_> =
+            tests.iter().map(|test| (test["sweep"].as_str().unwrap(), number(test, "share"))).collect();
+        let shares = [1, 3, 6, 10, 15, 20];
+        let expected: Vec<_> =
+            ["linear", "exponential"].iter().flat_map(|sweep| shares.map(|share| (*sweep, share))).collect();
+        assert_eq!(of, expected);
+        for test in tests {
+            assert_eq!(number(test, "moves"), 2 * (levels * number(test, "share") / 100).max(1));
+            assert!(test["microseconds"].as_f64().unwrap() >= 0.0);
+        }
+    }
+    assert!(fs::read_to_string(&chart).unwrap().contains("microseconds per move"));
+    // The times are of people's interest, too.
+    let shown = tristrip()
+        .args(["lod", "-m", "stripe", "--compare", "--sweep", "linear"])
+        .arg(model("hand.ply"))
+        .assert();
+    shown.success().stdout(contains("Recovery of a share of all levels").and(contains("lod-strips")));
+    tristrip().args(["lod", "--sweep", "linear"]).arg(model("hand.ply")).assert().code(2);
+    tristrip().args(["lod", "--compare", "--sweep", "square"]).arg(model("hand.ply")).assert().code(2);
 }
 
 #[test]

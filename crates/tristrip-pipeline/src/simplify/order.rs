@@ -113,6 +113,12 @@ impl LevelOrder {
         Ok(level)
     }
 
+    /// Returns the parts of a collapse, counted from the full model, which must exist.
+    pub(crate) fn parts_of(&self, number: usize) -> &[u32] {
+        let start = if number == 0 { 0 } else { self.ends[number - 1] as usize };
+        &self.parts[start..self.ends[number] as usize]
+    }
+
     /// Iterates over the parts of each collapse, from the full model to the base meshes.
     pub fn parts_from_full(&self) -> impl Iterator<Item = &[u32]> {
         let starts = std::iter::once(&0).chain(&self.ends);

@@ -380,13 +380,14 @@ mod tests {
 
     use super::*;
     use crate::lod::samples::{Sample, samples, sorted};
-    use crate::lod::{Encoding, Filter, ProgressiveMesh, ProgressiveStrips, RepairOptions, RepairedStrips};
+    use crate::lod::{Encoding, Filter, ModelKind, ProgressiveStrips, RepairOptions, RepairedStrips};
     use crate::strip::Layout;
 
     /// Every model of a sample.
     fn models(sample: &Sample) -> Vec<Arc<dyn LevelModel>> {
         let Sample { strips, sequence } = sample;
-        let mut models: Vec<Arc<dyn LevelModel>> = vec![Arc::new(ProgressiveMesh::new(sequence).unwrap())];
+        let of_kind = |kind: ModelKind| kind.build(strips, sequence).unwrap();
+        let mut models: Vec<Arc<dyn LevelModel>> = ModelKind::ALL.into_iter().map(of_kind).collect();
         for encoding in Encoding::ALL {
             for filter in Filter::ALL {
                 let model = ProgressiveStrips::new(strips, sequence, encoding).unwrap();

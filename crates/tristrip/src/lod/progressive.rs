@@ -32,12 +32,12 @@ pub use pm::{ProgressiveMesh, ProgressiveMeshCursor, VertexSplit};
 use std::sync::Arc;
 
 use super::filter::Filter;
-use super::index_map::RESTART;
+use super::index_map::{RESTART, check_strips};
 use super::level_model::{LevelCursor, LevelModel, LevelTable};
 pub use super::replay::SlotUpdate;
 use super::replay::{Records, Replay};
 use crate::collapse::CollapseSequence;
-use crate::error::{Error, MeshProblem};
+use crate::error::Error;
 use crate::names::names;
 use crate::strip::Strips;
 
@@ -104,7 +104,12 @@ impl ProgressiveStrips {
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     pub fn new(strips: &Strips, sequence: &CollapseSequence, encoding: Encoding) -> Result<Self, Error> {
-        check(strips, sequence)?;
+        let vertex_count = sequence.vertex_count();
+        if vertex_count as u64 > encoded::MAX_VERTEX_COUNT as u64 {
+            let (found, limit) = (vertex_count as u64, encoded::MAX_VERTEX_COUNT as u64);
+            return Err(Error::LimitExceeded { what: "vertices of progressive strips", found, limit });
+        }
+        check_strips(strips, vertex_count)?;
         let map = strips.to_restart(RESTART);
         let (full, records) = match encoding {
             Encoding::Naive => naive::record(map, sequence, |_| u32::MAX)?,
@@ -334,20 +339,4 @@ impl LevelCursor for ProgressiveStripsCursor {
     fn memory(&self) -> usize {
         size_of_val(&self.replay.entries[..]) + size_of_val(&self.map[..]) + self.display.memory()
     }
-}
-
-fn check(strips: &Strips, sequence: &CollapseSequence) -> Result<(), Error> {
-    let vertex_count = sequence.vertex_count();
-    if vertex_count as u64 > encoded::MAX_VERTEX_COUNT as u64 {
-        let (found, limit) = (vertex_count as u64, encoded::MAX_VERTEX_COUNT as u64);
-        return Err(Error::LimitExceeded { what: "vertices of progressive strips", found, limit });
-    }
-    for (face, strip) in strips.iter().enumerate() {
-        if let Some(corner) = strip.iter().position(|&v| v as usize >= vertex_count) {
-            let (found, vertex_count) = (strip[corner], vertex_count as u32);
-            let (face, corner) = (face as u32, corner as u32);
-            return Err(MeshProblem::VertexIndex { face, corner, found, vertex_count }.into());
-        }
-    }
-    Ok(())
 }

@@ -5,7 +5,7 @@ use crate::error::Error;
 
 /// The most renamed slots per entry of a map, over all collapses: meshes have about five, a hostile sequence has as many as there are
 /// collapses.
-const MAX_SLOTS_PER_ENTRY: usize = 256;
+pub(super) const MAX_SLOTS_PER_ENTRY: usize = 256;
 
 /// What a vertex split writes: one vertex, into some slots of the index map.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -122,6 +122,7 @@ fn range(ends: &[u32], i: usize) -> std::ops::Range<usize> {
 }
 
 /// The slots of each vertex, as linked lists through the map.
+#[derive(Debug)]
 pub(super) struct VertexSlots {
     /// The first slot of each vertex, plus one; 0 if there is none.
     first: Vec<u32>,

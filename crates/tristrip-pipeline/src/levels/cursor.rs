@@ -1,0 +1,110 @@
+//! A model at a level: a cursor of each part, which move together in the order of all collapses.
+
+use std::fmt;
+
+use tristrip::lod::{LevelCursor, LevelModel, ModelKind};
+
+use super::part::LevelPart;
+use crate::error::Error;
+use crate::parts::map;
+use crate::simplify::LevelOrder;
+
+/// The parts of a model at a level, as level models of one kind.
+///
+/// ```
+/// use tristrip::lod::ModelKind;
+/// use tristrip_io::{Format, read};
+/// use tristrip_pipeline::{LevelsOptions, levels};
+/// let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\n";
+/// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
+/// let levels = levels(&model, &LevelsOptions::default())?;
+/// let mut cursor = levels.cursor(ModelKind::Sets)?;
+/// cursor.set_level(0)?;
+/// assert_eq!(cursor.of_parts_mut()[0].strips().triangles().count(), 1);
+/// # Ok::<(), tristrip_pipeline::Error>(())
+/// ```
+pub struct ModelCursor<'a> {
+    order: &'a LevelOrder,
+    level: usize,
+    levels: Vec<usize>,
+    /// The parts that the last move changed, each once.
+    moved: Vec<u32>,
+    cursors: Vec<Box<dyn LevelCursor>>,
+    model_memory: usize,
+}
+
+impl<'a> ModelCursor<'a> {
+    /// Builds a level model of each part, and stands at the full mesh.
+    pub(super) fn new(order: &'a LevelOrder, parts: &[LevelPart], kind: ModelKind) -> Result<Self, Error> {
+        let built = map(parts, |part| kind.build(part.strips(), part.sequence()));
+        let models = built.into_iter().collect::<Result<Vec<_>, _>>()?;
+        let level = order.collapse_count();
+        Ok(Self {
+            order,
+            level,
+            levels: order.of_parts(level)?,
+            moved: Vec::new(),
+            model_memory: models.iter().map(|model| model.memory()).sum(),
+            cursors: models.into_iter().map(LevelModel::start).collect(),
+        })
+    }
+
+    /// Returns the level of the model.
+    pub fn level(&self) -> usize {
+        self.level
+    }
+
+    /// Moves to a level of the model. It takes a step per collapse on the way, beside the moves of the parts.
+    ///
+    /// # Errors
+    /// [`Error::Level`]: there is no such level; the cursor stays where it is.
+    pub fn set_level(&mut self, level: usize) -> Result<(), Error> {
+        let last = self.order.collapse_count();
+        if level > last {
+            return Err(Error::Level { found: level, last });
+        }
+        self.moved.clear();
+        for number in last - self.level..last - level.min(self.level) {
+            for &part in self.order.parts_of(number) {
+                self.levels[part as usize] -= 1;
+                self.moved.push(part);
+            }
+        }
+        for number in last - level.max(self.level)..last - self.level {
+            for &part in self.order.parts_of(number) {
+                self.levels[part as usize] += 1;
+                self.moved.push(part);
+            }
+        }
+        self.level = level;
+        if self.cursors.len() > 1 {
+            self.moved.sort_unstable();
+        }
+        self.moved.dedup();
+        for &part in &self.moved {
+            self.cursors[part as usize].set_level(self.levels[part as usize])?;
+        }
+        Ok(())
+    }
+
+    /// Returns the cursors of the parts in their order, for their strips.
+    pub fn of_parts_mut(&mut self) -> &mut [Box<dyn LevelCursor>] {
+        &mut self.cursors
+    }
+
+    /// Returns the memory of the level models in bytes, without that of the cursors.
+    pub fn model_memory(&self) -> usize {
+        self.model_memory
+    }
+
+    /// Returns the memory of the cursors of the parts in bytes.
+    pub fn cursor_memory(&self) -> usize {
+        self.cursors.iter().map(|cursor| cursor.memory()).sum()
+    }
+}
+
+impl fmt::Debug for ModelCursor<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("ModelCursor").field("level", &self.level).finish_non_exhaustive()
+    }
+}

@@ -1,0 +1,66 @@
+//! The level models by name.
+
+use std::sync::Arc;
+
+use super::level_model::LevelModel;
+use super::{Encoding, LodStrips, Mts, ProgressiveMesh, ProgressiveStrips, Sets};
+use crate::collapse::CollapseSequence;
+use crate::error::Error;
+use crate::names::names;
+use crate::strip::Strips;
+
+/// A level model: how the levels are stored and replayed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[non_exhaustive]
+pub enum ModelKind {
+    /// [`ProgressiveMesh`].
+    ProgressiveMesh,
+    /// [`ProgressiveStrips`] with [`Encoding::Naive`].
+    Naive,
+    /// [`ProgressiveStrips`] with [`Encoding::Offsets`].
+    #[default]
+    Progressive,
+    /// [`Mts`].
+    Mts,
+    /// [`Sets`].
+    Sets,
+    /// [`LodStrips`].
+    LodStrips,
+}
+
+names! {
+    "tristrip::lod::ModelKind", ModelKind, "model",
+    ProgressiveMesh => "progressive-mesh", "Single triangles, and the corners that each collapse renames (Hoppe 1996)";
+    Naive => "naive", "Progressive strips that hold every vertex (Kim et al. 2005, section 3.2)";
+    Progressive => "progressive", "Progressive strips that refer to nearby vertices by offsets (Kim et al. 2005)";
+    Mts => "mts", "For each vertex of a strip, all edges to its successors, not sorted (after Belmonte et al. 2004)";
+    Sets => "sets", "For each vertex of a strip, its successors sorted by level (Belmonte et al. 2006)";
+    LodStrips => "lod-strips", "Strips as vectors, and the changes of each level (after Ramos and Chover 2004)";
+}
+
+impl ModelKind {
+    /// Builds the model from strips of the full mesh.
+    ///
+    /// # Errors
+    /// As of the constructor of the model.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// for kind in ModelKind::ALL {
+    ///     let mut cursor = kind.build(&strips, &sequence)?.start();
+    ///     cursor.set_level(1)?;
+    ///     assert_eq!(cursor.strips().triangles().count(), 2, "{kind}");
+    /// }
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn build(self, strips: &Strips, sequence: &CollapseSequence) -> Result<Arc<dyn LevelModel>, Error> {
+        Ok(match self {
+            Self::ProgressiveMesh => Arc::new(ProgressiveMesh::new(sequence)?),
+            Self::Naive => Arc::new(ProgressiveStrips::new(strips, sequence, Encoding::Naive)?),
+            Self::Progressive => Arc::new(ProgressiveStrips::new(strips, sequence, Encoding::Offsets)?),
+            Self::Mts => Arc::new(Mts::new(strips, sequence)?),
+            Self::Sets => Arc::new(Sets::new(strips, sequence)?),
+            Self::LodStrips => Arc::new(LodStrips::new(strips, sequence)?),
+        })
+    }
+}

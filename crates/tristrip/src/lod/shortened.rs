@@ -1,0 +1,360 @@
+//! The strips of all levels as the multiresolution strip models store them: collapses rename vertices, and vertices that have become superfluous
+//! are removed.
+//!
+//! ```text
+//! a b c d e f g h    c → d   a b d d e f g h     nothing to remove
+//!                    a → b   b b d d e f g h     the first two draw nothing:   d d e f g h
+//!                    f → d   d d e d g h         the same:                     e d g h
+//! ```
+//! # Algorithm
+//! A pair of consecutive vertices is removed if the strip draws the same triangles without it. An even number keeps the winding of all triangles
+//! after it (Belmonte et al. 2006, section 3.2: the number of removed vertices is even, and the remaining ones describe no new triangle). Pairs are
+//! tried next to every renamed slot, the first of the strip first, and again next to every removed pair. Longer subsequences are removed
+//! pair by pair.
+//!
+//! Nothing follows the end of a strip, so that any number of vertices may be removed there: as long as the last three draw nothing, the last one
+//! is. Figure 1 of the paper does so, too: its last step removes one vertex.
+//!
+//! # Complexity
+//! A constant number of steps per renamed slot, and temporarily 20 bytes per slot and 4 per vertex.
+
+use super::replay::{MAX_SLOTS_PER_ENTRY, VertexSlots};
+use crate::collapse::{CollapseSequence, Rename};
+use crate::csr::Csr;
+use crate::error::Error;
+use crate::mesh::{canonical_triangle, is_degenerate};
+use crate::strip::Strips;
+
+/// No slot.
+pub(super) const NONE: u32 = u32::MAX;
+
+/// What a collapse changes in a strip.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(super) struct SlotEdit {
+    /// The number of the collapse, counted from 1 in the order from the full mesh on.
+    pub(super) step: u32,
+    /// The slot in the strip at the full mesh, counted from 0.
+    pub(super) slot: u32,
+    /// The new vertex in it; [`NONE`] if the slot is removed.
+    pub(super) vertex: u32,
+}
+
+/// Returns what all collapses change, by strip, in the order of the collapses and, within a collapse, of the slots.
+///
+/// # Errors
+/// The collapses rename too many slots.
+pub(super) fn edits_of(strips: &Strips, sequence: &CollapseSequence) -> Result<Csr<SlotEdit>, Error> {
+    let mut shortened = ShortenedStrips::new(strips, sequence.vertex_count());
+    let mut edits: Vec<(u32, SlotEdit)> = Vec::new();
+    for (step, collapse) in (1..).zip(sequence.iter()) {
+        shortened.collapse(collapse.renames)?;
+        edits.extend(shortened.changed.iter().map(|&slot| {
+            let strip = shortened.strip_of[slot as usize];
+            let is_removed = shortened.is_removed[slot as usize];
+            let vertex = if is_removed { NONE } else { shortened.vertices[slot as usize] };
+            (strip, SlotEdit { step, slot: slot - shortened.start_of(strip), vertex })
+        }));
+    }
+    Ok(Csr::group_items(edits.iter().copied(), strips.len()))
+}
+
+/// The strips while they follow the collapses. The slots are those of the full mesh, counted over all strips; removed ones stay empty.
+#[derive(Debug)]
+pub(super) struct ShortenedStrips {
+    vertices: Vec<u32>,
+    ends: Vec<u32>,
+    strip_of: Vec<u32>,
+    /// The slots before and after each one in its strip; of a removed slot, those when it was removed.
+    previous: Vec<u32>,
+    next: Vec<u32>,
+    is_removed: Vec<bool>,
+    /// The first and the last slot of each strip.
+    bounds: Vec<[u32; 2]>,
+    of_vertex: VertexSlots,
+    changed: Vec<u32>,
+    taken: Vec<u32>,
+    renamed_count: usize,
+}
+
+impl ShortenedStrips {
+    /// Starts with the strips of the full mesh, whose vertices are below `vertex_count`.
+    pub(super) fn new(strips: &Strips, vertex_count: usize) -> Self {
+        let vertices = strips.vertices().to_vec();
+        let slot_count = vertices.len() as u32;
+        let (mut ends, mut strip_of) = (Vec::with_capacity(strips.len()), Vec::with_capacity(vertices.len()));
+        let mut bounds = Vec::with_capacity(strips.len());
+        let mut previous: Vec<u32> = (0..slot_count).map(|slot| slot.wrapping_sub(1)).collect();
+        let mut next: Vec<u32> = (1..=slot_count).collect();
+        let mut start = 0;
+        for (number, strip) in (0..).zip(strips.iter()) {
+            let end = start + strip.len() as u32;
+            strip_of.resize(end as usize, number);
+            ends.push(end);
+            bounds.push(if start == end { [NONE; 2] } else { [start, end - 1] });
+            if start < end {
+                previous[start as usize] = NONE;
+                next[end as usize - 1] = NONE;
+            }
+            start = end;
+        }
+        let of_vertex = VertexSlots::of(&vertices, vertex_count, |_| true);
+        let is_removed = vec![false; vertices.len()];
+        let (changed, taken) = (Vec::new(), Vec::new());
+        Self {
+            vertices,
+            ends,
+            strip_of,
+            previous,
+            next,
+            is_removed,
+            bounds,
+            of_vertex,
+            changed,
+            taken,
+            renamed_count: 0,
+        }
+    }
+
+    /// Returns the first slot of a strip at the full mesh.
+    fn start_of(&self, strip: u32) -> u32 {
+        if strip == 0 { 0 } else { self.ends[strip as usize - 1] }
+    }
+
+    /// Returns the nearest slot before another one, removed or not, that is not removed.
+    fn before(&self, slot: u32) -> Option<u32> {
+        let mut slot = self.previous[slot as usize];
+        while slot != NONE && self.is_removed[slot as usize] {
+            slot = self.previous[slot as usize];
+        }
+        (slot != NONE).then_some(slot)
+    }
+
+    /// Does a collapse, and lists the slots that it changed, rising.
+    ///
+    /// # Errors
+    /// All collapses together rename too many slots.
+    fn collapse(&mut self, renames: &[Rename]) -> Result<(), Error> {
+        self.changed.clear();
+        let mut taken = std::mem::take(&mut self.taken);
+        for &Rename { removed, kept } in renames {
+            self.of_vertex.take(removed, &mut taken);
+            for &slot in taken.iter().filter(|&&slot| !self.is_removed[slot as usize]) {
+                self.of_vertex.add(kept, slot);
+                self.vertices[slot as usize] = kept;
+                self.changed.push(slot);
+            }
+        }
+        self.taken = taken;
+        self.renamed_count += self.changed.len();
+        let limit = self.vertices.len().saturating_mul(MAX_SLOTS_PER_ENTRY);
+        if self.renamed_count > limit {
+            let (found, limit) = (self.renamed_count as u64, limit as u64);
+            return Err(Error::LimitExceeded { what: "slots renamed by all collapses", found, limit });
+        }
+        self.changed.sort_unstable();
+        for i in 0..self.changed.len() {
+            let slot = self.changed[i];
+            self.remove_pairs_near(slot);
+            self.remove_at_end(self.strip_of[slot as usize]);
+        }
+        // Slots that were renamed and then removed stand in the list twice.
+        self.changed.sort_unstable();
+        self.changed.dedup();
+        Ok(())
+    }
+
+    /// Removes pairs whose removal the vertex in a slot may have made possible.
+    fn remove_pairs_near(&mut self, slot: u32) {
+        let strip = self.strip_of[slot as usize] as usize;
+        let start = if self.is_removed[slot as usize] { self.before(slot) } else { Some(slot) };
+        let mut pair = start.map_or(self.bounds[strip][0], |slot| self.back(slot, 3));
+        if pair == NONE {
+            return;
+        }
+        let mut left = 6;
+        while left > 0 {
+            if self.is_superfluous(pair) {
+                let second = self.next[pair as usize];
+                let before = self.previous[pair as usize];
+                self.remove(pair);
+                self.remove(second);
+                pair = if before == NONE { self.bounds[strip][0] } else { self.back(before, 3) };
+                if pair == NONE {
+                    return;
+                }
+                left = 8;
+            } else if self.next[pair as usize] == NONE {
+                return;
+            } else {
+                pair = self.next[pair as usize];
+                left -= 1;
+            }
+        }
+    }
+
+    /// Returns the slot some steps back, or the first one.
+    fn back(&self, mut slot: u32, steps: u32) -> u32 {
+        for _ in 0..steps {
+            if self.previous[slot as usize] == NONE {
+                break;
+            }
+            slot = self.previous[slot as usize];
+        }
+        slot
+    }
+
+    /// Returns whether the strip draws the same without this vertex and the next.
+    fn is_superfluous(&self, pair: u32) -> bool {
+        let second = self.next[pair as usize];
+        if second == NONE {
+            return false;
+        }
+        // The pair with up to two slots on either side.
+        let before = |slot: u32| if slot == NONE { NONE } else { self.previous[slot as usize] };
+        let after = |slot: u32| if slot == NONE { NONE } else { self.next[slot as usize] };
+        let (left, right) = (before(pair), after(second));
+        let around = [before(left), left, pair, second, right, after(right)];
+        let skipped = around.iter().take_while(|&&slot| slot == NONE).count();
+        let len = around[skipped..].iter().take_while(|&&slot| slot != NONE).count();
+        let around = &around[skipped..][..len];
+        let (mut with, mut with_len) = ([[0; 3]; 4], 0);
+        for triple in around.windows(3) {
+            if let Some(triangle) = self.triangle(triple) {
+                // The shorter sequence has at most two triangles.
+                if with_len == 2 {
+                    return false;
+                }
+                with[with_len] = triangle;
+                with_len += 1;
+            }
+        }
+        let (mut shorter, mut shorter_len) = ([NONE; 4], 0);
+        for &slot in around.iter().filter(|&&slot| slot != pair && slot != second) {
+            shorter[shorter_len] = slot;
+            shorter_len += 1;
+        }
+        let (mut without, mut without_len) = ([[0; 3]; 2], 0);
+        for triple in shorter[..shorter_len].windows(3) {
+            if let Some(triangle) = self.triangle(triple) {
+                without[without_len] = triangle;
+                without_len += 1;
+            }
+        }
+        let (with, without) = (&mut with[..with_len], &mut without[..without_len]);
+        with.sort_unstable();
+        without.sort_unstable();
+        with == without
+    }
+
+    /// Returns the triangle of three slots that follow each other, possibly after a pair between them is removed.
+    fn triangle(&self, slots: &[u32]) -> Option<[u32; 3]> {
+        let [a, b, c] = [slots[0], slots[1], slots[2]].map(|slot| self.vertices[slot as usize]);
+        if is_degenerate([a, b, c]) {
+            return None;
+        }
+        // Slots are removed in pairs, so that a slot keeps its parity in its strip.
+        let is_odd = (slots[0] - self.start_of(self.strip_of[slots[0] as usize])) % 2 == 1;
+        Some(canonical_triangle(if is_odd { [b, a, c] } else { [a, b, c] }))
+    }
+
+    /// Removes vertices from the end of a strip as long as the last three draw nothing.
+    fn remove_at_end(&mut self, strip: u32) {
+        loop {
+            let c = self.bounds[strip as usize][1];
+            if c == NONE {
+                return;
+            }
+            let b = self.previous[c as usize];
+            let a = if b == NONE { NONE } else { self.previous[b as usize] };
+            if a != NONE && self.triangle(&[a, b, c]).is_some() {
+                return;
+            }
+            self.remove(c);
+        }
+    }
+
+    fn remove(&mut self, slot: u32) {
+        let (previous, next) = (self.previous[slot as usize], self.next[slot as usize]);
+        let strip = self.strip_of[slot as usize];
+        match previous {
+            NONE => self.bounds[strip as usize][0] = next,
+            previous => self.next[previous as usize] = next,
+        }
+        match next {
+            NONE => self.bounds[strip as usize][1] = previous,
+            next => self.previous[next as usize] = previous,
+        }
+        self.is_removed[slot as usize] = true;
+        self.changed.push(slot);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::lod::samples::{samples, sorted};
+    use crate::strip::strip_triangles;
+
+    /// Returns the vertices of a strip that are not removed.
+    fn left(strips: &ShortenedStrips, strip: u32) -> Vec<u32> {
+        let mut slot = strips.bounds[strip as usize][0];
+        let mut vertices = Vec::new();
+        while slot != NONE {
+            vertices.push(strips.vertices[slot as usize]);
+            slot = strips.next[slot as usize];
+        }
+        vertices
+    }
+
+    /// Returns whether a pair of consecutive vertices, or the last vertex, can be removed from a strip: the definition, over whole strips.
+    fn can_be_shortened(strip: &[u32]) -> bool {
+        let drawn = sorted(strip_triangles(strip));
+        let without = |from: usize, to: usize| [&strip[..from], &strip[to..]].concat();
+        let is_same = |shorter: &[u32]| sorted(strip_triangles(shorter)) == drawn;
+        let pair = (0..strip.len().saturating_sub(1)).any(|i| is_same(&without(i, i + 2)));
+        pair || !strip.is_empty() && is_same(&strip[..strip.len() - 1])
+    }
+
+    proptest! {
+        #[test]
+        fn strips_draw_every_level_and_are_as_short_as_promised(sample in samples()) {
+            let mut strips = ShortenedStrips::new(&sample.strips, sample.sequence.vertex_count());
+            let count = sample.strips.len() as u32;
+            let mut is_changed = vec![false; count as usize];
+            for (i, collapse) in sample.sequence.iter().enumerate() {
+                strips.collapse(collapse.renames).unwrap();
+                for &slot in &strips.changed {
+                    is_changed[strips.strip_of[slot as usize] as usize] = true;
+                }
+                let vertices: Vec<Vec<u32>> = (0..count).map(|strip| left(&strips, strip)).collect();
+                let drawn = vertices.iter().flat_map(|strip| strip_triangles(strip));
+                prop_assert_eq!(sorted(drawn), sorted(sample.sequence.drawn(sample.sequence.len() - 1 - i).unwrap()));
+                for (strip, _) in vertices.iter().zip(&is_changed).filter(|(_, changed)| **changed) {
+                    prop_assert!(strip.is_empty() || strip_triangles(strip).count() > 0, "{:?}", strip);
+                }
+            }
+            // Strips of the full mesh may have swaps that do nothing, which are not looked for.
+            let stays = |i: &u32| is_changed[*i as usize] && !can_be_shortened(sample.strips.iter().nth(*i as usize).unwrap());
+            for strip in (0..count).filter(stays) {
+                prop_assert!(!can_be_shortened(&left(&strips, strip)), "{:?}", left(&strips, strip));
+            }
+        }
+    }
+
+    #[test]
+    fn too_many_renames_are_refused() {
+        // Two vertices that take turns would be a cycle; a hub that moves on with each collapse renames its slots each time.
+        let count = 2_000_u32;
+        let mut strips = Strips::default();
+        (1..count).for_each(|v| strips.push(&[0, v, v + 1]));
+        let renames: Vec<[Rename; 1]> =
+            (0..count - 1).map(|v| [Rename { removed: v, kept: v + 1 }]).collect();
+        let collapses = renames.iter().map(|renames| (&renames[..], 0.0));
+        let sequence =
+            CollapseSequence::from_collapses(count as usize + 1, strips.to_list(), collapses).unwrap();
+        let error = edits_of(&strips, &sequence).map(|edits| edits.item_count()).unwrap_err();
+        assert!(matches!(error, Error::LimitExceeded { .. }), "{error}");
+    }
+}

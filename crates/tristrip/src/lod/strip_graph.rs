@@ -1,0 +1,125 @@
+//! The graph of one strip at all its states, from which SETS and MTS are built.
+//!
+//! ```text
+//! state 0  a b c d e f g h     nodes   a b c d e f g h
+//! state 1  a b d d e f g h     visits  of d: 1 at state 0, 2 at state 1
+//! ```
+//! A node is a vertex that the strip has at any state; a walk visits it once per slot in which the vertex stands, and each visit leads to the
+//! vertex in the next slot.
+
+use rustc_hash::FxHashMap;
+
+use super::shortened::{NONE, SlotEdit};
+use super::strip_states::StripState;
+
+/// A replay of one strip that knows which nodes each state changes.
+#[derive(Debug, Default)]
+pub(super) struct StripGraph {
+    state: StripState,
+    number_of: FxHashMap<u32, u32>,
+    /// The vertex of each node.
+    pub(super) vertices: Vec<u32>,
+    node_of_slot: Vec<u32>,
+    /// The slots of each node, rising; those after the nodes of the strip are memory for others.
+    slots: Vec<Vec<u32>>,
+    /// The nodes whose visits or successors the last step changed, each once.
+    pub(super) changed: Vec<u32>,
+    /// The slots whose vertex or successor the last step changed, rising, each once.
+    pub(super) changed_slots: Vec<u32>,
+}
+
+impl StripGraph {
+    /// Starts with a strip at the full mesh: all its nodes and slots are changed.
+    pub(super) fn start(&mut self, strip: &[u32]) {
+        self.state.start(strip);
+        self.number_of.clear();
+        self.vertices.clear();
+        self.node_of_slot.clear();
+        self.node_of_slot.resize(strip.len(), NONE);
+        for (slot, &vertex) in (0..).zip(strip) {
+            self.enter(slot, vertex);
+        }
+        self.changed.clear();
+        self.changed.extend(0..self.vertices.len() as u32);
+        self.changed_slots.clear();
+        self.changed_slots.extend(0..strip.len() as u32);
+    }
+
+    /// Moves to the next state by the edits of one step.
+    pub(super) fn step(&mut self, edits: &[SlotEdit]) {
+        self.changed.clear();
+        self.changed_slots.clear();
+        for &edit in edits {
+            let node = self.node_of_slot[edit.slot as usize];
+            self.changed.push(node);
+            let slots = &mut self.slots[node as usize];
+            if let Ok(at) = slots.binary_search(&edit.slot) {
+                slots.remove(at);
+            }
+            self.state.apply(edit);
+            if edit.vertex != NONE {
+                self.enter(edit.slot, edit.vertex);
+                self.changed.push(self.node_of_slot[edit.slot as usize]);
+            }
+        }
+        for edit in edits {
+            let before = self.state.before(edit.slot);
+            if before != NONE {
+                self.changed.push(self.node_of_slot[before as usize]);
+                self.changed_slots.push(before);
+            }
+            self.changed_slots.push(edit.slot);
+        }
+        for changed in [&mut self.changed, &mut self.changed_slots] {
+            changed.sort_unstable();
+            changed.dedup();
+        }
+    }
+
+    /// Puts a vertex into a slot, of which no node has a record.
+    fn enter(&mut self, slot: u32, vertex: u32) {
+        let new = self.vertices.len() as u32;
+        let node = *self.number_of.entry(vertex).or_insert(new);
+        if node == new {
+            self.vertices.push(vertex);
+            if self.slots.len() <= node as usize {
+                self.slots.push(Vec::new());
+            }
+            self.slots[node as usize].clear();
+        }
+        let slots = &mut self.slots[node as usize];
+        let at = slots.partition_point(|&other| other < slot);
+        slots.insert(at, slot);
+        self.node_of_slot[slot as usize] = node;
+    }
+
+    /// Counts the slots of the strip at the full mesh.
+    pub(super) fn slot_count(&self) -> usize {
+        self.node_of_slot.len()
+    }
+
+    /// Returns the first node, or [`NONE`] if the strip is empty.
+    pub(super) fn first(&self) -> u32 {
+        match self.state.first() {
+            NONE => NONE,
+            slot => self.node_of_slot[slot as usize],
+        }
+    }
+
+    /// Returns the node in a slot and the one that follows it, or [`NONE`] at the end; `None` for a removed slot.
+    pub(super) fn edge(&self, slot: u32) -> Option<[u32; 2]> {
+        if self.state.vertices[slot as usize] == NONE {
+            return None;
+        }
+        let successor = match self.state.next(slot) {
+            NONE => NONE,
+            next => self.node_of_slot[next as usize],
+        };
+        Some([self.node_of_slot[slot as usize], successor])
+    }
+
+    /// Returns the nodes that follow the visits of a node in their order, [`NONE`] at the end.
+    pub(super) fn successors(&self, node: u32) -> impl Iterator<Item = u32> {
+        self.slots[node as usize].iter().filter_map(|&slot| self.edge(slot).map(|[_, successor]| successor))
+    }
+}

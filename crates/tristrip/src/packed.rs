@@ -1,0 +1,136 @@
+//! Numbers packed into as few bits as their largest one needs.
+//!
+//! # Complexity
+//! Reading a number takes constant time.
+
+/// Returns the bits that numbers from 0 to `largest` need.
+pub(crate) fn bits_for(largest: u32) -> u32 {
+    u32::BITS - largest.leading_zeros()
+}
+
+/// Packed numbers of any widths, one after the other.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub(crate) struct Packed {
+    words: Vec<u64>,
+    bit_count: usize,
+}
+
+impl Packed {
+    /// Appends a number of at most `bits` bits.
+    pub(crate) fn push(&mut self, number: u32, bits: u32) {
+        debug_assert!(bits == 32 || number >> bits == 0, "{number} does not fit {bits} bits");
+        let (word, shift) = (self.bit_count / 64, self.bit_count % 64);
+        // A number may reach into the next word, which therefore always exists.
+        if self.words.len() < word + 2 {
+            self.words.resize(word + 2, 0);
+        }
+        let shifted = u128::from(number) << shift;
+        self.words[word] |= shifted as u64;
+        self.words[word + 1] |= (shifted >> 64) as u64;
+        self.bit_count += bits as usize;
+    }
+
+    /// Counts the bits of all numbers.
+    pub(crate) fn bit_count(&self) -> usize {
+        self.bit_count
+    }
+
+    /// Returns the number of `bits` bits that begins at a bit.
+    #[inline]
+    pub(crate) fn get(&self, bit: usize, bits: u32) -> u32 {
+        let (word, shift) = (bit / 64, bit % 64);
+        let low = self.words[word] >> shift;
+        // Two shifts, as a shift by 64 is none.
+        let high = self.words[word + 1] << 1 << (63 - shift);
+        ((low | high) & ((1 << bits) - 1)) as u32
+    }
+
+    /// Returns two numbers that follow each other.
+    #[inline]
+    pub(crate) fn get_pair(&self, bit: usize, bits: [u32; 2]) -> [u32; 2] {
+        let (word, shift) = (bit / 64, bit % 64);
+        let both = self.words[word] >> shift | self.words[word + 1] << 1 << (63 - shift);
+        let low = |number: u64, bits: u32| (number & ((1 << bits) - 1)) as u32;
+        [low(both, bits[0]), low(both >> bits[0], bits[1])]
+    }
+
+    /// Returns the memory in bytes.
+    pub(crate) fn memory(&self) -> usize {
+        size_of_val(&self.words[..])
+    }
+}
+
+/// Numbers of one width among packed ones.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct PackedRow<'a> {
+    packed: &'a Packed,
+    start: usize,
+    bits: u32,
+}
+
+impl<'a> PackedRow<'a> {
+    /// Returns the numbers of `bits` bits from a bit on.
+    pub(crate) fn new(packed: &'a Packed, start: usize, bits: u32) -> Self {
+        Self { packed, start, bits }
+    }
+
+    /// Returns a number by its position.
+    #[inline]
+    pub(crate) fn get(&self, i: u32) -> u32 {
+        self.packed.get(self.start + i as usize * self.bits as usize, self.bits)
+    }
+
+    /// Returns the first position from `from` to `end` whose number is at least `least`, or `end`; the numbers rise.
+    #[inline]
+    pub(crate) fn first_at_least(&self, from: u32, end: u32, least: u32) -> u32 {
+        let (mut low, mut high) = (from, end);
+        while low < high {
+            let middle = low.midpoint(high);
+            if self.get(middle) < least { low = middle + 1 } else { high = middle }
+        }
+        low
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn numbers_are_returned_as_they_were_pushed(numbers in prop::collection::vec((any::<u32>(), 0..=32_u32), 0..99)) {
+            let mut packed = Packed::default();
+            let mut starts = Vec::new();
+            let cut = |number: u32, bits: u32| (u64::from(number) & ((1 << bits) - 1)) as u32;
+            for &(number, bits) in &numbers {
+                starts.push(packed.bit_count());
+                packed.push(cut(number, bits), bits);
+            }
+            for (&(number, bits), &start) in numbers.iter().zip(&starts) {
+                prop_assert_eq!(packed.get(start, bits), cut(number, bits));
+            }
+            for (pair, &start) in numbers.windows(2).zip(&starts) {
+                let expected = [0, 1].map(|i| cut(pair[i].0, pair[i].1));
+                prop_assert_eq!(packed.get_pair(start, [pair[0].1, pair[1].1]), expected);
+            }
+        }
+
+        #[test]
+        fn rows_are_searched(mut numbers in prop::collection::vec(0..40_u32, 0..30), least in 0..50_u32) {
+            numbers.sort_unstable();
+            let bits = bits_for(39);
+            let mut packed = Packed::default();
+            packed.push(5, 3);
+            numbers.iter().for_each(|&number| packed.push(number, bits));
+            let row = PackedRow::new(&packed, 3, bits);
+            let expected = numbers.partition_point(|&number| number < least);
+            prop_assert_eq!(row.first_at_least(0, numbers.len() as u32, least), expected as u32);
+        }
+    }
+
+    #[test]
+    fn widths_are_the_least() {
+        assert_eq!([0, 1, 2, 3, 4, u32::MAX].map(bits_for), [0, 1, 2, 2, 3, 32]);
+    }
+}
