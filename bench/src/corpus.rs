@@ -14,7 +14,7 @@ use tristrip_io::{Drawing, Format, Model, read_path, write};
 
 use crate::failure::Failure;
 use crate::levels;
-use crate::methods::{NamedMethod, all_methods, main_methods};
+use crate::methods::{NOT_LOCALIZED, NamedMethod, all_methods, main_methods};
 use crate::models::Source;
 
 /// Thread counts that must give the same bytes.
@@ -100,7 +100,9 @@ pub fn check(
 ) -> Result<CheckedModel, Failure> {
     let model = read_path(&source.path).map_err(|error| format!("{}: {error}", source.path.display()))?;
     let triangles: usize = model.parts.iter().map(|part| part.mesh.faces().triangle_count()).sum();
-    let methods = if triangles > LARGE { main_methods() } else { all_methods() };
+    let mut methods = if triangles > LARGE { main_methods() } else { all_methods() };
+    // Without localization, a step takes as long as the strips that it changes.
+    methods.retain(|method| triangles <= MEDIUM || !method.name.ends_with(NOT_LOCALIZED));
     let families: HashSet<String> = main_methods().into_iter().map(|m| m.name).collect();
     let mut checked = CheckedModel::default();
     for (turn, NamedMethod { name, options }) in methods.iter().enumerate() {

@@ -18,6 +18,8 @@ pub const GUIDED_TUNNELS: &str = "guided-tunnels 20";
 /// The name of `cache` among the main methods: for the default vertex cache, at the default effort.
 pub const CACHE: &str = "cache fifo:16 balanced";
 const GUIDED_LENGTH: u32 = 20;
+/// The end of the names of methods that search without localization.
+pub const NOT_LOCALIZED: &str = "not localized";
 /// The maximum length of the tunnels of `eta`, with which it takes seconds on the largest models.
 const ETA_LENGTH: u32 = 9;
 /// The maximum length of plain tunnels, whose time grows exponentially with it.
@@ -123,7 +125,7 @@ pub fn all_methods() -> Vec<NamedMethod> {
     let published = eta(Acceptance::DepthFirst, Localization::OnDemand);
     methods.push(NamedMethod::new(format!("eta {ETA_LENGTH}"), published));
     let plain = eta(Acceptance::BreadthFirst, Localization::None);
-    methods.push(NamedMethod::new(format!("eta {ETA_LENGTH} breadth-first not localized"), plain));
+    methods.push(NamedMethod::new(format!("eta {ETA_LENGTH} breadth-first {NOT_LOCALIZED}"), plain));
     methods
         .push(NamedMethod::new(format!("tunnel {TUNNEL_LENGTH}"), Method::Tunnel { length: TUNNEL_LENGTH }));
     methods.extend(Cost::ALL.map(|cost| NamedMethod::search(Method::Best, 1, cost)));

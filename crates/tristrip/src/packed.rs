@@ -35,29 +35,37 @@ impl Packed {
         self.bit_count
     }
 
+    /// Returns the 64 bits from a bit on.
+    #[inline]
+    fn word_at(&self, bit: usize) -> u64 {
+        let (word, shift) = (bit / 64, bit % 64);
+        let pair = &self.words[word..word + 2];
+        // Two shifts, as a shift by 64 is none.
+        pair[0] >> shift | pair[1] << 1 << (63 - shift)
+    }
+
     /// Returns the number of `bits` bits that begins at a bit.
     #[inline]
     pub(crate) fn get(&self, bit: usize, bits: u32) -> u32 {
-        let (word, shift) = (bit / 64, bit % 64);
-        let low = self.words[word] >> shift;
-        // Two shifts, as a shift by 64 is none.
-        let high = self.words[word + 1] << 1 << (63 - shift);
-        ((low | high) & ((1 << bits) - 1)) as u32
+        low_bits(self.word_at(bit), bits)
     }
 
     /// Returns two numbers that follow each other.
     #[inline]
     pub(crate) fn get_pair(&self, bit: usize, bits: [u32; 2]) -> [u32; 2] {
-        let (word, shift) = (bit / 64, bit % 64);
-        let both = self.words[word] >> shift | self.words[word + 1] << 1 << (63 - shift);
-        let low = |number: u64, bits: u32| (number & ((1 << bits) - 1)) as u32;
-        [low(both, bits[0]), low(both >> bits[0], bits[1])]
+        let word = self.word_at(bit);
+        [low_bits(word, bits[0]), low_bits(word >> bits[0], bits[1])]
     }
 
     /// Returns the memory in bytes.
     pub(crate) fn memory(&self) -> usize {
         size_of_val(&self.words[..])
     }
+}
+
+#[inline]
+fn low_bits(word: u64, bits: u32) -> u32 {
+    (word & ((1 << bits) - 1)) as u32
 }
 
 /// Numbers of one width among packed ones.
