@@ -12,7 +12,8 @@ use std::sync::Arc;
 use tristrip::Effort;
 use tristrip::lod::{Encoding, ProgressiveMesh, ProgressiveStrips};
 use tristrip::lod::{Filter, LevelCursor};
-use tristrip::lod::{Repair, RepairOptions};
+use tristrip::lod::{ModelKind, Repair, RepairOptions};
+use tristrip::random::Random;
 use tristrip::simplify::{self, simplify_triangles};
 use tristrip::{CollapseSequence, Mesh, Method, StripifyOptions, Strips, stripify};
 
@@ -82,6 +83,7 @@ pub fn check(mesh: &Mesh, hashes: bool) -> Result<CheckedLevels, Failure> {
     }
     let small = strips.triangles().count() <= SMALL;
     check.representations(if small { sequence.len() } else { LEVELS })?;
+    check.level_models(if small { sequence.len() } else { LEVELS })?;
     check.repaired(if small { sequence.len() } else { REPAIRED_LEVELS })?;
     let LevelCheck { mut checked, hashes, .. } = check;
     checked.hashes = hashes.lines().collect();
@@ -153,6 +155,27 @@ impl LevelCheck<'_> {
                 let problem =
                     format!("{}: refining does not restore the full mesh", cursor.model().encoding());
                 self.checked.problems.push(problem);
+            }
+        }
+        Ok(())
+    }
+
+    /// Compares every level model, at as many levels in random order.
+    fn level_models(&mut self, count: usize) -> Result<(), Failure> {
+        let mut random = Random::new(0);
+        let mut jumps: Vec<usize> = levels(self.sequence, count).collect();
+        (1..jumps.len()).rev().for_each(|i| jumps.swap(i, random.below(i + 1)));
+        let oracles: Vec<DrawingSum> = jumps
+            .iter()
+            .map(|&level| Ok(DrawingSum::of(self.sequence.drawn(level)?.into_iter())))
+            .collect::<Result<_, Failure>>()?;
+        for kind in ModelKind::ALL {
+            let mut cursor = kind.build(self.strips, self.sequence)?.start();
+            for (&level, oracle) in jumps.iter().zip(&oracles) {
+                cursor.set_level(level)?;
+                let strips = cursor.strips();
+                self.hashes.add(kind.name(), strips.to_restart(u32::MAX));
+                self.compare(level, kind.name(), &DrawingSum::of(strips.triangles()), oracle);
             }
         }
         Ok(())

@@ -36,6 +36,8 @@ pub const SHARES: [usize; 6] = [1, 3, 6, 10, 15, 20];
 pub struct ModelRecovery {
     /// The name of the model.
     pub model: String,
+    /// Why the model cannot be built, if it cannot; then nothing else is measured.
+    pub error: Option<String>,
     /// The memory of the model in bytes, shared by all cursors.
     pub memory: usize,
     /// The memory of a cursor that has drawn the full mesh.
@@ -63,7 +65,7 @@ pub struct RecoveryTest {
 /// Measures every level model on all parts of a model, in `rounds` rounds that alternate between the models; times are medians.
 ///
 /// # Errors
-/// A part is too large for a model.
+/// The levels are inconsistent; no input is known that causes this.
 ///
 /// ```
 /// use tristrip_io::{Format, read};
@@ -75,22 +77,10 @@ pub struct RecoveryTest {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn measure(levels: &ModelLevels, sweeps: &[Sweep], rounds: usize) -> Result<Vec<ModelRecovery>, Error> {
-    let mut measured = Vec::new();
-    let mut cursors = Vec::new();
+    let (mut measured, mut cursors) = (Vec::new(), Vec::new());
     for kind in ModelKind::ALL {
-        let start = Instant::now();
-        let mut cursor = levels.cursor(kind)?;
-        let build_seconds = rounded(start.elapsed().as_secs_f64());
-        for part in cursor.of_parts_mut() {
-            part.strips();
-        }
-        measured.push(ModelRecovery {
-            model: kind.name().into(),
-            memory: cursor.model_memory(),
-            cursor_memory: cursor.cursor_memory(),
-            build_seconds,
-            tests: Vec::new(),
-        });
+        let (of_kind, cursor) = build(levels, kind);
+        measured.push(of_kind);
         cursors.push(cursor);
     }
     for &sweep in sweeps {
@@ -99,19 +89,47 @@ pub fn measure(levels: &ModelLevels, sweeps: &[Sweep], rounds: usize) -> Result<
             let mut times = vec![Vec::new(); cursors.len()];
             for _ in 0..rounds.max(1) {
                 for (cursor, times) in cursors.iter_mut().zip(&mut times) {
-                    times.push(time(cursor, &down)?);
+                    if let Some(cursor) = cursor {
+                        times.push(time(cursor, &down)?);
+                    }
                 }
             }
             for (model, mut times) in measured.iter_mut().zip(times) {
                 times.sort_unstable_by(f64::total_cmp);
+                let Some(seconds) = times.get(times.len() / 2) else { continue };
                 let moves = 2 * down.len();
-                let mean = times[times.len() / 2] / moves.max(1) as f64;
-                let microseconds = rounded(1e6 * mean);
+                let microseconds = if moves == 0 { 0.0 } else { rounded(1e6 * seconds / moves as f64) };
                 model.tests.push(RecoveryTest { sweep, share, moves, microseconds });
             }
         }
     }
     Ok(measured)
+}
+
+/// Builds a level model of each part, and draws the full mesh.
+fn build(levels: &ModelLevels, kind: ModelKind) -> (ModelRecovery, Option<ModelCursor<'_>>) {
+    let start = Instant::now();
+    let built = levels.cursor(kind);
+    let mut measured = ModelRecovery {
+        model: kind.name().into(),
+        error: None,
+        memory: 0,
+        cursor_memory: 0,
+        build_seconds: rounded(start.elapsed().as_secs_f64()),
+        tests: Vec::new(),
+    };
+    let mut cursor = match built {
+        Ok(cursor) => cursor,
+        Err(error) => {
+            measured.error = Some(error.to_string());
+            return (measured, None);
+        }
+    };
+    for part in cursor.of_parts_mut() {
+        part.strips();
+    }
+    (measured.memory, measured.cursor_memory) = (cursor.model_memory(), cursor.cursor_memory());
+    (measured, Some(cursor))
 }
 
 /// Returns the seconds of a sweep down from the full mesh and up again.
@@ -129,7 +147,6 @@ fn time(cursor: &mut ModelCursor<'_>, down: &[usize]) -> Result<f64, Error> {
 
 /// Formats the measurements as a text table: microseconds per move.
 pub fn as_text(measured: &[ModelRecovery]) -> String {
-    let Some(first) = measured.first() else { return String::new() };
     let mut head: Vec<String> = ["  model", "memory", "cursor", "sweep"].map(String::from).to_vec();
     head.extend(SHARES.map(|share| format!("{share} %")));
     let columns = head.len();
@@ -142,7 +159,48 @@ pub fn as_text(measured: &[ModelRecovery]) -> String {
             rows.push(row);
         }
     }
-    let moves: Vec<String> = first.tests.iter().take(SHARES.len()).map(|test| count(test.moves)).collect();
+    let tests = measured.iter().map(|model| &model.tests[..]).find(|tests| !tests.is_empty());
+    let of_sweep = tests.into_iter().flatten().take(SHARES.len());
+    let moves: Vec<String> = of_sweep.map(|test| count(test.moves)).collect();
+    let error =
+        |model: &ModelRecovery| Some(format!("  {} not measured: {}\n", model.model, model.error.as_ref()?));
+    let errors: String = measured.iter().filter_map(error).collect();
     let legend = format!("  microseconds per move; moves of a sweep: {}\n", moves.join(", "));
-    format!("\n  Recovery of a share of all levels\n{}{legend}", table(&rows, 1..columns))
+    format!("\n  Recovery of a share of all levels\n{}{legend}{errors}", table(&rows, 1..columns))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tristrip::Method;
+    use tristrip::StripifyOptions;
+    use tristrip_io::{Format, read};
+    use tristrip_pipeline::{LevelsOptions, levels};
+
+    #[test]
+    fn a_model_that_refuses_a_mesh_does_not_stop_the_others() {
+        // A cone of 4000 triangles, which one strip surrounds.
+        let rim = 4000_u32;
+        let corner = |i: u32| {
+            let angle = f64::from(i) / f64::from(rim) * std::f64::consts::TAU;
+            format!("v {:.6} {:.6} 0\n", angle.cos(), angle.sin())
+        };
+        let face = |i: u32| format!("f {} {} {}\n", i + 1, (i + 1) % rim + 1, rim + 1);
+        let text: String =
+            (0..rim).map(corner).chain(["v 0 0 1\n".into()]).chain((0..rim).map(face)).collect();
+        let model = read(text.as_bytes(), Format::Obj).unwrap();
+        let stripify = StripifyOptions::default().with_method(Method::Sequential);
+        let levels = levels(&model, &LevelsOptions::default().with_stripify(stripify)).unwrap();
+        let measured = measure(&levels, &[Sweep::Linear], 1).unwrap();
+        let of = |kind: ModelKind| measured.iter().find(|model| model.model == kind.name()).unwrap();
+        for kind in [ModelKind::Sets, ModelKind::Mts] {
+            let refused = of(kind);
+            assert!(refused.error.as_ref().unwrap().contains("successors of all vertices"), "{kind}");
+            assert!(refused.tests.is_empty());
+        }
+        for kind in [ModelKind::Progressive, ModelKind::LodStrips] {
+            assert!(of(kind).error.is_none() && of(kind).tests.len() == SHARES.len(), "{kind}");
+        }
+        assert!(as_text(&measured).contains("sets not measured: "));
+    }
 }

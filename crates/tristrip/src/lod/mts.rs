@@ -53,7 +53,8 @@ impl Mts {
     /// Builds the model from strips of the full mesh.
     ///
     /// # Errors
-    /// A strip has a vertex that the sequence does not have, or the collapses rename too many slots.
+    /// A strip has a vertex that the sequence does not have, the collapses rename too many slots, or a walk would examine too many edges: as where one
+    /// strip surrounds a vertex of thousands of triangles, of which each visit searches all edges.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -129,12 +130,14 @@ struct EdgeBuilder {
     /// The edge of each slot at the current state; its node is [`NONE`] if the slot is removed.
     open: Vec<Edge>,
     edges: Vec<Edge>,
+    cost: usize,
 }
 
 impl ListBuilder for EdgeBuilder {
     fn clear(&mut self) {
         self.edges.clear();
         self.open.clear();
+        self.cost = 0;
     }
 
     fn update(&mut self, graph: &StripGraph, state: u32) {
@@ -161,10 +164,22 @@ impl ListBuilder for EdgeBuilder {
         let open = self.open.iter().filter(|edge| edge.node != NONE);
         self.edges.extend(open.map(|&edge| Edge { last, ..edge }));
         self.edges.sort_unstable();
+        let of_node = self.edges.chunk_by(|a, b| a.node == b.node);
+        self.cost =
+            of_node.map(|edges| edges.len().saturating_mul(edges.len())).fold(0, usize::saturating_add);
     }
 
-    fn counts(&self) -> [usize; 2] {
-        [self.edges.len(), 0]
+    fn arc_count(&self) -> usize {
+        self.edges.len()
+    }
+
+    fn successor_count(&self) -> usize {
+        0
+    }
+
+    /// The most edges that a walk examines: for each visit of a node all edges of it.
+    fn cost(&self) -> usize {
+        self.cost
     }
 
     fn push(&self, graph: &Graph, packed: &mut Packed) {
@@ -177,5 +192,21 @@ impl ListBuilder for EdgeBuilder {
             packed.push(edge.last, graph.state_bits());
             packed.push(edge.successor.min(graph.node_count), graph.node_bits());
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_vertex_of_thousands_of_triangles_is_refused() {
+        // One strip around vertex 0: each visit of it would search thousands of edges.
+        let rim = 5_000_u32;
+        let mut strips = Strips::default();
+        strips.push(&(1..=rim).flat_map(|v| [v, 0]).collect::<Vec<_>>());
+        let sequence = CollapseSequence::from_collapses(rim as usize + 1, strips.to_list(), []).unwrap();
+        let error = Mts::new(&strips, &sequence).unwrap_err();
+        assert!(error.to_string().contains("successors of all vertices"), "{error}");
     }
 }

@@ -43,8 +43,14 @@ pub(super) trait ListBuilder: Default {
     /// Closes the lists at the last state.
     fn end(&mut self, last: u32);
 
-    /// Counts the arcs or edges, and the successors that they list.
-    fn counts(&self) -> [usize; 2];
+    /// Counts the arcs or edges. In linear time.
+    fn arc_count(&self) -> usize;
+
+    /// Counts the successors that the arcs list.
+    fn successor_count(&self) -> usize;
+
+    /// Counts what must stay in proportion to the slots of the full mesh. Grows with each state; exact at the end.
+    fn cost(&self) -> usize;
 
     /// Packs the lists of a graph, whose number of nodes stands for the end of the strip.
     fn push(&self, graph: &Graph, packed: &mut Packed);
@@ -100,8 +106,14 @@ impl<L: SuccessorLists> StripGraphs<L> {
             vertex_bits: bits_for(sequence.vertex_count() as u32),
             lists: PhantomData,
         };
-        let limit = strips.vertices_sent().saturating_mul(MAX_SLOTS_PER_ENTRY);
-        let (mut graph, mut lists, mut count) = (StripGraph::default(), L::Builder::default(), 0);
+        let limit = strips.vertices_sent().saturating_mul(MAX_SLOTS_PER_ENTRY).min(u32::MAX as usize);
+        let check = |cost: usize| {
+            let (found, limit) = (cost as u64, limit as u64);
+            let error =
+                Error::LimitExceeded { what: "steps to list the successors of all vertices", found, limit };
+            if found > limit { Err(error) } else { Ok(()) }
+        };
+        let (mut graph, mut lists, mut cost) = (StripGraph::default(), L::Builder::default(), 0_usize);
         for (number, strip) in (0..).zip(strips.iter()) {
             // The last state and the node of each beginning.
             let mut beginnings: Vec<(u32, u32)> = Vec::new();
@@ -118,15 +130,12 @@ impl<L: SuccessorLists> StripGraphs<L> {
                 }
                 state += 1;
                 lists.update(&graph, state);
-                let found = count + lists.counts()[1];
-                if found > limit {
-                    let (found, limit) = (found as u64, limit as u64);
-                    return Err(Error::LimitExceeded { what: "successors of all vertices", found, limit });
-                }
+                check(cost.saturating_add(lists.cost()))?;
             }
             beginnings.push((state, graph.first()));
             lists.end(state);
-            count += lists.counts()[1];
+            cost = cost.saturating_add(lists.cost());
+            check(cost)?;
             model.states.push(strip.len(), steps().map(|step| step[0].step));
             model.push(&graph.vertices, &beginnings, &lists);
         }
@@ -135,15 +144,14 @@ impl<L: SuccessorLists> StripGraphs<L> {
 
     /// Packs the graph of the next strip.
     fn push(&mut self, vertices: &[u32], beginnings: &[(u32, u32)], lists: &L::Builder) {
-        let [arc_count, successor_count] = lists.counts().map(|count| count as u32);
         let graph = Graph {
             start: self.packed.bit_count(),
             // A graph has at least one beginning, which the last state has.
             state_count: 1 + beginnings.last().map_or(0, |&(state, _)| state),
             beginning_count: beginnings.len() as u32,
             node_count: vertices.len() as u32,
-            arc_count,
-            successor_count,
+            arc_count: lists.arc_count() as u32,
+            successor_count: lists.successor_count() as u32,
         };
         for &(state, node) in beginnings {
             self.packed.push(state, graph.state_bits());

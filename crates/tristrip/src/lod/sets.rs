@@ -172,8 +172,7 @@ impl ListBuilder for ArcBuilder {
             self.nodes.resize_with(self.node_count, SortedNode::default);
         }
         for &number in &graph.changed {
-            self.current.clear();
-            self.current.extend(graph.successors(number));
+            graph.successors_to(number, &mut self.current);
             let node = &mut self.nodes[number as usize];
             let open = node.open();
             if node.is_open && node.successors[open..] == self.current {
@@ -192,9 +191,17 @@ impl ListBuilder for ArcBuilder {
         self.nodes[..self.node_count].iter_mut().for_each(|node| node.close(last));
     }
 
-    fn counts(&self) -> [usize; 2] {
-        let nodes = &self.nodes[..self.node_count];
-        [nodes.iter().map(|node| node.arcs.len()).sum(), self.successor_count]
+    fn arc_count(&self) -> usize {
+        self.nodes[..self.node_count].iter().map(|node| node.arcs.len()).sum()
+    }
+
+    fn successor_count(&self) -> usize {
+        self.successor_count
+    }
+
+    /// The stored successors.
+    fn cost(&self) -> usize {
+        self.successor_count
     }
 
     fn push(&self, graph: &Graph, packed: &mut Packed) {

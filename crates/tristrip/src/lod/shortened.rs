@@ -64,7 +64,7 @@ pub(super) struct ShortenedStrips {
     vertices: Vec<u32>,
     ends: Vec<u32>,
     strip_of: Vec<u32>,
-    /// The slots before and after each one in its strip; of a removed slot, those when it was removed.
+    /// The slots before and after each one in its strip; of a removed slot, one that was before it.
     previous: Vec<u32>,
     next: Vec<u32>,
     is_removed: Vec<bool>,
@@ -120,13 +120,18 @@ impl ShortenedStrips {
         if strip == 0 { 0 } else { self.ends[strip as usize - 1] }
     }
 
-    /// Returns the nearest slot before another one, removed or not, that is not removed.
-    fn before(&self, slot: u32) -> Option<u32> {
-        let mut slot = self.previous[slot as usize];
-        while slot != NONE && self.is_removed[slot as usize] {
-            slot = self.previous[slot as usize];
+    /// Returns the nearest slot before a removed one that is not removed.
+    fn before(&mut self, slot: u32) -> Option<u32> {
+        let mut found = self.previous[slot as usize];
+        while found != NONE && self.is_removed[found as usize] {
+            found = self.previous[found as usize];
         }
-        (slot != NONE).then_some(slot)
+        // All slots on the way lead there at once from now on, so that many of them take linear time.
+        let mut at = slot;
+        while at != found {
+            at = std::mem::replace(&mut self.previous[at as usize], found);
+        }
+        (found != NONE).then_some(found)
     }
 
     /// Does a collapse, and lists the slots that it changed, rising.
@@ -146,7 +151,7 @@ impl ShortenedStrips {
         }
         self.taken = taken;
         self.renamed_count += self.changed.len();
-        let limit = self.vertices.len().saturating_mul(MAX_SLOTS_PER_ENTRY);
+        let limit = self.vertices.len().saturating_mul(MAX_SLOTS_PER_ENTRY).min(u32::MAX as usize / 2);
         if self.renamed_count > limit {
             let (found, limit) = (self.renamed_count as u64, limit as u64);
             return Err(Error::LimitExceeded { what: "slots renamed by all collapses", found, limit });

@@ -20,8 +20,10 @@ pub(super) struct StripGraph {
     /// The vertex of each node.
     pub(super) vertices: Vec<u32>,
     node_of_slot: Vec<u32>,
-    /// The slots of each node, rising; those after the nodes of the strip are memory for others.
+    /// The slots of each node, in no order; those after the nodes of the strip are memory for others.
     slots: Vec<Vec<u32>>,
+    /// The place of each slot among those of its node.
+    place_of_slot: Vec<u32>,
     /// The nodes whose visits or successors the last step changed, each once.
     pub(super) changed: Vec<u32>,
     /// The slots whose vertex or successor the last step changed, rising, each once.
@@ -36,6 +38,8 @@ impl StripGraph {
         self.vertices.clear();
         self.node_of_slot.clear();
         self.node_of_slot.resize(strip.len(), NONE);
+        self.place_of_slot.clear();
+        self.place_of_slot.resize(strip.len(), NONE);
         for (slot, &vertex) in (0..).zip(strip) {
             self.enter(slot, vertex);
         }
@@ -50,12 +54,8 @@ impl StripGraph {
         self.changed.clear();
         self.changed_slots.clear();
         for &edit in edits {
-            let node = self.node_of_slot[edit.slot as usize];
-            self.changed.push(node);
-            let slots = &mut self.slots[node as usize];
-            if let Ok(at) = slots.binary_search(&edit.slot) {
-                slots.remove(at);
-            }
+            let left = self.leave(edit.slot);
+            self.changed.push(left);
             self.state.apply(edit);
             if edit.vertex != NONE {
                 self.enter(edit.slot, edit.vertex);
@@ -88,9 +88,21 @@ impl StripGraph {
             self.slots[node as usize].clear();
         }
         let slots = &mut self.slots[node as usize];
-        let at = slots.partition_point(|&other| other < slot);
-        slots.insert(at, slot);
+        self.place_of_slot[slot as usize] = slots.len() as u32;
+        slots.push(slot);
         self.node_of_slot[slot as usize] = node;
+    }
+
+    /// Takes a slot from its node, and returns the node.
+    fn leave(&mut self, slot: u32) -> u32 {
+        let node = self.node_of_slot[slot as usize];
+        let place = self.place_of_slot[slot as usize];
+        let slots = &mut self.slots[node as usize];
+        slots.swap_remove(place as usize);
+        if let Some(&moved) = slots.get(place as usize) {
+            self.place_of_slot[moved as usize] = place;
+        }
+        node
     }
 
     /// Counts the slots of the strip at the full mesh.
@@ -111,15 +123,22 @@ impl StripGraph {
         if self.state.vertices[slot as usize] == NONE {
             return None;
         }
-        let successor = match self.state.next(slot) {
-            NONE => NONE,
-            next => self.node_of_slot[next as usize],
-        };
-        Some([self.node_of_slot[slot as usize], successor])
+        Some([self.node_of_slot[slot as usize], self.successor(slot)])
     }
 
-    /// Returns the nodes that follow the visits of a node in their order, [`NONE`] at the end.
-    pub(super) fn successors(&self, node: u32) -> impl Iterator<Item = u32> {
-        self.slots[node as usize].iter().filter_map(|&slot| self.edge(slot).map(|[_, successor]| successor))
+    /// Returns the node that follows a slot that is not removed, or [`NONE`] at the end.
+    fn successor(&self, slot: u32) -> u32 {
+        match self.state.next(slot) {
+            NONE => NONE,
+            next => self.node_of_slot[next as usize],
+        }
+    }
+
+    /// Replaces `successors` by the nodes that follow the visits of a node in their order, [`NONE`] at the end.
+    pub(super) fn successors_to(&self, node: u32, successors: &mut Vec<u32>) {
+        successors.clear();
+        successors.extend_from_slice(&self.slots[node as usize]);
+        successors.sort_unstable();
+        successors.iter_mut().for_each(|slot| *slot = self.successor(*slot));
     }
 }

@@ -1,0 +1,25 @@
+//! Arbitrary bytes, read as strips and collapses: every level model draws every level, in rising, falling and jumping order.
+#![no_main]
+
+use tristrip::lod::ModelKind;
+use tristrip_fuzz::{Bytes, Model, model, sorted};
+
+libfuzzer_sys::fuzz_target!(|data: &[u8]| {
+    let mut bytes = Bytes(data);
+    let Some(Model { strips, sequence }) = model(&mut bytes) else { return };
+    let oracle: Vec<Vec<[u32; 3]>> =
+        (0..=sequence.len()).map(|level| sorted(sequence.drawn(level).unwrap())).collect();
+    let last = sequence.len();
+    let jumps = data.iter().take(16).map(|&byte| usize::from(byte) % (last + 1));
+    let path: Vec<usize> = (0..=last).rev().chain(0..=last).chain(jumps).collect();
+    for kind in ModelKind::ALL {
+        let Ok(model) = kind.build(&strips, &sequence) else { continue };
+        let mut cursor = model.start();
+        assert_eq!(sorted(cursor.strips().triangles()), oracle[last], "{kind}");
+        for &level in &path {
+            cursor.set_level(level).expect("a level of the sequence");
+            assert_eq!(sorted(cursor.strips().triangles()), oracle[level], "{kind} at level {level}");
+        }
+        assert!(cursor.set_level(last + 1).is_err());
+    }
+});
