@@ -15,7 +15,7 @@
 mod chart;
 mod sweep;
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use serde::Serialize;
 use tristrip::lod::ModelKind;
@@ -29,6 +29,9 @@ pub use sweep::Sweep;
 
 /// The shares of all levels that the tests recover, in percent.
 pub const SHARES: [usize; 6] = [1, 3, 6, 10, 15, 20];
+
+/// A round that takes longer is not repeated.
+const LONG_ROUND: Duration = Duration::from_secs(1);
 
 /// What a level model needs.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -62,7 +65,8 @@ pub struct RecoveryTest {
     pub microseconds: f64,
 }
 
-/// Measures every level model on all parts of a model, in `rounds` rounds that alternate between the models; times are medians.
+/// Measures every level model on all parts of a model, in `rounds` rounds that alternate between the models; times are medians. If a round takes
+/// longer than a second, there is no other.
 ///
 /// # Errors
 /// The levels are inconsistent; no input is known that causes this.
@@ -88,10 +92,14 @@ pub fn measure(levels: &ModelLevels, sweeps: &[Sweep], rounds: usize) -> Result<
             let down = sweep.levels(levels.collapse_count(), share);
             let mut times = vec![Vec::new(); cursors.len()];
             for _ in 0..rounds.max(1) {
+                let start = Instant::now();
                 for (cursor, times) in cursors.iter_mut().zip(&mut times) {
                     if let Some(cursor) = cursor {
                         times.push(time(cursor, &down)?);
                     }
+                }
+                if start.elapsed() > LONG_ROUND {
+                    break;
                 }
             }
             for (model, mut times) in measured.iter_mut().zip(times) {

@@ -208,7 +208,7 @@ fn main() -> Result<(), Failure> {
              The tests of Belmonte et al. 2006 on every level model, over STRIPE's strips and all levels: a share of all levels is recovered, from the\n\
              full mesh down to the base mesh and up again, at equal distances or at distances that grow from the full mesh on. Microseconds per move,\n\
              without drawing, which the published times contain; bytes per triangle of the model, and of a cursor that has drawn the full mesh. The\n\
-             dragon of 165,963 triangles stands in for the paper's Phone. Large models are measured once, the others in three rounds.\n\n{}",
+             dragon of 165,963 triangles stands in for the paper's Phone. Times are medians of three rounds, or of one that takes longer than a second.\n\n{}",
             of_recovery.markdown()
         )?;
         fs::write(docs.join("levels.md"), page)?;

@@ -36,12 +36,12 @@ pub(super) fn measure_all(sources: &[Source], rounds: usize) -> Result<Vec<Recov
     for (source, triangles) in LARGE.iter().filter_map(|(name, triangles)| Some((named(name)?, triangles))) {
         let model = read_path(&source.path)?;
         let Some(triangles) = *triangles else {
-            figures.push(of_model(&source.name, &model, 1)?);
+            figures.push(of_model(&source.name, &model, rounds)?);
             continue;
         };
         let goal = Goal { amount: Some(Amount::Triangles(triangles)), deviation: Deviation::default() };
         let simplified = simplify(&model, &SimplifyOptions::new(goal))?.redrawn.model;
-        figures.push(of_model(&format!("{} of {triangles} triangles", source.name), &simplified, 1)?);
+        figures.push(of_model(&format!("{} of {triangles} triangles", source.name), &simplified, rounds)?);
     }
     Ok(figures)
 }

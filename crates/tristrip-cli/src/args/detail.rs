@@ -139,7 +139,7 @@ pub(crate) struct LodArgs {
     ///
     /// The levels of a sweep are recovered from the full mesh down to the base mesh and up again: 1, 3, 6, 10, 15 and 20 percent of all
     /// levels, at equal distances (linear), or close to each other near the full mesh (exponential). Times are medians of three
-    /// rounds.
+    /// rounds, or of one that takes longer than a second.
     #[arg(long, value_name = "SWEEPS", value_delimiter = ',', requires = "compare", help_heading = "Levels")]
     pub(crate) sweep: Vec<Sweep>,
     /// Plot the vertices sent by every filter against the level, or the times of --sweep, in an SVG file; up to three inputs
