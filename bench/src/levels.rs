@@ -169,8 +169,9 @@ impl LevelCheck<'_> {
             .iter()
             .map(|&level| Ok(DrawingSum::of(self.sequence.drawn(level)?.into_iter())))
             .collect::<Result<_, Failure>>()?;
+        let sequence = Arc::new(self.sequence.clone());
         for kind in ModelKind::ALL {
-            let mut cursor = kind.build(self.strips, self.sequence)?.start();
+            let mut cursor = kind.build(self.strips, &sequence)?.start();
             for (&level, oracle) in jumps.iter().zip(&oracles) {
                 cursor.set_level(level)?;
                 let strips = cursor.strips();

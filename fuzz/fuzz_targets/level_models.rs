@@ -1,6 +1,8 @@
 //! Arbitrary bytes, read as strips and collapses: every level model draws every level, in rising, falling and jumping order.
 #![no_main]
 
+use std::sync::Arc;
+
 use tristrip::lod::ModelKind;
 use tristrip_fuzz::{Bytes, Model, model, sorted};
 
@@ -12,6 +14,7 @@ libfuzzer_sys::fuzz_target!(|data: &[u8]| {
     let last = sequence.len();
     let jumps = data.iter().take(16).map(|&byte| usize::from(byte) % (last + 1));
     let path: Vec<usize> = (0..=last).rev().chain(0..=last).chain(jumps).collect();
+    let sequence = Arc::new(sequence);
     for kind in ModelKind::ALL {
         let Ok(model) = kind.build(&strips, &sequence) else { continue };
         let mut cursor = model.start();

@@ -6,7 +6,7 @@
 /// use tristrip::Index;
 /// assert_eq!((u16::RESTART, u8::from_vertex(300), 7_u16.to_vertex()), (65_535, None, Some(7)));
 /// ```
-pub trait Index: Copy + Eq + std::fmt::Debug + private::Sealed + 'static {
+pub trait Index: Copy + Eq + std::fmt::Debug + Send + Sync + private::Sealed + 'static {
     /// The value that ends a strip in a buffer with restarts.
     const RESTART: Self;
     /// What an index is called in errors, by its number of bits.

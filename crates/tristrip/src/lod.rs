@@ -33,6 +33,7 @@
 //! # Ok::<(), tristrip::Error>(())
 //! ```
 
+mod blocks;
 mod filter;
 mod index_map;
 mod level_mesh;
@@ -52,6 +53,7 @@ mod strip_graph;
 mod strip_states;
 pub mod traffic;
 
+pub use blocks::{BlockOptions, Blocks, BlocksCursor};
 pub use filter::{DrawCost, Filter};
 pub use index_map::RESTART;
 pub use level_model::{LevelCursor, LevelModel, LevelTable, View};

@@ -8,10 +8,14 @@ pub(crate) fn bits_for(largest: u32) -> u32 {
     u32::BITS - largest.leading_zeros()
 }
 
+/// Bytes that are read at once.
+const READ: usize = size_of::<u64>();
+
 /// Packed numbers of any widths, one after the other.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub(crate) struct Packed {
-    words: Vec<u64>,
+    /// Those of the numbers, and as many that reading the last number may reach.
+    bytes: Vec<u8>,
     bit_count: usize,
 }
 
@@ -19,29 +23,18 @@ impl Packed {
     /// Appends a number of at most `bits` bits.
     pub(crate) fn push(&mut self, number: u32, bits: u32) {
         debug_assert!(bits == 32 || number >> bits == 0, "{number} does not fit {bits} bits");
-        let (word, shift) = (self.bit_count / 64, self.bit_count % 64);
-        // A number may reach into the next word, which therefore always exists.
-        if self.words.len() < word + 2 {
-            self.words.resize(word + 2, 0);
-        }
-        let shifted = u128::from(number) << shift;
-        self.words[word] |= shifted as u64;
-        self.words[word + 1] |= (shifted >> 64) as u64;
+        let (byte, shift) = (self.bit_count / 8, self.bit_count % 8);
         self.bit_count += bits as usize;
+        self.bytes.resize(self.bit_count / 8 + READ, 0);
+        let shifted = u64::from(number) << shift;
+        for (byte, part) in self.bytes[byte..].iter_mut().zip(shifted.to_le_bytes()) {
+            *byte |= part;
+        }
     }
 
     /// Counts the bits of all numbers.
     pub(crate) fn bit_count(&self) -> usize {
         self.bit_count
-    }
-
-    /// Returns the 64 bits from a bit on.
-    #[inline]
-    fn word_at(&self, bit: usize) -> u64 {
-        let (word, shift) = (bit / 64, bit % 64);
-        let pair = &self.words[word..word + 2];
-        // Two shifts, as a shift by 64 is none.
-        pair[0] >> shift | pair[1] << 1 << (63 - shift)
     }
 
     /// Returns the number of `bits` bits that begins at a bit.
@@ -50,16 +43,58 @@ impl Packed {
         low_bits(self.word_at(bit), bits)
     }
 
+    /// Returns at least 57 bits from a bit on.
+    #[inline]
+    fn word_at(&self, bit: usize) -> u64 {
+        let bytes = self.bytes.get(bit / 8..).and_then(<[u8]>::first_chunk);
+        bytes.map_or(0, |&bytes| u64::from_le_bytes(bytes)) >> (bit % 8)
+    }
+
+    /// Reads numbers of `bits` bits from a bit on, converted, until the target is full.
+    #[inline]
+    pub(crate) fn unpack<T>(&self, start: usize, bits: u32, target: &mut [T], convert: impl Fn(u32) -> T) {
+        match bits {
+            0..=14 => self.unpack_by::<4, T>(start, bits, target, convert),
+            15..=19 => self.unpack_by::<3, T>(start, bits, target, convert),
+            20..=28 => self.unpack_by::<2, T>(start, bits, target, convert),
+            _ => self.unpack_by::<1, T>(start, bits, target, convert),
+        }
+    }
+
+    /// The same, N numbers at once, which have at most 57 bits.
+    #[inline]
+    fn unpack_by<const N: usize, T>(
+        &self,
+        start: usize,
+        bits: u32,
+        target: &mut [T],
+        convert: impl Fn(u32) -> T,
+    ) {
+        let mut bit = start;
+        let (groups, rest) = target.as_chunks_mut::<N>();
+        for group in groups {
+            let mut word = self.word_at(bit);
+            for place in group {
+                *place = convert(low_bits(word, bits));
+                word >>= bits;
+            }
+            bit += N * bits as usize;
+        }
+        for place in rest {
+            *place = convert(self.get(bit, bits));
+            bit += bits as usize;
+        }
+    }
+
     /// Returns two numbers that follow each other.
     #[inline]
     pub(crate) fn get_pair(&self, bit: usize, bits: [u32; 2]) -> [u32; 2] {
-        let word = self.word_at(bit);
-        [low_bits(word, bits[0]), low_bits(word >> bits[0], bits[1])]
+        [self.get(bit, bits[0]), self.get(bit + bits[0] as usize, bits[1])]
     }
 
     /// Returns the memory in bytes.
     pub(crate) fn memory(&self) -> usize {
-        size_of_val(&self.words[..])
+        size_of_val(&self.bytes[..])
     }
 }
 

@@ -386,7 +386,8 @@ mod tests {
     /// Every model of a sample.
     fn models(sample: &Sample) -> Vec<Arc<dyn LevelModel>> {
         let Sample { strips, sequence } = sample;
-        let of_kind = |kind: ModelKind| kind.build(strips, sequence).unwrap();
+        let shared = Arc::new(sequence.clone());
+        let of_kind = |kind: ModelKind| kind.build(strips, &shared).unwrap();
         let mut models: Vec<Arc<dyn LevelModel>> = ModelKind::ALL.into_iter().map(of_kind).collect();
         for encoding in Encoding::ALL {
             for filter in Filter::ALL {

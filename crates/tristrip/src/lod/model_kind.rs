@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::level_model::LevelModel;
-use super::{Encoding, LodStrips, Mts, ProgressiveMesh, ProgressiveStrips, Sets};
+use super::{BlockOptions, Blocks, Encoding, LodStrips, Mts, ProgressiveMesh, ProgressiveStrips, Sets};
 use crate::collapse::CollapseSequence;
 use crate::error::Error;
 use crate::names::names;
@@ -26,6 +26,8 @@ pub enum ModelKind {
     Sets,
     /// [`LodStrips`].
     LodStrips,
+    /// [`Blocks`] with [`BlockOptions::default`].
+    Blocks,
 }
 
 names! {
@@ -36,6 +38,7 @@ names! {
     Mts => "mts", "For each vertex of a strip, all edges to its successors, not sorted (after Belmonte et al. 2004)";
     Sets => "sets", "For each vertex of a strip, its successors sorted by level (Belmonte et al. 2006)";
     LodStrips => "lod-strips", "Strips as vectors, and the changes of each level (after Ramos and Chover 2004)";
+    Blocks => "blocks", "Index buffers of key levels, and the slots that change between them (ours)";
 }
 
 impl ModelKind {
@@ -46,6 +49,7 @@ impl ModelKind {
     ///
     /// ```
     #[doc = include_str!("example.txt")]
+    /// let sequence = Arc::new(sequence);
     /// for kind in ModelKind::ALL {
     ///     let mut cursor = kind.build(&strips, &sequence)?.start();
     ///     cursor.set_level(1)?;
@@ -53,7 +57,11 @@ impl ModelKind {
     /// }
     /// # Ok::<(), tristrip::Error>(())
     /// ```
-    pub fn build(self, strips: &Strips, sequence: &CollapseSequence) -> Result<Arc<dyn LevelModel>, Error> {
+    pub fn build(
+        self,
+        strips: &Strips,
+        sequence: &Arc<CollapseSequence>,
+    ) -> Result<Arc<dyn LevelModel>, Error> {
         Ok(match self {
             Self::ProgressiveMesh => Arc::new(ProgressiveMesh::new(sequence)?),
             Self::Naive => Arc::new(ProgressiveStrips::new(strips, sequence, Encoding::Naive)?),
@@ -61,6 +69,7 @@ impl ModelKind {
             Self::Mts => Arc::new(Mts::new(strips, sequence)?),
             Self::Sets => Arc::new(Sets::new(strips, sequence)?),
             Self::LodStrips => Arc::new(LodStrips::new(strips, sequence)?),
+            Self::Blocks => Arc::new(Blocks::new(strips, Arc::clone(sequence), &BlockOptions::default())?),
         })
     }
 }

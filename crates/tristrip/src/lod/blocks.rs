@@ -1,0 +1,339 @@
+//! `blocks`: our model for today's memory. The index buffer of a level is ready at any time, and a move writes only the slots that it changes.
+//!
+//! Strips whose vertices are renamed get worse with each collapse: dropped triangles stay in them as degenerate ones. Here some levels, the *keys*,
+//! have strips of their own, repaired when the model is built. Between two keys, collapses rename slots of the buffer in place.
+//!
+//! ```text
+//! level   full ────────▶ key 1 ─────────▶ key 2 ── … ─▶ 0
+//!         buffer 0       buffer 1         buffer 2           copied when a move enters the levels of another key
+//!           slots renamed  slots renamed                     written one by one, both ways
+//! ```
+//! # Algorithm
+//! *Keys*: below the full mesh, the next key follows when the triangles have fallen by x √(T F), where T are those of the last key and F
+//! those of the full mesh, or by half. With these distances the buffers of all keys need the least memory for the vertices that are sent
+//! over all levels: a key costs memory in proportion to T, and saves vertices in proportion to the square of the distance. The constant x
+//! follows from the memory that the options allow.
+//!
+//! *Strips of a key*: [`Repair`] follows the collapses from the strips of the full mesh on.
+//!
+//! *Move*: within the levels of a key, the removed vertex is written into the slots of each split, the kept vertex into those of each
+//! collapse, which are stored once, in the order of the levels. To the levels of another key: copy its buffer, and rename down from it.
+//!
+//! *Ends*: where degenerate triangles have come to lie at an end of a strip, or between two triangles that do not share a slot, their slots are
+//! overwritten with [`Index::RESTART`], so that the buffer sends fewer vertices (module `live_buffer`).
+//!
+//! *Changes*: what lies between two positions of the records says which slots differ, whatever the moves on the way were. So nothing has to be noted
+//! during a move.
+//!
+//! # Complexity
+//! A move takes a step per slot renamed on the way, about three per collapse, and between keys a copy of the buffer. Building repairs the strips once
+//! over all levels.
+
+mod changed_ranges;
+mod key_strips;
+mod live_buffer;
+mod options;
+mod records;
+#[cfg(test)]
+mod tests;
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use super::index_map::{RESTART, check_strips};
+use super::level_model::{LevelCursor, LevelModel, LevelTable};
+use super::replay::MAX_SLOTS_PER_ENTRY;
+use crate::collapse::CollapseSequence;
+use crate::error::Error;
+use crate::index::Index;
+use crate::packed::{Packed, bits_for};
+use crate::strip::Strips;
+use changed_ranges::ChangedRanges;
+use key_strips::KeyStrips;
+use live_buffer::LiveBuffer;
+pub use options::BlockOptions;
+use records::{Position, RecordList, Records};
+
+/// Strips at all levels as index buffers of some levels, and the slots that collapses rename in them.
+///
+/// ```
+/// use std::sync::Arc;
+/// use tristrip::lod::{BlockOptions, Blocks, LevelCursor};
+/// use tristrip::{CollapseSequence, Rename, Strips};
+/// let mut strips = Strips::default();
+/// strips.push(&[0, 1, 2, 3, 4, 5, 6, 7]);
+/// let renames = [[Rename { removed: 5, kept: 4 }], [Rename { removed: 0, kept: 1 }]];
+/// let collapses = renames.iter().zip([0.25, 0.5]).map(|(renames, error)| (&renames[..], error));
+/// let sequence = CollapseSequence::from_collapses(8, strips.to_list(), collapses)?;
+/// let model = Arc::new(Blocks::new(&strips, sequence, &BlockOptions::default().with_key_bytes(1))?);
+/// let mut cursor = model.cursor::<u16>()?;
+/// assert_eq!((cursor.indices(), cursor.take_changed(256)), (&[0, 1, 2, 3, 4, 5, 6, 7][..], vec![0..8]));
+/// cursor.set_level(1)?;
+/// assert_eq!(cursor.indices(), [0, 1, 2, 3, 4, 4, 6, 7]);
+/// // A range has whole blocks of 16 slots, as far as there are any.
+/// assert_eq!(cursor.take_changed(256), [0..8]);
+/// assert_eq!(cursor.strips().triangles().count(), 4);
+/// # Ok::<(), tristrip::Error>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Blocks {
+    levels: LevelTable,
+    /// From the full mesh on.
+    keys: Vec<Key>,
+    /// The index buffers of all keys. A restart is the number after the largest vertex.
+    entries: Packed,
+    largest: u32,
+    records: Records,
+}
+
+/// A level with strips of its own.
+#[derive(Debug, Clone, PartialEq, Eq)]
+struct Key {
+    level: usize,
+    /// Its index buffer among all.
+    entries: Range<usize>,
+    /// Where the records of the collapses below it begin.
+    records: Position,
+}
+
+impl Blocks {
+    /// Builds the model from strips of the full mesh.
+    ///
+    /// # Errors
+    /// The strips do not draw the triangles of the full mesh, each once with its winding, or the collapses rename too many slots.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let model = Arc::new(Blocks::new(&strips, sequence, &BlockOptions::default())?);
+    /// let mut cursor = model.start();
+    /// cursor.set_level(1)?;
+    /// assert_eq!(cursor.strips().triangles().count(), 2);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn new(
+        strips: &Strips,
+        sequence: impl Into<Arc<CollapseSequence>>,
+        options: &BlockOptions,
+    ) -> Result<Self, Error> {
+        let sequence: Arc<CollapseSequence> = sequence.into();
+        let vertex_count = sequence.vertex_count();
+        check_strips(strips, vertex_count)?;
+        let largest = strips.vertices().iter().copied().max().unwrap_or(0);
+        let entry_bits = bits_for(largest + 1);
+        let levels = LevelTable::of(&sequence);
+        let key_levels = options.key_levels(&levels, entry_bits);
+        let mut of_keys = KeyStrips::new(strips, &sequence, options);
+        let (mut keys, mut entries, mut records) = (Vec::new(), Packed::default(), RecordList::new(largest));
+        let (mut entry_count, mut renamed) = (0, 0);
+        for (i, &level) in key_levels.iter().enumerate() {
+            let mut buffer = LiveBuffer::new(of_keys.at(level)?, vertex_count);
+            buffer.entries().iter().for_each(|&entry| entries.push(entry.min(largest + 1), entry_bits));
+            let start = entry_count;
+            entry_count += buffer.entries().len();
+            keys.push(Key { level, entries: start..entry_count, records: records.end() });
+            let end = key_levels.get(i + 1).copied().unwrap_or(0);
+            for below in (end..level).rev() {
+                let changes = buffer.collapse(sequence.collapse_to(below).renames);
+                renamed += changes.len();
+                check_renamed(renamed, strips)?;
+                records.push(changes)?;
+            }
+        }
+        Ok(Self { levels, keys, entries, largest, records: records.pack() })
+    }
+
+    /// Returns a cursor at the level of the full mesh, with indices of a type.
+    ///
+    /// # Errors
+    /// A vertex does not fit the type, or is its restart value.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let model = Arc::new(Blocks::new(&strips, sequence, &BlockOptions::default())?);
+    /// let (mut near, mut far) = (model.cursor::<u32>()?, model.cursor::<u8>()?);
+    /// far.set_level(0)?;
+    /// assert_eq!((near.strips().triangles().count(), far.strips().triangles().count()), (3, 1));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn cursor<I: Index>(self: &Arc<Self>) -> Result<BlocksCursor<I>, Error> {
+        if I::from_vertex(self.largest).is_none_or(|index| index == I::RESTART) {
+            let limit = I::RESTART.to_vertex().map_or(u64::from(RESTART), u64::from) - 1;
+            return Err(Error::LimitExceeded { what: I::DESCRIPTION, found: u64::from(self.largest), limit });
+        }
+        Ok(self.any_cursor())
+    }
+
+    /// Returns a cursor with indices of a type that all vertices fit.
+    fn any_cursor<I: Index>(self: &Arc<Self>) -> BlocksCursor<I> {
+        let longest = self.keys.iter().map(|key| key.entries.len()).max().unwrap_or(0);
+        let mut cursor = BlocksCursor {
+            model: Arc::clone(self),
+            level: 0,
+            key: 0,
+            position: Position::default(),
+            buffer: Vec::with_capacity(longest),
+            taken: None,
+            display: Strips::default(),
+            is_current: false,
+        };
+        cursor.load(0);
+        cursor
+    }
+
+    /// Returns the levels that have strips of their own, from that of the full mesh on.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let model = Blocks::new(&strips, sequence, &BlockOptions::default())?;
+    /// assert_eq!(model.keys().next(), Some(2));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn keys(&self) -> impl ExactSizeIterator<Item = usize> {
+        self.keys.iter().map(|key| key.level)
+    }
+
+    /// Returns the number of the key whose buffer serves a level.
+    fn key_of(&self, level: usize) -> usize {
+        self.keys.partition_point(|key| key.level >= level).saturating_sub(1)
+    }
+}
+
+impl LevelModel for Blocks {
+    fn levels(&self) -> &LevelTable {
+        &self.levels
+    }
+
+    fn memory(&self) -> usize {
+        self.levels.memory() + size_of_val(&self.keys[..]) + self.entries.memory() + self.records.memory()
+    }
+
+    /// Indices have 16 bits if the vertices fit, and otherwise 32.
+    fn start(self: Arc<Self>) -> Box<dyn LevelCursor> {
+        match self.cursor::<u16>() {
+            Ok(cursor) => Box::new(cursor),
+            Err(_) => Box::new(self.any_cursor::<u32>()),
+        }
+    }
+}
+
+/// The index buffer of [`Blocks`] at one level.
+#[derive(Debug, Clone)]
+pub struct BlocksCursor<I> {
+    model: Arc<Blocks>,
+    level: usize,
+    key: usize,
+    /// Where the records of the next collapse begin.
+    position: Position,
+    buffer: Vec<I>,
+    /// The key and the position at the last call of [`BlocksCursor::take_changed`].
+    taken: Option<(usize, Position)>,
+    display: Strips,
+    is_current: bool,
+}
+
+impl<I: Index> BlocksCursor<I> {
+    /// Returns the index buffer of the level: strips with [`Index::RESTART`] between them, also several times. Degenerate triangles draw nothing.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let mut cursor = Arc::new(Blocks::new(&strips, sequence, &BlockOptions::default())?).cursor::<u32>()?;
+    /// assert_eq!(cursor.indices(), [0, 1, 2, 3, 4]);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn indices(&self) -> &[I] {
+        &self.buffer
+    }
+
+    /// Returns the ranges of the index buffer that differ from that at the last call: rising, not empty, and at most `most` of them, but at least one
+    /// if there is a difference. Nearby ranges are merged, those with the fewest slots between them first. The first call
+    /// returns the whole buffer, as do calls after moves to the levels of another key.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let mut cursor = Arc::new(Blocks::new(&strips, sequence, &BlockOptions::default())?).cursor::<u32>()?;
+    /// assert_eq!(cursor.take_changed(8), [0..5]);
+    /// assert!(cursor.take_changed(8).is_empty());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn take_changed(&mut self, most: usize) -> Vec<Range<usize>> {
+        let now = (self.key, self.position);
+        let Some((_, position)) = self.taken.replace(now).filter(|(key, _)| *key == self.key) else {
+            return std::iter::once(0..self.buffer.len()).collect();
+        };
+        let between = position.min(self.position)..position.max(self.position);
+        let mut changed = ChangedRanges::of(self.buffer.len());
+        self.model.records.slots(between).for_each(|slot| changed.mark(slot));
+        changed.ranges(most)
+    }
+
+    /// Copies the buffer of a key, and stands at its level.
+    fn load(&mut self, key: usize) {
+        let of = &self.model.keys[key];
+        self.buffer.clear();
+        let (restart, bits) = (self.model.largest + 1, bits_for(self.model.largest + 1));
+        self.buffer.resize(of.entries.len(), I::RESTART);
+        let start = of.entries.start * bits as usize;
+        self.model.entries.unpack(start, bits, &mut self.buffer, |entry| {
+            let vertex = I::from_vertex(entry).unwrap_or(I::RESTART);
+            if entry == restart { I::RESTART } else { vertex }
+        });
+        (self.key, self.level, self.position) = (key, of.level, of.records);
+    }
+}
+
+impl<I: Index> LevelCursor for BlocksCursor<I> {
+    fn levels(&self) -> &LevelTable {
+        &self.model.levels
+    }
+
+    fn level(&self) -> usize {
+        self.level
+    }
+
+    fn set_level(&mut self, level: usize) -> Result<(), Error> {
+        self.model.levels.check(level)?;
+        if level == self.level {
+            return Ok(());
+        }
+        self.is_current = false;
+        let key = self.model.key_of(level);
+        if key != self.key {
+            self.load(key);
+        }
+        let records = &self.model.records;
+        if level < self.level {
+            records.collapse(self.level - level, &mut self.position, &mut self.buffer);
+        } else {
+            records.split(level - self.level, &mut self.position, &mut self.buffer);
+        }
+        self.level = level;
+        Ok(())
+    }
+
+    fn strips(&mut self) -> &Strips {
+        if !self.is_current {
+            self.display.clear();
+            let mut strip = Vec::new();
+            for entries in self.buffer.split(|&index| index == I::RESTART).filter(|strip| !strip.is_empty()) {
+                strip.clear();
+                strip.extend(entries.iter().filter_map(|index| index.to_vertex()));
+                self.display.push(&strip);
+            }
+            self.is_current = true;
+        }
+        &self.display
+    }
+
+    fn memory(&self) -> usize {
+        self.buffer.capacity() * size_of::<I>() + self.display.memory()
+    }
+}
+
+fn check_renamed(renamed: usize, strips: &Strips) -> Result<(), Error> {
+    let limit = strips.vertices_sent().saturating_mul(MAX_SLOTS_PER_ENTRY);
+    if renamed > limit {
+        let (found, limit) = (renamed as u64, limit as u64);
+        return Err(Error::LimitExceeded { what: "slots renamed by all collapses", found, limit });
+    }
+    Ok(())
+}

@@ -1,0 +1,171 @@
+//! What collapses write into the slots of the index buffers, in the order of the levels, read in both directions.
+//!
+//! ```text
+//! words      [slot 17] [slot 90 *] [slot 18 r**]    * the last word of a rename    ** also of a collapse    r a restart
+//! vertices   5 → 4                 4                before the collapse, and after it unless that is a restart
+//! ```
+//! A word has a slot and three flags. The loop over words has no other branch than its end.
+
+use std::ops::Range;
+
+use super::live_buffer::Change;
+use crate::error::Error;
+use crate::index::Index;
+use crate::lod::index_map::RESTART;
+use crate::packed::{Packed, bits_for};
+
+/// The flags of a word, below its slot. The last word of a collapse is one of a rename, too.
+const END_OF_RENAME: u32 = 1;
+const END_OF_COLLAPSE: u32 = 2;
+const RESTART_AFTER: u32 = 4;
+const FLAG_BITS: u32 = 3;
+
+/// A place between two collapses.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+pub(super) struct Position {
+    word: usize,
+    vertex: usize,
+}
+
+/// The records of all collapses, from the full mesh on, while they are made.
+#[derive(Debug)]
+pub(super) struct RecordList {
+    words: Vec<u32>,
+    vertices: Packed,
+    vertex_bits: u32,
+    vertex_count: usize,
+}
+
+impl RecordList {
+    /// Creates a list of collapses of vertices up to `largest`.
+    pub(super) fn new(largest: u32) -> Self {
+        Self {
+            words: Vec::new(),
+            vertices: Packed::default(),
+            vertex_bits: bits_for(largest),
+            vertex_count: 0,
+        }
+    }
+
+    /// Returns the place after the last collapse.
+    pub(super) fn end(&self) -> Position {
+        Position { word: self.words.len(), vertex: self.vertex_count }
+    }
+
+    /// Appends what a collapse writes: at least one slot.
+    ///
+    /// # Errors
+    /// A slot is too high.
+    pub(super) fn push(&mut self, changes: &[Change]) -> Result<(), Error> {
+        for renamed in changes.chunk_by(|a, b| (a.fine, a.coarse) == (b.fine, b.coarse)) {
+            let Change { fine, coarse, .. } = renamed[0];
+            self.push_vertex(fine);
+            let flag = if coarse == RESTART { RESTART_AFTER } else { 0 };
+            if coarse != RESTART {
+                self.push_vertex(coarse);
+            }
+            for change in renamed {
+                if change.slot >> (u32::BITS - FLAG_BITS) != 0 {
+                    let (found, limit) = (u64::from(change.slot), u64::from(u32::MAX >> FLAG_BITS));
+                    return Err(Error::LimitExceeded { what: "slots of an index buffer", found, limit });
+                }
+                self.words.push(change.slot << FLAG_BITS | flag);
+            }
+            self.flag_last(END_OF_RENAME);
+        }
+        self.flag_last(END_OF_COLLAPSE);
+        Ok(())
+    }
+
+    fn push_vertex(&mut self, vertex: u32) {
+        self.vertices.push(vertex, self.vertex_bits);
+        self.vertex_count += 1;
+    }
+
+    fn flag_last(&mut self, flag: u32) {
+        if let Some(last) = self.words.last_mut() {
+            *last |= flag;
+        }
+    }
+
+    /// Packs the words into as few bits as the largest one needs.
+    pub(super) fn pack(self) -> Records {
+        let word_bits = bits_for(self.words.iter().copied().max().unwrap_or(0));
+        let mut words = Packed::default();
+        self.words.iter().for_each(|&word| words.push(word, word_bits));
+        Records { words, word_bits, vertices: self.vertices, vertex_bits: self.vertex_bits }
+    }
+}
+
+/// The records of all collapses, from the full mesh on.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(super) struct Records {
+    words: Packed,
+    word_bits: u32,
+    vertices: Packed,
+    vertex_bits: u32,
+}
+
+impl Records {
+    #[inline]
+    fn word(&self, i: usize) -> u32 {
+        self.words.get(i * self.word_bits as usize, self.word_bits)
+    }
+
+    #[inline]
+    fn vertex<I: Index>(&self, i: usize) -> I {
+        let vertex = self.vertices.get(i * self.vertex_bits as usize, self.vertex_bits);
+        I::from_vertex(vertex).unwrap_or(I::RESTART)
+    }
+
+    /// Applies this number of collapses, of which there are as many, to the buffer of their key.
+    pub(super) fn collapse<I: Index>(&self, count: usize, position: &mut Position, buffer: &mut [I]) {
+        let (mut left, Position { word: mut next, mut vertex }) = (count, *position);
+        while left > 0 {
+            let word = self.word(next);
+            // A restart has no vertex of its own: that before it is read, and not used.
+            let coarse = self.vertex(vertex + usize::from(word & RESTART_AFTER == 0));
+            buffer[(word >> FLAG_BITS) as usize] =
+                if word & RESTART_AFTER == 0 { coarse } else { I::RESTART };
+            next += 1;
+            vertex += vertices_behind(word);
+            left -= usize::from(word & END_OF_COLLAPSE != 0);
+        }
+        *position = Position { word: next, vertex };
+    }
+
+    /// Undoes this number of collapses, of which there are as many before the position, in the buffer of their key.
+    pub(super) fn split<I: Index>(&self, count: usize, position: &mut Position, buffer: &mut [I]) {
+        let (mut left, Position { word: mut next, mut vertex }) = (count, *position);
+        // Up to the last word of the collapse before the first one that is undone.
+        while next > 0 {
+            let word = self.word(next - 1);
+            if word & END_OF_COLLAPSE != 0 {
+                if left == 0 {
+                    break;
+                }
+                left -= 1;
+            }
+            next -= 1;
+            vertex -= vertices_behind(word);
+            buffer[(word >> FLAG_BITS) as usize] = self.vertex(vertex);
+        }
+        *position = Position { word: next, vertex };
+    }
+
+    /// Returns the slots written between two positions, some of them several times.
+    pub(super) fn slots(&self, between: Range<Position>) -> impl Iterator<Item = usize> {
+        (between.start.word..between.end.word).map(|i| (self.word(i) >> FLAG_BITS) as usize)
+    }
+
+    /// Returns the memory in bytes.
+    pub(super) fn memory(&self) -> usize {
+        self.words.memory() + self.vertices.memory()
+    }
+}
+
+/// Returns the number of vertices of a rename at its last word, and none at the others.
+#[inline]
+fn vertices_behind(word: u32) -> usize {
+    (word & END_OF_RENAME) as usize * (2 - usize::from(word & RESTART_AFTER != 0))
+}

@@ -1,0 +1,129 @@
+use proptest::prelude::*;
+
+use super::*;
+use crate::collapse::Rename;
+use crate::lod::RepairOptions;
+use crate::lod::samples::{crowded_samples, samples, sorted};
+
+proptest! {
+    /// The oracle of the ranges is the comparison of both buffers; that of the strips stands in the tests of all models.
+    #[test]
+    fn changed_ranges_contain_every_change(
+        sample in prop_oneof![samples(), crowded_samples()],
+        jumps in prop::collection::vec(any::<usize>(), 1..9),
+        most in 0..4_usize,
+        key_bytes in 1..40_u32,
+    ) {
+        let options = BlockOptions::default().with_key_bytes(key_bytes);
+        let model = Blocks::new(&sample.strips, sample.sequence.clone(), &options).unwrap();
+        let mut cursor = Arc::new(model).cursor().unwrap();
+        let mut uploaded: Vec<u8> = Vec::new();
+        for jump in jumps {
+            let level = jump % (sample.sequence.len() + 1);
+            cursor.set_level(level).unwrap();
+            prop_assert_eq!(sorted(cursor.strips().triangles()), sorted(sample.sequence.drawn(level).unwrap()));
+            let changed = cursor.take_changed(most);
+            prop_assert!(changed.len() <= most.max(1));
+            prop_assert!(changed.iter().all(|range| !range.is_empty()));
+            prop_assert!(changed.windows(2).all(|pair| pair[0].end < pair[1].start));
+            uploaded.resize(cursor.indices().len(), u8::RESTART - 1);
+            for range in changed {
+                uploaded[range.clone()].copy_from_slice(&cursor.indices()[range]);
+            }
+            prop_assert_eq!(&uploaded[..], cursor.indices());
+            prop_assert!(cursor.take_changed(most).is_empty());
+        }
+    }
+
+    /// The order of moves does not matter: each level has one buffer.
+    #[test]
+    fn a_level_has_the_same_buffer_from_both_sides(sample in samples(), key_bytes in 1..40_u32) {
+        let options = BlockOptions::default().with_key_bytes(key_bytes);
+        let last = sample.sequence.len();
+        let model = Arc::new(Blocks::new(&sample.strips, sample.sequence, &options).unwrap());
+        let mut cursor = model.cursor::<u16>().unwrap();
+        let mut down = Vec::new();
+        for level in (0..=last).rev() {
+            cursor.set_level(level).unwrap();
+            down.push(cursor.indices().to_vec());
+        }
+        for level in 0..=last {
+            cursor.set_level(level).unwrap();
+            prop_assert_eq!(&down[last - level], cursor.indices());
+        }
+    }
+}
+
+/// Returns what the collapses leave of one strip, without keys.
+fn buffers_of(strip: &[u32], renames: &[[u32; 2]]) -> Vec<Vec<u32>> {
+    let mut buffer = LiveBuffer::new(strip.to_vec(), 32);
+    let of_rename = |&[removed, kept]: &[u32; 2]| {
+        buffer.collapse(&[Rename { removed, kept }]);
+        buffer.entries().to_vec()
+    };
+    renames.iter().map(of_rename).collect()
+}
+
+const R: u32 = RESTART;
+
+#[test]
+fn ends_without_triangles_become_restarts() {
+    assert_eq!(
+        buffers_of(&[0, 1, 2, 3, 4, 5], &[[0, 2], [5, 3], [2, 3]]),
+        // The first triangle that is left has the opposite direction, so that the slot before it stays.
+        [[2, 1, 2, 3, 4, 5], [2, 1, 2, 3, 4, R], [R; 6]]
+    );
+}
+
+#[test]
+fn slots_between_two_triangles_become_restarts() {
+    let strip = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9];
+    // Two degenerate triangles share all their slots with those next to them; four have two slots of their own.
+    assert_eq!(
+        buffers_of(&strip, &[[3, 4], [5, 4], [6, 4]]),
+        [[0, 1, 2, 4, 4, 5, 6, 7, 8, 9], [0, 1, 2, 4, 4, 4, 6, 7, 8, 9], [0, 1, 2, 4, R, R, 4, 7, 8, 9]]
+    );
+}
+
+#[test]
+fn vertices_must_fit_the_type_of_the_indices() {
+    let mut strips = Strips::default();
+    strips.push(&[0, 1, 255]);
+    let sequence = CollapseSequence::from_collapses(256, strips.to_list(), []).unwrap();
+    let model = Arc::new(Blocks::new(&strips, sequence, &BlockOptions::default()).unwrap());
+    let error = model.cursor::<u8>().unwrap_err();
+    assert_eq!(error.to_string(), "8-bit index: found 255, the limit is 254");
+    assert_eq!(model.cursor::<u16>().unwrap().indices(), [0, 1, 255]);
+}
+
+#[test]
+fn more_vertices_than_16_bits_hold_take_32() {
+    let mut strips = Strips::default();
+    strips.push(&[0, 1, 70_000, 2]);
+    let rename = [Rename { removed: 70_000, kept: 1 }];
+    let collapses = [(&rename[..], 0.5)];
+    let sequence = CollapseSequence::from_collapses(70_001, strips.to_list(), collapses).unwrap();
+    let model = Arc::new(Blocks::new(&strips, sequence, &BlockOptions::default()).unwrap());
+    assert!(model.cursor::<u16>().is_err());
+    assert_eq!(model.cursor::<u32>().unwrap().indices(), [0, 1, 70_000, 2]);
+    let mut cursor = model.start();
+    assert_eq!(cursor.strips().vertices(), [0, 1, 70_000, 2]);
+    cursor.set_level(0).unwrap();
+    assert!(cursor.strips().is_empty());
+}
+
+#[test]
+fn without_triangles_there_is_an_empty_drawing() {
+    let sequence = CollapseSequence::from_collapses(0, Vec::new(), []).unwrap();
+    let model = Arc::new(Blocks::new(&Strips::default(), sequence, &BlockOptions::default()).unwrap());
+    let mut cursor = model.cursor::<usize>().unwrap();
+    assert_eq!(cursor.indices(), [usize::RESTART]);
+    assert!(cursor.strips().is_empty() && cursor.set_level(1).is_err());
+}
+
+#[test]
+fn options_are_clamped_and_kept() {
+    let repair = RepairOptions::default().with_seed(9);
+    let options = BlockOptions::default().with_repair(repair).with_key_bytes(0);
+    assert_eq!((options.repair(), options.key_bytes()), (repair, 1));
+}
