@@ -65,7 +65,7 @@ use records::{Position, RecordList, Records};
 /// let renames = [[Rename { removed: 5, kept: 4 }], [Rename { removed: 0, kept: 1 }]];
 /// let collapses = renames.iter().zip([0.25, 0.5]).map(|(renames, error)| (&renames[..], error));
 /// let sequence = CollapseSequence::from_collapses(8, strips.to_list(), collapses)?;
-/// let model = Arc::new(Blocks::new(&strips, sequence, &BlockOptions::default().with_key_bytes(1))?);
+/// let model = Arc::new(Blocks::new(&strips, sequence, &BlockOptions::default().with_memory(1))?);
 /// let mut cursor = model.cursor::<u16>()?;
 /// assert_eq!((cursor.indices(), cursor.take_changed(256)), (&[0, 1, 2, 3, 4, 5, 6, 7][..], vec![0..8]));
 /// cursor.set_level(1)?;
@@ -121,7 +121,7 @@ impl Blocks {
         let largest = strips.vertices().iter().copied().max().unwrap_or(0);
         let entry_bits = bits_for(largest + 1);
         let levels = LevelTable::of(&sequence);
-        let key_levels = options.key_levels(&levels, entry_bits);
+        let key_levels = options.key_levels(&levels, strips, largest);
         let mut of_keys = KeyStrips::new(strips, &sequence, options);
         let (mut keys, mut entries, mut records) = (Vec::new(), Packed::default(), RecordList::new(largest));
         let (mut entry_count, mut renamed) = (0, 0);

@@ -1,31 +1,37 @@
 //! How [`Blocks`](super::Blocks) are built.
 
+use crate::effort::Effort;
 use crate::lod::RepairOptions;
 use crate::lod::level_model::LevelTable;
+use crate::packed::bits_for;
+use crate::strip::Strips;
 
-/// Entries per triangle of the strips of keys, on average over the test models; restarts included.
-const ENTRIES_PER_TRIANGLE: f64 = 1.17;
+use super::records::FLAG_BITS;
 
-/// The most bytes per triangle that keys may take.
-const MOST_KEY_BYTES: u32 = 256;
+/// The most bytes per triangle that may be asked for.
+const MOST_MEMORY: u32 = 256;
+
+/// The slots written per collapse and the vertices of its record, on average over the test models.
+const SLOTS_PER_COLLAPSE: f64 = 3.0;
+const VERTICES_PER_COLLAPSE: f64 = 2.8;
 
 /// How [`Blocks`](super::Blocks) are built.
 ///
 /// ```
 /// use tristrip::lod::{BlockOptions, RepairOptions};
-/// let options = BlockOptions::default().with_repair(RepairOptions::default().with_seed(7)).with_key_bytes(4);
-/// assert_eq!((options.repair().seed(), options.key_bytes()), (7, 4));
+/// let options = BlockOptions::default().with_repair(RepairOptions::default().with_seed(7)).with_memory(30);
+/// assert_eq!((options.repair().seed(), options.memory()), (7, 30));
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct BlockOptions {
     repair: RepairOptions,
-    key_bytes: u32,
+    memory: u32,
 }
 
 impl Default for BlockOptions {
-    /// Strips repaired at the default effort, and keys of 9 bytes per triangle.
+    /// 18 bytes per triangle, and keys repaired at effort 2.
     fn default() -> Self {
-        Self { repair: RepairOptions::default(), key_bytes: 9 }
+        Self { repair: RepairOptions::default().with_effort(Effort::new(2).unwrap_or_default()), memory: 18 }
     }
 }
 
@@ -42,45 +48,53 @@ impl BlockOptions {
         Self { repair, ..self }
     }
 
-    /// Sets about how many bytes per triangle of the full mesh the buffers of all keys take, from 1 to 256: with more bytes there are more keys, and
-    /// fewer vertices are sent.
+    /// Sets about how many bytes per triangle of the full mesh the model takes, up to 256: with more bytes there are more keys, and fewer vertices are
+    /// sent. Below about 12, which the collapses take, there are few keys.
     ///
     /// ```
     /// # use tristrip::lod::BlockOptions;
-    /// assert_eq!([0, 12, 999].map(|bytes| BlockOptions::default().with_key_bytes(bytes).key_bytes()), [1, 12, 256]);
+    /// assert_eq!([0, 30, 999].map(|bytes| BlockOptions::default().with_memory(bytes).memory()), [0, 30, 256]);
     /// ```
     #[must_use]
-    pub fn with_key_bytes(self, key_bytes: u32) -> Self {
-        Self { key_bytes: key_bytes.clamp(1, MOST_KEY_BYTES), ..self }
+    pub fn with_memory(self, bytes_per_triangle: u32) -> Self {
+        Self { memory: bytes_per_triangle.min(MOST_MEMORY), ..self }
     }
 
     /// Returns how the strips of the keys are repaired.
     ///
     /// ```
-    /// # use tristrip::lod::{BlockOptions, RepairOptions};
-    /// assert_eq!(BlockOptions::default().repair(), RepairOptions::default());
+    /// # use tristrip::lod::BlockOptions;
+    /// assert_eq!(BlockOptions::default().repair().effort().level(), 2);
     /// ```
     pub fn repair(&self) -> RepairOptions {
         self.repair
     }
 
-    /// Returns about how many bytes per triangle of the full mesh the buffers of all keys take.
+    /// Returns about how many bytes per triangle of the full mesh the model takes.
     ///
     /// ```
     /// # use tristrip::lod::BlockOptions;
-    /// assert_eq!(BlockOptions::default().key_bytes(), 9);
+    /// assert_eq!(BlockOptions::default().memory(), 18);
     /// ```
-    pub fn key_bytes(&self) -> u32 {
-        self.key_bytes
+    pub fn memory(&self) -> u32 {
+        self.memory
     }
 
-    /// Returns the levels of the keys, from the full mesh on.
+    /// Returns the levels of the keys over strips of the full mesh, from the full mesh on.
     #[allow(clippy::cast_sign_loss, reason = "numbers of triangles are not negative")]
-    pub(super) fn key_levels(&self, levels: &LevelTable, entry_bits: u32) -> Vec<usize> {
+    pub(super) fn key_levels(&self, levels: &LevelTable, strips: &Strips, largest: u32) -> Vec<usize> {
         let mut level = levels.collapse_count();
         let full = levels.triangles_at(level) as f64;
+        let bytes = |bits: f64| bits / 8.0;
+        let entry_count = strips.vertices_sent() + strips.len();
+        let slot_bits = f64::from(bits_for(entry_count as u32) + FLAG_BITS);
+        let vertex_bits = f64::from(bits_for(largest));
+        let per_collapse = bytes(SLOTS_PER_COLLAPSE * slot_bits + VERTICES_PER_COLLAPSE * vertex_bits);
+        let others = level as f64 * per_collapse + levels.memory() as f64;
+        let for_keys = (f64::from(self.memory) * full - others).max(full);
         // The buffers of all keys have about 2 / (3 x) times the entries of the full mesh.
-        let x = 2.0 / 3.0 * ENTRIES_PER_TRIANGLE * f64::from(entry_bits) / 8.0 / f64::from(self.key_bytes);
+        let of_full = bytes(entry_count as f64 * f64::from(bits_for(largest + 1)));
+        let x = 2.0 / 3.0 * of_full / for_keys;
         let mut keys = vec![level];
         while level > 0 {
             let triangles = levels.triangles_at(level) as f64;

@@ -18,7 +18,7 @@ use crate::packed::{Packed, bits_for};
 const END_OF_RENAME: u32 = 1;
 const END_OF_COLLAPSE: u32 = 2;
 const RESTART_AFTER: u32 = 4;
-const FLAG_BITS: u32 = 3;
+pub(super) const FLAG_BITS: u32 = 3;
 
 /// A place between two collapses.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]

@@ -12,9 +12,9 @@ proptest! {
         sample in prop_oneof![samples(), crowded_samples()],
         jumps in prop::collection::vec(any::<usize>(), 1..9),
         most in 0..4_usize,
-        key_bytes in 1..40_u32,
+        memory in 0..60_u32,
     ) {
-        let options = BlockOptions::default().with_key_bytes(key_bytes);
+        let options = BlockOptions::default().with_memory(memory);
         let model = Blocks::new(&sample.strips, sample.sequence.clone(), &options).unwrap();
         let mut cursor = Arc::new(model).cursor().unwrap();
         let mut uploaded: Vec<u8> = Vec::new();
@@ -37,8 +37,8 @@ proptest! {
 
     /// The order of moves does not matter: each level has one buffer.
     #[test]
-    fn a_level_has_the_same_buffer_from_both_sides(sample in samples(), key_bytes in 1..40_u32) {
-        let options = BlockOptions::default().with_key_bytes(key_bytes);
+    fn a_level_has_the_same_buffer_from_both_sides(sample in samples(), memory in 0..60_u32) {
+        let options = BlockOptions::default().with_memory(memory);
         let last = sample.sequence.len();
         let model = Arc::new(Blocks::new(&sample.strips, sample.sequence, &options).unwrap());
         let mut cursor = model.cursor::<u16>().unwrap();
@@ -124,6 +124,6 @@ fn without_triangles_there_is_an_empty_drawing() {
 #[test]
 fn options_are_clamped_and_kept() {
     let repair = RepairOptions::default().with_seed(9);
-    let options = BlockOptions::default().with_repair(repair).with_key_bytes(0);
-    assert_eq!((options.repair(), options.key_bytes()), (repair, 1));
+    let options = BlockOptions::default().with_repair(repair).with_memory(300);
+    assert_eq!((options.repair(), options.memory()), (repair, 256));
 }
