@@ -7,7 +7,9 @@ use tristrip_io::Model;
 use tristrip_lab::recovery;
 use tristrip_lab::traffic::{self, TrafficModel, measure_levels, totals, totals_as_text};
 use tristrip_pipeline::text::{count, counted};
-use tristrip_pipeline::{EncodeOptions, Event, LevelsOptions, MethodReport, ModelLevels, levels_observed};
+use tristrip_pipeline::{
+    EncodeOptions, Event, LevelsOptions, MethodReport, ModelLevels, levels_observed, rounded,
+};
 
 use crate::batch;
 use crate::console::Console;
@@ -83,7 +85,7 @@ fn run_stages(
     let show = |event: Event<'_>, seconds: f64| show_building(event, seconds, console, report);
     let stages = Stages::new(console, load, show).with_budget(task.budget);
     let levels = levels_observed(&model, &options, &stages)?;
-    let level = task.level.of(levels.collapse_count())?;
+    let level = task.goal.of(&levels)?;
     report.level = Some(level);
     draw(&model, &levels, level, job, task, console, report)
 }
@@ -158,6 +160,11 @@ fn draw(
     };
     report.surface_error = Some(displayed.surface_error);
     report.surface_error_percent = Some(displayed.surface_error_percent);
+    if let Some(view) = task.view {
+        let pixels = f64::from(view.pixels_of(displayed.surface_error));
+        console.stage("error", &format!("{pixels:.3} pixels of the view"), None);
+        report.pixels = Some(rounded(pixels));
+    }
     if !task.verify {
         console.stage("verify", "skipped", None);
     }

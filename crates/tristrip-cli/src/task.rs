@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use tristrip::Effort;
-use tristrip::lod::{ModelKind, RepairOptions};
+use tristrip::lod::{ModelKind, RepairOptions, View};
 use tristrip::simplify::Price;
 use tristrip::vertex_cache::FlushPolicy;
 use tristrip::{Layout, StripifyOptions};
@@ -13,8 +13,8 @@ use tristrip_io::Format;
 use tristrip_io::gltf::Rounding;
 use tristrip_lab::recovery::Sweep;
 use tristrip_pipeline::{
-    Amount, AnalyzeOptions, ChainOptions, ChainRatios, DisplayFilter, Goal, Level, Ratio, SimplifyOptions,
-    VertexCacheList,
+    Amount, AnalyzeOptions, ChainOptions, ChainRatios, DisplayFilter, Goal, Level, LevelGoal, Ratio,
+    SimplifyOptions, VertexCacheList,
 };
 
 use crate::args::{self, AnalyzeArgs, Command, LodArgs, OutputArgs, SharedArgs};
@@ -123,7 +123,9 @@ pub(crate) struct LodTask {
     /// The ratio of triangles that the base mesh keeps.
     pub(crate) base: Ratio,
     pub(crate) price: Price,
-    pub(crate) level: Level,
+    pub(crate) goal: LevelGoal,
+    /// The view in which the error of the level is reported.
+    pub(crate) view: Option<View>,
     pub(crate) filter: DisplayFilter,
     /// The effort of [`DisplayFilter::Repair`].
     pub(crate) filter_effort: Effort,
@@ -301,6 +303,13 @@ fn lod_task(mut args: LodArgs) -> Result<Task, String> {
     if let Some(flag) = args.collapse.first_of_chains() {
         return Err(format!("{flag} needs --chain: other levels go down to the base mesh, without limits"));
     }
+    let view = view(&args)?;
+    let goal = level_goal(&args, view);
+    // Goals may need any level; a level is a number within a range that is not too coarse to look at.
+    let base = match goal {
+        LevelGoal::Level(_) => Ratio::new(0.05),
+        _ => Some(Ratio::ZERO),
+    };
     let filter = display_filter(args.model, args.filter)?;
     let filter_effort = filter_effort(&args, filter)?;
     let jobs = jobs_of(args.general, &args.output)?;
@@ -313,9 +322,10 @@ fn lod_task(mut args: LodArgs) -> Result<Task, String> {
         options: args.method.validate(false)?,
         budget: args.method.budget(),
         model: args.model,
-        base: args.base,
+        base: args.base.or(base).unwrap_or(Ratio::ZERO),
         price: args.collapse.price,
-        level: args.level,
+        goal,
+        view,
         filter,
         filter_effort,
         table: args.table,
@@ -325,6 +335,26 @@ fn lod_task(mut args: LodArgs) -> Result<Task, String> {
         verify: !args.output.target.no_verify,
     };
     Ok(Task::Lod(task))
+}
+
+/// Returns the view of --pixels.
+fn view(args: &LodArgs) -> Result<Option<View>, String> {
+    let (Some(distance), Some(pixels)) = (args.distance, args.pixels) else { return Ok(None) };
+    if !(pixels.is_finite() && pixels >= 0.0) {
+        return Err(format!("--pixels: found {pixels}, expected 0 or more"));
+    }
+    let view = View::of_camera(distance, args.field_of_view, args.rows);
+    view.map(Some).map_err(|error| error.to_string())
+}
+
+/// Returns what selects the level.
+fn level_goal(args: &LodArgs, view: Option<View>) -> LevelGoal {
+    match (args.pixels.zip(view), args.triangles, args.collapse.error) {
+        (Some((pixels, view)), ..) => LevelGoal::Pixels(pixels, view),
+        (_, Some(count), _) => LevelGoal::Triangles(count),
+        (.., Some(error)) => LevelGoal::Error(error),
+        _ => LevelGoal::Level(args.level.unwrap_or(Level::Percent(10.0))),
+    }
 }
 
 fn chain_task(args: LodArgs, ratios: ChainRatios) -> Result<Task, String> {

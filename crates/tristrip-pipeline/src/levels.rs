@@ -30,7 +30,7 @@ use crate::simplify::{
 use crate::text::count;
 pub use cursor::ModelCursor;
 pub use filter::DisplayFilter;
-pub use level::Level;
+pub use level::{Level, LevelGoal};
 pub use part::LevelPart;
 use part::without_unused;
 
@@ -236,7 +236,9 @@ impl ModelLevels {
         let (collapses, done) = (all.summary(&parts)?, all.parts);
         let mut notes = place_notes(prepared, skipped);
         notes.extend(locked_note(collapses.locked_vertices));
-        notes.extend(collapses.stopped.map(|stopped| format!("target {}, {stopped}", count(goal))));
+        // No mesh collapses to nothing: that is as far as possible.
+        let stopped = collapses.stopped.filter(|_| goal > 0);
+        notes.extend(stopped.map(|stopped| format!("target {}, {stopped}", count(goal))));
         let order = LevelOrder::new(&done);
         let all = parts.into_iter().zip(prepared.parts()).zip(strips).zip(done);
         let parts = all.map(|(((part, prepared), strips), done)| {
@@ -267,6 +269,63 @@ impl ModelLevels {
         let of_parts = self.order.of_parts(level)?;
         let of_part = |(part, level): (&LevelPart, usize)| part.sequence().triangle_count(level);
         Ok(self.parts.iter().zip(of_parts).map(of_part).sum::<Result<usize, _>>()?)
+    }
+
+    /// Returns the finest level with at most this number of triangles; 0 if there is none.
+    ///
+    /// # Errors
+    /// The levels are inconsistent; no input is known that causes this.
+    ///
+    /// ```
+    /// # use tristrip_io::{Format, read};
+    /// # let text = b"v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n";
+    /// # let levels = tristrip_pipeline::levels(&read(text, Format::Obj)?, &Default::default())?;
+    /// let level = levels.level_of_triangles(3)?;
+    /// assert_eq!((levels.triangle_count(level)?, levels.triangle_count(level + 1)?), (2, 4));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn level_of_triangles(&self, triangle_count: usize) -> Result<usize, Error> {
+        let full = self.collapse_count();
+        let mut left = self.triangle_count(full)?;
+        let mut of_parts = self.order.of_parts(full)?;
+        for (number, parts) in self.order.parts_from_full().enumerate() {
+            if left <= triangle_count {
+                return Ok(full - number);
+            }
+            for &part in parts {
+                let level = &mut of_parts[part as usize];
+                *level -= 1;
+                left -= self.parts[part as usize].sequence().collapse(*level)?.dropped.len();
+            }
+        }
+        Ok(0)
+    }
+
+    /// Returns the coarsest level with at most this surface error, in mesh units.
+    ///
+    /// # Errors
+    /// The levels are inconsistent; no input is known that causes this.
+    ///
+    /// ```
+    /// # use tristrip_io::{Format, read};
+    /// # let text = b"v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 1\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n";
+    /// # let levels = tristrip_pipeline::levels(&read(text, Format::Obj)?, &Default::default())?;
+    /// assert_eq!((levels.level_of_error(9.0)?, levels.level_of_error(0.0)?), (0, levels.collapse_count()));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn level_of_error(&self, error: f32) -> Result<usize, Error> {
+        let full = self.collapse_count();
+        let mut of_parts = self.order.of_parts(full)?;
+        for (number, parts) in self.order.parts_from_full().enumerate() {
+            for &part in parts {
+                let level = &mut of_parts[part as usize];
+                *level -= 1;
+                if self.parts[part as usize].sequence().error(*level)? > error {
+                    return Ok(full - number);
+                }
+            }
+        }
+        Ok(0)
     }
 
     /// Builds the display strips of a level, measures and proves them. The stages are reported to the observer.

@@ -35,6 +35,8 @@
 
 mod blocks;
 mod filter;
+mod geomorph;
+mod hysteresis;
 mod index_map;
 mod level_mesh;
 mod level_model;
@@ -52,11 +54,14 @@ mod shortened;
 mod strip_graph;
 mod strip_states;
 pub mod traffic;
+mod view;
 
 pub use blocks::{BlockOptions, Blocks, BlocksCursor};
 pub use filter::{DrawCost, Filter};
+pub use geomorph::{Geomorph, Transit};
+pub use hysteresis::Hysteresis;
 pub use index_map::RESTART;
-pub use level_model::{LevelCursor, LevelModel, LevelTable, View};
+pub use level_model::{LevelCursor, LevelModel, LevelTable};
 pub use lod_strips::LodStrips;
 pub use model_kind::ModelKind;
 pub use mts::Mts;
@@ -66,3 +71,4 @@ pub use progressive::{
 };
 pub use repair::{Repair, RepairOptions, RepairedStrips};
 pub use sets::Sets;
+pub use view::View;

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use tristrip::Effort;
-use tristrip::lod::ModelKind;
+use tristrip::lod::{ModelKind, View};
 use tristrip_lab::recovery::Sweep;
 use tristrip_pipeline::{ChainRatios, DisplayFilter, Level, Normals, Ratio};
 
@@ -89,6 +89,7 @@ pub(crate) struct SimplifyArgs {
   tristrip lod bunny.ply --method stripe --base 1% --filter dtfs --level 120
   tristrip lod bunny.ply --compare --plot lod.svg     filters compared with a triangle list
   tristrip lod bunny.ply --model sets --level 25% -o level.glb
+  tristrip lod bunny.ply --model blocks --pixels 1.5 --distance 3     the level for a viewing distance
   tristrip lod bunny.ply --compare --sweep linear,exponential --plot recovery.svg
   tristrip lod truck.gltf --chain 100%,50%,25%,10% -o truck.lod.glb
   tristrip lod duck.glb --chain 100%,50%,25%,10% -o levels/ --layout list")]
@@ -100,29 +101,64 @@ pub(crate) struct LodArgs {
     /// All models have the same levels. Those that store strips by themselves are drawn as they are; --filter belongs to the others.
     #[arg(long, value_parser = named(ModelKind::ALL, ModelKind::name, ModelKind::summary), value_name = "MODEL", default_value_t = ModelKind::default(), help_heading = "Levels")]
     pub(crate) model: ModelKind,
-    /// The ratio of all triangles that the base mesh keeps: 0.05 or 5%
+    /// The ratio of all triangles that the base mesh keeps: 0.05 or 5% [default: 5%; 0 with --triangles, --error or --pixels]
     ///
     /// If the surface cannot be simplified this far without tearing or folding, the base mesh has more triangles, and a note says so.
-    #[arg(
-        long,
-        value_name = "RATIO",
-        default_value = "5%",
-        help_heading = "Levels",
-        allow_negative_numbers = true
-    )]
-    pub(crate) base: Ratio,
-    /// The level to draw: the number of undone collapses, or a percentage of all collapses such as 40%
+    #[arg(long, value_name = "RATIO", help_heading = "Levels", allow_negative_numbers = true)]
+    pub(crate) base: Option<Ratio>,
+    /// The level to draw: the number of undone collapses, or a percentage of all collapses such as 40% [default: 10%]
     ///
     /// P% of n collapses is level P n / 100, rounded to the nearest integer. In a model of several parts, the levels undo the collapses
-    /// of all parts, the greatest cost first. 0 is the base mesh, 100% the full mesh.
+    /// of all parts, the greatest cost first. 0 is the base mesh, 100% the full mesh. Instead of --level, --triangles, --error or
+    /// --pixels select one.
     #[arg(
         long,
         value_name = "LEVEL",
-        default_value = "10%",
+        help_heading = "Levels",
+        allow_negative_numbers = true,
+        conflicts_with_all = ["triangles", "error", "pixels"],
+    )]
+    pub(crate) level: Option<Level>,
+    /// Draw the finest level with at most this number of triangles
+    #[arg(
+        long,
+        value_name = "COUNT",
+        help_heading = "Levels",
+        allow_negative_numbers = true,
+        conflicts_with_all = ["error", "pixels"],
+    )]
+    pub(crate) triangles: Option<usize>,
+    /// Draw the coarsest level whose surface error covers at most this number of pixels, seen from --distance
+    #[arg(
+        long,
+        value_name = "PIXELS",
+        help_heading = "Levels",
+        allow_negative_numbers = true,
+        conflicts_with = "error",
+        requires = "distance"
+    )]
+    pub(crate) pixels: Option<f32>,
+    /// The distance from the camera to the nearest point of the model, in mesh units
+    #[arg(
+        long,
+        value_name = "DISTANCE",
+        help_heading = "Levels",
+        allow_negative_numbers = true,
+        requires = "pixels"
+    )]
+    pub(crate) distance: Option<f32>,
+    /// The vertical angle of the view in degrees
+    #[arg(
+        long,
+        value_name = "DEGREES",
+        default_value_t = View::FIELD_OF_VIEW,
         help_heading = "Levels",
         allow_negative_numbers = true
     )]
-    pub(crate) level: Level,
+    pub(crate) field_of_view: f32,
+    /// The rows of the image
+    #[arg(long, value_name = "ROWS", default_value_t = View::ROWS, help_heading = "Levels", allow_negative_numbers = true)]
+    pub(crate) rows: f32,
     /// How the strips of --model progressive and naive are filtered before they are drawn [default: repair]
     #[arg(long, value_parser = named(DisplayFilter::ALL, DisplayFilter::name, DisplayFilter::summary), value_name = "FILTER", help_heading = "Levels")]
     pub(crate) filter: Option<DisplayFilter>,
@@ -156,10 +192,10 @@ pub(crate) struct LodArgs {
         long,
         value_name = "RATIOS",
         help_heading = "Chain",
-        conflicts_with_all = ["model", "base", "level", "filter", "filter_effort", "table", "compare", "sweep", "plot"],
+        conflicts_with_all = ["model", "base", "level", "triangles", "pixels", "distance", "field_of_view", "rows", "filter", "filter_effort", "table", "compare", "sweep", "plot"],
     )]
     pub(crate) chain: Option<ChainRatios>,
-    #[command(flatten, next_help_heading = "Collapses; all but --price need --chain")]
+    #[command(flatten, next_help_heading = "Collapses; all but --error and --price need --chain")]
     pub(crate) collapse: CollapseArgs,
     #[command(flatten)]
     pub(crate) output: OutputArgs,

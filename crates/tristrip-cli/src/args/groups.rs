@@ -135,7 +135,6 @@ impl CollapseArgs {
     /// Returns the first of the flags that is given and belongs to chains of levels, not to strips for all levels.
     pub(crate) fn first_of_chains(&self) -> Option<&'static str> {
         let given = [
-            (self.error.is_some(), "--error"),
             (self.weight.is_some(), "--weight"),
             (self.permissive, "--permissive"),
             (self.lock_borders, "--lock-borders"),

@@ -41,6 +41,8 @@ pub(crate) struct LodReport {
     pub(crate) surface_error: Option<f32>,
     pub(crate) surface_error_percent: Option<f64>,
     pub(crate) diagonal: Option<f64>,
+    /// The surface error in pixels of the view, if there is one.
+    pub(crate) pixels: Option<f64>,
     /// Figures of the display strips.
     #[serde(flatten)]
     pub(crate) figures: Option<Figures>,
@@ -79,6 +81,7 @@ impl LodReport {
             surface_error: None,
             surface_error_percent: None,
             diagonal: None,
+            pixels: None,
             figures: None,
             table: None,
             compare: None,

@@ -57,6 +57,64 @@ fn levels_range_from_the_base_mesh_to_the_full_mesh() {
 }
 
 #[test]
+fn a_level_is_selected_by_what_it_has_to_reach() {
+    let full = number(&lod("hand.ply", &["--level", "100%"]), "triangles");
+    let of_count = lod("hand.ply", &["--triangles", "1000"]);
+    assert_eq!((number(&of_count, "triangles"), &of_count["pixels"]), (1000, &Value::Null));
+    // Goals have no base mesh but the coarsest, unless one is asked for; they are met as far as it allows.
+    let few = lod("hand.ply", &["--triangles", "200"]);
+    assert_eq!((number(&few, "triangles"), number(&few, "level") > 0), (200, true));
+    let limited = lod("hand.ply", &["--triangles", "200", "--base", "10%"]);
+    assert_eq!((number(&limited, "level"), &limited["triangles"]), (0, &limited["triangles_base"]));
+    let error = |report: &Value| report["surface_error"].as_f64().unwrap();
+    let of_error = lod("hand.ply", &["--error", "0.2%"]);
+    assert!(
+        of_error["surface_error_percent"].as_f64().unwrap() <= 0.2
+            && number(&of_error, "triangles") < full / 4
+    );
+    // Twice as far away, twice the error has as many pixels.
+    let at =
+        |distance: &str| lod("hand.ply", &["--model", "blocks", "--pixels", "1.5", "--distance", distance]);
+    let diagonal = of_error["diagonal"].as_f64().unwrap();
+    let [near, far] = [2.0, 4.0].map(|times| at(&(times * diagonal).to_string()));
+    for report in [&near, &far] {
+        let pixels = report["pixels"].as_f64().unwrap();
+        assert!((1.2..=1.5).contains(&pixels), "{pixels}");
+        assert_eq!(report["proven"], true);
+    }
+    assert!(error(&far) > 1.6 * error(&near) && number(&far, "triangles") < number(&near, "triangles"));
+    // Half of the angle shows the hand about twice as large.
+    let zoomed =
+        json(tristrip().args(["lod", "--json", "-m", "stripe", "--pixels", "1.5", "--distance"]).args([
+            &(4.0 * diagonal).to_string(),
+            "--field-of-view",
+            "23.4",
+            path(&model("hand.ply")),
+        ]));
+    assert!((0.85..1.15).contains(&(error(&zoomed) / error(&near))));
+}
+
+#[test]
+fn goals_of_levels_exclude_each_other() {
+    for arguments in [
+        &["--level", "10%", "--triangles", "5"][..],
+        &["--error", "1%", "--triangles", "5"],
+        &["--pixels", "1", "--distance", "2", "--error", "1%"],
+        &["--pixels", "1"],
+        &["--distance", "1"],
+        &["--pixels", "1", "--distance", "-1"],
+        &["--pixels", "1", "--distance", "0"],
+        &["--pixels", "1", "--distance", "1", "--field-of-view", "180"],
+        &["--pixels", "-1", "--distance", "1"],
+        &["--pixels", "nan", "--distance", "1"],
+        &["--pixels", "1", "--distance", "1", "--rows", "0"],
+        &["--chain", "100%,50%", "--pixels", "1", "--distance", "1"],
+    ] {
+        tristrip().arg("lod").args(arguments).arg(model("hand.ply")).assert().code(2);
+    }
+}
+
+#[test]
 fn collapses_cost_what_the_price_says() {
     let of = |price: &str| {
         let report = lod("hand.ply", &["--base", "10%", "--level", "0", "--compare", "--price", price]);
@@ -98,6 +156,7 @@ fn the_report_has_its_keys() {
         "surface_error",
         "surface_error_percent",
         "diagonal",
+        "pixels",
         "triangles",
         "strips",
     ];
@@ -218,7 +277,7 @@ fn recovery_is_measured_for_every_model() {
     let report = lod("hand.ply", &measured);
     let models = report["recovery"].as_array().unwrap();
     let names: Vec<&str> = models.iter().filter_map(|model| model["model"].as_str()).collect();
-    assert_eq!(names, ["progressive-mesh", "naive", "progressive", "mts", "sets", "lod-strips"]);
+    assert_eq!(names, ["progressive-mesh", "naive", "progressive", "mts", "sets", "lod-strips", "blocks"]);
     let levels = number(&report, "levels");
     for model in models {
         assert!(number(model, "memory") > 0 && number(model, "cursor_memory") > 0);

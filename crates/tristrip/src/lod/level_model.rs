@@ -11,6 +11,8 @@
 
 use std::sync::Arc;
 
+use super::hysteresis::Hysteresis;
+use super::view::View;
 use crate::collapse::{CollapseSequence, check_level};
 use crate::error::Error;
 use crate::strip::Strips;
@@ -159,6 +161,24 @@ pub trait LevelCursor: Send {
         Ok(level)
     }
 
+    /// Moves to the finest level with at most this number of triangles, or to the base mesh if it has more, and returns the level.
+    ///
+    /// # Errors
+    /// None is known.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let mut cursor = Arc::new(ProgressiveMesh::new(&sequence)?).start();
+    /// assert_eq!((cursor.set_triangles(2)?, cursor.strips().triangles().count()), (1, 2));
+    /// assert_eq!(cursor.set_triangles(0)?, 0);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    fn set_triangles(&mut self, triangle_count: usize) -> Result<usize, Error> {
+        let level = self.levels().level_of_triangles(triangle_count);
+        self.set_level(level)?;
+        Ok(level)
+    }
+
     /// Moves to the coarsest level whose error covers at most this number of pixels of a view, and returns it.
     ///
     /// # Errors
@@ -175,77 +195,43 @@ pub trait LevelCursor: Send {
     fn set_pixels(&mut self, pixels: f32, view: View) -> Result<usize, Error> {
         self.set_error(view.length_of(pixels))
     }
-}
 
-/// How large lengths near an object appear.
-///
-/// ```
-/// use tristrip::lod::View;
-/// // An image of 1080 rows at a vertical angle of 90 degrees, and an object 540 mesh units away: a pixel covers one unit.
-/// assert_eq!(View::perspective(540.0, 1.0, 1080.0)?.length_of(2.0), 2.0);
-/// # Ok::<(), tristrip::Error>(())
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct View {
-    /// Pixels per mesh unit.
-    scale: f32,
-}
-
-impl View {
-    /// Creates a perspective view: the distance to the nearest point of the object in mesh units, the vertical scale of the projection (the
-    /// element of its matrix in the second row and second column: 1 / tan of half the vertical angle), and the rows of the image.
+    /// Moves as [`LevelCursor::set_error`] does, but only if the current level is outside of a range of levels around that error, and returns the
+    /// current level. So a view that moves to and fro does not change the level with each frame.
     ///
     /// # Errors
-    /// A value is not positive, or the pixels per mesh unit at this distance are too many or too few for a number. An object at or behind the
-    /// eye has no distance: draw its full mesh.
+    /// The error is negative or not a number.
     ///
     /// ```
-    /// use tristrip::lod::View;
-    /// let pixel_at = |distance| View::perspective(distance, 1.0, 1000.0).map(|view| view.length_of(1.0));
-    /// assert_eq!((pixel_at(500.0)?, pixel_at(1000.0)?), (1.0, 2.0));
-    /// // Behind the eye.
-    /// assert!(pixel_at(-1.0).is_err());
+    #[doc = include_str!("example.txt")]
+    /// let mut cursor = Arc::new(ProgressiveMesh::new(&sequence)?).start();
+    /// // The collapses have errors of 0.25 and 0.5. Errors from a half of the allowed one are kept.
+    /// let half = Hysteresis::new(0.5)?;
+    /// assert_eq!((cursor.follow_error(0.25, half)?, cursor.follow_error(0.5, half)?), (1, 1));
+    /// assert_eq!((cursor.follow_error(0.6, half)?, cursor.follow_error(0.4, half)?), (0, 1));
     /// # Ok::<(), tristrip::Error>(())
     /// ```
-    pub fn perspective(distance: f32, vertical_scale: f32, rows: f32) -> Result<Self, Error> {
-        for (name, value) in [("distance", distance), ("vertical_scale", vertical_scale), ("rows", rows)] {
-            check_positive(name, value)?;
-        }
-        let scale = vertical_scale * rows / (2.0 * distance);
-        check_positive("pixels_per_unit", scale)?;
-        Ok(Self { scale })
+    fn follow_error(&mut self, error: f32, hysteresis: Hysteresis) -> Result<usize, Error> {
+        let level = hysteresis.level(self.levels(), self.level(), error)?;
+        self.set_level(level)?;
+        Ok(level)
     }
 
-    /// Creates a parallel view from the pixels per mesh unit.
+    /// Moves as [`LevelCursor::set_pixels`] does, with a hysteresis as [`LevelCursor::follow_error`].
     ///
     /// # Errors
-    /// The value is not positive.
+    /// The number of pixels is negative or not a number.
     ///
     /// ```
-    /// assert_eq!(tristrip::lod::View::parallel(4.0)?.length_of(1.0), 0.25);
+    #[doc = include_str!("example.txt")]
+    /// let mut cursor = Arc::new(ProgressiveMesh::new(&sequence)?).start();
+    /// let view = View::parallel(4.0)?;
+    /// assert_eq!(cursor.follow_pixels(1.5, view, Hysteresis::default())?, 1);
     /// # Ok::<(), tristrip::Error>(())
     /// ```
-    pub fn parallel(pixels_per_unit: f32) -> Result<Self, Error> {
-        check_positive("pixels_per_unit", pixels_per_unit)?;
-        Ok(Self { scale: pixels_per_unit })
+    fn follow_pixels(&mut self, pixels: f32, view: View, hysteresis: Hysteresis) -> Result<usize, Error> {
+        self.follow_error(view.length_of(pixels), hysteresis)
     }
-
-    /// Returns the length in mesh units that covers a number of pixels.
-    ///
-    /// ```
-    /// assert_eq!(tristrip::lod::View::parallel(2.0)?.length_of(3.0), 1.5);
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    pub fn length_of(self, pixels: f32) -> f32 {
-        pixels / self.scale
-    }
-}
-
-fn check_positive(name: &'static str, value: f32) -> Result<(), Error> {
-    if value > 0.0 && value.is_finite() {
-        return Ok(());
-    }
-    Err(Error::Parameter { name, found: value.to_string(), expected: "a positive number" })
 }
 
 /// The number of triangles and the error of each level. 8 bytes per level.
@@ -442,12 +428,5 @@ mod tests {
             prop_assert_eq!(levels.level_of_error(error).unwrap(), sequence.level_of_error(error));
             prop_assert_eq!(levels.level_of_triangles(count), sequence.level_of_triangles(count));
         }
-    }
-
-    #[test]
-    fn views_without_a_size_are_refused() {
-        assert!(View::perspective(0.0, 1.0, 1.0).is_err());
-        assert!(View::perspective(1.0, f32::NAN, 1.0).is_err());
-        assert!(View::parallel(-1.0).is_err() && View::parallel(f32::INFINITY).is_err());
     }
 }

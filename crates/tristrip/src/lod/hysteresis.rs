@@ -1,0 +1,159 @@
+//! Levels that stay while a view moves to and fro.
+//!
+//! A view that wavers would change the level with each frame. The coarsest level within an error is therefore not taken at once: the current level
+//! stays as long as its error is allowed, and more than a share of what is allowed.
+//!
+//! ```text
+//! error of the level   0 ───────── share ───────── allowed ─────────▶
+//!                        too fine │      stays      │ too coarse
+//!                          coarsen ──────────────▶ │
+//!                                 │ ◀────────────── refine
+//! ```
+//! A level that is too coarse is replaced with the finest of the range, and one that is too fine with the coarsest one. So a view that goes on in its
+//! direction changes the level again only after it has passed the whole range.
+
+use super::level_model::LevelTable;
+use crate::error::Error;
+
+/// The share of the allowed error below which a level is too fine.
+///
+/// ```
+/// # use tristrip::lod::Hysteresis;
+/// assert_eq!(Hysteresis::default().share(), 0.8);
+/// assert!(Hysteresis::new(1.5).is_err());
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hysteresis {
+    share: f32,
+}
+
+impl Default for Hysteresis {
+    /// Levels stay from four fifths of the allowed error on.
+    fn default() -> Self {
+        Self { share: 0.8 }
+    }
+}
+
+impl Hysteresis {
+    /// Creates a hysteresis from a share from 0 to 1. At 1 there is none; at 0 a level is never too fine.
+    ///
+    /// # Errors
+    /// The share is outside of this range.
+    ///
+    /// ```
+    /// # use tristrip::lod::Hysteresis;
+    /// assert_eq!(Hysteresis::new(0.5)?.share(), 0.5);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn new(share: f32) -> Result<Self, Error> {
+        if (0.0..=1.0).contains(&share) {
+            return Ok(Self { share });
+        }
+        Err(Error::Parameter { name: "share", found: share.to_string(), expected: "0 to 1" })
+    }
+
+    /// Returns the share of the allowed error.
+    ///
+    /// ```
+    /// # use tristrip::lod::Hysteresis;
+    /// assert_eq!(Hysteresis::new(1.0)?.share(), 1.0);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn share(self) -> f32 {
+        self.share
+    }
+
+    /// Returns the level to which to move from the current one if an error is allowed, in mesh units.
+    ///
+    /// # Errors
+    /// The error is negative or not a number.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// // Level 1 has an error of 0.25.
+    /// let (levels, half) = (LevelTable::of(&sequence), Hysteresis::new(0.5)?);
+    /// assert_eq!((half.level(&levels, 1, 0.25)?, half.level(&levels, 1, 0.5)?, half.level(&levels, 1, 0.6)?), (1, 1, 0));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn level(self, levels: &LevelTable, current: usize, error: f32) -> Result<usize, Error> {
+        let coarsest = levels.level_of_error(error)?;
+        let finest = levels.level_of_error(self.share * error)?;
+        Ok(if current < coarsest {
+            finest
+        } else if current > finest {
+            coarsest
+        } else {
+            current
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::collapse::{CollapseSequence, Rename};
+    use crate::strip::Strips;
+
+    proptest! {
+        /// The error is always kept. Having moved, the level stays while the view goes back by less than the share, or on by less.
+        #[test]
+        fn a_wavering_view_changes_nothing(
+            errors in prop::collection::vec(0.0..1.0_f32, 1..40),
+            share in 0.1..1.0_f32,
+            start in any::<usize>(),
+            error in 0.0..1.0_f32,
+            offsets in prop::collection::vec(0.01..0.99_f32, 1..9),
+        ) {
+            let levels = table(errors);
+            let hysteresis = Hysteresis::new(share).unwrap();
+            let before = start % (levels.collapse_count() + 1);
+            let now = hysteresis.level(&levels, before, error).unwrap();
+            prop_assert!(levels.error(now).unwrap() <= error);
+            for offset in offsets {
+                let between = share + (1.0 - share) * offset;
+                let later = if now < before { error / between } else { error * between };
+                if now != before {
+                    prop_assert_eq!(hysteresis.level(&levels, now, later).unwrap(), now);
+                }
+            }
+        }
+    }
+
+    /// A table with these errors, largest first.
+    fn table(mut errors: Vec<f32>) -> LevelTable {
+        errors.sort_unstable_by(f32::total_cmp);
+        let count = errors.len() as u32;
+        let mut strips = Strips::default();
+        strips.push(&(0..count + 3).collect::<Vec<_>>());
+        let renames: Vec<[Rename; 1]> =
+            (0..count).map(|i| [Rename { removed: count + 2 - i, kept: count + 1 - i }]).collect();
+        let collapses = renames.iter().zip(errors).map(|(renames, error)| (&renames[..], error));
+        let vertex_count = count as usize + 3;
+        let sequence = CollapseSequence::from_collapses(vertex_count, strips.to_list(), collapses).unwrap();
+        LevelTable::of(&sequence)
+    }
+
+    #[test]
+    fn a_view_that_comes_and_goes_jumps_over_the_range() {
+        let levels = table((1..=100).map(|error| error as f32 / 100.0).collect());
+        let hysteresis = Hysteresis::default();
+        // The level of an error of e hundredths is 100 − e.
+        assert_eq!(hysteresis.level(&levels, 0, 0.5).unwrap(), 60);
+        assert_eq!(hysteresis.level(&levels, 55, 0.5).unwrap(), 55);
+        assert_eq!(hysteresis.level(&levels, 99, 0.5).unwrap(), 50);
+        let mut moves = 0;
+        let mut current = 100;
+        for step in 0..1000 {
+            let next = hysteresis.level(&levels, current, step as f32 / 1000.0).unwrap();
+            moves += usize::from(next != current);
+            current = next;
+        }
+        let without = (0..1000).filter(|&step| {
+            let level = |step: i32| levels.level_of_error(step as f32 / 1000.0).unwrap();
+            step > 0 && level(step) != level(step - 1)
+        });
+        assert!(4 * moves < without.count(), "{moves} moves");
+    }
+}
