@@ -20,6 +20,7 @@ mod paper;
 mod paper_report;
 mod printed;
 mod recipe;
+mod recovery_figures;
 mod runner;
 mod searches;
 mod statistics;

@@ -8,6 +8,7 @@
 //! on one thread, in rounds that alternate with meshoptimizer.
 #![allow(clippy::print_stdout, reason = "a program that prints")]
 
+mod blocks;
 mod recovery;
 mod simplification;
 
@@ -147,16 +148,19 @@ fn main() -> Result<(), Failure> {
             all_levels.push(follow(source, name, method, rounds)?);
         }
     }
-    let mut recovered = Vec::new();
+    let (mut recovered, mut of_blocks, mut built) = (Vec::new(), Vec::new(), None);
     if args.share == 20 {
         recovered = recovery::measure_all(&sources, rounds.min(3))?;
+        of_blocks = blocks::measure_all(&sources)?;
+        built = blocks::build_all(&sources)?;
     }
     let mut targets = compare(&simplified, &dirty, &all_levels);
     targets.extend(recovery::compare(&recovered));
+    targets.extend(blocks::compare(&of_blocks, built.as_ref()));
     let (table, of_levels) = (simplification_table(&simplified), levels_table(&all_levels));
     let (of_dirty, of_planes) = (simplification_table(&dirty), simplification_table(&by_planes));
-    let of_recovery = recovery::table(&recovered);
-    let tables = [&table, &of_planes, &of_dirty, &of_levels, &of_recovery].map(Table::aligned);
+    let (of_recovery, of_blocks) = (recovery::table(&recovered), blocks::table(&of_blocks));
+    let tables = [&table, &of_planes, &of_dirty, &of_levels, &of_recovery, &of_blocks].map(Table::aligned);
     println!("{}", tables.join("\n"));
     for (price, figures) in [(args.price, &simplified), (Price::Planes, &by_planes)] {
         println!("{}", summary(price, figures));
@@ -208,8 +212,17 @@ fn main() -> Result<(), Failure> {
              The tests of Belmonte et al. 2006 on every level model, over STRIPE's strips and all levels: a share of all levels is recovered, from the\n\
              full mesh down to the base mesh and up again, at equal distances or at distances that grow from the full mesh on. Microseconds per move,\n\
              without drawing, which the published times contain; bytes per triangle of the model, and of a cursor that has drawn the full mesh. The\n\
-             dragon of 165,963 triangles stands in for the paper's Phone. Times are medians of three rounds, or of one that takes longer than a second.\n\n{}",
+             dragon of 165,963 triangles stands in for the paper's Phone. Times are medians of three rounds, or of one that takes longer than a second.\n\n{}\n",
             of_recovery.markdown()
+        )?;
+        write!(
+            page,
+            "## Blocks\n\n\
+             The model `blocks`, of which a level is an index buffer that moves patch in place, over strips of `best` and all levels: vertices sent\n\
+             over all levels, each drawn once, as a fraction of three per triangle; 99 moves of one percent of the levels from the full mesh down, in\n\
+             milliseconds, and the share of the buffer that each uploads in at most 256 ranges, medians and worst; a step by one level. A second row\n\
+             has more memory and search. A move to the levels of another key replaces the whole buffer.\n\n{}",
+            of_blocks.markdown()
         )?;
         fs::write(docs.join("levels.md"), page)?;
     }

@@ -102,6 +102,7 @@ pub(super) fn compare(figures: &[RecoveryFigures]) -> Vec<Target> {
             }
         }
     }
+    targets.extend(figures.iter().flat_map(|of| super::blocks::compare_recovery(&of.model, &of.models)));
     targets
 }
 

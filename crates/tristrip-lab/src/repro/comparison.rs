@@ -18,6 +18,7 @@ pub(super) fn request(paper: &Paper, runner: &mut Runner) {
             for column in &table.columns {
                 match (&column.quantity, recipe(&column.quantity)) {
                     (Quantity::Levels { .. }, Some(recipe)) => runner.request_levels(recipe, file),
+                    (Quantity::Recovery { .. }, Some(recipe)) => runner.request_recovery(recipe, file),
                     (_, Some(recipe)) => runner.request(recipe, file),
                     (_, None) => {}
                 }
@@ -35,7 +36,7 @@ pub(super) fn request(paper: &Paper, runner: &mut Runner) {
 fn recipe(quantity: &Quantity) -> Option<Recipe> {
     match quantity {
         Quantity::Strips { flags, steps, .. } => Some(Recipe { flags: flags.clone(), steps: *steps }),
-        Quantity::Levels { flags, .. } => Some(flags.as_str().into()),
+        Quantity::Levels { flags, .. } | Quantity::Recovery { flags, .. } => Some(flags.as_str().into()),
         _ => None,
     }
 }
@@ -113,6 +114,7 @@ fn measured_values(row: &PublishedRow, columns: &[PublishedColumn], runner: &Run
     let value = |quantity: &Quantity| match quantity {
         Quantity::Strips { figure, .. } => model?.strips(&recipe(quantity)?, figure),
         Quantity::Levels { figure, .. } => model?.levels(&recipe(quantity)?, figure),
+        Quantity::Recovery { figure, .. } => model?.recovery(&recipe(quantity)?, figure),
         Quantity::Mesh(figure) => model?.mesh(figure),
         Quantity::Saving { .. } | Quantity::Unmeasured => None,
     };

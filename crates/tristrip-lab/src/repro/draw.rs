@@ -132,8 +132,8 @@ fn by_cache_size(name: &str, flags: &str, runner: &Runner) -> Option<PanelData> 
         let transmitted = model.transmitted(&Recipe::from(flags), rule, flush_policy);
         CACHE_ENTRIES.map(f64::from).zip(transmitted).collect()
     };
-    let least =
-        [CACHE_ENTRIES.start(), CACHE_ENTRIES.end()].map(|&size| (f64::from(size), model.used_vertices()));
+    let least = [CACHE_ENTRIES.start(), CACHE_ENTRIES.end()]
+        .map(|&size| (f64::from(size), model.used_vertices() as f64));
     let series = |name: &str, points| SeriesReport { name: name.into(), flags: Some(flags.into()), points };
     Some(PanelData {
         title: name.into(),

@@ -18,6 +18,7 @@ use super::level_figures::{self, LevelFigures};
 use super::observer::ReproObserver;
 use super::paper::ModelSize;
 use super::recipe::Recipe;
+use super::recovery_figures;
 use super::searches::Searches;
 use crate::error::Error;
 
@@ -37,6 +38,8 @@ pub(super) struct Extras {
     pub(super) generalized: bool,
     /// Levels of detail.
     pub(super) levels: bool,
+    /// The recovery of all levels.
+    pub(super) recovery: bool,
     /// Components and their strips.
     pub(super) components: bool,
 }
@@ -59,6 +62,7 @@ struct MeasuredStrips {
     /// Vertices transmitted for each of [`CACHE_ENTRIES`]: LRU and FIFO, flushed between strips, then LRU and FIFO, kept.
     transmitted: Vec<[usize; 4]>,
     levels: LevelFigures,
+    recovery: BTreeMap<String, f64>,
 }
 
 impl MeasuredModel {
@@ -107,8 +111,9 @@ impl MeasuredModel {
     }
 
     /// Returns the number of vertices that faces use.
-    pub(super) fn used_vertices(&self) -> f64 {
-        self.size.vertices as f64 - self.mesh("unreferenced_vertices").unwrap_or(0.0)
+    #[allow(clippy::cast_sign_loss, reason = "a count")]
+    pub(super) fn used_vertices(&self) -> usize {
+        self.size.vertices - self.mesh("unreferenced_vertices").unwrap_or(0.0) as usize
     }
 
     /// Returns a figure of strips.
@@ -119,6 +124,11 @@ impl MeasuredModel {
     /// Returns a figure of levels of detail.
     pub(super) fn levels(&self, recipe: &Recipe, figure: &str) -> Option<f64> {
         self.by_recipe.get(recipe)?.levels.figures.get(figure).copied()
+    }
+
+    /// Returns a figure of the recovery of levels.
+    pub(super) fn recovery(&self, recipe: &Recipe, figure: &str) -> Option<f64> {
+        self.by_recipe.get(recipe)?.recovery.get(figure).copied()
     }
 
     /// Returns a figure of levels of detail as points: the level in percent of the collapses, and the value.
@@ -156,7 +166,7 @@ fn measure_strips(
     if observer.is_cancelled() {
         return Err(Error::Interrupted("not done"));
     }
-    let levels = if extras.levels {
+    let levels = if extras.levels || extras.recovery {
         parse_levels(&recipe.flags)?
     } else {
         LevelsOptions::default().with_stripify(parse_method(&recipe.flags)?)
@@ -192,6 +202,11 @@ fn measure_strips(
             level_figures::measure(prepared, &strips, levels)?
         } else {
             LevelFigures::default()
+        },
+        recovery: if extras.recovery {
+            recovery_figures::measure(prepared, &strips, levels)?
+        } else {
+            BTreeMap::new()
         },
     })
 }

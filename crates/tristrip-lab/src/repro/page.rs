@@ -159,6 +159,9 @@ fn source(column: &PublishedColumn, table: &PublishedTable) -> Option<String> {
             Some(format!("`{figure}` of `tristrip strip {flags}`{}", steps.unwrap_or_default()))
         }
         Quantity::Levels { flags, figure } => Some(format!("`{figure}` of `tristrip lod {flags} --compare`")),
+        Quantity::Recovery { flags, figure } => {
+            Some(format!("`{figure}` of the levels down to the coarsest, over strips of `{flags}`"))
+        }
         Quantity::Mesh(figure) => Some(format!("`{figure}` of the mesh")),
         Quantity::Saving { of, than } => Some(format!("by how much {} is below {}", name(*of), name(*than))),
         Quantity::Unmeasured => None,

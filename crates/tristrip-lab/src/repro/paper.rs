@@ -12,9 +12,10 @@ use tristrip::vertex_cache::FlushPolicy;
 use crate::error::Error;
 
 /// Key and text of each paper.
-const PAPERS: [(&str, &str); 4] = [
+const PAPERS: [(&str, &str); 5] = [
     ("000", include_str!("papers/000.json")),
     ("001", include_str!("papers/001.json")),
+    ("002", include_str!("papers/002.json")),
     ("003", include_str!("papers/003.json")),
     ("004", include_str!("papers/004.json")),
 ];
@@ -77,6 +78,8 @@ pub(crate) enum Quantity {
     },
     /// A figure of levels of detail, drawn with the strips of these flags; `level_figures.rs` lists the figures.
     Levels { flags: String, figure: String },
+    /// A figure of the recovery of all levels, over the strips of these flags; `recovery_figures.rs` lists the figures.
+    Recovery { flags: String, figure: String },
     /// A figure of the mesh: a key of `mesh` in that report.
     Mesh(String),
     /// By how many percent one column is below another, by their indices.
@@ -305,6 +308,8 @@ pub(crate) enum Statistic {
     Levels { figure: String, flags: String, models: ModelSet },
     /// A figure of the levels of detail of a model.
     LevelsOf { figure: String, flags: String, model: String },
+    /// A figure of the recovery of the levels of a model.
+    RecoveryOf { figure: String, flags: String, model: String },
     /// A figure of a mesh.
     Mesh { figure: String, model: String },
     /// A figure of the strips of a model, divided by that of another method if there is one.
@@ -458,7 +463,9 @@ mod tests {
                 for column in &table.columns {
                     match &column.quantity {
                         Quantity::Strips { flags, .. } => assert!(parse_method(flags).is_ok(), "{flags}"),
-                        Quantity::Levels { flags, .. } => assert!(parse_levels(flags).is_ok(), "{flags}"),
+                        Quantity::Levels { flags, .. } | Quantity::Recovery { flags, .. } => {
+                            assert!(parse_levels(flags).is_ok(), "{flags}")
+                        }
                         _ => (),
                     }
                 }

@@ -24,6 +24,8 @@ struct ModelScope {
     generalized: BTreeSet<String>,
     /// Models for which levels of detail are measured, too.
     levels: BTreeSet<String>,
+    /// Models for which the recovery of all levels is measured, too.
+    recovery: BTreeSet<String>,
     /// Models for which components are measured, too.
     components: BTreeSet<String>,
 }
@@ -37,6 +39,7 @@ impl ModelScope {
         Extras {
             generalized: self.generalized.contains(name),
             levels: self.levels.contains(name),
+            recovery: self.recovery.contains(name),
             components: self.components.contains(name),
         }
     }
@@ -91,6 +94,12 @@ impl Runner {
     /// Requests the levels of detail of a model, drawn with the strips of a recipe.
     pub(super) fn request_levels(&mut self, recipe: Recipe, model: &str) {
         self.requested.entry(recipe.clone()).or_default().levels.insert(model.into());
+        self.request(recipe, model);
+    }
+
+    /// Requests the recovery of all levels of a model, over the strips of a recipe.
+    pub(super) fn request_recovery(&mut self, recipe: Recipe, model: &str) {
+        self.requested.entry(recipe.clone()).or_default().recovery.insert(model.into());
         self.request(recipe, model);
     }
 

@@ -33,6 +33,9 @@ pub(super) fn request(statistic: &Statistic, other: Option<ModelSet>, paper: &Pa
         }
         Statistic::Levels { flags, models, .. } => request_levels(flags, *models, paper, runner),
         Statistic::LevelsOf { flags, model, .. } => runner.request_levels(flags.as_str().into(), model),
+        Statistic::RecoveryOf { flags, model, .. } => {
+            runner.request_recovery(flags.as_str().into(), model);
+        }
         Statistic::Mesh { model, .. } => runner.request_mesh(model),
         Statistic::StripsOf { flags, than, model, .. } => {
             let all = std::iter::once(flags).chain(than);
@@ -105,6 +108,7 @@ fn stand_ins(statistic: &Statistic, other: Option<ModelSet>, paper: &Paper, runn
             names.into_iter().filter(|(name, _)| is_other(name)).count()
         }
         Statistic::LevelsOf { model, .. }
+        | Statistic::RecoveryOf { model, .. }
         | Statistic::Mesh { model, .. }
         | Statistic::StripsOf { model, .. }
         | Statistic::OneStripComponents { model, .. }
@@ -167,6 +171,9 @@ fn value(
         }
         Statistic::LevelsOf { figure, flags, model } => {
             Some((runner.model(model)?.levels(&flags.as_str().into(), figure)?, 1))
+        }
+        Statistic::RecoveryOf { figure, flags, model } => {
+            Some((runner.model(model)?.recovery(&flags.as_str().into(), figure)?, 1))
         }
         Statistic::Mesh { figure, model } => Some((runner.model(model)?.mesh(figure)?, 1)),
         Statistic::StripsOf { figure, flags, than, model } => {

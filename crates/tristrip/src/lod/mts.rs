@@ -21,7 +21,9 @@
 use std::sync::Arc;
 
 use super::level_model::{LevelCursor, LevelModel, LevelTable};
-use super::multiresolution::{Graph, ListBuilder, RecoveredStrips, StripGraphs, SuccessorLists, graph_model};
+use super::multiresolution::{
+    Accesses, Graph, ListBuilder, RecoveredStrips, StripGraphs, SuccessorLists, graph_model,
+};
 use super::shortened::NONE;
 use super::strip_graph::StripGraph;
 use crate::collapse::CollapseSequence;
@@ -97,15 +99,23 @@ impl SuccessorLists for UnsortedEdges {
     }
 
     #[inline]
-    fn successor(lists: &Reader<'_>, node: u32, visits: &mut u32, state: u32) -> u32 {
+    fn successor(
+        lists: &Reader<'_>,
+        node: u32,
+        visits: &mut u32,
+        state: u32,
+        accesses: &mut impl Accesses,
+    ) -> u32 {
         let edge_bits = (2 * lists.state_bits + lists.node_bits) as usize;
         let first = if node == 0 { 0 } else { lists.node_ends.get(node - 1) };
         let mut at = lists.edges_start + first as usize * edge_bits;
         let mut left = *visits;
         loop {
+            accesses.add_one();
             let [first, last] = lists.packed.get_pair(at, [lists.state_bits; 2]);
             if (first..=last).contains(&state) {
                 if left == 0 {
+                    accesses.add_one();
                     *visits += 1;
                     return lists.packed.get(at + 2 * lists.state_bits as usize, lists.node_bits);
                 }

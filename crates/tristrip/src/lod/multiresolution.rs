@@ -29,7 +29,29 @@ pub(super) trait SuccessorLists: Send + Sync + 'static {
     fn reader<'a>(packed: &'a Packed, start: usize, graph: &Graph) -> Self::Reader<'a>;
 
     /// Returns the node that follows a visit of a node at a state. `visit` is 0 at the first visit, and what the last one made it at each later one.
-    fn successor(lists: &Self::Reader<'_>, node: u32, visit: &mut u32, state: u32) -> u32;
+    fn successor(
+        lists: &Self::Reader<'_>,
+        node: u32,
+        visit: &mut u32,
+        state: u32,
+        accesses: &mut impl Accesses,
+    ) -> u32;
+}
+
+/// Counts the entries of lists that are read, or nothing.
+pub(super) trait Accesses {
+    fn add_one(&mut self);
+}
+
+impl Accesses for () {
+    #[inline]
+    fn add_one(&mut self) {}
+}
+
+impl Accesses for u64 {
+    fn add_one(&mut self) {
+        *self += 1;
+    }
 }
 
 /// The lists of one strip while its states are enumerated.
@@ -174,6 +196,7 @@ impl<L: SuccessorLists> StripGraphs<L> {
         state: u32,
         walk: &mut Vec<u32>,
         vertices: &mut [u32],
+        accesses: &mut impl Accesses,
     ) -> usize {
         let graph = &self.graphs[strip];
         let (state_bits, node_bits) = (graph.state_bits(), graph.node_bits());
@@ -183,6 +206,7 @@ impl<L: SuccessorLists> StripGraphs<L> {
         let (mut low, mut high) = (0, graph.beginning_count);
         while low < high {
             let middle = low.midpoint(high);
+            accesses.add_one();
             let last = self.packed.get(beginning(middle), state_bits);
             if last < state { low = middle + 1 } else { high = middle }
         }
@@ -198,15 +222,54 @@ impl<L: SuccessorLists> StripGraphs<L> {
         while node < graph.node_count {
             vertices[len] = names.get(node);
             len += 1;
-            node = L::successor(&lists, node, &mut walk[node as usize], state);
+            node = L::successor(&lists, node, &mut walk[node as usize], state, accesses);
         }
         len
+    }
+}
+
+impl<L: SuccessorLists> StripGraphs<L> {
+    /// Counts the entries that a move reads: those of the strips that differ between two levels.
+    pub(super) fn accesses(&self, from: usize, to: usize) -> Result<u64, Error> {
+        for level in [from, to] {
+            self.levels.check(level)?;
+        }
+        let [from, to] = [from, to].map(|level| (self.levels.collapse_count() - level) as u32);
+        let (mut accesses, mut walk, mut vertices) = (0_u64, Vec::new(), Vec::new());
+        for strip in 0..self.states.strip_count() {
+            let (state, interval) = self.states.state_at(strip, to);
+            if !(interval[0]..interval[1]).contains(&from) {
+                let [slots, _] = self.states.ranges(strip);
+                vertices.resize(slots.len(), 0);
+                self.recover(strip, state, &mut walk, &mut vertices, &mut accesses);
+            }
+        }
+        Ok(accesses)
     }
 }
 
 /// Implements the level model of a type over graphs.
 macro_rules! graph_model {
     ($model:ident) => {
+        impl $model {
+            /// Counts the entries of lists that a move between two levels reads: beginnings, labels and successors of the strips that
+            /// differ between them. They take most of the time of the move, and are the same on every machine.
+            ///
+            /// # Errors
+            /// There is no such level.
+            ///
+            /// ```
+            #[doc = include_str!("example.txt")]
+            #[doc = concat!("let model = ", stringify!($model), "::new(&strips, &sequence)?;")]
+            /// assert_eq!(model.accesses(1, 1)?, 0);
+            /// assert!(model.accesses(2, 0)? > 0 && model.accesses(0, 3).is_err());
+            /// # Ok::<(), tristrip::Error>(())
+            /// ```
+            pub fn accesses(&self, from: usize, to: usize) -> Result<u64, Error> {
+                self.0.accesses(from, to)
+            }
+        }
+
         impl LevelModel for $model {
             fn levels(&self) -> &LevelTable {
                 &self.0.levels
@@ -325,7 +388,7 @@ impl<L: SuccessorLists> RecoveredStrips<L> {
             *valid = interval;
             let [slots, _] = states.ranges(strip);
             let vertices = &mut self.vertices[slots.start as usize..slots.end as usize];
-            self.lens[strip] = self.model.recover(strip, state, &mut self.walk, vertices) as u32;
+            self.lens[strip] = self.model.recover(strip, state, &mut self.walk, vertices, &mut ()) as u32;
         }
     }
 }

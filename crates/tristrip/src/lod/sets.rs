@@ -37,7 +37,9 @@
 use std::sync::Arc;
 
 use super::level_model::{LevelCursor, LevelModel, LevelTable};
-use super::multiresolution::{Graph, ListBuilder, RecoveredStrips, StripGraphs, SuccessorLists, graph_model};
+use super::multiresolution::{
+    Accesses, Graph, ListBuilder, RecoveredStrips, StripGraphs, SuccessorLists, graph_model,
+};
 use super::strip_graph::StripGraph;
 use crate::collapse::CollapseSequence;
 use crate::error::Error;
@@ -120,7 +122,13 @@ impl SuccessorLists for SortedArcs {
     }
 
     #[inline]
-    fn successor(lists: &Reader<'_>, node: u32, next: &mut u32, state: u32) -> u32 {
+    fn successor(
+        lists: &Reader<'_>,
+        node: u32,
+        next: &mut u32,
+        state: u32,
+        accesses: &mut impl Accesses,
+    ) -> u32 {
         if *next == 0 {
             let mut low = if node == 0 { 0 } else { lists.node_ends.get(node - 1) };
             let mut high = lists.node_ends.get(node) - 1;
@@ -128,11 +136,14 @@ impl SuccessorLists for SortedArcs {
             let arc = |i: u32| lists.packed.get_pair(lists.arcs_start + i as usize * width, lists.arc_bits);
             while low < high {
                 let middle = low.midpoint(high);
+                accesses.add_one();
                 if arc(middle)[0] < state { low = middle + 1 } else { high = middle }
             }
+            accesses.add_one();
             // One more than the position of the next successor.
             *next = 1 + arc(low)[1];
         }
+        accesses.add_one();
         *next += 1;
         lists.successors.get(*next - 2)
     }

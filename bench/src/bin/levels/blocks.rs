@@ -1,0 +1,244 @@
+//! What `blocks` promises: the time and the memory of a move beside those of the published models, what a move uploads, and the vertices sent.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use tristrip::lod::{BlockOptions, Blocks, LevelCursor, ModelKind, RepairOptions};
+use tristrip::{CollapseSequence, Effort, Index, Method, StripifyOptions, Strips};
+use tristrip_bench::failure::Failure;
+use tristrip_bench::measure::median;
+use tristrip_bench::memory::extra_bytes;
+use tristrip_bench::models::Source;
+use tristrip_bench::targets::Target;
+use tristrip_bench::text::Table;
+use tristrip_io::read_path;
+use tristrip_lab::recovery::ModelRecovery;
+use tristrip_pipeline::{LevelPart, LevelsOptions, Ratio, levels};
+
+/// The models that `blocks` is compared with.
+const PUBLISHED: [ModelKind; 3] = [ModelKind::Sets, ModelKind::Mts, ModelKind::LodStrips];
+/// Models whose moves are measured.
+const MOVED: [&str; 3] = ["cow", "bunny", "dragon"];
+/// Models whose vertices over all levels have a target.
+const SENT: [&str; 2] = ["cow", "bunny"];
+/// The moves from the full mesh down, each by as many levels.
+const MOVES: usize = 99;
+/// The most ranges that a move may upload.
+const RANGES: usize = 256;
+/// Single steps that are timed, and the distance of the levels from which they start.
+const STEPS: usize = 1000;
+
+/// What was measured of `blocks` on a model, over strips of `best`.
+pub(super) struct BlockFigures {
+    model: String,
+    options: BlockOptions,
+    triangles: usize,
+    memory: usize,
+    keys: usize,
+    /// Vertices sent over all levels, as a fraction of three per triangle.
+    sent: f64,
+    /// Milliseconds of the moves, and the share of the buffer that each uploads, both rising.
+    milliseconds: Vec<f64>,
+    uploaded: Vec<f64>,
+    /// Mean microseconds of a step by one level, up or down.
+    step_microseconds: f64,
+}
+
+/// What building SETS, MTS, LodStrips and `blocks` takes.
+pub(super) struct BuildFigures {
+    model: String,
+    seconds: f64,
+    bytes_per_triangle: f64,
+}
+
+/// Measures `blocks` by default, and as it sends the fewest vertices.
+pub(super) fn measure_all(sources: &[Source]) -> Result<Vec<BlockFigures>, Failure> {
+    let mut figures = Vec::new();
+    for source in sources.iter().filter(|source| MOVED.contains(&source.name.as_str())) {
+        let part = part_of(source, Method::Best)?;
+        figures.push(of_part(&source.name, &part, BlockOptions::default())?);
+        if SENT.contains(&source.name.as_str()) {
+            figures.push(of_part(&source.name, &part, fewest_vertices())?);
+        }
+    }
+    Ok(figures)
+}
+
+/// Builds all four models of the dragon.
+pub(super) fn build_all(sources: &[Source]) -> Result<Option<BuildFigures>, Failure> {
+    let Some(source) = sources.iter().find(|source| source.name == "dragon") else { return Ok(None) };
+    let part = part_of(source, Method::STRIPE)?;
+    let kinds = [&PUBLISHED[..], &[ModelKind::Blocks]].concat();
+    let start = Instant::now();
+    // All of them are in memory at the end, and dropped before the bytes that are left are counted.
+    let (built, bytes) = extra_bytes(|| {
+        let models = kinds.iter().map(|kind| kind.build(part.strips(), part.sequence()));
+        models.collect::<Result<Vec<_>, _>>().map(|models| models.len())
+    });
+    built?;
+    Ok(Some(BuildFigures {
+        model: source.name.clone(),
+        seconds: start.elapsed().as_secs_f64(),
+        bytes_per_triangle: bytes.unwrap_or(0) as f64 / part.strips().triangles().count().max(1) as f64,
+    }))
+}
+
+/// Returns the largest part of a model with its collapses.
+fn part_of(source: &Source, method: Method) -> Result<LevelPart, Failure> {
+    let stripify = StripifyOptions::default().with_method(method);
+    let options = LevelsOptions::default().with_stripify(stripify).with_base(Ratio::ZERO);
+    let levels = levels(&read_path(&source.path)?, &options)?;
+    let largest = levels.parts.into_iter().max_by_key(|part| part.strips().vertices_sent());
+    largest.ok_or_else(|| format!("{}: no part", source.name).into())
+}
+
+/// The options with which few vertices are sent: 24 bytes per triangle, and a search of eight times the default time.
+fn fewest_vertices() -> BlockOptions {
+    let repair = RepairOptions::default().with_effort(Effort::new(7).unwrap_or_default());
+    BlockOptions::default().with_memory(24).with_repair(repair)
+}
+
+fn of_part(name: &str, part: &LevelPart, options: BlockOptions) -> Result<BlockFigures, Failure> {
+    let (strips, sequence) = (part.strips(), part.sequence());
+    if sequence.vertex_count() <= usize::from(u16::RESTART) {
+        of_type::<u16>(name, strips, sequence, options)
+    } else {
+        of_type::<u32>(name, strips, sequence, options)
+    }
+}
+
+fn of_type<I: Index>(
+    name: &str,
+    strips: &Strips,
+    sequence: &Arc<CollapseSequence>,
+    options: BlockOptions,
+) -> Result<BlockFigures, Failure> {
+    let model = Arc::new(Blocks::new(strips, Arc::clone(sequence), &options)?);
+    let mut cursor = model.cursor::<I>()?;
+    let last = sequence.len();
+    // 1. The vertices of all levels, or of every hundredth of many.
+    let (mut sent, mut in_lists) = (0, 0);
+    for level in (0..=last).rev().step_by(if last > 100_000 { 100 } else { 1 }) {
+        cursor.set_level(level)?;
+        sent += cursor.indices().iter().filter(|&&index| index != I::RESTART).count();
+        in_lists += 3 * sequence.triangle_count(level)?;
+    }
+    // 2. Moves by one percent of the levels.
+    cursor.set_level(last)?;
+    cursor.take_changed(RANGES);
+    let (mut milliseconds, mut uploaded) = (Vec::new(), Vec::new());
+    for number in (1..=MOVES).rev() {
+        let level = last * number / (MOVES + 1);
+        let start = Instant::now();
+        cursor.set_level(level)?;
+        milliseconds.push(1e3 * start.elapsed().as_secs_f64());
+        let changed: usize = cursor.take_changed(RANGES).into_iter().map(|range| range.len()).sum();
+        uploaded.push(changed as f64 / cursor.indices().len().max(1) as f64);
+    }
+    milliseconds.sort_unstable_by(f64::total_cmp);
+    uploaded.sort_unstable_by(f64::total_cmp);
+    // 3. Single steps, down and up again, from levels all over the range.
+    let mut times = Vec::new();
+    for number in 1..=STEPS {
+        let level = (last * number / STEPS).max(1);
+        cursor.set_level(level)?;
+        let start = Instant::now();
+        cursor.set_level(level - 1)?;
+        cursor.set_level(level)?;
+        times.push(1e6 * start.elapsed().as_secs_f64() / 2.0);
+    }
+    Ok(BlockFigures {
+        model: name.into(),
+        options,
+        triangles: sequence.triangle_count(last)?,
+        memory: tristrip::lod::LevelModel::memory(&*model),
+        keys: model.keys().len(),
+        sent: sent as f64 / in_lists.max(1) as f64,
+        milliseconds,
+        uploaded,
+        step_microseconds: times.iter().sum::<f64>() / times.len() as f64,
+    })
+}
+
+/// Compares the times and the memory of a model's recovery with those of the published models.
+pub(super) fn compare_recovery(model: &str, measured: &[ModelRecovery]) -> Vec<Target> {
+    let of = |kind: ModelKind| measured.iter().find(|model| model.model == kind.name());
+    let (Some(blocks), Some(mts)) = (of(ModelKind::Blocks), of(ModelKind::Mts)) else { return Vec::new() };
+    let ratio = |(i, test): (usize, &tristrip_lab::recovery::RecoveryTest)| {
+        let of_others = PUBLISHED.iter().filter_map(|&kind| Some(of(kind)?.tests.get(i)?.microseconds));
+        Some(test.microseconds / of_others.min_by(f64::total_cmp)?)
+    };
+    let worst = blocks.tests.iter().enumerate().filter_map(ratio).fold(0.0, f64::max);
+    let what =
+        format!("time of blocks relative to the quickest published model, worst of all tests, {model}");
+    let time = Target::at_most(what, 0.6, worst, 2);
+    let what = format!("memory of blocks relative to mts, {model}");
+    vec![time, Target::at_most(what, 1.0, blocks.memory as f64 / mts.memory.max(1) as f64, 2)]
+}
+
+/// Compares with the targets.
+pub(super) fn compare(figures: &[BlockFigures], built: Option<&BuildFigures>) -> Vec<Target> {
+    let mut targets = Vec::new();
+    for model in figures {
+        if SENT.contains(&model.model.as_str()) {
+            let what = format!(
+                "vertices sent by blocks over all levels, {} bytes per triangle, {}",
+                model.options.memory(),
+                model.model
+            );
+            targets.push(Target::at_most(what, 0.42, model.sent, 2));
+        }
+        if model.options != BlockOptions::default() {
+            continue;
+        }
+        if model.model == "bunny" {
+            let what = "a step of blocks by one level, mean microseconds, bunny".into();
+            targets.push(Target::at_most(what, 5.0, model.step_microseconds, 1));
+        }
+        if model.model == "dragon" {
+            let what = "a move of blocks by 1 % of the levels, median ms, dragon".into();
+            targets.push(Target::at_most(what, 0.5, median(model.milliseconds.clone()), 1));
+            let what = format!("the same, percent of the buffer in {RANGES} ranges");
+            targets.push(Target::at_most(what, 15.0, 100.0 * median(model.uploaded.clone()), 0));
+        }
+    }
+    if let Some(built) = built {
+        let of = |what: &str| format!("building sets, mts, lod-strips and blocks, {what}, {}", built.model);
+        targets.push(Target::at_most(of("seconds"), 10.0, built.seconds, 0));
+        targets.push(Target::at_most(of("bytes per triangle"), 400.0, built.bytes_per_triangle, 0));
+    }
+    targets
+}
+
+/// Returns a row per model and options.
+pub(super) fn table(figures: &[BlockFigures]) -> Table {
+    let heads = [
+        "model",
+        "effort",
+        "bytes per triangle",
+        "keys",
+        "vertices sent",
+        "move ms",
+        "worst ms",
+        "upload %",
+        "worst %",
+        "step µs",
+    ];
+    let mut table = Table::new(1, &heads);
+    for model in figures {
+        let last = |values: &[f64]| values.last().copied().unwrap_or(0.0);
+        table.push(vec![
+            model.model.clone(),
+            model.options.repair().effort().level().to_string(),
+            format!("{:.1}", model.memory as f64 / model.triangles.max(1) as f64),
+            model.keys.to_string(),
+            format!("{:.3}", model.sent),
+            format!("{:.3}", median(model.milliseconds.clone())),
+            format!("{:.3}", last(&model.milliseconds)),
+            format!("{:.1}", 100.0 * median(model.uploaded.clone())),
+            format!("{:.1}", 100.0 * last(&model.uploaded)),
+            format!("{:.2}", model.step_microseconds),
+        ]);
+    }
+    table
+}
