@@ -221,7 +221,7 @@ fn main() -> Result<(), Failure> {
              The model `blocks`, of which a level is an index buffer that moves patch in place, over strips of `best` and all levels: vertices sent\n\
              over all levels, each drawn once, as a fraction of three per triangle; 99 moves of one percent of the levels from the full mesh down, in\n\
              milliseconds, and the share of the buffer that each uploads in at most 256 ranges, medians and worst; a step by one level. A second row\n\
-             has more memory and search. A move to the levels of another key replaces the whole buffer.\n\n{}",
+             has more memory, and more search or strips cut for small uploads. A move to the levels of another key replaces the whole buffer.\n\n{}",
             of_blocks.markdown()
         )?;
         fs::write(docs.join("levels.md"), page)?;

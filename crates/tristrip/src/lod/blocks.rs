@@ -36,6 +36,7 @@ mod options;
 mod records;
 #[cfg(test)]
 mod tests;
+mod upload_order;
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -53,6 +54,7 @@ use key_strips::KeyStrips;
 use live_buffer::LiveBuffer;
 pub use options::BlockOptions;
 use records::{Position, RecordList, Records};
+use upload_order::SlotChanges;
 
 /// Strips at all levels as index buffers of some levels, and the slots that collapses rename in them.
 ///
@@ -126,12 +128,16 @@ impl Blocks {
         let (mut keys, mut entries, mut records) = (Vec::new(), Packed::default(), RecordList::new(largest));
         let (mut entry_count, mut renamed) = (0, 0);
         for (i, &level) in key_levels.iter().enumerate() {
-            let mut buffer = LiveBuffer::new(of_keys.at(level)?, vertex_count);
+            let end = key_levels.get(i + 1).copied().unwrap_or(0);
+            let mut map = of_keys.at(level)?;
+            if options.small_uploads() {
+                map = in_upload_order(map, &sequence, end..level);
+            }
+            let mut buffer = LiveBuffer::new(map, vertex_count);
             buffer.entries().iter().for_each(|&entry| entries.push(entry.min(largest + 1), entry_bits));
             let start = entry_count;
             entry_count += buffer.entries().len();
             keys.push(Key { level, entries: start..entry_count, records: records.end() });
-            let end = key_levels.get(i + 1).copied().unwrap_or(0);
             for below in (end..level).rev() {
                 let changes = buffer.collapse(sequence.collapse_to(below).renames);
                 renamed += changes.len();
@@ -327,6 +333,22 @@ impl<I: Index> LevelCursor for BlocksCursor<I> {
     fn memory(&self) -> usize {
         self.buffer.capacity() * size_of::<I>() + self.display.memory()
     }
+}
+
+/// Orders the strips of a key by the changes of the levels below it.
+fn in_upload_order(map: Vec<u32>, sequence: &CollapseSequence, levels: Range<usize>) -> Vec<u32> {
+    // A move by a percent of all levels is about as long as the smallest intervals.
+    let mut changes = SlotChanges::new(map.len().max(1), levels.len(), sequence.len() / 100);
+    let mut buffer = LiveBuffer::new(map, sequence.vertex_count());
+    let entries = buffer.entries().to_vec();
+    for (number, below) in (0..).zip(levels.rev()) {
+        let of_collapse = buffer.collapse(sequence.collapse_to(below).renames);
+        of_collapse
+            .iter()
+            .filter(|change| change.fine != change.coarse)
+            .for_each(|change| changes.add(change.slot, number));
+    }
+    upload_order::ordered(&entries, &changes)
 }
 
 fn check_renamed(renamed: usize, strips: &Strips) -> Result<(), Error> {

@@ -332,7 +332,7 @@ mod tests {
         let Sets(model) = Sets::new(&strips, &sequence).unwrap();
         let walk = |state: u32| {
             let mut vertices = [NONE; 8];
-            let len = model.recover(0, state, &mut Vec::new(), &mut vertices);
+            let len = model.recover(0, state, &mut Vec::new(), &mut vertices, &mut ());
             vertices[..len].iter().map(|&v| letter(v)).collect::<String>()
         };
         assert_eq!((walk(1), walk(3)), ("abddefgh".into(), "edgh".into()));

@@ -26,12 +26,17 @@ const VERTICES_PER_COLLAPSE: f64 = 2.8;
 pub struct BlockOptions {
     repair: RepairOptions,
     memory: u32,
+    small_uploads: bool,
 }
 
 impl Default for BlockOptions {
-    /// 18 bytes per triangle, and keys repaired at effort 2.
+    /// 18 bytes per triangle, and keys repaired at effort 1.
     fn default() -> Self {
-        Self { repair: RepairOptions::default().with_effort(Effort::new(2).unwrap_or_default()), memory: 18 }
+        Self {
+            repair: RepairOptions::default().with_effort(Effort::new(1).unwrap_or_default()),
+            memory: 18,
+            small_uploads: false,
+        }
     }
 }
 
@@ -60,11 +65,33 @@ impl BlockOptions {
         Self { memory: bytes_per_triangle.min(MOST_MEMORY), ..self }
     }
 
+    /// Cuts the strips so that a move by a percent of the levels uploads a small part of the buffer in few ranges, instead of slots all over it. About a
+    /// quarter more vertices are sent: for buffers that are expensive to upload.
+    ///
+    /// ```
+    /// # use tristrip::lod::BlockOptions;
+    /// assert!(BlockOptions::default().with_small_uploads(true).small_uploads());
+    /// ```
+    #[must_use]
+    pub fn with_small_uploads(self, small_uploads: bool) -> Self {
+        Self { small_uploads, ..self }
+    }
+
+    /// Returns whether the strips are cut so that moves upload little.
+    ///
+    /// ```
+    /// # use tristrip::lod::BlockOptions;
+    /// assert!(!BlockOptions::default().small_uploads());
+    /// ```
+    pub fn small_uploads(&self) -> bool {
+        self.small_uploads
+    }
+
     /// Returns how the strips of the keys are repaired.
     ///
     /// ```
     /// # use tristrip::lod::BlockOptions;
-    /// assert_eq!(BlockOptions::default().repair().effort().level(), 2);
+    /// assert_eq!(BlockOptions::default().repair().effort().level(), 1);
     /// ```
     pub fn repair(&self) -> RepairOptions {
         self.repair

@@ -13,8 +13,9 @@ proptest! {
         jumps in prop::collection::vec(any::<usize>(), 1..9),
         most in 0..4_usize,
         memory in 0..60_u32,
+        small_uploads in any::<bool>(),
     ) {
-        let options = BlockOptions::default().with_memory(memory);
+        let options = BlockOptions::default().with_memory(memory).with_small_uploads(small_uploads);
         let model = Blocks::new(&sample.strips, sample.sequence.clone(), &options).unwrap();
         let mut cursor = Arc::new(model).cursor().unwrap();
         let mut uploaded: Vec<u8> = Vec::new();
