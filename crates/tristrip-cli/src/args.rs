@@ -221,6 +221,7 @@ pub(crate) struct ConvertArgs {
 #[command(after_long_help = "Papers:
   000  El-Sana et al., Efficiently Computing and Updating Triangle Strips, 2000
   001  Kim et al., A Rendering-Efficient Progressive Transmission of 3D Meshes, 2005
+  002  Belmonte et al., Triangle Strip Multiresolution Modelling Using Sorted Edges (SETS), 2006
   003  Porcu, Scateni, Partitioning Meshes into Strips (ETA), 2006
   004  Evans, Skiena, Varshney, Efficiently Generating Triangle Strips, 1996
 

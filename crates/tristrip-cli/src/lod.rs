@@ -8,7 +8,7 @@ use tristrip_lab::recovery;
 use tristrip_lab::traffic::{self, TrafficModel, measure_levels, totals, totals_as_text};
 use tristrip_pipeline::text::{count, counted};
 use tristrip_pipeline::{
-    EncodeOptions, Event, LevelsOptions, MethodReport, ModelLevels, levels_observed, rounded,
+    EncodeOptions, Event, LevelGoal, LevelsOptions, MethodReport, ModelLevels, levels_observed, rounded,
 };
 
 use crate::batch;
@@ -85,8 +85,17 @@ fn run_stages(
     let show = |event: Event<'_>, seconds: f64| show_building(event, seconds, console, report);
     let stages = Stages::new(console, load, show).with_budget(task.budget);
     let levels = levels_observed(&model, &options, &stages)?;
-    let level = task.goal.of(&levels)?;
+    let level = levels.level_of(task.goal)?;
     report.level = Some(level);
+    let triangles = levels.triangle_count(level)?;
+    if let LevelGoal::Triangles(wanted) = task.goal
+        && triangles > wanted
+    {
+        let note =
+            format!("{} asked for: the base mesh has {}", counted(wanted, "triangle"), count(triangles));
+        console.note(&note);
+        report.notes.push(note);
+    }
     draw(&model, &levels, level, job, task, console, report)
 }
 

@@ -271,6 +271,35 @@ impl ModelLevels {
         Ok(self.parts.iter().zip(of_parts).map(of_part).sum::<Result<usize, _>>()?)
     }
 
+    /// Returns the level that a goal selects.
+    ///
+    /// # Errors
+    /// A level by number is higher than that of the full mesh, or an error or a number of pixels is negative or not a number.
+    ///
+    /// ```
+    /// use tristrip::lod::View;
+    /// use tristrip_io::{Format, read};
+    /// use tristrip_pipeline::{Deviation, LevelGoal};
+    /// // A ridge of height 1 over a square: without its middle vertex, the error is 1.
+    /// let model = read(b"v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 1\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n", Format::Obj)?;
+    /// let levels = tristrip_pipeline::levels(&model, &Default::default())?;
+    /// let triangles = |goal: LevelGoal| levels.level_of(goal).and_then(|level| levels.triangle_count(level));
+    /// assert_eq!(triangles(LevelGoal::Error(Deviation::Units(0.1)))?, 4);
+    /// assert_eq!(triangles(LevelGoal::Triangles(3))?, 2);
+    /// // From far away it covers less than a pixel.
+    /// let view = View::of_camera(1e6, View::FIELD_OF_VIEW, View::ROWS)?;
+    /// assert_eq!(triangles(LevelGoal::Pixels(1.0, view))?, 2);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn level_of(&self, goal: LevelGoal) -> Result<usize, Error> {
+        match goal {
+            LevelGoal::Level(level) => level.of(self.collapse_count()),
+            LevelGoal::Triangles(count) => self.level_of_triangles(count),
+            LevelGoal::Error(error) => self.level_of_error(error.units(self.collapses.diagonal)),
+            LevelGoal::Pixels(pixels, view) => self.level_of_error(view.length_of(pixels)),
+        }
+    }
+
     /// Returns the finest level with at most this number of triangles; 0 if there is none.
     ///
     /// # Errors
@@ -304,7 +333,7 @@ impl ModelLevels {
     /// Returns the coarsest level with at most this surface error, in mesh units.
     ///
     /// # Errors
-    /// The levels are inconsistent; no input is known that causes this.
+    /// The error is negative or not a number.
     ///
     /// ```
     /// # use tristrip_io::{Format, read};
@@ -314,6 +343,10 @@ impl ModelLevels {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn level_of_error(&self, error: f32) -> Result<usize, Error> {
+        if error.is_nan() || error < 0.0 {
+            let (name, found, expected) = ("error", error.to_string(), "0 or more");
+            return Err(tristrip::Error::Parameter { name, found, expected }.into());
+        }
         let full = self.collapse_count();
         let mut of_parts = self.order.of_parts(full)?;
         for (number, parts) in self.order.parts_from_full().enumerate() {

@@ -160,6 +160,17 @@ mod tests {
         }
 
         #[test]
+        fn rows_are_unpacked(start in 0..70_u32, bits in 0..=32_u32, numbers in prop::collection::vec(any::<u32>(), 0..40)) {
+            let mut packed = Packed::default();
+            (0..start).for_each(|_| packed.push(1, 1));
+            let cut = |number: u32| (u64::from(number) & ((1 << bits) - 1)) as u32;
+            numbers.iter().for_each(|&number| packed.push(cut(number), bits));
+            let mut target = vec![0; numbers.len()];
+            packed.unpack(start as usize, bits, &mut target, |number| number);
+            prop_assert_eq!(target, numbers.into_iter().map(cut).collect::<Vec<_>>());
+        }
+
+        #[test]
         fn rows_are_searched(mut numbers in prop::collection::vec(0..40_u32, 0..30), least in 0..50_u32) {
             numbers.sort_unstable();
             let bits = bits_for(39);

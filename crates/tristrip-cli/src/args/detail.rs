@@ -103,7 +103,8 @@ pub(crate) struct LodArgs {
     pub(crate) model: ModelKind,
     /// The ratio of all triangles that the base mesh keeps: 0.05 or 5% [default: 5%; 0 with --triangles, --error or --pixels]
     ///
-    /// If the surface cannot be simplified this far without tearing or folding, the base mesh has more triangles, and a note says so.
+    /// If the surface cannot be simplified this far without tearing or folding, the base mesh has more triangles, and a note says so unless
+    /// the ratio is 0.
     #[arg(long, value_name = "RATIO", help_heading = "Levels", allow_negative_numbers = true)]
     pub(crate) base: Option<Ratio>,
     /// The level to draw: the number of undone collapses, or a percentage of all collapses such as 40% [default: 10%]
@@ -153,11 +154,19 @@ pub(crate) struct LodArgs {
         value_name = "DEGREES",
         default_value_t = View::FIELD_OF_VIEW,
         help_heading = "Levels",
-        allow_negative_numbers = true
+        allow_negative_numbers = true,
+        requires = "pixels"
     )]
     pub(crate) field_of_view: f32,
     /// The rows of the image
-    #[arg(long, value_name = "ROWS", default_value_t = View::ROWS, help_heading = "Levels", allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "ROWS",
+        default_value_t = View::ROWS,
+        help_heading = "Levels",
+        allow_negative_numbers = true,
+        requires = "pixels"
+    )]
     pub(crate) rows: f32,
     /// How the strips of --model progressive and naive are filtered before they are drawn [default: repair]
     #[arg(long, value_parser = named(DisplayFilter::ALL, DisplayFilter::name, DisplayFilter::summary), value_name = "FILTER", help_heading = "Levels")]

@@ -86,7 +86,8 @@ pub(crate) struct CollapseArgs {
     ///
     /// The error of a collapse is the largest distance from the triangles that it leaves to the vertices that they replace, those of earlier
     /// collapses included, or from the old triangles to the middles of its new edges. Near the limit the new triangles are also compared with the
-    /// full mesh. A number of triangles or a level that needs a larger error is not reached, and a warning says so.
+    /// full mesh. A number of triangles or a level that needs a larger error is not reached, and a warning says so. `lod` without --chain has no
+    /// such limit: there --error draws the coarsest level within it.
     #[arg(long, value_name = "ERROR", allow_negative_numbers = true)]
     pub(crate) error: Option<Deviation>,
     /// How much attributes count relative to the shape: normal=1,uv=1,colour=1,tangent=1,skin=1 [default: 1 each]

@@ -66,6 +66,9 @@ fn a_level_is_selected_by_what_it_has_to_reach() {
     assert_eq!((number(&few, "triangles"), number(&few, "level") > 0), (200, true));
     let limited = lod("hand.ply", &["--triangles", "200", "--base", "10%"]);
     assert_eq!((number(&limited, "level"), &limited["triangles"]), (0, &limited["triangles_base"]));
+    let notes = |report: &Value| report["notes"].to_string();
+    assert!(notes(&limited).contains("200 triangles asked for"), "{limited}");
+    assert!(!notes(&few).contains("asked for"));
     let error = |report: &Value| report["surface_error"].as_f64().unwrap();
     let of_error = lod("hand.ply", &["--error", "0.2%"]);
     assert!(
@@ -108,6 +111,8 @@ fn goals_of_levels_exclude_each_other() {
         &["--pixels", "-1", "--distance", "1"],
         &["--pixels", "nan", "--distance", "1"],
         &["--pixels", "1", "--distance", "1", "--rows", "0"],
+        &["--level", "10%", "--field-of-view", "30"],
+        &["--rows", "500"],
         &["--chain", "100%,50%", "--pixels", "1", "--distance", "1"],
     ] {
         tristrip().arg("lod").args(arguments).arg(model("hand.ply")).assert().code(2);

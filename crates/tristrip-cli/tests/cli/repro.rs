@@ -149,7 +149,7 @@ fn papers_are_known_by_their_numbers() {
     for (arguments, message) in [
         (
             &["repro", "--papers", "004,999", "-o", "docs"][..],
-            "unknown paper \"999\"; known papers: 000, 001, 003, 004",
+            "unknown paper \"999\"; known papers: 000, 001, 002, 003, 004",
         ),
         (&["repro", "--papers", "004"][..], "--output"),
     ] {

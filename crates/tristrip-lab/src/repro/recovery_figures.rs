@@ -10,6 +10,7 @@
 //! - `fall_MODEL_SWEEP`: entries per move at 20 % of the levels, in percent of those at 1 %;
 //! - `exponential_MODEL_SHARE`: those of the exponential sweep in percent of those of the linear one;
 //! - `faster`: by how many percent MTS reads more than SETS, in the best case;
+//! - `triangles_SWEEP_SHARE`: triangles per recovered level;
 //! - `drawn_SHARE`: triangles per recovered level of the exponential sweep in percent of those of the linear one.
 
 use std::collections::BTreeMap;
@@ -99,7 +100,9 @@ pub(super) fn measure(
     let ratios =
         figures.iter().filter(|(name, _)| name.starts_with("ratio_linear") || name.starts_with("ratio_exp"));
     let least = ratios.map(|(_, ratio)| *ratio).fold(f64::INFINITY, f64::min);
-    figures.insert("faster".into(), 100.0 * (1.0 / least - 1.0));
+    if least.is_finite() && least > 0.0 {
+        figures.insert("faster".into(), 100.0 * (1.0 / least - 1.0));
+    }
     Ok(figures)
 }
 

@@ -4,7 +4,6 @@ use std::str::FromStr;
 
 use tristrip::lod::View;
 
-use super::ModelLevels;
 use crate::error::Error;
 use crate::goal::Deviation;
 
@@ -63,37 +62,6 @@ pub enum LevelGoal {
     Error(Deviation),
     /// The coarsest level whose surface error covers at most this number of pixels of a view.
     Pixels(f32, View),
-}
-
-impl LevelGoal {
-    /// Returns the level of a model.
-    ///
-    /// # Errors
-    /// The level is higher than that of the full mesh.
-    ///
-    /// ```
-    /// use tristrip::lod::View;
-    /// use tristrip_io::{Format, read};
-    /// use tristrip_pipeline::{Deviation, LevelGoal};
-    /// // A ridge of height 1 over a square: without its middle vertex, the error is 1.
-    /// let model = read(b"v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 1\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n", Format::Obj)?;
-    /// let levels = tristrip_pipeline::levels(&model, &Default::default())?;
-    /// let level = |goal: LevelGoal| goal.of(&levels).and_then(|level| levels.triangle_count(level));
-    /// assert_eq!(level(LevelGoal::Error(Deviation::Units(0.1)))?, 4);
-    /// assert_eq!(level(LevelGoal::Triangles(3))?, 2);
-    /// // From far away it covers less than a pixel.
-    /// let view = View::of_camera(1e6, View::FIELD_OF_VIEW, View::ROWS)?;
-    /// assert_eq!(level(LevelGoal::Pixels(1.0, view))?, 2);
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
-    pub fn of(self, levels: &ModelLevels) -> Result<usize, Error> {
-        match self {
-            Self::Level(level) => level.of(levels.collapse_count()),
-            Self::Triangles(count) => levels.level_of_triangles(count),
-            Self::Error(error) => levels.level_of_error(error.units(levels.collapses.diagonal)),
-            Self::Pixels(pixels, view) => levels.level_of_error(view.length_of(pixels)),
-        }
-    }
 }
 
 #[cfg(test)]

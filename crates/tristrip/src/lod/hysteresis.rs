@@ -12,7 +12,7 @@
 //! A level that is too coarse is replaced with the finest of the range, and one that is too fine with the coarsest one. So a view that goes on in its
 //! direction changes the level again only after it has passed the whole range.
 
-use super::level_model::LevelTable;
+use super::level_table::LevelTable;
 use crate::error::Error;
 
 /// The share of the allowed error below which a level is too fine.
@@ -77,7 +77,12 @@ impl Hysteresis {
     /// ```
     pub fn level(self, levels: &LevelTable, current: usize, error: f32) -> Result<usize, Error> {
         let coarsest = levels.level_of_error(error)?;
-        let finest = levels.level_of_error(self.share * error)?;
+        // At 0 no level is too fine.
+        let finest = if self.share == 0.0 {
+            levels.collapse_count()
+        } else {
+            levels.level_of_error(self.share * error)?
+        };
         Ok(if current < coarsest {
             finest
         } else if current > finest {
@@ -133,6 +138,16 @@ mod tests {
         let vertex_count = count as usize + 3;
         let sequence = CollapseSequence::from_collapses(vertex_count, strips.to_list(), collapses).unwrap();
         LevelTable::of(&sequence)
+    }
+
+    #[test]
+    fn without_a_share_no_level_is_too_fine() {
+        let levels = table(vec![0.0, 0.0, 0.5]);
+        let never = Hysteresis::new(0.0).unwrap();
+        assert_eq!(never.level(&levels, 3, f32::INFINITY).unwrap(), 3);
+        assert_eq!(never.level(&levels, 3, 0.0).unwrap(), 3);
+        assert_eq!(never.level(&levels, 0, 0.1).unwrap(), 3);
+        assert!(never.level(&levels, 0, f32::NAN).is_err());
     }
 
     #[test]

@@ -19,7 +19,8 @@
 use std::sync::Arc;
 
 use super::index_map::check_strips;
-use super::level_model::{LevelCursor, LevelModel, LevelTable};
+use super::level_model::{LevelCursor, LevelModel};
+use super::level_table::LevelTable;
 use super::shortened::{NONE, edits_of};
 use super::strip_states::StripState;
 use crate::collapse::{CollapseSequence, Rename};

@@ -20,7 +20,8 @@
 
 use std::sync::Arc;
 
-use super::level_model::{LevelCursor, LevelModel, LevelTable};
+use super::level_model::{LevelCursor, LevelModel};
+use super::level_table::LevelTable;
 use super::multiresolution::{
     Accesses, Graph, ListBuilder, RecoveredStrips, StripGraphs, SuccessorLists, graph_model,
 };

@@ -11,7 +11,8 @@ use std::marker::PhantomData;
 use std::sync::Arc;
 
 use super::index_map::check_strips;
-use super::level_model::{LevelCursor, LevelTable};
+use super::level_model::LevelCursor;
+use super::level_table::LevelTable;
 use super::replay::MAX_SLOTS_PER_ENTRY;
 use super::shortened::edits_of;
 use super::strip_graph::StripGraph;

@@ -33,7 +33,8 @@ use std::sync::Arc;
 
 use super::filter::Filter;
 use super::index_map::{RESTART, check_strips};
-use super::level_model::{LevelCursor, LevelModel, LevelTable};
+use super::level_model::{LevelCursor, LevelModel};
+use super::level_table::LevelTable;
 pub use super::replay::SlotUpdate;
 use super::replay::{Records, Replay};
 use crate::collapse::CollapseSequence;

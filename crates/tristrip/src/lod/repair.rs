@@ -69,7 +69,8 @@ pub use options::RepairOptions;
 use std::sync::Arc;
 
 use super::level_mesh::LevelMesh;
-use super::level_model::{LevelCursor, LevelTable};
+use super::level_model::LevelCursor;
+use super::level_table::LevelTable;
 use crate::collapse::CollapseSequence;
 use crate::cover::PathCover;
 use crate::cover::local_search::LocalSearch;

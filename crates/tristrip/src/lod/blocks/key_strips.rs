@@ -14,33 +14,30 @@ use crate::strip::Strips;
 pub(super) struct KeyStrips<'a> {
     full: &'a Strips,
     sequence: &'a Arc<CollapseSequence>,
-    options: &'a BlockOptions,
-    repair: Option<Repair>,
+    repair: Repair,
 }
 
 impl<'a> KeyStrips<'a> {
+    /// # Errors
+    /// As [`Repair::new`].
     pub(super) fn new(
         full: &'a Strips,
         sequence: &'a Arc<CollapseSequence>,
-        options: &'a BlockOptions,
-    ) -> Self {
-        Self { full, sequence, options, repair: None }
+        options: &BlockOptions,
+    ) -> Result<Self, Error> {
+        let repair = Repair::new(Arc::clone(sequence), full, options.repair())?;
+        Ok(Self { full, sequence, repair })
     }
 
     /// Returns the index map of the strips of a level.
     ///
     /// # Errors
-    /// As [`Repair::new`].
+    /// There is no such level.
     pub(super) fn at(&mut self, level: usize) -> Result<Vec<u32>, Error> {
         if level == self.sequence.len() {
             return Ok(self.full.to_restart(RESTART));
         }
-        let repair = match self.repair.take() {
-            Some(repair) => repair,
-            None => Repair::new(Arc::clone(self.sequence), self.full, self.options.repair())?,
-        };
-        let repair = self.repair.insert(repair);
-        repair.set_level(level)?;
-        Ok(repair.strips().to_restart(RESTART))
+        self.repair.set_level(level)?;
+        Ok(self.repair.strips().to_restart(RESTART))
     }
 }

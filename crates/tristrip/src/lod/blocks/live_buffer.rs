@@ -1,10 +1,9 @@
 //! The index buffer of a key while the collapses below it are applied, to find what each of them writes.
 //!
 //! ```text
-//! … a b c | d e f …      c d e lies between two triangles and draws nothing
-//!
-//!   b c c x x d e        the slots between the last vertex of a triangle and the first one of the next
-//!         ⟂ ⟂            are overwritten with restarts: two vertices less
+//! strip         a b c d e f g h
+//! d, e, f → c   a b c c c c g h     a b c and c g h are drawn
+//! written       a b c ⟂ ⟂ c g h     the slots between them are restarts: two vertices less
 //! ```
 //! # Algorithm
 //! A collapse writes the kept vertex into the slots of the removed one. Then the degenerate triangles around each of these slots are looked at, as

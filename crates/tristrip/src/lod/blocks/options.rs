@@ -2,7 +2,7 @@
 
 use crate::effort::Effort;
 use crate::lod::RepairOptions;
-use crate::lod::level_model::LevelTable;
+use crate::lod::level_table::LevelTable;
 use crate::packed::bits_for;
 use crate::strip::Strips;
 
@@ -123,7 +123,8 @@ impl BlockOptions {
         let of_full = bytes(entry_count as f64 * f64::from(bits_for(largest + 1)));
         let x = 2.0 / 3.0 * of_full / for_keys;
         let mut keys = vec![level];
-        while level > 0 {
+        // Without triangles there is nothing to draw.
+        while level > 0 && levels.triangles_at(level) > 0 {
             let triangles = levels.triangles_at(level) as f64;
             let fall = (x * (triangles * full).sqrt()).min(triangles / 2.0);
             level = levels.level_of_triangles((triangles - fall) as usize).min(level - 1);

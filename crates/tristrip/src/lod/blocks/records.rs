@@ -8,6 +8,7 @@
 
 use std::ops::Range;
 
+use super::index_of;
 use super::live_buffer::Change;
 use crate::error::Error;
 use crate::index::Index;
@@ -32,19 +33,15 @@ pub(super) struct Position {
 pub(super) struct RecordList {
     words: Vec<u32>,
     vertices: Packed,
-    vertex_bits: u32,
+    /// The number that stands for a restart: that after the largest vertex.
+    restart: u32,
     vertex_count: usize,
 }
 
 impl RecordList {
     /// Creates a list of collapses of vertices up to `largest`.
     pub(super) fn new(largest: u32) -> Self {
-        Self {
-            words: Vec::new(),
-            vertices: Packed::default(),
-            vertex_bits: bits_for(largest),
-            vertex_count: 0,
-        }
+        Self { words: Vec::new(), vertices: Packed::default(), restart: largest + 1, vertex_count: 0 }
     }
 
     /// Returns the place after the last collapse.
@@ -78,7 +75,8 @@ impl RecordList {
     }
 
     fn push_vertex(&mut self, vertex: u32) {
-        self.vertices.push(vertex, self.vertex_bits);
+        // An empty collapse may have a restart before it, too.
+        self.vertices.push(vertex.min(self.restart), bits_for(self.restart));
         self.vertex_count += 1;
     }
 
@@ -93,7 +91,7 @@ impl RecordList {
         let word_bits = bits_for(self.words.iter().copied().max().unwrap_or(0));
         let mut words = Packed::default();
         self.words.iter().for_each(|&word| words.push(word, word_bits));
-        Records { words, word_bits, vertices: self.vertices, vertex_bits: self.vertex_bits }
+        Records { words, word_bits, vertices: self.vertices, restart: self.restart }
     }
 }
 
@@ -103,7 +101,7 @@ pub(super) struct Records {
     words: Packed,
     word_bits: u32,
     vertices: Packed,
-    vertex_bits: u32,
+    restart: u32,
 }
 
 impl Records {
@@ -114,11 +112,11 @@ impl Records {
 
     #[inline]
     fn vertex<I: Index>(&self, i: usize) -> I {
-        let vertex = self.vertices.get(i * self.vertex_bits as usize, self.vertex_bits);
-        I::from_vertex(vertex).unwrap_or(I::RESTART)
+        let bits = bits_for(self.restart);
+        index_of(self.vertices.get(i * bits as usize, bits), self.restart)
     }
 
-    /// Applies this number of collapses, of which there are as many, to the buffer of their key.
+    /// Applies this number of collapses, which must follow the position, to the buffer of their key.
     pub(super) fn collapse<I: Index>(&self, count: usize, position: &mut Position, buffer: &mut [I]) {
         let (mut left, Position { word: mut next, mut vertex }) = (count, *position);
         while left > 0 {
@@ -134,7 +132,7 @@ impl Records {
         *position = Position { word: next, vertex };
     }
 
-    /// Undoes this number of collapses, of which there are as many before the position, in the buffer of their key.
+    /// Undoes this number of collapses, which must lie before the position, in the buffer of their key.
     pub(super) fn split<I: Index>(&self, count: usize, position: &mut Position, buffer: &mut [I]) {
         let (mut left, Position { word: mut next, mut vertex }) = (count, *position);
         // Up to the last word of the collapse before the first one that is undone.

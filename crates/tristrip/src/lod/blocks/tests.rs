@@ -23,6 +23,10 @@ proptest! {
             let level = jump % (sample.sequence.len() + 1);
             cursor.set_level(level).unwrap();
             prop_assert_eq!(sorted(cursor.strips().triangles()), sorted(sample.sequence.drawn(level).unwrap()));
+            if jump % 3 == 0 {
+                // Several moves between two calls, also to other keys and back.
+                continue;
+            }
             let changed = cursor.take_changed(most);
             prop_assert!(changed.len() <= most.max(1));
             prop_assert!(changed.iter().all(|range| !range.is_empty()));
@@ -84,6 +88,59 @@ fn slots_between_two_triangles_become_restarts() {
         buffers_of(&strip, &[[3, 4], [5, 4], [6, 4]]),
         [[0, 1, 2, 4, 4, 5, 6, 7, 8, 9], [0, 1, 2, 4, 4, 4, 6, 7, 8, 9], [0, 1, 2, 4, R, R, 4, 7, 8, 9]]
     );
+}
+
+/// Builds the model of one strip and moves over all levels; every one is drawn.
+fn check_levels(strips: &Strips, sequence: &CollapseSequence) {
+    for small_uploads in [false, true] {
+        let options = BlockOptions::default().with_small_uploads(small_uploads);
+        let mut cursor = Arc::new(Blocks::new(strips, sequence.clone(), &options).unwrap()).start();
+        let last = sequence.len();
+        for level in (0..=last).rev().chain(0..=last) {
+            cursor.set_level(level).unwrap();
+            assert_eq!(sorted(cursor.strips().triangles()), sorted(sequence.drawn(level).unwrap()));
+        }
+    }
+}
+
+fn sequence_of(vertex_count: usize, triangles: Vec<u32>, renames: &[[u32; 2]]) -> CollapseSequence {
+    let renames: Vec<[Rename; 1]> =
+        renames.iter().map(|&[removed, kept]| [Rename { removed, kept }]).collect();
+    let collapses = renames.iter().map(|renames| (&renames[..], 0.5));
+    CollapseSequence::from_collapses(vertex_count, triangles, collapses).unwrap()
+}
+
+#[test]
+fn collapses_may_rename_what_is_not_drawn() {
+    let mut strips = Strips::default();
+    strips.push(&[0, 1, 2]);
+    check_levels(&strips, &sequence_of(3, vec![0, 1, 2], &[[2, 1], [1, 0]]));
+    // The kept vertex is in no strip.
+    check_levels(&strips, &sequence_of(10, vec![0, 1, 2, 9, 9, 9], &[[2, 9]]));
+    check_levels(&Strips::default(), &sequence_of(3, vec![0, 0, 1], &[[0, 1]]));
+    strips.push(&[3, 4, 5]);
+    check_levels(&strips, &sequence_of(6, vec![0, 1, 2, 3, 4, 5], &[[0, 1], [1, 2], [4, 5]]));
+}
+
+#[test]
+fn without_triangles_there_are_no_more_keys() {
+    let mut strips = Strips::default();
+    strips.push(&[0, 1, 2]);
+    let renames: Vec<[u32; 2]> = (0..500).map(|i| [i, i + 1]).collect();
+    let sequence =
+        sequence_of(501, [vec![0, 1, 2], (2..501).flat_map(|v| [v; 3]).collect()].concat(), &renames);
+    let model = Blocks::new(&strips, sequence, &BlockOptions::default()).unwrap();
+    assert!(model.keys().len() <= 2, "{:?}", model.keys().collect::<Vec<_>>());
+}
+
+#[test]
+fn strips_of_another_mesh_are_refused() {
+    let mut strips = Strips::default();
+    strips.push(&[0, 1, 2]);
+    for renames in [&[][..], &[[3, 2]]] {
+        let sequence = sequence_of(4, vec![0, 1, 2, 2, 1, 3], renames);
+        assert!(Blocks::new(&strips, sequence, &BlockOptions::default()).is_err());
+    }
 }
 
 #[test]

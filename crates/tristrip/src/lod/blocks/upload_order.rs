@@ -15,7 +15,8 @@
 //! over its triangles and the intervals that contain them.
 //!
 //! # Complexity
-//! For each triangle as many steps as there are sizes of intervals, at most ten.
+//! For each triangle a step per pair of intervals that contain it and the one before it, of which there are at most ten. Long strips are taken in
+//! segments of [`SEGMENT`] triangles, each at the least cost, so that the memory is limited.
 
 use crate::lod::index_map::RESTART;
 use crate::mesh::is_degenerate;
@@ -28,6 +29,9 @@ const UPLOAD: f32 = 6.0;
 
 /// How far a triangle that never changes looks for one that does.
 const LOOK_AHEAD: usize = 16;
+
+/// Triangles that are taken at once.
+const SEGMENT: usize = 1 << 12;
 
 /// The most halvings.
 const MOST_DEPTH: u32 = 9;
@@ -97,7 +101,7 @@ pub(super) fn ordered(entries: &[u32], changes: &SlotChanges) -> Vec<u32> {
     for strip in entries.split(|&entry| entry == RESTART) {
         let triangle_count = strip.len().saturating_sub(2);
         let labels: Vec<Label> = (start..start + triangle_count).map(|first| changes.label(first)).collect();
-        let chosen = cheapest(&labels);
+        let chosen: Vec<Label> = labels.chunks(SEGMENT).flat_map(cheapest).collect();
         let mut begin = 0;
         for piece in chosen.chunk_by(|a, b| a == b) {
             let is_drawn = |i: &usize| !is_degenerate([strip[*i], strip[i + 1], strip[i + 2]]);
@@ -130,7 +134,7 @@ struct Choice {
     label: Label,
     cost: f32,
     /// The choice of the triangle before it.
-    before: usize,
+    before: u8,
 }
 
 /// Returns for each triangle of a strip the label with which the strip costs the least.
@@ -155,7 +159,7 @@ fn cheapest(labels: &[Label]) -> Vec<Label> {
             let Some(all_before) = choices.last() else {
                 return Choice { label, cost: price, before: 0 };
             };
-            let costs = all_before.iter().enumerate().map(|(before, choice)| {
+            let costs = all_before.iter().zip(0..).map(|(choice, before)| {
                 let cut = if choice.label == label { 0.0 } else { CUT };
                 (choice.cost + cut, before)
             });
@@ -172,7 +176,7 @@ fn cheapest(labels: &[Label]) -> Vec<Label> {
     for of_triangle in choices.iter().rev() {
         let choice = of_triangle[at];
         chosen.push(choice.label);
-        at = choice.before;
+        at = choice.before.into();
     }
     chosen.reverse();
     chosen
