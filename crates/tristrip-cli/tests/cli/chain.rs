@@ -151,9 +151,7 @@ fn flags_that_do_not_fit_are_wrong_usage() {
     usage(&["--chain", FOUR, "--level", "40%"], "cannot be used with");
     usage(&["--chain", FOUR, "--base", "1%"], "cannot be used with");
     let weld = ["--weld-distance", "0"];
-    for flags in
-        [&["--error", "1%"][..], &["--weight", "uv=2"], &["--permissive"], &["--lock-borders"], &weld]
-    {
+    for flags in [&["--weight", "uv=2"][..], &["--permissive"], &["--lock-borders"], &weld] {
         usage(flags, "--chain");
     }
     usage(&["--chain", FOUR, "--weld-distance", "-1"], "expected a distance");
