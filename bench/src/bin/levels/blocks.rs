@@ -44,7 +44,7 @@ pub(super) struct BlockFigures {
     step_microseconds: f64,
 }
 
-/// What building SETS, MTS, LodStrips and `blocks` takes.
+/// What building `sets`, `mts`, `lod-strips` and `blocks` takes.
 pub(super) struct BuildFigures {
     model: String,
     seconds: f64,

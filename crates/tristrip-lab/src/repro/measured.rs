@@ -32,6 +32,7 @@ pub(super) const CACHE_ENTRIES: std::ops::RangeInclusive<u32> = 2..=64;
 pub(super) const ONE_STRIP_COMPONENTS: &str = "one_strip_components";
 
 /// What is measured for a recipe in addition to the figures of its strips.
+#[allow(clippy::struct_excessive_bools, reason = "each is asked for by itself")]
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Extras {
     /// Generalized triangle meshes, for every size of the vertex cache.

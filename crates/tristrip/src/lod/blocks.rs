@@ -54,7 +54,7 @@ use changed_ranges::ChangedRanges;
 use key_strips::KeyStrips;
 use live_buffer::{Change, LiveBuffer};
 pub use options::BlockOptions;
-use records::{Position, RecordList, Records};
+use records::{Position, RecordList, Records, index_of};
 use upload_order::SlotChanges;
 
 /// Strips at all levels as index buffers of some levels, and the slots that collapses rename in them.
@@ -354,13 +354,6 @@ fn in_upload_order(
         changed.for_each(|change| changes.add(change.slot, number));
     }
     Ok(upload_order::ordered(&entries, &changes))
-}
-
-/// Converts an entry of a packed buffer or record to an index, of a type that all vertices fit.
-#[inline]
-fn index_of<I: Index>(entry: u32, restart: u32) -> I {
-    let index = I::from_vertex(entry).unwrap_or(I::RESTART);
-    if entry == restart { I::RESTART } else { index }
 }
 
 /// Counts renamed slots, of which a hostile sequence has very many.

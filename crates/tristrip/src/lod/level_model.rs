@@ -242,6 +242,7 @@ mod tests {
     use super::*;
     use crate::lod::samples::{Sample, samples, sorted};
     use crate::lod::{Encoding, Filter, ModelKind, ProgressiveStrips, RepairOptions, RepairedStrips};
+    use crate::random::Random;
     use crate::strip::Layout;
 
     /// Every model of a sample.
@@ -259,6 +260,25 @@ mod tests {
         let repaired = RepairedStrips::new(sequence.clone(), strips.clone(), RepairOptions::default());
         models.push(Arc::new(repaired.unwrap()));
         models
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(1))]
+
+        /// Errors would add up over many moves.
+        #[test]
+        fn ten_thousand_moves_leave_every_model_exact(sample in samples(), seed in any::<u64>()) {
+            let sequence = &sample.sequence;
+            let oracle: Vec<_> = (0..=sequence.len()).map(|level| sorted(sequence.drawn(level).unwrap())).collect();
+            for model in models(&sample) {
+                let (mut cursor, mut random) = (model.start(), Random::new(seed));
+                for _ in 0..10_000 {
+                    let level = random.below(oracle.len());
+                    cursor.set_level(level).unwrap();
+                    prop_assert_eq!(&sorted(cursor.strips().triangles()), &oracle[level]);
+                }
+            }
+        }
     }
 
     proptest! {

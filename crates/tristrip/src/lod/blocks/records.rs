@@ -8,7 +8,6 @@
 
 use std::ops::Range;
 
-use super::index_of;
 use super::live_buffer::Change;
 use crate::error::Error;
 use crate::index::Index;
@@ -166,4 +165,11 @@ impl Records {
 #[inline]
 fn vertices_behind(word: u32) -> usize {
     (word & END_OF_RENAME) as usize * (2 - usize::from(word & RESTART_AFTER != 0))
+}
+
+/// Converts an entry of a packed buffer or record to an index, of a type that all vertices fit.
+#[inline]
+pub(super) fn index_of<I: Index>(entry: u32, restart: u32) -> I {
+    let index = I::from_vertex(entry).unwrap_or(I::RESTART);
+    if entry == restart { I::RESTART } else { index }
 }
