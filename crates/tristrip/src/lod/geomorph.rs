@@ -128,6 +128,7 @@ mod tests {
     proptest! {
         /// At weight 1, the triangles of the finer level are those of the coarser one, and points.
         #[test]
+        #[allow(clippy::cast_sign_loss, reason = "numbers of vertices")]
         fn both_ends_are_those_of_the_levels(sample in samples(), levels in any::<[usize; 2]>()) {
             let sequence = &sample.sequence;
             let [a, b] = levels.map(|level| level % (sequence.len() + 1));
