@@ -70,7 +70,8 @@ use upload_order::SlotChanges;
 /// let sequence = CollapseSequence::from_collapses(8, strips.to_list(), collapses)?;
 /// let model = Arc::new(Blocks::new(&strips, sequence, &BlockOptions::default().with_memory(1))?);
 /// let mut cursor = model.cursor::<u16>()?;
-/// assert_eq!((cursor.indices(), cursor.take_changed(256)), (&[0, 1, 2, 3, 4, 5, 6, 7][..], vec![0..8]));
+/// assert_eq!(cursor.take_changed(256), [0..8]);
+/// assert_eq!(cursor.indices(), [0, 1, 2, 3, 4, 5, 6, 7]);
 /// cursor.set_level(1)?;
 /// assert_eq!(cursor.indices(), [0, 1, 2, 3, 4, 4, 6, 7]);
 /// // A range has whole blocks of 16 slots, as far as there are any.

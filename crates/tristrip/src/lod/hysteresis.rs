@@ -1,7 +1,7 @@
 //! Levels that stay while a view moves to and fro.
 //!
 //! A view that wavers would change the level with each frame. The coarsest level within an error is therefore not taken at once: the current level
-//! stays as long as its error is allowed, and more than a share of what is allowed.
+//! stays as long as its error is allowed, and no coarser level is within a share of what is allowed.
 //!
 //! ```text
 //! error of the level   0 ───────── share ───────── allowed ─────────▶
@@ -15,7 +15,7 @@
 use super::level_table::LevelTable;
 use crate::error::Error;
 
-/// The share of the allowed error below which a level is too fine.
+/// The share of the allowed error: a level is too fine if a coarser one is within it, too.
 ///
 /// ```
 /// # use tristrip::lod::Hysteresis;
@@ -72,7 +72,7 @@ impl Hysteresis {
     #[doc = include_str!("example.txt")]
     /// // Level 1 has an error of 0.25.
     /// let (levels, half) = (LevelTable::of(&sequence), Hysteresis::new(0.5)?);
-    /// assert_eq!((half.level(&levels, 1, 0.25)?, half.level(&levels, 1, 0.5)?, half.level(&levels, 1, 0.6)?), (1, 1, 0));
+    /// assert_eq!((half.level(&levels, 1, 0.25)?, half.level(&levels, 1, 0.5)?, half.level(&levels, 1, 1.0)?), (1, 1, 0));
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     pub fn level(self, levels: &LevelTable, current: usize, error: f32) -> Result<usize, Error> {

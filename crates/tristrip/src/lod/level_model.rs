@@ -206,10 +206,11 @@ pub trait LevelCursor: Send {
     /// ```
     #[doc = include_str!("example.txt")]
     /// let mut cursor = Arc::new(ProgressiveMesh::new(&sequence)?).start();
-    /// // The collapses have errors of 0.25 and 0.5. Errors from a half of the allowed one are kept.
+    /// // Levels 0, 1 and 2 have errors of 0.5, 0.25 and 0. The full mesh is not too fine before a coarser level is within half of the error.
     /// let half = Hysteresis::new(0.5)?;
-    /// assert_eq!((cursor.follow_error(0.25, half)?, cursor.follow_error(0.5, half)?), (1, 1));
-    /// assert_eq!((cursor.follow_error(0.6, half)?, cursor.follow_error(0.4, half)?), (0, 1));
+    /// assert_eq!((cursor.follow_error(0.25, half)?, cursor.follow_error(0.5, half)?), (2, 0));
+    /// // The base mesh is too coarse for less than its error, and is replaced with the level of half of what is allowed.
+    /// assert_eq!((cursor.follow_error(0.6, half)?, cursor.follow_error(0.4, half)?), (0, 2));
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     fn follow_error(&mut self, error: f32, hysteresis: Hysteresis) -> Result<usize, Error> {
