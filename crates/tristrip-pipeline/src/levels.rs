@@ -280,15 +280,15 @@ impl ModelLevels {
     /// use tristrip::lod::View;
     /// use tristrip_io::{Format, read};
     /// use tristrip_pipeline::{Deviation, LevelGoal};
-    /// // A ridge of height 1 over a square: without its middle vertex, the error is 1.
+    /// // A pyramid of height 1 over a square: without its top, the error is 1.
     /// let model = read(b"v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 1\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n", Format::Obj)?;
     /// let levels = tristrip_pipeline::levels(&model, &Default::default())?;
     /// let triangles = |goal: LevelGoal| levels.level_of(goal).and_then(|level| levels.triangle_count(level));
     /// assert_eq!(triangles(LevelGoal::Error(Deviation::Units(0.1)))?, 4);
     /// assert_eq!(triangles(LevelGoal::Triangles(3))?, 2);
-    /// // From far away it covers less than a pixel.
+    /// // From far away all of it covers less than a pixel, and the coarsest level is one triangle.
     /// let view = View::of_camera(1e6, View::FIELD_OF_VIEW, View::ROWS)?;
-    /// assert_eq!(triangles(LevelGoal::Pixels(1.0, view))?, 2);
+    /// assert_eq!(triangles(LevelGoal::Pixels(1.0, view))?, 1);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn level_of(&self, goal: LevelGoal) -> Result<usize, Error> {
