@@ -33,6 +33,7 @@ mod fan;
 mod frame;
 mod irregular;
 mod joined;
+mod merge_tree;
 mod neighbourhood;
 mod options;
 mod order;
@@ -59,6 +60,7 @@ pub use crate::vector::nearest_in_triangle;
 use attributes::PricedAttributes;
 use decimate::Decimation;
 pub use joined::{JoinedSimplification, SurfaceSimplifier, simplify_joined};
+pub use merge_tree::{MergeOrder, MergeTree, merge_tree};
 pub use options::{AttributeWeights, Price, SimplifyOptions};
 pub use stopped::Stopped;
 

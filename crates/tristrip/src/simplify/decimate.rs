@@ -28,6 +28,8 @@
 //! Preserving Edge Contraction*, 1999 (the link condition). Passes over collapses that do not touch each other are known from parallel
 //! simplification; the order by price afterwards, and the price, are our own. The module `queue` is the published algorithm, without passes.
 
+mod merge_levels;
+
 use super::ahead::{PricesAhead, least_estimates};
 use super::attributes::PricedAttributes;
 use super::options::{Price, SimplifyOptions};

@@ -136,6 +136,32 @@ impl PriceSearch {
         best
     }
 
+    /// Returns the collapse of a point along its shortest edge that is possible; its cost is the length of the edge.
+    pub(super) fn nearest(
+        &mut self,
+        (surface, point): (&Surface, u32),
+        mut outcome: impl FnMut(u32) -> Outcome,
+    ) -> Option<PricedCollapse> {
+        self.set_current(surface, point);
+        self.collect_candidates(surface, point);
+        let from = surface.positions[point as usize];
+        let mut candidates = std::mem::take(&mut self.candidates);
+        for (cost, to) in &mut candidates {
+            let edge = sub(surface.positions[*to as usize], from);
+            *cost = dot(edge, edge).sqrt();
+        }
+        candidates.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let best = candidates.iter().find_map(|&(length, to)| {
+            if self.refused.contains(&to) {
+                return None;
+            }
+            let (_, error) = self.price_of(surface, point, to, 0.0, f64::INFINITY, &mut outcome)?;
+            Some(PricedCollapse { to, cost: finite(length), error: finite(error) })
+        });
+        self.candidates = candidates;
+        best
+    }
+
     /// Returns the price of a collapse of the current point and its error, if it is possible and its price below `most`.
     fn price_of(
         &mut self,

@@ -1,0 +1,169 @@
+//! The levels of a merge tree; see the module `merge_tree`.
+
+use super::Decimation;
+use crate::collapse::CollapseSequence;
+use crate::simplify::merge_tree::MergeOrder;
+use crate::simplify::outcome::Outcome;
+use crate::simplify::surface::Surface;
+use crate::simplify::waiting::PricedCollapse;
+use crate::vector::{Point, cross, dot, normal_of, sub};
+
+/// One in so many of the vertices, the cheapest, is what a level by quadric takes a maximal set of.
+const LIMIT_SHARE: usize = 2;
+
+/// The least cosine of the angle between a triangle and the full mesh at its corners: 78 degrees. Without one, triangles between three points of a straight
+/// border stand upright beside a terrain.
+const LEAST_COSINE: f64 = 0.2;
+
+/// What the levels know beyond the surface.
+struct Levels {
+    order: MergeOrder,
+    /// For each point the sum of the normals of the full mesh at the points that it stands for, weighted by area.
+    normals: Vec<Point>,
+}
+
+impl Levels {
+    fn new(surface: &Surface, order: MergeOrder) -> Self {
+        let mut normals = vec![[0.0; 3]; surface.topology.point_count()];
+        for triangle in &surface.topology.triangles {
+            let normal = normal_of(triangle.map(|p| surface.positions[p as usize]));
+            for &p in triangle {
+                add(&mut normals[p as usize], normal);
+            }
+        }
+        Self { order, normals }
+    }
+
+    /// Checks whether a triangle of a collapse would face away from the full mesh at one of its corners, and did not before. Each collapse turns triangles by
+    /// little, but many of them may turn one over.
+    fn turns_over(&self, surface: &Surface, point: u32, to: u32) -> bool {
+        let at = |p: u32| surface.positions[p as usize];
+        surface.topology.opposite(point).iter().filter(|edge| !edge.contains(&to)).any(|&[u, w]| {
+            let edge = sub(at(w), at(u));
+            let [before, after] = [point, to].map(|p| cross(edge, sub(at(p), at(u))));
+            [point, to, u, w].iter().any(|&p| {
+                let normal = self.normals[p as usize];
+                let faces = |triangle: Point| {
+                    let cosine = dot(triangle, normal);
+                    let square = LEAST_COSINE * LEAST_COSINE * dot(triangle, triangle) * dot(normal, normal);
+                    cosine > 0.0 && cosine * cosine > square
+                };
+                faces(before) && !faces(after)
+            })
+        })
+    }
+
+    fn collapse(&mut self, point: u32, to: u32) {
+        let normal = self.normals[point as usize];
+        add(&mut self.normals[to as usize], normal);
+    }
+}
+
+fn add(sum: &mut Point, other: Point) {
+    *sum = [0, 1, 2].map(|k| sum[k] + other[k]);
+}
+
+impl Decimation {
+    /// Does collapses level by level until there are at most `triangle_count` triangles, or none is possible. Returns the number of
+    /// collapses up to the end of each level.
+    pub(in super::super) fn run_levels(
+        &mut self,
+        order: MergeOrder,
+        triangle_count: usize,
+        sequence: &mut CollapseSequence,
+    ) -> Vec<u32> {
+        let count = self.surface.topology.point_count();
+        let mut levels = Levels::new(&self.surface, order);
+        let mut level_ends = Vec::new();
+        // The last level that has taken an edge with a vertex beside this one.
+        let mut taken = vec![0_u32; count];
+        let mut points: Vec<u32> = (0..count as u32).collect();
+        let mut changed = points.clone();
+        let mut chosen: Vec<(f32, u32)> = Vec::new();
+        for level in 1.. {
+            changed.iter().for_each(|&point| self.price_for_level(&levels, point));
+            changed.clear();
+            points.retain(|&point| !self.surface.topology.ring(point).is_empty());
+            self.cheapest(order, &points, &mut chosen);
+            let before = sequence.len();
+            for &(_, point) in &chosen {
+                if self.triangle_count <= triangle_count {
+                    break;
+                }
+                if taken[point as usize] == level {
+                    continue;
+                }
+                let is_taken = |p: u32| taken[p as usize] == level;
+                let Some(collapse) = self.collapse_beside(&levels, point, is_taken) else { continue };
+                for p in [collapse.to, point] {
+                    self.surface.topology.neighbours(p, &mut self.around);
+                    for &p in self.around.iter().chain([&p]) {
+                        taken[p as usize] = level;
+                        changed.push(p);
+                    }
+                }
+                levels.collapse(point, collapse.to);
+                self.apply(point, &collapse, sequence);
+            }
+            if sequence.len() == before {
+                break;
+            }
+            level_ends.push(sequence.len() as u32);
+            changed.sort_unstable();
+            changed.dedup();
+        }
+        level_ends
+    }
+
+    /// Collects the vertices that a level may remove, with their costs, the cheapest first.
+    fn cheapest(&self, order: MergeOrder, points: &[u32], chosen: &mut Vec<(f32, u32)>) {
+        chosen.clear();
+        let priced = points.iter().map(|&point| (self.waiting[point as usize].cost, point));
+        chosen.extend(priced.filter(|(cost, _)| *cost < f32::INFINITY));
+        let by_cost = |a: &(f32, u32), b: &(f32, u32)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
+        if order == MergeOrder::Quadric {
+            let count = chosen.len().div_ceil(LIMIT_SHARE);
+            if count < chosen.len() {
+                chosen.select_nth_unstable_by(count, by_cost);
+                chosen.truncate(count);
+            }
+        }
+        chosen.sort_unstable_by(by_cost);
+    }
+
+    /// Returns the best collapse of a vertex to one that is not taken.
+    fn collapse_beside(
+        &mut self,
+        levels: &Levels,
+        point: u32,
+        is_taken: impl Fn(u32) -> bool,
+    ) -> Option<PricedCollapse> {
+        if let Some(priced) = self.priced(point).filter(|priced| !is_taken(priced.to)) {
+            return Some(priced);
+        }
+        self.surface.topology.neighbours(point, &mut self.around);
+        self.search.refused.clear();
+        self.search.refused.extend(self.around.iter().copied().filter(|&p| is_taken(p)));
+        let best = self.best_for_level(levels, point);
+        self.search.refused.clear();
+        best
+    }
+
+    /// Prices a vertex, which waits with its best collapse, if there is one.
+    fn price_for_level(&mut self, levels: &Levels, point: u32) {
+        let best = if self.is_removable(point) { self.best_for_level(levels, point) } else { None };
+        self.wait_priced(point, best);
+    }
+
+    fn best_for_level(&mut self, levels: &Levels, point: u32) -> Option<PricedCollapse> {
+        let Self { surface, outcomes, search, .. } = self;
+        let outcome = |to| match outcomes.of(&surface.topology, point, to) {
+            Outcome::Keeps if levels.turns_over(surface, point, to) => Outcome::Loses,
+            outcome => outcome,
+        };
+        match levels.order {
+            MergeOrder::Quadric => search.best(surface, point, outcome),
+            MergeOrder::ShortestEdge => search.nearest((surface, point), outcome),
+        }
+    }
+}

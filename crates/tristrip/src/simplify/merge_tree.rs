@@ -1,0 +1,105 @@
+//! Merge trees: collapses level by level, so that a vertex hierarchy for view-dependent detail is low.
+//!
+//! Cheapest-first simplification collapses one place many times before it comes to the next, and each of these collapses needs the ones before it. Here
+//! each level of the tree is a set of collapses that do not touch each other: none of them needs another one of its level, and the tree has
+//! about log(n) levels.
+//!
+//! ```text
+//! level 2          a               A vertex that is kept is promoted to the next level, as is one that takes part in no collapse.
+//!                ╱   ╲
+//! level 1      a       c
+//!            ╱   ╲   ╱   ╲
+//! level 0   a     b c     d
+//! ```
+//! # Algorithm
+//! For each level:
+//! 1. The best collapse of each vertex is priced, unless nothing has changed around it since it was priced.
+//! 2. Collapses are taken in the order of their prices: the edge length, as published, or the quadric at the kept vertex. One is taken if neither of
+//!    its vertices has a triangle with a vertex of an edge that this level has taken, so that their neighbourhoods have no triangle in common. A vertex
+//!    whose best target has one takes the best of the other targets: the set is maximal.
+//! 3. By quadric, only collapses up to a limit count (the cheaper half): a maximal set would remove vertices of features early, and
+//!    what depends on them could never be drawn without a large error.
+//!
+//! What is never allowed is as in the module `decimate`. Moreover, no triangle may come to face away from the full mesh: from the sum of the normals, weighted by area,
+//! of the full mesh at the vertices that one of its corners stands for. The levels themselves are in `decimate/merge_levels.rs`.
+//!
+//! # Departures
+//! Collapses are half-edge collapses, and the order by quadric is not published.
+//!
+//! # References
+//! Xia, El-Sana, Varshney: *Adaptive Real-Time Level-of-Detail-Based Rendering for Polygonal Models*, 1997. El-Sana, Evans, Kalaiah, Varshney, Skiena,
+//! Azanli: *Efficiently Computing and Updating Triangle Strips for Real-Time Rendering*, 2000, section 4.2.
+//!
+//! # Complexity
+//! O(n log n) time: each level has a share less vertices than the one before. 110 bytes per triangle while it runs.
+
+use super::attributes::PricedAttributes;
+use super::decimate::Decimation;
+use super::options::{Price, SimplifyOptions};
+use super::stopped::Stopped;
+use crate::collapse::CollapseSequence;
+use crate::error::Error;
+use crate::mesh::{Mesh, attribute_bits};
+use crate::names::names;
+
+/// The order in which the collapses of a level are chosen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+#[non_exhaustive]
+pub enum MergeOrder {
+    /// The least quadric at the kept vertex first, up to a limit per level.
+    #[default]
+    Quadric,
+    /// The shortest edge first, as published.
+    ShortestEdge,
+}
+
+names! {
+    "tristrip::simplify::MergeOrder", MergeOrder, "merge order",
+    Quadric => "quadric", "The least quadric error first, up to a limit per level";
+    ShortestEdge => "shortest-edge", "The shortest edge first (Xia et al. 1997)";
+}
+
+/// The collapses of a merge tree.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct MergeTree {
+    /// The collapses, level by level from the full mesh on.
+    pub sequence: CollapseSequence,
+    /// For each level of the tree the number of collapses up to its end, counted from the full mesh.
+    pub level_ends: Vec<u32>,
+    /// The reasons for which there are more triangles than requested, if there are.
+    pub stopped: Option<Stopped>,
+}
+
+/// Builds the merge tree of triangles over the vertices of a mesh. The limits and weights of the options apply; their price does not.
+///
+/// # Errors
+/// As [`simplify_triangles`](super::simplify_triangles).
+///
+/// ```
+#[doc = include_str!("example.txt")]
+/// use tristrip::simplify::{MergeOrder, merge_tree};
+/// let triangles = grid.faces().corners().to_vec();
+/// let tree = merge_tree(&grid, triangles, MergeOrder::Quadric, &SimplifyOptions::default())?;
+/// assert_eq!(tree.level_ends.last().copied(), Some(tree.sequence.len() as u32));
+/// // 81 vertices.
+/// assert!(tree.level_ends.len() < 30);
+/// # Ok::<(), tristrip::Error>(())
+/// ```
+pub fn merge_tree(
+    mesh: &Mesh,
+    triangles: Vec<u32>,
+    order: MergeOrder,
+    options: &SimplifyOptions,
+) -> Result<MergeTree, Error> {
+    options.check(mesh.vertex_count(), triangles.len())?;
+    let options = options.clone().with_price(Price::Planes);
+    let mut sequence = CollapseSequence::new(mesh.vertex_count(), triangles)?;
+    let bits = |v| attribute_bits(mesh, v as usize);
+    let priced = |triangles: &[u32], unit| PricedAttributes::new(mesh, triangles, unit, *options.weights());
+    let mut decimation = Decimation::new(mesh.positions(), bits, sequence.triangles(), priced, &options, &[]);
+    let level_ends = decimation.run_levels(order, options.triangle_count(), &mut sequence);
+    let is_reached = sequence.triangle_count(0)? <= options.triangle_count();
+    let stopped = (!is_reached).then(|| decimation.stopped());
+    Ok(MergeTree { sequence, level_ends, stopped })
+}
