@@ -87,7 +87,7 @@ impl<T: Copy + Default> Csr<T> {
 
     /// Iterates over the rows in the order of their keys.
     #[inline]
-    pub(crate) fn rows(&self) -> impl ExactSizeIterator<Item = &[T]> {
+    pub(crate) fn rows(&self) -> impl ExactSizeIterator<Item = &[T]> + Clone {
         let mut start = 0;
         self.ends
             .iter()

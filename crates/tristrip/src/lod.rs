@@ -52,9 +52,11 @@ mod replay;
 mod samples;
 mod sets;
 mod shortened;
+mod skip;
 mod strip_graph;
 mod strip_states;
 pub mod traffic;
+mod vertex_ranges;
 mod view;
 
 pub use blocks::{BlockOptions, Blocks, BlocksCursor};
@@ -73,4 +75,5 @@ pub use progressive::{
 };
 pub use repair::{Repair, RepairOptions, RepairedStrips};
 pub use sets::Sets;
+pub use skip::{Camera, RepairedView, SkipLevelCursor, SkipStrips, SkipView, ViewCriteria, ViewUpdate};
 pub use view::View;

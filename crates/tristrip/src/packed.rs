@@ -3,6 +3,8 @@
 //! # Complexity
 //! Reading a number takes constant time.
 
+use std::ops::Range;
+
 /// Returns the bits that numbers from 0 to `largest` need.
 pub(crate) fn bits_for(largest: u32) -> u32 {
     u32::BITS - largest.leading_zeros()
@@ -135,6 +137,86 @@ impl<'a> PackedRow<'a> {
     }
 }
 
+/// Rows of numbers, packed: compressed sparse rows in as few bits as they need.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub(crate) struct PackedRows {
+    ends: Packed,
+    items: Packed,
+    end_bits: u32,
+    item_bits: u32,
+    item_count: u32,
+}
+
+impl PackedRows {
+    /// Creates rows of this number of items in all, of which none is larger than `largest`.
+    pub(crate) fn of_items(item_count: usize, largest: u32) -> Self {
+        Self { end_bits: bits_for(item_count as u32), item_bits: bits_for(largest), ..Self::default() }
+    }
+
+    /// Packs rows.
+    pub(crate) fn of<'a>(rows: impl Iterator<Item = &'a [u32]> + Clone) -> Self {
+        let (mut count, mut largest) = (0, 0);
+        for row in rows.clone() {
+            count += row.len();
+            largest = row.iter().copied().fold(largest, u32::max);
+        }
+        let mut packed = Self::of_items(count, largest);
+        for row in rows {
+            row.iter().for_each(|&item| packed.push(item));
+            packed.end_row();
+        }
+        packed
+    }
+
+    /// Appends an item to the open row.
+    pub(crate) fn push(&mut self, item: u32) {
+        self.items.push(item, self.item_bits);
+        self.item_count += 1;
+    }
+
+    /// Ends the open row.
+    pub(crate) fn end_row(&mut self) {
+        self.ends.push(self.item_count, self.end_bits);
+    }
+
+    pub(crate) fn item_count(&self) -> usize {
+        self.item_count as usize
+    }
+
+    /// Returns the positions of the items of consecutive rows among all items.
+    #[inline]
+    pub(crate) fn range(&self, rows: Range<u32>) -> Range<u32> {
+        let end = |row: u32| match row {
+            0 => 0,
+            row => self.ends.get((row as usize - 1) * self.end_bits as usize, self.end_bits),
+        };
+        end(rows.start)..end(rows.end)
+    }
+
+    /// Returns an item by its position among all items.
+    #[inline]
+    pub(crate) fn item(&self, position: u32) -> u32 {
+        self.items.get(position as usize * self.item_bits as usize, self.item_bits)
+    }
+
+    /// Iterates over the items of consecutive rows.
+    #[inline]
+    pub(crate) fn rows(&self, rows: Range<u32>) -> impl Iterator<Item = u32> {
+        self.range(rows).map(|position| self.item(position))
+    }
+
+    /// Iterates over the items of a row.
+    #[inline]
+    pub(crate) fn row(&self, row: u32) -> impl Iterator<Item = u32> {
+        self.rows(row..row + 1)
+    }
+
+    /// Returns the memory of the rows in bytes.
+    pub(crate) fn memory(&self) -> usize {
+        self.ends.memory() + self.items.memory()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -180,6 +262,18 @@ mod tests {
             let row = PackedRow::new(&packed, 3, bits);
             let expected = numbers.partition_point(|&number| number < least);
             prop_assert_eq!(row.first_at_least(0, numbers.len() as u32, least), expected as u32);
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn packed_rows_are_returned(rows in prop::collection::vec(prop::collection::vec(any::<u32>(), 0..5), 0..20)) {
+            let packed = PackedRows::of(rows.iter().map(|row| &row[..]));
+            prop_assert_eq!(packed.item_count(), rows.concat().len());
+            for (number, row) in (0..).zip(&rows) {
+                prop_assert_eq!(&packed.row(number).collect::<Vec<_>>(), row);
+            }
+            prop_assert_eq!(packed.rows(0..rows.len() as u32).collect::<Vec<_>>(), rows.concat());
         }
     }
 

@@ -37,6 +37,7 @@ pub(crate) use dtfs::Dtfs;
 pub(crate) use linked::Linked;
 pub use scanner::DrawCost;
 pub(crate) use scanner::{DrawTally, Scanner, Sink};
+pub(crate) use scanner::{replace_last_triangle, replace_last_vertex, reverse_but_for_start};
 pub(crate) use stss::Stss;
 pub(crate) use valid::{BLOCK, Gatherer};
 

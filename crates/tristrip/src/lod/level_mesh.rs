@@ -9,12 +9,20 @@
 //! `simplify` keeps its own structure under collapses (`simplify/topology.rs`): it never splits, needs no twins, and stores rings as arrays, which its
 //! searches read in order. Here splits must restore rings exactly, which linked rings do in O(1) per corner.
 //!
+//! A view of Skip Strips undoes collapses in another order: all that depend on one first, but others that were done later may stay. Then the neighbours that a
+//! corner knows may be gone, and it goes to the front of its ring; and the corners that a split takes from the kept vertex's ring are
+//! those whose vertex in the full mesh is below the removed one in the tree of all collapses.
+//!
 //! # References
 //! Knuth: *Dancing links*, 2000.
 //!
 //! # Complexity
-//! A collapse or a split takes O(k) time where k triangles surround the removed vertices. 36 bytes per triangle and 8 per vertex.
+//! A collapse or a split takes O(k) time where k triangles surround the removed vertices, or, in any order, the kept ones. 36 bytes per triangle and 8 per
+//! vertex; in any order 8 bytes per vertex more.
 
+use std::sync::Arc;
+
+use super::vertex_ranges::VertexRanges;
 use crate::collapse::{Collapse, CollapseSequence};
 use crate::mesh::is_degenerate;
 
@@ -26,14 +34,30 @@ pub(super) struct LevelMesh {
     /// The ring of each vertex: its corners and its head. Heads are numbered after all corners.
     next: Vec<u32>,
     previous: Vec<u32>,
+    /// What splits in any order need.
+    full: Option<FullMesh>,
+}
+
+/// The full mesh of a level mesh of which any collapse may be undone that no other one depends on.
+#[derive(Debug, Clone)]
+struct FullMesh {
+    sequence: Arc<CollapseSequence>,
+    ranges: VertexRanges,
 }
 
 impl LevelMesh {
+    /// Builds the full mesh, of which collapses may be done and undone in any order in which what they depend on is done.
+    pub(super) fn in_any_order(sequence: &Arc<CollapseSequence>) -> Self {
+        let full = FullMesh { sequence: Arc::clone(sequence), ranges: VertexRanges::new(sequence) };
+        Self { full: Some(full), ..Self::new(sequence) }
+    }
+
     /// Builds the full mesh. Triangles that are not drawn are in no ring.
     pub(super) fn new(sequence: &CollapseSequence) -> Self {
         let corners = sequence.triangles().to_vec();
         let ring = 0..(corners.len() + sequence.vertex_count()) as u32;
-        let mut surface = Self { corners, next: ring.clone().collect(), previous: ring.collect() };
+        let mut surface =
+            Self { corners, next: ring.clone().collect(), previous: ring.collect(), full: None };
         for t in 0..surface.triangle_count() as u32 {
             if surface.is_drawn(t) {
                 surface.triangle(t).into_iter().zip(3 * t..).for_each(|(v, corner)| {
@@ -49,7 +73,9 @@ impl LevelMesh {
 
     /// Returns the memory of the mesh in bytes.
     pub(super) fn memory(&self) -> usize {
-        [&self.corners, &self.next, &self.previous].map(|list| size_of_val(&list[..])).iter().sum()
+        let ranges = self.full.as_ref().map_or(0, |full| full.ranges.memory());
+        let lists = [&self.corners, &self.next, &self.previous].map(|list| size_of_val(&list[..]));
+        ranges + lists.iter().sum::<usize>()
     }
 
     pub(super) fn triangle_count(&self) -> usize {
@@ -99,8 +125,13 @@ impl LevelMesh {
         }
     }
 
-    /// Undoes a collapse, which must be the last applied one.
+    /// Undoes a collapse: the last applied one, or in a mesh of any order one that no other depends on.
     pub(super) fn split(&mut self, collapse: &Collapse<'_>) {
+        if let Some(full) = self.full.take() {
+            self.split_in_any_order(collapse, &full);
+            self.full = Some(full);
+            return;
+        }
         for &t in collapse.dropped.iter().rev() {
             (3 * t..3 * t + 3).rev().for_each(|corner| self.link(corner));
         }
@@ -117,6 +148,38 @@ impl LevelMesh {
             self.follow(last, from);
             self.rename(first, from, rename.removed);
         }
+    }
+
+    fn split_in_any_order(&mut self, collapse: &Collapse<'_>, full: &FullMesh) {
+        for &t in collapse.dropped {
+            for (v, corner) in self.triangle(t).into_iter().zip(3 * t..) {
+                self.insert(corner, v);
+            }
+        }
+        for rename in collapse.renames.iter().rev() {
+            let head = self.head(rename.removed);
+            self.follow(head, head);
+            let kept = self.head(rename.kept);
+            let mut corner = self.next[kept as usize];
+            while corner != kept {
+                let next = self.next[corner as usize];
+                let leaf = full.sequence.triangles()[corner as usize];
+                if full.ranges.contains(rename.removed, leaf) {
+                    self.unlink(corner);
+                    self.corners[corner as usize] = rename.removed;
+                    self.insert(corner, rename.removed);
+                }
+                corner = next;
+            }
+        }
+    }
+
+    /// Puts a corner to the front of the ring of a vertex.
+    fn insert(&mut self, corner: u32, vertex: u32) {
+        let head = self.head(vertex);
+        let after = self.next[head as usize];
+        self.follow(head, corner);
+        self.follow(corner, after);
     }
 
     /// Returns the edges that two triangles share, by the half-edges of the two sides, numbered as in [`LevelMesh::edge`].

@@ -3,7 +3,9 @@
 use std::sync::Arc;
 
 use super::level_model::LevelModel;
-use super::{BlockOptions, Blocks, Encoding, LodStrips, Mts, ProgressiveMesh, ProgressiveStrips, Sets};
+use super::{
+    BlockOptions, Blocks, Encoding, LodStrips, Mts, ProgressiveMesh, ProgressiveStrips, Sets, SkipStrips,
+};
 use crate::collapse::CollapseSequence;
 use crate::error::Error;
 use crate::names::names;
@@ -28,6 +30,8 @@ pub enum ModelKind {
     LodStrips,
     /// [`Blocks`] with [`BlockOptions::default`].
     Blocks,
+    /// Skip Strips: a vertex tree over the strips of the full mesh, of which each view may also have its own detail.
+    Skip,
 }
 
 names! {
@@ -39,6 +43,7 @@ names! {
     Sets => "sets", "For each vertex of a strip, its successors sorted by level (Belmonte et al. 2006)";
     LodStrips => "lod-strips", "Strips as vectors, and the changes of each level (after Ramos and Chover 2004)";
     Blocks => "blocks", "Index buffers of key levels, and the slots that change between them (ours)";
+    Skip => "skip", "Skip Strips: vertices drawn as their first active ancestor (El-Sana et al. 2000)";
 }
 
 impl ModelKind {
@@ -70,6 +75,7 @@ impl ModelKind {
             Self::Sets => Arc::new(Sets::new(strips, sequence)?),
             Self::LodStrips => Arc::new(LodStrips::new(strips, sequence)?),
             Self::Blocks => Arc::new(Blocks::new(strips, Arc::clone(sequence), &BlockOptions::default())?),
+            Self::Skip => Arc::new(SkipStrips::of_levels(strips, sequence)?),
         })
     }
 }

@@ -151,7 +151,7 @@ impl Repair {
     ) -> Result<Self, Error> {
         let sequence = sequence.into();
         let level = sequence.len();
-        Self::linked_at(&sequence, strips, level, options)
+        Self::linked_at(&sequence, |sequence| LevelMesh::new(sequence), strips, level, options)
     }
 
     /// Computes the display strips of one level directly from the strips of the full mesh.
@@ -184,24 +184,42 @@ impl Repair {
                 expected: "a level of the sequence",
             });
         }
-        let mut repair = Self::linked_at(&sequence, strips, level, options)?;
-        let all: Vec<u32> = (0..repair.paths.len() as u32).filter(|&t| repair.mesh.is_drawn(t)).collect();
-        repair.paths.allow_walks(walk_steps(repair.work.all_rounds, all.len()));
-        for _ in 0..repair.work.all_rounds {
-            all.iter().for_each(|&t| repair.local_search.improve_at(&mut repair.paths, t));
-        }
+        let mut repair =
+            Self::linked_at(&sequence, |sequence| LevelMesh::new(sequence), strips, level, options)?;
+        repair.search_all();
         Ok(repair)
+    }
+
+    /// Builds the strips of the base mesh for collapses that are done and undone in any order.
+    pub(super) fn in_any_order(
+        sequence: &Arc<CollapseSequence>,
+        strips: &Strips,
+        options: RepairOptions,
+    ) -> Result<Self, Error> {
+        let mut repair = Self::linked_at(sequence, LevelMesh::in_any_order, strips, 0, options)?;
+        repair.search_all();
+        Ok(repair)
+    }
+
+    /// Searches from all triangles.
+    fn search_all(&mut self) {
+        let all: Vec<u32> = (0..self.paths.len() as u32).filter(|&t| self.mesh.is_drawn(t)).collect();
+        self.paths.allow_walks(walk_steps(self.work.all_rounds, all.len()));
+        for _ in 0..self.work.all_rounds {
+            all.iter().for_each(|&t| self.local_search.improve_at(&mut self.paths, t));
+        }
     }
 
     /// Links the rest of the strips at a level, without a search.
     fn linked_at(
         sequence: &Arc<CollapseSequence>,
+        full_mesh: impl FnOnce(&Arc<CollapseSequence>) -> LevelMesh,
         strips: &Strips,
         level: usize,
         options: RepairOptions,
     ) -> Result<Self, Error> {
         check_size(sequence)?;
-        let mut mesh = LevelMesh::new(sequence);
+        let mut mesh = full_mesh(sequence);
         let order = order_of(strips, &mesh)?;
         (level..sequence.len()).rev().for_each(|level| mesh.collapse(&sequence.collapse_to(level)));
         let slots = mesh.triangle_count();
@@ -306,6 +324,13 @@ impl Repair {
     /// ```
     pub fn coarsen(&mut self) -> bool {
         let Some(level) = self.level.checked_sub(1) else { return false };
+        self.collapse_to(level);
+        self.level = level;
+        true
+    }
+
+    /// Does the collapse that leads to a level, whatever the level of the mesh. All that it depends on must be done.
+    pub(super) fn collapse_to(&mut self, level: usize) {
         self.display = None;
         let sequence = Arc::clone(&self.sequence);
         let collapse = sequence.collapse_to(level);
@@ -324,9 +349,8 @@ impl Repair {
             }
         }
         self.gaps = gaps;
-        (self.level, self.triangle_count) = (level, self.triangle_count - collapse.dropped.len());
+        self.triangle_count -= collapse.dropped.len();
         self.search(collapse.renames.iter().map(|rename| rename.kept));
-        true
     }
 
     /// Moves to the next finer level; returns `false` at the full mesh.
@@ -343,9 +367,16 @@ impl Repair {
         if self.level == self.sequence.len() {
             return false;
         }
+        self.split_from(self.level);
+        self.level += 1;
+        true
+    }
+
+    /// Undoes the collapse that leads to a level, whatever the level of the mesh. Nothing that depends on it may be done.
+    pub(super) fn split_from(&mut self, level: usize) {
         self.display = None;
         let sequence = Arc::clone(&self.sequence);
-        let collapse = sequence.collapse_to(self.level);
+        let collapse = sequence.collapse_to(level);
         let vertices = || collapse.renames.iter().flat_map(|rename| [rename.kept, rename.removed]);
         self.mesh.split(&collapse);
         collapse.dropped.iter().for_each(|&t| self.paths.insert_triangle(t));
@@ -362,9 +393,8 @@ impl Repair {
             }
         }
         self.gaps = gaps;
-        (self.level, self.triangle_count) = (self.level + 1, self.triangle_count + collapse.dropped.len());
+        self.triangle_count += collapse.dropped.len();
         self.search(vertices());
-        true
     }
 
     /// Cuts the links of a triangle and records the gap between two former neighbours.
@@ -419,7 +449,7 @@ impl Repair {
     }
 
     /// Builds the strips of the level, in O(n) time.
-    fn emit(&self) -> Strips {
+    pub(super) fn emit(&self) -> Strips {
         // Triangles are renumbered without those that are not drawn.
         let mut number = vec![0; self.mesh.triangle_count()];
         let (mut corners, mut drawn) = (Vec::new(), Vec::new());

@@ -109,6 +109,26 @@ impl Sink for DrawTally {
     }
 }
 
+/// Replaces the last vertex of a strip, which is returned.
+pub(crate) fn replace_last_vertex(strip: &mut [u32], vertex: u32) -> Option<u32> {
+    strip.last_mut().map(|last| std::mem::replace(last, vertex))
+}
+
+/// Replaces the last three vertices of a strip.
+pub(crate) fn replace_last_triangle(strip: &mut [u32], vertices: [u32; 3]) {
+    if let Some(last) = strip.last_chunk_mut() {
+        *last = vertices;
+    }
+}
+
+/// Reverses a strip v0 v1 v2 v1 w … so that it is … w v1 v2 v0 v1, of which the last vertex is to be dropped.
+pub(crate) fn reverse_but_for_start(strip: &mut [u32]) {
+    strip.reverse();
+    if let [.., second, first] = strip {
+        std::mem::swap(second, first);
+    }
+}
+
 impl Sink for Strips {
     fn send(&mut self, vertex: u32) {
         self.send_vertex(vertex);
@@ -129,26 +149,17 @@ impl Sink for Strips {
     }
 
     fn send_before_last(&mut self, vertex: u32) {
-        if let [.., last] = self.open_strip() {
-            let last = std::mem::replace(last, vertex);
+        if let Some(last) = replace_last_vertex(self.open_strip(), vertex) {
             self.send_vertex(last);
         }
     }
 
     fn replace_last(&mut self, vertices: [u32; 3]) {
-        if let [.., a, b, c] = self.open_strip() {
-            [*a, *b, *c] = vertices;
-        }
+        replace_last_triangle(self.open_strip(), vertices);
     }
 
     fn reverse_open_strip(&mut self) {
-        // v0 v1 v2 v1 w … ends as … w v1 v2 v0.
-        let strip = self.open_strip();
-        strip.reverse();
-        if let [.., _, second, first] = strip {
-            *second = std::mem::replace(first, *second);
-            // Now … w v1 v2 v0 v1, whose last vertex is removed.
-        }
+        reverse_but_for_start(self.open_strip());
         self.drop_last_vertex();
     }
 

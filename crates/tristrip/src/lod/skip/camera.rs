@@ -1,0 +1,238 @@
+//! The camera of a frame.
+
+use crate::error::Error;
+use crate::lod::view::View;
+use crate::vector::{Point, cross, dot, sub, unit};
+
+/// Where a camera is, where it looks, and its image.
+///
+/// ```
+/// use tristrip::lod::Camera;
+/// let camera = Camera::new([0.0, 0.0, 3.0], [0.0; 3])?.with_field_of_view(60.0)?.with_image(1920, 1080)?;
+/// assert_eq!(camera.eye(), [0.0, 0.0, 3.0]);
+/// assert!(Camera::new([0.0; 3], [0.0; 3]).is_err());
+/// # Ok::<(), tristrip::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Camera {
+    eye: [f32; 3],
+    look_at: [f32; 3],
+    up: [f32; 3],
+    field_of_view: f32,
+    columns: u32,
+    rows: u32,
+}
+
+impl Camera {
+    /// Creates a camera at a point that looks at another one, both in mesh units, with y up, a vertical angle of 45 degrees and an image of 1920 by 1080
+    /// pixels.
+    ///
+    /// # Errors
+    /// A coordinate is not finite, or the points are equal.
+    ///
+    /// ```
+    /// use tristrip::lod::Camera;
+    /// assert!(Camera::new([f32::NAN, 0.0, 0.0], [0.0; 3]).is_err());
+    /// // Straight down: another axis is up.
+    /// assert!(Camera::new([0.0, 5.0, 0.0], [0.0; 3]).is_ok());
+    /// ```
+    pub fn new(eye: [f32; 3], look_at: [f32; 3]) -> Result<Self, Error> {
+        for (name, point) in [("eye", eye), ("look_at", look_at)] {
+            check_finite(name, point)?;
+        }
+        if eye.iter().zip(look_at).all(|(&a, b)| a.total_cmp(&b).is_eq() || a - b == 0.0) {
+            let found = format!("{eye:?}, where the camera is");
+            return Err(Error::Parameter { name: "look_at", found, expected: "another point" });
+        }
+        let field_of_view = View::FIELD_OF_VIEW;
+        Ok(Self { eye, look_at, up: [0.0, 1.0, 0.0], field_of_view, columns: 1920, rows: 1080 })
+    }
+
+    /// Sets the direction that is up in the image. Where it is along the view, the axis that is least so is up.
+    ///
+    /// # Errors
+    /// A coordinate is not finite, or all are 0.
+    ///
+    /// ```
+    /// use tristrip::lod::Camera;
+    /// let camera = Camera::new([5.0, 0.0, 0.0], [0.0; 3])?;
+    /// assert!(camera.with_up([0.0, 0.0, 1.0]).is_ok() && camera.with_up([0.0; 3]).is_err());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn with_up(mut self, up: [f32; 3]) -> Result<Self, Error> {
+        check_finite("up", up)?;
+        if up.iter().all(|&x| x == 0.0) {
+            let found = format!("{up:?}");
+            return Err(Error::Parameter { name: "up", found, expected: "a direction" });
+        }
+        self.up = up;
+        Ok(self)
+    }
+
+    /// Sets the vertical angle of the image in degrees.
+    ///
+    /// # Errors
+    /// It is not between 0 and 180 degrees.
+    ///
+    /// ```
+    /// use tristrip::lod::Camera;
+    /// let camera = Camera::new([5.0, 0.0, 0.0], [0.0; 3])?;
+    /// assert!(camera.with_field_of_view(0.0).is_err() && camera.with_field_of_view(f32::NAN).is_err());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn with_field_of_view(mut self, degrees: f32) -> Result<Self, Error> {
+        if !(degrees > 0.0 && degrees < 180.0) {
+            let expected = "an angle between 0 and 180 degrees";
+            return Err(Error::Parameter { name: "field_of_view", found: degrees.to_string(), expected });
+        }
+        self.field_of_view = degrees;
+        Ok(self)
+    }
+
+    /// Sets the size of the image in pixels.
+    ///
+    /// # Errors
+    /// A size is 0.
+    ///
+    /// ```
+    /// use tristrip::lod::Camera;
+    /// assert!(Camera::new([5.0, 0.0, 0.0], [0.0; 3])?.with_image(0, 480).is_err());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn with_image(mut self, columns: u32, rows: u32) -> Result<Self, Error> {
+        if columns == 0 || rows == 0 {
+            let found = format!("{columns} by {rows}");
+            return Err(Error::Parameter { name: "image", found, expected: "at least a pixel" });
+        }
+        (self.columns, self.rows) = (columns, rows);
+        Ok(self)
+    }
+
+    /// Returns where the camera is, in mesh units.
+    ///
+    /// ```
+    /// use tristrip::lod::Camera;
+    /// assert_eq!(Camera::new([5.0, 0.0, 0.0], [0.0; 3])?.eye(), [5.0, 0.0, 0.0]);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn eye(&self) -> [f32; 3] {
+        self.eye
+    }
+
+    /// Returns the point that the camera looks at, in mesh units.
+    ///
+    /// ```
+    /// use tristrip::lod::Camera;
+    /// assert_eq!(Camera::new([5.0, 0.0, 0.0], [1.0; 3])?.look_at(), [1.0; 3]);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn look_at(&self) -> [f32; 3] {
+        self.look_at
+    }
+
+    /// Returns the direction that is up in the image.
+    ///
+    /// ```
+    /// use tristrip::lod::Camera;
+    /// assert_eq!(Camera::new([5.0, 0.0, 0.0], [0.0; 3])?.up(), [0.0, 1.0, 0.0]);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn up(&self) -> [f32; 3] {
+        self.up
+    }
+
+    /// Returns the vertical angle of the image in degrees.
+    ///
+    /// ```
+    /// use tristrip::lod::Camera;
+    /// assert_eq!(Camera::new([5.0, 0.0, 0.0], [0.0; 3])?.field_of_view(), 45.0);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn field_of_view(&self) -> f32 {
+        self.field_of_view
+    }
+
+    /// Returns the columns and rows of the image.
+    ///
+    /// ```
+    /// use tristrip::lod::Camera;
+    /// assert_eq!(Camera::new([5.0, 0.0, 0.0], [0.0; 3])?.image(), [1920, 1080]);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn image(&self) -> [u32; 2] {
+        [self.columns, self.rows]
+    }
+
+    /// Returns the directions to the right and up in the image and into it, of length 1.
+    ///
+    /// ```
+    /// use tristrip::lod::Camera;
+    /// let [right, up, forward] = Camera::new([0.0, 0.0, 3.0], [0.0; 3])?.axes();
+    /// assert_eq!((right[0], up[1], forward[2]), (1.0, 1.0, -1.0));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn axes(&self) -> [[f64; 3]; 3] {
+        let forward = unit(sub(self.look_at.map(f64::from), self.eye.map(f64::from)));
+        let up = self.up.map(f64::from);
+        // Any scale of the direction is fine.
+        let largest = up.iter().fold(0.0, |most: f64, x| most.max(x.abs()));
+        let right = cross(forward, up.map(|x| x / largest));
+        let least = (0..3).min_by(|&a, &b| forward[a].abs().total_cmp(&forward[b].abs())).unwrap_or(0);
+        let axis = [0, 1, 2].map(|k| if k == least { 1.0 } else { 0.0 });
+        let is_along = dot(right, right) < 1e-12;
+        let right = unit(if is_along { cross(forward, axis) } else { right });
+        [right, cross(right, forward), forward]
+    }
+
+    /// Returns the frame of the camera.
+    pub(super) fn frame(&self) -> CameraFrame {
+        let eye = self.eye.map(f64::from);
+        let [right, up, forward] = self.axes();
+        let half_height = libm::tan(f64::from(self.field_of_view).to_radians() / 2.0);
+        let half_width = half_height * f64::from(self.columns) / f64::from(self.rows);
+        // Normals of the sides of the frustum, inward.
+        let side = |half: f64, across: Point, sign: f64| {
+            unit([0, 1, 2].map(|k| half * forward[k] + sign * across[k]))
+        };
+        CameraFrame {
+            eye,
+            planes: [
+                side(half_width, right, 1.0),
+                side(half_width, right, -1.0),
+                side(half_height, up, 1.0),
+                side(half_height, up, -1.0),
+                forward,
+            ],
+            pixels_per_slope: f64::from(self.rows) / (2.0 * half_height),
+        }
+    }
+}
+
+/// A camera as its criteria need it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct CameraFrame {
+    pub(super) eye: Point,
+    /// The normals of the planes through the eye that bound what is seen, inward: four sides, and the direction of the view.
+    pub(super) planes: [Point; 5],
+    /// The pixels that a length of one covers at a distance of one.
+    pub(super) pixels_per_slope: f64,
+}
+
+impl CameraFrame {
+    /// Returns how far the eye moved, and the most by which the distance of a point within a sphere from one of the planes changed.
+    pub(super) fn motion_from(&self, before: &Self, (center, radius): (Point, f64)) -> [f64; 2] {
+        let length = |a: Point| dot(a, a).sqrt();
+        let planes = self.planes.iter().zip(&before.planes).map(|(&now, &then)| {
+            let of_center = dot(now, sub(center, self.eye)) - dot(then, sub(center, before.eye));
+            of_center.abs() + length(sub(now, then)) * radius
+        });
+        [length(sub(self.eye, before.eye)), planes.fold(0.0, f64::max)]
+    }
+}
+
+fn check_finite(name: &'static str, point: [f32; 3]) -> Result<(), Error> {
+    if point.iter().all(|x| x.is_finite()) {
+        return Ok(());
+    }
+    Err(Error::Parameter { name, found: format!("{point:?}"), expected: "finite numbers" })
+}

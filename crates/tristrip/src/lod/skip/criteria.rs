@@ -1,0 +1,406 @@
+//! The criteria by which a view chooses its detail, and how far the camera may move before a choice can change.
+//!
+//! The error of a collapse, in pixels of the image, is `e s / d` for an error e of the collapse, s pixels per slope, and a distance d of the eye from the nearest
+//! point of its sphere. It is allowed up to the pixels of the criteria times a *tolerance*:
+//!
+//! | where | tolerance |
+//! |---|---|
+//! | outside of the view frustum | any error |
+//! | all normals face away from the eye | 4 |
+//! | some may be perpendicular to the view: a silhouette | 1/2 |
+//! | all normals face away from the light | 2 |
+//!
+//! A split is wanted if the error is not allowed, a collapse if it is by a share of what is allowed, so that a view that moves to and fro changes
+//! nothing.
+//!
+//! # Travel
+//! Whatever moves the camera is one number, the *travel*: the way of the eye, or the most by which a plane of the frustum moved within the model, if that is
+//! more. A choice depends on the distance of a sphere from the eye, on its distance from the planes, and on the angle of its normals to the view; none
+//! of these changes by more than the travel allows. [`Criteria::choose`] returns with each choice the travel during which it stays.
+//!
+//! # References
+//! El-Sana, Evans, Kalaiah, Varshney, Skiena, Azanli 2000, section 5.2.1; Xia, El-Sana, Varshney 1997; Hoppe: *View-Dependent Refinement of Progressive
+//! Meshes*, 1997.
+
+use super::bounds::NodeBounds;
+use super::camera::CameraFrame;
+use super::cone::Facing;
+use crate::error::Error;
+use crate::lod::hysteresis::Hysteresis;
+use crate::vector::{Point, dot, sub, unit};
+
+const BACK_TOLERANCE: f64 = 4.0;
+const SILHOUETTE_TOLERANCE: f64 = 0.5;
+const DARK_TOLERANCE: f64 = 2.0;
+/// The share of the distance from which on a travel is long enough to look no further.
+const SURE_SHARE: f64 = 0.02;
+
+/// What detail a view needs.
+///
+/// ```
+/// use tristrip::lod::ViewCriteria;
+/// let criteria = ViewCriteria::new(1.5)?.with_budget(200_000).with_silhouettes(false);
+/// assert_eq!((criteria.pixels(), criteria.budget()), (1.5, Some(200_000)));
+/// assert!(ViewCriteria::new(-1.0).is_err());
+/// # Ok::<(), tristrip::Error>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ViewCriteria {
+    pixels: f32,
+    has_frustum: bool,
+    has_back_faces: bool,
+    has_silhouettes: bool,
+    light: Option<[f32; 3]>,
+    budget: Option<usize>,
+    steps: Option<usize>,
+    hysteresis: Hysteresis,
+}
+
+impl Default for ViewCriteria {
+    /// One pixel, by the frustum, back faces and silhouettes, without a light, a budget or a limit of steps.
+    fn default() -> Self {
+        Self {
+            pixels: 1.0,
+            has_frustum: true,
+            has_back_faces: true,
+            has_silhouettes: true,
+            light: None,
+            budget: None,
+            steps: None,
+            hysteresis: Hysteresis::default(),
+        }
+    }
+}
+
+impl ViewCriteria {
+    /// Creates criteria that allow an error of some pixels.
+    ///
+    /// # Errors
+    /// The number is negative or not a number.
+    ///
+    /// ```
+    /// assert!(tristrip::lod::ViewCriteria::new(f32::NAN).is_err());
+    /// ```
+    pub fn new(pixels: f32) -> Result<Self, Error> {
+        if pixels.is_nan() || pixels < 0.0 {
+            let expected = "0 or more";
+            return Err(Error::Parameter { name: "pixels", found: pixels.to_string(), expected });
+        }
+        Ok(Self { pixels, ..Self::default() })
+    }
+
+    /// Sets whether everything outside of the view frustum is as coarse as possible.
+    ///
+    /// ```
+    /// use tristrip::lod::ViewCriteria;
+    /// assert_ne!(ViewCriteria::default().with_frustum(false), ViewCriteria::default());
+    /// ```
+    #[must_use]
+    pub fn with_frustum(mut self, has_frustum: bool) -> Self {
+        self.has_frustum = has_frustum;
+        self
+    }
+
+    /// Sets whether surfaces that face away from the eye may have four times the error.
+    ///
+    /// ```
+    /// use tristrip::lod::ViewCriteria;
+    /// assert_ne!(ViewCriteria::default().with_back_faces(false), ViewCriteria::default());
+    /// ```
+    #[must_use]
+    pub fn with_back_faces(mut self, has_back_faces: bool) -> Self {
+        self.has_back_faces = has_back_faces;
+        self
+    }
+
+    /// Sets whether silhouettes may have only half of the error.
+    ///
+    /// ```
+    /// use tristrip::lod::ViewCriteria;
+    /// assert_ne!(ViewCriteria::default().with_silhouettes(false), ViewCriteria::default());
+    /// ```
+    #[must_use]
+    pub fn with_silhouettes(mut self, has_silhouettes: bool) -> Self {
+        self.has_silhouettes = has_silhouettes;
+        self
+    }
+
+    /// Sets the direction to a light: surfaces that face away from it may have twice the error. None is the default.
+    ///
+    /// # Errors
+    /// A coordinate is not finite, or all are 0.
+    ///
+    /// ```
+    /// use tristrip::lod::ViewCriteria;
+    /// assert!(ViewCriteria::default().with_light([0.0, 1.0, 0.0]).is_ok());
+    /// assert!(ViewCriteria::default().with_light([0.0; 3]).is_err());
+    /// ```
+    pub fn with_light(mut self, direction: [f32; 3]) -> Result<Self, Error> {
+        if direction.iter().any(|x| !x.is_finite()) || direction.iter().all(|&x| x == 0.0) {
+            let found = format!("{direction:?}");
+            return Err(Error::Parameter { name: "light", found, expected: "a direction" });
+        }
+        self.light = Some(direction);
+        Ok(self)
+    }
+
+    /// Sets the most triangles of a view. If the error needs more, the collapses with the largest errors in pixels are split first, and
+    /// the base mesh may have more.
+    ///
+    /// ```
+    /// use tristrip::lod::ViewCriteria;
+    /// assert_eq!(ViewCriteria::default().with_budget(1000).budget(), Some(1000));
+    /// ```
+    #[must_use]
+    pub fn with_budget(mut self, triangle_count: usize) -> Self {
+        self.budget = Some(triangle_count);
+        self
+    }
+
+    /// Sets the most collapses and splits of an update. What is left is done by the next one; the mesh in between is a valid one.
+    ///
+    /// ```
+    /// use tristrip::lod::ViewCriteria;
+    /// assert_eq!(ViewCriteria::default().with_steps(500).steps(), Some(500));
+    /// ```
+    #[must_use]
+    pub fn with_steps(mut self, steps: usize) -> Self {
+        self.steps = Some(steps);
+        self
+    }
+
+    /// Sets the share of the allowed error that a collapse may have.
+    ///
+    /// ```
+    /// use tristrip::lod::{Hysteresis, ViewCriteria};
+    /// let criteria = ViewCriteria::default().with_hysteresis(Hysteresis::new(0.5)?);
+    /// assert_ne!(criteria, ViewCriteria::default());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    #[must_use]
+    pub fn with_hysteresis(mut self, hysteresis: Hysteresis) -> Self {
+        self.hysteresis = hysteresis;
+        self
+    }
+
+    /// Returns the allowed error in pixels.
+    ///
+    /// ```
+    /// assert_eq!(tristrip::lod::ViewCriteria::default().pixels(), 1.0);
+    /// ```
+    pub fn pixels(&self) -> f32 {
+        self.pixels
+    }
+
+    /// Returns the most triangles of a view, if there is a limit.
+    ///
+    /// ```
+    /// assert_eq!(tristrip::lod::ViewCriteria::default().budget(), None);
+    /// ```
+    pub fn budget(&self) -> Option<usize> {
+        self.budget
+    }
+
+    /// Returns the most collapses and splits of an update, if there is a limit.
+    ///
+    /// ```
+    /// assert_eq!(tristrip::lod::ViewCriteria::default().steps(), None);
+    /// ```
+    pub fn steps(&self) -> Option<usize> {
+        self.steps
+    }
+}
+
+/// The criteria of a frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Criteria {
+    frame: CameraFrame,
+    /// The length that covers the allowed pixels, per distance; larger if there is a budget.
+    slope: f64,
+    /// The distance that an error of 1 needs, to be done and to stay so.
+    needed: [f64; 2],
+    share: f64,
+    has_frustum: bool,
+    has_back_faces: bool,
+    has_silhouettes: bool,
+    light: Option<Point>,
+    /// The distance at which changes of the allowed error are counted as travel: no less than that of any point of the model.
+    far: f64,
+    /// The least and largest tolerance that a collapse inside of the frustum may have.
+    tolerances: [f64; 2],
+}
+
+/// What a view wants of a collapse.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Choice {
+    /// It is to be split, or done; with the error in shares of what is allowed.
+    Change { ratio: f64 },
+    /// It stays as it is for some travel.
+    Stay { travel: f64 },
+}
+
+impl Criteria {
+    /// Prepares criteria for a frame, with the pixels multiplied by `scale`, for distances of up to `far`.
+    pub(super) fn new(frame: CameraFrame, criteria: &ViewCriteria, scale: f64, far: f64) -> Self {
+        let mut tolerances = [1.0, 1.0];
+        if criteria.has_back_faces {
+            tolerances[1] *= BACK_TOLERANCE;
+        }
+        if criteria.has_silhouettes {
+            tolerances[0] *= SILHOUETTE_TOLERANCE;
+        }
+        if criteria.light.is_some() {
+            tolerances[1] *= DARK_TOLERANCE;
+        }
+        let light = criteria.light.map(|direction| {
+            let largest = direction.iter().fold(0.0, |most: f32, x| most.max(x.abs()));
+            unit(direction.map(|x| f64::from(x) / f64::from(largest)))
+        });
+        let slope = scale * f64::from(criteria.pixels) / frame.pixels_per_slope;
+        let share = f64::from(criteria.hysteresis.share());
+        Self {
+            frame,
+            slope,
+            needed: [share, 1.0].map(|share| 1.0 / (slope * share)),
+            share,
+            has_frustum: criteria.has_frustum,
+            has_back_faces: criteria.has_back_faces,
+            has_silhouettes: criteria.has_silhouettes,
+            light,
+            far,
+            tolerances,
+        }
+    }
+
+    /// Returns the distance at which changes of the allowed error are counted.
+    pub(super) fn far(&self) -> f64 {
+        self.far
+    }
+
+    /// Returns what is wanted of a collapse that is done or not, and for how long.
+    pub(super) fn choose(&self, node: &NodeBounds, is_done: bool) -> Choice {
+        let away = sub(node.position.map(f64::from), self.frame.eye);
+        let distance = dot(away, away).sqrt();
+        let radius = f64::from(node.radius);
+        let error = f64::from(node.error);
+        let state = Looked {
+            is_done,
+            near: (distance - radius).max(0.0),
+            // Without an error there is nothing to see.
+            needed: if error > 0.0 { error * self.needed[usize::from(is_done)] } else { 0.0 },
+            far: self.far,
+        };
+        let (inside, outside) = self.depths(away, radius);
+        if outside > 0.0 {
+            return state.choice(f64::INFINITY, outside);
+        }
+        // If all tolerances inside of the frustum lead to the same choice for long, that is known without the normals.
+        let sure = match state.choice(self.tolerances[usize::from(!is_done)], inside) {
+            Choice::Stay { travel } => travel,
+            Choice::Change { .. } => 0.0,
+        };
+        if sure > SURE_SHARE * state.near {
+            return Choice::Stay { travel: sure };
+        }
+        let (tolerance, stays) = self.tolerance(node, away, distance, radius);
+        match state.choice(tolerance, inside.min(stays)) {
+            Choice::Stay { travel } => Choice::Stay { travel: travel.max(sure) },
+            change @ Choice::Change { .. } => change,
+        }
+    }
+
+    /// Returns how deep a sphere is within the planes of the frustum, and how far outside of one of them.
+    fn depths(&self, away: Point, radius: f64) -> (f64, f64) {
+        if !self.has_frustum {
+            return (f64::INFINITY, 0.0);
+        }
+        let (mut inside, mut outside) = (f64::INFINITY, 0.0_f64);
+        for plane in &self.frame.planes {
+            let depth = dot(*plane, away) + radius;
+            inside = inside.min(depth);
+            outside = outside.max(-depth);
+        }
+        (inside, outside)
+    }
+
+    /// Returns the tolerance of a collapse by its normals, and the travel before that changes.
+    fn tolerance(&self, node: &NodeBounds, away: Point, distance: f64, radius: f64) -> (f64, f64) {
+        let (mut tolerance, mut stays) = (1.0, f64::INFINITY);
+        if self.has_back_faces || self.has_silhouettes {
+            let sine = if distance > 0.0 { radius / distance } else { 1.0 };
+            let (facing, turn) = node.cone.facing(away.map(|x| -x), distance, sine);
+            match facing {
+                Facing::Back if self.has_back_faces => tolerance *= BACK_TOLERANCE,
+                Facing::Edge if self.has_silhouettes => tolerance *= SILHOUETTE_TOLERANCE,
+                _ => (),
+            }
+            stays = travel_of(turn, distance, sine);
+        }
+        if let Some(light) = self.light
+            && node.cone.facing(light, 1.0, 0.0).0 == Facing::Back
+        {
+            tolerance *= DARK_TOLERANCE;
+        }
+        (tolerance, stays)
+    }
+
+    /// Returns the travel from the criteria of an earlier frame to these, for a model within a sphere, or `None` if they differ in more than the camera
+    /// and the allowed error.
+    pub(super) fn travel_from(&self, before: &Self, sphere: (Point, f64)) -> Option<f64> {
+        let frame = CameraFrame { pixels_per_slope: self.frame.pixels_per_slope, ..before.frame };
+        if (Self { frame, slope: before.slope, needed: before.needed, ..*self }) != *before {
+            return None;
+        }
+        let [way, planes] = self.frame.motion_from(&before.frame, sphere);
+        let [low, high] =
+            if self.slope < before.slope { [self.slope, before.slope] } else { [before.slope, self.slope] };
+        let change = if low < high { (high / low - 1.0) * self.far } else { 0.0 };
+        // Distances and angles change by the way, and distances from planes by what the planes do.
+        let travel = (way + change).max(if self.has_frustum { planes } else { 0.0 });
+        // Rounding of large coordinates.
+        let travel = if travel > 0.0 { travel + 1e-12 * self.far } else { 0.0 };
+        travel.is_finite().then_some(travel)
+    }
+}
+
+/// What is known of a collapse before its tolerance.
+#[derive(Debug, Clone, Copy)]
+struct Looked {
+    is_done: bool,
+    /// The distance of the nearest point of its sphere.
+    near: f64,
+    /// The distance from which on its choice is another one, at a tolerance of 1.
+    needed: f64,
+    far: f64,
+}
+
+impl Looked {
+    /// Returns the choice at a tolerance that stays for some travel.
+    fn choice(&self, tolerance: f64, stays: f64) -> Choice {
+        let needed = if tolerance == f64::INFINITY { 0.0 } else { self.needed / tolerance };
+        let is_allowed = self.near >= needed;
+        if is_allowed != self.is_done {
+            return Choice::Change { ratio: needed / self.near };
+        }
+        // What travel changes in distance, errors that are allowed change in proportion to the distance needed.
+        let travel = if is_allowed {
+            self.near - needed
+        } else {
+            (needed - self.near) * if needed > self.far { self.far / needed } else { 1.0 }
+        };
+        let travel = 0.999 * travel.min(stays);
+        Choice::Stay { travel: if travel > 0.0 { travel } else { 0.0 } }
+    }
+}
+
+/// Returns the travel within which normals turn by less than an angle, in radians, toward the eye at a distance, as seen from a sphere of this sine.
+fn travel_of(turn: f64, distance: f64, sine: f64) -> f64 {
+    if sine > 0.5 {
+        return 0.0;
+    }
+    // By the travel, in distances, within which it is used: how far the direction to the center turns at most per travel, and the angle of the sphere.
+    let any = turn / 3.0;
+    let short = (turn / (1.01 + 1.5 * sine)).min(0.1);
+    let long = if sine <= 0.25 { (turn / (1.05 + 4.7 * sine)).min(0.5) } else { 0.0 };
+    distance * any.max(short).max(long)
+}

@@ -1,0 +1,161 @@
+//! The strips of the full mesh, in segments and chunks, and the segments in which each vertex is.
+//!
+//! ```text
+//! strips      a b c d e … │ restart │ f g h …
+//! chunks      ├──────────────────────────┤├──────────   a region of the index buffer each; display strips end at their ends
+//! segments    ├──────┤├──────┤├──────┤├──┤├──────┤├──   scanned again if a vertex of theirs has changed; display strips go on over their ends
+//! ```
+//! A chunk ends with a strip, or, in a strip that is longer than a chunk, after an even number of vertices, so that the winding of what follows is kept.
+//!
+//! # Complexity
+//! O(n) time, 4 bytes per vertex of a strip, and a packed segment for each.
+
+use super::vertex_tree::{NodeNumbers, VertexTree};
+use crate::csr::Csr;
+use crate::lod::filter::BLOCK;
+use crate::lod::index_map::RESTART;
+use crate::packed::PackedRows;
+use crate::strip::Strips;
+
+/// Chunks are closed at the end of a strip from this many entries on: what comes after a change in a chunk moves.
+const CHUNK: usize = 256;
+/// A strip that would make a chunk longer than this begins another one.
+const MOST: usize = 768;
+/// Strips longer than that are cut into parts of about this many entries, each of which sends two vertices more.
+const PART: usize = 512;
+/// The entries that filters read beyond a segment.
+pub(super) const AHEAD: usize = 4;
+
+/// The strips of the full mesh, with nodes as vertices.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct OriginalStrips {
+    /// All strips, with [`RESTART`] after each.
+    entries: Vec<u32>,
+    chunks: Vec<Chunk>,
+    /// The segments in which the names of each node matter.
+    segments_of: PackedRows,
+}
+
+/// A range of entries that has a region of the index buffer of its own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Chunk {
+    pub(super) start: u32,
+    pub(super) end: u32,
+    /// Its first segment, counted over all chunks.
+    pub(super) first_segment: u32,
+    /// The entries after its end that complete its last triangles: those of a strip that goes on.
+    pub(super) ahead: u32,
+}
+
+impl Chunk {
+    /// Counts the segments of a chunk.
+    pub(super) fn segment_count(&self) -> usize {
+        ((self.end - self.start + self.ahead) as usize).div_ceil(BLOCK)
+    }
+}
+
+impl OriginalStrips {
+    /// Cuts strips into chunks and segments.
+    pub(super) fn new(strips: &Strips, tree: &VertexTree, numbers: &NodeNumbers) -> Self {
+        let mut entries = Vec::with_capacity(strips.vertices_sent() + strips.len());
+        let mut chunks = ChunkList::default();
+        for strip in strips.iter() {
+            chunks.add(entries.len(), strip.len());
+            entries.extend(strip.iter().map(|&v| numbers.of(v)));
+            entries.push(RESTART);
+        }
+        let chunks = chunks.finish(entries.len());
+        let keyed = chunks.iter().flat_map(|chunk| {
+            let positions = chunk.start..(chunk.end + chunk.ahead);
+            let entries = &entries;
+            positions.flat_map(move |position| {
+                let node = entries[position as usize];
+                let at = position - chunk.start;
+                // The triangles and pairs that an entry belongs to begin up to three entries before it.
+                let segment = |at: u32| chunk.first_segment + at / BLOCK as u32;
+                let [first, last] = [segment(at.saturating_sub(AHEAD as u32 - 1)), segment(at)];
+                (first..=last).filter(move |_| node != RESTART).map(move |segment| (node, segment))
+            })
+        });
+        let rows = Csr::group_items(keyed, tree.len());
+        let mut all = Vec::with_capacity(rows.item_count());
+        let mut ends = Vec::with_capacity(tree.len());
+        for row in rows.rows() {
+            let start = all.len();
+            for &segment in row {
+                if !all[start..].contains(&segment) {
+                    all.push(segment);
+                }
+            }
+            ends.push(all.len());
+        }
+        drop(rows);
+        let row = |node: usize| &all[if node == 0 { 0 } else { ends[node - 1] }..ends[node]];
+        let segments_of = PackedRows::of((0..ends.len()).map(row));
+        Self { entries, chunks, segments_of }
+    }
+
+    pub(super) fn chunks(&self) -> &[Chunk] {
+        &self.chunks
+    }
+
+    pub(super) fn segment_count(&self) -> usize {
+        self.chunks.last().map_or(0, |last| last.first_segment as usize + last.segment_count())
+    }
+
+    /// Returns the nodes of a chunk, with those that complete its last triangles.
+    pub(super) fn entries(&self, chunk: &Chunk) -> &[u32] {
+        &self.entries[chunk.start as usize..(chunk.end + chunk.ahead) as usize]
+    }
+
+    /// Iterates over all nodes, with [`RESTART`] between strips.
+    pub(super) fn all(&self) -> &[u32] {
+        &self.entries
+    }
+
+    /// Iterates over the segments in which the names of nodes of a range matter; some come more than once.
+    #[inline]
+    pub(super) fn segments_of(&self, nodes: std::ops::Range<u32>) -> impl Iterator<Item = u32> {
+        self.segments_of.rows(nodes)
+    }
+
+    /// Returns the memory of the strips, and that of everything else, in bytes.
+    pub(super) fn memory(&self) -> [usize; 2] {
+        [size_of_val(&self.entries[..]), size_of_val(&self.chunks[..]) + self.segments_of.memory()]
+    }
+}
+
+/// The starts of the chunks, while they are found.
+#[derive(Debug, Default)]
+struct ChunkList {
+    /// The start of each chunk, and whether it begins in a strip.
+    starts: Vec<(u32, bool)>,
+}
+
+impl ChunkList {
+    /// Adds a strip at a position.
+    fn add(&mut self, position: usize, length: usize) {
+        let open = self.starts.last().map(|&(start, _)| position - start as usize);
+        if open.is_none_or(|open| open >= CHUNK || open > 0 && open + length > MOST) {
+            self.starts.push((position as u32, false));
+        }
+        if length > MOST {
+            let parts = length.div_ceil(PART);
+            let starts = (1..parts).map(|part| (part * length / parts) & !1);
+            self.starts.extend(starts.map(|start| ((position + start) as u32, true)));
+        }
+    }
+
+    /// Returns the chunks of this many entries.
+    fn finish(self, entry_count: usize) -> Vec<Chunk> {
+        let mut segment = 0;
+        let ends = self.starts[1.min(self.starts.len())..].iter().copied();
+        let ends = ends.chain([(entry_count as u32, false)]);
+        let chunk = |(&(start, _), (end, goes_on)): (&(u32, bool), (u32, bool))| {
+            let chunk = Chunk { start, end, first_segment: segment, ahead: if goes_on { 2 } else { 0 } };
+            segment += chunk.segment_count() as u32;
+            chunk
+        };
+        self.starts.iter().zip(ends).map(chunk).collect()
+    }
+}

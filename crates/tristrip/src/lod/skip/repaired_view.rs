@@ -1,0 +1,149 @@
+//! A view whose strips are repaired: paths over the triangles that it draws, mended next to each collapse and split.
+//!
+//! Display strips that a filter makes of the strips of the full mesh break up as a view gets coarser. Here the view's own triangles have strips, which the
+//! filter `repair` keeps about as good as strips found from scratch. It is ours, and no part of the published algorithm.
+//!
+//! The strips are written as a whole after each update, so that an update takes time in proportion to the triangles of the view.
+//!
+//! # Complexity
+//! As of [`Repair`](crate::lod::Repair) per collapse and split, and O(t) time for t triangles drawn; 64 bytes per triangle of the full mesh and view.
+
+use std::sync::Arc;
+
+use super::{Camera, SkipStrips, SkipView, ViewCriteria, ViewUpdate};
+use crate::collapse::CollapseSequence;
+use crate::error::Error;
+use crate::lod::level_model::LevelCursor;
+use crate::lod::repair::{Repair, RepairOptions};
+use crate::strip::Strips;
+
+/// A view of a model with repaired strips.
+///
+/// ```
+#[doc = include_str!("example.txt")]
+/// let mut view = RepairedView::new(&model, &strips, sequence.clone(), RepairOptions::default())?;
+/// view.update(&Camera::new([4.0, 1.0, 4.0], [4.0, 0.0, 4.0])?, &ViewCriteria::new(0.5)?)?;
+/// assert_eq!(view.strips().triangles().count(), view.view().triangle_count());
+/// # Ok::<(), tristrip::Error>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct RepairedView {
+    view: SkipView,
+    repair: Repair,
+    /// The level to which the collapse of each node leads, if it is a leader.
+    levels: Vec<u32>,
+    /// Whether the collapse of each node is done in the strips.
+    is_done: Vec<bool>,
+}
+
+impl RepairedView {
+    /// Returns a view of a model at the base mesh. The strips and the sequence are those of the model.
+    ///
+    /// # Errors
+    /// The sequence is not that of the model, or the strips do not draw its full mesh.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let mut view = RepairedView::new(&model, &strips, sequence.clone(), RepairOptions::default())?;
+    /// assert_eq!(view.strips().triangles().count(), sequence.triangle_count(0)?);
+    /// assert!(RepairedView::new(&model, &strips, sequence.with_base(1)?, RepairOptions::default()).is_err());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn new(
+        model: &Arc<SkipStrips>,
+        strips: &Strips,
+        sequence: impl Into<Arc<CollapseSequence>>,
+        options: RepairOptions,
+    ) -> Result<Self, Error> {
+        let sequence = sequence.into();
+        let order = &model.order;
+        let is_same = |(leader, collapse): (&crate::ids::OptionalId, crate::collapse::Collapse<'_>)| {
+            leader.get().map(|leader| model.tree.vertex(leader))
+                == collapse.renames.first().map(|r| r.removed)
+        };
+        if order.len() != sequence.len() || !order.iter().zip(sequence.iter()).all(is_same) {
+            let found = format!("{} other collapses", sequence.len());
+            return Err(Error::Parameter { name: "sequence", found, expected: "that of the model" });
+        }
+        let mut levels = vec![0; model.tree.len()];
+        let mut is_done = vec![false; model.tree.len()];
+        for (number, leader) in order.iter().enumerate() {
+            if let Some(leader) = leader.get() {
+                levels[leader as usize] = (order.len() - 1 - number) as u32;
+                is_done[leader as usize] = true;
+            }
+        }
+        Ok(Self {
+            view: model.view_without_strips(),
+            repair: Repair::in_any_order(&sequence, strips, options)?,
+            levels,
+            is_done,
+        })
+    }
+
+    /// Moves to what a camera needs, as [`SkipView::update`] does, and mends the strips. No ranges are reported as changed.
+    ///
+    /// # Errors
+    /// The model has no positions.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let mut view = RepairedView::new(&model, &strips, sequence.clone(), RepairOptions::default())?;
+    /// let update = view.update(&Camera::new([4.0, 1.0, 4.0], [4.0, 0.0, 4.0])?, &ViewCriteria::new(0.5)?)?;
+    /// assert!(update.splits > 0);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn update(&mut self, camera: &Camera, criteria: &ViewCriteria) -> Result<ViewUpdate, Error> {
+        let update = self.view.update(camera, criteria)?;
+        for leader in self.view.take_moved() {
+            let (level, is_done) =
+                (self.levels[leader as usize] as usize, &mut self.is_done[leader as usize]);
+            if *is_done {
+                self.repair.split_from(level);
+            } else {
+                self.repair.collapse_to(level);
+            }
+            *is_done = !*is_done;
+        }
+        Ok(update)
+    }
+
+    /// Returns the view, which has no display strips of its own.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let view = RepairedView::new(&model, &strips, sequence.clone(), RepairOptions::default())?;
+    /// assert!(view.view().indices().is_empty());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn view(&self) -> &SkipView {
+        &self.view
+    }
+
+    /// Returns the repaired strips, over the vertices of the full mesh.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let mut view = RepairedView::new(&model, &strips, sequence.clone(), RepairOptions::default())?;
+    /// assert!(view.strips().vertices_sent() <= model.view().display_strips().vertices_sent());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn strips(&mut self) -> &Strips {
+        self.repair.strips()
+    }
+
+    /// Returns the memory of the view in bytes, without that of the model.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let view = RepairedView::new(&model, &strips, sequence.clone(), RepairOptions::default())?;
+    /// assert!(view.memory() > model.view().memory());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn memory(&self) -> usize {
+        self.view.memory()
+            + LevelCursor::memory(&self.repair)
+            + size_of_val(&self.levels[..])
+            + size_of_val(&self.is_done[..])
+    }
+}

@@ -1,0 +1,222 @@
+//! The state of a view: which vertices have collapsed.
+//!
+//! A collapse sets the flag of a parent pointer, and the active child of the parent; a split clears the flag, and the active child becomes the one that
+//! collapsed before. Children are numbered in the order of their collapses, so that the index of the active child is a node.
+
+use super::dependencies::Dependencies;
+use super::vertex_tree::VertexTree;
+use crate::ids::OptionalId;
+
+/// The flags and pointers of a view, by node.
+#[derive(Debug, Clone)]
+pub(super) struct ViewState {
+    /// Whether a node has collapsed to its parent.
+    done: Vec<bool>,
+    /// The child of a node that collapsed last.
+    active_child: Vec<OptionalId>,
+    /// The pointer by which a node was last left toward its first active ancestor, updated when it is used.
+    active_pointer: Vec<u8>,
+}
+
+impl ViewState {
+    /// Creates the state of the full mesh.
+    pub(super) fn full(tree: &VertexTree) -> Self {
+        let count = tree.len();
+        Self {
+            done: vec![false; count],
+            active_child: vec![OptionalId::NONE; count],
+            active_pointer: vec![0; count],
+        }
+    }
+
+    /// Creates the state of the base mesh.
+    pub(super) fn base(tree: &VertexTree) -> Self {
+        let nodes = || 0..tree.len() as u32;
+        Self {
+            done: nodes().map(|node| tree.parent(node).is_some()).collect(),
+            active_child: nodes().map(|node| tree.last_child(node)).collect(),
+            active_pointer: vec![0; tree.len()],
+        }
+    }
+
+    /// Checks whether a node has collapsed.
+    #[inline]
+    pub(super) fn is_done(&self, node: u32) -> bool {
+        self.done[node as usize]
+    }
+
+    /// Returns the child of a node that collapsed last.
+    #[inline]
+    pub(super) fn active_child(&self, node: u32) -> Option<u32> {
+        self.active_child[node as usize].get()
+    }
+
+    /// Checks whether a collapse may be done.
+    #[inline]
+    pub(super) fn can_collapse(&self, leader: u32, dependencies: &Dependencies) -> bool {
+        !self.is_done(leader) && dependencies.needed(leader).all(|needed| self.is_done(needed))
+    }
+
+    /// Checks whether a collapse is the last one into an active node, so that its split may be chosen.
+    #[inline]
+    pub(super) fn is_last(&self, leader: u32, tree: &VertexTree) -> bool {
+        self.is_done(leader)
+            && tree.members(leader).any(|node| {
+                tree.parent(node).is_some_and(|p| !self.is_done(p) && self.active_child(p) == Some(node))
+            })
+    }
+
+    /// Does a collapse that may be done.
+    #[inline]
+    pub(super) fn collapse(&mut self, leader: u32, tree: &VertexTree) {
+        for node in tree.members(leader) {
+            if let Some(parent) = tree.parent(node) {
+                self.done[node as usize] = true;
+                self.active_child[parent as usize] = OptionalId::some(node);
+            }
+        }
+    }
+
+    /// Undoes a collapse that no other one needs any more.
+    #[inline]
+    pub(super) fn split(&mut self, leader: u32, tree: &VertexTree) {
+        for node in tree.members(leader) {
+            if let Some(parent) = tree.parent(node) {
+                self.done[node as usize] = false;
+                self.active_child[parent as usize] = tree.child_before(parent, node);
+            }
+        }
+    }
+
+    /// Undoes a collapse, first those that need it, and appends all of them in this order.
+    pub(super) fn force_split(
+        &mut self,
+        leader: u32,
+        (tree, dependencies): (&VertexTree, &Dependencies),
+        split: &mut Vec<u32>,
+    ) {
+        if self.is_done(leader) && dependencies.dependents(leader).all(|dependent| !self.is_done(dependent)) {
+            self.split(leader, tree);
+            split.push(leader);
+            return;
+        }
+        // With each collapse the position of the first that needs it and may not be undone yet.
+        let mut stack = vec![(leader, dependencies.dependents_range(leader))];
+        while let Some((leader, range)) = stack.last_mut() {
+            let leader = *leader;
+            let next = range.map(|position| dependencies.dependent(position)).find(|&d| self.is_done(d));
+            if let Some(dependent) = next {
+                stack.push((dependent, dependencies.dependents_range(dependent)));
+                continue;
+            }
+            if self.is_done(leader) {
+                self.split(leader, tree);
+                split.push(leader);
+            }
+            stack.pop();
+        }
+    }
+
+    /// Does a collapse, first those that it needs, and appends all of them in this order.
+    pub(super) fn force_collapse(
+        &mut self,
+        leader: u32,
+        (tree, dependencies): (&VertexTree, &Dependencies),
+        collapsed: &mut Vec<u32>,
+    ) {
+        if self.can_collapse(leader, dependencies) {
+            self.collapse(leader, tree);
+            collapsed.push(leader);
+            return;
+        }
+        // With each collapse the position of the first that it needs and may not be done yet.
+        let mut stack = vec![(leader, dependencies.needed_range(leader))];
+        while let Some((leader, range)) = stack.last_mut() {
+            let leader = *leader;
+            let next = range.map(|position| dependencies.needed_at(position)).find(|&d| !self.is_done(d));
+            if let Some(needed) = next {
+                stack.push((needed, dependencies.needed_range(needed)));
+                continue;
+            }
+            if !self.is_done(leader) {
+                self.collapse(leader, tree);
+                collapsed.push(leader);
+            }
+            stack.pop();
+        }
+    }
+
+    /// Returns the first active node of a node and its ancestors, by the pointers that skip ancestors, from the one that was used last.
+    #[inline]
+    pub(super) fn representative(&mut self, node: u32, tree: &VertexTree) -> u32 {
+        if !self.is_done(node) {
+            return node;
+        }
+        match tree.parent(node) {
+            Some(parent) if self.is_done(parent) => self.skip_from(node, tree),
+            Some(parent) => parent,
+            None => node,
+        }
+    }
+
+    fn skip_from(&mut self, node: u32, tree: &VertexTree) -> u32 {
+        let mut at = node;
+        while self.is_done(at) {
+            let pointer = self.pointer_from(at, u32::from(self.active_pointer[at as usize]), tree);
+            self.active_pointer[at as usize] = pointer as u8;
+            match tree.ancestor(at, pointer) {
+                Some(ancestor) => at = ancestor,
+                None => break,
+            }
+        }
+        at
+    }
+
+    /// Returns the highest pointer of a node that has collapsed to one that has collapsed, too, or the first pointer; `known` is where to look first.
+    #[inline]
+    fn pointer_from(&self, node: u32, known: u32, tree: &VertexTree) -> u32 {
+        let is_below = |pointer: u32| tree.ancestor(node, pointer).is_some_and(|a| self.is_done(a));
+        let mut pointer = known;
+        if pointer > 0 && !is_below(pointer) {
+            while pointer > 0 && !is_below(pointer) {
+                pointer -= 1;
+            }
+        } else {
+            while is_below(pointer + 1) {
+                pointer += 1;
+            }
+        }
+        pointer
+    }
+
+    /// Counts the pointers followed from a node to its first active ancestor: by parents alone, by the pointers that skip ancestors, the highest first,
+    /// and the ancestors looked at from the pointers used last.
+    pub(super) fn hops(&mut self, node: u32, tree: &VertexTree) -> [u32; 3] {
+        let mut hops = [0; 3];
+        let mut at = node;
+        while let Some(parent) = tree.parent(at).filter(|_| self.is_done(at)) {
+            hops[0] += 1;
+            at = parent;
+        }
+        at = node;
+        while self.is_done(at) {
+            let pointer = self.pointer_from(at, tree.pointer_count(at) - 1, tree);
+            hops[1] += 1;
+            at = tree.ancestor(at, pointer).unwrap_or(at);
+        }
+        at = node;
+        while self.is_done(at) {
+            let pointer = self.pointer_from(at, u32::from(self.active_pointer[at as usize]), tree);
+            hops[2] += 1;
+            self.active_pointer[at as usize] = pointer as u8;
+            at = tree.ancestor(at, pointer).unwrap_or(at);
+        }
+        hops
+    }
+
+    pub(super) fn memory(&self) -> usize {
+        size_of_val(&self.done[..])
+            + size_of_val(&self.active_child[..])
+            + size_of_val(&self.active_pointer[..])
+    }
+}

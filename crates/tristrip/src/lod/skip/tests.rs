@@ -1,0 +1,319 @@
+use std::collections::HashSet;
+use std::sync::Arc;
+
+use proptest::prelude::*;
+
+use super::*;
+use crate::collapse::Rename;
+use crate::lod::filter::Filter;
+use crate::lod::samples::{Sample, samples, sorted};
+use crate::mesh::{canonical_triangle, canonical_triangles};
+use crate::random::Random;
+
+/// Positions that are spread out, and the same for the same seed.
+fn positions(count: usize, seed: u64) -> Vec<[f32; 3]> {
+    let mut random = Random::new(seed);
+    (0..count).map(|i| [(i % 6) as f32, random.below(100) as f32 / 100.0, (i / 6) as f32]).collect()
+}
+
+/// The collapses of a sample with errors, over positions.
+fn model(sample: &Sample, seed: u64) -> Arc<SkipStrips> {
+    let mut random = Random::new(seed);
+    let collapses: Vec<_> =
+        sample.sequence.iter().map(|c| (c.renames, random.below(100) as f32 / 1000.0)).collect();
+    let (count, list) = (sample.sequence.vertex_count(), sample.sequence.triangles().to_vec());
+    let sequence = CollapseSequence::from_collapses(count, list, collapses).unwrap();
+    Arc::new(SkipStrips::new(&sample.strips, &sequence, &positions(count, seed)[..]).unwrap())
+}
+
+/// A camera around the grid.
+fn camera(random: &mut Random) -> Camera {
+    let mut at = |size: usize| random.below(1000) as f32 / 1000.0 * size as f32;
+    let eye = [at(30) - 12.0, at(12) - 4.0, at(30) - 12.0];
+    let look_at = [at(6), at(1), at(6)];
+    let camera = Camera::new(eye, look_at).unwrap();
+    camera.with_field_of_view(10.0 + at(90)).unwrap().with_image(160, 90).unwrap()
+}
+
+/// Criteria of which some are switched off.
+fn criteria(random: &mut Random) -> ViewCriteria {
+    let criteria = ViewCriteria::new(random.below(300) as f32 / 100.0).unwrap();
+    let criteria = criteria.with_frustum(random.coin()).with_back_faces(random.coin());
+    let criteria = criteria.with_silhouettes(random.coin());
+    if random.coin() { criteria.with_light([1.0, 2.0, 0.5]).unwrap() } else { criteria }
+}
+
+/// Checks that a view draws what its vertices say, and that what is done has all that it needs.
+fn check(view: &SkipView) -> Result<(), TestCaseError> {
+    let oracle = sorted(view.renamed_triangles());
+    prop_assert_eq!(view.triangle_count(), oracle.len());
+    prop_assert_eq!(sorted(view.display_strips().triangles()), oracle);
+    let model = view.model();
+    for leader in model.order.iter().filter_map(|leader| leader.get()).filter(|&leader| view.is_done(leader))
+    {
+        prop_assert!(model.dependencies.needed(leader).all(|needed| view.is_done(needed)));
+    }
+    let active = (0..model.tree.len() as u32).filter(|&node| !view.is_done(node)).count();
+    prop_assert_eq!(view.active_vertex_count(), active);
+    Ok(())
+}
+
+proptest! {
+    #[test]
+    fn views_draw_what_they_say(sample in samples(), seed in any::<u64>(), filter in 0..4_usize) {
+        let model = model(&sample, seed);
+        let mut random = Random::new(seed ^ 1);
+        let mut view = model.view_by(Filter::ALL[filter]);
+        check(&view)?;
+        let criteria = criteria(&mut random);
+        let mut buffer = view.indices().to_vec();
+        for _ in 0..6 {
+            let update = view.update(&camera(&mut random), &criteria).unwrap();
+            prop_assert!(update.is_complete);
+            check(&view)?;
+            let simplified = view.simplified_strips();
+            let drawn = canonical_triangles(simplified.triangles());
+            prop_assert_eq!(drawn, canonical_triangles(view.renamed_triangles()));
+            buffer.resize(view.indices().len(), 0);
+            for range in update.changed {
+                buffer[range.clone()].copy_from_slice(&view.indices()[range]);
+            }
+            prop_assert_eq!(&buffer, view.indices());
+        }
+        for _ in 0..3 {
+            view.update(&camera(&mut random), &criteria).unwrap();
+            let level = random.below(sample.sequence.len() + 1);
+            view.set_level(level).unwrap();
+            check(&view)?;
+            prop_assert_eq!(sorted(view.renamed_triangles()), sorted(sample.sequence.drawn(level).unwrap()));
+        }
+    }
+
+    /// The naive way looks at every collapse in every frame.
+    #[test]
+    fn what_is_not_looked_at_would_not_change(sample in samples(), seed in any::<u64>(), steps in 1..40_usize) {
+        let model = model(&sample, seed);
+        let mut random = Random::new(seed ^ 2);
+        let (mut view, mut naive) = (model.view(), model.view());
+        let criteria = criteria(&mut random);
+        let (from, to) = (camera(&mut random), camera(&mut random));
+        for step in 0..=steps {
+            let mix = |a: [f32; 3], b: [f32; 3]| {
+                [0, 1, 2].map(|k| a[k] + (b[k] - a[k]) * step as f32 / steps as f32)
+            };
+            let Ok(camera) = Camera::new(mix(from.eye(), to.eye()), mix(from.look_at(), to.look_at())) else {
+                continue;
+            };
+            view.update(&camera, &criteria).unwrap();
+            naive.forget_schedule();
+            naive.update(&camera, &criteria).unwrap();
+            prop_assert!(view.collapses_done().eq(naive.collapses_done()), "step {}", step);
+        }
+    }
+
+    /// Dependencies: each triangle of a view is one of some level, so that none is folded over that the simplification did not fold.
+    #[test]
+    fn every_triangle_of_a_view_is_one_of_a_level(sample in samples(), seed in any::<u64>()) {
+        let model = model(&sample, seed);
+        let levels = (0..=sample.sequence.len()).flat_map(|level| sample.sequence.drawn(level).unwrap());
+        let known: HashSet<[u32; 3]> = levels.map(canonical_triangle).collect();
+        let mut random = Random::new(seed ^ 3);
+        let mut view = model.view();
+        for _ in 0..8 {
+            view.update(&camera(&mut random), &criteria(&mut random)).unwrap();
+            prop_assert!(view.renamed_triangles().into_iter().all(|t| known.contains(&canonical_triangle(t))));
+        }
+    }
+
+    #[test]
+    fn repaired_views_draw_what_they_say(sample in samples(), seed in any::<u64>()) {
+        let model = model(&sample, seed);
+        let options = crate::lod::RepairOptions::default();
+        let mut view = RepairedView::new(&model, &sample.strips, sample.sequence.clone(), options).unwrap();
+        let mut random = Random::new(seed ^ 5);
+        for _ in 0..6 {
+            view.update(&camera(&mut random), &criteria(&mut random)).unwrap();
+            let oracle = sorted(view.view().renamed_triangles());
+            prop_assert_eq!(sorted(view.strips().triangles()), oracle);
+        }
+    }
+
+    #[test]
+    fn budgets_and_steps_are_kept(sample in samples(), seed in any::<u64>(), budget in 0..60_usize, steps in 1..9_usize) {
+        let model = model(&sample, seed);
+        let mut random = Random::new(seed ^ 4);
+        let (mut view, mut sliced) = (model.view(), model.view());
+        let base = view.triangle_count();
+        for _ in 0..5 {
+            let (camera, criteria) = (camera(&mut random), criteria(&mut random));
+            view.update(&camera, &criteria.with_budget(budget)).unwrap();
+            prop_assert!(view.triangle_count() <= budget.max(base));
+            check(&view)?;
+            let mut updates = 0;
+            while !sliced.update(&camera, &criteria.with_steps(steps)).unwrap().is_complete {
+                check(&sliced)?;
+                updates += 1;
+                prop_assert!(updates < 1000);
+            }
+        }
+    }
+}
+
+/// The mesh of figure 12: two strips of ten vertices.
+///
+/// ```text
+///  1 ── 3 ── 5 ── 7 ── 9          and below it the strip b, which shares the vertices 2, 4, 6, 8, 10
+///  │ ╱  │ ╱  │ ╱  │ ╱  │
+///  2 ── 4 ── 6 ── 8 ── 10
+/// ```
+fn figure() -> (Strips, CollapseSequence) {
+    let mut strips = Strips::default();
+    strips.push(&[1, 2, 3, 4, 5, 6, 7, 8, 9, 10]);
+    strips.push(&[2, 11, 4, 12, 6, 13, 8, 14, 10, 15]);
+    let renames = [(6, 5), (8, 7), (4, 3), (7, 5), (3, 5)].map(|(removed, kept)| [Rename { removed, kept }]);
+    let collapses = renames.iter().map(|renames| (&renames[..], 0.0));
+    let sequence = CollapseSequence::from_collapses(16, strips.to_list(), collapses).unwrap();
+    (strips, sequence)
+}
+
+#[test]
+fn figures_13_and_14() {
+    let (strips, sequence) = figure();
+    let (tree, numbers) = VertexTree::new(&sequence).unwrap();
+    let node = |v: u32| numbers.of(v);
+    // Pointers to ancestors 1, 2 … steps away: 4 goes to 3 and 3 to 5, so that 4 has one that skips 3.
+    assert_eq!((tree.ancestor(node(4), 0), tree.ancestor(node(4), 1)), (Some(node(3)), Some(node(5))));
+    assert_eq!((tree.ancestor(node(6), 0), tree.ancestor(node(6), 1)), (Some(node(5)), None));
+    let mut state = state::ViewState::full(&tree);
+    assert!((1..16).all(|v| !state.is_done(node(v))), "at full detail no parent pointer is active");
+    let dependencies = Dependencies::new(&sequence, &tree, &numbers);
+    for (v, into) in [(6, 5), (8, 7)] {
+        assert!(state.can_collapse(node(v), &dependencies));
+        state.collapse(node(v), &tree);
+        assert_eq!(state.active_child(node(into)), Some(node(v)));
+    }
+    let done: Vec<u32> = (1..16).filter(|&v| state.is_done(node(v))).collect();
+    assert_eq!(done, [6, 8], "the parent pointers of 6 and 8 are active");
+    let name = |state: &mut state::ViewState, v: u32| tree.vertex(state.representative(node(v), &tree));
+    assert_eq!([5, 6, 7, 8, 9].map(|v| name(&mut state, v)), [5, 5, 7, 7, 9]);
+    // 3 needs 4, and 7 needs 8: their neighbourhoods are those at the time of the collapse.
+    assert!(!state.can_collapse(node(3), &dependencies));
+    for v in [4, 7, 3] {
+        state.collapse(node(v), &tree);
+    }
+    assert_eq!([3, 4, 7, 8].map(|v| name(&mut state, v)), [5; 4]);
+    assert_eq!(state.hops(node(4), &tree)[..2], [2, 2]);
+    state.split(node(3), &tree);
+    assert_eq!((name(&mut state, 4), state.active_child(node(5))), (3, Some(node(7))));
+    let model = Arc::new(SkipStrips::of_levels(&strips, &sequence).unwrap());
+    assert_eq!(model.view().triangle_count(), sequence.triangle_count(0).unwrap());
+}
+
+/// Figure 11: 2 goes to 1, 4 to 3, and 3 to 1.
+#[test]
+fn figure_11() {
+    let renames = [(2, 1), (4, 3), (3, 1)].map(|(removed, kept)| [Rename { removed, kept }]);
+    let collapses = renames.iter().map(|renames| (&renames[..], 0.0));
+    let triangles = vec![0, 1, 2, 0, 2, 3, 0, 3, 4, 0, 4, 1];
+    let sequence = CollapseSequence::from_collapses(5, triangles, collapses).unwrap();
+    let (tree, numbers) = VertexTree::new(&sequence).unwrap();
+    let node = |v: u32| numbers.of(v);
+    assert_eq!([2, 3, 4].map(|v| tree.parent(node(v))), [Some(node(1)), Some(node(1)), Some(node(3))]);
+    assert_eq!(tree.parent(node(1)), None);
+    // The children of 1, the last first: 3, and before it 2.
+    assert_eq!(tree.last_child(node(1)).get(), Some(node(3)));
+    assert_eq!(tree.child_before(node(1), node(3)).get(), Some(node(2)));
+    assert_eq!(tree.child_before(node(1), node(2)).get(), None);
+    assert_eq!((tree.depth(), tree.end(node(1)) - node(1)), (2, 4));
+}
+
+/// A terrain of n by n squares with hills, and its merge tree.
+fn terrain(n: u32) -> (Vec<[f32; 3]>, Strips, CollapseSequence) {
+    let height = |x: f32, z: f32| 3.0 * (x / 5.0).sin() * (z / 7.0).cos() + (x * z / 9.0).sin() / 4.0;
+    let point = |i: u32| [(i % (n + 1)) as f32, (i / (n + 1)) as f32];
+    let positions: Vec<[f32; 3]> =
+        (0..(n + 1) * (n + 1)).map(point).map(|[x, z]| [x, height(x, z), z]).collect();
+    let mut strips = Strips::default();
+    for row in 0..n {
+        let pair = |x: u32| [row * (n + 1) + x, (row + 1) * (n + 1) + x];
+        strips.push(&(0..=n).flat_map(pair).collect::<Vec<_>>());
+    }
+    let faces = crate::Faces::from_triangles(strips.to_list()).unwrap();
+    let mesh = crate::Mesh::new(positions.clone(), faces).unwrap();
+    let options = crate::simplify::SimplifyOptions::default();
+    let order = crate::simplify::MergeOrder::Quadric;
+    let tree = crate::simplify::merge_tree(&mesh, strips.to_list(), order, &options).unwrap();
+    (positions, strips, tree.sequence)
+}
+
+#[test]
+fn a_flight_over_a_terrain_is_exact_and_looks_at_little() {
+    let (positions, strips, sequence) = terrain(60);
+    let model = Arc::new(SkipStrips::new(&strips, &sequence, &positions[..]).unwrap());
+    for filter in Filter::ALL {
+        let mut view = model.view_by(filter);
+        let criteria = ViewCriteria::new(4.0).unwrap();
+        let (mut looked_at, mut moved, mut segments) = (0, 0, 0);
+        for frame in 0..60 {
+            let x = frame as f32 / 4.0;
+            let camera = Camera::new([x, 6.0, x], [x + 20.0, 0.0, x + 15.0]).unwrap();
+            let update = view.update(&camera, &criteria).unwrap();
+            check(&view).unwrap();
+            if frame > 0 {
+                looked_at += update.looked_at;
+                moved += update.collapses + update.splits;
+                segments += update.segments;
+            }
+        }
+        assert!(moved > 500, "{moved}");
+        assert!(looked_at < 59 * view.active_vertex_count() / 3, "{looked_at} looked at, {moved} moved");
+        assert!(filter == Filter::Linked || segments < 30 * 120, "{segments} segments");
+    }
+}
+
+#[test]
+fn views_of_two_threads_are_those_of_one() {
+    let (positions, strips, sequence) = terrain(40);
+    let model = Arc::new(SkipStrips::new(&strips, &sequence, &positions[..]).unwrap());
+    let fly = |model: &Arc<SkipStrips>, seed: u64| {
+        let (mut view, mut random) = (model.view(), Random::new(seed));
+        let mut buffers = Vec::new();
+        for _ in 0..20 {
+            view.update(&camera(&mut random), &ViewCriteria::new(2.0).unwrap()).unwrap();
+            buffers.push(view.indices().to_vec());
+        }
+        buffers
+    };
+    let alone = [1, 2].map(|seed| fly(&model, seed));
+    let together = std::thread::scope(|scope| {
+        let (fly, model) = (&fly, &model);
+        let threads = [1, 2].map(|seed| scope.spawn(move || fly(model, seed)));
+        threads.map(|thread| thread.join().unwrap())
+    });
+    assert_eq!(alone, together);
+}
+
+#[test]
+fn views_from_anywhere_are_valid() {
+    let (positions, strips, sequence) = terrain(12);
+    let model = Arc::new(SkipStrips::new(&strips, &sequence, &positions[..]).unwrap());
+    let mut view = model.view();
+    let eyes = [[6.0, 0.5, 6.0], [1e30, 1e30, -1e30], [f32::MAX, 0.0, 0.0], [0.0, 1e-30, 0.0], positions[80]];
+    for eye in eyes {
+        for pixels in [0.0, 1.0, f32::INFINITY] {
+            let camera = Camera::new(eye, [3.0, 0.0, 4.0]).unwrap();
+            for up in [[0.0, 1.0, 0.0], [1e-38, 0.0, 0.0], [3.0, 1e30, 0.0]] {
+                let camera = camera.with_up(up).unwrap().with_field_of_view(179.9).unwrap();
+                view.update(&camera, &ViewCriteria::new(pixels).unwrap()).unwrap();
+                check(&view).unwrap();
+            }
+        }
+    }
+    // Without an error allowed the full mesh is drawn, but where it is flat and where it is not seen.
+    let all = ViewCriteria::new(0.0).unwrap().with_frustum(false);
+    view.update(&Camera::new([6.0, 9.0, 6.0], [6.0, 0.0, 6.1]).unwrap(), &all).unwrap();
+    assert!(view.triangle_count() > 280, "{}", view.triangle_count());
+    view.update(&Camera::new([6.0, 9.0, 6.0], [6.0, 20.0, 6.1]).unwrap(), &ViewCriteria::default()).unwrap();
+    // Spheres of large collapses still reach into the image.
+    assert!(view.triangle_count() < 60, "{}", view.triangle_count());
+}

@@ -1,0 +1,690 @@
+//! A view of a model: the detail that one camera needs.
+
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+use std::ops::Range;
+use std::sync::Arc;
+
+use super::SkipStrips;
+use super::bounds::{Bounds, NodeBounds};
+use super::camera::{Camera, CameraFrame};
+use super::criteria::{Choice, Criteria, ViewCriteria};
+use super::display::Display;
+use super::schedule::Schedule;
+use super::state::ViewState;
+use crate::csr::Csr;
+use crate::error::Error;
+use crate::ids::OptionalId;
+use crate::lod::filter::Filter;
+use crate::lod::index_map::RESTART;
+use crate::mesh::is_degenerate;
+use crate::strip::{Strips, strip_triangles};
+use crate::vector::{dot, sub};
+
+/// The largest factor by which a frame raises the allowed error to keep a budget.
+const MOST_RISE: f64 = 2.0;
+/// The factor by which a frame lowers it again where there is room.
+const FALL: f64 = 0.98;
+/// The share of a budget below which there is room.
+const ROOM: f64 = 0.95;
+/// The groups of nodes by which collapses are read in the order of memory.
+const GROUPS: usize = 4096;
+/// Collapses that are read before the first of them is looked at.
+const LOOKED_AT_ONCE: usize = 64;
+/// The factor by which the allowed error rises until a smaller budget is kept, and the largest one that is tried.
+const RISE: f64 = 1.25;
+const MOST_SCALE: f64 = 1e12;
+
+/// What an update did.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub struct ViewUpdate {
+    /// Collapses done.
+    pub collapses: usize,
+    /// Splits done, those that others needed included.
+    pub splits: usize,
+    /// Collapses whose criteria were looked at.
+    pub looked_at: usize,
+    /// Segments of strips that were scanned.
+    pub segments: usize,
+    /// The ranges of [`SkipView::indices`] that changed. The buffer may have become longer.
+    pub changed: Vec<Range<usize>>,
+    /// Whether everything wanted was done: no limit of steps ended the update.
+    pub is_complete: bool,
+}
+
+/// The detail of a model for one camera: a cursor that moves from frame to frame.
+///
+/// A view begins at the base mesh. It holds no lock, and several threads may update views of one model.
+///
+/// ```
+#[doc = include_str!("example.txt")]
+/// let mut view = model.view();
+/// let near = view.update(&Camera::new([4.0, 1.0, 4.0], [4.0, 0.0, 4.0])?, &ViewCriteria::new(0.5)?)?;
+/// assert!(near.splits > 0 && near.is_complete);
+/// let fine = view.triangle_count();
+/// // From far away a pixel covers the whole grid.
+/// view.update(&Camera::new([4.0, 1e5, 4.0], [4.0, 0.0, 4.0])?, &ViewCriteria::new(0.5)?)?;
+/// assert!(view.triangle_count() < fine);
+/// assert_eq!(view.display_strips().triangles().count(), view.triangle_count());
+/// # Ok::<(), tristrip::Error>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct SkipView {
+    model: Arc<SkipStrips>,
+    state: ViewState,
+    /// The vertex that draws each node: that of its first active ancestor.
+    names: Vec<u32>,
+    /// None if something else makes the strips.
+    display: Option<Display>,
+    triangle_count: usize,
+    active_count: usize,
+    schedule: Option<Schedule>,
+    criteria: Option<Criteria>,
+    /// The factor of the allowed pixels that keeps the budget.
+    scale: f64,
+    /// Collapses that wait no longer, that became candidates, and that are to be done.
+    due: Vec<u32>,
+    fresh: Vec<u32>,
+    wanted: Vec<u32>,
+    split: Vec<u32>,
+    /// The collapses done or undone since the strips were built.
+    moved: Vec<u32>,
+}
+
+/// What an update of a view works with.
+struct Frame<'a> {
+    criteria: Criteria,
+    wanted: &'a ViewCriteria,
+    schedule: Schedule,
+    splits: BinaryHeap<WantedSplit>,
+}
+
+/// A collapse that is to be split.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct WantedSplit {
+    ratio: f64,
+    leader: u32,
+}
+
+impl Eq for WantedSplit {}
+
+impl Ord for WantedSplit {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.ratio.total_cmp(&other.ratio).then(other.leader.cmp(&self.leader))
+    }
+}
+
+impl PartialOrd for WantedSplit {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+/// Brings nodes that are near each other in memory near each other in a list, in linear time.
+fn near_together(nodes: &mut Vec<u32>, node_count: usize) {
+    let shift = node_count.div_ceil(GROUPS).max(1).next_power_of_two().ilog2();
+    let groups = Csr::group_items(nodes.iter().map(|&node| (node >> shift, node)), GROUPS + 1);
+    nodes.clear();
+    groups.rows().for_each(|row| nodes.extend_from_slice(row));
+}
+
+impl SkipStrips {
+    /// Returns a view at the base mesh, with the display strips of [`Filter::Dtfs`].
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// assert_eq!(model.view().triangle_count(), model.levels().triangle_count(0)?);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn view(self: &Arc<Self>) -> SkipView {
+        self.view_by(Filter::Dtfs)
+    }
+
+    /// Returns a view at the base mesh, with the display strips of a filter.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let sent = |filter| model.view_by(filter).display_strips().vertices_sent();
+    /// assert!(sent(Filter::Dtfs) < sent(Filter::None));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn view_by(self: &Arc<Self>, filter: Filter) -> SkipView {
+        SkipView::new(Arc::clone(self), Some(filter), false)
+    }
+
+    /// Returns a view at the base mesh that chooses detail and has no display strips.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let mut view = model.view_without_strips();
+    /// view.update(&Camera::new([4.0, 1.0, 4.0], [4.0, 0.0, 4.0])?, &ViewCriteria::new(0.5)?)?;
+    /// assert_eq!((view.indices().len(), view.renamed_triangles().len()), (0, view.triangle_count()));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn view_without_strips(self: &Arc<Self>) -> SkipView {
+        SkipView::new(Arc::clone(self), None, false)
+    }
+
+    /// Returns a view at the full mesh.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// assert_eq!(model.full_view().triangle_count(), 128);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn full_view(self: &Arc<Self>) -> SkipView {
+        SkipView::new(Arc::clone(self), Some(Filter::Dtfs), true)
+    }
+}
+
+impl SkipView {
+    pub(super) fn new(model: Arc<SkipStrips>, filter: Option<Filter>, is_full: bool) -> Self {
+        let tree = &model.tree;
+        let state = if is_full { ViewState::full(tree) } else { ViewState::base(tree) };
+        let level = if is_full { model.order.len() } else { 0 };
+        let mut names: Vec<u32> = Vec::with_capacity(tree.len());
+        for node in 0..tree.len() as u32 {
+            let parent = tree.parent(node).filter(|_| state.is_done(node));
+            names.push(parent.map_or(tree.vertex(node), |parent| names[parent as usize]));
+        }
+        let mut view = Self {
+            display: filter.map(|filter| Display::new(filter, &model.strips)),
+            triangle_count: model.levels.triangles_at(level),
+            active_count: if is_full { tree.len() } else { model.base_vertex_count() },
+            schedule: None,
+            criteria: None,
+            scale: 1.0,
+            due: Vec::new(),
+            fresh: Vec::new(),
+            wanted: Vec::new(),
+            split: Vec::new(),
+            moved: Vec::new(),
+            state,
+            names,
+            model,
+        };
+        view.rebuild(&mut Vec::new());
+        view
+    }
+
+    /// Moves to what a camera needs, from what the last camera needed. The work is in proportion to what changes.
+    ///
+    /// # Errors
+    /// The model has no positions.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let mut view = model.view();
+    /// let camera = Camera::new([4.0, 2.0, 4.0], [4.0, 0.0, 4.0])?;
+    /// view.update(&camera, &ViewCriteria::new(0.5)?)?;
+    /// // Nothing moves, and nothing is done.
+    /// let again = view.update(&camera, &ViewCriteria::new(0.5)?)?;
+    /// assert_eq!((again.splits, again.collapses, again.looked_at, again.changed.len()), (0, 0, 0, 0));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn update(&mut self, camera: &Camera, criteria: &ViewCriteria) -> Result<ViewUpdate, Error> {
+        if self.model.bounds.is_none() {
+            let found = "none".into();
+            return Err(Error::Parameter { name: "positions", found, expected: "a model with positions" });
+        }
+        let mut update = ViewUpdate { is_complete: true, ..ViewUpdate::default() };
+        let frame = camera.frame();
+        if criteria.budget().is_none() {
+            self.scale = 1.0;
+        }
+        self.work(frame, criteria, &mut update);
+        if let Some(budget) = criteria.budget() {
+            // The budget has become smaller, or the base mesh is larger.
+            while self.triangle_count > budget && self.scale < MOST_SCALE && update.is_complete {
+                self.scale *= RISE;
+                self.work(frame, criteria, &mut update);
+            }
+            if (self.triangle_count as f64) < ROOM * budget as f64 {
+                self.scale = (FALL * self.scale).max(1.0);
+            }
+        }
+        update.segments = self.rebuild(&mut update.changed);
+        Ok(update)
+    }
+
+    /// Does what a frame wants, at the current scale.
+    fn work(&mut self, frame: CameraFrame, wanted: &ViewCriteria, update: &mut ViewUpdate) {
+        let model = Arc::clone(&self.model);
+        let Some(bounds) = &model.bounds else { return };
+        let away = sub(frame.eye, bounds.center);
+        let farthest = dot(away, away).sqrt() + bounds.radius;
+        let far = match &self.criteria {
+            Some(before) if farthest <= before.far() => before.far(),
+            _ => 2.0 * farthest,
+        };
+        let criteria = Criteria::new(frame, wanted, self.scale, far);
+        let travel = self
+            .criteria
+            .as_ref()
+            .and_then(|before| criteria.travel_from(before, (bounds.center, bounds.radius)));
+        self.criteria = Some(criteria);
+        let mut schedule = match self.schedule.take() {
+            Some(schedule) => schedule,
+            None => Schedule::new(model.tree.len(), bounds.radius),
+        };
+        let mut due = std::mem::take(&mut self.due);
+        if let Some(travel) = travel {
+            schedule.advance(travel, &mut due, &mut self.fresh);
+            near_together(&mut due, model.tree.len());
+        } else {
+            schedule.clear();
+            due.extend(self.candidates());
+            schedule.make_due(&due);
+        }
+        let mut frame = Frame { criteria, wanted, schedule, splits: BinaryHeap::new() };
+        self.look_at(&due, bounds, &mut frame, update);
+        due.clear();
+        self.due = due;
+        self.process(bounds, &mut frame, update);
+        self.schedule = Some(frame.schedule);
+    }
+
+    /// Returns the collapses that may be done or undone next.
+    fn candidates(&self) -> Vec<u32> {
+        let model = &self.model;
+        let leaders = (0..model.tree.len() as u32)
+            .filter(|&node| model.tree.parent(node).is_some() && model.tree.leader(node) == node);
+        let may_change = |&leader: &u32| {
+            self.state.is_last(leader, &model.tree) || self.state.can_collapse(leader, &model.dependencies)
+        };
+        leaders.filter(may_change).collect()
+    }
+
+    /// Looks at what is due: what is to change is wanted, and the others wait.
+    fn look_at(&mut self, due: &[u32], bounds: &Bounds, frame: &mut Frame, update: &mut ViewUpdate) {
+        update.looked_at += due.len();
+        // Reading all of a block first lets the reads overlap.
+        let mut block = [(NodeBounds::default(), false); LOOKED_AT_ONCE];
+        for leaders in due.chunks(LOOKED_AT_ONCE) {
+            for (slot, &leader) in block.iter_mut().zip(leaders) {
+                *slot = (bounds.nodes[leader as usize], self.state.is_done(leader));
+            }
+            for ((node, is_done), &leader) in block.iter().zip(leaders) {
+                self.choose(leader, node, *is_done, frame);
+            }
+        }
+    }
+
+    /// Chooses for a collapse, which is wanted to change then or waits.
+    fn choose(&mut self, leader: u32, node: &NodeBounds, is_done: bool, frame: &mut Frame) {
+        match frame.criteria.choose(node, is_done) {
+            Choice::Stay { travel } => frame.schedule.wait(leader, travel),
+            Choice::Change { ratio } if is_done => frame.splits.push(WantedSplit { ratio, leader }),
+            Choice::Change { .. } => self.wanted.push(leader),
+        }
+    }
+
+    /// Does what is wanted: collapses first, then splits, those with the largest errors first.
+    fn process(&mut self, bounds: &Bounds, frame: &mut Frame, update: &mut ViewUpdate) {
+        let model = Arc::clone(&self.model);
+        let (tree, dependencies) = (&model.tree, &model.dependencies);
+        let steps = frame.wanted.steps().unwrap_or(usize::MAX);
+        let is_over = |update: &ViewUpdate| update.collapses + update.splits >= steps;
+        while !is_over(update) {
+            if let Some(leader) = self.wanted.pop() {
+                if !frame.schedule.is_due(leader) || !self.state.can_collapse(leader, dependencies) {
+                    continue;
+                }
+                let replaced = tree.members(leader).flat_map(|node| [Some(node), tree.parent(node)]);
+                let replaced: Vec<u32> =
+                    replaced.flatten().filter_map(|node| self.state.active_child(node)).collect();
+                self.collapse(leader);
+                update.collapses += 1;
+                for child in replaced.into_iter().map(|child| tree.leader(child)) {
+                    if !self.state.is_last(child, tree) {
+                        frame.schedule.cancel(child);
+                    }
+                }
+                self.fresh.push(leader);
+                self.fresh.extend(dependencies.dependents(leader).filter(|&d| !self.state.is_done(d)));
+            } else if let Some(leader) = self.fresh.pop() {
+                self.look_at_fresh(leader, bounds, frame, update);
+            } else if let Some(next) = frame.splits.pop() {
+                if !frame.schedule.is_due(next.leader) || !self.state.is_last(next.leader, tree) {
+                    continue;
+                }
+                if !self.split_within(next.leader, frame.wanted.budget()) {
+                    self.scale *= next.ratio.clamp(1.0 + 1e-6, MOST_RISE);
+                    frame.splits.push(next);
+                    break;
+                }
+                update.splits += self.split.len();
+                for i in 0..self.split.len() {
+                    let leader = self.split[i];
+                    self.fresh.push(leader);
+                    dependencies.dependents(leader).for_each(|dependent| frame.schedule.cancel(dependent));
+                    for node in tree.members(leader) {
+                        let children = [Some(node), tree.parent(node)].into_iter().flatten();
+                        let active = children.filter_map(|node| self.state.active_child(node));
+                        self.fresh.extend(active.map(|child| tree.leader(child)));
+                    }
+                }
+            } else {
+                return;
+            }
+        }
+        // What is left is wanted again at the next update.
+        let splits = frame.splits.drain().map(|split| split.leader);
+        let left = self.fresh.drain(..).chain(self.wanted.drain(..)).chain(splits);
+        let before = frame.schedule.left_count();
+        frame.schedule.leave(left);
+        update.is_complete &= !is_over(update) || frame.schedule.left_count() == before;
+    }
+
+    /// Looks at a collapse that has become the next one of its vertices, or may have.
+    fn look_at_fresh(&mut self, leader: u32, bounds: &Bounds, frame: &mut Frame, update: &mut ViewUpdate) {
+        let is_done = self.state.is_done(leader);
+        let may_change = if is_done {
+            self.state.is_last(leader, &self.model.tree)
+        } else {
+            self.state.can_collapse(leader, &self.model.dependencies)
+        };
+        if may_change {
+            frame.schedule.make_due(&[leader]);
+            update.looked_at += 1;
+            self.choose(leader, &bounds.nodes[leader as usize], is_done, frame);
+        }
+    }
+
+    fn collapse(&mut self, leader: u32) {
+        self.state.collapse(leader, &self.model.tree);
+        self.count_collapse(leader);
+    }
+
+    /// Counts a collapse that the state has done.
+    fn count_collapse(&mut self, leader: u32) {
+        self.triangle_count -= self.model.dropped(leader);
+        self.active_count -= self.model.tree.members(leader).count();
+        self.moved.push(leader);
+    }
+
+    /// Splits a collapse, after those that need it, unless there are more triangles then than a budget has. Returns whether it did.
+    fn split_within(&mut self, leader: u32, budget: Option<usize>) -> bool {
+        let model = &self.model;
+        self.split.clear();
+        self.state.force_split(leader, (&model.tree, &model.dependencies), &mut self.split);
+        let added: usize = self.split.iter().map(|&leader| model.dropped(leader)).sum();
+        if budget.is_some_and(|budget| self.triangle_count + added > budget) {
+            let undone = self.split.iter().rev();
+            undone.for_each(|&leader| self.state.collapse(leader, &model.tree));
+            return false;
+        }
+        self.triangle_count += added;
+        self.active_count +=
+            self.split.iter().map(|&leader| model.tree.members(leader).count()).sum::<usize>();
+        self.moved.extend_from_slice(&self.split);
+        true
+    }
+
+    /// Builds the display strips that changed; returns the number of segments scanned.
+    fn rebuild(&mut self, changed: &mut Vec<Range<usize>>) -> usize {
+        let Self { model, moved, state, display, names, .. } = self;
+        let Some(display) = display else { return 0 };
+        let nodes = moved.drain(..).flat_map(|leader| model.tree.members(leader));
+        let mut nodes: Vec<u32> = nodes.collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        // Nodes come before those below them: what was collapsed is below one that was moved, or was moved itself.
+        let mut flagged = 0;
+        for node in nodes {
+            let end = model.tree.end(node);
+            let drawn = match model.tree.parent(node).filter(|_| state.is_done(node)) {
+                Some(parent) => names[parent as usize],
+                None => model.tree.vertex(node),
+            };
+            names[node as usize..end as usize].fill(drawn);
+            if node >= flagged {
+                display.flag(node..end, &model.strips);
+                flagged = end;
+            }
+        }
+        display.rebuild(&model.strips, names, changed)
+    }
+
+    /// Returns the collapses done and undone since the last call, each by its leader, in order. For a view without display strips.
+    pub(super) fn take_moved(&mut self) -> Vec<u32> {
+        std::mem::take(&mut self.moved)
+    }
+
+    /// Moves to a level of the sequence, from whatever the view draws. Each collapse is done only where all that it needs is done, and each split after those
+    /// that need it.
+    ///
+    /// # Errors
+    /// There is no such level.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let mut view = model.view();
+    /// view.set_level(20)?;
+    /// assert_eq!(view.triangle_count(), sequence.triangle_count(20)?);
+    /// assert!(view.set_level(100).is_err());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn set_level(&mut self, level: usize) -> Result<(), Error> {
+        let model = Arc::clone(&self.model);
+        model.levels.check(level)?;
+        let mut is_wanted = vec![false; model.tree.len()];
+        let done = &model.order[..model.order.len() - level];
+        done.iter().filter_map(|leader| leader.get()).for_each(|leader| is_wanted[leader as usize] = true);
+        let is_leader = |node: u32| model.tree.parent(node).is_some() && model.tree.leader(node) == node;
+        // In the order of the nodes, what is read for one collapse is near what is read for the next.
+        for node in (0..model.tree.len() as u32).filter(|&node| is_leader(node)) {
+            if self.state.is_done(node) && !is_wanted[node as usize] {
+                self.split_within(node, None);
+            }
+        }
+        let mut collapsed = std::mem::take(&mut self.split);
+        for node in (0..model.tree.len() as u32).rev().filter(|&node| is_leader(node)) {
+            if is_wanted[node as usize] {
+                collapsed.clear();
+                self.state.force_collapse(node, (&model.tree, &model.dependencies), &mut collapsed);
+                collapsed.iter().for_each(|&leader| self.count_collapse(leader));
+            }
+        }
+        self.split = collapsed;
+        // What waits does not know of this.
+        self.criteria = None;
+        self.rebuild(&mut Vec::new());
+        Ok(())
+    }
+
+    /// Moves between two levels of the sequence, of which the view has the first.
+    pub(super) fn move_between(&mut self, from: usize, to: usize) {
+        let model = Arc::clone(&self.model);
+        let number = |level: usize| model.order.len() - level;
+        let between = &model.order[number(from.max(to))..number(from.min(to))];
+        if to < from {
+            between.iter().filter_map(|leader| leader.get()).for_each(|leader| self.collapse(leader));
+        } else {
+            for leader in between.iter().rev().filter_map(|leader| leader.get()) {
+                self.split_within(leader, None);
+            }
+        }
+        // What waits does not know of this.
+        self.criteria = None;
+        self.rebuild(&mut Vec::new());
+    }
+
+    /// Returns the model.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// assert!(Arc::ptr_eq(&model, model.view().model()));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn model(&self) -> &Arc<SkipStrips> {
+        &self.model
+    }
+
+    /// Returns the index buffer to draw: the display strips, with [`RESTART`] between them and where nothing is drawn.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let view = model.view();
+    /// let sent = view.indices().iter().filter(|&&index| index != RESTART).count();
+    /// assert_eq!(sent, view.display_strips().vertices_sent());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn indices(&self) -> &[u32] {
+        self.display.as_ref().map_or(&[], Display::indices)
+    }
+
+    /// Iterates over the ranges of [`SkipView::indices`] in which there are strips, in the order of the strips.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let view = model.view();
+    /// assert!(view.ranges().all(|range| view.indices()[range.start] != RESTART));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn ranges(&self) -> impl Iterator<Item = Range<usize>> {
+        self.display.iter().flat_map(Display::ranges)
+    }
+
+    /// Copies the display strips, over the vertices of the full mesh.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let view = model.view();
+    /// assert_eq!(view.display_strips().triangles().count(), view.triangle_count());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn display_strips(&self) -> Strips {
+        self.display.as_ref().map_or_else(Strips::default, Display::to_strips)
+    }
+
+    /// Counts the triangles of the view.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// assert!(model.view().triangle_count() < model.full_view().triangle_count());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn triangle_count(&self) -> usize {
+        self.triangle_count
+    }
+
+    /// Counts the vertices that have not collapsed.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// assert_eq!(model.full_view().active_vertex_count(), 81);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn active_vertex_count(&self) -> usize {
+        self.active_count
+    }
+
+    /// Returns the triangles that the view is to draw, without its strips: all triangles of the full mesh, each vertex named by its first
+    /// ancestor that has not collapsed, one parent after the other. This is the oracle of the display strips.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let view = model.view();
+    /// assert_eq!(view.renamed_triangles().len(), view.triangle_count());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn renamed_triangles(&self) -> Vec<[u32; 3]> {
+        let tree = &self.model.tree;
+        let name = |mut node: u32| {
+            while let Some(parent) = tree.parent(node).filter(|_| self.state.is_done(node)) {
+                node = parent;
+            }
+            tree.vertex(node)
+        };
+        let strips = self.model.strips.all().split(|&node| node == RESTART);
+        let renamed = strips.flat_map(|strip| strip_triangles(strip).map(|triangle| triangle.map(name)));
+        renamed.filter(|&triangle| !is_degenerate(triangle)).collect()
+    }
+
+    /// Returns the collapses that are done, by their numbers from the full mesh, ascending.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// assert_eq!(model.view().collapses_done().count(), model.levels().collapse_count());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn collapses_done(&self) -> impl Iterator<Item = usize> {
+        let order = self.model.order.iter().enumerate();
+        let is_done = |leader: OptionalId| leader.get().is_none_or(|leader| self.state.is_done(leader));
+        order.filter(move |&(_, &leader)| is_done(leader)).map(|(number, _)| number)
+    }
+
+    /// Returns the simplified strips: those of the full mesh, with the first active ancestor of each vertex, found by the pointers that skip ancestors.
+    /// The view itself stores these names.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let mut view = model.view();
+    /// let simplified = view.simplified_strips();
+    /// assert_eq!(Filter::Dtfs.strips(&simplified).triangles().count(), view.triangle_count());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn simplified_strips(&mut self) -> Strips {
+        let model = Arc::clone(&self.model);
+        let mut strips = Strips::default();
+        let mut strip = Vec::new();
+        for nodes in model.strips.all().split(|&node| node == RESTART).filter(|nodes| !nodes.is_empty()) {
+            strip.clear();
+            let names = nodes.iter().map(|&node| self.state.representative(node, &model.tree));
+            strip.extend(names.map(|node| model.tree.vertex(node)));
+            strips.push(&strip);
+        }
+        strips
+    }
+
+    /// Returns the mean number of pointers followed from a vertex of the strips of the full mesh to its first active ancestor: by parents alone, and by
+    /// pointers that skip ancestors, from the highest one and from the one used last.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let [parents, skips, used_last] = model.view().mean_hops();
+    /// assert!(skips <= parents && used_last <= parents);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn mean_hops(&mut self) -> [f64; 3] {
+        let model = Arc::clone(&self.model);
+        let (mut sums, mut count) = ([0_u64; 3], 0_u64);
+        for &node in model.strips.all().iter().filter(|&&node| node != RESTART) {
+            let hops = self.state.hops(node, &model.tree);
+            sums = [0, 1, 2].map(|k| sums[k] + u64::from(hops[k]));
+            count += 1;
+        }
+        sums.map(|sum| if count == 0 { 0.0 } else { sum as f64 / count as f64 })
+    }
+
+    /// Returns the memory of the view in bytes, without that of the model.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// assert!(model.view().memory() > 0);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn memory(&self) -> usize {
+        let schedule = self.schedule.as_ref().map_or(0, Schedule::memory);
+        let lists = [&self.names, &self.due, &self.fresh, &self.wanted, &self.split, &self.moved]
+            .map(|list| size_of_val(&list[..]));
+        self.state.memory()
+            + self.display.as_ref().map_or(0, Display::memory)
+            + schedule
+            + lists.iter().sum::<usize>()
+    }
+
+    /// Checks whether a node has collapsed.
+    #[cfg(test)]
+    pub(super) fn is_done(&self, node: u32) -> bool {
+        self.state.is_done(node)
+    }
+
+    /// Lets the next update look at every collapse.
+    #[cfg(test)]
+    pub(super) fn forget_schedule(&mut self) {
+        self.criteria = None;
+    }
+}
