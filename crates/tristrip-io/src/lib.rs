@@ -8,6 +8,8 @@
 //! | STL | ascii, binary; equal positions welded | – |
 //! | glTF 2.0, GLB | all triangle modes, sparse accessors, restart, quantization, meshopt compression | GLB, with the scene; two files by [`gltf::separate`](gltf::separate()) |
 //!
+//! The module [`tlod`] reads and writes models of which each view has its own detail.
+//!
 //! Every input is treated as hostile: a reader never panics, and allocates in proportion to the bytes that it was given,
 //! never to a count that they state. Its errors name the position in the file, what was found and what was expected. A
 //! reader counts what it drops in [`Model::notes`]; [`losses`] lists what a writer has to drop.
@@ -45,6 +47,7 @@ mod reorder;
 mod shared_vertices;
 mod stl;
 mod text;
+pub mod tlod;
 mod vertex_group;
 
 pub use any_format::{losses, material_losses, read, read_shared, write};

@@ -1,0 +1,133 @@
+//! The limits of a reader: what a file may state, and how much it may have.
+
+use crate::error::Error;
+
+/// The largest number of bytes of memory that [`read`](super::read()) takes per byte that it read.
+pub const MEMORY_PER_BYTE: u64 = 32;
+
+/// The limits of [`read`](super::read()). A file that states more is refused before what it states is read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct TlodLimits {
+    /// The largest number of vertices, 2^26 by default.
+    pub vertices: u32,
+    /// The largest number of triangles, 2^27 by default.
+    pub triangles: u32,
+    /// The largest number of collapses, 2^26 by default.
+    pub collapses: u32,
+    /// The largest number of attributes, 64 by default.
+    pub attributes: u32,
+    /// The largest number of bytes in the name of an attribute, 1024 by default.
+    pub name_bytes: u32,
+    /// The largest number of bytes in the file, 4 GiB by default.
+    pub bytes: u64,
+}
+
+impl Default for TlodLimits {
+    fn default() -> Self {
+        Self {
+            vertices: 1 << 26,
+            triangles: 1 << 27,
+            collapses: 1 << 26,
+            attributes: 64,
+            name_bytes: 1024,
+            bytes: 1 << 32,
+        }
+    }
+}
+
+impl TlodLimits {
+    /// Sets the largest number of vertices.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// # let mut bytes = Vec::new();
+    /// # tlod::write(&model, &mut bytes)?;
+    /// let wrong = tlod::read(&bytes[..], &TlodLimits::default().with_vertices(3)).unwrap_err();
+    /// assert_eq!(wrong.to_string(), "byte 24, vertices: found 4, the limit is 3");
+    /// # Ok::<(), tristrip_io::Error>(())
+    /// ```
+    #[must_use]
+    pub fn with_vertices(self, vertices: u32) -> Self {
+        Self { vertices, ..self }
+    }
+
+    /// Sets the largest number of triangles.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// # let mut bytes = Vec::new();
+    /// # tlod::write(&model, &mut bytes)?;
+    /// assert!(tlod::read(&bytes[..], &TlodLimits::default().with_triangles(1)).is_err());
+    /// # Ok::<(), tristrip_io::Error>(())
+    /// ```
+    #[must_use]
+    pub fn with_triangles(self, triangles: u32) -> Self {
+        Self { triangles, ..self }
+    }
+
+    /// Sets the largest number of collapses.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// # let mut bytes = Vec::new();
+    /// # tlod::write(&model, &mut bytes)?;
+    /// assert!(tlod::read(&bytes[..], &TlodLimits::default().with_collapses(0)).is_err());
+    /// # Ok::<(), tristrip_io::Error>(())
+    /// ```
+    #[must_use]
+    pub fn with_collapses(self, collapses: u32) -> Self {
+        Self { collapses, ..self }
+    }
+
+    /// Sets the largest number of attributes.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// # let mut bytes = Vec::new();
+    /// # tlod::write(&model, &mut bytes)?;
+    /// // This model has none.
+    /// assert!(tlod::read(&bytes[..], &TlodLimits::default().with_attributes(0)).is_ok());
+    /// # Ok::<(), tristrip_io::Error>(())
+    /// ```
+    #[must_use]
+    pub fn with_attributes(self, attributes: u32) -> Self {
+        Self { attributes, ..self }
+    }
+
+    /// Sets the largest number of bytes in the name of an attribute.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// # let mut bytes = Vec::new();
+    /// # tlod::write(&model, &mut bytes)?;
+    /// assert!(tlod::read(&bytes[..], &TlodLimits::default().with_name_bytes(0)).is_ok());
+    /// # Ok::<(), tristrip_io::Error>(())
+    /// ```
+    #[must_use]
+    pub fn with_name_bytes(self, name_bytes: u32) -> Self {
+        Self { name_bytes, ..self }
+    }
+
+    /// Sets the largest number of bytes in the file.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// # let mut bytes = Vec::new();
+    /// # tlod::write(&model, &mut bytes)?;
+    /// assert!(tlod::read(&bytes[..], &TlodLimits::default().with_bytes(100)).is_err());
+    /// # Ok::<(), tristrip_io::Error>(())
+    /// ```
+    #[must_use]
+    pub fn with_bytes(self, bytes: u64) -> Self {
+        Self { bytes, ..self }
+    }
+}
+
+/// Checks that a number in a file is within its limit.
+pub(super) fn check(at: u64, what: &str, found: u64, limit: u64) -> Result<(), Error> {
+    if found <= limit {
+        return Ok(());
+    }
+    Err(Error::LimitExceeded { at: format!("byte {at}, {what}"), found, limit })
+}

@@ -1,0 +1,108 @@
+//! The content of a file: a mesh, its strips and its collapses, which fit together.
+
+use tristrip::verify::verify;
+use tristrip::{CollapseSequence, Faces, Mesh, Strips};
+
+use crate::error::Error;
+
+/// A model of which each view has its own detail.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub struct TlodModel {
+    /// The positions and all attributes. The faces are the triangles of the strips, in the order in which these draw them.
+    pub mesh: Mesh,
+    /// The strips of the full mesh.
+    pub strips: Strips,
+    /// The collapses of the same triangles.
+    pub sequence: CollapseSequence,
+}
+
+impl TlodModel {
+    /// Creates a model, and puts the triangles of the mesh and of the collapses in the order of the strips. Polygons become the triangles that draw
+    /// them; degenerate triangles are dropped. That the order of the strips was chosen on purpose is not kept.
+    ///
+    /// # Errors
+    /// The strips do not draw exactly the faces of the mesh, or exactly the triangles of the collapses; they have welds, which a file does not store.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// assert_eq!(model.mesh.faces().corners(), model.sequence.triangles());
+    /// let none = TlodModel::new(model.mesh, Strips::default(), model.sequence);
+    /// assert!(none.unwrap_err().to_string().starts_with("strips of the mesh: 2 triangles are missing"));
+    /// # Ok::<(), tristrip_io::Error>(())
+    /// ```
+    pub fn new(mesh: Mesh, strips: Strips, sequence: CollapseSequence) -> Result<Self, Error> {
+        check_vertices(&mesh, &strips, &sequence)?;
+        let unproven = |what| move |why| Error::Unsupported(format!("strips of the {what}: {why}"));
+        verify(&mesh, &strips).map_err(unproven("mesh"))?;
+        let collapsed = mesh.with_faces(Faces::from_triangles(sequence.triangles().to_vec())?)?;
+        verify(&collapsed, &strips).map_err(unproven("collapses"))?;
+        drop(collapsed);
+        let mut model = Self { mesh, strips, sequence };
+        if !model.is_in_order() {
+            model.put_in_order()?;
+        }
+        let ends = strip_ends(&model.strips).collect();
+        model.strips = Strips::from_parts(model.strips.vertices().to_vec(), ends)?;
+        Ok(model)
+    }
+
+    /// Puts the triangles of the mesh and of the collapses in the order of the strips.
+    fn put_in_order(&mut self) -> Result<(), Error> {
+        let triangles = self.strips.to_list();
+        let collapses = self.sequence.iter().map(|collapse| (collapse.renames, collapse.error));
+        let vertex_count = self.mesh.vertex_count();
+        self.sequence = CollapseSequence::from_collapses(vertex_count, triangles.clone(), collapses)?;
+        self.mesh = self.mesh.with_faces(Faces::from_triangles(triangles)?)?;
+        Ok(())
+    }
+
+    /// Returns whether the strips, the mesh and the collapses have the same triangles in the same order.
+    fn is_in_order(&self) -> bool {
+        let triangles = self.sequence.triangles();
+        let drawn = self.strips.triangles().flatten();
+        drawn.eq(triangles.iter().copied()) && self.mesh.faces().as_triangles() == Some(triangles)
+    }
+
+    /// Checks that the fields still fit together: they can be changed one by one.
+    pub(super) fn check(&self) -> Result<(), Error> {
+        check_vertices(&self.mesh, &self.strips, &self.sequence)?;
+        if self.is_in_order() {
+            return Ok(());
+        }
+        let message = "triangles: found others in the mesh, the strips or the collapses, expected the same in the same order";
+        Err(Error::Unsupported(message.into()))
+    }
+}
+
+/// Returns the end of each strip in the list of their vertices.
+pub(super) fn strip_ends(strips: &Strips) -> impl Iterator<Item = u32> {
+    strips.iter().scan(0, |end, strip| {
+        *end += strip.len() as u32;
+        Some(*end)
+    })
+}
+
+/// Checks that all are over the same vertices.
+fn check_vertices(mesh: &Mesh, strips: &Strips, sequence: &CollapseSequence) -> Result<(), Error> {
+    let vertex_count = mesh.vertex_count();
+    if sequence.vertex_count() != vertex_count {
+        let found = sequence.vertex_count();
+        return Err(Error::Unsupported(format!(
+            "vertices of the collapses: found {found}, expected {vertex_count}"
+        )));
+    }
+    if let Some(at) = strips.vertices().iter().position(|&v| v as usize >= vertex_count) {
+        let found = strips.vertices()[at];
+        return Err(Error::Unsupported(format!(
+            "vertex {at} of the strips: found {found}, expected less than {vertex_count}"
+        )));
+    }
+    if !strips.welds().is_empty() {
+        let found = strips.welds().len();
+        return Err(Error::Unsupported(format!(
+            "strips: found {found} welded vertices, expected those of the mesh"
+        )));
+    }
+    Ok(())
+}

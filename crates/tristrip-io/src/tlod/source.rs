@@ -1,0 +1,151 @@
+//! Reads the sections of a file in pieces of bounded size, and checks their checksums.
+
+use std::io::{ErrorKind, Read};
+
+use crc32fast::Hasher;
+
+use super::limits::check;
+use super::sections::{Kind, PIECE_BYTES};
+use crate::error::Error;
+
+/// A stream of bytes, from its first one on.
+pub(super) struct Source<'a> {
+    reader: &'a mut dyn Read,
+    /// The number of bytes read.
+    at: u64,
+    /// The byte at which the content of the section ends.
+    section_end: u64,
+    checksum: Hasher,
+    piece: Vec<u8>,
+    /// The largest number of bytes in the file.
+    limit: u64,
+}
+
+impl<'a> Source<'a> {
+    pub(super) fn new(reader: &'a mut dyn Read, limit: u64) -> Self {
+        let (checksum, piece) = (Hasher::new(), Vec::new());
+        Self { reader, at: 0, section_end: 0, checksum, piece, limit }
+    }
+
+    /// Returns the number of bytes read.
+    pub(super) fn at(&self) -> u64 {
+        self.at
+    }
+
+    /// Reads a few bytes.
+    pub(super) fn bytes<const N: usize>(&mut self, expected: &str) -> Result<[u8; N], Error> {
+        check(self.at, "the file", self.at + N as u64, self.limit)?;
+        let mut bytes = [0; N];
+        self.fill(&mut bytes, expected)?;
+        Ok(bytes)
+    }
+
+    /// Begins a section of a kind, and returns the length of its content, which must be `length` if this is known.
+    pub(super) fn begin(&mut self, kind: Kind, length: Option<u64>) -> Result<u64, Error> {
+        let start = self.at;
+        let name = String::from_utf8_lossy(&kind.code()).into_owned();
+        self.checksum = Hasher::new();
+        let code: [u8; 4] = self.bytes(&format!("section {name}"))?;
+        if code != kind.code() {
+            let known = if Kind::ALL.iter().any(|kind| kind.code() == code) { "" } else { "the unknown " };
+            let found = format!("{known}section {}", code.escape_ascii());
+            return Err(Error::format(format!("byte {start}"), found, format!("section {name}")));
+        }
+        let found = u64::from_le_bytes(self.bytes(&format!("the length of section {name}"))?);
+        if let Some(expected) = length.filter(|&length| length != found) {
+            return Err(wrong_length(start + 4, &name, found, expected));
+        }
+        check(start + 4, "the file", self.at.saturating_add(found).saturating_add(4), self.limit)?;
+        self.section_end = self.at.saturating_add(found);
+        Ok(found)
+    }
+
+    /// Returns the number of bytes in the section that were not read yet.
+    pub(super) fn left(&self) -> u64 {
+        self.section_end - self.at
+    }
+
+    /// Reads numbers of `N` bytes, as many as there are in the section or fewer. The list grows with what arrives.
+    pub(super) fn numbers<T, const N: usize>(
+        &mut self,
+        count: u64,
+        expected: &str,
+        number: impl Fn([u8; N]) -> T,
+    ) -> Result<Vec<T>, Error> {
+        let mut numbers = Vec::new();
+        let mut left = count;
+        while left > 0 {
+            let here = left.min((PIECE_BYTES / N) as u64) as usize;
+            let mut piece = std::mem::take(&mut self.piece);
+            piece.resize(here * N, 0);
+            self.fill(&mut piece, expected)?;
+            if numbers.capacity() < numbers.len() + here {
+                // Twice as much as there is, without room beyond the last number.
+                let more = (numbers.len().max(here) as u64).min(left);
+                numbers.reserve_exact(more as usize);
+            }
+            numbers.extend(piece.as_chunks().0.iter().map(|&bytes| number(bytes)));
+            self.piece = piece;
+            left -= here as u64;
+        }
+        Ok(numbers)
+    }
+
+    /// Reads the checksum of the section, and compares it.
+    pub(super) fn end(&mut self) -> Result<(), Error> {
+        let (at, expected) = (self.at, self.checksum.clone().finalize());
+        let found = u32::from_le_bytes(self.bytes("a checksum")?);
+        if found == expected {
+            return Ok(());
+        }
+        Err(Error::format(
+            format!("byte {at}"),
+            format!("checksum {found:08x}"),
+            format!("{expected:08x}, that of the section"),
+        ))
+    }
+
+    /// Checks that there is no other byte.
+    pub(super) fn finish(&mut self) -> Result<(), Error> {
+        let mut byte = [0];
+        match self.some(&mut byte)? {
+            0 => Ok(()),
+            _ => Err(Error::format(format!("byte {}", self.at), "more bytes", "the end of the file")),
+        }
+    }
+
+    /// Reads exactly as many bytes as there is room for.
+    fn fill(&mut self, bytes: &mut [u8], expected: &str) -> Result<(), Error> {
+        let mut done = 0;
+        while done < bytes.len() {
+            let count = self.some(&mut bytes[done..])?;
+            if count == 0 {
+                return Err(Error::format(format!("byte {}", self.at), "the end of the file", expected));
+            }
+            self.at += count as u64;
+            done += count;
+        }
+        self.checksum.update(bytes);
+        Ok(())
+    }
+
+    /// Reads at least one byte, unless the file ends.
+    fn some(&mut self, bytes: &mut [u8]) -> Result<usize, Error> {
+        loop {
+            match self.reader.read(bytes) {
+                // A reader must not state more than it had room for.
+                Ok(count) => return Ok(count.min(bytes.len())),
+                Err(error) if error.kind() == ErrorKind::Interrupted => (),
+                Err(source) => {
+                    return Err(Error::Io { path: format!("byte {} of the model", self.at), source });
+                }
+            }
+        }
+    }
+}
+
+/// Returns the error of a section with another length than the counts give.
+pub(super) fn wrong_length(at: u64, section: &str, found: u64, expected: u64) -> Error {
+    let found = format!("{found} bytes in section {section}");
+    Error::format(format!("byte {at}"), found, format!("{expected}, by the counts"))
+}
