@@ -1,6 +1,7 @@
 //! The command line as typed: every flag with its short and long help. The module `task` checks which flags fit together.
 
 mod detail;
+mod flight;
 mod groups;
 
 use std::path::PathBuf;
@@ -16,7 +17,8 @@ use tristrip_pipeline::VertexCacheList;
 
 use crate::method::{MethodArgs, WeldArgs};
 use crate::values::{effort_parser, named};
-pub(crate) use detail::{LodArgs, SimplifyArgs};
+pub(crate) use detail::{BuildLodArgs, LodArgs, SimplifyArgs};
+pub(crate) use flight::{CriteriaParts, FlyArgs};
 pub(crate) use groups::{FromArgs, GeneralArgs, OutputArgs, SharedArgs};
 
 /// The colours of help and errors on a terminal; `NO_COLOR=1` disables them.
@@ -55,6 +57,8 @@ pub(crate) enum Command {
     Convert(ConvertArgs),
     Simplify(SimplifyArgs),
     Lod(Box<LodArgs>),
+    BuildLod(Box<BuildLodArgs>),
+    Fly(Box<FlyArgs>),
     Repro(ReproArgs),
     Completions(CompletionsArgs),
     Man(ManArgs),
@@ -285,6 +289,8 @@ pub(crate) fn parse() -> ParsedCommand {
         Command::Convert(_) => "convert",
         Command::Simplify(_) => "simplify",
         Command::Lod(_) => "lod",
+        Command::BuildLod(_) => "build-lod",
+        Command::Fly(_) => "fly",
         Command::Repro(_) => "repro",
         Command::Completions(_) => "completions",
         Command::Man(_) => "man",

@@ -2,13 +2,14 @@
 
 mod report;
 
-use tristrip::lod::ModelKind;
+use tristrip::lod::{Camera, ModelKind, ViewCriteria};
 use tristrip_io::Model;
 use tristrip_lab::recovery;
 use tristrip_lab::traffic::{self, TrafficModel, measure_levels, totals, totals_as_text};
 use tristrip_pipeline::text::{count, counted};
 use tristrip_pipeline::{
-    EncodeOptions, Event, LevelGoal, LevelsOptions, MethodReport, ModelLevels, levels_observed, rounded,
+    EncodeOptions, Encoded, Error, Event, LevelGoal, LevelsOptions, MethodReport, ModelLevels, Observer,
+    levels_observed, rounded,
 };
 
 use crate::batch;
@@ -19,7 +20,7 @@ use crate::input::short_name;
 use crate::job::Job;
 use crate::output::{self, WriteReport};
 use crate::search::interrupted;
-use crate::stage::{Stages, load_job, timed};
+use crate::stage::{Stages, load_job, show_search, timed};
 use crate::task::LodTask;
 use report::LodReport;
 
@@ -85,6 +86,9 @@ fn run_stages(
     let show = |event: Event<'_>, seconds: f64| show_building(event, seconds, console, report);
     let stages = Stages::new(console, load, show).with_budget(task.budget);
     let levels = levels_observed(&model, &options, &stages)?;
+    if let Some(camera) = &task.camera {
+        return draw_view((&model, &levels), camera, job, task, console, report);
+    }
     let level = levels.level_of(task.goal)?;
     report.level = Some(level);
     let triangles = levels.triangle_count(level)?;
@@ -110,12 +114,8 @@ fn show_building(event: Event<'_>, seconds: f64, console: &Console, report: &mut
             report.seconds.stripify = Some(seconds);
             let method = report.method.description();
             let what = format!("{} of the full mesh ({method})", counted(strips, "strip"));
-            console.stage("stripify", &what, Some(seconds));
             report.stopped = stopped;
-            if let Some(stopped) = stopped {
-                console.note(stopped.note());
-                report.notes.push(stopped.note().into());
-            }
+            show_search(&what, seconds, stopped, console, &mut report.notes);
         }
         Event::Simplified(collapses) => {
             report.seconds.simplify = Some(seconds);
@@ -132,6 +132,36 @@ fn show_building(event: Event<'_>, seconds: f64, console: &Console, report: &mut
     }
 }
 
+/// Prints and reports an event of what is drawn: its name, and how it is drawn.
+fn show_drawn(
+    event: Event<'_>,
+    seconds: f64,
+    (name, drawn): (&str, &str),
+    console: &Console,
+    report: &mut LodReport,
+) {
+    match event {
+        Event::Filtered => report.seconds.filter = Some(seconds),
+        Event::Measured(figures) => {
+            let strips = counted(figures.strips, "strip");
+            let triangles = counted(figures.triangles, "triangle");
+            console.stage(
+                "filter",
+                &format!("{name}: {triangles} in {strips} ({drawn})"),
+                report.seconds.filter,
+            );
+            report.figures = Some(figures.clone());
+        }
+        Event::Proven { .. } => {
+            (report.seconds.verify, report.proven) = (Some(seconds), Some(true));
+            let kind = name.split(' ').next().unwrap_or_default();
+            let what = format!("proven: exactly the {kind}'s triangles and winding");
+            console.stage("verify", &what, Some(seconds));
+        }
+        _ => (),
+    }
+}
+
 /// Draws a level, measures the tables, and writes the file.
 fn draw(
     model: &Model,
@@ -142,24 +172,9 @@ fn draw(
     console: &mut Console,
     report: &mut LodReport,
 ) -> Result<(), Failure> {
-    let show = |event: Event<'_>, seconds: f64| match event {
-        Event::Filtered => report.seconds.filter = Some(seconds),
-        Event::Measured(figures) => {
-            let strips = counted(figures.strips, "strip");
-            let triangles = counted(figures.triangles, "triangle");
-            let level = count(level);
-            let model = task.model;
-            let what =
-                format!("level {level}: {triangles} in {strips} (model {model}, filter {})", task.filter);
-            console.stage("filter", &what, report.seconds.filter);
-            report.figures = Some(figures.clone());
-        }
-        Event::Proven { .. } => {
-            (report.seconds.verify, report.proven) = (Some(seconds), Some(true));
-            console.stage("verify", "proven: exactly the level's triangles and winding", Some(seconds));
-        }
-        _ => (),
-    };
+    let name = format!("level {}", count(level));
+    let drawn = format!("model {}, filter {}", task.model, task.filter);
+    let show = |event: Event<'_>, seconds: f64| show_drawn(event, seconds, (&name, &drawn), console, report);
     let stages = Stages::new(console, 0.0, show);
     let displayed = match task.model {
         ModelKind::Progressive | ModelKind::Naive => {
@@ -178,6 +193,43 @@ fn draw(
         console.stage("verify", "skipped", None);
     }
     measure(levels, task, console, report)?;
+    write(job, task, !displayed.strips.is_empty(), console, report, |options, observer| {
+        levels.encode(model, &displayed, options, observer)
+    })
+}
+
+/// Draws the view of a camera, and writes the file.
+fn draw_view(
+    (model, levels): (&Model, &ModelLevels),
+    (camera, criteria): &(Camera, ViewCriteria),
+    job: &Job,
+    task: &LodTask,
+    console: &mut Console,
+    report: &mut LodReport,
+) -> Result<(), Failure> {
+    let drawn = format!("model {}", task.model);
+    let show = |event: Event<'_>, seconds: f64| show_drawn(event, seconds, ("view", &drawn), console, report);
+    let view = levels.view(model, camera, criteria, &Stages::new(console, 0.0, show))?;
+    view.notes.iter().for_each(|note| console.note(note));
+    report.notes.extend_from_slice(&view.notes);
+    if !task.verify {
+        console.stage("verify", "skipped", None);
+    }
+    measure(levels, task, console, report)?;
+    write(job, task, !view.strips.is_empty(), console, report, |options, observer| {
+        levels.encode_view(model, &view, options, observer)
+    })
+}
+
+/// Writes the file of a job that has one.
+fn write(
+    job: &Job,
+    task: &LodTask,
+    has_strips: bool,
+    console: &mut Console,
+    report: &mut LodReport,
+    encode: impl FnOnce(&EncodeOptions, &dyn Observer) -> Result<Encoded, Error>,
+) -> Result<(), Failure> {
     let Some(target) = &job.output else { return Ok(()) };
     let options = EncodeOptions::new(target.format).with_layout(target.layout).with_verify(task.verify);
     let fields = WriteReport {
@@ -186,9 +238,7 @@ fn draw(
         notes: &mut report.notes,
         vertex_order: None,
     };
-    output::write(target, !displayed.strips.is_empty(), console, fields, |observer| {
-        levels.encode(model, &displayed, &options, observer)
-    })?;
+    output::write(target, has_strips, console, fields, |observer| encode(&options, observer))?;
     report.output = Some(target.name());
     report.layout = Some(target.layout.name());
     Ok(())

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! args ─▶ task ─▶ input ─▶ tristrip-pipeline, tristrip-lab ─▶ output ─▶ figures ─▶ console
-//!                 strip │ compare │ bound │ analyze │ verify │ convert │ simplify │ lod │ chain │ repro
+//!                 strip │ compare │ bound │ analyze │ verify │ convert │ simplify │ lod │ chain │ build_lod │ fly │ repro
 //! ```
 //! Exit code 0: everything was done and proven. 1: something was not proven, or an input or output was bad. 2: wrong usage.
 
@@ -12,6 +12,7 @@ mod analyze;
 mod args;
 mod batch;
 mod bound;
+mod build_lod;
 mod chain;
 mod collapses;
 mod compare;
@@ -19,8 +20,10 @@ mod console;
 mod convert;
 mod failure;
 mod figures;
+mod fly;
 mod input;
 mod job;
+mod join;
 mod lod;
 mod method;
 mod output;
@@ -34,6 +37,7 @@ mod strip;
 mod task;
 mod values;
 mod verify;
+mod view_model;
 
 use std::process::ExitCode;
 
@@ -82,6 +86,8 @@ fn run(task: &Task, console: &mut Console) -> bool {
         Task::Simplify(task) => simplify::run(task, console),
         Task::Lod(task) => lod::run(task, console),
         Task::Chain(task) => chain::run(task, console),
+        Task::BuildLod(task) => build_lod::run(task, console),
+        Task::Fly(task) => fly::run(task, console),
         Task::Repro(task) => repro::run(task, console),
         Task::Print(text) => {
             console.write_stdout(text);

@@ -8,7 +8,7 @@ use serde::Serialize;
 use tristrip::StripifyOptions;
 use tristrip_io::{Format, Model};
 use tristrip_pipeline::text::counted;
-use tristrip_pipeline::{Event, MeshFigures, Observer, Search};
+use tristrip_pipeline::{Event, MeshFigures, Observer, Search, Stopped};
 
 use crate::console::Console;
 use crate::failure::Failure;
@@ -64,6 +64,21 @@ pub(crate) fn load_job(job: &Job, console: &Console) -> Result<(Model, f64), Fai
         console.warning(&job.input.name(), &message);
     }
     Ok((model, seconds + image_seconds))
+}
+
+/// Prints what a search for strips found, and prints and records a note if it was stopped.
+pub(crate) fn show_search(
+    what: &str,
+    seconds: f64,
+    stopped: Option<Stopped>,
+    console: &Console,
+    notes: &mut Vec<String>,
+) {
+    console.stage("stripify", what, Some(seconds));
+    if let Some(stopped) = stopped {
+        console.note(stopped.note());
+        notes.push(stopped.note().into());
+    }
 }
 
 /// Returns whether two files are in one folder, links followed.

@@ -25,7 +25,7 @@ use crate::job::{Job, Output};
 use crate::output::{self, WriteReport};
 use crate::reorder::GroupReport;
 use crate::search::{SearchWatch, interrupted};
-use crate::stage::{Seconds, Stages, load_job, timed};
+use crate::stage::{Seconds, Stages, load_job, show_search, timed};
 use crate::task::{ParetoTask, StripTask};
 
 /// The report of one input; the keys are those of the JSON output.
@@ -189,14 +189,9 @@ fn show(event: Event<'_>, seconds: f64, console: &Console, report: &mut StripRep
             report.notes = notes.to_vec();
         }
         Event::Stripified { strips, stopped } => {
-            report.seconds.stripify = Some(seconds);
-            let method = report.method.description();
-            console.stage("stripify", &format!("{} ({method})", counted(strips, "strip")), Some(seconds));
-            report.stopped = stopped;
-            if let Some(stopped) = stopped {
-                console.note(stopped.note());
-                report.notes.push(stopped.note().into());
-            }
+            (report.seconds.stripify, report.stopped) = (Some(seconds), stopped);
+            let what = format!("{} ({})", counted(strips, "strip"), report.method.description());
+            show_search(&what, seconds, stopped, console, &mut report.notes);
         }
         Event::Measured(figures) => report.figures = Some(figures.clone()),
         Event::Bounded(gap) => {

@@ -1,28 +1,36 @@
 //! Validated tasks: the only place where flags are checked against each other and turned into a task, or rejected with a message.
 
 use std::collections::BTreeSet;
+use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use tristrip::Effort;
-use tristrip::lod::{ModelKind, RepairOptions, View};
-use tristrip::simplify::Price;
+use tristrip::lod::{Camera, Filter, ModelKind, RepairOptions, View, ViewCriteria};
+use tristrip::simplify::{MergeOrder, Price};
 use tristrip::vertex_cache::FlushPolicy;
 use tristrip::{Layout, StripifyOptions};
 use tristrip_io::Format;
 use tristrip_io::gltf::Rounding;
+use tristrip_lab::flight::{Axis, Lens, MAX_FRAMES};
 use tristrip_lab::recovery::Sweep;
 use tristrip_pipeline::{
     Amount, AnalyzeOptions, ChainOptions, ChainRatios, DisplayFilter, Goal, Level, LevelGoal, Ratio,
     SimplifyOptions, VertexCacheList,
 };
 
-use crate::args::{self, AnalyzeArgs, Command, LodArgs, OutputArgs, SharedArgs};
+use crate::args::{
+    self, AnalyzeArgs, BuildLodArgs, Command, CriteriaParts, FlyArgs, LodArgs, OutputArgs, SharedArgs,
+};
 use crate::job::{Input, Job, inputs, inputs_of, jobs_of, jobs_of_levels, write_to_stdout};
 use crate::shell;
+use crate::values::{Amount as Count, Vector};
 
 /// The maximum number of inputs in one chart: with more, the curves cannot be told apart.
 const MAX_PLOTTED_INPUTS: usize = 3;
+
+/// The pictures of a flight, unless more are asked for.
+const USUAL_PICTURES: usize = 60;
 
 /// A subcommand with options that fit each other.
 #[derive(Debug)]
@@ -36,6 +44,8 @@ pub(crate) enum Task {
     Simplify(SimplifyTask),
     Lod(LodTask),
     Chain(ChainTask),
+    BuildLod(BuildLodTask),
+    Fly(FlyTask),
     Repro(ReproTask),
     /// A text to print: completions, or a man page.
     Print(Vec<u8>),
@@ -126,6 +136,8 @@ pub(crate) struct LodTask {
     pub(crate) goal: LevelGoal,
     /// The view in which the error of the level is reported.
     pub(crate) view: Option<View>,
+    /// The camera of which the view is drawn instead of a level, and what detail it needs.
+    pub(crate) camera: Option<(Camera, ViewCriteria)>,
     pub(crate) filter: DisplayFilter,
     /// The effort of [`DisplayFilter::Repair`].
     pub(crate) filter_effort: Effort,
@@ -145,6 +157,69 @@ pub(crate) struct ChainTask {
     pub(crate) budget: Option<Duration>,
     /// Whether a part may be written as a list: not if the user chose a layout.
     pub(crate) list: bool,
+}
+
+#[derive(Debug)]
+pub(crate) struct BuildLodTask {
+    pub(crate) input: Input,
+    /// The file to write.
+    pub(crate) output: PathBuf,
+    pub(crate) options: StripifyOptions,
+    pub(crate) budget: Option<Duration>,
+    pub(crate) order: MergeOrder,
+}
+
+#[derive(Debug)]
+pub(crate) struct FlyTask {
+    pub(crate) input: Input,
+    pub(crate) options: StripifyOptions,
+    pub(crate) budget: Option<Duration>,
+    pub(crate) path: CameraPath,
+    pub(crate) frame_count: usize,
+    pub(crate) lens: Lens,
+    pub(crate) criteria: ViewCriteria,
+    pub(crate) filter: Filter,
+    pub(crate) verify: bool,
+    /// The Markdown file to write.
+    pub(crate) report: Option<PathBuf>,
+    /// The SVG file to write.
+    pub(crate) plot: Option<PathBuf>,
+    pub(crate) video: Option<VideoTask>,
+}
+
+/// Where a camera flies.
+#[derive(Debug)]
+pub(crate) enum CameraPath {
+    /// Around the model.
+    Orbit(Axis),
+    /// Towards the model.
+    Dolly(Axis),
+    /// Over the model; without an axis, its shortest side is vertical.
+    Flyover(Option<Axis>),
+    /// Through the cameras of a JSON file.
+    File(PathBuf),
+}
+
+impl CameraPath {
+    /// Returns the name for reports: that of the path, or of the file.
+    pub(crate) fn name(&self) -> String {
+        match self {
+            Self::Orbit(_) => "orbit".into(),
+            Self::Dolly(_) => "dolly".into(),
+            Self::Flyover(_) => "flyover".into(),
+            Self::File(path) => path.display().to_string(),
+        }
+    }
+}
+
+/// The pictures of a flight.
+#[derive(Debug)]
+pub(crate) struct VideoTask {
+    pub(crate) directory: PathBuf,
+    /// One of how many frames is drawn.
+    pub(crate) every: usize,
+    /// Whether strips have no colours of their own.
+    pub(crate) is_shaded: bool,
 }
 
 #[derive(Debug)]
@@ -176,6 +251,8 @@ impl Task {
             | Self::Bound(_)
             | Self::Analyze(_)
             | Self::Verify(_)
+            | Self::BuildLod(_)
+            | Self::Fly(_)
             | Self::Repro(_)
             | Self::Print(_) => false,
         }
@@ -277,6 +354,8 @@ fn validate(command: Command, papers: &[&str]) -> Result<Task, String> {
             Some(ratios) => chain_task(*args, ratios)?,
             None => lod_task(*args)?,
         },
+        Command::BuildLod(args) => build_lod_task(*args)?,
+        Command::Fly(args) => fly_task(*args)?,
         Command::Repro(args) => {
             let papers = select_papers(args.papers, papers)?;
             let models = args.models.unwrap_or_else(default_models);
@@ -306,8 +385,9 @@ fn lod_task(mut args: LodArgs) -> Result<Task, String> {
     let view = view(&args)?;
     let goal = level_goal(&args, view);
     // Goals may need any level; a level is a number within a range that is not too coarse to look at.
+    let camera = camera(&args)?;
     let base = match goal {
-        LevelGoal::Level(_) => Ratio::new(0.05),
+        LevelGoal::Level(_) if camera.is_none() => Ratio::new(0.05),
         _ => Some(Ratio::ZERO),
     };
     let filter = display_filter(args.model, args.filter)?;
@@ -326,6 +406,7 @@ fn lod_task(mut args: LodArgs) -> Result<Task, String> {
         price: args.collapse.price,
         goal,
         view,
+        camera,
         filter,
         filter_effort,
         table: args.table,
@@ -347,6 +428,30 @@ fn view(args: &LodArgs) -> Result<Option<View>, String> {
     view.map(Some).map_err(|error| error.to_string())
 }
 
+/// Returns the camera of a view, and what detail it needs.
+fn camera(args: &LodArgs) -> Result<Option<(Camera, ViewCriteria)>, String> {
+    let (Some(Vector(eye)), Some(Vector(look_at))) = (args.camera, args.look_at) else { return Ok(None) };
+    if args.model != ModelKind::Skip {
+        return Err(format!("--camera belongs to --model skip, not to {}", args.model));
+    }
+    let [columns, rows] = args.image.0;
+    let camera = Camera::new(eye, look_at)
+        .and_then(|camera| camera.with_up(args.up.0))
+        .and_then(|camera| camera.with_field_of_view(args.field_of_view))
+        .and_then(|camera| camera.with_image(columns, rows))
+        .map_err(|error| error.to_string())?;
+    let criteria = checked_pixels(args.pixels.unwrap_or(1.0))?;
+    Ok(Some((camera, criteria)))
+}
+
+/// Returns the criteria of an allowed error in pixels.
+fn checked_pixels(pixels: f32) -> Result<ViewCriteria, String> {
+    if !(pixels.is_finite() && pixels >= 0.0) {
+        return Err(format!("--pixels: found {pixels}, expected 0 or more"));
+    }
+    ViewCriteria::new(pixels).map_err(|error| error.to_string())
+}
+
 /// Returns what selects the level.
 fn level_goal(args: &LodArgs, view: Option<View>) -> LevelGoal {
     match (args.pixels.zip(view), args.triangles, args.collapse.error) {
@@ -354,6 +459,83 @@ fn level_goal(args: &LodArgs, view: Option<View>) -> LevelGoal {
         (_, Some(count), _) => LevelGoal::Triangles(count),
         (.., Some(error)) => LevelGoal::Error(error),
         _ => LevelGoal::Level(args.level.unwrap_or(Level::Percent(10.0))),
+    }
+}
+
+fn fly_task(args: FlyArgs) -> Result<Task, String> {
+    let input = inputs(vec![args.input], args.from.from)?.pop().ok_or("a file is needed")?;
+    if !(1..=MAX_FRAMES).contains(&args.frames) {
+        return Err(format!("--frames: found {}, expected 1 to {MAX_FRAMES}", args.frames));
+    }
+    let lens = Lens { field_of_view: args.field_of_view, image: args.image.0 };
+    lens.check().map_err(|error| error.to_string())?;
+    let mut criteria = view_criteria(args.criteria.pixels, &args.criteria.parts)?;
+    if let Some(Count(most)) = args.triangles {
+        criteria = criteria.with_budget(most);
+    }
+    if let Some(Count(steps)) = args.steps {
+        if steps == 0 {
+            return Err("--steps: found 0, expected at least 1: a view would never change".into());
+        }
+        criteria = criteria.with_steps(steps);
+    }
+    if let Some(path) = &args.plot {
+        check_chart("--plot", path, 1)?;
+        if args.report.as_ref() == Some(path) {
+            return Err(format!("{}: --report and --plot name the same file", path.display()));
+        }
+    }
+    let every = |every: NonZeroU32| every.get() as usize;
+    let usual = args.frames.div_ceil(USUAL_PICTURES);
+    let video = args.video.map(|directory| VideoTask {
+        directory,
+        every: args.video_every.map_or(usual, every),
+        is_shaded: args.shaded,
+    });
+    Ok(Task::Fly(FlyTask {
+        input,
+        options: args.method.validate(false)?,
+        budget: args.method.budget(),
+        path: camera_path(args.path, args.up)?,
+        frame_count: args.frames,
+        lens,
+        criteria,
+        filter: args.filter,
+        verify: !args.no_verify,
+        report: args.report,
+        plot: args.plot,
+        video,
+    }))
+}
+
+/// Returns the path of a camera by its name, or as a file.
+fn camera_path(path: PathBuf, up: Option<Axis>) -> Result<CameraPath, String> {
+    Ok(match path.to_str() {
+        Some("orbit") => CameraPath::Orbit(up.unwrap_or(Axis::Y)),
+        Some("dolly") => CameraPath::Dolly(up.unwrap_or(Axis::Y)),
+        Some("flyover") => CameraPath::Flyover(up),
+        _ if path.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("json")) => {
+            return Err(format!(
+                "--path: found {}, expected orbit, dolly, flyover or a .json file of cameras",
+                path.display()
+            ));
+        }
+        _ if up.is_some() => {
+            return Err("--up cannot be used with a file of cameras: it has their axes".into());
+        }
+        _ => CameraPath::File(path),
+    })
+}
+
+/// Returns what detail a view needs, without limits of triangles and steps.
+fn view_criteria(pixels: f32, parts: &CriteriaParts) -> Result<ViewCriteria, String> {
+    let criteria = checked_pixels(pixels)?
+        .with_frustum(!parts.no_frustum)
+        .with_back_faces(!parts.no_back_faces)
+        .with_silhouettes(!parts.no_silhouettes);
+    match parts.light {
+        Some(Vector(direction)) => criteria.with_light(direction).map_err(|error| format!("--{error}")),
+        None => Ok(criteria),
     }
 }
 
@@ -367,6 +549,22 @@ fn chain_task(args: LodArgs, ratios: ChainRatios) -> Result<Task, String> {
         .with_stripify(method.validate(false)?)
         .with_verify(!args.output.target.no_verify);
     Ok(Task::Chain(ChainTask { jobs, options, budget: method.budget(), list: args.output.layout.is_none() }))
+}
+
+fn build_lod_task(args: BuildLodArgs) -> Result<Task, String> {
+    let BuildLodArgs { input, from, order, output, method } = args;
+    if output.extension().is_none_or(|extension| !extension.eq_ignore_ascii_case("tlod")) {
+        return Err(format!("{}: build-lod writes .tlod; use this extension", output.display()));
+    }
+    let options = method.validate(false)?;
+    if options.weld() {
+        return Err(
+            "--weld does not fit build-lod: the file holds the vertices of the mesh as they are".into()
+        );
+    }
+    let input = inputs(vec![input], from.from)?.into_iter().next().ok_or("an input is needed")?;
+    let budget = method.budget();
+    Ok(Task::BuildLod(BuildLodTask { input, output, options, budget, order }))
 }
 
 /// Returns the filter of a model: models that store strips by themselves have none.

@@ -2,12 +2,14 @@
 //!
 //! These types depend on no other part of the command, so that flags, tasks and subcommands can share them.
 
+use std::fmt;
 use std::str::FromStr;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use tristrip::Effort;
 use tristrip::{Layout, Method};
 use tristrip_io::Format;
+use tristrip_lab::render::MAX_SIZE;
 
 /// The formats that can be written.
 pub(crate) const WRITTEN_FORMATS: [Format; 4] = [Format::Glb, Format::Gltf, Format::Ply, Format::Obj];
@@ -35,7 +37,7 @@ pub(crate) fn named<T>(
     help: fn(T) -> &'static str,
 ) -> impl TypedValueParser<Value = T>
 where
-    T: FromStr<Err: std::fmt::Display> + Copy + Send + Sync + 'static,
+    T: FromStr<Err: fmt::Display> + Copy + Send + Sync + 'static,
 {
     let values = values.into_iter().map(|value| PossibleValue::new(name(value)).help(help(value)));
     PossibleValuesParser::new(values).try_map(|text| text.parse::<T>().map_err(|error| error.to_string()))
@@ -60,5 +62,91 @@ pub(crate) fn layout_help(layout: Layout) -> &'static str {
         Layout::Degenerate => "One strip, joined by degenerate triangles; every glTF viewer draws it",
         Layout::Separate => "One primitive (glTF) or row (PLY) per strip",
         Layout::List => "A triangle list in strip order",
+    }
+}
+
+/// A number of triangles or steps as typed: `50000`, `200k` or `2M`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Amount(pub(crate) usize);
+
+impl FromStr for Amount {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (digits, factor) = match text.strip_suffix(['k', 'M']) {
+            Some(digits) if text.ends_with('k') => (digits, 1_000),
+            Some(digits) => (digits, 1_000_000),
+            None => (text, 1),
+        };
+        let amount = digits.parse::<usize>().ok().and_then(|number| number.checked_mul(factor));
+        amount.map(Self).ok_or_else(|| format!("found `{text}`, expected a number such as 50000, 200k or 2M"))
+    }
+}
+
+/// The size of an image as typed: `1920x1080`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct ImageSize(pub(crate) [u32; 2]);
+
+impl FromStr for ImageSize {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let size = text
+            .split_once('x')
+            .and_then(|(columns, rows)| Some([columns.parse().ok()?, rows.parse().ok()?]));
+        let size = size.filter(|size| size.iter().all(|pixels| (1..=MAX_SIZE).contains(pixels)));
+        size.map(Self).ok_or_else(|| {
+            format!("found `{text}`, expected columns and rows from 1 to {MAX_SIZE}, such as 1920x1080")
+        })
+    }
+}
+
+impl fmt::Display for ImageSize {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}x{}", self.0[0], self.0[1])
+    }
+}
+
+/// A point or direction as typed: `0,1.5,-3`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Vector(pub(crate) [f32; 3]);
+
+impl FromStr for Vector {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let numbers: Option<Vec<f32>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
+        let numbers = numbers.filter(|numbers| numbers.iter().all(|x| x.is_finite()));
+        let vector = numbers.and_then(|numbers| <[f32; 3]>::try_from(numbers).ok());
+        vector
+            .map(Self)
+            .ok_or_else(|| format!("found `{text}`, expected three finite numbers such as 0,1.5,-3"))
+    }
+}
+
+impl fmt::Display for Vector {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let [x, y, z] = self.0;
+        write!(f, "{x},{y},{z}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_read_as_typed() {
+        let amounts = ["50000", "200k", "2M"].map(|text| text.parse::<Amount>().map(|amount| amount.0));
+        assert_eq!(amounts, [Ok(50_000), Ok(200_000), Ok(2_000_000)]);
+        assert!(
+            ["", "k", "-1", "1.5k", "2G", "99999999999999999999"]
+                .iter()
+                .all(|t| t.parse::<Amount>().is_err())
+        );
+        assert_eq!("640x480".parse(), Ok(ImageSize([640, 480])));
+        assert!(["640", "0x5", "9000x1", "ax5", "1x2x3"].iter().all(|t| t.parse::<ImageSize>().is_err()));
+        assert_eq!("0,1.5, -3".parse(), Ok(Vector([0.0, 1.5, -3.0])));
+        assert!(["0,1", "0,1,NaN", "0,1,inf", "0,1,2,3"].iter().all(|t| t.parse::<Vector>().is_err()));
     }
 }

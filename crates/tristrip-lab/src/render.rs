@@ -8,7 +8,7 @@
 //! ```
 //! # Algorithm
 //! 1. A camera projects the vertices: without perspective, scaled to fill the picture, for strips; with perspective, from the eight corners
-//!    of the bounding box, for textured models.
+//!    of the bounding box, for textured models; or as the camera of a view of detail sees them, without what is behind it.
 //! 2. A corner has the normal of the file, or the mean normal of the triangles around its position, unless the surface has a crease there.
 //! 3. Each strip gets the colour of a palette that its neighbours do not have (`colours.rs`). A textured model shows its base colour, its
 //!    normals or its texture coordinates, as the [`Mode`] says.
@@ -39,7 +39,7 @@ mod textured;
 mod tones;
 mod vector;
 
-use tristrip::Strips;
+use tristrip::{Strips, lod};
 
 use crate::error::Error;
 use camera::Camera;
@@ -68,6 +68,36 @@ pub use textured::TexturedModel;
 /// ```
 pub fn strips(parts: &[(&[[f32; 3]], &Strips)], options: &RenderOptions) -> Result<Vec<u8>, Error> {
     options.check()?;
+    fitted(coloured(parts)?, options)
+}
+
+/// Draws strips as [`strips`] does, as a camera with perspective sees them. Nothing behind the camera is drawn. The vertical angle is that of the camera, the
+/// size of the picture that of the options.
+///
+/// # Errors
+/// A size is 0 or too large, a coordinate is not finite, or strips name a vertex without a position.
+///
+/// ```
+/// use tristrip::{Strips, lod::Camera};
+/// use tristrip_lab::render::{RenderOptions, strips_seen};
+/// let square = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]];
+/// let mut strip = Strips::default();
+/// strip.push(&[0, 1, 2, 3]);
+/// let camera = Camera::new([0.5, 0.5, 2.0], [0.5, 0.5, 0.0])?;
+/// let png = strips_seen(&[(&square, &strip)], &camera, &RenderOptions::default().with_size(64, 48))?;
+/// assert!(png.starts_with(b"\x89PNG"));
+/// # Ok::<(), tristrip_lab::Error>(())
+/// ```
+pub fn strips_seen(
+    parts: &[(&[[f32; 3]], &Strips)],
+    camera: &lod::Camera,
+    options: &RenderOptions,
+) -> Result<Vec<u8>, Error> {
+    seen(&coloured(parts)?, camera, options)
+}
+
+/// Returns the triangles of strips, in one colour per strip.
+fn coloured(parts: &[(&[[f32; 3]], &Strips)]) -> Result<Vec<Facet>, Error> {
     let mut facets = Vec::new();
     for (positions, strips) in parts {
         let colours = colours::of_strips(strips);
@@ -77,7 +107,7 @@ pub fn strips(parts: &[(&[[f32; 3]], &Strips)], options: &RenderOptions) -> Resu
         });
         scene::add_part(&mut facets, positions, triangles)?;
     }
-    fitted(facets, options)
+    Ok(facets)
 }
 
 /// Draws triangles, three indices each, in one colour. A part is its positions and its triangles. Returns the bytes of a PNG file.
@@ -94,13 +124,50 @@ pub fn strips(parts: &[(&[[f32; 3]], &Strips)], options: &RenderOptions) -> Resu
 /// ```
 pub fn triangles(parts: &[(&[[f32; 3]], &[u32])], options: &RenderOptions) -> Result<Vec<u8>, Error> {
     options.check()?;
+    fitted(plain(parts)?, options)
+}
+
+/// Draws triangles as [`triangles`] does, as a camera with perspective sees them. Nothing behind the camera is drawn.
+///
+/// # Errors
+/// As of [`strips_seen`].
+///
+/// ```
+/// use tristrip::lod::Camera;
+/// use tristrip_lab::render::{RenderOptions, triangles_seen};
+/// let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+/// let camera = Camera::new([0.5, 0.5, 2.0], [0.5, 0.5, 0.0])?;
+/// let png = triangles_seen(&[(&corners, &[0, 1, 2])], &camera, &RenderOptions::default().with_size(64, 48))?;
+/// assert!(png.starts_with(b"\x89PNG"));
+/// # Ok::<(), tristrip_lab::Error>(())
+/// ```
+pub fn triangles_seen(
+    parts: &[(&[[f32; 3]], &[u32])],
+    camera: &lod::Camera,
+    options: &RenderOptions,
+) -> Result<Vec<u8>, Error> {
+    seen(&plain(parts)?, camera, options)
+}
+
+/// Returns triangles in one colour.
+fn plain(parts: &[(&[[f32; 3]], &[u32])]) -> Result<Vec<Facet>, Error> {
     let mut facets = Vec::new();
     for (positions, corners) in parts {
         let (triangles, _) = corners.as_chunks();
         let triangles = triangles.iter().map(|&triangle| (triangle, colours::PLAIN));
         scene::add_part(&mut facets, positions, triangles)?;
     }
-    fitted(facets, options)
+    Ok(facets)
+}
+
+/// Draws triangles as a camera sees them, and encodes them.
+fn seen(facets: &[Facet], camera: &lod::Camera, options: &RenderOptions) -> Result<Vec<u8>, Error> {
+    let camera = Camera::of_view(camera, options)?;
+    let mut seen = Vec::with_capacity(facets.len());
+    for facet in facets {
+        camera.clip(facet, &mut seen)?;
+    }
+    encode(&raster::draw(&seen, &Shader::plain(&camera), options), options)
 }
 
 /// Draws triangles as large as the picture allows, and encodes them.
@@ -176,6 +243,34 @@ mod tests {
         assert_eq!(decoded(&picture(&[0, 1, 2])), decoded(&picture(&[2, 1, 0])));
         let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
         assert_eq!(pool.install(|| picture(&[0, 1, 2])), picture(&[0, 1, 2]));
+    }
+
+    /// A floor around the eye has its horizon in the middle of the picture: everything below is floor, and what is behind the eye does not show.
+    #[test]
+    fn what_is_behind_the_camera_is_cut_off() {
+        let floor = [[-1e4, -1.0, -1e4], [1e4, -1.0, -1e4], [-1e4, -1.0, 1e4], [1e4, -1.0, 1e4]];
+        let camera = lod::Camera::new([0.0; 3], [0.0, 0.0, -1.0]).unwrap();
+        for whole in [strip(&[0, 1, 2, 3]), strip(&[2, 3, 0, 1]), strip(&[1, 3, 0, 2])] {
+            let (width, pixels) = decoded(&strips_seen(&[(&floor, &whole)], &camera, &front()).unwrap());
+            let (above, below) = pixels.split_at(15 * width as usize);
+            assert!(above.iter().all(|&pixel| pixel == [255; 3]));
+            assert!(below[width as usize..].iter().all(|&pixel| pixel != [255; 3]));
+        }
+        let above = floor.map(|[x, y, z]| [x, y + 5.0, z - 1e5]);
+        let away = lod::Camera::new([0.0; 3], [0.0, 0.0, 1.0]).unwrap();
+        let png = triangles_seen(&[(&above, &[0, 1, 2, 2, 1, 3])], &away, &front()).unwrap();
+        assert!(decoded(&png).1.iter().all(|&pixel| pixel == [255; 3]));
+    }
+
+    /// A square of height 1 at the distance at which the picture has height 2.
+    #[test]
+    fn a_camera_shows_lengths_in_perspective() {
+        let corners = square(-0.5, 0.0).into_iter().map(|[x, y, z]| [x, y - 0.5, z]).collect::<Vec<_>>();
+        let camera = lod::Camera::new([0.0, 0.0, 1.0], [0.0; 3]).unwrap().with_field_of_view(90.0).unwrap();
+        let (_, pixels) =
+            decoded(&strips_seen(&[(&corners, &strip(&[0, 1, 2, 3]))], &camera, &front()).unwrap());
+        let covered = pixels.iter().filter(|&&pixel| pixel != [255; 3]).count();
+        assert!((15 * 15..=16 * 16).contains(&covered), "a square of 15 pixels: {covered}");
     }
 
     #[test]

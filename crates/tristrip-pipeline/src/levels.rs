@@ -9,8 +9,9 @@ mod cursor;
 mod filter;
 mod level;
 mod part;
+mod view;
 
-use tristrip::lod::{ModelKind, RepairOptions};
+use tristrip::lod::{Camera, ModelKind, RepairOptions, ViewCriteria};
 use tristrip::simplify::Price;
 use tristrip::{Mesh, StripifyOptions, Strips};
 use tristrip_io::{Drawing, Model};
@@ -33,6 +34,7 @@ pub use filter::DisplayFilter;
 pub use level::{Level, LevelGoal};
 pub use part::LevelPart;
 use part::without_unused;
+pub use view::DisplayedView;
 
 /// How levels of detail are built. The base mesh of the default is what the surface allows; everything is proven.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -143,7 +145,7 @@ pub struct DisplayedLevel {
 /// As of [`levels_observed`].
 ///
 /// ```
-/// use tristrip::lod::{ModelKind, RepairOptions};
+/// use tristrip::lod::{Camera, ModelKind, RepairOptions, ViewCriteria};
 /// use tristrip_io::{Format, read};
 /// use tristrip_pipeline::{DisplayFilter, LevelsOptions, levels};
 /// let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\n";
@@ -163,7 +165,7 @@ pub fn levels(model: &Model, options: &LevelsOptions) -> Result<ModelLevels, Err
 /// A part is too large, an option has an invalid value, the strips are not proven, or the observer cancelled.
 ///
 /// ```
-/// use tristrip::lod::{ModelKind, RepairOptions};
+/// use tristrip::lod::{Camera, ModelKind, RepairOptions, ViewCriteria};
 /// use tristrip_io::{Format, read};
 /// use tristrip_pipeline::{DisplayFilter, EncodeOptions, LevelsOptions, levels_observed};
 /// let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\n";
@@ -476,9 +478,65 @@ impl ModelLevels {
         observer: &dyn Observer,
     ) -> Result<Encoded, Error> {
         let levels = self.parts.iter().zip(&displayed.of_parts);
-        let triangles: Vec<_> =
-            levels.map(|(part, &level)| part.triangles(level)).collect::<Result<_, _>>()?;
-        let drawn = self.parts.iter().zip(&displayed.strips).zip(&triangles);
+        let triangles = levels.map(|(part, &level)| part.triangles(level)).collect::<Result<Vec<_>, _>>()?;
+        self.encode_drawn(model, (&displayed.strips, triangles), *options, observer)
+    }
+
+    /// Builds the display strips of the view of a camera, measures and proves them. The stages are reported to the observer.
+    ///
+    /// # Errors
+    /// The levels are of another model, a position is not finite, the strips are not proven, or the observer cancelled.
+    ///
+    /// ```
+    /// use tristrip::lod::{Camera, ViewCriteria};
+    /// use tristrip_io::{Format, read};
+    /// use tristrip_pipeline::{EncodeOptions, LevelsOptions, levels};
+    /// let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 1\n";
+    /// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
+    /// let levels = levels(&model, &LevelsOptions::default())?;
+    /// let triangles = |height: f32| {
+    ///     let camera = Camera::new([1.0, 1.0, height], [1.0, 1.0, 0.0])?;
+    ///     let view = levels.view(&model, &camera, &ViewCriteria::default(), &())?;
+    ///     let file = levels.encode_view(&model, &view, &EncodeOptions::new(Format::Glb), &())?;
+    ///     Ok::<_, tristrip_pipeline::Error>(file.faces)
+    /// };
+    /// assert_eq!((triangles(3.0)?, triangles(1e6)?), (Some(4), Some(1)));
+    /// # Ok::<(), tristrip_pipeline::Error>(())
+    /// ```
+    pub fn view(
+        &self,
+        model: &Model,
+        camera: &Camera,
+        criteria: &ViewCriteria,
+        observer: &dyn Observer,
+    ) -> Result<DisplayedView, Error> {
+        let options = (&self.options.stripify, self.options.verify);
+        view::displayed(&self.parts, model, (camera, criteria), options, observer)
+    }
+
+    /// Encodes a view of the model as [`ModelLevels::encode`] does a level.
+    ///
+    /// # Errors
+    /// The view is of another model, the format cannot store it, the bytes are not proven, or the observer cancelled.
+    pub fn encode_view(
+        &self,
+        model: &Model,
+        view: &DisplayedView,
+        options: &EncodeOptions,
+        observer: &dyn Observer,
+    ) -> Result<Encoded, Error> {
+        self.encode_drawn(model, (&view.strips, view.triangles.clone()), *options, observer)
+    }
+
+    /// Encodes display strips, over the vertices of the collapses, and the triangles that they draw, over those of the model.
+    fn encode_drawn(
+        &self,
+        model: &Model,
+        (strips, triangles): (&[Strips], Vec<Vec<u32>>),
+        options: EncodeOptions,
+        observer: &dyn Observer,
+    ) -> Result<Encoded, Error> {
+        let drawn = self.parts.iter().zip(strips).zip(&triangles);
         let outward = drawn.map(|((part, strips), drawn)| {
             Ok(without_unused(&part.outward(strips)?, drawn, part.vertex_count()))
         });
@@ -488,7 +546,7 @@ impl ModelLevels {
         let strips: Vec<Strips> = strips.collect::<Result<_, Error>>()?;
         let drawings: Vec<_> = strips.iter().map(Drawing::Strips).collect();
         let mut notes = kept_vertices(&smaller, observer);
-        let encoded = encode_observed(&smaller.model, &drawings, options, observer)?;
+        let encoded = encode_observed(&smaller.model, &drawings, &options, observer)?;
         notes.extend(encoded.notes);
         Ok(Encoded { notes, ..encoded })
     }

@@ -63,8 +63,8 @@ pub use error::Error;
 pub use figures::{Figures, MeshFigures, rounded};
 pub use goal::{Amount, Deviation, Goal, Ratio};
 pub use levels::{
-    DisplayFilter, DisplayedLevel, Level, LevelGoal, LevelPart, LevelsOptions, ModelCursor, ModelLevels,
-    levels, levels_observed, parse_levels,
+    DisplayFilter, DisplayedLevel, DisplayedView, Level, LevelGoal, LevelPart, LevelsOptions, ModelCursor,
+    ModelLevels, levels, levels_observed, parse_levels,
 };
 pub use method::{MethodReport, methods_to_compare, parse_method};
 pub use observer::{Event, Observer, Search, Stage, Stopped};

@@ -6,10 +6,13 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use tristrip::lod::Camera;
 use tristrip_io::Model;
 
 /// The largest magnitude of a number of a transform: products with positions stay far from the limits of a float.
 const MOST: f64 = 1e30;
+/// How far a transform may be from one that keeps angles, relative to the square of its scale.
+const SIMILAR: f64 = 1e-4;
 
 /// The rows of an affine transform from a part to the scene: a linear map, and a translation.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -74,6 +77,31 @@ impl Place {
         let determinant = a * (b * c - e * e) - d * (d * c - e * f) + f * (d * e - b * f);
         let angle = libm::acos((0.5 * determinant).clamp(-1.0, 1.0)) / 3.0;
         (mean + 2.0 * p * libm::cos(angle)).max(0.0).sqrt()
+    }
+
+    /// Returns a camera of the scene in the coordinates of the part; `None` if angles do not stay as they are, or numbers become too large.
+    ///
+    /// An error covers as many pixels there: lengths and distances change by the same factor.
+    pub(crate) fn inward(&self, camera: &Camera) -> Option<Camera> {
+        if *self == Self::IDENTITY {
+            return Some(*camera);
+        }
+        let m = &self.0;
+        let product = |i: usize, j: usize| (0..3).map(|k| m[k][i] * m[k][j]).sum::<f64>();
+        let square = (product(0, 0) + product(1, 1) + product(2, 2)) / 3.0;
+        let is_near = |found: f64, expected: f64| (found - expected).abs() <= SIMILAR * square;
+        let is_similar =
+            (0..3).all(|i| is_near(product(i, i), square) && is_near(product(i, (i + 1) % 3), 0.0));
+        if !is_similar || square <= 0.0 {
+            return None;
+        }
+        let turned =
+            |v: [f64; 3]| [0, 1, 2].map(|i| ((0..3).map(|k| m[k][i] * v[k]).sum::<f64>() / square) as f32);
+        let point = |p: [f32; 3]| turned([0, 1, 2].map(|k| f64::from(p[k]) - m[k][3]));
+        let [columns, rows] = camera.image();
+        let inward = Camera::new(point(camera.eye()), point(camera.look_at())).ok()?;
+        let inward = inward.with_up(turned(camera.up().map(f64::from))).ok()?;
+        inward.with_field_of_view(camera.field_of_view()).ok()?.with_image(columns, rows).ok()
     }
 
     fn bits(&self) -> [u64; 12] {
@@ -158,6 +186,23 @@ mod tests {
         // A shear; the golden ratio is its largest singular value.
         near(of([[1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]), f64::midpoint(1.0, 5.0_f64.sqrt()));
         near(of([[1e31, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]), 1.0);
+    }
+
+    #[test]
+    fn a_camera_is_seen_from_a_turned_and_scaled_part() {
+        let camera = Camera::new([7.0, 2.0, 0.0], [7.0, 0.0, 0.0]).unwrap().with_up([1.0, 0.0, 0.0]).unwrap();
+        // Twice as large, turned by a quarter around z, and moved along x.
+        let place = Place::new([[0.0, -2.0, 0.0, 7.0], [2.0, 0.0, 0.0, 0.0], [0.0, 0.0, 2.0, 0.0]]);
+        let inward = place.inward(&camera).unwrap();
+        assert_eq!(
+            (inward.eye(), inward.look_at(), inward.up()),
+            ([1.0, 0.0, 0.0], [0.0; 3], [0.0, -0.5, 0.0])
+        );
+        assert_eq!(Place::IDENTITY.inward(&camera), Some(camera));
+        for m in [[1.0, 1.0, 2.0], [0.0; 3]] {
+            let place = Place::new([0, 1, 2].map(|i| [0, 1, 2, 3].map(|k| if k == i { m[i] } else { 0.0 })));
+            assert_eq!(place.inward(&camera), None, "{m:?}");
+        }
     }
 
     #[test]

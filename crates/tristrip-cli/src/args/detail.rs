@@ -5,12 +5,13 @@ use std::path::PathBuf;
 use clap::Args;
 use tristrip::Effort;
 use tristrip::lod::{ModelKind, View};
+use tristrip::simplify::MergeOrder;
 use tristrip_lab::recovery::Sweep;
 use tristrip_pipeline::{ChainRatios, DisplayFilter, Level, Normals, Ratio};
 
-use super::groups::{CollapseArgs, GeneralArgs, OutputArgs, TargetArgs};
+use super::groups::{CollapseArgs, FromArgs, GeneralArgs, OutputArgs, TargetArgs};
 use crate::method::MethodArgs;
-use crate::values::{effort_parser, named};
+use crate::values::{ImageSize, Vector, effort_parser, named};
 
 /// Simplify a mesh by half-edge collapses
 ///
@@ -90,6 +91,7 @@ pub(crate) struct SimplifyArgs {
   tristrip lod bunny.ply --compare --plot lod.svg     filters compared with a triangle list
   tristrip lod bunny.ply --model sets --level 25% -o level.glb
   tristrip lod bunny.ply --model blocks --pixels 1.5 --distance 3     the level for a viewing distance
+  tristrip lod bunny.ply --model skip --camera 0,0.1,0.3 --look-at 0,0.1,0 --pixels 1.5 -o frame.glb
   tristrip lod bunny.ply --compare --sweep linear,exponential --plot recovery.svg
   tristrip lod truck.gltf --chain 100%,50%,25%,10% -o truck.lod.glb
   tristrip lod duck.glb --chain 100%,50%,25%,10% -o levels/ --layout list")]
@@ -130,13 +132,15 @@ pub(crate) struct LodArgs {
     )]
     pub(crate) triangles: Option<usize>,
     /// Draw the coarsest level whose surface error covers at most this number of pixels, seen from --distance
+    ///
+    /// With --camera, each collapse may have this error where the camera sees it [default: 1].
     #[arg(
         long,
         value_name = "PIXELS",
         help_heading = "Levels",
         allow_negative_numbers = true,
         conflicts_with = "error",
-        requires = "distance"
+        requires = "viewpoint"
     )]
     pub(crate) pixels: Option<f32>,
     /// The distance from the camera to the nearest point of the model, in mesh units
@@ -145,7 +149,8 @@ pub(crate) struct LodArgs {
         value_name = "DISTANCE",
         help_heading = "Levels",
         allow_negative_numbers = true,
-        requires = "pixels"
+        requires = "pixels",
+        group = "viewpoint"
     )]
     pub(crate) distance: Option<f32>,
     /// The vertical angle of the view in degrees
@@ -155,7 +160,7 @@ pub(crate) struct LodArgs {
         default_value_t = View::FIELD_OF_VIEW,
         help_heading = "Levels",
         allow_negative_numbers = true,
-        requires = "pixels"
+        requires = "viewpoint"
     )]
     pub(crate) field_of_view: f32,
     /// The rows of the image
@@ -168,6 +173,35 @@ pub(crate) struct LodArgs {
         requires = "pixels"
     )]
     pub(crate) rows: f32,
+    /// With --model skip, draw what a camera at this point sees, each place in its own detail
+    ///
+    /// Coarse are the places far away, outside of the image and on faces that look away. The point is in the coordinates of the scene: a part
+    /// that one node places is seen there. A part in several places, or one that a node stretches, is drawn in full, with a note.
+    #[arg(
+        long,
+        value_name = "X,Y,Z",
+        help_heading = "Camera",
+        allow_hyphen_values = true,
+        requires = "look_at",
+        group = "viewpoint",
+        conflicts_with_all = ["level", "triangles", "error", "rows"],
+    )]
+    pub(crate) camera: Option<Vector>,
+    /// The point that the camera looks at
+    #[arg(
+        long,
+        value_name = "X,Y,Z",
+        help_heading = "Camera",
+        allow_hyphen_values = true,
+        requires = "camera"
+    )]
+    pub(crate) look_at: Option<Vector>,
+    /// The direction that is up in the image
+    #[arg(long, value_name = "X,Y,Z", help_heading = "Camera", allow_hyphen_values = true, requires = "camera", default_value_t = Vector([0.0, 1.0, 0.0]))]
+    pub(crate) up: Vector,
+    /// The columns and rows of the image in pixels
+    #[arg(long, value_name = "SIZE", help_heading = "Camera", requires = "camera", default_value_t = ImageSize([1920, 1080]))]
+    pub(crate) image: ImageSize,
     /// How the strips of --model progressive and naive are filtered before they are drawn [default: repair]
     #[arg(long, value_parser = named(DisplayFilter::ALL, DisplayFilter::name, DisplayFilter::summary), value_name = "FILTER", help_heading = "Levels")]
     pub(crate) filter: Option<DisplayFilter>,
@@ -201,13 +235,46 @@ pub(crate) struct LodArgs {
         long,
         value_name = "RATIOS",
         help_heading = "Chain",
-        conflicts_with_all = ["model", "base", "level", "triangles", "pixels", "distance", "field_of_view", "rows", "filter", "filter_effort", "table", "compare", "sweep", "plot"],
+        conflicts_with_all = ["model", "base", "level", "triangles", "pixels", "distance", "field_of_view", "rows", "camera", "look_at", "up", "image", "filter", "filter_effort", "table", "compare", "sweep", "plot"],
     )]
     pub(crate) chain: Option<ChainRatios>,
     #[command(flatten, next_help_heading = "Collapses; all but --error and --price need --chain")]
     pub(crate) collapse: CollapseArgs,
     #[command(flatten)]
     pub(crate) output: OutputArgs,
+    #[command(flatten)]
+    pub(crate) method: MethodArgs,
+}
+
+/// Build a model of which each view has its own detail, and write it as .tlod
+///
+/// Strips are built for the full mesh, and half-edge collapses level by level, so that few of them need each other: from frame to frame a view does
+/// those whose error it cannot see, and never computes strips again (Skip Strips). The file holds the mesh with all attributes, the strips, and the
+/// collapses. The strips are proven to draw exactly the faces of the mesh, and the file, read back, to hold the same model. Polygons become
+/// triangles. The parts of a file become one mesh, without the transformations of their nodes; attributes that not all parts have are dropped, and
+/// a note names them.
+#[derive(Debug, Args)]
+#[command(after_long_help = "Examples:
+  tristrip build-lod bunny.ply -o bunny.tlod
+  tristrip build-lod dragon.ply -o dragon.tlod --order shortest-edge --json
+  tristrip build-lod bunny.ply -o bunny.tlod --method best --effort 5")]
+pub(crate) struct BuildLodArgs {
+    /// A mesh file, or - for standard input
+    #[arg(value_name = "INPUT")]
+    pub(crate) input: PathBuf,
+    #[command(flatten)]
+    pub(crate) from: FromArgs,
+    /// The order in which the collapses of a level are chosen
+    ///
+    /// By quadric, the cheaper half of the possible collapses makes a level, so that the vertices of features go last. By the shortest edge, each level
+    /// has as many collapses as fit beside each other.
+    #[arg(long, value_name = "ORDER", value_parser = named(MergeOrder::ALL, MergeOrder::name, MergeOrder::summary), default_value_t = MergeOrder::default(), help_heading = "Levels")]
+    pub(crate) order: MergeOrder,
+    /// The file to write, with the extension .tlod
+    ///
+    /// It is written under a temporary name and then renamed; one that exists is replaced.
+    #[arg(short, long, value_name = "OUTPUT", help_heading = "Output")]
+    pub(crate) output: PathBuf,
     #[command(flatten)]
     pub(crate) method: MethodArgs,
 }

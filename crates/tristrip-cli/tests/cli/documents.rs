@@ -28,6 +28,8 @@ fn the_docs_contain_the_help() {
         "convert",
         "simplify",
         "lod",
+        "build-lod",
+        "fly",
         "repro",
         "completions",
         "man",
@@ -54,7 +56,7 @@ fn the_docs_contain_the_help() {
 }
 
 /// The command of the sample in each section of FORMAT.md.
-const SAMPLES: [&str; 10] = [
+const SAMPLES: [&str; 12] = [
     "strip fish_control.ply -o fish.glb --json",
     "compare fish_control.ply --json",
     "bound fish_control.ply --json",
@@ -64,6 +66,8 @@ const SAMPLES: [&str; 10] = [
     "simplify fish_control.ply --ratio 50% -o small.ply --json",
     "lod fish_control.ply --level 50% -o level.glb --json",
     "lod fish_control.ply --chain 100%,50%,10% -o levels.glb --json",
+    "build-lod fish_control.ply -o fish.tlod --json",
+    "fly fish_control.ply --frames 30 --json",
     "repro --papers 000 --models . -o . --json",
 ];
 
@@ -160,10 +164,19 @@ fn every_json_key_is_described() {
     ];
     let chain = json(tristrip().args(["lod", "--json", "--chain", "100%,50%"]).arg(&fish));
     let chain = [&chain, &chain["seconds"], &chain["chain"][0]];
+    let mut command = tristrip();
+    let built =
+        json(command.args(["build-lod", "--json"]).arg(&fish).arg("-o").arg(dir.path().join("a.tlod")));
+    let flown = json(tristrip().args(["fly", "--json", "--frames", "3"]).arg(&fish));
+    let frame = &flown["frames"][0];
+    let flown =
+        [&flown, &flown["seconds"], &flown["summary"], &flown["summary"]["median"], frame, &frame["seconds"]];
     let simplified = json(tristrip().args(["simplify", "--json", "--ratio", "50%"]).arg(&fish));
     let whole = [
         &simplified,
         &simplified["seconds"],
+        &built,
+        &built["seconds"],
         &strip,
         &global,
         &best,
@@ -178,7 +191,8 @@ fn every_json_key_is_described() {
     let inner = [&strip["mesh"], &strip["seconds"], &best["bound"], &bound["bound"], &bound["components"][0]];
     let analyzed = [&analyze["seconds"], &analyze["vertex_caches"][0], &analyze["by_part"][0]];
     let ordered = [&ordered["vertex_order"][0], &drawn["pareto"][0]];
-    let reports = [&levels[..], &chain[..], &whole[..], &inner[..], &analyzed[..], &ordered[..]].concat();
+    let reports =
+        [&levels[..], &flown[..], &chain[..], &whole[..], &inner[..], &analyzed[..], &ordered[..]].concat();
     for key in reports.into_iter().flat_map(keys) {
         assert!(described.contains(&format!("`{key}`")), "FORMAT.md does not describe `{key}`");
     }

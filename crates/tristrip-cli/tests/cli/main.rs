@@ -3,10 +3,12 @@
 #![expect(clippy::panic, reason = "a test that panics fails")]
 
 mod analyze;
+mod build_lod;
 mod chain;
 mod compare;
 mod convert;
 mod documents;
+mod fly;
 mod lod;
 mod materials;
 mod pareto;

@@ -11,6 +11,7 @@ use super::options::{RenderOptions, View};
 use super::scene::Facet;
 use super::vector::{Vector, add, cross, dot, sub, unit};
 use crate::error::Error;
+use tristrip::lod;
 
 /// The part of the width and height that the margins on both sides leave for the model.
 const FILLED: f64 = 0.94;
@@ -19,6 +20,8 @@ const FILLED: f64 = 0.94;
 const EYE_DISTANCE: f64 = 3.0;
 /// The least distance of what is drawn from the eye, in the same unit.
 const NEAR: f64 = 0.01;
+/// The same of a view of detail, in distances of the eye from the point that it looks at. What is nearer is not drawn.
+const NEAR_OF_VIEW: f64 = 1e-3;
 
 /// The axes of a picture, in those of the model.
 #[derive(Debug, Clone, Copy)]
@@ -90,6 +93,20 @@ impl Camera {
         camera.filled_with((0..8).map(corner))
     }
 
+    /// Returns the camera of a view of detail, for a picture of any width and height: the vertical angle is that of the view.
+    pub(super) fn of_view(view: &lod::Camera, options: &RenderOptions) -> Result<Self, Error> {
+        options.check()?;
+        let [right, up, forward] = view.axes();
+        let axes = Axes { right, up, towards: forward.map(|x| -x) };
+        let eye = view.eye().map(f64::from);
+        let away = sub(view.look_at().map(f64::from), eye);
+        let near = NEAR_OF_VIEW * dot(away, away).sqrt();
+        let size = [f64::from(options.width), f64::from(options.height)];
+        let half_height = libm::tan(f64::from(view.field_of_view()).to_radians() / 2.0);
+        let scale = size[1] / (2.0 * half_height);
+        Ok(Self { axes, eye: Some((eye, near)), scale, middle: [0.0; 2], size })
+    }
+
     fn unscaled(options: &RenderOptions, view: View, eye: Option<(Vector, f64)>) -> Result<Self, Error> {
         options.check()?;
         let size = [f64::from(options.width), f64::from(options.height)];
@@ -125,6 +142,49 @@ impl Camera {
             *corner = [pixel(0, x), pixel(1, y), depth];
         }
         Ok(seen)
+    }
+
+    /// Adds what of a triangle of one colour is in front of the eye, in pixels and depth: nothing, or one or two triangles.
+    ///
+    /// ```text
+    ///        a            two corners in front of the near plane: a, b and the two points where
+    ///       ╱ ╲           the edges to c cross it
+    ///      b   ╲
+    ///  ─────╲───╲── near
+    ///        ╲╱ c         eye below
+    /// ```
+    /// The point of an edge is computed from its end in front, so that it is the same in both triangles of the edge.
+    pub(super) fn clip(&self, facet: &Facet, seen: &mut Vec<Facet>) -> Result<(), Error> {
+        let Some((eye, near)) = self.eye else {
+            seen.push(self.facet(facet)?);
+            return Ok(());
+        };
+        let depths = facet.corners.map(|corner| -self.axes.inward(sub(corner, eye))[2] - near);
+        if depths.iter().all(|&depth| depth >= 0.0) {
+            seen.push(self.facet(facet)?);
+            return Ok(());
+        }
+        let mut outline: Vec<(Vector, Vector)> = Vec::with_capacity(4);
+        for (a, b) in [(0, 1), (1, 2), (2, 0)] {
+            if depths[a] >= 0.0 {
+                outline.push((facet.corners[a], facet.normals[a]));
+            }
+            if (depths[a] >= 0.0) != (depths[b] >= 0.0) {
+                let (front, behind) = if depths[a] >= 0.0 { (a, b) } else { (b, a) };
+                let share = depths[front] / (depths[front] - depths[behind]);
+                let between = |a: Vector, b: Vector| [0, 1, 2].map(|k| a[k] + share * (b[k] - a[k]));
+                let corner = between(facet.corners[front], facet.corners[behind]);
+                outline.push((corner, between(facet.normals[front], facet.normals[behind])));
+            }
+        }
+        for pair in outline.windows(2).skip(1) {
+            let corners = [outline[0], pair[0], pair[1]];
+            let part = Facet { corners: corners.map(|c| c.0), normals: corners.map(|c| c.1), ..*facet };
+            // Rounding of the points on the plane does not matter.
+            let wider = Self { eye: Some((eye, 0.5 * near)), ..*self };
+            seen.push(wider.facet(&part)?);
+        }
+        Ok(())
     }
 
     /// Returns the eye, and the direction from it through a point of the picture in pixels.

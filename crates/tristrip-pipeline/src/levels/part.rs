@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use tristrip::lod::{LevelCursor, RESTART, Repair, RepairOptions};
+use tristrip::lod::{
+    Camera, Filter, LevelCursor, RESTART, Repair, RepairOptions, SkipStrips, SkipView, ViewCriteria,
+};
 use tristrip::verify::verify_drawing;
 use tristrip::{CollapseSequence, Faces, Strips};
 
@@ -95,9 +97,7 @@ impl LevelPart {
     /// [`Error::Level`]: the part does not have this level.
     pub fn triangles(&self, level: usize) -> Result<Vec<u32>, Error> {
         self.check(level)?;
-        let mut corners = self.sequence.drawn(level)?.into_flattened();
-        self.used.outward(&mut corners);
-        Ok(corners)
+        Ok(self.outward_triangles(self.sequence.drawn(level)?))
     }
 
     /// Proves that display strips draw exactly the triangles of a level.
@@ -110,6 +110,38 @@ impl LevelPart {
         let drawn: Vec<[u32; 3]> = display.triangles().collect();
         verify_drawing(&expected, &drawn).map_err(|why| Error::Unproven(format!("level {level}: {why}")))?;
         Ok(())
+    }
+
+    /// Returns the view of a camera in the coordinates of the part, or the full mesh if there is none.
+    ///
+    /// # Errors
+    /// The positions are not those of the part, or one is not finite.
+    pub(super) fn view(
+        &self,
+        positions: &[[f32; 3]],
+        camera: Option<&Camera>,
+        criteria: &ViewCriteria,
+    ) -> Result<SkipView, Error> {
+        if positions.len() != self.vertex_count {
+            let (found, expected) = (positions.len(), self.vertex_count);
+            return Err(Error::Unproven(format!("found a part of {found} vertices, expected {expected}")));
+        }
+        let mut vertices: Vec<u32> = (0..self.used.count().unwrap_or(self.vertex_count) as u32).collect();
+        self.used.outward(&mut vertices);
+        let positions: Vec<[f32; 3]> = vertices.iter().map(|&v| positions[v as usize]).collect();
+        let model = Arc::new(SkipStrips::new(&self.strips, &self.sequence, &positions[..])?);
+        let Some(camera) = camera else { return Ok(model.full_view()) };
+        // A file is written once: the filter that sends the least may take its time.
+        let mut view = model.view_by(Filter::Linked);
+        view.update(camera, criteria)?;
+        Ok(view)
+    }
+
+    /// Returns triangles of the collapses, over the part's own vertices in the model.
+    pub(super) fn outward_triangles(&self, triangles: Vec<[u32; 3]>) -> Vec<u32> {
+        let mut corners = triangles.into_flattened();
+        self.used.outward(&mut corners);
+        corners
     }
 
     fn check(&self, level: usize) -> Result<(), Error> {

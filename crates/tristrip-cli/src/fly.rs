@@ -1,0 +1,257 @@
+//! `tristrip fly`: a camera over a model with view-dependent detail.
+
+use std::fs;
+use std::path::Path;
+
+use serde::Serialize;
+use tristrip::Mesh;
+use tristrip::lod::{Camera, SkipStrips, SkipView};
+use tristrip_lab::flight::{
+    FlightObserver, FlightOptions, FlightPath, FlightSummary, FrameRow, as_markdown, as_text, draw, fly,
+};
+use tristrip_lab::render::{RenderOptions, strips_seen, triangles_seen};
+use tristrip_lab::text;
+use tristrip_pipeline::text::{count, counted};
+use tristrip_pipeline::{MethodReport, Stopped};
+
+use crate::batch::{self, InputReport, Outcome};
+use crate::console::Console;
+use crate::failure::Failure;
+use crate::input::short_name;
+use crate::search::interrupted;
+use crate::stage::timed;
+use crate::task::{CameraPath, FlyTask, VideoTask};
+use crate::view_model::{Building, ViewModelOptions, view_model};
+
+/// The most frames whose display strips are proven.
+const PROOF_COUNT: usize = 20;
+
+/// The time of each stage in seconds; `null` for a stage that did not run.
+#[derive(Debug, Clone, Copy, Default, Serialize)]
+struct FlySeconds {
+    load: Option<f64>,
+    stripify: Option<f64>,
+    simplify: Option<f64>,
+    build: Option<f64>,
+    /// All frames, with their proofs and pictures.
+    fly: Option<f64>,
+}
+
+/// The report of the input; the keys are those of the JSON output.
+#[derive(Debug, Serialize)]
+struct FlyReport {
+    file: String,
+    #[serde(flatten)]
+    method: MethodReport,
+    filter: String,
+    /// The name of the path, or its file.
+    path: String,
+    proven: Option<bool>,
+    seconds: FlySeconds,
+    collapses: Option<usize>,
+    triangles_base: Option<usize>,
+    triangles_full: Option<usize>,
+    /// The most collapses, one into a result of the one before, from a vertex to a root.
+    tree_height: Option<u32>,
+    summary: Option<FlightSummary>,
+    frames: Option<Vec<FrameRow>>,
+    report: Option<String>,
+    plot: Option<String>,
+    /// The directory of the pictures, and their number.
+    video: Option<String>,
+    pictures: Option<usize>,
+    stopped: Option<Stopped>,
+    notes: Vec<String>,
+    error: Option<String>,
+}
+
+impl InputReport for FlyReport {
+    fn outcome(&mut self) -> Outcome<'_> {
+        Outcome { file: &self.file, proven: Some(&mut self.proven), error: &mut self.error }
+    }
+}
+
+/// Flies over the input; returns whether all succeeded.
+pub(crate) fn run(task: &FlyTask, console: &mut Console) -> bool {
+    let new_report = |task: &FlyTask| FlyReport {
+        file: task.input.name(),
+        method: MethodReport::of(&task.options),
+        filter: task.filter.to_string(),
+        path: task.path.name(),
+        proven: None,
+        seconds: FlySeconds::default(),
+        collapses: None,
+        triangles_base: None,
+        triangles_full: None,
+        tree_height: None,
+        summary: None,
+        frames: None,
+        report: None,
+        plot: None,
+        video: None,
+        pictures: None,
+        stopped: None,
+        notes: Vec::new(),
+        error: None,
+    };
+    let process =
+        |task: &FlyTask, console: &mut Console, report: &mut FlyReport| flown(task, console, report);
+    let show = |_: &FlyTask, report: &FlyReport, title: &str, console: &mut Console| {
+        let summary = report.summary.as_ref().map(as_text).unwrap_or_default();
+        console.result(&format!("{title}{summary}"), task.report.is_none());
+    };
+    let reports = batch::process_all(std::slice::from_ref(task), None, console, new_report, process, show);
+    batch::finish(reports, console)
+}
+
+/// Builds the model, flies, and writes what was asked for.
+fn flown(task: &FlyTask, console: &Console, report: &mut FlyReport) -> Result<(), Failure> {
+    let read = path_of_file(&task.path)?;
+    let mut building = Building::default();
+    let options = ViewModelOptions { stripify: task.options, budget: task.budget, verify: task.verify };
+    let built = view_model(&task.input, options, console, &mut building);
+    let Building { load, stripify, simplify, build, stopped, notes } = building;
+    report.seconds = FlySeconds { load, stripify, simplify, build, fly: None };
+    (report.stopped, report.notes) = (stopped, notes);
+    let (mesh, model) = built?;
+    report.collapses = Some(model.levels().collapse_count());
+    report.triangles_base = Some(model.levels().triangle_count(0)?);
+    report.triangles_full = Some(model.levels().triangle_count(model.levels().collapse_count())?);
+    report.tree_height = Some(model.height());
+
+    let cameras = cameras(task, read, &mesh)?;
+    let mut pictures = Pictures::new(task.video.as_ref(), &mesh, console)?;
+    console.doing("fly");
+    let options = FlightOptions {
+        criteria: task.criteria,
+        filter: task.filter,
+        proof_count: if task.verify { PROOF_COUNT } else { 0 },
+    };
+    let (rows, seconds) = timed(|| fly(&model, &cameras, &options, &mut pictures));
+    let rows = rows?;
+    let drawn = pictures.drawn;
+    report.seconds.fly = Some(seconds);
+    let summary = FlightSummary::of(&rows);
+    console.stage("fly", &format!("{}, path {}", counted(rows.len(), "frame"), report.path), Some(seconds));
+    if summary.frames_proven > 0 {
+        report.proven = Some(true);
+        let frames = counted(summary.frames_proven, "frame");
+        console.stage("verify", &format!("proven: exactly the triangles of the view, {frames}"), None);
+    }
+    if let Some(video) = &task.video {
+        report.video = Some(video.directory.display().to_string());
+        report.pictures = Some(drawn);
+        console.stage(
+            "video",
+            &format!("{}, {}", video.directory.display(), counted(drawn, "picture")),
+            None,
+        );
+    }
+    if let Some(path) = &task.report {
+        write(path, &page(task, &model, &rows), console, "report")?;
+        report.report = Some(path.display().to_string());
+    }
+    if let Some(path) = &task.plot {
+        write(path, &draw(&short_name(&report.file), &rows)?, console, "plot")?;
+        report.plot = Some(path.display().to_string());
+    }
+    report.summary = Some(summary);
+    report.frames = Some(rows);
+    Ok(())
+}
+
+/// Reads the file of cameras, if there is one.
+fn path_of_file(path: &CameraPath) -> Result<Option<FlightPath>, Failure> {
+    let CameraPath::File(path) = path else { return Ok(None) };
+    let text = fs::read_to_string(path).map_err(|error| Failure::system(path, &error))?;
+    let read = FlightPath::from_json(&text);
+    read.map(Some).map_err(|error| Failure::Input(format!("{}: {error}", path.display())))
+}
+
+/// Returns the cameras of all frames.
+fn cameras(task: &FlyTask, read: Option<FlightPath>, mesh: &Mesh) -> Result<Vec<Camera>, Failure> {
+    let positions = mesh.positions();
+    let path = match &task.path {
+        CameraPath::Orbit(up) => FlightPath::orbit(positions, *up),
+        CameraPath::Dolly(up) => FlightPath::dolly(positions, *up),
+        CameraPath::Flyover(up) => FlightPath::flyover(positions, *up),
+        CameraPath::File(path) => read.ok_or_else(|| tristrip_lab::Error::Data(path.display().to_string())),
+    };
+    let cameras = path.and_then(|path| path.cameras(task.frame_count, task.lens));
+    cameras.map_err(|error| Failure::Input(format!("path {}: {error}", task.path.name())))
+}
+
+/// Returns the page of a flight.
+fn page(task: &FlyTask, model: &SkipStrips, rows: &[FrameRow]) -> String {
+    let criteria = &task.criteria;
+    let [columns, height] = task.lens.image;
+    let pixels = criteria.pixels();
+    let budget = criteria.budget().map(|budget| format!(" At most {}.", counted(budget, "triangle")));
+    let steps =
+        criteria.steps().map(|steps| format!(" At most {} collapses and splits per frame.", count(steps)));
+    let how = format!(
+        "Path {}, {columns} × {height} pixels, {} degrees; error {pixels} px, filter {}; strips by {}. \
+         Vertex tree of height {} with {}, {} bytes with the strips of the full mesh.{}{}",
+        task.path.name(),
+        task.lens.field_of_view,
+        task.filter,
+        MethodReport::of(&task.options).description(),
+        model.height(),
+        counted(model.levels().collapse_count(), "collapse"),
+        count(model.memory_by_part().iter().sum()),
+        budget.unwrap_or_default(),
+        steps.unwrap_or_default(),
+    );
+    as_markdown(&format!("Flight: {}", short_name(&task.input.name())), &how, rows)
+}
+
+fn write(path: &Path, contents: &str, console: &Console, stage: &str) -> Result<(), Failure> {
+    tristrip_io::replace_file(path, contents.as_bytes()).map_err(|error| Failure::writing(&error))?;
+    console.stage(stage, &format!("{}, {}", path.display(), text::bytes(contents.len())), None);
+    Ok(())
+}
+
+/// Draws frames into a directory.
+struct Pictures<'a> {
+    video: Option<&'a VideoTask>,
+    mesh: &'a Mesh,
+    console: &'a Console,
+    drawn: usize,
+}
+
+impl<'a> Pictures<'a> {
+    /// Creates the directory if it does not exist, but not a missing parent, which is more likely a typing error.
+    fn new(video: Option<&'a VideoTask>, mesh: &'a Mesh, console: &'a Console) -> Result<Self, Failure> {
+        if let Some(VideoTask { directory, .. }) = video
+            && !directory.is_dir()
+        {
+            fs::create_dir(directory).map_err(|error| Failure::system(directory, &error))?;
+        }
+        Ok(Self { video, mesh, console, drawn: 0 })
+    }
+}
+
+impl FlightObserver for Pictures<'_> {
+    fn frame(&mut self, row: &FrameRow, camera: &Camera, view: &SkipView) -> Result<(), tristrip_lab::Error> {
+        self.console.doing(&format!("fly: frame {}", count(row.frame)));
+        let Some(video) = self.video.filter(|video| row.frame.is_multiple_of(video.every)) else {
+            return Ok(());
+        };
+        let [columns, rows] = camera.image();
+        let options = RenderOptions::default().with_size(columns, rows);
+        let (positions, strips) = (self.mesh.positions(), view.display_strips());
+        let picture = if video.is_shaded {
+            triangles_seen(&[(positions, &strips.to_list())], camera, &options)?
+        } else {
+            strips_seen(&[(positions, &strips)], camera, &options)?
+        };
+        let path = video.directory.join(format!("{:04}.png", self.drawn));
+        tristrip_io::replace_file(&path, &picture).map_err(tristrip_pipeline::Error::from)?;
+        self.drawn += 1;
+        Ok(())
+    }
+
+    fn is_cancelled(&self) -> bool {
+        interrupted()
+    }
+}
