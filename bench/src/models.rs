@@ -59,6 +59,16 @@ pub fn find(folder: &Path) -> Result<Vec<Source>, Failure> {
     Ok(sources)
 }
 
+/// Returns the models of a folder, by default that of [`default_folder`], that have one of the names, or all if there are none.
+///
+/// # Errors
+/// The folder cannot be read.
+pub fn chosen(folder: Option<&Path>, names: &[String]) -> Result<Vec<Source>, Failure> {
+    let mut sources = find(&folder.map_or_else(default_folder, Path::to_path_buf))?;
+    sources.retain(|source| names.is_empty() || names.contains(&source.name));
+    Ok(sources)
+}
+
 /// Reads a model as triangles and as polygons.
 ///
 /// # Errors

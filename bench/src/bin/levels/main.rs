@@ -110,9 +110,7 @@ struct LevelFigures {
 fn main() -> Result<(), Failure> {
     let args = Args::parse();
     rayon::ThreadPoolBuilder::new().num_threads(1).build_global()?;
-    let folder = args.models.clone().unwrap_or_else(models::default_folder);
-    let mut sources = models::find(&folder)?;
-    sources.retain(|source| args.model.is_empty() || args.model.contains(&source.name));
+    let sources = models::chosen(args.models.as_deref(), &args.model)?;
     let rounds = usize::from(args.rounds);
     let goal =
         SimplificationGoal { share: args.share.into(), permissive: args.permissive, price: args.price };
