@@ -15,6 +15,9 @@ const BUCKETS: u64 = 1024;
 /// The travel per bucket, in diameters of the model: a camera that moves by a hundredth of the model per frame passes 20 of them.
 const BUCKETS_PER_DIAMETER: f64 = 2048.0;
 
+/// The longest travel, in buckets: less than a millionth of a bucket is lost in rounding.
+const LONGEST: f64 = (1_u64 << 32) as f64;
+
 /// The place of entries that are due soon.
 const SOON: u32 = u32::MAX;
 /// The place of entries that are due.
@@ -77,6 +80,12 @@ impl Schedule {
             let bucket = &mut self.buckets[slot as usize];
             bucket.drain(..).for_each(|node| take_valid(node, slot + 1, &mut self.waits, due));
         }
+    }
+
+    /// Checks whether everything is due after a travel, or the travel so far is so long that more of it would be lost in rounding: then all entries are to be
+    /// removed instead.
+    pub(super) fn ends_with(&self, travel: f64) -> bool {
+        travel >= self.width * BUCKETS as f64 || self.travel >= self.width * LONGEST
     }
 
     /// Returns the number of the bucket at a travel, which is not negative.

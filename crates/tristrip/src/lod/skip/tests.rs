@@ -309,6 +309,15 @@ fn views_from_anywhere_are_valid() {
             }
         }
     }
+    // Small steps after travels in which they would be lost.
+    for step in 0..40 {
+        let camera = Camera::new([6.0, 9.0 - step as f32 / 5.0, 6.0], [6.0, 0.0, 6.1]).unwrap();
+        view.update(&camera, &ViewCriteria::default()).unwrap();
+        let mut naive = view.clone();
+        naive.forget_schedule();
+        naive.update(&camera, &ViewCriteria::default()).unwrap();
+        assert!(view.collapses_done().eq(naive.collapses_done()), "step {step}");
+    }
     // Without an error allowed the full mesh is drawn, but where it is flat and where it is not seen.
     let all = ViewCriteria::new(0.0).unwrap().with_frustum(false);
     view.update(&Camera::new([6.0, 9.0, 6.0], [6.0, 0.0, 6.1]).unwrap(), &all).unwrap();

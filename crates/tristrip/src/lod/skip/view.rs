@@ -269,7 +269,7 @@ impl SkipView {
             None => Schedule::new(model.tree.len(), bounds.radius),
         };
         let mut due = std::mem::take(&mut self.due);
-        if let Some(travel) = travel {
+        if let Some(travel) = travel.filter(|&travel| !schedule.ends_with(travel)) {
             schedule.advance(travel, &mut due, &mut self.fresh);
             near_together(&mut due, model.tree.len());
         } else {
