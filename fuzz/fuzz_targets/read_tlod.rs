@@ -20,7 +20,8 @@ fn sealed(data: &[u8]) -> Vec<u8> {
     let (mut bytes, mut at) = (data.to_vec(), 12);
     while let Some(&length) = bytes.get(at + 4..at + 12).and_then(|length| length.as_array()) {
         let Ok(length) = usize::try_from(u64::from_le_bytes(length)) else { break };
-        let Some(end) = (at + 12).checked_add(length).filter(|&end| end + 4 <= bytes.len()) else { break };
+        let last = bytes.len().saturating_sub(4);
+        let Some(end) = (at + 12).checked_add(length).filter(|&end| end <= last) else { break };
         let checksum = crc32fast::hash(&bytes[at..end]);
         bytes[end..end + 4].copy_from_slice(&checksum.to_le_bytes());
         at = end + 4;
