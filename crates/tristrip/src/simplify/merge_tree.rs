@@ -17,7 +17,7 @@
 //! 2. Collapses are taken in the order of their prices: the edge length, as published, or the quadric at the kept vertex. One is taken if neither of
 //!    its vertices has a triangle with a vertex of an edge that this level has taken, so that their neighbourhoods have no triangle in common. A vertex
 //!    whose best target has one takes the best of the other targets: the set is maximal.
-//! 3. By quadric, only collapses up to a limit count (the cheaper half): a maximal set would remove vertices of features early, and
+//! 3. By quadric, only collapses up to a limit count, below which a quarter of the vertices are: a maximal set of all would remove vertices of features early, and
 //!    what depends on them could never be drawn without a large error.
 //!
 //! What is never allowed is as in the module `decimate`. Moreover, no triangle may come to face away from the full mesh: from the sum of the normals, weighted by area,

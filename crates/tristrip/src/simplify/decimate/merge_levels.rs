@@ -8,8 +8,9 @@ use crate::simplify::surface::Surface;
 use crate::simplify::waiting::PricedCollapse;
 use crate::vector::{Point, cross, dot, normal_of, sub};
 
-/// One in so many of the vertices, the cheapest, is what a level by quadric takes a maximal set of.
-const LIMIT_SHARE: usize = 2;
+/// One in so many of the vertices, the cheapest, is what a level by quadric takes a maximal set of. A view of the dragon at one pixel has 38, 36 and 36 thousand
+/// triangles with 2, 4 and 12, as many as with the passes of `simplify`, and the tree has 71, 93 and 183 levels.
+const LIMIT_SHARE: usize = 4;
 
 /// The least cosine of the angle between a triangle and the full mesh at its corners: 78 degrees. Without one, triangles between three points of a straight
 /// border stand upright beside a terrain.
@@ -84,7 +85,7 @@ impl Decimation {
             changed.iter().for_each(|&point| self.price_for_level(&levels, point));
             changed.clear();
             points.retain(|&point| !self.surface.topology.ring(point).is_empty());
-            self.cheapest(order, &points, &mut chosen);
+            let limit = self.cheapest(order, &points, &mut chosen);
             let before = sequence.len();
             for &(_, point) in &chosen {
                 if self.triangle_count <= triangle_count {
@@ -95,6 +96,10 @@ impl Decimation {
                 }
                 let is_taken = |p: u32| taken[p as usize] == level;
                 let Some(collapse) = self.collapse_beside(&levels, point, is_taken) else { continue };
+                // The best of the other targets may cost much more than the best one.
+                if collapse.cost > limit {
+                    continue;
+                }
                 for p in [collapse.to, point] {
                     self.surface.topology.neighbours(p, &mut self.around);
                     for &p in self.around.iter().chain([&p]) {
@@ -115,8 +120,8 @@ impl Decimation {
         level_ends
     }
 
-    /// Collects the vertices that a level may remove, with their costs, the cheapest first.
-    fn cheapest(&self, order: MergeOrder, points: &[u32], chosen: &mut Vec<(f32, u32)>) {
+    /// Collects the vertices that a level may remove, with their costs, the cheapest first. Returns the largest cost that a collapse of the level may have.
+    fn cheapest(&self, order: MergeOrder, points: &[u32], chosen: &mut Vec<(f32, u32)>) -> f32 {
         chosen.clear();
         let priced = points.iter().map(|&point| (self.waiting[point as usize].cost, point));
         chosen.extend(priced.filter(|(cost, _)| *cost < f32::INFINITY));
@@ -129,6 +134,10 @@ impl Decimation {
             }
         }
         chosen.sort_unstable_by(by_cost);
+        match order {
+            MergeOrder::Quadric => chosen.last().map_or(0.0, |&(cost, _)| cost),
+            MergeOrder::ShortestEdge => f32::INFINITY,
+        }
     }
 
     /// Returns the best collapse of a vertex to one that is not taken.
