@@ -59,14 +59,26 @@ pub fn find(folder: &Path) -> Result<Vec<Source>, Failure> {
     Ok(sources)
 }
 
-/// Returns the models of a folder, by default that of [`default_folder`], that have one of the names, or all if there are none.
-///
-/// # Errors
-/// The folder cannot be read.
-pub fn chosen(folder: Option<&Path>, names: &[String]) -> Result<Vec<Source>, Failure> {
-    let mut sources = find(&folder.map_or_else(default_folder, Path::to_path_buf))?;
-    sources.retain(|source| names.is_empty() || names.contains(&source.name));
-    Ok(sources)
+/// The flags by which a program chooses models.
+#[derive(Debug, clap::Args)]
+pub struct ModelArgs {
+    /// The folder of models [default: ../shared/models beside the checkout, else testdata/models]
+    models: Option<PathBuf>,
+    /// Only this model; repeatable
+    #[arg(long, value_name = "NAME")]
+    model: Vec<String>,
+}
+
+impl ModelArgs {
+    /// Returns the models of the folder that have one of the names, or all if there are no names.
+    ///
+    /// # Errors
+    /// The folder cannot be read.
+    pub fn sources(&self) -> Result<Vec<Source>, Failure> {
+        let mut sources = find(&self.models.clone().unwrap_or_else(default_folder))?;
+        sources.retain(|source| self.model.is_empty() || self.model.contains(&source.name));
+        Ok(sources)
+    }
 }
 
 /// Reads a model as triangles and as polygons.

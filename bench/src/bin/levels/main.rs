@@ -33,7 +33,7 @@ use tristrip_bench::failure::Failure;
 use tristrip_bench::levels;
 use tristrip_bench::measure::median;
 use tristrip_bench::memory::CountingAllocator;
-use tristrip_bench::models::{self, Source, load};
+use tristrip_bench::models::{ModelArgs, Source, load};
 use tristrip_bench::targets::Target;
 use tristrip_bench::text::{self, Table};
 
@@ -67,11 +67,8 @@ const PUBLISHED: [(&str, [f64; 3], [f64; 2]); 2] =
 #[derive(Debug, Parser)]
 #[command(version)]
 struct Args {
-    /// The folder of models [default: ../shared/models beside the checkout, else testdata/models]
-    models: Option<PathBuf>,
-    /// Only this model; repeatable
-    #[arg(long, value_name = "NAME")]
-    model: Vec<String>,
+    #[command(flatten)]
+    models: ModelArgs,
     /// Number of timed rounds
     #[arg(long, default_value_t = 9, value_name = "N", value_parser = clap::value_parser!(u8).range(1..))]
     rounds: u8,
@@ -110,7 +107,7 @@ struct LevelFigures {
 fn main() -> Result<(), Failure> {
     let args = Args::parse();
     rayon::ThreadPoolBuilder::new().num_threads(1).build_global()?;
-    let sources = models::chosen(args.models.as_deref(), &args.model)?;
+    let sources = args.models.sources()?;
     let rounds = usize::from(args.rounds);
     let goal =
         SimplificationGoal { share: args.share.into(), permissive: args.permissive, price: args.price };
