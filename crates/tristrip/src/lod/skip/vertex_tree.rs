@@ -34,6 +34,8 @@ pub(super) struct VertexTree {
     groups: Vec<(u32, Vec<u32>)>,
     /// The leaders of the other vertices, sorted by node.
     followers: Vec<(u32, u32)>,
+    /// Whether a node is in a group, 64 nodes per number: few are, and most calls need no search.
+    is_grouped: Vec<u64>,
     depth: u32,
 }
 
@@ -91,6 +93,7 @@ impl VertexTree {
             ancestors,
             groups: Vec::new(),
             followers: Vec::new(),
+            is_grouped: Vec::new(),
             depth,
         };
         tree.group(sequence, &numbers);
@@ -108,6 +111,18 @@ impl VertexTree {
         }
         self.groups.sort_unstable();
         self.followers.sort_unstable();
+        self.is_grouped = vec![0; self.len().div_ceil(64)];
+        for &(follower, leader) in &self.followers {
+            for node in [follower, leader] {
+                self.is_grouped[node as usize / 64] |= 1 << (node % 64);
+            }
+        }
+    }
+
+    /// Checks whether a node collapses with others.
+    #[inline]
+    fn is_grouped(&self, node: u32) -> bool {
+        self.is_grouped[node as usize / 64] >> (node % 64) & 1 == 1
     }
 
     pub(super) fn len(&self) -> usize {
@@ -168,7 +183,7 @@ impl VertexTree {
     /// Returns the node that stands for the collapse of a node.
     #[inline]
     pub(super) fn leader(&self, node: u32) -> u32 {
-        if self.followers.is_empty() {
+        if !self.is_grouped(node) {
             return node;
         }
         let found = self.followers.binary_search_by_key(&node, |&(follower, _)| follower);
@@ -178,7 +193,7 @@ impl VertexTree {
     /// Returns the other nodes that collapse with a leader.
     #[inline]
     pub(super) fn others(&self, leader: u32) -> &[u32] {
-        if self.groups.is_empty() {
+        if !self.is_grouped(leader) {
             return &[];
         }
         let found = self.groups.binary_search_by_key(&leader, |(leader, _)| *leader);
@@ -201,6 +216,7 @@ impl VertexTree {
             + size_of_val(&self.groups[..])
             + groups
             + size_of_val(&self.followers[..])
+            + size_of_val(&self.is_grouped[..])
     }
 }
 
