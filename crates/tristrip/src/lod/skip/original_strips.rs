@@ -18,7 +18,7 @@ use crate::packed::PackedRows;
 use crate::strip::Strips;
 
 /// Chunks are closed at the end of a strip from this many entries on: what comes after a change in a chunk moves.
-const CHUNK: usize = 256;
+const CHUNK: usize = 64;
 /// A strip that would make a chunk longer than this begins another one.
 const MOST: usize = 768;
 /// Strips longer than that are cut into parts of about this many entries, each of which sends two vertices more.
