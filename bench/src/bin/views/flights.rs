@@ -13,6 +13,8 @@ use tristrip_bench::text::Table;
 use tristrip_lab::flight::{FlightPath, Lens};
 
 use crate::building::BuiltModel;
+use crate::frames::Frame;
+use crate::others::{self, OtherFigures, Others};
 
 /// A flight, and what it is to reach.
 struct Flight {
@@ -73,15 +75,22 @@ pub(super) struct FlightFigures {
     sent: [f64; 4],
     /// Milliseconds and vertices sent of strips computed again, by method.
     again: Vec<(Method, f64, f64)>,
+    pub(super) others: Vec<OtherFigures>,
 }
 
 /// Flies all flights of a model.
 pub(super) fn fly_all(built: &BuiltModel, frame_count: usize) -> Result<Vec<FlightFigures>, Failure> {
+    let others = Others::build(built)?;
     let flights = FLIGHTS.iter().filter(|flight| flight.model == built.figures.name);
-    flights.map(|flight| fly(built, flight, frame_count)).collect()
+    flights.map(|flight| fly(built, &others, flight, frame_count)).collect()
 }
 
-fn fly(built: &BuiltModel, flight: &Flight, frame_count: usize) -> Result<FlightFigures, Failure> {
+fn fly(
+    built: &BuiltModel,
+    others: &Others,
+    flight: &Flight,
+    frame_count: usize,
+) -> Result<FlightFigures, Failure> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../testdata/views");
     let text = fs::read_to_string(folder.join(format!("{}.json", flight.name)))?;
     let cameras = FlightPath::from_json(&text)?.cameras(frame_count, Lens::default())?;
@@ -95,8 +104,10 @@ fn fly(built: &BuiltModel, flight: &Flight, frame_count: usize) -> Result<Flight
     let mut view = built.model.view();
     let (mut triangles, mut moved, mut looked_at) = (vec![], vec![], vec![]);
     let (mut sent, mut again) = (vec![[0.0; 4]; 0], Vec::new());
+    let mut frames = Vec::new();
     for (frame, camera) in cameras.iter().enumerate() {
         let update = view.update(camera, &criteria)?;
+        frames.push(Frame::new(*camera, &built.mesh, is_sample(frame), view.triangle_count()));
         if frame > 0 {
             triangles.push(view.triangle_count() as f64);
             moved.push((update.collapses + update.splits) as f64 / view.active_vertex_count() as f64);
@@ -132,6 +143,7 @@ fn fly(built: &BuiltModel, flight: &Flight, frame_count: usize) -> Result<Flight
         repair_milliseconds: median(std::mem::take(&mut repaired.0)),
         sent: [mean_of(0), mean_of(1), mean(&repaired.1), mean_of(2)],
         again: by_method.to_vec(),
+        others: others::fly_all(flight.name, built, others, &frames, &criteria)?,
     })
 }
 
@@ -208,6 +220,11 @@ fn compute_again(mesh: &Mesh, view: &SkipView) -> Result<Vec<(Method, [f64; 2])>
         .collect()
 }
 
+/// Returns how strips are repaired.
+pub(super) fn repair_options() -> RepairOptions {
+    RepairOptions::default().with_effort(Effort::new(EFFORT).unwrap_or_default())
+}
+
 /// Flies with repaired strips: the milliseconds of all frames but the first, with writing the strips, and the vertices sent of the samples.
 fn fly_repaired(
     built: &BuiltModel,
@@ -215,8 +232,7 @@ fn fly_repaired(
     criteria: &ViewCriteria,
     is_sample: impl Fn(usize) -> bool,
 ) -> Result<(Vec<f64>, Vec<f64>), Failure> {
-    let options = RepairOptions::default().with_effort(Effort::new(EFFORT).unwrap_or_default());
-    let mut view = RepairedView::new(&built.model, &built.strips, built.sequence.clone(), options)?;
+    let mut view = RepairedView::new(&built.model, &built.strips, built.sequence.clone(), repair_options())?;
     let (mut milliseconds, mut sent) = (Vec::new(), Vec::new());
     for (frame, camera) in cameras.iter().enumerate() {
         let start = Instant::now();
