@@ -8,6 +8,7 @@
 #![allow(clippy::print_stdout, reason = "a program that prints")]
 
 mod building;
+mod clusters;
 mod evidence;
 mod flights;
 mod frames;

@@ -5,8 +5,10 @@
 //!                         skip       display strips, repaired strips, a list of the same triangles
 //!                         levels     `blocks` at one level of the whole model
 //!                         rival      meshoptimizer: the whole model simplified per frame
+//!                         cut        meshoptimizer's clusterlod: a cut through a hierarchy of clusters
 //! ```
 
+mod cut;
 mod levels;
 mod rival;
 mod skip;
@@ -21,7 +23,9 @@ use tristrip_bench::measure::median;
 use tristrip_bench::text::Table;
 
 use crate::building::BuiltModel;
+use crate::clusters::{Borders, ClusterHierarchy};
 use crate::frames::Frame;
+use cut::CutAlternative;
 use levels::{LevelStrips, LevelsAlternative};
 use rival::{Order, SimplifyAlternative};
 use skip::{DisplayAlternative, ListAlternative, RepairedAlternative};
@@ -83,12 +87,18 @@ impl Drawn {
 /// What the alternatives to Skip Strips need of a model, built once.
 pub(super) struct Others {
     levels: LevelStrips,
+    clusters: ClusterHierarchy,
+    borders: Borders,
 }
 
 impl Others {
     /// Builds what the alternatives need.
     pub(super) fn build(built: &BuiltModel) -> Result<Self, Failure> {
-        Ok(Self { levels: LevelStrips::build(&built.mesh, &built.strips)? })
+        Ok(Self {
+            levels: LevelStrips::build(&built.mesh, &built.strips)?,
+            clusters: ClusterHierarchy::build(&built.mesh)?,
+            borders: Borders::of(&built.mesh)?,
+        })
     }
 }
 
@@ -121,6 +131,7 @@ pub(super) fn fly_all(
         Box::new(LevelsAlternative::new(&others.levels, criteria)?),
         Box::new(SimplifyAlternative::new(&built.mesh, Order::Strips)?),
         Box::new(SimplifyAlternative::new(&built.mesh, Order::Cache)?),
+        Box::new(CutAlternative::new(&others.clusters, &others.borders, criteria)),
     ];
     let fly = |alternative: &mut Box<dyn Alternative>| fly(flight, &mut **alternative, &built.mesh, frames);
     alternatives.iter_mut().map(fly).collect()

@@ -9,6 +9,7 @@ use tristrip_bench::failure::Failure;
 use tristrip_bench::meshoptimizer::strips_of;
 
 use super::{Alternative, Drawn};
+use crate::clusters::adapter;
 use crate::flights::sorted;
 use crate::frames::Frame;
 
@@ -37,11 +38,6 @@ impl<'a> SimplifyAlternative<'a> {
         let vertices = adapter(mesh.positions())?;
         Ok(Self { mesh, indices, vertices, order, list: Vec::new(), strips: Strips::default(), error: 0.0 })
     }
-}
-
-/// Returns positions as meshoptimizer reads them.
-pub(super) fn adapter(positions: &[[f32; 3]]) -> Result<VertexDataAdapter<'_>, Failure> {
-    Ok(VertexDataAdapter::new(meshopt::typed_to_bytes(positions), size_of::<[f32; 3]>(), 0)?)
 }
 
 impl Alternative for SimplifyAlternative<'_> {
