@@ -3,6 +3,7 @@
 //! # References
 //! Arseny Kapoulkine: *meshoptimizer*, <https://github.com/zeux/meshoptimizer>; the crate `meshopt`.
 
+use meshopt::VertexDataAdapter;
 use tristrip::{Mesh, Strips};
 
 use crate::failure::Failure;
@@ -52,6 +53,14 @@ impl Pipeline {
     }
 }
 
+/// Returns positions as meshoptimizer reads them.
+///
+/// # Errors
+/// The crate reports an error.
+pub fn adapter(positions: &[[f32; 3]]) -> Result<VertexDataAdapter<'_>, Failure> {
+    Ok(VertexDataAdapter::new(meshopt::typed_to_bytes(positions), size_of::<[f32; 3]>(), 0)?)
+}
+
 /// Returns the strips between the restarts of an index buffer.
 pub fn strips_of(indices: &[u32]) -> Strips {
     let mut strips = Strips::default();
@@ -62,6 +71,13 @@ pub fn strips_of(indices: &[u32]) -> Strips {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn positions_are_read_as_they_are() {
+        let positions = [[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]];
+        let mut adapter = adapter(&positions).unwrap();
+        assert_eq!((adapter.vertex_count, adapter.xyz_f32_at(1).unwrap()), (2, positions[1]));
+    }
 
     #[test]
     fn restarts_separate_strips() {

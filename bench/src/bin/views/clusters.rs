@@ -16,13 +16,13 @@
 //! # Complexity
 //! A cut takes a step per group, of which there are about two per thousand triangles, and per cluster of the groups that are not simplified.
 
-use std::collections::HashSet;
 use std::ops::Range;
 
-use meshopt::{ClodConfig, ClodMesh, VertexDataAdapter};
+use meshopt::{ClodConfig, ClodMesh};
 use tristrip::lod::RESTART;
 use tristrip::{Faces, Mesh, Method, StripifyOptions, Strips, strip_triangles, stripify};
 use tristrip_bench::failure::Failure;
+use tristrip_bench::meshoptimizer::adapter;
 
 /// The most triangles and the most vertices of a cluster, as in meshoptimizer's own demonstration.
 pub(super) const CLUSTER_TRIANGLES: usize = 128;
@@ -43,6 +43,7 @@ struct Cluster {
     refined: Option<u32>,
     /// Its strips among all.
     strips: Range<u32>,
+    triangle_count: u32,
     vertex_count: u32,
 }
 
@@ -81,7 +82,8 @@ impl ClusterHierarchy {
         let mut hierarchy = Self { clusters: Vec::new(), groups: Vec::new(), strips: Vec::new() };
         let mut lists = Vec::new();
         meshopt::clod_build(config, &ClodMesh::new(indices, &vertices), |group, clusters| {
-            let id = hierarchy.groups.len() as i32;
+            // Fewer than triangles; -1 would mean that the clusters are those of the full mesh.
+            let id = i32::try_from(hierarchy.groups.len()).unwrap_or(-1);
             let first = hierarchy.clusters.len() as u32;
             let sphere =
                 |bounds: &meshopt::ClodBounds| Sphere { center: bounds.center, radius: bounds.radius };
@@ -91,6 +93,7 @@ impl ClusterHierarchy {
                     sphere: sphere(&cluster.bounds),
                     refined: u32::try_from(cluster.refined).ok(),
                     strips: 0..0,
+                    triangle_count: (cluster.indices.len() / 3) as u32,
                     vertex_count: cluster.vertex_count as u32,
                 });
             }
@@ -141,6 +144,11 @@ impl ClusterHierarchy {
         strips
     }
 
+    /// Counts the triangles of a cut.
+    pub(super) fn triangle_count(&self, cut: &Cut) -> usize {
+        cut.clusters.iter().map(|&id| self.clusters[id as usize].triangle_count as usize).sum()
+    }
+
     /// Counts the vertices of the clusters of a cut, each once per cluster: what mesh shaders transform.
     pub(super) fn vertex_count(&self, cut: &Cut) -> usize {
         cut.clusters.iter().map(|&id| self.clusters[id as usize].vertex_count as usize).sum()
@@ -156,11 +164,6 @@ impl Cut {
     pub(super) fn memory(&self) -> usize {
         size_of_val(&self.clusters[..]) + size_of_val(&self.is_allowed[..])
     }
-}
-
-/// Returns positions as meshoptimizer reads them.
-pub(super) fn adapter(positions: &[[f32; 3]]) -> Result<VertexDataAdapter<'_>, Failure> {
-    Ok(VertexDataAdapter::new(meshopt::typed_to_bytes(positions), size_of::<[f32; 3]>(), 0)?)
 }
 
 /// Appends the strips of a cluster, over the vertices of the mesh.
@@ -183,45 +186,10 @@ fn append_strips(mesh: &Mesh, list: &[u32], out: &mut Vec<u32>) -> Result<(), Fa
     Ok(())
 }
 
-/// Edges of triangles, by position.
-pub(super) struct Borders {
-    /// For each vertex the first one of its position.
-    first: Vec<u32>,
-    /// The vertices at the borders of the full mesh.
-    at_border: HashSet<u32>,
-}
-
-impl Borders {
-    pub(super) fn of(mesh: &Mesh) -> Result<Self, Failure> {
-        let first = meshopt::generate_position_remap(&adapter(mesh.positions())?);
-        let mut borders = Self { first, at_border: HashSet::new() };
-        let (triangles, _) = mesh.faces().as_triangles().unwrap_or_default().as_chunks::<3>();
-        borders.at_border = borders.open_edges(triangles).into_iter().flatten().collect();
-        Ok(borders)
-    }
-
-    /// Returns the edges of which no triangle has the other direction.
-    fn open_edges(&self, triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
-        let welded = triangles.iter().map(|triangle| triangle.map(|vertex| self.first[vertex as usize]));
-        let real = welded.filter(|[a, b, c]| a != b && b != c && c != a);
-        let mut edges: Vec<[u32; 2]> = real.flat_map(|[a, b, c]| [[a, b], [b, c], [c, a]]).collect();
-        edges.sort_unstable();
-        edges.dedup();
-        let is_open = |&[a, b]: &[u32; 2]| edges.binary_search(&[b, a]).is_err();
-        edges.iter().copied().filter(is_open).collect()
-    }
-
-    /// Counts the open edges of triangles that are not at a border of the full mesh: the cracks.
-    pub(super) fn cracks(&self, triangles: &[[u32; 3]]) -> usize {
-        let is_crack = |edge: &[u32; 2]| !edge.iter().all(|vertex| self.at_border.contains(vertex));
-        self.open_edges(triangles).iter().filter(|edge| is_crack(edge)).count()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::flights::sorted;
+    use crate::proof::{Borders, sorted};
 
     const SIDE: u32 = 80;
 

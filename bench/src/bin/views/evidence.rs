@@ -12,7 +12,8 @@ use tristrip_bench::models::{Source, load};
 use tristrip_bench::targets::Target;
 use tristrip_bench::text::Table;
 
-use crate::flights::sorted;
+use crate::frames::{cross, dot, sub};
+use crate::proof::sorted;
 
 /// The views of each model.
 pub(super) const VIEWS: usize = 100;
@@ -113,14 +114,9 @@ fn folded(mesh: &Mesh, triangles: &[[u32; 3]]) -> f64 {
 }
 
 fn unit_normal([a, b, c]: [[f64; 3]; 3]) -> Option<[f64; 3]> {
-    let [u, v] = [b, c].map(|p| [0, 1, 2].map(|k| p[k] - a[k]));
-    let normal = [0, 1, 2].map(|k| u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3]);
+    let normal = cross(sub(b, a), sub(c, a));
     let length = dot(normal, normal).sqrt();
     (length > 0.0).then(|| normal.map(|x| x / length))
-}
-
-fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
-    (0..3).map(|k| a[k] * b[k]).sum()
 }
 
 /// Compares with the target: every view is exact.

@@ -4,8 +4,8 @@ use std::fs;
 use std::path::Path;
 use std::time::Instant;
 
-use tristrip::lod::{Camera, Filter, RepairOptions, RepairedView, SkipView, ViewCriteria};
-use tristrip::{Effort, Faces, Mesh, Method, StripifyOptions, stripify};
+use tristrip::lod::{Camera, Filter, SkipView, ViewCriteria};
+use tristrip::{Faces, Mesh, Method, StripifyOptions, stripify};
 use tristrip_bench::failure::Failure;
 use tristrip_bench::measure::median;
 use tristrip_bench::targets::Target;
@@ -15,6 +15,7 @@ use tristrip_lab::flight::{FlightPath, Lens};
 use crate::building::BuiltModel;
 use crate::frames::Frame;
 use crate::others::{self, OtherFigures, Others};
+use crate::proof::sorted;
 
 /// A flight, and what it is to reach.
 struct Flight {
@@ -55,8 +56,6 @@ const DETAILED: f64 = 0.3;
 const SAMPLES: usize = 5;
 /// How often a flight is flown: the time of a frame is the median.
 const ROUNDS: usize = 5;
-/// The effort of repaired strips.
-const EFFORT: u8 = 3;
 
 /// What was measured of a flight.
 pub(super) struct FlightFigures {
@@ -118,7 +117,8 @@ fn fly(
             again.extend(compute_again(&built.mesh, &view)?);
         }
     }
-    let mut repaired = fly_repaired(built, &cameras, &criteria, is_sample)?;
+    let others = others::fly_all(flight.name, built, others, &frames, &criteria)?;
+    let repaired = others.iter().find(|row| row.name == others::REPAIRED);
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
     let mean_of = |i: usize| mean(&sent.iter().map(|sent| sent[i]).collect::<Vec<_>>());
     let by_method = AGAIN.map(|method| {
@@ -140,10 +140,10 @@ fn fly(
         looked_at: median(looked_at),
         milliseconds: median(milliseconds),
         worst,
-        repair_milliseconds: median(std::mem::take(&mut repaired.0)),
-        sent: [mean_of(0), mean_of(1), mean(&repaired.1), mean_of(2)],
+        repair_milliseconds: repaired.map_or(f64::NAN, |row| row.milliseconds),
+        sent: [mean_of(0), mean_of(1), repaired.map_or(f64::NAN, |row| row.fraction), mean_of(2)],
         again: by_method.to_vec(),
-        others: others::fly_all(flight.name, built, others, &frames, &criteria)?,
+        others,
     })
 }
 
@@ -173,17 +173,6 @@ fn prove(
         }
     }
     Ok(())
-}
-
-/// Returns triangles from their lowest vertex on, sorted.
-pub(super) fn sorted(triangles: impl IntoIterator<Item = [u32; 3]>) -> Vec<[u32; 3]> {
-    let from_lowest = |[a, b, c]: [u32; 3]| {
-        let rotations = [[a, b, c], [b, c, a], [c, a, b]];
-        rotations.into_iter().min().unwrap_or([a, b, c])
-    };
-    let mut sorted: Vec<_> = triangles.into_iter().map(from_lowest).collect();
-    sorted.sort_unstable();
-    sorted
 }
 
 /// Returns the vertices sent by `dtfs`, by `linked`, and by `dtfs` on the level of as many triangles, as fractions of three per triangle.
@@ -218,39 +207,6 @@ fn compute_again(mesh: &Mesh, view: &SkipView) -> Result<Vec<(Method, [f64; 2])>
             Ok((method, [milliseconds, strips.vertices_sent() as f64 / (3 * count).max(1) as f64]))
         })
         .collect()
-}
-
-/// Returns how strips are repaired.
-pub(super) fn repair_options() -> RepairOptions {
-    RepairOptions::default().with_effort(Effort::new(EFFORT).unwrap_or_default())
-}
-
-/// Flies with repaired strips: the milliseconds of all frames but the first, with writing the strips, and the vertices sent of the samples.
-fn fly_repaired(
-    built: &BuiltModel,
-    cameras: &[Camera],
-    criteria: &ViewCriteria,
-    is_sample: impl Fn(usize) -> bool,
-) -> Result<(Vec<f64>, Vec<f64>), Failure> {
-    let mut view = RepairedView::new(&built.model, &built.strips, built.sequence.clone(), repair_options())?;
-    let (mut milliseconds, mut sent) = (Vec::new(), Vec::new());
-    for (frame, camera) in cameras.iter().enumerate() {
-        let start = Instant::now();
-        view.update(camera, criteria)?;
-        let vertices = view.strips().vertices_sent();
-        if frame > 0 {
-            milliseconds.push(1e3 * start.elapsed().as_secs_f64());
-        }
-        if is_sample(frame) {
-            sent.push(vertices as f64 / (3 * view.view().triangle_count()).max(1) as f64);
-            if sorted(view.strips().triangles()) != sorted(view.view().renamed_triangles()) {
-                return Err(
-                    format!("{}: repaired frame {frame} draws other triangles", built.figures.name).into()
-                );
-            }
-        }
-    }
-    Ok((milliseconds, sent))
 }
 
 /// Compares with the targets.

@@ -30,24 +30,22 @@ impl Frame {
         let half_height = (f64::from(camera.field_of_view()).to_radians() / 2.0).tan();
         let [columns, rows] = camera.image().map(f64::from);
         let half_width = half_height * columns / rows;
-        let side = |half: f64, across: Point, sign: f64| {
+        // Inward from the right, the left, the top and the bottom of the image.
+        let sides = [
+            (half_width, right, -1.0),
+            (half_width, right, 1.0),
+            (half_height, up, -1.0),
+            (half_height, up, 1.0),
+        ];
+        let plane = |(half, across, sign): (f64, Point, f64)| {
             unit([0, 1, 2].map(|k| half * forward[k] + sign * across[k]))
         };
-        let mut frame = Self {
-            camera,
-            is_sample,
-            triangle_count,
-            eye: camera.eye().map(f64::from),
-            planes: [
-                side(half_width, right, 1.0),
-                side(half_width, right, -1.0),
-                side(half_height, up, 1.0),
-                side(half_height, up, -1.0),
-                forward,
-            ],
-            pixels_per_slope: rows / (2.0 * half_height),
-            nearest: None,
-        };
+        let [a, b, c, d] = sides.map(plane);
+        let eye = camera.eye().map(f64::from);
+        let pixels_per_slope = rows / (2.0 * half_height);
+        let planes = [a, b, c, d, forward];
+        let mut frame =
+            Self { camera, is_sample, triangle_count, eye, planes, pixels_per_slope, nearest: None };
         let seen = mesh.positions().iter().filter(|&&position| frame.sees(position, 0.0));
         let nearest = seen.map(|&position| frame.distance(position)).min_by(f64::total_cmp);
         frame.nearest = nearest;
@@ -78,6 +76,10 @@ pub(super) fn sub(a: Point, b: Point) -> Point {
 
 pub(super) fn dot(a: Point, b: Point) -> f64 {
     (0..3).map(|k| a[k] * b[k]).sum()
+}
+
+pub(super) fn cross(a: Point, b: Point) -> Point {
+    [0, 1, 2].map(|k| a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3])
 }
 
 fn unit(a: Point) -> Point {

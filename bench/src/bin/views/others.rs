@@ -8,87 +8,41 @@
 //!                         cut        meshoptimizer's clusterlod: a cut through a hierarchy of clusters
 //! ```
 
+mod alternative;
 mod cut;
 mod levels;
+mod report;
 mod rival;
 mod skip;
 
+use std::collections::HashMap;
 use std::time::Instant;
 
+use tristrip::Mesh;
 use tristrip::lod::ViewCriteria;
-use tristrip::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
-use tristrip::{Mesh, Strips};
 use tristrip_bench::failure::Failure;
 use tristrip_bench::measure::median;
-use tristrip_bench::text::Table;
 
 use crate::building::BuiltModel;
-use crate::clusters::{Borders, ClusterHierarchy};
+use crate::clusters::ClusterHierarchy;
+use crate::distance::SurfacePoints;
 use crate::frames::Frame;
-use cut::CutAlternative;
+use crate::proof::Borders;
+pub(super) use alternative::OtherFigures;
+use alternative::{Alternative, Drawn};
+use cut::{CutAlternative, Detail};
 use levels::{LevelStrips, LevelsAlternative};
+pub(super) use report::{best, page, table};
 use rival::{Order, SimplifyAlternative};
+pub(super) use skip::REPAIRED;
 use skip::{DisplayAlternative, ListAlternative, RepairedAlternative};
-
-/// The vertex cache by which transformed vertices are counted.
-const CACHE: VertexCache = VertexCache::fifo(16);
-
-/// What the page says before the table.
-pub(super) const TEXT: &str = "\
-The same frames, drawn in other ways in the same run: medians over sampled frames, times over all frames but the first where a frame is short.
-";
-
-/// A way to draw the frames of a flight.
-trait Alternative {
-    /// Returns the name that the table shows.
-    fn name(&self) -> &'static str;
-
-    /// Moves from the frame before to this one. Timed in every frame but the first.
-    fn follow(&mut self, frame: &Frame) -> Result<(), Failure>;
-
-    /// Does what else a frame takes before it can be drawn. Timed in samples only, because it takes long.
-    fn finish(&mut self, _frame: &Frame) -> Result<(), Failure> {
-        Ok(())
-    }
-
-    /// Proves what is drawn, and returns it.
-    fn drawn(&mut self, frame: &Frame) -> Result<Drawn, Failure>;
-
-    /// Returns the bytes of the model, and of a view of it.
-    fn bytes(&self) -> [usize; 2];
-}
-
-/// What is drawn in a frame.
-struct Drawn {
-    triangles: Vec<[u32; 3]>,
-    vertices_sent: usize,
-    /// The vertices that a graphics processor transforms.
-    transformed: usize,
-    /// The error that the alternative states, in pixels.
-    pixels: f64,
-}
-
-impl Drawn {
-    fn of_strips(strips: &Strips, pixels: f64) -> Self {
-        Self {
-            triangles: strips.triangles().collect(),
-            vertices_sent: strips.vertices_sent(),
-            transformed: VertexCacheStatistics::of(strips, CACHE, FlushPolicy::Keep).misses,
-            pixels,
-        }
-    }
-
-    fn of_list(triangles: Vec<[u32; 3]>, pixels: f64) -> Self {
-        let transformed = VertexCacheStatistics::of_list(&triangles, CACHE).misses;
-        Self { vertices_sent: 3 * triangles.len(), triangles, transformed, pixels }
-    }
-}
 
 /// What the alternatives to Skip Strips need of a model, built once.
 pub(super) struct Others {
     levels: LevelStrips,
     clusters: ClusterHierarchy,
     borders: Borders,
+    points: SurfacePoints,
 }
 
 impl Others {
@@ -98,22 +52,9 @@ impl Others {
             levels: LevelStrips::build(&built.mesh, &built.strips)?,
             clusters: ClusterHierarchy::build(&built.mesh)?,
             borders: Borders::of(&built.mesh)?,
+            points: SurfacePoints::of(&built.mesh),
         })
     }
-}
-
-/// What was measured of an alternative in a flight: medians.
-pub(super) struct OtherFigures {
-    flight: &'static str,
-    name: &'static str,
-    triangles: f64,
-    vertices_sent: f64,
-    transformed: f64,
-    milliseconds: f64,
-    /// Bytes per vertex of the full mesh, of the model and of a view.
-    bytes: [f64; 2],
-    /// The error that the alternative states, in pixels.
-    pixels: f64,
 }
 
 /// Draws the frames of a flight in all ways.
@@ -124,6 +65,7 @@ pub(super) fn fly_all(
     frames: &[Frame],
     criteria: &ViewCriteria,
 ) -> Result<Vec<OtherFigures>, Failure> {
+    let cut = |detail| CutAlternative::new(&others.clusters, &others.borders, criteria, detail);
     let mut alternatives: Vec<Box<dyn Alternative>> = vec![
         Box::new(DisplayAlternative::new(built, criteria)),
         Box::new(RepairedAlternative::new(built, criteria)?),
@@ -131,73 +73,70 @@ pub(super) fn fly_all(
         Box::new(LevelsAlternative::new(&others.levels, criteria)?),
         Box::new(SimplifyAlternative::new(&built.mesh, Order::Strips)?),
         Box::new(SimplifyAlternative::new(&built.mesh, Order::Cache)?),
-        Box::new(CutAlternative::new(&others.clusters, &others.borders, criteria)),
+        Box::new(cut(Detail::Allowed)),
+        Box::new(cut(Detail::AsMany)),
     ];
-    let fly = |alternative: &mut Box<dyn Alternative>| fly(flight, &mut **alternative, &built.mesh, frames);
-    alternatives.iter_mut().map(fly).collect()
-}
-
-fn fly(
-    flight: &'static str,
-    alternative: &mut dyn Alternative,
-    mesh: &Mesh,
-    frames: &[Frame],
-) -> Result<OtherFigures, Failure> {
-    let (mut following, mut finishing, mut drawn) = (Vec::new(), Vec::new(), Vec::new());
-    for (number, frame) in frames.iter().enumerate() {
-        let start = Instant::now();
-        alternative.follow(frame)?;
-        if number > 0 {
-            following.push(1e3 * start.elapsed().as_secs_f64());
-        }
-        if frame.is_sample {
-            let start = Instant::now();
-            alternative.finish(frame)?;
-            finishing.push(1e3 * start.elapsed().as_secs_f64());
-            drawn.push(alternative.drawn(frame)?);
-        }
-    }
-    let median_of = |figure: &dyn Fn(&Drawn) -> f64| median(drawn.iter().map(figure).collect::<Vec<_>>());
-    Ok(OtherFigures {
+    let mut run = Run {
         flight,
-        name: alternative.name(),
-        triangles: median_of(&|drawn| drawn.triangles.len() as f64),
-        vertices_sent: median_of(&|drawn| drawn.vertices_sent as f64),
-        transformed: median_of(&|drawn| drawn.transformed as f64),
-        milliseconds: median(following) + median(finishing),
-        bytes: alternative.bytes().map(|bytes| bytes as f64 / mesh.vertex_count() as f64),
-        pixels: median_of(&|drawn| drawn.pixels),
-    })
+        mesh: &built.mesh,
+        frames,
+        points: &others.points,
+        allowed: criteria.pixels().into(),
+        measured: HashMap::new(),
+    };
+    alternatives.iter_mut().map(|alternative| run.fly(&mut **alternative)).collect()
 }
 
-/// Returns a row per flight and alternative.
-pub(super) fn table<'a>(figures: impl IntoIterator<Item = &'a OtherFigures>) -> Table {
-    let heads = [
-        "flight",
-        "drawn by",
-        "triangles",
-        "vertices sent",
-        "of 3 T",
-        "transformed / T",
-        "ms",
-        "bytes",
-        "view bytes",
-        "stated px",
-    ];
-    let mut table = Table::new(2, &heads);
-    for row in figures {
-        table.push(vec![
-            row.flight.into(),
-            row.name.into(),
-            format!("{:.0}", row.triangles),
-            format!("{:.0}", row.vertices_sent),
-            format!("{:.3}", row.vertices_sent / (3.0 * row.triangles)),
-            format!("{:.3}", row.transformed / row.triangles),
-            format!("{:.3}", row.milliseconds),
-            format!("{:.1}", row.bytes[0]),
-            format!("{:.1}", row.bytes[1]),
-            format!("{:.3}", row.pixels),
-        ]);
+/// A flight that all alternatives make.
+struct Run<'a> {
+    flight: &'static str,
+    mesh: &'a Mesh,
+    frames: &'a [Frame],
+    points: &'a SurfacePoints,
+    allowed: f64,
+    /// The distances measured, in pixels, by surface and frame.
+    measured: HashMap<(&'static str, usize), [f64; 2]>,
+}
+
+impl Run<'_> {
+    fn fly(&mut self, alternative: &mut dyn Alternative) -> Result<OtherFigures, Failure> {
+        let name = alternative.name();
+        let say = |error: Failure| -> Failure { format!("{}, {name}: {error}", self.flight).into() };
+        let (mut following, mut finishing, mut drawn, mut measured) = (vec![], vec![], vec![], vec![]);
+        for (number, frame) in self.frames.iter().enumerate() {
+            let start = Instant::now();
+            alternative.follow(frame).map_err(say)?;
+            if number > 0 {
+                following.push(1e3 * start.elapsed().as_secs_f64());
+            }
+            if frame.is_sample {
+                let start = Instant::now();
+                alternative.finish(frame).map_err(say)?;
+                finishing.push(1e3 * start.elapsed().as_secs_f64());
+                let of_frame = alternative.drawn(frame).map_err(say)?;
+                let pixels = || self.points.pixels(frame, self.mesh, &of_frame.triangles);
+                let key = (alternative.surface(), number);
+                measured.push(*self.measured.entry(key).or_insert_with(pixels));
+                drawn.push(of_frame);
+            }
+        }
+        let median_of = |figure: fn(&Drawn) -> f64| median(drawn.iter().map(figure).collect());
+        let per_triangle =
+            |vertices: usize, drawn: &Drawn| vertices as f64 / drawn.triangles.len().max(1) as f64;
+        Ok(OtherFigures {
+            flight: self.flight,
+            name,
+            triangles: median_of(|drawn| drawn.triangles.len() as f64),
+            vertices_sent: median_of(|drawn| drawn.vertices_sent as f64),
+            fraction: median(
+                drawn.iter().map(|drawn| per_triangle(drawn.vertices_sent, drawn) / 3.0).collect(),
+            ),
+            transformed: median(drawn.iter().map(|drawn| per_triangle(drawn.transformed, drawn)).collect()),
+            milliseconds: median(following) + median(finishing),
+            bytes: alternative.bytes().map(|bytes| bytes as f64 / self.mesh.vertex_count().max(1) as f64),
+            allowed: self.allowed,
+            stated: median_of(|drawn| drawn.pixels),
+            measured: [0, 1].map(|i| median(measured.iter().map(|pixels| pixels[i]).collect())),
+        })
     }
-    table
 }

@@ -1,15 +1,33 @@
-//! A cut through a hierarchy of clusters, by the same error in pixels. What is outside of the image is not drawn at all.
+//! A cut through a hierarchy of clusters. What is outside of the image is not drawn at all.
 
 use tristrip::lod::ViewCriteria;
 use tristrip_bench::failure::Failure;
 
-use super::{Alternative, Drawn};
-use crate::clusters::{Borders, ClusterHierarchy, Cut};
+use super::alternative::{Alternative, Drawn};
+use crate::clusters::{ClusterHierarchy, Cut};
 use crate::frames::Frame;
+use crate::proof::Borders;
+
+/// How many cuts are tried for a number of triangles.
+const CUTS: usize = 16;
+/// The largest error that is tried, in errors allowed.
+const MOST_SCALE: f64 = 100.0;
+
+/// How the error in pixels is chosen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Detail {
+    /// What the criteria allow.
+    Allowed,
+    /// The least error at which a cut has no more triangles than the view by Skip Strips.
+    AsMany,
+}
 
 pub(super) struct CutAlternative<'a> {
     hierarchy: &'a ClusterHierarchy,
     borders: &'a Borders,
+    detail: Detail,
+    allowed: f64,
+    /// The error of the cut.
     pixels: f64,
     cut: Cut,
 }
@@ -19,45 +37,76 @@ impl<'a> CutAlternative<'a> {
         hierarchy: &'a ClusterHierarchy,
         borders: &'a Borders,
         criteria: &ViewCriteria,
+        detail: Detail,
     ) -> Self {
-        Self { hierarchy, borders, pixels: criteria.pixels().into(), cut: Cut::default() }
+        let allowed = f64::from(criteria.pixels());
+        Self { hierarchy, borders, detail, allowed, pixels: allowed, cut: Cut::default() }
     }
+}
 
-    fn choose(&self, frame: &Frame, is_culled: bool, cut: &mut Cut) {
-        // The distance per length at which that length covers the allowed pixels.
-        let needed = frame.pixels_per_slope / self.pixels;
-        self.hierarchy.choose(
-            |sphere, error| {
-                let near = frame.distance(sphere.center) - f64::from(sphere.radius);
-                f64::from(error) * needed <= near.max(0.0)
-            },
-            |sphere| !is_culled || frame.sees(sphere.center, sphere.radius),
-            cut,
-        );
-    }
+/// Chooses the clusters of a frame by an error in pixels.
+fn choose(hierarchy: &ClusterHierarchy, frame: &Frame, pixels: f64, is_culled: bool, cut: &mut Cut) {
+    let needed = frame.pixels_per_slope / pixels;
+    hierarchy.choose(
+        |sphere, error| {
+            let near = frame.distance(sphere.center) - f64::from(sphere.radius);
+            f64::from(error) * needed <= near.max(0.0)
+        },
+        |sphere| !is_culled || frame.sees(sphere.center, sphere.radius),
+        cut,
+    );
 }
 
 impl Alternative for CutAlternative<'_> {
     fn name(&self) -> &'static str {
-        "meshopt clusterlod"
+        match self.detail {
+            Detail::Allowed => "clusterlod",
+            Detail::AsMany => "clusterlod, as many triangles",
+        }
+    }
+
+    fn surface(&self) -> &'static str {
+        self.name()
     }
 
     fn follow(&mut self, frame: &Frame) -> Result<(), Failure> {
-        let mut cut = std::mem::take(&mut self.cut);
-        self.choose(frame, true, &mut cut);
-        self.cut = cut;
+        if self.detail == Detail::Allowed {
+            choose(self.hierarchy, frame, self.pixels, true, &mut self.cut);
+        }
+        Ok(())
+    }
+
+    fn finish(&mut self, frame: &Frame) -> Result<(), Failure> {
+        if self.detail == Detail::Allowed {
+            return Ok(());
+        }
+        let (mut low, mut high) = (0.0, MOST_SCALE * self.allowed);
+        for _ in 0..CUTS {
+            let middle = f64::midpoint(low, high);
+            choose(self.hierarchy, frame, middle, true, &mut self.cut);
+            if self.hierarchy.triangle_count(&self.cut) > frame.triangle_count {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        self.pixels = high;
+        choose(self.hierarchy, frame, high, true, &mut self.cut);
         Ok(())
     }
 
     fn drawn(&mut self, frame: &Frame) -> Result<Drawn, Failure> {
         let mut whole = Cut::default();
-        self.choose(frame, false, &mut whole);
+        choose(self.hierarchy, frame, self.pixels, false, &mut whole);
         let triangles: Vec<_> = self.hierarchy.strips(&whole).triangles().collect();
         let cracks = self.borders.cracks(&triangles);
         if cracks > 0 {
             return Err(format!("a cut of the clusters has {cracks} edges with one triangle").into());
         }
         let drawn = Drawn::of_strips(&self.hierarchy.strips(&self.cut), self.pixels);
+        if drawn.triangles.len() != self.hierarchy.triangle_count(&self.cut) {
+            return Err("the strips of a cut draw other triangles than its clusters have".into());
+        }
         Ok(Drawn { transformed: self.hierarchy.vertex_count(&self.cut), ..drawn })
     }
 

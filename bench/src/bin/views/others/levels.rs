@@ -9,9 +9,10 @@ use tristrip::simplify::{SimplifyOptions, simplify_triangles};
 use tristrip::{CollapseSequence, Mesh, Strips};
 use tristrip_bench::failure::Failure;
 
-use super::{Alternative, Drawn};
-use crate::flights::sorted;
+use super::alternative::{Alternative, Drawn};
+
 use crate::frames::Frame;
+use crate::proof::sorted;
 
 /// `blocks` over the usual simplification, which orders collapses by their errors alone.
 pub(super) struct LevelStrips {
@@ -45,6 +46,10 @@ impl<'a> LevelsAlternative<'a> {
 impl Alternative for LevelsAlternative<'_> {
     fn name(&self) -> &'static str {
         "blocks, one level"
+    }
+
+    fn surface(&self) -> &'static str {
+        "level"
     }
 
     fn follow(&mut self, frame: &Frame) -> Result<(), Failure> {

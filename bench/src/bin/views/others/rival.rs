@@ -6,12 +6,12 @@
 use meshopt::{SimplifyOptions, VertexDataAdapter};
 use tristrip::{Mesh, Strips};
 use tristrip_bench::failure::Failure;
-use tristrip_bench::meshoptimizer::strips_of;
+use tristrip_bench::meshoptimizer::{adapter, strips_of};
 
-use super::{Alternative, Drawn};
-use crate::clusters::adapter;
-use crate::flights::sorted;
+use super::alternative::{Alternative, Drawn};
+
 use crate::frames::Frame;
+use crate::proof::sorted;
 
 /// What follows the simplification.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -46,6 +46,10 @@ impl Alternative for SimplifyAlternative<'_> {
             Order::Strips => "meshopt simplify, stripify",
             Order::Cache => "meshopt simplify, cache order",
         }
+    }
+
+    fn surface(&self) -> &'static str {
+        "simplified"
     }
 
     fn follow(&mut self, _frame: &Frame) -> Result<(), Failure> {

@@ -1,12 +1,14 @@
 //! Skip Strips: its display strips, its repaired strips, and its triangles without strips.
 
-use tristrip::lod::{RepairedView, SkipView, ViewCriteria};
+use tristrip::Effort;
+use tristrip::lod::{RepairOptions, RepairedView, SkipView, ViewCriteria};
 use tristrip_bench::failure::Failure;
 
-use super::{Alternative, Drawn};
+use super::alternative::{Alternative, Drawn};
 use crate::building::BuiltModel;
-use crate::flights::{repair_options, sorted};
+
 use crate::frames::Frame;
+use crate::proof::sorted;
 
 /// The display strips of `dtfs`.
 pub(super) struct DisplayAlternative {
@@ -23,6 +25,10 @@ impl DisplayAlternative {
 impl Alternative for DisplayAlternative {
     fn name(&self) -> &'static str {
         "Skip Strips, dtfs"
+    }
+
+    fn surface(&self) -> &'static str {
+        "view"
     }
 
     fn follow(&mut self, frame: &Frame) -> Result<(), Failure> {
@@ -43,6 +49,11 @@ impl Alternative for DisplayAlternative {
     }
 }
 
+/// The name of repaired strips.
+pub(crate) const REPAIRED: &str = "Skip Strips, repaired";
+/// The effort of repaired strips.
+const EFFORT: u8 = 3;
+
 /// Strips repaired from frame to frame.
 pub(super) struct RepairedAlternative {
     view: RepairedView,
@@ -51,7 +62,7 @@ pub(super) struct RepairedAlternative {
 
 impl RepairedAlternative {
     pub(super) fn new(built: &BuiltModel, criteria: &ViewCriteria) -> Result<Self, Failure> {
-        let options = repair_options();
+        let options = RepairOptions::default().with_effort(Effort::new(EFFORT).unwrap_or_default());
         let view = RepairedView::new(&built.model, &built.strips, built.sequence.clone(), options)?;
         Ok(Self { view, criteria: *criteria })
     }
@@ -59,7 +70,11 @@ impl RepairedAlternative {
 
 impl Alternative for RepairedAlternative {
     fn name(&self) -> &'static str {
-        "Skip Strips, repaired"
+        REPAIRED
+    }
+
+    fn surface(&self) -> &'static str {
+        "view"
     }
 
     fn follow(&mut self, frame: &Frame) -> Result<(), Failure> {
@@ -97,6 +112,10 @@ impl ListAlternative {
 impl Alternative for ListAlternative {
     fn name(&self) -> &'static str {
         "the same triangles, a list"
+    }
+
+    fn surface(&self) -> &'static str {
+        "view"
     }
 
     fn follow(&mut self, frame: &Frame) -> Result<(), Failure> {

@@ -1,0 +1,53 @@
+//! Whether two sets of triangles are equal, and whether a surface has cracks.
+
+use std::collections::HashSet;
+
+use tristrip::Mesh;
+use tristrip_bench::failure::Failure;
+use tristrip_bench::meshoptimizer::adapter;
+
+/// Returns triangles from their lowest vertex on, sorted.
+pub(super) fn sorted(triangles: impl IntoIterator<Item = [u32; 3]>) -> Vec<[u32; 3]> {
+    let from_lowest = |[a, b, c]: [u32; 3]| {
+        let rotations = [[a, b, c], [b, c, a], [c, a, b]];
+        rotations.into_iter().min().unwrap_or([a, b, c])
+    };
+    let mut sorted: Vec<_> = triangles.into_iter().map(from_lowest).collect();
+    sorted.sort_unstable();
+    sorted
+}
+
+/// Edges of triangles, by position.
+pub(super) struct Borders {
+    /// For each vertex the first one of its position.
+    first: Vec<u32>,
+    /// The vertices at the borders of the full mesh.
+    at_border: HashSet<u32>,
+}
+
+impl Borders {
+    pub(super) fn of(mesh: &Mesh) -> Result<Self, Failure> {
+        let first = meshopt::generate_position_remap(&adapter(mesh.positions())?);
+        let mut borders = Self { first, at_border: HashSet::new() };
+        let (triangles, _) = mesh.faces().as_triangles().unwrap_or_default().as_chunks::<3>();
+        borders.at_border = borders.open_edges(triangles).into_iter().flatten().collect();
+        Ok(borders)
+    }
+
+    /// Returns the edges of which no triangle has the other direction.
+    fn open_edges(&self, triangles: &[[u32; 3]]) -> Vec<[u32; 2]> {
+        let welded = triangles.iter().map(|triangle| triangle.map(|vertex| self.first[vertex as usize]));
+        let real = welded.filter(|[a, b, c]| a != b && b != c && c != a);
+        let mut edges: Vec<[u32; 2]> = real.flat_map(|[a, b, c]| [[a, b], [b, c], [c, a]]).collect();
+        edges.sort_unstable();
+        edges.dedup();
+        let is_open = |&[a, b]: &[u32; 2]| edges.binary_search(&[b, a]).is_err();
+        edges.iter().copied().filter(is_open).collect()
+    }
+
+    /// Counts the open edges of triangles that are not at a border of the full mesh: the cracks.
+    pub(super) fn cracks(&self, triangles: &[[u32; 3]]) -> usize {
+        let is_crack = |edge: &[u32; 2]| !edge.iter().all(|vertex| self.at_border.contains(vertex));
+        self.open_edges(triangles).iter().filter(|edge| is_crack(edge)).count()
+    }
+}
