@@ -3,6 +3,7 @@
 mod detail;
 mod flight;
 mod groups;
+mod view;
 
 use std::path::PathBuf;
 use std::time::Duration;
@@ -18,8 +19,9 @@ use tristrip_pipeline::VertexCacheList;
 use crate::method::{MethodArgs, WeldArgs};
 use crate::values::{effort_parser, named};
 pub(crate) use detail::{BuildLodArgs, LodArgs, SimplifyArgs};
-pub(crate) use flight::{CriteriaParts, FlyArgs};
+pub(crate) use flight::FlyArgs;
 pub(crate) use groups::{FromArgs, GeneralArgs, OutputArgs, SharedArgs};
+pub(crate) use view::{CriteriaArgs, LensArgs};
 
 /// The colours of help and errors on a terminal; `NO_COLOR=1` disables them.
 const STYLES: Styles = Styles::styled()

@@ -20,7 +20,8 @@ use tristrip_pipeline::{
 };
 
 use crate::args::{
-    self, AnalyzeArgs, BuildLodArgs, Command, CriteriaParts, FlyArgs, LodArgs, OutputArgs, SharedArgs,
+    self, AnalyzeArgs, BuildLodArgs, Command, CriteriaArgs, FlyArgs, LensArgs, LodArgs, OutputArgs,
+    SharedArgs,
 };
 use crate::job::{Input, Job, inputs, inputs_of, jobs_of, jobs_of_levels, write_to_stdout};
 use crate::shell;
@@ -382,6 +383,9 @@ fn lod_task(mut args: LodArgs) -> Result<Task, String> {
     if let Some(flag) = args.collapse.first_of_chains() {
         return Err(format!("{flag} needs --chain: other levels go down to the base mesh, without limits"));
     }
+    if args.pixels.is_some() && args.triangles.is_some() && args.camera.is_none() {
+        return Err("--triangles cannot be used with --pixels without --camera".into());
+    }
     let view = view(&args)?;
     let goal = level_goal(&args, view);
     // Goals may need any level; a level is a number within a range that is not too coarse to look at.
@@ -421,10 +425,8 @@ fn lod_task(mut args: LodArgs) -> Result<Task, String> {
 /// Returns the view of --pixels.
 fn view(args: &LodArgs) -> Result<Option<View>, String> {
     let (Some(distance), Some(pixels)) = (args.distance, args.pixels) else { return Ok(None) };
-    if !(pixels.is_finite() && pixels >= 0.0) {
-        return Err(format!("--pixels: found {pixels}, expected 0 or more"));
-    }
-    let view = View::of_camera(distance, args.field_of_view, args.rows);
+    checked_pixels(pixels)?;
+    let view = View::of_camera(distance, args.lens.field_of_view, args.rows);
     view.map(Some).map_err(|error| error.to_string())
 }
 
@@ -434,29 +436,50 @@ fn camera(args: &LodArgs) -> Result<Option<(Camera, ViewCriteria)>, String> {
     if args.model != ModelKind::Skip {
         return Err(format!("--camera belongs to --model skip, not to {}", args.model));
     }
-    let [columns, rows] = args.image.0;
+    let lens = lens(&args.lens);
     let camera = Camera::new(eye, look_at)
         .and_then(|camera| camera.with_up(args.up.0))
-        .and_then(|camera| camera.with_field_of_view(args.field_of_view))
-        .and_then(|camera| camera.with_image(columns, rows))
+        .and_then(|camera| camera.with_field_of_view(lens.field_of_view))
+        .and_then(|camera| camera.with_image(lens.image[0], lens.image[1]))
         .map_err(|error| error.to_string())?;
-    let criteria = checked_pixels(args.pixels.unwrap_or(1.0))?;
+    let criteria = view_criteria(args.pixels.unwrap_or(1.0), args.triangles, &args.criteria)?;
     Ok(Some((camera, criteria)))
 }
 
-/// Returns the criteria of an allowed error in pixels.
-fn checked_pixels(pixels: f32) -> Result<ViewCriteria, String> {
-    if !(pixels.is_finite() && pixels >= 0.0) {
-        return Err(format!("--pixels: found {pixels}, expected 0 or more"));
+/// Returns the image of a camera.
+fn lens(args: &LensArgs) -> Lens {
+    Lens { field_of_view: args.field_of_view, image: args.image.0 }
+}
+
+/// Checks an allowed error in pixels.
+fn checked_pixels(pixels: f32) -> Result<f32, String> {
+    if pixels.is_finite() && pixels >= 0.0 {
+        return Ok(pixels);
     }
-    ViewCriteria::new(pixels).map_err(|error| error.to_string())
+    Err(format!("--pixels: found {pixels}, expected 0 or more"))
+}
+
+/// Returns what detail a view needs, without a limit of steps.
+fn view_criteria(pixels: f32, triangles: Option<Count>, args: &CriteriaArgs) -> Result<ViewCriteria, String> {
+    let criteria = ViewCriteria::new(checked_pixels(pixels)?).map_err(|error| error.to_string())?;
+    let mut criteria = criteria
+        .with_frustum(!args.no_frustum)
+        .with_back_faces(!args.no_back_faces)
+        .with_silhouettes(!args.no_silhouettes);
+    if let Some(Count(most)) = triangles {
+        criteria = criteria.with_budget(most);
+    }
+    if let Some(Vector(direction)) = args.light {
+        criteria = criteria.with_light(direction).map_err(|error| format!("--{error}"))?;
+    }
+    Ok(criteria)
 }
 
 /// Returns what selects the level.
 fn level_goal(args: &LodArgs, view: Option<View>) -> LevelGoal {
     match (args.pixels.zip(view), args.triangles, args.collapse.error) {
         (Some((pixels, view)), ..) => LevelGoal::Pixels(pixels, view),
-        (_, Some(count), _) => LevelGoal::Triangles(count),
+        (_, Some(Count(count)), _) if args.camera.is_none() => LevelGoal::Triangles(count),
         (.., Some(error)) => LevelGoal::Error(error),
         _ => LevelGoal::Level(args.level.unwrap_or(Level::Percent(10.0))),
     }
@@ -467,12 +490,9 @@ fn fly_task(args: FlyArgs) -> Result<Task, String> {
     if !(1..=MAX_FRAMES).contains(&args.frames) {
         return Err(format!("--frames: found {}, expected 1 to {MAX_FRAMES}", args.frames));
     }
-    let lens = Lens { field_of_view: args.field_of_view, image: args.image.0 };
+    let lens = lens(&args.lens);
     lens.check().map_err(|error| error.to_string())?;
-    let mut criteria = view_criteria(args.criteria.pixels, &args.criteria.parts)?;
-    if let Some(Count(most)) = args.triangles {
-        criteria = criteria.with_budget(most);
-    }
+    let mut criteria = view_criteria(args.pixels, args.triangles, &args.criteria)?;
     if let Some(Count(steps)) = args.steps {
         if steps == 0 {
             return Err("--steps: found 0, expected at least 1: a view would never change".into());
@@ -525,18 +545,6 @@ fn camera_path(path: PathBuf, up: Option<Axis>) -> Result<CameraPath, String> {
         }
         _ => CameraPath::File(path),
     })
-}
-
-/// Returns what detail a view needs, without limits of triangles and steps.
-fn view_criteria(pixels: f32, parts: &CriteriaParts) -> Result<ViewCriteria, String> {
-    let criteria = checked_pixels(pixels)?
-        .with_frustum(!parts.no_frustum)
-        .with_back_faces(!parts.no_back_faces)
-        .with_silhouettes(!parts.no_silhouettes);
-    match parts.light {
-        Some(Vector(direction)) => criteria.with_light(direction).map_err(|error| format!("--{error}")),
-        None => Ok(criteria),
-    }
 }
 
 fn chain_task(args: LodArgs, ratios: ChainRatios) -> Result<Task, String> {

@@ -6,7 +6,7 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use tristrip::lod::Camera;
+use tristrip::lod::{Camera, ViewCriteria};
 use tristrip_io::Model;
 
 /// The largest magnitude of a number of a transform: products with positions stay far from the limits of a float.
@@ -79,12 +79,13 @@ impl Place {
         (mean + 2.0 * p * libm::cos(angle)).max(0.0).sqrt()
     }
 
-    /// Returns a camera of the scene in the coordinates of the part; `None` if angles do not stay as they are, or numbers become too large.
+    /// Returns a camera of the scene and its criteria in the coordinates of the part; `None` if angles do not stay as they are, or numbers become
+    /// too large.
     ///
     /// An error covers as many pixels there: lengths and distances change by the same factor.
-    pub(crate) fn inward(&self, camera: &Camera) -> Option<Camera> {
+    pub(crate) fn inward(&self, camera: &Camera, criteria: &ViewCriteria) -> Option<(Camera, ViewCriteria)> {
         if *self == Self::IDENTITY {
-            return Some(*camera);
+            return Some((*camera, *criteria));
         }
         let m = &self.0;
         let product = |i: usize, j: usize| (0..3).map(|k| m[k][i] * m[k][j]).sum::<f64>();
@@ -101,7 +102,10 @@ impl Place {
         let [columns, rows] = camera.image();
         let inward = Camera::new(point(camera.eye()), point(camera.look_at())).ok()?;
         let inward = inward.with_up(turned(camera.up().map(f64::from))).ok()?;
-        inward.with_field_of_view(camera.field_of_view()).ok()?.with_image(columns, rows).ok()
+        let inward =
+            inward.with_field_of_view(camera.field_of_view()).ok()?.with_image(columns, rows).ok()?;
+        let lit = criteria.light().map(|light| criteria.with_light(turned(light.map(f64::from))));
+        Some((inward, lit.unwrap_or(Ok(*criteria)).ok()?))
     }
 
     fn bits(&self) -> [u64; 12] {
@@ -193,15 +197,17 @@ mod tests {
         let camera = Camera::new([7.0, 2.0, 0.0], [7.0, 0.0, 0.0]).unwrap().with_up([1.0, 0.0, 0.0]).unwrap();
         // Twice as large, turned by a quarter around z, and moved along x.
         let place = Place::new([[0.0, -2.0, 0.0, 7.0], [2.0, 0.0, 0.0, 0.0], [0.0, 0.0, 2.0, 0.0]]);
-        let inward = place.inward(&camera).unwrap();
+        let criteria = ViewCriteria::default().with_light([0.0, 3.0, 0.0]).unwrap();
+        let (inward, lit) = place.inward(&camera, &criteria).unwrap();
+        assert_eq!(lit.light(), Some([1.5, 0.0, 0.0]));
         assert_eq!(
             (inward.eye(), inward.look_at(), inward.up()),
             ([1.0, 0.0, 0.0], [0.0; 3], [0.0, -0.5, 0.0])
         );
-        assert_eq!(Place::IDENTITY.inward(&camera), Some(camera));
+        assert_eq!(Place::IDENTITY.inward(&camera, &criteria), Some((camera, criteria)));
         for m in [[1.0, 1.0, 2.0], [0.0; 3]] {
             let place = Place::new([0, 1, 2].map(|i| [0, 1, 2, 3].map(|k| if k == i { m[i] } else { 0.0 })));
-            assert_eq!(place.inward(&camera), None, "{m:?}");
+            assert_eq!(place.inward(&camera, &criteria), None, "{m:?}");
         }
     }
 

@@ -10,8 +10,9 @@ use tristrip_lab::recovery::Sweep;
 use tristrip_pipeline::{ChainRatios, DisplayFilter, Level, Normals, Ratio};
 
 use super::groups::{CollapseArgs, FromArgs, GeneralArgs, OutputArgs, TargetArgs};
+use super::view::{CriteriaArgs, LensArgs};
 use crate::method::MethodArgs;
-use crate::values::{ImageSize, Vector, effort_parser, named};
+use crate::values::{Amount, Vector, effort_parser, named};
 
 /// Simplify a mesh by half-edge collapses
 ///
@@ -91,10 +92,16 @@ pub(crate) struct SimplifyArgs {
   tristrip lod bunny.ply --compare --plot lod.svg     filters compared with a triangle list
   tristrip lod bunny.ply --model sets --level 25% -o level.glb
   tristrip lod bunny.ply --model blocks --pixels 1.5 --distance 3     the level for a viewing distance
-  tristrip lod bunny.ply --model skip --camera 0,0.1,0.3 --look-at 0,0.1,0 --pixels 1.5 -o frame.glb
+  tristrip lod dragon.ply --model skip --camera 0,0,3 --look-at 0,0,0 --fov 45 --pixels 1.5 -o frame.glb
+  tristrip lod dragon.ply --model skip --camera 0,0,3 --look-at 0,0,0 --triangles 200k
   tristrip lod bunny.ply --compare --sweep linear,exponential --plot recovery.svg
   tristrip lod truck.gltf --chain 100%,50%,25%,10% -o truck.lod.glb
   tristrip lod duck.glb --chain 100%,50%,25%,10% -o levels/ --layout list")]
+#[command(
+    mut_arg("field_of_view", |flag| flag.requires("viewpoint")),
+    mut_arg("image", |flag| flag.requires("camera")),
+    mut_group("CriteriaArgs", |flags| flags.requires("camera"))
+)]
 pub(crate) struct LodArgs {
     #[command(flatten)]
     pub(crate) general: GeneralArgs,
@@ -122,15 +129,18 @@ pub(crate) struct LodArgs {
         conflicts_with_all = ["triangles", "error", "pixels"],
     )]
     pub(crate) level: Option<Level>,
-    /// Draw the finest level with at most this number of triangles
+    /// Draw the finest level with at most this number of triangles, such as 50000, 200k or 2M
+    ///
+    /// With --camera, the most triangles of the view: if --pixels needs more, the largest errors in pixels are reduced first. The base mesh may
+    /// have more.
     #[arg(
         long,
         value_name = "COUNT",
         help_heading = "Levels",
         allow_negative_numbers = true,
-        conflicts_with_all = ["error", "pixels"],
+        conflicts_with = "error"
     )]
-    pub(crate) triangles: Option<usize>,
+    pub(crate) triangles: Option<Amount>,
     /// Draw the coarsest level whose surface error covers at most this number of pixels, seen from --distance
     ///
     /// With --camera, each collapse may have this error where the camera sees it [default: 1].
@@ -153,16 +163,6 @@ pub(crate) struct LodArgs {
         group = "viewpoint"
     )]
     pub(crate) distance: Option<f32>,
-    /// The vertical angle of the view in degrees
-    #[arg(
-        long,
-        value_name = "DEGREES",
-        default_value_t = View::FIELD_OF_VIEW,
-        help_heading = "Levels",
-        allow_negative_numbers = true,
-        requires = "viewpoint"
-    )]
-    pub(crate) field_of_view: f32,
     /// The rows of the image
     #[arg(
         long,
@@ -184,7 +184,7 @@ pub(crate) struct LodArgs {
         allow_hyphen_values = true,
         requires = "look_at",
         group = "viewpoint",
-        conflicts_with_all = ["level", "triangles", "error", "rows"],
+        conflicts_with_all = ["level", "error", "rows"],
     )]
     pub(crate) camera: Option<Vector>,
     /// The point that the camera looks at
@@ -199,9 +199,10 @@ pub(crate) struct LodArgs {
     /// The direction that is up in the image
     #[arg(long, value_name = "X,Y,Z", help_heading = "Camera", allow_hyphen_values = true, requires = "camera", default_value_t = Vector([0.0, 1.0, 0.0]))]
     pub(crate) up: Vector,
-    /// The columns and rows of the image in pixels
-    #[arg(long, value_name = "SIZE", help_heading = "Camera", requires = "camera", default_value_t = ImageSize([1920, 1080]))]
-    pub(crate) image: ImageSize,
+    #[command(flatten)]
+    pub(crate) lens: LensArgs,
+    #[command(flatten)]
+    pub(crate) criteria: CriteriaArgs,
     /// How the strips of --model progressive and naive are filtered before they are drawn [default: repair]
     #[arg(long, value_parser = named(DisplayFilter::ALL, DisplayFilter::name, DisplayFilter::summary), value_name = "FILTER", help_heading = "Levels")]
     pub(crate) filter: Option<DisplayFilter>,
@@ -235,7 +236,7 @@ pub(crate) struct LodArgs {
         long,
         value_name = "RATIOS",
         help_heading = "Chain",
-        conflicts_with_all = ["model", "base", "level", "triangles", "pixels", "distance", "field_of_view", "rows", "camera", "look_at", "up", "image", "filter", "filter_effort", "table", "compare", "sweep", "plot"],
+        conflicts_with_all = ["model", "base", "level", "triangles", "pixels", "distance", "field_of_view", "rows", "camera", "look_at", "up", "image", "CriteriaArgs", "filter", "filter_effort", "table", "compare", "sweep", "plot"],
     )]
     pub(crate) chain: Option<ChainRatios>,
     #[command(flatten, next_help_heading = "Collapses; all but --error and --price need --chain")]

@@ -8,8 +8,9 @@ use tristrip::lod::Filter;
 use tristrip_lab::flight::Axis;
 
 use super::groups::FromArgs;
+use super::view::{CriteriaArgs, LensArgs};
 use crate::method::MethodArgs;
-use crate::values::{Amount, ImageSize, Vector, named};
+use crate::values::{Amount, named};
 
 /// Fly a camera over a model with view-dependent detail, and measure each frame
 ///
@@ -52,18 +53,17 @@ pub(crate) struct FlyArgs {
     /// The vertical axis of orbit, dolly and flyover [default: y; for flyover, the shortest side of the bounding box]
     #[arg(long, value_name = "AXIS", value_parser = named(Axis::ALL, Axis::name, Axis::summary), help_heading = "Flight")]
     pub(crate) up: Option<Axis>,
-    /// The vertical angle of the image in degrees
+    #[command(flatten)]
+    pub(crate) lens: LensArgs,
+    /// The error that a collapse may have in the image, in pixels
     #[arg(
         long,
-        value_name = "DEGREES",
-        default_value_t = 45.0,
-        help_heading = "Flight",
+        value_name = "PIXELS",
+        default_value_t = 1.0,
+        help_heading = "Detail",
         allow_negative_numbers = true
     )]
-    pub(crate) field_of_view: f32,
-    /// The columns and rows of the image in pixels
-    #[arg(long, value_name = "SIZE", default_value_t = ImageSize([1920, 1080]), help_heading = "Flight")]
-    pub(crate) image: ImageSize,
+    pub(crate) pixels: f32,
     #[command(flatten)]
     pub(crate) criteria: CriteriaArgs,
     /// How the strips are filtered before they are drawn
@@ -99,33 +99,4 @@ pub(crate) struct FlyArgs {
     pub(crate) no_verify: bool,
     #[command(flatten)]
     pub(crate) method: MethodArgs,
-}
-
-/// What detail a view needs.
-#[derive(Debug, Args)]
-#[command(next_help_heading = "Detail")]
-pub(crate) struct CriteriaArgs {
-    /// The error that a collapse may have in the image, in pixels
-    #[arg(long, value_name = "PIXELS", default_value_t = 1.0, allow_negative_numbers = true)]
-    pub(crate) pixels: f32,
-    #[command(flatten)]
-    pub(crate) parts: CriteriaParts,
-}
-
-/// What a view sees: the criteria beside the error in pixels.
-#[derive(Debug, Args)]
-#[command(next_help_heading = "Detail")]
-pub(crate) struct CriteriaParts {
-    /// Keep the detail outside of the image
-    #[arg(long)]
-    pub(crate) no_frustum: bool,
-    /// Keep the detail of faces that look away, which may have four times the error otherwise
-    #[arg(long)]
-    pub(crate) no_back_faces: bool,
-    /// Give silhouettes no more detail than other faces; they may have half of the error otherwise
-    #[arg(long)]
-    pub(crate) no_silhouettes: bool,
-    /// The direction to a light: faces that look away from it may have twice the error
-    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
-    pub(crate) light: Option<Vector>,
 }

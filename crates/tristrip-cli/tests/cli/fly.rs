@@ -1,5 +1,6 @@
 //! `tristrip fly`, and `tristrip lod` with a camera.
 
+use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
@@ -150,6 +151,52 @@ fn a_camera_draws_one_view() {
     assert_eq!(drawn["triangles"], near["triangles"]);
     let far = view("0,0,3000", &["--field-of-view", "30", "--image", "640x480"]);
     assert!(number(&far["triangles"]) < number(&near["triangles"]));
+    assert_eq!(view("0,0,3000", &["--fov", "30", "--image", "640x480"])["triangles"], far["triangles"]);
+    // Each of the criteria changes what is drawn.
+    let close = |more: &[&str]| view("0,0,2", &[&["--fov", "12", "--pixels", "0.5"], more].concat());
+    let usual = close(&[]);
+    for more in [
+        &["--no-frustum"][..],
+        &["--no-back-faces"],
+        &["--no-silhouettes"],
+        &["--light", "0,1,0"],
+        &["--triangles", "500"],
+    ] {
+        let other = close(more);
+        assert_eq!(other["proven"], true);
+        assert_ne!(other["triangles"], usual["triangles"], "{more:?}");
+    }
+    let few = close(&["--triangles", "1k"]);
+    assert!((900..=1000).contains(&number(&few["triangles"])), "{}", few["triangles"]);
+    assert!(!few["notes"].to_string().contains("asked for"), "{}", few["notes"]);
+    let none = close(&["--triangles", "0"]);
+    assert!(none["notes"].to_string().contains("0 triangles asked for: the view has"), "{}", none["notes"]);
+}
+
+/// The parts of a model share the triangles of a view.
+#[test]
+fn parts_share_the_triangles_of_a_view() {
+    let dir = tempfile::tempdir().unwrap();
+    // Two grids of 200 triangles with hills, of two materials.
+    let mut text = String::new();
+    for part in 0..2 {
+        for (x, y) in (0..11).flat_map(|y| (0..11).map(move |x| (x, y))) {
+            writeln!(text, "v {} {} {}", x + 20 * part, y, (x * x + 3 * y) % 7).unwrap();
+        }
+        writeln!(text, "usemtl m{part}").unwrap();
+        for (x, y) in (0..10).flat_map(|y| (0..10).map(move |x| (x, y))) {
+            let v = 121 * part + 11 * y + x + 1;
+            writeln!(text, "f {} {} {}\nf {} {} {}", v, v + 1, v + 11, v + 11, v + 1, v + 12).unwrap();
+        }
+    }
+    fs::write(dir.path().join("two.obj"), text).unwrap();
+    let view = |more: &[&str]| {
+        let camera = ["--model", "skip", "--camera", "15,5,40", "--look-at", "15,5,0", "--pixels", "0.1"];
+        json(tristrip().args(["lod", "two.obj", "--json"]).args(camera).args(more).current_dir(&dir))
+    };
+    let (all, some) = (view(&[]), view(&["--triangles", "200"]));
+    assert!(number(&all["triangles"]) > 350 && some["parts"] == 2, "{all}");
+    assert!((120..=200).contains(&number(&some["triangles"])), "{}", some["triangles"]);
 }
 
 #[test]
@@ -163,13 +210,24 @@ fn cameras_of_levels_are_checked() {
             "--camera belongs to --model skip, not to progressive",
         ),
         (&["--model", "skip", "--camera", "1,1,1", "--look-at", "1,1,1"], "expected another point"),
+        (&["--model", "skip", "--no-frustum"], "--camera <X,Y,Z>"),
+        (&["--model", "skip", "--light", "0,1,0"], "--camera <X,Y,Z>"),
+        (&["--model", "skip", "--image", "9x9"], "--camera <X,Y,Z>"),
+        (
+            &["--model", "skip", "--camera", "0,0,9", "--look-at", "0,0,0", "--light", "0,0,0"],
+            "expected a direction",
+        ),
+        (
+            &["--triangles", "5", "--pixels", "1", "--distance", "5"],
+            "--triangles cannot be used with --pixels",
+        ),
+        (&["--chain", "100%,50%", "--no-frustum"], "cannot be used with"),
     ] {
         let run = tristrip().args(["lod", "a.ply"]).args(arguments).assert();
         run.code(2).stdout(is_empty()).stderr(contains(message));
     }
     for more in [
         &["--level", "5"][..],
-        &["--triangles", "5"],
         &["--error", "1"],
         &["--pixels", "1", "--distance", "5"],
         &["--chain", "100%,50%"],

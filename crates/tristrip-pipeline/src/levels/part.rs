@@ -2,9 +2,7 @@
 
 use std::sync::Arc;
 
-use tristrip::lod::{
-    Camera, Filter, LevelCursor, RESTART, Repair, RepairOptions, SkipStrips, SkipView, ViewCriteria,
-};
+use tristrip::lod::{Filter, LevelCursor, RESTART, Repair, RepairOptions, SkipStrips, SkipView};
 use tristrip::verify::verify_drawing;
 use tristrip::{CollapseSequence, Faces, Strips};
 
@@ -112,16 +110,11 @@ impl LevelPart {
         Ok(())
     }
 
-    /// Returns the view of a camera in the coordinates of the part, or the full mesh if there is none.
+    /// Returns a view of the part at its base mesh, or one of its full mesh.
     ///
     /// # Errors
     /// The positions are not those of the part, or one is not finite.
-    pub(super) fn view(
-        &self,
-        positions: &[[f32; 3]],
-        camera: Option<&Camera>,
-        criteria: &ViewCriteria,
-    ) -> Result<SkipView, Error> {
+    pub(super) fn view(&self, positions: &[[f32; 3]], is_full: bool) -> Result<SkipView, Error> {
         if positions.len() != self.vertex_count {
             let (found, expected) = (positions.len(), self.vertex_count);
             return Err(Error::Unproven(format!("found a part of {found} vertices, expected {expected}")));
@@ -130,11 +123,8 @@ impl LevelPart {
         self.used.outward(&mut vertices);
         let positions: Vec<[f32; 3]> = vertices.iter().map(|&v| positions[v as usize]).collect();
         let model = Arc::new(SkipStrips::new(&self.strips, &self.sequence, &positions[..])?);
-        let Some(camera) = camera else { return Ok(model.full_view()) };
         // A file is written once: the filter that sends the least may take its time.
-        let mut view = model.view_by(Filter::Linked);
-        view.update(camera, criteria)?;
-        Ok(view)
+        Ok(if is_full { model.full_view() } else { model.view_by(Filter::Linked) })
     }
 
     /// Returns triangles of the collapses, over the part's own vertices in the model.

@@ -1,9 +1,10 @@
 //! The view of a camera: each part with the detail that the camera sees of it, as Skip Strips have it.
 //!
 //! The camera is in the coordinates of the scene. A part that one node places, turned and scaled evenly, is seen by the camera in its own coordinates.
-//! A part in several places would need the detail of each of them: it is drawn in full, and so is one that a node stretches.
+//! A part in several places would need the detail of each of them: it is drawn in full, and so is one that a node stretches. The parts share a budget of
+//! triangles.
 
-use tristrip::lod::{Camera, SkipView, ViewCriteria};
+use tristrip::lod::{Camera, Hysteresis, SkipView, ViewCriteria};
 use tristrip::verify::verify_drawing;
 use tristrip::{Faces, StripifyOptions, Strips};
 use tristrip_io::Model;
@@ -14,7 +15,15 @@ use crate::figures::Figures;
 use crate::observer::{Event, Observer, Stage, begin};
 use crate::parts::map;
 use crate::places::Places;
-use crate::text::counted;
+use crate::text::{count, counted};
+
+/// A camera and its criteria in the coordinates of a part.
+type Seen = (Camera, ViewCriteria);
+
+/// The range of allowed errors in pixels in which that of a budget is searched, and the steps of the search after powers of two.
+const LEAST_PIXELS: f32 = 1e-3;
+const MOST_PIXELS: f32 = 1e9;
+const HALVINGS: usize = 8;
 
 /// A view as it is drawn.
 #[derive(Debug, Clone)]
@@ -47,10 +56,10 @@ pub(super) fn displayed(
     }
     let places = Places::of(model);
     let cameras = places.of_part.iter().map(|&list| match &places.lists[list][..] {
-        [place] => place.inward(camera),
+        [place] => place.inward(camera, criteria),
         _ => None,
     });
-    let cameras: Vec<Option<Camera>> = cameras.collect();
+    let cameras: Vec<Option<Seen>> = cameras.collect();
     let mut notes: Vec<String> = places.note().into_iter().collect();
     let full_count = cameras.iter().filter(|camera| camera.is_none()).count();
     if full_count > 0 {
@@ -63,9 +72,15 @@ pub(super) fn displayed(
         );
     }
     let pairs: Vec<_> = parts.iter().zip(&model.parts).zip(&cameras).collect();
-    let views =
-        map(&pairs, |((part, model), camera)| part.view(model.mesh.positions(), camera.as_ref(), criteria));
-    let views = views.into_iter().collect::<Result<Vec<SkipView>, Error>>()?;
+    let views = map(&pairs, |((part, model), camera)| part.view(model.mesh.positions(), camera.is_none()));
+    let mut views = views.into_iter().collect::<Result<Vec<SkipView>, Error>>()?;
+    choose_detail(&mut views, &cameras, criteria)?;
+    if let Some(budget) = criteria.budget() {
+        let drawn: usize = views.iter().map(SkipView::triangle_count).sum();
+        if drawn > budget {
+            notes.push(format!("{} asked for: the view has {}", counted(budget, "triangle"), count(drawn)));
+        }
+    }
     let strips: Vec<Strips> = views.iter().map(SkipView::display_strips).collect();
     observer.event(Event::Filtered);
 
@@ -86,6 +101,52 @@ pub(super) fn displayed(
     let outward = parts.iter().zip(triangles);
     let triangles = outward.map(|(part, triangles)| part.outward_triangles(triangles)).collect();
     Ok(DisplayedView { strips, figures, proven: is_verified, notes, triangles })
+}
+
+/// Moves the views of all parts to what their cameras need. They share the budget: all may have the least error in pixels, above the one that is allowed,
+/// with which they keep it.
+fn choose_detail(
+    views: &mut [SkipView],
+    cameras: &[Option<Seen>],
+    criteria: &ViewCriteria,
+) -> Result<(), Error> {
+    let Some(budget) = criteria.budget().filter(|_| views.len() > 1) else {
+        return update_all(views, cameras, |criteria| Ok(*criteria)).map(|_| ());
+    };
+    // What was tried before must not matter.
+    let any = Hysteresis::new(1.0)?;
+    let mut drawn = |pixels: f32| {
+        update_all(views, cameras, |criteria| {
+            criteria.with_budget(usize::MAX).with_hysteresis(any).with_pixels(pixels)
+        })
+    };
+    // 1. A power of two of the allowed error that is enough, if one is.
+    let (mut low, mut high) = (criteria.pixels(), criteria.pixels());
+    while drawn(high)? > budget && high < MOST_PIXELS {
+        (low, high) = (high, (2.0 * high).max(LEAST_PIXELS));
+    }
+    // 2. The least one between it and half of it.
+    for _ in 0..HALVINGS {
+        let middle = low + (high - low) / 2.0;
+        if drawn(middle)? > budget { low = middle } else { high = middle }
+    }
+    drawn(high).map(|_| ())
+}
+
+/// Updates the views of all parts that have a camera; returns the triangles of all.
+fn update_all(
+    views: &mut [SkipView],
+    cameras: &[Option<Seen>],
+    criteria_of: impl Fn(&ViewCriteria) -> Result<ViewCriteria, tristrip::Error>,
+) -> Result<usize, Error> {
+    let mut sum = 0;
+    for (view, seen) in views.iter_mut().zip(cameras) {
+        if let Some((camera, criteria)) = seen {
+            view.update(camera, &criteria_of(criteria)?)?;
+        }
+        sum += view.triangle_count();
+    }
+    Ok(sum)
 }
 
 /// Proves that display strips draw exactly these triangles.

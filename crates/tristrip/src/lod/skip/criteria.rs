@@ -82,11 +82,27 @@ impl ViewCriteria {
     /// assert!(tristrip::lod::ViewCriteria::new(f32::NAN).is_err());
     /// ```
     pub fn new(pixels: f32) -> Result<Self, Error> {
+        Self::default().with_pixels(pixels)
+    }
+
+    /// Sets the allowed error in pixels.
+    ///
+    /// # Errors
+    /// The number is negative or not a number.
+    ///
+    /// ```
+    /// use tristrip::lod::ViewCriteria;
+    /// let criteria = ViewCriteria::new(1.0)?.with_budget(1000).with_pixels(2.5)?;
+    /// assert_eq!((criteria.pixels(), criteria.budget()), (2.5, Some(1000)));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn with_pixels(mut self, pixels: f32) -> Result<Self, Error> {
         if pixels.is_nan() || pixels < 0.0 {
             let expected = "0 or more";
             return Err(Error::Parameter { name: "pixels", found: pixels.to_string(), expected });
         }
-        Ok(Self { pixels, ..Self::default() })
+        self.pixels = pixels;
+        Ok(self)
     }
 
     /// Sets whether everything outside of the view frustum is as coarse as possible.
@@ -190,6 +206,18 @@ impl ViewCriteria {
     /// ```
     pub fn pixels(&self) -> f32 {
         self.pixels
+    }
+
+    /// Returns the direction to the light, if there is one, of any length.
+    ///
+    /// ```
+    /// use tristrip::lod::ViewCriteria;
+    /// let criteria = ViewCriteria::default().with_light([0.0, 2.0, 0.0])?;
+    /// assert_eq!((criteria.light(), ViewCriteria::default().light()), (Some([0.0, 2.0, 0.0]), None));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn light(&self) -> Option<[f32; 3]> {
+        self.light
     }
 
     /// Returns the most triangles of a view, if there is a limit.
