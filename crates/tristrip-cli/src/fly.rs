@@ -189,11 +189,16 @@ fn page(task: &FlyTask, model: &SkipStrips, rows: &[FrameRow]) -> String {
     let budget = criteria.budget().map(|budget| format!(" At most {}.", counted(budget, "triangle")));
     let steps =
         criteria.steps().map(|steps| format!(" At most {} collapses and splits per frame.", count(steps)));
+    let foveation = criteria.foveation().map(|foveation| {
+        let [x, y] = foveation.attention();
+        format!(" growing by {} per degree from {x}, {y} of the image,", foveation.growth())
+    });
     let how = format!(
-        "Path {}, {columns} × {height} pixels, {} degrees; error {pixels} px, filter {}; strips by {}. \
+        "Path {}, {columns} × {height} pixels, {} degrees; error {pixels} px,{} filter {}; strips by {}. \
          Vertex tree of height {} with {}, {} bytes with the strips of the full mesh.{}{}",
         task.path.name(),
         task.lens.field_of_view,
+        foveation.unwrap_or_default(),
         task.filter,
         MethodReport::of(&task.options).description(),
         model.height(),

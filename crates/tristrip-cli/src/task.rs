@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use tristrip::Effort;
-use tristrip::lod::{Camera, Filter, ModelKind, RepairOptions, View, ViewCriteria};
+use tristrip::lod::{Camera, Filter, Foveation, ModelKind, RepairOptions, View, ViewCriteria};
 use tristrip::simplify::{MergeOrder, Price};
 use tristrip::vertex_cache::FlushPolicy;
 use tristrip::{Layout, StripifyOptions};
@@ -471,6 +471,11 @@ fn view_criteria(pixels: f32, triangles: Option<Count>, args: &CriteriaArgs) -> 
     }
     if let Some(Vector(direction)) = args.light {
         criteria = criteria.with_light(direction).map_err(|error| format!("--{error}"))?;
+    }
+    if let Some(growth) = args.foveation {
+        let foveation =
+            Foveation::new(growth).and_then(|foveation| foveation.with_attention(args.attention.0));
+        criteria = criteria.with_foveation(foveation.map_err(|error| format!("--foveation: {error}"))?);
     }
     Ok(criteria)
 }

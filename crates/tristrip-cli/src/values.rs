@@ -115,13 +115,36 @@ impl FromStr for Vector {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let numbers: Option<Vec<f32>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
-        let numbers = numbers.filter(|numbers| numbers.iter().all(|x| x.is_finite()));
-        let vector = numbers.and_then(|numbers| <[f32; 3]>::try_from(numbers).ok());
-        vector
-            .map(Self)
-            .ok_or_else(|| format!("found `{text}`, expected three finite numbers such as 0,1.5,-3"))
+        let vector = finite_numbers(text).map(Self);
+        vector.ok_or_else(|| format!("found `{text}`, expected three finite numbers such as 0,1.5,-3"))
     }
+}
+
+/// A point of an image as typed: `0.5,0.25`, in fractions of its width and height.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct ImagePoint(pub(crate) [f32; 2]);
+
+impl FromStr for ImagePoint {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let point = finite_numbers(text).filter(|point| point.iter().all(|x| (0.0..=1.0).contains(x)));
+        let expected = "expected two fractions from 0 to 1 such as 0.5,0.25";
+        point.map(Self).ok_or_else(|| format!("found `{text}`, {expected}"))
+    }
+}
+
+impl fmt::Display for ImagePoint {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{},{}", self.0[0], self.0[1])
+    }
+}
+
+/// Returns the finite numbers between commas, if there are N.
+fn finite_numbers<const N: usize>(text: &str) -> Option<[f32; N]> {
+    let numbers: Option<Vec<f32>> = text.split(',').map(|number| number.trim().parse().ok()).collect();
+    let numbers = <[f32; N]>::try_from(numbers?).ok()?;
+    numbers.iter().all(|x| x.is_finite()).then_some(numbers)
 }
 
 impl fmt::Display for Vector {
@@ -148,5 +171,7 @@ mod tests {
         assert!(["640", "0x5", "9000x1", "ax5", "1x2x3"].iter().all(|t| t.parse::<ImageSize>().is_err()));
         assert_eq!("0,1.5, -3".parse(), Ok(Vector([0.0, 1.5, -3.0])));
         assert!(["0,1", "0,1,NaN", "0,1,inf", "0,1,2,3"].iter().all(|t| t.parse::<Vector>().is_err()));
+        assert_eq!("0.5,1".parse(), Ok(ImagePoint([0.5, 1.0])));
+        assert!(["0.5", "0,1,0", "0,NaN", "-0.1,0"].iter().all(|t| t.parse::<ImagePoint>().is_err()));
     }
 }

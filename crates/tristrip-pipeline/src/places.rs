@@ -101,11 +101,22 @@ impl Place {
         let point = |p: [f32; 3]| turned([0, 1, 2].map(|k| f64::from(p[k]) - m[k][3]));
         let [columns, rows] = camera.image();
         let inward = Camera::new(point(camera.eye()), point(camera.look_at())).ok()?;
-        let inward = inward.with_up(turned(camera.up().map(f64::from))).ok()?;
+        // That of the image: the axis that is up along the view would be another one here.
+        let [right, up, _] = camera.axes();
+        let inward = inward.with_up(turned(up)).ok()?;
         let inward =
             inward.with_field_of_view(camera.field_of_view()).ok()?.with_image(columns, rows).ok()?;
-        let lit = criteria.light().map(|light| criteria.with_light(turned(light.map(f64::from))));
-        Some((inward, lit.unwrap_or(Ok(*criteria)).ok()?))
+        let mut criteria = *criteria;
+        if let Some(light) = criteria.light() {
+            criteria = criteria.with_light(turned(light.map(f64::from))).ok()?;
+        }
+        let (right, own_right) = (turned(right), inward.axes()[0]);
+        let is_mirrored = (0..3).map(|k| f64::from(right[k]) * own_right[k]).sum::<f64>() < 0.0;
+        if let Some(foveation) = criteria.foveation().filter(|_| is_mirrored) {
+            let [x, y] = foveation.attention();
+            criteria = criteria.with_foveation(foveation.with_attention([1.0 - x, y]).ok()?);
+        }
+        Some((inward, criteria))
     }
 
     fn bits(&self) -> [u64; 12] {
@@ -177,6 +188,8 @@ impl Places {
 
 #[cfg(test)]
 mod tests {
+    use tristrip::lod::Foveation;
+
     use super::*;
 
     #[test]
@@ -205,6 +218,16 @@ mod tests {
             ([1.0, 0.0, 0.0], [0.0; 3], [0.0, -0.5, 0.0])
         );
         assert_eq!(Place::IDENTITY.inward(&camera, &criteria), Some((camera, criteria)));
+        // The attention stays at the same place of the part in a mirrored one.
+        let left = Foveation::new(1.0).unwrap().with_attention([0.25, 0.125]).unwrap();
+        let criteria = criteria.with_foveation(left);
+        let attention = |place: &Place| {
+            let (_, criteria) = place.inward(&camera, &criteria)?;
+            criteria.foveation().map(|foveation| foveation.attention())
+        };
+        assert_eq!(attention(&place), Some([0.25, 0.125]));
+        let mirror = Place::new([[-2.0, 0.0, 0.0, 7.0], [0.0, 2.0, 0.0, 0.0], [0.0, 0.0, 2.0, 0.0]]);
+        assert_eq!(attention(&mirror), Some([0.75, 0.125]));
         for m in [[1.0, 1.0, 2.0], [0.0; 3]] {
             let place = Place::new([0, 1, 2].map(|i| [0, 1, 2, 3].map(|k| if k == i { m[i] } else { 0.0 })));
             assert_eq!(place.inward(&camera, &criteria), None, "{m:?}");

@@ -75,5 +75,7 @@ pub use progressive::{
 };
 pub use repair::{Repair, RepairOptions, RepairedStrips};
 pub use sets::Sets;
-pub use skip::{Camera, RepairedView, SkipLevelCursor, SkipStrips, SkipView, ViewCriteria, ViewUpdate};
+pub use skip::{
+    Camera, Foveation, RepairedView, SkipLevelCursor, SkipStrips, SkipView, ViewCriteria, ViewUpdate,
+};
 pub use view::View;

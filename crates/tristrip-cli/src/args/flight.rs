@@ -26,6 +26,7 @@ use crate::values::{Amount, named};
   tristrip fly bunny.ply --frames 600 --pixels 2 --report bunny.md --plot bunny.svg
   tristrip fly terrain.ply --path flyover --triangles 200k
   tristrip fly dragon.ply --path dolly --filter linked --json
+  tristrip fly terrain.ply --path flyover --foveation 0.2 --attention 0.5,0.7
   tristrip fly bunny.ply --path cameras.json --image 960x540 --video frames/")]
 pub(crate) struct FlyArgs {
     /// The mesh file, or - for standard input

@@ -3,7 +3,7 @@
 use clap::Args;
 use tristrip::lod::View;
 
-use crate::values::{ImageSize, Vector};
+use crate::values::{ImagePoint, ImageSize, Vector};
 
 /// The image of a camera.
 #[derive(Debug, Args)]
@@ -33,4 +33,13 @@ pub(crate) struct CriteriaArgs {
     /// The direction to a light: faces that look away from it may have twice the error
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     pub(crate) light: Option<Vector>,
+    /// How much the allowed error grows per degree away from where somebody looks, such as 0.2
+    ///
+    /// At D degrees from --attention, as seen from the camera, it is 1 + GROWTH x D times as large. An eye that just resolves the pixels has a
+    /// growth of about 1 per degree; without the flag and at 0, the error is the same everywhere.
+    #[arg(long, value_name = "GROWTH", allow_negative_numbers = true)]
+    pub(crate) foveation: Option<f32>,
+    /// The point of the image at which somebody looks, in fractions of its width from the left and its height from the top
+    #[arg(long, value_name = "X,Y", allow_hyphen_values = true, requires = "foveation", default_value_t = ImagePoint([0.5, 0.5]))]
+    pub(crate) attention: ImagePoint,
 }

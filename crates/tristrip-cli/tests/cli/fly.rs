@@ -44,6 +44,9 @@ fn a_flight_reports_every_frame() {
     let limited = json(fly(&["--json"]).args(["--pixels", "0.2", "--triangles", "1k"]));
     let limited = limited["frames"].as_array().unwrap();
     assert!(limited.iter().all(|frame| number(&frame["triangles"]) <= 1000));
+    let looking = json(&mut fly(&["--json", "--pixels", "2", "--foveation", "1", "--attention", "0.5,0"]));
+    let looking = looking["frames"].as_array().unwrap();
+    assert!(looking.iter().zip(frames).all(|(a, b)| number(&a["triangles"]) < number(&b["triangles"])));
     let slow = json(fly(&["--json"]).args(["--steps", "50", "--no-verify"]));
     assert_eq!((&slow["frames"][0]["complete"], &slow["proven"]), (&false.into(), &Value::Null));
     assert!(number(&slow["summary"]["frames_incomplete"]) > 0);
@@ -123,6 +126,10 @@ fn wrong_flags_are_refused() {
         (&["--triangles", "many"], "expected a number such as 50000, 200k or 2M"),
         (&["--image", "0x9"], "expected columns and rows from 1 to 8192"),
         (&["--light", "0,0,0"], "expected a direction"),
+        (&["--foveation", "-1"], "found -1, expected a finite number of at least 0"),
+        (&["--foveation", "NaN"], "found NaN, expected a finite number of at least 0"),
+        (&["--foveation", "1", "--attention", "0.5,2"], "expected two fractions from 0 to 1"),
+        (&["--attention", "0.5,0.5"], "--foveation <GROWTH>"),
         (&["--path", "circle"], "expected orbit, dolly, flyover or a .json file of cameras"),
         (&["--path", "a.json", "--up", "z"], "--up cannot be used with a file of cameras"),
         (&["--plot", "a.png"], "--plot writes SVG"),
@@ -160,6 +167,7 @@ fn a_camera_draws_one_view() {
         &["--no-back-faces"],
         &["--no-silhouettes"],
         &["--light", "0,1,0"],
+        &["--foveation", "0.5"],
         &["--triangles", "500"],
     ] {
         let other = close(more);
@@ -169,6 +177,8 @@ fn a_camera_draws_one_view() {
     let few = close(&["--triangles", "1k"]);
     assert!((900..=1000).contains(&number(&few["triangles"])), "{}", few["triangles"]);
     assert!(!few["notes"].to_string().contains("asked for"), "{}", few["notes"]);
+    let aside = close(&["--foveation", "0.5", "--attention", "0,1"]);
+    assert_ne!(aside["triangles"], close(&["--foveation", "0.5"])["triangles"]);
     let none = close(&["--triangles", "0"]);
     assert!(none["notes"].to_string().contains("0 triangles asked for: the view has"), "{}", none["notes"]);
 }

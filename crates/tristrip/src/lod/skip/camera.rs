@@ -203,6 +203,7 @@ impl Camera {
                 side(half_height, up, -1.0),
                 forward,
             ],
+            edges: [right.map(|x| half_width * x), up.map(|x| half_height * x)],
             pixels_per_slope: f64::from(self.rows) / (2.0 * half_height),
         }
     }
@@ -214,11 +215,19 @@ pub(super) struct CameraFrame {
     pub(super) eye: Point,
     /// The normals of the planes through the eye that bound what is seen, inward: four sides, and the direction of the view.
     pub(super) planes: [Point; 5],
+    /// From the middle of the image at a distance of one to its right and upper edge.
+    pub(super) edges: [Point; 2],
     /// The pixels that a length of one covers at a distance of one.
     pub(super) pixels_per_slope: f64,
 }
 
 impl CameraFrame {
+    /// Returns the largest distance from the eye of a point within a sphere.
+    pub(super) fn farthest(&self, (center, radius): (Point, f64)) -> f64 {
+        let away = sub(self.eye, center);
+        dot(away, away).sqrt() + radius
+    }
+
     /// Returns how far the eye moved, and the most by which the distance of a point within a sphere from one of the planes changed.
     pub(super) fn motion_from(&self, before: &Self, (center, radius): (Point, f64)) -> [f64; 2] {
         let length = |a: Point| dot(a, a).sqrt();

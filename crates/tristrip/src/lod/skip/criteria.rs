@@ -10,13 +10,16 @@
 //! | some may be perpendicular to the view: a silhouette | 1/2 |
 //! | all normals face away from the light | 2 |
 //!
+//! Away from the attention the tolerance is larger by a factor (module `foveation`).
+//!
 //! A split is wanted if the error is not allowed, a collapse if it is by a share of what is allowed, so that a view that moves to and fro changes
 //! nothing.
 //!
 //! # Travel
 //! Whatever moves the camera is one number, the *travel*: the way of the eye, or the most by which a plane of the frustum moved within the model, if that is
-//! more. A choice depends on the distance of a sphere from the eye, on its distance from the planes, and on the angle of its normals to the view; none
-//! of these changes by more than the travel allows. [`Criteria::choose`] returns with each choice the travel during which it stays.
+//! more. A turn of the attention adds to the way what the farthest point of the model travels by it. A choice depends on the distance of a sphere from the eye, on its
+//! distance from the planes, on the angle of its normals to the view, and on its angle to the attention; none of these changes by more than the
+//! travel allows. [`Criteria::choose`] returns with each choice the travel during which it stays.
 //!
 //! # References
 //! El-Sana, Evans, Kalaiah, Varshney, Skiena, Azanli 2000, section 5.2.1; Xia, El-Sana, Varshney 1997; Hoppe: *View-Dependent Refinement of Progressive
@@ -25,6 +28,7 @@
 use super::bounds::NodeBounds;
 use super::camera::CameraFrame;
 use super::cone::Facing;
+use super::foveation::{Blur, Foveation, Gaze};
 use crate::error::Error;
 use crate::lod::hysteresis::Hysteresis;
 use crate::vector::{Point, dot, sub, unit};
@@ -51,13 +55,14 @@ pub struct ViewCriteria {
     has_back_faces: bool,
     has_silhouettes: bool,
     light: Option<[f32; 3]>,
+    foveation: Option<Foveation>,
     budget: Option<usize>,
     steps: Option<usize>,
     hysteresis: Hysteresis,
 }
 
 impl Default for ViewCriteria {
-    /// One pixel, by the frustum, back faces and silhouettes, without a light, a budget or a limit of steps.
+    /// One pixel, by the frustum, back faces and silhouettes, without a light, foveation, a budget or a limit of steps.
     fn default() -> Self {
         Self {
             pixels: 1.0,
@@ -65,6 +70,7 @@ impl Default for ViewCriteria {
             has_back_faces: true,
             has_silhouettes: true,
             light: None,
+            foveation: None,
             budget: None,
             steps: None,
             hysteresis: Hysteresis::default(),
@@ -160,6 +166,28 @@ impl ViewCriteria {
         Ok(self)
     }
 
+    /// Sets how the allowed error grows away from the point of the image at which somebody looks. There is none by default.
+    ///
+    /// The point may move from frame to frame: that counts as if the camera turned. With another growth everything is looked at again.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let camera = Camera::new([4.0, 3.0, 12.0], [4.0, 0.0, 4.0])?.with_image(100, 100)?;
+    /// let triangles = |criteria: ViewCriteria| {
+    ///     let mut view = model.view();
+    ///     view.update(&camera, &criteria)?;
+    ///     Ok::<_, tristrip::Error>(view.triangle_count())
+    /// };
+    /// let criteria = ViewCriteria::new(0.2)?;
+    /// assert!(triangles(criteria.with_foveation(Foveation::new(0.5)?))? < triangles(criteria)?);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    #[must_use]
+    pub fn with_foveation(mut self, foveation: Foveation) -> Self {
+        self.foveation = Some(foveation);
+        self
+    }
+
     /// Sets the most triangles of a view. If the error needs more, the collapses with the largest errors in pixels are split first, and
     /// the base mesh may have more.
     ///
@@ -220,6 +248,15 @@ impl ViewCriteria {
         self.light
     }
 
+    /// Returns how the allowed error grows away from the attention, if it does.
+    ///
+    /// ```
+    /// assert_eq!(tristrip::lod::ViewCriteria::default().foveation(), None);
+    /// ```
+    pub fn foveation(&self) -> Option<Foveation> {
+        self.foveation
+    }
+
     /// Returns the most triangles of a view, if there is a limit.
     ///
     /// ```
@@ -252,6 +289,7 @@ pub(super) struct Criteria {
     has_back_faces: bool,
     has_silhouettes: bool,
     light: Option<Point>,
+    gaze: Option<Gaze>,
     /// The distance at which changes of the allowed error are counted as travel: no less than that of any point of the model.
     far: f64,
     /// The least and largest tolerance that a collapse inside of the frustum may have.
@@ -280,6 +318,10 @@ impl Criteria {
         if criteria.light.is_some() {
             tolerances[1] *= DARK_TOLERANCE;
         }
+        let gaze = criteria.foveation.and_then(|foveation| Gaze::new(foveation, &frame));
+        if let Some(gaze) = &gaze {
+            tolerances[1] *= gaze.most();
+        }
         let light = criteria.light.map(|direction| {
             let largest = direction.iter().fold(0.0, |most: f32, x| most.max(x.abs()));
             unit(direction.map(|x| f64::from(x) / f64::from(largest)))
@@ -295,6 +337,7 @@ impl Criteria {
             has_back_faces: criteria.has_back_faces,
             has_silhouettes: criteria.has_silhouettes,
             light,
+            gaze,
             far,
             tolerances,
         }
@@ -317,6 +360,7 @@ impl Criteria {
             // Without an error there is nothing to see.
             needed: if error > 0.0 { error * self.needed[usize::from(is_done)] } else { 0.0 },
             far: self.far,
+            blur: Blur::NONE,
         };
         let (inside, outside) = self.depths(away, radius);
         if outside > 0.0 {
@@ -331,6 +375,8 @@ impl Criteria {
             return Choice::Stay { travel: sure };
         }
         let (tolerance, stays) = self.tolerance(node, away, distance, radius);
+        let blur = self.gaze.map_or(Blur::NONE, |gaze| gaze.at(away, distance, radius));
+        let state = Looked { blur, ..state };
         match state.choice(tolerance, inside.min(stays)) {
             Choice::Stay { travel } => Choice::Stay { travel: travel.max(sure) },
             change @ Choice::Change { .. } => change,
@@ -376,15 +422,22 @@ impl Criteria {
     /// and the allowed error.
     pub(super) fn travel_from(&self, before: &Self, sphere: (Point, f64)) -> Option<f64> {
         let frame = CameraFrame { pixels_per_slope: self.frame.pixels_per_slope, ..before.frame };
-        if (Self { frame, slope: before.slope, needed: before.needed, ..*self }) != *before {
+        let gaze = before.gaze;
+        if (Self { frame, slope: before.slope, needed: before.needed, gaze, ..*self }) != *before {
             return None;
         }
+        let turn = match (&self.gaze, &before.gaze) {
+            (Some(now), Some(then)) => now.turn_from(then)?,
+            (None, None) => 0.0,
+            _ => return None,
+        };
         let [way, planes] = self.frame.motion_from(&before.frame, sphere);
+        let farthest = self.frame.farthest(sphere).max(before.frame.farthest(sphere));
         let [low, high] =
             if self.slope < before.slope { [self.slope, before.slope] } else { [before.slope, self.slope] };
         let change = if low < high { (high / low - 1.0) * self.far } else { 0.0 };
-        // Distances and angles change by the way, and distances from planes by what the planes do.
-        let travel = (way + change).max(if self.has_frustum { planes } else { 0.0 });
+        // Distances and angles change by the way and the turn, and distances from planes by what the planes do.
+        let travel = (way + change + turn * farthest).max(if self.has_frustum { planes } else { 0.0 });
         // Rounding of large coordinates.
         let travel = if travel > 0.0 { travel + 1e-12 * self.far } else { 0.0 };
         travel.is_finite().then_some(travel)
@@ -400,22 +453,22 @@ struct Looked {
     /// The distance from which on its choice is another one, at a tolerance of 1.
     needed: f64,
     far: f64,
+    blur: Blur,
 }
 
 impl Looked {
     /// Returns the choice at a tolerance that stays for some travel.
     fn choice(&self, tolerance: f64, stays: f64) -> Choice {
         let needed = if tolerance == f64::INFINITY { 0.0 } else { self.needed / tolerance };
-        let is_allowed = self.near >= needed;
+        let seen = self.near * self.blur.factor;
+        let is_allowed = seen >= needed;
         if is_allowed != self.is_done {
-            return Choice::Change { ratio: needed / self.near };
+            return Choice::Change { ratio: needed / seen };
         }
         // What travel changes in distance, errors that are allowed change in proportion to the distance needed.
-        let travel = if is_allowed {
-            self.near - needed
-        } else {
-            (needed - self.near) * if needed > self.far { self.far / needed } else { 1.0 }
-        };
+        let slack = (seen - needed).abs();
+        let travel = self.blur.travel(slack, self.near);
+        let travel = if needed > self.far { travel.min(slack * (self.far / needed)) } else { travel };
         let travel = 0.999 * travel.min(stays);
         Choice::Stay { travel: if travel > 0.0 { travel } else { 0.0 } }
     }

@@ -35,11 +35,19 @@ fn camera(random: &mut Random) -> Camera {
     camera.with_field_of_view(10.0 + at(90)).unwrap().with_image(160, 90).unwrap()
 }
 
+/// Any foveation.
+fn foveation(random: &mut Random) -> Foveation {
+    let growth = [0.0, 1e-30, 0.01, 0.1, 0.5, 3.0][random.below(6)];
+    let attention = [0; 2].map(|_| random.below(101) as f32 / 100.0);
+    Foveation::new(growth).unwrap().with_attention(attention).unwrap()
+}
+
 /// Criteria of which some are switched off.
 fn criteria(random: &mut Random) -> ViewCriteria {
     let criteria = ViewCriteria::new(random.below(300) as f32 / 100.0).unwrap();
     let criteria = criteria.with_frustum(random.coin()).with_back_faces(random.coin());
     let criteria = criteria.with_silhouettes(random.coin());
+    let criteria = if random.coin() { criteria.with_foveation(foveation(random)) } else { criteria };
     if random.coin() { criteria.with_light([1.0, 2.0, 0.5]).unwrap() } else { criteria }
 }
 
@@ -108,6 +116,52 @@ proptest! {
             naive.forget_schedule();
             naive.update(&camera, &criteria).unwrap();
             prop_assert!(view.collapses_done().eq(naive.collapses_done()), "step {}", step);
+        }
+    }
+
+    /// An eye that stands and looks around, the camera turning or not: nothing but the attention changes.
+    #[test]
+    fn what_is_not_looked_at_would_not_change_while_the_attention_moves(
+        sample in samples(),
+        seed in any::<u64>(),
+        steps in 1..40_usize,
+    ) {
+        let model = model(&sample, seed);
+        let mut random = Random::new(seed ^ 6);
+        let (mut view, mut naive) = (model.view(), model.view());
+        let criteria = criteria(&mut random);
+        let [from, to] = [(); 2].map(|()| (camera(&mut random), foveation(&mut random)));
+        let growth = 0.01 + random.below(100) as f32 / 100.0;
+        for step in 0..=steps {
+            let mix = |a: f32, b: f32| a + (b - a) * step as f32 / steps as f32;
+            let attention = [0, 1].map(|k| mix(from.1.attention()[k], to.1.attention()[k]).clamp(0.0, 1.0));
+            let look_at = [0, 1, 2].map(|k| mix(from.0.look_at()[k], to.0.look_at()[k]));
+            let look_at = if seed % 2 == 0 { look_at } else { from.0.look_at() };
+            let Ok(camera) = Camera::new(from.0.eye(), look_at) else { continue };
+            let foveation = Foveation::new(growth).unwrap().with_attention(attention).unwrap();
+            let criteria = criteria.with_foveation(foveation);
+            view.update(&camera, &criteria).unwrap();
+            naive.forget_schedule();
+            naive.update(&camera, &criteria).unwrap();
+            prop_assert!(view.collapses_done().eq(naive.collapses_done()), "step {}", step);
+        }
+    }
+
+    /// More growth never needs more: each collapse that is allowed stays so.
+    #[test]
+    fn foveation_is_monotone(sample in samples(), seed in any::<u64>()) {
+        let model = model(&sample, seed);
+        let mut random = Random::new(seed ^ 7);
+        let (camera, criteria) = (camera(&mut random), criteria(&mut random));
+        let attention = foveation(&mut random).attention();
+        let mut before: Option<HashSet<usize>> = None;
+        for growth in [0.0, 0.05, 0.3, 2.0, 50.0] {
+            let foveation = Foveation::new(growth).unwrap().with_attention(attention).unwrap();
+            let mut view = model.view();
+            view.update(&camera, &criteria.with_foveation(foveation)).unwrap();
+            let done: HashSet<usize> = view.collapses_done().collect();
+            prop_assert!(before.is_none_or(|before| before.is_subset(&done)), "growth {}", growth);
+            before = Some(done);
         }
     }
 
@@ -271,6 +325,41 @@ fn a_flight_over_a_terrain_is_exact_and_looks_at_little() {
     }
 }
 
+/// Near the attention a view has its full detail, and away from it less. Few collapses are looked at while the attention moves.
+#[test]
+fn detail_is_where_somebody_looks() {
+    let (positions, strips, sequence) = terrain(60);
+    let model = Arc::new(SkipStrips::new(&strips, &sequence, &positions[..]).unwrap());
+    // From above, with x to the right: 41.4 units are as wide as the image.
+    let camera =
+        Camera::new([30.0, 50.0, 30.0], [30.0, 0.0, 30.0]).unwrap().with_up([0.0, 0.0, -1.0]).unwrap();
+    let camera = camera.with_image(1000, 1000).unwrap();
+    let criteria = ViewCriteria::new(1.0).unwrap().with_silhouettes(false);
+    let mut sharp = model.view();
+    sharp.update(&camera, &criteria).unwrap();
+    let mut view = model.view();
+    let near = |view: &SkipView, x: f32| {
+        let is_near = |v: u32| {
+            let [px, _, pz] = positions[v as usize];
+            (px - x).abs().max((pz - 30.0).abs()) < 3.0
+        };
+        view.renamed_triangles().into_iter().filter(|triangle| triangle.iter().all(|&v| is_near(v))).count()
+    };
+    let (mut looked_at, frames) = (0, 100);
+    for frame in 0..=frames {
+        let x = 0.25 + 0.5 * frame as f32 / frames as f32;
+        let foveation = Foveation::new(0.3).unwrap().with_attention([x, 0.5]).unwrap();
+        let update = view.update(&camera, &criteria.with_foveation(foveation)).unwrap();
+        looked_at += if frame > 0 { update.looked_at } else { 0 };
+    }
+    check(&view).unwrap();
+    assert!(view.triangle_count() < sharp.triangle_count() / 2, "{}", view.triangle_count());
+    assert!(looked_at < frames * view.active_vertex_count() / 2, "{looked_at}");
+    // The attention is now at three quarters of the width.
+    let [there, elsewhere] = [40.35, 19.65].map(|x| [near(&view, x), near(&sharp, x)]);
+    assert!(there[0] * 10 > there[1] * 8 && elsewhere[0] * 3 < elsewhere[1], "{there:?} {elsewhere:?}");
+}
+
 #[test]
 fn views_of_two_threads_are_those_of_one() {
     let (positions, strips, sequence) = terrain(40);
@@ -304,8 +393,12 @@ fn views_from_anywhere_are_valid() {
             let camera = Camera::new(eye, [3.0, 0.0, 4.0]).unwrap();
             for up in [[0.0, 1.0, 0.0], [1e-38, 0.0, 0.0], [3.0, 1e30, 0.0]] {
                 let camera = camera.with_up(up).unwrap().with_field_of_view(179.9).unwrap();
-                view.update(&camera, &ViewCriteria::new(pixels).unwrap()).unwrap();
-                check(&view).unwrap();
+                let criteria = ViewCriteria::new(pixels).unwrap();
+                for growth in [0.0, f32::from_bits(1), f32::MAX] {
+                    let criteria = criteria.with_foveation(Foveation::new(growth).unwrap());
+                    view.update(&camera, &criteria).unwrap();
+                    check(&view).unwrap();
+                }
             }
         }
     }

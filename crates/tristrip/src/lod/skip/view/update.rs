@@ -10,7 +10,6 @@ use crate::lod::skip::bounds::{Bounds, NodeBounds};
 use crate::lod::skip::camera::CameraFrame;
 use crate::lod::skip::criteria::{Choice, Criteria, ViewCriteria};
 use crate::lod::skip::schedule::Schedule;
-use crate::vector::{dot, sub};
 
 /// The largest factor by which a frame raises the allowed error to keep a budget.
 const MOST_RISE: f64 = 2.0;
@@ -61,8 +60,7 @@ impl SkipView {
     pub(super) fn work(&mut self, frame: CameraFrame, wanted: &ViewCriteria, update: &mut ViewUpdate) {
         let model = Arc::clone(&self.model);
         let Some(bounds) = &model.bounds else { return };
-        let away = sub(frame.eye, bounds.center);
-        let farthest = dot(away, away).sqrt() + bounds.radius;
+        let farthest = frame.farthest((bounds.center, bounds.radius));
         let far = match &self.criteria {
             Some(before) if farthest <= before.far() => before.far(),
             _ => 2.0 * farthest,
