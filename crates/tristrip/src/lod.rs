@@ -76,6 +76,7 @@ pub use progressive::{
 pub use repair::{Repair, RepairOptions, RepairedStrips};
 pub use sets::Sets;
 pub use skip::{
-    Camera, Foveation, RepairedView, SkipLevelCursor, SkipStrips, SkipView, ViewCriteria, ViewUpdate,
+    Camera, Foveation, RepairedView, SkipLevelCursor, SkipStrips, SkipView, ViewCriteria, ViewGeomorphs,
+    ViewSnapshot, ViewUpdate,
 };
 pub use view::View;

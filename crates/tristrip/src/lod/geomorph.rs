@@ -4,6 +4,8 @@
 //! that they have and those of the vertices that they collapse to. At weight 0 that is the finer level; at weight 1 all dropped triangles have shrunk to
 //! nothing, and the surface is that of the coarser level, to which the buffer can be switched unseen.
 //!
+//! [`SkipView::geomorphs`](crate::lod::SkipView::geomorphs) finds those between two states of a view.
+//!
 //! ```text
 //! finer level           weight ½             coarser level
 //!   kept ──── removed     kept ── ◦            kept
@@ -43,6 +45,11 @@ pub struct Geomorph {
 }
 
 impl Geomorph {
+    /// Creates a geomorph of vertices, which rise, in a mesh of this many.
+    pub(super) fn new(transits: Vec<Transit>, vertex_count: usize) -> Self {
+        Self { transits, vertex_count }
+    }
+
     /// Finds the vertices that move between two levels, in any order. O(n) time for n vertices.
     ///
     /// # Errors
@@ -60,7 +67,7 @@ impl Geomorph {
         let both = (0..).zip(fine?.into_iter().zip(coarse?));
         let between = both.filter(|&(vertex, (fine, coarse))| fine == vertex && coarse != vertex);
         let transits = between.map(|(vertex, (_, target))| Transit { vertex, target }).collect();
-        Ok(Self { transits, vertex_count: sequence.vertex_count() })
+        Ok(Self::new(transits, sequence.vertex_count()))
     }
 
     /// Returns the vertices that move, rising.

@@ -73,7 +73,7 @@ pub use level_cursor::SkipLevelCursor;
 use original_strips::OriginalStrips;
 pub use repaired_view::RepairedView;
 use vertex_tree::VertexTree;
-pub use view::{SkipView, ViewUpdate};
+pub use view::{SkipView, ViewGeomorphs, ViewSnapshot, ViewUpdate};
 
 /// A model of which each view has its own detail.
 ///
@@ -99,6 +99,7 @@ pub struct SkipStrips {
     /// For each node the triangles that its collapse drops, if it is a leader, up to 255; the others are in `many_dropped`.
     dropped: Vec<u8>,
     many_dropped: Vec<(u32, u32)>,
+    vertex_count: usize,
 }
 
 impl SkipStrips {
@@ -168,6 +169,7 @@ impl SkipStrips {
             order,
             dropped,
             many_dropped,
+            vertex_count: sequence.vertex_count(),
         })
     }
 

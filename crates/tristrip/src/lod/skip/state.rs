@@ -45,6 +45,11 @@ impl ViewState {
         self.done[node as usize]
     }
 
+    /// Returns for each node whether it has collapsed.
+    pub(super) fn done(&self) -> &[bool] {
+        &self.done
+    }
+
     /// Returns the child of a node that collapsed last.
     #[inline]
     pub(super) fn active_child(&self, node: u32) -> Option<u32> {

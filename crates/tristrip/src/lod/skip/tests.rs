@@ -17,7 +17,7 @@ fn positions(count: usize, seed: u64) -> Vec<[f32; 3]> {
 }
 
 /// The collapses of a sample with errors, over positions.
-fn model(sample: &Sample, seed: u64) -> Arc<SkipStrips> {
+pub(super) fn model(sample: &Sample, seed: u64) -> Arc<SkipStrips> {
     let mut random = Random::new(seed);
     let collapses: Vec<_> =
         sample.sequence.iter().map(|c| (c.renames, random.below(100) as f32 / 1000.0)).collect();
@@ -27,7 +27,7 @@ fn model(sample: &Sample, seed: u64) -> Arc<SkipStrips> {
 }
 
 /// A camera around the grid.
-fn camera(random: &mut Random) -> Camera {
+pub(super) fn camera(random: &mut Random) -> Camera {
     let mut at = |size: usize| random.below(1000) as f32 / 1000.0 * size as f32;
     let eye = [at(30) - 12.0, at(12) - 4.0, at(30) - 12.0];
     let look_at = [at(6), at(1), at(6)];
@@ -43,7 +43,7 @@ fn foveation(random: &mut Random) -> Foveation {
 }
 
 /// Criteria of which some are switched off.
-fn criteria(random: &mut Random) -> ViewCriteria {
+pub(super) fn criteria(random: &mut Random) -> ViewCriteria {
     let criteria = ViewCriteria::new(random.below(300) as f32 / 100.0).unwrap();
     let criteria = criteria.with_frustum(random.coin()).with_back_faces(random.coin());
     let criteria = criteria.with_silhouettes(random.coin());
@@ -300,10 +300,15 @@ fn terrain(n: u32) -> (Vec<[f32; 3]>, Strips, CollapseSequence) {
     (positions, strips, tree.sequence)
 }
 
+/// A model of hills.
+pub(super) fn hills(n: u32) -> Arc<SkipStrips> {
+    let (positions, strips, sequence) = terrain(n);
+    Arc::new(SkipStrips::new(&strips, &sequence, &positions[..]).unwrap())
+}
+
 #[test]
 fn a_flight_over_a_terrain_is_exact_and_looks_at_little() {
-    let (positions, strips, sequence) = terrain(60);
-    let model = Arc::new(SkipStrips::new(&strips, &sequence, &positions[..]).unwrap());
+    let model = hills(60);
     for filter in Filter::ALL {
         let mut view = model.view_by(filter);
         let criteria = ViewCriteria::new(4.0).unwrap();
@@ -362,8 +367,7 @@ fn detail_is_where_somebody_looks() {
 
 #[test]
 fn views_of_two_threads_are_those_of_one() {
-    let (positions, strips, sequence) = terrain(40);
-    let model = Arc::new(SkipStrips::new(&strips, &sequence, &positions[..]).unwrap());
+    let model = hills(40);
     let fly = |model: &Arc<SkipStrips>, seed: u64| {
         let (mut view, mut random) = (model.view(), Random::new(seed));
         let mut buffers = Vec::new();

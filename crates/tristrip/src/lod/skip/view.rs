@@ -1,5 +1,6 @@
 //! A view of a model: the detail that one camera needs.
 
+mod geomorphs;
 mod update;
 
 use std::ops::Range;
@@ -17,6 +18,7 @@ use crate::lod::filter::Filter;
 use crate::lod::index_map::RESTART;
 use crate::mesh::is_degenerate;
 use crate::strip::{Strips, strip_triangles};
+pub use geomorphs::{ViewGeomorphs, ViewSnapshot};
 
 /// The factor by which a frame lowers it again where there is room.
 const FALL: f64 = 0.98;

@@ -1,0 +1,221 @@
+//! Geomorphs of views: the vertices that move between two states of a view.
+//!
+//! From one frame to the next a view splits some vertices and collapses others. Without a geomorph each is seen to jump. The mesh in which everything is collapsed that is
+//! collapsed before or after lies between both, and each of them has a geomorph to it:
+//!
+//! ```text
+//! mesh before ── vertices that collapse ──▶ what both have ◀── vertices that are split off ── mesh after
+//!   weight 0               …                   1        1                  …                     0
+//! ```
+//! # Algorithm
+//! 1. The nodes whose flags differ are found by comparing blocks of flags.
+//! 2. Each moves to its first ancestor that the other state has. An ancestor comes before a node; where it moves too, its target is known.
+//!
+//! The mesh in the middle is one that a view may have: what a collapse needs is done in the state in which it is done.
+//!
+//! # References
+//! Hoppe: *View-Dependent Refinement of Progressive Meshes*, 1997, section 5.
+//!
+//! # Complexity
+//! A state takes a byte per vertex. Comparing takes O(n) time for n vertices, 64 at a time, and O(c log c) for c that move.
+
+use std::sync::Arc;
+
+use super::SkipView;
+use crate::error::Error;
+use crate::lod::geomorph::{Geomorph, Transit};
+use crate::lod::skip::SkipStrips;
+use crate::lod::skip::vertex_tree::VertexTree;
+
+/// The flags that are compared at once.
+const BLOCK: usize = 64;
+
+/// Which vertices a view had collapsed, to move from there: see [`SkipView::geomorphs`].
+#[derive(Debug, Clone)]
+pub struct ViewSnapshot {
+    model: Arc<SkipStrips>,
+    done: Vec<bool>,
+}
+
+/// The vertices that move between two states of a view.
+///
+/// Either may be drawn by itself: `split` with the mesh after the update while its weight falls from 1 to 0, and `collapsed` with the mesh before it while its weight rises from 0
+/// to 1, after which the buffers of the mesh after it can be used unseen. At weight 1 both draw the same surface: where the update only splits, that is the
+/// mesh before it, and where it only collapses, the mesh after it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct ViewGeomorphs {
+    /// The vertices that only the mesh before has: at weight 0 this mesh.
+    pub collapsed: Geomorph,
+    /// The vertices that only the mesh after has: at weight 0 this mesh.
+    pub split: Geomorph,
+}
+
+impl SkipView {
+    /// Copies which vertices have collapsed, one byte per vertex of the model.
+    ///
+    /// ```
+    #[doc = include_str!("../example.txt")]
+    /// let view = model.view();
+    /// let geomorphs = view.geomorphs(&view.snapshot())?;
+    /// assert!(geomorphs.split.transits().is_empty() && geomorphs.collapsed.transits().is_empty());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn snapshot(&self) -> ViewSnapshot {
+        ViewSnapshot { model: Arc::clone(&self.model), done: self.state.done().to_vec() }
+    }
+
+    /// Finds the vertices that move between a snapshot of this or another view of the model and what the view has now, whatever was done in between.
+    ///
+    /// # Errors
+    /// The snapshot is one of another model.
+    ///
+    /// ```
+    #[doc = include_str!("../example.txt")]
+    /// let mut view = model.view();
+    /// let before = view.snapshot();
+    /// let update = view.update(&Camera::new([4.0, 1.0, 4.0], [4.0, 0.0, 4.0])?, &ViewCriteria::new(0.5)?)?;
+    /// let geomorphs = view.geomorphs(&before)?;
+    /// // No vertex of this grid is on a seam: each split adds one.
+    /// assert_eq!(geomorphs.split.transits().len(), update.splits);
+    /// // A quarter of the way: the vertices that were split off are still near their ancestors.
+    /// let positions = grid.positions().as_flattened();
+    /// let mut drawn = positions.to_vec();
+    /// geomorphs.split.blend(0.75, 3, positions, &mut drawn)?;
+    /// assert_ne!(drawn, positions);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn geomorphs(&self, from: &ViewSnapshot) -> Result<ViewGeomorphs, Error> {
+        if !Arc::ptr_eq(&self.model, &from.model) {
+            let found = "one of another model".into();
+            let expected = "a snapshot of a view of this model";
+            return Err(Error::Parameter { name: "from", found, expected });
+        }
+        let (tree, before, after) = (&self.model.tree, &from.done[..], self.state.done());
+        // 1. The nodes that differ.
+        let (mut collapsed, mut split) = (Vec::new(), Vec::new());
+        let blocks = before.chunks(BLOCK).zip(after.chunks(BLOCK)).zip((0..).step_by(BLOCK));
+        for ((before, after), first) in blocks.filter(|((before, after), _)| before != after) {
+            for (node, (&was_done, &is_done)) in (first..).zip(before.iter().zip(after)) {
+                match (was_done, is_done) {
+                    (false, true) => collapsed.push(node),
+                    (true, false) => split.push(node),
+                    _ => (),
+                }
+            }
+        }
+        // 2. Their targets.
+        let vertex_count = self.model.vertex_count;
+        Ok(ViewGeomorphs {
+            collapsed: Geomorph::new(transits(&collapsed, after, tree), vertex_count),
+            split: Geomorph::new(transits(&split, before, tree), vertex_count),
+        })
+    }
+}
+
+/// Returns the ways of nodes, which ascend and are done, to their first ancestors that are not.
+fn transits(nodes: &[u32], done: &[bool], tree: &VertexTree) -> Vec<Transit> {
+    let mut targets: Vec<u32> = Vec::with_capacity(nodes.len());
+    for &node in nodes {
+        let mut at = node;
+        while let Some(parent) = tree.parent(at).filter(|_| done[at as usize]) {
+            at = parent;
+            if let Ok(known) = nodes[..targets.len()].binary_search(&at) {
+                at = targets[known];
+            }
+        }
+        targets.push(at);
+    }
+    let ways = nodes.iter().zip(targets);
+    let ways = ways.map(|(&node, target)| Transit { vertex: tree.vertex(node), target: tree.vertex(target) });
+    let mut transits: Vec<Transit> = ways.collect();
+    transits.sort_unstable_by_key(|transit| transit.vertex);
+    transits
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashSet;
+
+    use proptest::prelude::*;
+
+    use crate::lod::samples::{samples, sorted};
+    use crate::lod::skip::tests::{camera, criteria, hills, model};
+    use crate::lod::{Geomorph, SkipView};
+    use crate::mesh::is_degenerate;
+    use crate::random::Random;
+
+    /// Draws triangles with numbers of vertices as values, without those that have shrunk to nothing.
+    #[allow(clippy::cast_sign_loss, reason = "numbers of vertices")]
+    fn drawn(view: &SkipView, geomorph: &Geomorph, weight: f32) -> Vec<[u32; 3]> {
+        let numbers: Vec<f32> = (0..view.model().vertex_count).map(|v| v as f32).collect();
+        let mut values = numbers.clone();
+        geomorph.blend(weight, 1, &numbers, &mut values).unwrap();
+        let moved = view.renamed_triangles().into_iter().map(|t| t.map(|v| values[v as usize] as u32));
+        sorted(moved.filter(|&triangle| !is_degenerate(triangle)))
+    }
+
+    /// Returns the mesh in which everything is collapsed that one of two views has collapsed.
+    fn between(a: &SkipView, b: &SkipView) -> Vec<[u32; 3]> {
+        let model = a.model();
+        let mut view = model.full_view();
+        for leader in model.order.iter().filter_map(|leader| leader.get()) {
+            if a.is_done(leader) || b.is_done(leader) {
+                assert!(view.state.can_collapse(leader, &model.dependencies));
+                view.collapse(leader);
+            }
+        }
+        sorted(view.renamed_triangles())
+    }
+
+    proptest! {
+        #[test]
+        fn both_ends_are_the_meshes(sample in samples(), seed in any::<u64>(), updates in 1..4_usize) {
+            let model = model(&sample, seed);
+            let mut random = Random::new(seed ^ 8);
+            let mut view = model.view();
+            for _ in 0..5 {
+                let (before, snapshot) = (view.clone(), view.snapshot());
+                for _ in 0..updates {
+                    view.update(&camera(&mut random), &criteria(&mut random)).unwrap();
+                }
+                if random.below(3) == 0 {
+                    view.set_level(random.below(sample.sequence.len() + 1)).unwrap();
+                }
+                let geomorphs = view.geomorphs(&snapshot).unwrap();
+                let middle = between(&before, &view);
+                prop_assert_eq!(drawn(&view, &geomorphs.split, 0.0), sorted(view.renamed_triangles()));
+                prop_assert_eq!(&drawn(&view, &geomorphs.split, 1.0), &middle);
+                prop_assert_eq!(drawn(&before, &geomorphs.collapsed, 0.0), sorted(before.renamed_triangles()));
+                prop_assert_eq!(&drawn(&before, &geomorphs.collapsed, 1.0), &middle);
+                // One that only splits begins at the mesh before, one that only collapses ends at the mesh after.
+                if geomorphs.collapsed.transits().is_empty() {
+                    prop_assert_eq!(&middle, &sorted(before.renamed_triangles()));
+                }
+                if geomorphs.split.transits().is_empty() {
+                    prop_assert_eq!(&middle, &sorted(view.renamed_triangles()));
+                }
+                let targets = geomorphs.split.transits().iter().map(|transit| transit.target);
+                let active = (0..model.tree.len() as u32).filter(|&node| !before.is_done(node));
+                let active: HashSet<u32> = active.map(|node| model.tree.vertex(node)).collect();
+                prop_assert!(targets.into_iter().all(|target| active.contains(&target)));
+            }
+        }
+
+        /// From the base mesh to the full mesh and back.
+        #[test]
+        fn all_levels_are_between_the_base_and_the_full_mesh(sample in samples(), seed in any::<u64>()) {
+            let model = model(&sample, seed);
+            let (base, full) = (model.view(), model.full_view());
+            let levels = Geomorph::between(&sample.sequence, 0, sample.sequence.len()).unwrap();
+            prop_assert_eq!(&full.geomorphs(&base.snapshot()).unwrap().split, &levels);
+            prop_assert_eq!(&base.geomorphs(&full.snapshot()).unwrap().collapsed, &levels);
+        }
+    }
+
+    #[test]
+    fn a_snapshot_of_another_model_is_refused() {
+        let [one, two] = [(); 2].map(|()| hills(3).view());
+        assert!(one.geomorphs(&two.snapshot()).is_err() && one.geomorphs(&one.snapshot()).is_ok());
+    }
+}
