@@ -15,11 +15,14 @@
 //! reports flights in the same quantities.
 
 mod chart;
+mod extent;
 mod frames;
+mod lens;
 mod path;
 mod report;
 
 pub use chart::draw;
 pub use frames::{FlightObserver, FlightOptions, FlightSummary, FrameRow, FrameSeconds, FrameValues, fly};
-pub use path::{Axis, FlightPath, Lens, MAX_FRAMES};
+pub use lens::{Axis, Lens};
+pub use path::{FlightPath, MAX_FRAMES};
 pub use report::{as_markdown, as_text};

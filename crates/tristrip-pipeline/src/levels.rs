@@ -8,20 +8,19 @@
 mod cursor;
 mod filter;
 mod level;
+mod options;
 mod part;
 mod view;
+mod written;
 
 use tristrip::lod::{Camera, ModelKind, RepairOptions, ViewCriteria};
-use tristrip::simplify::Price;
-use tristrip::{Mesh, StripifyOptions, Strips};
-use tristrip_io::{Drawing, Model};
+use tristrip::{Mesh, Strips};
+use tristrip_io::Model;
 
 use crate::collapses::{Collapses, percent_of};
-use crate::encode::{EncodeOptions, Encoded, encode_observed, kept_vertices};
 use crate::error::Error;
 use crate::figures::{Figures, MeshFigures};
-use crate::goal::{Amount, Ratio};
-use crate::method::parse_with_price;
+use crate::goal::Amount;
 use crate::observer::{Event, Observer, Stage, Stopped, begin};
 use crate::parts::{check_vertices, map};
 use crate::prepared::{PreparedModel, Survey};
@@ -32,73 +31,9 @@ use crate::text::count;
 pub use cursor::ModelCursor;
 pub use filter::DisplayFilter;
 pub use level::{Level, LevelGoal};
+pub use options::{LevelsOptions, parse_levels};
 pub use part::LevelPart;
-use part::without_unused;
 pub use view::DisplayedView;
-
-/// How levels of detail are built. The base mesh of the default is what the surface allows; everything is proven.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub struct LevelsOptions {
-    /// The method of the strips of the full mesh, and its options.
-    pub stripify: StripifyOptions,
-    /// The ratio of triangles that the base mesh keeps.
-    pub base: Ratio,
-    /// What a collapse costs.
-    pub price: Price,
-    /// Whether strips and levels are proven.
-    pub verify: bool,
-}
-
-impl Default for LevelsOptions {
-    fn default() -> Self {
-        let (stripify, price) = (StripifyOptions::default(), Price::default());
-        Self { stripify, base: Ratio::ZERO, price, verify: true }
-    }
-}
-
-impl LevelsOptions {
-    /// Sets the method of the strips of the full mesh.
-    #[must_use]
-    pub fn with_stripify(self, stripify: StripifyOptions) -> Self {
-        Self { stripify, ..self }
-    }
-
-    /// Sets the ratio of triangles that the base mesh keeps.
-    #[must_use]
-    pub fn with_base(self, base: Ratio) -> Self {
-        Self { base, ..self }
-    }
-
-    /// Sets what a collapse costs.
-    #[must_use]
-    pub fn with_price(self, price: Price) -> Self {
-        Self { price, ..self }
-    }
-
-    /// Sets whether strips and levels are proven.
-    #[must_use]
-    pub fn with_verify(self, verify: bool) -> Self {
-        Self { verify, ..self }
-    }
-}
-
-/// Parses the flags of levels of detail: those of the method, and `--price` of their collapses.
-///
-/// # Errors
-/// As of [`parse_method`](crate::parse_method), or the price is unknown.
-///
-/// ```
-/// use tristrip::simplify::Price;
-/// use tristrip_pipeline::parse_levels;
-/// assert_eq!(parse_levels("--method stripe --price quadric")?.price, Price::Quadric);
-/// assert!(parse_levels("--price low").is_err());
-/// # Ok::<(), tristrip::Error>(())
-/// ```
-pub fn parse_levels(flags: &str) -> Result<LevelsOptions, tristrip::Error> {
-    let (stripify, price) = parse_with_price(flags)?;
-    Ok(LevelsOptions::default().with_stripify(stripify).with_price(price))
-}
 
 /// The levels of detail of a model, from the base mesh at level 0 to the full mesh at [`ModelLevels::collapse_count`].
 #[derive(Debug)]
@@ -466,22 +401,6 @@ impl ModelLevels {
         })
     }
 
-    /// Encodes a level of the model as a file that draws its display strips over the vertices that they use, and proves the bytes.
-    ///
-    /// # Errors
-    /// The level is of another model, the format cannot store it, the bytes are not proven, or the observer cancelled.
-    pub fn encode(
-        &self,
-        model: &Model,
-        displayed: &DisplayedLevel,
-        options: &EncodeOptions,
-        observer: &dyn Observer,
-    ) -> Result<Encoded, Error> {
-        let levels = self.parts.iter().zip(&displayed.of_parts);
-        let triangles = levels.map(|(part, &level)| part.triangles(level)).collect::<Result<Vec<_>, _>>()?;
-        self.encode_drawn(model, (&displayed.strips, triangles), *options, observer)
-    }
-
     /// Builds the display strips of the view of a camera, measures and proves them. The stages are reported to the observer.
     ///
     /// # Errors
@@ -512,43 +431,6 @@ impl ModelLevels {
     ) -> Result<DisplayedView, Error> {
         let options = (&self.options.stripify, self.options.verify);
         view::displayed(&self.parts, model, (camera, criteria), options, observer)
-    }
-
-    /// Encodes a view of the model as [`ModelLevels::encode`] does a level.
-    ///
-    /// # Errors
-    /// The view is of another model, the format cannot store it, the bytes are not proven, or the observer cancelled.
-    pub fn encode_view(
-        &self,
-        model: &Model,
-        view: &DisplayedView,
-        options: &EncodeOptions,
-        observer: &dyn Observer,
-    ) -> Result<Encoded, Error> {
-        self.encode_drawn(model, (&view.strips, view.triangles.clone()), *options, observer)
-    }
-
-    /// Encodes display strips, over the vertices of the collapses, and the triangles that they draw, over those of the model.
-    fn encode_drawn(
-        &self,
-        model: &Model,
-        (strips, triangles): (&[Strips], Vec<Vec<u32>>),
-        options: EncodeOptions,
-        observer: &dyn Observer,
-    ) -> Result<Encoded, Error> {
-        let drawn = self.parts.iter().zip(strips).zip(&triangles);
-        let outward = drawn.map(|((part, strips), drawn)| {
-            Ok(without_unused(&part.outward(strips)?, drawn, part.vertex_count()))
-        });
-        let strips = outward.collect::<Result<Vec<Strips>, Error>>()?;
-        let smaller = tristrip_io::with_triangles(model, triangles, options.format)?;
-        let strips = strips.iter().enumerate().map(|(part, strips)| Ok(smaller.strips(part, strips)?));
-        let strips: Vec<Strips> = strips.collect::<Result<_, Error>>()?;
-        let drawings: Vec<_> = strips.iter().map(Drawing::Strips).collect();
-        let mut notes = kept_vertices(&smaller, observer);
-        let encoded = encode_observed(&smaller.model, &drawings, &options, observer)?;
-        notes.extend(encoded.notes);
-        Ok(Encoded { notes, ..encoded })
     }
 }
 

@@ -1,0 +1,65 @@
+//! Levels and views as files.
+
+use tristrip::Strips;
+use tristrip_io::{Drawing, Model};
+
+use super::part::without_unused;
+use super::{DisplayedLevel, DisplayedView, ModelLevels};
+use crate::encode::{EncodeOptions, Encoded, encode_observed, kept_vertices};
+use crate::error::Error;
+use crate::observer::Observer;
+
+impl ModelLevels {
+    /// Encodes a level of the model as a file that draws its display strips over the vertices that they use, and proves the bytes.
+    ///
+    /// # Errors
+    /// The level is of another model, the format cannot store it, the bytes are not proven, or the observer cancelled.
+    pub fn encode(
+        &self,
+        model: &Model,
+        displayed: &DisplayedLevel,
+        options: &EncodeOptions,
+        observer: &dyn Observer,
+    ) -> Result<Encoded, Error> {
+        let levels = self.parts.iter().zip(&displayed.of_parts);
+        let triangles = levels.map(|(part, &level)| part.triangles(level)).collect::<Result<Vec<_>, _>>()?;
+        self.encode_drawn(model, (&displayed.strips, triangles), *options, observer)
+    }
+
+    /// Encodes a view of the model as [`ModelLevels::encode`] does a level.
+    ///
+    /// # Errors
+    /// The view is of another model, the format cannot store it, the bytes are not proven, or the observer cancelled.
+    pub fn encode_view(
+        &self,
+        model: &Model,
+        view: &DisplayedView,
+        options: &EncodeOptions,
+        observer: &dyn Observer,
+    ) -> Result<Encoded, Error> {
+        self.encode_drawn(model, (&view.strips, view.triangles.clone()), *options, observer)
+    }
+
+    /// Encodes display strips, over the vertices of the collapses, and the triangles that they draw, over those of the model.
+    fn encode_drawn(
+        &self,
+        model: &Model,
+        (strips, triangles): (&[Strips], Vec<Vec<u32>>),
+        options: EncodeOptions,
+        observer: &dyn Observer,
+    ) -> Result<Encoded, Error> {
+        let drawn = self.parts.iter().zip(strips).zip(&triangles);
+        let outward = drawn.map(|((part, strips), drawn)| {
+            Ok(without_unused(&part.outward(strips)?, drawn, part.vertex_count()))
+        });
+        let strips = outward.collect::<Result<Vec<Strips>, Error>>()?;
+        let smaller = tristrip_io::with_triangles(model, triangles, options.format)?;
+        let strips = strips.iter().enumerate().map(|(part, strips)| Ok(smaller.strips(part, strips)?));
+        let strips: Vec<Strips> = strips.collect::<Result<_, Error>>()?;
+        let drawings: Vec<_> = strips.iter().map(Drawing::Strips).collect();
+        let mut notes = kept_vertices(&smaller, observer);
+        let encoded = encode_observed(&smaller.model, &drawings, &options, observer)?;
+        notes.extend(encoded.notes);
+        Ok(Encoded { notes, ..encoded })
+    }
+}
