@@ -220,7 +220,7 @@ pub(crate) struct ConvertArgs {
 
 /// Reproduce the tables and figures of papers, published beside measured
 ///
-/// Write a page per paper, and its figures as SVG, into the folder `reproduction` of a directory. Each result is proven before its
+/// Write a page per paper, and its figures as SVG or PNG, into the folder `reproduction` of a directory. Each result is proven before its
 /// figures are shown. Pages contain no times, so they are the same on every machine. Rows whose model is missing are marked.
 /// A page that was measured on more models than are found now is kept, and so are its figures; a note says so.
 #[derive(Debug, Args)]
@@ -231,12 +231,19 @@ pub(crate) struct ConvertArgs {
   003  Porcu, Scateni, Partitioning Meshes into Strips (ETA), 2006
   004  Evans, Skiena, Varshney, Efficiently Generating Triangle Strips, 1996
 
-Example:
-  tristrip repro -o docs")]
+Examples:
+  tristrip repro -o docs
+  tristrip repro --papers 000 --section skip-strips -o docs")]
 pub(crate) struct ReproArgs {
     /// The numbers of the papers, separated by commas [default: all]
     #[arg(long, value_name = "PAPERS", value_delimiter = ',')]
     pub(crate) papers: Vec<String>,
+    /// Reproduce only this section of the papers that have it
+    ///
+    /// Paper 000 has the sections strips and skip-strips; 001 and 002 have levels, 003 and 004 strips. What a page has of other sections
+    /// is kept.
+    #[arg(long, value_name = "NAME")]
+    pub(crate) section: Option<String>,
     /// The folder of the models [default: ../shared/models if it exists, else testdata/models]
     #[arg(long, value_name = "DIRECTORY")]
     pub(crate) models: Option<PathBuf>,

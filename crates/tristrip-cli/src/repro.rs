@@ -55,7 +55,7 @@ impl ReproObserver for Measuring<'_> {
 pub(crate) fn run(task: &ReproTask, console: &mut Console) -> bool {
     let mut report = ReproReport::default();
     let observer = Measuring(Mutex::new(console));
-    let done = reproduce(&task.papers, &task.models, &task.output, &observer, &mut report);
+    let done = reproduce(&task.selection, &task.models, &task.output, &observer, &mut report);
     let Ok(console) = observer.0.into_inner() else { return false };
     console.end();
     match done.map_err(Failure::from) {

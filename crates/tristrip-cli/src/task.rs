@@ -12,6 +12,7 @@ use tristrip::Effort;
 use tristrip::vertex_cache::FlushPolicy;
 use tristrip::{Layout, StripifyOptions};
 use tristrip_io::gltf::Rounding;
+use tristrip_lab::repro::{Selection, sections};
 use tristrip_pipeline::{Amount, AnalyzeOptions, Goal, SimplifyOptions, VertexCacheList};
 
 use crate::args::{self, AnalyzeArgs, Command, OutputArgs, SharedArgs};
@@ -117,8 +118,7 @@ pub(crate) struct SimplifyTask {
 
 #[derive(Debug)]
 pub(crate) struct ReproTask {
-    /// The keys of the papers.
-    pub(crate) papers: BTreeSet<String>,
+    pub(crate) selection: Selection,
     pub(crate) models: PathBuf,
     pub(crate) output: PathBuf,
 }
@@ -250,9 +250,9 @@ fn validate(command: Command, papers: &[&str]) -> Result<Task, String> {
         Command::BuildLod(args) => Task::BuildLod(build_lod_task(*args)?),
         Command::Fly(args) => Task::Fly(fly_task(*args)?),
         Command::Repro(args) => {
-            let papers = select_papers(args.papers, papers)?;
+            let selection = select_papers(args.papers, args.section, papers)?;
             let models = args.models.unwrap_or_else(default_models);
-            let task = ReproTask { papers, models, output: args.output };
+            let task = ReproTask { selection, models, output: args.output };
             Task::Repro(task)
         }
         Command::Completions(args) => Task::Print(shell::completions(args.shell)),
@@ -280,15 +280,23 @@ fn pareto_task(path: PathBuf, effort: Option<Effort>, jobs: &[Job]) -> Result<Pa
 }
 
 /// Returns the papers named, or all known papers.
-fn select_papers(named: Vec<String>, known: &[&str]) -> Result<BTreeSet<String>, String> {
+fn select_papers(named: Vec<String>, section: Option<String>, known: &[&str]) -> Result<Selection, String> {
     if let Some(unknown) = named.iter().find(|name| !known.contains(&name.as_str())) {
         return Err(format!("unknown paper {unknown:?}; known papers: {}", known.join(", ")));
     }
-    Ok(if named.is_empty() {
+    let papers: BTreeSet<String> = if named.is_empty() {
         known.iter().map(ToString::to_string).collect()
     } else {
         named.into_iter().collect()
-    })
+    };
+    if let Some(section) = &section {
+        let known: BTreeSet<String> = papers.iter().flat_map(|paper| sections(paper)).collect();
+        if !known.contains(section) {
+            let known = Vec::from_iter(known).join(", ");
+            return Err(format!("unknown section {section:?}; known sections of these papers: {known}"));
+        }
+    }
+    Ok(Selection { papers, section })
 }
 
 /// Returns the model folder beside the checkout if it exists, else the project's own, relative to the checkout.

@@ -22,7 +22,9 @@ mod path;
 mod report;
 
 pub use chart::draw;
+pub(crate) use frames::is_among;
 pub use frames::{FlightObserver, FlightOptions, FlightSummary, FrameRow, FrameSeconds, FrameValues, fly};
 pub use lens::{Axis, Lens};
+pub(crate) use path::Stop;
 pub use path::{FlightPath, MAX_FRAMES};
 pub use report::{as_markdown, as_text};

@@ -32,6 +32,7 @@ mod oracle;
 mod raster;
 mod scene;
 mod shader;
+mod sheet;
 mod sides;
 mod surfaces;
 mod texture;
@@ -47,6 +48,7 @@ use encoding::encode;
 pub use options::{MAX_SIZE, Mode, RenderOptions, View};
 use scene::Facet;
 use shader::Shader;
+pub(crate) use sheet::{Picture, sheet};
 pub use sides::{Differences, SIDES, compare, rows_of_sides};
 pub use textured::TexturedModel;
 
@@ -162,12 +164,21 @@ fn plain(parts: &[(&[[f32; 3]], &[u32])]) -> Result<Vec<Facet>, Error> {
 
 /// Draws triangles as a camera sees them, and encodes them.
 fn seen(facets: &[Facet], camera: &lod::Camera, options: &RenderOptions) -> Result<Vec<u8>, Error> {
+    encode(&pixels_seen(facets, camera, options)?, options)
+}
+
+/// Draws triangles as a camera sees them.
+fn pixels_seen(
+    facets: &[Facet],
+    camera: &lod::Camera,
+    options: &RenderOptions,
+) -> Result<Vec<[u8; 4]>, Error> {
     let camera = Camera::of_view(camera, options)?;
     let mut seen = Vec::with_capacity(facets.len());
     for facet in facets {
         camera.clip(facet, &mut seen)?;
     }
-    encode(&raster::draw(&seen, &Shader::plain(&camera), options), options)
+    Ok(raster::draw(&seen, &Shader::plain(&camera), options))
 }
 
 /// Draws triangles as large as the picture allows, and encodes them.

@@ -25,6 +25,8 @@ mod runner;
 mod searches;
 mod statistics;
 mod verdict;
+mod view_data;
+mod view_figures;
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -34,7 +36,9 @@ use serde::Serialize;
 use crate::error::Error;
 use coverage::Coverage;
 pub use observer::ReproObserver;
-pub use paper::{keys, published};
+use page::PageSection;
+use paper::Paper;
+pub use paper::{keys, published, sections};
 pub use paper_report::PaperReport;
 use runner::Runner;
 use tristrip_pipeline::text::counted;
@@ -72,23 +76,45 @@ pub struct VerdictCounts {
     pub without_model: usize,
 }
 
-/// Reproduces papers, by their [`keys`], with the models of a folder: writes a page per paper and its figures into the folder `reproduction`
-/// of a directory. A page for which nothing was measured is not written, and a page that was measured on more models is kept, with a note.
-/// After an error, the report has what was written before.
+/// What is reproduced: papers by their [`keys`], all [`sections`] of them or one.
+///
+/// ```
+/// use tristrip_lab::repro::Selection;
+/// let selection = Selection { papers: ["000".into()].into(), section: Some("skip-strips".into()) };
+/// assert!(selection.contains("000", "skip-strips") && !selection.contains("000", "strips"));
+/// ```
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Selection {
+    /// The keys of the papers.
+    pub papers: BTreeSet<String>,
+    /// The name of the section; of papers without one of this name nothing is reproduced.
+    pub section: Option<String>,
+}
+
+impl Selection {
+    /// Checks whether a section of a paper is selected.
+    pub fn contains(&self, key: &str, section: &str) -> bool {
+        self.papers.contains(key) && self.section.as_ref().is_none_or(|wanted| wanted == section)
+    }
+}
+
+/// Reproduces papers with the models of a folder: writes a page per paper and its figures into the folder `reproduction`
+/// of a directory. What a page has of sections that are not selected is kept. A page for which nothing was measured is not written, and a page
+/// that was measured on more models is kept, with a note. After an error, the report has what was written before.
 ///
 /// # Errors
 /// A file or directory cannot be read or written, a result is not proven, or the observer cancelled.
 ///
 /// ```no_run
 /// use std::path::Path;
-/// use tristrip_lab::repro::{ReproReport, keys, reproduce};
-/// let papers = keys().map(String::from).collect();
+/// use tristrip_lab::repro::{ReproReport, Selection, keys, reproduce};
+/// let selection = Selection { papers: keys().map(String::from).collect(), section: None };
 /// let mut report = ReproReport::default();
-/// reproduce(&papers, Path::new("models"), Path::new("docs"), &(), &mut report)?;
+/// reproduce(&selection, Path::new("models"), Path::new("docs"), &(), &mut report)?;
 /// # Ok::<(), tristrip_lab::Error>(())
 /// ```
 pub fn reproduce(
-    papers: &BTreeSet<String>,
+    selection: &Selection,
     models: &Path,
     output: &Path,
     observer: &dyn ReproObserver,
@@ -97,48 +123,80 @@ pub fn reproduce(
     report.models = models.display().to_string();
     // Before the measurements, which take minutes.
     let folder = create_folder(output)?;
-    let papers = paper::load(papers)?;
+    let papers = paper::load(&selection.papers)?;
+    let is_selected = |paper: &Paper| selection.contains(&paper.key, &paper.section);
     let mut runner = Runner::new(models)?;
-    for paper in &papers {
+    for paper in papers.iter().filter(|paper| is_selected(paper)) {
         comparison::request(paper, &mut runner);
         paper.charts.iter().for_each(|chart| draw::request(chart, &mut runner));
     }
     report.notes = runner.measure(observer)?;
-    for paper in &papers {
-        let charts = paper.charts.iter().map(|chart| draw::draw(chart, &runner)).collect::<Result<_, _>>()?;
-        let mut compared = comparison::compare(paper, charts, &runner);
-        let text = page::page(paper, &compared);
-        let path = folder.join(format!("{}.md", paper.key));
-        if let Some(why) = reason_to_keep(&path, &text)? {
-            report.notes.push(format!("{} and its figures {why}", path.display()));
-        } else {
-            for chart in &compared.charts {
-                let path = folder.join(&chart.file);
-                // The page needs the file, so that an empty chart is written if there is none.
-                if chart.is_measured() || !path.exists() {
-                    report.outputs.push(write(&path, &chart.svg)?);
-                }
-            }
-            let path = write(&path, &text)?;
-            compared.page = Some(path.clone());
-            report.outputs.push(path);
+    for sections in papers.chunk_by(|a, b| a.key == b.key) {
+        let compared =
+            sections.iter().map(|paper| is_selected(paper).then(|| compare(paper, &runner)).transpose());
+        let compared = compared.collect::<Result<Vec<_>, _>>()?;
+        if compared.iter().any(Option::is_some) {
+            write_page(sections, compared, &folder, report)?;
         }
-        report.papers.push(compared);
     }
     Ok(())
 }
 
+/// Compares a section with the measurements, and draws its figures.
+fn compare(paper: &Paper, runner: &Runner) -> Result<PaperReport, Error> {
+    let charts = paper.charts.iter().map(|chart| draw::draw(chart, runner)).collect::<Result<_, _>>()?;
+    Ok(comparison::compare(paper, charts, runner))
+}
+
+/// Writes the page of a paper and its figures, and reports its sections as one paper.
+fn write_page(
+    papers: &[Paper],
+    compared: Vec<Option<PaperReport>>,
+    folder: &Path,
+    report: &mut ReproReport,
+) -> Result<(), Error> {
+    let sections = papers.iter().zip(&compared).enumerate();
+    let sections: Vec<PageSection<'_>> = sections
+        .map(|(number, (paper, report))| PageSection {
+            paper,
+            report: report.as_ref(),
+            is_first: number == 0,
+        })
+        .collect();
+    let measured = page::page(&sections, "");
+    let path = folder.join(format!("{}.md", papers[0].key));
+    let old = if path.exists() {
+        std::fs::read_to_string(&path).map_err(|error| Error::io(&path, error))?
+    } else {
+        String::new()
+    };
+    let text = page::page(&sections, &old);
+    let mut compared = compared.into_iter().flatten().reduce(PaperReport::with).unwrap_or_default();
+    if let Some(why) = reason_to_keep(&measured, &old) {
+        report.notes.push(format!("{} and its figures {why}", path.display()));
+    } else {
+        for chart in &compared.charts {
+            let path = folder.join(&chart.file);
+            // The page needs the file, so that an empty chart is written if there is none.
+            if chart.is_measured || !path.exists() {
+                report.outputs.push(write(&path, &chart.contents)?);
+            }
+        }
+        let path = write(&path, text.as_bytes())?;
+        compared.page = Some(path.clone());
+        report.outputs.push(path);
+    }
+    report.papers.push(compared);
+    Ok(())
+}
+
 /// Returns why a page is not written: nothing was measured for it, or the page that is there was measured on more models.
-fn reason_to_keep(path: &Path, text: &str) -> Result<Option<String>, Error> {
-    let new = Coverage::of(text);
+fn reason_to_keep(measured: &str, old: &str) -> Option<String> {
+    let new = Coverage::of(measured);
     if new.is_empty() {
-        return Ok(Some("were not written: none of the models was found".into()));
+        return Some("were not written: none of the models was found".into());
     }
-    if !path.exists() {
-        return Ok(None);
-    }
-    let old = std::fs::read_to_string(path).map_err(|error| Error::io(path, error))?;
-    let old = Coverage::of(&old);
+    let old = Coverage::of(old);
     let missing = new.missing(&old);
     let why = |first: &&str| {
         let rows = counted(missing.len(), "row");
@@ -146,7 +204,7 @@ fn reason_to_keep(path: &Path, text: &str) -> Result<Option<String>, Error> {
             "were kept: {rows} of the page have measurements on models that were not found now, the first is {first}"
         )
     };
-    Ok(missing.first().map(why))
+    missing.first().map(why)
 }
 
 /// Creates the folder of the pages and the output directory. A missing parent of the output directory is an error, because it is
@@ -164,12 +222,21 @@ fn create_folder(output: &Path) -> Result<PathBuf, Error> {
     Ok(folder)
 }
 
-fn write(path: &Path, text: &str) -> Result<String, Error> {
-    tristrip_io::replace_file(path, text.as_bytes()).map_err(tristrip_pipeline::Error::from)?;
+fn write(path: &Path, contents: &[u8]) -> Result<String, Error> {
+    tristrip_io::replace_file(path, contents).map_err(tristrip_pipeline::Error::from)?;
     Ok(path.display().to_string())
 }
 
 impl PaperReport {
+    /// Returns the report with another section of the paper.
+    fn with(mut self, section: Self) -> Self {
+        self.tables.extend(section.tables);
+        self.charts.extend(section.charts);
+        self.claims.extend(section.claims);
+        self.left_out.extend(section.left_out);
+        self
+    }
+
     /// Counts the verdicts of rows and claims.
     pub fn verdicts(&self) -> VerdictCounts {
         let rows = self.tables.iter().flat_map(|table| &table.rows).map(|row| row.verdict.clone());

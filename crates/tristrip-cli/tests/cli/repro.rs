@@ -145,13 +145,67 @@ fn levels_of_detail_are_measured() {
 }
 
 #[test]
-fn papers_are_known_by_their_numbers() {
+fn a_section_is_measured_by_itself_and_keeps_the_rest_of_the_page() {
+    let (models, output) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    fs::copy(model("wingnut.ply"), models.path().join("bunny.ply")).unwrap();
+    fs::copy(model("fish_control.ply"), models.path().join("triceratops.ply")).unwrap();
+    let path = output.path().join("reproduction");
+    let section = |name: &str| {
+        let mut command = repro("000", models.path(), output.path());
+        command.args(["--section", name]);
+        command
+    };
+    let report = json(section("skip-strips").arg("--json"));
+    let tables = report["papers"][0]["tables"].as_array().unwrap();
+    assert_eq!(
+        tables.iter().map(|table| table["name"].as_str().unwrap()).collect::<Vec<_>>(),
+        ["table 3", "table 4", "merge trees"]
+    );
+    let measured = |row: usize, column: usize| tables[0]["rows"][row]["columns"][column]["measured"].clone();
+    // The published share of the 6090 triangles, and all of them.
+    assert!((measured(0, 0).as_f64().unwrap() - 6090.0 * 10.2 / 69.4).abs() < 20.0);
+    assert_eq!([measured(2, 0), measured(2, 1)].map(|figure| figure.as_f64()), [Some(6090.0), Some(18270.0)]);
+    let page = || fs::read_to_string(path.join("000.md")).unwrap();
+    let first = page();
+    assert!(first.contains("## Table 3\n") && !first.contains("## Table 1\n"), "{first}");
+    assert!(first.contains("stand-in: bunny") && first.contains("](000-figure-21.png)"));
+    assert!(!first.contains("NaN") && !first.contains("inf |"));
+    for file in ["000-figure-21.png", "000-figure-23.png"] {
+        assert!(fs::read(path.join(file)).unwrap().starts_with(b"\x89PNG"), "{file}");
+    }
+    assert!(!path.join("000-figure-16.svg").exists());
+
+    // The other section comes to it, and each keeps what the other one measured, also without its models.
+    section("strips").assert().success();
+    let both = page();
+    assert!(both.contains("## Table 1\n") && both.contains("stand-in: triceratops"), "{both}");
+    assert!(
+        both.contains("## Claims in the text\n") && both.contains("## Claims in the text: skip-strips\n")
+    );
+    fs::remove_file(models.path().join("triceratops.ply")).unwrap();
+    section("skip-strips").assert().success();
+    assert_eq!(page(), both);
+    let report = json(repro("000", models.path(), output.path()).arg("--json"));
+    assert!(report["notes"][0].as_str().unwrap().contains("were kept"), "{report}");
+    assert_eq!(page(), both);
+}
+
+#[test]
+fn papers_and_sections_are_known_by_their_names() {
     for (arguments, message) in [
         (
             &["repro", "--papers", "004,999", "-o", "docs"][..],
             "unknown paper \"999\"; known papers: 000, 001, 002, 003, 004",
         ),
         (&["repro", "--papers", "004"][..], "--output"),
+        (
+            &["repro", "--section", "skip", "-o", "docs"][..],
+            "unknown section \"skip\"; known sections of these papers: levels, skip-strips, strips",
+        ),
+        (
+            &["repro", "--papers", "003", "--section", "skip-strips", "-o", "docs"][..],
+            "unknown section \"skip-strips\"; known sections of these papers: strips",
+        ),
     ] {
         tristrip().args(arguments).assert().code(2).stderr(contains("error: ").and(contains(message)));
     }

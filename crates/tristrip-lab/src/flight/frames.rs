@@ -167,7 +167,7 @@ fn prove(frame: usize, view: &SkipView) -> Result<(), Error> {
 }
 
 /// Checks whether a frame is one of `chosen` frames at equal distances, of which the last one is the last of all.
-fn is_among(frame: usize, frame_count: usize, chosen: usize) -> bool {
+pub(crate) fn is_among(frame: usize, frame_count: usize, chosen: usize) -> bool {
     (frame + 1) * chosen / frame_count > frame * chosen / frame_count
 }
 

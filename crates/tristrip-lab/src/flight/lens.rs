@@ -2,12 +2,14 @@
 
 use std::str::FromStr;
 
+use serde::Deserialize;
 use tristrip::lod::{Camera, View};
 
 use crate::error::Error;
 
 /// An axis of a model.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Axis {
     /// The first coordinate.
     X,

@@ -38,7 +38,7 @@ enum Kind {
 /// A camera of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Stop {
+pub(crate) struct Stop {
     eye: [f64; 3],
     look_at: [f64; 3],
     #[serde(default = "upward")]
@@ -178,7 +178,8 @@ impl FlightPath {
 }
 
 impl Stop {
-    fn camera(&self, lens: Lens) -> Result<Camera, tristrip::Error> {
+    /// Returns the camera with the image of a lens.
+    pub(crate) fn camera(&self, lens: Lens) -> Result<Camera, tristrip::Error> {
         let field_of_view = self.field_of_view.map_or(lens.field_of_view, |degrees| degrees as f32);
         Lens { field_of_view, ..lens }.camera(self.eye, self.look_at, self.up)
     }

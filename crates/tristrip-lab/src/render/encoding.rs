@@ -3,6 +3,50 @@
 use super::options::RenderOptions;
 use crate::error::Error;
 
+/// The levels of red, green and blue, and of grey, of a file of few colours.
+const LEVELS: u8 = 6;
+const GREYS: u8 = 40;
+/// The difference of the channels up to which a pixel is grey.
+const GREY: u8 = 24;
+
+/// Encodes opaque pixels as a PNG file of 256 colours, which has a fifth of the size: a cube of six levels of each channel, and 40 greys.
+pub(super) fn encode_few(pixels: &[[u8; 4]], options: &RenderOptions) -> Result<Vec<u8>, Error> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, options.width, options.height);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    encoder.set_color(png::ColorType::Indexed);
+    encoder.set_palette(palette());
+    encoder.set_compression(png::Compression::High);
+    // Differences of palette indices mean nothing.
+    encoder.set_filter(png::Filter::NoFilter);
+    let data: Vec<u8> = pixels.iter().map(|&[r, g, b, _]| index([r, g, b])).collect();
+    let picture = |error: png::EncodingError| Error::Picture(error.to_string());
+    let mut writer = encoder.write_header().map_err(picture)?;
+    writer.write_image_data(&data).map_err(picture)?;
+    writer.finish().map_err(picture)?;
+    Ok(bytes)
+}
+
+/// Returns the colours in the order of their indices: the greys, then the cube.
+fn palette() -> Vec<u8> {
+    let value = |level: u8, levels: u8| (u32::from(level) * 255 / u32::from(levels - 1)) as u8;
+    let greys = (0..GREYS).flat_map(|level| [value(level, GREYS); 3]);
+    let cube = (0..LEVELS).flat_map(|r| (0..LEVELS).flat_map(move |g| (0..LEVELS).map(move |b| [r, g, b])));
+    greys.chain(cube.flat_map(|colour| colour.map(|level| value(level, LEVELS)))).collect()
+}
+
+/// Returns the index of the nearest colour.
+fn index([r, g, b]: [u8; 3]) -> u8 {
+    let level = |value: u8, levels: u8| ((u32::from(value) * u32::from(levels - 1) + 127) / 255) as u8;
+    if r.max(g).max(b) - r.min(g).min(b) <= GREY {
+        level(g, GREYS)
+    } else {
+        let [r, g, b] = [r, g, b].map(|value| level(value, LEVELS));
+        GREYS + (r * LEVELS + g) * LEVELS + b
+    }
+}
+
 /// Encodes pixels as a PNG file.
 pub(super) fn encode(pixels: &[[u8; 4]], options: &RenderOptions) -> Result<Vec<u8>, Error> {
     let mut bytes = Vec::new();
@@ -19,4 +63,23 @@ pub(super) fn encode(pixels: &[[u8; 4]], options: &RenderOptions) -> Result<Vec<
     writer.write_image_data(&data).map_err(picture)?;
     writer.finish().map_err(picture)?;
     Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colours_of_the_palette_are_their_own_nearest() {
+        let palette = palette();
+        let (colours, rest) = palette.as_chunks::<3>();
+        assert!(colours.len() == 256 && rest.is_empty());
+        for (number, &colour) in colours.iter().enumerate() {
+            let nearest = colours[usize::from(index(colour))];
+            // Greys of the cube are among the greys, of which one is within half of a step.
+            let difference = (0..3).map(|k| nearest[k].abs_diff(colour[k])).max().unwrap();
+            assert!(difference <= if number < 40 { 0 } else { 4 }, "{colour:?}, {nearest:?}");
+        }
+        assert_eq!([[0; 3], [255; 3]].map(|colour| colours[usize::from(index(colour))]), [[0; 3], [255; 3]]);
+    }
 }

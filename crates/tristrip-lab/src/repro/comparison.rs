@@ -13,12 +13,15 @@ use super::verdict::{Verdict, rounded, row_verdict};
 /// Requests the measurements of a paper's tables and claims.
 pub(super) fn request(paper: &Paper, runner: &mut Runner) {
     for table in &paper.tables {
-        for file in table.rows.iter().filter_map(|row| row.file.as_ref()) {
+        for (row, file) in table.rows.iter().filter_map(|row| Some((row, row.file.as_ref()?))) {
             runner.request_mesh(file);
             for column in &table.columns {
                 match (&column.quantity, recipe(&column.quantity)) {
                     (Quantity::Levels { .. }, Some(recipe)) => runner.request_levels(recipe, file),
                     (Quantity::Recovery { .. }, Some(recipe)) => runner.request_recovery(recipe, file),
+                    (Quantity::Views { order, .. }, Some(recipe)) => {
+                        runner.request_views(recipe, file, *order).details.extend(row.detail());
+                    }
                     (_, Some(recipe)) => runner.request(recipe, file),
                     (_, None) => {}
                 }
@@ -36,7 +39,9 @@ pub(super) fn request(paper: &Paper, runner: &mut Runner) {
 fn recipe(quantity: &Quantity) -> Option<Recipe> {
     match quantity {
         Quantity::Strips { flags, steps, .. } => Some(Recipe { flags: flags.clone(), steps: *steps }),
-        Quantity::Levels { flags, .. } | Quantity::Recovery { flags, .. } => Some(flags.as_str().into()),
+        Quantity::Levels { flags, .. } | Quantity::Recovery { flags, .. } | Quantity::Views { flags, .. } => {
+            Some(flags.as_str().into())
+        }
         _ => None,
     }
 }
@@ -109,12 +114,19 @@ fn compare_row(row: &PublishedRow, columns: &[PublishedColumn], runner: &Runner)
 }
 
 /// Returns the measured values of a row; savings are computed from the other columns.
-fn measured_values(row: &PublishedRow, columns: &[PublishedColumn], runner: &Runner) -> Vec<Option<f64>> {
+pub(super) fn measured_values(
+    row: &PublishedRow,
+    columns: &[PublishedColumn],
+    runner: &Runner,
+) -> Vec<Option<f64>> {
     let model = row.file.as_ref().and_then(|name| runner.model(name));
     let value = |quantity: &Quantity| match quantity {
         Quantity::Strips { figure, .. } => model?.strips(&recipe(quantity)?, figure),
         Quantity::Levels { figure, .. } => model?.levels(&recipe(quantity)?, figure),
         Quantity::Recovery { figure, .. } => model?.recovery(&recipe(quantity)?, figure),
+        Quantity::Views { order, figure, .. } => {
+            model?.views(&recipe(quantity)?)?.get(*order, row.detail(), figure)
+        }
         Quantity::Mesh(figure) => model?.mesh(figure),
         Quantity::Saving { .. } | Quantity::Unmeasured => None,
     };
@@ -177,8 +189,9 @@ mod tests {
             model: "A model".into(),
             file,
             stand_in: false,
-            vertices,
+            vertices: Some(vertices),
             triangles,
+            view: None,
             published: vec![9000.0, 20.0],
         }
     }

@@ -29,7 +29,7 @@ impl Coverage {
             let Some(cells) = line.strip_prefix("| ").filter(|_| !in_head) else { continue };
             let cells: Vec<&str> = cells.split(" | ").collect();
             let [first, second, ..] = cells[..] else { continue };
-            let claimed = cells.get(CLAIM_MODELS..).filter(|_| section == CLAIMS);
+            let claimed = cells.get(CLAIM_MODELS..).filter(|_| section.starts_with(CLAIMS));
             let (row, models) = match claimed {
                 Some(cells) => (format!("{first}: {second}"), most_models(cells)),
                 None => (first.to_owned(), usize::from(second != UNMEASURED)),
@@ -58,7 +58,7 @@ fn most_models(cells: &[&str]) -> usize {
     cells.iter().filter_map(models).max().unwrap_or(0)
 }
 
-/// The title of the section of claims.
+/// The title of the tables of claims, or its beginning.
 pub(super) const CLAIMS: &str = "Claims in the text";
 
 #[cfg(test)]

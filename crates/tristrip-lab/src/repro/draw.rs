@@ -7,8 +7,10 @@ use super::paper::{ChartData, ChartKind, CorpusPanel, LevelPanel, LevelSeries, M
 use super::paper_report::{ChartReport, PanelReport, SeriesReport};
 use super::recipe::Recipe;
 use super::runner::Runner;
+use super::view_figures::PANEL;
 use crate::chart::{Axis, Mark, Panel, Scale, Series, svg};
 use crate::error::Error;
+use crate::render::sheet;
 
 /// Requests the measurements of a chart.
 pub(super) fn request(chart: &ChartData, runner: &mut Runner) {
@@ -26,6 +28,10 @@ pub(super) fn request(chart: &ChartData, runner: &mut Runner) {
             for model in models {
                 series.iter().for_each(|s| runner.request(searched(s, *steps), model));
             }
+        }
+        ChartKind::Views { model, flags, order, panels } => {
+            let requests = runner.request_views(flags.as_str().into(), model, *order);
+            requests.pictures.insert(chart.file.clone(), panels.clone());
         }
     }
 }
@@ -63,14 +69,29 @@ pub(super) fn draw(chart: &ChartData, runner: &Runner) -> Result<ChartReport, Er
             let data = models.iter().filter_map(|name| convergence(name, *steps, series, runner));
             (data.collect(), models.len())
         }
+        ChartKind::Views { model, flags, .. } => return picture(chart, model, flags, runner),
     };
     let panels: Vec<Panel> = data.iter().map(PanelData::panel).collect();
     let report = |panel: PanelData| PanelReport { title: panel.title, series: panel.series };
     Ok(ChartReport {
         name: chart.name.clone(),
         file: chart.file.clone(),
-        svg: svg(&panels, columns)?,
+        is_measured: data.iter().flat_map(|panel| &panel.series).any(|series| !series.points.is_empty()),
+        contents: svg(&panels, columns)?.into_bytes(),
         panels: data.into_iter().map(report).collect(),
+    })
+}
+
+/// Returns the picture of views; an empty one if the model is missing.
+fn picture(chart: &ChartData, model: &str, flags: &str, runner: &Runner) -> Result<ChartReport, Error> {
+    let views = runner.model(model).and_then(|model| model.views(&flags.into()));
+    let drawn = views.and_then(|views| views.picture(&chart.file));
+    Ok(ChartReport {
+        name: chart.name.clone(),
+        file: chart.file.clone(),
+        is_measured: drawn.is_some(),
+        contents: drawn.map_or_else(|| sheet(&[], PANEL), |drawn| Ok(drawn.to_vec()))?,
+        panels: Vec::new(),
     })
 }
 

@@ -20,6 +20,8 @@ use super::paper::ModelSize;
 use super::recipe::Recipe;
 use super::recovery_figures;
 use super::searches::Searches;
+use super::view_data::TreeOrder;
+use super::view_figures::{self, ViewFigures, ViewRequests};
 use crate::error::Error;
 
 /// Vertex caches for which misses per triangle are measured in addition to those of every report.
@@ -33,7 +35,7 @@ pub(super) const ONE_STRIP_COMPONENTS: &str = "one_strip_components";
 
 /// What is measured for a recipe in addition to the figures of its strips.
 #[allow(clippy::struct_excessive_bools, reason = "each is asked for by itself")]
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Extras {
     /// Generalized triangle meshes, for every size of the vertex cache.
     pub(super) generalized: bool,
@@ -43,6 +45,8 @@ pub(super) struct Extras {
     pub(super) recovery: bool,
     /// Components and their strips.
     pub(super) components: bool,
+    /// Skip Strips, by the order of their merge trees.
+    pub(super) views: BTreeMap<TreeOrder, ViewRequests>,
 }
 
 /// The measurements of a model.
@@ -64,6 +68,7 @@ struct MeasuredStrips {
     transmitted: Vec<[usize; 4]>,
     levels: LevelFigures,
     recovery: BTreeMap<String, f64>,
+    views: ViewFigures,
 }
 
 impl MeasuredModel {
@@ -91,7 +96,7 @@ impl MeasuredModel {
         let recipes = wanted(has_polygons);
         let results = recipes.par_iter().map(|(recipe, extras)| {
             observer.recipe(&recipe.flags);
-            measure_strips(&prepared, recipe, *extras, observer)
+            measure_strips(&prepared, recipe, extras, observer)
         });
         let results: Vec<_> = results.collect();
         for ((recipe, _), result) in recipes.into_iter().zip(results) {
@@ -132,6 +137,11 @@ impl MeasuredModel {
         self.by_recipe.get(recipe)?.recovery.get(figure).copied()
     }
 
+    /// Returns what was measured of Skip Strips.
+    pub(super) fn views(&self, recipe: &Recipe) -> Option<&ViewFigures> {
+        self.by_recipe.get(recipe).map(|measured| &measured.views)
+    }
+
     /// Returns a figure of levels of detail as points: the level in percent of the collapses, and the value.
     pub(super) fn level_curve(&self, recipe: &Recipe, figure: &str) -> Vec<(f64, f64)> {
         let curves = self.by_recipe.get(recipe).map(|measured| &measured.levels.curves);
@@ -161,7 +171,7 @@ fn numbers_of(report: &impl Serialize) -> BTreeMap<String, f64> {
 fn measure_strips(
     prepared: &PreparedModel<'_>,
     recipe: &Recipe,
-    extras: Extras,
+    extras: &Extras,
     observer: &dyn ReproObserver,
 ) -> Result<MeasuredStrips, Error> {
     if observer.is_cancelled() {
@@ -209,6 +219,7 @@ fn measure_strips(
         } else {
             BTreeMap::new()
         },
+        views: view_figures::measure(prepared, &strips, &options, &extras.views)?,
     })
 }
 

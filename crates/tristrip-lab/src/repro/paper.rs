@@ -2,29 +2,33 @@
 //!
 //! A paper is a JSON file in `papers/`. A new table, figure or claim is an entry there; a new kind of measurement is a variant of
 //! [`Quantity`], [`ChartKind`] or [`Statistic`]. Strips are given by the flags of the command that computes them, so that each measured
-//! value can be reproduced by hand: `tristrip strip MODEL` with the same flags.
+//! value can be reproduced by hand: `tristrip strip MODEL` with the same flags. A part of a paper that is measured by itself, a *section*, is a
+//! file of its own with the same key.
 
 use std::collections::BTreeSet;
 
 use serde::{Deserialize, Deserializer, Serialize};
 use tristrip::vertex_cache::FlushPolicy;
 
+use super::view_data::{Detail, PublishedView, TreeOrder, ViewPanel};
 use crate::error::Error;
 
-/// Key and text of each paper.
-const PAPERS: [(&str, &str); 5] = [
+/// Key and text of each section, in the order of the papers.
+const PAPERS: [(&str, &str); 6] = [
     ("000", include_str!("papers/000.json")),
+    ("000", include_str!("papers/000_skip_strips.json")),
     ("001", include_str!("papers/001.json")),
     ("002", include_str!("papers/002.json")),
     ("003", include_str!("papers/003.json")),
     ("004", include_str!("papers/004.json")),
 ];
 
-/// A paper: what is compared with measurements.
+/// A section of a paper: what is compared with measurements. Most papers have one.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Paper {
     pub(crate) key: String,
+    pub(crate) section: String,
     pub(crate) authors: String,
     pub(crate) title: String,
     pub(crate) year: u16,
@@ -80,6 +84,8 @@ pub(crate) enum Quantity {
     Levels { flags: String, figure: String },
     /// A figure of the recovery of all levels, over the strips of these flags; `recovery_figures.rs` lists the figures.
     Recovery { flags: String, figure: String },
+    /// A figure of Skip Strips over the strips of these flags, and of the row's view if it has one; `view_figures.rs` lists the figures.
+    Views { flags: String, order: TreeOrder, figure: String },
     /// A figure of the mesh: a key of `mesh` in that report.
     Mesh(String),
     /// By how many percent one column is below another, by their indices.
@@ -98,17 +104,33 @@ pub(crate) struct PublishedRow {
     /// Whether the file is a stand-in although its size is that of the model.
     #[serde(default)]
     pub(crate) stand_in: bool,
-    pub(crate) vertices: usize,
+    /// None where the paper does not print it.
+    pub(crate) vertices: Option<usize>,
     pub(crate) triangles: usize,
+    /// The view, where the row is of one.
+    pub(crate) view: Option<PublishedView>,
     /// One value per column that is not ours.
     pub(crate) published: Vec<f64>,
 }
 
 impl PublishedRow {
     /// Returns the published size of the model.
-    pub(crate) fn size(&self) -> ModelSize {
-        ModelSize { vertices: self.vertices, triangles: self.triangles }
+    pub(crate) fn size(&self) -> PublishedSize {
+        PublishedSize { vertices: self.vertices, triangles: self.triangles }
     }
+
+    /// Returns the detail of the row's view.
+    pub(crate) fn detail(&self) -> Option<Detail> {
+        let view = self.view?;
+        Some(Detail { triangles: view.triangles, of: self.triangles, up: view.up })
+    }
+}
+
+/// The published numbers of vertices, if there is one, and triangles of a model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub(crate) struct PublishedSize {
+    pub(crate) vertices: Option<usize>,
+    pub(crate) triangles: usize,
 }
 
 /// The numbers of vertices and triangles of a model.
@@ -160,6 +182,8 @@ pub(crate) enum ChartKind {
     Levels { model: String, panels: Vec<LevelPanel>, axis: String, series: Vec<LevelSeries> },
     /// The number of strips by node accesses; one panel per model, one series per method.
     Convergence { models: Vec<String>, steps: u64, series: Vec<MethodSeries> },
+    /// Pictures of the display strips of a model at some detail.
+    Views { model: String, flags: String, order: TreeOrder, panels: Vec<ViewPanel> },
 }
 
 #[derive(Debug, Deserialize)]
@@ -310,6 +334,10 @@ pub(crate) enum Statistic {
     LevelsOf { figure: String, flags: String, model: String },
     /// A figure of the recovery of the levels of a model.
     RecoveryOf { figure: String, flags: String, model: String },
+    /// A figure of Skip Strips of a model, without a view.
+    ViewsOf { figure: String, flags: String, order: TreeOrder, model: String },
+    /// By how many percent the measured cells of a column are below those of another one, over the rows of a table.
+    Columns { over: SavingOver, table: String, of: String, than: String },
     /// A figure of a mesh.
     Mesh { figure: String, model: String },
     /// A figure of the strips of a model, divided by that of another method if there is one.
@@ -422,10 +450,21 @@ pub(crate) struct LeftOut {
 /// assert!(tristrip_lab::repro::keys().any(|key| key == "003"));
 /// ```
 pub fn keys() -> impl Iterator<Item = &'static str> {
-    PAPERS.iter().map(|(key, _)| *key)
+    let mut last = "";
+    PAPERS.iter().map(|(key, _)| *key).filter(move |key| std::mem::replace(&mut last, key) != *key)
 }
 
-/// Returns the published results of a paper as JSON, by its key.
+/// Returns the sections of a paper by its key, in their order; none for an unknown key.
+///
+/// ```
+/// assert_eq!(tristrip_lab::repro::sections("000"), ["strips", "skip-strips"]);
+/// ```
+pub fn sections(key: &str) -> Vec<String> {
+    let papers = load(&BTreeSet::from([key.to_owned()])).unwrap_or_default();
+    papers.into_iter().map(|paper| paper.section).collect()
+}
+
+/// Returns the published results of the first section of a paper as JSON, by the key of the paper.
 ///
 /// ```
 /// assert!(tristrip_lab::repro::published("003").is_some_and(|data| data.contains("Porcu")));
@@ -434,7 +473,7 @@ pub fn published(key: &str) -> Option<&'static str> {
     PAPERS.iter().find(|(known, _)| *known == key).map(|(_, data)| *data)
 }
 
-/// Loads papers by their keys, in the order of the keys.
+/// Loads all sections of papers by their keys, in the order of the keys.
 pub(crate) fn load(keys: &BTreeSet<String>) -> Result<Vec<Paper>, Error> {
     let chosen = PAPERS.iter().filter(|(key, _)| keys.contains(*key));
     chosen
@@ -453,7 +492,12 @@ mod tests {
     fn every_paper_is_complete() {
         let papers = load(&keys().map(String::from).collect()).unwrap();
         assert_eq!(papers.len(), PAPERS.len());
-        for (paper, key) in papers.iter().zip(keys()) {
+        for pair in papers.windows(2).filter(|pair| pair[0].key == pair[1].key) {
+            let head = |paper: &Paper| (paper.authors.clone(), paper.title.clone(), paper.year);
+            assert_eq!(head(&pair[0]), head(&pair[1]));
+            assert_ne!(pair[0].section, pair[1].section);
+        }
+        for (paper, (key, _)) in papers.iter().zip(PAPERS) {
             assert_eq!(paper.key, key);
             for table in &paper.tables {
                 let published = table.columns.iter().filter(|column| !column.ours).count();
@@ -466,6 +510,7 @@ mod tests {
                         Quantity::Levels { flags, .. } | Quantity::Recovery { flags, .. } => {
                             assert!(parse_levels(flags).is_ok(), "{flags}")
                         }
+                        Quantity::Views { flags, .. } => assert!(parse_method(flags).is_ok(), "{flags}"),
                         _ => (),
                     }
                 }

@@ -2,11 +2,11 @@
 
 use serde::Serialize;
 
-use super::paper::{LeftOut, ModelSize, Tolerance};
+use super::paper::{LeftOut, ModelSize, PublishedSize, Tolerance};
 use super::verdict::Verdict;
 
 /// A paper with published and measured values.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Default, Serialize)]
 #[non_exhaustive]
 pub struct PaperReport {
     /// The number of the paper.
@@ -33,7 +33,7 @@ pub(crate) struct RowReport {
     pub(crate) model: String,
     /// The measured file.
     pub(crate) file: Option<String>,
-    pub(crate) published: ModelSize,
+    pub(crate) published: PublishedSize,
     pub(crate) measured: Option<ModelSize>,
     /// Whether the file has faces of more than three corners.
     pub(crate) polygons: Option<bool>,
@@ -92,16 +92,13 @@ pub(crate) struct BesideReport {
 pub(crate) struct ChartReport {
     pub(crate) name: String,
     pub(crate) file: String,
+    /// None for a picture.
     pub(crate) panels: Vec<PanelReport>,
+    /// Whether any panel has a point, or a picture its model.
     #[serde(skip)]
-    pub(crate) svg: String,
-}
-
-impl ChartReport {
-    /// Returns whether any panel has a point.
-    pub(super) fn is_measured(&self) -> bool {
-        self.panels.iter().flat_map(|panel| &panel.series).any(|series| !series.points.is_empty())
-    }
+    pub(crate) is_measured: bool,
+    #[serde(skip)]
+    pub(crate) contents: Vec<u8>,
 }
 
 #[derive(Debug, Serialize)]

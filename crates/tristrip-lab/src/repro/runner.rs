@@ -12,6 +12,8 @@ use super::measured::{Extras, MeasuredModel};
 use super::observer::ReproObserver;
 use super::paper::ModelSet;
 use super::recipe::Recipe;
+use super::view_data::TreeOrder;
+use super::view_figures::ViewRequests;
 use crate::error::{Error, system_message};
 
 /// The models on which something is measured.
@@ -28,6 +30,8 @@ struct ModelScope {
     recovery: BTreeSet<String>,
     /// Models for which components are measured, too.
     components: BTreeSet<String>,
+    /// Models for which Skip Strips are measured, too, by the order of their merge trees.
+    views: BTreeMap<String, BTreeMap<TreeOrder, ViewRequests>>,
 }
 
 impl ModelScope {
@@ -41,6 +45,7 @@ impl ModelScope {
             levels: self.levels.contains(name),
             recovery: self.recovery.contains(name),
             components: self.components.contains(name),
+            views: self.views.get(name).cloned().unwrap_or_default(),
         }
     }
 }
@@ -101,6 +106,18 @@ impl Runner {
     pub(super) fn request_recovery(&mut self, recipe: Recipe, model: &str) {
         self.requested.entry(recipe.clone()).or_default().recovery.insert(model.into());
         self.request(recipe, model);
+    }
+
+    /// Requests the merge tree of a model over the strips of a recipe, and returns what is requested of its views.
+    pub(super) fn request_views(
+        &mut self,
+        recipe: Recipe,
+        model: &str,
+        order: TreeOrder,
+    ) -> &mut ViewRequests {
+        self.request(recipe.clone(), model);
+        let views = &mut self.requested.entry(recipe).or_default().views;
+        views.entry(model.into()).or_default().entry(order).or_default()
     }
 
     /// Requests the strips of a recipe, and which components one of them draws.

@@ -1,10 +1,13 @@
 //! The statistics of claims: one number over several models.
 
+use std::collections::BTreeSet;
+
 use tristrip::vertex_cache::{FlushPolicy, Replacement};
 
+use super::comparison::measured_values;
 use super::identity::{Identity, identify};
 use super::measured::{CACHE_ENTRIES, MeasuredModel, ONE_STRIP_COMPONENTS};
-use super::paper::{ChartKind, ModelSet, Paper, SavingOver, Statistic};
+use super::paper::{ChartKind, ModelSet, Paper, PublishedRow, SavingOver, Statistic};
 use super::recipe::Recipe;
 use super::runner::Runner;
 
@@ -36,6 +39,9 @@ pub(super) fn request(statistic: &Statistic, other: Option<ModelSet>, paper: &Pa
         Statistic::RecoveryOf { flags, model, .. } => {
             runner.request_recovery(flags.as_str().into(), model);
         }
+        Statistic::ViewsOf { flags, order, model, .. } => {
+            runner.request_views(flags.as_str().into(), model, *order);
+        }
         Statistic::Mesh { model, .. } => runner.request_mesh(model),
         Statistic::StripsOf { flags, than, model, .. } => {
             let all = std::iter::once(flags).chain(than);
@@ -44,8 +50,11 @@ pub(super) fn request(statistic: &Statistic, other: Option<ModelSet>, paper: &Pa
         Statistic::OneStripComponents { flags, model } => {
             runner.request_components(flags.as_str().into(), model);
         }
-        // The charts request their own measurements.
-        Statistic::LruSaving { .. } | Statistic::SavedBy { .. } | Statistic::Speed { .. } => (),
+        // The tables and charts request their own measurements.
+        Statistic::Columns { .. }
+        | Statistic::LruSaving { .. }
+        | Statistic::SavedBy { .. }
+        | Statistic::Speed { .. } => (),
     }
 }
 
@@ -109,10 +118,15 @@ fn stand_ins(statistic: &Statistic, other: Option<ModelSet>, paper: &Paper, runn
         }
         Statistic::LevelsOf { model, .. }
         | Statistic::RecoveryOf { model, .. }
+        | Statistic::ViewsOf { model, .. }
         | Statistic::Mesh { model, .. }
         | Statistic::StripsOf { model, .. }
         | Statistic::OneStripComponents { model, .. }
         | Statistic::Speed { model, .. } => usize::from(is_other(model)),
+        Statistic::Columns { table, of, than, .. } => {
+            let files = cells(table, (of, than), paper, runner).into_iter().map(|(file, _)| file);
+            files.collect::<BTreeSet<_>>().into_iter().filter(|file| is_other(file)).count()
+        }
         // They leave stand-ins out.
         Statistic::LruSaving { .. } | Statistic::SavedBy { .. } => 0,
     }
@@ -175,6 +189,15 @@ fn value(
         Statistic::RecoveryOf { figure, flags, model } => {
             Some((runner.model(model)?.recovery(&flags.as_str().into(), figure)?, 1))
         }
+        Statistic::ViewsOf { figure, flags, order, model } => {
+            let views = runner.model(model)?.views(&flags.as_str().into())?;
+            Some((views.get(*order, None, figure)?, 1))
+        }
+        Statistic::Columns { over, table, of, than } => {
+            let (files, pairs): (BTreeSet<_>, Vec<_>) =
+                cells(table, (of, than), paper, runner).into_iter().unzip();
+            saving(&pairs, *over).map(|saving| (saving, files.len()))
+        }
         Statistic::Mesh { figure, model } => Some((runner.model(model)?.mesh(figure)?, 1)),
         Statistic::StripsOf { figure, flags, than, model } => {
             let of = |flags: &String| runner.model(model)?.strips(&flags.as_str().into(), figure);
@@ -203,6 +226,23 @@ fn value(
         }
         Statistic::Speed { chart, model } => speed(chart, model, paper, runner).map(|times| (times, 1)),
     }
+}
+
+/// Returns the measured cells of two columns of a table, with the file of each row. Rows without one of them are left out.
+fn cells<'a>(
+    table: &str,
+    (of, than): (&str, &str),
+    paper: &'a Paper,
+    runner: &Runner,
+) -> Vec<(&'a str, (f64, f64))> {
+    let Some(table) = paper.tables.iter().find(|known| known.name == table) else { return Vec::new() };
+    let at = |name: &str| table.columns.iter().position(|column| column.name == name);
+    let (Some(of), Some(than)) = (at(of), at(than)) else { return Vec::new() };
+    let cells = |row: &'a PublishedRow| {
+        let values = measured_values(row, &table.columns, runner);
+        Some((row.file.as_deref()?, (values[of]?, values[than]?)))
+    };
+    table.rows.iter().filter_map(cells).collect()
 }
 
 /// Returns the transmitted vertices by vertex-cache size, for LRU and FIFO, of each measured model of a chart that is no stand-in.

@@ -95,7 +95,7 @@ fn claims_and_remarks_state_what_follows_from_the_cells() {
     assert_eq!(claim("section 5", "percent_base_dtfs").0, "102.0");
     let bunny = paper.table("table 1").rows.iter().find(|row| row.model == "Bunny").unwrap();
     assert_eq!(format!("{}", 3.0 * bunny.published[1]), "10413");
-    let unused = bunny.vertices as f64 - bunny.published[0] - bunny.published[2];
+    let unused = bunny.vertices.unwrap() as f64 - bunny.published[0] - bunny.published[2];
     assert_eq!(format!("{unused}"), "1114");
     assert!(paper.table("table 1").shows.contains("1,114"));
     // 2. Refinement: the printed savings are those of 14 + 2 u bytes.
