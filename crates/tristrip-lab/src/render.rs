@@ -29,6 +29,7 @@ mod encoding;
 mod options;
 #[cfg(test)]
 mod oracle;
+mod painted;
 mod raster;
 mod scene;
 mod shader;
@@ -46,6 +47,7 @@ use crate::error::Error;
 use camera::Camera;
 use encoding::encode;
 pub use options::{MAX_SIZE, Mode, RenderOptions, View};
+use painted::{coloured, pixels_seen, plain};
 use scene::Facet;
 use shader::Shader;
 pub(crate) use sheet::{Picture, sheet};
@@ -98,20 +100,6 @@ pub fn strips_seen(
     seen(&coloured(parts)?, camera, options)
 }
 
-/// Returns the triangles of strips, in one colour per strip.
-fn coloured(parts: &[(&[[f32; 3]], &Strips)]) -> Result<Vec<Facet>, Error> {
-    let mut facets = Vec::new();
-    for (positions, strips) in parts {
-        let colours = colours::of_strips(strips);
-        let strips = strips.iter().zip(colours);
-        let triangles = strips.flat_map(|(strip, colour)| {
-            tristrip::strip_triangles(strip).map(move |triangle| (triangle, colour))
-        });
-        scene::add_part(&mut facets, positions, triangles)?;
-    }
-    Ok(facets)
-}
-
 /// Draws triangles, three indices each, in one colour. A part is its positions and its triangles. Returns the bytes of a PNG file.
 ///
 /// # Errors
@@ -151,34 +139,9 @@ pub fn triangles_seen(
     seen(&plain(parts)?, camera, options)
 }
 
-/// Returns triangles in one colour.
-fn plain(parts: &[(&[[f32; 3]], &[u32])]) -> Result<Vec<Facet>, Error> {
-    let mut facets = Vec::new();
-    for (positions, corners) in parts {
-        let (triangles, _) = corners.as_chunks();
-        let triangles = triangles.iter().map(|&triangle| (triangle, colours::PLAIN));
-        scene::add_part(&mut facets, positions, triangles)?;
-    }
-    Ok(facets)
-}
-
 /// Draws triangles as a camera sees them, and encodes them.
 fn seen(facets: &[Facet], camera: &lod::Camera, options: &RenderOptions) -> Result<Vec<u8>, Error> {
     encode(&pixels_seen(facets, camera, options)?, options)
-}
-
-/// Draws triangles as a camera sees them.
-fn pixels_seen(
-    facets: &[Facet],
-    camera: &lod::Camera,
-    options: &RenderOptions,
-) -> Result<Vec<[u8; 4]>, Error> {
-    let camera = Camera::of_view(camera, options)?;
-    let mut seen = Vec::with_capacity(facets.len());
-    for facet in facets {
-        camera.clip(facet, &mut seen)?;
-    }
-    Ok(raster::draw(&seen, &Shader::plain(&camera), options))
 }
 
 /// Draws triangles as large as the picture allows, and encodes them.

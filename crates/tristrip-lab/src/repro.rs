@@ -18,12 +18,14 @@ mod observer;
 mod page;
 mod paper;
 mod paper_report;
+mod papers;
 mod printed;
 mod recipe;
 mod recovery_figures;
 mod runner;
 mod searches;
 mod statistics;
+mod table_values;
 mod verdict;
 mod view_data;
 mod view_figures;
@@ -38,8 +40,8 @@ use coverage::Coverage;
 pub use observer::ReproObserver;
 use page::PageSection;
 use paper::Paper;
-pub use paper::{keys, published, sections};
 pub use paper_report::PaperReport;
+pub use papers::{keys, published, sections};
 use runner::Runner;
 use tristrip_pipeline::text::counted;
 
@@ -123,7 +125,7 @@ pub fn reproduce(
     report.models = models.display().to_string();
     // Before the measurements, which take minutes.
     let folder = create_folder(output)?;
-    let papers = paper::load(&selection.papers)?;
+    let papers = papers::load(&selection.papers)?;
     let is_selected = |paper: &Paper| selection.contains(&paper.key, &paper.section);
     let mut runner = Runner::new(models)?;
     for paper in papers.iter().filter(|paper| is_selected(paper)) {

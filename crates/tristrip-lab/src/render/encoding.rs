@@ -9,23 +9,44 @@ const GREYS: u8 = 40;
 /// The difference of the channels up to which a pixel is grey.
 const GREY: u8 = 24;
 
-/// Encodes opaque pixels as a PNG file of 256 colours, which has a fifth of the size: a cube of six levels of each channel, and 40 greys.
-pub(super) fn encode_few(pixels: &[[u8; 4]], options: &RenderOptions) -> Result<Vec<u8>, Error> {
+/// Encodes pixels as a PNG file.
+pub(super) fn encode(pixels: &[[u8; 4]], options: &RenderOptions) -> Result<Vec<u8>, Error> {
+    let (colour, data): (_, Vec<u8>) = match options.background {
+        Some(_) => (png::ColorType::Rgb, pixels.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect()),
+        None => (png::ColorType::Rgba, pixels.as_flattened().to_vec()),
+    };
+    file(options, colour, &data, |_| ())
+}
+
+/// Returns a file of eight bits per sample, with what is set beside the colours.
+fn file(
+    options: &RenderOptions,
+    colour: png::ColorType,
+    data: &[u8],
+    set: impl FnOnce(&mut png::Encoder<'_, &mut Vec<u8>>),
+) -> Result<Vec<u8>, Error> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, options.width, options.height);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-    encoder.set_color(png::ColorType::Indexed);
-    encoder.set_palette(palette());
-    encoder.set_compression(png::Compression::High);
-    // Differences of palette indices mean nothing.
-    encoder.set_filter(png::Filter::NoFilter);
-    let data: Vec<u8> = pixels.iter().map(|&[r, g, b, _]| index([r, g, b])).collect();
+    encoder.set_color(colour);
+    set(&mut encoder);
     let picture = |error: png::EncodingError| Error::Picture(error.to_string());
     let mut writer = encoder.write_header().map_err(picture)?;
-    writer.write_image_data(&data).map_err(picture)?;
+    writer.write_image_data(data).map_err(picture)?;
     writer.finish().map_err(picture)?;
     Ok(bytes)
+}
+
+/// Encodes opaque pixels as a PNG file of 256 colours, which has a fourth of the size: a cube of six levels of each channel, and 40 greys.
+pub(super) fn encode_few(pixels: &[[u8; 4]], options: &RenderOptions) -> Result<Vec<u8>, Error> {
+    let data: Vec<u8> = pixels.iter().map(|&[r, g, b, _]| index([r, g, b])).collect();
+    file(options, png::ColorType::Indexed, &data, |encoder| {
+        encoder.set_palette(palette());
+        encoder.set_compression(png::Compression::High);
+        // Differences of palette indices mean nothing.
+        encoder.set_filter(png::Filter::NoFilter);
+    })
 }
 
 /// Returns the colours in the order of their indices: the greys, then the cube.
@@ -45,24 +66,6 @@ fn index([r, g, b]: [u8; 3]) -> u8 {
         let [r, g, b] = [r, g, b].map(|value| level(value, LEVELS));
         GREYS + (r * LEVELS + g) * LEVELS + b
     }
-}
-
-/// Encodes pixels as a PNG file.
-pub(super) fn encode(pixels: &[[u8; 4]], options: &RenderOptions) -> Result<Vec<u8>, Error> {
-    let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, options.width, options.height);
-    encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-    let (colour, data): (_, Vec<u8>) = match options.background {
-        Some(_) => (png::ColorType::Rgb, pixels.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect()),
-        None => (png::ColorType::Rgba, pixels.as_flattened().to_vec()),
-    };
-    encoder.set_color(colour);
-    let picture = |error: png::EncodingError| Error::Picture(error.to_string());
-    let mut writer = encoder.write_header().map_err(picture)?;
-    writer.write_image_data(&data).map_err(picture)?;
-    writer.finish().map_err(picture)?;
-    Ok(bytes)
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use tristrip::{Strips, lod};
 
 use super::encoding::encode_few;
 use super::options::RenderOptions;
-use super::{coloured, pixels_seen, plain};
+use super::painted::{coloured, pixels_seen, plain};
 use crate::error::Error;
 
 /// The pictures in a row.

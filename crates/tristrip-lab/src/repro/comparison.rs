@@ -5,9 +5,9 @@ use super::paper::{Claim, Expects, Paper, PublishedColumn, PublishedRow, Publish
 use super::paper_report::{
     BesideReport, CellReport, ChartReport, ClaimReport, PaperReport, RowReport, TableReport,
 };
-use super::recipe::Recipe;
 use super::runner::Runner;
 use super::statistics::{self, Computed};
+use super::table_values::{measured_values, recipe};
 use super::verdict::{Verdict, rounded, row_verdict};
 
 /// Requests the measurements of a paper's tables and claims.
@@ -33,16 +33,6 @@ pub(super) fn request(paper: &Paper, runner: &mut Runner) {
         if claim.beside.is_some() {
             statistics::request(&claim.statistic, claim.beside, paper, runner);
         }
-    }
-}
-
-fn recipe(quantity: &Quantity) -> Option<Recipe> {
-    match quantity {
-        Quantity::Strips { flags, steps, .. } => Some(Recipe { flags: flags.clone(), steps: *steps }),
-        Quantity::Levels { flags, .. } | Quantity::Recovery { flags, .. } | Quantity::Views { flags, .. } => {
-            Some(flags.as_str().into())
-        }
-        _ => None,
     }
 }
 
@@ -111,34 +101,6 @@ fn compare_row(row: &PublishedRow, columns: &[PublishedColumn], runner: &Runner)
         columns: cells,
         verdict,
     }
-}
-
-/// Returns the measured values of a row; savings are computed from the other columns.
-pub(super) fn measured_values(
-    row: &PublishedRow,
-    columns: &[PublishedColumn],
-    runner: &Runner,
-) -> Vec<Option<f64>> {
-    let model = row.file.as_ref().and_then(|name| runner.model(name));
-    let value = |quantity: &Quantity| match quantity {
-        Quantity::Strips { figure, .. } => model?.strips(&recipe(quantity)?, figure),
-        Quantity::Levels { figure, .. } => model?.levels(&recipe(quantity)?, figure),
-        Quantity::Recovery { figure, .. } => model?.recovery(&recipe(quantity)?, figure),
-        Quantity::Views { order, figure, .. } => {
-            model?.views(&recipe(quantity)?)?.get(*order, row.detail(), figure)
-        }
-        Quantity::Mesh(figure) => model?.mesh(figure),
-        Quantity::Saving { .. } | Quantity::Unmeasured => None,
-    };
-    let values: Vec<Option<f64>> = columns.iter().map(|column| value(&column.quantity)).collect();
-    let with_savings = columns.iter().zip(&values).map(|(column, value)| match column.quantity {
-        Quantity::Saving { of, than } => {
-            let (of, than) = (values.get(of).copied()??, values.get(than).copied()??);
-            (than > 0.0).then(|| 100.0 * (1.0 - of / than))
-        }
-        _ => *value,
-    });
-    with_savings.collect()
 }
 
 fn compare_claim(claim: &Claim, paper: &Paper, runner: &Runner) -> ClaimReport {

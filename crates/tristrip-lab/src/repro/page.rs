@@ -300,7 +300,7 @@ mod tests {
 
     #[test]
     fn a_page_keeps_the_blocks_of_sections_that_are_not_measured() {
-        let papers = super::super::paper::load(&["000".to_owned()].into()).unwrap();
+        let papers = super::super::papers::load(&["000".to_owned()].into()).unwrap();
         let [strips, skip] = &papers[..] else { panic!("{} sections", papers.len()) };
         let report = |name: &str| PaperReport {
             tables: vec![TableReport { name: name.into(), rows: Vec::new() }],

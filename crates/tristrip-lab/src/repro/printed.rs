@@ -91,7 +91,8 @@ mod paper_001;
 
 #[cfg(test)]
 mod tests {
-    use super::super::paper::{Expects, ModelSet, PublishedColumn, Quantity, Statistic, keys, load};
+    use super::super::paper::{Expects, ModelSet, PublishedColumn, Quantity, Statistic};
+    use super::super::papers::{keys, load};
     use super::*;
 
     fn papers() -> Vec<Paper> {

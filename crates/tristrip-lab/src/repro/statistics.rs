@@ -4,12 +4,12 @@ use std::collections::BTreeSet;
 
 use tristrip::vertex_cache::{FlushPolicy, Replacement};
 
-use super::comparison::measured_values;
 use super::identity::{Identity, identify};
 use super::measured::{CACHE_ENTRIES, MeasuredModel, ONE_STRIP_COMPONENTS};
 use super::paper::{ChartKind, ModelSet, Paper, PublishedRow, SavingOver, Statistic};
 use super::recipe::Recipe;
 use super::runner::Runner;
+use super::table_values::measured_values;
 
 /// The value of a statistic.
 #[derive(Debug, Clone, Copy, PartialEq)]

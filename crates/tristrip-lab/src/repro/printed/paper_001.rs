@@ -1,6 +1,7 @@
 //! Paper 001: every printed number that follows from other printed ones is computed again.
 
-use super::super::paper::{Claim, Paper, PrintedSavings, PublishedRow, PublishedTable, Statistic, load};
+use super::super::paper::{Claim, Paper, PrintedSavings, PublishedRow, PublishedTable, Statistic};
+use super::super::papers::load;
 
 fn paper() -> Paper {
     load(&["001".to_owned()].into()).unwrap().remove(0)
