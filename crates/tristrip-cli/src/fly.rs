@@ -41,8 +41,9 @@ struct FlySeconds {
 #[derive(Debug, Serialize)]
 struct FlyReport {
     file: String,
+    /// None for a `.tlod` file, which has strips of its own.
     #[serde(flatten)]
-    method: MethodReport,
+    method: Option<MethodReport>,
     filter: String,
     /// The name of the path, or its file.
     path: String,
@@ -75,7 +76,7 @@ impl InputReport for FlyReport {
 pub(crate) fn run(task: &FlyTask, console: &mut Console) -> bool {
     let new_report = |task: &FlyTask| FlyReport {
         file: task.input.name(),
-        method: MethodReport::of(&task.options),
+        method: Some(MethodReport::of(&task.options)),
         filter: task.filter.to_string(),
         path: task.path.name(),
         proven: None,
@@ -114,6 +115,7 @@ fn flown(task: &FlyTask, console: &Console, report: &mut FlyReport) -> Result<()
     report.seconds = FlySeconds { load, stripify, simplify, build, fly: None };
     (report.stopped, report.notes) = (stopped, notes);
     let (mesh, model) = built?;
+    report.method = report.method.take().filter(|_| stripify.is_some());
     report.collapses = Some(model.levels().collapse_count());
     report.triangles_base = Some(model.levels().triangle_count(0)?);
     report.triangles_full = Some(model.levels().triangle_count(model.levels().collapse_count())?);
@@ -148,7 +150,7 @@ fn flown(task: &FlyTask, console: &Console, report: &mut FlyReport) -> Result<()
         );
     }
     if let Some(path) = &task.report {
-        write(path, &page(task, &model, &rows), console, "report")?;
+        write(path, &page(task, report.method.as_ref(), &model, &rows), console, "report")?;
         report.report = Some(path.display().to_string());
     }
     if let Some(path) = &task.plot {
@@ -182,7 +184,7 @@ fn cameras(task: &FlyTask, read: Option<FlightPath>, mesh: &Mesh) -> Result<Vec<
 }
 
 /// Returns the page of a flight.
-fn page(task: &FlyTask, model: &SkipStrips, rows: &[FrameRow]) -> String {
+fn page(task: &FlyTask, method: Option<&MethodReport>, model: &SkipStrips, rows: &[FrameRow]) -> String {
     let criteria = &task.criteria;
     let [columns, height] = task.lens.image;
     let pixels = criteria.pixels();
@@ -194,13 +196,13 @@ fn page(task: &FlyTask, model: &SkipStrips, rows: &[FrameRow]) -> String {
         format!(" growing by {} per degree from {x}, {y} of the image,", foveation.growth())
     });
     let how = format!(
-        "Path {}, {columns} × {height} pixels, {} degrees; error {pixels} px,{} filter {}; strips by {}. \
+        "Path {}, {columns} × {height} pixels, {} degrees; error {pixels} px,{} filter {}; strips {}. \
          Vertex tree of height {} with {}, {} bytes with the strips of the full mesh.{}{}",
         task.path.name(),
         task.lens.field_of_view,
         foveation.unwrap_or_default(),
         task.filter,
-        MethodReport::of(&task.options).description(),
+        method.map_or("of the file".into(), |method| format!("by {}", method.description())),
         model.height(),
         counted(model.levels().collapse_count(), "collapse"),
         count(model.memory_by_part().iter().sum()),

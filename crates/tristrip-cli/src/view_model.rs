@@ -9,7 +9,7 @@ use tristrip::lod::SkipStrips;
 use tristrip::simplify::{MergeOrder, SimplifyOptions, merge_tree};
 use tristrip::{CollapseSequence, Mesh, StripifyOptions, Strips};
 use tristrip_io::tlod::{self, TlodLimits, TlodModel};
-use tristrip_pipeline::text::{count, counted};
+use tristrip_pipeline::text::counted;
 use tristrip_pipeline::{PreparedModel, Search, Stopped};
 
 use crate::console::Console;
@@ -119,8 +119,8 @@ fn build(
     let (model, seconds) = timed(|| SkipStrips::new(strips, sequence, mesh.positions()));
     let model = Arc::new(model?);
     building.build = Some(seconds);
-    let base = count(model.levels().triangle_count(0)?);
-    console.stage("build", &format!("vertex tree over a base mesh of {base} triangles"), building.build);
+    let base = counted(model.levels().triangle_count(0)?, "triangle");
+    console.stage("build", &format!("vertex tree over a base mesh of {base}"), building.build);
     Ok((mesh, model))
 }
 
