@@ -73,12 +73,17 @@ pub(super) struct Cut {
 }
 
 impl ClusterHierarchy {
-    /// Builds the hierarchy with meshoptimizer's default configuration for rasterization.
+    /// Builds the hierarchy with meshoptimizer's default configuration for rasterization, but for what positions without attributes need.
     pub(super) fn build(mesh: &Mesh) -> Result<Self, Failure> {
         let indices = mesh.faces().as_triangles().ok_or("meshoptimizer accepts only triangles")?;
         let vertices = adapter(mesh.positions())?;
-        // Clusters are culled by their own spheres instead of those of their groups.
-        let config = ClodConfig { optimize_bounds: true, ..meshopt::clod_default_config(CLUSTER_TRIANGLES) };
+        // Clusters are culled by their own spheres instead of those of their groups. There are no attributes whose seams a permissive simplification would
+        // have to cross; on the dragon, it leaves points 4 pixels away at a stated error of 0.1, and this one 0.14.
+        let config = ClodConfig {
+            optimize_bounds: true,
+            simplify_permissive: false,
+            ..meshopt::clod_default_config(CLUSTER_TRIANGLES)
+        };
         let mut hierarchy = Self { clusters: Vec::new(), groups: Vec::new(), strips: Vec::new() };
         let mut lists = Vec::new();
         meshopt::clod_build(config, &ClodMesh::new(indices, &vertices), |group, clusters| {

@@ -25,8 +25,9 @@ figures are their medians. Milliseconds are medians of all frames but the first,
   merge tree. In most frames the level stays.
 - *meshopt simplify*: meshoptimizer simplifies the whole model for each frame to as many triangles as the view has, without regard to the
   camera; then its strips, or its order for the vertex cache. It does not keep the allowed error: *stated px* is its error at the nearest vertex in the image.
-- *clusterlod*: meshoptimizer's hierarchy of clusters of up to {CLUSTER_TRIANGLES} triangles, as it is built by default for rasterization, in the way of Nanite: today's usual
-  answer. A frame is a cut through the hierarchy at the same error in pixels. Clusters outside of the image are not drawn, and each is drawn by
+- *clusterlod*: meshoptimizer's hierarchy of clusters of up to {CLUSTER_TRIANGLES} triangles, as it is built by default for rasterization, but not permissive, because there are
+  no attributes and its distances are smaller so. It works in the way of Nanite, today's
+  usual answer. A frame is a cut through the hierarchy at the same error in pixels. Clusters outside of the image are not drawn, and each is drawn by
   strips of `best` that were made with the hierarchy. In the five frames the whole cut has no cracks: no edge has one triangle, except at borders of the
   full mesh. *As many triangles* is the cut at the error that leaves as many triangles as the view by Skip Strips, found by 17 cuts per frame.
 
@@ -36,7 +37,7 @@ state, and the index buffer or the list that it draws. Positions are not counted
 
 The errors are not of one kind: Skip Strips allows surfaces that face away four times the error and silhouettes half of it, and bounds what collapses
 together need; meshoptimizer's errors are those of its own quadrics. Therefore the distance is measured, too: *rms px* and *most px* are the root mean square and the
-maximum over up to {POINTS} vertices of the full mesh that are in the image and face the eye, each with its distance from what is drawn, in pixels.
+maximum over up to {POINTS} vertices of the full mesh that are in the image and face the eye, each with its distance from what is drawn, in pixels. No stated error is a bound of it.
 
 {table}
 The best by each figure: the first five of those that state no larger error than allowed, the last one of all with no more triangles than Skip Strips.
@@ -44,12 +45,13 @@ The best by each figure: the first five of those that state no larger error than
 {best}
 Who wins in what:
 - Skip Strips adapts vertex by vertex. It needs the fewest triangles of those that keep the allowed error, and with as many triangles it is the nearest to the
-  full mesh. Repaired strips also send the fewest vertices, but take too long for each frame; `dtfs` sends more per triangle.
-- clusterlod wins in all else: a small part of the time per frame, a fraction of the memory, next to nothing per view, and the fewest
-  vertices transformed. Its clusters never change, so that nothing is uploaded per frame but their numbers. Where the processor of vertices is the limit,
-  and not the number of triangles, it is the better answer.
+  full mesh. Repaired strips also send the fewest vertices, but take many times as long per frame; `dtfs` sends more per triangle.
+- clusterlod chooses a frame in a small part of the time of Skip Strips, with a fraction of its memory, next to nothing per view, and about half of the
+  vertices transformed per triangle. At the allowed error it draws more triangles, and its measured distances are smaller; with as many triangles they are
+  larger. Its clusters never change, so that nothing is uploaded per frame but their numbers. Where the time per frame, the
+  memory or the vertices transformed are the limit, and not the number of triangles, it is the better answer.
 - blocks at one level takes next to no time and sends few vertices per triangle, but draws the whole model as finely as its nearest vertex needs.
-- Simplifying the model for each frame takes the longest, and spends its triangles on what is far away or not seen.
+- Simplifying the model for each frame takes much longer than the update of Skip Strips, and spends triangles on what is far away or not seen.
 "
     )
 }
