@@ -11,6 +11,8 @@ use tristrip_io::Model;
 
 /// The largest magnitude of a number of a transform: products with positions stay far from the limits of a float.
 const MOST: f64 = 1e30;
+/// Scales that differ by less are the same: a rotation has a scale of 1 except for rounding.
+pub(crate) const SAME_SCALE: f64 = 1e-6;
 /// How far a transform may be from one that keeps angles, relative to the square of its scale.
 const SIMILAR: f64 = 1e-4;
 
@@ -82,7 +84,7 @@ impl Place {
     /// Returns a camera of the scene and its criteria in the coordinates of the part; `None` if angles do not stay as they are, or numbers become
     /// too large.
     ///
-    /// An error covers as many pixels there: lengths and distances change by the same factor.
+    /// An error in the units of the part covers as many pixels there: lengths and distances change by the same factor.
     pub(crate) fn inward(&self, camera: &Camera, criteria: &ViewCriteria) -> Option<(Camera, ViewCriteria)> {
         if *self == Self::IDENTITY {
             return Some((*camera, *criteria));

@@ -210,6 +210,29 @@ fn parts_share_the_triangles_of_a_view() {
 }
 
 #[test]
+fn a_part_that_a_node_scales_has_the_detail_of_its_size() {
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("hand.gltf");
+    tristrip().arg("convert").arg(model("hand.ply")).arg("-o").arg(&path).assert().success();
+    let scene = fs::read_to_string(&path).unwrap();
+    let seen_at = |scale: f64, more: &[&str]| {
+        let mut scene: Value = serde_json::from_str(&scene).unwrap();
+        scene["nodes"][0]["scale"] = serde_json::json!([scale, scale, scale]);
+        fs::write(&path, scene.to_string()).unwrap();
+        let camera = format!("0,0,{}", 3.0 * scale);
+        let mut command = tristrip();
+        command.args(["lod", "--json", "-m", "stripe", "--model", "skip", "--look-at", "0,0,0", "--camera"]);
+        json(command.arg(camera).args(more).arg(&path))["triangles"].clone()
+    };
+    // The picture is the same, and so is everything that a power of two scales.
+    for more in [&["--pixels", "2"][..], &["--pixels", "0.5", "--triangles", "1000"]] {
+        let one = seen_at(1.0, more);
+        assert!(number(&one) > 100, "{one}");
+        assert_eq!([4.0, 0.25].map(|scale| seen_at(scale, more)), [one.clone(), one]);
+    }
+}
+
+#[test]
 fn cameras_of_levels_are_checked() {
     let camera = ["--model", "skip", "--camera", "0,0,9", "--look-at", "0,0,0"];
     for (arguments, message) in [

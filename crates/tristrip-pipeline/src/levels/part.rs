@@ -9,6 +9,7 @@ use tristrip::{CollapseSequence, Faces, Strips};
 use super::filter::DisplayFilter;
 use crate::error::Error;
 use crate::parts::check_vertices;
+use crate::places::SAME_SCALE;
 use crate::simplify::UsedVertices;
 
 /// A part: the strips of its full mesh, and its collapses. Both are over the vertices that its triangles use if these are few of many,
@@ -110,11 +111,12 @@ impl LevelPart {
         Ok(())
     }
 
-    /// Returns a view of the part at its base mesh, or one of its full mesh.
+    /// Returns a view of the part at its base mesh, or one of its full mesh. Its errors are in the units of its positions; those of the collapses are in
+    /// the scene, where the part has this scale.
     ///
     /// # Errors
     /// The positions are not those of the part, or one is not finite.
-    pub(super) fn view(&self, positions: &[[f32; 3]], is_full: bool) -> Result<SkipView, Error> {
+    pub(super) fn view(&self, positions: &[[f32; 3]], is_full: bool, scale: f64) -> Result<SkipView, Error> {
         if positions.len() != self.vertex_count {
             let (found, expected) = (positions.len(), self.vertex_count);
             return Err(Error::Unproven(format!("found a part of {found} vertices, expected {expected}")));
@@ -122,7 +124,13 @@ impl LevelPart {
         let mut vertices: Vec<u32> = (0..self.used.count().unwrap_or(self.vertex_count) as u32).collect();
         self.used.outward(&mut vertices);
         let positions: Vec<[f32; 3]> = vertices.iter().map(|&v| positions[v as usize]).collect();
-        let model = Arc::new(SkipStrips::new(&self.strips, &self.sequence, &positions[..])?);
+        let scaled = if is_full || (scale - 1.0).abs() < SAME_SCALE {
+            None
+        } else {
+            Some(CollapseSequence::clone(&self.sequence).with_scaled_errors(1.0 / scale)?)
+        };
+        let sequence = scaled.as_ref().unwrap_or(&self.sequence);
+        let model = Arc::new(SkipStrips::new(&self.strips, sequence, &positions[..])?);
         // A file is written once: the filter that sends the least may take its time.
         Ok(if is_full { model.full_view() } else { model.view_by(Filter::Linked) })
     }

@@ -55,11 +55,11 @@ pub(super) fn displayed(
         return Err(Error::Unproven(format!("found a model of {found} parts, expected {expected}")));
     }
     let places = Places::of(model);
-    let cameras = places.of_part.iter().map(|&list| match &places.lists[list][..] {
-        [place] => place.inward(camera, criteria),
-        _ => None,
+    let seen = places.of_part.iter().map(|&list| match &places.lists[list][..] {
+        [place] => (place.inward(camera, criteria), place.scale()),
+        _ => (None, 1.0),
     });
-    let cameras: Vec<Option<Seen>> = cameras.collect();
+    let (cameras, scales): (Vec<Option<Seen>>, Vec<f64>) = seen.unzip();
     let mut notes: Vec<String> = places.note().into_iter().collect();
     let full_count = cameras.iter().filter(|camera| camera.is_none()).count();
     if full_count > 0 {
@@ -71,8 +71,10 @@ pub(super) fn displayed(
             "each part has detail of its own: borders between parts may open by the allowed error".into(),
         );
     }
-    let pairs: Vec<_> = parts.iter().zip(&model.parts).zip(&cameras).collect();
-    let views = map(&pairs, |((part, model), camera)| part.view(model.mesh.positions(), camera.is_none()));
+    let pairs: Vec<_> = parts.iter().zip(&model.parts).zip(cameras.iter().zip(&scales)).collect();
+    let views = map(&pairs, |((part, model), (camera, scale))| {
+        part.view(model.mesh.positions(), camera.is_none(), **scale)
+    });
     let mut views = views.into_iter().collect::<Result<Vec<SkipView>, Error>>()?;
     choose_detail(&mut views, &cameras, criteria)?;
     if let Some(budget) = criteria.budget() {

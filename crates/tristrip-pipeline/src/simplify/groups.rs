@@ -37,9 +37,7 @@ use crate::collapses::Collapses;
 use crate::error::Error;
 use crate::goal::Deviation;
 use crate::parts::map;
-
-/// Scales that differ by less are the same: a rotation has a scale of 1 except for rounding.
-const SAME_SCALE: f64 = 1e-6;
+use crate::places::SAME_SCALE;
 
 /// The part of its triangles that a group drops in a round, and the least number.
 const ROUND: (usize, usize) = (16, 4);

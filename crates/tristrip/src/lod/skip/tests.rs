@@ -423,3 +423,52 @@ fn views_from_anywhere_are_valid() {
     // Spheres of large collapses still reach into the image.
     assert!(view.triangle_count() < 60, "{}", view.triangle_count());
 }
+
+/// Flies through the hills and back, then stands still; returns the triangles of the frames from there on.
+fn triangles_after_a_dive(pixels: f32, budget: usize) -> Vec<usize> {
+    let mut view = hills(60).view();
+    let criteria = ViewCriteria::new(pixels).unwrap().with_budget(budget);
+    let away = [30.0, 20.0, 90.0];
+    let heights = (0..40).map(|frame| 30.0 - (frame as f32 - 20.0).abs());
+    for x in heights {
+        let eye = [x, 0.2, 30.0];
+        view.update(&Camera::new(eye, [60.0, 0.0, 30.0]).unwrap(), &criteria).unwrap();
+        assert!(view.triangle_count() <= budget);
+    }
+    let camera = Camera::new(away, [30.0, 0.0, 30.0]).unwrap();
+    (0..30).map(|_| (view.update(&camera, &criteria).unwrap(), view.triangle_count()).1).collect()
+}
+
+#[test]
+fn a_budget_is_used_again_after_the_eye_was_within_the_surface() {
+    for budget in [300, 1500] {
+        let counts = triangles_after_a_dive(0.01, budget);
+        assert!(counts[20..].iter().all(|&count| 10 * count >= 8 * budget), "{budget}: {counts:?}");
+    }
+}
+
+#[test]
+fn without_an_allowed_error_a_budget_goes_where_the_errors_are_largest() {
+    let model = hills(60);
+    let least = ViewCriteria::new(0.0).unwrap().with_budget(800);
+    let cameras =
+        [[-20.0, 15.0, 30.0], [80.0, 15.0, 30.0]].map(|eye| Camera::new(eye, [30.0, 0.0, 30.0]).unwrap());
+    let drawn = |first: usize, then: usize| {
+        let mut view = model.view();
+        view.update(&cameras[first], &least).unwrap();
+        for _ in 0..40 {
+            view.update(&cameras[then], &least).unwrap();
+        }
+        (view.triangle_count(), view.collapses_done().collect::<HashSet<usize>>())
+    };
+    let [(count, there), (_, moved), (_, here)] = [drawn(1, 1), drawn(0, 1), drawn(0, 0)];
+    assert!((640..=800).contains(&count), "{count}");
+    // A view that came from elsewhere is nearer to one that was there all the time than to where it came from.
+    let differ = |a: &HashSet<usize>, b: &HashSet<usize>| a.symmetric_difference(b).count();
+    assert!(
+        4 * differ(&moved, &there) < differ(&moved, &here),
+        "{} {}",
+        differ(&moved, &there),
+        differ(&moved, &here)
+    );
+}

@@ -20,8 +20,9 @@ use crate::mesh::is_degenerate;
 use crate::strip::{Strips, strip_triangles};
 pub use geomorphs::{ViewGeomorphs, ViewSnapshot};
 
-/// The factor by which a frame lowers it again where there is room.
+/// The factors by which a frame lowers it again where there is room: where there is little, and at most.
 const FALL: f64 = 0.98;
+const STEEPEST_FALL: f64 = 0.5;
 /// The share of a budget below which there is room.
 const ROOM: f64 = 0.95;
 /// The factor by which the allowed error rises until a smaller budget is kept, and the largest one that is tried.
@@ -197,7 +198,9 @@ impl SkipView {
                 self.work(frame, criteria, &mut update);
             }
             if (self.triangle_count as f64) < ROOM * budget as f64 {
-                self.scale = (FALL * self.scale).max(1.0);
+                // The triangles grow about as the allowed error falls, but what is added near the eye may take more.
+                let filled = self.triangle_count as f64 / (ROOM * budget as f64);
+                self.scale = (filled.sqrt().clamp(STEEPEST_FALL, FALL) * self.scale).max(1.0);
             }
         }
         update.segments = self.rebuild(&mut update.changed);

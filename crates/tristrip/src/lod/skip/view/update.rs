@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 use std::collections::BinaryHeap;
 use std::sync::Arc;
 
-use super::{SkipView, ViewUpdate};
+use super::{MOST_SCALE, SkipView, ViewUpdate};
 use crate::csr::Csr;
 use crate::lod::skip::bounds::{Bounds, NodeBounds};
 use crate::lod::skip::camera::CameraFrame;
@@ -23,6 +23,8 @@ struct Frame<'a> {
     criteria: Criteria,
     wanted: &'a ViewCriteria,
     schedule: Schedule,
+    /// Whether everything is looked at.
+    is_first: bool,
     splits: BinaryHeap<WantedSplit>,
 }
 
@@ -76,7 +78,9 @@ impl SkipView {
             None => Schedule::new(model.tree.len(), bounds.radius),
         };
         let mut due = std::mem::take(&mut self.due);
-        if let Some(travel) = travel.filter(|&travel| !schedule.ends_with(travel)) {
+        let travel = travel.filter(|&travel| !schedule.ends_with(travel));
+        let is_first = travel.is_none();
+        if let Some(travel) = travel {
             schedule.advance(travel, &mut due, &mut self.fresh);
             near_together(&mut due, model.tree.len());
         } else {
@@ -84,7 +88,7 @@ impl SkipView {
             due.extend(self.candidates());
             schedule.make_due(&due);
         }
-        let mut frame = Frame { criteria, wanted, schedule, splits: BinaryHeap::new() };
+        let mut frame = Frame { criteria, wanted, schedule, is_first, splits: BinaryHeap::new() };
         self.look_at(&due, bounds, &mut frame, update);
         due.clear();
         self.due = due;
@@ -132,6 +136,7 @@ impl SkipView {
         let model = Arc::clone(&self.model);
         let (tree, dependencies) = (&model.tree, &model.dependencies);
         let steps = frame.wanted.steps().unwrap_or(usize::MAX);
+        let mut unfit = Vec::new();
         let is_over = |update: &ViewUpdate| update.collapses + update.splits >= steps;
         while !is_over(update) {
             if let Some(leader) = self.wanted.pop() {
@@ -157,7 +162,14 @@ impl SkipView {
                     continue;
                 }
                 if !self.split_within(next.leader, frame.wanted.budget()) {
-                    self.scale *= next.ratio.clamp(1.0 + 1e-6, MOST_RISE);
+                    if next.ratio.is_infinite() {
+                        // The eye is within its sphere: no error that is allowed makes room.
+                        unfit.push(next.leader);
+                        continue;
+                    }
+                    // Of a view that was not looked at before, all ratios are known, and the largest that does not fit is the right one.
+                    let most = if frame.is_first { MOST_SCALE / self.scale } else { MOST_RISE };
+                    self.scale *= next.ratio.min(most).max(1.0 + 1e-6);
                     frame.splits.push(next);
                     break;
                 }
@@ -173,12 +185,12 @@ impl SkipView {
                     }
                 }
             } else {
-                return;
+                break;
             }
         }
         // What is left is wanted again at the next update.
         let splits = frame.splits.drain().map(|split| split.leader);
-        let left = self.fresh.drain(..).chain(self.wanted.drain(..)).chain(splits);
+        let left = self.fresh.drain(..).chain(self.wanted.drain(..)).chain(splits).chain(unfit);
         let before = frame.schedule.left_count();
         frame.schedule.leave(left);
         update.is_complete &= !is_over(update) || frame.schedule.left_count() == before;
