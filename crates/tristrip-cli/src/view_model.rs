@@ -1,7 +1,6 @@
 //! Loads a model for views: one mesh, with its vertex tree over the strips of the full mesh.
 
 use std::fs::File;
-use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -126,8 +125,7 @@ fn build(
 
 /// Reads a model that `build-lod` wrote, if the input is a file with this extension. Reading checks that its strips draw the triangles of its collapses.
 fn stored(input: &Input) -> Result<Option<TlodModel>, Failure> {
-    let is_tlod = |path: &&PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("tlod"));
-    let Some(path) = input.path.as_ref().filter(is_tlod) else { return Ok(None) };
+    let Some(path) = input.path.as_ref().filter(|_| input.is_tlod()) else { return Ok(None) };
     let file = File::open(path)
         .map_err(|source| tristrip_io::Error::Io { path: path.display().to_string(), source });
     let model = file.and_then(|file| tlod::read(file, &TlodLimits::default()));

@@ -8,7 +8,7 @@ use tristrip::Layout;
 use crate::error::Error;
 use crate::format::Format;
 use crate::model::{Drawing, Model};
-use crate::{gltf, obj, off, ply, stl};
+use crate::{gltf, obj, off, ply, stl, tlod};
 
 /// Reads a model from the bytes of a file. A glTF file must contain its buffers; [`read_path`](crate::read_path) also finds
 /// those in separate files.
@@ -57,7 +57,9 @@ pub(crate) fn read_in_folders(
     folders: &[&Path],
 ) -> Result<Model, Error> {
     match format {
-        Format::Gltf | Format::Glb if !bytes.is_empty() => gltf::read_in_folders(Arc::clone(bytes), folders),
+        Format::Gltf | Format::Glb if !bytes.is_empty() && !tlod::is_tlod(bytes) => {
+            gltf::read_in_folders(Arc::clone(bytes), folders)
+        }
         _ => read_other(bytes, format),
     }
 }
@@ -67,6 +69,9 @@ fn read_other(bytes: &[u8], format: Format) -> Result<Model, Error> {
     match format {
         _ if bytes.is_empty() => {
             Err(Error::format("byte 0", "an empty file", format!("a file in {}", format.name())))
+        }
+        _ if tlod::is_tlod(bytes) => {
+            Err(Error::format("byte 0", "a .tlod model of view-dependent detail", "a mesh or a scene"))
         }
         Format::Obj => obj::read(bytes),
         Format::Ply => ply::read(bytes),

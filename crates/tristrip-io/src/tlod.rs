@@ -56,3 +56,8 @@ pub use limits::{MEMORY_PER_BYTE, TlodLimits};
 pub use model::TlodModel;
 pub use read::read;
 pub use write::write;
+
+/// Checks whether bytes begin as a `.tlod` file does.
+pub(crate) fn is_tlod(bytes: &[u8]) -> bool {
+    bytes.starts_with(&sections::MAGIC)
+}

@@ -1,19 +1,19 @@
 //! Views from anywhere: whether display strips draw what they are to draw, and whether the surface folds over.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use tristrip::lod::{Camera, SkipStrips, SkipView, ViewCriteria};
 use tristrip::random::Random;
 use tristrip::simplify::{MergeOrder, SimplifyOptions, merge_tree};
-use tristrip::{Mesh, Method, StripifyOptions, stripify};
+use tristrip::{CollapseSequence, Mesh, Method, StripifyOptions, stripify};
 use tristrip_bench::failure::Failure;
 use tristrip_bench::models::{Source, load};
 use tristrip_bench::targets::Target;
 use tristrip_bench::text::Table;
 
 use crate::frames::{cross, dot, sub};
-use crate::proof::sorted;
+use crate::proof::{from_lowest, sorted};
 
 /// The views of each model.
 pub(super) const VIEWS: usize = 100;
@@ -29,6 +29,10 @@ pub(super) struct ViewFigures {
     name: String,
     triangles: usize,
     exact: usize,
+    /// The triangles of all views that no level of the merge tree has.
+    foreign: usize,
+    /// Triangles that face away from the full mesh: of the full mesh, and of the worst view.
+    turned: [usize; 2],
     /// Folded edges per thousand: of the full mesh, of the worst level of as many triangles, of all views, and of the worst view.
     folded: [f64; 4],
 }
@@ -55,14 +59,23 @@ fn look(name: &str, mesh: &Mesh) -> Result<ViewFigures, Failure> {
         name: name.into(),
         triangles: full.len(),
         exact: 0,
+        foreign: 0,
+        turned: [0; 2],
         folded: [folded(mesh, &full), 0.0, 0.0, 0.0],
     };
+    let known = triangles_of_levels(&sequence)?;
+    let normals = vertex_normals(mesh, &full);
+    figures.turned[0] = turned(mesh, &full, &normals);
     let (mut random, mut view) = (Random::new(0), model.view());
     for _ in 0..VIEWS {
         let (camera, criteria) = random_view(&mut random, mesh)?;
         view.update(&camera, &criteria)?;
         let triangles = view.renamed_triangles();
         figures.exact += usize::from(is_exact(&view, &triangles));
+        figures.foreign +=
+            triangles.iter().filter(|&&triangle| !known.contains(&from_lowest(triangle))).count();
+        let of_corners = sums_of_corners(&sequence, &view, &normals)?;
+        figures.turned[1] = figures.turned[1].max(turned(mesh, &triangles, &of_corners));
         let of_view = folded(mesh, &triangles);
         let level = sequence.drawn(sequence.level_of_triangles(triangles.len()))?;
         figures.folded[1] = figures.folded[1].max(folded(mesh, &level));
@@ -70,6 +83,82 @@ fn look(name: &str, mesh: &Mesh) -> Result<ViewFigures, Failure> {
         figures.folded[3] = figures.folded[3].max(of_view);
     }
     Ok(figures)
+}
+
+/// Returns every triangle that is drawn at some level of a sequence.
+fn triangles_of_levels(sequence: &CollapseSequence) -> Result<HashSet<[u32; 3]>, Failure> {
+    let mut drawn = sequence.drawn(sequence.len())?;
+    // The numbers of the triangles at each vertex, which lose no triangle: a degenerate one is not drawn.
+    let mut around = HashMap::<u32, Vec<usize>>::new();
+    for (number, triangle) in drawn.iter().enumerate() {
+        triangle.iter().for_each(|&v| around.entry(v).or_default().push(number));
+    }
+    let mut known: HashSet<[u32; 3]> = drawn.iter().map(|&triangle| from_lowest(triangle)).collect();
+    for collapse in sequence.iter() {
+        let mut changed = Vec::new();
+        for rename in collapse.renames {
+            let moved = around.remove(&rename.removed).unwrap_or_default();
+            for &number in &moved {
+                drawn[number].iter_mut().filter(|v| **v == rename.removed).for_each(|v| *v = rename.kept);
+            }
+            changed.extend_from_slice(&moved);
+            let kept = around.entry(rename.kept).or_default();
+            kept.extend(moved);
+            kept.retain(|&number| !is_degenerate(drawn[number]));
+        }
+        let changed = changed.into_iter().map(|number| drawn[number]);
+        known.extend(changed.filter(|&triangle| !is_degenerate(triangle)).map(from_lowest));
+    }
+    Ok(known)
+}
+
+/// Returns for each vertex the sum of the normals of its triangles, by area.
+fn vertex_normals(mesh: &Mesh, triangles: &[[u32; 3]]) -> Vec<[f64; 3]> {
+    let mut sums = vec![[0.0; 3]; mesh.vertex_count()];
+    for triangle in triangles {
+        let normal = normal_of(mesh, *triangle);
+        triangle.iter().for_each(|&v| add(&mut sums[v as usize], normal));
+    }
+    sums
+}
+
+/// Returns for each vertex that a view draws the sum of the normals at all vertices that it stands for.
+fn sums_of_corners(
+    sequence: &CollapseSequence,
+    view: &SkipView,
+    normals: &[[f64; 3]],
+) -> Result<Vec<[f64; 3]>, Failure> {
+    let mut sums = normals.to_vec();
+    for collapse in view.collapses_done() {
+        // What is removed stands for nothing more afterwards.
+        for rename in sequence.collapse(sequence.len() - 1 - collapse)?.renames {
+            let sum = sums[rename.removed as usize];
+            add(&mut sums[rename.kept as usize], sum);
+        }
+    }
+    Ok(sums)
+}
+
+/// Counts the triangles that face away from the sum of the normals at one of their corners.
+fn turned(mesh: &Mesh, triangles: &[[u32; 3]], sums: &[[f64; 3]]) -> usize {
+    let faces_away = |triangle: &&[u32; 3]| {
+        let normal = normal_of(mesh, **triangle);
+        triangle.iter().any(|&v| dot(normal, sums[v as usize]) < 0.0)
+    };
+    triangles.iter().filter(faces_away).count()
+}
+
+fn normal_of(mesh: &Mesh, triangle: [u32; 3]) -> [f64; 3] {
+    let [a, b, c] = triangle.map(|v| mesh.positions()[v as usize].map(f64::from));
+    cross(sub(b, a), sub(c, a))
+}
+
+fn add(sum: &mut [f64; 3], more: [f64; 3]) {
+    (0..3).for_each(|k| sum[k] += more[k]);
+}
+
+fn is_degenerate([a, b, c]: [u32; 3]) -> bool {
+    a == b || b == c || c == a
 }
 
 fn is_exact(view: &SkipView, triangles: &[[u32; 3]]) -> bool {
@@ -96,11 +185,10 @@ fn random_view(random: &mut Random, mesh: &Mesh) -> Result<(Camera, ViewCriteria
 
 /// Returns the folded edges of triangles, per thousand edges of two triangles.
 fn folded(mesh: &Mesh, triangles: &[[u32; 3]]) -> f64 {
-    let at = |v: u32| mesh.positions()[v as usize].map(f64::from);
     let mut normals = HashMap::new();
     let (mut edges, mut folded) = (0_usize, 0_usize);
     for &[a, b, c] in triangles {
-        let Some(normal) = unit_normal([a, b, c].map(at)) else { continue };
+        let Some(normal) = unit(normal_of(mesh, [a, b, c])) else { continue };
         for (from, to) in [(a, b), (b, c), (c, a)] {
             if let Some(other) = normals.remove(&(to, from)) {
                 edges += 1;
@@ -113,26 +201,56 @@ fn folded(mesh: &Mesh, triangles: &[[u32; 3]]) -> f64 {
     1000.0 * folded as f64 / edges.max(1) as f64
 }
 
-fn unit_normal([a, b, c]: [[f64; 3]; 3]) -> Option<[f64; 3]> {
-    let normal = cross(sub(b, a), sub(c, a));
+fn unit(normal: [f64; 3]) -> Option<[f64; 3]> {
     let length = dot(normal, normal).sqrt();
     (length > 0.0).then(|| normal.map(|x| x / length))
 }
 
-/// Compares with the target: every view is exact.
+/// Compares with the targets: every view is exact, and folds over nowhere.
 pub(super) fn compare(seen: &[ViewFigures]) -> Vec<Target> {
     let all = VIEWS * seen.len();
     let exact: usize = seen.iter().map(|model| model.exact).sum();
     let what = format!("exact of {all} random views of {} models", seen.len());
-    if seen.is_empty() { Vec::new() } else { vec![Target::at_least(what, all as f64, exact as f64, 0)] }
+    if seen.is_empty() {
+        return Vec::new();
+    }
+    let foreign: usize = seen.iter().map(|model| model.foreign).sum();
+    let folding = seen.iter().filter(|model| model.turned[1] > model.turned[0]).count();
+    vec![
+        Target::at_least(what, all as f64, exact as f64, 0),
+        Target::at_most("triangles of these views that no level has".into(), 0.0, foreign as f64, 0),
+        Target::at_most(
+            "models with more turned triangles in a view than in the full mesh".into(),
+            0.0,
+            folding as f64,
+            0,
+        ),
+    ]
 }
 
 /// Returns a row per model.
 pub(super) fn table(seen: &[ViewFigures]) -> Table {
-    let heads = ["model", "triangles", "exact views", "folded, full", "worst level", "views", "worst view"];
+    let heads = [
+        "model",
+        "triangles",
+        "exact views",
+        "of no level",
+        "turned, full",
+        "turned, worst view",
+        "folded, full",
+        "worst level",
+        "views",
+        "worst view",
+    ];
     let mut table = Table::new(1, &heads);
     for model in seen {
-        let mut row = vec![model.name.clone(), model.triangles.to_string(), model.exact.to_string()];
+        let mut row = vec![
+            model.name.clone(),
+            model.triangles.to_string(),
+            model.exact.to_string(),
+            model.foreign.to_string(),
+        ];
+        row.extend(model.turned.map(|turned| turned.to_string()));
         row.extend(model.folded.map(|folded| format!("{folded:.2}")));
         table.push(row);
     }

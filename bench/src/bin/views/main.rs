@@ -88,8 +88,11 @@ fn main() -> Result<(), Failure> {
          ## Other ways to the same picture\n\n{}\n\
          ## Random views\n\n\
          {} random cameras per model, near and far, each after the one before, at 0.1 to 10 pixels: display strips draw exactly the triangles of the\n\
-         full mesh with each vertex renamed. *Folded* are edges at which two triangles face each other by more than 154 degrees, per thousand edges: in the full\n\
-         mesh, in the levels of the merge tree at as many triangles (worst of all views), in the views, and in the worst of them.\n\n{evidence}",
+         full mesh with each vertex renamed. *Of no level* are triangles of all views that no level of the merge tree has. *Turned* are triangles that\n\
+         face away from the full mesh: from the sum of its normals at the vertices that one of the corners stands for. *Folded* are edges at\n\
+         which two triangles face each other by more than 154 degrees, per thousand edges: in the full mesh, in the levels of the merge tree at as many\n\
+         triangles (worst of all views), in the views, and in the worst of them. Such edges come from thin sheets, such as wings, whose two sides share fewer\n\
+         and fewer vertices; a view has about as many as the levels have.\n\n{evidence}",
         text::targets(&targets).markdown(),
         args.frames,
         others::page(&others, &best),

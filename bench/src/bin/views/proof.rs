@@ -6,12 +6,13 @@ use tristrip::Mesh;
 use tristrip_bench::failure::Failure;
 use tristrip_bench::meshoptimizer::adapter;
 
+/// Returns a triangle from its lowest vertex on.
+pub(super) fn from_lowest([a, b, c]: [u32; 3]) -> [u32; 3] {
+    [[a, b, c], [b, c, a], [c, a, b]].into_iter().min().unwrap_or([a, b, c])
+}
+
 /// Returns triangles from their lowest vertex on, sorted.
 pub(super) fn sorted(triangles: impl IntoIterator<Item = [u32; 3]>) -> Vec<[u32; 3]> {
-    let from_lowest = |[a, b, c]: [u32; 3]| {
-        let rotations = [[a, b, c], [b, c, a], [c, a, b]];
-        rotations.into_iter().min().unwrap_or([a, b, c])
-    };
     let mut sorted: Vec<_> = triangles.into_iter().map(from_lowest).collect();
     sorted.sort_unstable();
     sorted

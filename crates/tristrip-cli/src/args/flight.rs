@@ -29,7 +29,7 @@ use crate::values::{Amount, named};
   tristrip fly terrain.ply --path flyover --foveation 0.2 --attention 0.5,0.7
   tristrip fly bunny.ply --path cameras.json --image 960x540 --video frames/")]
 pub(crate) struct FlyArgs {
-    /// The mesh file, or - for standard input
+    /// The mesh file, a .tlod file of build-lod, or - for a mesh on standard input
     #[arg(value_name = "INPUT")]
     pub(crate) input: PathBuf,
     #[command(flatten)]

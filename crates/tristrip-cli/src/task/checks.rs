@@ -1,11 +1,23 @@
-//! Checks of the files that charts and pictures are written to.
+//! Checks of the files that charts and pictures are written to, and messages that name the flag of a value.
 
 use std::path::{Path, PathBuf};
+
+use tristrip::Error;
 
 use crate::job::Job;
 
 /// The maximum number of inputs in one chart: with more, the curves cannot be told apart.
 const MAX_PLOTTED_INPUTS: usize = 3;
+
+/// Returns the message of an error in a value, by the flag that the value was given with.
+pub(super) fn of_flag(error: &Error) -> String {
+    match error {
+        Error::Parameter { name, found, expected } => {
+            format!("--{}: found {found}, expected {expected}", name.replace('_', "-"))
+        }
+        other => other.to_string(),
+    }
+}
 
 /// Checks that a picture of one input can be written to this file.
 pub(super) fn check_picture(path: &PathBuf, jobs: &[Job]) -> Result<(), String> {

@@ -10,7 +10,7 @@ use tristrip_io::Format;
 use tristrip_lab::recovery::Sweep;
 use tristrip_pipeline::{ChainOptions, ChainRatios, DisplayFilter, Level, LevelGoal, Ratio};
 
-use super::checks::{check_chart, check_distinct_files};
+use super::checks::{check_chart, check_distinct_files, of_flag};
 use super::views::{checked_pixels, lens, view_criteria};
 use crate::args::{BuildLodArgs, LodArgs};
 use crate::job::{Input, Job, inputs, jobs_of, jobs_of_levels};
@@ -119,7 +119,7 @@ fn view(args: &LodArgs) -> Result<Option<View>, String> {
     let (Some(distance), Some(pixels)) = (args.distance, args.pixels) else { return Ok(None) };
     checked_pixels(pixels)?;
     let view = View::of_camera(distance, args.lens.field_of_view, args.rows);
-    view.map(Some).map_err(|error| error.to_string())
+    view.map(Some).map_err(|error| of_flag(&error))
 }
 
 /// Returns the camera of a view, and what detail it needs.
@@ -133,7 +133,7 @@ fn camera(args: &LodArgs) -> Result<Option<(Camera, ViewCriteria)>, String> {
         .and_then(|camera| camera.with_up(args.up.0))
         .and_then(|camera| camera.with_field_of_view(lens.field_of_view))
         .and_then(|camera| camera.with_image(lens.image[0], lens.image[1]))
-        .map_err(|error| error.to_string())?;
+        .map_err(|error| of_flag(&error))?;
     let criteria = view_criteria(args.pixels.unwrap_or(1.0), args.triangles, &args.criteria)?;
     Ok(Some((camera, criteria)))
 }

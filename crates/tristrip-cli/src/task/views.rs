@@ -8,7 +8,7 @@ use tristrip::StripifyOptions;
 use tristrip::lod::{Filter, Foveation, ViewCriteria};
 use tristrip_lab::flight::{Axis, Lens, MAX_FRAMES};
 
-use super::checks::check_chart;
+use super::checks::{check_chart, of_flag};
 use crate::args::{CriteriaArgs, FlyArgs, LensArgs};
 use crate::job::{Input, inputs};
 use crate::values::{Amount as Count, Vector};
@@ -79,7 +79,7 @@ pub(super) fn checked_pixels(pixels: f32) -> Result<f32, String> {
     if pixels.is_finite() && pixels >= 0.0 {
         return Ok(pixels);
     }
-    Err(format!("--pixels: found {pixels}, expected 0 or more"))
+    Err(format!("--pixels: found {pixels}, expected a finite number of at least 0"))
 }
 
 /// Returns what detail a view needs, without a limit of steps.
@@ -88,7 +88,7 @@ pub(super) fn view_criteria(
     triangles: Option<Count>,
     args: &CriteriaArgs,
 ) -> Result<ViewCriteria, String> {
-    let criteria = ViewCriteria::new(checked_pixels(pixels)?).map_err(|error| error.to_string())?;
+    let criteria = ViewCriteria::new(checked_pixels(pixels)?).map_err(|error| of_flag(&error))?;
     let mut criteria = criteria
         .with_frustum(!args.no_frustum)
         .with_back_faces(!args.no_back_faces)
@@ -97,12 +97,14 @@ pub(super) fn view_criteria(
         criteria = criteria.with_budget(most);
     }
     if let Some(Vector(direction)) = args.light {
-        criteria = criteria.with_light(direction).map_err(|error| format!("--{error}"))?;
+        criteria = criteria.with_light(direction).map_err(|error| of_flag(&error))?;
     }
     if let Some(growth) = args.foveation {
-        let foveation =
-            Foveation::new(growth).and_then(|foveation| foveation.with_attention(args.attention.0));
-        criteria = criteria.with_foveation(foveation.map_err(|error| format!("--foveation: {error}"))?);
+        let foveation = Foveation::new(growth)
+            .map_err(|_| format!("--foveation: found {growth}, expected a finite number of at least 0"))?
+            .with_attention(args.attention.0)
+            .map_err(|error| of_flag(&error))?;
+        criteria = criteria.with_foveation(foveation);
     }
     Ok(criteria)
 }
@@ -113,13 +115,16 @@ pub(super) fn fly_task(args: FlyArgs) -> Result<FlyTask, String> {
         return Err(format!("--frames: found {}, expected 1 to {MAX_FRAMES}", args.frames));
     }
     let lens = lens(&args.lens);
-    lens.check().map_err(|error| error.to_string())?;
+    lens.check().map_err(|error| of_flag(&error))?;
     let mut criteria = view_criteria(args.pixels, args.triangles, &args.criteria)?;
     if let Some(Count(steps)) = args.steps {
         if steps == 0 {
             return Err("--steps: found 0, expected at least 1: a view would never change".into());
         }
         criteria = criteria.with_steps(steps);
+    }
+    if args.report.as_ref().is_some_and(|path| path.as_os_str() == "-") {
+        return Err("--report: found -, expected a file: standard output has the table".into());
     }
     if let Some(path) = &args.plot {
         check_chart("--plot", path, 1)?;
@@ -134,9 +139,13 @@ pub(super) fn fly_task(args: FlyArgs) -> Result<FlyTask, String> {
         every: args.video_every.map_or(usual, every),
         is_shaded: args.shaded,
     });
+    let options = args.method.validate(false)?;
+    if input.is_tlod() && (options != StripifyOptions::default() || args.method.budget().is_some()) {
+        return Err(format!("{}: has strips of its own; leave out the flags of the method", input.name()));
+    }
     Ok(FlyTask {
         input,
-        options: args.method.validate(false)?,
+        options,
         budget: args.method.budget(),
         path: camera_path(args.path, args.up)?,
         frame_count: args.frames,

@@ -5,8 +5,6 @@ use std::str::FromStr;
 use serde::Deserialize;
 use tristrip::lod::{Camera, View};
 
-use crate::error::Error;
-
 /// An axis of a model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -85,9 +83,8 @@ impl Lens {
     /// use tristrip_lab::flight::Lens;
     /// assert!(Lens { field_of_view: 0.0, ..Lens::default() }.check().is_err());
     /// ```
-    pub fn check(self) -> Result<(), Error> {
-        self.camera([0.0; 3], [1.0; 3], Axis::Y.direction())?;
-        Ok(())
+    pub fn check(self) -> Result<(), tristrip::Error> {
+        self.camera([0.0; 3], [1.0; 3], Axis::Y.direction()).map(drop)
     }
 
     /// Returns the tangents of half of the horizontal and of the vertical angle.

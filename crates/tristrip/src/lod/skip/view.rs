@@ -1,6 +1,7 @@
 //! A view of a model: the detail that one camera needs.
 
 mod geomorphs;
+mod levels;
 mod update;
 
 use std::ops::Range;
@@ -265,65 +266,6 @@ impl SkipView {
     /// Returns the collapses done and undone since the last call, each by its leader, in order. For a view without display strips.
     pub(super) fn take_moved(&mut self) -> Vec<u32> {
         std::mem::take(&mut self.moved)
-    }
-
-    /// Moves to a level of the sequence, from whatever the view draws. Each collapse is done only where all that it needs is done, and each split after those
-    /// that need it.
-    ///
-    /// # Errors
-    /// There is no such level.
-    ///
-    /// ```
-    #[doc = include_str!("example.txt")]
-    /// let mut view = model.view();
-    /// view.set_level(20)?;
-    /// assert_eq!(view.triangle_count(), sequence.triangle_count(20)?);
-    /// assert!(view.set_level(100).is_err());
-    /// # Ok::<(), tristrip::Error>(())
-    /// ```
-    pub fn set_level(&mut self, level: usize) -> Result<(), Error> {
-        let model = Arc::clone(&self.model);
-        model.levels.check(level)?;
-        let mut is_wanted = vec![false; model.tree.len()];
-        let done = &model.order[..model.order.len() - level];
-        done.iter().filter_map(|leader| leader.get()).for_each(|leader| is_wanted[leader as usize] = true);
-        let is_leader = |node: u32| model.tree.parent(node).is_some() && model.tree.leader(node) == node;
-        // In the order of the nodes, what is read for one collapse is near what is read for the next.
-        for node in (0..model.tree.len() as u32).filter(|&node| is_leader(node)) {
-            if self.state.is_done(node) && !is_wanted[node as usize] {
-                self.split_within(node, None);
-            }
-        }
-        let mut collapsed = std::mem::take(&mut self.split);
-        for node in (0..model.tree.len() as u32).rev().filter(|&node| is_leader(node)) {
-            if is_wanted[node as usize] {
-                collapsed.clear();
-                self.state.force_collapse(node, (&model.tree, &model.dependencies), &mut collapsed);
-                collapsed.iter().for_each(|&leader| self.count_collapse(leader));
-            }
-        }
-        self.split = collapsed;
-        // What waits does not know of this.
-        self.criteria = None;
-        self.rebuild(&mut Vec::new());
-        Ok(())
-    }
-
-    /// Moves between two levels of the sequence, of which the view has the first.
-    pub(super) fn move_between(&mut self, from: usize, to: usize) {
-        let model = Arc::clone(&self.model);
-        let number = |level: usize| model.order.len() - level;
-        let between = &model.order[number(from.max(to))..number(from.min(to))];
-        if to < from {
-            between.iter().filter_map(|leader| leader.get()).for_each(|leader| self.collapse(leader));
-        } else {
-            for leader in between.iter().rev().filter_map(|leader| leader.get()) {
-                self.split_within(leader, None);
-            }
-        }
-        // What waits does not know of this.
-        self.criteria = None;
-        self.rebuild(&mut Vec::new());
     }
 
     /// Returns the model.
