@@ -8,6 +8,7 @@ use tristrip::random::Random;
 use tristrip::simplify::{MergeOrder, SimplifyOptions, merge_tree};
 use tristrip::{CollapseSequence, Mesh, Method, StripifyOptions, stripify};
 use tristrip_bench::failure::Failure;
+use tristrip_bench::meshoptimizer::adapter;
 use tristrip_bench::models::{Source, load};
 use tristrip_bench::targets::Target;
 use tristrip_bench::text::Table;
@@ -64,8 +65,8 @@ fn look(name: &str, mesh: &Mesh) -> Result<ViewFigures, Failure> {
         folded: [folded(mesh, &full), 0.0, 0.0, 0.0],
     };
     let known = triangles_of_levels(&sequence)?;
-    let normals = vertex_normals(mesh, &full);
-    figures.turned[0] = turned(mesh, &full, &normals);
+    let surface = FullSurface::of(mesh, &full)?;
+    figures.turned[0] = surface.turned(mesh, &full, &surface.normals);
     let (mut random, mut view) = (Random::new(0), model.view());
     for _ in 0..VIEWS {
         let (camera, criteria) = random_view(&mut random, mesh)?;
@@ -74,8 +75,8 @@ fn look(name: &str, mesh: &Mesh) -> Result<ViewFigures, Failure> {
         figures.exact += usize::from(is_exact(&view, &triangles));
         figures.foreign +=
             triangles.iter().filter(|&&triangle| !known.contains(&from_lowest(triangle))).count();
-        let of_corners = sums_of_corners(&sequence, &view, &normals)?;
-        figures.turned[1] = figures.turned[1].max(turned(mesh, &triangles, &of_corners));
+        let of_corners = surface.normals_of_corners(&sequence, &view)?;
+        figures.turned[1] = figures.turned[1].max(surface.turned(mesh, &triangles, &of_corners));
         let of_view = folded(mesh, &triangles);
         let level = sequence.drawn(sequence.level_of_triangles(triangles.len()))?;
         figures.folded[1] = figures.folded[1].max(folded(mesh, &level));
@@ -112,40 +113,51 @@ fn triangles_of_levels(sequence: &CollapseSequence) -> Result<HashSet<[u32; 3]>,
     Ok(known)
 }
 
-/// Returns for each vertex the sum of the normals of its triangles, by area.
-fn vertex_normals(mesh: &Mesh, triangles: &[[u32; 3]]) -> Vec<[f64; 3]> {
-    let mut sums = vec![[0.0; 3]; mesh.vertex_count()];
-    for triangle in triangles {
-        let normal = normal_of(mesh, *triangle);
-        triangle.iter().for_each(|&v| add(&mut sums[v as usize], normal));
-    }
-    sums
+/// The full mesh, by position: vertices on a seam are one point.
+struct FullSurface {
+    /// For each vertex the first one of its position.
+    first: Vec<u32>,
+    /// For each of these the sum of the normals of its triangles, by area.
+    normals: Vec<[f64; 3]>,
 }
 
-/// Returns for each vertex that a view draws the sum of the normals at all vertices that it stands for.
-fn sums_of_corners(
-    sequence: &CollapseSequence,
-    view: &SkipView,
-    normals: &[[f64; 3]],
-) -> Result<Vec<[f64; 3]>, Failure> {
-    let mut sums = normals.to_vec();
-    for collapse in view.collapses_done() {
-        // What is removed stands for nothing more afterwards.
-        for rename in sequence.collapse(sequence.len() - 1 - collapse)?.renames {
-            let sum = sums[rename.removed as usize];
-            add(&mut sums[rename.kept as usize], sum);
+impl FullSurface {
+    fn of(mesh: &Mesh, triangles: &[[u32; 3]]) -> Result<Self, Failure> {
+        let first = meshopt::generate_position_remap(&adapter(mesh.positions())?);
+        let mut normals = vec![[0.0; 3]; first.len()];
+        for triangle in triangles {
+            let normal = normal_of(mesh, *triangle);
+            triangle.iter().for_each(|&v| add(&mut normals[first[v as usize] as usize], normal));
         }
+        Ok(Self { first, normals })
     }
-    Ok(sums)
-}
 
-/// Counts the triangles that face away from the sum of the normals at one of their corners.
-fn turned(mesh: &Mesh, triangles: &[[u32; 3]], sums: &[[f64; 3]]) -> usize {
-    let faces_away = |triangle: &&[u32; 3]| {
-        let normal = normal_of(mesh, **triangle);
-        triangle.iter().any(|&v| dot(normal, sums[v as usize]) < 0.0)
-    };
-    triangles.iter().filter(faces_away).count()
+    /// Returns for each point that a view draws the sum of the normals at all points that it stands for.
+    fn normals_of_corners(
+        &self,
+        sequence: &CollapseSequence,
+        view: &SkipView,
+    ) -> Result<Vec<[f64; 3]>, Failure> {
+        let mut sums = self.normals.clone();
+        for collapse in view.collapses_done() {
+            let renames = sequence.collapse(sequence.len() - 1 - collapse)?.renames;
+            let Some(rename) = renames.first() else { continue };
+            // What is removed stands for nothing more afterwards.
+            let [removed, kept] = [rename.removed, rename.kept].map(|v| self.first[v as usize] as usize);
+            let sum = sums[removed];
+            add(&mut sums[kept], sum);
+        }
+        Ok(sums)
+    }
+
+    /// Counts the triangles that face away from the sum of the normals at one of their corners.
+    fn turned(&self, mesh: &Mesh, triangles: &[[u32; 3]], sums: &[[f64; 3]]) -> usize {
+        let faces_away = |triangle: &&[u32; 3]| {
+            let normal = normal_of(mesh, **triangle);
+            triangle.iter().any(|&v| dot(normal, sums[self.first[v as usize] as usize]) < 0.0)
+        };
+        triangles.iter().filter(faces_away).count()
+    }
 }
 
 fn normal_of(mesh: &Mesh, triangle: [u32; 3]) -> [f64; 3] {

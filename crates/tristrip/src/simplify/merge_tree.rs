@@ -20,8 +20,9 @@
 //! 3. By quadric, only collapses up to a limit count, below which a quarter of the vertices are: a maximal set of all would remove vertices of features early, and
 //!    what depends on them could never be drawn without a large error.
 //!
-//! What is never allowed is as in the module `decimate`. Moreover, no triangle may come to face away from the full mesh: from the sum of the normals, weighted by area,
-//! of the full mesh at the vertices that one of its corners stands for. The levels themselves are in `decimate/merge_levels.rs`.
+//! What is never allowed is as in the module `decimate`. Moreover, no triangle may turn by more than 78 degrees from the full mesh, or farther where it has already: from the
+//! sum of the normals, weighted by area, of the full mesh at the vertices that one of its corners stands for. That holds for the triangles of the removed vertex, and for those of
+//! the kept one, which then stands for more. Without it triangles fold over step by step. The levels themselves are in `decimate/merge_levels.rs`.
 //!
 //! # Departures
 //! Collapses are half-edge collapses, and the order by quadric is not published.
@@ -102,4 +103,57 @@ pub fn merge_tree(
     let is_reached = sequence.triangle_count(0)? <= options.triangle_count();
     let stopped = (!is_reached).then(|| decimation.stopped());
     Ok(MergeTree { sequence, level_ends, stopped })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::Faces;
+    use crate::simplify::tests::grid;
+    use crate::vector::{Point, dot, normal_of};
+
+    /// Counts the triangles that face away from the sum of the normals of the full mesh at one of their corners.
+    fn turned(positions: &[[f32; 3]], triangles: &[[u32; 3]], sums: &[Point]) -> usize {
+        let faces_away = |triangle: &&[u32; 3]| {
+            let normal = normal_of(triangle.map(|v| positions[v as usize].map(f64::from)));
+            triangle.iter().any(|&v| dot(normal, sums[v as usize]) < 0.0)
+        };
+        triangles.iter().filter(faces_away).count()
+    }
+
+    #[test]
+    fn no_level_turns_triangles_over() {
+        for (order, flatness) in
+            [(MergeOrder::Quadric, 0.03), (MergeOrder::ShortestEdge, 0.03), (MergeOrder::Quadric, 1.0)]
+        {
+            // A ring whose upper and lower side nearly touch: thin sheets are folded most easily.
+            let (mut positions, triangles) = grid(40, 16, [true, true]);
+            positions.iter_mut().for_each(|p| p[2] *= flatness);
+            let mesh =
+                Mesh::new(positions.clone(), Faces::from_triangles(triangles.clone()).unwrap()).unwrap();
+            let tree = merge_tree(&mesh, triangles, order, &SimplifyOptions::default()).unwrap();
+            let sequence = &tree.sequence;
+            let mut sums = vec![[0.0; 3]; positions.len()];
+            let add = |sums: &mut [Point], v: u32, more: Point| {
+                let sum = &mut sums[v as usize];
+                *sum = [0, 1, 2].map(|k| sum[k] + more[k]);
+            };
+            let full = sequence.drawn(sequence.len()).unwrap();
+            for triangle in &full {
+                let normal = normal_of(triangle.map(|v| positions[v as usize].map(f64::from)));
+                triangle.iter().for_each(|&v| add(&mut sums, v, normal));
+            }
+            let mut least = turned(&positions, &full, &sums);
+            for (level, collapse) in (0..sequence.len()).rev().zip(sequence.iter()) {
+                for rename in collapse.renames {
+                    let sum = sums[rename.removed as usize];
+                    add(&mut sums, rename.kept, sum);
+                }
+                let found = turned(&positions, &sequence.drawn(level).unwrap(), &sums);
+                assert!(found <= least, "{order}, level {level}: {found} of {least}");
+                least = found;
+            }
+            assert!(sequence.len() > 400, "{}", sequence.len());
+        }
+    }
 }
