@@ -38,7 +38,7 @@ const FLIGHTS: [Flight; 5] = [
     Flight {
         name: "terrain_255k",
         model: "terrain_gcanyon_512",
-        pixels: 0.0761,
+        pixels: 0.1034,
         most: Some([0.52, 0.42]),
         milliseconds: None,
     },
