@@ -16,6 +16,8 @@ const MODELS: [(&str, f64, Option<f64>); 3] =
     [("bunny", 0.39, Some(0.3)), ("terrain_gcanyon_512", 0.335, None), ("dragon", 0.43, Some(5.0))];
 /// The most bytes per vertex beside the strips.
 const MOST_BYTES: f64 = 90.0;
+/// The threads that price the collapses of the merge tree.
+const TREE_THREADS: usize = 2;
 /// The most nanoseconds of a collapse or split.
 const MOST_NANOSECONDS: f64 = 100.0;
 /// The levels between which collapses and splits are timed, in shares of all, and how often.
@@ -53,8 +55,11 @@ pub(super) fn build(source: &Source) -> Result<Option<BuiltModel>, Failure> {
     }
     let mesh = load(source)?.triangles;
     let strips = stripify(&mesh, &StripifyOptions::default().with_method(Method::Best))?;
+    let threads = rayon::ThreadPoolBuilder::new().num_threads(TREE_THREADS).build()?;
     let start = Instant::now();
-    let tree = merge_tree(&mesh, strips.to_list(), MergeOrder::default(), &SimplifyOptions::default())?;
+    let list = strips.to_list();
+    let tree =
+        threads.install(|| merge_tree(&mesh, list, MergeOrder::default(), &SimplifyOptions::default()))?;
     let tree_seconds = start.elapsed().as_secs_f64();
     let start = Instant::now();
     let model = Arc::new(SkipStrips::new(&strips, &tree.sequence, mesh.positions())?);

@@ -1,4 +1,4 @@
-//! Prices and estimates that several threads find ahead of a pass.
+//! Prices and estimates that several threads find ahead of a pass, and prices for the levels of a merge tree.
 //!
 //! A pass visits the points one after the other, and prices those that it may remove. Most of its time goes into these prices, each of which
 //! depends on the triangles of the point alone, and holds unless a neighbour was removed before in the pass. So prices can be found before
@@ -13,11 +13,14 @@
 //! A price of a point that is passed over would be in vain. So they are found in rounds: in each those of the points for which no
 //! earlier neighbour is undecided, or will be removed.
 //!
+//! The levels of a merge tree price all points around which something changed before they take one. Each price is found with the outcomes of the collapses
+//! then, so that each thread has marks of its own ([`Pricers`]).
+//!
 //! # References
 //! Blelloch, Fineman, Shun: *Greedy Sequential Maximal Independent Set and Matching are Parallel on Average*, 2012: rounds over the
 //! points without an undecided earlier neighbour give what one after the other gives.
 
-use super::outcome::Outcome;
+use super::outcome::{Outcome, Outcomes};
 use super::price::PriceSearch;
 use super::surface::Surface;
 use super::waiting::{PricedCollapse, Waiting};
@@ -29,6 +32,10 @@ const LEAST_POINTS: usize = 1024;
 const CHUNK: usize = 128;
 /// Rounds at most: the last ones decide few points.
 const ROUNDS: usize = 8;
+/// Threads at most that know the outcomes of collapses, which takes 4 bytes per point for each.
+const MOST_PRICERS: usize = 8;
+/// Points that are priced at a time, so that their prices take little memory.
+const BLOCK: usize = 1 << 16;
 
 /// What is known of a point before the pass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -172,6 +179,61 @@ fn in_chunks<T: Send>(points: &[u32], find: impl Fn(&mut PriceSearch, u32) -> T 
     of_chunk(&mut PriceSearch::default(), points)
 }
 
+/// What a thread knows while it prices points with the outcomes of their collapses.
+#[derive(Debug)]
+struct Pricer {
+    search: PriceSearch,
+    outcomes: Outcomes,
+}
+
+/// Several threads that price points of a surface that stays as it is meanwhile.
+#[derive(Debug)]
+pub(super) struct Pricers(Vec<Pricer>);
+
+impl Pricers {
+    /// One for each thread of the current pool, up to eight; at least one.
+    pub(super) fn new(point_count: usize) -> Self {
+        let pricer = || Pricer { search: PriceSearch::default(), outcomes: Outcomes::new(point_count) };
+        Self((0..thread_count().clamp(1, MOST_PRICERS)).map(|_| pricer()).collect())
+    }
+
+    /// Finds the best collapses of points, and tells them in the order of the points.
+    pub(super) fn price(
+        &mut self,
+        points: &[u32],
+        best: impl Fn(&mut PriceSearch, &mut Outcomes, u32) -> Option<PricedCollapse> + Sync,
+        mut tell: impl FnMut(u32, Option<PricedCollapse>),
+    ) {
+        let of_chunk = |pricer: &mut Pricer, chunk: &[u32]| -> Vec<Option<PricedCollapse>> {
+            chunk.iter().map(|&point| best(&mut pricer.search, &mut pricer.outcomes, point)).collect()
+        };
+        for block in points.chunks(BLOCK) {
+            let found = self.in_chunks(block, of_chunk);
+            block.iter().zip(found.into_iter().flatten()).for_each(|(&point, best)| tell(point, best));
+        }
+    }
+
+    /// Returns the results of the chunks of a block, one for each thread, in their order.
+    fn in_chunks<T: Send>(
+        &mut self,
+        block: &[u32],
+        of_chunk: impl Fn(&mut Pricer, &[u32]) -> T + Sync,
+    ) -> Vec<T> {
+        #[cfg(feature = "rayon")]
+        if block.len() >= LEAST_POINTS && self.0.len() > 1 {
+            use rayon::prelude::*;
+            let chunks = block.par_chunks(block.len().div_ceil(self.0.len()));
+            return self
+                .0
+                .par_iter_mut()
+                .zip(chunks)
+                .map(|(pricer, chunk)| of_chunk(pricer, chunk))
+                .collect();
+        }
+        self.0.first_mut().map(|pricer| of_chunk(pricer, block)).into_iter().collect()
+    }
+}
+
 /// Returns the number of threads.
 fn thread_count() -> usize {
     #[cfg(feature = "rayon")]
@@ -187,7 +249,7 @@ mod tests {
     use crate::mesh::{Attribute, AttributeData, Faces, Mesh};
     use crate::simplify::tests::grid;
     use crate::simplify::topology::Topology;
-    use crate::simplify::{Price, SimplifyOptions, simplify_triangles};
+    use crate::simplify::{MergeOrder, Price, SimplifyOptions, merge_tree, simplify_triangles};
 
     const THREADS: [usize; 3] = [1, 2, 5];
 
@@ -242,6 +304,19 @@ mod tests {
                 on_threads(threads, || simplify_triangles(&mesh, triangles.to_vec(), &options).unwrap())
             });
             assert!(one.sequence.len() > 4000 && one == two && one == five, "{options:?}");
+        }
+    }
+
+    #[test]
+    fn any_number_of_threads_gives_the_same_merge_tree() {
+        let mesh = mesh();
+        let triangles = mesh.faces().as_triangles().unwrap();
+        let options = SimplifyOptions::default();
+        for order in [MergeOrder::Quadric, MergeOrder::ShortestEdge] {
+            let [one, two, five] = THREADS.map(|threads| {
+                on_threads(threads, || merge_tree(&mesh, triangles.to_vec(), order, &options).unwrap())
+            });
+            assert!(one.sequence.len() > 4000 && one == two && one == five, "{order}");
         }
     }
 

@@ -311,13 +311,7 @@ impl Decimation {
 
     /// Lets a point wait with its best collapse; without any it waits no longer, until something changes around it.
     fn wait_priced(&mut self, point: u32, best: Option<PricedCollapse>) {
-        let waiting = &mut self.waiting[point as usize];
-        match best {
-            None => (waiting.cost, waiting.target) = (f32::INFINITY, OptionalId::NONE),
-            Some(PricedCollapse { to, cost, error }) => {
-                (waiting.cost, waiting.target, waiting.error) = (cost, OptionalId::some(to), error);
-            }
-        }
+        self.waiting[point as usize].set_price(best);
     }
 
     /// Returns the collapse of a point whose price still holds.

@@ -20,6 +20,16 @@ impl Waiting {
     pub(super) const NOT: Self =
         Self { cost: f32::INFINITY, target: OptionalId::NONE, error: 0.0, changed: 0 };
 
+    /// Waits with the best collapse, or not at all if none is possible.
+    pub(super) fn set_price(&mut self, best: Option<PricedCollapse>) {
+        match best {
+            None => (self.cost, self.target) = (f32::INFINITY, OptionalId::NONE),
+            Some(PricedCollapse { to, cost, error }) => {
+                (self.cost, self.target, self.error) = (cost, OptionalId::some(to), error);
+            }
+        }
+    }
+
     /// Returns whether the point waits.
     pub(super) fn waits(&self) -> bool {
         self.cost < f32::INFINITY

@@ -2,8 +2,10 @@
 
 use super::Decimation;
 use crate::collapse::CollapseSequence;
+use crate::simplify::ahead::Pricers;
 use crate::simplify::merge_tree::MergeOrder;
-use crate::simplify::outcome::Outcome;
+use crate::simplify::outcome::{Outcome, Outcomes};
+use crate::simplify::price::PriceSearch;
 use crate::simplify::surface::Surface;
 use crate::simplify::waiting::PricedCollapse;
 use crate::vector::{Point, cross, dot, normal_of, sub};
@@ -59,6 +61,23 @@ impl Levels {
         })
     }
 
+    /// Returns the best collapse of a point.
+    fn best(
+        &self,
+        surface: &Surface,
+        (search, outcomes): (&mut PriceSearch, &mut Outcomes),
+        point: u32,
+    ) -> Option<PricedCollapse> {
+        let outcome = |to| match outcomes.of(&surface.topology, point, to) {
+            Outcome::Keeps if self.turns_over(surface, point, to) => Outcome::Loses,
+            outcome => outcome,
+        };
+        match self.order {
+            MergeOrder::Quadric => search.best(surface, point, outcome),
+            MergeOrder::ShortestEdge => search.nearest((surface, point), outcome),
+        }
+    }
+
     fn collapse(&mut self, point: u32, to: u32) {
         let normal = self.normals[point as usize];
         add(&mut self.normals[to as usize], normal);
@@ -86,6 +105,7 @@ impl Decimation {
     ) -> Vec<u32> {
         let count = self.surface.topology.point_count();
         let mut levels = Levels::new(&self.surface, order);
+        let mut pricers = Pricers::new(count);
         let mut level_ends = Vec::new();
         // The last level that has taken an edge with a vertex beside this one.
         let mut taken = vec![0_u32; count];
@@ -93,7 +113,7 @@ impl Decimation {
         let mut changed = points.clone();
         let mut chosen: Vec<(f32, u32)> = Vec::new();
         for level in 1.. {
-            changed.iter().for_each(|&point| self.price_for_level(&levels, point));
+            self.price_for_level(&levels, &mut pricers, &changed);
             changed.clear();
             points.retain(|&point| !self.surface.topology.ring(point).is_empty());
             let limit = self.cheapest(order, &points, &mut chosen);
@@ -164,26 +184,19 @@ impl Decimation {
         self.surface.topology.neighbours(point, &mut self.around);
         self.search.refused.clear();
         self.search.refused.extend(self.around.iter().copied().filter(|&p| is_taken(p)));
-        let best = self.best_for_level(levels, point);
+        let best = levels.best(&self.surface, (&mut self.search, &mut self.outcomes), point);
         self.search.refused.clear();
         best
     }
 
-    /// Prices a vertex, which waits with its best collapse, if there is one.
-    fn price_for_level(&mut self, levels: &Levels, point: u32) {
-        let best = if self.is_removable(point) { self.best_for_level(levels, point) } else { None };
-        self.wait_priced(point, best);
-    }
-
-    fn best_for_level(&mut self, levels: &Levels, point: u32) -> Option<PricedCollapse> {
-        let Self { surface, outcomes, search, .. } = self;
-        let outcome = |to| match outcomes.of(&surface.topology, point, to) {
-            Outcome::Keeps if levels.turns_over(surface, point, to) => Outcome::Loses,
-            outcome => outcome,
+    /// Prices vertices, each of which waits with its best collapse, if there is one.
+    fn price_for_level(&mut self, levels: &Levels, pricers: &mut Pricers, points: &[u32]) {
+        let mut waiting = std::mem::take(&mut self.waiting);
+        let (this, surface) = (&*self, &self.surface);
+        let best = |search: &mut PriceSearch, outcomes: &mut Outcomes, point| {
+            this.is_removable(point).then(|| levels.best(surface, (search, outcomes), point)).flatten()
         };
-        match levels.order {
-            MergeOrder::Quadric => search.best(surface, point, outcome),
-            MergeOrder::ShortestEdge => search.nearest((surface, point), outcome),
-        }
+        pricers.price(points, best, |point, best| waiting[point as usize].set_price(best));
+        self.waiting = waiting;
     }
 }
