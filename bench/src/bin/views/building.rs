@@ -7,6 +7,7 @@ use tristrip::lod::{Filter, SkipStrips};
 use tristrip::simplify::{MergeOrder, SimplifyOptions, merge_tree};
 use tristrip::{CollapseSequence, Mesh, Method, StripifyOptions, Strips, stripify};
 use tristrip_bench::failure::Failure;
+use tristrip_bench::measure::median;
 use tristrip_bench::models::{Source, load};
 use tristrip_bench::targets::Target;
 use tristrip_bench::text::Table;
@@ -18,6 +19,8 @@ const MODELS: [(&str, f64, Option<f64>); 3] =
 const MOST_BYTES: f64 = 90.0;
 /// The threads that price the collapses of the merge tree.
 const TREE_THREADS: usize = 2;
+/// How often a tree and its model are built: their times are medians.
+const BUILDS: usize = 3;
 /// The most nanoseconds of a collapse or split.
 const MOST_NANOSECONDS: f64 = 100.0;
 /// The levels between which collapses and splits are timed, in shares of all, and how often.
@@ -56,14 +59,20 @@ pub(super) fn build(source: &Source) -> Result<Option<BuiltModel>, Failure> {
     let mesh = load(source)?.triangles;
     let strips = stripify(&mesh, &StripifyOptions::default().with_method(Method::Best))?;
     let threads = rayon::ThreadPoolBuilder::new().num_threads(TREE_THREADS).build()?;
-    let start = Instant::now();
-    let list = strips.to_list();
-    let tree =
-        threads.install(|| merge_tree(&mesh, list, MergeOrder::default(), &SimplifyOptions::default()))?;
-    let tree_seconds = start.elapsed().as_secs_f64();
-    let start = Instant::now();
-    let model = Arc::new(SkipStrips::new(&strips, &tree.sequence, mesh.positions())?);
-    let model_seconds = start.elapsed().as_secs_f64();
+    let (mut tree_times, mut model_times, mut built) = (Vec::new(), Vec::new(), None);
+    for _ in 0..BUILDS {
+        drop(built.take());
+        let start = Instant::now();
+        let list = strips.to_list();
+        let tree = threads
+            .install(|| merge_tree(&mesh, list, MergeOrder::default(), &SimplifyOptions::default()))?;
+        tree_times.push(start.elapsed().as_secs_f64());
+        let start = Instant::now();
+        let model = Arc::new(SkipStrips::new(&strips, &tree.sequence, mesh.positions())?);
+        model_times.push(start.elapsed().as_secs_f64());
+        built = Some((tree, model));
+    }
+    let Some((tree, model)) = built else { return Ok(None) };
     let (triangles, vertices) = (strips.triangles().count(), mesh.vertex_count());
     let mut full = model.full_view();
     let sent = full.display_strips().vertices_sent();
@@ -72,8 +81,8 @@ pub(super) fn build(source: &Source) -> Result<Option<BuiltModel>, Failure> {
         name: source.name.clone(),
         triangles,
         vertices,
-        tree_seconds,
-        model_seconds,
+        tree_seconds: median(tree_times),
+        model_seconds: median(model_times),
         levels: tree.level_ends.len(),
         height: model.height(),
         hops: model.view_by(Filter::Dtfs).mean_hops(),

@@ -75,7 +75,7 @@ fn main() -> Result<(), Failure> {
          except that two price the collapses of the merge tree.\n\n\
          ## Targets\n\n{}\n\
          ## Building\n\n\
-         Seconds for the merge tree and for the model; the height of the tree beside the logarithm to the base 1.25 of the vertices, which the paper\n\
+         Seconds for the merge tree and for the model, medians of three; the height of the tree beside the logarithm to the base 1.25 of the vertices, which the paper\n\
          expects; the mean number of pointers from a vertex of the strips to its first active ancestor in the base mesh, by parents, and by pointers that\n\
          skip ancestors from the highest one; nanoseconds per collapse or split with its checks; bytes per vertex of the model without the strips and of a\n\
          view; and vertices sent at full detail as a fraction of three per triangle.\n\n{building}\n\
