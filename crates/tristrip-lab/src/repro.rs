@@ -29,6 +29,7 @@ mod table_values;
 mod verdict;
 mod view_data;
 mod view_figures;
+mod wire_figures;
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};

@@ -17,6 +17,16 @@ pub enum Error {
         /// The accepted values.
         expected: &'static str,
     },
+    /// The bytes do not conform to their format.
+    #[error("byte {offset}: found {found}, expected {expected}")]
+    Format {
+        /// The position in the bytes, counted from 0.
+        offset: u64,
+        /// What was found there.
+        found: String,
+        /// What the format requires.
+        expected: String,
+    },
     /// The input is too large for 32-bit ids.
     #[error("{what}: found {found}, the limit is {limit}")]
     LimitExceeded {

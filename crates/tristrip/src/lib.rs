@@ -36,6 +36,7 @@ pub mod lod;
 pub mod normals;
 pub mod random;
 pub mod simplify;
+pub mod stream;
 pub mod stripify;
 pub mod verify;
 pub mod vertex_cache;

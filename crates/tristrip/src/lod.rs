@@ -49,7 +49,7 @@ mod progressive;
 mod repair;
 mod replay;
 #[cfg(test)]
-mod samples;
+pub(crate) mod samples;
 mod sets;
 mod shortened;
 mod skip;
@@ -69,11 +69,13 @@ pub use level_table::LevelTable;
 pub use lod_strips::LodStrips;
 pub use model_kind::ModelKind;
 pub use mts::Mts;
+pub(crate) use progressive::decode_entries;
 pub use progressive::{
     Encoding, ProgressiveMesh, ProgressiveMeshCursor, ProgressiveStrips, ProgressiveStripsCursor, SlotUpdate,
     VertexSplit, encoded_offset,
 };
 pub use repair::{Repair, RepairOptions, RepairedStrips};
+pub(crate) use replay::Records;
 pub use sets::Sets;
 pub use skip::{
     Camera, Foveation, RepairedView, SkipLevelCursor, SkipStrips, SkipView, ViewCriteria, ViewGeomorphs,

@@ -9,7 +9,8 @@
 //! - `crossing_stss`: the highest level at which stss sends more than single triangles, in percent, in steps of 1 %;
 //! - `updates_naive`, `updates_encoded`: index-map slots written per vertex split;
 //! - `saving_updates`, `saving_bytes`: percent of the slots and of the bytes that the encoding saves; `saving_bytes_with_id` with two bytes more
-//!   for the id of each split's vertex.
+//!   for the id of each split's vertex;
+//! - `bytes_naive`, `bytes_encoded`: bytes of all splits by equation 2, 12 and 2 per slot; what is sent, by `wire_figures.rs`.
 //!
 //! Curves by level: `triangles` and the names of the filters for vertices sent; `updates_naive` and `updates_encoded` per 5 %.
 
@@ -20,6 +21,7 @@ use tristrip::lod::RepairOptions;
 use tristrip::lod::traffic::gigabits;
 use tristrip_pipeline::{LevelPart, LevelsOptions, ModelLevels, PreparedModel, Ratio};
 
+use super::wire_figures;
 use crate::error::Error;
 use crate::traffic::{LevelRow, TrafficModel, measure_levels, totals};
 
@@ -89,12 +91,17 @@ pub(super) fn measure(
     let all = traffic.refinement(0, levels.collapse_count())?;
     measured.add("updates_naive", all.updates_naive);
     measured.add("updates_encoded", all.updates_encoded);
+    measured.add("bytes_naive", all.bytes_naive as f64);
+    measured.add("bytes_encoded", all.bytes_encoded as f64);
     measured.add_saving("saving_updates", "updates_encoded", "updates_naive");
     let saved = 100.0 * (1.0 - all.bytes_encoded as f64 / all.bytes_naive.max(1) as f64);
     measured.add("saving_bytes", saved);
     let ids = ID_BYTES * all.splits;
     let saved = 100.0 * (1.0 - (all.bytes_encoded + ids) as f64 / (all.bytes_naive + ids).max(1) as f64);
     measured.add("saving_bytes_with_id", saved);
+    for (name, bytes) in wire_figures::measure(prepared, &levels)? {
+        measured.add(name, bytes);
+    }
     measured.add_curve(&curve);
     measured.add_bins(&traffic, &levels)?;
     Ok(measured)

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use tristrip::lod::{Filter, LevelCursor, RESTART, Repair, RepairOptions, SkipStrips, SkipView};
+use tristrip::lod::{Encoding, Filter, LevelCursor, RESTART, Repair, RepairOptions, SkipStrips, SkipView};
+use tristrip::stream::paper::{self, Encoded};
 use tristrip::verify::verify_drawing;
 use tristrip::{CollapseSequence, Faces, Strips};
 
@@ -117,13 +118,7 @@ impl LevelPart {
     /// # Errors
     /// The positions are not those of the part, or one is not finite.
     pub(super) fn view(&self, positions: &[[f32; 3]], is_full: bool, scale: f64) -> Result<SkipView, Error> {
-        if positions.len() != self.vertex_count {
-            let (found, expected) = (positions.len(), self.vertex_count);
-            return Err(Error::Unproven(format!("found a part of {found} vertices, expected {expected}")));
-        }
-        let mut vertices: Vec<u32> = (0..self.used.count().unwrap_or(self.vertex_count) as u32).collect();
-        self.used.outward(&mut vertices);
-        let positions: Vec<[f32; 3]> = vertices.iter().map(|&v| positions[v as usize]).collect();
+        let positions = self.positions_of_collapses(positions)?;
         let scaled = if is_full || (scale - 1.0).abs() < SAME_SCALE {
             None
         } else {
@@ -133,6 +128,26 @@ impl LevelPart {
         let model = Arc::new(SkipStrips::new(&self.strips, sequence, &positions[..])?);
         // A file is written once: the filter that sends the least may take its time.
         Ok(if is_full { model.full_view() } else { model.view_by(Filter::Linked) })
+    }
+
+    /// Encodes the part as paper 001 transmits it. The vertices of the result are those of the collapses.
+    ///
+    /// # Errors
+    /// The positions are not those of the part, or one is not finite; a number is too large for the bytes.
+    pub fn encode_as_published(&self, positions: &[[f32; 3]], encoding: Encoding) -> Result<Encoded, Error> {
+        let positions = self.positions_of_collapses(positions)?;
+        Ok(paper::encode(&self.strips, &self.sequence, &positions, encoding)?)
+    }
+
+    /// Returns the positions of the vertices of the collapses, out of those of the part.
+    fn positions_of_collapses(&self, positions: &[[f32; 3]]) -> Result<Vec<[f32; 3]>, Error> {
+        if positions.len() != self.vertex_count {
+            let (found, expected) = (positions.len(), self.vertex_count);
+            return Err(Error::Unproven(format!("found a part of {found} vertices, expected {expected}")));
+        }
+        let mut vertices: Vec<u32> = (0..self.used.count().unwrap_or(self.vertex_count) as u32).collect();
+        self.used.outward(&mut vertices);
+        Ok(vertices.iter().map(|&v| positions[v as usize]).collect())
     }
 
     /// Returns triangles of the collapses, over the part's own vertices in the model.

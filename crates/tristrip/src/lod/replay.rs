@@ -28,9 +28,7 @@ impl Replay {
         if self.level >= records.len() {
             return false;
         }
-        for update in records.split_of(self.level) {
-            update.slots.iter().for_each(|&slot| self.entries[slot as usize] = update.vertex);
-        }
+        records.split(records.number(self.level), &mut self.entries);
         self.level += 1;
         true
     }
@@ -40,10 +38,7 @@ impl Replay {
             return false;
         }
         self.level -= 1;
-        let range = records.slots_of(self.level);
-        for (&slot, &entry) in records.slots[range.clone()].iter().zip(&records.coarse[range]) {
-            self.entries[slot as usize] = entry;
-        }
+        records.collapse(records.number(self.level), &mut self.entries);
         true
     }
 
@@ -54,9 +49,10 @@ impl Replay {
     }
 }
 
-/// What the collapses write and where, in the order from the full mesh to the base mesh.
+/// What the collapses write and where. The models add them in the order from the full mesh to the base mesh, and find them by level; a decoder of a
+/// stream adds them in the opposite order, in which they arrive, and finds them by number.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub(super) struct Records {
+pub(crate) struct Records {
     /// The end of each collapse among the vertices.
     vertex_ends: Vec<u32>,
     /// The removed vertices.
@@ -69,24 +65,47 @@ pub(super) struct Records {
 }
 
 impl Records {
-    pub(super) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.vertex_ends.len()
     }
 
     /// Returns the memory of the records in bytes.
-    pub(super) fn memory(&self) -> usize {
+    pub(crate) fn memory(&self) -> usize {
         let lists = [&self.vertex_ends, &self.vertices, &self.slot_ends, &self.slots, &self.coarse];
         lists.map(|list| size_of_val(&list[..])).iter().sum()
     }
 
-    pub(super) fn vertices_of(&self, level: usize) -> std::ops::Range<usize> {
-        range(&self.vertex_ends, self.len() - 1 - level)
+    /// Returns the number of the collapse to a level, if the first one is that of the full mesh.
+    fn number(&self, level: usize) -> usize {
+        self.len() - 1 - level
     }
 
-    pub(super) fn slots_of(&self, level: usize) -> std::ops::Range<usize> {
-        let vertices = self.vertices_of(level);
-        let end = |i: usize| if i == 0 { 0 } else { self.slot_ends[i - 1] as usize };
-        end(vertices.start)..end(vertices.end)
+    pub(super) fn vertices_of(&self, level: usize) -> std::ops::Range<usize> {
+        range(&self.vertex_ends, self.number(level))
+    }
+
+    /// Returns the number of vertices of the first collapses.
+    pub(crate) fn vertex_count_of(&self, collapse_count: usize) -> usize {
+        if collapse_count == 0 { 0 } else { self.vertex_ends[collapse_count - 1] as usize }
+    }
+
+    /// Writes the vertices of a collapse into their slots; collapses have the numbers from 0 in the order in which they were added.
+    pub(crate) fn split(&self, number: usize, entries: &mut [u32]) {
+        for i in range(&self.vertex_ends, number) {
+            let slots = &self.slots[range(&self.slot_ends, i)];
+            slots.iter().for_each(|&slot| entries[slot as usize] = self.vertices[i]);
+        }
+    }
+
+    /// Writes what the slots of a collapse had before [`Records::split`].
+    pub(crate) fn collapse(&self, number: usize, entries: &mut [u32]) {
+        // From the last one back, so that a slot that is written twice gets its first entry.
+        for i in range(&self.vertex_ends, number).rev() {
+            let range = range(&self.slot_ends, i);
+            for (&slot, &entry) in self.slots[range.clone()].iter().zip(&self.coarse[range]) {
+                entries[slot as usize] = entry;
+            }
+        }
     }
 
     /// Returns the updates of the split from `level`, which must be less than [`Records::len`].
@@ -96,7 +115,7 @@ impl Records {
     }
 
     /// Adds a removed vertex and what is written into its slots, rising, to the open collapse.
-    pub(super) fn push(&mut self, vertex: u32, written: impl Iterator<Item = (u32, u32)>) {
+    pub(crate) fn push(&mut self, vertex: u32, written: impl Iterator<Item = (u32, u32)>) {
         self.vertices.push(vertex);
         for (slot, entry) in written {
             self.slots.push(slot);
@@ -106,7 +125,7 @@ impl Records {
     }
 
     /// Ends a collapse, unless there are too many slots for a map of `entry_count` entries.
-    pub(super) fn end(&mut self, entry_count: usize) -> Result<(), Error> {
+    pub(crate) fn end(&mut self, entry_count: usize) -> Result<(), Error> {
         self.vertex_ends.push(self.vertices.len() as u32);
         let limit = entry_count.saturating_mul(MAX_SLOTS_PER_ENTRY).min(u32::MAX as usize);
         if self.slots.len() > limit {

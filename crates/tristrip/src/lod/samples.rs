@@ -10,13 +10,13 @@ use crate::{Faces, Mesh};
 
 /// Strips of a mesh, and a collapse sequence over the triangles that they draw.
 #[derive(Debug, Clone)]
-pub(super) struct Sample {
-    pub(super) strips: Strips,
-    pub(super) sequence: CollapseSequence,
+pub(crate) struct Sample {
+    pub(crate) strips: Strips,
+    pub(crate) sequence: CollapseSequence,
 }
 
 /// Returns canonical triangles, sorted: equal drawings have equal results.
-pub(super) fn sorted(triangles: impl IntoIterator<Item = [u32; 3]>) -> Vec<[u32; 3]> {
+pub(crate) fn sorted(triangles: impl IntoIterator<Item = [u32; 3]>) -> Vec<[u32; 3]> {
     let mut sorted: Vec<_> = triangles.into_iter().map(canonical_triangle).collect();
     sorted.sort_unstable();
     sorted
@@ -66,7 +66,7 @@ fn book() -> impl Strategy<Value = Vec<[u32; 3]>> {
 
 /// Meshes with strips of several methods and with collapses: mostly along edges, sometimes of two vertices at once, or of any two
 /// vertices.
-pub(super) fn samples() -> impl Strategy<Value = Sample> {
+pub(crate) fn samples() -> impl Strategy<Value = Sample> {
     samples_of(prop_oneof![4 => grid(), 1 => soup()])
 }
 

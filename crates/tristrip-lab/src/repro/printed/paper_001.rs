@@ -114,3 +114,33 @@ fn claims_and_remarks_state_what_follows_from_the_cells() {
     let [least, greatest, _] = range(paper.savings("table 2, updates", "u encoded", "u naive"));
     assert_eq!(claim("table 2", "saving_updates"), (least, Some(greatest)));
 }
+
+#[test]
+fn bytes_of_transmissions_follow_from_the_printed_cells() {
+    let paper = paper();
+    let (sizes, updates) = (paper.table("table 1"), paper.table("table 2, updates"));
+    let bytes = paper.table("equation 2, bytes");
+    assert_eq!(bytes.rows.len(), sizes.rows.len());
+    for ((row, sizes), updates) in bytes.rows.iter().zip(&sizes.rows).zip(&updates.rows) {
+        assert!([&sizes.file, &updates.file].iter().all(|file| **file == row.file));
+        let ([vertices, _, collapses], [naive, encoded]) = (&sizes.published[..], &updates.published[..])
+        else {
+            unreachable!()
+        };
+        let records = |slots: f64| collapses * (12.0 + 2.0 * slots);
+        let expected = [12.0 * vertices, records(*naive), records(*encoded)];
+        assert_eq!(row.published, expected.map(f64::round), "{}", row.model);
+    }
+    // The maps have at least the vertices that NF sends at each level.
+    let traffic = paper.table("table 2, traffic");
+    let sent = |model: &str| {
+        let row = |table: &PublishedTable| table.rows.iter().position(|row| row.model == model).unwrap();
+        let (traffic, size) = (&traffic.rows[row(traffic)].published, &sizes.rows[row(sizes)]);
+        let vertices =
+            traffic[1] / traffic[0] * 3.0 * f64::midpoint(size.triangles as f64, size.published[1]);
+        let digits = format!("{vertices:.0}");
+        let (thousands, rest) = digits.split_at(digits.len() - 3);
+        format!("{thousands},{rest}")
+    };
+    assert!(paper.has_remark(&format!("{} and {} vertices", sent("Bunny"), sent("Dragon"))));
+}

@@ -131,8 +131,8 @@ fn root(entries: &[u32], slot: usize) -> Option<usize> {
     None
 }
 
-/// Fills `map` with the vertices that entries stand for.
-pub(super) fn decode(entries: &[u32], map: &mut Vec<u32>) {
+/// Fills `map` with the vertices that entries stand for. References must lead to vertices.
+pub(crate) fn decode(entries: &[u32], map: &mut Vec<u32>) {
     map.clear();
     map.extend_from_slice(entries);
     for slot in 0..map.len() {
