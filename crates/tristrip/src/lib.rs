@@ -6,7 +6,8 @@
 //! ```text
 //! Mesh ─▶ PreparedFaces ─▶ DualGraph ─▶ StripPlan (triangulation + PathCover) ─▶ Strips ─▶ layout
 //!   └──── triangles ────▶ simplify ─▶ CollapseSequence ─┬───────────────────┘
-//!                                                       └▶ lod ─▶ Strips of any level
+//!                                                       ├▶ lod ─▶ Strips of any level
+//!                                                       └▶ stream ─▶ bytes of all levels
 //! ```
 //!
 //! The library only computes: it reads no files, prints nothing, starts no threads (without the `rayon` feature), and does not

@@ -25,10 +25,10 @@
 //! Departures from the paper:
 //! - A header of 20 bytes has the counts, so that the bytes describe themselves.
 //! - Equation 2 does not say where a record ends. Here the lowest bit of each slot does, so that a record still takes 12 + 2 u bytes.
-//! - Two bytes hold slots up to 32,765. A larger map has slots of four bytes, and records of 12 + 4 u. The bunny of the paper has about 88,000 slots, which
-//!   two bytes cannot name either. Entries of the map have four bytes if the base mesh has more than 65,531 vertices.
-//! - A split on an attribute seam restores several vertices of one position. The record of each but the last is two or four bytes longer. A vertex without
-//!   a slot takes as many, too; that occurs only where strips do not draw the triangles of the collapses.
+//! - Two bytes hold slots up to 32,765. A larger map has slots of three bytes, and records of 12 + 3 u, or of four. The bunny of the paper has about 88,000
+//!   slots, which two bytes cannot name either. Entries of the map have more than two bytes if the base mesh has more than 65,531 vertices.
+//! - A split on an attribute seam restores several vertices of one position. The record of each but the last is longer by a slot. A vertex without
+//!   a slot takes as many bytes as with one; that occurs only where strips do not draw the triangles of the collapses.
 //! - Only positions are sent, no normals or texture coordinates: 12 bytes are "at least" the geometry in the paper, and all that it counts.
 //! - Errors of levels are not sent.
 //!

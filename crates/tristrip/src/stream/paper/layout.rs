@@ -15,36 +15,27 @@ const SPECIAL_ENTRIES: u32 = 5;
 /// The number of slots that have another meaning.
 const RESERVED_SLOTS: u32 = 2;
 
-/// The number of bytes of an entry of the map, or of a slot.
+/// The number of bytes of an entry of the map, or of a slot: 2, 3 or 4.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Width {
-    Two,
-    Four,
-}
+pub(super) struct Width(usize);
 
 impl Width {
-    /// Returns two bytes if these hold a number, otherwise four.
+    /// Returns the fewest bytes that hold a number.
     fn of(largest: u32) -> Self {
-        if u16::try_from(largest).is_ok() { Self::Two } else { Self::Four }
+        Self((2..4).find(|bytes| largest >> (8 * bytes) == 0).unwrap_or(4))
     }
 
     pub(super) fn bytes(self) -> usize {
-        match self {
-            Self::Two => 2,
-            Self::Four => 4,
-        }
+        self.0
     }
 
     fn largest(self) -> u32 {
-        match self {
-            Self::Two => u32::from(u16::MAX),
-            Self::Four => u32::MAX,
-        }
+        u32::MAX >> (32 - 8 * self.0)
     }
 
-    /// Appends the low bytes of a number: the restart and the symbols are the highest numbers of both widths.
+    /// Appends the low bytes of a number: the restart and the symbols are the highest numbers of every width.
     pub(super) fn append(self, number: u32, out: &mut Vec<u8>) {
-        out.extend_from_slice(&number.to_le_bytes()[..self.bytes()]);
+        out.extend_from_slice(&number.to_le_bytes()[..self.0]);
     }
 
     /// Returns the entry that a number stands for.
@@ -89,7 +80,7 @@ pub struct Header {
 }
 
 impl Header {
-    /// Returns the bytes of an entry of the map: 2, or 4 where the base mesh has more than 65,531 vertices.
+    /// Returns the bytes of an entry of the map: 2 for a base mesh of at most 65,531 vertices, 3 for at most 16,777,211, otherwise 4.
     ///
     /// ```
     #[doc = include_str!("example.txt")]
@@ -102,7 +93,7 @@ impl Header {
         self.entry_width().bytes()
     }
 
-    /// Returns the bytes of a slot of a record: 2, or 4 where the map has more than 32,766 entries.
+    /// Returns the bytes of a slot of a record: 2 for a map of at most 32,766 entries, 3 for at most 8,388,606, otherwise 4.
     ///
     /// ```
     #[doc = include_str!("example.txt")]

@@ -123,9 +123,9 @@ fn large_maps_have_wide_numbers() {
     let encoded = encoded(&strips(&[&zigzag]), &collapses);
     let mut decoder = decoded(&encoded.bytes).unwrap();
     let header = decoder.header().unwrap();
-    assert_eq!((header.entry_bytes(), header.slot_bytes()), (4, 4));
-    assert_eq!(encoded.sizes.record_bytes, 2 * (12 + 4));
-    assert_eq!(encoded.bytes.len() as u64, 20 + 12 * 69_998 + 4 * 70_000 + 32);
+    assert_eq!((header.entry_bytes(), header.slot_bytes()), (3, 3));
+    assert_eq!(encoded.sizes.record_bytes, 2 * (12 + 3));
+    assert_eq!(encoded.bytes.len(), 20 + 12 * 69_998 + 3 * 70_000 + 30);
     assert_eq!(decoder.strips().vertices(), zigzag);
     decoder.set_level(0).unwrap();
     assert_eq!(decoder.strips().vertices(), &zigzag[..69_998]);
@@ -133,20 +133,33 @@ fn large_maps_have_wide_numbers() {
 
 #[test]
 fn numbers_are_as_narrow_as_they_can_be() {
-    for (count, entry_bytes) in [(65_531, 2), (65_532, 4)] {
+    for (count, entry_bytes) in [(65_531, 2), (65_532, 3)] {
         let zigzag: Vec<u32> = (0..count).collect();
         let encoded = encoded(&strips(&[&zigzag]), &[]);
         let mut decoder = decoded(&encoded.bytes).unwrap();
         assert_eq!(decoder.header().unwrap().entry_bytes(), entry_bytes);
         assert_eq!(decoder.strips().vertices(), zigzag);
     }
-    for (count, slot_bytes) in [(32_766, 2), (32_767, 4)] {
+    for (count, slot_bytes) in [(32_766, 2), (32_767, 3)] {
         let zigzag: Vec<u32> = (0..count).collect();
         let encoded = encoded(&strips(&[&zigzag]), &[&[(count - 1, count - 2)]]);
         let mut decoder = decoded(&encoded.bytes).unwrap();
         assert_eq!(decoder.header().unwrap().slot_bytes(), slot_bytes);
         assert_eq!(decoder.strips().vertices(), zigzag);
     }
+}
+
+#[test]
+fn the_widest_numbers_have_four_bytes() {
+    let widths = |base_vertices: u32, entries: u32| {
+        let counts = [base_vertices, entries, 0, 0].map(u32::to_le_bytes);
+        let header =
+            decoded(&[&[0x89, b'P', b'S', 1][..], counts.as_flattened()].concat()).unwrap().header().unwrap();
+        (header.entry_bytes(), header.slot_bytes())
+    };
+    assert_eq!(widths(16_777_211, 8_388_606), (3, 3));
+    assert_eq!(widths(16_777_212, 8_388_607), (4, 4));
+    assert_eq!(widths(u32::MAX - 4, (1 << 31) - 2), (4, 4));
 }
 
 #[test]
