@@ -190,6 +190,7 @@ fn mapped(strips: &Strips, map: impl Fn(&mut [u32])) -> Strips {
 mod tests {
     use super::*;
     use tristrip::Rename;
+    use tristrip::stream::paper::Decoder;
 
     #[test]
     fn vertices_of_degenerate_triangles_only_are_replaced() {
@@ -220,5 +221,22 @@ mod tests {
         }
         assert_eq!(part.triangles(0).unwrap(), [0, 1, 2, 4, 2, 5]);
         assert!(matches!(part.triangles(2), Err(Error::Level { found: 2, last: 1 })));
+    }
+
+    #[test]
+    fn a_part_is_encoded_with_the_positions_of_its_vertices() {
+        let mut strips = Strips::default();
+        strips.push(&[0, 1, 2, 3, 4, 5]);
+        let rename = [Rename { removed: 3, kept: 2 }];
+        let sequence = CollapseSequence::from_collapses(6, strips.to_list(), [(&rename[..], 1.0)]).unwrap();
+        let part = LevelPart::new(UsedVertices::default(), 6, &strips, sequence);
+        let positions: Vec<[f32; 3]> = (0..6).map(|x| [x as f32, 0.0, 0.0]).collect();
+        let encoded = part.encode_as_published(&positions, Encoding::Offsets).unwrap();
+        let mut decoder = Decoder::default();
+        decoder.update(&encoded.bytes).unwrap();
+        assert_eq!((&encoded.vertices[..], decoder.level()), (&[0, 1, 2, 4, 5, 3][..], Some(1)));
+        let sent: Vec<f32> = decoder.positions().iter().map(|position| position[0]).collect();
+        assert_eq!(sent, [0.0, 1.0, 2.0, 4.0, 5.0, 3.0]);
+        assert!(part.encode_as_published(&positions[1..], Encoding::Offsets).is_err());
     }
 }

@@ -37,7 +37,7 @@
 //!
 //! # Complexity
 //! Both directions take one step per entry and per slot sent. A [`Decoder`] holds 12 bytes per position, 8 bytes per entry, 12 bytes per record and 8 bytes
-//! per slot, beside the display strips, and nothing for bytes that have not arrived.
+//! per slot, beside the display strips, 4 more per entry below the highest level, and nothing for bytes that have not arrived.
 
 mod decode;
 mod encode;

@@ -38,7 +38,14 @@ struct OpenSplit {
     record_ends: Vec<usize>,
 }
 
-/// Progressive strips that arrive in pieces. It has all levels whose records have arrived, and stands at one of them.
+/// The entries at a level below the highest one that has arrived.
+#[derive(Debug, Clone)]
+struct Lower {
+    entries: Vec<u32>,
+    level: usize,
+}
+
+/// Progressive strips that arrive in pieces. It has all levels whose records have arrived, and stands at the highest one, or at one that was chosen.
 ///
 /// ```
 #[doc = include_str!("example.txt")]
@@ -63,10 +70,11 @@ pub struct Decoder {
     failure: Option<Error>,
     /// The positions of all vertices that have arrived.
     positions: Vec<[f32; 3]>,
-    /// The entries at the level.
+    /// The entries at the highest level that has arrived.
     entries: Vec<u32>,
     records: Records,
-    level: usize,
+    /// Where the decoder stands, if it is not the highest level.
+    lower: Option<Lower>,
     split: OpenSplit,
     filter: Filter,
     /// Memory for the decoded map.
@@ -94,7 +102,8 @@ impl Decoder {
         self
     }
 
-    /// Reads the next bytes, as many as there are, and goes to the highest level that has arrived.
+    /// Reads the next bytes, as many as there are. A decoder that stands at the highest level stays at the highest one; at a lower level that was chosen it
+    /// stays there.
     ///
     /// # Errors
     /// [`Error::Format`]: the bytes are not what [`encode`](super::encode()) writes. The levels before them stay, and all later updates return
@@ -118,13 +127,12 @@ impl Decoder {
         if let Some(failure) = &self.failure {
             return Err(failure.clone());
         }
-        self.go_to(self.records.len());
         let result = self.read(bytes);
         self.failure = result.clone().err();
         result
     }
 
-    /// Goes to a level that has arrived. Time: one step per slot of the records between.
+    /// Goes to a level that has arrived. Time: one step per slot of the records between, and per entry of the map from the highest level.
     ///
     /// # Errors
     /// The level has not arrived.
@@ -158,7 +166,7 @@ impl Decoder {
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     pub fn level(&self) -> Option<usize> {
-        self.has_base().then_some(self.level)
+        self.has_base().then(|| self.current())
     }
 
     /// Counts the levels that have arrived, the base mesh included.
@@ -224,7 +232,7 @@ impl Decoder {
         if !self.has_base() {
             return &[];
         }
-        let count = self.header.base_vertex_count as usize + self.records.vertex_count_of(self.level);
+        let count = self.header.base_vertex_count as usize + self.records.vertex_count_of(self.current());
         &self.positions[..count]
     }
 
@@ -241,7 +249,8 @@ impl Decoder {
     /// ```
     pub fn strips(&mut self) -> &Strips {
         if !self.is_current && self.has_base() {
-            decode_entries(&self.entries, &mut self.map);
+            let entries = self.lower.as_ref().map_or(&self.entries, |lower| &lower.entries);
+            decode_entries(entries, &mut self.map);
             self.display.clear();
             self.filter.map_to(&self.map, &mut self.display);
             self.is_current = true;
@@ -278,6 +287,7 @@ impl Decoder {
     pub fn memory(&self) -> usize {
         let lists = [&self.entries, &self.map, &self.split.slots];
         lists.map(|list| size_of_val(&list[..])).iter().sum::<usize>()
+            + self.lower.as_ref().map_or(0, |lower| size_of_val(&lower.entries[..]))
             + size_of_val(&self.positions[..])
             + size_of_val(&self.split.record_ends[..])
             + self.partial.len()
@@ -289,16 +299,28 @@ impl Decoder {
         matches!(self.next, Next::RestoredPosition | Next::Slot | Next::End)
     }
 
+    /// Returns the level, if the base mesh has arrived.
+    fn current(&self) -> usize {
+        self.lower.as_ref().map_or(self.records.len(), |lower| lower.level)
+    }
+
     /// Goes to a level that has arrived.
     fn go_to(&mut self, level: usize) {
-        self.is_current &= level == self.level;
-        while self.level < level {
-            self.records.split(self.level, &mut self.entries);
-            self.level += 1;
+        let highest = self.records.len();
+        self.is_current &= level == self.current();
+        if level == highest {
+            self.lower = None;
+            return;
         }
-        while self.level > level {
-            self.level -= 1;
-            self.records.collapse(self.level, &mut self.entries);
+        let at_highest = || Lower { entries: self.entries.clone(), level: highest };
+        let lower = self.lower.get_or_insert_with(at_highest);
+        while lower.level < level {
+            self.records.split(lower.level, &mut lower.entries);
+            lower.level += 1;
+        }
+        while lower.level > level {
+            lower.level -= 1;
+            self.records.collapse(lower.level, &mut lower.entries);
         }
     }
 }

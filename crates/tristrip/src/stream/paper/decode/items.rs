@@ -162,8 +162,7 @@ impl Decoder {
         }
         self.split.slots.clear();
         self.split.record_ends.clear();
-        self.level += 1;
-        self.is_current = false;
+        self.is_current &= self.lower.is_some();
         self.next = Next::RestoredPosition;
         self.records.end(self.entries.len())
     }
