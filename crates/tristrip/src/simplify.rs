@@ -60,7 +60,7 @@ pub use crate::vector::nearest_in_triangle;
 use attributes::PricedAttributes;
 use decimate::Decimation;
 pub use joined::{JoinedSimplification, SurfaceSimplifier, simplify_joined};
-pub use merge_tree::{MergeOrder, MergeTree, merge_tree};
+pub use merge_tree::{MergeOrder, MergeTree, merge_tree, refinement_batches};
 pub use options::{AttributeWeights, Price, SimplifyOptions};
 pub use stopped::Stopped;
 

@@ -1,7 +1,64 @@
-//! Levels of detail as bytes: the base mesh first, then what leads from each level to the next, so that every prefix can be drawn.
+//! Streams: a mesh that can be drawn after its first bytes, and that the others refine to the full mesh.
 //!
 //! ```text
-//! (Strips, CollapseSequence, positions) ─ encode ─▶ bytes ─ a network, in pieces ─▶ decoder ─▶ display strips of every level that has arrived
+//! Mesh, CollapseSequence in batches ─ encode ─▶ chunk 0: base mesh │ chunk 1 │ chunk 2 │ …  ─ Decoder::update ─▶ triangles of every level
 //! ```
+//! A stream holds the base mesh of a simplification and its collapses in reverse, as vertex splits. Each chunk leads to a level: a client draws after any chunk, stops at any, and
+//! goes on later from the byte at which the next one starts. A file may hold several meshes, whose chunks come in any order.
+//!
+//! # Algorithm
+//! Splits come in batches. A batch is a set of collapses whose removed points have no triangle in common, so that they can be told in any order: fan by fan, in
+//! the order of their numbers. What a batch says about a fan is whether it is split (module `splits`), which of its corners move, and where the new point is
+//! (`places`) and what attributes its vertex has (`channels`), as differences from what the mesh around it makes expect. Each of these is a row of
+//! decisions whose probabilities are learned (`mixing`), written by a range coder (`range_coder`). Positions are on a grid whose step is halved as the error of the levels
+//! gets smaller (`refiner`). The encoder plans (`plan`) and rehearses (`fit`) before it writes (`encoder`).
+//!
+//! On an attribute seam, and where a surface is not manifold, a point has several fans (`surface`), which are split together.
+//!
+//! The transmission of Kim et al. as published is in the module [`paper`].
+//!
+//! Everything that decides is an integer, so that decoders in other languages agree with this one.
+//!
+//! # Sizes
+//! At 14 bits per coordinate, in bits per vertex that a triangle uses, all chunks included:
+//!
+//! | model | vertices | connectivity | all |
+//! |---|---|---|---|
+//! | bunny | 34,834 | 4.6 | 23.7 |
+//! | horse | 48,485 | 4.7 | 21.2 |
+//! | `armadillo_43k` | 43,243 | 4.5 | 23.4 |
+//! | dragon | 435,545 | 4.5 | 18.4 |
+//!
+//! # References
+//! Hoppe: *Progressive Meshes*, 1996. Pajarola, Rossignac: *Compressed Progressive Meshes*, 2000. Alliez, Desbrun: *Progressive Compression for Lossless Transmission of Triangle
+//! Meshes*, 2001. Kim, Park, Yang, Neelamkavil: *A Rendering-Efficient Progressive Transmission of 3D Meshes*, 2005.
 
+#![allow(
+    clippy::cast_possible_wrap,
+    clippy::cast_sign_loss,
+    reason = "integers of a stream are small, or bits that a checksum or a range has limited"
+)]
+
+mod base;
+mod channels;
+mod chunk;
+mod decoder;
+mod encoder;
+mod fit;
+mod grid;
+mod head;
+mod mixing;
+mod numbers;
 pub mod paper;
+mod places;
+mod plan;
+mod range_coder;
+mod refiner;
+mod splits;
+mod surface;
+#[cfg(test)]
+mod tests;
+
+pub use decoder::{Decoder, StreamError, StreamLimits, StreamPart};
+pub use encoder::{EncodedStream, StreamChunk, StreamOptions, encode, unsplittable};
+pub use refiner::StreamCosts;

@@ -60,6 +60,15 @@ names! {
     ShortestEdge => "shortest-edge", "The shortest edge first (Xia et al. 1997)";
 }
 
+/// How far the collapses of a level are from each other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Spacing {
+    /// No triangle has a vertex of two of them: each could be done alone.
+    Disjoint,
+    /// No triangle has two vertices that are removed, and irregular points stay.
+    Apart,
+}
+
 /// The collapses of a merge tree.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -93,13 +102,47 @@ pub fn merge_tree(
     order: MergeOrder,
     options: &SimplifyOptions,
 ) -> Result<MergeTree, Error> {
+    levels(mesh, triangles, (order, Spacing::Disjoint), options)
+}
+
+/// Collapses triangles over the vertices of a mesh in batches for a [stream](crate::stream): a batch removes vertices of which no two have a common triangle, as many
+/// as there can be. These are fewer and larger than the levels of a [merge tree](merge_tree), since a vertex may be kept by several collapses of a batch; where a
+/// surface is not manifold, its points stay.
+///
+/// # Errors
+/// As [`simplify_triangles`](super::simplify_triangles).
+///
+/// ```
+#[doc = include_str!("example.txt")]
+/// use tristrip::simplify::{MergeOrder, merge_tree, refinement_batches};
+/// let triangles = || grid.faces().corners().to_vec();
+/// let options = SimplifyOptions::default();
+/// let [batches, tree] =
+///     [refinement_batches(&grid, triangles(), &options)?, merge_tree(&grid, triangles(), MergeOrder::Quadric, &options)?];
+/// assert!(batches.level_ends.len() < tree.level_ends.len());
+/// # Ok::<(), tristrip::Error>(())
+/// ```
+pub fn refinement_batches(
+    mesh: &Mesh,
+    triangles: Vec<u32>,
+    options: &SimplifyOptions,
+) -> Result<MergeTree, Error> {
+    levels(mesh, triangles, (MergeOrder::Quadric, Spacing::Apart), options)
+}
+
+fn levels(
+    mesh: &Mesh,
+    triangles: Vec<u32>,
+    levels: (MergeOrder, Spacing),
+    options: &SimplifyOptions,
+) -> Result<MergeTree, Error> {
     options.check(mesh.vertex_count(), triangles.len())?;
     let options = options.clone().with_price(Price::Planes);
     let mut sequence = CollapseSequence::new(mesh.vertex_count(), triangles)?;
     let bits = |v| attribute_bits(mesh, v as usize);
     let priced = |triangles: &[u32], unit| PricedAttributes::new(mesh, triangles, unit, *options.weights());
     let mut decimation = Decimation::new(mesh.positions(), bits, sequence.triangles(), priced, &options, &[]);
-    let level_ends = decimation.run_levels(order, options.triangle_count(), &mut sequence);
+    let level_ends = decimation.run_levels(levels, options.triangle_count(), &mut sequence);
     let is_reached = sequence.triangle_count(0)? <= options.triangle_count();
     let stopped = (!is_reached).then(|| decimation.stopped());
     Ok(MergeTree { sequence, level_ends, stopped })

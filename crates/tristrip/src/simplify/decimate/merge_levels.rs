@@ -3,10 +3,11 @@
 use super::Decimation;
 use crate::collapse::CollapseSequence;
 use crate::simplify::ahead::Pricers;
-use crate::simplify::merge_tree::MergeOrder;
+use crate::simplify::merge_tree::{MergeOrder, Spacing};
 use crate::simplify::outcome::{Outcome, Outcomes};
 use crate::simplify::price::PriceSearch;
 use crate::simplify::surface::Surface;
+use crate::simplify::topology::PointKind;
 use crate::simplify::waiting::PricedCollapse;
 use crate::vector::{Point, cross, dot, normal_of, sub};
 
@@ -21,12 +22,13 @@ const LEAST_COSINE: f64 = 0.2;
 /// What the levels know beyond the surface.
 struct Levels {
     order: MergeOrder,
+    spacing: Spacing,
     /// For each point the sum of the normals of the full mesh at the points that it stands for, weighted by area.
     normals: Vec<Point>,
 }
 
 impl Levels {
-    fn new(surface: &Surface, order: MergeOrder) -> Self {
+    fn new(surface: &Surface, order: MergeOrder, spacing: Spacing) -> Self {
         let mut normals = vec![[0.0; 3]; surface.topology.point_count()];
         for triangle in &surface.topology.triangles {
             let normal = normal_of(triangle.map(|p| surface.positions[p as usize]));
@@ -34,7 +36,7 @@ impl Levels {
                 add(&mut normals[p as usize], normal);
             }
         }
-        Self { order, normals }
+        Self { order, spacing, normals }
     }
 
     /// Checks whether a triangle would turn farther than allowed from the full mesh at one of its corners, and farther than before. Each collapse turns triangles by
@@ -68,6 +70,9 @@ impl Levels {
         (search, outcomes): (&mut PriceSearch, &mut Outcomes),
         point: u32,
     ) -> Option<PricedCollapse> {
+        if self.spacing == Spacing::Apart && surface.topology.kind(point) == PointKind::Irregular {
+            return None;
+        }
         let outcome = |to| match outcomes.of(&surface.topology, point, to) {
             Outcome::Keeps if self.turns_over(surface, point, to) => Outcome::Loses,
             outcome => outcome,
@@ -99,12 +104,12 @@ impl Decimation {
     /// collapses up to the end of each level.
     pub(in super::super) fn run_levels(
         &mut self,
-        order: MergeOrder,
+        (order, spacing): (MergeOrder, Spacing),
         triangle_count: usize,
         sequence: &mut CollapseSequence,
     ) -> Vec<u32> {
         let count = self.surface.topology.point_count();
-        let mut levels = Levels::new(&self.surface, order);
+        let mut levels = Levels::new(&self.surface, order, spacing);
         let mut pricers = Pricers::new(count);
         let mut level_ends = Vec::new();
         // The last level that has taken an edge with a vertex beside this one.
@@ -116,7 +121,7 @@ impl Decimation {
             self.price_for_level(&levels, &mut pricers, &changed);
             changed.clear();
             points.retain(|&point| !self.surface.topology.ring(point).is_empty());
-            let limit = self.cheapest(order, &points, &mut chosen);
+            let limit = self.cheapest((order, spacing), &points, &mut chosen);
             let before = sequence.len();
             for &(_, point) in &chosen {
                 if self.triangle_count <= triangle_count {
@@ -125,7 +130,7 @@ impl Decimation {
                 if taken[point as usize] == level {
                     continue;
                 }
-                let is_taken = |p: u32| taken[p as usize] == level;
+                let is_taken = |p: u32| spacing == Spacing::Disjoint && taken[p as usize] == level;
                 let Some(collapse) = self.collapse_beside(&levels, point, is_taken) else { continue };
                 // The best of the other targets may cost much more than the best one.
                 if collapse.cost > limit {
@@ -133,9 +138,11 @@ impl Decimation {
                 }
                 for p in [collapse.to, point] {
                     self.surface.topology.neighbours(p, &mut self.around);
-                    for &p in self.around.iter().chain([&p]) {
-                        taken[p as usize] = level;
-                        changed.push(p);
+                    for &q in self.around.iter().chain([&p]) {
+                        if spacing == Spacing::Disjoint || p == point {
+                            taken[q as usize] = level;
+                        }
+                        changed.push(q);
                     }
                 }
                 levels.collapse(point, collapse.to);
@@ -152,12 +159,17 @@ impl Decimation {
     }
 
     /// Collects the vertices that a level may remove, with their costs, the cheapest first. Returns the largest cost that a collapse of the level may have.
-    fn cheapest(&self, order: MergeOrder, points: &[u32], chosen: &mut Vec<(f32, u32)>) -> f32 {
+    fn cheapest(
+        &self,
+        (order, spacing): (MergeOrder, Spacing),
+        points: &[u32],
+        chosen: &mut Vec<(f32, u32)>,
+    ) -> f32 {
         chosen.clear();
         let priced = points.iter().map(|&point| (self.waiting[point as usize].cost, point));
         chosen.extend(priced.filter(|(cost, _)| *cost < f32::INFINITY));
         let by_cost = |a: &(f32, u32), b: &(f32, u32)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
-        if order == MergeOrder::Quadric {
+        if order == MergeOrder::Quadric && spacing == Spacing::Disjoint {
             let count = chosen.len().div_ceil(LIMIT_SHARE);
             if count < chosen.len() {
                 chosen.select_nth_unstable_by(count, by_cost);
@@ -165,9 +177,9 @@ impl Decimation {
             }
         }
         chosen.sort_unstable_by(by_cost);
-        match order {
-            MergeOrder::Quadric => chosen.last().map_or(0.0, |&(cost, _)| cost),
-            MergeOrder::ShortestEdge => f32::INFINITY,
+        match (order, spacing) {
+            (MergeOrder::Quadric, Spacing::Disjoint) => chosen.last().map_or(0.0, |&(cost, _)| cost),
+            _ => f32::INFINITY,
         }
     }
 

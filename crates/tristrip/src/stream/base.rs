@@ -1,0 +1,205 @@
+//! The base mesh as decisions.
+//!
+//! # Algorithm
+//! The triangles come in the order of a walk: each edge that is still open is looked at once, in the order in which the edges arose, and is either a
+//! border, or the edge of a new triangle, or one with another open edge. Where no edge is left, a new component begins. Then each fan, in the order of its lowest
+//! corner, is a new vertex or a fan of an earlier one, each vertex is a new point or has the position of an earlier fan, and new
+//! points and vertices have their values, expected by the parallelogram over the edge at which their first triangle was added.
+//!
+//! # Complexity
+//! O(n) time.
+
+use super::mixing::{Simple, code_bits};
+use super::numbers::code_small;
+use super::places::{Place, Surprise, square_distance};
+use super::range_coder::BitCoder;
+use super::refiner::Refiner;
+use super::surface::{NONE, next, previous};
+
+/// A base mesh to be encoded.
+#[derive(Debug, Default)]
+pub(super) struct WantedBase {
+    /// For each fan its position, an earlier fan of its point, and one of its vertex.
+    pub(super) places: Vec<Place>,
+    pub(super) twins: Vec<Option<u32>>,
+    pub(super) same_vertex: Vec<Option<u32>>,
+    pub(super) values: Vec<Vec<Vec<i32>>>,
+}
+
+/// What is beyond an open edge.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Beyond {
+    Border,
+    Triangle,
+    /// The open edge that arose so many after it.
+    Edge(u32),
+}
+
+/// The models of a base mesh.
+struct BaseModel {
+    kinds: Simple,
+    distances: Simple,
+}
+
+impl BaseModel {
+    /// `can_grow` says whether there are more triangles, `most` how many edges arose later.
+    fn code<C: BitCoder>(&mut self, coder: &mut C, can_grow: bool, most: u32, wanted: Beyond) -> Beyond {
+        if can_grow && self.kinds.code(coder, 0, wanted == Beyond::Triangle) {
+            return Beyond::Triangle;
+        }
+        if most == 0 || self.kinds.code(coder, 1, wanted == Beyond::Border) {
+            return Beyond::Border;
+        }
+        let distance = if let Beyond::Edge(distance) = wanted { distance - 1 } else { 0 };
+        Beyond::Edge(code_small(coder, &mut self.distances, distance) + 1)
+    }
+}
+
+/// Why bytes are not those of a base mesh.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum BaseFault {
+    /// Two triangles are to share an edge that one of them has not, or shares already.
+    NoSuchEdge,
+    /// The bytes end before the triangles do.
+    TooShort,
+}
+
+/// Codes the triangles of a base mesh with what is opposite to their corners, counted without marks. `opposite` is the table to be encoded, in which the triangles have any order; it returns that
+/// table in the order of the walk, and for each triangle its first corner in the table to be encoded, such that corner 0 of one is corner 0 of the other turned.
+pub(super) fn code_triangles<C: BitCoder>(
+    coder: &mut C,
+    triangle_count: usize,
+    wanted: &[u32],
+) -> Result<(Vec<u32>, Vec<u32>), BaseFault> {
+    let mut model = BaseModel { kinds: Simple::new(2), distances: Simple::new(32) };
+    let mut opposite: Vec<u32> = Vec::new();
+    // The corner in the table to be encoded for each corner, and the other way round.
+    let mut sources: Vec<u32> = Vec::new();
+    let mut numbers = vec![NONE; wanted.len()];
+    let mut next_seed = 0;
+    let mut at = 0;
+    while opposite.len() < 3 * triangle_count {
+        if coder.is_past_end() {
+            return Err(BaseFault::TooShort);
+        }
+        // 1. A new component.
+        while numbers.get(next_seed as usize).is_some_and(|&number| number != NONE) {
+            next_seed += 3;
+        }
+        add_triangle(next_seed, &mut sources, &mut numbers);
+        opposite.extend([NONE; 3]);
+        // 2. The edges in their order: each is named by the opposite corner, whose number is its place in the order.
+        while at < opposite.len() {
+            let corner = at as u32;
+            at += 1;
+            if opposite[corner as usize] != NONE {
+                continue;
+            }
+            let beyond = match wanted.get(sources[corner as usize] as usize) {
+                None | Some(&NONE) => Beyond::Border,
+                Some(&other) => match numbers[other as usize] {
+                    NONE => Beyond::Triangle,
+                    number => Beyond::Edge(number - corner),
+                },
+            };
+            let can_grow = opposite.len() < 3 * triangle_count;
+            let most = opposite.len() as u32 - corner - 1;
+            match model.code(coder, can_grow, most, beyond) {
+                Beyond::Border if coder.is_past_end() => return Err(BaseFault::TooShort),
+                Beyond::Border => (),
+                Beyond::Triangle => {
+                    if coder.is_past_end() {
+                        return Err(BaseFault::TooShort);
+                    }
+                    let new = opposite.len() as u32;
+                    let source = wanted.get(sources[corner as usize] as usize).copied().unwrap_or(0);
+                    add_triangle(source, &mut sources, &mut numbers);
+                    opposite.extend([NONE; 3]);
+                    (opposite[corner as usize], opposite[new as usize]) = (new, corner);
+                }
+                Beyond::Edge(distance) => {
+                    let other = corner as usize + distance as usize;
+                    if opposite.get(other) != Some(&NONE) {
+                        return Err(BaseFault::NoSuchEdge);
+                    }
+                    (opposite[corner as usize], opposite[other]) = (other as u32, corner);
+                }
+            }
+        }
+    }
+    Ok((opposite, sources))
+}
+
+/// Numbers the corners of the next triangle.
+fn add_triangle(first: u32, sources: &mut Vec<u32>, numbers: &mut [u32]) {
+    let of_triangle = first / 3 * 3;
+    for source in (0..3).map(|i| of_triangle + (first + i) % 3) {
+        if let Some(number) = numbers.get_mut(source as usize) {
+            *number = sources.len() as u32;
+        }
+        sources.push(source);
+    }
+}
+
+impl Refiner {
+    /// Codes the fans, vertices and points of the base mesh, whose triangles are there.
+    pub(super) fn code_base<C: BitCoder>(&mut self, coder: &mut C, wanted: Option<&WantedBase>) {
+        let mut flags = Simple::new(2);
+        let fan_count = self.surface.first.len();
+        let mut lowest = vec![NONE; fan_count];
+        for corner in self.surface.corners() {
+            let lowest = &mut lowest[self.surface.fan(corner) as usize];
+            *lowest = corner.min(*lowest);
+        }
+        let mut new_vertices = 0;
+        for fan in 0..fan_count as u32 {
+            let index = fan as usize;
+            let bits = u32::BITS - fan.leading_zeros();
+            let mut earlier = |coder: &mut C, context: usize, wanted: Option<u32>| {
+                let is_earlier = fan > 0 && flags.code(coder, context, wanted.is_some());
+                is_earlier.then(|| code_bits(coder, bits, wanted.unwrap_or(0)) % fan.max(1))
+            };
+            // 1. The vertex, then the point.
+            let same_vertex = earlier(coder, 0, wanted.and_then(|wanted| wanted.same_vertex[index]));
+            let twin = match same_vertex {
+                None => earlier(coder, 1, wanted.and_then(|wanted| wanted.twins[index])),
+                same => same,
+            };
+            // 2. The fans beyond the edge at which the first triangle of the fan was added.
+            let corner = lowest[index];
+            let opposite = self.surface.opposite(corner);
+            let has_edge = opposite != NONE && opposite < corner;
+            let around = if has_edge { [next(corner), previous(corner), opposite] } else { [NONE; 3] };
+            let around = around.map(|corner| if corner == NONE { NONE } else { self.surface.fan(corner) });
+            let is_known = around.iter().all(|&other| other < fan);
+            // 3. The position.
+            let place = if let Some(twin) = twin {
+                self.fans[twin as usize].place
+            } else {
+                let at = |fan: u32| self.fans.get(fan as usize).map(|fan| fan.place).unwrap_or_default();
+                let (near, square) = if is_known {
+                    let [a, b, c] = around.map(at);
+                    ([0, 1, 2].map(|j| a[j] + b[j] - c[j]), square_distance(a, b))
+                } else {
+                    (at(fan.wrapping_sub(1)), 1 << 24)
+                };
+                let place =
+                    wanted.map_or([0; 3], |wanted| wanted.places[index].map(|x| x >> self.unknown_bits));
+                self.place_model.code_base(coder, near, square, self.known_bits(), place)
+            };
+            // 4. The attributes.
+            let vertex = if let Some(other) = same_vertex {
+                self.vertices[other as usize]
+            } else {
+                let values = wanted.map(|wanted| &wanted.values[index][..]);
+                let near =
+                    if is_known { &around[..2] } else { &[fan.wrapping_sub(1)][..usize::from(fan > 0)] };
+                self.code_values(coder, near, values);
+                new_vertices += 1;
+                new_vertices - 1
+            };
+            self.push_fan(place, twin, vertex, Surprise::default());
+        }
+        self.sum_around();
+    }
+}

@@ -1,0 +1,82 @@
+//! Attributes of vertices as integers on a grid, the same grid for all levels.
+//!
+//! Each component of a new vertex is expected to be the mean of those of the vertices around it, and coded as the difference; indices of joints are expected to be those of the
+//! kept vertex.
+
+use super::mixing::{Simple, code_bits};
+use super::numbers::{NumberContext, NumberModel, halves};
+use super::range_coder::BitCoder;
+
+/// What the integers of a channel are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) enum ChannelKind {
+    /// Steps of a grid, or whole numbers.
+    Linear,
+    /// A unit vector on an octahedron, by two integers.
+    Octahedral,
+    /// The same, and a sign: 0 or 1.
+    Tangent,
+    /// Names without an order.
+    Names,
+}
+
+/// The contexts of a component.
+const CONTEXTS: usize = 64;
+
+/// How a channel is coded.
+#[derive(Debug, Clone)]
+pub(super) struct ChannelModel {
+    kind: ChannelKind,
+    /// The integers of each vertex.
+    pub(super) width: usize,
+    /// The bits of an integer at most.
+    bits: u32,
+    numbers: NumberModel,
+    is_kept: Simple,
+}
+
+impl ChannelModel {
+    pub(super) fn new(kind: ChannelKind, width: usize, bits: u32) -> Self {
+        let axes = width.min(4);
+        Self { kind, width, bits, numbers: NumberModel::new(axes, CONTEXTS), is_kept: Simple::new(axes) }
+    }
+
+    /// Codes the integers of a vertex, given those of the vertices around it, the kept one first. Appends them.
+    pub(super) fn code<C: BitCoder>(
+        &mut self,
+        coder: &mut C,
+        around: &[&[i32]],
+        wanted: &[i32],
+        values: &mut Vec<i32>,
+    ) {
+        let most = (1_i64 << self.bits) - 1;
+        for component in 0..self.width {
+            let axis = component.min(3);
+            let wanted = wanted.get(component).copied().unwrap_or(0);
+            let kept = around.first().map_or(0, |values| values[component]);
+            let is_name =
+                self.kind == ChannelKind::Names || self.kind == ChannelKind::Tangent && component == 2;
+            if is_name {
+                let value = if self.is_kept.code(coder, axis, wanted == kept) {
+                    kept
+                } else {
+                    code_bits(coder, self.bits, wanted as u32) as i32
+                };
+                values.push(value);
+                continue;
+            }
+            let of_around = around.iter().map(|values| i64::from(values[component]));
+            let count = around.len().max(1) as i64;
+            let expected = (2 * of_around.clone().sum::<i64>() + count).div_euclid(2 * count);
+            let spread = of_around.clone().max().unwrap_or(most) - of_around.min().unwrap_or(0);
+            let far = (expected - i64::from(kept)).unsigned_abs();
+            let scale = 2 * halves(spread as u64);
+            let relative = (halves(far) + 8).saturating_sub(halves(spread as u64)).min(15);
+            let contexts =
+                [relative * 4 + around.len().min(3), around.len().min(15), scale.min(63), relative, 0];
+            let context = NumberContext { axis, scale, contexts };
+            let (difference, _) = self.numbers.code(coder, context, (i64::from(wanted) - expected) as i32);
+            values.push((expected + i64::from(difference)).clamp(0, most) as i32);
+        }
+    }
+}

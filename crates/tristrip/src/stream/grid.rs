@@ -1,0 +1,297 @@
+//! Positions and attributes on grids.
+
+use super::channels::ChannelKind;
+use super::places::Place;
+use crate::error::Error;
+use crate::mesh::{Attribute, AttributeData};
+
+/// The grid of the positions: the same step along all axes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Grid {
+    pub(super) origin: [f32; 3],
+    pub(super) step: f32,
+}
+
+impl Grid {
+    /// Finds the grid of positions, which are finite, with a number of bits per coordinate.
+    pub(super) fn new(positions: impl Iterator<Item = [f32; 3]>, bits: u32) -> Self {
+        let (mut least, mut most) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
+        for position in positions {
+            for j in 0..3 {
+                least[j] = least[j].min(position[j]);
+                most[j] = most[j].max(position[j]);
+            }
+        }
+        let size = |j: usize| f64::from(most[j]) - f64::from(least[j]);
+        let extent = (0..3).map(size).fold(0.0, f64::max);
+        let step = extent / f64::from((1_u32 << bits) - 1);
+        // Rounded up, so that the last step is at the far end.
+        let mut rounded = step as f32;
+        if f64::from(rounded) < step {
+            rounded = rounded.next_up();
+        }
+        if extent > 0.0 {
+            Self { origin: least, step: rounded }
+        } else {
+            Self { origin: least.map(finite), step: 0.0 }
+        }
+    }
+
+    pub(super) fn place(&self, position: [f32; 3], bits: u32) -> Place {
+        let most = f64::from((1_u32 << bits) - 1);
+        let steps = |j: usize| (f64::from(position[j]) - f64::from(self.origin[j])) / f64::from(self.step);
+        [0, 1, 2].map(|j| if self.step > 0.0 { (steps(j) + 0.5).floor().clamp(0.0, most) as i32 } else { 0 })
+    }
+
+    /// Returns the middle of what a place with unknown bits may be.
+    pub(super) fn position(&self, place: Place, unknown_bits: u32) -> [f32; 3] {
+        let half = f64::from((1_u32 << unknown_bits) - 1) / 2.0;
+        let steps = |j: usize| f64::from(place[j]) * f64::from(1_u32 << unknown_bits) + half;
+        [0, 1, 2].map(|j| (f64::from(self.origin[j]) + steps(j) * f64::from(self.step)) as f32)
+    }
+
+    /// Returns how far a position may be from the true one, in mesh units.
+    pub(super) fn error(&self, unknown_bits: u32) -> f32 {
+        (f64::from(self.step) * f64::from(1_u32 << unknown_bits) * 0.75_f64.sqrt()) as f32
+    }
+}
+
+fn finite(x: f32) -> f32 {
+    if x.is_finite() { x } else { 0.0 }
+}
+
+/// The type of the values of an attribute.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(super) enum ValueType {
+    F32,
+    F64,
+    U8,
+    I8,
+    U16,
+    I16,
+    U32,
+    I32,
+}
+
+impl ValueType {
+    pub(super) const ALL: [Self; 8] =
+        [Self::F32, Self::F64, Self::U8, Self::I8, Self::U16, Self::I16, Self::U32, Self::I32];
+
+    fn of(data: &AttributeData) -> Self {
+        match data {
+            AttributeData::F32(_) => Self::F32,
+            AttributeData::F64(_) => Self::F64,
+            AttributeData::U8(_) => Self::U8,
+            AttributeData::I8(_) => Self::I8,
+            AttributeData::U16(_) => Self::U16,
+            AttributeData::I16(_) => Self::I16,
+            AttributeData::U32(_) => Self::U32,
+            AttributeData::I32(_) => Self::I32,
+        }
+    }
+
+    fn data(self, values: impl Iterator<Item = f64>) -> AttributeData {
+        match self {
+            Self::F32 => AttributeData::F32(values.map(|x| x as f32).collect()),
+            Self::F64 => AttributeData::F64(values.collect()),
+            Self::U8 => AttributeData::U8(values.map(|x| (x + 0.5).floor() as u8).collect()),
+            Self::I8 => AttributeData::I8(values.map(|x| (x + 0.5).floor() as i8).collect()),
+            Self::U16 => AttributeData::U16(values.map(|x| (x + 0.5).floor() as u16).collect()),
+            Self::I16 => AttributeData::I16(values.map(|x| (x + 0.5).floor() as i16).collect()),
+            Self::U32 => AttributeData::U32(values.map(|x| (x + 0.5).floor() as u32).collect()),
+            Self::I32 => AttributeData::I32(values.map(|x| (x + 0.5).floor() as i32).collect()),
+        }
+    }
+}
+
+/// An attribute, and the grid on which its values are coded.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Channel {
+    pub(super) name: String,
+    pub(super) components: u8,
+    pub(super) normalized: bool,
+    pub(super) value_type: ValueType,
+    pub(super) kind: ChannelKind,
+    pub(super) bits: u32,
+    /// The least value of each component, and the step of a linear channel.
+    pub(super) origins: Vec<f64>,
+    pub(super) step: f64,
+}
+
+/// Bits of attributes that are not whole numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct AttributeBits {
+    pub(super) normal: u32,
+    pub(super) uv: u32,
+    pub(super) other: u32,
+}
+
+/// The most bits of whole numbers that are kept exactly.
+const MOST_EXACT_BITS: u32 = 24;
+
+impl Channel {
+    /// Chooses the grid of an attribute.
+    pub(super) fn new(attribute: &Attribute, bits: AttributeBits) -> Result<Self, Error> {
+        let components = usize::from(attribute.components);
+        let mut channel = Self {
+            name: attribute.name.clone(),
+            components: attribute.components,
+            normalized: attribute.normalized,
+            value_type: ValueType::of(&attribute.data),
+            kind: ChannelKind::Linear,
+            bits: 0,
+            origins: Vec::new(),
+            step: 0.0,
+        };
+        let value = |i: usize| raw(&attribute.data, i);
+        if let Some(i) = (0..attribute.data.len()).find(|&i| !value(i).is_finite()) {
+            let found =
+                format!("{} of vertex {} in attribute `{}`", value(i), i / components, attribute.name);
+            return Err(Error::Parameter { name: "attributes", found, expected: "finite numbers" });
+        }
+        let is_float = matches!(channel.value_type, ValueType::F32 | ValueType::F64);
+        let is = |name: &str| attribute.name == name || attribute.name.starts_with(&format!("{name}_"));
+        if is_float && is("NORMAL") && components == 3 || is_float && is("TANGENT") && components == 4 {
+            let is_unit = |i: usize| {
+                let square: f64 = (0..3).map(|j| value(i * components + j).powi(2)).sum();
+                (square - 1.0).abs() < 0.02
+                    && (components == 3 || (value(i * 4 + 3).abs() - 1.0).abs() < f64::EPSILON)
+            };
+            if (0..attribute.data.len() / components).all(is_unit) {
+                channel.kind = if components == 3 { ChannelKind::Octahedral } else { ChannelKind::Tangent };
+                channel.bits = bits.normal;
+                return Ok(channel);
+            }
+        }
+        let mut most = vec![f64::NEG_INFINITY; components];
+        channel.origins = vec![f64::INFINITY; components];
+        for i in 0..attribute.data.len() {
+            let j = i % components;
+            channel.origins[j] = channel.origins[j].min(value(i));
+            most[j] = most[j].max(value(i));
+        }
+        if attribute.data.is_empty() {
+            channel.origins = vec![0.0; components];
+            most = vec![0.0; components];
+        }
+        let extent = most.iter().zip(&channel.origins).map(|(a, b)| a - b).fold(0.0, f64::max);
+        if !is_float && extent < f64::from(1_u32 << MOST_EXACT_BITS) {
+            channel.step = 1.0;
+            channel.bits = u32::BITS - (extent as u32).leading_zeros();
+            if is("JOINTS") {
+                channel.kind = ChannelKind::Names;
+            }
+            return Ok(channel);
+        }
+        channel.bits = match () {
+            () if !is_float => MOST_EXACT_BITS,
+            () if is("TEXCOORD") => bits.uv,
+            () => bits.other,
+        };
+        if is("WEIGHTS") {
+            // Shares of one, so that their sum stays one.
+            channel.origins = vec![0.0; components];
+            channel.step = 1.0 / f64::from((1_u32 << channel.bits) - 1);
+        } else {
+            channel.step = extent / f64::from((1_u32 << channel.bits) - 1);
+        }
+        Ok(channel)
+    }
+
+    /// The integers of a vertex.
+    pub(super) fn width(&self) -> usize {
+        match self.kind {
+            ChannelKind::Octahedral => 2,
+            ChannelKind::Tangent => 3,
+            ChannelKind::Linear | ChannelKind::Names => self.components.into(),
+        }
+    }
+
+    /// Returns the integers of a vertex.
+    pub(super) fn integers(&self, attribute: &Attribute, vertex: usize) -> Vec<i32> {
+        let components = usize::from(self.components);
+        let value = |j: usize| raw(&attribute.data, vertex * components + j);
+        let most = f64::from((1_u32 << self.bits) - 1);
+        if matches!(self.kind, ChannelKind::Octahedral | ChannelKind::Tangent) {
+            let mut integers = octahedral([value(0), value(1), value(2)], most).to_vec();
+            integers.extend((components == 4).then(|| i32::from(value(3) < 0.0)));
+            return integers;
+        }
+        let steps = |j: usize| {
+            let steps = if self.step > 0.0 { (value(j) - self.origins[j]) / self.step } else { 0.0 };
+            (steps + 0.5).floor().clamp(0.0, most)
+        };
+        let mut integers: Vec<i32> = (0..components).map(|j| steps(j) as i32).collect();
+        if self.name.starts_with("WEIGHTS_") && self.value_type == ValueType::F32 {
+            let sum: f64 = (0..components).map(value).sum();
+            if (sum - 1.0).abs() < 1e-3 {
+                // The largest takes what rounding has changed.
+                let rest = most as i32 - integers.iter().sum::<i32>();
+                if let Some(largest) = integers.iter_mut().max() {
+                    *largest += rest;
+                }
+            }
+        }
+        integers
+    }
+
+    /// Returns the attribute with the values of some integers.
+    pub(super) fn attribute(&self, integers: &[i32]) -> Attribute {
+        let most = f64::from((1_u32 << self.bits) - 1);
+        let width = self.width().max(1);
+        let vertices = integers.chunks_exact(width);
+        let values: Vec<f64> = match self.kind {
+            ChannelKind::Octahedral | ChannelKind::Tangent => {
+                let unit = |vertex: &[i32]| {
+                    let [x, y, z] = unit_vector([vertex[0], vertex[1]], most);
+                    let sign = vertex.get(2).map(|&sign| if sign == 0 { 1.0 } else { -1.0 });
+                    [Some(x), Some(y), Some(z), sign].into_iter().flatten()
+                };
+                vertices.flat_map(unit).collect()
+            }
+            ChannelKind::Linear | ChannelKind::Names => {
+                let value = |(j, &integer): (usize, &i32)| self.origins[j] + f64::from(integer) * self.step;
+                vertices.flat_map(|vertex| vertex.iter().enumerate().map(value)).collect()
+            }
+        };
+        Attribute {
+            name: self.name.clone(),
+            components: self.components,
+            normalized: self.normalized,
+            data: self.value_type.data(values.into_iter()),
+        }
+    }
+}
+
+/// Returns a value as it is stored.
+fn raw(data: &AttributeData, i: usize) -> f64 {
+    match data {
+        AttributeData::F32(v) => v[i].into(),
+        AttributeData::F64(v) => v[i],
+        AttributeData::U8(v) => v[i].into(),
+        AttributeData::I8(v) => v[i].into(),
+        AttributeData::U16(v) => v[i].into(),
+        AttributeData::I16(v) => v[i].into(),
+        AttributeData::U32(v) => v[i].into(),
+        AttributeData::I32(v) => v[i].into(),
+    }
+}
+
+/// Returns a unit vector on an octahedron that is unfolded to a square of `most` steps.
+fn octahedral([x, y, z]: [f64; 3], most: f64) -> [i32; 2] {
+    let sum = x.abs() + y.abs() + z.abs();
+    let [u, v] = if sum > 0.0 { [x / sum, y / sum] } else { [0.0; 2] };
+    let fold = |a: f64, b: f64| (1.0 - b.abs()) * if a < 0.0 { -1.0 } else { 1.0 };
+    let [u, v] = if z < 0.0 { [fold(u, v), fold(v, u)] } else { [u, v] };
+    [u, v].map(|t| ((t * 0.5 + 0.5) * most + 0.5).floor().clamp(0.0, most) as i32)
+}
+
+fn unit_vector(steps: [i32; 2], most: f64) -> [f64; 3] {
+    let [u, v] = steps.map(|t| f64::from(t) / most * 2.0 - 1.0);
+    let z = 1.0 - u.abs() - v.abs();
+    let below = (-z).max(0.0);
+    let fold = |t: f64| if t < 0.0 { t + below } else { t - below };
+    let vector = [fold(u), fold(v), z];
+    let length = vector.iter().map(|x| x * x).sum::<f64>().sqrt();
+    vector.map(|x| x / length)
+}

@@ -1,0 +1,167 @@
+//! A binary range coder: turns decisions with known probabilities into bytes, and back.
+//!
+//! A range of 32 bits is cut in proportion to the probability of each decision; whole bytes leave at the top when it has become small. One coder
+//! serves the whole project. Only integers are used, so that another implementation gives the same bytes.
+//!
+//! # Complexity
+//! O(1) per decision; O(n) memory for n bytes.
+//!
+//! # References
+//! Martin: *Range encoding: an algorithm for removing redundancy from a digitised message*, 1979.
+
+/// The number of which probabilities are shares.
+pub(super) const WHOLE: u32 = 1 << 16;
+
+/// The range is at least this.
+const LEAST_RANGE: u32 = 1 << 24;
+
+/// Zeros at the end that are left out, at most.
+const MOST_TRIMMED: usize = 4;
+
+/// Either side of the coder, so that what is coded is written down once.
+pub(super) trait BitCoder {
+    /// Codes a decision that is true in `probability` of [`WHOLE`] cases, more than none and less than all. A decoder ignores `bit`; both return the decision.
+    fn code(&mut self, probability: u32, bit: bool) -> bool;
+
+    /// Returns whether more has been read than there is: what follows was not written by an encoder.
+    fn is_past_end(&self) -> bool {
+        false
+    }
+
+    /// Returns the bits that all decisions so far have taken.
+    fn bits(&self) -> f64 {
+        0.0
+    }
+}
+
+/// Codes nothing: the decisions are only to be learned from.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Rehearsal;
+
+impl BitCoder for Rehearsal {
+    #[inline]
+    fn code(&mut self, _: u32, bit: bool) -> bool {
+        bit
+    }
+}
+
+/// Collects decisions as bytes.
+#[derive(Debug, Clone)]
+pub(super) struct RangeEncoder {
+    low: u64,
+    range: u32,
+    bytes: Vec<u8>,
+}
+
+impl RangeEncoder {
+    pub(super) fn new() -> Self {
+        Self { low: 0, range: u32::MAX, bytes: Vec::new() }
+    }
+
+    /// Returns a bound on the number of bytes so far.
+    pub(super) fn len(&self) -> usize {
+        self.bytes.len() + 4
+    }
+
+    fn push_top_byte(&mut self) {
+        self.bytes.push((self.low >> 24) as u8);
+        self.low = (self.low << 8) & u64::from(u32::MAX);
+    }
+
+    /// Adds one to the number that the bytes form.
+    fn carry(&mut self) {
+        for byte in self.bytes.iter_mut().rev() {
+            *byte = byte.wrapping_add(1);
+            if *byte != 0 {
+                break;
+            }
+        }
+        self.low &= u64::from(u32::MAX);
+    }
+
+    /// Ends the bytes with as few as tell all decisions, given that zeros follow.
+    pub(super) fn finish(mut self) -> Vec<u8> {
+        let most = self.low + u64::from(self.range - 1);
+        let value = (0..32).rev().map(|zeros| most >> zeros << zeros).find(|&value| value >= self.low);
+        self.low = value.unwrap_or(most);
+        if self.low > u64::from(u32::MAX) {
+            self.carry();
+        }
+        (0..4).for_each(|_| self.push_top_byte());
+        let zeros = self.bytes.iter().rev().take(MOST_TRIMMED).take_while(|&&byte| byte == 0).count();
+        self.bytes.truncate(self.bytes.len() - zeros);
+        self.bytes
+    }
+}
+
+impl BitCoder for RangeEncoder {
+    #[inline]
+    fn code(&mut self, probability: u32, bit: bool) -> bool {
+        let bound = (self.range >> 16) * probability;
+        if bit {
+            self.range = bound;
+        } else {
+            self.low += u64::from(bound);
+            self.range -= bound;
+            if self.low > u64::from(u32::MAX) {
+                self.carry();
+            }
+        }
+        while self.range < LEAST_RANGE {
+            self.push_top_byte();
+            self.range <<= 8;
+        }
+        bit
+    }
+}
+
+/// Reads the decisions back. Zeros follow the bytes.
+#[derive(Debug, Clone)]
+pub(super) struct RangeDecoder<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    range: u32,
+    code: u32,
+}
+
+impl<'a> RangeDecoder<'a> {
+    pub(super) fn new(bytes: &'a [u8]) -> Self {
+        let mut decoder = Self { bytes, at: 0, range: u32::MAX, code: 0 };
+        (0..4).for_each(|_| decoder.code = decoder.code << 8 | decoder.next_byte());
+        decoder
+    }
+
+    #[inline]
+    fn next_byte(&mut self) -> u32 {
+        let byte = self.bytes.get(self.at).copied().unwrap_or(0);
+        self.at += 1;
+        byte.into()
+    }
+}
+
+impl BitCoder for RangeDecoder<'_> {
+    #[inline]
+    fn code(&mut self, probability: u32, _: bool) -> bool {
+        let bound = (self.range >> 16) * probability;
+        let bit = self.code < bound;
+        if bit {
+            self.range = bound;
+        } else {
+            self.code = self.code.wrapping_sub(bound);
+            self.range -= bound;
+        }
+        while self.range < LEAST_RANGE {
+            self.code = self.code << 8 | self.next_byte();
+            self.range <<= 8;
+        }
+        bit
+    }
+
+    fn bits(&self) -> f64 {
+        8.0 * self.at as f64 - libm::log2(self.range.into())
+    }
+
+    fn is_past_end(&self) -> bool {
+        self.at > self.bytes.len() + MOST_TRIMMED
+    }
+}

@@ -1,0 +1,532 @@
+//! A mesh that batches of splits refine: what the encoder and the decoder have in common.
+//!
+//! Both walk through the same fans and ask the same questions. The encoder answers them from its plan and writes the answers down, the decoder reads them: that
+//! is the only difference, hidden in [`BitCoder`]. Every decision is valid, so that any bytes build some mesh.
+
+use super::channels::ChannelModel;
+use super::fit::Fit;
+use super::mixing::{Simple, code_bits};
+use super::places::{Estimates, Place, PlaceModel, Polygon, Surprise, Weights};
+use super::range_coder::BitCoder;
+use super::splits::{Batch, Fan, SplitModel};
+use super::surface::{MOST_CORNERS, NONE, Split, Surface, next, previous, triangle_of};
+
+/// A split to be encoded.
+#[derive(Debug, Clone)]
+pub(super) struct Wanted {
+    /// The fan that is split: the kept fan, or another one of its point.
+    pub(super) fan: u32,
+    /// The first triangle that moves, or none.
+    pub(super) first: u32,
+    pub(super) count: usize,
+    pub(super) adds: [bool; 2],
+    /// The position on the grid of the full mesh.
+    pub(super) place: Place,
+    /// The attributes of the vertex; none if it is the vertex of an earlier fan of the group.
+    pub(super) same_as: Option<usize>,
+    pub(super) values: Vec<Vec<i32>>,
+}
+
+/// A mesh with what is known for the next split.
+#[derive(Debug, Clone)]
+pub(super) struct Refiner {
+    pub(super) surface: Surface,
+    pub(super) fans: Vec<Fan>,
+    /// The vertex of each fan.
+    pub(super) vertices: Vec<u32>,
+    /// The next fan of the same point; of one fan alone itself.
+    twins: Vec<u32>,
+    /// The first fan of the point.
+    leaders: Vec<u32>,
+    /// The attributes of each vertex, one array per channel.
+    pub(super) values: Vec<Vec<i32>>,
+    pub(super) vertex_count: u32,
+    /// The bits of a coordinate, and those of them that are still unknown.
+    pub(super) position_bits: u32,
+    pub(super) unknown_bits: u32,
+    /// The collapses that have been undone.
+    pub(super) group_count: u32,
+    /// The kept and the new fan of each split.
+    pub(super) record: Vec<[u32; 2]>,
+    /// The number of splits after each group.
+    pub(super) record_ends: Vec<u32>,
+    /// What is around each fan.
+    around: Vec<Around>,
+    batch: u32,
+    regime: usize,
+    /// The next fan to visit, and the end of the batch.
+    pub(super) next: u32,
+    pub(super) end: u32,
+    splits: SplitModel,
+    pub(super) place_model: PlaceModel,
+    channels: Vec<ChannelModel>,
+    flags: Simple,
+    precision: Simple,
+    /// Counts the bits of each component, if that is wanted, and those up to the last one.
+    pub(super) costs: Option<(StreamCosts, f64)>,
+    /// Learns the weights, while encoding.
+    pub(super) fit: Option<Fit>,
+    ring: Vec<u32>,
+    rim: Vec<u32>,
+    polygon: Polygon,
+}
+
+/// The sum of the positions around a fan, and their number.
+#[derive(Debug, Clone, Copy, Default)]
+struct Around {
+    sum: [i64; 3],
+    count: u32,
+}
+
+impl Around {
+    #[inline]
+    fn add(&mut self, place: Place) {
+        (0..3).for_each(|j| self.sum[j] += i64::from(place[j]));
+        self.count += 1;
+    }
+
+    #[inline]
+    fn remove(&mut self, place: Place) {
+        (0..3).for_each(|j| self.sum[j] -= i64::from(place[j]));
+        self.count = self.count.saturating_sub(1);
+    }
+}
+
+/// The bits of the components of a stream.
+///
+/// ```
+/// use tristrip::stream::StreamCosts;
+/// let costs = StreamCosts { marks: 2.0, corners: 3.0, ..StreamCosts::default() };
+/// assert_eq!(costs.connectivity(), 5.0);
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct StreamCosts {
+    /// The base mesh, with its positions and attributes.
+    pub base: f64,
+    /// Which vertices are split.
+    pub marks: f64,
+    /// Which of their corners move.
+    pub corners: f64,
+    /// The positions of new points.
+    pub positions: f64,
+    /// Further bits of the positions of points that are there already.
+    pub precision: f64,
+    /// The attributes of new vertices.
+    pub attributes: f64,
+}
+
+impl StreamCosts {
+    /// Returns the bits of the connectivity: marks and corners.
+    ///
+    /// ```
+    /// let costs = tristrip::stream::StreamCosts { marks: 2.0, corners: 3.0, ..Default::default() };
+    /// assert!((costs.connectivity() - 5.0).abs() < 1e-9);
+    /// ```
+    pub fn connectivity(&self) -> f64 {
+        self.marks + self.corners
+    }
+
+    /// Adds the costs of another mesh.
+    ///
+    /// ```
+    /// let mut costs = tristrip::stream::StreamCosts { marks: 2.0, ..Default::default() };
+    /// costs.add(&costs.clone());
+    /// assert!((costs.marks - 4.0).abs() < 1e-9);
+    /// ```
+    pub fn add(&mut self, other: &Self) {
+        self.base += other.base;
+        self.marks += other.marks;
+        self.corners += other.corners;
+        self.positions += other.positions;
+        self.precision += other.precision;
+        self.attributes += other.attributes;
+    }
+}
+
+/// The fans of a point among which one is chosen.
+const MOST_TWINS: u32 = 1024;
+
+/// Contexts of single flags.
+const MORE_REFINING: usize = 0;
+const REGIME: usize = 1;
+const MORE_IN_GROUP: usize = 3;
+const SAME_VERTEX: usize = 5;
+const FLAGS: usize = 6;
+
+impl Refiner {
+    pub(super) fn new(weights: &Weights, channels: Vec<ChannelModel>) -> Self {
+        Self {
+            surface: Surface::default(),
+            fans: Vec::new(),
+            vertices: Vec::new(),
+            twins: Vec::new(),
+            leaders: Vec::new(),
+            values: vec![Vec::new(); channels.len()],
+            vertex_count: 0,
+            position_bits: 1,
+            unknown_bits: 0,
+            group_count: 0,
+            record: Vec::new(),
+            record_ends: Vec::new(),
+            around: Vec::new(),
+            batch: 0,
+            regime: 0,
+            next: 0,
+            end: 0,
+            splits: SplitModel::new(),
+            place_model: PlaceModel::new(weights),
+            channels,
+            flags: Simple::new(FLAGS),
+            precision: Simple::new(3),
+            costs: None,
+            fit: None,
+            ring: Vec::new(),
+            rim: Vec::new(),
+            polygon: Polygon::default(),
+        }
+    }
+
+    /// Adds a fan that the surface has or will get. `twin` is another fan of its point, and `vertex` the next vertex or one of these fans.
+    pub(super) fn push_fan(&mut self, place: Place, twin: Option<u32>, vertex: u32, surprise: Surprise) {
+        let fan = self.fans.len() as u32;
+        self.fans.push(Fan { place, born: self.batch, split: self.batch, surprise });
+        self.vertices.push(vertex);
+        match twin {
+            None => {
+                self.twins.push(fan);
+                self.leaders.push(fan);
+            }
+            Some(twin) => {
+                self.twins.push(self.twins[twin as usize]);
+                self.twins[twin as usize] = fan;
+                self.leaders.push(self.leaders[twin as usize]);
+            }
+        }
+        self.vertex_count = self.vertex_count.max(vertex + 1);
+    }
+
+    /// Begins a batch: codes whether the positions get another bit, and the regime. `refine` is called for each bit, with the number of bits that stay unknown.
+    pub(super) fn begin_batch<C: BitCoder>(
+        &mut self,
+        coder: &mut C,
+        regime: usize,
+        unknown_bits: u32,
+        full: impl Fn(u32) -> Place,
+    ) {
+        self.batch += 1;
+        self.account(coder, |_| None);
+        self.refine_places(coder, unknown_bits, full);
+        self.account(coder, |costs| Some(&mut costs.precision));
+        self.regime = if self.flags.code(coder, REGIME, regime == 2) {
+            2
+        } else {
+            usize::from(self.flags.code(coder, REGIME + 1, regime == 1))
+        };
+        self.next = 0;
+        self.end = self.fans.len() as u32;
+    }
+
+    /// Codes further bits of all positions. `full` returns the position of a fan on the grid of the full mesh.
+    pub(super) fn refine_places<C: BitCoder>(
+        &mut self,
+        coder: &mut C,
+        unknown_bits: u32,
+        full: impl Fn(u32) -> Place,
+    ) {
+        while self.unknown_bits > 0 && self.flags.code(coder, MORE_REFINING, self.unknown_bits > unknown_bits)
+        {
+            self.unknown_bits -= 1;
+            for fan in 0..self.fans.len() {
+                let leader = self.leaders[fan] as usize;
+                if leader != fan {
+                    self.fans[fan].place = self.fans[leader].place;
+                    continue;
+                }
+                let full = full(fan as u32);
+                for axis in 0..3 {
+                    let bit = full[axis] >> self.unknown_bits & 1;
+                    let bit = self.precision.code(coder, axis, bit != 0);
+                    self.fans[fan].place[axis] = self.fans[fan].place[axis] << 1 | i32::from(bit);
+                }
+            }
+            self.sum_around();
+        }
+    }
+
+    /// Visits the next fan of the batch: codes all its splits. `wanted` are those to be encoded, in groups.
+    pub(super) fn visit<C: BitCoder>(&mut self, coder: &mut C, wanted: &[Vec<Wanted>]) {
+        let fan = self.next;
+        self.next += 1;
+        let mut done = 0;
+        loop {
+            let group: Option<&[Wanted]> = wanted.get(done).map(Vec::as_slice);
+            let mut ring = std::mem::take(&mut self.ring);
+            let is_open = self.surface.ring(fan, &mut ring);
+            let is_split = {
+                let (model, batch) = self.models();
+                model.code_mark(coder, &batch, (fan, &ring, is_open), done, group.is_some())
+            };
+            self.account(coder, |costs| Some(&mut costs.marks));
+            if is_split {
+                self.code_group(coder, (fan, &mut ring, is_open), group.unwrap_or(&[]));
+            }
+            self.ring = ring;
+            if !is_split {
+                break;
+            }
+            done += 1;
+        }
+    }
+
+    /// Adds the bits since the last call to a component, if bits are counted.
+    #[inline]
+    pub(super) fn account<C: BitCoder>(
+        &mut self,
+        coder: &C,
+        component: impl Fn(&mut StreamCosts) -> Option<&mut f64>,
+    ) {
+        if let Some((costs, before)) = &mut self.costs {
+            let bits = coder.bits();
+            if let Some(component) = component(costs) {
+                *component += bits - *before;
+            }
+            *before = bits;
+        }
+    }
+
+    /// Returns the bits of a coordinate that are known.
+    pub(super) fn known_bits(&self) -> u32 {
+        self.position_bits - self.unknown_bits
+    }
+
+    fn models(&mut self) -> (&mut SplitModel, Batch<'_>) {
+        let batch = Batch { surface: &self.surface, fans: &self.fans, number: self.batch };
+        (&mut self.splits, batch)
+    }
+
+    /// Codes the splits of one collapse: one, or on a seam one for each fan of the new point.
+    fn code_group<C: BitCoder>(
+        &mut self,
+        coder: &mut C,
+        (fan, ring, is_open): (u32, &mut Vec<u32>, bool),
+        wanted: &[Wanted],
+    ) {
+        let first_new = self.fans.len() as u32;
+        let (mut of, mut is_open) = (fan, is_open);
+        let mut number = 0;
+        loop {
+            self.code_split(coder, (of, ring, is_open), wanted.get(number), first_new);
+            number += 1;
+            let has_twins = usize::from(self.twins[fan as usize] != fan);
+            // Only where a surface has borders a point has several fans.
+            if !is_open || !self.flags.code(coder, MORE_IN_GROUP + has_twins, wanted.len() > number) {
+                break;
+            }
+            of = self.code_twin(coder, fan, wanted.get(number).map_or(fan, |wanted| wanted.fan));
+            is_open = self.surface.ring(of, ring);
+            if ring.is_empty() || ring.len() > MOST_CORNERS {
+                break;
+            }
+        }
+        self.group_count += 1;
+        self.record_ends.push(self.record.len() as u32);
+    }
+
+    /// Codes a fan of the point of another one, whose number is counted from it.
+    fn code_twin<C: BitCoder>(&self, coder: &mut C, fan: u32, wanted: u32) -> u32 {
+        let (mut count, mut place, mut twin) = (1, 0, self.twins[fan as usize]);
+        while twin != fan && count < MOST_TWINS {
+            if twin == wanted {
+                place = count;
+            }
+            count += 1;
+            twin = self.twins[twin as usize];
+        }
+        let bits = u32::BITS - u32::leading_zeros(count - 1);
+        let steps = code_bits(coder, bits, place) % count;
+        (0..steps).fold(fan, |fan, _| self.twins[fan as usize])
+    }
+
+    fn code_split<C: BitCoder>(
+        &mut self,
+        coder: &mut C,
+        (fan, ring, is_open): (u32, &[u32], bool),
+        wanted: Option<&Wanted>,
+        first_new: u32,
+    ) {
+        let new = self.fans.len() as u32;
+        // 1. The corners that move.
+        let wanted_split = wanted.map(|wanted| {
+            let start = ring.iter().position(|&corner| triangle_of(corner) == wanted.first);
+            let of_none = if wanted.adds[1] { 0 } else { ring.len() };
+            Split { start: start.unwrap_or(of_none), count: wanted.count, is_open, adds: wanted.adds }
+        });
+        let split = {
+            let (model, batch) = self.models();
+            model.code_split(coder, &batch, (fan, ring, is_open), wanted_split)
+        };
+        self.account(coder, |costs| Some(&mut costs.corners));
+        // 2. The point.
+        let mut rim = std::mem::take(&mut self.rim);
+        self.collect_rim(fan, ring, split, &mut rim);
+        let is_first = new == first_new;
+        let (place, surprise) = if is_first {
+            self.collect_polygon(&rim, ring, split);
+            let estimates = Estimates::new(&self.polygon, self.regime);
+            let place = wanted.map_or([0; 3], |wanted| wanted.place.map(|x| x >> self.unknown_bits));
+            if let Some(fit) = &mut self.fit {
+                fit.add(&estimates, &self.place_model.weights, place);
+            }
+            let known_bits = self.known_bits();
+            self.place_model.code(coder, &self.polygon, &estimates, known_bits, place)
+        } else {
+            (self.fans[first_new as usize].place, self.fans[first_new as usize].surprise)
+        };
+        self.account(coder, |costs| Some(&mut costs.positions));
+        // 3. The vertex.
+        let same_as = wanted.and_then(|wanted| wanted.same_as);
+        let is_same = !is_first && self.flags.code(coder, SAME_VERTEX, same_as.is_some());
+        let vertex = if is_same {
+            let count = new - first_new;
+            let bits = u32::BITS - u32::leading_zeros(count - 1);
+            let number = code_bits(coder, bits, same_as.unwrap_or(0) as u32) % count;
+            self.vertices[(first_new + number) as usize]
+        } else {
+            self.code_values(coder, &rim, wanted.map(|wanted| &wanted.values[..]));
+            self.vertex_count
+        };
+        self.account(coder, |costs| Some(&mut costs.attributes));
+        // 4. Do it.
+        self.update_around(&rim, split, place);
+        for i in split.start..split.start + split.count {
+            self.surface.set_mark(ring[i % ring.len()], self.batch);
+        }
+        let added = self.surface.split(fan, ring, split);
+        for corner in added.into_iter().filter(|&corner| corner != NONE) {
+            self.surface.set_mark(corner, self.batch);
+        }
+        self.push_fan(place, (!is_first).then_some(first_new), vertex, surprise);
+        self.fans[fan as usize].split = self.batch;
+        self.record.push([fan, new]);
+        self.rim = rim;
+    }
+
+    /// Codes the attributes of a new vertex.
+    pub(super) fn code_values<C: BitCoder>(
+        &mut self,
+        coder: &mut C,
+        around: &[u32],
+        wanted: Option<&[Vec<i32>]>,
+    ) {
+        for (number, channel) in self.channels.iter_mut().enumerate() {
+            let values = &mut self.values[number];
+            let width = channel.width;
+            let of_fan = |&fan: &u32| {
+                let vertex = self.vertices[fan as usize] as usize;
+                &values[vertex * width..][..width]
+            };
+            let around: Vec<&[i32]> = around.iter().map(of_fan).collect();
+            let mut new = Vec::with_capacity(width);
+            channel.code(coder, &around, wanted.map_or(&[], |wanted| &wanted[number]), &mut new);
+            values.extend(new);
+        }
+    }
+
+    /// Collects the fans around the new point: the kept one, then those around the corners that move.
+    fn collect_rim(&self, fan: u32, ring: &[u32], split: Split, rim: &mut Vec<u32>) {
+        let Split { start, count, adds, .. } = split;
+        let of = |corner: u32| self.surface.fan(corner);
+        rim.clear();
+        rim.push(fan);
+        match count {
+            0 if adds[0] => rim.push(of(previous(ring[ring.len() - 1]))),
+            0 => rim.push(of(next(ring[0]))),
+            _ => {
+                let mut last = 0;
+                for i in start..start + count {
+                    last = if i < ring.len() { ring[i] } else { ring[i - ring.len()] };
+                    rim.push(of(next(last)));
+                }
+                rim.push(of(previous(last)));
+            }
+        }
+    }
+
+    /// Collects what is known around a new point.
+    fn collect_polygon(&mut self, rim: &[u32], ring: &[u32], split: Split) {
+        let Split { start, count, is_open, .. } = split;
+        let n = ring.len();
+        let polygon = &mut self.polygon;
+        let place = |fan: u32| self.fans[fan as usize].place;
+        let at = |corner: u32| place(self.surface.fan(corner));
+        polygon.points.clear();
+        polygon.points.extend(rim.iter().map(|&fan| place(fan)));
+        // A triangle at the end of a border has no third point.
+        if rim.len() == 2 {
+            polygon.points.push(polygon.points[1]);
+        }
+        let last = rim[rim.len() - 1];
+        polygon.surprises = [rim[0], rim[1], last].map(|fan| self.fans[fan as usize].surprise);
+        // 1. Parallelograms.
+        (polygon.parallelograms, polygon.parallelogram_count) = ([0; 3], 0);
+        for i in 0..count {
+            let corner = ring[(start + i) % n];
+            let opposite = self.surface.opposite(corner);
+            if opposite != NONE {
+                polygon.add_parallelogram([polygon.points[i + 1], polygon.points[i + 2]], at(opposite));
+            }
+        }
+        if count > 0 && (start > 0 || !is_open) {
+            let before = ring[(start + n - 1) % n];
+            polygon.add_parallelogram([polygon.points[0], polygon.points[1]], at(next(before)));
+        }
+        if count > 0 && (start + count < n || !is_open) {
+            let after = ring[(start + count) % n];
+            polygon.add_parallelogram([polygon.points[0], polygon.points[count + 1]], at(previous(after)));
+        }
+        // 2. Laplacians.
+        polygon.laplacians = [0; 3];
+        for &fan in rim {
+            let (place, Around { sum, count }) = (place(fan), &self.around[fan as usize]);
+            for j in 0..3 {
+                polygon.laplacians[j] +=
+                    16 * i64::from(place[j]) - (16 * sum[j]).div_euclid(i64::from((*count).max(1)));
+            }
+        }
+    }
+
+    /// Sums up the positions around all fans.
+    pub(super) fn sum_around(&mut self) {
+        self.around.clear();
+        self.around.resize(self.fans.len(), Around::default());
+        for corner in self.surface.corners() {
+            let place = |corner: u32| self.fans[self.surface.fan(corner) as usize].place;
+            let around = &mut self.around[self.surface.fan(corner) as usize];
+            around.add(place(next(corner)));
+            if self.surface.after(corner).is_none() {
+                around.add(place(previous(corner)));
+            }
+        }
+    }
+
+    /// Does the same for a split, before it is done.
+    fn update_around(&mut self, rim: &[u32], split: Split, place: Place) {
+        let kept = self.fans[rim[0] as usize].place;
+        let last = rim.len() - 1;
+        let mut new = Around::default();
+        new.add(kept);
+        for (i, &fan) in rim.iter().enumerate().skip(1) {
+            new.add(self.fans[fan as usize].place);
+            // The first and the last one stay neighbours of the kept fan if a triangle is added there.
+            let stays = split.count == 0 || i == 1 && split.adds[0] || i == last && split.adds[1];
+            if !stays {
+                self.around[fan as usize].remove(kept);
+                let other = self.fans[fan as usize].place;
+                self.around[rim[0] as usize].remove(other);
+            }
+            self.around[fan as usize].add(place);
+        }
+        self.around[rim[0] as usize].add(place);
+        self.around.push(new);
+    }
+}
