@@ -1,0 +1,135 @@
+/**
+ * The base mesh as decisions.
+ *
+ * The triangles come in the order of a walk: each edge that is still open is looked at once, in the order in which the edges arose, and is either a
+ * border, or the edge of a new triangle, or one with another open edge. Where no edge is left, a new component begins. Then each fan, in the order of
+ * its lowest corner, is a new vertex or a fan of an earlier one, each vertex is a new point or has the position of an earlier fan, and new points and
+ * vertices have their values, expected by the parallelogram over the edge at which their first triangle was added.
+ * @module
+ */
+import { SMALL_CONTEXTS, USUAL_SQUARE } from './constants.js';
+import { Fault } from './error.js';
+import { FAN_CELLS, Fans, VERTEX } from './fans.js';
+import { grown } from './growth.js';
+import { Simple } from './mixing.js';
+import { decodeSmall } from './numbers.js';
+import { next, NONE, previous, Surface } from './surface.js';
+
+/**
+ * @import { ChannelModel } from './channels.js'
+ * @import { PlaceModel } from './places.js'
+ * @import { RangeDecoder } from './range_coder.js'
+ */
+
+/** What is beyond an open edge: decisions. */
+const IS_TRIANGLE = 0;
+const IS_BORDER = 1;
+
+/** Decisions about fans. */
+const SAME_VERTEX = 0;
+const SAME_POINT = 1;
+
+/**
+ * Decodes the triangles of a base mesh.
+ * @param {RangeDecoder} coder
+ * @param {number} triangleCount
+ * @returns {Surface}
+ */
+export function decodeTriangles(coder, triangleCount) {
+  const kinds = new Simple(2);
+  const distances = new Simple(SMALL_CONTEXTS);
+  let opposite = new Int32Array(3);
+  let length = 0;
+  const push = () => {
+    if (coder.isPastEnd) throw new Fault('the end of the chunk', `${triangleCount} triangles`);
+    opposite = grown(opposite, length + 3);
+    opposite.fill(NONE, length, length + 3);
+    length += 3;
+  };
+  for (let corner = 0; length < 3 * triangleCount; ) {
+    // 1. A new component.
+    push();
+    // 2. The edges in their order: each is named by the opposite corner, whose number is its place in the order.
+    for (; corner < length; corner++) {
+      if (opposite[corner] !== NONE) continue;
+      let other = length;
+      if (length < 3 * triangleCount && kinds.decode(coder, IS_TRIANGLE)) {
+        push();
+      } else if (corner + 1 === length || kinds.decode(coder, IS_BORDER)) {
+        if (coder.isPastEnd) throw new Fault('the end of the chunk', `${triangleCount} triangles`);
+        continue;
+      } else {
+        other = corner + decodeSmall(coder, distances) + 1;
+        if (other >= length || opposite[other] !== NONE) throw new Fault('an edge of two triangles twice', 'edges of at most two triangles');
+      }
+      opposite[corner] = other;
+      opposite[other] = corner;
+    }
+  }
+  return new Surface(opposite, triangleCount);
+}
+
+/**
+ * Decodes the fans, vertices and points of the base mesh.
+ * @param {RangeDecoder} coder
+ * @param {Surface} surface
+ * @param {PlaceModel} placeModel
+ * @param {ChannelModel[]} channels
+ * @returns {Fans}
+ */
+export function decodeFans(coder, surface, placeModel, channels) {
+  const fans = new Fans();
+  const flags = new Simple(2);
+  const around = new Int32Array(2);
+  const { place } = placeModel;
+  const earlier = (/** @type {number} */ context) => {
+    const fan = fans.count;
+    if (fan === 0 || !flags.decode(coder, context)) return NONE;
+    return coder.decodeBits(32 - Math.clz32(fan)) % fan;
+  };
+  // Fans have the order of their lowest corners.
+  for (let lowest = 0; fans.count < surface.fanCount; lowest += (lowest & 7) === 2 ? 6 : 1) {
+    const fan = fans.count;
+    if (surface.fan(lowest) !== fan) continue;
+    // 1. The vertex, then the point.
+    const sameVertex = earlier(SAME_VERTEX);
+    const twin = sameVertex === NONE ? earlier(SAME_POINT) : sameVertex;
+    // 2. The fans beyond the edge at which the first triangle of the fan was added.
+    const opposite = surface.opposite(lowest);
+    const hasEdge = opposite !== NONE && opposite < lowest;
+    const a = hasEdge ? surface.fan(next(lowest)) : fan;
+    const b = hasEdge ? surface.fan(previous(lowest)) : fan;
+    const c = hasEdge ? surface.fan(opposite) : fan;
+    const isKnown = a < fan && b < fan && c < fan;
+    // 3. The position.
+    const { cells } = fans;
+    if (twin !== NONE) {
+      for (let j = 0; j < 3; j++) place[j] = cells[FAN_CELLS * twin + j];
+    } else if (isKnown) {
+      let square = 0;
+      for (let j = 0; j < 3; j++) {
+        const ofA = cells[FAN_CELLS * a + j];
+        const ofB = cells[FAN_CELLS * b + j];
+        place[j] = ofA + ofB - cells[FAN_CELLS * c + j];
+        square += (ofA - ofB) * (ofA - ofB);
+      }
+      placeModel.decodeBase(coder, square);
+    } else {
+      for (let j = 0; j < 3; j++) place[j] = fan > 0 ? cells[FAN_CELLS * (fan - 1) + j] : 0;
+      placeModel.decodeBase(coder, USUAL_SQUARE);
+    }
+    // 4. The attributes.
+    let vertex = fans.vertexCount;
+    if (sameVertex !== NONE) {
+      vertex = cells[FAN_CELLS * sameVertex + VERTEX];
+    } else {
+      const length = isKnown ? 2 : Math.min(fan, 1);
+      if (length > 0) around[0] = cells[FAN_CELLS * (isKnown ? a : fan - 1) + VERTEX];
+      if (length > 1) around[1] = cells[FAN_CELLS * b + VERTEX];
+      for (const channel of channels) channel.decode(coder, vertex, around, length);
+    }
+    fans.push(twin, vertex, 0);
+    for (let j = 0; j < 3; j++) fans.cells[FAN_CELLS * fan + j] = place[j];
+  }
+  return fans;
+}

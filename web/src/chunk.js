@@ -1,0 +1,133 @@
+/**
+ * The framing of a stream: chunks with a head and a checksum each.
+ *
+ * ```text
+ * chunk  ─▶ stream · bytes of the payload · visits · level · triangles · error · checksum · payload
+ * ```
+ * Numbers are written seven bits at a time, the lowest first, with the eighth bit of each byte but the last set.
+ * @module
+ */
+import { Fault } from './error.js';
+
+/**
+ * The head of a chunk.
+ * @typedef {object} ChunkHead
+ * @property {number} stream the number of the mesh that the chunk refines
+ * @property {number} payloadBytes
+ * @property {number} visits the fans that it visits; 0 for a base mesh
+ * @property {number} level the level that it leads to
+ * @property {number} triangles those of that level
+ * @property {number} error that of that level
+ * @property {number} checksum
+ * @property {number} headBytes the length of the head, its checksum included
+ */
+
+/** Reads from the start of bytes. */
+export class Reader {
+  /**
+   * @param {Uint8Array} bytes
+   * @param {string} expected what is missing where the bytes end
+   */
+  constructor(bytes, expected) {
+    this.bytes = bytes;
+    this.expected = expected;
+    this.view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
+    this.at = 0;
+  }
+
+  /**
+   * Takes the next bytes; returns where they start.
+   * @param {number} count
+   * @returns {number}
+   */
+  take(count) {
+    if (count > this.bytes.length - this.at) throw new Fault('the end of the chunk', this.expected);
+    this.at += count;
+    return this.at - count;
+  }
+
+  byte() {
+    return this.bytes[this.take(1)];
+  }
+
+  /**
+   * Reads a number of at most 32 bits.
+   * @param {string} expected what it is
+   */
+  number(expected) {
+    let number = 0;
+    for (let scale = 1; scale <= 2 ** 28; scale *= 128) {
+      const byte = this.byte();
+      number += (byte & 0x7f) * scale;
+      if (byte < 0x80 && number <= 0xffffffff) return number;
+    }
+    throw new Fault('a number of more than 32 bits', expected);
+  }
+
+  float() {
+    return this.view.getFloat32(this.take(4), true);
+  }
+
+  double() {
+    return this.view.getFloat64(this.take(8), true);
+  }
+}
+
+/**
+ * Reads the head of a chunk; returns `undefined` if the bytes end.
+ * @param {Uint8Array} bytes
+ * @returns {ChunkHead | undefined}
+ */
+export function readChunkHead(bytes) {
+  const reader = new Reader(bytes, 'the head of a chunk');
+  // Five numbers, then eight bytes.
+  for (let i = 0, ends = 0, length = 0; ends < 5; i++) {
+    if (i === bytes.length) return undefined;
+    length++;
+    if (bytes[i] < 0x80 || length === 5) {
+      ends++;
+      length = 0;
+    }
+    if (bytes[i] >= 0x80 && length === 0) break;
+    if (ends === 5 && bytes.length < i + 9) return undefined;
+  }
+  const number = () => reader.number('the head of a chunk');
+  const [stream, payloadBytes, visits, level, triangles] = [number(), number(), number(), number(), number()];
+  const error = reader.float();
+  const checksum = reader.view.getUint32(reader.take(4), true);
+  return { stream, payloadBytes, visits, level, triangles, error, checksum, headBytes: reader.at };
+}
+
+/** The remainders of all bytes. */
+const REMAINDERS = Int32Array.from({ length: 256 }, (_, byte) => {
+  for (let i = 0; i < 8; i++) byte = byte & 1 ? (byte >>> 1) ^ 0xedb88320 : byte >>> 1;
+  return byte;
+});
+
+/** A CRC-32. */
+export class Checksum {
+  constructor() {
+    this.state = -1;
+  }
+
+  /** @param {Uint8Array} bytes */
+  addBytes(bytes) {
+    let state = this.state;
+    for (let i = 0; i < bytes.length; i++) state = REMAINDERS[(state ^ bytes[i]) & 255] ^ (state >>> 8);
+    this.state = state;
+  }
+
+  /**
+   * Adds a number of 32 bits, the lowest byte first.
+   * @param {number} number
+   */
+  addNumber(number) {
+    let state = this.state ^ number;
+    for (let i = 0; i < 4; i++) state = REMAINDERS[state & 255] ^ (state >>> 8);
+    this.state = state;
+  }
+
+  get value() {
+    return ~this.state >>> 0;
+  }
+}

@@ -1,0 +1,314 @@
+/**
+ * A mesh that batches of splits refine. Every decision is valid, so that any bytes build some mesh.
+ * @module
+ */
+import { MOST_CORNERS } from './constants.js';
+import { ALONG, AROUND_CELLS, BESIDE, FAN_CELLS, LAST_SPLIT, VERTEX } from './fans.js';
+import { Simple } from './mixing.js';
+import { PlaceModel, Polygon } from './places.js';
+import { SplitModel } from './splits.js';
+import { next, NONE, previous, Ring } from './surface.js';
+
+/**
+ * @import { ChannelModel } from './channels.js'
+ * @import { Fans } from './fans.js'
+ * @import { RangeDecoder } from './range_coder.js'
+ * @import { Split, Surface } from './surface.js'
+ */
+
+/** Contexts of single flags. */
+const MORE_REFINING = 0;
+const REGIME = 1;
+const MORE_IN_GROUP = 3;
+const SAME_VERTEX = 5;
+const FLAGS = 6;
+
+/** A mesh with what is known for the next split. */
+export class Refiner {
+  /**
+   * @param {Surface} surface
+   * @param {Fans} fans
+   * @param {ChannelModel[]} channels
+   * @param {PlaceModel} placeModel
+   * @param {number} unknownBits the bits of a coordinate that are still unknown
+   */
+  constructor(surface, fans, channels, placeModel, unknownBits) {
+    this.surface = surface;
+    this.fans = fans;
+    this.channels = channels;
+    this.placeModel = placeModel;
+    this.unknownBits = unknownBits;
+    this.splits = new SplitModel(surface, fans);
+    this.flags = new Simple(FLAGS);
+    this.precision = new Simple(3);
+    /** The collapses that have been undone. */
+    this.groupCount = 0;
+    this.batch = 0;
+    this.regime = 0;
+    /** The next fan to visit, and the end of the batch. */
+    this.next = 0;
+    this.end = 0;
+    this.ring = new Ring();
+    /** The fans around the new point: the kept one, then those around the corners that move. Also their vertices. */
+    this.rim = new Int32Array(MOST_CORNERS + 2);
+    this.rimLength = 0;
+    this.rimVertices = new Int32Array(MOST_CORNERS + 2);
+    this.polygon = new Polygon();
+    this.#sumAround();
+  }
+
+  /**
+   * Begins a batch: decodes whether the positions get another bit, and the regime.
+   * @param {RangeDecoder} coder
+   */
+  beginBatch(coder) {
+    this.batch++;
+    this.splits.batch = this.batch;
+    while (this.unknownBits > 0 && this.flags.decode(coder, MORE_REFINING)) this.#refinePlaces(coder);
+    this.regime = this.flags.decode(coder, REGIME) ? 2 : this.flags.decode(coder, REGIME + 1);
+    this.next = 0;
+    this.end = this.fans.count;
+  }
+
+  /**
+   * Decodes another bit of all positions.
+   * @param {RangeDecoder} coder
+   */
+  #refinePlaces(coder) {
+    const { fans } = this;
+    this.unknownBits--;
+    for (let fan = 0; fan < fans.count; fan++) {
+      const leader = fans.leaders[fan];
+      if (leader !== fan) {
+        fans.copyPlace(fan, leader);
+        continue;
+      }
+      for (let j = 0; j < 3; j++) {
+        const at = FAN_CELLS * fan + j;
+        fans.cells[at] = (fans.cells[at] << 1) | this.precision.decode(coder, j);
+      }
+    }
+    this.#sumAround();
+  }
+
+  /**
+   * Visits the next fan of the batch: decodes all its splits.
+   * @param {RangeDecoder} coder
+   */
+  visit(coder) {
+    const fan = this.next++;
+    const { ring, surface, splits } = this;
+    surface.collect(fan, ring);
+    for (let done = 0; splits.decodeMark(coder, fan, ring, done); done++) {
+      this.#decodeGroup(coder, fan);
+      surface.collect(fan, ring);
+    }
+  }
+
+  /**
+   * Decodes the splits of one collapse: one, or on a seam one for each fan of the new point.
+   * @param {RangeDecoder} coder
+   * @param {number} fan
+   */
+  #decodeGroup(coder, fan) {
+    const { ring, fans, surface } = this;
+    const firstNew = fans.count;
+    let of = fan;
+    do {
+      this.#decodeSplit(coder, of, firstNew);
+      const hasTwins = fans.twins[fan] !== fan ? 1 : 0;
+      // Only where a surface has borders a point has several fans.
+      if (!ring.isOpen || !this.flags.decode(coder, MORE_IN_GROUP + hasTwins)) break;
+      of = this.#decodeTwin(coder, fan);
+      surface.collect(of, ring);
+    } while (ring.length > 0 && ring.length <= MOST_CORNERS);
+    this.groupCount++;
+  }
+
+  /**
+   * Decodes a fan of the point of another one, whose number is counted from it.
+   * @param {RangeDecoder} coder
+   * @param {number} fan
+   */
+  #decodeTwin(coder, fan) {
+    const { twins } = this.fans;
+    let count = 1;
+    for (let twin = twins[fan]; twin !== fan; twin = twins[twin]) count++;
+    let twin = fan;
+    for (let steps = coder.decodeBits(32 - Math.clz32(count - 1)) % count; steps > 0; steps--) twin = twins[twin];
+    return twin;
+  }
+
+  /**
+   * @param {RangeDecoder} coder
+   * @param {number} fan
+   * @param {number} firstNew the first new fan of the group
+   */
+  #decodeSplit(coder, fan, firstNew) {
+    const { fans, surface, ring, placeModel } = this;
+    const isFirst = fans.count === firstNew;
+    // 1. The corners that move.
+    const split = this.splits.decodeSplit(coder, fan, ring);
+    // 2. The point.
+    this.#collectRim(fan, split);
+    if (isFirst) {
+      this.#collectPolygon(split);
+      placeModel.decode(coder, this.polygon, this.regime);
+    }
+    // 3. The vertex.
+    let vertex = fans.vertexCount;
+    if (!isFirst && this.flags.decode(coder, SAME_VERTEX)) {
+      const count = fans.count - firstNew;
+      const number = coder.decodeBits(32 - Math.clz32(count - 1)) % count;
+      vertex = fans.cells[FAN_CELLS * (firstNew + number) + VERTEX];
+    } else if (this.channels.length > 0) {
+      const { rim, rimVertices, rimLength } = this;
+      for (let i = 0; i < rimLength; i++) rimVertices[i] = fans.cells[FAN_CELLS * rim[i] + VERTEX];
+      for (const channel of this.channels) channel.decode(coder, vertex, rimVertices, rimLength);
+    }
+    // 4. Do it. The fans of a group have the position of the first one.
+    const made = fans.push(isFirst ? NONE : firstNew, vertex, this.batch);
+    const at = FAN_CELLS * made;
+    for (let j = 0; j < 3; j++) fans.cells[at + j] = placeModel.place[j];
+    fans.cells[at + ALONG] = placeModel.along;
+    fans.cells[at + BESIDE] = placeModel.beside;
+    this.#updateAround(split, made);
+    surface.split(fan, ring, split, this.batch);
+    fans.cells[FAN_CELLS * fan + LAST_SPLIT] = this.batch;
+  }
+
+  /**
+   * Collects the fans around the new point.
+   * @param {number} fan
+   * @param {Split} split
+   */
+  #collectRim(fan, { start, count, addsStart }) {
+    const { cells } = this.surface;
+    const { rim } = this;
+    const { corners, length: n } = this.ring;
+    rim[0] = fan;
+    if (count === 0) {
+      rim[1] = cells[addsStart ? previous(corners[n - 1]) : next(corners[0])];
+      this.rimLength = 2;
+      return;
+    }
+    let last = 0;
+    for (let i = 0; i < count; i++) {
+      last = corners[start + i < n ? start + i : start + i - n];
+      rim[i + 1] = cells[next(last)];
+    }
+    rim[count + 1] = cells[previous(last)];
+    this.rimLength = count + 2;
+  }
+
+  /**
+   * Collects what is known around a new point.
+   * @param {Split} split
+   */
+  #collectPolygon({ start, count }) {
+    const { rim, rimLength, polygon, surface } = this;
+    const { cells, around } = this.fans;
+    const { points, laplacians, parallelograms } = polygon;
+    const { corners, length: n, isOpen } = this.ring;
+    polygon.count = rimLength;
+    polygon.along = 0;
+    polygon.beside = 0;
+    polygon.parallelogramCount = 0;
+    parallelograms.fill(0);
+    laplacians.fill(0);
+    for (let i = 0; i < rimLength; i++) {
+      const at = FAN_CELLS * rim[i];
+      const sum = AROUND_CELLS * rim[i];
+      const valence = around[sum + 3] > 1 ? around[sum + 3] : 1;
+      for (let j = 0; j < 3; j++) {
+        points[3 * i + j] = cells[at + j];
+        laplacians[j] += 16 * cells[at + j] - Math.floor((16 * around[sum + j]) / valence);
+      }
+      if (i < 2) {
+        polygon.along += cells[at + ALONG];
+        polygon.beside += cells[at + BESIDE];
+      }
+    }
+    const last = FAN_CELLS * rim[rimLength - 1];
+    polygon.along += cells[last + ALONG];
+    polygon.beside += cells[last + BESIDE];
+    if (count === 0) {
+      // A triangle at the end of a border has no third point.
+      polygon.count = 3;
+      for (let j = 0; j < 3; j++) points[6 + j] = points[3 + j];
+      return;
+    }
+    for (let i = 0; i < count; i++) {
+      const opposite = surface.opposite(corners[start + i < n ? start + i : start + i - n]);
+      if (opposite !== NONE) this.#addParallelogram(i + 1, i + 2, opposite);
+    }
+    if (start > 0 || !isOpen) this.#addParallelogram(0, 1, next(corners[start > 0 ? start - 1 : n - 1]));
+    const end = start + count;
+    if (end < n || !isOpen) this.#addParallelogram(0, count + 1, previous(corners[end < n ? end : end - n]));
+  }
+
+  /**
+   * Adds the parallelogram over an edge of the polygon whose triangle has a third point on the other side.
+   * @param {number} a
+   * @param {number} b
+   * @param {number} third its corner
+   */
+  #addParallelogram(a, b, third) {
+    const { points, parallelograms } = this.polygon;
+    const at = FAN_CELLS * this.surface.fan(third);
+    for (let j = 0; j < 3; j++) parallelograms[j] += points[3 * a + j] + points[3 * b + j] - this.fans.cells[at + j];
+    this.polygon.parallelogramCount++;
+  }
+
+  /** Sums up the positions around all fans. */
+  #sumAround() {
+    const { surface, fans } = this;
+    fans.around.fill(0);
+    for (let triangle = 0; triangle < surface.triangleCount; triangle++) {
+      for (let corner = 8 * triangle; corner < 8 * triangle + 3; corner++) {
+        const fan = surface.fan(corner);
+        this.#addAround(fan, surface.fan(next(corner)), 1);
+        if (surface.after(corner) === NONE) this.#addAround(fan, surface.fan(previous(corner)), 1);
+      }
+    }
+  }
+
+  /**
+   * Does the same for a split, before it is done.
+   * @param {Split} split
+   * @param {number} made the new fan
+   */
+  #updateAround({ count, addsStart, addsEnd }, made) {
+    const { rim, rimLength } = this;
+    const kept = rim[0];
+    for (let j = 0; j < AROUND_CELLS; j++) this.fans.around[AROUND_CELLS * made + j] = 0;
+    this.#addAround(made, kept, 1);
+    for (let i = 1; i < rimLength; i++) {
+      const fan = rim[i];
+      this.#addAround(made, fan, 1);
+      // The first and the last one stay neighbours of the kept fan if a triangle is added there.
+      if (count > 0 && !(i === 1 && addsStart) && !(i === rimLength - 1 && addsEnd)) {
+        this.#addAround(fan, kept, -1);
+        this.#addAround(kept, fan, -1);
+      }
+      this.#addAround(fan, made, 1);
+    }
+    this.#addAround(kept, made, 1);
+  }
+
+  /**
+   * Adds the position of another fan to those around a fan, or removes it.
+   * @param {number} fan
+   * @param {number} other
+   * @param {number} sign
+   */
+  #addAround(fan, other, sign) {
+    const { around, cells } = this.fans;
+    const sum = AROUND_CELLS * fan;
+    const at = FAN_CELLS * other;
+    around[sum] += sign * cells[at];
+    around[sum + 1] += sign * cells[at + 1];
+    around[sum + 2] += sign * cells[at + 2];
+    around[sum + 3] = Math.max(around[sum + 3] + sign, 0);
+  }
+}
