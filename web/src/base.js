@@ -75,9 +75,10 @@ export function decodeTriangles(coder, triangleCount) {
  * @param {Surface} surface
  * @param {PlaceModel} placeModel
  * @param {ChannelModel[]} channels
+ * @param {number} knownBits those of a coordinate
  * @returns {Fans}
  */
-export function decodeFans(coder, surface, placeModel, channels) {
+export function decodeFans(coder, surface, placeModel, channels, knownBits) {
   const fans = new Fans();
   const flags = new Simple(2);
   const around = new Int32Array(2);
@@ -113,10 +114,10 @@ export function decodeFans(coder, surface, placeModel, channels) {
         place[j] = ofA + ofB - cells[FAN_CELLS * c + j];
         square += (ofA - ofB) * (ofA - ofB);
       }
-      placeModel.decodeBase(coder, square);
+      placeModel.decodeBase(coder, square, knownBits);
     } else {
       for (let j = 0; j < 3; j++) place[j] = fan > 0 ? cells[FAN_CELLS * (fan - 1) + j] : 0;
-      placeModel.decodeBase(coder, USUAL_SQUARE);
+      placeModel.decodeBase(coder, USUAL_SQUARE, knownBits);
     }
     // 4. The attributes.
     let vertex = fans.vertexCount;

@@ -41,6 +41,8 @@ export const MOST_SMALL_BITS = 25;
 
 /** A fan of more corners is not split. */
 export const MOST_CORNERS = 1024;
+/** The fans of a point among which one is chosen. */
+export const MOST_TWINS = 1024;
 /** The slots of each input of a decision about splits. */
 export const SPLIT_SLOTS = 4096;
 /** The sets of weights of such a decision. */

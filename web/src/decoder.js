@@ -47,10 +47,10 @@ export class StreamPart {
     const placeModel = new PlaceModel(decodeWeights(coder));
     const surface = decodeTriangles(coder, head.baseTriangles);
     const channels = head.channels.map((channel) => channel.model);
-    const fans = decodeFans(coder, surface, placeModel, channels);
+    const fans = decodeFans(coder, surface, placeModel, channels, head.positionBits - head.unknownBits);
     if (coder.isPastEnd) throw new Fault('the end of the chunk', 'all vertices of the base mesh');
     this.#head = head;
-    this.#refiner = new Refiner(surface, fans, channels, placeModel, head.unknownBits);
+    this.#refiner = new Refiner(surface, fans, channels, placeModel, head.positionBits, head.unknownBits);
     this.#error = chunk.error;
   }
 

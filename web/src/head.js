@@ -14,7 +14,8 @@ import { decodeSmall } from './numbers.js';
 /**
  * What the first chunk of a mesh says before the base mesh.
  * @typedef {object} Head
- * @property {number} unknownBits the bits of a coordinate that the base mesh does not tell yet
+ * @property {number} positionBits the bits of a coordinate
+ * @property {number} unknownBits those that the base mesh does not tell yet
  * @property {number[]} origin that of the grid of the positions
  * @property {number} step
  * @property {number} baseTriangles
@@ -30,14 +31,14 @@ import { decodeSmall } from './numbers.js';
  */
 export function readHead(reader) {
   const number = () => reader.number('a count');
-  const bits = reader.byte();
+  const positionBits = reader.byte();
   const unknownBits = reader.byte();
-  if (bits === 0 || bits > constants.MOST_BITS || unknownBits >= bits) {
-    throw new Fault(`${bits} bits, ${unknownBits} of them unknown`, '1 to 16 bits per coordinate, and fewer unknown ones');
+  if (positionBits === 0 || positionBits > constants.MOST_BITS || unknownBits >= positionBits) {
+    throw new Fault(`${positionBits} bits, ${unknownBits} of them unknown`, '1 to 16 bits per coordinate, and fewer unknown ones');
   }
   const origin = [reader.float(), reader.float(), reader.float()];
   const step = reader.float();
-  const far = step * 2 ** bits;
+  const far = step * 2 ** positionBits;
   const isFinite = origin.every((x) => Math.abs(x + far) <= 3.4028234663852886e38);
   if (!(step >= 0 && isFinite)) {
     throw new Fault(`origin ${origin.join(' ')}, step ${step}`, 'finite positions and a step of at least 0');
@@ -50,7 +51,7 @@ export function readHead(reader) {
   if (channelCount > constants.MOST_CHANNELS) throw new Fault(`${channelCount} attributes`, `at most ${constants.MOST_CHANNELS}`);
   const channels = [];
   for (let i = 0; i < channelCount; i++) channels.push(readChannel(reader));
-  return { unknownBits, origin, step, baseTriangles, levels, triangles, vertices, channels };
+  return { positionBits, unknownBits, origin, step, baseTriangles, levels, triangles, vertices, channels };
 }
 
 /**

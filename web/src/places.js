@@ -74,6 +74,8 @@ export class PlaceModel {
   constructor(weights) {
     this.weights = weights;
     this.numbers = new NumberModel(3, PLACE_CONTEXTS);
+    /** The largest coordinate. */
+    this.most = 0;
     /** The last point. */
     this.place = new Int32Array(3);
     this.along = 0;
@@ -94,8 +96,10 @@ export class PlaceModel {
    * @param {RangeDecoder} coder
    * @param {Polygon} polygon
    * @param {number} regime
+   * @param {number} knownBits those of a coordinate
    */
-  decode(coder, polygon, regime) {
+  decode(coder, polygon, regime, knownBits) {
+    this.most = 2 ** knownBits - 1;
     this.#estimate(polygon);
     this.#expect(polygon, regime);
     const { normal, expected, square: size } = this;
@@ -129,7 +133,7 @@ export class PlaceModel {
     const heightsB = ofKept * 32 + ofLaplacians;
 
     // 1. The coordinates beside the normal.
-    const { numbers, place } = this;
+    const { numbers } = this;
     const a0 = beside * 32 + ((scale0 >> 1) & 31);
     const b0 = this.#width(polygon, axis0, scale0) * 8 + kind;
     const difference0 = this.#code(coder, 0, axis0, scale0, expected[axis0], a0, b0, kind, heightsA, heightsB);
@@ -161,7 +165,8 @@ export class PlaceModel {
   #code(coder, turn, axis, scale, expected, a, b, kind, d, e) {
     const middle = Math.floor((expected + 256) / 512) | 0;
     const difference = this.numbers.decode(coder, turn, scale, a, b, kind * 128 + (scale < 127 ? scale : 127), d, e);
-    const found = (middle + difference) | 0;
+    // Bytes that no encoder has written may lead beyond the grid.
+    const found = clamped((middle + difference) | 0, this.most);
     this.place[axis] = found;
     return found * 512 - expected;
   }
@@ -170,10 +175,15 @@ export class PlaceModel {
    * Decodes the position of a point of the base mesh, to `place`, which holds one near to it.
    * @param {RangeDecoder} coder
    * @param {number} square the square of the length of the sides of the triangles around
+   * @param {number} knownBits those of a coordinate
    */
-  decodeBase(coder, square) {
+  decodeBase(coder, square, knownBits) {
     const scale = halves(square);
-    for (let axis = 0; axis < 3; axis++) this.place[axis] += this.numbers.decode(coder, axis, scale, 0, 0, 0, 0, 0);
+    const most = 2 ** knownBits - 1;
+    for (let axis = 0; axis < 3; axis++) {
+      const difference = this.numbers.decode(coder, axis, scale, 0, 0, 0, 0, 0);
+      this.place[axis] = clamped((this.place[axis] + difference) | 0, most);
+    }
   }
 
   /**

@@ -2,7 +2,7 @@
  * A mesh that batches of splits refine. Every decision is valid, so that any bytes build some mesh.
  * @module
  */
-import { MOST_CORNERS } from './constants.js';
+import { MOST_CORNERS, MOST_TWINS } from './constants.js';
 import { ALONG, AROUND_CELLS, BESIDE, FAN_CELLS, LAST_SPLIT, VERTEX } from './fans.js';
 import { Simple } from './mixing.js';
 import { PlaceModel, Polygon } from './places.js';
@@ -30,13 +30,15 @@ export class Refiner {
    * @param {Fans} fans
    * @param {ChannelModel[]} channels
    * @param {PlaceModel} placeModel
-   * @param {number} unknownBits the bits of a coordinate that are still unknown
+   * @param {number} positionBits the bits of a coordinate
+   * @param {number} unknownBits those that are still unknown
    */
-  constructor(surface, fans, channels, placeModel, unknownBits) {
+  constructor(surface, fans, channels, placeModel, positionBits, unknownBits) {
     this.surface = surface;
     this.fans = fans;
     this.channels = channels;
     this.placeModel = placeModel;
+    this.positionBits = positionBits;
     this.unknownBits = unknownBits;
     this.splits = new SplitModel(surface, fans);
     this.flags = new Simple(FLAGS);
@@ -133,7 +135,7 @@ export class Refiner {
   #decodeTwin(coder, fan) {
     const { twins } = this.fans;
     let count = 1;
-    for (let twin = twins[fan]; twin !== fan; twin = twins[twin]) count++;
+    for (let twin = twins[fan]; twin !== fan && count < MOST_TWINS; twin = twins[twin]) count++;
     let twin = fan;
     for (let steps = coder.decodeBits(32 - Math.clz32(count - 1)) % count; steps > 0; steps--) twin = twins[twin];
     return twin;
@@ -153,7 +155,7 @@ export class Refiner {
     this.#collectRim(fan, split);
     if (isFirst) {
       this.#collectPolygon(split);
-      placeModel.decode(coder, this.polygon, this.regime);
+      placeModel.decode(coder, this.polygon, this.regime, this.positionBits - this.unknownBits);
     }
     // 3. The vertex.
     let vertex = fans.vertexCount;
