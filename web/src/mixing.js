@@ -34,9 +34,13 @@ for (let share = 0, logit = -MOST_LOGIT; share < 4096; share++) {
 /** 2¹⁵ / (count + 1.5). */
 const RATES = Int32Array.from({ length: MOST_COUNT + 1 }, (_, count) => Math.floor(65536 / (2 * count + 3)));
 
-/** The share of a slot after a decision that was always false or always true. */
-const NEVER = -(1 << 21);
-const ALWAYS = (1 << 21) - 1;
+/**
+ * Returns the share of a slot after a decision that was always the same.
+ * @param {number} bit
+ */
+function targetOf(bit) {
+  return (-bit & ((1 << 22) - 1)) - (1 << 21);
+}
 
 /**
  * @param {number} slot
@@ -46,7 +50,8 @@ function learned(slot, target) {
   const share = slot >> 10;
   const count = slot & 1023;
   const change = Math.imul((target - share) >> 6, RATES[count]) >> 9;
-  return ((share + change) << 10) | (count < MOST_COUNT ? count + 1 : count);
+  // One more, up to the limit.
+  return ((share + change) << 10) | (count + ((count - MOST_COUNT) >>> 31));
 }
 
 /**
@@ -119,7 +124,7 @@ export class Mixed {
     const share = SHARE_OF[logit + MOST_LOGIT];
     const bit = coder.decode(share);
     const error = (bit << 16) - share;
-    const target = bit ? ALWAYS : NEVER;
+    const target = targetOf(bit);
     weights[set] = adjusted(weightA, error, logitA);
     weights[set + 1] = adjusted(weightB, error, logitB);
     weights[set + 2] = adjusted(weightC, error, logitC);
@@ -153,7 +158,7 @@ export class Simple {
     const slot = this.slots[context];
     const share = (slot >> 16) + (WHOLE >> 1);
     const bit = coder.decode(share < LEAST_SHARE ? LEAST_SHARE : share > WHOLE - LEAST_SHARE ? WHOLE - LEAST_SHARE : share);
-    this.slots[context] = learned(slot, bit ? ALWAYS : NEVER);
+    this.slots[context] = learned(slot, targetOf(bit));
     return bit;
   }
 }

@@ -212,28 +212,36 @@ export class Refiner {
     const { cells, around } = this.fans;
     const { points, laplacians, parallelograms } = polygon;
     const { corners, length: n, isOpen } = this.ring;
-    polygon.count = rimLength;
-    polygon.along = 0;
-    polygon.beside = 0;
-    polygon.parallelogramCount = 0;
-    parallelograms.fill(0);
-    laplacians.fill(0);
+    let laplacianX = 0;
+    let laplacianY = 0;
+    let laplacianZ = 0;
     for (let i = 0; i < rimLength; i++) {
       const at = FAN_CELLS * rim[i];
       const sum = AROUND_CELLS * rim[i];
       const valence = around[sum + 3] > 1 ? around[sum + 3] : 1;
-      for (let j = 0; j < 3; j++) {
-        points[3 * i + j] = cells[at + j];
-        laplacians[j] += 16 * cells[at + j] - Math.floor((16 * around[sum + j]) / valence);
-      }
-      if (i < 2) {
-        polygon.along += cells[at + ALONG];
-        polygon.beside += cells[at + BESIDE];
-      }
+      const x = cells[at];
+      const y = cells[at + 1];
+      const z = cells[at + 2];
+      points[3 * i] = x;
+      points[3 * i + 1] = y;
+      points[3 * i + 2] = z;
+      laplacianX += 16 * x - Math.floor((16 * around[sum]) / valence);
+      laplacianY += 16 * y - Math.floor((16 * around[sum + 1]) / valence);
+      laplacianZ += 16 * z - Math.floor((16 * around[sum + 2]) / valence);
     }
+    laplacians[0] = laplacianX;
+    laplacians[1] = laplacianY;
+    laplacians[2] = laplacianZ;
+    parallelograms[0] = 0;
+    parallelograms[1] = 0;
+    parallelograms[2] = 0;
+    polygon.parallelogramCount = 0;
+    polygon.count = rimLength;
+    const kept = FAN_CELLS * rim[0];
+    const first = FAN_CELLS * rim[1];
     const last = FAN_CELLS * rim[rimLength - 1];
-    polygon.along += cells[last + ALONG];
-    polygon.beside += cells[last + BESIDE];
+    polygon.along = cells[kept + ALONG] + cells[first + ALONG] + cells[last + ALONG];
+    polygon.beside = cells[kept + BESIDE] + cells[first + BESIDE] + cells[last + BESIDE];
     if (count === 0) {
       // A triangle at the end of a border has no third point.
       polygon.count = 3;
@@ -257,8 +265,13 @@ export class Refiner {
    */
   #addParallelogram(a, b, third) {
     const { points, parallelograms } = this.polygon;
-    const at = FAN_CELLS * this.surface.fan(third);
-    for (let j = 0; j < 3; j++) parallelograms[j] += points[3 * a + j] + points[3 * b + j] - this.fans.cells[at + j];
+    const { cells } = this.fans;
+    const at = FAN_CELLS * this.surface.cells[third];
+    a *= 3;
+    b *= 3;
+    parallelograms[0] += points[a] + points[b] - cells[at];
+    parallelograms[1] += points[a + 1] + points[b + 1] - cells[at + 1];
+    parallelograms[2] += points[a + 2] + points[b + 2] - cells[at + 2];
     this.polygon.parallelogramCount++;
   }
 
@@ -269,8 +282,8 @@ export class Refiner {
     for (let triangle = 0; triangle < surface.triangleCount; triangle++) {
       for (let corner = 8 * triangle; corner < 8 * triangle + 3; corner++) {
         const fan = surface.fan(corner);
-        this.#addAround(fan, surface.fan(next(corner)), 1);
-        if (surface.after(corner) === NONE) this.#addAround(fan, surface.fan(previous(corner)), 1);
+        this.#addAround(fan, surface.fan(next(corner)));
+        if (surface.after(corner) === NONE) this.#addAround(fan, surface.fan(previous(corner)));
       }
     }
   }
@@ -283,34 +296,49 @@ export class Refiner {
   #updateAround({ count, addsStart, addsEnd }, made) {
     const { rim, rimLength } = this;
     const kept = rim[0];
-    for (let j = 0; j < AROUND_CELLS; j++) this.fans.around[AROUND_CELLS * made + j] = 0;
-    this.#addAround(made, kept, 1);
+    // The first and the last one stay neighbours of the kept fan if a triangle is added there.
+    const firstLost = addsStart ? 2 : 1;
+    const lostEnd = count === 0 ? 0 : addsEnd ? rimLength - 1 : rimLength;
+    this.#addAround(made, kept);
     for (let i = 1; i < rimLength; i++) {
       const fan = rim[i];
-      this.#addAround(made, fan, 1);
-      // The first and the last one stay neighbours of the kept fan if a triangle is added there.
-      if (count > 0 && !(i === 1 && addsStart) && !(i === rimLength - 1 && addsEnd)) {
-        this.#addAround(fan, kept, -1);
-        this.#addAround(kept, fan, -1);
+      this.#addAround(made, fan);
+      if (i >= firstLost && i < lostEnd) {
+        this.#removeAround(fan, kept);
+        this.#removeAround(kept, fan);
       }
-      this.#addAround(fan, made, 1);
+      this.#addAround(fan, made);
     }
-    this.#addAround(kept, made, 1);
+    this.#addAround(kept, made);
   }
 
   /**
-   * Adds the position of another fan to those around a fan, or removes it.
+   * Adds the position of another fan to those around a fan.
    * @param {number} fan
    * @param {number} other
-   * @param {number} sign
    */
-  #addAround(fan, other, sign) {
+  #addAround(fan, other) {
     const { around, cells } = this.fans;
     const sum = AROUND_CELLS * fan;
     const at = FAN_CELLS * other;
-    around[sum] += sign * cells[at];
-    around[sum + 1] += sign * cells[at + 1];
-    around[sum + 2] += sign * cells[at + 2];
-    around[sum + 3] = Math.max(around[sum + 3] + sign, 0);
+    around[sum] += cells[at];
+    around[sum + 1] += cells[at + 1];
+    around[sum + 2] += cells[at + 2];
+    around[sum + 3]++;
+  }
+
+  /**
+   * Removes the position of another fan from those around a fan.
+   * @param {number} fan
+   * @param {number} other
+   */
+  #removeAround(fan, other) {
+    const { around, cells } = this.fans;
+    const sum = AROUND_CELLS * fan;
+    const at = FAN_CELLS * other;
+    around[sum] -= cells[at];
+    around[sum + 1] -= cells[at + 1];
+    around[sum + 2] -= cells[at + 2];
+    if (around[sum + 3] > 0) around[sum + 3]--;
   }
 }

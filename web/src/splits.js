@@ -122,7 +122,7 @@ export class SplitModel {
     const { cells } = this.fans;
     const open = ring.isOpen ? 1 : 0;
     if (n < 2 - open || n > MOST_CORNERS) return 0;
-    // 1. The fans around.
+    // 1. The fans around. What cannot be predicted is counted without branches: x − 1 >>> 31 is 1 if x is 0, for x ≥ 0.
     let free = 0;
     let split = 0;
     let born = 0;
@@ -132,14 +132,13 @@ export class SplitModel {
     for (let i = 0; i < n; i++) {
       const corner = corners[i];
       const other = ofCorner[next(corner)];
-      if (cells[FAN_CELLS * other + LAST_SPLIT] === batch) split++;
-      if (cells[FAN_CELLS * other + BORN] === batch) born++;
-      if (other < fan) earlier++;
-      if (ofCorner[corner | 3] !== batch) {
-        free++;
-        run++;
-        if (run > longestRun) longestRun = run;
-      } else run = 0;
+      const isUsed = ((ofCorner[corner | 3] ^ batch) - 1) >>> 31;
+      split += ((cells[FAN_CELLS * other + LAST_SPLIT] ^ batch) - 1) >>> 31;
+      born += ((cells[FAN_CELLS * other + BORN] ^ batch) - 1) >>> 31;
+      earlier += (other - fan) >>> 31;
+      free += 1 - isUsed;
+      run = (run + 1) & (isUsed - 1);
+      if (run > longestRun) longestRun = run;
     }
     if (free === 0 && open === 0) return 0;
     // 2. Its size and its chords.
