@@ -20,6 +20,9 @@ export const NAMES = 3;
 
 /** How a channel is decoded. */
 export class ChannelModel {
+  #numbers;
+  #isKept;
+
   /**
    * @param {number} kind
    * @param {number} width the integers of each vertex
@@ -30,8 +33,8 @@ export class ChannelModel {
     this.width = width;
     this.bits = bits;
     const axes = Math.min(width, MOST_AXES);
-    this.numbers = new NumberModel(axes, CHANNEL_CONTEXTS);
-    this.isKept = new Simple(axes);
+    this.#numbers = new NumberModel(axes, CHANNEL_CONTEXTS);
+    this.#isKept = new Simple(axes);
     /** The integers of all vertices. */
     this.values = new Int32Array(0);
   }
@@ -44,7 +47,8 @@ export class ChannelModel {
    * @param {number} length of `around`
    */
   decode(coder, vertex, around, length) {
-    const { width, numbers } = this;
+    const { width } = this;
+    const numbers = this.#numbers;
     const most = 2 ** this.bits - 1;
     const values = (this.values = grown(this.values, width * (vertex + 1)));
     for (let component = 0; component < width; component++) {
@@ -52,7 +56,7 @@ export class ChannelModel {
       const kept = length > 0 ? values[width * around[0] + component] : 0;
       const at = width * vertex + component;
       if (this.kind === NAMES || (this.kind === TANGENT && component === 2)) {
-        values[at] = this.isKept.decode(coder, axis) ? kept : coder.decodeBits(this.bits);
+        values[at] = this.#isKept.decode(coder, axis) ? kept : coder.decodeBits(this.bits);
         continue;
       }
       let sum = 0;

@@ -106,15 +106,17 @@ const REMAINDERS = Int32Array.from({ length: 256 }, (_, byte) => {
 
 /** A CRC-32. */
 export class Checksum {
+  #state;
+
   constructor() {
-    this.state = -1;
+    this.#state = -1;
   }
 
   /** @param {Uint8Array} bytes */
   addBytes(bytes) {
-    let state = this.state;
+    let state = this.#state;
     for (let i = 0; i < bytes.length; i++) state = REMAINDERS[(state ^ bytes[i]) & 255] ^ (state >>> 8);
-    this.state = state;
+    this.#state = state;
   }
 
   /**
@@ -122,12 +124,12 @@ export class Checksum {
    * @param {number} number
    */
   addNumber(number) {
-    let state = this.state ^ number;
+    let state = this.#state ^ number;
     for (let i = 0; i < 4; i++) state = REMAINDERS[state & 255] ^ (state >>> 8);
-    this.state = state;
+    this.#state = state;
   }
 
   get value() {
-    return ~this.state >>> 0;
+    return ~this.#state >>> 0;
   }
 }

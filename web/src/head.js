@@ -1,5 +1,15 @@
 import { ChannelModel, LINEAR, NAMES, OCTAHEDRAL, TANGENT } from './channels.js';
-import * as constants from './constants.js';
+import {
+  ESTIMATES,
+  MOST_BITS,
+  MOST_CHANNEL_BITS,
+  MOST_CHANNELS,
+  MOST_NAME_BYTES,
+  POLYGONS,
+  REGIMES,
+  SMALL_CONTEXTS,
+  USUAL_WEIGHTS,
+} from './constants.js';
 import { Fault } from './error.js';
 import { ARRAY_TYPES } from './grid.js';
 import { Simple } from './mixing.js';
@@ -33,7 +43,7 @@ export function readHead(reader) {
   const number = () => reader.number('a count');
   const positionBits = reader.byte();
   const unknownBits = reader.byte();
-  if (positionBits === 0 || positionBits > constants.MOST_BITS || unknownBits >= positionBits) {
+  if (positionBits === 0 || positionBits > MOST_BITS || unknownBits >= positionBits) {
     throw new Fault(`${positionBits} bits, ${unknownBits} of them unknown`, '1 to 16 bits per coordinate, and fewer unknown ones');
   }
   const origin = [reader.float(), reader.float(), reader.float()];
@@ -48,7 +58,7 @@ export function readHead(reader) {
   const triangles = number();
   const vertices = number();
   const channelCount = number();
-  if (channelCount > constants.MOST_CHANNELS) throw new Fault(`${channelCount} attributes`, `at most ${constants.MOST_CHANNELS}`);
+  if (channelCount > MOST_CHANNELS) throw new Fault(`${channelCount} attributes`, `at most ${MOST_CHANNELS}`);
   const channels = [];
   for (let i = 0; i < channelCount; i++) channels.push(readChannel(reader));
   return { positionBits, unknownBits, origin, step, baseTriangles, levels, triangles, vertices, channels };
@@ -69,7 +79,7 @@ function readChannel(reader) {
     throw new Fault(`values of type ${valueType} and kind ${kind}`, 'types 0 to 7, kinds 0 to 3');
   }
   const isShaped = kind === OCTAHEDRAL ? components === 3 : kind === TANGENT ? components === 4 : components > 0;
-  if (!isShaped || bits > constants.MOST_CHANNEL_BITS || normalized > 1) {
+  if (!isShaped || bits > MOST_CHANNEL_BITS || normalized > 1) {
     throw new Fault(`${components} components of ${bits} bits`, 'components that fit the kind, and at most 24 bits');
   }
   const isLinear = kind === LINEAR || kind === NAMES;
@@ -84,7 +94,7 @@ function readChannel(reader) {
 /** @param {Reader} reader */
 function readName(reader) {
   const length = reader.number('a count');
-  if (length > constants.MOST_NAME_BYTES) throw new Fault(`a name of ${length} bytes`, 'at most 256 bytes');
+  if (length > MOST_NAME_BYTES) throw new Fault(`a name of ${length} bytes`, 'at most 256 bytes');
   const start = reader.take(length);
   try {
     return new TextDecoder('utf-8', { fatal: true, ignoreBOM: true }).decode(reader.bytes.subarray(start, start + length));
@@ -99,7 +109,6 @@ function readName(reader) {
  * @returns {Int32Array}
  */
 export function decodeWeights(coder) {
-  const { ESTIMATES, POLYGONS, REGIMES, SMALL_CONTEXTS, USUAL_WEIGHTS } = constants;
   const model = new Simple(SMALL_CONTEXTS);
   return Int32Array.from({ length: 2 * ESTIMATES * POLYGONS * REGIMES }, (_, i) => {
     const folded = decodeSmall(coder, model) & 0x3ff;

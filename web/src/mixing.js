@@ -66,6 +66,11 @@ function adjusted(weight, error, logit) {
 
 /** The model of one kind of decision. */
 export class Mixed {
+  #first;
+  #others;
+  #slots;
+  #weights;
+
   /**
    * Creates the slots of each input, and sets of weights.
    * @param {number} first the slots of the first input
@@ -73,10 +78,10 @@ export class Mixed {
    * @param {number} sets
    */
   constructor(first, others, sets) {
-    this.first = first;
-    this.others = others;
-    this.slots = new Int32Array(first + (INPUTS - 1) * others);
-    this.weights = new Int32Array(INPUTS * sets).fill(FIRST_WEIGHT);
+    this.#first = first;
+    this.#others = others;
+    this.#slots = new Int32Array(first + (INPUTS - 1) * others);
+    this.#weights = new Int32Array(INPUTS * sets).fill(FIRST_WEIGHT);
   }
 
   /**
@@ -87,12 +92,14 @@ export class Mixed {
    * @returns {number} 1 or 0
    */
   decode(coder, a, b, c, d, e, f, set) {
-    const { slots, weights, others } = this;
-    b += this.first;
-    c += this.first + others;
-    d += this.first + 2 * others;
-    e += this.first + 3 * others;
-    f += this.first + 4 * others;
+    const slots = this.#slots;
+    const weights = this.#weights;
+    const others = this.#others;
+    b += this.#first;
+    c += this.#first + others;
+    d += this.#first + 2 * others;
+    e += this.#first + 3 * others;
+    f += this.#first + 4 * others;
     set *= INPUTS;
     const slotA = slots[a];
     const slotB = slots[b];
@@ -143,9 +150,11 @@ export class Mixed {
 
 /** A decision with a probability in each of some contexts, without mixing. */
 export class Simple {
+  #slots;
+
   /** @param {number} size the contexts */
   constructor(size) {
-    this.slots = new Int32Array(size);
+    this.#slots = new Int32Array(size);
   }
 
   /**
@@ -155,10 +164,10 @@ export class Simple {
    * @returns {number}
    */
   decode(coder, context) {
-    const slot = this.slots[context];
+    const slot = this.#slots[context];
     const share = (slot >> 16) + (WHOLE >> 1);
     const bit = coder.decode(share < LEAST_SHARE ? LEAST_SHARE : share > WHOLE - LEAST_SHARE ? WHOLE - LEAST_SHARE : share);
-    this.slots[context] = learned(slot, targetOf(bit));
+    this.#slots[context] = learned(slot, targetOf(bit));
     return bit;
   }
 }

@@ -29,17 +29,23 @@ export function halves(x) {
 
 /** The model of numbers of one kind. */
 export class NumberModel {
+  #contextCount;
+  #middles;
+  #buckets;
+  #signs;
+  #halves;
+
   /**
    * @param {number} axes
    * @param {number} contextCount
    */
   constructor(axes, contextCount) {
-    this.contextCount = contextCount;
+    this.#contextCount = contextCount;
     /** The usual bucket of each axis and scale, in 1/16. */
-    this.middles = Int32Array.from({ length: axes * SCALES }, (_, i) => Math.max((i % SCALES) * 8 - 32, 0));
-    this.buckets = new Mixed(axes * SCALES * STEPS, axes * STEPS * contextCount, axes * STEPS);
-    this.signs = new Simple(axes);
-    this.halves = new Simple(MOST_BUCKET + 1);
+    this.#middles = Int32Array.from({ length: axes * SCALES }, (_, i) => Math.max((i % SCALES) * 8 - 32, 0));
+    this.#buckets = new Mixed(axes * SCALES * STEPS, axes * STEPS * contextCount, axes * STEPS);
+    this.#signs = new Simple(axes);
+    this.#halves = new Simple(MOST_BUCKET + 1);
     /** How many buckets the last number is above what is usual. */
     this.above = 0;
   }
@@ -54,11 +60,11 @@ export class NumberModel {
    */
   decode(coder, axis, scale, a, b, c, d, e) {
     const ofScale = axis * SCALES + (scale < SCALES ? scale : SCALES - 1);
-    const middle = this.middles[ofScale];
+    const middle = this.#middles[ofScale];
     const usual = (middle + 8) >> 4;
     // 1. The bucket, upwards or downwards from the usual one. The steps of a context lie together.
-    const buckets = this.buckets;
-    const of = axis * this.contextCount;
+    const buckets = this.#buckets;
+    const of = axis * this.#contextCount;
     const first = ofScale * STEPS;
     a = (of + a) * STEPS;
     b = (of + b) * STEPS;
@@ -82,15 +88,15 @@ export class NumberModel {
         bucket--;
       }
     }
-    this.middles[ofScale] = middle + ((bucket * 16 - middle) >> 4);
+    this.#middles[ofScale] = middle + ((bucket * 16 - middle) >> 4);
     this.above = bucket - usual;
     if (bucket === 0) return 0;
     // 2. The sign, and the place within the bucket.
-    const isNegative = this.signs.decode(coder, axis);
+    const isNegative = this.#signs.decode(coder, axis);
     let size = bucket;
     if (bucket >= 4) {
       const rest = (bucket >> 1) - 2;
-      const high = this.halves.decode(coder, bucket);
+      const high = this.#halves.decode(coder, bucket);
       size = ((2 | (bucket & 1)) << (rest + 1)) | (high << rest) | coder.decodeBits(rest);
     }
     return isNegative ? -size : size;

@@ -44,6 +44,9 @@ export class Polygon {
   }
 }
 
+/** The powers of two. */
+const POWERS = Float64Array.from({ length: 64 }, (_, i) => 2 ** i);
+
 /**
  * @param {number} a
  * @param {number} b
@@ -70,25 +73,34 @@ function bitLength(x) {
 
 /** The models of the coordinates of new points. */
 export class PlaceModel {
+  #weights;
+  #numbers;
+  #most;
+  #mean;
+  #others;
+  #normal;
+  #square;
+  #expected;
+
   /** @param {Int32Array} weights for each polygon and estimate, along the normal and beside it */
   constructor(weights) {
-    this.weights = weights;
-    this.numbers = new NumberModel(3, PLACE_CONTEXTS);
+    this.#weights = weights;
+    this.#numbers = new NumberModel(3, PLACE_CONTEXTS);
     /** The largest coordinate. */
-    this.most = 0;
+    this.#most = 0;
     /** The last point. */
     this.place = new Int32Array(3);
     this.along = 0;
     this.beside = 0;
     /** The mean of the polygon, in 1/16, and how the estimates differ from it. */
-    this.mean = new Float64Array(3);
-    this.others = new Float64Array(3 * ESTIMATES);
+    this.#mean = new Float64Array(3);
+    this.#others = new Float64Array(3 * ESTIMATES);
     /** The normal of the polygon, with eight bits along its longest axis. */
-    this.normal = new Float64Array(3);
+    this.#normal = new Float64Array(3);
     /** The square of the mean distance of its points from the mean. */
-    this.square = 0;
+    this.#square = 0;
     /** The expected point, in 1/512. */
-    this.expected = new Float64Array(3);
+    this.#expected = new Float64Array(3);
   }
 
   /**
@@ -99,10 +111,12 @@ export class PlaceModel {
    * @param {number} knownBits those of a coordinate
    */
   decode(coder, polygon, regime, knownBits) {
-    this.most = 2 ** knownBits - 1;
+    this.#most = 2 ** knownBits - 1;
     this.#estimate(polygon);
     this.#expect(polygon, regime);
-    const { normal, expected, square: size } = this;
+    const normal = this.#normal;
+    const expected = this.#expected;
+    const size = this.#square;
     let last = 2;
     if (Math.abs(normal[1]) >= Math.abs(normal[last])) last = 1;
     if (Math.abs(normal[0]) >= Math.abs(normal[last])) last = 0;
@@ -133,7 +147,7 @@ export class PlaceModel {
     const heightsB = ofKept * 32 + ofLaplacians;
 
     // 1. The coordinates beside the normal.
-    const { numbers } = this;
+    const numbers = this.#numbers;
     const a0 = beside * 32 + ((scale0 >> 1) & 31);
     const b0 = this.#width(polygon, axis0, scale0) * 8 + kind;
     const difference0 = this.#code(coder, 0, axis0, scale0, expected[axis0], a0, b0, kind, heightsA, heightsB);
@@ -164,9 +178,9 @@ export class PlaceModel {
    */
   #code(coder, turn, axis, scale, expected, a, b, kind, d, e) {
     const middle = Math.floor((expected + 256) / 512) | 0;
-    const difference = this.numbers.decode(coder, turn, scale, a, b, kind * 128 + (scale < 127 ? scale : 127), d, e);
+    const difference = this.#numbers.decode(coder, turn, scale, a, b, kind * 128 + (scale < 127 ? scale : 127), d, e);
     // Bytes that no encoder has written may lead beyond the grid.
-    const found = clamped((middle + difference) | 0, this.most);
+    const found = clamped((middle + difference) | 0, this.#most);
     this.place[axis] = found;
     return found * 512 - expected;
   }
@@ -181,7 +195,7 @@ export class PlaceModel {
     const scale = halves(square);
     const most = 2 ** knownBits - 1;
     for (let axis = 0; axis < 3; axis++) {
-      const difference = this.numbers.decode(coder, axis, scale, 0, 0, 0, 0, 0);
+      const difference = this.#numbers.decode(coder, axis, scale, 0, 0, 0, 0, 0);
       this.place[axis] = clamped((this.place[axis] + difference) | 0, most);
     }
   }
@@ -192,7 +206,8 @@ export class PlaceModel {
    */
   #estimate(polygon) {
     const { points, count, parallelograms, parallelogramCount, laplacians } = polygon;
-    const { mean, others } = this;
+    const mean = this.#mean;
+    const others = this.#others;
     const end = 3 * count;
     let sumX = 0;
     let sumY = 0;
@@ -261,12 +276,12 @@ export class PlaceModel {
       sideY = nextY;
       sideZ = nextZ;
     }
-    this.square = Math.floor(squares / count) + 1;
+    this.#square = Math.floor(squares / count) + 1;
     const surplus = bitLength(Math.max(Math.abs(normalX), Math.abs(normalY), Math.abs(normalZ))) - 8;
-    const divisor = surplus > 0 ? 2 ** surplus : 1;
-    this.normal[0] = Math.floor(normalX / divisor);
-    this.normal[1] = Math.floor(normalY / divisor);
-    this.normal[2] = Math.floor(normalZ / divisor);
+    const divisor = surplus > 0 ? POWERS[surplus] : 1;
+    this.#normal[0] = Math.floor(normalX / divisor);
+    this.#normal[1] = Math.floor(normalY / divisor);
+    this.#normal[2] = Math.floor(normalZ / divisor);
   }
 
   /**
@@ -275,7 +290,11 @@ export class PlaceModel {
    * @param {number} regime
    */
   #expect({ count }, regime) {
-    const { mean, others, normal, expected, weights } = this;
+    const mean = this.#mean;
+    const others = this.#others;
+    const normal = this.#normal;
+    const expected = this.#expected;
+    const weights = this.#weights;
     const [normalX, normalY, normalZ] = [normal[0], normal[1], normal[2]];
     let of = 2 * ESTIMATES * (regime * POLYGONS + Math.min(count - 3, POLYGONS - 1));
     let x = mean[0] * WEIGHT_ONE;
@@ -303,7 +322,8 @@ export class PlaceModel {
    * @param {number} below
    */
   #height(estimate, below) {
-    const { others, normal } = this;
+    const others = this.#others;
+    const normal = this.#normal;
     const i = 3 * estimate;
     const along = Math.floor((others[i] * normal[0] + others[i + 1] * normal[1] + others[i + 2] * normal[2]) / 64);
     return clamped(halves(along * along) + 20 - below, 15);
@@ -316,7 +336,7 @@ export class PlaceModel {
    * @param {number} scale
    */
   #width({ points, count }, axis, scale) {
-    const middle = Math.floor(this.mean[axis] / 16);
+    const middle = Math.floor(this.#mean[axis] / 16);
     let squares = 0;
     for (let i = axis; i < 3 * count; i += 3) squares += (points[i] - middle) * (points[i] - middle);
     return clamped(halves(16 * (Math.floor(squares / count) + 1)) + 16 - scale, 31);

@@ -8,15 +8,20 @@ import { LEAST_RANGE, MOST_TRIMMED, WHOLE } from './constants.js';
 
 /** Reads decisions. Zeros follow the bytes. */
 export class RangeDecoder {
+  #bytes;
+  #end;
+  #at;
+  #state;
+
   /** @param {Uint8Array} bytes */
   constructor(bytes) {
-    this.bytes = bytes;
-    this.end = bytes.length;
-    this.at = 4;
+    this.#bytes = bytes;
+    this.#end = bytes.length;
+    this.#at = 4;
     /** The range, and where in it the bytes are. A typed array, since a field holds only 31 bits without an allocation. */
-    this.state = new Uint32Array(2);
-    this.state[0] = 0xffffffff;
-    for (let i = 0; i < 4; i++) this.state[1] = (this.state[1] << 8) | (i < this.end ? bytes[i] : 0);
+    this.#state = new Uint32Array(2);
+    this.#state[0] = 0xffffffff;
+    for (let i = 0; i < 4; i++) this.#state[1] = (this.#state[1] << 8) | (i < this.#end ? bytes[i] : 0);
   }
 
   /**
@@ -25,7 +30,7 @@ export class RangeDecoder {
    * @returns {number}
    */
   decode(probability) {
-    const state = this.state;
+    const state = this.#state;
     let range = state[0];
     let code = state[1];
     const bound = Math.imul(range >>> 16, probability) >>> 0;
@@ -38,8 +43,8 @@ export class RangeDecoder {
       range = (range - bound) >>> 0;
     }
     while (range < LEAST_RANGE) {
-      const byte = this.at < this.end ? this.bytes[this.at] : 0;
-      this.at++;
+      const byte = this.#at < this.#end ? this.#bytes[this.#at] : 0;
+      this.#at++;
       code = ((code << 8) | byte) >>> 0;
       range = (range << 8) >>> 0;
     }
@@ -61,6 +66,6 @@ export class RangeDecoder {
 
   /** Whether more has been read than there is: what follows was not written by an encoder. */
   get isPastEnd() {
-    return this.at > this.end + MOST_TRIMMED;
+    return this.#at > this.#end + MOST_TRIMMED;
   }
 }

@@ -25,6 +25,20 @@ const FLAGS = 6;
 
 /** A mesh with what is known for the next split. */
 export class Refiner {
+  #channels;
+  #placeModel;
+  #positionBits;
+  #splits;
+  #flags;
+  #precision;
+  #batch;
+  #regime;
+  #ring;
+  #rim;
+  #rimLength;
+  #rimVertices;
+  #polygon;
+
   /**
    * @param {Surface} surface
    * @param {Fans} fans
@@ -36,26 +50,26 @@ export class Refiner {
   constructor(surface, fans, channels, placeModel, positionBits, unknownBits) {
     this.surface = surface;
     this.fans = fans;
-    this.channels = channels;
-    this.placeModel = placeModel;
-    this.positionBits = positionBits;
+    this.#channels = channels;
+    this.#placeModel = placeModel;
+    this.#positionBits = positionBits;
     this.unknownBits = unknownBits;
-    this.splits = new SplitModel(surface, fans);
-    this.flags = new Simple(FLAGS);
-    this.precision = new Simple(3);
+    this.#splits = new SplitModel(surface, fans);
+    this.#flags = new Simple(FLAGS);
+    this.#precision = new Simple(3);
     /** The collapses that have been undone. */
     this.groupCount = 0;
-    this.batch = 0;
-    this.regime = 0;
+    this.#batch = 0;
+    this.#regime = 0;
     /** The next fan to visit, and the end of the batch. */
     this.next = 0;
     this.end = 0;
-    this.ring = new Ring();
+    this.#ring = new Ring();
     /** The fans around the new point: the kept one, then those around the corners that move. Also their vertices. */
-    this.rim = new Int32Array(MOST_CORNERS + 2);
-    this.rimLength = 0;
-    this.rimVertices = new Int32Array(MOST_CORNERS + 2);
-    this.polygon = new Polygon();
+    this.#rim = new Int32Array(MOST_CORNERS + 2);
+    this.#rimLength = 0;
+    this.#rimVertices = new Int32Array(MOST_CORNERS + 2);
+    this.#polygon = new Polygon();
     this.#sumAround();
   }
 
@@ -64,10 +78,10 @@ export class Refiner {
    * @param {RangeDecoder} coder
    */
   beginBatch(coder) {
-    this.batch++;
-    this.splits.batch = this.batch;
-    while (this.unknownBits > 0 && this.flags.decode(coder, MORE_REFINING)) this.#refinePlaces(coder);
-    this.regime = this.flags.decode(coder, REGIME) ? 2 : this.flags.decode(coder, REGIME + 1);
+    this.#batch++;
+    this.#splits.batch = this.#batch;
+    while (this.unknownBits > 0 && this.#flags.decode(coder, MORE_REFINING)) this.#refinePlaces(coder);
+    this.#regime = this.#flags.decode(coder, REGIME) ? 2 : this.#flags.decode(coder, REGIME + 1);
     this.next = 0;
     this.end = this.fans.count;
   }
@@ -87,7 +101,7 @@ export class Refiner {
       }
       for (let j = 0; j < 3; j++) {
         const at = FAN_CELLS * fan + j;
-        fans.cells[at] = (fans.cells[at] << 1) | this.precision.decode(coder, j);
+        fans.cells[at] = (fans.cells[at] << 1) | this.#precision.decode(coder, j);
       }
     }
     this.#sumAround();
@@ -99,7 +113,9 @@ export class Refiner {
    */
   visit(coder) {
     const fan = this.next++;
-    const { ring, surface, splits } = this;
+    const { surface } = this;
+    const ring = this.#ring;
+    const splits = this.#splits;
     surface.collect(fan, ring);
     for (let done = 0; splits.decodeMark(coder, fan, ring, done); done++) {
       this.#decodeGroup(coder, fan);
@@ -113,14 +129,15 @@ export class Refiner {
    * @param {number} fan
    */
   #decodeGroup(coder, fan) {
-    const { ring, fans, surface } = this;
+    const { fans, surface } = this;
+    const ring = this.#ring;
     const firstNew = fans.count;
     let of = fan;
     do {
       this.#decodeSplit(coder, of, firstNew);
       const hasTwins = fans.twins[fan] !== fan ? 1 : 0;
       // Only where a surface has borders a point has several fans.
-      if (!ring.isOpen || !this.flags.decode(coder, MORE_IN_GROUP + hasTwins)) break;
+      if (!ring.isOpen || !this.#flags.decode(coder, MORE_IN_GROUP + hasTwins)) break;
       of = this.#decodeTwin(coder, fan);
       surface.collect(of, ring);
     } while (ring.length > 0 && ring.length <= MOST_CORNERS);
@@ -147,36 +164,40 @@ export class Refiner {
    * @param {number} firstNew the first new fan of the group
    */
   #decodeSplit(coder, fan, firstNew) {
-    const { fans, surface, ring, placeModel } = this;
+    const { fans, surface } = this;
+    const ring = this.#ring;
+    const placeModel = this.#placeModel;
     const isFirst = fans.count === firstNew;
     // 1. The corners that move.
-    const split = this.splits.decodeSplit(coder, fan, ring);
+    const split = this.#splits.decodeSplit(coder, fan, ring);
     // 2. The point.
     this.#collectRim(fan, split);
     if (isFirst) {
       this.#collectPolygon(split);
-      placeModel.decode(coder, this.polygon, this.regime, this.positionBits - this.unknownBits);
+      placeModel.decode(coder, this.#polygon, this.#regime, this.#positionBits - this.unknownBits);
     }
     // 3. The vertex.
     let vertex = fans.vertexCount;
-    if (!isFirst && this.flags.decode(coder, SAME_VERTEX)) {
+    if (!isFirst && this.#flags.decode(coder, SAME_VERTEX)) {
       const count = fans.count - firstNew;
       const number = coder.decodeBits(32 - Math.clz32(count - 1)) % count;
       vertex = fans.cells[FAN_CELLS * (firstNew + number) + VERTEX];
-    } else if (this.channels.length > 0) {
-      const { rim, rimVertices, rimLength } = this;
+    } else if (this.#channels.length > 0) {
+      const rim = this.#rim;
+      const rimVertices = this.#rimVertices;
+      const rimLength = this.#rimLength;
       for (let i = 0; i < rimLength; i++) rimVertices[i] = fans.cells[FAN_CELLS * rim[i] + VERTEX];
-      for (const channel of this.channels) channel.decode(coder, vertex, rimVertices, rimLength);
+      for (const channel of this.#channels) channel.decode(coder, vertex, rimVertices, rimLength);
     }
     // 4. Do it. The fans of a group have the position of the first one.
-    const made = fans.push(isFirst ? NONE : firstNew, vertex, this.batch);
+    const made = fans.push(isFirst ? NONE : firstNew, vertex, this.#batch);
     const at = FAN_CELLS * made;
     for (let j = 0; j < 3; j++) fans.cells[at + j] = placeModel.place[j];
     fans.cells[at + ALONG] = placeModel.along;
     fans.cells[at + BESIDE] = placeModel.beside;
     this.#updateAround(split, made);
-    surface.split(fan, ring, split, this.batch);
-    fans.cells[FAN_CELLS * fan + LAST_SPLIT] = this.batch;
+    surface.split(fan, ring, split, this.#batch);
+    fans.cells[FAN_CELLS * fan + LAST_SPLIT] = this.#batch;
   }
 
   /**
@@ -186,12 +207,12 @@ export class Refiner {
    */
   #collectRim(fan, { start, count, addsStart }) {
     const { cells } = this.surface;
-    const { rim } = this;
-    const { corners, length: n } = this.ring;
+    const rim = this.#rim;
+    const { corners, length: n } = this.#ring;
     rim[0] = fan;
     if (count === 0) {
       rim[1] = cells[addsStart ? previous(corners[n - 1]) : next(corners[0])];
-      this.rimLength = 2;
+      this.#rimLength = 2;
       return;
     }
     let last = 0;
@@ -200,7 +221,7 @@ export class Refiner {
       rim[i + 1] = cells[next(last)];
     }
     rim[count + 1] = cells[previous(last)];
-    this.rimLength = count + 2;
+    this.#rimLength = count + 2;
   }
 
   /**
@@ -208,10 +229,13 @@ export class Refiner {
    * @param {Split} split
    */
   #collectPolygon({ start, count }) {
-    const { rim, rimLength, polygon, surface } = this;
+    const { surface } = this;
+    const rim = this.#rim;
+    const rimLength = this.#rimLength;
+    const polygon = this.#polygon;
     const { cells, around } = this.fans;
     const { points, laplacians, parallelograms } = polygon;
-    const { corners, length: n, isOpen } = this.ring;
+    const { corners, length: n, isOpen } = this.#ring;
     let laplacianX = 0;
     let laplacianY = 0;
     let laplacianZ = 0;
@@ -264,7 +288,7 @@ export class Refiner {
    * @param {number} third its corner
    */
   #addParallelogram(a, b, third) {
-    const { points, parallelograms } = this.polygon;
+    const { points, parallelograms } = this.#polygon;
     const { cells } = this.fans;
     const at = FAN_CELLS * this.surface.cells[third];
     a *= 3;
@@ -272,7 +296,7 @@ export class Refiner {
     parallelograms[0] += points[a] + points[b] - cells[at];
     parallelograms[1] += points[a + 1] + points[b + 1] - cells[at + 1];
     parallelograms[2] += points[a + 2] + points[b + 2] - cells[at + 2];
-    this.polygon.parallelogramCount++;
+    this.#polygon.parallelogramCount++;
   }
 
   /** Sums up the positions around all fans. */
@@ -294,7 +318,8 @@ export class Refiner {
    * @param {number} made the new fan
    */
   #updateAround({ count, addsStart, addsEnd }, made) {
-    const { rim, rimLength } = this;
+    const rim = this.#rim;
+    const rimLength = this.#rimLength;
     const kept = rim[0];
     // The first and the last one stay neighbours of the kept fan if a triangle is added there.
     const firstLost = addsStart ? 2 : 1;

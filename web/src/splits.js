@@ -39,27 +39,39 @@ const newMixed = () => new Mixed(SPLIT_SLOTS, SPLIT_SLOTS, SPLIT_SETS);
 
 /** The models of splits. */
 export class SplitModel {
+  #surface;
+  #fans;
+  #marks;
+  #starts;
+  #runs;
+  #sides;
+  #usualSize;
+  #rim;
+  #spokes;
+  #meanSpoke;
+  #last;
+
   /**
    * @param {Surface} surface
    * @param {Fans} fans
    */
   constructor(surface, fans) {
-    this.surface = surface;
-    this.fans = fans;
+    this.#surface = surface;
+    this.#fans = fans;
     /** The number of the batch. */
     this.batch = 0;
-    this.marks = newMixed();
-    this.starts = newMixed();
-    this.runs = newMixed();
-    this.sides = new Simple(4);
+    this.#marks = newMixed();
+    this.#starts = newMixed();
+    this.#runs = newMixed();
+    this.#sides = new Simple(4);
     /** The mean of twice the logarithm of the squares of the sides around fans, in 1/256. */
-    this.usualSize = 0;
+    this.#usualSize = 0;
     /** The points around the fan, the squares of their distances from it, and their mean. */
-    this.rim = new Float64Array(3 * (MOST_CORNERS + 1));
-    this.spokes = new Float64Array(MOST_CORNERS + 1);
-    this.meanSpoke = 0;
+    this.#rim = new Float64Array(3 * (MOST_CORNERS + 1));
+    this.#spokes = new Float64Array(MOST_CORNERS + 1);
+    this.#meanSpoke = 0;
     /** The last split. */
-    this.last = new Split();
+    this.#last = new Split();
   }
 
   /**
@@ -68,9 +80,10 @@ export class SplitModel {
    * @param {Ring} ring
    */
   #lookAround(fan, ring) {
-    const { cells } = this.fans;
-    const ofCorner = this.surface.cells;
-    const { rim, spokes } = this;
+    const { cells } = this.#fans;
+    const ofCorner = this.#surface.cells;
+    const rim = this.#rim;
+    const spokes = this.#spokes;
     const { corners, length } = ring;
     const x = cells[FAN_CELLS * fan];
     const y = cells[FAN_CELLS * fan + 1];
@@ -89,7 +102,7 @@ export class SplitModel {
       spokes[i] = square;
       if (i < length) sum += square;
     }
-    this.meanSpoke = Math.floor(sum / length);
+    this.#meanSpoke = Math.floor(sum / length);
   }
 
   /**
@@ -98,7 +111,7 @@ export class SplitModel {
    * @param {number} n the corners of the fan
    */
   #across(i, n) {
-    const { rim } = this;
+    const rim = this.#rim;
     const before = 3 * (i === 0 ? n - 1 : i - 1);
     const after = 3 * (i + 1);
     const x = rim[after] - rim[before];
@@ -118,8 +131,8 @@ export class SplitModel {
   decodeMark(coder, fan, ring, done) {
     const { corners, length: n } = ring;
     const { batch } = this;
-    const ofCorner = this.surface.cells;
-    const { cells } = this.fans;
+    const ofCorner = this.#surface.cells;
+    const { cells } = this.#fans;
     const open = ring.isOpen ? 1 : 0;
     if (n < 2 - open || n > MOST_CORNERS) return 0;
     // 1. The fans around. What cannot be predicted is counted without branches: x − 1 >>> 31 is 1 if x is 0, for x ≥ 0.
@@ -144,18 +157,18 @@ export class SplitModel {
     // 2. Its size and its chords.
     this.#lookAround(fan, ring);
     let chords = 0;
-    for (let i = open; i < n && chords < 7; i++) if (this.spokes[i] > this.#across(i, n)) chords++;
-    const size = halves(this.meanSpoke);
-    const difference = size - (this.usualSize >> 8) + 8;
+    for (let i = open; i < n && chords < 7; i++) if (this.#spokes[i] > this.#across(i, n)) chords++;
+    const size = halves(this.#meanSpoke);
+    const difference = size - (this.#usualSize >> 8) + 8;
     const relative = difference < 0 ? 0 : least(difference, 15);
-    this.usualSize += (size * 256 - this.usualSize) >> 7;
+    this.#usualSize += (size * 256 - this.#usualSize) >> 7;
 
     const age = least(batch - cells[FAN_CELLS * fan + BORN], 7);
     const quiet = least(batch - cells[FAN_CELLS * fan + LAST_SPLIT], 7);
     const valence = least(n, 15);
     const few = least(free, 15);
     const set = least(done, 3) * 2 + open;
-    return this.marks.decode(
+    return this.#marks.decode(
       coder,
       (valence * 16 + few) * 8 + set,
       (relative * 16 + few) * 8 + set,
@@ -175,7 +188,8 @@ export class SplitModel {
    * @returns {Split} valid until the next call
    */
   decodeSplit(coder, fan, ring) {
-    const { sides, last } = this;
+    const sides = this.#sides;
+    const last = this.#last;
     const n = ring.length;
     let free = 0;
     for (let i = 0; i < n; i++) if (this.#isFree(ring.corners[i])) free++;
@@ -197,7 +211,7 @@ export class SplitModel {
 
   /** @param {number} corner */
   #isFree(corner) {
-    return this.surface.cells[corner | 3] !== this.batch;
+    return this.#surface.cells[corner | 3] !== this.batch;
   }
 
   /**
@@ -221,7 +235,7 @@ export class SplitModel {
       const acrossA = this.#ofChord(i, n, isOpen);
       const acrossB = this.#ofChord(i + 1, n, isOpen);
       const ages = this.#age(next(corners[i])) * 16 + this.#age(previous(corners[i]));
-      const isFirst = this.starts.decode(
+      const isFirst = this.#starts.decode(
         coder,
         (acrossA * 16 + acrossB) * 4 + free,
         (a * 16 + b) * 4 + free,
@@ -256,7 +270,7 @@ export class SplitModel {
       const acrossB = this.#ofChord(i + 1, n, isOpen);
       const ages = this.#age(next(corners[i])) * 16 + this.#age(previous(corners[i]));
       const few = least(count, 7);
-      const isMore = this.runs.decode(
+      const isMore = this.#runs.decode(
         coder,
         (acrossA * 16 + acrossB) * 8 + few,
         (a * 16 + b) * 8 + few,
@@ -276,8 +290,8 @@ export class SplitModel {
    * @param {number} corner
    */
   #age(corner) {
-    const { cells } = this.fans;
-    const at = FAN_CELLS * this.surface.cells[corner];
+    const { cells } = this.#fans;
+    const at = FAN_CELLS * this.#surface.cells[corner];
     return least(this.batch - cells[at + BORN], 3) * 4 + least(this.batch - cells[at + LAST_SPLIT], 3);
   }
 
@@ -286,7 +300,7 @@ export class SplitModel {
    * @param {number} i
    */
   #ofOthers(i) {
-    return least(halves(Math.floor((16 * this.spokes[i]) / (this.meanSpoke + 1))), 15);
+    return least(halves(Math.floor((16 * this.#spokes[i]) / (this.#meanSpoke + 1))), 15);
   }
 
   /**
@@ -298,6 +312,6 @@ export class SplitModel {
   #ofChord(i, n, isOpen) {
     if (isOpen && (i === 0 || i === n)) return 15;
     if (i === n) i = 0;
-    return least(halves(Math.floor((64 * this.spokes[i]) / (this.#across(i, n) + 1))) >> 1, 15);
+    return least(halves(Math.floor((64 * this.#spokes[i]) / (this.#across(i, n) + 1))) >> 1, 15);
   }
 }

@@ -206,7 +206,9 @@ export class Surface {
     cells[corner + 1] = b;
     cells[corner + 2] = c;
     cells[corner + MARK] = mark;
-    cells.fill(NONE, corner + OPPOSITE, corner + 8);
+    cells[corner + OPPOSITE] = NONE;
+    cells[corner + OPPOSITE + 1] = NONE;
+    cells[corner + OPPOSITE + 2] = NONE;
     return corner;
   }
 
