@@ -50,6 +50,10 @@ export class SplitModel {
   #spokes;
   #meanSpoke;
   #last;
+  #chords = 0;
+  #lengths = 0;
+  #ages = 0;
+  #firsts = 0;
 
   /**
    * @param {Surface} surface
@@ -230,19 +234,15 @@ export class SplitModel {
       const before = i > 0 ? this.#isFree(corners[i - 1]) : !isOpen && this.#isFree(corners[n - 1]);
       const after = i + 1 < n ? this.#isFree(corners[i + 1]) : !isOpen && this.#isFree(corners[0]);
       const free = (before ? 2 : 0) + (after ? 1 : 0);
-      const a = this.#ofOthers(i);
-      const b = this.#ofOthers(i + 1);
-      const acrossA = this.#ofChord(i, n, isOpen);
-      const acrossB = this.#ofChord(i + 1, n, isOpen);
-      const ages = this.#age(next(corners[i])) * 16 + this.#age(previous(corners[i]));
+      this.#compare(ring, i);
       const isFirst = this.#starts.decode(
         coder,
-        (acrossA * 16 + acrossB) * 4 + free,
-        (a * 16 + b) * 4 + free,
+        this.#chords * 4 + free,
+        this.#lengths * 4 + free,
         (least(i, 15) * 16 + least(left, 15)) * 4 + free,
-        ages * 4 + free,
-        (acrossA * 16 + a) * 4 + free,
-        (least(n, 15) * 16 + acrossA) * 4 + free,
+        this.#ages * 4 + free,
+        this.#firsts * 4 + free,
+        (least(n, 15) * 16 + (this.#chords >> 4)) * 4 + free,
         isOpen ? free + 4 : free,
       );
       if (isFirst) return i;
@@ -261,28 +261,40 @@ export class SplitModel {
     const { corners, length: n, isOpen } = ring;
     // One corner of a closed fan stays.
     const most = isOpen ? n - start : Math.max(n - 1, 1);
+    const ofStart = this.#ofChord(start, n, isOpen);
     for (let count = 1; count < most; count++) {
       const i = start + count < n ? start + count : start + count - n;
       if (!this.#isFree(corners[i])) return count;
-      const a = this.#ofOthers(i);
-      const b = this.#ofOthers(i + 1);
-      const acrossA = this.#ofChord(i, n, isOpen);
-      const acrossB = this.#ofChord(i + 1, n, isOpen);
-      const ages = this.#age(next(corners[i])) * 16 + this.#age(previous(corners[i]));
+      this.#compare(ring, i);
       const few = least(count, 7);
       const isMore = this.#runs.decode(
         coder,
-        (acrossA * 16 + acrossB) * 8 + few,
-        (a * 16 + b) * 8 + few,
+        this.#chords * 8 + few,
+        this.#lengths * 8 + few,
         least(n, 15) * 16 + least(count, 15),
-        ages * 8 + few,
-        (acrossA * 16 + a) * 8 + least(n - count, 7),
-        (acrossA * 16 + this.#ofChord(start, n, isOpen)) * 8 + few,
+        this.#ages * 8 + few,
+        this.#firsts * 8 + least(n - count, 7),
+        ((this.#chords & 0xf0) + ofStart) * 8 + few,
         few,
       );
       if (!isMore) return count;
     }
     return most;
+  }
+
+  /**
+   * Compares the edges on both sides of a corner, in pairs of numbers from 0 to 15: with the lines between their neighbours, with the other edges of
+   * the fan, and how long ago their fans arose and were split. Also the first one with that line and with the others.
+   * @param {Ring} ring
+   * @param {number} i
+   */
+  #compare({ corners, length: n, isOpen }, i) {
+    const a = this.#ofOthers(i);
+    const across = this.#ofChord(i, n, isOpen) * 16;
+    this.#chords = across + this.#ofChord(i + 1, n, isOpen);
+    this.#lengths = a * 16 + this.#ofOthers(i + 1);
+    this.#ages = this.#age(next(corners[i])) * 16 + this.#age(previous(corners[i]));
+    this.#firsts = across + a;
   }
 
   /**
