@@ -11,13 +11,11 @@
 //! the order of their numbers. What a batch says about a fan is whether it is split (module `splits`), which of its corners move, and where the new point is
 //! (`places`) and what attributes its vertex has (`channels`), as differences from what the mesh around it makes expect. Each of these is a row of
 //! decisions whose probabilities are learned (`mixing`), written by a range coder (`range_coder`). Positions are on a grid whose step is halved as the error of the levels
-//! gets smaller (`refiner`). The encoder plans (`plan`) and rehearses (`fit`) before it writes (`encoder`).
+//! gets smaller (`refiner`). The encoder plans (`plan`) and rehearses (`run`, `fit`) before it writes (`encoder`).
 //!
 //! On an attribute seam, and where a surface is not manifold, a point has several fans (`surface`), which are split together.
 //!
-//! The transmission of Kim et al. as published is in the module [`paper`].
-//!
-//! Everything that decides is an integer, so that decoders in other languages agree with this one.
+//! Everything that decides is an integer, so that decoders in other languages agree with this one. The bytes are defined in FORMAT.md.
 //!
 //! # Sizes
 //! At 14 bits per coordinate, in bits per vertex that a triangle uses, all chunks included:
@@ -33,12 +31,6 @@
 //! Hoppe: *Progressive Meshes*, 1996. Pajarola, Rossignac: *Compressed Progressive Meshes*, 2000. Alliez, Desbrun: *Progressive Compression for Lossless Transmission of Triangle
 //! Meshes*, 2001. Kim, Park, Yang, Neelamkavil: *A Rendering-Efficient Progressive Transmission of 3D Meshes*, 2005.
 
-#![allow(
-    clippy::cast_possible_wrap,
-    clippy::cast_sign_loss,
-    reason = "integers of a stream are small, or bits that a checksum or a range has limited"
-)]
-
 mod base;
 mod channels;
 mod chunk;
@@ -49,16 +41,25 @@ mod grid;
 mod head;
 mod mixing;
 mod numbers;
-pub mod paper;
+mod options;
+mod part;
 mod places;
 mod plan;
 mod range_coder;
 mod refiner;
+mod run;
+#[cfg(test)]
+mod samples;
+mod source;
 mod splits;
 mod surface;
 #[cfg(test)]
 mod tests;
 
-pub use decoder::{Decoder, StreamError, StreamLimits, StreamPart};
-pub use encoder::{EncodedStream, StreamChunk, StreamOptions, encode, unsplittable};
+pub mod paper;
+
+pub use decoder::{Decoder, StreamError, StreamLimits};
+pub use encoder::{EncodedStream, StreamChunk, encode, unsplittable};
+pub use options::StreamOptions;
+pub use part::StreamPart;
 pub use refiner::StreamCosts;

@@ -9,7 +9,7 @@ mod cache;
 mod eta;
 mod fewest;
 #[cfg(test)]
-mod generated_meshes;
+pub(crate) mod generated_meshes;
 mod guided_tunnels;
 mod input;
 pub(crate) mod one_shot;

@@ -142,7 +142,7 @@ fn add_triangle(first: u32, sources: &mut Vec<u32>, numbers: &mut [u32]) {
 }
 
 impl Refiner {
-    /// Codes the fans, vertices and points of the base mesh, whose triangles are there.
+    /// Codes the fans, vertices and points of the base mesh, whose triangles are there. Not all are there if the coder is past its end.
     pub(super) fn code_base<C: BitCoder>(&mut self, coder: &mut C, wanted: Option<&WantedBase>) {
         let mut flags = Simple::new(2);
         let fan_count = self.surface.first.len();
@@ -153,6 +153,9 @@ impl Refiner {
         }
         let mut new_vertices = 0;
         for fan in 0..fan_count as u32 {
+            if coder.is_past_end() {
+                return;
+            }
             let index = fan as usize;
             let bits = u32::BITS - fan.leading_zeros();
             let mut earlier = |coder: &mut C, context: usize, wanted: Option<u32>| {
@@ -161,10 +164,8 @@ impl Refiner {
             };
             // 1. The vertex, then the point.
             let same_vertex = earlier(coder, 0, wanted.and_then(|wanted| wanted.same_vertex[index]));
-            let twin = match same_vertex {
-                None => earlier(coder, 1, wanted.and_then(|wanted| wanted.twins[index])),
-                same => same,
-            };
+            let twin =
+                same_vertex.or_else(|| earlier(coder, 1, wanted.and_then(|wanted| wanted.twins[index])));
             // 2. The fans beyond the edge at which the first triangle of the fan was added.
             let corner = lowest[index];
             let opposite = self.surface.opposite(corner);
@@ -179,13 +180,13 @@ impl Refiner {
                 let at = |fan: u32| self.fans.get(fan as usize).map(|fan| fan.place).unwrap_or_default();
                 let (near, square) = if is_known {
                     let [a, b, c] = around.map(at);
-                    ([0, 1, 2].map(|j| a[j] + b[j] - c[j]), square_distance(a, b))
+                    ([0, 1, 2].map(|j| a[j].wrapping_add(b[j]).wrapping_sub(c[j])), square_distance(a, b))
                 } else {
                     (at(fan.wrapping_sub(1)), 1 << 24)
                 };
                 let place =
                     wanted.map_or([0; 3], |wanted| wanted.places[index].map(|x| x >> self.unknown_bits));
-                self.place_model.code_base(coder, near, square, self.known_bits(), place)
+                self.place_model.code_base(coder, near, square, place)
             };
             // 4. The attributes.
             let vertex = if let Some(other) = same_vertex {

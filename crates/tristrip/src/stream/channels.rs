@@ -60,18 +60,18 @@ impl ChannelModel {
                 let value = if self.is_kept.code(coder, axis, wanted == kept) {
                     kept
                 } else {
-                    code_bits(coder, self.bits, wanted as u32) as i32
+                    code_bits(coder, self.bits, wanted.cast_unsigned()).cast_signed()
                 };
                 values.push(value);
                 continue;
             }
             let of_around = around.iter().map(|values| i64::from(values[component]));
-            let count = around.len().max(1) as i64;
+            let count = i64::from(around.len().max(1) as u32);
             let expected = (2 * of_around.clone().sum::<i64>() + count).div_euclid(2 * count);
-            let spread = of_around.clone().max().unwrap_or(most) - of_around.min().unwrap_or(0);
+            let spread = of_around.clone().max().unwrap_or(most).abs_diff(of_around.min().unwrap_or(0));
             let far = (expected - i64::from(kept)).unsigned_abs();
-            let scale = 2 * halves(spread as u64);
-            let relative = (halves(far) + 8).saturating_sub(halves(spread as u64)).min(15);
+            let scale = 2 * halves(spread);
+            let relative = (halves(far) + 8).saturating_sub(halves(spread)).min(15);
             let contexts =
                 [relative * 4 + around.len().min(3), around.len().min(15), scale.min(63), relative, 0];
             let context = NumberContext { axis, scale, contexts };

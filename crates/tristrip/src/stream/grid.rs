@@ -37,6 +37,13 @@ impl Grid {
         }
     }
 
+    /// Returns whether all positions of the grid are finite.
+    pub(super) fn is_finite(&self, bits: u32) -> bool {
+        let far = f64::from(self.step) * f64::from(1_u32 << bits);
+        let is_finite = |x: &f32| (f64::from(*x) + far).abs() <= f64::from(f32::MAX);
+        self.step >= 0.0 && self.origin.iter().all(is_finite)
+    }
+
     pub(super) fn place(&self, position: [f32; 3], bits: u32) -> Place {
         let most = f64::from((1_u32 << bits) - 1);
         let steps = |j: usize| (f64::from(position[j]) - f64::from(self.origin[j])) / f64::from(self.step);
@@ -90,6 +97,7 @@ impl ValueType {
         }
     }
 
+    #[expect(clippy::cast_sign_loss, reason = "a negative number becomes 0")]
     fn data(self, values: impl Iterator<Item = f64>) -> AttributeData {
         match self {
             Self::F32 => AttributeData::F32(values.map(|x| x as f32).collect()),
@@ -131,6 +139,7 @@ const MOST_EXACT_BITS: u32 = 24;
 
 impl Channel {
     /// Chooses the grid of an attribute.
+    #[expect(clippy::cast_sign_loss, reason = "an extent is not negative")]
     pub(super) fn new(attribute: &Attribute, bits: AttributeBits) -> Result<Self, Error> {
         let components = usize::from(attribute.components);
         let mut channel = Self {
@@ -154,8 +163,7 @@ impl Channel {
         if is_float && is("NORMAL") && components == 3 || is_float && is("TANGENT") && components == 4 {
             let is_unit = |i: usize| {
                 let square: f64 = (0..3).map(|j| value(i * components + j).powi(2)).sum();
-                (square - 1.0).abs() < 0.02
-                    && (components == 3 || (value(i * 4 + 3).abs() - 1.0).abs() < f64::EPSILON)
+                (square - 1.0).abs() < 0.02 && (components == 3 || [1.0, -1.0].contains(&value(i * 4 + 3)))
             };
             if (0..attribute.data.len() / components).all(is_unit) {
                 channel.kind = if components == 3 { ChannelKind::Octahedral } else { ChannelKind::Tangent };
@@ -175,6 +183,11 @@ impl Channel {
             most = vec![0.0; components];
         }
         let extent = most.iter().zip(&channel.origins).map(|(a, b)| a - b).fold(0.0, f64::max);
+        if !extent.is_finite() {
+            let found =
+                format!("values of attribute `{}` from {:?} to {most:?}", attribute.name, channel.origins);
+            return Err(Error::Parameter { name: "attributes", found, expected: "finite differences" });
+        }
         if !is_float && extent < f64::from(1_u32 << MOST_EXACT_BITS) {
             channel.step = 1.0;
             channel.bits = u32::BITS - (extent as u32).leading_zeros();
@@ -188,7 +201,8 @@ impl Channel {
             () if is("TEXCOORD") => bits.uv,
             () => bits.other,
         };
-        if is("WEIGHTS") {
+        let is_share = |component: usize| channel.origins[component] >= 0.0 && most[component] <= 1.0;
+        if is("WEIGHTS") && (0..components).all(is_share) {
             // Shares of one, so that their sum stays one.
             channel.origins = vec![0.0; components];
             channel.step = 1.0 / f64::from((1_u32 << channel.bits) - 1);
@@ -222,7 +236,9 @@ impl Channel {
             (steps + 0.5).floor().clamp(0.0, most)
         };
         let mut integers: Vec<i32> = (0..components).map(|j| steps(j) as i32).collect();
-        if self.name.starts_with("WEIGHTS_") && self.value_type == ValueType::F32 {
+        let is_of_shares =
+            self.step.to_bits() == (1.0 / most).to_bits() && self.origins.iter().all(|&origin| origin == 0.0);
+        if self.name.starts_with("WEIGHTS_") && self.value_type == ValueType::F32 && is_of_shares {
             let sum: f64 = (0..components).map(value).sum();
             if (sum - 1.0).abs() < 1e-3 {
                 // The largest takes what rounding has changed.
@@ -283,7 +299,7 @@ fn octahedral([x, y, z]: [f64; 3], most: f64) -> [i32; 2] {
     let [u, v] = if sum > 0.0 { [x / sum, y / sum] } else { [0.0; 2] };
     let fold = |a: f64, b: f64| (1.0 - b.abs()) * if a < 0.0 { -1.0 } else { 1.0 };
     let [u, v] = if z < 0.0 { [fold(u, v), fold(v, u)] } else { [u, v] };
-    [u, v].map(|t| ((t * 0.5 + 0.5) * most + 0.5).floor().clamp(0.0, most) as i32)
+    [u, v].map(|t| (f64::midpoint(t, 1.0) * most + 0.5).floor().clamp(0.0, most) as i32)
 }
 
 fn unit_vector(steps: [i32; 2], most: f64) -> [f64; 3] {

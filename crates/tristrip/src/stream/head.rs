@@ -83,9 +83,8 @@ impl Head {
             *float = reader.float().ok_or_else(|| short.clone())?;
         }
         let [x, y, z, step] = floats;
-        let far = f64::from(step) * f64::from(1_u32 << position_bits);
-        let is_finite = |x: &f32| (f64::from(*x) + far).abs() <= f64::from(f32::MAX);
-        if !(step >= 0.0 && [x, y, z].iter().all(is_finite)) {
+        let grid = Grid { origin: [x, y, z], step };
+        if !grid.is_finite(position_bits) {
             return fault(
                 format!("origin {x} {y} {z}, step {step}"),
                 "finite positions and a step of at least 0",
@@ -149,7 +148,6 @@ impl Head {
             }
             channels.push(channel);
         }
-        let grid = Grid { origin: [x, y, z], step };
         Ok(Self { grid, position_bits, unknown_bits, channels, base_triangles, levels, triangles, vertices })
     }
 
@@ -171,9 +169,9 @@ pub(super) fn code_weights<C: BitCoder>(coder: &mut C, wanted: &Weights) -> Weig
             for side in 0..2 {
                 // 0, −1, 1, −2, 2, …
                 let difference = wanted[i][side] - of_class[i][side];
-                let folded = ((difference << 1) ^ (difference >> 31)) as u32;
+                let folded = ((difference << 1) ^ (difference >> 31)).cast_unsigned();
                 let folded = code_small(coder, &mut model, folded) & 0x3FF;
-                of_class[i][side] += (folded >> 1) as i32 ^ -((folded & 1) as i32);
+                of_class[i][side] += (folded >> 1).cast_signed() ^ -(folded & 1).cast_signed();
             }
         }
     }

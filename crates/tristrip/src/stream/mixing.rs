@@ -43,10 +43,10 @@ pub(super) const INPUTS: usize = 6;
 /// Returns the probability of a logit.
 const fn share_of(logit: i32) -> i32 {
     let size = if logit < 0 { -logit } else { logit };
-    let (at, rest) = ((size >> 6) as usize, size & 63);
+    let (at, rest) = ((size >> 6).cast_unsigned() as usize, size & 63);
     let next = if at < 32 { SHARES[at + 1] } else { SHARES[32] };
     let share = SHARES[at] + (((next - SHARES[at]) * rest) >> 6);
-    if logit < 0 { WHOLE as i32 - share } else { share }
+    if logit < 0 { WHOLE.cast_signed() - share } else { share }
 }
 
 /// The logit of each probability of 12 bits.
@@ -57,7 +57,7 @@ const LOGITS: [i16; 4096] = {
         while logit < MOST_LOGIT && share_of(logit) < (share << 4) + 8 {
             logit += 1;
         }
-        logits[share as usize] = logit as i16;
+        logits[share.cast_unsigned() as usize] = logit as i16;
         share += 1;
     }
     logits
@@ -79,10 +79,10 @@ const NEW_SLOT: u32 = 1 << 31;
 
 #[inline]
 fn learn(slot: &mut u32, bit: bool) {
-    let (share, count) = ((*slot >> 10) as i32, *slot & 1023);
+    let (share, count) = ((*slot >> 10).cast_signed(), *slot & 1023);
     let target = if bit { (1 << 22) - 1 } else { 0 };
     let change = (((target - share) >> 6) * i32::from(RATES[count as usize])) >> 9;
-    *slot = ((share + change) as u32) << 10 | (count + u32::from(count < MOST_COUNT));
+    *slot = (share + change).cast_unsigned() << 10 | (count + u32::from(count < MOST_COUNT));
 }
 
 /// The model of one kind of decision.
@@ -97,7 +97,7 @@ pub(super) struct Mixed {
 impl Mixed {
     /// Creates the slots of each input, and sets of weights.
     pub(super) fn new(sizes: [usize; INPUTS], sets: usize) -> Self {
-        let weight = (13 << 14) / (10 * INPUTS as i32);
+        let weight = (13 << 14) / (10 * (INPUTS as u32).cast_signed());
         let mut total = 0;
         let starts = sizes.map(|size| {
             total += size;
@@ -125,8 +125,8 @@ impl Mixed {
             sum += (logits[i] * weights[i]) >> 7;
         }
         let share = share_of((sum >> 7).clamp(-MOST_LOGIT, MOST_LOGIT));
-        let bit = coder.code(share as u32, bit);
-        let error = if bit { WHOLE as i32 - share } else { -share };
+        let bit = coder.code(share.cast_unsigned(), bit);
+        let error = if bit { WHOLE.cast_signed() - share } else { -share };
         for i in 0..INPUTS {
             let change = (error * logits[i] + (1 << 16)) >> 17;
             weights[i] = (weights[i] + change).clamp(-MOST_WEIGHT, MOST_WEIGHT);

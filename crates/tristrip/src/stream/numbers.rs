@@ -50,7 +50,7 @@ impl NumberModel {
     pub(super) fn new(axes: usize, context_count: usize) -> Self {
         let mut sizes = [axes * STEPS * context_count; INPUTS];
         sizes[0] = axes * SCALES * STEPS;
-        let middle = |scale: usize| (scale as i32 * 8 - 32).max(0);
+        let middle = |scale: usize| (scale as u32 * 8).saturating_sub(32).cast_signed();
         Self {
             context_count,
             middles: (0..axes * SCALES).map(|i| middle(i % SCALES)).collect(),
@@ -70,7 +70,7 @@ impl NumberModel {
         let NumberContext { axis, scale, contexts } = context;
         let of_scale = axis * SCALES + scale.min(SCALES - 1);
         let middle = &mut self.middles[of_scale];
-        let usual = ((*middle + 8) >> 4) as usize;
+        let usual = ((*middle + 8) >> 4).cast_unsigned() as usize;
         let size = number.unsigned_abs();
         let wanted = halves(size.into());
         // 1. The bucket, upwards or downwards from the usual one.
@@ -97,8 +97,9 @@ impl NumberModel {
                 bucket -= 1;
             }
         }
-        *middle += (bucket as i32 * 16 - *middle) >> 4;
-        let above = bucket as i32 - usual as i32;
+        let [found, expected] = [bucket, usual].map(|bucket| (bucket as u32).cast_signed());
+        *middle += (found * 16 - *middle) >> 4;
+        let above = found - expected;
         if bucket == 0 {
             return (0, above);
         }
@@ -112,7 +113,8 @@ impl NumberModel {
             let high = self.halves.code(coder, bucket, size >> rest & 1 != 0);
             least | u32::from(high) << rest | code_bits(coder, rest, size)
         };
-        (if is_negative { -(size as i32) } else { size as i32 }, above)
+        let size = size.cast_signed();
+        (if is_negative { -size } else { size }, above)
     }
 }
 
@@ -124,4 +126,58 @@ pub(super) fn code_small<C: BitCoder>(coder: &mut C, model: &mut Simple, number:
         bits += 1;
     }
     (1 << (bits - 1) | code_bits(coder, bits - 1, number + 1)) - 1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stream::range_coder::{RangeDecoder, RangeEncoder};
+    use proptest::prelude::*;
+
+    /// Numbers of any size up to those of the largest bucket.
+    fn number() -> impl Strategy<Value = i32> {
+        let most = (3 << 28) + (1 << 28) - 1;
+        prop_oneof![-10..10_i32, -1000..1000_i32, -most..=most, Just(most), Just(-most)]
+    }
+
+    fn context() -> impl Strategy<Value = NumberContext> {
+        (0..3_usize, 0..200_usize, prop::array::uniform5(0..7_usize))
+            .prop_map(|(axis, scale, contexts)| NumberContext { axis, scale, contexts })
+    }
+
+    proptest! {
+        #[test]
+        fn numbers_are_read_back(numbers in prop::collection::vec((context(), number()), 0..200)) {
+            let (mut model, mut encoder) = (NumberModel::new(3, 7), RangeEncoder::new());
+            let written: Vec<_> =
+                numbers.iter().map(|&(context, number)| model.code(&mut encoder, context, number)).collect();
+            let bytes = encoder.finish();
+            let (mut model, mut decoder) = (NumberModel::new(3, 7), RangeDecoder::new(&bytes));
+            for (&(context, number), written) in numbers.iter().zip(written) {
+                prop_assert_eq!(written.0, number);
+                prop_assert_eq!(model.code(&mut decoder, context, 0), written);
+            }
+            prop_assert!(!decoder.is_past_end());
+        }
+
+        #[test]
+        fn small_numbers_are_read_back(numbers in prop::collection::vec(prop_oneof![0..9_u32, 0..(1 << 24) - 1_u32], 0..200)) {
+            let (mut model, mut encoder) = (Simple::new(32), RangeEncoder::new());
+            for &number in &numbers {
+                prop_assert_eq!(code_small(&mut encoder, &mut model, number), number);
+            }
+            let bytes = encoder.finish();
+            let (mut model, mut decoder) = (Simple::new(32), RangeDecoder::new(&bytes));
+            for &number in &numbers {
+                prop_assert_eq!(code_small(&mut decoder, &mut model, 0), number);
+            }
+        }
+    }
+
+    #[test]
+    fn buckets_are_twice_a_logarithm() {
+        let buckets: Vec<usize> = [0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 12, 15, 16].map(halves).into();
+        assert_eq!(buckets, [0, 1, 2, 3, 4, 4, 5, 5, 6, 6, 7, 7, 8]);
+        assert_eq!(halves(u64::MAX), 127);
+    }
 }

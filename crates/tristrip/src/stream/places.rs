@@ -44,6 +44,8 @@ pub(super) const USUAL_WEIGHTS: Weights =
 const CONTEXTS: usize = 1024;
 /// The most bits of a coordinate.
 pub(super) const MOST_BITS: u32 = 16;
+/// The largest coordinate. What bytes that no encoder wrote tell beyond is cut off, so that no computation overflows.
+pub(super) const MOST_PLACE: i32 = (1 << MOST_BITS) - 1;
 
 /// How much of a point was unexpected: along the normal, and beside it, in buckets above the usual one, from 0 to [`MOST_SURPRISE`].
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -105,8 +107,8 @@ fn dot(a: &[i64; 3], b: &[i64; 3]) -> i64 {
 #[inline]
 pub(super) fn square_distance(a: Place, b: Place) -> u64 {
     let square = |j: usize| {
-        let difference = i64::from(a[j]) - i64::from(b[j]);
-        (difference * difference) as u64
+        let difference = u64::from(a[j].abs_diff(b[j]));
+        difference * difference
     };
     square(0) + square(1) + square(2)
 }
@@ -114,14 +116,14 @@ pub(super) fn square_distance(a: Place, b: Place) -> u64 {
 impl Estimates {
     pub(super) fn new(polygon: &Polygon, regime: usize) -> Self {
         let points = &polygon.points;
-        let (kept, count) = (points[0], points.len() as i64);
+        let (kept, count) = (points[0], i64::from(points.len() as u32));
         let last = points[points.len() - 1];
         let axes = [0, 1, 2];
         let mut sum = [0; 3];
         let (mut perimeter, mut length) = ([0; 3], 0);
         let mut before = last;
         for &point in points {
-            let side: i64 = axes.iter().map(|&j| i64::from(point[j]).abs_diff(before[j].into()) as i64).sum();
+            let side: i64 = axes.iter().map(|&j| i64::from(point[j].abs_diff(before[j]))).sum();
             length += side;
             for j in axes {
                 sum[j] += i64::from(point[j]);
@@ -142,7 +144,7 @@ impl Estimates {
             0 => [0; 3],
             _ => axes.map(|j| difference(j, floor_div(8 * perimeter[j], length))),
         };
-        let square = |&point: &Place| square_distance(point, mean.map(|x| (x >> 4) as i32)) as i64;
+        let square = |&point: &Place| square_distance(point, mean.map(|x| (x >> 4) as i32)).cast_signed();
         Self {
             mean,
             others: [of_kept, of_ends, of_sides, of_laplacians, of_perimeter],
@@ -169,15 +171,10 @@ impl Estimates {
     /// Returns how much an estimate differs from the mean along the normal, relative to the size of the polygon: 0 to 15.
     fn height(&self, estimate: usize) -> usize {
         let along = dot(&self.others[estimate], &self.normal) >> 6;
-        let logarithm = |x: i64| halves(x as u64);
+        let logarithm = |x: i64| halves(x.cast_unsigned());
         let below = logarithm(dot(&self.normal, &self.normal)) + logarithm(self.square);
         (logarithm(along * along) + 20).saturating_sub(below).min(15)
     }
-}
-
-/// Returns a coordinate on the grid: bytes that no encoder has written may lead beyond it.
-fn within(coordinate: i32, known_bits: u32) -> i32 {
-    coordinate.clamp(0, (1 << known_bits) - 1)
 }
 
 /// Returns the sum of the normals of the triangles between the first point and the others, with eight bits along its longest axis.
@@ -214,7 +211,6 @@ impl PlaceModel {
         coder: &mut C,
         polygon: &Polygon,
         estimates: &Estimates,
-        known_bits: u32,
         place: Place,
     ) -> (Place, Surprise) {
         let expected = estimates.expected(&self.weights);
@@ -230,16 +226,17 @@ impl PlaceModel {
         let square = dot(normal, normal);
         let rest = square - n0 * n0;
         let size = estimates.square;
-        let scale = |x: i64| halves(x as u64);
-        let shares = match square {
-            0 => [1024; 3],
-            _ => [
+        let scale = |x: i64| halves(x.cast_unsigned());
+        let scales = if square == 0 {
+            [scale(16 * size); 3]
+        } else {
+            let shares = [
                 floor_div(1024 * rest, square),
                 floor_div(1024 * n2 * n2, rest),
                 floor_div(1024 * square, n2 * n2),
-            ],
+            ];
+            shares.map(|share| scale((size * share) >> 6))
         };
-        let scales = shares.map(|share| scale((size * share) >> 6));
         // The contexts.
         let sum = |of: fn(&Surprise) -> u32| polygon.surprises.iter().map(of).sum::<u32>().min(31) as usize;
         let (along, beside) = (sum(|surprise| surprise.along), sum(|surprise| surprise.beside));
@@ -249,10 +246,10 @@ impl PlaceModel {
             let j = order[axis];
             let offset = |point: &Place| i64::from(point[j]) - (estimates.mean[j] >> 4);
             let squares: i64 = polygon.points.iter().map(|point| offset(point) * offset(point)).sum();
-            let width = scale(16 * (floor_div(squares, polygon.points.len() as i64) + 1));
+            let width = scale(16 * (floor_div(squares, i64::from(polygon.points.len() as u32)) + 1));
             (width + 16).saturating_sub(scales[axis]).min(31)
         };
-        let level = |above: i32| (above + 4).clamp(0, 7) as usize;
+        let level = |above: i32| (above + 4).clamp(0, 7).cast_unsigned() as usize;
         let common = |axis: usize| {
             [class * 128 + scales[axis].min(127), heights[1] * 32 + heights[0], heights[2] * 32 + heights[1]]
         };
@@ -267,7 +264,7 @@ impl PlaceModel {
                 NumberContext { axis, scale: scales[axis], contexts: [first[0], first[1], c, d, e] };
             let difference = place[order[axis]].wrapping_sub(middle);
             let (difference, above) = self.numbers.code(coder, context, difference);
-            found[order[axis]] = within(middle.wrapping_add(difference), known_bits);
+            found[order[axis]] = middle.wrapping_add(difference).clamp(0, MOST_PLACE);
             // How far from what is expected of the polygon, in 1/512.
             (i64::from(found[order[axis]]) * 512 - expected, above)
         };
@@ -282,7 +279,7 @@ impl PlaceModel {
         let fall = floor_div(-(n0 * d0 + n1 * d1) * n2.signum(), n2.abs());
         let contexts = [along * 32 + level(above0), level(above0) * 8 + level(above1)];
         let (_, above2) = code(2, expected[order[2]] + fall, contexts);
-        let surprise = |above: i32| above.clamp(0, MOST_SURPRISE) as u32;
+        let surprise = |above: i32| above.clamp(0, MOST_SURPRISE).cast_unsigned();
         (found, Surprise { along: surprise(above2 + 5), beside: surprise(above0 + above1 + 7) })
     }
 
@@ -292,15 +289,14 @@ impl PlaceModel {
         coder: &mut C,
         near: Place,
         square: u64,
-        known_bits: u32,
         place: Place,
     ) -> Place {
         let mut found = near;
         for axis in 0..3 {
             let context = NumberContext { axis, scale: halves(square), ..NumberContext::default() };
             let difference = place[axis].wrapping_sub(near[axis]);
-            let difference = self.numbers.code(coder, context, difference).0;
-            found[axis] = within(near[axis].wrapping_add(difference), known_bits);
+            let (difference, _) = self.numbers.code(coder, context, difference);
+            found[axis] = near[axis].wrapping_add(difference).clamp(0, MOST_PLACE);
         }
         found
     }

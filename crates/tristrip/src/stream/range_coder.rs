@@ -165,3 +165,66 @@ impl BitCoder for RangeDecoder<'_> {
         self.at > self.bytes.len() + MOST_TRIMMED
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Encodes decisions, each with its probability.
+    fn encoded(decisions: &[(u32, bool)]) -> (Vec<u8>, usize) {
+        let mut encoder = RangeEncoder::new();
+        for &(probability, bit) in decisions {
+            assert_eq!(encoder.code(probability, bit), bit);
+        }
+        let bound = encoder.len();
+        (encoder.finish(), bound)
+    }
+
+    /// Probabilities, often the least and the largest.
+    fn probability() -> impl Strategy<Value = u32> {
+        prop_oneof![1..WHOLE, Just(1), Just(WHOLE - 1), Just(WHOLE / 2), WHOLE - 40..WHOLE]
+    }
+
+    proptest! {
+        #[test]
+        fn decisions_are_read_back(decisions in prop::collection::vec((probability(), any::<bool>()), 0..400)) {
+            let (bytes, bound) = encoded(&decisions);
+            prop_assert!(bytes.len() <= bound);
+            let mut decoder = RangeDecoder::new(&bytes);
+            for &(probability, bit) in &decisions {
+                prop_assert_eq!(decoder.code(probability, !bit), bit);
+            }
+            prop_assert!(!decoder.is_past_end());
+        }
+
+        #[test]
+        fn bits_are_those_of_the_probabilities(decisions in prop::collection::vec((probability(), any::<bool>()), 0..400)) {
+            let share = |&(p, bit): &(u32, bool)| f64::from(if bit { p } else { WHOLE - p }) / f64::from(WHOLE);
+            let ideal: f64 = decisions.iter().map(|decision| -libm::log2(share(decision))).sum();
+            let (bytes, _) = encoded(&decisions);
+            // A range of at least 24 bits is cut into 16-bit shares.
+            prop_assert!((bytes.len() * 8) as f64 <= ideal * 1.01 + 0.01 * decisions.len() as f64 + 16.0);
+        }
+    }
+
+    #[test]
+    fn a_carry_runs_through_bytes_of_ones() {
+        // Unlikely decisions at the top of the range, then one that carries.
+        let mut decisions = vec![(WHOLE - 1, false); 3];
+        decisions.extend(vec![(WHOLE / 2, false); 100]);
+        decisions.extend(vec![(1, true), (WHOLE - 1, false)]);
+        let (bytes, _) = encoded(&decisions);
+        assert!(bytes.windows(4).any(|bytes| bytes == [0xFF; 4]));
+        let mut decoder = RangeDecoder::new(&bytes);
+        assert!(decisions.iter().all(|&(probability, bit)| decoder.code(probability, true) == bit));
+    }
+
+    #[test]
+    fn more_than_there_is_is_noticed() {
+        let mut decoder = RangeDecoder::new(&[]);
+        assert!(!decoder.is_past_end());
+        let count = (0..100).take_while(|_| decoder.code(WHOLE / 2, false) && !decoder.is_past_end()).count();
+        assert!(count <= 8, "{count}");
+    }
+}

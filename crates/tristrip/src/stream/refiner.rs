@@ -6,7 +6,7 @@
 use super::channels::ChannelModel;
 use super::fit::Fit;
 use super::mixing::{Simple, code_bits};
-use super::places::{Estimates, Place, PlaceModel, Polygon, Surprise, Weights};
+use super::places::{Estimates, MOST_PLACE, Place, PlaceModel, Polygon, Surprise, Weights};
 use super::range_coder::BitCoder;
 use super::splits::{Batch, Fan, SplitModel};
 use super::surface::{MOST_CORNERS, NONE, Split, Surface, next, previous, triangle_of};
@@ -41,9 +41,10 @@ pub(super) struct Refiner {
     /// The attributes of each vertex, one array per channel.
     pub(super) values: Vec<Vec<i32>>,
     pub(super) vertex_count: u32,
-    /// The bits of a coordinate, and those of them that are still unknown.
-    pub(super) position_bits: u32,
+    /// Bits of a coordinate that are still unknown.
     pub(super) unknown_bits: u32,
+    /// The most triangles of the level to decode.
+    pub(super) most_triangles: usize,
     /// The collapses that have been undone.
     pub(super) group_count: u32,
     /// The kept and the new fan of each split.
@@ -119,8 +120,9 @@ impl StreamCosts {
     /// Returns the bits of the connectivity: marks and corners.
     ///
     /// ```
-    /// let costs = tristrip::stream::StreamCosts { marks: 2.0, corners: 3.0, ..Default::default() };
-    /// assert!((costs.connectivity() - 5.0).abs() < 1e-9);
+    /// use tristrip::stream::StreamCosts;
+    /// let costs = StreamCosts { marks: 1.5, corners: 3.0, positions: 20.0, ..StreamCosts::default() };
+    /// assert_eq!(costs.connectivity(), 4.5);
     /// ```
     pub fn connectivity(&self) -> f64 {
         self.marks + self.corners
@@ -129,9 +131,10 @@ impl StreamCosts {
     /// Adds the costs of another mesh.
     ///
     /// ```
-    /// let mut costs = tristrip::stream::StreamCosts { marks: 2.0, ..Default::default() };
-    /// costs.add(&costs.clone());
-    /// assert!((costs.marks - 4.0).abs() < 1e-9);
+    /// use tristrip::stream::StreamCosts;
+    /// let mut costs = StreamCosts { base: 100.0, ..StreamCosts::default() };
+    /// costs.add(&StreamCosts { base: 50.0, marks: 2.0, ..StreamCosts::default() });
+    /// assert_eq!((costs.base, costs.marks), (150.0, 2.0));
     /// ```
     pub fn add(&mut self, other: &Self) {
         self.base += other.base;
@@ -142,9 +145,6 @@ impl StreamCosts {
         self.attributes += other.attributes;
     }
 }
-
-/// The fans of a point among which one is chosen.
-const MOST_TWINS: u32 = 1024;
 
 /// Contexts of single flags.
 const MORE_REFINING: usize = 0;
@@ -163,8 +163,8 @@ impl Refiner {
             leaders: Vec::new(),
             values: vec![Vec::new(); channels.len()],
             vertex_count: 0,
-            position_bits: 1,
             unknown_bits: 0,
+            most_triangles: usize::MAX,
             group_count: 0,
             record: Vec::new(),
             record_ends: Vec::new(),
@@ -246,7 +246,8 @@ impl Refiner {
                 for axis in 0..3 {
                     let bit = full[axis] >> self.unknown_bits & 1;
                     let bit = self.precision.code(coder, axis, bit != 0);
-                    self.fans[fan].place[axis] = self.fans[fan].place[axis] << 1 | i32::from(bit);
+                    let place = &mut self.fans[fan].place[axis];
+                    *place = (*place << 1 | i32::from(bit)).min(MOST_PLACE);
                 }
             }
             self.sum_around();
@@ -271,11 +272,16 @@ impl Refiner {
                 self.code_group(coder, (fan, &mut ring, is_open), group.unwrap_or(&[]));
             }
             self.ring = ring;
-            if !is_split {
+            if !is_split || self.is_too_large(coder) {
                 break;
             }
             done += 1;
         }
+    }
+
+    /// Returns whether more has been built than the bytes may build; never while encoding.
+    fn is_too_large<C: BitCoder>(&self, coder: &C) -> bool {
+        coder.is_past_end() || self.surface.triangle_count() > self.most_triangles
     }
 
     /// Adds the bits since the last call to a component, if bits are counted.
@@ -292,11 +298,6 @@ impl Refiner {
             }
             *before = bits;
         }
-    }
-
-    /// Returns the bits of a coordinate that are known.
-    pub(super) fn known_bits(&self) -> u32 {
-        self.position_bits - self.unknown_bits
     }
 
     fn models(&mut self) -> (&mut SplitModel, Batch<'_>) {
@@ -324,7 +325,7 @@ impl Refiner {
             }
             of = self.code_twin(coder, fan, wanted.get(number).map_or(fan, |wanted| wanted.fan));
             is_open = self.surface.ring(of, ring);
-            if ring.is_empty() || ring.len() > MOST_CORNERS {
+            if ring.is_empty() || ring.len() > MOST_CORNERS || self.is_too_large(coder) {
                 break;
             }
         }
@@ -335,7 +336,7 @@ impl Refiner {
     /// Codes a fan of the point of another one, whose number is counted from it.
     fn code_twin<C: BitCoder>(&self, coder: &mut C, fan: u32, wanted: u32) -> u32 {
         let (mut count, mut place, mut twin) = (1, 0, self.twins[fan as usize]);
-        while twin != fan && count < MOST_TWINS {
+        while twin != fan {
             if twin == wanted {
                 place = count;
             }
@@ -377,8 +378,7 @@ impl Refiner {
             if let Some(fit) = &mut self.fit {
                 fit.add(&estimates, &self.place_model.weights, place);
             }
-            let known_bits = self.known_bits();
-            self.place_model.code(coder, &self.polygon, &estimates, known_bits, place)
+            self.place_model.code(coder, &self.polygon, &estimates, place)
         } else {
             (self.fans[first_new as usize].place, self.fans[first_new as usize].surprise)
         };

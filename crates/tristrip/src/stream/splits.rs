@@ -132,8 +132,8 @@ impl SplitModel {
             self.spokes[i] > square_distance(before, self.rim[i + 1])
         };
         let chords = inner.filter(is_chord).count().min(7);
-        let size = halves(self.spokes[..n].iter().sum::<u64>() / n as u64) as i32;
-        let relative = (size - (self.usual_size >> 8) + 8).clamp(0, 15) as usize;
+        let size = (halves(self.spokes[..n].iter().sum::<u64>() / n as u64) as u32).cast_signed();
+        let relative = (size - (self.usual_size >> 8) + 8).clamp(0, 15).cast_unsigned() as usize;
         self.usual_size += (size * 256 - self.usual_size) >> 7;
 
         let history = &batch.fans[fan as usize];

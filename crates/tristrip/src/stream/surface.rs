@@ -29,7 +29,7 @@ pub(super) fn next(corner: u32) -> u32 {
 /// Returns the corner before in the same triangle.
 #[inline]
 pub(super) fn previous(corner: u32) -> u32 {
-    if corner.trailing_zeros() >= 3 { corner + 2 } else { corner - 1 }
+    if corner.is_multiple_of(8) { corner + 2 } else { corner - 1 }
 }
 
 /// Returns the triangle of a corner.
@@ -70,6 +70,12 @@ impl Surface {
         }
         surface.number_fans();
         surface
+    }
+
+    /// Returns whether the corners of each triangle are in three fans. Splits keep it so.
+    pub(super) fn has_distinct_fans(&self) -> bool {
+        let fans = |triangle: &[u32]| [triangle[0], triangle[1], triangle[2]];
+        self.cells.chunks_exact(8).map(fans).all(|[a, b, c]| a != b && b != c && a != c)
     }
 
     /// Returns the number of triangles.
@@ -283,3 +289,6 @@ pub(super) struct Split {
     /// Whether a triangle is added before and after these corners.
     pub(super) adds: [bool; 2],
 }
+
+#[cfg(test)]
+mod tests;

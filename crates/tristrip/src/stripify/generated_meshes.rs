@@ -94,7 +94,7 @@ fn part(all_cut: bool) -> impl Strategy<Value = MeshPart> {
 }
 
 /// Generates the polygons of several parts: some faces are duplicate, some reversed, and the order may be shuffled.
-pub(super) fn polygons(all_cut: bool, parts: std::ops::Range<usize>) -> impl Strategy<Value = Vec<Vec<u32>>> {
+pub(crate) fn polygons(all_cut: bool, parts: std::ops::Range<usize>) -> impl Strategy<Value = Vec<Vec<u32>>> {
     let whole = prop::collection::vec(part(all_cut), parts).prop_map(|parts| {
         let mut first = 0;
         let mut all = Vec::new();

@@ -1,0 +1,47 @@
+//! How a mesh is encoded as a stream.
+
+use super::grid::AttributeBits;
+use super::places::MOST_BITS;
+use crate::error::Error;
+
+/// How a mesh is encoded.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct StreamOptions {
+    pub(super) position_bits: u32,
+    pub(super) attribute_bits: AttributeBits,
+    pub(super) least_chunk_bytes: usize,
+    pub(super) most_chunk_bytes: usize,
+}
+
+impl Default for StreamOptions {
+    /// 14 bits per coordinate, 10 per coordinate of a normal, 12 of texture coordinates and 10 of others; chunks of 1 to 16 kilobytes.
+    fn default() -> Self {
+        Self {
+            position_bits: 14,
+            attribute_bits: AttributeBits { normal: 10, uv: 12, other: 10 },
+            least_chunk_bytes: 1 << 10,
+            most_chunk_bytes: 1 << 14,
+        }
+    }
+}
+
+impl StreamOptions {
+    /// Sets the bits of a coordinate: 4 to 16.
+    ///
+    /// # Errors
+    /// There are fewer or more.
+    ///
+    /// ```
+    /// use tristrip::stream::StreamOptions;
+    /// assert!(StreamOptions::default().with_position_bits(12).is_ok());
+    /// assert!(StreamOptions::default().with_position_bits(17).is_err());
+    /// ```
+    pub fn with_position_bits(mut self, bits: u32) -> Result<Self, Error> {
+        if !(4..=MOST_BITS).contains(&bits) {
+            let found = bits.to_string();
+            return Err(Error::Parameter { name: "position-bits", found, expected: "4 to 16" });
+        }
+        self.position_bits = bits;
+        Ok(self)
+    }
+}

@@ -1,0 +1,103 @@
+//! What is encoded: a mesh on its grids, and the batches of its splits.
+
+use super::grid::{Channel, Grid};
+use super::options::StreamOptions;
+use super::plan::Plan;
+use crate::collapse::CollapseSequence;
+use crate::error::Error;
+use crate::mesh::Mesh;
+
+/// Batches with all bits of the positions, the last ones.
+const EXACT_BATCHES: usize = 2;
+/// A position may be off by this share of the error of its level.
+const PRECISION: f64 = 0.5;
+
+/// What is encoded.
+pub(super) struct Source<'a> {
+    pub(super) mesh: &'a Mesh,
+    pub(super) sequence: &'a CollapseSequence,
+    pub(super) plan: Plan,
+    pub(super) grid: Grid,
+    pub(super) position_bits: u32,
+    pub(super) channels: Vec<Channel>,
+    /// The number of collapses from the full mesh to the start and end of each batch, in the order of the stream.
+    pub(super) batches: Vec<[usize; 2]>,
+}
+
+impl<'a> Source<'a> {
+    pub(super) fn new(
+        mesh: &'a Mesh,
+        sequence: &'a CollapseSequence,
+        level_ends: &[u32],
+        options: &StreamOptions,
+    ) -> Result<Self, Error> {
+        if sequence.vertex_count() != mesh.vertex_count() {
+            let found = format!("collapses over {} vertices", sequence.vertex_count());
+            return Err(Error::Parameter { name: "sequence", found, expected: "the vertices of the mesh" });
+        }
+        let plan = Plan::new(sequence);
+        let count = sequence.len();
+        let mut ends: Vec<usize> = level_ends.iter().map(|&end| (end as usize).min(count)).collect();
+        ends.push(count);
+        ends.sort_unstable();
+        ends.dedup();
+        let starts = [0].into_iter().chain(ends.iter().copied());
+        let batches = starts
+            .zip(&ends)
+            .map(|(start, &end)| [start, end])
+            .filter(|&[start, end]| plan.end(start) < plan.end(end));
+        let mut batches: Vec<[usize; 2]> = batches.collect();
+        batches.reverse();
+        let used = plan.vertices.iter().map(|&v| mesh.positions()[v as usize]);
+        let grid = Grid::new(used, options.position_bits);
+        if !grid.is_finite(options.position_bits) {
+            let found = format!("positions from {:?} on, {} per step", grid.origin, grid.step);
+            return Err(Error::Parameter {
+                name: "positions",
+                found,
+                expected: "a grid of finite positions",
+            });
+        }
+        let channels =
+            mesh.attributes().iter().map(|attribute| Channel::new(attribute, options.attribute_bits));
+        let channels = channels.collect::<Result<Vec<_>, _>>()?;
+        if channels.len() > 64 || channels.iter().any(|channel| channel.name.len() > 256) {
+            let found = format!("{} attributes", channels.len());
+            return Err(Error::Parameter {
+                name: "attributes",
+                found,
+                expected: "at most 64, with names of at most 256 bytes",
+            });
+        }
+        Ok(Self { mesh, sequence, plan, grid, position_bits: options.position_bits, channels, batches })
+    }
+
+    pub(super) fn values(&self, vertex: u32) -> Vec<Vec<i32>> {
+        let channels = self.channels.iter().zip(self.mesh.attributes());
+        channels.map(|(channel, attribute)| channel.integers(attribute, vertex as usize)).collect()
+    }
+
+    pub(super) fn place(&self, fan: u32) -> [i32; 3] {
+        self.grid.place(self.mesh.positions()[self.plan.vertices[fan as usize] as usize], self.position_bits)
+    }
+
+    /// The error of the surface after a number of collapses from the full mesh.
+    pub(super) fn error(&self, collapses: usize) -> f32 {
+        self.sequence.error(self.sequence.len() - collapses).unwrap_or(0.0)
+    }
+
+    /// The bits that need not be known after a number of collapses from the full mesh.
+    pub(super) fn unknown_bits(&self, batch: usize) -> u32 {
+        if batch + EXACT_BATCHES >= self.batches.len() {
+            return 0;
+        }
+        // The mean of the errors that the batch mends: the largest ones are of few places.
+        let [start, end] = self.batches[batch];
+        let level = |collapse: usize| self.sequence.len() - 1 - collapse;
+        let errors = (start..end).filter_map(|collapse| self.sequence.collapse(level(collapse)).ok());
+        let sum: f64 = errors.map(|collapse| f64::from(collapse.error)).sum();
+        let error = sum / (end - start) as f64 * PRECISION;
+        let is_enough = |bits: &u32| f64::from(self.grid.error(*bits)) <= error;
+        (0..self.position_bits - 3).rev().find(is_enough).unwrap_or(0)
+    }
+}

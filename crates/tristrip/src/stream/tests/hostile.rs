@@ -1,0 +1,248 @@
+use super::*;
+use crate::mesh::is_degenerate;
+use crate::random::Random;
+use crate::stream::StreamError;
+use crate::stream::chunk::ChunkHead;
+use crate::stream::samples::{chunks_of, sealed};
+
+/// Two meshes, one of them with attributes, in small chunks.
+fn bytes() -> Vec<u8> {
+    let first = stream_of(&with_attributes(4, 4), 0, &small_chunks()).1;
+    let second = stream_of(&grid(5, 3), 1, &small_chunks()).1;
+    [first.bytes(), second.bytes()].concat()
+}
+
+fn message(bytes: &[u8], limits: StreamLimits) -> (Decoder, String) {
+    let mut decoder = Decoder::new(limits);
+    let fault: StreamError = decoder.update(bytes).unwrap_err();
+    assert_eq!(decoder.update(&[]), Err(fault.clone()));
+    (decoder, fault.to_string())
+}
+
+#[test]
+fn a_stream_may_end_at_any_byte() {
+    let bytes = bytes();
+    let chunks = chunks_of(&bytes);
+    let mut ends = Vec::new();
+    for count in 1..=chunks.len() {
+        ends.push(sealed(&chunks[..count]).len());
+    }
+    assert_eq!(ends.last(), Some(&bytes.len()));
+    let mut states = vec![Vec::new()];
+    for &end in &ends {
+        states.push(fingerprints(&decoded(&bytes[..end])));
+    }
+    for length in 0..bytes.len() {
+        let mut decoder = Decoder::new(StreamLimits::default());
+        let count = decoder.update(&bytes[..length]).unwrap();
+        assert_eq!(count, ends.iter().filter(|&&end| end <= length).count());
+        assert_eq!(fingerprints(&decoder), states[count]);
+        // It goes on from there.
+        if length % 7 == 0 {
+            decoder.update(&bytes[length..]).unwrap();
+            assert_eq!(fingerprints(&decoder), states[chunks.len()]);
+        }
+    }
+}
+
+#[test]
+fn damage_is_noticed_and_what_came_before_stays() {
+    let bytes = bytes();
+    let chunks = chunks_of(&bytes);
+    for at in 0..bytes.len() {
+        let mut damaged = bytes.clone();
+        damaged[at] ^= 1 << (at % 8);
+        let mut decoder = Decoder::new(StreamLimits::default());
+        let result = decoder.update(&damaged);
+        let count = decoder.chunk_count();
+        let before = sealed(&chunks[..count]);
+        assert!(before.len() <= at, "{at}");
+        // A length that has become larger may only make a chunk that is not complete.
+        assert!(result.is_err() || count < chunks.len());
+        assert_eq!(fingerprints(&decoder), fingerprints(&decoded(&before)));
+        assert_eq!(decoder.offset(), before.len() as u64);
+    }
+}
+
+#[test]
+fn faults_say_where_and_what() {
+    let bytes = bytes();
+    let mut damaged = bytes.clone();
+    let last = damaged.len() - 1;
+    damaged[last] ^= 1;
+    let chunks = chunks_of(&bytes);
+    let start = sealed(&chunks[..chunks.len() - 1]).len();
+    let (_, found) = message(&damaged, StreamLimits::default());
+    assert!(
+        found.starts_with(&format!("chunk {} at byte {start}: found checksum ", chunks.len() - 1)),
+        "{found}"
+    );
+    let (_, found) = message(&[0xFF; 40], StreamLimits::default());
+    assert_eq!(found, "chunk 0 at byte 0: found a number of more than 32 bits, expected the head of a chunk");
+    // A refinement without its base mesh.
+    let (_, found) = message(&sealed(&chunks[1..2]), StreamLimits::default());
+    assert!(found.starts_with("chunk 0 at byte 0: found "), "{found}");
+}
+
+#[test]
+fn limits_are_respected() {
+    let bytes = bytes();
+    let default = StreamLimits::default();
+    let all: Vec<usize> = decoded(&bytes).parts().map(StreamPart::triangle_count).collect();
+    assert_eq!(all, [32, 30]);
+    let just = StreamLimits { triangles: 62, meshes: 2, ..default };
+    Decoder::new(just).update(&bytes).unwrap();
+
+    let (decoder, found) = message(&bytes, StreamLimits { triangles: 61, ..default });
+    assert!(found.ends_with("found 30 triangles, expected at most 29"), "{found}");
+    assert!(decoder.parts().map(StreamPart::triangle_count).sum::<usize>() < 62);
+    let (decoder, found) = message(&bytes, StreamLimits { meshes: 1, ..default });
+    assert!(found.ends_with("found mesh 1, expected at most 1 meshes"), "{found}");
+    assert_eq!(decoder.parts().count(), 1);
+    // A chunk is refused before its bytes have arrived.
+    let base = &chunks_of(&bytes)[0];
+    let length = base.1.len();
+    let limits = StreamLimits { chunk_bytes: length - 1, ..default };
+    let (_, found) = message(&bytes[..40], limits);
+    assert!(found.ends_with(&format!("found {length} bytes, expected at most {}", length - 1)), "{found}");
+    Decoder::new(StreamLimits { chunk_bytes: length.max(100), ..default }).update(&bytes).unwrap();
+}
+
+/// Changes some chunks at random. Lengths and checksums are right.
+fn mutated(random: &mut Random, chunks: &[(ChunkHead, Vec<u8>)]) -> Vec<u8> {
+    let mut chunks = chunks.to_vec();
+    for _ in 0..=random.below(3) {
+        let count = chunks.len();
+        let at = random.below(count);
+        let (head, payload) = &mut chunks[at];
+        let length = payload.len().max(1);
+        let number = if random.coin() {
+            random.below(300) as u32
+        } else {
+            random.next_u64() as u32 >> random.below(32)
+        };
+        match random.below(14) {
+            0 => head.stream = random.below(3) as u32,
+            1 => head.visits = number,
+            2 => head.level = number,
+            3 => head.triangles = number,
+            4 => head.error = f32::from_bits(random.next_u64() as u32),
+            5 => payload.truncate(random.below(length)),
+            6 => payload.extend([0xFF; 9]),
+            7 => {
+                payload.iter_mut().skip(random.below(length)).for_each(|byte| *byte = random.next_u64() as u8)
+            }
+            8 => payload.iter_mut().skip(random.below(length)).for_each(|byte| *byte = 0),
+            9 => {
+                let other = random.below(count);
+                chunks.swap(at, other);
+            }
+            _ => {
+                if let Some(byte) = payload.get_mut(random.below(length)) {
+                    *byte =
+                        if random.coin() { random.next_u64() as u8 } else { *byte ^ 1 << random.below(8) };
+                }
+            }
+        }
+    }
+    sealed(&chunks)
+}
+
+/// Changes what a chunk says that it leads to, so that what was built is accepted.
+fn accepted(bytes: &[u8], limits: StreamLimits) -> (Vec<u8>, bool) {
+    let mut chunks = chunks_of(bytes);
+    let mut decoder = Decoder::new(limits);
+    for at in 0..chunks.len() {
+        let before = decoder.clone();
+        let (head, payload) = &chunks[at];
+        let stream = head.stream as usize;
+        if decoder.update(&head.with_payload(payload)).is_ok() {
+            continue;
+        }
+        let built = decoder.part(stream).map(|part| (part.level(), part.triangle_count()));
+        let (Some((level, triangles)), Some(_)) = (built, before.part(stream)) else {
+            return (sealed(&chunks), false);
+        };
+        decoder = before;
+        chunks[at].0.level = level as u32;
+        chunks[at].0.triangles = triangles as u32;
+        if decoder.update(&sealed(&chunks[at..=at])).is_err() {
+            return (sealed(&chunks), false);
+        }
+    }
+    (sealed(&chunks), true)
+}
+
+/// Asks all questions of what has been built.
+fn check_parts(decoder: &Decoder, most: usize) {
+    let mut triangles = 0;
+    for part in decoder.parts() {
+        part.surface().check().unwrap();
+        triangles += part.triangle_count();
+        let vertex_count = part.vertex_count();
+        assert!(part.triangles().iter().all(|&v| (v as usize) < vertex_count));
+        assert_eq!(part.positions().len(), vertex_count);
+        if let Ok(mesh) = part.mesh() {
+            assert_eq!(mesh.attributes().len(), part.attribute_names().count());
+        }
+        if let Ok(sequence) = part.sequence() {
+            sequence.check().unwrap();
+            let triangles = part.triangles();
+            let drawn = sorted(triangles_of(&triangles).filter(|&t| !is_degenerate(t)));
+            assert_eq!(sorted(sequence.drawn(part.level()).unwrap()), drawn);
+        }
+    }
+    assert!(triangles <= most, "{triangles} of {most}");
+}
+
+#[test]
+fn changed_contents_do_no_harm() {
+    let chunks = chunks_of(&bytes());
+    let limits = StreamLimits { meshes: 3, triangles: 500, chunk_bytes: 4000 };
+    let mut random = Random::new(7);
+    let [mut right, mut wrong] = [0; 2];
+    for i in 0..10_000 {
+        let bytes = mutated(&mut random, &chunks);
+        let mut decoder = Decoder::new(limits);
+        let result = decoder.update(&bytes);
+        *(if result.is_ok() { &mut right } else { &mut wrong }) += 1;
+        // A split that is one too many adds two triangles.
+        check_parts(&decoder, limits.triangles + 2);
+        if i % 4 == 0 {
+            let (bytes, is_right) = accepted(&bytes, limits);
+            let mut decoder = Decoder::new(limits);
+            assert_eq!(decoder.update(&bytes).is_ok(), is_right);
+            check_parts(&decoder, limits.triangles + 2);
+        }
+        if i % 50 == 0 {
+            let mut pieces = Decoder::new(limits);
+            let faults = bytes.chunks(11).map(|piece| pieces.update(piece).map(|_| ())).find(Result::is_err);
+            assert_eq!(faults.unwrap_or(Ok(())), result.map(|_| ()));
+            assert_eq!(fingerprints(&pieces), fingerprints(&decoder));
+        }
+    }
+    assert!(right > 50 && wrong > 5000, "{right} {wrong}");
+}
+
+#[test]
+fn any_payload_is_read() {
+    let limits = StreamLimits { meshes: 3, triangles: 3000, chunk_bytes: 4000 };
+    let base = chunks_of(&bytes()).swap_remove(0);
+    let mut random = Random::new(9);
+    for _ in 0..500 {
+        // A base mesh with the usual head, and any bytes after it.
+        let mut payload = base.1[..random.below(base.1.len())].to_vec();
+        payload.extend((0..random.below(300)).map(|_| random.next_u64() as u8));
+        let refinement: Vec<u8> = (0..random.below(900)).map(|_| random.next_u64() as u8).collect();
+        let visits = random.below(4000) as u32;
+        let head = ChunkHead { visits, triangles: 2000, level: 0, ..base.0 };
+        let bytes = sealed(&[(base.0, payload), (head, refinement)]);
+        let mut decoder = Decoder::new(limits);
+        let _ = decoder.update(&bytes);
+        check_parts(&decoder, limits.triangles + 2);
+        let (bytes, _) = accepted(&bytes, limits);
+        let mut decoder = Decoder::new(limits);
+        let _ = decoder.update(&bytes);
+        check_parts(&decoder, limits.triangles + 2);
+    }
+}
