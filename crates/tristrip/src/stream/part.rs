@@ -36,7 +36,7 @@ impl StreamPart {
         let mut coder = RangeDecoder::new(reader.bytes);
         let weights = code_weights(&mut coder, &USUAL_WEIGHTS);
         let mut refiner = Refiner::new(&weights, head.channel_models());
-        refiner.unknown_bits = head.unknown_bits;
+        refiner.know_bits(head.position_bits - head.unknown_bits, head.unknown_bits);
         let faults = |fault: BaseFault| match fault {
             BaseFault::NoSuchEdge => {
                 ("an edge of two triangles twice".into(), "edges of at most two triangles".into())

@@ -44,8 +44,6 @@ pub(super) const USUAL_WEIGHTS: Weights =
 const CONTEXTS: usize = 1024;
 /// The most bits of a coordinate.
 pub(super) const MOST_BITS: u32 = 16;
-/// The largest coordinate. What bytes that no encoder wrote tell beyond is cut off, so that no computation overflows.
-pub(super) const MOST_PLACE: i32 = (1 << MOST_BITS) - 1;
 
 /// How much of a point was unexpected: along the normal, and beside it, in buckets above the usual one, from 0 to [`MOST_SURPRISE`].
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -198,11 +196,13 @@ fn normal(points: &[Place]) -> [i64; 3] {
 pub(super) struct PlaceModel {
     numbers: NumberModel,
     pub(super) weights: Weights,
+    /// The largest coordinate of the bits that are known: bytes that no encoder has written may lead beyond it.
+    pub(super) most: i32,
 }
 
 impl PlaceModel {
     pub(super) fn new(weights: &Weights) -> Self {
-        Self { numbers: NumberModel::new(3, CONTEXTS), weights: *weights }
+        Self { numbers: NumberModel::new(3, CONTEXTS), weights: *weights, most: 0 }
     }
 
     /// Codes the position of a new point.
@@ -264,7 +264,7 @@ impl PlaceModel {
                 NumberContext { axis, scale: scales[axis], contexts: [first[0], first[1], c, d, e] };
             let difference = place[order[axis]].wrapping_sub(middle);
             let (difference, above) = self.numbers.code(coder, context, difference);
-            found[order[axis]] = middle.wrapping_add(difference).clamp(0, MOST_PLACE);
+            found[order[axis]] = middle.wrapping_add(difference).clamp(0, self.most);
             // How far from what is expected of the polygon, in 1/512.
             (i64::from(found[order[axis]]) * 512 - expected, above)
         };
@@ -296,7 +296,7 @@ impl PlaceModel {
             let context = NumberContext { axis, scale: halves(square), ..NumberContext::default() };
             let difference = place[axis].wrapping_sub(near[axis]);
             let (difference, _) = self.numbers.code(coder, context, difference);
-            found[axis] = near[axis].wrapping_add(difference).clamp(0, MOST_PLACE);
+            found[axis] = near[axis].wrapping_add(difference).clamp(0, self.most);
         }
         found
     }

@@ -6,7 +6,7 @@
 use super::channels::ChannelModel;
 use super::fit::Fit;
 use super::mixing::{Simple, code_bits};
-use super::places::{Estimates, MOST_PLACE, Place, PlaceModel, Polygon, Surprise, Weights};
+use super::places::{Estimates, Place, PlaceModel, Polygon, Surprise, Weights};
 use super::range_coder::BitCoder;
 use super::splits::{Batch, Fan, SplitModel};
 use super::surface::{MOST_CORNERS, NONE, Split, Surface, next, previous, triangle_of};
@@ -43,6 +43,7 @@ pub(super) struct Refiner {
     pub(super) vertex_count: u32,
     /// Bits of a coordinate that are still unknown.
     pub(super) unknown_bits: u32,
+    known_bits: u32,
     /// The most triangles of the level to decode.
     pub(super) most_triangles: usize,
     /// The collapses that have been undone.
@@ -146,6 +147,9 @@ impl StreamCosts {
     }
 }
 
+/// The fans of a point among which one is chosen.
+const MOST_TWINS: u32 = 1024;
+
 /// Contexts of single flags.
 const MORE_REFINING: usize = 0;
 const REGIME: usize = 1;
@@ -163,6 +167,7 @@ impl Refiner {
             leaders: Vec::new(),
             values: vec![Vec::new(); channels.len()],
             vertex_count: 0,
+            known_bits: 0,
             unknown_bits: 0,
             most_triangles: usize::MAX,
             group_count: 0,
@@ -226,6 +231,12 @@ impl Refiner {
         self.end = self.fans.len() as u32;
     }
 
+    /// Sets how many bits of a coordinate are known, and how many are not.
+    pub(super) fn know_bits(&mut self, known: u32, unknown: u32) {
+        (self.known_bits, self.unknown_bits) = (known, unknown);
+        self.place_model.most = (1 << known) - 1;
+    }
+
     /// Codes further bits of all positions. `full` returns the position of a fan on the grid of the full mesh.
     pub(super) fn refine_places<C: BitCoder>(
         &mut self,
@@ -235,7 +246,7 @@ impl Refiner {
     ) {
         while self.unknown_bits > 0 && self.flags.code(coder, MORE_REFINING, self.unknown_bits > unknown_bits)
         {
-            self.unknown_bits -= 1;
+            self.know_bits(self.known_bits + 1, self.unknown_bits - 1);
             for fan in 0..self.fans.len() {
                 let leader = self.leaders[fan] as usize;
                 if leader != fan {
@@ -247,7 +258,7 @@ impl Refiner {
                     let bit = full[axis] >> self.unknown_bits & 1;
                     let bit = self.precision.code(coder, axis, bit != 0);
                     let place = &mut self.fans[fan].place[axis];
-                    *place = (*place << 1 | i32::from(bit)).min(MOST_PLACE);
+                    *place = *place << 1 | i32::from(bit);
                 }
             }
             self.sum_around();
@@ -336,7 +347,7 @@ impl Refiner {
     /// Codes a fan of the point of another one, whose number is counted from it.
     fn code_twin<C: BitCoder>(&self, coder: &mut C, fan: u32, wanted: u32) -> u32 {
         let (mut count, mut place, mut twin) = (1, 0, self.twins[fan as usize]);
-        while twin != fan {
+        while twin != fan && count < MOST_TWINS {
             if twin == wanted {
                 place = count;
             }

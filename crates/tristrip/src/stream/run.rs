@@ -208,7 +208,7 @@ impl<'a> Run<'a> {
             triangles: source.sequence.triangle_count(source.sequence.len())? as u32,
             vertices: is_used.iter().filter(|&&is_used| is_used).count() as u32,
         });
-        self.refiner.unknown_bits = unknown_bits;
+        self.refiner.know_bits(source.position_bits - unknown_bits, unknown_bits);
         code_weights(pass.coder(), &self.weights);
 
         // 3. The triangles, and the fans in their new order.
