@@ -43,6 +43,7 @@ mod parts;
 mod places;
 mod prepared;
 mod simplify;
+mod stream;
 mod strip;
 mod surface_change;
 pub mod text;
@@ -74,6 +75,7 @@ pub use simplify::{
     CollapseRules, LevelOrder, NormalCounts, Normals, Simplified, SimplifyOptions, simplify,
     simplify_observed, simplify_parts,
 };
+pub use stream::{StreamedMesh, stream_of_mesh};
 pub use strip::{StripOptions, Stripped, strip, strip_observed};
 pub use surface_change::{ChangedSurface, SurfaceChange, surface_change};
 pub use verify::{DifferenceReport, verify};

@@ -34,6 +34,7 @@
 mod base;
 mod channels;
 mod chunk;
+mod costs;
 mod decoder;
 mod encoder;
 mod fit;
@@ -58,8 +59,8 @@ mod tests;
 
 pub mod paper;
 
+pub use costs::StreamCosts;
 pub use decoder::{Decoder, StreamError, StreamLimits};
 pub use encoder::{EncodedStream, StreamChunk, encode, unsplittable};
 pub use options::StreamOptions;
 pub use part::StreamPart;
-pub use refiner::StreamCosts;

@@ -126,9 +126,11 @@ impl Head {
                 ChannelKind::Tangent => components == 4,
                 ChannelKind::Linear | ChannelKind::Names => components > 0,
             };
-            if !is_shaped || bits > 24 || normalized > 1 {
+            let is_float = matches!(value_type, ValueType::F32 | ValueType::F64);
+            let is_vector = matches!(kind, ChannelKind::Octahedral | ChannelKind::Tangent);
+            if !is_shaped || bits > 24 || normalized > 1 || is_vector && (bits == 0 || !is_float) {
                 let found = format!("{components} components of {bits} bits");
-                return fault(found, "components that fit the kind, and at most 24 bits");
+                return fault(found, "components and a type that fit the kind, and at most 24 bits");
             }
             let mut channel = Channel {
                 name: name.into(),
@@ -145,6 +147,14 @@ impl Head {
                     channel.origins.push(reader.double().ok_or_else(|| short.clone())?);
                 }
                 channel.step = reader.double().ok_or_else(|| short.clone())?;
+                let far = channel.step * f64::from(1_u32 << channel.bits);
+                let is_finite = channel.origins.iter().all(|origin| (origin + far).is_finite());
+                if !(channel.step >= 0.0 && is_finite) {
+                    return fault(
+                        format!("a step of {}", channel.step),
+                        "finite values and a step of at least 0",
+                    );
+                }
             }
             channels.push(channel);
         }

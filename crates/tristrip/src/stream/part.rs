@@ -2,10 +2,11 @@
 
 use super::base::{BaseFault, code_triangles};
 use super::chunk::{ChunkHead, Reader};
+use super::costs::StreamCosts;
 use super::head::{Head, code_weights};
 use super::places::USUAL_WEIGHTS;
 use super::range_coder::{BitCoder, RangeDecoder};
-use super::refiner::{Refiner, StreamCosts};
+use super::refiner::Refiner;
 use super::surface::Surface;
 use crate::collapse::{CollapseSequence, Rename};
 use crate::error::Error;
@@ -29,6 +30,9 @@ impl StreamPart {
     pub(super) fn new(chunk: &ChunkHead, payload: &[u8], counts_bits: bool) -> Result<Self, Fault> {
         let mut reader = Reader { bytes: payload };
         let head = Head::read(&mut reader).map_err(|fault| (fault.found, fault.expected.into()))?;
+        if !(chunk.error >= 0.0 && chunk.error.is_finite()) {
+            return Err((format!("an error of {}", chunk.error), "a finite number of at least 0".into()));
+        }
         if head.base_triangles != chunk.triangles || chunk.visits != 0 || chunk.level != 0 {
             let found = format!("a base mesh of {} triangles at level {}", head.base_triangles, chunk.level);
             return Err((found, format!("{} at level 0", chunk.triangles)));
@@ -63,7 +67,15 @@ impl StreamPart {
     }
 
     /// Decodes a refinement.
-    pub(super) fn refine(&mut self, chunk: &ChunkHead, payload: &[u8]) -> Result<(), Fault> {
+    pub(super) fn refine(
+        &mut self,
+        chunk: &ChunkHead,
+        payload: &[u8],
+        most_corners: u64,
+    ) -> Result<(), Fault> {
+        if !(chunk.error >= 0.0 && chunk.error.is_finite()) {
+            return Err((format!("an error of {}", chunk.error), "a finite number of at least 0".into()));
+        }
         let mut coder = RangeDecoder::new(payload);
         let refiner = &mut self.refiner;
         refiner.most_triangles = chunk.triangles as usize;
@@ -76,6 +88,10 @@ impl StreamPart {
                 return Err(("a refinement of nothing".into(), "a base mesh with triangles".into()));
             }
             refiner.visit(&mut coder, &[]);
+            if refiner.corner_count > most_corners {
+                let found = format!("{} corners around vertices that are visited", refiner.corner_count);
+                return Err((found, format!("at most {most_corners}")));
+            }
             if coder.is_past_end() || refiner.surface.triangle_count() > chunk.triangles as usize {
                 break;
             }
@@ -88,6 +104,11 @@ impl StreamPart {
         self.errors.push((self.error, refiner.group_count));
         self.error = chunk.error;
         Ok(())
+    }
+
+    /// The corners around the vertices that were visited, which decoding takes time in proportion to.
+    pub(super) fn corner_count(&self) -> u64 {
+        self.refiner.corner_count
     }
 
     /// Returns the level so far: the number of collapses that are undone.

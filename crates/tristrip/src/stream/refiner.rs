@@ -4,6 +4,7 @@
 //! is the only difference, hidden in [`BitCoder`]. Every decision is valid, so that any bytes build some mesh.
 
 use super::channels::ChannelModel;
+use super::costs::StreamCosts;
 use super::fit::Fit;
 use super::mixing::{Simple, code_bits};
 use super::places::{Estimates, Place, PlaceModel, Polygon, Surprise, Weights};
@@ -46,6 +47,8 @@ pub(super) struct Refiner {
     known_bits: u32,
     /// The most triangles of the level to decode.
     pub(super) most_triangles: usize,
+    /// The corners around the fans that were visited.
+    pub(super) corner_count: u64,
     /// The collapses that have been undone.
     pub(super) group_count: u32,
     /// The kept and the new fan of each split.
@@ -94,59 +97,6 @@ impl Around {
     }
 }
 
-/// The bits of the components of a stream.
-///
-/// ```
-/// use tristrip::stream::StreamCosts;
-/// let costs = StreamCosts { marks: 2.0, corners: 3.0, ..StreamCosts::default() };
-/// assert_eq!(costs.connectivity(), 5.0);
-/// ```
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct StreamCosts {
-    /// The base mesh, with its positions and attributes.
-    pub base: f64,
-    /// Which vertices are split.
-    pub marks: f64,
-    /// Which of their corners move.
-    pub corners: f64,
-    /// The positions of new points.
-    pub positions: f64,
-    /// Further bits of the positions of points that are there already.
-    pub precision: f64,
-    /// The attributes of new vertices.
-    pub attributes: f64,
-}
-
-impl StreamCosts {
-    /// Returns the bits of the connectivity: marks and corners.
-    ///
-    /// ```
-    /// use tristrip::stream::StreamCosts;
-    /// let costs = StreamCosts { marks: 1.5, corners: 3.0, positions: 20.0, ..StreamCosts::default() };
-    /// assert_eq!(costs.connectivity(), 4.5);
-    /// ```
-    pub fn connectivity(&self) -> f64 {
-        self.marks + self.corners
-    }
-
-    /// Adds the costs of another mesh.
-    ///
-    /// ```
-    /// use tristrip::stream::StreamCosts;
-    /// let mut costs = StreamCosts { base: 100.0, ..StreamCosts::default() };
-    /// costs.add(&StreamCosts { base: 50.0, marks: 2.0, ..StreamCosts::default() });
-    /// assert_eq!((costs.base, costs.marks), (150.0, 2.0));
-    /// ```
-    pub fn add(&mut self, other: &Self) {
-        self.base += other.base;
-        self.marks += other.marks;
-        self.corners += other.corners;
-        self.positions += other.positions;
-        self.precision += other.precision;
-        self.attributes += other.attributes;
-    }
-}
-
 /// The fans of a point among which one is chosen.
 const MOST_TWINS: u32 = 1024;
 
@@ -170,6 +120,7 @@ impl Refiner {
             known_bits: 0,
             unknown_bits: 0,
             most_triangles: usize::MAX,
+            corner_count: 0,
             group_count: 0,
             record: Vec::new(),
             record_ends: Vec::new(),
@@ -210,7 +161,7 @@ impl Refiner {
         self.vertex_count = self.vertex_count.max(vertex + 1);
     }
 
-    /// Begins a batch: codes whether the positions get another bit, and the regime. `refine` is called for each bit, with the number of bits that stay unknown.
+    /// Begins a batch: codes whether the positions get another bit, and the regime. `full` returns the position of a fan on the grid of the full mesh.
     pub(super) fn begin_batch<C: BitCoder>(
         &mut self,
         coder: &mut C,
@@ -274,6 +225,7 @@ impl Refiner {
             let group: Option<&[Wanted]> = wanted.get(done).map(Vec::as_slice);
             let mut ring = std::mem::take(&mut self.ring);
             let is_open = self.surface.ring(fan, &mut ring);
+            self.corner_count += 1 + ring.len() as u64;
             let is_split = {
                 let (model, batch) = self.models();
                 model.code_mark(coder, &batch, (fan, &ring, is_open), done, group.is_some())

@@ -99,6 +99,11 @@ fn limits_are_respected() {
     let (decoder, found) = message(&bytes, StreamLimits { meshes: 1, ..default });
     assert!(found.ends_with("found mesh 1, expected at most 1 meshes"), "{found}");
     assert_eq!(decoder.parts().count(), 1);
+    // A thousand visits of a corner each and more, in a chunk that says no more than that nothing is split.
+    let chunks = chunks_of(&bytes);
+    let idle = [chunks[0].clone(), (ChunkHead { visits: 1000, ..chunks[0].0 }, vec![0xFF; 50])];
+    let (_, found) = message(&sealed(&idle), StreamLimits { corners: 1000, ..default });
+    assert!(found.ends_with("corners around vertices that are visited, expected at most 1000"), "{found}");
     // A chunk is refused before its bytes have arrived.
     let base = &chunks_of(&bytes)[0];
     let length = base.1.len();
@@ -198,7 +203,7 @@ fn check_parts(decoder: &Decoder, most: usize) {
 #[test]
 fn changed_contents_do_no_harm() {
     let chunks = chunks_of(&bytes());
-    let limits = StreamLimits { meshes: 3, triangles: 500, chunk_bytes: 4000 };
+    let limits = StreamLimits { meshes: 3, triangles: 500, chunk_bytes: 4000, corners: 1 << 20 };
     let mut random = Random::new(7);
     let [mut right, mut wrong] = [0; 2];
     for i in 0..10_000 {
@@ -226,7 +231,7 @@ fn changed_contents_do_no_harm() {
 
 #[test]
 fn any_payload_is_read() {
-    let limits = StreamLimits { meshes: 3, triangles: 3000, chunk_bytes: 4000 };
+    let limits = StreamLimits { meshes: 3, triangles: 3000, chunk_bytes: 4000, corners: 1 << 20 };
     let base = chunks_of(&bytes()).swap_remove(0);
     let mut random = Random::new(9);
     for _ in 0..500 {
