@@ -18,13 +18,19 @@ import { Refiner } from './refiner.js';
 /**
  * What a stream may ask for at most; streams of more are refused.
  * @typedef {object} StreamLimits
- * @property {number} meshes 4,096 unless told otherwise
+ * @property {number} meshes 256 unless told otherwise; each takes about 2.5 megabytes beside its triangles
  * @property {number} triangles those of all meshes: 2²⁶ unless told otherwise
  * @property {number} chunkBytes bytes of a chunk: 2²⁸ unless told otherwise
+ * @property {number} corners corners that are looked at around the vertices of all batches, which the time depends on: 2³⁰ unless told otherwise
  */
 
 /** @type {StreamLimits} */
-const USUAL_LIMITS = { meshes: 4096, triangles: 2 ** 26, chunkBytes: 2 ** 28 };
+const USUAL_LIMITS = { meshes: 256, triangles: 2 ** 26, chunkBytes: 2 ** 28, corners: 2 ** 30 };
+
+/** @param {number} error that of a level */
+function checkError(error) {
+  if (!(error >= 0 && Number.isFinite(error))) throw new Fault(`an error of ${error}`, 'a finite number of at least 0');
+}
 
 /** A mesh that a stream has built so far. */
 export class StreamPart {
@@ -40,12 +46,14 @@ export class StreamPart {
   constructor(chunk, payload) {
     const reader = new Reader(payload, 'the head of a base mesh');
     const head = readHead(reader);
+    checkError(chunk.error);
     if (head.baseTriangles !== chunk.triangles || chunk.visits !== 0 || chunk.level !== 0) {
       throw new Fault(`a base mesh of ${head.baseTriangles} triangles at level ${chunk.level}`, `${chunk.triangles} at level 0`);
     }
     const coder = new RangeDecoder(payload.subarray(reader.at));
     const placeModel = new PlaceModel(decodeWeights(coder));
     const surface = decodeTriangles(coder, head.baseTriangles);
+    if (!surface.hasDistinctFans()) throw new Fault('a triangle with two corners in one fan', 'triangles of three points');
     const channels = head.channels.map((channel) => channel.model);
     const fans = decodeFans(coder, surface, placeModel, channels, head.positionBits - head.unknownBits);
     if (coder.isPastEnd) throw new Fault('the end of the chunk', 'all vertices of the base mesh');
@@ -58,15 +66,21 @@ export class StreamPart {
    * Decodes a refinement. For the decoder only.
    * @param {ChunkHead} chunk
    * @param {Uint8Array} payload
+   * @param {number} mostCorners
    */
-  refine(chunk, payload) {
+  refine(chunk, payload, mostCorners) {
+    checkError(chunk.error);
     const coder = new RangeDecoder(payload);
     const refiner = this.#refiner;
     const { surface } = refiner;
+    refiner.mostTriangles = chunk.triangles;
     for (let i = 0; i < chunk.visits; i++) {
       if (refiner.next === refiner.end) refiner.beginBatch(coder);
       if (refiner.end === 0) throw new Fault('a refinement of nothing', 'a base mesh with triangles');
       refiner.visit(coder);
+      if (refiner.cornerCount > mostCorners) {
+        throw new Fault(`${refiner.cornerCount} corners around vertices that are visited`, `at most ${mostCorners}`);
+      }
       if (coder.isPastEnd || surface.triangleCount > chunk.triangles) break;
     }
     if (coder.isPastEnd || refiner.groupCount !== chunk.level || surface.triangleCount !== chunk.triangles) {
@@ -74,6 +88,11 @@ export class StreamPart {
       throw new Fault(words(refiner.groupCount, surface.triangleCount), words(chunk.level, chunk.triangles));
     }
     this.#error = chunk.error;
+  }
+
+  /** The corners around the vertices that were visited. For the decoder only. */
+  get cornerCount() {
+    return this.#refiner.cornerCount;
   }
 
   /** The level so far: the collapses that are undone. */
@@ -287,7 +306,8 @@ export class Decoder {
     const others = this.parts.reduce((sum, other) => sum + (other === part ? 0 : other.triangleCount), 0);
     const most = Math.max(this.#limits.triangles - others, 0);
     if (head.triangles > most) throw new Fault(`${head.triangles} triangles`, `at most ${most}`);
-    if (part) part.refine(head, payload);
+    const otherCorners = this.parts.reduce((sum, other) => sum + (other === part ? 0 : other.cornerCount), 0);
+    if (part) part.refine(head, payload, Math.max(this.#limits.corners - otherCorners, 0));
     else this.#parts[head.stream] = new StreamPart(head, payload);
   }
 

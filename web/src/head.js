@@ -79,13 +79,19 @@ function readChannel(reader) {
     throw new Fault(`values of type ${valueType} and kind ${kind}`, 'types 0 to 7, kinds 0 to 3');
   }
   const isShaped = kind === OCTAHEDRAL ? components === 3 : kind === TANGENT ? components === 4 : components > 0;
-  if (!isShaped || bits > MOST_CHANNEL_BITS || normalized > 1) {
-    throw new Fault(`${components} components of ${bits} bits`, 'components that fit the kind, and at most 24 bits');
+  const isVector = kind === OCTAHEDRAL || kind === TANGENT;
+  // Types 0 and 1 are floats.
+  if (!isShaped || bits > MOST_CHANNEL_BITS || normalized > 1 || (isVector && (bits === 0 || valueType > 1))) {
+    throw new Fault(`${components} components of ${bits} bits`, 'components and a type that fit the kind, and at most 24 bits');
   }
   const isLinear = kind === LINEAR || kind === NAMES;
   const origins = [];
   for (let i = 0; isLinear && i < components; i++) origins.push(reader.double());
   const step = isLinear ? reader.double() : 0;
+  const far = step * 2 ** bits;
+  if (!(step >= 0 && origins.every((origin) => Number.isFinite(origin + far)))) {
+    throw new Fault(`a step of ${step}`, 'finite values and a step of at least 0');
+  }
   const width = kind === OCTAHEDRAL ? 2 : kind === TANGENT ? 3 : components;
   const model = new ChannelModel(kind, width, bits);
   return { name, valueType, components, normalized: normalized === 1, origins, step, model };

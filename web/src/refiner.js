@@ -59,6 +59,10 @@ export class Refiner {
     this.#precision = new Simple(3);
     /** The collapses that have been undone. */
     this.groupCount = 0;
+    /** The corners around the fans that were visited. */
+    this.cornerCount = 0;
+    /** The most triangles of the level to decode. */
+    this.mostTriangles = 0;
     this.#batch = 0;
     this.#regime = 0;
     /** The next fan to visit, and the end of the batch. */
@@ -117,10 +121,21 @@ export class Refiner {
     const ring = this.#ring;
     const splits = this.#splits;
     surface.collect(fan, ring);
+    this.cornerCount += 1 + ring.length;
     for (let done = 0; splits.decodeMark(coder, fan, ring, done); done++) {
       this.#decodeGroup(coder, fan);
+      if (this.#isTooLarge(coder)) break;
       surface.collect(fan, ring);
+      this.cornerCount += 1 + ring.length;
     }
+  }
+
+  /**
+   * Returns whether more has been built than the bytes may build.
+   * @param {RangeDecoder} coder
+   */
+  #isTooLarge(coder) {
+    return coder.isPastEnd || this.surface.triangleCount > this.mostTriangles;
   }
 
   /**
@@ -140,7 +155,7 @@ export class Refiner {
       if (!ring.isOpen || !this.#flags.decode(coder, MORE_IN_GROUP + hasTwins)) break;
       of = this.#decodeTwin(coder, fan);
       surface.collect(of, ring);
-    } while (ring.length > 0 && ring.length <= MOST_CORNERS);
+    } while (ring.length > 0 && ring.length <= MOST_CORNERS && !this.#isTooLarge(coder));
     this.groupCount++;
   }
 

@@ -159,6 +159,15 @@ export class Surface {
     return opposite === NONE ? NONE : next(opposite);
   }
 
+  /** Returns whether the three corners of each triangle are in different fans. */
+  hasDistinctFans() {
+    const { cells } = this;
+    for (let first = 0; first < 8 * this.triangleCount; first += 8) {
+      if (cells[first] === cells[first + 1] || cells[first + 1] === cells[first + 2] || cells[first] === cells[first + 2]) return false;
+    }
+    return true;
+  }
+
   /**
    * Collects the corners of a fan.
    * @param {number} fan

@@ -154,6 +154,7 @@ test('limits are kept', () => {
   refused({ meshes: 1 }, /at most 1 meshes/);
   refused({ triangles: most - 1 }, /at most/);
   refused({ chunkBytes: 100 }, /at most 100/);
+  refused({ corners: 500 }, /at most \d+/);
   // The head alone tells that a chunk is too large.
   const head = Uint8Array.from([0, 255, 255, 255, 255, 15, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]);
   assert.throws(() => new Decoder().update(head), { found: '4294967295 bytes' });

@@ -22,10 +22,10 @@
 //!
 //! | model | vertices | connectivity | all |
 //! |---|---|---|---|
-//! | bunny | 34,834 | 4.6 | 23.7 |
-//! | horse | 48,485 | 4.7 | 21.2 |
-//! | `armadillo_43k` | 43,243 | 4.5 | 23.4 |
-//! | dragon | 435,545 | 4.5 | 18.4 |
+//! | bunny | 34,834 | 5.0 | 24.0 |
+//! | horse | 48,485 | 5.1 | 21.5 |
+//! | `armadillo_43k` | 43,243 | 5.1 | 23.6 |
+//! | dragon | 435,545 | 5.6 | 18.6 |
 //!
 //! # References
 //! Hoppe: *Progressive Meshes*, 1996. Pajarola, Rossignac: *Compressed Progressive Meshes*, 2000. Alliez, Desbrun: *Progressive Compression for Lossless Transmission of Triangle

@@ -106,7 +106,7 @@ pub fn merge_tree(
 }
 
 /// Collapses triangles over the vertices of a mesh in batches for a [stream](crate::stream): a batch removes vertices of which no two have a common triangle, as many
-/// as there can be. These are fewer and larger than the levels of a [merge tree](merge_tree), since a vertex may be kept by several collapses of a batch; where a
+/// as there can be among the cheaper ones. These are fewer and larger than the levels of a [merge tree](merge_tree), since a vertex may be kept by several collapses of a batch; where a
 /// surface is not manifold, its points stay.
 ///
 /// # Errors

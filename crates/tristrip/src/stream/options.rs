@@ -14,13 +14,13 @@ pub struct StreamOptions {
 }
 
 impl Default for StreamOptions {
-    /// 14 bits per coordinate, 10 per coordinate of a normal, 12 of texture coordinates and 10 of others; chunks of 1 to 16 kilobytes.
+    /// 14 bits per coordinate, 10 per coordinate of a normal, 12 of texture coordinates and 10 of others; chunks of 1 to 4 kilobytes.
     fn default() -> Self {
         Self {
             position_bits: 14,
             attribute_bits: AttributeBits { normal: 10, uv: 12, other: 10 },
             least_chunk_bytes: 1 << 10,
-            most_chunk_bytes: 1 << 14,
+            most_chunk_bytes: 1 << 12,
         }
     }
 }

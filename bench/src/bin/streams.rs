@@ -1,0 +1,196 @@
+//! Measures progressive streams: bytes by component, times, memory, and how far the surface is from the full mesh after shares of the bytes.
+//!
+//! ```sh
+//! cargo run --release -p tristrip-bench --bin streams -- ../shared/models/bunny.ply ../shared/models/horse.ply
+//! ```
+//!
+//! Only the first mesh of a file is encoded, without its attributes unless --attributes is given. Each stream is decoded again, and must have the triangles of the
+//! input. Distances are root mean squares over both surfaces, in percent of the diagonal.
+#![allow(clippy::print_stdout, reason = "a program that prints")]
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use clap::Parser;
+use tristrip::stream::{Decoder, StreamLimits, StreamOptions};
+use tristrip::{Faces, Mesh, PreparedFaces};
+use tristrip_bench::failure::Failure;
+use tristrip_bench::measure::median;
+use tristrip_bench::memory::{CountingAllocator, extra_bytes};
+use tristrip_bench::text::Table;
+use tristrip_io::read_path;
+use tristrip_pipeline::{ChangedSurface, StreamedMesh, stream_of_mesh, surface_change};
+
+#[global_allocator]
+static ALLOCATOR: CountingAllocator = CountingAllocator;
+
+/// The points on each surface for distances.
+const POINTS: usize = 200_000;
+
+/// Measure progressive streams
+#[derive(Debug, Parser)]
+#[command(version)]
+struct Args {
+    /// Models
+    #[arg(required = true)]
+    models: Vec<PathBuf>,
+    /// Shares of the bytes, in percent, after which the surface is compared with the full mesh
+    #[arg(long, value_delimiter = ',', default_value = "10,25,50")]
+    shares: Vec<usize>,
+    /// Bytes of the file around the stream, which count as sent before it
+    #[arg(long, default_value_t = 0)]
+    container_bytes: usize,
+    /// How often the stream is decoded for the time; its median is printed
+    #[arg(long, default_value_t = 9)]
+    rounds: usize,
+    /// Encode the attributes of the vertices, too
+    #[arg(long)]
+    attributes: bool,
+}
+
+fn main() -> Result<(), Failure> {
+    let args = Args::parse();
+    let heads = [
+        "model",
+        "vertices",
+        "bytes",
+        "bits/vertex",
+        "connectivity",
+        "positions",
+        "base %",
+        "encode ms",
+        "decode ms",
+        "encode MB",
+        "per triangle",
+        "batches",
+    ];
+    let mut table = Table::new(1, &heads);
+    let mut distances = Table::new(1, &["model", "share %", "bytes", "triangles", "RMS %"]);
+    let mut logarithms = 0.0;
+    for path in &args.models {
+        let measured = Measured::of(path, &args)?;
+        logarithms += measured.bits_per_vertex().ln();
+        table.push(measured.row(&args));
+        for share in &args.shares {
+            distances.push(measured.distance_row(*share, &args)?);
+        }
+    }
+    println!("{}", table.aligned());
+    println!("geometric mean: {:.2} bits per vertex", (logarithms / args.models.len() as f64).exp());
+    println!("\n{}", distances.aligned());
+    Ok(())
+}
+
+/// A model and its stream.
+struct Measured {
+    name: String,
+    mesh: Mesh,
+    streamed: StreamedMesh,
+    bytes: Vec<u8>,
+    full: Decoder,
+    encode_seconds: f64,
+    encode_bytes: Option<usize>,
+    decode_seconds: f64,
+}
+
+impl Measured {
+    fn of(path: &Path, args: &Args) -> Result<Self, Failure> {
+        let model = read_path(path)?;
+        let part = model.parts.into_iter().next().ok_or("no mesh")?;
+        let mesh = match args.attributes {
+            true => part.mesh,
+            false => Mesh::new(part.mesh.shared_positions(), part.mesh.faces().clone())?,
+        };
+        let start = Instant::now();
+        let (streamed, encode_bytes) = extra_bytes(|| stream_of_mesh(&mesh, 0, &StreamOptions::default()));
+        let encode_seconds = start.elapsed().as_secs_f64();
+        let streamed = streamed?;
+        let bytes = streamed.stream.bytes();
+        let times = (0..args.rounds.max(1)).map(|_| {
+            let start = Instant::now();
+            decoded(&bytes).map(|_| start.elapsed().as_secs_f64())
+        });
+        let decode_seconds = median(times.collect::<Result<Vec<_>, _>>()?);
+        let mut full = Decoder::new(StreamLimits::default()).counting_bits();
+        full.update(&bytes).map_err(|error| error.to_string())?;
+        let part = full.part(0).ok_or("no base mesh")?;
+        if part.triangle_count() != streamed.triangles || part.level() != part.full_level() {
+            return Err(format!("{}: {} triangles", path.display(), part.triangle_count()).into());
+        }
+        let name = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+        Ok(Self { name, mesh, streamed, bytes, full, encode_seconds, encode_bytes, decode_seconds })
+    }
+
+    fn vertices(&self) -> f64 {
+        self.full.part(0).map_or(0, tristrip::stream::StreamPart::vertex_count) as f64
+    }
+
+    fn bits_per_vertex(&self) -> f64 {
+        8.0 * self.bytes.len() as f64 / self.vertices()
+    }
+
+    fn row(&self, args: &Args) -> Vec<String> {
+        let costs = self.full.part(0).and_then(|part| part.costs()).unwrap_or_default();
+        let per_vertex = |bits: f64| format!("{:.2}", bits / self.vertices());
+        let base =
+            args.container_bytes + self.streamed.stream.chunks.first().map_or(0, |chunk| chunk.bytes.len());
+        let triangles = self.streamed.triangles as f64;
+        vec![
+            self.name.clone(),
+            self.vertices().to_string(),
+            (self.bytes.len() + args.container_bytes).to_string(),
+            format!("{:.2}", 8.0 * (self.bytes.len() + args.container_bytes) as f64 / self.vertices()),
+            per_vertex(costs.connectivity()),
+            per_vertex(costs.positions + costs.precision),
+            format!("{:.2}", 100.0 * base as f64 / (self.bytes.len() + args.container_bytes) as f64),
+            format!("{:.0}", 1e3 * self.encode_seconds),
+            format!("{:.1}", 1e3 * self.decode_seconds),
+            self.encode_bytes.map_or("-".into(), |bytes| format!("{:.0}", bytes as f64 / 1e6)),
+            self.encode_bytes.map_or("-".into(), |bytes| format!("{:.0}", bytes as f64 / triangles)),
+            self.streamed.batches.to_string(),
+        ]
+    }
+
+    /// Compares what a share of the bytes builds with the full mesh.
+    fn distance_row(&self, share: usize, args: &Args) -> Result<Vec<String>, Failure> {
+        let all = self.bytes.len() + args.container_bytes;
+        let sent = (share * all / 100).saturating_sub(args.container_bytes).min(self.bytes.len());
+        let level = decoded(&self.bytes[..sent])?;
+        let part = level.part(0).ok_or("the base mesh is not complete")?;
+        let prepared = PreparedFaces::new(&self.mesh, false);
+        let first = self.mesh.vertex_count() as u32;
+        let positions: Vec<[f32; 3]> =
+            self.mesh.positions().iter().copied().chain(part.positions()).collect();
+        let before = prepared.faces().fans();
+        let after: Vec<u32> = part.triangles().iter().map(|v| first + v).collect();
+        let both = Mesh::new(positions, Faces::default())?;
+        let surface = ChangedSurface { mesh: &both, before: &before, after: &after, texels: None };
+        let change = surface_change(&[surface], POINTS)?;
+        let percent = 100.0 * change.rms / diagonal(&self.mesh);
+        Ok(vec![
+            self.name.clone(),
+            share.to_string(),
+            (sent + args.container_bytes).to_string(),
+            part.triangle_count().to_string(),
+            format!("{percent:.5}"),
+        ])
+    }
+}
+
+fn decoded(bytes: &[u8]) -> Result<Decoder, Failure> {
+    let mut decoder = Decoder::new(StreamLimits::default());
+    decoder.update(bytes).map_err(|error| error.to_string())?;
+    Ok(decoder)
+}
+
+/// The diagonal of the box around the used vertices.
+fn diagonal(mesh: &Mesh) -> f64 {
+    let (mut least, mut most) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for &v in mesh.faces().corners() {
+        for (j, x) in mesh.positions()[v as usize].into_iter().map(f64::from).enumerate() {
+            least[j] = least[j].min(x);
+            most[j] = most[j].max(x);
+        }
+    }
+    (0..3).map(|j| (most[j] - least[j]).powi(2)).sum::<f64>().sqrt()
+}
