@@ -97,9 +97,10 @@ impl Measured {
     fn of(path: &Path, args: &Args) -> Result<Self, Failure> {
         let model = read_path(path)?;
         let part = model.parts.into_iter().next().ok_or("no mesh")?;
-        let mesh = match args.attributes {
-            true => part.mesh,
-            false => Mesh::new(part.mesh.shared_positions(), part.mesh.faces().clone())?,
+        let mesh = if args.attributes {
+            part.mesh
+        } else {
+            Mesh::new(part.mesh.shared_positions(), part.mesh.faces().clone())?
         };
         let start = Instant::now();
         let (streamed, encode_bytes) = extra_bytes(|| stream_of_mesh(&mesh, 0, &StreamOptions::default()));
@@ -130,7 +131,7 @@ impl Measured {
     }
 
     fn row(&self, args: &Args) -> Vec<String> {
-        let costs = self.full.part(0).and_then(|part| part.costs()).unwrap_or_default();
+        let costs = self.full.part(0).and_then(tristrip::stream::StreamPart::costs).unwrap_or_default();
         let per_vertex = |bits: f64| format!("{:.2}", bits / self.vertices());
         let base =
             args.container_bytes + self.streamed.stream.chunks.first().map_or(0, |chunk| chunk.bytes.len());
