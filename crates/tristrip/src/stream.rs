@@ -60,7 +60,8 @@ mod tests;
 pub mod paper;
 
 pub use costs::StreamCosts;
-pub use decoder::{Decoder, StreamError, StreamLimits};
+pub use decoder::{ChunkView, Decoder, StreamError, StreamLimits, chunks};
 pub use encoder::{EncodedStream, StreamChunk, encode, unsplittable};
+pub use grid::PART;
 pub use options::StreamOptions;
 pub use part::StreamPart;

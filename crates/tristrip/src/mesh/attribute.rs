@@ -1,5 +1,7 @@
 //! Vertex attributes other than the position: normals, texture coordinates, colours and others.
 
+use std::mem::discriminant;
+
 use crate::error::{Error, MeshProblem};
 use crate::ids::index_out_of_range;
 
@@ -90,6 +92,42 @@ impl Attribute {
             Some(at) => Err(index_out_of_range(at, vertices[at], vertex_count)),
             None => Ok(self.select(vertices)),
         }
+    }
+
+    /// Appends the values of an attribute of the same name, with as many components of the same type.
+    ///
+    /// # Errors
+    /// The attribute is of another kind.
+    ///
+    /// ```
+    /// use tristrip::{Attribute, AttributeData};
+    /// let of = |data| Attribute { name: "shade".into(), components: 1, normalized: true, data };
+    /// let mut shade = of(AttributeData::U8(vec![1, 2]));
+    /// shade.append(&of(AttributeData::U8(vec![3])))?;
+    /// assert_eq!(shade.data, AttributeData::U8(vec![1, 2, 3]));
+    /// assert!(shade.append(&of(AttributeData::I8(vec![4]))).is_err());
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn append(&mut self, more: &Self) -> Result<(), Error> {
+        if (&self.name, self.components, self.normalized) != (&more.name, more.components, more.normalized)
+            || discriminant(&self.data) != discriminant(&more.data)
+        {
+            let found = format!("attribute `{}` of {} components", more.name, more.components);
+            return Err(Error::Parameter { name: "attributes", found, expected: "one name and type" });
+        }
+        match (&mut self.data, &more.data) {
+            (AttributeData::F32(all), AttributeData::F32(more)) => all.extend(more),
+            (AttributeData::F64(all), AttributeData::F64(more)) => all.extend(more),
+            (AttributeData::U8(all), AttributeData::U8(more)) => all.extend(more),
+            (AttributeData::I8(all), AttributeData::I8(more)) => all.extend(more),
+            (AttributeData::U16(all), AttributeData::U16(more)) => all.extend(more),
+            (AttributeData::I16(all), AttributeData::I16(more)) => all.extend(more),
+            (AttributeData::U32(all), AttributeData::U32(more)) => all.extend(more),
+            (AttributeData::I32(all), AttributeData::I32(more)) => all.extend(more),
+            // The types are the same.
+            _ => (),
+        }
+        Ok(())
     }
 
     /// Returns value `i` of all as a float: a normalized integer as the fraction that it represents; `None` if there is no such value.

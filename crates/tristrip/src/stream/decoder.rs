@@ -43,6 +43,43 @@ impl Default for StreamLimits {
     }
 }
 
+/// A chunk among other bytes: its bytes, and what its head says.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct ChunkView<'a> {
+    /// Its bytes, head and checksum included.
+    pub bytes: &'a [u8],
+    /// The number of its mesh.
+    pub stream: u32,
+    /// The level that it leads to.
+    pub level: u32,
+    /// The triangles of that level.
+    pub triangles: u32,
+    /// The error of that level in mesh units.
+    pub error: f32,
+}
+
+/// Cuts bytes that start with a chunk into chunks. Ends where the last one is not complete, or where no chunk can be. Nothing is checked: a decoder does
+/// that.
+///
+/// ```
+#[doc = include_str!("example.txt")]
+/// use tristrip::stream::chunks;
+/// let bytes = stream.bytes();
+/// assert_eq!(chunks(&bytes).last().map(|chunk| chunk.triangles), Some(128));
+/// assert_eq!(chunks(&bytes[..bytes.len() - 1]).count(), stream.chunks.len() - 1);
+/// # Ok::<(), tristrip::Error>(())
+/// ```
+pub fn chunks(mut bytes: &[u8]) -> impl Iterator<Item = ChunkView<'_>> {
+    std::iter::from_fn(move || {
+        let (head, _, head_bytes) = ChunkHead::read(bytes)?.ok()?;
+        let (chunk, rest) = bytes.split_at_checked(head_bytes.checked_add(head.payload_bytes as usize)?)?;
+        bytes = rest;
+        let ChunkHead { stream, level, triangles, error, .. } = head;
+        Some(ChunkView { bytes: chunk, stream, level, triangles, error })
+    })
+}
+
 /// Decodes the chunks of a stream as their bytes arrive, in pieces of any size.
 ///
 /// ```

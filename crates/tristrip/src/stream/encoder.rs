@@ -12,6 +12,7 @@
 
 use super::chunk::ChunkHead;
 use super::fit::Fit;
+use super::grid::Grid;
 use super::head::Head;
 use super::options::StreamOptions;
 use super::places::USUAL_WEIGHTS;
@@ -40,6 +41,25 @@ pub struct StreamChunk {
     pub error: f32,
 }
 
+impl StreamChunk {
+    /// Returns its bytes with another number of the mesh.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// use tristrip::stream::{Decoder, StreamLimits};
+    /// let mut decoder = Decoder::new(StreamLimits::default());
+    /// decoder.update(&stream.chunks[0].of_stream(7)).map_err(|fault| fault.to_string())?;
+    /// assert!(decoder.part(0).is_none() && decoder.part(7).is_some());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn of_stream(&self, stream: u32) -> Vec<u8> {
+        match ChunkHead::read(&self.bytes) {
+            Some(Ok((head, _, length))) => ChunkHead { stream, ..head }.with_payload(&self.bytes[length..]),
+            _ => self.bytes.clone(),
+        }
+    }
+}
+
 /// A mesh as a stream, chunk by chunk: the base mesh first.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
@@ -50,9 +70,23 @@ pub struct EncodedStream {
     pub base: Vec<u32>,
     /// How far a position of the full mesh may be from that of the input, in mesh units.
     pub position_error: f32,
+    grid: Grid,
+    position_bits: u32,
 }
 
 impl EncodedStream {
+    /// Returns the position of the full mesh that a decoder gives for one of the input.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let corner = mesh.positions()[0];
+    /// assert!((0..3).all(|axis| (stream.decoded(corner)[axis] - corner[axis]).abs() <= stream.position_error));
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    pub fn decoded(&self, position: [f32; 3]) -> [f32; 3] {
+        self.grid.position(self.grid.place(position, self.position_bits), 0)
+    }
+
     /// Returns all bytes.
     ///
     /// ```
@@ -102,6 +136,8 @@ pub fn encode(
         chunks: writing.chunks,
         base: source.plan.base(),
         position_error: source.grid.error(0),
+        grid: source.grid,
+        position_bits: source.position_bits,
     })
 }
 

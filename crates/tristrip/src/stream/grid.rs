@@ -126,6 +126,9 @@ pub(super) struct Channel {
     pub(super) step: f64,
 }
 
+/// The attribute with the number of the part that a vertex belongs to, where a mesh has several.
+pub const PART: &str = "part";
+
 /// Bits of attributes that are not whole numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct AttributeBits {
@@ -191,7 +194,7 @@ impl Channel {
         if !is_float && extent < f64::from(1_u32 << MOST_EXACT_BITS) {
             channel.step = 1.0;
             channel.bits = u32::BITS - (extent as u32).leading_zeros();
-            if is("JOINTS") {
+            if is("JOINTS") || attribute.name == PART {
                 channel.kind = ChannelKind::Names;
             }
             return Ok(channel);

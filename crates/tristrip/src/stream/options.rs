@@ -11,6 +11,7 @@ pub struct StreamOptions {
     pub(super) attribute_bits: AttributeBits,
     pub(super) least_chunk_bytes: usize,
     pub(super) most_chunk_bytes: usize,
+    pub(super) bounds: Option<[[f32; 3]; 2]>,
 }
 
 impl Default for StreamOptions {
@@ -21,6 +22,7 @@ impl Default for StreamOptions {
             attribute_bits: AttributeBits { normal: 10, uv: 12, other: 10 },
             least_chunk_bytes: 1 << 10,
             most_chunk_bytes: 1 << 12,
+            bounds: None,
         }
     }
 }
@@ -43,5 +45,20 @@ impl StreamOptions {
         }
         self.position_bits = bits;
         Ok(self)
+    }
+
+    /// Sets two corners of a box that the grid of the positions covers, besides the mesh: meshes with the same box that lie in it have the same grid, so that they meet
+    /// without a gap where their positions are equal. The corners have to be finite.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// let options = StreamOptions::default().with_bounds([[0.0; 3], [1000.0; 3]]);
+    /// let coarse = encode(&mesh, &batches.sequence, &batches.level_ends, 0, &options)?;
+    /// assert!(coarse.position_error > 10.0 * stream.position_error);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    #[must_use]
+    pub fn with_bounds(self, bounds: [[f32; 3]; 2]) -> Self {
+        Self { bounds: Some(bounds), ..self }
     }
 }

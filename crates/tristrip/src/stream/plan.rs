@@ -147,6 +147,15 @@ impl Plan {
         for (fan, rename, dropped) in &fans {
             endings.push(self.ending(*fan, *rename, dropped)?);
         }
+        // A group splits a fan once, and no fan that it adds.
+        let is_twice = |(i, ending): (usize, &Ending)| {
+            let kept = ending.split.kept;
+            endings[..i].iter().any(|other| other.split.kept == kept)
+                || endings.iter().any(|other| other.split.removed == kept)
+        };
+        if endings.iter().enumerate().any(is_twice) {
+            return None;
+        }
         let mut firsts: Vec<(u32, u32, bool)> = Vec::new();
         for corner in collapse.dropped.iter().flat_map(|&t| corners_of(t)) {
             let fan = self.surface.fan(corner);

@@ -49,7 +49,8 @@ impl<'a> Source<'a> {
         let mut batches: Vec<[usize; 2]> = batches.collect();
         batches.reverse();
         let used = plan.vertices.iter().map(|&v| mesh.positions()[v as usize]);
-        let grid = Grid::new(used, options.position_bits);
+        let bounds = options.bounds.into_iter().flatten();
+        let grid = Grid::new(used.chain(bounds), options.position_bits);
         if !grid.is_finite(options.position_bits) {
             let found = format!("positions from {:?} on, {} per step", grid.origin, grid.step);
             return Err(Error::Parameter {
