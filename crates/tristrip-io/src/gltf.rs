@@ -69,8 +69,10 @@ mod pack;
 mod permute;
 mod placements;
 mod prefixes;
+mod progressive;
 mod read;
 mod references;
+mod refine;
 mod removed_bytes;
 pub(crate) mod renumber;
 pub(crate) mod scene;
@@ -95,8 +97,10 @@ pub use build::losses;
 pub use document::JSON_VALUE_LIMIT;
 pub use pack::{Rounding, pack};
 pub use placements::Placement;
+pub use progressive::{ProgressiveGlb, with_stream};
 pub(crate) use read::read_in_folders;
 pub use read::{read, read_separate};
+pub use refine::{StreamMeshes, StreamedPart};
 pub use scene::Scene;
 pub use separate::{SeparateFiles, separate};
 
@@ -109,16 +113,29 @@ pub use separate::{SeparateFiles, separate};
 /// # Ok::<(), tristrip_io::Error>(())
 /// ```
 pub fn has_unread_vertex_values(model: &Model) -> bool {
-    let Some(scene) = &model.scene else { return false };
+    unread_vertex_values(model).contains(&true)
+}
+
+/// Checks the same for each part.
+///
+/// ```
+/// use tristrip_io::{Format, gltf, read};
+/// let model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Format::Obj)?;
+/// assert_eq!(gltf::unread_vertex_values(&model), [false]);
+/// # Ok::<(), tristrip_io::Error>(())
+/// ```
+pub fn unread_vertex_values(model: &Model) -> Vec<bool> {
+    let Some(scene) = &model.scene else { return vec![false; model.parts.len()] };
     let meshes = document::array(&scene.document.root, "meshes").unwrap_or_default();
-    scene.primitives.iter().zip(&model.parts).any(|(source, part)| {
+    let is_unread = |(source, part): (&scene::PrimitiveRef, &crate::model::Part)| {
         let Some(mesh) = meshes.get(source.mesh) else { return false };
         document::items(mesh, "primitives").get(source.primitive).is_some_and(|primitive| {
             let attributes = primitive.get("attributes").and_then(Value::as_object).map_or(0, Members::len);
             // The position is an attribute of the primitive, but not one of the mesh.
             !document::items(primitive, "targets").is_empty() || attributes > part.mesh.attributes().len() + 1
         })
-    })
+    };
+    scene.primitives.iter().zip(&model.parts).map(is_unread).collect()
 }
 
 /// Writes a GLB with one drawing for each part, in order.

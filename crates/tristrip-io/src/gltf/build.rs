@@ -120,13 +120,14 @@ pub(super) fn write(model: &Model, drawings: &[Drawing<'_>], layout: Layout) -> 
     builder.finish(meshes, &names, materials, restarts)
 }
 
+/// Collects the values of meshes, with their buffer views and accessors.
 #[derive(Default)]
-struct DocumentBuilder<'a> {
+pub(super) struct DocumentBuilder<'a> {
     /// Whether texture coordinates count upwards.
     flips: bool,
-    bytes: Vec<u8>,
-    views: Vec<Value>,
-    accessors: Vec<Value>,
+    pub(super) bytes: Vec<u8>,
+    pub(super) views: Vec<Value>,
+    pub(super) accessors: Vec<Value>,
     /// Accessors by the address of the position array, which the model keeps alive: parts that share an array share
     /// its accessor.
     shared: HashMap<*const Vec<[f32; 3]>, SharedPositions<'a>>,
@@ -187,7 +188,7 @@ impl<'a> DocumentBuilder<'a> {
         names
     }
 
-    fn positions(&mut self, positions: &[[f32; 3]]) -> usize {
+    pub(super) fn positions(&mut self, positions: &[[f32; 3]]) -> usize {
         let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
         let start = self.bytes.len();
         append(&mut self.bytes, positions.as_flattened(), f32::to_le_bytes);
@@ -208,7 +209,7 @@ impl<'a> DocumentBuilder<'a> {
         }))
     }
 
-    fn attribute(&mut self, attribute: &Attribute, count: usize) -> usize {
+    pub(super) fn attribute(&mut self, attribute: &Attribute, count: usize) -> usize {
         let components = usize::from(attribute.components);
         let start = self.bytes.len();
         let component = match &attribute.data {
@@ -258,7 +259,7 @@ impl<'a> DocumentBuilder<'a> {
         component
     }
 
-    fn indices(&mut self, runs: &[IndexRun<'_>]) -> Vec<usize> {
+    pub(super) fn indices(&mut self, runs: &[IndexRun<'_>]) -> Vec<usize> {
         let start = self.bytes.len();
         let offsets = pack_runs(runs, &mut self.bytes);
         let view = self.view(start, ELEMENT_ARRAY_BUFFER, None);
@@ -349,7 +350,7 @@ fn attribute_names(mesh: &Mesh) -> Vec<Result<String, String>> {
 }
 
 /// Checks that glTF has a type for an attribute.
-fn check_writable(attribute: &Attribute) -> Result<(), String> {
+pub(super) fn check_writable(attribute: &Attribute) -> Result<(), String> {
     if !(1..=4).contains(&attribute.components) {
         return Err(format!("it has {} components, and glTF has 1 to 4", attribute.components));
     }

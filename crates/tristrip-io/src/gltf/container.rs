@@ -36,9 +36,33 @@ impl GlbContainer {
     }
 }
 
+/// Checks whether bytes start as a GLB does.
+pub(super) fn is_glb(file: &[u8]) -> bool {
+    file.starts_with(MAGIC)
+}
+
+/// Finds the chunks of a GLB of which only the first bytes may be there: the JSON, and what there is of the bytes behind. `None` if the JSON is not there.
+pub(super) fn open_start(file: Arc<Vec<u8>>) -> Option<GlbContainer> {
+    let size_of = |at: usize| word(&file, at).map(|size| size as usize);
+    if !is_glb(&file) || word(&file, 4) != Some(2) || word(&file, HEADER_BYTES + 4) != Some(JSON_CHUNK) {
+        return None;
+    }
+    let start = HEADER_BYTES + CHUNK_HEADER_BYTES;
+    let json = start..start.checked_add(size_of(HEADER_BYTES)?)?;
+    if json.end > file.len() {
+        return None;
+    }
+    let is_bin = word(&file, json.end.checked_add(4)?) == Some(BIN_CHUNK);
+    let bin = size_of(json.end).filter(|_| is_bin).map(|size| {
+        let start = json.end + CHUNK_HEADER_BYTES;
+        start..start.saturating_add(size).min(file.len())
+    });
+    Some(GlbContainer { file, json, bin })
+}
+
 /// Finds the chunks of a GLB, or treats the whole of a `.gltf` as JSON.
 pub(super) fn open(file: Arc<Vec<u8>>, notes: &mut Vec<String>) -> Result<GlbContainer, Error> {
-    if !file.starts_with(MAGIC) {
+    if !is_glb(&file) {
         return open_json(file);
     }
     let header = |at: usize, what: &str| {

@@ -10,7 +10,7 @@
 
 pub(super) mod compact;
 pub(super) mod extensions;
-mod unused;
+pub(super) mod unused;
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::ops::Range;
@@ -20,7 +20,7 @@ use tristrip::Layout;
 
 use self::compact::{BufferCompaction, set_buffer};
 use self::extensions::{declare, drop_order_extensions, has_line_strips, undeclare};
-use self::unused::UnusedEntries;
+use self::unused::{Replaced, UnusedEntries};
 use super::container;
 use super::document::{array, entries_mut, index, items, list_mut, whole};
 use super::index::{IndexRun, pack_runs, runs};
@@ -49,7 +49,7 @@ pub(super) fn write(
         .collect();
 
     // 1. The entries and bytes that become unused.
-    let unused = UnusedEntries::find(root, &rewritten)?;
+    let unused = UnusedEntries::find(root, &rewritten, Replaced::Indices)?;
     let compaction = BufferCompaction::plan(root, &scene.buffers, &unused)?;
 
     // 2. New indices, part by part.

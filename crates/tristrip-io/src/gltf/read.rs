@@ -11,6 +11,7 @@ use tristrip::{Attribute, Faces, Mesh};
 use super::accessor::{AccessorResolver, check_views};
 use super::budget::{ATTRIBUTE_LIMIT, DecodeBudget, GEOMETRY_LIMIT};
 use super::document::{Document, Located, array, uses};
+use super::refine::{StreamMeshes, refine};
 use super::scene::{PrimitiveRef, Scene};
 use super::separate::SeparateFiles;
 use super::spec::{
@@ -46,7 +47,16 @@ pub fn read(bytes: impl Into<Vec<u8>>, base_dir: Option<&Path>) -> Result<Model,
 
 /// Reads a document whose external buffers are in the first of several folders that has them.
 pub(crate) fn read_in_folders(bytes: Arc<Vec<u8>>, folders: &[&Path]) -> Result<Model, Error> {
-    read_container(bytes, folders, None)
+    read_container(bytes, folders, None, None)
+}
+
+/// Reads a progressive document whose primitives draw the given meshes of its stream.
+pub(super) fn read_refined(
+    bytes: Arc<Vec<u8>>,
+    folders: &[&Path],
+    meshes: &StreamMeshes,
+) -> Result<Model, Error> {
+    read_container(bytes, folders, None, Some(meshes))
 }
 
 /// Reads a document and its buffer that [`separate`](super::separate()) made.
@@ -54,19 +64,20 @@ pub(crate) fn read_in_folders(bytes: Arc<Vec<u8>>, folders: &[&Path]) -> Result<
 /// # Errors
 /// As of [`read`].
 pub fn read_separate(files: &SeparateFiles) -> Result<Model, Error> {
-    read_container(Arc::new(files.json.clone()), &[], Some(files))
+    read_container(Arc::new(files.json.clone()), &[], Some(files), None)
 }
 
 fn read_container(
     bytes: Arc<Vec<u8>>,
     folders: &[&Path],
     beside: Option<&SeparateFiles>,
+    meshes: Option<&StreamMeshes>,
 ) -> Result<Model, Error> {
     let mut notes = Vec::new();
     let container = container::open(bytes, &mut notes)?;
     let document = Document::parse(container.json_bytes())?;
     let unknown = unknown_requirements(&document.root);
-    read_document(document, &container, folders, beside, notes).map_err(|error| match error {
+    read_document(document, &container, folders, beside, meshes, notes).map_err(|error| match error {
         Error::Format { .. } if !unknown.is_empty() => {
             let names = unknown.join(" and ");
             Error::Unsupported(format!("{error}; the file requires {names}, which is not supported"))
@@ -80,6 +91,7 @@ fn read_document(
     container: &GlbContainer,
     folders: &[&Path],
     beside: Option<&SeparateFiles>,
+    meshes: Option<&StreamMeshes>,
     mut notes: Vec<String>,
 ) -> Result<Model, Error> {
     let is_fallback = compressed_views::fallback_buffers(&document.root)?;
@@ -87,6 +99,7 @@ fn read_document(
         buffer::load(&mut document, &container.file, container.bin.as_ref(), folders, beside, &is_fallback)?;
     let buffers = compressed_views::decompress(&mut document, buffers, &is_fallback, &mut notes)?;
     let buffers = draco::decompress(&mut document, buffers, &mut notes)?;
+    let buffers = refine(&mut document, buffers, meshes, &mut notes)?;
     let root = &document.root;
     let resolver = AccessorResolver { root, buffers: &buffers };
     check_views(&resolver)?;

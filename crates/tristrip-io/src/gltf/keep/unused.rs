@@ -8,17 +8,28 @@ use crate::error::Error;
 use crate::gltf::document::{array, index, items, values};
 use crate::gltf::references::{ExtensionNumbers, skin_and_animation_accessors};
 
-/// Accessors and buffer views that nothing refers to once the old indices are replaced.
-pub(super) struct UnusedEntries {
-    pub(super) accessors: HashSet<usize>,
-    pub(super) views: HashSet<usize>,
+/// What of primitives is replaced.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::gltf) enum Replaced {
+    Indices,
+    IndicesAndVertices,
+}
+
+/// Accessors and buffer views that nothing refers to once the old indices, or also the old vertices, are replaced.
+pub(in crate::gltf) struct UnusedEntries {
+    pub(in crate::gltf) accessors: HashSet<usize>,
+    pub(in crate::gltf) views: HashSet<usize>,
     /// Whether an extension may name bytes of a buffer.
     pub(super) bytes_named: bool,
 }
 
 impl UnusedEntries {
-    /// Finds them; `rewritten` has the mesh and number of each primitive with new indices.
-    pub(super) fn find(root: &Members, rewritten: &HashSet<(usize, usize)>) -> Result<Self, Error> {
+    /// Finds them; `rewritten` has the mesh and number of each primitive of which something is replaced.
+    pub(in crate::gltf) fn find(
+        root: &Members,
+        rewritten: &HashSet<(usize, usize)>,
+        replaced: Replaced,
+    ) -> Result<Self, Error> {
         let possible = ExtensionNumbers::of(root);
 
         // Accessors: old indices, except those that something else refers to.
@@ -26,9 +37,12 @@ impl UnusedEntries {
         let mut old = HashSet::new();
         for (m, mesh) in array(root, "meshes")?.iter().enumerate() {
             for (p, primitive) in items(mesh, "primitives").iter().enumerate() {
-                let sink = if rewritten.contains(&(m, p)) { &mut old } else { &mut pinned };
+                let is_rewritten = rewritten.contains(&(m, p));
+                let sink = if is_rewritten { &mut old } else { &mut pinned };
                 sink.extend(primitive.get("indices").and_then(index));
-                pinned.extend(primitive.get("attributes").into_iter().flat_map(values).filter_map(index));
+                let replaces_vertices = is_rewritten && replaced == Replaced::IndicesAndVertices;
+                let sink = if replaces_vertices { &mut old } else { &mut pinned };
+                sink.extend(primitive.get("attributes").into_iter().flat_map(values).filter_map(index));
                 for target in items(primitive, "targets") {
                     pinned.extend(values(target).filter_map(index));
                 }

@@ -1,0 +1,230 @@
+//! Progressive GLB: base meshes that every viewer draws, and a stream of chunks behind them that refines them (FORMAT.md, "Progressive GLB").
+//!
+//! # Algorithm
+//! Writing ([`with_stream`]): the chunks follow all other bytes, and the extensions are added. Nothing else changes.
+//!
+//! Reading: the reader of documents refines them to the full meshes (`refine.rs`). [`ProgressiveGlb`] gives the chunks as they are, also of a file that is cut off, and the scene of
+//! any level that is decoded from them.
+//!
+//! # Complexity
+//! Linear in the bytes of the file.
+
+use std::collections::BTreeSet;
+use std::ops::Range;
+use std::path::Path;
+use std::sync::Arc;
+
+use serde_json::json;
+use tristrip::stream::StreamLimits;
+
+use super::container::{self, GlbContainer};
+use super::document::{Document, Located, entries_mut, list_mut};
+use super::json::{Members, Value};
+use super::keep::compact::set_buffer;
+use super::read::{read, read_refined};
+use super::refine::{
+    EXTENSION, StreamInDocument, StreamMeshes, StreamedPart, VERSION, change_primitive, limits,
+};
+use crate::error::Error;
+use crate::model::Model;
+
+/// Adds a stream to a GLB: `parts` says for each primitive of triangles, in the order in which [`read`](super::read()) returns parts, how it is refined, if it is.
+///
+/// # Errors
+/// The bytes are not a GLB with its data in one buffer, there is not one entry for each part, or the result exceeds 4 GiB.
+///
+/// ```
+/// use tristrip::stream::{StreamOptions, encode};
+/// use tristrip_io::gltf::{ProgressiveGlb, StreamedPart, with_stream};
+/// use tristrip_io::{Drawing, Format, read, write};
+/// let corners = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\n";
+/// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
+/// let mesh = &model.parts[0].mesh;
+/// let options = tristrip::simplify::SimplifyOptions::default();
+/// let tree = tristrip::simplify::refinement_batches(mesh, mesh.faces().corners().to_vec(), &options)?;
+/// let stream = encode(mesh, &tree.sequence, &tree.level_ends, 0, &StreamOptions::default())?;
+/// let base = tristrip_io::with_triangles(&model, vec![stream.base.clone()], Format::Glb)?;
+/// let base = write(&base.model, &[Drawing::Faces], Format::Glb, tristrip::Layout::List)?;
+/// let glb = with_stream(base, &[Some(StreamedPart { stream: 0, part: None })], &stream.bytes())?;
+/// assert_eq!(read(&glb, Format::Glb)?.parts[0].mesh.faces().triangle_count(), 4);
+/// assert!(ProgressiveGlb::open(glb)?.is_some_and(|glb| glb.is_complete()));
+/// # Ok::<(), tristrip_io::Error>(())
+/// ```
+pub fn with_stream(glb: Vec<u8>, parts: &[Option<StreamedPart>], chunks: &[u8]) -> Result<Vec<u8>, Error> {
+    let scene = read(glb, None)?.scene.unwrap_or_default();
+    scene.check_part_count(parts.len())?;
+    let [bytes] = &scene.buffers[..] else {
+        let found = format!("{} buffers", scene.buffers.len());
+        return Err(Error::format("buffers", found, "the data of a GLB in one buffer"));
+    };
+    let mut document = scene.document;
+    let root = &mut document.root;
+    let view = json!({ "buffer": 0, "byteOffset": bytes.len(), "byteLength": chunks.len() });
+    let views = list_mut(root, "bufferViews")?;
+    views.push(view.into());
+    let view = views.len() - 1;
+    let names = list_mut(root, "extensionsUsed")?;
+    if !names.iter().any(|name| name.as_str() == Some(EXTENSION)) {
+        names.push(EXTENSION.into());
+    }
+    add_extension(root, json!({ "version": VERSION, "bufferView": view }).into())?;
+    for (source, part) in scene.primitives.iter().zip(parts) {
+        let Some(StreamedPart { stream, part }) = *part else { continue };
+        let value = match part {
+            Some(part) => json!({ "stream": stream, "part": part }),
+            None => json!({ "stream": stream }),
+        };
+        let mut result = Ok(());
+        change_primitive(root, source.mesh, source.primitive, |primitive| {
+            if let Some(members) = primitive.as_object_mut() {
+                result = add_extension(members, value.into());
+            }
+        })?;
+        result?;
+    }
+    set_buffer(root, bytes.len() + chunks.len())?;
+    container::write(&document.to_bytes(), &[bytes.as_slice(), chunks])
+}
+
+fn add_extension(members: &mut Members, value: Value) -> Result<(), Error> {
+    if !members.contains_key("extensions") {
+        members.insert("extensions", Value::from(json!({})));
+    }
+    match members.get_mut("extensions").and_then(Value::as_object_mut) {
+        Some(extensions) => extensions.insert(EXTENSION, value),
+        None => return Err(Error::format("extensions", "another value", "an object")),
+    }
+    Ok(())
+}
+
+/// A progressive GLB, or the first bytes of one, whose stream has not been decoded.
+///
+/// ```
+/// use tristrip_io::gltf::ProgressiveGlb;
+/// // A GLB without a stream.
+/// let model = tristrip_io::read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", tristrip_io::Format::Obj)?;
+/// let layout = tristrip::Layout::List;
+/// let glb = tristrip_io::write(&model, &[tristrip_io::Drawing::Faces], tristrip_io::Format::Glb, layout)?;
+/// assert!(ProgressiveGlb::open(glb)?.is_none());
+/// # Ok::<(), tristrip_io::Error>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct ProgressiveGlb {
+    /// The file, or a GLB of what there is of it.
+    glb: Arc<Vec<u8>>,
+    /// The chunks in `glb`.
+    chunks: Range<usize>,
+    /// Where the chunks start in the file.
+    start: usize,
+    /// How long the chunks are in the whole file.
+    length: usize,
+    primitive_count: usize,
+    streams: BTreeSet<u32>,
+}
+
+impl ProgressiveGlb {
+    /// Opens a file; `None` if it is not a GLB with a stream.
+    ///
+    /// # Errors
+    /// The JSON is cut off or not valid, or the file ends before the chunks.
+    pub fn open(bytes: impl Into<Vec<u8>>) -> Result<Option<Self>, Error> {
+        let file = Arc::new(bytes.into());
+        let Some(GlbContainer { json, bin, .. }) = container::open_start(Arc::clone(&file)) else {
+            return if container::is_glb(&file) {
+                container::open(file, &mut Vec::new()).map(|_| None)
+            } else {
+                Ok(None)
+            };
+        };
+        let container = GlbContainer { file: Arc::clone(&file), json, bin };
+        let mut document = Document::parse(container.json_bytes())?;
+        let Some(stream) = StreamInDocument::find(&document.root)? else { return Ok(None) };
+        let view = Located::entry(&document.root, "bufferViews", stream.view)?;
+        let (offset, length) = (view.size_or("byteOffset", 0)?, view.need("byteLength")?.size()?);
+        if view.size_or("buffer", 0)? != 0 {
+            return Err(view.wrong("the bytes of the GLB"));
+        }
+        let buffer = Located::entry(&document.root, "buffers", 0)?;
+        if let Some(uri) = buffer.field("uri") {
+            return Err(uri.wrong("the bytes of the GLB"));
+        }
+        let Some(bin) = container.bin.clone().filter(|bin| bin.len() >= offset) else {
+            let found = format!("the end of the file after {} bytes", file.len());
+            return Err(Error::format(
+                view.at,
+                found,
+                format!("{offset} bytes of base meshes before the stream"),
+            ));
+        };
+        let start = bin.start + offset;
+        let present = (bin.end - start).min(length);
+        let whole = Self {
+            glb: Arc::clone(&file),
+            chunks: start..start + present,
+            start,
+            length,
+            primitive_count: stream.primitives.len(),
+            streams: stream.primitives.iter().map(|primitive| primitive.source.stream).collect(),
+        };
+        if container::open(Arc::clone(&file), &mut Vec::new()).is_ok() && present == length {
+            return Ok(Some(whole));
+        }
+        // What is there becomes a GLB that is whole.
+        for (list, number, bytes) in [("bufferViews", stream.view, present), ("buffers", 0, offset + present)]
+        {
+            let entry = entries_mut(&mut document.root, list)?.get_mut(number).and_then(Value::as_object_mut);
+            entry.into_iter().for_each(|members| members.insert("byteLength", bytes));
+        }
+        let json = document.to_bytes();
+        let glb = container::write(&json, &[&file[bin.start..start + present]])?;
+        let chunks = glb.len() - (offset + present).next_multiple_of(4) + offset;
+        Ok(Some(Self { glb: Arc::new(glb), chunks: chunks..chunks + present, ..whole }))
+    }
+
+    /// Returns the bytes of the chunks, as far as they are there.
+    ///
+    /// As all functions of the type, see [`with_stream`] for an example.
+    pub fn chunks(&self) -> &[u8] {
+        &self.glb[self.chunks.clone()]
+    }
+
+    /// Returns the number of bytes before the first chunk.
+    pub fn chunk_start(&self) -> usize {
+        self.start
+    }
+
+    /// Checks whether all bytes of the chunks are there.
+    pub fn is_complete(&self) -> bool {
+        self.chunks.len() == self.length
+    }
+
+    /// Returns the length of all chunks in the whole file.
+    pub fn chunk_bytes(&self) -> usize {
+        self.length
+    }
+
+    /// Counts the primitives that are refined.
+    pub fn primitive_count(&self) -> usize {
+        self.primitive_count
+    }
+
+    /// Returns the numbers of the meshes that primitives draw.
+    pub fn streams(&self) -> &BTreeSet<u32> {
+        &self.streams
+    }
+
+    /// Returns limits for a decoder of the chunks.
+    pub fn limits(&self) -> StreamLimits {
+        limits(self.length.min(u32::MAX as usize))
+    }
+
+    /// Returns the scene in which the primitives draw the given meshes, by their numbers in the stream, instead of the base meshes. Where one is missing, or has no triangles, the base mesh
+    /// stays. Images of the document are looked for in `base_dir`.
+    ///
+    /// # Errors
+    /// The document is not valid, or a mesh does not have the attributes of a primitive that draws it.
+    pub fn model(&self, meshes: &StreamMeshes, base_dir: Option<&Path>) -> Result<Model, Error> {
+        let folders: Vec<&Path> = base_dir.into_iter().collect();
+        read_refined(Arc::clone(&self.glb), &folders, meshes)
+    }
+}
