@@ -39,6 +39,7 @@ mod goal;
 mod levels;
 mod method;
 mod observer;
+mod pack;
 mod parts;
 mod places;
 mod prepared;
@@ -47,6 +48,7 @@ mod stream;
 mod strip;
 mod surface_change;
 pub mod text;
+mod unpack;
 mod verify;
 
 pub use analyze::{
@@ -69,6 +71,7 @@ pub use levels::{
 };
 pub use method::{MethodReport, methods_to_compare, parse_method};
 pub use observer::{Event, Observer, Search, Stage, Stopped};
+pub use pack::{PackOptions, Packed, pack};
 pub use parts::{PreparedPart, meshes};
 pub use prepared::{PreparedModel, Survey};
 pub use simplify::{
@@ -78,4 +81,5 @@ pub use simplify::{
 pub use stream::{StreamedMesh, stream_of_mesh};
 pub use strip::{StripOptions, Stripped, strip, strip_observed};
 pub use surface_change::{ChangedSurface, SurfaceChange, surface_change};
+pub use unpack::{ChunkFigures, StreamFigures, StreamGoal, Unpacked, stream_figures, unpack};
 pub use verify::{DifferenceReport, verify};

@@ -7,7 +7,7 @@ mod groups;
 mod normals;
 mod order;
 mod parts;
-mod touching;
+pub(crate) mod touching;
 mod vanishing;
 mod warning;
 
@@ -31,7 +31,7 @@ pub use normals::{NormalCounts, Normals};
 use normals::{Rebuilding, RebuiltPart, redraw};
 pub use order::LevelOrder;
 pub(crate) use order::PartCollapses;
-pub(crate) use parts::{Part, UsedVertices, diagonal};
+pub(crate) use parts::{Compact, Part, UsedVertices, diagonal};
 pub(crate) use warning::warning;
 
 /// The number of points at which the result is compared with the original, in each direction.

@@ -24,11 +24,13 @@ pub struct StreamedMesh {
     pub stream: EncodedStream,
     /// The triangles of the full mesh.
     pub triangles: usize,
+    /// The vertices that they use, equal ones once.
+    pub vertices: usize,
     /// Triangles that were left out, since two of their corners are in one position.
     pub dropped_triangles: usize,
     /// The batches of collapses.
     pub batches: usize,
-    /// Vertices that were locked, since their collapses could not be undone.
+    /// Vertices that were locked: since their collapses could not be undone, or since they touch other meshes.
     pub locked_vertices: usize,
 }
 
@@ -50,11 +52,22 @@ pub struct StreamedMesh {
 /// # Ok::<(), tristrip_pipeline::Error>(())
 /// ```
 pub fn stream_of_mesh(mesh: &Mesh, number: u32, options: &StreamOptions) -> Result<StreamedMesh, Error> {
+    stream_with_locked(mesh, vec![false; mesh.vertex_count()], number, options)
+}
+
+/// Does the same with vertices that stay in the base mesh.
+pub(crate) fn stream_with_locked(
+    mesh: &Mesh,
+    locked: Vec<bool>,
+    number: u32,
+    options: &StreamOptions,
+) -> Result<StreamedMesh, Error> {
     let (triangles, dropped_triangles) = drawn_triangles(mesh);
-    let (tree, locked) = splittable_batches(mesh, &triangles)?;
+    let (tree, locked) = splittable_batches(mesh, &triangles, locked)?;
     Ok(StreamedMesh {
         stream: encode(mesh, &tree.sequence, &tree.level_ends, number, options)?,
         triangles: triangles.len() / 3,
+        vertices: used_vertices(&triangles),
         dropped_triangles,
         batches: tree.level_ends.len(),
         locked_vertices: locked.into_iter().filter(|&is_locked| is_locked).count(),
@@ -62,7 +75,7 @@ pub fn stream_of_mesh(mesh: &Mesh, number: u32, options: &StreamOptions) -> Resu
 }
 
 /// Returns the triangles of a mesh over welded vertices, and how many draw nothing.
-fn drawn_triangles(mesh: &Mesh) -> (Vec<u32>, usize) {
+pub(crate) fn drawn_triangles(mesh: &Mesh) -> (Vec<u32>, usize) {
     let prepared = PreparedFaces::new(mesh, true);
     let all = prepared.faces().fans();
     // −0 and 0 are one position.
@@ -76,9 +89,20 @@ fn drawn_triangles(mesh: &Mesh) -> (Vec<u32>, usize) {
     (drawn, dropped)
 }
 
+/// Counts the vertices that triangles use.
+pub(crate) fn used_vertices(triangles: &[u32]) -> usize {
+    let mut used = triangles.to_vec();
+    used.sort_unstable();
+    used.dedup();
+    used.len()
+}
+
 /// Finds collapses that a stream can undo, and the vertices that were locked for that.
-fn splittable_batches(mesh: &Mesh, triangles: &[u32]) -> Result<(MergeTree, Vec<bool>), Error> {
-    let mut locked = vec![false; mesh.vertex_count()];
+fn splittable_batches(
+    mesh: &Mesh,
+    triangles: &[u32],
+    mut locked: Vec<bool>,
+) -> Result<(MergeTree, Vec<bool>), Error> {
     for _ in 1..MOST_SEARCHES {
         let tree = batches(mesh, triangles, &locked)?;
         let found = unsplittable(&tree.sequence);

@@ -1,0 +1,262 @@
+//! A model as a progressive GLB: base meshes that every viewer draws, and a stream that refines them to the full meshes.
+//!
+//! ```text
+//! Model ─ scene ─▶ parts ─ groups ─▶ one mesh per group ─ stream_of_mesh ─▶ base triangles ─▶ GLB
+//!                                                                      └──▶ chunks, the largest error first ──▶ behind it
+//! ```
+//!
+//! # Algorithm
+//! 1. A model that is not from glTF becomes a document of it; all else is kept: nodes, materials, textures, skins, animations.
+//! 2. Parts with the same places in the scene and the same attributes form a group: they are one mesh of the stream, in which each vertex has the number of its part. So the
+//!    borders between them are seams, which open at no level. Vertices that touch another group stay in the base mesh.
+//! 3. Parts with morph targets or values that are not read stay whole; so do all parts of a group whose stream would not make the file smaller.
+//! 4. Chunks of several meshes alternate: next comes one of the mesh whose error in the scene is the largest.
+//!
+//! # Complexity
+//! As of `tristrip::stream::encode`, for each group.
+
+mod group;
+mod order;
+
+use std::collections::HashMap;
+
+use tristrip::stream::StreamOptions;
+use tristrip::verify::verify_models;
+use tristrip::{Layout, Mesh, StripifyOptions, Strips, stripify};
+use tristrip_io::gltf::{ProgressiveGlb, Rounding, StreamedPart, with_stream};
+use tristrip_io::{Drawing, Format, Model};
+
+use self::group::{Group, groups, touching_vertices};
+use self::order::{Queue, in_order};
+use crate::encode::{EncodeOptions, encode};
+use crate::error::Error;
+use crate::observer::{Observer, Stage, begin};
+use crate::parts::map;
+use crate::places::Places;
+use crate::stream::{StreamedMesh, stream_with_locked, used_vertices};
+use crate::text::counted;
+
+/// How a model is packed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct PackOptions {
+    /// How meshes are encoded.
+    pub stream: StreamOptions,
+    /// Whether the bytes are read back and proven.
+    pub verify: bool,
+}
+
+impl Default for PackOptions {
+    fn default() -> Self {
+        Self { stream: StreamOptions::default(), verify: true }
+    }
+}
+
+impl PackOptions {
+    /// Sets how meshes are encoded.
+    #[must_use]
+    pub fn with_stream(self, stream: StreamOptions) -> Self {
+        Self { stream, ..self }
+    }
+
+    /// Sets whether the bytes are read back and proven.
+    #[must_use]
+    pub fn with_verify(self, verify: bool) -> Self {
+        Self { verify, ..self }
+    }
+}
+
+/// A progressive GLB.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct Packed {
+    /// The file.
+    pub bytes: Vec<u8>,
+    /// The meshes of the stream.
+    pub meshes: usize,
+    /// The chunks of the stream, and their bytes.
+    pub chunks: usize,
+    /// The bytes before the first chunk.
+    pub chunk_start: usize,
+    /// The triangles of all full meshes, and of the base meshes; parts that stay whole count in both.
+    pub triangles: usize,
+    /// The triangles of the base meshes.
+    pub base_triangles: usize,
+    /// The vertices that the full meshes use.
+    pub vertices: usize,
+    /// How far a position may be from that of the input, in the units of the scene.
+    pub position_error: f64,
+    /// The number of triangles that the bytes are proven to have; `None` if they were not proven.
+    pub proven: Option<usize>,
+    /// Notes on what stays whole, and on what was left out.
+    pub notes: Vec<String>,
+    /// Notes on what the format cannot store.
+    pub losses: Vec<String>,
+}
+
+/// Packs a model as a progressive GLB.
+///
+/// # Errors
+/// The model cannot be written as a GLB, the bytes are not proven, or the observer cancelled.
+///
+/// ```
+/// use tristrip_io::{Format, read};
+/// use tristrip_pipeline::{PackOptions, pack};
+/// let row = |y: usize| (0..30).map(move |x| format!("v {x} {y} {}\n", x * y % 3));
+/// let square = |i: usize| (i..i + 29).map(|i| format!("f {} {} {} {}\n", i + 1, i + 2, i + 32, i + 31));
+/// let obj: String = (0..30).flat_map(row).chain((0..29).flat_map(|y| square(30 * y))).collect();
+/// let packed = pack(&read(obj.as_bytes(), Format::Obj)?, &PackOptions::default(), &())?;
+/// assert_eq!((packed.triangles, packed.proven), (29 * 29 * 2, Some(29 * 29 * 2)));
+/// assert!(packed.base_triangles < packed.triangles / 2);
+/// assert_eq!(read(&packed.bytes, Format::Glb)?.parts[0].mesh.faces().triangle_count(), packed.triangles);
+/// # Ok::<(), tristrip_pipeline::Error>(())
+/// ```
+pub fn pack(model: &Model, options: &PackOptions, observer: &dyn Observer) -> Result<Packed, Error> {
+    let losses = tristrip_io::losses(model, &vec![Drawing::Faces; model.parts.len()], Format::Glb);
+    let built;
+    let model = if model.scene.is_some() {
+        model
+    } else {
+        built = as_scene(model)?;
+        &built
+    };
+    begin(observer, Stage::Simplify)?;
+    let places = Places::of(model);
+    let mut notes: Vec<String> = places.note().into_iter().collect();
+    let groups = groups(model, &places, &mut notes)?;
+    let locked = touching_vertices(&groups, &places);
+    // 1. The meshes.
+    let numbered: Vec<(&Group, &Vec<bool>)> = groups.iter().zip(&locked).collect();
+    let streamed = map(&numbered, |(group, locked)| {
+        let options = group.bounds.map_or(options.stream, |bounds| options.stream.with_bounds(bounds));
+        stream_with_locked(&group.mesh, (*locked).clone(), 0, &options)
+    });
+    let mut queues = Vec::new();
+    let mut base: Vec<Vec<u32>> =
+        model.parts.iter().map(|part| part.mesh.faces().fans().into_owned()).collect();
+    let mut whole_triangles: Vec<Option<usize>> = base.iter().map(|list| Some(list.len() / 3)).collect();
+    let mut sources: Vec<Option<StreamedPart>> = vec![None; model.parts.len()];
+    let mut expected: HashMap<usize, Mesh> = HashMap::new();
+    let (mut dropped, mut position_error, mut vertices, mut triangles) = (0, 0.0_f64, 0, 0);
+    let mut larger = 0;
+    for (group, streamed) in groups.iter().zip(streamed) {
+        let streamed = match streamed {
+            Ok(streamed) if pays(group, &streamed) => streamed,
+            Ok(_) => {
+                larger += group.parts.len();
+                continue;
+            }
+            Err(Error::Input(error @ tristrip::Error::Parameter { .. })) => {
+                notes.push(format!("{} whole: {error}", counted(group.parts.len(), "part")));
+                continue;
+            }
+            Err(error) => return Err(error),
+        };
+        let stream = queues.len() as u32;
+        let scale = group.scale;
+        for (number, (part, list)) in (0..).zip(group.split(&streamed.stream.base)) {
+            base[part] = list;
+            whole_triangles[part] = None;
+            let is_one = group.parts.len() == 1;
+            sources[part] = Some(StreamedPart { stream, part: (!is_one).then_some(number) });
+        }
+        if options.verify {
+            expected.extend(group.expected(&streamed.stream)?);
+        }
+        dropped += streamed.dropped_triangles;
+        triangles += streamed.triangles;
+        vertices += streamed.vertices;
+        position_error = position_error.max(f64::from(streamed.stream.position_error) * scale);
+        queues.push(Queue { chunks: streamed.stream.chunks, scale });
+    }
+    if larger > 0 {
+        notes.push(format!("{} whole: streams would not be smaller", counted(larger, "part")));
+    }
+    if dropped > 0 {
+        notes.push(format!("dropped {} within one position", counted(dropped, "triangle")));
+    }
+    // 2. The file.
+    begin(observer, Stage::Encode)?;
+    let chunk_count = queues.iter().map(|queue| queue.chunks.len()).sum();
+    let meshes = queues.len();
+    let base_triangles = base.iter().map(|list| list.len() / 3).sum();
+    for (part, whole) in whole_triangles.iter().enumerate() {
+        let Some(count) = whole else { continue };
+        triangles += count;
+        vertices += used_vertices(model.parts[part].mesh.faces().corners());
+    }
+    let glb = base_glb(model, base)?;
+    let chunks = in_order(&queues);
+    let bytes = if meshes == 0 { glb } else { with_stream(glb, &sources, &chunks)? };
+    let opened = ProgressiveGlb::open(bytes.clone())?;
+    let chunk_start = opened.map_or(bytes.len(), |glb| glb.chunk_start());
+    // 3. The proof.
+    let mut proven = None;
+    if options.verify {
+        begin(observer, Stage::ReadBack)?;
+        proven = Some(prove(model, &bytes, &expected)?);
+    }
+    Ok(Packed {
+        bytes,
+        meshes,
+        chunks: chunk_count,
+        chunk_start,
+        triangles,
+        base_triangles,
+        vertices,
+        position_error,
+        proven,
+        notes,
+        losses,
+    })
+}
+
+/// Writes a model as a GLB and reads it, so that it has a scene.
+fn as_scene(model: &Model) -> Result<Model, Error> {
+    let glb = tristrip_io::write(model, &vec![Drawing::Faces; model.parts.len()], Format::Glb, Layout::List)?;
+    Ok(tristrip_io::read(&glb, Format::Glb)?)
+}
+
+/// Writes the base meshes, as strips where that takes fewer indices, in few bytes.
+fn base_glb(model: &Model, base: Vec<Vec<u32>>) -> Result<Vec<u8>, Error> {
+    let redrawn = tristrip_io::with_triangles(model, base, Format::Glb)?;
+    let strips: Vec<Strips> =
+        map(&redrawn.model.parts, |part| stripify(&part.mesh, &StripifyOptions::default()))
+            .into_iter()
+            .collect::<Result<_, _>>()?;
+    let drawings = redrawn.model.parts.iter().zip(&strips).map(|(part, strips)| {
+        let is_shorter = strips.to_degenerate().len() < part.mesh.faces().corner_count();
+        if is_shorter { Drawing::Strips(strips) } else { Drawing::Faces }
+    });
+    let options = EncodeOptions::new(Format::Glb).with_pack(Some(Rounding::None));
+    Ok(encode(&redrawn.model, &drawings.collect::<Vec<_>>(), &options)?.bytes)
+}
+
+/// Returns whether a stream takes fewer bytes than what it leaves out of the file.
+fn pays(group: &Group, streamed: &StreamedMesh) -> bool {
+    let base = &streamed.stream.base;
+    let vertices = streamed.vertices.saturating_sub(used_vertices(base));
+    let triangles = streamed.triangles.saturating_sub(base.len() / 3);
+    let index = if streamed.vertices < 1 << 16 { 2 } else { 4 };
+    let left_out = vertices * group.vertex_bytes() + triangles * 3 * index;
+    streamed.stream.chunks.iter().map(|chunk| chunk.bytes.len()).sum::<usize>() < left_out
+}
+
+/// Reads the bytes back, and proves that each part has exactly the triangles of the model, at the positions that the stream keeps of them.
+fn prove(model: &Model, bytes: &[u8], expected: &HashMap<usize, Mesh>) -> Result<usize, Error> {
+    let unproven = |error: tristrip_io::Error| Error::Unproven(error.to_string());
+    let again = tristrip_io::read(bytes, Format::Glb).map_err(unproven)?;
+    if again.parts.len() != model.parts.len() {
+        let (found, expected) = (again.parts.len(), model.parts.len());
+        return Err(Error::Unproven(format!("found {found} parts, expected {expected}")));
+    }
+    let mut triangles = 0;
+    for (number, part) in model.parts.iter().enumerate() {
+        let source = expected.get(&number).unwrap_or(&part.mesh);
+        match verify_models(&[source], &[&again.parts[number].mesh])? {
+            Ok(proof) => triangles += proof.triangles,
+            Err(difference) => return Err(Error::Unproven(format!("part {number}: {difference}"))),
+        }
+    }
+    Ok(triangles)
+}

@@ -1,0 +1,229 @@
+//! Progressive GLB: every level of packed models, files that are cut off, and damaged ones.
+
+#![expect(clippy::unwrap_used, reason = "a test that panics fails")]
+
+use std::collections::{HashMap, HashSet};
+use std::fmt::Write;
+use std::path::Path;
+
+use tristrip::stream::StreamOptions;
+use tristrip_io::gltf::ProgressiveGlb;
+use tristrip_io::{Format, Model, read};
+use tristrip_pipeline::{Level, PackOptions, StreamGoal, Unpacked, pack, stream_figures, unpack};
+
+fn model(name: &str) -> Model {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../testdata/models");
+    tristrip_io::read_path(Path::new(folder).join(name)).unwrap()
+}
+
+/// A hilly grid of quadrilaterals in two materials, the border between which runs in zigzag.
+fn two_materials(n: usize) -> Model {
+    let mut obj = String::new();
+    for (y, x) in (0..n).flat_map(|y| (0..n).map(move |x| (y, x))) {
+        writeln!(obj, "v {x} {y} {}", (x * 7 + y * y * 3) % 5).unwrap();
+    }
+    for material in 0..2 {
+        writeln!(obj, "usemtl {material}").unwrap();
+        for (y, x) in (0..n - 1).flat_map(|y| (0..n - 1).map(move |x| (y, x))) {
+            if usize::from(x + y % 3 > n / 2) == material {
+                let v = n * y + x + 1;
+                writeln!(obj, "f {v} {} {} {}", v + 1, v + n + 1, v + n).unwrap();
+            }
+        }
+    }
+    read(obj.as_bytes(), Format::Obj).unwrap()
+}
+
+fn packed(model: &Model) -> Vec<u8> {
+    pack(model, &PackOptions::default(), &()).unwrap().bytes
+}
+
+fn open(bytes: &[u8]) -> ProgressiveGlb {
+    ProgressiveGlb::open(bytes).unwrap().unwrap()
+}
+
+fn at(glb: &ProgressiveGlb, goal: StreamGoal) -> Unpacked {
+    let unpacked = unpack(glb, goal, None).unwrap();
+    assert_eq!(unpacked.problem, None);
+    unpacked
+}
+
+/// Counts the edges of one triangle, over the positions of all parts.
+fn border(model: &Model) -> usize {
+    let mut edges: HashMap<[[u32; 3]; 2], usize> = HashMap::new();
+    for part in &model.parts {
+        let position = |v: u32| part.mesh.positions()[v as usize].map(f32::to_bits);
+        for face in part.mesh.faces().iter() {
+            for i in 0..3 {
+                let mut edge = [position(face[i]), position(face[(i + 1) % 3])];
+                edge.sort_unstable();
+                *edges.entry(edge).or_default() += 1;
+            }
+        }
+    }
+    edges.values().filter(|&&count| count == 1).count()
+}
+
+#[test]
+fn borders_between_materials_stay_closed_at_every_level() {
+    let n = 24;
+    let glb = open(&packed(&two_materials(n)));
+    assert_eq!(glb.primitive_count(), 2);
+    let full = at(&glb, StreamGoal::Level(Level::Percent(100.0)));
+    assert_eq!((full.level, full.triangles), (full.full_level, 2 * (n - 1) * (n - 1)));
+    assert_eq!(border(&full.model), 4 * (n - 1));
+    // The positions of the lowest levels are known to a few units only.
+    for level in (full.full_level / 4..=full.full_level).step_by(7) {
+        let part = at(&glb, StreamGoal::Level(Level::Number(level)));
+        assert_eq!(part.level, level);
+        assert_eq!(part.model.parts.len(), 2);
+        // Where a crack opens, edges of one triangle lie inside.
+        let outer = part.model.parts.iter().flat_map(|part| {
+            part.mesh
+                .positions()
+                .iter()
+                .filter(|p| p[..2].iter().any(|x| x.abs() < 0.5 || (x - (n - 1) as f32).abs() < 0.5))
+        });
+        let outer: HashSet<[u32; 3]> = outer.map(|p| p.map(f32::to_bits)).collect();
+        assert_eq!(border(&part.model), outer.len(), "level {level}");
+    }
+    let beyond = unpack(&glb, StreamGoal::Level(Level::Number(full.full_level + 1)), None);
+    assert!(beyond.unwrap_err().to_string().contains("level: found"));
+}
+
+#[test]
+fn goals_are_reached_as_closely_as_possible() {
+    let bytes = packed(&model("milktruck.glb"));
+    let glb = open(&bytes);
+    let figures = stream_figures(&glb);
+    assert_eq!(figures.problem, None);
+    let full = at(&glb, StreamGoal::Level(Level::Percent(100.0)));
+    assert_eq!(full.bytes, glb.chunk_start() + glb.chunk_bytes());
+    let base = at(&glb, StreamGoal::Triangles(0));
+    for wanted in (base.triangles..full.triangles).step_by(97) {
+        let part = at(&glb, StreamGoal::Triangles(wanted));
+        assert!(part.triangles <= wanted && part.triangles + 3 > wanted, "{} for {wanted}", part.triangles);
+    }
+    for chunk in &figures.chunks {
+        let part = at(&glb, StreamGoal::Bytes(chunk.end));
+        assert_eq!((part.bytes, part.level, part.triangles), (chunk.end, chunk.level, chunk.triangles));
+        let before = at(&glb, StreamGoal::Bytes(chunk.end - 1));
+        assert!(before.bytes < chunk.end);
+    }
+}
+
+#[test]
+fn a_scene_keeps_all_but_its_meshes() {
+    let source = model("milktruck.glb");
+    let bytes = packed(&source);
+    let again = read(&bytes, Format::Glb).unwrap();
+    let beyond = |model: &Model| model.scene.as_ref().map(tristrip_io::gltf::Scene::beyond_parts);
+    assert_eq!(beyond(&again), beyond(&source));
+    assert_eq!(again.parts.len(), source.parts.len());
+    for (a, b) in again.parts.iter().zip(&source.parts) {
+        assert_eq!(a.mesh.faces().triangle_count(), b.mesh.faces().triangle_count());
+        let names = |part: &tristrip_io::Part| -> Vec<String> {
+            part.mesh.attributes().iter().map(|attribute| attribute.name.clone()).collect()
+        };
+        let sorted = |mut names: Vec<String>| {
+            names.sort();
+            names
+        };
+        assert_eq!(sorted(names(a)), sorted(names(b)));
+    }
+    // A GLB of the full meshes has nothing left of the stream.
+    let drawings = vec![tristrip_io::Drawing::Faces; again.parts.len()];
+    let plain = tristrip_io::write(&again, &drawings, Format::Glb, tristrip::Layout::List).unwrap();
+    assert!(!String::from_utf8_lossy(&plain).contains("TRISTRIP_progressive"));
+    let once_more = read(&plain, Format::Glb).unwrap();
+    for (a, b) in again.parts.iter().zip(&once_more.parts) {
+        assert_eq!(a.mesh, b.mesh);
+    }
+}
+
+#[test]
+fn a_file_that_is_cut_at_any_byte_gives_what_is_complete() {
+    let bytes = packed(&two_materials(20));
+    let whole = open(&bytes);
+    let ends: Vec<usize> = stream_figures(&whole).chunks.iter().map(|chunk| chunk.end).collect();
+    assert!(ends.len() > 1);
+    let full = at(&whole, StreamGoal::Level(Level::Percent(100.0)));
+    for end in 0..bytes.len() {
+        let Ok(opened) = ProgressiveGlb::open(&bytes[..end]) else {
+            assert!(end < whole.chunk_start(), "{end}");
+            continue;
+        };
+        // Fewer than four bytes are not known to be a GLB.
+        let Some(glb) = opened else {
+            assert!(end < 4, "{end}");
+            continue;
+        };
+        let part = unpack(&glb, StreamGoal::Level(Level::Percent(100.0)), None).unwrap();
+        let complete = ends.iter().filter(|&&chunk| chunk <= end).count();
+        assert_eq!(part.chunks, complete, "{end}");
+        assert_eq!(part.problem.is_none(), complete == ends.len(), "{end}");
+        assert!(part.triangles <= full.triangles);
+        // The base meshes are drawn even without a chunk.
+        assert!(part.model.parts.iter().all(|part| part.mesh.faces().triangle_count() > 0));
+    }
+}
+
+#[test]
+fn damaged_files_are_reported() {
+    let bytes = packed(&two_materials(16));
+    let start = open(&bytes).chunk_start();
+    let mut random = 1_u32;
+    let mut next = || {
+        random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (random >> 8) as usize
+    };
+    let (mut refused, mut reported) = (0, 0);
+    for _ in 0..3_000 {
+        let mut damaged = bytes.clone();
+        let at = next() % bytes.len();
+        damaged[at] ^= 1 << (next() % 8);
+        let result = ProgressiveGlb::open(damaged.as_slice());
+        let Ok(Some(glb)) = result else {
+            refused += 1;
+            continue;
+        };
+        let unpacked = unpack(&glb, StreamGoal::Level(Level::Percent(100.0)), None);
+        let read = read(&damaged, Format::Glb);
+        if at >= start && at < start + glb.chunk_bytes() {
+            // Every byte of the chunks is under a checksum; a head may ask for more bytes than there are.
+            assert!(unpacked.is_ok_and(|unpacked| unpacked.problem.is_some()), "{at}");
+            assert!(read.is_err(), "{at}");
+            reported += 1;
+        }
+    }
+    assert!(refused > 100 && reported > 500, "{refused}, {reported}");
+}
+
+#[test]
+fn files_without_a_stream_are_told_apart() {
+    let glb =
+        std::fs::read(concat!(env!("CARGO_MANIFEST_DIR"), "/../../testdata/models/milktruck.glb")).unwrap();
+    assert!(ProgressiveGlb::open(glb).unwrap().is_none());
+    for bytes in [&b""[..], b"glT", b"ply\n", b"glTF\x02\0\0\0\xff\xff\xff\x7f"] {
+        assert!(!matches!(ProgressiveGlb::open(bytes), Ok(Some(_))));
+    }
+}
+
+#[test]
+fn tiny_meshes_stay_whole() {
+    let model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Format::Obj).unwrap();
+    let packed = pack(&model, &PackOptions::default(), &()).unwrap();
+    assert_eq!((packed.meshes, packed.chunks, packed.triangles, packed.vertices), (0, 0, 1, 3));
+    assert!(packed.notes.iter().any(|note| note.contains("whole")), "{:?}", packed.notes);
+    assert!(ProgressiveGlb::open(packed.bytes).unwrap().is_none());
+}
+
+#[test]
+fn more_position_bits_are_nearer_to_the_input() {
+    let error = |bits: u32| {
+        let stream = StreamOptions::default().with_position_bits(bits).unwrap();
+        let options = PackOptions::default().with_stream(stream);
+        pack(&two_materials(16), &options, &()).unwrap().position_error
+    };
+    assert!(error(10) > 12.0 * error(14));
+}
