@@ -3,6 +3,7 @@
 mod detail;
 mod flight;
 mod groups;
+mod stream;
 mod view;
 
 use std::path::PathBuf;
@@ -20,7 +21,8 @@ use crate::method::{MethodArgs, WeldArgs};
 use crate::values::{effort_parser, named};
 pub(crate) use detail::{BuildLodArgs, LodArgs, SimplifyArgs};
 pub(crate) use flight::FlyArgs;
-pub(crate) use groups::{FromArgs, GeneralArgs, OutputArgs, SharedArgs};
+pub(crate) use groups::{FromArgs, GeneralArgs, OutputArgs, SharedArgs, TargetArgs};
+pub(crate) use stream::{InspectArgs, PackArgs, UnpackArgs};
 pub(crate) use view::{CriteriaArgs, LensArgs};
 
 /// The colours of help and errors on a terminal; `NO_COLOR=1` disables them.
@@ -61,6 +63,9 @@ pub(crate) enum Command {
     Lod(Box<LodArgs>),
     BuildLod(Box<BuildLodArgs>),
     Fly(Box<FlyArgs>),
+    Pack(PackArgs),
+    Unpack(UnpackArgs),
+    Inspect(InspectArgs),
     Repro(ReproArgs),
     Completions(CompletionsArgs),
     Man(ManArgs),
@@ -300,6 +305,9 @@ pub(crate) fn parse() -> ParsedCommand {
         Command::Lod(_) => "lod",
         Command::BuildLod(_) => "build-lod",
         Command::Fly(_) => "fly",
+        Command::Pack(_) => "pack",
+        Command::Unpack(_) => "unpack",
+        Command::Inspect(_) => "inspect",
         Command::Repro(_) => "repro",
         Command::Completions(_) => "completions",
         Command::Man(_) => "man",

@@ -145,7 +145,11 @@ fn is_dash(path: &Path) -> bool {
 }
 
 /// Pairs each input with its output; with a number of levels, an output in a directory is as many files.
-fn jobs_to(inputs: Vec<Input>, args: &OutputArgs, level_count: Option<usize>) -> Result<Vec<Job>, String> {
+pub(crate) fn jobs_to(
+    inputs: Vec<Input>,
+    args: &OutputArgs,
+    level_count: Option<usize>,
+) -> Result<Vec<Job>, String> {
     let Some(target) = &args.target.output else {
         return Ok(inputs.into_iter().map(|input| Job { input, output: None }).collect());
     };

@@ -1,9 +1,8 @@
 //! Joins the parts of a model to one mesh.
 
 use std::collections::HashMap;
-use std::mem::discriminant;
 
-use tristrip::{Attribute, AttributeData, Faces, MAX_COUNT, Mesh};
+use tristrip::{Attribute, Faces, MAX_COUNT, Mesh};
 use tristrip_io::gltf::Scene;
 use tristrip_io::{Model, Part};
 
@@ -108,30 +107,9 @@ fn faces(parts: &[Part], bases: &[u32]) -> Result<Faces, Failure> {
 fn joined(attribute: &Attribute, owners: &[&Mesh]) -> Option<Attribute> {
     let mut all = attribute.clone();
     for mesh in owners.iter().skip(1) {
-        let found = mesh.attributes().iter().find(|other| is_same_kind(attribute, other))?;
-        append(&mut all.data, &found.data);
+        mesh.attributes().iter().find(|other| all.append(other).is_ok())?;
     }
     Some(all)
-}
-
-fn is_same_kind(a: &Attribute, b: &Attribute) -> bool {
-    (&a.name, a.components, a.normalized) == (&b.name, b.components, b.normalized)
-        && discriminant(&a.data) == discriminant(&b.data)
-}
-
-/// Appends values of the same type.
-fn append(all: &mut AttributeData, more: &AttributeData) {
-    match (all, more) {
-        (AttributeData::F32(all), AttributeData::F32(more)) => all.extend(more),
-        (AttributeData::F64(all), AttributeData::F64(more)) => all.extend(more),
-        (AttributeData::U8(all), AttributeData::U8(more)) => all.extend(more),
-        (AttributeData::I8(all), AttributeData::I8(more)) => all.extend(more),
-        (AttributeData::U16(all), AttributeData::U16(more)) => all.extend(more),
-        (AttributeData::I16(all), AttributeData::I16(more)) => all.extend(more),
-        (AttributeData::U32(all), AttributeData::U32(more)) => all.extend(more),
-        (AttributeData::I32(all), AttributeData::I32(more)) => all.extend(more),
-        _ => (),
-    }
 }
 
 /// Returns a note on the attributes that some blocks have and the joined mesh has not.
@@ -150,6 +128,7 @@ fn dropped(owners: &[&Mesh], mesh: &Mesh) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use tristrip::AttributeData;
     use tristrip_io::{Format, read};
 
     fn attribute(name: &str, data: AttributeData) -> Attribute {

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! args ─▶ task ─▶ input ─▶ tristrip-pipeline, tristrip-lab ─▶ output ─▶ figures ─▶ console
-//!                 strip │ compare │ bound │ analyze │ verify │ convert │ simplify │ lod │ chain │ build_lod │ fly │ repro
+//!                 strip │ compare │ bound │ analyze │ verify │ convert │ simplify │ lod │ chain │ build_lod │ fly │ pack │ unpack │ inspect │ repro
 //! ```
 //! Exit code 0: everything was done and proven. 1: something was not proven, or an input or output was bad. 2: wrong usage.
 
@@ -22,11 +22,13 @@ mod failure;
 mod figures;
 mod fly;
 mod input;
+mod inspect;
 mod job;
 mod join;
 mod lod;
 mod method;
 mod output;
+mod pack;
 mod reorder;
 mod repro;
 mod search;
@@ -35,6 +37,7 @@ mod simplify;
 mod stage;
 mod strip;
 mod task;
+mod unpack;
 mod values;
 mod verify;
 mod view_model;
@@ -88,6 +91,9 @@ fn run(task: &Task, console: &mut Console) -> bool {
         Task::Chain(task) => chain::run(task, console),
         Task::BuildLod(task) => build_lod::run(task, console),
         Task::Fly(task) => fly::run(task, console),
+        Task::Pack(task) => pack::run(task, console),
+        Task::Unpack(task) => unpack::run(task, console),
+        Task::Inspect(task) => inspect::run(task, console),
         Task::Repro(task) => repro::run(task, console),
         Task::Print(text) => {
             console.write_stdout(text);

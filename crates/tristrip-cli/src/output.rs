@@ -134,6 +134,15 @@ fn write_files(output: &Output, encoded: &Encoded, console: &mut Console) -> Res
     Ok(files.json.len() + files.buffer.len())
 }
 
+/// Writes the bytes of a single file.
+pub(crate) fn write_file(output: &Output, bytes: &[u8], console: &mut Console) -> Result<(), Failure> {
+    if let Some(path) = &output.path {
+        return write_bytes(output, path, bytes);
+    }
+    console.write_stdout(bytes);
+    Ok(())
+}
+
 /// Writes the material libraries and images of an OBJ into its folder. Files of other content stay, with a warning, unless they are named after
 /// the OBJ.
 fn write_side_files(

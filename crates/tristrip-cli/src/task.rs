@@ -2,6 +2,7 @@
 
 mod checks;
 mod levels;
+mod streams;
 mod views;
 
 use std::collections::BTreeSet;
@@ -21,6 +22,8 @@ use crate::shell;
 use checks::{check_chart, check_distinct_files, check_picture};
 pub(crate) use levels::{BuildLodTask, ChainTask, LodTask};
 use levels::{build_lod_task, chain_task, lod_task};
+pub(crate) use streams::{InspectTask, PackTask, UnpackTask};
+use streams::{inspect_task, pack_task, unpack_task};
 use views::fly_task;
 pub(crate) use views::{CameraPath, FlyTask, VideoTask};
 
@@ -38,6 +41,9 @@ pub(crate) enum Task {
     Chain(ChainTask),
     BuildLod(BuildLodTask),
     Fly(FlyTask),
+    Pack(PackTask),
+    Unpack(UnpackTask),
+    Inspect(InspectTask),
     Repro(ReproTask),
     /// A text to print: completions, or a man page.
     Print(Vec<u8>),
@@ -139,13 +145,16 @@ impl Task {
             | Self::Convert(ConvertTask { jobs, .. })
             | Self::Simplify(SimplifyTask { jobs, .. })
             | Self::Lod(LodTask { jobs, .. })
-            | Self::Chain(ChainTask { jobs, .. }) => write_to_stdout(jobs),
+            | Self::Chain(ChainTask { jobs, .. })
+            | Self::Pack(PackTask { jobs, .. }) => write_to_stdout(jobs),
+            Self::Unpack(UnpackTask { job, .. }) => write_to_stdout(std::slice::from_ref(job)),
             Self::Compare(_)
             | Self::Bound(_)
             | Self::Analyze(_)
             | Self::Verify(_)
             | Self::BuildLod(_)
             | Self::Fly(_)
+            | Self::Inspect(_)
             | Self::Repro(_)
             | Self::Print(_) => false,
         }
@@ -249,6 +258,9 @@ fn validate(command: Command, papers: &[&str]) -> Result<Task, String> {
         },
         Command::BuildLod(args) => Task::BuildLod(build_lod_task(*args)?),
         Command::Fly(args) => Task::Fly(fly_task(*args)?),
+        Command::Pack(args) => Task::Pack(pack_task(args)?),
+        Command::Unpack(args) => Task::Unpack(unpack_task(args)?),
+        Command::Inspect(args) => Task::Inspect(inspect_task(args)?),
         Command::Repro(args) => {
             let selection = select_papers(args.papers, args.section, papers)?;
             let models = args.models.unwrap_or_else(default_models);

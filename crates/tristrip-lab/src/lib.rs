@@ -19,6 +19,7 @@ mod chart;
 mod error;
 pub mod flight;
 pub mod pareto;
+pub mod rate;
 pub mod recovery;
 pub mod render;
 pub mod repro;

@@ -13,6 +13,7 @@ mod lod;
 mod materials;
 mod pareto;
 mod picture;
+mod progressive;
 mod reorder;
 mod repro;
 mod search;
