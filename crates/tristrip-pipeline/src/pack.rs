@@ -8,7 +8,8 @@
 //! # Algorithm
 //! 1. A model that is not from glTF becomes a document of it; all else is kept: nodes, materials, textures, skins, animations.
 //! 2. Parts with the same places in the scene and the same attributes form a group: they are one mesh of the stream, in which each vertex has the number of its part. So the
-//!    borders between them are seams, which open at no level. Vertices that touch another group stay in the base mesh.
+//!    borders between them are seams, which open at no level. Vertices that touch another group stay in the base mesh, at exact
+//!    positions.
 //! 3. Parts with morph targets or values that are not read stay whole; so do all parts of a group whose stream would not make the file smaller.
 //! 4. Chunks of several meshes alternate: next comes one of the mesh whose error in the scene is the largest.
 //!
@@ -129,6 +130,7 @@ pub fn pack(model: &Model, options: &PackOptions, observer: &dyn Observer) -> Re
     let numbered: Vec<(&Group, &Vec<bool>)> = groups.iter().zip(&locked).collect();
     let streamed = map(&numbered, |(group, locked)| {
         let options = group.bounds.map_or(options.stream, |bounds| options.stream.with_bounds(bounds));
+        let options = options.with_exact_positions(locked.contains(&true));
         stream_with_locked(&group.mesh, (*locked).clone(), 0, &options)
     });
     let mut queues = Vec::new();

@@ -12,6 +12,7 @@ pub struct StreamOptions {
     pub(super) least_chunk_bytes: usize,
     pub(super) most_chunk_bytes: usize,
     pub(super) bounds: Option<[[f32; 3]; 2]>,
+    pub(super) is_exact: bool,
 }
 
 impl Default for StreamOptions {
@@ -23,6 +24,7 @@ impl Default for StreamOptions {
             least_chunk_bytes: 1 << 10,
             most_chunk_bytes: 1 << 12,
             bounds: None,
+            is_exact: false,
         }
     }
 }
@@ -60,5 +62,23 @@ impl StreamOptions {
     #[must_use]
     pub fn with_bounds(self, bounds: [[f32; 3]; 2]) -> Self {
         Self { bounds: Some(bounds), ..self }
+    }
+
+    /// Sets whether positions have all bits at every level, not only as many as the error of the level is worth: the mesh then meets others at every level where it meets them in
+    /// full. This takes a few more bytes before the middle levels.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// use tristrip::stream::{Decoder, StreamLimits};
+    /// let options = StreamOptions::default().with_exact_positions(true);
+    /// let exact = encode(&mesh, &batches.sequence, &batches.level_ends, 0, &options)?;
+    /// let mut decoder = Decoder::new(StreamLimits::default());
+    /// decoder.update(&exact.chunks[0].bytes)?;
+    /// assert_eq!(decoder.part(0).map(|part| part.position_bits()), Some([14, 14]));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    #[must_use]
+    pub fn with_exact_positions(self, is_exact: bool) -> Self {
+        Self { is_exact, ..self }
     }
 }

@@ -19,6 +19,8 @@ pub(super) struct Source<'a> {
     pub(super) plan: Plan,
     pub(super) grid: Grid,
     pub(super) position_bits: u32,
+    /// Whether all bits of the positions are known at every level.
+    pub(super) is_exact: bool,
     pub(super) channels: Vec<Channel>,
     /// The number of collapses from the full mesh to the start and end of each batch, in the order of the stream.
     pub(super) batches: Vec<[usize; 2]>,
@@ -70,7 +72,8 @@ impl<'a> Source<'a> {
                 expected: "at most 64, with names of at most 256 bytes",
             });
         }
-        Ok(Self { mesh, sequence, plan, grid, position_bits: options.position_bits, channels, batches })
+        let &StreamOptions { position_bits, is_exact, .. } = options;
+        Ok(Self { mesh, sequence, plan, grid, position_bits, is_exact, channels, batches })
     }
 
     pub(super) fn values(&self, vertex: u32) -> Vec<Vec<i32>> {
@@ -89,7 +92,7 @@ impl<'a> Source<'a> {
 
     /// The bits that need not be known after a number of collapses from the full mesh.
     pub(super) fn unknown_bits(&self, batch: usize) -> u32 {
-        if batch + EXACT_BATCHES >= self.batches.len() {
+        if self.is_exact || batch + EXACT_BATCHES >= self.batches.len() {
             return 0;
         }
         // The mean of the errors that the batch mends: the largest ones are of few places.
