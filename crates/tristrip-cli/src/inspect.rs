@@ -39,11 +39,17 @@ impl Chunk {
     }
 }
 
+/// The time of each stage in seconds; `null` for a stage that did not run.
+#[derive(Debug, Clone, Copy, Default, Serialize)]
+struct InspectSeconds {
+    decode: Option<f64>,
+}
+
 /// The report of one input; the keys are those of the JSON output.
 #[derive(Debug, Default, Serialize)]
 struct InspectReport {
     file: String,
-    seconds: Option<f64>,
+    seconds: InspectSeconds,
     meshes: Option<usize>,
     vertices: Option<usize>,
     triangles: Option<usize>,
@@ -114,7 +120,7 @@ fn inspect(input: &Input, console: &mut Console, report: &mut InspectReport) -> 
     report.components = components
         .map(|(name, bits)| Component { name, bits: bits.round(), per_vertex: per_vertex(bits) })
         .collect();
-    report.seconds = Some(seconds);
+    report.seconds.decode = Some(seconds);
     report.meshes = Some(figures.meshes);
     report.vertices = Some(figures.vertices);
     report.triangles = Some(figures.triangles);

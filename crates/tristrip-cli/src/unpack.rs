@@ -6,7 +6,7 @@ use serde::Serialize;
 use tristrip_io::gltf::ProgressiveGlb;
 use tristrip_io::{Drawing, Format};
 use tristrip_pipeline::text::{count, counted};
-use tristrip_pipeline::{EncodeOptions, Unpacked, encode_observed, unpack};
+use tristrip_pipeline::{EncodeOptions, Unpacked, encode_observed, is_published, unpack, unpack_published};
 
 use crate::batch::{self, InputReport, Outcome};
 use crate::console::Console;
@@ -61,8 +61,8 @@ pub(crate) fn run(task: &UnpackTask, console: &mut Console) -> bool {
     batch::finish(reports, console)
 }
 
-/// Opens a progressive GLB, which may be cut off.
-pub(crate) fn open(input: &Input) -> Result<ProgressiveGlb, Failure> {
+/// Reads all bytes of an input.
+fn read(input: &Input) -> Result<Vec<u8>, Failure> {
     let name = input.name();
     let failed = |source| Failure::reading(&name, &tristrip_io::Error::Io { path: name.clone(), source });
     let mut bytes = Vec::new();
@@ -71,6 +71,16 @@ pub(crate) fn open(input: &Input) -> Result<ProgressiveGlb, Failure> {
     } else {
         std::io::stdin().lock().read_to_end(&mut bytes).map_err(failed)?;
     }
+    Ok(bytes)
+}
+
+/// Opens a progressive GLB, which may be cut off.
+pub(crate) fn open(input: &Input) -> Result<ProgressiveGlb, Failure> {
+    opened(input, read(input)?)
+}
+
+fn opened(input: &Input, bytes: Vec<u8>) -> Result<ProgressiveGlb, Failure> {
+    let name = input.name();
     let opened = ProgressiveGlb::open(bytes).map_err(|error| Failure::reading(&name, &error))?;
     opened.ok_or_else(|| Failure::Input("no progressive GLB: `pack` writes them".into()))
 }
@@ -79,7 +89,13 @@ fn unpack_job(task: &UnpackTask, console: &mut Console, report: &mut UnpackRepor
     let UnpackTask { job, goal, verify } = task;
     console.doing("load");
     let folder = job.input.path.as_ref().and_then(|path| path.parent());
-    let (unpacked, seconds) = timed(|| Ok::<_, Failure>(unpack(&open(&job.input)?, *goal, folder)?));
+    let (unpacked, seconds) = timed(|| {
+        let bytes = read(&job.input)?;
+        if is_published(&bytes) {
+            return Ok::<_, Failure>(unpack_published(&bytes, *goal)?);
+        }
+        Ok(unpack(&opened(&job.input, bytes)?, *goal, folder)?)
+    });
     let Unpacked {
         mut model,
         level,

@@ -43,6 +43,7 @@ mod pack;
 mod parts;
 mod places;
 mod prepared;
+mod published;
 mod simplify;
 mod stream;
 mod strip;
@@ -74,6 +75,7 @@ pub use observer::{Event, Observer, Search, Stage, Stopped};
 pub use pack::{PackOptions, Packed, pack};
 pub use parts::{PreparedPart, meshes};
 pub use prepared::{PreparedModel, Survey};
+pub use published::{Published, is_published, pack_as_published, unpack_published};
 pub use simplify::{
     CollapseRules, LevelOrder, NormalCounts, Normals, Simplified, SimplifyOptions, simplify,
     simplify_observed, simplify_parts,

@@ -6,6 +6,7 @@ use clap::Args;
 use tristrip_pipeline::Level;
 
 use super::groups::{GeneralArgs, TargetArgs};
+use crate::values::Wire;
 
 /// Pack a model as a progressive GLB, which is drawn after its first bytes and refined by the others
 ///
@@ -16,10 +17,16 @@ use super::groups::{GeneralArgs, TargetArgs};
 #[command(after_long_help = "Examples:
   tristrip pack bunny.ply -o bunny.glb
   tristrip pack scene.glb -o progressive.glb --position-bits 12
-  tristrip pack models/*.ply -o packed/ --json")]
+  tristrip pack models/*.ply -o packed/ --json
+  tristrip pack bunny.ply --wire paper -o bunny.ps")]
 pub(crate) struct PackArgs {
     #[command(flatten)]
     pub(crate) general: GeneralArgs,
+    /// How the refinements are stored
+    ///
+    /// The published one is not compressed, and holds positions and strips only: all parts become one mesh.
+    #[arg(long, value_name = "WIRE", value_enum, default_value_t, help_heading = "Stream")]
+    pub(crate) wire: Wire,
     /// The file to write, with the extension .glb, a directory for several inputs, or - for standard output
     ///
     /// A file is written under a temporary name and then renamed; one that exists is replaced. In a directory, each output has the name of its input.
@@ -46,7 +53,7 @@ pub(crate) struct PackArgs {
   tristrip unpack bunny.glb --bytes 20000 -o first.glb    what the first bytes hold
   tristrip unpack cut-off.glb -o rest.ply")]
 pub(crate) struct UnpackArgs {
-    /// A progressive GLB, or - for standard input
+    /// A file of `pack`, or - for standard input
     #[arg(value_name = "INPUT")]
     pub(crate) input: PathBuf,
     /// The level of detail: the number of collapses that are undone, or a percentage of all

@@ -30,6 +30,9 @@ fn the_docs_contain_the_help() {
         "lod",
         "build-lod",
         "fly",
+        "pack",
+        "unpack",
+        "inspect",
         "repro",
         "completions",
         "man",
@@ -56,7 +59,7 @@ fn the_docs_contain_the_help() {
 }
 
 /// The command of the sample in each section of FORMAT.md.
-const SAMPLES: [&str; 12] = [
+const SAMPLES: [&str; 15] = [
     "strip fish_control.ply -o fish.glb --json",
     "compare fish_control.ply --json",
     "bound fish_control.ply --json",
@@ -68,6 +71,9 @@ const SAMPLES: [&str; 12] = [
     "lod fish_control.ply --chain 100%,50%,10% -o levels.glb --json",
     "build-lod fish_control.ply -o fish.tlod --json",
     "fly fish_control.ply --frames 30 --json",
+    "pack fish_control.ply -o packed.glb --json",
+    "unpack packed.glb --level 50% -o part.ply --json",
+    "inspect packed.glb --json",
     "repro --papers 000 --models . -o . --json",
 ];
 
