@@ -11,22 +11,26 @@
 //!    borders between them are seams, which open at no level. Vertices that touch another group stay in the base mesh, at exact
 //!    positions.
 //! 3. Parts with morph targets or values that are not read stay whole; so do all parts of a group whose stream would not make the file smaller.
-//! 4. Chunks of several meshes alternate: next comes one of the mesh whose error in the scene is the largest.
+//! 4. Errors count alike everywhere, or by how large they look from a position ([`PackOptions::with_eye`]): what is far away or faces away is refined later.
+//! 5. Chunks of several meshes alternate: next comes one of the mesh whose error in the scene is the largest.
 //!
 //! # Complexity
 //! As of `tristrip::stream::encode`, for each group.
 
+mod eye;
 mod group;
 mod order;
 
 use std::collections::HashMap;
 
+use tristrip::simplify::SimplifyOptions;
 use tristrip::stream::StreamOptions;
 use tristrip::verify::verify_models;
 use tristrip::{Layout, Mesh, StripifyOptions, Strips, stripify};
 use tristrip_io::gltf::{ProgressiveGlb, Rounding, StreamedPart, with_stream};
 use tristrip_io::{Drawing, Format, Model};
 
+use self::eye::error_factors;
 use self::group::{Group, groups, touching_vertices};
 use self::order::{Queue, in_order};
 use crate::encode::{EncodeOptions, encode};
@@ -34,7 +38,7 @@ use crate::error::Error;
 use crate::observer::{Observer, Stage, begin};
 use crate::parts::map;
 use crate::places::Places;
-use crate::stream::{StreamedMesh, stream_with_locked, used_vertices};
+use crate::stream::{StreamedMesh, stream_with, used_vertices};
 use crate::text::counted;
 
 /// How a model is packed.
@@ -43,13 +47,15 @@ use crate::text::counted;
 pub struct PackOptions {
     /// How meshes are encoded.
     pub stream: StreamOptions,
+    /// The position in the scene from which errors are seen: they count by the distance from it, and half where the surface faces away. `None` for everywhere alike.
+    pub eye: Option<[f32; 3]>,
     /// Whether the bytes are read back and proven.
     pub verify: bool,
 }
 
 impl Default for PackOptions {
     fn default() -> Self {
-        Self { stream: StreamOptions::default(), verify: true }
+        Self { stream: StreamOptions::default(), eye: None, verify: true }
     }
 }
 
@@ -58,6 +64,12 @@ impl PackOptions {
     #[must_use]
     pub fn with_stream(self, stream: StreamOptions) -> Self {
         Self { stream, ..self }
+    }
+
+    /// Sets the position in the scene from which errors are seen.
+    #[must_use]
+    pub fn with_eye(self, eye: Option<[f32; 3]>) -> Self {
+        Self { eye, ..self }
     }
 
     /// Sets whether the bytes are read back and proven.
@@ -128,10 +140,16 @@ pub fn pack(model: &Model, options: &PackOptions, observer: &dyn Observer) -> Re
     let locked = touching_vertices(&groups, &places);
     // 1. The meshes.
     let numbered: Vec<(&Group, &Vec<bool>)> = groups.iter().zip(&locked).collect();
-    let streamed = map(&numbered, |(group, locked)| {
-        let options = group.bounds.map_or(options.stream, |bounds| options.stream.with_bounds(bounds));
-        let options = options.with_exact_positions(locked.contains(&true));
-        stream_with_locked(&group.mesh, (*locked).clone(), 0, &options)
+    let streamed = map(&numbered, |&(group, locked)| {
+        let stream = group.bounds.map_or(options.stream, |bounds| options.stream.with_bounds(bounds));
+        // What is near the eye needs more bits than the mean error of a level is worth.
+        let stream = stream.with_exact_positions(locked.contains(&true) || options.eye.is_some());
+        let mut simplify = SimplifyOptions::default().with_locked(locked.clone());
+        if let Some(eye) = options.eye {
+            simplify =
+                simplify.with_error_factors(error_factors(&group.mesh, &places.lists[group.list], eye));
+        }
+        stream_with(&group.mesh, &simplify, 0, &stream)
     });
     let mut queues = Vec::new();
     let mut base: Vec<Vec<u32>> =

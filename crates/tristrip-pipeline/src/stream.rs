@@ -52,18 +52,18 @@ pub struct StreamedMesh {
 /// # Ok::<(), tristrip_pipeline::Error>(())
 /// ```
 pub fn stream_of_mesh(mesh: &Mesh, number: u32, options: &StreamOptions) -> Result<StreamedMesh, Error> {
-    stream_with_locked(mesh, vec![false; mesh.vertex_count()], number, options)
+    stream_with(mesh, &SimplifyOptions::default(), number, options)
 }
 
-/// Does the same with vertices that stay in the base mesh.
-pub(crate) fn stream_with_locked(
+/// Does the same with options for the collapses: vertices that stay in the base mesh, and by how much errors count.
+pub(crate) fn stream_with(
     mesh: &Mesh,
-    locked: Vec<bool>,
+    simplify: &SimplifyOptions,
     number: u32,
     options: &StreamOptions,
 ) -> Result<StreamedMesh, Error> {
     let (triangles, dropped_triangles) = drawn_triangles(mesh);
-    let (tree, locked) = splittable_batches(mesh, &triangles, locked)?;
+    let (tree, locked) = splittable_batches(mesh, &triangles, simplify)?;
     Ok(StreamedMesh {
         stream: encode(mesh, &tree.sequence, &tree.level_ends, number, options)?,
         triangles: triangles.len() / 3,
@@ -101,22 +101,23 @@ pub(crate) fn used_vertices(triangles: &[u32]) -> usize {
 fn splittable_batches(
     mesh: &Mesh,
     triangles: &[u32],
-    mut locked: Vec<bool>,
+    simplify: &SimplifyOptions,
 ) -> Result<(MergeTree, Vec<bool>), Error> {
+    let mut locked = simplify.locked().to_vec();
+    locked.resize(mesh.vertex_count(), false);
+    let batches = |locked: &[bool]| {
+        let options = simplify.clone().with_locked(locked.to_vec());
+        refinement_batches(mesh, triangles.to_vec(), &options)
+    };
     for _ in 1..MOST_SEARCHES {
-        let tree = batches(mesh, triangles, &locked)?;
+        let tree = batches(&locked)?;
         let found = unsplittable(&tree.sequence);
         if found.is_empty() {
             return Ok((tree, locked));
         }
         found.into_iter().for_each(|vertex| locked[vertex as usize] = true);
     }
-    Ok((batches(mesh, triangles, &locked)?, locked))
-}
-
-fn batches(mesh: &Mesh, triangles: &[u32], locked: &[bool]) -> Result<MergeTree, Error> {
-    let options = SimplifyOptions::default().with_locked(locked.to_vec());
-    Ok(refinement_batches(mesh, triangles.to_vec(), &options)?)
+    Ok((batches(&locked)?, locked))
 }
 
 #[cfg(test)]

@@ -210,6 +210,28 @@ fn files_without_a_stream_are_told_apart() {
 }
 
 #[test]
+fn what_is_near_the_eye_is_refined_first() {
+    let n = 40;
+    let mut obj = String::new();
+    for (y, x) in (0..n).flat_map(|y| (0..n).map(move |x| (y, x))) {
+        writeln!(obj, "v {x} {y} {}", (x as f32 * 0.5).sin() + (y as f32 * 0.4).cos()).unwrap();
+    }
+    for (y, x) in (0..n - 1).flat_map(|y| (0..n - 1).map(move |x| (y, x))) {
+        let v = n * y + x + 1;
+        writeln!(obj, "f {v} {} {} {}", v + 1, v + n + 1, v + n).unwrap();
+    }
+    let model = read(obj.as_bytes(), Format::Obj).unwrap();
+    let near = |eye: Option<[f32; 3]>| {
+        let packed = pack(&model, &PackOptions::default().with_eye(eye), &()).unwrap();
+        let part = at(&open(&packed.bytes), StreamGoal::Level(Level::Percent(30.0)));
+        let positions = part.model.parts.iter().flat_map(|part| part.mesh.positions().iter());
+        positions.filter(|p| p[0] + p[1] < n as f32 / 2.0).count()
+    };
+    let [from_eye, alike] = [near(Some([0.0, 0.0, 2.0])), near(None)];
+    assert!(2 * from_eye > 3 * alike, "{from_eye}, {alike}");
+}
+
+#[test]
 fn tiny_meshes_stay_whole() {
     let model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Format::Obj).unwrap();
     let packed = pack(&model, &PackOptions::default(), &()).unwrap();

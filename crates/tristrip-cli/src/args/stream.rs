@@ -6,7 +6,7 @@ use clap::Args;
 use tristrip_pipeline::Level;
 
 use super::groups::{GeneralArgs, TargetArgs};
-use crate::values::Wire;
+use crate::values::{Vector, Wire};
 
 /// Pack a model as a progressive GLB, which is drawn after its first bytes and refined by the others
 ///
@@ -18,10 +18,16 @@ use crate::values::Wire;
   tristrip pack bunny.ply -o bunny.glb
   tristrip pack scene.glb -o progressive.glb --position-bits 12
   tristrip pack models/*.ply -o packed/ --json
+  tristrip pack terrain.ply -o terrain.glb --eye 0,1,-2   the foreground first
   tristrip pack bunny.ply --wire paper -o bunny.ps")]
 pub(crate) struct PackArgs {
     #[command(flatten)]
     pub(crate) general: GeneralArgs,
+    /// Refine first what looks largest from this position in the scene, such as 0,0.1,0.5 [default: everywhere alike]
+    ///
+    /// Errors count by the distance, and half where the surface faces away. All is refined in the end.
+    #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true, help_heading = "Stream")]
+    pub(crate) eye: Option<Vector>,
     /// How the refinements are stored
     ///
     /// The published one is not compressed, and holds positions and strips only: all parts become one mesh.

@@ -10,7 +10,7 @@ use tristrip_pipeline::{Level, PackOptions, StreamGoal};
 use super::checks::check_chart;
 use crate::args::{InspectArgs, OutputArgs, PackArgs, TargetArgs, UnpackArgs};
 use crate::job::{Input, Job, inputs, inputs_of, jobs_of, jobs_to};
-use crate::values::Wire;
+use crate::values::{Vector, Wire};
 
 #[derive(Debug)]
 pub(crate) struct PackTask {
@@ -51,10 +51,14 @@ pub(super) fn pack_task(args: PackArgs) -> Result<PackTask, String> {
     let stream = StreamOptions::default().with_position_bits(args.position_bits);
     let stream = stream.map_err(|error| error.to_string())?;
     let options = PackOptions::default().with_stream(stream).with_verify(!args.no_verify);
+    let options = options.with_eye(args.eye.map(|Vector(eye)| eye));
     Ok(PackTask { jobs, options, published: None })
 }
 
 fn published_task(args: PackArgs) -> Result<PackTask, String> {
+    if args.eye.is_some() {
+        return Err("--eye does not belong to --wire paper".into());
+    }
     let inputs = inputs_of(args.general)?;
     if inputs.len() > 1 {
         return Err("--wire paper takes one input".into());

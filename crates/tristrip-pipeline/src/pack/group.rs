@@ -29,7 +29,7 @@ pub(super) struct Member {
 pub(super) struct Group {
     pub(super) parts: Vec<Member>,
     /// The list of places of the parts.
-    list: usize,
+    pub(super) list: usize,
     /// The largest scale of a place.
     pub(super) scale: f64,
     /// The triangles of all parts over their vertices, with the numbers of the parts if there are several.

@@ -106,7 +106,7 @@ pub fn merge_tree(
 }
 
 /// Collapses triangles over the vertices of a mesh in batches for a [stream](crate::stream): a batch removes vertices of which no two have a common triangle, as many
-/// as there can be among the cheaper ones. These are fewer and larger than the levels of a [merge tree](merge_tree), since a vertex may be kept by several collapses of a batch; where a
+/// as there can be among the cheaper ones, by [`SimplifyOptions::with_error_factors`] relative to where they are seen from. These are fewer and larger than the levels of a [merge tree](merge_tree), since a vertex may be kept by several collapses of a batch; where a
 /// surface is not manifold, its points stay.
 ///
 /// # Errors
@@ -142,7 +142,8 @@ fn levels(
     let bits = |v| attribute_bits(mesh, v as usize);
     let priced = |triangles: &[u32], unit| PricedAttributes::new(mesh, triangles, unit, *options.weights());
     let mut decimation = Decimation::new(mesh.positions(), bits, sequence.triangles(), priced, &options, &[]);
-    let level_ends = decimation.run_levels(levels, options.triangle_count(), &mut sequence);
+    let level_ends =
+        decimation.run_levels(levels, options.error_factors(), options.triangle_count(), &mut sequence);
     let is_reached = sequence.triangle_count(0)? <= options.triangle_count();
     let stopped = (!is_reached).then(|| decimation.stopped());
     Ok(MergeTree { sequence, level_ends, stopped })

@@ -136,6 +136,7 @@ pub struct SimplifyOptions {
     triangle_count: usize,
     error: Option<f32>,
     locked: Vec<bool>,
+    error_factors: Vec<f32>,
     locks_borders: bool,
     vanishing: Vec<f32>,
     is_permissive: bool,
@@ -192,6 +193,30 @@ impl SimplifyOptions {
     pub fn with_locked(mut self, locked: Vec<bool>) -> Self {
         self.locked = locked;
         self
+    }
+
+    /// Sets by how much errors at each vertex count when the collapses of a [batch](super::refinement_batches) are chosen, one value per vertex, such as one by the distance from the
+    /// eye: where it is small, vertices are removed earlier. 1 for vertices after the last value; errors of levels stay what they are. Other simplifications ignore it.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// use tristrip::simplify::refinement_batches;
+    /// // Errors on the left count ten times.
+    /// let factors = grid.positions().iter().map(|p| if p[0] < 4.0 { 10.0 } else { 1.0 }).collect();
+    /// let options = SimplifyOptions::default().with_error_factors(factors);
+    /// let tree = refinement_batches(&grid, grid.faces().corners().to_vec(), &options)?;
+    /// assert!(tree.sequence.len() > 40);
+    /// # Ok::<(), tristrip::Error>(())
+    /// ```
+    #[must_use]
+    pub fn with_error_factors(mut self, factors: Vec<f32>) -> Self {
+        self.error_factors = factors;
+        self
+    }
+
+    /// Returns by how much errors at each vertex count.
+    pub(super) fn error_factors(&self) -> &[f32] {
+        &self.error_factors
     }
 
     /// Locks the vertices at the borders of the surface, so that the tiles of a terrain still fit together.
@@ -432,7 +457,17 @@ impl SimplifyOptions {
             let (found, limit) = (corner_count as u64 / 3, MOST_TRIANGLES as u64);
             return Err(Error::LimitExceeded { what: "triangles to simplify", found, limit });
         }
-        for (name, count) in [("locked", self.locked.len()), ("vanishing", self.vanishing.len())] {
+        if let Some(found) = self.error_factors.iter().find(|factor| !(**factor >= 0.0 && factor.is_finite()))
+        {
+            let (name, found) = ("error_factors", found.to_string());
+            return Err(Error::Parameter { name, found, expected: "finite numbers of at least 0" });
+        }
+        let counts = [
+            ("locked", self.locked.len()),
+            ("error_factors", self.error_factors.len()),
+            ("vanishing", self.vanishing.len()),
+        ];
+        for (name, count) in counts {
             if count > vertex_count {
                 let found = format!("{count} values for {vertex_count} vertices");
                 return Err(Error::Parameter { name, found, expected: "at most one value per vertex" });

@@ -29,6 +29,8 @@ struct Levels {
     spacing: Spacing,
     /// For each point the sum of the normals of the full mesh at the points that it stands for, weighted by area.
     normals: Vec<Point>,
+    /// By how much the cost of each point counts; empty if all count alike.
+    factors: Vec<f32>,
 }
 
 impl Levels {
@@ -40,7 +42,7 @@ impl Levels {
                 add(&mut normals[p as usize], normal);
             }
         }
-        Self { order, spacing, normals }
+        Self { order, spacing, normals, factors: Vec::new() }
     }
 
     /// Checks whether a triangle would turn farther than allowed from the full mesh at one of its corners, and farther than before. Each collapse turns triangles by
@@ -87,6 +89,11 @@ impl Levels {
         }
     }
 
+    /// Returns a cost as it counts.
+    fn counted(&self, point: u32, cost: f32) -> f32 {
+        self.factors.get(point as usize).map_or(cost, |factor| cost * factor)
+    }
+
     fn collapse(&mut self, point: u32, to: u32) {
         let normal = self.normals[point as usize];
         add(&mut self.normals[to as usize], normal);
@@ -109,11 +116,13 @@ impl Decimation {
     pub(in super::super) fn run_levels(
         &mut self,
         (order, spacing): (MergeOrder, Spacing),
+        error_factors: &[f32],
         triangle_count: usize,
         sequence: &mut CollapseSequence,
     ) -> Vec<u32> {
         let count = self.surface.topology.point_count();
         let mut levels = Levels::new(&self.surface, order, spacing);
+        levels.factors = self.cost_factors(error_factors);
         let mut pricers = Pricers::new(count);
         let mut level_ends = Vec::new();
         // The last level that has taken an edge with a vertex beside this one.
@@ -125,7 +134,7 @@ impl Decimation {
             self.price_for_level(&levels, &mut pricers, &changed);
             changed.clear();
             points.retain(|&point| !self.surface.topology.ring(point).is_empty());
-            let limit = self.cheapest((order, spacing), &points, &mut chosen);
+            let limit = self.cheapest(&levels, &points, &mut chosen);
             let before = sequence.len();
             for &(_, point) in &chosen {
                 if self.triangle_count <= triangle_count {
@@ -137,7 +146,7 @@ impl Decimation {
                 let is_taken = |p: u32| spacing == Spacing::Disjoint && taken[p as usize] == level;
                 let Some(collapse) = self.collapse_beside(&levels, point, is_taken) else { continue };
                 // The best of the other targets may cost much more than the best one.
-                if collapse.cost > limit {
+                if levels.counted(point, collapse.cost) > limit {
                     continue;
                 }
                 for p in [collapse.to, point] {
@@ -162,15 +171,22 @@ impl Decimation {
         level_ends
     }
 
+    /// Returns by how much the cost of each point counts, given by how much errors at vertices do: costs have the unit of a volume.
+    fn cost_factors(&self, error_factors: &[f32]) -> Vec<f32> {
+        if error_factors.is_empty() {
+            return Vec::new();
+        }
+        let topology = &self.surface.topology;
+        let factor = |point| error_factors.get(topology.vertex_of(point) as usize).copied().unwrap_or(1.0);
+        (0..topology.point_count() as u32).map(|point| factor(point).powi(3).min(f32::MAX)).collect()
+    }
+
     /// Collects the vertices that a level may remove, with their costs, the cheapest first. Returns the largest cost that a collapse of the level may have.
-    fn cheapest(
-        &self,
-        (order, spacing): (MergeOrder, Spacing),
-        points: &[u32],
-        chosen: &mut Vec<(f32, u32)>,
-    ) -> f32 {
+    fn cheapest(&self, levels: &Levels, points: &[u32], chosen: &mut Vec<(f32, u32)>) -> f32 {
         chosen.clear();
-        let priced = points.iter().map(|&point| (self.waiting[point as usize].cost, point));
+        let Levels { order, spacing, .. } = *levels;
+        let priced =
+            points.iter().map(|&point| (levels.counted(point, self.waiting[point as usize].cost), point));
         chosen.extend(priced.filter(|(cost, _)| *cost < f32::INFINITY));
         let by_cost = |a: &(f32, u32), b: &(f32, u32)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
         if order == MergeOrder::Quadric {
