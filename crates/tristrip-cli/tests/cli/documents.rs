@@ -177,6 +177,19 @@ fn every_json_key_is_described() {
     let frame = &flown["frames"][0];
     let flown =
         [&flown, &flown["seconds"], &flown["summary"], &flown["summary"]["median"], frame, &frame["seconds"]];
+    let glb = dir.path().join("packed.glb");
+    let packed = json(tristrip().args(["pack", "--json"]).arg(&fish).arg("-o").arg(&glb));
+    let unpacked = json(tristrip().args(["unpack", "--json"]).arg(&glb));
+    let inspected = json(tristrip().args(["inspect", "--json"]).arg(&glb));
+    let streams = [
+        &packed,
+        &packed["seconds"],
+        &unpacked,
+        &inspected,
+        &inspected["seconds"],
+        &inspected["components"][0],
+        &inspected["chunks"][0],
+    ];
     let simplified = json(tristrip().args(["simplify", "--json", "--ratio", "50%"]).arg(&fish));
     let whole = [
         &simplified,
@@ -197,8 +210,17 @@ fn every_json_key_is_described() {
     let inner = [&strip["mesh"], &strip["seconds"], &best["bound"], &bound["bound"], &bound["components"][0]];
     let analyzed = [&analyze["seconds"], &analyze["vertex_caches"][0], &analyze["by_part"][0]];
     let ordered = [&ordered["vertex_order"][0], &drawn["pareto"][0]];
-    let reports =
-        [&levels[..], &flown[..], &chain[..], &whole[..], &inner[..], &analyzed[..], &ordered[..]].concat();
+    let reports = [
+        &levels[..],
+        &flown[..],
+        &chain[..],
+        &streams[..],
+        &whole[..],
+        &inner[..],
+        &analyzed[..],
+        &ordered[..],
+    ]
+    .concat();
     for key in reports.into_iter().flat_map(keys) {
         assert!(described.contains(&format!("`{key}`")), "FORMAT.md does not describe `{key}`");
     }

@@ -215,7 +215,7 @@ impl ProgressiveGlb {
 
     /// Returns limits for a decoder of the chunks.
     pub fn limits(&self) -> StreamLimits {
-        limits(self.length.min(u32::MAX as usize))
+        limits(self.chunks.len())
     }
 
     /// Returns the scene in which the primitives draw the given meshes, by their numbers in the stream, instead of the base meshes. Where one is missing, or has no triangles, the base mesh

@@ -37,9 +37,9 @@ use crate::model::Drawing;
 
 pub(super) const EXTENSION: &str = "TRISTRIP_progressive";
 pub(super) const VERSION: u64 = 1;
-/// The triangles that a stream may have: any stream, and for each byte.
-const FEWEST_TRIANGLES: usize = 1 << 16;
-const TRIANGLES_PER_BYTE: usize = 256;
+/// The triangles that a stream may have: any stream, and for each byte. A flat grid of a million has two per byte.
+const FEWEST_TRIANGLES: usize = 1 << 18;
+const TRIANGLES_PER_BYTE: usize = 32;
 
 /// A primitive that is refined.
 #[derive(Debug, Clone, Copy)]
