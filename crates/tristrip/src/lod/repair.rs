@@ -66,6 +66,7 @@ mod tests;
 
 pub use model::RepairedStrips;
 pub use options::RepairOptions;
+pub(crate) use paths::{RepairedPaths, walk_steps};
 
 use std::sync::Arc;
 
@@ -77,7 +78,6 @@ use crate::error::Error;
 use crate::strip::Strips;
 use options::{SEARCH_AMOUNTS, SearchAmount};
 use pairing::{Pairing, TwinChanges};
-use paths::{RepairedPaths, walk_steps};
 use strip_order::{StripTriangle, check_size, order_of};
 
 /// The share of the steps of walks that a change may take on average: those that it leaves are saved for others. The test models take up to

@@ -15,15 +15,15 @@ const WALK_STEPS_PER_SEARCH: u64 = 128;
 
 /// Paths, a search that improves them, and the triangles from which it starts.
 #[derive(Debug, Clone)]
-pub(super) struct RepairedPaths {
-    pub(super) paths: PricedPaths,
-    pub(super) search: LocalSearch,
+pub(crate) struct RepairedPaths {
+    pub(crate) paths: PricedPaths,
+    pub(crate) search: LocalSearch,
     near: NearbyTriangles,
 }
 
 impl RepairedPaths {
     /// Allocates slots for triangles, all of them empty.
-    pub(super) fn empty(triangle_count: usize, prices: StripPrices, seed: u64) -> Self {
+    pub(crate) fn empty(triangle_count: usize, prices: StripPrices, seed: u64) -> Self {
         Self {
             paths: PricedPaths::empty(triangle_count, prices),
             search: LocalSearch::new(seed),
@@ -31,13 +31,19 @@ impl RepairedPaths {
         }
     }
 
+    /// Allocates slots up to a number of triangles; the new ones are empty.
+    pub(crate) fn grow(&mut self, triangle_count: usize) {
+        self.paths.grow(triangle_count);
+        self.near.grow(triangle_count);
+    }
+
     /// Returns the memory in bytes.
-    pub(super) fn memory(&self) -> usize {
+    pub(crate) fn memory(&self) -> usize {
         self.paths.memory() + self.near.memory()
     }
 
     /// Returns the number of vertices of all strips, swaps and winding repeats included, in O(1) time.
-    pub(super) fn vertices_sent(&self, triangle_count: usize) -> usize {
+    pub(crate) fn vertices_sent(&self, triangle_count: usize) -> usize {
         // Derived from the cost, in which strips have another price.
         let strips = self.paths.strip_count().cast_signed() as i64;
         let beyond = self.paths.cost() - strips * i64::from(self.paths.prices().strip - 2);
@@ -45,12 +51,12 @@ impl RepairedPaths {
     }
 
     /// Finds up to `most` triangles nearest to those of the start, these included, from which the next searches start.
-    pub(super) fn find_near(&mut self, start: impl Iterator<Item = u32>, most: usize) {
+    pub(crate) fn find_near(&mut self, start: impl Iterator<Item = u32>, most: usize) {
         self.near.find(&self.paths, start, most);
     }
 
     /// Searches from each of the triangles near a change that `selects`, as often as `rounds` says.
-    pub(super) fn search_near(&mut self, rounds: u32, selects: impl Fn(&PricedPaths, u32) -> bool) {
+    pub(crate) fn search_near(&mut self, rounds: u32, selects: impl Fn(&PricedPaths, u32) -> bool) {
         for _ in 0..rounds {
             for &t in &self.near.triangles {
                 if selects(&self.paths, t) {
@@ -61,7 +67,7 @@ impl RepairedPaths {
     }
 
     /// Builds the strips, in O(n) time. `triangle` returns the vertices of a triangle that is drawn.
-    pub(super) fn emit(&self, triangle: impl Fn(u32) -> Option<[u32; 3]>) -> Strips {
+    pub(crate) fn emit(&self, triangle: impl Fn(u32) -> Option<[u32; 3]>) -> Strips {
         // Triangles are renumbered without those that are not drawn.
         let mut number = vec![0; self.paths.len()];
         let (mut corners, mut drawn) = (Vec::new(), Vec::new());
@@ -92,6 +98,6 @@ impl RepairedPaths {
 }
 
 /// Returns the most steps of the walks of searches from some triangles.
-pub(super) fn walk_steps(rounds: u32, triangle_count: usize) -> u64 {
+pub(crate) fn walk_steps(rounds: u32, triangle_count: usize) -> u64 {
     WALK_STEPS + WALK_STEPS_PER_SEARCH * u64::from(rounds) * triangle_count as u64
 }

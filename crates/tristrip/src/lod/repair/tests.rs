@@ -2,14 +2,14 @@
 
 use proptest::prelude::*;
 
-use super::{Repair, RepairOptions};
+use super::{Repair, RepairOptions, RepairedStrips};
 use crate::collapse::{CollapseSequence, Rename};
 use crate::cover::PathCover;
 use crate::dual::DualGraph;
 use crate::effort::Effort;
 use crate::ids::HalfEdge;
-use crate::lod::LevelCursor;
 use crate::lod::samples::{Sample, crowded_samples, samples};
+use crate::lod::{LevelCursor, LevelModel};
 use crate::mesh::{Faces, Mesh};
 use crate::simplify::{self, simplify_triangles};
 use crate::strip::{Cost, Strips, path_cost};
@@ -128,6 +128,13 @@ fn check(repair: &Repair) -> Result<(), TestCaseError> {
 
 fn options(effort: u8) -> RepairOptions {
     RepairOptions::default().with_effort(Effort::new(effort).unwrap())
+}
+
+#[test]
+fn a_model_without_triangles_has_one_level() {
+    let mut cursor = std::sync::Arc::new(RepairedStrips::default()).start();
+    assert_eq!((cursor.levels().collapse_count(), cursor.strips().len()), (0, 0));
+    assert!(cursor.set_level(1).is_err());
 }
 
 proptest! {
