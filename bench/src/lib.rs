@@ -29,6 +29,7 @@ pub mod peers;
 pub mod scaling;
 pub mod scenes;
 pub mod searches;
+pub mod strip_links;
 pub mod targets;
 pub mod text;
 pub mod vertex_caches;

@@ -13,6 +13,7 @@ import { Refiner } from './refiner.js';
 /**
  * @import { ChunkHead } from './chunk.js'
  * @import { Attribute } from './grid.js'
+ * @import { Strips } from './strips.js'
  */
 
 /**
@@ -22,6 +23,11 @@ import { Refiner } from './refiner.js';
  * @property {number} triangles those of all meshes: 2²⁶ unless told otherwise
  * @property {number} chunkBytes bytes of a chunk: 2²⁸ unless told otherwise
  * @property {number} corners corners that are looked at around the vertices of all batches, which the time depends on: 2³⁰ unless told otherwise
+ */
+
+/**
+ * What a decoder does beside decoding, and what a stream may ask for at most.
+ * @typedef {Partial<StreamLimits> & { strips?: typeof Strips }} DecoderOptions `strips`: the class of the module strips.js, if strips are to be kept
  */
 
 /** @type {StreamLimits} */
@@ -88,6 +94,21 @@ export class StreamPart {
       throw new Fault(words(refiner.groupCount, surface.triangleCount), words(chunk.level, chunk.triangles));
     }
     this.#error = chunk.error;
+  }
+
+  /**
+   * Keeps strips of the triangles up: called after each chunk. For the decoder only.
+   * @param {typeof Strips} Strips
+   */
+  keepStrips(Strips) {
+    const refiner = this.#refiner;
+    if (refiner.strips) refiner.strips.followChunk();
+    else refiner.strips = new Strips(refiner.surface, refiner.fans);
+  }
+
+  /** The strips of the triangles so far, if the decoder keeps them. */
+  get strips() {
+    return this.#refiner.strips;
   }
 
   /** The corners around the vertices that were visited. For the decoder only. */
@@ -197,9 +218,9 @@ export class Decoder {
   /** @type {StreamError | undefined} */
   #fault;
 
-  /** @param {Partial<StreamLimits>} [limits] */
-  constructor(limits = {}) {
-    this.#limits = { ...USUAL_LIMITS, ...limits };
+  /** @param {DecoderOptions} [options] */
+  constructor(options = {}) {
+    this.#limits = { ...USUAL_LIMITS, ...options };
   }
 
   /**
@@ -307,8 +328,14 @@ export class Decoder {
     const most = Math.max(this.#limits.triangles - others, 0);
     if (head.triangles > most) throw new Fault(`${head.triangles} triangles`, `at most ${most}`);
     const otherCorners = this.parts.reduce((sum, other) => sum + (other === part ? 0 : other.cornerCount), 0);
-    if (part) part.refine(head, payload, Math.max(this.#limits.corners - otherCorners, 0));
-    else this.#parts[head.stream] = new StreamPart(head, payload);
+    const { corners, strips } = this.#limits;
+    try {
+      if (part) part.refine(head, payload, Math.max(corners - otherCorners, 0));
+      else this.#parts[head.stream] = new StreamPart(head, payload);
+    } finally {
+      // What a faulty chunk has built stays.
+      if (strips) this.#parts[head.stream]?.keepStrips(strips);
+    }
   }
 
   /**

@@ -10,7 +10,7 @@ import { Decoder } from './decoder.js';
 import { StreamError } from './error.js';
 import { grown } from './growth.js';
 
-/** @import { StreamLimits } from './decoder.js' */
+/** @import { DecoderOptions } from './decoder.js' */
 
 const EXTENSION = 'TRISTRIP_progressive';
 const VERSION = 1;
@@ -44,10 +44,10 @@ export class GlbDecoder {
   /** @type {any} */
   #json;
 
-  /** @param {Partial<StreamLimits>} [limits] */
-  constructor(limits = {}) {
-    this.#decoder = new Decoder(limits);
-    this.#mostJsonBytes = limits.chunkBytes ?? MOST_JSON_BYTES;
+  /** @param {DecoderOptions} [options] */
+  constructor(options = {}) {
+    this.#decoder = new Decoder(options);
+    this.#mostJsonBytes = options.chunkBytes ?? MOST_JSON_BYTES;
   }
 
   /**

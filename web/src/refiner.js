@@ -13,6 +13,7 @@ import { next, NONE, previous, Ring } from './surface.js';
  * @import { ChannelModel } from './channels.js'
  * @import { Fans } from './fans.js'
  * @import { RangeDecoder } from './range_coder.js'
+ * @import { Strips } from './strips.js'
  * @import { Split, Surface } from './surface.js'
  */
 
@@ -57,6 +58,8 @@ export class Refiner {
     this.#splits = new SplitModel(surface, fans);
     this.#flags = new Simple(FLAGS);
     this.#precision = new Simple(3);
+    /** @type {Strips | undefined} the strips of the mesh, if they are kept */
+    this.strips = undefined;
     /** The collapses that have been undone. */
     this.groupCount = 0;
     /** The corners around the fans that were visited. */
@@ -212,6 +215,7 @@ export class Refiner {
     fans.cells[at + BESIDE] = placeModel.beside;
     this.#updateAround(split, made);
     surface.split(fan, ring, split, this.#batch);
+    this.strips?.followSplit(split.addsStart, split.addsEnd);
     fans.cells[FAN_CELLS * fan + LAST_SPLIT] = this.#batch;
   }
 

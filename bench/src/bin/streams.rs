@@ -5,7 +5,9 @@
 //! ```
 //!
 //! Only the first mesh of a file is encoded, without its attributes unless --attributes is given. Each stream is decoded again, and must have the triangles of the
-//! input. Distances are root mean squares over both surfaces, in percent of the diagonal.
+//! input. Strips that are kept up while the mesh is refined are proven after each chunk; their indices are shares of three per triangle, means over all chunks, and the times
+//! beside them are those of all chunks, beyond decoding. The bits of links are an estimate of what it would take to send the strips of the full mesh, which the levels of
+//! progressive strips are made of, instead. Distances are root mean squares over both surfaces, in percent of the diagonal.
 #![allow(clippy::print_stdout, reason = "a program that prints")]
 
 use std::path::{Path, PathBuf};
@@ -13,10 +15,12 @@ use std::time::Instant;
 
 use clap::Parser;
 use tristrip::stream::{Decoder, StreamLimits, StreamOptions};
-use tristrip::{Faces, Mesh, PreparedFaces};
+use tristrip::verify::verify;
+use tristrip::{Faces, Layout, Mesh, PreparedFaces, StripifyOptions, stripify};
 use tristrip_bench::failure::Failure;
 use tristrip_bench::measure::median;
 use tristrip_bench::memory::{CountingAllocator, extra_bytes};
+use tristrip_bench::strip_links;
 use tristrip_bench::text::Table;
 use tristrip_io::read_path;
 use tristrip_pipeline::{ChangedSurface, StreamedMesh, stream_of_mesh, surface_change};
@@ -66,18 +70,34 @@ fn main() -> Result<(), Failure> {
     ];
     let mut table = Table::new(1, &heads);
     let mut distances = Table::new(1, &["model", "share %", "bytes", "triangles", "RMS %"]);
+    let heads = [
+        "model",
+        "chunks",
+        "vertices sent",
+        "restart",
+        "degenerate",
+        "full: sent",
+        "restart",
+        "strips ms",
+        "longest chunk ms",
+        "ns/triangle",
+        "links, bits/vertex",
+    ];
+    let mut strips = Table::new(1, &heads);
     let mut logarithms = 0.0;
     for path in &args.models {
         let measured = Measured::of(path, &args)?;
         logarithms += measured.bits_per_vertex().ln();
         table.push(measured.row(&args));
+        strips.push(measured.strips_row(&args)?);
         for share in &args.shares {
             distances.push(measured.distance_row(*share, &args)?);
         }
     }
     println!("{}", table.aligned());
     println!("geometric mean: {:.2} bits per vertex", (logarithms / args.models.len() as f64).exp());
-    println!("\n{}", distances.aligned());
+    println!("\n{}", strips.aligned());
+    println!("{}", distances.aligned());
     Ok(())
 }
 
@@ -150,6 +170,49 @@ impl Measured {
             self.encode_bytes.map_or("-".into(), |bytes| format!("{:.0}", bytes as f64 / triangles)),
             self.streamed.batches.to_string(),
         ]
+    }
+
+    /// Proves and counts the strips after each chunk.
+    fn strips_row(&self, args: &Args) -> Result<Vec<String>, Failure> {
+        let chunks = &self.streamed.stream.chunks;
+        let mut decoder = Decoder::new(StreamLimits::default()).keeping_strips();
+        let (mut shares, mut longest) = (Vec::new(), 0.0_f64);
+        for chunk in chunks {
+            let start = Instant::now();
+            decoder.update(&chunk.bytes).map_err(|error| error.to_string())?;
+            longest = longest.max(start.elapsed().as_secs_f64());
+            let part = decoder.part(0).ok_or("no base mesh")?;
+            let kept = part.strips().ok_or("no strips")?;
+            verify(&part.mesh()?, &kept).map_err(|difference| difference.to_string())?;
+            let list = 3.0 * part.triangle_count().max(1) as f64;
+            let indices = |layout| kept.to_indices::<u32>(layout).map(|indices| indices.len());
+            let counts = [kept.vertices_sent(), indices(Layout::Restart)?, indices(Layout::Degenerate)?];
+            shares.push(counts.map(|count| count as f64 / list));
+        }
+        let times = (0..args.rounds.max(1)).map(|_| {
+            let start = Instant::now();
+            let mut decoder = Decoder::new(StreamLimits::default()).keeping_strips();
+            decoder.update(&self.bytes).map(|_| start.elapsed().as_secs_f64())
+        });
+        let times: Result<Vec<_>, _> = times.collect();
+        let seconds = median(times.map_err(|error| error.to_string())?) - self.decode_seconds;
+        let mean = |i: usize| shares.iter().map(|share| share[i]).sum::<f64>() / shares.len().max(1) as f64;
+        let last = shares.last().copied().unwrap_or_default();
+        let full = self.full.part(0).ok_or("no base mesh")?.mesh()?;
+        let links = strip_links::bits(&full, &stripify(&full, &StripifyOptions::default())?);
+        Ok(vec![
+            self.name.clone(),
+            chunks.len().to_string(),
+            format!("{:.4}", mean(0)),
+            format!("{:.4}", mean(1)),
+            format!("{:.4}", mean(2)),
+            format!("{:.4}", last[0]),
+            format!("{:.4}", last[1]),
+            format!("{:.1}", 1e3 * seconds),
+            format!("{:.1}", 1e3 * longest),
+            format!("{:.0}", 1e9 * seconds / self.streamed.triangles.max(1) as f64),
+            format!("{:.2}", links / self.vertices()),
+        ])
     }
 
     /// Compares what a share of the bytes builds with the full mesh.

@@ -75,6 +75,7 @@ pub use progressive::{
     VertexSplit, encoded_offset,
 };
 pub use repair::{Repair, RepairOptions, RepairedStrips};
+pub(crate) use repair::{RepairedPaths, walk_steps};
 pub(crate) use replay::Records;
 pub use sets::Sets;
 pub use skip::{

@@ -40,6 +40,7 @@ mod encoder;
 mod fit;
 mod grid;
 mod head;
+mod levels;
 mod mixing;
 mod numbers;
 mod options;
@@ -53,6 +54,7 @@ mod run;
 mod samples;
 mod source;
 mod splits;
+mod strips;
 mod surface;
 #[cfg(test)]
 mod tests;

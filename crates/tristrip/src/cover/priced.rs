@@ -187,6 +187,12 @@ impl PricedPaths {
         self.mask(t).count_ones()
     }
 
+    /// Returns whether a path crosses a half-edge.
+    #[inline]
+    pub(crate) fn is_linked(&self, half_edge: u32) -> bool {
+        self.mask(half_edge / 4) >> (half_edge % 4) & 1 == 1
+    }
+
     /// Returns the other end of the path that ends at a triangle.
     #[inline]
     pub(crate) fn partner(&self, end: u32) -> u32 {

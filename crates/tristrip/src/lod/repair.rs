@@ -59,12 +59,14 @@ mod model;
 mod nearby;
 mod options;
 mod pairing;
+mod paths;
 mod strip_order;
 #[cfg(test)]
 mod tests;
 
 pub use model::RepairedStrips;
 pub use options::RepairOptions;
+pub(crate) use paths::{RepairedPaths, walk_steps};
 
 use std::sync::Arc;
 
@@ -72,23 +74,13 @@ use super::level_mesh::LevelMesh;
 use super::level_model::LevelCursor;
 use super::level_table::LevelTable;
 use crate::collapse::CollapseSequence;
-use crate::cover::PathCover;
-use crate::cover::local_search::LocalSearch;
-use crate::cover::priced::PricedPaths;
-use crate::dual::DualGraph;
-use crate::dual::Triangulation;
 use crate::error::Error;
-use crate::strip::{Strips, emit};
-use nearby::NearbyTriangles;
+use crate::strip::Strips;
 use options::{SEARCH_AMOUNTS, SearchAmount};
 use pairing::{Pairing, TwinChanges};
 use strip_order::{StripTriangle, check_size, order_of};
 
-/// The most steps of the walks to the ends of paths that the searches next to a change may take, and of those for each triangle that a
-/// search starts from. The test models take less than 20,000 next to a change.
-const WALK_STEPS: u64 = 1 << 14;
-const WALK_STEPS_PER_SEARCH: u64 = 128;
-/// The share of these steps that a change may take on average: those that it leaves are saved for others. The test models take up to
+/// The share of the steps of walks that a change may take on average: those that it leaves are saved for others. The test models take up to
 /// half of this share, a change of a ribbon of a million triangles as much as it may.
 const AVERAGE_SHARE: u64 = 16;
 
@@ -118,14 +110,12 @@ pub struct Repair {
     level: usize,
     triangle_count: usize,
     mesh: LevelMesh,
-    paths: PricedPaths,
-    local_search: LocalSearch,
+    repaired: RepairedPaths,
     work: SearchAmount,
     pairing: Pairing,
     changes: TwinChanges,
     /// Pairs of half-edges between which a link was cut.
     gaps: Vec<[u32; 2]>,
-    near: NearbyTriangles,
     /// The strips of the level, once they have been asked for as a cursor's.
     display: Option<Strips>,
 }
@@ -203,10 +193,11 @@ impl Repair {
 
     /// Searches from all triangles.
     fn search_all(&mut self) {
-        let all: Vec<u32> = (0..self.paths.len() as u32).filter(|&t| self.mesh.is_drawn(t)).collect();
-        self.paths.allow_walks(walk_steps(self.work.all_rounds, all.len()));
+        let RepairedPaths { paths, search, .. } = &mut self.repaired;
+        let all: Vec<u32> = (0..paths.len() as u32).filter(|&t| self.mesh.is_drawn(t)).collect();
+        paths.allow_walks(walk_steps(self.work.all_rounds, all.len()));
         for _ in 0..self.work.all_rounds {
-            all.iter().for_each(|&t| self.local_search.improve_at(&mut self.paths, t));
+            all.iter().for_each(|&t| search.improve_at(paths, t));
         }
     }
 
@@ -219,8 +210,19 @@ impl Repair {
         options: RepairOptions,
     ) -> Result<Self, Error> {
         check_size(sequence)?;
-        let mut mesh = full_mesh(sequence);
+        let mesh = full_mesh(sequence);
         let order = order_of(strips, &mesh)?;
+        Ok(Self::linked(sequence, mesh, &order, level, options))
+    }
+
+    /// Links the rest of the strips at a level, given the full mesh and the order of its triangles.
+    fn linked(
+        sequence: &Arc<CollapseSequence>,
+        mut mesh: LevelMesh,
+        order: &[StripTriangle],
+        level: usize,
+        options: RepairOptions,
+    ) -> Self {
         (level..sequence.len()).rev().for_each(|level| mesh.collapse(&sequence.collapse_to(level)));
         let slots = mesh.triangle_count();
         let mut repair = Self {
@@ -229,26 +231,24 @@ impl Repair {
             level,
             triangle_count: 0,
             mesh,
-            paths: PricedPaths::empty(slots, options.cost.prices()),
-            local_search: LocalSearch::new(options.seed),
+            repaired: RepairedPaths::empty(slots, options.cost.prices(), options.seed),
             work: SEARCH_AMOUNTS[usize::from(options.effort.level())],
             pairing: Pairing::default(),
             changes: Vec::new(),
             gaps: Vec::new(),
-            near: NearbyTriangles::among(slots),
             display: None,
         };
         for t in 0..slots as u32 {
             if repair.mesh.is_drawn(t) {
                 repair.triangle_count += 1;
-                repair.paths.insert_triangle(t);
+                repair.repaired.paths.insert_triangle(t);
             }
         }
-        repair.paths.allow_walks(walk_steps(repair.work.rounds, repair.work.near));
-        repair.link_neighbours(&order);
-        repair.pairing = Pairing::of(&repair.mesh, &repair.paths, &mut repair.changes);
+        repair.repaired.paths.allow_walks(walk_steps(repair.work.rounds, repair.work.near));
+        repair.link_neighbours(order);
+        repair.pairing = Pairing::of(&repair.mesh, &repair.repaired.paths, &mut repair.changes);
         repair.apply_changes();
-        Ok(repair)
+        repair
     }
 
     /// Links consecutive drawn triangles of a strip that share an edge.
@@ -257,11 +257,12 @@ impl Repair {
         for &next in order.iter().filter(|next| self.mesh.is_drawn(next.triangle)) {
             if let Some(before) = last.filter(|last| last.strip == next.strip) {
                 let shared = self.mesh.shared(before.triangle, next.triangle);
-                let free = shared.filter(|sides| sides.iter().all(|&h| self.paths.twin(h).is_none()));
+                let free =
+                    shared.filter(|sides| sides.iter().all(|&h| self.repaired.paths.twin(h).is_none()));
                 if let Some([a, b]) = free.min_by_key(|&[_, side]| side != next.entry) {
-                    self.paths.set_twin(a, Some(b));
-                    self.paths.set_twin(b, Some(a));
-                    self.paths.join(a);
+                    self.repaired.paths.set_twin(a, Some(b));
+                    self.repaired.paths.set_twin(b, Some(a));
+                    self.repaired.paths.join(a);
                 }
             }
             last = Some(next);
@@ -290,7 +291,7 @@ impl Repair {
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     pub fn strip_count(&self) -> usize {
-        self.paths.strip_count()
+        self.repaired.paths.strip_count()
     }
 
     /// Returns the number of vertices of all strips, swaps and winding repeats included, in O(1) time.
@@ -304,10 +305,7 @@ impl Repair {
     /// # Ok::<(), tristrip::Error>(())
     /// ```
     pub fn vertices_sent(&self) -> usize {
-        // Derived from the cost, in which strips have another price.
-        let strips = self.strip_count().cast_signed() as i64;
-        let beyond = self.paths.cost() - strips * i64::from(self.paths.prices().strip - 2);
-        self.triangle_count + usize::try_from(beyond).unwrap_or(0)
+        self.repaired.vertices_sent(self.triangle_count)
     }
 
     /// Moves to the next coarser level; returns `false` at the base mesh.
@@ -338,13 +336,13 @@ impl Repair {
         for &t in collapse.dropped {
             self.cut_out(t);
         }
-        self.pairing.release_for_collapse(&collapse, &self.mesh, &self.paths);
+        self.pairing.release_for_collapse(&collapse, &self.mesh, &self.repaired.paths);
         self.mesh.collapse(&collapse);
-        collapse.dropped.iter().for_each(|&t| self.paths.remove_triangle(t));
+        collapse.dropped.iter().for_each(|&t| self.repaired.paths.remove_triangle(t));
         let gaps = std::mem::take(&mut self.gaps);
         self.pair_around(collapse.renames.iter().map(|rename| rename.kept));
         for &[a, b] in &gaps {
-            if self.paths.twin(a) == Some(b) {
+            if self.repaired.paths.twin(a) == Some(b) {
                 self.join(a);
             }
         }
@@ -379,13 +377,13 @@ impl Repair {
         let collapse = sequence.collapse_to(level);
         let vertices = || collapse.renames.iter().flat_map(|rename| [rename.kept, rename.removed]);
         self.mesh.split(&collapse);
-        collapse.dropped.iter().for_each(|&t| self.paths.insert_triangle(t));
-        self.pairing.release_for_split(&collapse, &self.mesh, &self.paths);
+        collapse.dropped.iter().for_each(|&t| self.repaired.paths.insert_triangle(t));
+        self.pairing.release_for_split(&collapse, &self.mesh, &self.repaired.paths);
         self.gaps.clear();
         self.pair_around(vertices());
         let gaps = std::mem::take(&mut self.gaps);
         for &gap in &gaps {
-            if let [Some(a), Some(b)] = gap.map(|h| self.paths.twin(h))
+            if let [Some(a), Some(b)] = gap.map(|h| self.repaired.paths.twin(h))
                 && a / 4 == b / 4
                 && collapse.dropped.binary_search(&(a / 4)).is_ok()
             {
@@ -399,13 +397,14 @@ impl Repair {
 
     /// Cuts the links of a triangle and records the gap between two former neighbours.
     fn cut_out(&mut self, t: u32) {
-        let links =
-            [0, 1, 2].map(|e| (self.paths.mask(t) >> e & 1 == 1).then(|| self.paths.across(4 * t + e)));
+        let links = [0, 1, 2].map(|e| {
+            (self.repaired.paths.mask(t) >> e & 1 == 1).then(|| self.repaired.paths.across(4 * t + e))
+        });
         let mut links = links.into_iter().flatten();
         if let (Some(a), b) = (links.next(), links.next()) {
-            self.paths.cut(a);
+            self.repaired.paths.cut(a);
             if let Some(b) = b {
-                self.paths.cut(b);
+                self.repaired.paths.cut(b);
                 self.gaps.push([a, b]);
             }
         }
@@ -414,13 +413,13 @@ impl Repair {
     /// Pairs the released sides around vertices; cuts the links whose edge is gone and records the gaps.
     fn pair_around(&mut self, vertices: impl Iterator<Item = u32>) {
         self.changes.clear();
-        self.pairing.pair_around(vertices, &self.mesh, &self.paths, &mut self.changes);
+        self.pairing.pair_around(vertices, &self.mesh, &self.repaired.paths, &mut self.changes);
         self.apply_changes();
     }
 
     /// Sets the new twins of half-edges; cuts their links and records the gaps.
     fn apply_changes(&mut self) {
-        let paths = &mut self.paths;
+        let paths = &mut self.repaired.paths;
         for &(h, _) in &self.changes {
             if paths.mask(h / 4) >> (h % 4) & 1 == 1 {
                 self.gaps.push([h, paths.across(h)]);
@@ -432,54 +431,24 @@ impl Repair {
 
     /// Links two triangles over a half-edge, if neither is inside a path and the link does not close a path.
     fn join(&mut self, h: u32) {
-        if [h, self.paths.across(h)].iter().all(|h| self.paths.degree(h / 4) < 2) {
-            self.paths.join(h);
+        if [h, self.repaired.paths.across(h)].iter().all(|h| self.repaired.paths.degree(h / 4) < 2) {
+            self.repaired.paths.join(h);
         }
     }
 
     /// Searches near vertices.
     fn search(&mut self, vertices: impl Iterator<Item = u32>) {
         let corners = vertices.flat_map(|v| self.mesh.around(v));
-        self.near.find(&self.paths, corners.map(|corner| corner / 3), self.work.near);
+        self.repaired.find_near(corners.map(|corner| corner / 3), self.work.near);
         let most = walk_steps(self.work.rounds, self.work.near);
-        self.paths.allow_more_walks(most / AVERAGE_SHARE, most);
-        for _ in 0..self.work.rounds {
-            self.near.triangles.iter().for_each(|&t| self.local_search.improve_at(&mut self.paths, t));
-        }
+        self.repaired.paths.allow_more_walks(most / AVERAGE_SHARE, most);
+        self.repaired.search_near(self.work.rounds, |_, _| true);
     }
 
     /// Builds the strips of the level, in O(n) time.
     pub(super) fn emit(&self) -> Strips {
-        // Triangles are renumbered without those that are not drawn.
-        let mut number = vec![0; self.mesh.triangle_count()];
-        let (mut corners, mut drawn) = (Vec::new(), Vec::new());
-        for t in (0..number.len() as u32).filter(|&t| self.mesh.is_drawn(t)) {
-            number[t as usize] = drawn.len() as u32;
-            drawn.push(t);
-            corners.extend(self.mesh.triangle(t));
-        }
-        let mut twins = Vec::with_capacity(corners.len());
-        let mut cover = PathCover::isolated(drawn.len());
-        for (&t, i) in drawn.iter().zip(0..) {
-            for e in 0..3 {
-                let twin = self.paths.twin(4 * t + e);
-                let there = twin.map(|twin| 3 * number[twin as usize / 4] + twin % 4);
-                twins.push(there);
-                if let (Some(twin), Some(there)) = (twin, there)
-                    && self.paths.mask(t) >> e & 1 == 1
-                    && 4 * t + e < twin
-                {
-                    cover.link_unchecked(3 * i + e, there);
-                }
-            }
-        }
-        emit(&Triangulation::from_parts(corners, DualGraph::of_triangle_twins(twins)), &cover)
+        self.repaired.emit(|t| self.mesh.is_drawn(t).then(|| self.mesh.triangle(t)))
     }
-}
-
-/// Returns the most steps of the walks of searches from some triangles.
-fn walk_steps(rounds: u32, triangle_count: usize) -> u64 {
-    WALK_STEPS + WALK_STEPS_PER_SEARCH * u64::from(rounds) * triangle_count as u64
 }
 
 impl LevelCursor for Repair {
@@ -507,8 +476,7 @@ impl LevelCursor for Repair {
     fn memory(&self) -> usize {
         self.mesh.memory()
             + self.pairing.memory()
-            + self.paths.memory()
-            + self.near.memory()
+            + self.repaired.memory()
             + self.display.as_ref().map_or(0, Strips::memory)
     }
 }

@@ -1,5 +1,7 @@
 //! A mesh of a stream: what its chunks so far have built.
 
+use std::sync::{Arc, OnceLock};
+
 use super::base::{BaseFault, code_triangles};
 use super::chunk::{ChunkHead, Reader};
 use super::costs::StreamCosts;
@@ -7,10 +9,15 @@ use super::head::{Head, code_weights};
 use super::places::USUAL_WEIGHTS;
 use super::range_coder::{BitCoder, RangeDecoder};
 use super::refiner::Refiner;
+use super::strips::KeptStrips;
 use super::surface::Surface;
 use crate::collapse::{CollapseSequence, Rename};
+#[cfg(test)]
+use crate::cover::priced::PricedPaths;
 use crate::error::Error;
+use crate::lod::RepairedStrips;
 use crate::mesh::{Faces, Mesh};
+use crate::strip::Strips;
 
 /// A mesh that a stream has built so far.
 #[derive(Debug, Clone)]
@@ -20,6 +27,8 @@ pub struct StreamPart {
     error: f32,
     /// The error before and the levels after each chunk.
     errors: Vec<(f32, u32)>,
+    /// The levels so far, once they have been asked for.
+    pub(super) model: OnceLock<Arc<RepairedStrips>>,
 }
 
 /// What was found, and what was expected.
@@ -63,7 +72,7 @@ impl StreamPart {
         }
         let base = 8.0 * payload.len() as f64;
         refiner.costs = counts_bits.then(|| (StreamCosts { base, ..StreamCosts::default() }, 0.0));
-        Ok(Self { head, refiner, error: chunk.error, errors: Vec::new() })
+        Ok(Self { head, refiner, error: chunk.error, errors: Vec::new(), model: OnceLock::new() })
     }
 
     /// Decodes a refinement.
@@ -76,6 +85,7 @@ impl StreamPart {
         if !(chunk.error >= 0.0 && chunk.error.is_finite()) {
             return Err((format!("an error of {}", chunk.error), "a finite number of at least 0".into()));
         }
+        self.model = OnceLock::new();
         let mut coder = RangeDecoder::new(payload);
         let refiner = &mut self.refiner;
         refiner.most_triangles = chunk.triangles as usize;
@@ -104,6 +114,54 @@ impl StreamPart {
         self.errors.push((self.error, refiner.group_count));
         self.error = chunk.error;
         Ok(())
+    }
+
+    /// Keeps strips of the triangles: called after each chunk.
+    pub(super) fn keep_strips(&mut self) {
+        match &mut self.refiner.strips {
+            Some(strips) => strips.follow_chunk(),
+            none => *none = Some(KeptStrips::new(&self.refiner.surface)),
+        }
+    }
+
+    /// Returns strips of the triangles so far, if they are [kept](super::Decoder::keeping_strips): each triangle once, with its winding. Takes time in proportion to the
+    /// mesh.
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// use tristrip::stream::{Decoder, StreamLimits};
+    /// use tristrip::verify::verify;
+    /// let mut decoder = Decoder::new(StreamLimits::default()).keeping_strips();
+    /// for chunk in &stream.chunks {
+    ///     decoder.update(&chunk.bytes)?;
+    ///     let part = decoder.part(0).ok_or("no base mesh")?;
+    ///     let strips = part.strips().ok_or("no strips")?;
+    ///     verify(&part.mesh()?, &strips)?;
+    /// }
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn strips(&self) -> Option<Strips> {
+        self.refiner.strips.as_ref().map(|strips| self.emit(strips))
+    }
+
+    pub(super) fn emit(&self, strips: &KeptStrips) -> Strips {
+        strips.emit(|corner| self.refiner.vertices[self.refiner.surface.fan(corner) as usize])
+    }
+
+    /// Counts the vertices of the strips, swaps and winding repeats included, in O(1) time, if they are [kept](super::Decoder::keeping_strips).
+    ///
+    /// ```
+    #[doc = include_str!("example.txt")]
+    /// use tristrip::stream::{Decoder, StreamLimits};
+    /// let mut decoder = Decoder::new(StreamLimits::default()).keeping_strips();
+    /// decoder.update(&stream.bytes())?;
+    /// let part = decoder.part(0).ok_or("no base mesh")?;
+    /// assert_eq!(part.vertices_sent(), part.strips().map(|strips| strips.vertices_sent()));
+    /// assert!(part.vertices_sent() < Some(3 * part.triangle_count()));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn vertices_sent(&self) -> Option<usize> {
+        self.refiner.strips.as_ref().map(KeptStrips::vertices_sent)
     }
 
     /// The corners around the vertices that were visited, which decoding takes time in proportion to.
@@ -388,8 +446,26 @@ impl StreamPart {
         CollapseSequence::from_collapses(self.vertex_count(), self.triangles(), collapses)
     }
 
-    /// Returns the surface, for the tests.
+    /// Returns the bytes of the triangles and vertices so far, and of their strips.
+    pub(super) fn mesh_bytes(&self) -> usize {
+        let refiner = &self.refiner;
+        let values: usize = refiner.values.iter().map(|values| size_of_val(&values[..])).sum();
+        refiner.surface.memory()
+            + size_of_val(&refiner.fans[..])
+            + size_of_val(&refiner.vertices[..])
+            + size_of_val(&refiner.record[..])
+            + size_of_val(&refiner.record_ends[..])
+            + values
+            + refiner.strips.as_ref().map_or(0, KeptStrips::memory)
+    }
+
+    /// Returns the paths of the strips, for the tests.
     #[cfg(test)]
+    pub(super) fn paths(&self) -> Option<&PricedPaths> {
+        self.refiner.strips.as_ref().map(KeptStrips::paths)
+    }
+
+    /// Returns the triangles with their neighbours.
     pub(super) fn surface(&self) -> &Surface {
         &self.refiner.surface
     }

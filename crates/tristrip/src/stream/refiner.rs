@@ -10,6 +10,7 @@ use super::mixing::{Simple, code_bits};
 use super::places::{Estimates, Place, PlaceModel, Polygon, Surprise, Weights};
 use super::range_coder::BitCoder;
 use super::splits::{Batch, Fan, SplitModel};
+use super::strips::KeptStrips;
 use super::surface::{MOST_CORNERS, NONE, Split, Surface, next, previous, triangle_of};
 
 /// A split to be encoded.
@@ -71,6 +72,8 @@ pub(super) struct Refiner {
     pub(super) costs: Option<(StreamCosts, f64)>,
     /// Learns the weights, while encoding.
     pub(super) fit: Option<Fit>,
+    /// The strips of the mesh, if they are kept.
+    pub(super) strips: Option<KeptStrips>,
     ring: Vec<u32>,
     rim: Vec<u32>,
     polygon: Polygon,
@@ -136,6 +139,7 @@ impl Refiner {
             precision: Simple::new(3),
             costs: None,
             fit: None,
+            strips: None,
             ring: Vec::new(),
             rim: Vec::new(),
             polygon: Polygon::default(),
@@ -367,6 +371,9 @@ impl Refiner {
         let added = self.surface.split(fan, ring, split);
         for corner in added.into_iter().filter(|&corner| corner != NONE) {
             self.surface.set_mark(corner, self.batch);
+        }
+        if let Some(strips) = &mut self.strips {
+            strips.follow_split(&self.surface, added);
         }
         self.push_fan(place, (!is_first).then_some(first_new), vertex, surprise);
         self.fans[fan as usize].split = self.batch;

@@ -83,6 +83,11 @@ impl Surface {
         self.cells.len() >> 3
     }
 
+    /// Returns the memory in bytes.
+    pub(super) fn memory(&self) -> usize {
+        size_of_val(&self.cells[..]) + size_of_val(&self.first[..])
+    }
+
     /// Returns all corners.
     pub(super) fn corners(&self) -> impl Iterator<Item = u32> + use<> {
         (0..self.triangle_count() as u32).flat_map(corners_of)

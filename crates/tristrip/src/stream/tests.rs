@@ -14,6 +14,7 @@ use crate::simplify::MergeTree;
 mod arguments;
 mod attributes;
 mod hostile;
+mod strips;
 
 /// Numbers keys in the order in which they are seen.
 #[derive(Default)]

@@ -25,6 +25,12 @@ impl PricedPaths {
         }
     }
 
+    /// Allocates slots up to a number of triangles; the new ones are empty.
+    pub(crate) fn grow(&mut self, triangle_count: usize) {
+        self.nodes.resize(triangle_count, UNLINKED);
+        self.ends.resize(triangle_count / 64 + 1, 0);
+    }
+
     /// Inserts a triangle into an empty slot, as a strip by itself without neighbours.
     pub(crate) fn insert_triangle(&mut self, t: u32) {
         self.nodes[t as usize] = UNLINKED;
@@ -32,6 +38,53 @@ impl PricedPaths {
         self.ends[t as usize / 64] |= 1 << (t % 64);
         self.strips += 1;
         self.cost += i64::from(self.prices.strip);
+    }
+
+    /// Puts a triangle without links between the two triangles of a link: its half-edge `sides[0]` becomes the twin of the link, `sides[1]` that of the link's twin.
+    pub(crate) fn insert_into_link(&mut self, link: u32, sides: [u32; 2]) {
+        let twin = self.across(link);
+        debug_assert_eq!(self.mask(sides[0] / 4), 0, "it has links");
+        // Only the turn in the triangle itself is new. The start of the path changes only if the link is next to an end.
+        let ends = match [link, twin].map(|h| self.degree(h / 4) < 2) {
+            [true, _] => Some([link / 4, self.partner(link / 4)]),
+            [false, true] => Some([self.partner(twin / 4), twin / 4]),
+            [false, false] => None,
+        };
+        let start_swap = |paths: &Self| ends.map_or(0, |[e, f]| paths.start_swap(e, f));
+        let before = self.swap_at(link) + start_swap(self);
+        for (outer, inner) in [(link, sides[0]), (twin, sides[1])] {
+            self.nodes[outer as usize / 4].twins[outer as usize % 4] = inner;
+            self.nodes[inner as usize / 4].twins[inner as usize % 4] = outer;
+            self.nodes[inner as usize / 4].state |= 1 << (inner % 4);
+        }
+        let t = sides[0] / 4;
+        self.ends[t as usize / 64] &= !(1 << (t % 64));
+        let after = self.swap_at(link) + self.swap_at(twin) + start_swap(self);
+        self.strips -= 1;
+        self.cost += i64::from((after - before) * self.prices.swap - self.prices.strip);
+    }
+
+    /// Joins a triangle to the ends beside it, over the edge that lowers the cost the most, until none does not raise it.
+    pub(crate) fn join_ends(&mut self, t: u32) {
+        while self.degree(t) < 2 {
+            let best = (4 * t..4 * t + 3).filter_map(|h| self.join_rise(h).map(|rise| (rise, h))).min();
+            match best {
+                Some((rise, h)) if rise <= 0 => _ = self.join(h),
+                _ => break,
+            }
+        }
+    }
+
+    /// Returns by how much a join over a half-edge of an end would raise the cost, if it is possible.
+    fn join_rise(&mut self, h: u32) -> Option<i32> {
+        let twin = self.twin(h)?;
+        if self.is_linked(h) || self.degree(twin / 4) == 2 {
+            return None;
+        }
+        let ends = self.outer_ends(h);
+        let rise = self.join(h)?;
+        self.cut_between(h, ends);
+        Some(rise)
     }
 
     /// Removes a triangle without links.

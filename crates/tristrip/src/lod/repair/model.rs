@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::{Repair, RepairOptions};
 use crate::collapse::CollapseSequence;
 use crate::error::Error;
+use crate::lod::level_mesh::LevelMesh;
 use crate::lod::level_model::{LevelCursor, LevelModel};
 use crate::lod::level_table::LevelTable;
 use crate::strip::Strips;
@@ -65,6 +66,15 @@ impl RepairedStrips {
     /// ```
     pub fn cursor(&self) -> Repair {
         self.full.clone()
+    }
+}
+
+/// A mesh without triangles.
+impl Default for RepairedStrips {
+    fn default() -> Self {
+        let sequence = Arc::new(CollapseSequence::default());
+        let mesh = LevelMesh::new(&sequence);
+        Self { full: Repair::linked(&sequence, mesh, &[], 0, RepairOptions::default()) }
     }
 }
 

@@ -17,6 +17,11 @@ impl NearbyTriangles {
         Self { marks: vec![0; triangle_count], ..Self::default() }
     }
 
+    /// Prepares searches among more triangles.
+    pub(super) fn grow(&mut self, triangle_count: usize) {
+        self.marks.resize(triangle_count, self.search);
+    }
+
     /// Returns the memory in bytes.
     pub(super) fn memory(&self) -> usize {
         size_of_val(&self.marks[..]) + size_of_val(&self.triangles[..])

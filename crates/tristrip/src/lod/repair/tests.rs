@@ -2,14 +2,14 @@
 
 use proptest::prelude::*;
 
-use super::{Repair, RepairOptions};
+use super::{Repair, RepairOptions, RepairedStrips};
 use crate::collapse::{CollapseSequence, Rename};
 use crate::cover::PathCover;
 use crate::dual::DualGraph;
 use crate::effort::Effort;
 use crate::ids::HalfEdge;
-use crate::lod::LevelCursor;
 use crate::lod::samples::{Sample, crowded_samples, samples};
+use crate::lod::{LevelCursor, LevelModel};
 use crate::mesh::{Faces, Mesh};
 use crate::simplify::{self, simplify_triangles};
 use crate::strip::{Cost, Strips, path_cost};
@@ -32,8 +32,8 @@ fn waves(side: u32) -> Sample {
 /// Checks twins by all pairs of half-edges: they are mutual, and no two half-edges of opposite direction over an edge are both
 /// without a twin.
 fn check_twins(repair: &Repair) -> Result<(), TestCaseError> {
-    let slots = 0..repair.paths.len() as u32;
-    let twins = |t: u32| (4 * t..4 * t + 3).map(|h| repair.paths.twin(h));
+    let slots = 0..repair.repaired.paths.len() as u32;
+    let twins = |t: u32| (4 * t..4 * t + 3).map(|h| repair.repaired.paths.twin(h));
     for t in slots.clone().filter(|&t| !repair.mesh.is_drawn(t)) {
         prop_assert!(twins(t).all(|twin| twin.is_none()));
     }
@@ -45,12 +45,12 @@ fn check_twins(repair: &Repair) -> Result<(), TestCaseError> {
         })
         .collect();
     for &(h, [from, to]) in &sides {
-        let twin = repair.paths.twin(h);
+        let twin = repair.repaired.paths.twin(h);
         let across: Vec<u32> =
             sides.iter().filter(|side| side.1 == [to, from]).map(|&(other, _)| other).collect();
         match twin {
-            None => prop_assert!(across.iter().all(|&other| repair.paths.twin(other).is_some())),
-            Some(twin) => prop_assert!(across.contains(&twin) && repair.paths.twin(twin) == Some(h)),
+            None => prop_assert!(across.iter().all(|&other| repair.repaired.paths.twin(other).is_some())),
+            Some(twin) => prop_assert!(across.contains(&twin) && repair.repaired.paths.twin(twin) == Some(h)),
         }
     }
     Ok(())
@@ -58,8 +58,8 @@ fn check_twins(repair: &Repair) -> Result<(), TestCaseError> {
 
 /// Returns the twins of all half-edges of the slots.
 fn twins(repair: &Repair) -> Vec<Option<u32>> {
-    let half_edges = 0..4 * repair.paths.len() as u32;
-    half_edges.map(|h| if h % 4 < 3 { repair.paths.twin(h) } else { None }).collect()
+    let half_edges = 0..4 * repair.repaired.paths.len() as u32;
+    half_edges.map(|h| if h % 4 < 3 { repair.repaired.paths.twin(h) } else { None }).collect()
 }
 
 /// Pairs the sides of every edge: those that were twins stay so, if they are on one edge; the others are paired as brackets.
@@ -69,7 +69,7 @@ fn paired_from_scratch(repair: &Repair, before: &[Option<u32>]) -> Vec<Option<u3
         let [from, to] = mesh.edge(a);
         mesh.edge(b) == [to, from]
     };
-    let drawn = (0..repair.paths.len() as u32).filter(|&t| mesh.is_drawn(t));
+    let drawn = (0..repair.repaired.paths.len() as u32).filter(|&t| mesh.is_drawn(t));
     let mut sides: Vec<(u32, u32, u32)> = drawn
         .flat_map(|t| 4 * t..4 * t + 3)
         .map(|h| (mesh.edge(h)[0].min(mesh.edge(h)[1]), mesh.edge(h)[0].max(mesh.edge(h)[1]), h))
@@ -95,16 +95,17 @@ fn check(repair: &Repair) -> Result<(), TestCaseError> {
     let drawn = repair.sequence.drawn(level).unwrap();
     prop_assert_eq!(repair.triangle_count(), drawn.len());
     check_twins(repair)?;
-    for t in 0..repair.paths.len() as u32 {
-        let is_end = repair.mesh.is_drawn(t) && repair.paths.degree(t) < 2;
-        prop_assert_eq!(repair.paths.ends_of(t as usize / 64) >> (t % 64) & 1 == 1, is_end);
+    for t in 0..repair.repaired.paths.len() as u32 {
+        let is_end = repair.mesh.is_drawn(t) && repair.repaired.paths.degree(t) < 2;
+        prop_assert_eq!(repair.repaired.paths.ends_of(t as usize / 64) >> (t % 64) & 1 == 1, is_end);
     }
-    let half_edges = || (0..4 * repair.paths.len() as u32).filter(|h| h % 4 < 3);
+    let half_edges = || (0..4 * repair.repaired.paths.len() as u32).filter(|h| h % 4 < 3);
     let by_threes = |h: u32| h / 4 * 3 + h % 4;
-    let graph = DualGraph::of_triangle_twins(half_edges().map(|h| repair.paths.twin(h).map(by_threes)));
-    let mut cover = PathCover::isolated(repair.paths.len());
+    let graph =
+        DualGraph::of_triangle_twins(half_edges().map(|h| repair.repaired.paths.twin(h).map(by_threes)));
+    let mut cover = PathCover::isolated(repair.repaired.paths.len());
     for h in half_edges() {
-        if repair.paths.mask(h / 4) >> (h % 4) & 1 == 1 {
+        if repair.repaired.paths.mask(h / 4) >> (h % 4) & 1 == 1 {
             prop_assert!(
                 cover.is_linked(HalfEdge(by_threes(h))) || cover.link(&graph, HalfEdge(by_threes(h)))
             );
@@ -127,6 +128,13 @@ fn check(repair: &Repair) -> Result<(), TestCaseError> {
 
 fn options(effort: u8) -> RepairOptions {
     RepairOptions::default().with_effort(Effort::new(effort).unwrap())
+}
+
+#[test]
+fn a_model_without_triangles_has_one_level() {
+    let mut cursor = std::sync::Arc::new(RepairedStrips::default()).start();
+    assert_eq!((cursor.levels().collapse_count(), cursor.strips().len()), (0, 0));
+    assert!(cursor.set_level(1).is_err());
 }
 
 proptest! {

@@ -1,4 +1,7 @@
+use std::sync::Arc;
+
 use super::*;
+use crate::lod::LevelModel;
 use crate::mesh::is_degenerate;
 use crate::random::Random;
 use crate::stream::StreamError;
@@ -178,11 +181,12 @@ fn accepted(bytes: &[u8], limits: StreamLimits) -> (Vec<u8>, bool) {
     (sealed(&chunks), true)
 }
 
-/// Asks all questions of what has been built.
-fn check_parts(decoder: &Decoder, most: usize) {
-    let mut triangles = 0;
+/// Asks all questions of what has been built; returns how many parts have splits that are none of collapses.
+fn check_parts(decoder: &Decoder, most: usize) -> usize {
+    let (mut triangles, mut refused_sequences) = (0, 0);
     for part in decoder.parts() {
         part.surface().check().unwrap();
+        strips::check_strips(part);
         triangles += part.triangle_count();
         let vertex_count = part.vertex_count();
         assert!(part.triangles().iter().all(|&v| (v as usize) < vertex_count));
@@ -195,9 +199,19 @@ fn check_parts(decoder: &Decoder, most: usize) {
             let triangles = part.triangles();
             let drawn = sorted(triangles_of(&triangles).filter(|&t| !is_degenerate(t)));
             assert_eq!(sorted(sequence.drawn(part.level()).unwrap()), drawn);
+        } else {
+            refused_sequences += 1;
+            let mut cursor = Arc::new(part.clone()).start();
+            assert_eq!(cursor.level(), 0);
+            let triangles = part.triangles();
+            assert_eq!(
+                sorted(cursor.strips().triangles()),
+                sorted(triangles_of(&triangles).filter(|&t| !is_degenerate(t)))
+            );
         }
     }
     assert!(triangles <= most, "{triangles} of {most}");
+    refused_sequences
 }
 
 #[test]
@@ -208,19 +222,19 @@ fn changed_contents_do_no_harm() {
     let [mut right, mut wrong] = [0; 2];
     for i in 0..10_000 {
         let bytes = mutated(&mut random, &chunks);
-        let mut decoder = Decoder::new(limits);
+        let mut decoder = Decoder::new(limits).keeping_strips();
         let result = decoder.update(&bytes);
         *(if result.is_ok() { &mut right } else { &mut wrong }) += 1;
         // A split that is one too many adds two triangles.
         check_parts(&decoder, limits.triangles + 2);
         if i % 4 == 0 {
             let (bytes, is_right) = accepted(&bytes, limits);
-            let mut decoder = Decoder::new(limits);
+            let mut decoder = Decoder::new(limits).keeping_strips();
             assert_eq!(decoder.update(&bytes).is_ok(), is_right);
             check_parts(&decoder, limits.triangles + 2);
         }
         if i % 50 == 0 {
-            let mut pieces = Decoder::new(limits);
+            let mut pieces = Decoder::new(limits).keeping_strips();
             let faults = bytes.chunks(11).map(|piece| pieces.update(piece).map(|_| ())).find(Result::is_err);
             assert_eq!(faults.unwrap_or(Ok(())), result.map(|_| ()));
             assert_eq!(fingerprints(&pieces), fingerprints(&decoder));
@@ -234,6 +248,7 @@ fn any_payload_is_read() {
     let limits = StreamLimits { meshes: 3, triangles: 3000, chunk_bytes: 4000, corners: 1 << 20 };
     let base = chunks_of(&bytes()).swap_remove(0);
     let mut random = Random::new(9);
+    let mut refused = 0;
     for _ in 0..500 {
         // A base mesh with the usual head, and any bytes after it.
         let mut payload = base.1[..random.below(base.1.len())].to_vec();
@@ -242,12 +257,14 @@ fn any_payload_is_read() {
         let visits = random.below(4000) as u32;
         let head = ChunkHead { visits, triangles: 2000, level: 0, ..base.0 };
         let bytes = sealed(&[(base.0, payload), (head, refinement)]);
-        let mut decoder = Decoder::new(limits);
+        let mut decoder = Decoder::new(limits).keeping_strips();
         let _ = decoder.update(&bytes);
-        check_parts(&decoder, limits.triangles + 2);
+        refused += check_parts(&decoder, limits.triangles + 2);
         let (bytes, _) = accepted(&bytes, limits);
-        let mut decoder = Decoder::new(limits);
+        let mut decoder = Decoder::new(limits).keeping_strips();
         let _ = decoder.update(&bytes);
-        check_parts(&decoder, limits.triangles + 2);
+        refused += check_parts(&decoder, limits.triangles + 2);
     }
+    // Such a part has one level.
+    assert!(refused > 0, "{refused}");
 }

@@ -1,0 +1,222 @@
+/**
+ * Triangle strips of a mesh that is refined. They are kept up while splits add triangles, and are never searched for from scratch.
+ *
+ * A split inserts a triangle between the two sides of an edge. A strip that crosses the edge goes through the triangle afterwards; no other link changes. After a chunk the other
+ * new triangles are joined to strips beside them, and a local search starts from the triangles nearest to the new ones. The strips are the same as those that
+ * the decoder in Rust keeps up.
+ *
+ * A decoder takes this class as an option, so that it is only loaded where it is used: `new Decoder({ strips: Strips })`.
+ * @module
+ */
+import { FAN_CELLS, VERTEX } from './fans.js';
+import { grown } from './growth.js';
+import { LOWEST, NONE, Paths } from './paths.js';
+
+/**
+ * @import { Fans } from './fans.js'
+ * @import { Surface } from './surface.js'
+ */
+
+/** The triangles from which the search after a chunk starts, per new triangle; how often it starts from ends, and from all of them, also of a base mesh. */
+const NEAR = 4;
+const ROUNDS_OF_ENDS = 4;
+const ROUNDS = 1;
+const BASE_ROUNDS = 10;
+/** The most steps of the walks of a search, and those for each triangle that it starts from. */
+const WALK_STEPS = 2 ** 14;
+const WALK_STEPS_PER_SEARCH = 128;
+
+/**
+ * Returns the half-edge opposite to a corner.
+ * @param {number} corner
+ */
+function oppositeSide(corner) {
+  const e = corner & 7;
+  return 4 * (corner >> 3) + (e === 2 ? 0 : e + 1);
+}
+
+/** The strips of a mesh that is refined. */
+export class Strips {
+  #surface;
+  #fans;
+  #paths = new Paths();
+  /** The triangles before the chunk. */
+  #known = 0;
+  /** The triangles near the new ones, and the last search that reached each triangle. */
+  #near = new Int32Array(0);
+  #marks = new Int32Array(0);
+  #search = 0;
+
+  /**
+   * Builds the strips of a base mesh. For the decoder only.
+   * @param {Surface} surface
+   * @param {Fans} fans
+   */
+  constructor(surface, fans) {
+    this.#surface = surface;
+    this.#fans = fans;
+    const { triangleCount } = surface;
+    for (let t = 0; t < triangleCount; t++) this.#paths.push();
+    for (let first = 0; first < 8 * triangleCount; first += 8) {
+      for (let corner = first; corner < first + 3; corner++) {
+        const other = surface.opposite(corner);
+        if (other !== NONE) this.#paths.pair(oppositeSide(corner), oppositeSide(other));
+      }
+    }
+    this.#finishChunk(BASE_ROUNDS);
+  }
+
+  /**
+   * Follows a split that was done. For the decoder only.
+   * @param {boolean} addsStart whether it has added a triangle before the corners that moved, and after them
+   * @param {boolean} addsEnd
+   */
+  followSplit(addsStart, addsEnd) {
+    const end = 8 * this.#surface.triangleCount - 8;
+    const start = addsEnd ? end - 8 : end;
+    if (addsStart) this.#insert(start + 2, start);
+    if (addsEnd) this.#insert(end + 1, end);
+    if (addsStart && addsEnd) this.#paths.pair(oppositeSide(start + 1), oppositeSide(end + 2));
+  }
+
+  /**
+   * Inserts a triangle between the two sides of an edge.
+   * @param {number} a
+   * @param {number} b its corners that are opposite to its edges there
+   */
+  #insert(a, b) {
+    const paths = this.#paths;
+    const beyondA = this.#surface.opposite(a);
+    const beyondB = this.#surface.opposite(b);
+    paths.push();
+    const outer = oppositeSide(beyondA);
+    if (beyondA !== NONE && beyondB !== NONE && paths.isLinked(outer)) {
+      paths.insertIntoLink(outer, oppositeSide(a), oppositeSide(b));
+      return;
+    }
+    if (beyondA !== NONE) paths.pair(oppositeSide(a), outer);
+    if (beyondB !== NONE) paths.pair(oppositeSide(b), oppositeSide(beyondB));
+  }
+
+  /** Follows the end of a chunk. For the decoder only. */
+  followChunk() {
+    this.#finishChunk(ROUNDS);
+  }
+
+  /** @param {number} rounds */
+  #finishChunk(rounds) {
+    const paths = this.#paths;
+    const { triangleCount } = paths;
+    for (let t = this.#known; t < triangleCount; t++) paths.joinEnds(t);
+    const count = this.#findNear();
+    const near = this.#near;
+    paths.walkSteps = WALK_STEPS + WALK_STEPS_PER_SEARCH * (ROUNDS_OF_ENDS + rounds) * count;
+    for (let round = 0; round < ROUNDS_OF_ENDS; round++) {
+      for (let i = 0; i < count; i++) if (paths.degree(near[i]) < 2) paths.improveAt(near[i]);
+    }
+    for (let round = 0; round < rounds; round++) {
+      for (let i = 0; i < count; i++) paths.improveAt(near[i]);
+    }
+    this.#known = triangleCount;
+  }
+
+  /** Finds the triangles nearest to the new ones, these included, in breadth-first order; returns their number. */
+  #findNear() {
+    const { cells, triangleCount } = this.#paths;
+    const most = Math.min(NEAR * (triangleCount - this.#known), triangleCount);
+    const near = (this.#near = grown(this.#near, most + 3));
+    const marks = (this.#marks = grown(this.#marks, triangleCount));
+    const search = ++this.#search;
+    let count = 0;
+    for (let t = this.#known; t < triangleCount; t++) {
+      marks[t] = search;
+      near[count++] = t;
+    }
+    for (let seen = 0; seen < count && count < most; seen++) {
+      for (let h = 4 * near[seen]; h < 4 * near[seen] + 3; h++) {
+        const t = cells[h] >> 2;
+        if (cells[h] === NONE || marks[t] === search) continue;
+        marks[t] = search;
+        near[count++] = t;
+      }
+    }
+    return Math.min(count, most);
+  }
+
+  /** The number of strips. */
+  get count() {
+    return this.#paths.stripCount;
+  }
+
+  /** The vertices of all strips, without the indices between them. */
+  get verticesSent() {
+    return this.#paths.triangleCount + this.#paths.cost;
+  }
+
+  /**
+   * Returns the strips as an index buffer for `drawElements(TRIANGLE_STRIP, …)`, with the index of primitive restart between them: 65535 in an array of 16 bits, which is returned if the
+   * vertices fit, otherwise 4294967295.
+   * @returns {Uint16Array | Uint32Array}
+   */
+  indices() {
+    const paths = this.#paths;
+    const Type = this.#fans.vertexCount < 65536 ? Uint16Array : Uint32Array;
+    const indices = new Type(this.verticesSent + Math.max(this.count - 1, 0)).fill(-1);
+    const seen = new Uint8Array(paths.triangleCount);
+    let length = 0;
+    for (let lowest = 0; lowest < paths.triangleCount; lowest++) {
+      if (seen[lowest]) continue;
+      if (lowest > 0) length++;
+      length = this.#sendPath(this.#startOf(lowest), indices, length, seen);
+    }
+    return indices;
+  }
+
+  /**
+   * Returns the end from which the path of a triangle is sent: the one in the direction of its first link, unless only a strip from the other end begins without a swap.
+   * @param {number} lowest the lowest triangle of the path
+   */
+  #startOf(lowest) {
+    const paths = this.#paths;
+    let start = lowest;
+    for (let exit = LOWEST[paths.mask(start)]; exit < 3; ) {
+      const twin = paths.cells[4 * start + exit];
+      start = twin >> 2;
+      exit = LOWEST[paths.mask(start) & ~(1 << (twin & 3))];
+    }
+    const other = paths.partner(start);
+    return paths.beginsWithSwap(start) && !paths.beginsWithSwap(other) ? other : start;
+  }
+
+  /**
+   * Writes the vertices of a path to an index buffer; returns its new length.
+   * @param {number} t the first triangle
+   * @param {Uint16Array | Uint32Array} indices
+   * @param {number} length
+   * @param {Uint8Array} seen the triangles that were sent
+   */
+  #sendPath(t, indices, length, seen) {
+    const paths = this.#paths;
+    const { cells } = this.#surface;
+    const fans = this.#fans.cells;
+    // Edges and corners are counted on beyond 2.
+    const vertex = (/** @type {number} */ corner) => fans[FAN_CELLS * cells[8 * t + (corner > 2 ? corner - 3 : corner)] + VERTEX];
+    let exit = LOWEST[paths.mask(t)];
+    const first = exit < 3 ? exit : 1;
+    for (const corner of [first + 2, first, first + 1]) indices[length++] = vertex(corner);
+    seen[t] = 1;
+    for (let isEven = false; exit < 3; ) {
+      const twin = paths.cells[4 * t + exit];
+      const entry = twin & 3;
+      t = twin >> 2;
+      seen[t] = 1;
+      exit = LOWEST[paths.mask(t) & ~(1 << entry)];
+      if (exit < 3) {
+        if ((exit === (entry < 2 ? entry + 1 : 0)) === isEven) isEven = !isEven;
+        else indices[length] = indices[length++ - 2];
+      }
+      indices[length++] = vertex(entry + 2);
+    }
+    return length;
+  }
+}
