@@ -46,7 +46,7 @@ pub struct Published {
 /// let model = read([corners, "f 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n"].concat().as_bytes(), Format::Obj)?;
 /// let packed = pack_as_published(&model.parts[0].mesh, &LevelsOptions::default(), &())?;
 /// assert_eq!((packed.triangles, packed.proven), (4, Some(4)));
-/// let base = unpack_published(&packed.bytes, StreamGoal::Triangles(3))?;
+/// let base = unpack_published(&packed.bytes, StreamGoal::Triangles(0))?;
 /// assert_eq!((base.level, base.triangles), (0, packed.base_triangles));
 /// # Ok::<(), tristrip_pipeline::Error>(())
 /// ```
