@@ -14,6 +14,7 @@ use crate::simplify::MergeTree;
 mod arguments;
 mod attributes;
 mod hostile;
+mod vectors;
 
 /// Numbers keys in the order in which they are seen.
 #[derive(Default)]
