@@ -11,7 +11,7 @@ import { SMALL_CONTEXTS, USUAL_SQUARE } from './constants.js';
 import { Fault } from './error.js';
 import { FAN_CELLS, Fans, VERTEX } from './fans.js';
 import { grown } from './growth.js';
-import { Simple } from './mixing.js';
+import { Simple } from './slots.js';
 import { decodeSmall } from './numbers.js';
 import { next, NONE, previous, Surface } from './surface.js';
 
@@ -83,6 +83,7 @@ export function decodeFans(coder, surface, placeModel, channels, knownBits) {
   const flags = new Simple(2);
   const around = new Int32Array(2);
   const { place } = placeModel;
+  const most = 2 ** knownBits - 1;
   const earlier = (/** @type {number} */ context) => {
     const fan = fans.count;
     if (fan === 0 || !flags.decode(coder, context)) return NONE;
@@ -114,10 +115,10 @@ export function decodeFans(coder, surface, placeModel, channels, knownBits) {
         place[j] = ofA + ofB - cells[FAN_CELLS * c + j];
         square += (ofA - ofB) * (ofA - ofB);
       }
-      placeModel.decodeBase(coder, square, knownBits);
+      placeModel.decodeBase(coder, square, most);
     } else {
       for (let j = 0; j < 3; j++) place[j] = fan > 0 ? cells[FAN_CELLS * (fan - 1) + j] : 0;
-      placeModel.decodeBase(coder, USUAL_SQUARE, knownBits);
+      placeModel.decodeBase(coder, USUAL_SQUARE, most);
     }
     // 4. The attributes.
     let vertex = fans.vertexCount;
@@ -129,7 +130,7 @@ export function decodeFans(coder, surface, placeModel, channels, knownBits) {
       if (length > 1) around[1] = cells[FAN_CELLS * b + VERTEX];
       for (const channel of channels) channel.decode(coder, vertex, around, length);
     }
-    fans.push(twin, vertex, 0);
+    fans.push(twin, vertex, 0, 0);
     for (let j = 0; j < 3; j++) fans.cells[FAN_CELLS * fan + j] = place[j];
   }
   return fans;

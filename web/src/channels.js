@@ -5,10 +5,10 @@
  * expected to be those of the kept vertex.
  * @module
  */
-import { CHANNEL_CONTEXTS, MOST_AXES } from './constants.js';
+import { CHANNEL_LEVEL, MOST_AXES } from './constants.js';
 import { grown } from './growth.js';
-import { Simple } from './mixing.js';
-import { halves, NumberModel } from './numbers.js';
+import { Level, logarithm, NumberModel } from './numbers.js';
+import { Simple } from './slots.js';
 
 /** @import { RangeDecoder } from './range_coder.js' */
 
@@ -18,9 +18,20 @@ export const OCTAHEDRAL = 1;
 export const TANGENT = 2;
 export const NAMES = 3;
 
+const features = new Int32Array(3);
+
+/**
+ * Returns the level of a number.
+ * @param {number} x
+ */
+function sizeOf(x) {
+  return 2 * logarithm(2 * x + 1) - 16;
+}
+
 /** How a channel is decoded. */
 export class ChannelModel {
   #numbers;
+  #levels;
   #isKept;
 
   /**
@@ -33,7 +44,8 @@ export class ChannelModel {
     this.width = width;
     this.bits = bits;
     const axes = Math.min(width, MOST_AXES);
-    this.#numbers = new NumberModel(axes, CHANNEL_CONTEXTS);
+    this.#numbers = new NumberModel(axes);
+    this.#levels = Array.from({ length: axes }, () => new Level(CHANNEL_LEVEL));
     this.#isKept = new Simple(axes);
     /** The integers of all vertices. */
     this.values = new Int32Array(0);
@@ -70,10 +82,13 @@ export class ChannelModel {
       }
       const count = length > 0 ? length : 1;
       const expected = Math.floor((2 * sum + count) / (2 * count));
-      const spread = halves(highest - lowest);
-      const relative = Math.min(Math.max(halves(Math.abs(expected - kept)) + 8 - spread, 0), 15);
-      const a = relative * 4 + Math.min(length, 3);
-      const difference = numbers.decode(coder, axis, 2 * spread, a, Math.min(length, 15), Math.min(2 * spread, 63), relative, 0);
+      const spread = sizeOf(highest - lowest);
+      features[0] = 32;
+      features[1] = spread;
+      features[2] = sizeOf(Math.abs(expected - kept)) - spread;
+      const level = this.#levels[axis];
+      const difference = numbers.decode(coder, axis, level.expect(features));
+      level.learn(features, numbers.error);
       values[at] = Math.min(Math.max(expected + difference, 0), most);
     }
   }

@@ -10,29 +10,26 @@ export const LEAST_RANGE = 1 << 24;
 /** Zeros at the end of a payload that are left out, at most. */
 export const MOST_TRIMMED = 4;
 
-/** The shares of `WHOLE` that belong to the logits 0, 1/4, 1/2, … 8. */
-export const SHARES = [
-  32768, 36843, 40793, 44511, 47911, 50941, 53581, 55834, 57724, 59287, 60565, 61598, 62428, 63090, 63615, 64030, 64357,
-  64614, 64816, 64974, 65097, 65194, 65269, 65328, 65374, 65410, 65438, 65459, 65476, 65489, 65500, 65508, 65514,
-];
-/** The largest logit, in units of 1/256. */
-export const MOST_LOGIT = 2047;
 /** A slot counts up to this. */
 export const MOST_COUNT = 250;
-/** The largest weight, in units of 2⁻¹⁴. */
-export const MOST_WEIGHT = (1 << 17) - 1;
-/** The contexts of each decision. */
-export const INPUTS = 6;
-/** The weight of each input at first: 1.3 / `INPUTS`. */
-export const FIRST_WEIGHT = Math.floor((13 << 14) / (10 * INPUTS));
-/** A probability that is not mixed is at least this, and as much less than `WHOLE`. */
+/** A probability of a slot is at least this, and as much less than `WHOLE`. */
 export const LEAST_SHARE = 32;
 
-/** The scales of numbers. */
-export const SCALES = 96;
-/** The steps away from the usual bucket that have contexts of their own; the first goes down or up from it. */
-export const STEPS = 32;
-export const FIRST_STEP = 16;
+/** The exponentials of scores, from e⁰ to e⁻⁸. */
+export const FALLS_LENGTH = 256;
+/** The largest score. */
+export const MOST_SCORE = 1 << 21;
+/** How fast scores move, in 1/128: those of decisions, and those of runs of corners. */
+export const DECISION_RATE = 10;
+export const RUN_RATE = 5;
+
+/** The levels of numbers that have symbols of their own, from −2 on in quarters of an octave. */
+export const LEVELS = 80;
+/** The symbol of the usual bucket, and the last one. */
+export const MIDDLE_SYMBOL = 9;
+export const LAST_SYMBOL = 15;
+/** The largest weight of a feature of a level, in 1/65536. */
+export const MOST_LEVEL_WEIGHT = 1 << 17;
 /** The largest bucket. */
 export const MOST_BUCKET = 59;
 /** The contexts of small numbers, and the bits of the largest one. */
@@ -43,30 +40,37 @@ export const MOST_SMALL_BITS = 25;
 export const MOST_CORNERS = 1024;
 /** The fans of a point among which one is chosen. */
 export const MOST_TWINS = 1024;
-/** The slots of each input of a decision about splits. */
-export const SPLIT_SLOTS = 4096;
-/** The sets of weights of such a decision. */
-export const SPLIT_SETS = 8;
+/** The features of a mark: valence and used corners; then ages; then the distance from the mean. */
+export const AGE_FEATURES = 16 * 8 * 4;
+export const DISTANCE_FEATURES = AGE_FEATURES + 8 * 8;
+export const MARK_FEATURES = DISTANCE_FEATURES + 32;
+/** The roles of an edge; its shapes and valences; the numbers of corners. */
+export const ROLES = 3;
+export const SHAPES = 9 * 16;
+export const VALENCES = 8 * 8;
+export const COUNT_SCORES = 8 * 32;
+/** So many runs are all learned from, of later ones one in four. */
+export const LEARNED_RUNS = 1 << 11;
+/** A fan of more corners has no choices by scores. */
+export const MOST_CHOICES = 24;
 
 /** The estimates beside the mean of the polygon. */
-export const ESTIMATES = 5;
+export const ESTIMATES = 4;
 /** The numbers of points that have weights of their own: 3, 4, 5, 6, 7, and more. */
 export const POLYGONS = 6;
 /** The batches that have weights of their own: the last, the last but one, and all before. */
 export const REGIMES = 3;
 /** The weight one. */
-export const WEIGHT_ONE = 32;
+export const WEIGHT_ONE = 64;
 /** The usual weights of each estimate along the normal and beside it. */
-export const USUAL_WEIGHTS = [22, 7, -3, -10, -2, -1, 8, 6, 0, 0];
-/** The contexts of a coordinate. */
-export const PLACE_CONTEXTS = 1024;
-/** The most that counts as a surprise. */
-export const MOST_SURPRISE = 10;
+export const USUAL_WEIGHTS = [42, 13, -6, -12, 12, 14, 32, 52];
+/** The first weights of the features of a level, beside the normal and along it, and of attributes. */
+export const BESIDE_LEVEL = [55000, 40000, 29000, 42000, 13000];
+export const ALONG_LEVEL = [36000, 6000, 6000, 9000, 3000];
+export const CHANNEL_LEVEL = [-8000, 50000, 10000];
 /** The square length of the sides of triangles that are not known. */
 export const USUAL_SQUARE = 1 << 24;
 
-/** The contexts of a component of an attribute. */
-export const CHANNEL_CONTEXTS = 64;
 /** The components that have contexts of their own. */
 export const MOST_AXES = 4;
 

@@ -9,6 +9,7 @@ import { decodeWeights, readHead } from './head.js';
 import { PlaceModel } from './places.js';
 import { RangeDecoder } from './range_coder.js';
 import { Refiner } from './refiner.js';
+import { NONE } from './surface.js';
 
 /**
  * @import { ChunkHead } from './chunk.js'
@@ -19,10 +20,10 @@ import { Refiner } from './refiner.js';
 /**
  * What a stream may ask for at most; streams of more are refused.
  * @typedef {object} StreamLimits
- * @property {number} meshes 256 unless told otherwise; each takes about 2.5 megabytes beside its triangles
+ * @property {number} meshes 256 unless told otherwise; each takes about 60 kilobytes beside its triangles, and 20 per attribute
  * @property {number} triangles those of all meshes: 2²⁶ unless told otherwise
  * @property {number} chunkBytes bytes of a chunk: 2²⁸ unless told otherwise
- * @property {number} corners corners that are looked at around the vertices of all batches, which the time depends on: 2³⁰ unless told otherwise
+ * @property {number} corners visits of vertices by batches, and corners around those that are split, which the time depends on: 2³⁰ unless told otherwise
  */
 
 /**
@@ -81,8 +82,8 @@ export class StreamPart {
     const { surface } = refiner;
     refiner.mostTriangles = chunk.triangles;
     for (let i = 0; i < chunk.visits; i++) {
-      if (refiner.next === refiner.end) refiner.beginBatch(coder);
-      if (refiner.end === 0) throw new Fault('a refinement of nothing', 'a base mesh with triangles');
+      if (refiner.next === NONE) refiner.beginBatch(coder);
+      if (refiner.next === NONE) throw new Fault('a refinement of nothing', 'a base mesh with triangles');
       refiner.visit(coder);
       if (refiner.cornerCount > mostCorners) {
         throw new Fault(`${refiner.cornerCount} corners around vertices that are visited`, `at most ${mostCorners}`);
@@ -111,7 +112,7 @@ export class StreamPart {
     return this.#refiner.strips;
   }
 
-  /** The corners around the vertices that were visited. For the decoder only. */
+  /** The visits, and the corners around the vertices that were split. For the decoder only. */
   get cornerCount() {
     return this.#refiner.cornerCount;
   }

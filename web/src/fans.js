@@ -1,67 +1,84 @@
 import { grown } from './growth.js';
+import { NONE } from './surface.js';
 
-/** The cells of a fan, and those that say where it is, when it arose and was split, what was unexpected, and its vertex. Batches have numbers from 1. */
-export const FAN_CELLS = 8;
-/** The batch in which the fan arose; 0 for the base mesh. */
-export const BORN = 3;
-/** The last batch that has split it. */
-export const LAST_SPLIT = 4;
-/** How much of its point was unexpected along the normal, and beside it. */
-export const ALONG = 5;
-export const BESIDE = 6;
-export const VERTEX = 7;
-
-/** Around each fan: the sum of the positions, and their number. */
-export const AROUND_CELLS = 4;
+/** The cells of a fan: its position, in steps of the current precision; then as follows. */
+export const FAN_CELLS = 16;
+/** The sum of the positions of the fans around, modulo 2³², and their number, modulo 2¹⁶. */
+export const SUM = 3;
+export const COUNT = 6;
+/** The fan that a batch visits after this one, or none. */
+export const NEXT = 7;
+/** The batches in which it arose and was last split; 0 for the base mesh. */
+export const BORN = 8;
+export const LAST_SPLIT = 9;
+/** The corners that the batch has used, at most 255. */
+export const USED = 10;
+/** Whether it is open: 1 or 0. */
+export const IS_OPEN = 11;
+export const VERTEX = 12;
+/** The next fan of the same point, of one fan alone itself; and the first fan of the point. */
+export const TWIN = 13;
+export const LEADER = 14;
 
 /** What is known of each fan. */
 export class Fans {
   constructor() {
     this.count = 0;
     this.vertexCount = 0;
-    /** First the position, in steps of the current precision. */
     this.cells = new Int32Array(0);
-    this.around = new Float64Array(0);
-    /** The next fan of the same point; of one fan alone itself. */
-    this.twins = new Int32Array(0);
-    /** The first fan of the point. */
-    this.leaders = new Int32Array(0);
   }
 
   /**
    * Adds a fan; its position is to be set.
-   * @param {number} twin another fan of its point, or −1
+   * @param {number} twin another fan of its point, or none
    * @param {number} vertex the next vertex, or that of another fan
    * @param {number} batch
+   * @param {number} isOpen
    * @returns {number} its number
    */
-  push(twin, vertex, batch) {
+  push(twin, vertex, batch, isOpen) {
     const fan = this.count++;
     const cells = (this.cells = grown(this.cells, FAN_CELLS * (fan + 1)));
-    this.around = grown(this.around, AROUND_CELLS * (fan + 1));
-    this.twins = grown(this.twins, fan + 1);
-    this.leaders = grown(this.leaders, fan + 1);
     const at = FAN_CELLS * fan;
+    cells[at + NEXT] = NONE;
     cells[at + BORN] = batch;
     cells[at + LAST_SPLIT] = batch;
+    cells[at + IS_OPEN] = isOpen;
     cells[at + VERTEX] = vertex;
-    this.leaders[fan] = twin < 0 ? fan : this.leaders[twin];
-    this.twins[fan] = fan;
-    if (twin >= 0) {
-      this.twins[fan] = this.twins[twin];
-      this.twins[twin] = fan;
+    cells[at + LEADER] = fan;
+    cells[at + TWIN] = fan;
+    if (twin !== NONE) {
+      const other = FAN_CELLS * twin;
+      cells[at + LEADER] = cells[other + LEADER];
+      cells[at + TWIN] = cells[other + TWIN];
+      cells[other + TWIN] = fan;
     }
     if (vertex >= this.vertexCount) this.vertexCount = vertex + 1;
     return fan;
   }
 
   /**
-   * Copies the position of another fan.
+   * Adds the position of another fan to those around a fan, or removes it.
    * @param {number} fan
    * @param {number} other
+   * @param {number} sign 1 or −1
    */
-  copyPlace(fan, other) {
+  around(fan, other, sign) {
     const { cells } = this;
-    for (let j = 0; j < 3; j++) cells[FAN_CELLS * fan + j] = cells[FAN_CELLS * other + j];
+    const at = FAN_CELLS * fan;
+    const from = FAN_CELLS * other;
+    for (let j = 0; j < 3; j++) cells[at + SUM + j] += sign * cells[from + j];
+    cells[at + COUNT] = (cells[at + COUNT] + sign) & 0xffff;
+  }
+
+  /**
+   * Returns how far the position of a fan is from the mean of those around, times their number.
+   * @param {number} fan
+   * @param {number} j the axis
+   */
+  laplacian(fan, j) {
+    const { cells } = this;
+    const at = FAN_CELLS * fan;
+    return (Math.imul(cells[at + j], cells[at + COUNT]) - cells[at + SUM + j]) | 0;
   }
 }

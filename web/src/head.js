@@ -12,7 +12,7 @@ import {
 } from './constants.js';
 import { Fault } from './error.js';
 import { ARRAY_TYPES } from './grid.js';
-import { Simple } from './mixing.js';
+import { Simple } from './slots.js';
 import { decodeSmall } from './numbers.js';
 
 /**

@@ -1,105 +1,116 @@
 /**
- * Numbers as decisions: the size as a bucket, found outward from the bucket that is usual for numbers of this scale, then the sign, then the rest.
+ * Numbers as decisions: the size as a bucket relative to what is expected, one of sixteen symbols, then the place within the bucket, then the sign.
  *
- * Buckets have the bounds 0, 1, 2, 3, 4, 6, 8, 12, 16, 24, … : the bucket of a size is the whole part of twice its logarithm.
+ * Buckets have the bounds 0, 1, 2, 3, 4, 6, 8, 12, 16, 24, … : the bucket of a size is the whole part of twice its binary logarithm. The logarithm of the
+ * size that is expected, the level, is a weighted sum of features, whose weights follow the gradient of the square of the error.
+ *
+ * Based on: Widrow, Hoff, "Adaptive Switching Circuits", 1960.
  * @module
  */
-import { FIRST_STEP, MOST_BUCKET, MOST_SMALL_BITS, SCALES, STEPS } from './constants.js';
-import { Mixed, Simple } from './mixing.js';
+import { LAST_SYMBOL, LEVELS, MIDDLE_SYMBOL, MOST_BUCKET, MOST_LEVEL_WEIGHT, MOST_SMALL_BITS, SMALL_CONTEXTS } from './constants.js';
+import { Simple } from './slots.js';
 
 /** @import { RangeDecoder } from './range_coder.js' */
 
 /**
- * Returns twice the binary logarithm of a whole number, roughly.
- * @param {number} x at least 0
+ * @param {number} x
+ * @param {number} least
+ * @param {number} most
+ */
+export function clamped(x, least, most) {
+  return x < least ? least : x > most ? most : x;
+}
+
+/**
+ * Returns the binary logarithm of a whole number, at least 1, in 1/8, with straight lines between the powers of two.
+ * @param {number} x below 2⁵³
  * @returns {number}
  */
-export function halves(x) {
-  let more = 0;
-  // The two highest bits tell the result; more of them than 32 are not needed.
-  while (x >= 4294967296 && more < 96) {
-    x = Math.floor(x / 65536);
-    more += 32;
+export function logarithm(x) {
+  let more = 248;
+  if (x < 1) return 0;
+  // The four highest bits tell the result.
+  for (; x >= 4294967296; more += 128) x = Math.floor(x / 65536);
+  const zeros = Math.clz32(x);
+  return more - 8 * zeros + (((x << zeros) >>> 28) & 7);
+}
+
+/** Expects the levels of numbers of one kind, in 1/16 of an octave. */
+export class Level {
+  #weights;
+
+  /** @param {number[]} weights in 1/65536 */
+  constructor(weights) {
+    this.#weights = Int32Array.from(weights);
   }
-  const low = x >>> 0;
-  if (low < 2) return low;
-  const bits = 31 - Math.clz32(low);
-  return more + 2 * bits + ((low >>> (bits - 1)) & 1);
+
+  /**
+   * @param {Int32Array} features
+   * @returns {number}
+   */
+  expect(features) {
+    const weights = this.#weights;
+    let sum = 0;
+    for (let i = 0; i < weights.length; i++) sum += weights[i] * features[i];
+    return sum >> 16;
+  }
+
+  /**
+   * Learns from how far a level was from what was expected.
+   * @param {Int32Array} features
+   * @param {number} error
+   */
+  learn(features, error) {
+    const weights = this.#weights;
+    error = clamped(error, -32, 32);
+    for (let i = 0; i < weights.length; i++) {
+      weights[i] = clamped(weights[i] + ((error * features[i]) >> 3), -MOST_LEVEL_WEIGHT, MOST_LEVEL_WEIGHT);
+    }
+  }
 }
 
 /** The model of numbers of one kind. */
 export class NumberModel {
-  #contextCount;
-  #middles;
-  #buckets;
-  #signs;
+  #symbols;
   #halves;
+  #escapes;
 
-  /**
-   * @param {number} axes
-   * @param {number} contextCount
-   */
-  constructor(axes, contextCount) {
-    this.#contextCount = contextCount;
-    /** The usual bucket of each axis and scale, in 1/16. */
-    this.#middles = Int32Array.from({ length: axes * SCALES }, (_, i) => Math.max((i % SCALES) * 8 - 32, 0));
-    this.#buckets = new Mixed(axes * SCALES * STEPS, axes * STEPS * contextCount, axes * STEPS);
-    this.#signs = new Simple(axes);
-    this.#halves = new Simple(MOST_BUCKET + 1);
-    /** How many buckets the last number is above what is usual. */
-    this.above = 0;
+  /** @param {number} sets */
+  constructor(sets) {
+    this.#symbols = new Simple(16 * LEVELS * sets);
+    this.#halves = new Simple(16);
+    this.#escapes = new Simple(SMALL_CONTEXTS);
+    /** How far the level of the last number is from what was expected. */
+    this.error = 0;
   }
 
   /**
-   * Decodes a number, and sets `above`.
+   * Decodes a number of a set, and sets `error`.
    * @param {RangeDecoder} coder
-   * @param {number} axis which of the numbers that belong together it is
-   * @param {number} scale twice the binary logarithm of the square of what it is expected to be
-   * @param {number} a @param {number} b @param {number} c @param {number} d @param {number} e what else is known, each less than the number of contexts
+   * @param {number} set
+   * @param {number} level
    * @returns {number}
    */
-  decode(coder, axis, scale, a, b, c, d, e) {
-    const ofScale = axis * SCALES + (scale < SCALES ? scale : SCALES - 1);
-    const middle = this.#middles[ofScale];
-    const usual = (middle + 8) >> 4;
-    // 1. The bucket, upwards or downwards from the usual one. The steps of a context lie together.
-    const buckets = this.#buckets;
-    const of = axis * this.#contextCount;
-    const first = ofScale * STEPS;
-    a = (of + a) * STEPS;
-    b = (of + b) * STEPS;
-    c = (of + c) * STEPS;
-    d = (of + d) * STEPS;
-    e = (of + e) * STEPS;
-    const set = axis * STEPS;
-    let bucket = usual;
-    let step = FIRST_STEP;
-    if (usual === 0 || buckets.decode(coder, first + step, a + step, b + step, c + step, d + step, e + step, set + step)) {
-      while (bucket < MOST_BUCKET) {
-        if (step < STEPS - 1) step++;
-        if (!buckets.decode(coder, first + step, a + step, b + step, c + step, d + step, e + step, set + step)) break;
-        bucket++;
-      }
-    } else {
-      bucket--;
-      while (bucket > 0) {
-        if (step > 0) step--;
-        if (!buckets.decode(coder, first + step, a + step, b + step, c + step, d + step, e + step, set + step)) break;
-        bucket--;
-      }
-    }
-    this.#middles[ofScale] = middle + ((bucket * 16 - middle) >> 4);
-    this.above = bucket - usual;
-    if (bucket === 0) return 0;
-    // 2. The sign, and the place within the bucket.
-    const isNegative = this.#signs.decode(coder, axis);
+  decode(coder, set, level) {
+    const usual = clamped(level >> 3, 0, MOST_BUCKET);
+    const context = clamped((level + 32) >> 2, 0, LEVELS - 1);
+    // 1. The bucket.
+    const symbol = this.#symbols.decodeSymbol(coder, set * LEVELS + context);
+    let bucket = usual - MIDDLE_SYMBOL + symbol;
+    if (symbol === 0 && bucket > 0) bucket -= decodeSmall(coder, this.#escapes);
+    else if (symbol === LAST_SYMBOL) bucket += decodeSmall(coder, this.#escapes);
+    bucket = clamped(bucket, 0, MOST_BUCKET);
+    // 2. The place within the bucket, and the sign.
     let size = bucket;
+    let rest = 0;
     if (bucket >= 4) {
-      const rest = (bucket >> 1) - 2;
-      const high = this.#halves.decode(coder, bucket);
-      size = ((2 | (bucket & 1)) << (rest + 1)) | (high << rest) | coder.decodeBits(rest);
+      rest = (bucket >> 1) - 2;
+      size = ((2 | (bucket & 1)) << (rest + 1)) | (this.#halves.decode(coder, symbol) << rest);
     }
-    return isNegative ? -size : size;
+    const low = bucket > 0 ? coder.decodeBits(rest + 1) : 0;
+    size |= low >> 1;
+    this.error = 2 * logarithm(2 * size + 1) - 16 - level;
+    return low & 1 ? -size : size;
   }
 }
 

@@ -1,10 +1,10 @@
 /**
- * A binary range decoder: turns bytes into decisions with known probabilities.
+ * A range decoder: turns bytes into decisions with known probabilities.
  *
  * Based on: Martin, "Range encoding: an algorithm for removing redundancy from a digitised message", 1979.
  * @module
  */
-import { LEAST_RANGE, MOST_TRIMMED, WHOLE } from './constants.js';
+import { LEAST_RANGE, MOST_TRIMMED } from './constants.js';
 
 /** Reads decisions. Zeros follow the bytes. */
 export class RangeDecoder {
@@ -31,37 +31,62 @@ export class RangeDecoder {
    */
   decode(probability) {
     const state = this.#state;
-    let range = state[0];
-    let code = state[1];
-    const bound = Math.imul(range >>> 16, probability) >>> 0;
-    let bit = 0;
-    if (code < bound) {
-      range = bound;
-      bit = 1;
+    const bound = Math.imul(state[0] >>> 16, probability) >>> 0;
+    const bit = state[1] < bound ? 1 : 0;
+    if (bit) {
+      state[0] = bound;
     } else {
-      code = (code - bound) >>> 0;
-      range = (range - bound) >>> 0;
+      state[1] -= bound;
+      state[0] -= bound;
     }
-    while (range < LEAST_RANGE) {
-      const byte = this.#at < this.#end ? this.#bytes[this.#at] : 0;
-      this.#at++;
-      code = ((code << 8) | byte) >>> 0;
-      range = (range << 8) >>> 0;
-    }
-    state[0] = range;
-    state[1] = code;
+    if (state[0] < LEAST_RANGE) this.#read(state);
     return bit;
   }
 
   /**
-   * Decodes the lowest bits of a number, each as likely as not, the highest first.
+   * Cuts the range into `total` equal parts, from 1 to 2²⁴; returns the part that is meant, or the last one. `take` follows.
+   * @param {number} total
+   * @returns {number}
+   */
+  seek(total) {
+    const state = this.#state;
+    state[0] = state[0] / total;
+    const part = Math.floor(state[1] / state[0]);
+    return part < total ? part : total - 1;
+  }
+
+  /**
+   * Takes some of the parts, that one among them.
+   * @param {number} start
+   * @param {number} size
+   */
+  take(start, size) {
+    const state = this.#state;
+    state[1] -= start * state[0];
+    state[0] *= size;
+    if (state[0] < LEAST_RANGE) this.#read(state);
+  }
+
+  /** @param {Uint32Array} state */
+  #read(state) {
+    do {
+      const byte = this.#at < this.#end ? this.#bytes[this.#at] : 0;
+      this.#at++;
+      state[1] = (state[1] << 8) | byte;
+      state[0] <<= 8;
+    } while (state[0] < LEAST_RANGE);
+  }
+
+  /**
+   * Decodes the lowest bits of a number, each as likely as not.
    * @param {number} count at most 32
    * @returns {number}
    */
   decodeBits(count) {
-    let number = 0;
-    for (let i = 0; i < count; i++) number = (number << 1) | this.decode(WHOLE >> 1);
-    return number >>> 0;
+    const high = count > 16 ? this.decodeBits(count - 16) * 65536 : 0;
+    const low = this.seek(1 << (count > 16 ? 16 : count));
+    this.take(low, 1);
+    return high + low;
   }
 
   /** Whether more has been read than there is: what follows was not written by an encoder. */

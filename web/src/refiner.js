@@ -3,15 +3,16 @@
  * @module
  */
 import { MOST_CORNERS, MOST_TWINS } from './constants.js';
-import { ALONG, AROUND_CELLS, BESIDE, FAN_CELLS, LAST_SPLIT, VERTEX } from './fans.js';
-import { Simple } from './mixing.js';
-import { PlaceModel, Polygon } from './places.js';
+import { COUNT, FAN_CELLS, IS_OPEN, LAST_SPLIT, LEADER, NEXT, SUM, TWIN, USED, VERTEX } from './fans.js';
+import { Polygon, reciprocal } from './places.js';
+import { Simple } from './slots.js';
 import { SplitModel } from './splits.js';
 import { next, NONE, previous, Ring } from './surface.js';
 
 /**
  * @import { ChannelModel } from './channels.js'
  * @import { Fans } from './fans.js'
+ * @import { PlaceModel } from './places.js'
  * @import { RangeDecoder } from './range_coder.js'
  * @import { Strips } from './strips.js'
  * @import { Split, Surface } from './surface.js'
@@ -31,7 +32,6 @@ export class Refiner {
   #positionBits;
   #splits;
   #flags;
-  #precision;
   #batch;
   #regime;
   #ring;
@@ -57,7 +57,6 @@ export class Refiner {
     this.unknownBits = unknownBits;
     this.#splits = new SplitModel(surface, fans);
     this.#flags = new Simple(FLAGS);
-    this.#precision = new Simple(3);
     /** @type {Strips | undefined} the strips of the mesh, if they are kept */
     this.strips = undefined;
     /** The collapses that have been undone. */
@@ -68,15 +67,19 @@ export class Refiner {
     this.mostTriangles = 0;
     this.#batch = 0;
     this.#regime = 0;
-    /** The next fan to visit, and the end of the batch. */
-    this.next = 0;
-    this.end = 0;
+    /** The next fan to visit, or none at the end of a batch. */
+    this.next = NONE;
     this.#ring = new Ring();
     /** The fans around the new point: the kept one, then those around the corners that move. Also their vertices. */
     this.#rim = new Int32Array(MOST_CORNERS + 2);
     this.#rimLength = 0;
     this.#rimVertices = new Int32Array(MOST_CORNERS + 2);
     this.#polygon = new Polygon();
+    for (let fan = 0; fan < fans.count; fan++) {
+      const first = surface.first[fan];
+      fans.cells[FAN_CELLS * fan + NEXT] = fan + 1 < fans.count ? fan + 1 : NONE;
+      fans.cells[FAN_CELLS * fan + IS_OPEN] = surface.opposite(previous(first)) === NONE ? 1 : 0;
+    }
     this.#sumAround();
   }
 
@@ -89,8 +92,9 @@ export class Refiner {
     this.#splits.batch = this.#batch;
     while (this.unknownBits > 0 && this.#flags.decode(coder, MORE_REFINING)) this.#refinePlaces(coder);
     this.#regime = this.#flags.decode(coder, REGIME) ? 2 : this.#flags.decode(coder, REGIME + 1);
-    this.next = 0;
-    this.end = this.fans.count;
+    const { cells, count } = this.fans;
+    for (let at = USED; at < FAN_CELLS * count; at += FAN_CELLS) cells[at] = 0;
+    this.next = count > 0 ? 0 : NONE;
   }
 
   /**
@@ -98,18 +102,12 @@ export class Refiner {
    * @param {RangeDecoder} coder
    */
   #refinePlaces(coder) {
-    const { fans } = this;
+    const { cells, count } = this.fans;
     this.unknownBits--;
-    for (let fan = 0; fan < fans.count; fan++) {
-      const leader = fans.leaders[fan];
-      if (leader !== fan) {
-        fans.copyPlace(fan, leader);
-        continue;
-      }
-      for (let j = 0; j < 3; j++) {
-        const at = FAN_CELLS * fan + j;
-        fans.cells[at] = (fans.cells[at] << 1) | this.#precision.decode(coder, j);
-      }
+    for (let at = 0; at < FAN_CELLS * count; at += FAN_CELLS) {
+      const leader = FAN_CELLS * cells[at + LEADER];
+      const bits = leader === at ? coder.decodeBits(3) : 0;
+      for (let j = 0; j < 3; j++) cells[at + j] = leader === at ? (cells[at + j] << 1) | ((bits >> (2 - j)) & 1) : cells[leader + j];
     }
     this.#sumAround();
   }
@@ -119,17 +117,17 @@ export class Refiner {
    * @param {RangeDecoder} coder
    */
   visit(coder) {
-    const fan = this.next++;
-    const { surface } = this;
+    const fan = this.next;
     const ring = this.#ring;
-    const splits = this.#splits;
-    surface.collect(fan, ring);
-    this.cornerCount += 1 + ring.length;
-    for (let done = 0; splits.decodeMark(coder, fan, ring, done); done++) {
+    // The fans of this batch come before it.
+    this.next = this.fans.cells[FAN_CELLS * fan + NEXT];
+    for (let done = 0; ; done = 1) {
+      this.cornerCount++;
+      if (!this.#splits.decodeMark(coder, fan, done)) break;
+      this.surface.collect(fan, ring);
+      if (ring.length === 0 || ring.length > MOST_CORNERS) break;
       this.#decodeGroup(coder, fan);
       if (this.#isTooLarge(coder)) break;
-      surface.collect(fan, ring);
-      this.cornerCount += 1 + ring.length;
     }
   }
 
@@ -153,12 +151,17 @@ export class Refiner {
     let of = fan;
     do {
       this.#decodeSplit(coder, of, firstNew);
-      const hasTwins = fans.twins[fan] !== fan ? 1 : 0;
+      const hasTwins = fans.cells[FAN_CELLS * fan + TWIN] !== fan ? 1 : 0;
       // Only where a surface has borders a point has several fans.
       if (!ring.isOpen || !this.#flags.decode(coder, MORE_IN_GROUP + hasTwins)) break;
       of = this.#decodeTwin(coder, fan);
       surface.collect(of, ring);
     } while (ring.length > 0 && ring.length <= MOST_CORNERS && !this.#isTooLarge(coder));
+    // New fans are visited after this one, from the next batch on, so that fans near each other are visited one after the other.
+    const { cells } = fans;
+    let after = cells[FAN_CELLS * fan + NEXT];
+    for (let made = fans.count - 1; made >= firstNew; after = made--) cells[FAN_CELLS * made + NEXT] = after;
+    cells[FAN_CELLS * fan + NEXT] = firstNew;
     this.groupCount++;
   }
 
@@ -168,11 +171,11 @@ export class Refiner {
    * @param {number} fan
    */
   #decodeTwin(coder, fan) {
-    const { twins } = this.fans;
+    const twinOf = (/** @type {number} */ fan) => this.fans.cells[FAN_CELLS * fan + TWIN];
     let count = 1;
-    for (let twin = twins[fan]; twin !== fan && count < MOST_TWINS; twin = twins[twin]) count++;
+    for (let twin = twinOf(fan); twin !== fan && count < MOST_TWINS; twin = twinOf(twin)) count++;
     let twin = fan;
-    for (let steps = coder.decodeBits(32 - Math.clz32(count - 1)) % count; steps > 0; steps--) twin = twins[twin];
+    for (let steps = coder.decodeBits(32 - Math.clz32(count - 1)) % count; steps > 0; steps--) twin = twinOf(twin);
     return twin;
   }
 
@@ -186,13 +189,14 @@ export class Refiner {
     const ring = this.#ring;
     const placeModel = this.#placeModel;
     const isFirst = fans.count === firstNew;
+    this.cornerCount += ring.length;
     // 1. The corners that move.
     const split = this.#splits.decodeSplit(coder, fan, ring);
     // 2. The point.
     this.#collectRim(fan, split);
     if (isFirst) {
-      this.#collectPolygon(split);
-      placeModel.decode(coder, this.#polygon, this.#regime, this.#positionBits - this.unknownBits);
+      this.#collectPolygon();
+      placeModel.decode(coder, this.#polygon, this.#regime, 2 ** (this.#positionBits - this.unknownBits) - 1);
     }
     // 3. The vertex.
     let vertex = fans.vertexCount;
@@ -208,11 +212,9 @@ export class Refiner {
       for (const channel of this.#channels) channel.decode(coder, vertex, rimVertices, rimLength);
     }
     // 4. Do it. The fans of a group have the position of the first one.
-    const made = fans.push(isFirst ? NONE : firstNew, vertex, this.#batch);
-    const at = FAN_CELLS * made;
-    for (let j = 0; j < 3; j++) fans.cells[at + j] = placeModel.place[j];
-    fans.cells[at + ALONG] = placeModel.along;
-    fans.cells[at + BESIDE] = placeModel.beside;
+    this.#useCorners(split);
+    const made = fans.push(isFirst ? NONE : firstNew, vertex, this.#batch, split.addsStart && split.addsEnd ? 0 : 1);
+    for (let j = 0; j < 3; j++) fans.cells[FAN_CELLS * made + j] = placeModel.place[j];
     this.#updateAround(split, made);
     surface.split(fan, ring, split, this.#batch);
     this.strips?.followSplit(split.addsStart, split.addsEnd);
@@ -225,108 +227,81 @@ export class Refiner {
    * @param {Split} split
    */
   #collectRim(fan, { start, count, addsStart }) {
-    const { cells } = this.surface;
     const rim = this.#rim;
-    const { corners, length: n } = this.#ring;
+    const { around, length: n } = this.#ring;
     rim[0] = fan;
-    if (count === 0) {
-      rim[1] = cells[addsStart ? previous(corners[n - 1]) : next(corners[0])];
-      this.#rimLength = 2;
-      return;
-    }
-    let last = 0;
-    for (let i = 0; i < count; i++) {
-      last = corners[start + i < n ? start + i : start + i - n];
-      rim[i + 1] = cells[next(last)];
-    }
-    rim[count + 1] = cells[previous(last)];
-    this.#rimLength = count + 2;
+    this.#rimLength = count > 0 ? count + 2 : 2;
+    rim[1] = around[addsStart ? n : 0];
+    for (let i = 0; i <= count && count > 0; i++) rim[i + 1] = around[start + i <= n ? start + i : start + i - n];
   }
 
-  /**
-   * Collects what is known around a new point.
-   * @param {Split} split
-   */
-  #collectPolygon({ start, count }) {
-    const { surface } = this;
+  /** Collects what is known around a new point. */
+  #collectPolygon() {
     const rim = this.#rim;
     const rimLength = this.#rimLength;
-    const polygon = this.#polygon;
-    const { cells, around } = this.fans;
-    const { points, laplacians, parallelograms } = polygon;
-    const { corners, length: n, isOpen } = this.#ring;
-    let laplacianX = 0;
-    let laplacianY = 0;
-    let laplacianZ = 0;
+    const { fans } = this;
+    const { points, laplacians } = this.#polygon;
+    laplacians.fill(0);
     for (let i = 0; i < rimLength; i++) {
       const at = FAN_CELLS * rim[i];
-      const sum = AROUND_CELLS * rim[i];
-      const valence = around[sum + 3] > 1 ? around[sum + 3] : 1;
-      const x = cells[at];
-      const y = cells[at + 1];
-      const z = cells[at + 2];
-      points[3 * i] = x;
-      points[3 * i + 1] = y;
-      points[3 * i + 2] = z;
-      laplacianX += 16 * x - Math.floor((16 * around[sum]) / valence);
-      laplacianY += 16 * y - Math.floor((16 * around[sum + 1]) / valence);
-      laplacianZ += 16 * z - Math.floor((16 * around[sum + 2]) / valence);
+      const share = 16 * reciprocal(fans.cells[at + COUNT]);
+      for (let j = 0; j < 3; j++) {
+        points[3 * i + j] = fans.cells[at + j];
+        laplacians[j] += Math.floor((fans.laplacian(rim[i], j) * share) / 65536);
+      }
     }
-    laplacians[0] = laplacianX;
-    laplacians[1] = laplacianY;
-    laplacians[2] = laplacianZ;
-    parallelograms[0] = 0;
-    parallelograms[1] = 0;
-    parallelograms[2] = 0;
-    polygon.parallelogramCount = 0;
-    polygon.count = rimLength;
-    const kept = FAN_CELLS * rim[0];
-    const first = FAN_CELLS * rim[1];
-    const last = FAN_CELLS * rim[rimLength - 1];
-    polygon.along = cells[kept + ALONG] + cells[first + ALONG] + cells[last + ALONG];
-    polygon.beside = cells[kept + BESIDE] + cells[first + BESIDE] + cells[last + BESIDE];
-    if (count === 0) {
-      // A triangle at the end of a border has no third point.
-      polygon.count = 3;
-      for (let j = 0; j < 3; j++) points[6 + j] = points[3 + j];
-      return;
-    }
-    for (let i = 0; i < count; i++) {
-      const opposite = surface.opposite(corners[start + i < n ? start + i : start + i - n]);
-      if (opposite !== NONE) this.#addParallelogram(i + 1, i + 2, opposite);
-    }
-    if (start > 0 || !isOpen) this.#addParallelogram(0, 1, next(corners[start > 0 ? start - 1 : n - 1]));
-    const end = start + count;
-    if (end < n || !isOpen) this.#addParallelogram(0, count + 1, previous(corners[end < n ? end : end - n]));
+    this.#polygon.count = rimLength;
+    if (rimLength > 2) return;
+    // A triangle at the end of a border has no third point.
+    this.#polygon.count = 3;
+    for (let j = 0; j < 3; j++) points[6 + j] = points[3 + j];
   }
 
   /**
-   * Adds the parallelogram over an edge of the polygon whose triangle has a third point on the other side.
-   * @param {number} a
-   * @param {number} b
-   * @param {number} third its corner
+   * Marks the corners of a split as used, before it is done.
+   * @param {Split} split
    */
-  #addParallelogram(a, b, third) {
-    const { points, parallelograms } = this.#polygon;
-    const { cells } = this.fans;
-    const at = FAN_CELLS * this.surface.cells[third];
-    a *= 3;
-    b *= 3;
-    parallelograms[0] += points[a] + points[b] - cells[at];
-    parallelograms[1] += points[a + 1] + points[b + 1] - cells[at + 1];
-    parallelograms[2] += points[a + 2] + points[b + 2] - cells[at + 2];
-    this.#polygon.parallelogramCount++;
+  #useCorners({ start, count, addsStart, addsEnd }) {
+    const { surface } = this;
+    const { corners, length: n } = this.#ring;
+    const rim = this.#rim;
+    const use = (/** @type {number} */ i, sign = 1) => {
+      const { cells } = this.fans;
+      const at = FAN_CELLS * rim[i] + USED;
+      const used = cells[at] + sign;
+      cells[at] = used < 0 ? 0 : used > 255 ? 255 : used;
+    };
+    let moved = 0;
+    for (let i = 0; i < count; i++) {
+      // It may be used already where a group has several splits.
+      if (surface.mark(corners[start + i < n ? start + i : start + i - n]) === this.#batch) {
+        moved++;
+      } else {
+        use(i + 1);
+        use(i + 2);
+      }
+    }
+    if (addsStart) {
+      use(0);
+      use(1);
+    }
+    if (addsEnd) {
+      use(0);
+      use(this.#rimLength - 1);
+    }
+    for (; moved > 0; moved--) use(0, -1);
   }
 
   /** Sums up the positions around all fans. */
   #sumAround() {
     const { surface, fans } = this;
-    fans.around.fill(0);
+    const { cells } = fans;
+    for (let at = 0; at < FAN_CELLS * fans.count; at += FAN_CELLS) cells.fill(0, at + SUM, at + COUNT + 1);
     for (let triangle = 0; triangle < surface.triangleCount; triangle++) {
       for (let corner = 8 * triangle; corner < 8 * triangle + 3; corner++) {
         const fan = surface.fan(corner);
-        this.#addAround(fan, surface.fan(next(corner)));
-        if (surface.after(corner) === NONE) this.#addAround(fan, surface.fan(previous(corner)));
+        fans.around(fan, surface.fan(next(corner)), 1);
+        if (surface.after(corner) === NONE) fans.around(fan, surface.fan(previous(corner)), 1);
       }
     }
   }
@@ -337,52 +312,23 @@ export class Refiner {
    * @param {number} made the new fan
    */
   #updateAround({ count, addsStart, addsEnd }, made) {
+    const { fans } = this;
     const rim = this.#rim;
     const rimLength = this.#rimLength;
     const kept = rim[0];
     // The first and the last one stay neighbours of the kept fan if a triangle is added there.
     const firstLost = addsStart ? 2 : 1;
     const lostEnd = count === 0 ? 0 : addsEnd ? rimLength - 1 : rimLength;
-    this.#addAround(made, kept);
+    fans.around(made, kept, 1);
     for (let i = 1; i < rimLength; i++) {
       const fan = rim[i];
-      this.#addAround(made, fan);
+      fans.around(made, fan, 1);
       if (i >= firstLost && i < lostEnd) {
-        this.#removeAround(fan, kept);
-        this.#removeAround(kept, fan);
+        fans.around(fan, kept, -1);
+        fans.around(kept, fan, -1);
       }
-      this.#addAround(fan, made);
+      fans.around(fan, made, 1);
     }
-    this.#addAround(kept, made);
-  }
-
-  /**
-   * Adds the position of another fan to those around a fan.
-   * @param {number} fan
-   * @param {number} other
-   */
-  #addAround(fan, other) {
-    const { around, cells } = this.fans;
-    const sum = AROUND_CELLS * fan;
-    const at = FAN_CELLS * other;
-    around[sum] += cells[at];
-    around[sum + 1] += cells[at + 1];
-    around[sum + 2] += cells[at + 2];
-    around[sum + 3]++;
-  }
-
-  /**
-   * Removes the position of another fan from those around a fan.
-   * @param {number} fan
-   * @param {number} other
-   */
-  #removeAround(fan, other) {
-    const { around, cells } = this.fans;
-    const sum = AROUND_CELLS * fan;
-    const at = FAN_CELLS * other;
-    around[sum] -= cells[at];
-    around[sum + 1] -= cells[at + 1];
-    around[sum + 2] -= cells[at + 2];
-    if (around[sum + 3] > 0) around[sum + 3]--;
+    fans.around(kept, made, 1);
   }
 }

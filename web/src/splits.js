@@ -1,25 +1,25 @@
 /**
  * Which fans a batch splits, and which of their corners move.
  *
- * In each batch, triangles that a split has moved or added are used: no other split of the batch moves them. For each fan, in the order of their numbers:
+ * In each batch, triangles that a split has moved or added are used: no other split of the batch moves them. For each fan, in the order of the batch:
  *
- * 1. Is there a (further) split? Contexts: the valence and the free corners, the age of the fan and of those around it, its size relative to the
- *    others, and how many of its edges are chords: longer than the line between their neighbours, as collapses leave them.
+ * 1. Is there a (further) split? Features: the valence and the used corners, the age of the fan, and how far it is from the mean of its neighbours.
  * 2. An open fan: is a triangle only added at its end, and at which one?
- * 3. The first corner that moves: for each free corner but the last, is it this one?
- * 4. Do more corners move: for each next one, as long as it is free.
- * 5. Corners at the end of an open fan: is there a triangle beyond?
- *
- * Contexts of 3 and 4 are how long the edges on both sides are, compared with the others and with the lines across.
+ * 3. The corners that move, as one choice among all runs of free corners. An edge of the fan is the first of a run, the last, within, or not of it. Its
+ *    features are its length, compared with the other edges and with the line between its neighbours, and the valence at its other end.
+ * 4. Corners at the end of an open fan: is there a triangle beyond?
  *
  * Based on: Pajarola, Rossignac, "Compressed Progressive Meshes", 2000.
  * @module
  */
-import { MOST_CORNERS, SPLIT_SETS, SPLIT_SLOTS } from './constants.js';
-import { BORN, FAN_CELLS, LAST_SPLIT } from './fans.js';
-import { Mixed, Simple } from './mixing.js';
-import { halves } from './numbers.js';
-import { next, previous, Split } from './surface.js';
+import {
+  AGE_FEATURES, COUNT_SCORES, DISTANCE_FEATURES, LEARNED_RUNS, MARK_FEATURES, MOST_CHOICES, MOST_CORNERS, ROLES, RUN_RATE, SHAPES, VALENCES,
+} from './constants.js';
+import { BORN, COUNT, FAN_CELLS, IS_OPEN, LAST_SPLIT, USED } from './fans.js';
+import { clamped, logarithm } from './numbers.js';
+import { FALLS, learn, placeOf, Scores } from './scores.js';
+import { Simple } from './slots.js';
+import { Split } from './surface.js';
 
 /**
  * @import { RangeDecoder } from './range_coder.js'
@@ -27,33 +27,36 @@ import { next, previous, Split } from './surface.js';
  * @import { Ring, Surface } from './surface.js'
  */
 
-/**
- * @param {number} a
- * @param {number} b
- */
-function least(a, b) {
-  return a < b ? a : b;
-}
+/** What an edge is to a run of corners: its first edge, one within, or its last one. */
+const [FIRST, WITHIN, LAST] = [0, 1, 2];
 
-const newMixed = () => new Mixed(SPLIT_SLOTS, SPLIT_SLOTS, SPLIT_SETS);
+const newArray = () => new Int32Array(2 * MOST_CHOICES + 2);
 
 /** The models of splits. */
 export class SplitModel {
   #surface;
   #fans;
-  #marks;
-  #starts;
-  #runs;
-  #sides;
-  #usualSize;
-  #rim;
-  #spokes;
-  #meanSpoke;
-  #last;
-  #chords = 0;
-  #lengths = 0;
-  #ages = 0;
-  #firsts = 0;
+  #marks = new Scores(MARK_FEATURES);
+  #sides = new Simple(4);
+  /** The scores of shapes and valences, a row of roles each, and those of the numbers of corners. */
+  #edgeScores = new Int32Array(ROLES * (SHAPES + VALENCES));
+  #countScores = new Int32Array(COUNT_SCORES);
+  /** The runs that were decoded. */
+  #runCount = 0;
+  /** The mean of the logarithm of the distances of fans from the mean of those around, in 1/256 of 1/8. */
+  #usual = 0;
+  /** The rows of the features of each edge. */
+  #shapes = newArray();
+  #valences = newArray();
+  #firsts = newArray();
+  #ends = newArray();
+  #lengths = newArray();
+  #ofFirsts = newArray();
+  #ofEnds = newArray();
+  #ofCounts = newArray();
+  /** The scores of all runs, then their weights. */
+  #weights = new Int32Array(MOST_CHOICES * MOST_CHOICES);
+  #split = new Split();
 
   /**
    * @param {Surface} surface
@@ -64,123 +67,35 @@ export class SplitModel {
     this.#fans = fans;
     /** The number of the batch. */
     this.batch = 0;
-    this.#marks = newMixed();
-    this.#starts = newMixed();
-    this.#runs = newMixed();
-    this.#sides = new Simple(4);
-    /** The mean of twice the logarithm of the squares of the sides around fans, in 1/256. */
-    this.#usualSize = 0;
-    /** The points around the fan, the squares of their distances from it, and their mean. */
-    this.#rim = new Float64Array(3 * (MOST_CORNERS + 1));
-    this.#spokes = new Float64Array(MOST_CORNERS + 1);
-    this.#meanSpoke = 0;
-    /** The last split. */
-    this.#last = new Split();
   }
 
   /**
-   * Collects the points around a fan.
-   * @param {number} fan
-   * @param {Ring} ring
-   */
-  #lookAround(fan, ring) {
-    const { cells } = this.#fans;
-    const ofCorner = this.#surface.cells;
-    const rim = this.#rim;
-    const spokes = this.#spokes;
-    const { corners, length } = ring;
-    const x = cells[FAN_CELLS * fan];
-    const y = cells[FAN_CELLS * fan + 1];
-    const z = cells[FAN_CELLS * fan + 2];
-    let sum = 0;
-    for (let i = 0; i <= length; i++) {
-      const corner = i < length ? next(corners[i]) : previous(corners[i - 1]);
-      const at = FAN_CELLS * ofCorner[corner];
-      const px = cells[at];
-      const py = cells[at + 1];
-      const pz = cells[at + 2];
-      rim[3 * i] = px;
-      rim[3 * i + 1] = py;
-      rim[3 * i + 2] = pz;
-      const square = (px - x) * (px - x) + (py - y) * (py - y) + (pz - z) * (pz - z);
-      spokes[i] = square;
-      if (i < length) sum += square;
-    }
-    this.#meanSpoke = Math.floor(sum / length);
-  }
-
-  /**
-   * Returns the square of the line between the neighbours of a point around the fan, which has some before it.
-   * @param {number} i
-   * @param {number} n the corners of the fan
-   */
-  #across(i, n) {
-    const rim = this.#rim;
-    const before = 3 * (i === 0 ? n - 1 : i - 1);
-    const after = 3 * (i + 1);
-    const x = rim[after] - rim[before];
-    const y = rim[after + 1] - rim[before + 1];
-    const z = rim[after + 2] - rim[before + 2];
-    return x * x + y * y + z * z;
-  }
-
-  /**
-   * Decodes whether a fan is split, after `done` splits in this batch.
+   * Decodes whether a fan is split.
    * @param {RangeDecoder} coder
    * @param {number} fan
-   * @param {Ring} ring
-   * @param {number} done
+   * @param {number} done the splits of this batch: 1 stands for more
    * @returns {number} 1 or 0
    */
-  decodeMark(coder, fan, ring, done) {
-    const { corners, length: n } = ring;
-    const { batch } = this;
-    const ofCorner = this.#surface.cells;
-    const { cells } = this.#fans;
-    const open = ring.isOpen ? 1 : 0;
-    if (n < 2 - open || n > MOST_CORNERS) return 0;
-    // 1. The fans around. What cannot be predicted is counted without branches: x − 1 >>> 31 is 1 if x is 0, for x ≥ 0.
-    let free = 0;
-    let split = 0;
-    let born = 0;
-    let earlier = 0;
-    let run = 0;
-    let longestRun = 0;
-    for (let i = 0; i < n; i++) {
-      const corner = corners[i];
-      const other = ofCorner[next(corner)];
-      const isUsed = ((ofCorner[corner | 3] ^ batch) - 1) >>> 31;
-      split += ((cells[FAN_CELLS * other + LAST_SPLIT] ^ batch) - 1) >>> 31;
-      born += ((cells[FAN_CELLS * other + BORN] ^ batch) - 1) >>> 31;
-      earlier += (other - fan) >>> 31;
-      free += 1 - isUsed;
-      run = (run + 1) & (isUsed - 1);
-      if (run > longestRun) longestRun = run;
-    }
-    if (free === 0 && open === 0) return 0;
-    // 2. Its size and its chords.
-    this.#lookAround(fan, ring);
-    let chords = 0;
-    for (let i = open; i < n && chords < 7; i++) if (this.#spokes[i] > this.#across(i, n)) chords++;
-    const size = halves(this.#meanSpoke);
-    const difference = size - (this.#usualSize >> 8) + 8;
-    const relative = difference < 0 ? 0 : least(difference, 15);
-    this.#usualSize += (size * 256 - this.#usualSize) >> 7;
-
-    const age = least(batch - cells[FAN_CELLS * fan + BORN], 7);
-    const quiet = least(batch - cells[FAN_CELLS * fan + LAST_SPLIT], 7);
-    const valence = least(n, 15);
-    const few = least(free, 15);
-    const set = least(done, 3) * 2 + open;
+  decodeMark(coder, fan, done) {
+    const fans = this.#fans;
+    const { cells } = fans;
+    const at = FAN_CELLS * fan;
+    const open = cells[at + IS_OPEN];
+    const count = cells[at + COUNT];
+    const n = count > open ? count - open : 0;
+    const used = cells[at + USED];
+    if (n + open < 2 || n > MOST_CORNERS || (used >= n && open === 0)) return 0;
+    const sum = Math.abs(fans.laplacian(fan, 0)) + Math.abs(fans.laplacian(fan, 1)) + Math.abs(fans.laplacian(fan, 2));
+    const distance = logarithm(sum + 1) - logarithm(count);
+    const relative = ((distance - (this.#usual >> 8)) >> 1) + 16;
+    this.#usual += (distance * 256 - this.#usual) >> 7;
+    const age = (this.batch - cells[at + BORN]) & 255;
+    const quiet = (this.batch - cells[at + LAST_SPLIT]) & 255;
     return this.#marks.decode(
       coder,
-      (valence * 16 + few) * 8 + set,
-      (relative * 16 + few) * 8 + set,
-      (chords * 16 + few) * 16 + valence,
-      (age * 8 + quiet) * 16 + few,
-      (least(split, 7) * 8 + least(born, 7)) * 16 + few,
-      (least(earlier, 15) * 8 + least(longestRun, 7)) * 8 + chords,
-      set,
+      (clamped(n, 0, 15) * 8 + clamped(used, 0, 7)) * 4 + done * 2 + open,
+      AGE_FEATURES + clamped(age, 0, 7) * 8 + clamped(quiet, 0, 7),
+      DISTANCE_FEATURES + clamped(relative, 0, 31),
     );
   }
 
@@ -193,137 +108,195 @@ export class SplitModel {
    */
   decodeSplit(coder, fan, ring) {
     const sides = this.#sides;
-    const last = this.#last;
-    const n = ring.length;
-    let free = 0;
-    for (let i = 0; i < n; i++) if (this.#isFree(ring.corners[i])) free++;
-    if (ring.isOpen && (free === 0 || sides.decode(coder, 0))) {
-      last.addsEnd = sides.decode(coder, 1) === 1;
-      last.addsStart = !last.addsEnd;
-      last.start = last.addsEnd ? 0 : n;
-      last.count = 0;
-      return last;
+    const split = this.#split;
+    const { corners, length: n, isOpen } = ring;
+    const lengths = this.#lengths;
+    let canMove = false;
+    for (let i = 0; i < n && !canMove; i++) canMove = this.#isFree(corners[i]);
+    if (isOpen && (!canMove || sides.decode(coder, 0))) {
+      split.addsEnd = sides.decode(coder, 1) === 1;
+      split.addsStart = !split.addsEnd;
+      split.start = split.addsEnd ? 0 : n;
+      split.count = 0;
+      return split;
     }
-    this.#lookAround(fan, ring);
-    last.start = this.#decodeStart(coder, ring, free);
-    last.count = this.#decodeCount(coder, ring, last.start);
-    last.addsStart = !(ring.isOpen && last.start === 0) || sides.decode(coder, 2) === 1;
-    const isAtEnd = ring.isOpen && last.start + last.count === n && last.addsStart;
-    last.addsEnd = !isAtEnd || sides.decode(coder, 3) === 1;
-    return last;
+    split.start = 0;
+    split.count = 1;
+    if (canMove && n > MOST_CHOICES) {
+      this.#decodePlain(coder, ring);
+    } else if (canMove) {
+      // How many free corners follow one another, around a closed fan not all.
+      const most = isOpen ? n : n > 1 ? n - 1 : 1;
+      for (let i = isOpen ? n - 1 : 2 * n - 1, run = 0; i >= 0; i--) {
+        run = this.#isFree(corners[i < n ? i : i - n]) ? run + 1 : 0;
+        if (i < n) lengths[i] = run < most ? run : most;
+      }
+      this.#lookAround(fan, ring);
+      this.#decodeRun(coder, n, isOpen);
+    }
+    split.addsStart = !(isOpen && split.start === 0) || sides.decode(coder, 2) === 1;
+    const isAtEnd = isOpen && split.start + split.count === n && split.addsStart;
+    split.addsEnd = !isAtEnd || sides.decode(coder, 3) === 1;
+    return split;
   }
 
   /** @param {number} corner */
   #isFree(corner) {
-    return this.#surface.cells[corner | 3] !== this.batch;
+    return this.#surface.mark(corner) !== this.batch;
   }
 
   /**
-   * Decodes the first corner that moves.
+   * Decodes a run of free corners where there are many.
    * @param {RangeDecoder} coder
    * @param {Ring} ring
-   * @param {number} left the free corners
-   * @returns {number}
    */
-  #decodeStart(coder, ring, left) {
-    const { corners, length: n, isOpen } = ring;
-    for (let i = 0; i < n; i++) {
-      if (!this.#isFree(corners[i])) continue;
-      left--;
-      if (left === 0) return i;
-      const before = i > 0 ? this.#isFree(corners[i - 1]) : !isOpen && this.#isFree(corners[n - 1]);
-      const after = i + 1 < n ? this.#isFree(corners[i + 1]) : !isOpen && this.#isFree(corners[0]);
-      const free = (before ? 2 : 0) + (after ? 1 : 0);
-      this.#compare(ring, i);
-      const isFirst = this.#starts.decode(
-        coder,
-        this.#chords * 4 + free,
-        this.#lengths * 4 + free,
-        (least(i, 15) * 16 + least(left, 15)) * 4 + free,
-        this.#ages * 4 + free,
-        this.#firsts * 4 + free,
-        (least(n, 15) * 16 + (this.#chords >> 4)) * 4 + free,
-        isOpen ? free + 4 : free,
-      );
-      if (isFirst) return i;
-    }
-    return 0;
+  #decodePlain(coder, { corners, length: n, isOpen }) {
+    const choose = (/** @type {number} */ number) => coder.decodeBits(32 - Math.clz32(number - 1)) % number;
+    const free = [];
+    for (let i = 0; i < n; i++) if (this.#isFree(corners[i])) free.push(i);
+    const start = free[choose(free.length)];
+    const most = isOpen ? n - start : n - 1;
+    let run = 1;
+    while (run < most && this.#isFree(corners[(start + run) % n])) run++;
+    this.#split.start = start;
+    this.#split.count = 1 + choose(run);
   }
 
   /**
-   * Decodes how many corners move.
-   * @param {RangeDecoder} coder
+   * Finds the features of the edges of a fan.
+   * @param {number} fan
    * @param {Ring} ring
-   * @param {number} start
-   * @returns {number}
    */
-  #decodeCount(coder, ring, start) {
-    const { corners, length: n, isOpen } = ring;
-    // One corner of a closed fan stays.
-    const most = isOpen ? n - start : Math.max(n - 1, 1);
-    const ofStart = this.#ofChord(start, n, isOpen);
-    for (let count = 1; count < most; count++) {
-      const i = start + count < n ? start + count : start + count - n;
-      if (!this.#isFree(corners[i])) return count;
-      this.#compare(ring, i);
-      const few = least(count, 7);
-      const isMore = this.#runs.decode(
-        coder,
-        this.#chords * 8 + few,
-        this.#lengths * 8 + few,
-        least(n, 15) * 16 + least(count, 15),
-        this.#ages * 8 + few,
-        this.#firsts * 8 + least(n - count, 7),
-        ((this.#chords & 0xf0) + ofStart) * 8 + few,
-        few,
-      );
-      if (!isMore) return count;
-    }
-    return most;
-  }
-
-  /**
-   * Compares the edges on both sides of a corner, in pairs of numbers from 0 to 15: with the lines between their neighbours, with the other edges of
-   * the fan, and how long ago their fans arose and were split. Also the first one with that line and with the others.
-   * @param {Ring} ring
-   * @param {number} i
-   */
-  #compare({ corners, length: n, isOpen }, i) {
-    const a = this.#ofOthers(i);
-    const across = this.#ofChord(i, n, isOpen) * 16;
-    this.#chords = across + this.#ofChord(i + 1, n, isOpen);
-    this.#lengths = a * 16 + this.#ofOthers(i + 1);
-    this.#ages = this.#age(next(corners[i])) * 16 + this.#age(previous(corners[i]));
-    this.#firsts = across + a;
-  }
-
-  /**
-   * Returns how long ago a fan at a corner arose and was split: 0 to 15.
-   * @param {number} corner
-   */
-  #age(corner) {
+  #lookAround(fan, { around, length: n, isOpen }) {
     const { cells } = this.#fans;
-    const at = FAN_CELLS * this.#surface.cells[corner];
-    return least(this.batch - cells[at + BORN], 3) * 4 + least(this.batch - cells[at + LAST_SPLIT], 3);
+    const shapes = this.#shapes;
+    const valences = this.#valences;
+    const firsts = this.#firsts;
+    const edgeCount = isOpen ? n + 1 : n;
+    const ofRing = clamped(n, 4, 11) - 4;
+    const center = FAN_CELLS * fan;
+    let before = FAN_CELLS * around[n - 1];
+    let at = FAN_CELLS * around[0];
+    let sum = 0;
+    for (let i = 0; i < edgeCount; i++) {
+      const after = FAN_CELLS * around[i < n ? i + 1 : n];
+      const square = this.#square(at, center);
+      const length = logarithm(square);
+      const isBorder = isOpen && (i === 0 || i === n);
+      const chord = isBorder ? 8 : clamped((length - logarithm(this.#square(before, after)) + 16) >> 2, 0, 7);
+      sum += square;
+      // The lengths, until all are known.
+      firsts[i] = length;
+      shapes[i] = ROLES * 16 * chord;
+      valences[i] = ROLES * (SHAPES + (clamped(cells[at + COUNT], 3, 10) - 3) * 8 + ofRing);
+      before = at;
+      at = after;
+    }
+    const mean = logarithm(sum) - logarithm(edgeCount);
+    for (let i = 0; i < edgeCount; i++) shapes[i] += ROLES * clamped(((5 * (firsts[i] - mean)) >> 4) + 8, 0, 15);
   }
 
   /**
-   * Compares an edge with all edges of the fan: 0 to 15.
-   * @param {number} i
+   * Returns the square of the distance of two fans, which are given by their cells.
+   * @param {number} a
+   * @param {number} b
    */
-  #ofOthers(i) {
-    return least(halves(Math.floor((16 * this.#spokes[i]) / (this.#meanSpoke + 1))), 15);
+  #square(a, b) {
+    const { cells } = this.#fans;
+    const x = cells[a] - cells[b];
+    const y = cells[a + 1] - cells[b + 1];
+    const z = cells[a + 2] - cells[b + 2];
+    return x * x + y * y + z * z;
   }
 
   /**
-   * Compares an edge with the line between its neighbours: 0 to 15.
-   * @param {number} i
-   * @param {number} n the corners of the fan
+   * Decodes a run of free corners: the first one, and their number.
+   * @param {RangeDecoder} coder
+   * @param {number} n
    * @param {boolean} isOpen
    */
-  #ofChord(i, n, isOpen) {
-    if (isOpen && (i === 0 || i === n)) return 15;
-    if (i === n) i = 0;
-    return least(halves(Math.floor((64 * this.#spokes[i]) / (this.#across(i, n) + 1))) >> 1, 15);
+  #decodeRun(coder, n, isOpen) {
+    const scores = this.#edgeScores;
+    const counts = this.#countScores;
+    const shapes = this.#shapes;
+    const valences = this.#valences;
+    const firsts = this.#firsts;
+    const ends = this.#ends;
+    const lengths = this.#lengths;
+    const ofFirsts = this.#ofFirsts;
+    const ofEnds = this.#ofEnds;
+    const ofCounts = this.#ofCounts;
+    const weights = this.#weights;
+    const edgeCount = isOpen ? n + 1 : n;
+    const ofCount = 32 * (clamped(n, 4, 11) - 4);
+    // 1. The scores of a run are those of its first edge, of the edges within, of the last edge, and of its length. Around a closed fan, edges are
+    //    counted twice.
+    let within = 0;
+    for (let i = 0; i < edgeCount; i++) {
+      const shape = shapes[i];
+      const valence = valences[i];
+      ends[i] = within + scores[shape + LAST] + scores[valence + LAST];
+      within += scores[shape + WITHIN] + scores[valence + WITHIN];
+      firsts[i] = scores[shape + FIRST] + scores[valence + FIRST] - within;
+    }
+    if (!isOpen) for (let i = 0; i < n; i++) ends[n + i] = ends[i] + within;
+    let number = 0;
+    let most = -Infinity;
+    for (let i = 0; i < n; i++) {
+      for (let c = 1; c <= lengths[i]; c++) {
+        const score = firsts[i] + ends[i + c] + counts[ofCount + c];
+        if (score > most) most = score;
+        weights[number++] = score;
+      }
+    }
+    // 2. Their weights, and the sums of those with a first edge, with a last one, and with a number of corners.
+    ofEnds.fill(0);
+    ofCounts.fill(0);
+    let all = 0;
+    number = 0;
+    for (let i = 0; i < n; i++) {
+      const before = all;
+      for (let c = 1; c <= lengths[i]; c++) {
+        const weight = FALLS[placeOf(most - weights[number])] >> 12;
+        weights[number++] = weight;
+        ofEnds[i + c] += weight;
+        ofCounts[c] += weight;
+        all += weight;
+      }
+      ofFirsts[i] = all - before;
+    }
+    // 3. The choice.
+    const part = coder.seek(all);
+    let start = 0;
+    let passed = 0;
+    number = 0;
+    for (; part >= passed + ofFirsts[start]; start++) {
+      passed += ofFirsts[start];
+      number += lengths[start];
+    }
+    let count = 1;
+    for (; part >= passed + weights[number]; count++) passed += weights[number++];
+    coder.take(passed, weights[number]);
+    this.#split.start = start;
+    this.#split.count = count;
+    if (++this.#runCount > LEARNED_RUNS && this.#runCount % 4 !== 0) return;
+    // 4. Learn. An edge is within the runs that have begun before it and not ended.
+    const unit = Math.floor(0xffffffff / all);
+    const error = (/** @type {boolean} */ is, /** @type {number} */ weight) => (is ? 65536 : 0) - ((weight * unit) >>> 16);
+    let open = 0;
+    if (!isOpen) for (let i = 0; i < n; i++) open += ofEnds[n + i];
+    for (let i = 0; i < edgeCount; i++) {
+      const ending = isOpen ? ofEnds[i] : ofEnds[i] + ofEnds[n + i];
+      const beginning = i < n ? ofFirsts[i] : 0;
+      open -= ending;
+      const steps = i >= start ? i - start : isOpen ? n + 1 : i + n - start;
+      const errors = [error(steps === 0, beginning), error(steps > 0 && steps < count, open), error(steps === count, ending)];
+      for (let role = 0; role < ROLES; role++) {
+        learn(scores, shapes[i] + role, errors[role], RUN_RATE);
+        learn(scores, valences[i] + role, errors[role], RUN_RATE);
+      }
+      open += beginning;
+    }
+    for (let c = 1; c <= n; c++) learn(counts, ofCount + c, error(c === count, ofCounts[c]), RUN_RATE);
   }
 }

@@ -43,6 +43,8 @@ export function previous(corner) {
 export class Ring {
   constructor() {
     this.corners = new Int32Array(MOST_CORNERS + 1);
+    /** The fans at the other ends of its edges, one more than the corners. */
+    this.around = new Int32Array(MOST_CORNERS + 2);
     this.length = 0;
     /** Whether the fan is open, if it has no more corners. */
     this.isOpen = false;
@@ -175,22 +177,24 @@ export class Surface {
    */
   collect(fan, ring) {
     const { cells } = this;
-    const { corners } = ring;
+    const { corners, around } = ring;
     const first = this.first[fan];
     let length = 0;
     let at = first;
+    ring.isOpen = true;
     while (at !== NONE) {
-      corners[length++] = at;
-      const opposite = cells[next(at) + OPPOSITE];
+      const after = next(at);
+      corners[length] = at;
+      around[length++] = cells[after];
+      const opposite = cells[after + OPPOSITE];
       at = opposite === NONE ? NONE : next(opposite);
       if (at === first || length > MOST_CORNERS) {
-        ring.length = length;
         ring.isOpen = false;
-        return;
+        break;
       }
     }
     ring.length = length;
-    ring.isOpen = true;
+    if (length > 0) around[length] = cells[previous(corners[length - 1])];
   }
 
   /**

@@ -1,23 +1,21 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { halves } from '../src/numbers.js';
+import { logarithm } from '../src/numbers.js';
 import { next, previous } from '../src/surface.js';
 
 /** @param {bigint} x */
-function halvesOf(x) {
-  if (x < 2n) return Number(x);
-  const bits = BigInt(x.toString(2).length - 1);
-  return Number(2n * bits + ((x >> (bits - 1n)) & 1n));
+function logarithmOf(x) {
+  const digits = (x > 0n ? x : 1n).toString(2);
+  return 8 * (digits.length - 1) + parseInt(`${digits}000`.slice(1, 4), 2);
 }
 
-test('twice the logarithm of whole numbers', () => {
+test('logarithms of whole numbers', () => {
   for (let bits = 0; bits < 53; bits++) {
     for (const offset of [-1, 0, 1, 2 ** (bits - 1) - 1, 2 ** (bits - 1)]) {
       const x = Math.max(2 ** bits + Math.floor(offset), 0);
-      assert.equal(halves(x), halvesOf(BigInt(x)), `${x}`);
+      assert.equal(logarithm(x), logarithmOf(BigInt(x)), `${x}`);
     }
   }
-  assert.ok(halves(Infinity) < 128 && halves(NaN) === 0);
 });
 
 test('the corners of a triangle follow one another', () => {

@@ -7,10 +7,10 @@
 //! goes on later from the byte at which the next one starts. A file may hold several meshes, whose chunks come in any order.
 //!
 //! # Algorithm
-//! Splits come in batches. A batch is a set of collapses whose removed points have no triangle in common, so that they can be told in any order: fan by fan, in
-//! the order of their numbers. What a batch says about a fan is whether it is split (module `splits`), which of its corners move, and where the new point is
+//! Splits come in batches. A batch is a set of collapses whose removed points have no triangle in common, so that they can be told in any order: fan by fan, such
+//! that fans near each other follow one another. What a batch says about a fan is whether it is split (module `splits`), which of its corners move, and where the new point is
 //! (`places`) and what attributes its vertex has (`channels`), as differences from what the mesh around it makes expect. Each of these is a row of
-//! decisions whose probabilities are learned (`mixing`), written by a range coder (`range_coder`). Positions are on a grid whose step is halved as the error of the levels
+//! decisions and choices whose probabilities are learned (`slots`, `scores`, `numbers`), written by a range coder (`range_coder`). Positions are on a grid whose step is halved as the error of the levels
 //! gets smaller (`refiner`). The encoder plans (`plan`) and rehearses (`run`, `fit`) before it writes (`encoder`).
 //!
 //! On an attribute seam, and where a surface is not manifold, a point has several fans (`surface`), which are split together.
@@ -22,10 +22,10 @@
 //!
 //! | model | vertices | connectivity | all |
 //! |---|---|---|---|
-//! | bunny | 34,834 | 5.0 | 24.0 |
-//! | horse | 48,485 | 5.1 | 21.5 |
-//! | `armadillo_43k` | 43,243 | 5.1 | 23.6 |
-//! | dragon | 435,545 | 5.6 | 18.6 |
+//! | bunny | 34,834 | 4.8 | 23.4 |
+//! | horse | 48,485 | 4.8 | 21.1 |
+//! | `armadillo_43k` | 43,243 | 4.9 | 23.0 |
+//! | dragon | 435,545 | 5.4 | 18.4 |
 //!
 //! # References
 //! Hoppe: *Progressive Meshes*, 1996. Pajarola, Rossignac: *Compressed Progressive Meshes*, 2000. Alliez, Desbrun: *Progressive Compression for Lossless Transmission of Triangle
@@ -41,7 +41,6 @@ mod fit;
 mod grid;
 mod head;
 mod levels;
-mod mixing;
 mod numbers;
 mod options;
 mod part;
@@ -52,6 +51,8 @@ mod refiner;
 mod run;
 #[cfg(test)]
 mod samples;
+mod scores;
+mod slots;
 mod source;
 mod splits;
 mod strips;

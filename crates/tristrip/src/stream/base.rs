@@ -9,11 +9,12 @@
 //! # Complexity
 //! O(n) time.
 
-use super::mixing::{Simple, code_bits};
 use super::numbers::code_small;
-use super::places::{Place, Surprise, square_distance};
-use super::range_coder::BitCoder;
+use super::places::{Place, square_distance};
+use super::range_coder::{BitCoder, code_bits};
 use super::refiner::Refiner;
+use super::slots::Simple;
+use super::splits::Fan;
 use super::surface::{NONE, next, previous};
 
 /// A base mesh to be encoded.
@@ -175,9 +176,9 @@ impl Refiner {
             let is_known = around.iter().all(|&other| other < fan);
             // 3. The position.
             let place = if let Some(twin) = twin {
-                self.fans[twin as usize].place
+                self.fans[twin as usize].place()
             } else {
-                let at = |fan: u32| self.fans.get(fan as usize).map(|fan| fan.place).unwrap_or_default();
+                let at = |fan: u32| self.fans.get(fan as usize).map_or([0; 3], Fan::place);
                 let (near, square) = if is_known {
                     let [a, b, c] = around.map(at);
                     ([0, 1, 2].map(|j| a[j].wrapping_add(b[j]).wrapping_sub(c[j])), square_distance(a, b))
@@ -199,8 +200,8 @@ impl Refiner {
                 new_vertices += 1;
                 new_vertices - 1
             };
-            self.push_fan(place, twin, vertex, Surprise::default());
+            self.push_fan(place, twin, vertex, false);
         }
-        self.sum_around();
+        self.look_around();
     }
 }

@@ -3,9 +3,9 @@
 //! Each component of a new vertex is expected to be the mean of those of the vertices around it, and coded as the difference; indices of joints are expected to be those of the
 //! kept vertex.
 
-use super::mixing::{Simple, code_bits};
-use super::numbers::{NumberContext, NumberModel, halves};
-use super::range_coder::BitCoder;
+use super::numbers::{Level, NumberModel, logarithm};
+use super::range_coder::{BitCoder, code_bits};
+use super::slots::Simple;
 
 /// What the integers of a channel are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -20,8 +20,8 @@ pub(super) enum ChannelKind {
     Names,
 }
 
-/// The contexts of a component.
-const CONTEXTS: usize = 64;
+/// The first weights of the features of a level.
+const LEVEL: [i32; 3] = [-8_000, 50_000, 10_000];
 
 /// How a channel is coded.
 #[derive(Debug, Clone)]
@@ -32,13 +32,15 @@ pub(super) struct ChannelModel {
     /// The bits of an integer at most.
     bits: u32,
     numbers: NumberModel,
+    levels: Vec<Level<3>>,
     is_kept: Simple,
 }
 
 impl ChannelModel {
     pub(super) fn new(kind: ChannelKind, width: usize, bits: u32) -> Self {
         let axes = width.min(4);
-        Self { kind, width, bits, numbers: NumberModel::new(axes, CONTEXTS), is_kept: Simple::new(axes) }
+        let levels = vec![Level::new(LEVEL); axes];
+        Self { kind, width, bits, numbers: NumberModel::new(axes), levels, is_kept: Simple::new(axes) }
     }
 
     /// Codes the integers of a vertex, given those of the vertices around it, the kept one first. Appends them.
@@ -70,12 +72,13 @@ impl ChannelModel {
             let expected = (2 * of_around.clone().sum::<i64>() + count).div_euclid(2 * count);
             let spread = of_around.clone().max().unwrap_or(most).abs_diff(of_around.min().unwrap_or(0));
             let far = (expected - i64::from(kept)).unsigned_abs();
-            let scale = 2 * halves(spread);
-            let relative = (halves(far) + 8).saturating_sub(halves(spread)).min(15);
-            let contexts =
-                [relative * 4 + around.len().min(3), around.len().min(15), scale.min(63), relative, 0];
-            let context = NumberContext { axis, scale, contexts };
-            let (difference, _) = self.numbers.code(coder, context, (i64::from(wanted) - expected) as i32);
+            // In 1/16 of an octave.
+            let size = |x: u64| 2 * logarithm(2 * x + 1) - 16;
+            let features = [32, size(spread), size(far) - size(spread)];
+            let level = &mut self.levels[axis];
+            let difference = (i64::from(wanted) - expected) as i32;
+            let (difference, error) = self.numbers.code(coder, axis, level.expect(features), difference);
+            level.learn(features, error);
             values.push((expected + i64::from(difference)).clamp(0, most) as i32);
         }
     }

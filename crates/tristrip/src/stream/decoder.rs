@@ -25,14 +25,14 @@ pub struct StreamError {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StreamLimits {
-    /// Meshes. Each takes about 2.5 megabytes beside its triangles, and 0.2 per attribute.
+    /// Meshes. Each takes about 30 kilobytes beside its triangles, and 20 per attribute.
     pub meshes: usize,
     /// Triangles of all meshes.
     pub triangles: usize,
     /// Bytes of a chunk.
     pub chunk_bytes: usize,
-    /// Corners that are looked at around the vertices of all batches: what the time of decoding depends on. Models have about 25 per vertex. A few bytes can
-    /// ask for any number of them.
+    /// Visits of vertices by batches, and corners around those that are split: what the time of decoding depends on. Models have about 12 per vertex. A few
+    /// bytes can ask for any number of them.
     pub corners: u64,
 }
 

@@ -9,7 +9,7 @@ use super::places::{ESTIMATES, Estimates, Place, WEIGHT_ONE, Weights};
 type Row = [f64; ESTIMATES + 1];
 
 /// Where weights of this size and more are cut off.
-const MOST_WEIGHT: f64 = 127.0;
+const MOST_WEIGHT: f64 = 255.0;
 /// A distance, in 1/16, below which all count the same.
 const NEAR: f64 = 16.0;
 
@@ -36,7 +36,8 @@ impl Fit {
         for (vector, other) in vectors.iter_mut().zip(&estimates.others) {
             *vector = other.map(|x| x as f64);
         }
-        vectors[ESTIMATES] = [0, 1, 2].map(|j| (16 * i64::from(place[j]) - estimates.mean[j]) as f64);
+        vectors[ESTIMATES] =
+            [0, 1, 2].map(|j| (16 * i64::from(place[j] - estimates.kept[j]) - estimates.mean[j]) as f64);
         let heights = vectors.map(|v| along(&v));
         let flat: [Row; 3] = [0, 1, 2].map(|j| {
             let mut row = [0.0; ESTIMATES + 1];

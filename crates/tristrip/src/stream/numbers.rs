@@ -1,120 +1,129 @@
-//! Numbers as decisions: the size as a bucket, found outward from the bucket that is usual for numbers of this scale, then the sign, then the rest.
+//! Numbers as decisions: the size as a bucket relative to what is expected, one of sixteen symbols, then the place within the bucket, then the sign.
 //!
-//! Buckets have the bounds 0, 1, 2, 3, 4, 6, 8, 12, 16, 24, … : the bucket of a size is the whole part of twice its logarithm. How large numbers
-//! of a scale are is learned: the middle of each scale follows what has been coded.
+//! Buckets have the bounds 0, 1, 2, 3, 4, 6, 8, 12, 16, 24, … : the bucket of a size is the whole part of twice its binary logarithm.
+//!
+//! # Algorithm
+//! The logarithm of the size that is expected, the *level*, is a weighted sum of features. Its weights follow the gradient of the square of the error.
+//!
+//! # References
+//! Widrow, Hoff: *Adaptive Switching Circuits*, 1960 (the weights).
 
-use super::mixing::{INPUTS, Mixed, Simple, code_bits};
-use super::range_coder::BitCoder;
+use super::range_coder::{BitCoder, code_bits};
+use super::slots::Simple;
 
-/// The scales: twice the binary logarithm of a square, so that one step is a quarter of an octave.
-const SCALES: usize = 96;
-/// The steps away from the usual bucket that have contexts of their own; the first goes down or up from it.
-const STEPS: usize = 32;
-const FIRST_STEP: usize = 16;
+/// The levels that have symbols of their own, from −2 on in quarters of an octave.
+const CONTEXTS: usize = 80;
+/// The symbol of the usual bucket.
+const MIDDLE: i32 = 9;
+/// The symbols at both ends are followed by how much farther the bucket is.
+const LAST: i32 = 15;
 /// The largest bucket.
-const MOST_BUCKET: usize = 59;
+const MOST_BUCKET: i32 = 59;
 
-/// Returns twice the binary logarithm, roughly: the bucket of a size.
+/// Returns the binary logarithm of a number, at least 1, in 1/8, with straight lines between the powers of two.
 #[inline]
-pub(super) fn halves(x: u64) -> usize {
-    if x < 2 {
-        return x as usize;
-    }
-    let bits = x.ilog2();
-    (2 * bits) as usize + (x >> (bits - 1) & 1) as usize
+pub(super) fn logarithm(x: u64) -> i32 {
+    let x = x.max(1);
+    let zeros = x.leading_zeros();
+    8 * (63 - zeros.cast_signed()) + ((x << zeros >> 60) as i32 & 7)
 }
 
-/// The context of a number.
-#[derive(Debug, Clone, Copy, Default)]
-pub(super) struct NumberContext {
-    /// Which of the numbers that belong together it is.
-    pub(super) axis: usize,
-    /// Twice the binary logarithm of the square of what it is expected to be.
-    pub(super) scale: usize,
-    /// What else is known, each less than the number of contexts of the model.
-    pub(super) contexts: [usize; INPUTS - 1],
+/// Returns the bucket of a size: twice the binary logarithm, roughly.
+#[inline]
+fn bucket_of(x: u32) -> i32 {
+    if x < 2 { x.cast_signed() } else { logarithm(x.into()) >> 2 }
+}
+
+/// Expects the levels of numbers of one kind, in 1/16 of an octave, from `N` features in about the same unit.
+#[derive(Debug, Clone)]
+pub(super) struct Level<const N: usize> {
+    weights: [i32; N],
+}
+
+impl<const N: usize> Level<N> {
+    /// Weights are in 1/65536.
+    pub(super) fn new(weights: [i32; N]) -> Self {
+        Self { weights }
+    }
+
+    #[inline]
+    pub(super) fn expect(&self, features: [i32; N]) -> i32 {
+        let mut sum = 0;
+        for i in 0..N {
+            sum += self.weights[i] * features[i];
+        }
+        sum >> 16
+    }
+
+    /// Learns from how far a level was from what was expected; features are less than 1024.
+    #[inline]
+    pub(super) fn learn(&mut self, features: [i32; N], error: i32) {
+        let error = error.clamp(-32, 32);
+        for i in 0..N {
+            let weight = self.weights[i] + ((error * features[i]) >> 3);
+            self.weights[i] = weight.clamp(-(1 << 17), 1 << 17);
+        }
+    }
 }
 
 /// The model of numbers of one kind.
 #[derive(Debug, Clone)]
 pub(super) struct NumberModel {
-    context_count: usize,
-    /// The usual bucket of each axis and scale, in 1/16.
-    middles: Vec<i32>,
-    buckets: Mixed,
-    signs: Simple,
+    symbols: Simple,
     halves: Simple,
+    escapes: Simple,
 }
 
 impl NumberModel {
-    pub(super) fn new(axes: usize, context_count: usize) -> Self {
-        let mut sizes = [axes * STEPS * context_count; INPUTS];
-        sizes[0] = axes * SCALES * STEPS;
-        let middle = |scale: usize| (scale as u32 * 8).saturating_sub(32).cast_signed();
-        Self {
-            context_count,
-            middles: (0..axes * SCALES).map(|i| middle(i % SCALES)).collect(),
-            buckets: Mixed::new(sizes, axes * STEPS),
-            signs: Simple::new(axes),
-            halves: Simple::new(MOST_BUCKET + 1),
-        }
+    /// Creates the model of numbers in some sets.
+    pub(super) fn new(sets: usize) -> Self {
+        Self { symbols: Simple::new(16 * CONTEXTS * sets), halves: Simple::new(16), escapes: Simple::new(32) }
     }
 
-    /// Codes a number. Also returns how many buckets it is above what is usual.
+    /// Codes a number of a set. Also returns how far its level is from that which is expected.
+    #[inline]
     pub(super) fn code<C: BitCoder>(
         &mut self,
         coder: &mut C,
-        context: NumberContext,
+        set: usize,
+        level: i32,
         number: i32,
     ) -> (i32, i32) {
-        let NumberContext { axis, scale, contexts } = context;
-        let of_scale = axis * SCALES + scale.min(SCALES - 1);
-        let middle = &mut self.middles[of_scale];
-        let usual = ((*middle + 8) >> 4).cast_unsigned() as usize;
+        let usual = (level >> 3).clamp(0, MOST_BUCKET);
+        let context =
+            ((level + 32) >> 2).clamp(0, (CONTEXTS as u32 - 1).cast_signed()).cast_unsigned() as usize;
         let size = number.unsigned_abs();
-        let wanted = halves(size.into());
-        // 1. The bucket, upwards or downwards from the usual one.
-        let mut decide = |step: usize, bit: bool| {
-            let mut slots = [of_scale * STEPS + step; INPUTS];
-            // The steps of a context lie together.
-            for (slot, context) in slots[1..].iter_mut().zip(contexts) {
-                *slot = (axis * self.context_count + context) * STEPS + step;
-            }
-            self.buckets.code(coder, slots, axis * STEPS + step, bit)
-        };
-        let mut bucket = usual;
-        if usual == 0 || decide(FIRST_STEP, wanted >= usual) {
-            while bucket < MOST_BUCKET
-                && decide((FIRST_STEP + 1 + bucket - usual).min(STEPS - 1), wanted > bucket)
-            {
-                bucket += 1;
-            }
-        } else {
-            bucket -= 1;
-            while bucket > 0
-                && decide(FIRST_STEP - 1 - (usual - 1 - bucket).min(FIRST_STEP - 1), wanted < bucket)
-            {
-                bucket -= 1;
-            }
+        let wanted = bucket_of(size);
+        // 1. The bucket.
+        let symbol = (wanted - usual + MIDDLE).clamp(0, LAST).cast_unsigned() as usize;
+        let symbol = self.symbols.code_symbol(coder, set * CONTEXTS + context, symbol);
+        let of_symbol = (symbol as u32).cast_signed();
+        let mut bucket = usual - MIDDLE + of_symbol;
+        if symbol == 0 && bucket > 0 {
+            bucket -=
+                code_small(coder, &mut self.escapes, (bucket - wanted).max(0).cast_unsigned()).cast_signed();
+        } else if of_symbol == LAST {
+            bucket +=
+                code_small(coder, &mut self.escapes, (wanted - bucket).max(0).cast_unsigned()).cast_signed();
         }
-        let [found, expected] = [bucket, usual].map(|bucket| (bucket as u32).cast_signed());
-        *middle += (found * 16 - *middle) >> 4;
-        let above = found - expected;
-        if bucket == 0 {
-            return (0, above);
+        let bucket = bucket.clamp(0, MOST_BUCKET).cast_unsigned();
+        // 2. The place within the bucket, and the sign.
+        let mut found = bucket;
+        let mut rest = 0;
+        if bucket >= 4 {
+            rest = bucket / 2 - 2;
+            let high = self.halves.code(coder, symbol, size >> rest & 1 != 0);
+            found = (2 | bucket & 1) << (rest + 1) | u32::from(high) << rest;
         }
-        // 2. The sign, and the place within the bucket.
-        let is_negative = self.signs.code(coder, axis, number < 0);
-        let size = if bucket < 4 {
-            bucket as u32
-        } else {
-            let rest = bucket as u32 / 2 - 2;
-            let least = (2 | bucket as u32 & 1) << (rest + 1);
-            let high = self.halves.code(coder, bucket, size >> rest & 1 != 0);
-            least | u32::from(high) << rest | code_bits(coder, rest, size)
-        };
-        let size = size.cast_signed();
-        (if is_negative { -size } else { size }, above)
+        if bucket > 0 {
+            let low = size & ((1 << rest) - 1);
+            let read = code_bits(coder, rest + 1, 2 * low + u32::from(number < 0));
+            found |= read >> 1;
+            let error = 2 * logarithm(2 * u64::from(found) + 1) - 16 - level;
+            let found = found.cast_signed();
+            return (if read & 1 != 0 { -found } else { found }, error);
+        }
+        (0, -16 - level)
     }
 }
 
@@ -140,22 +149,17 @@ mod tests {
         prop_oneof![-10..10_i32, -1000..1000_i32, -most..=most, Just(most), Just(-most)]
     }
 
-    fn context() -> impl Strategy<Value = NumberContext> {
-        (0..3_usize, 0..200_usize, prop::array::uniform5(0..7_usize))
-            .prop_map(|(axis, scale, contexts)| NumberContext { axis, scale, contexts })
-    }
-
     proptest! {
         #[test]
-        fn numbers_are_read_back(numbers in prop::collection::vec((context(), number()), 0..200)) {
-            let (mut model, mut encoder) = (NumberModel::new(3, 7), RangeEncoder::new());
+        fn numbers_are_read_back(numbers in prop::collection::vec((0..3_usize, -100..1000_i32, number()), 0..200)) {
+            let (mut model, mut encoder) = (NumberModel::new(3), RangeEncoder::new());
             let written: Vec<_> =
-                numbers.iter().map(|&(context, number)| model.code(&mut encoder, context, number)).collect();
+                numbers.iter().map(|&(set, level, number)| model.code(&mut encoder, set, level, number)).collect();
             let bytes = encoder.finish();
-            let (mut model, mut decoder) = (NumberModel::new(3, 7), RangeDecoder::new(&bytes));
-            for (&(context, number), written) in numbers.iter().zip(written) {
+            let (mut model, mut decoder) = (NumberModel::new(3), RangeDecoder::new(&bytes));
+            for (&(set, level, number), written) in numbers.iter().zip(written) {
                 prop_assert_eq!(written.0, number);
-                prop_assert_eq!(model.code(&mut decoder, context, 0), written);
+                prop_assert_eq!(model.code(&mut decoder, set, level, 0), written);
             }
             prop_assert!(!decoder.is_past_end());
         }
@@ -176,8 +180,8 @@ mod tests {
 
     #[test]
     fn buckets_are_twice_a_logarithm() {
-        let buckets: Vec<usize> = [0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 12, 15, 16].map(halves).into();
+        let buckets = [0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 12, 15, 16].map(bucket_of);
         assert_eq!(buckets, [0, 1, 2, 3, 4, 4, 5, 5, 6, 6, 7, 7, 8]);
-        assert_eq!(halves(u64::MAX), 127);
+        assert_eq!([1, 2, 3, 15, 16, u64::MAX].map(logarithm), [0, 8, 12, 31, 32, 511]);
     }
 }

@@ -10,7 +10,7 @@ use super::places::USUAL_WEIGHTS;
 use super::range_coder::{BitCoder, RangeDecoder};
 use super::refiner::Refiner;
 use super::strips::KeptStrips;
-use super::surface::Surface;
+use super::surface::{NONE, Surface};
 use crate::collapse::{CollapseSequence, Rename};
 #[cfg(test)]
 use crate::cover::priced::PricedPaths;
@@ -91,10 +91,10 @@ impl StreamPart {
         refiner.most_triangles = chunk.triangles as usize;
         refiner.account(&coder, |_| None);
         for _ in 0..chunk.visits {
-            if refiner.next == refiner.end {
+            if refiner.next == NONE {
                 refiner.begin_batch(&mut coder, 0, 0, |_| [0; 3]);
             }
-            if refiner.end == 0 {
+            if refiner.next == NONE {
                 return Err(("a refinement of nothing".into(), "a base mesh with triangles".into()));
             }
             refiner.visit(&mut coder, &[]);
@@ -350,7 +350,7 @@ impl StreamPart {
     pub fn positions(&self) -> Vec<[f32; 3]> {
         let mut positions = vec![[0.0; 3]; self.vertex_count()];
         for (&vertex, fan) in self.refiner.vertices.iter().zip(&self.refiner.fans) {
-            positions[vertex as usize] = self.head.grid.position(fan.place, self.refiner.unknown_bits);
+            positions[vertex as usize] = self.head.grid.position(fan.place(), self.refiner.unknown_bits);
         }
         positions
     }
@@ -377,7 +377,7 @@ impl StreamPart {
         self.triangles().into_iter().for_each(&mut add);
         let mut places = vec![[0; 3]; self.vertex_count()];
         for (&vertex, fan) in self.refiner.vertices.iter().zip(&self.refiner.fans) {
-            places[vertex as usize] = fan.place;
+            places[vertex as usize] = fan.place();
         }
         places.into_iter().flatten().for_each(|x: i32| add(x.cast_unsigned()));
         self.refiner.values.iter().flatten().for_each(|&x| add(x.cast_unsigned()));

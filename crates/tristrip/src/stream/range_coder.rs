@@ -1,4 +1,4 @@
-//! A binary range coder: turns decisions with known probabilities into bytes, and back.
+//! A range coder: turns decisions and choices with known probabilities into bytes, and back.
 //!
 //! A range of 32 bits is cut in proportion to the probability of each decision; whole bytes leave at the top when it has become small. One coder
 //! serves the whole project. Only integers are used, so that another implementation gives the same bytes.
@@ -23,6 +23,12 @@ pub(super) trait BitCoder {
     /// Codes a decision that is true in `probability` of [`WHOLE`] cases, more than none and less than all. A decoder ignores `bit`; both return the decision.
     fn code(&mut self, probability: u32, bit: bool) -> bool;
 
+    /// Cuts the range into `total` equal parts, from 1 to 2²⁴; returns `part`, or what it is to a decoder, less than `total`. [`take`](Self::take) follows.
+    fn seek(&mut self, total: u32, part: u32) -> u32;
+
+    /// Takes some of the parts, that one among them.
+    fn take(&mut self, start: u32, size: u32);
+
     /// Returns whether more has been read than there is: what follows was not written by an encoder.
     fn is_past_end(&self) -> bool {
         false
@@ -43,6 +49,26 @@ impl BitCoder for Rehearsal {
     fn code(&mut self, _: u32, bit: bool) -> bool {
         bit
     }
+
+    #[inline]
+    fn seek(&mut self, _: u32, part: u32) -> u32 {
+        part
+    }
+
+    #[inline]
+    fn take(&mut self, _: u32, _: u32) {}
+}
+
+/// Codes the lowest bits of a number, each as likely as not: at most 32.
+#[inline]
+pub(super) fn code_bits<C: BitCoder>(coder: &mut C, count: u32, number: u32) -> u32 {
+    if count > 16 {
+        let high = code_bits(coder, count - 16, number >> 16);
+        return high << 16 | code_bits(coder, 16, number);
+    }
+    let number = coder.seek(1 << count, number & ((1 << count) - 1));
+    coder.take(number, 1);
+    number
 }
 
 /// Collects decisions as bytes.
@@ -61,6 +87,22 @@ impl RangeEncoder {
     /// Returns a bound on the number of bytes so far.
     pub(super) fn len(&self) -> usize {
         self.bytes.len() + 4
+    }
+
+    #[inline]
+    fn add(&mut self, start: u32) {
+        self.low += u64::from(start);
+        if self.low > u64::from(u32::MAX) {
+            self.carry();
+        }
+    }
+
+    #[inline]
+    fn normalize(&mut self) {
+        while self.range < LEAST_RANGE {
+            self.push_top_byte();
+            self.range <<= 8;
+        }
     }
 
     fn push_top_byte(&mut self) {
@@ -101,17 +143,24 @@ impl BitCoder for RangeEncoder {
         if bit {
             self.range = bound;
         } else {
-            self.low += u64::from(bound);
             self.range -= bound;
-            if self.low > u64::from(u32::MAX) {
-                self.carry();
-            }
+            self.add(bound);
         }
-        while self.range < LEAST_RANGE {
-            self.push_top_byte();
-            self.range <<= 8;
-        }
+        self.normalize();
         bit
+    }
+
+    #[inline]
+    fn seek(&mut self, total: u32, part: u32) -> u32 {
+        self.range /= total;
+        part
+    }
+
+    #[inline]
+    fn take(&mut self, start: u32, size: u32) {
+        self.add(self.range * start);
+        self.range *= size;
+        self.normalize();
     }
 }
 
@@ -137,6 +186,14 @@ impl<'a> RangeDecoder<'a> {
         self.at += 1;
         byte.into()
     }
+
+    #[inline]
+    fn normalize(&mut self) {
+        while self.range < LEAST_RANGE {
+            self.code = self.code << 8 | self.next_byte();
+            self.range <<= 8;
+        }
+    }
 }
 
 impl BitCoder for RangeDecoder<'_> {
@@ -144,17 +201,25 @@ impl BitCoder for RangeDecoder<'_> {
     fn code(&mut self, probability: u32, _: bool) -> bool {
         let bound = (self.range >> 16) * probability;
         let bit = self.code < bound;
-        if bit {
-            self.range = bound;
-        } else {
-            self.code = self.code.wrapping_sub(bound);
-            self.range -= bound;
-        }
-        while self.range < LEAST_RANGE {
-            self.code = self.code << 8 | self.next_byte();
-            self.range <<= 8;
-        }
+        // Which one it is cannot be predicted, so that a branch would be expensive.
+        let no = u32::from(bit).wrapping_sub(1);
+        self.code -= bound & no;
+        self.range = (self.range & no).wrapping_add((bound ^ no).wrapping_sub(no));
+        self.normalize();
         bit
+    }
+
+    #[inline]
+    fn seek(&mut self, total: u32, _: u32) -> u32 {
+        self.range /= total;
+        (self.code / self.range).min(total - 1)
+    }
+
+    #[inline]
+    fn take(&mut self, start: u32, size: u32) {
+        self.code -= start * self.range;
+        self.range *= size;
+        self.normalize();
     }
 
     fn bits(&self) -> f64 {
@@ -187,6 +252,32 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn choices_are_read_back(choices in prop::collection::vec((1..=1_u32 << 24, any::<[u32; 3]>()), 0..400)) {
+            // Of a number of parts one, in a run of some of them.
+            let choice = |&(total, [part, before, after]): &(u32, [u32; 3])| {
+                let part = part % total;
+                let start = part - before % (part + 1);
+                (total, part, start, part - start + 1 + after % (total - part))
+            };
+            let mut encoder = RangeEncoder::new();
+            for (total, part, start, size) in choices.iter().map(choice) {
+                assert_eq!(encoder.seek(total, part), part);
+                encoder.take(start, size);
+                code_bits(&mut encoder, part % 33, total.wrapping_mul(part));
+            }
+            let bytes = encoder.finish();
+            let mut decoder = RangeDecoder::new(&bytes);
+            for (total, part, start, size) in choices.iter().map(choice) {
+                let found = decoder.seek(total, 0);
+                prop_assert!((start..start + size).contains(&found));
+                decoder.take(start, size);
+                let bits = u64::from(total.wrapping_mul(part)) & ((1 << (part % 33)) - 1);
+                prop_assert_eq!(u64::from(code_bits(&mut decoder, part % 33, 0)), bits);
+            }
+            prop_assert!(!decoder.is_past_end());
+        }
+
         #[test]
         fn decisions_are_read_back(decisions in prop::collection::vec((probability(), any::<bool>()), 0..400)) {
             let (bytes, bound) = encoded(&decisions);

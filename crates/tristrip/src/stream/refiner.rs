@@ -6,10 +6,10 @@
 use super::channels::ChannelModel;
 use super::costs::StreamCosts;
 use super::fit::Fit;
-use super::mixing::{Simple, code_bits};
-use super::places::{Estimates, Place, PlaceModel, Polygon, Surprise, Weights};
-use super::range_coder::BitCoder;
-use super::splits::{Batch, Fan, SplitModel};
+use super::places::{Estimates, Place, PlaceModel, Polygon, Weights, reciprocal};
+use super::range_coder::{BitCoder, code_bits};
+use super::slots::Simple;
+use super::splits::{Fan, Ring, SplitModel};
 use super::strips::KeptStrips;
 use super::surface::{MOST_CORNERS, NONE, Split, Surface, next, previous, triangle_of};
 
@@ -56,18 +56,14 @@ pub(super) struct Refiner {
     pub(super) record: Vec<[u32; 2]>,
     /// The number of splits after each group.
     pub(super) record_ends: Vec<u32>,
-    /// What is around each fan.
-    around: Vec<Around>,
     batch: u32,
     regime: usize,
-    /// The next fan to visit, and the end of the batch.
+    /// The next fan to visit, or none at the end of a batch.
     pub(super) next: u32,
-    pub(super) end: u32,
     splits: SplitModel,
     pub(super) place_model: PlaceModel,
     channels: Vec<ChannelModel>,
     flags: Simple,
-    precision: Simple,
     /// Counts the bits of each component, if that is wanted, and those up to the last one.
     pub(super) costs: Option<(StreamCosts, f64)>,
     /// Learns the weights, while encoding.
@@ -75,29 +71,10 @@ pub(super) struct Refiner {
     /// The strips of the mesh, if they are kept.
     pub(super) strips: Option<KeptStrips>,
     ring: Vec<u32>,
+    /// The fans at the other ends of its edges.
+    neighbours: Vec<u32>,
     rim: Vec<u32>,
     polygon: Polygon,
-}
-
-/// The sum of the positions around a fan, and their number.
-#[derive(Debug, Clone, Copy, Default)]
-struct Around {
-    sum: [i64; 3],
-    count: u32,
-}
-
-impl Around {
-    #[inline]
-    fn add(&mut self, place: Place) {
-        (0..3).for_each(|j| self.sum[j] += i64::from(place[j]));
-        self.count += 1;
-    }
-
-    #[inline]
-    fn remove(&mut self, place: Place) {
-        (0..3).for_each(|j| self.sum[j] -= i64::from(place[j]));
-        self.count = self.count.saturating_sub(1);
-    }
 }
 
 /// The fans of a point among which one is chosen.
@@ -127,29 +104,27 @@ impl Refiner {
             group_count: 0,
             record: Vec::new(),
             record_ends: Vec::new(),
-            around: Vec::new(),
             batch: 0,
             regime: 0,
-            next: 0,
-            end: 0,
+            next: NONE,
             splits: SplitModel::new(),
             place_model: PlaceModel::new(weights),
             channels,
             flags: Simple::new(FLAGS),
-            precision: Simple::new(3),
             costs: None,
             fit: None,
             strips: None,
             ring: Vec::new(),
+            neighbours: Vec::new(),
             rim: Vec::new(),
             polygon: Polygon::default(),
         }
     }
 
     /// Adds a fan that the surface has or will get. `twin` is another fan of its point, and `vertex` the next vertex or one of these fans.
-    pub(super) fn push_fan(&mut self, place: Place, twin: Option<u32>, vertex: u32, surprise: Surprise) {
+    pub(super) fn push_fan(&mut self, place: Place, twin: Option<u32>, vertex: u32, is_open: bool) {
         let fan = self.fans.len() as u32;
-        self.fans.push(Fan { place, born: self.batch, split: self.batch, surprise });
+        self.fans.push(Fan::new(place, self.batch, is_open));
         self.vertices.push(vertex);
         match twin {
             None => {
@@ -182,8 +157,8 @@ impl Refiner {
         } else {
             usize::from(self.flags.code(coder, REGIME + 1, regime == 1))
         };
-        self.next = 0;
-        self.end = self.fans.len() as u32;
+        self.fans.iter_mut().for_each(|fan| fan.used = 0);
+        self.next = if self.fans.is_empty() { NONE } else { 0 };
     }
 
     /// Sets how many bits of a coordinate are known, and how many are not.
@@ -205,16 +180,17 @@ impl Refiner {
             for fan in 0..self.fans.len() {
                 let leader = self.leaders[fan] as usize;
                 if leader != fan {
-                    self.fans[fan].place = self.fans[leader].place;
+                    let place = self.fans[leader].place();
+                    self.fans[fan].set_place(place);
                     continue;
                 }
-                let full = full(fan as u32);
-                for axis in 0..3 {
-                    let bit = full[axis] >> self.unknown_bits & 1;
-                    let bit = self.precision.code(coder, axis, bit != 0);
-                    let place = &mut self.fans[fan].place[axis];
-                    *place = *place << 1 | i32::from(bit);
+                let [x, y, z] = full(fan as u32).map(|x| (x >> self.unknown_bits & 1).cast_unsigned());
+                let bits = code_bits(coder, 3, x << 2 | y << 1 | z);
+                let mut place = self.fans[fan].place();
+                for (axis, x) in place.iter_mut().enumerate() {
+                    *x = *x << 1 | (bits >> (2 - axis) & 1).cast_signed();
                 }
+                self.fans[fan].set_place(place);
             }
             self.sum_around();
         }
@@ -223,22 +199,27 @@ impl Refiner {
     /// Visits the next fan of the batch: codes all its splits. `wanted` are those to be encoded, in groups.
     pub(super) fn visit<C: BitCoder>(&mut self, coder: &mut C, wanted: &[Vec<Wanted>]) {
         let fan = self.next;
-        self.next += 1;
+        // The fans of this batch come before it.
+        self.next = self.fans[fan as usize].next;
         let mut done = 0;
         loop {
             let group: Option<&[Wanted]> = wanted.get(done).map(Vec::as_slice);
-            let mut ring = std::mem::take(&mut self.ring);
-            let is_open = self.surface.ring(fan, &mut ring);
-            self.corner_count += 1 + ring.len() as u64;
-            let is_split = {
-                let (model, batch) = self.models();
-                model.code_mark(coder, &batch, (fan, &ring, is_open), done, group.is_some())
-            };
+            self.corner_count += 1;
+            let of = &self.fans[fan as usize];
+            let is_split = self.splits.code_mark(coder, of, self.batch, done, group.is_some());
             self.account(coder, |costs| Some(&mut costs.marks));
             if is_split {
-                self.code_group(coder, (fan, &mut ring, is_open), group.unwrap_or(&[]));
+                let mut ring = std::mem::take(&mut self.ring);
+                let is_open = self.surface.ring(fan, &mut ring);
+                let is_small = !ring.is_empty() && ring.len() <= MOST_CORNERS;
+                if is_small {
+                    self.code_group(coder, (fan, &mut ring, is_open), group.unwrap_or(&[]));
+                }
+                self.ring = ring;
+                if !is_small {
+                    break;
+                }
             }
-            self.ring = ring;
             if !is_split || self.is_too_large(coder) {
                 break;
             }
@@ -267,11 +248,6 @@ impl Refiner {
         }
     }
 
-    fn models(&mut self) -> (&mut SplitModel, Batch<'_>) {
-        let batch = Batch { surface: &self.surface, fans: &self.fans, number: self.batch };
-        (&mut self.splits, batch)
-    }
-
     /// Codes the splits of one collapse: one, or on a seam one for each fan of the new point.
     fn code_group<C: BitCoder>(
         &mut self,
@@ -285,9 +261,12 @@ impl Refiner {
         loop {
             self.code_split(coder, (of, ring, is_open), wanted.get(number), first_new);
             number += 1;
-            let has_twins = usize::from(self.twins[fan as usize] != fan);
             // Only where a surface has borders a point has several fans.
-            if !is_open || !self.flags.code(coder, MORE_IN_GROUP + has_twins, wanted.len() > number) {
+            if !is_open {
+                break;
+            }
+            let has_twins = usize::from(self.twins[fan as usize] != fan);
+            if !self.flags.code(coder, MORE_IN_GROUP + has_twins, wanted.len() > number) {
                 break;
             }
             of = self.code_twin(coder, fan, wanted.get(number).map_or(fan, |wanted| wanted.fan));
@@ -295,6 +274,12 @@ impl Refiner {
             if ring.is_empty() || ring.len() > MOST_CORNERS || self.is_too_large(coder) {
                 break;
             }
+        }
+        // New fans are visited after this one, from the next batch on, so that fans near each other are visited one after the other.
+        let mut next = std::mem::replace(&mut self.fans[fan as usize].next, first_new);
+        for new in (first_new..self.fans.len() as u32).rev() {
+            self.fans[new as usize].next = next;
+            next = new;
         }
         self.group_count += 1;
         self.record_ends.push(self.record.len() as u32);
@@ -323,31 +308,35 @@ impl Refiner {
         first_new: u32,
     ) {
         let new = self.fans.len() as u32;
+        self.corner_count += ring.len() as u64;
         // 1. The corners that move.
+        let mut around = std::mem::take(&mut self.neighbours);
+        around.clear();
+        around.extend(ring.iter().map(|&corner| self.surface.fan(next(corner))));
+        around.push(self.surface.fan(previous(ring[ring.len() - 1])));
         let wanted_split = wanted.map(|wanted| {
             let start = ring.iter().position(|&corner| triangle_of(corner) == wanted.first);
             let of_none = if wanted.adds[1] { 0 } else { ring.len() };
             Split { start: start.unwrap_or(of_none), count: wanted.count, is_open, adds: wanted.adds }
         });
-        let split = {
-            let (model, batch) = self.models();
-            model.code_split(coder, &batch, (fan, ring, is_open), wanted_split)
-        };
+        let known = (&self.surface, &self.fans[..], self.batch);
+        let looked = Ring { fan, corners: ring, around: &around, is_open };
+        let split = self.splits.code_split(coder, known, looked, wanted_split);
         self.account(coder, |costs| Some(&mut costs.corners));
         // 2. The point.
         let mut rim = std::mem::take(&mut self.rim);
-        self.collect_rim(fan, ring, split, &mut rim);
+        collect_rim(fan, &around, split, &mut rim);
         let is_first = new == first_new;
-        let (place, surprise) = if is_first {
-            self.collect_polygon(&rim, ring, split);
+        let place = if is_first {
+            self.collect_polygon(&rim);
             let estimates = Estimates::new(&self.polygon, self.regime);
             let place = wanted.map_or([0; 3], |wanted| wanted.place.map(|x| x >> self.unknown_bits));
             if let Some(fit) = &mut self.fit {
                 fit.add(&estimates, &self.place_model.weights, place);
             }
-            self.place_model.code(coder, &self.polygon, &estimates, place)
+            self.place_model.code(coder, &estimates, place)
         } else {
-            (self.fans[first_new as usize].place, self.fans[first_new as usize].surprise)
+            self.fans[first_new as usize].place()
         };
         self.account(coder, |costs| Some(&mut costs.positions));
         // 3. The vertex.
@@ -364,10 +353,9 @@ impl Refiner {
         };
         self.account(coder, |costs| Some(&mut costs.attributes));
         // 4. Do it.
-        self.update_around(&rim, split, place);
-        for i in split.start..split.start + split.count {
-            self.surface.set_mark(ring[i % ring.len()], self.batch);
-        }
+        self.use_corners(&rim, ring, split);
+        self.push_fan(place, (!is_first).then_some(first_new), vertex, split.adds != [true; 2]);
+        self.update_around(&rim, split);
         let added = self.surface.split(fan, ring, split);
         for corner in added.into_iter().filter(|&corner| corner != NONE) {
             self.surface.set_mark(corner, self.batch);
@@ -375,10 +363,9 @@ impl Refiner {
         if let Some(strips) = &mut self.strips {
             strips.follow_split(&self.surface, added);
         }
-        self.push_fan(place, (!is_first).then_some(first_new), vertex, surprise);
-        self.fans[fan as usize].split = self.batch;
+        self.fans[fan as usize].split = self.batch as u8;
         self.record.push([fan, new]);
-        self.rim = rim;
+        (self.rim, self.neighbours) = (rim, around);
     }
 
     /// Codes the attributes of a new vertex.
@@ -402,101 +389,111 @@ impl Refiner {
         }
     }
 
-    /// Collects the fans around the new point: the kept one, then those around the corners that move.
-    fn collect_rim(&self, fan: u32, ring: &[u32], split: Split, rim: &mut Vec<u32>) {
-        let Split { start, count, adds, .. } = split;
-        let of = |corner: u32| self.surface.fan(corner);
-        rim.clear();
-        rim.push(fan);
-        match count {
-            0 if adds[0] => rim.push(of(previous(ring[ring.len() - 1]))),
-            0 => rim.push(of(next(ring[0]))),
-            _ => {
-                let mut last = 0;
-                for i in start..start + count {
-                    last = if i < ring.len() { ring[i] } else { ring[i - ring.len()] };
-                    rim.push(of(next(last)));
-                }
-                rim.push(of(previous(last)));
+    /// Collects what is known around a new point.
+    fn collect_polygon(&mut self, rim: &[u32]) {
+        let polygon = &mut self.polygon;
+        polygon.points.clear();
+        polygon.laplacians = [0; 3];
+        for &fan in rim {
+            let fan = &self.fans[fan as usize];
+            polygon.points.push(fan.place());
+            let laplacian = fan.laplacian();
+            let share = reciprocal(fan.count.into());
+            for j in 0..3 {
+                polygon.laplacians[j] += (16 * i64::from(laplacian[j]) * share) >> 16;
             }
         }
-    }
-
-    /// Collects what is known around a new point.
-    fn collect_polygon(&mut self, rim: &[u32], ring: &[u32], split: Split) {
-        let Split { start, count, is_open, .. } = split;
-        let n = ring.len();
-        let polygon = &mut self.polygon;
-        let place = |fan: u32| self.fans[fan as usize].place;
-        let at = |corner: u32| place(self.surface.fan(corner));
-        polygon.points.clear();
-        polygon.points.extend(rim.iter().map(|&fan| place(fan)));
         // A triangle at the end of a border has no third point.
         if rim.len() == 2 {
             polygon.points.push(polygon.points[1]);
         }
-        let last = rim[rim.len() - 1];
-        polygon.surprises = [rim[0], rim[1], last].map(|fan| self.fans[fan as usize].surprise);
-        // 1. Parallelograms.
-        (polygon.parallelograms, polygon.parallelogram_count) = ([0; 3], 0);
-        for i in 0..count {
-            let corner = ring[(start + i) % n];
-            let opposite = self.surface.opposite(corner);
-            if opposite != NONE {
-                polygon.add_parallelogram([polygon.points[i + 1], polygon.points[i + 2]], at(opposite));
-            }
+    }
+
+    /// Finds what is around all fans.
+    pub(super) fn look_around(&mut self) {
+        for fan in 0..self.fans.len() {
+            self.fans[fan].next = if fan + 1 < self.fans.len() { fan as u32 + 1 } else { NONE };
+            self.fans[fan].is_open = self.surface.is_open(fan as u32);
         }
-        if count > 0 && (start > 0 || !is_open) {
-            let before = ring[(start + n - 1) % n];
-            polygon.add_parallelogram([polygon.points[0], polygon.points[1]], at(next(before)));
-        }
-        if count > 0 && (start + count < n || !is_open) {
-            let after = ring[(start + count) % n];
-            polygon.add_parallelogram([polygon.points[0], polygon.points[count + 1]], at(previous(after)));
-        }
-        // 2. Laplacians.
-        polygon.laplacians = [0; 3];
-        for &fan in rim {
-            let (place, Around { sum, count }) = (place(fan), &self.around[fan as usize]);
-            for j in 0..3 {
-                polygon.laplacians[j] +=
-                    16 * i64::from(place[j]) - (16 * sum[j]).div_euclid(i64::from((*count).max(1)));
-            }
-        }
+        self.sum_around();
     }
 
     /// Sums up the positions around all fans.
-    pub(super) fn sum_around(&mut self) {
-        self.around.clear();
-        self.around.resize(self.fans.len(), Around::default());
+    fn sum_around(&mut self) {
+        for fan in &mut self.fans {
+            fan.clear();
+        }
         for corner in self.surface.corners() {
-            let place = |corner: u32| self.fans[self.surface.fan(corner) as usize].place;
-            let around = &mut self.around[self.surface.fan(corner) as usize];
-            around.add(place(next(corner)));
-            if self.surface.after(corner).is_none() {
-                around.add(place(previous(corner)));
+            let fan = self.surface.fan(corner) as usize;
+            let of = |corner: u32| self.surface.fan(corner) as usize;
+            let place = self.fans[of(next(corner))].place();
+            self.fans[fan].add(place);
+            if self.fans[fan].is_open && self.surface.after(corner).is_none() {
+                let place = self.fans[of(previous(corner))].place();
+                self.fans[fan].add(place);
             }
         }
     }
 
-    /// Does the same for a split, before it is done.
-    fn update_around(&mut self, rim: &[u32], split: Split, place: Place) {
-        let kept = self.fans[rim[0] as usize].place;
-        let last = rim.len() - 1;
-        let mut new = Around::default();
-        new.add(kept);
+    /// Marks the corners of a split as used, before it is done.
+    fn use_corners(&mut self, rim: &[u32], ring: &[u32], split: Split) {
+        let mut use_one = |i: usize| {
+            let used = &mut self.fans[rim[i] as usize].used;
+            *used = used.saturating_add(1);
+        };
+        let Split { start, count, adds, .. } = split;
+        let mut moved = 0_u8;
+        for i in 0..count {
+            let corner = if start + i < ring.len() { ring[start + i] } else { ring[start + i - ring.len()] };
+            // It may be used already where a group has several splits.
+            if self.surface.mark(corner) == self.batch {
+                moved = moved.saturating_add(1);
+            } else {
+                self.surface.set_mark(corner, self.batch);
+                use_one(i + 1);
+                use_one(i + 2);
+            }
+        }
+        for (is_added, end) in adds.into_iter().zip([1, rim.len() - 1]) {
+            if is_added {
+                use_one(0);
+                use_one(end);
+            }
+        }
+        let kept = &mut self.fans[rim[0] as usize];
+        kept.used = kept.used.saturating_sub(moved);
+    }
+
+    /// Changes the sums of the fans around the last fan, before it is split off.
+    fn update_around(&mut self, rim: &[u32], split: Split) {
+        let new = self.fans.len() - 1;
+        let (kept, last) = (rim[0] as usize, rim.len() - 1);
+        let [of_kept, of_new] = [kept, new].map(|fan| self.fans[fan].place());
+        self.fans[new].add(of_kept);
         for (i, &fan) in rim.iter().enumerate().skip(1) {
-            new.add(self.fans[fan as usize].place);
+            let place = self.fans[fan as usize].place();
+            self.fans[new].add(place);
             // The first and the last one stay neighbours of the kept fan if a triangle is added there.
             let stays = split.count == 0 || i == 1 && split.adds[0] || i == last && split.adds[1];
             if !stays {
-                self.around[fan as usize].remove(kept);
-                let other = self.fans[fan as usize].place;
-                self.around[rim[0] as usize].remove(other);
+                self.fans[fan as usize].remove(of_kept);
+                self.fans[kept].remove(place);
             }
-            self.around[fan as usize].add(place);
+            self.fans[fan as usize].add(of_new);
         }
-        self.around[rim[0] as usize].add(place);
-        self.around.push(new);
+        self.fans[kept].add(of_new);
+    }
+}
+
+/// Collects the fans around the new point: the kept one, then those around the corners that move.
+fn collect_rim(fan: u32, around: &[u32], split: Split, rim: &mut Vec<u32>) {
+    let Split { start, count, adds, .. } = split;
+    let n = around.len() - 1;
+    rim.clear();
+    rim.push(fan);
+    match count {
+        0 if adds[0] => rim.push(around[n]),
+        0 => rim.push(around[0]),
+        _ => rim.extend((start..=start + count).map(|i| around[if i <= n { i } else { i - n }])),
     }
 }

@@ -95,14 +95,13 @@ impl<'a> Run<'a> {
             let full = |fan: u32| sources.get(fan as usize).map_or([0; 3], |&fan| source.place(fan));
             self.refiner.begin_batch(pass.coder(), regime, unknown_bits, full);
             self.sources = sources;
-            let mut at = 0;
-            while self.refiner.next < self.refiner.end {
+            while self.refiner.next != NONE {
                 let fan = self.refiner.next;
+                let at = groups.partition_point(|group| group.fan < fan);
                 let count = groups[at..].iter().take_while(|group| group.fan == fan).count();
                 self.visit(pass, &groups[at..at + count]);
-                at += count;
                 visits += 1;
-                let is_last = self.refiner.next == self.refiner.end;
+                let is_last = self.refiner.next == NONE;
                 let is_full = pass.len() >= options.most_chunk_bytes;
                 let is_enough =
                     is_last && (pass.len() >= options.least_chunk_bytes || number + 1 == batch_count);

@@ -15,6 +15,7 @@ mod arguments;
 mod attributes;
 mod hostile;
 mod strips;
+mod vectors;
 
 /// Numbers keys in the order in which they are seen.
 #[derive(Default)]
