@@ -136,7 +136,8 @@ pub(super) fn refine(
     let mut freed = vec![Vec::new(); buffers.len()];
     freed[buffer].push(range);
     for &view in &free_views {
-        let (buffer, range) = view_range(view, &array(root, "bufferViews")?[view], &buffers)?;
+        let entry = Located::entry(root, "bufferViews", view)?;
+        let (buffer, range) = view_range(view, entry.value, &buffers)?;
         freed[buffer].push(range);
     }
     // 3. The new values. Entries that are free are used again, the first ones first; that of the stream is the last.
