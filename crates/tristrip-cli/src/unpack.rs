@@ -82,7 +82,9 @@ pub(crate) fn open(input: &Input) -> Result<ProgressiveGlb, Failure> {
 fn opened(input: &Input, bytes: Vec<u8>) -> Result<ProgressiveGlb, Failure> {
     let name = input.name();
     let opened = ProgressiveGlb::open(bytes).map_err(|error| Failure::reading(&name, &error))?;
-    opened.ok_or_else(|| Failure::Input("no progressive GLB: `pack` writes them".into()))
+    opened.ok_or_else(|| Failure::Input(
+            "no progressive GLB: `pack` writes them, but a model that a stream would not make smaller as a plain GLB".into(),
+        ))
 }
 
 fn unpack_job(task: &UnpackTask, console: &mut Console, report: &mut UnpackReport) -> Result<(), Failure> {

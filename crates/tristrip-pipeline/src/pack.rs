@@ -8,8 +8,8 @@
 //! # Algorithm
 //! 1. A model that is not from glTF becomes a document of it; all else is kept: nodes, materials, textures, skins, animations.
 //! 2. Parts with the same places in the scene and the same attributes form a group: they are one mesh of the stream, in which each vertex has the number of its part. So the
-//!    borders between them are seams, which open at no level. Vertices that touch another group stay in the base mesh, at exact
-//!    positions.
+//!    borders between them are seams, which open at no level. Vertices that touch another group, or a part that
+//!    stays whole, stay in the base mesh, with all bits of their positions.
 //! 3. Parts with morph targets or values that are not read stay whole; so do all parts of a group whose stream would not make the file smaller.
 //! 4. Errors count alike everywhere, or by how large they look from a position ([`PackOptions::with_eye`]): what is far away or faces away is refined later.
 //! 5. Chunks of several meshes alternate: next comes one of the mesh whose error in the scene is the largest.
@@ -33,7 +33,7 @@ use tristrip_io::{Drawing, Format, Model};
 use self::eye::error_factors;
 use self::group::{Group, groups, touching_vertices};
 use self::order::{Queue, in_order};
-use crate::encode::{EncodeOptions, encode};
+use crate::encode::{EncodeOptions, encode, kept_vertices};
 use crate::error::Error;
 use crate::observer::{Observer, Stage, begin};
 use crate::parts::map;
@@ -136,8 +136,8 @@ pub fn pack(model: &Model, options: &PackOptions, observer: &dyn Observer) -> Re
     begin(observer, Stage::Simplify)?;
     let places = Places::of(model);
     let mut notes: Vec<String> = places.note().into_iter().collect();
-    let groups = groups(model, &places, &mut notes)?;
-    let locked = touching_vertices(&groups, &places);
+    let (groups, whole) = groups(model, &places, &mut notes)?;
+    let locked = touching_vertices(&groups, (model, &whole), &places);
     // 1. The meshes.
     let numbered: Vec<(&Group, &Vec<bool>)> = groups.iter().zip(&locked).collect();
     let streamed = map(&numbered, |&(group, locked)| {
@@ -205,7 +205,7 @@ pub fn pack(model: &Model, options: &PackOptions, observer: &dyn Observer) -> Re
         triangles += count;
         vertices += used_vertices(model.parts[part].mesh.faces().corners());
     }
-    let glb = base_glb(model, base)?;
+    let glb = base_glb(model, base, &mut notes)?;
     let chunks = in_order(&queues);
     let bytes = if meshes == 0 { glb } else { with_stream(glb, &sources, &chunks)? };
     let opened = ProgressiveGlb::open(bytes.clone())?;
@@ -238,8 +238,9 @@ fn as_scene(model: &Model) -> Result<Model, Error> {
 }
 
 /// Writes the base meshes, as strips where that takes fewer indices, in few bytes.
-fn base_glb(model: &Model, base: Vec<Vec<u32>>) -> Result<Vec<u8>, Error> {
+fn base_glb(model: &Model, base: Vec<Vec<u32>>, notes: &mut Vec<String>) -> Result<Vec<u8>, Error> {
     let redrawn = tristrip_io::with_triangles(model, base, Format::Glb)?;
+    notes.extend(kept_vertices(&redrawn, &()));
     let strips: Vec<Strips> =
         map(&redrawn.model.parts, |part| stripify(&part.mesh, &StripifyOptions::default()))
             .into_iter()

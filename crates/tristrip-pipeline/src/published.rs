@@ -105,7 +105,7 @@ pub fn unpack_published(bytes: &[u8], goal: StreamGoal) -> Result<Unpacked, Erro
     };
     decoder.update(used)?;
     let Some(header) = decoder.header().filter(|_| decoder.level().is_some()) else {
-        let found = format!("the end of the file after {} bytes", bytes.len());
+        let found = format!("the end of the file after {} bytes", used.len());
         return Err(tristrip_io::Error::Format {
             at: "file".into(),
             found,

@@ -249,3 +249,65 @@ fn more_position_bits_are_nearer_to_the_input() {
     };
     assert!(error(10) > 12.0 * error(14));
 }
+
+/// Replaces the first occurrence of a text in the JSON of a GLB.
+fn with_json(glb: &[u8], from: &str, to: &str) -> Vec<u8> {
+    let length = u32::from_le_bytes(glb[12..16].try_into().unwrap()) as usize;
+    let (json, bin) = (std::str::from_utf8(&glb[20..20 + length]).unwrap(), &glb[20 + length..]);
+    assert!(json.contains(from), "{json}");
+    let mut json = json.replacen(from, to, 1);
+    while json.len() % 4 > 0 {
+        json.push(' ');
+    }
+    let total = (20 + json.len() + bin.len()) as u32;
+    let json_length = (json.len() as u32).to_le_bytes();
+    [&glb[..8], &total.to_le_bytes(), &json_length, &glb[16..20], json.as_bytes(), bin].concat()
+}
+
+#[test]
+fn parts_stay_closed_beside_one_with_morph_targets() {
+    // Two tiles that meet at x = 20, the left one with a morph target.
+    let n = 21;
+    let mut obj = String::new();
+    for (y, x) in (0..n).flat_map(|y| (0..2 * n - 1).map(move |x| (y, x))) {
+        writeln!(obj, "v {x} {y} {}", (x as f32 * 0.5).sin() + (y as f32 * 0.4).cos()).unwrap();
+    }
+    for tile in 0..2 {
+        writeln!(obj, "usemtl {tile}").unwrap();
+        for (y, x) in (0..n - 1).flat_map(|y| (0..n - 1).map(move |x| (y, x + tile * (n - 1)))) {
+            let (v, above) = ((2 * n - 1) * y + x + 1, 2 * n - 1);
+            writeln!(obj, "f {v} {} {} {}", v + 1, v + above + 1, v + above).unwrap();
+        }
+    }
+    let model = read(obj.as_bytes(), Format::Obj).unwrap();
+    let drawings = vec![tristrip_io::Drawing::Faces; 2];
+    let glb = tristrip_io::write(&model, &drawings, Format::Glb, tristrip::Layout::List).unwrap();
+    let glb = with_json(&glb, "\"mode\":4", "\"mode\":4,\"targets\":[{\"POSITION\":0}]");
+    let packed = packed(&read(&glb, Format::Glb).unwrap());
+    let base = at(&open(&packed), StreamGoal::Level(Level::Number(0)));
+    assert!(base.triangles < 2 * (n - 1) * (n - 1));
+    let right = base.model.parts[1].mesh.positions();
+    for y in 0..n {
+        let is_near = |p: &&[f32; 3]| (p[0] - 20.0).abs() < 0.01 && (p[1] - y as f32).abs() < 0.01;
+        assert!(right.iter().any(|p| is_near(&p)), "no vertex at the border at {y}");
+    }
+}
+
+#[test]
+fn wrong_documents_are_refused() {
+    let bytes = packed(&two_materials(16));
+    let view = ProgressiveGlb::open(bytes.as_slice()).unwrap().map(|_| "\"bufferView\":0").unwrap();
+    let refused = |from: &str, to: &str| {
+        let glb = with_json(&bytes, from, to);
+        let level = StreamGoal::Level(Level::Percent(100.0));
+        let unpacked =
+            ProgressiveGlb::open(glb.as_slice()).map(|glb| glb.map(|glb| unpack(&glb, level, None)));
+        assert!(read(&glb, Format::Glb).is_err(), "{from} became {to}");
+        assert!(!matches!(unpacked, Ok(Some(Ok(_)))), "{from} became {to}");
+    };
+    refused(view, "\"bufferView\":99");
+    refused("\"version\":1", "\"version\":2");
+    refused("\"stream\":0,\"part\":0", "\"stream\":0,\"part\":-1");
+    refused("\"stream\":0,\"part\":0", "\"stream\":\"0\"");
+    refused("\"scene\":0", "\"scene\":0,\"images\":[{\"bufferView\":2,\"mimeType\":\"image/png\"}]");
+}

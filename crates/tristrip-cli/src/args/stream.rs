@@ -38,11 +38,11 @@ pub(crate) struct PackArgs {
     /// A file is written under a temporary name and then renamed; one that exists is replaced. In a directory, each output has the name of its input.
     #[arg(short, long, value_name = "OUTPUT", help_heading = "Output")]
     pub(crate) output: PathBuf,
-    /// The bits of a coordinate: the longest side of a mesh has two to this power steps, less one
+    /// The bits of a coordinate: the longest side of a mesh has two to this power steps, less one [default: 14]
     ///
     /// Parts that the same nodes place have one grid, so that no cracks open between them.
-    #[arg(long, value_name = "BITS", default_value_t = 14, value_parser = clap::value_parser!(u32).range(4..=16), help_heading = "Stream")]
-    pub(crate) position_bits: u32,
+    #[arg(long, value_name = "BITS", value_parser = clap::value_parser!(u32).range(4..=16), help_heading = "Stream")]
+    pub(crate) position_bits: Option<u32>,
     /// Skip verification
     #[arg(long, help_heading = "Output")]
     pub(crate) no_verify: bool,

@@ -48,7 +48,7 @@ pub(super) fn pack_task(args: PackArgs) -> Result<PackTask, String> {
     let target = TargetArgs { output: Some(args.output), to: Some(Format::Glb), no_verify: args.no_verify };
     let output = OutputArgs { target, layout: Some(Layout::List) };
     let jobs = jobs_of(args.general, &output)?;
-    let stream = StreamOptions::default().with_position_bits(args.position_bits);
+    let stream = StreamOptions::default().with_position_bits(args.position_bits.unwrap_or(14));
     let stream = stream.map_err(|error| error.to_string())?;
     let options = PackOptions::default().with_stream(stream).with_verify(!args.no_verify);
     let options = options.with_eye(args.eye.map(|Vector(eye)| eye));
@@ -58,6 +58,9 @@ pub(super) fn pack_task(args: PackArgs) -> Result<PackTask, String> {
 fn published_task(args: PackArgs) -> Result<PackTask, String> {
     if args.eye.is_some() {
         return Err("--eye does not belong to --wire paper".into());
+    }
+    if args.position_bits.is_some() {
+        return Err("--position-bits does not belong to --wire paper, whose positions are floats".into());
     }
     let inputs = inputs_of(args.general)?;
     if inputs.len() > 1 {

@@ -25,11 +25,12 @@ pub use self::split::{StreamMeshes, StreamedPart};
 use super::buffer::view_range;
 use super::build::{DocumentBuilder, check_writable};
 use super::compressed_views::join;
-use super::document::{Document, Located, array, entries_mut, items, list_mut};
+use super::document::{Document, Located, array, entries_mut, index, items, list_mut};
 use super::index::runs;
 use super::json::{Members, Value};
 use super::keep::extensions::{remove_extensions, undeclare};
 use super::keep::unused::{Replaced, UnusedEntries};
+use super::references::views_of_accessor;
 use super::shared_bytes::SharedBytes;
 use super::spec::TRIANGLES;
 use crate::error::Error;
@@ -114,6 +115,7 @@ pub(super) fn refine(
         &decoded
     };
     let root = &mut document.root;
+    check_view(root, stream.view)?;
     // 1. The extensions are removed, so that their numbers are no references.
     remove_from_root(root);
     undeclare(root, EXTENSION);
@@ -187,6 +189,17 @@ pub(super) fn refine(
         }
     }
     join(root, &buffers, freed, &slots.into_iter().zip(starts).collect(), &bytes)
+}
+
+/// Checks that the view of the stream is that of nothing else.
+fn check_view(root: &Members, view: usize) -> Result<(), Error> {
+    let mut of_accessors = (0..array(root, "accessors")?.len()).flat_map(|a| views_of_accessor(root, a));
+    let mut of_images = array(root, "images")?.iter().filter_map(|image| index(image.get("bufferView")?));
+    if of_accessors.any(|other| other == view) || of_images.any(|other| other == view) {
+        let found = "a view that accessors or images use, too";
+        return Err(Error::format(format!("bufferViews[{view}]"), found, "a view of the stream alone"));
+    }
+    Ok(())
 }
 
 /// Decodes all meshes of a stream.

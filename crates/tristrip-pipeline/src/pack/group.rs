@@ -41,10 +41,15 @@ pub(super) struct Group {
 /// What has to be equal in a group: the places, and names and types of the attributes.
 type Key<'a> = (usize, Vec<(&'a str, u8, bool, std::mem::Discriminant<AttributeData>)>);
 
-/// Forms the groups of a model; a note says why other parts stay whole.
-pub(super) fn groups(model: &Model, places: &Places, notes: &mut Vec<String>) -> Result<Vec<Group>, Error> {
+/// Forms the groups of a model, and returns the parts that are in none; a note says why these stay whole.
+pub(super) fn groups(
+    model: &Model,
+    places: &Places,
+    notes: &mut Vec<String>,
+) -> Result<(Vec<Group>, Vec<usize>), Error> {
     let is_unread = tristrip_io::gltf::unread_vertex_values(model);
     let (mut unread, mut reserved) = (0, 0);
+    let mut whole = Vec::new();
     let mut keys: HashMap<Key<'_>, usize> = HashMap::new();
     let mut members: Vec<(usize, Vec<usize>)> = Vec::new();
     for (part, is_unread) in is_unread.into_iter().enumerate() {
@@ -54,10 +59,12 @@ pub(super) fn groups(model: &Model, places: &Places, notes: &mut Vec<String>) ->
         }
         if is_unread {
             unread += 1;
+            whole.push(part);
             continue;
         }
         if mesh.attributes().iter().any(|attribute| attribute.name == PART) {
             reserved += 1;
+            whole.push(part);
             continue;
         }
         let kind = |a: &'_ Attribute| (a.components, a.normalized, discriminant(&a.data));
@@ -89,13 +96,14 @@ pub(super) fn groups(model: &Model, places: &Places, notes: &mut Vec<String>) ->
         by_size.iter().skip(MOST_MESHES).map(|&group| members[group].1.len()).sum(),
         "a stream has at most 256 meshes",
     );
+    by_size.iter().skip(MOST_MESHES).for_each(|&group| whole.extend(&members[group].1));
     by_size.truncate(MOST_MESHES);
     by_size.sort_unstable();
     let groups =
         by_size.into_iter().map(|group| Group::new(model, places, members[group].0, &members[group].1));
     let mut groups = groups.collect::<Result<Vec<_>, _>>()?;
     share_bounds(&mut groups);
-    Ok(groups)
+    Ok((groups, whole))
 }
 
 /// Gives the groups in the same places one box.
@@ -206,18 +214,24 @@ impl Group {
     }
 }
 
-/// Returns which vertices of each group touch another group: in other places, or in the same with other attributes.
-pub(super) fn touching_vertices(groups: &[Group], places: &Places) -> Vec<Vec<bool>> {
+/// Returns which vertices of each group touch another group, or a part that stays whole: in other places, or in the same with other attributes.
+pub(super) fn touching_vertices(
+    groups: &[Group],
+    (model, whole): (&Model, &[usize]),
+    places: &Places,
+) -> Vec<Vec<bool>> {
     // The positions of each list of places, the first group that has one, and whether another has it.
     let mut lists: Vec<PlacedPositions> = (places.lists.iter())
         .map(|places| PlacedPositions { places: places.clone(), positions: Vec::new() })
         .collect();
     let mut known: Vec<HashMap<[u32; 3], (u32, usize, bool)>> = vec![HashMap::default(); lists.len()];
     let key = |position: [f32; 3]| position.map(|x| (x + 0.0).to_bits());
-    for (number, group) in groups.iter().enumerate() {
-        let (list, known) = (&mut lists[group.list].positions, &mut known[group.list]);
-        for &v in group.mesh.faces().corners() {
-            let position = group.mesh.positions()[v as usize];
+    let of_groups = groups.iter().enumerate().map(|(number, group)| (number, group.list, &group.mesh));
+    let of_whole = whole.iter().map(|&part| (groups.len(), places.of_part[part], &model.parts[part].mesh));
+    for (number, list, mesh) in of_groups.chain(of_whole) {
+        let (list, known) = (&mut lists[list].positions, &mut known[list]);
+        for &v in mesh.faces().corners() {
+            let position = mesh.positions()[v as usize];
             let entry = known.entry(key(position)).or_insert_with(|| {
                 list.push(position);
                 (list.len() as u32 - 1, number, false)
