@@ -60,7 +60,7 @@ function quotient(a, b) {
  * @param {number} bits
  */
 function surplus(x, bits) {
-  return 2 ** max(32 - Math.clz32(x) - bits, 0);
+  return 1 << max(32 - Math.clz32(x) - bits, 0);
 }
 
 /**

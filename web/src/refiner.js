@@ -196,7 +196,7 @@ export class Refiner {
     this.#collectRim(fan, split);
     if (isFirst) {
       this.#collectPolygon();
-      placeModel.decode(coder, this.#polygon, this.#regime, 2 ** (this.#positionBits - this.unknownBits) - 1);
+      placeModel.decode(coder, this.#polygon, this.#regime, (1 << (this.#positionBits - this.unknownBits)) - 1);
     }
     // 3. The vertex.
     let vertex = fans.vertexCount;
@@ -296,7 +296,9 @@ export class Refiner {
   #sumAround() {
     const { surface, fans } = this;
     const { cells } = fans;
-    for (let at = 0; at < FAN_CELLS * fans.count; at += FAN_CELLS) cells.fill(0, at + SUM, at + COUNT + 1);
+    for (let at = 0; at < FAN_CELLS * fans.count; at += FAN_CELLS) {
+      for (let i = SUM; i <= COUNT; i++) cells[at + i] = 0;
+    }
     for (let triangle = 0; triangle < surface.triangleCount; triangle++) {
       for (let corner = 8 * triangle; corner < 8 * triangle + 3; corner++) {
         const fan = surface.fan(corner);

@@ -30,6 +30,16 @@ import { Split } from './surface.js';
 /** What an edge is to a run of corners: its first edge, one within, or its last one. */
 const [FIRST, WITHIN, LAST] = [0, 1, 2];
 
+/**
+ * Returns the error of a probability.
+ * @param {boolean} is what it is of
+ * @param {number} weight
+ * @param {number} unit
+ */
+function errorOf(is, weight, unit) {
+  return (is ? 65536 : 0) - ((weight * unit) >>> 16);
+}
+
 const newArray = () => new Int32Array(2 * MOST_CHOICES + 2);
 
 /** The models of splits. */
@@ -241,7 +251,7 @@ export class SplitModel {
     }
     if (!isOpen) for (let i = 0; i < n; i++) ends[n + i] = ends[i] + within;
     let number = 0;
-    let most = -Infinity;
+    let most = -(2 ** 31);
     for (let i = 0; i < n; i++) {
       for (let c = 1; c <= lengths[i]; c++) {
         const score = firsts[i] + ends[i + c] + counts[ofCount + c];
@@ -282,7 +292,6 @@ export class SplitModel {
     if (++this.#runCount > LEARNED_RUNS && this.#runCount % 4 !== 0) return;
     // 4. Learn. An edge is within the runs that have begun before it and not ended.
     const unit = Math.floor(0xffffffff / all);
-    const error = (/** @type {boolean} */ is, /** @type {number} */ weight) => (is ? 65536 : 0) - ((weight * unit) >>> 16);
     let open = 0;
     if (!isOpen) for (let i = 0; i < n; i++) open += ofEnds[n + i];
     for (let i = 0; i < edgeCount; i++) {
@@ -290,13 +299,14 @@ export class SplitModel {
       const beginning = i < n ? ofFirsts[i] : 0;
       open -= ending;
       const steps = i >= start ? i - start : isOpen ? n + 1 : i + n - start;
-      const errors = [error(steps === 0, beginning), error(steps > 0 && steps < count, open), error(steps === count, ending)];
       for (let role = 0; role < ROLES; role++) {
-        learn(scores, shapes[i] + role, errors[role], RUN_RATE);
-        learn(scores, valences[i] + role, errors[role], RUN_RATE);
+        const isIt = role === FIRST ? steps === 0 : role === LAST ? steps === count : steps > 0 && steps < count;
+        const error = errorOf(isIt, role === FIRST ? beginning : role === LAST ? ending : open, unit);
+        learn(scores, shapes[i] + role, error, RUN_RATE);
+        learn(scores, valences[i] + role, error, RUN_RATE);
       }
       open += beginning;
     }
-    for (let c = 1; c <= n; c++) learn(counts, ofCount + c, error(c === count, ofCounts[c]), RUN_RATE);
+    for (let c = 1; c <= n; c++) learn(counts, ofCount + c, errorOf(c === count, ofCounts[c], unit), RUN_RATE);
   }
 }
