@@ -191,7 +191,9 @@ impl Channel {
                 format!("values of attribute `{}` from {:?} to {most:?}", attribute.name, channel.origins);
             return Err(Error::Parameter { name: "attributes", found, expected: "finite differences" });
         }
-        if !is_float && extent < f64::from(1_u32 << MOST_EXACT_BITS) {
+        // Numbers such as those of features, also where they are stored as floats.
+        let is_whole = !is_float || (0..attribute.data.len()).all(|i| value(i).fract() == 0.0);
+        if is_whole && extent < f64::from(1_u32 << MOST_EXACT_BITS) {
             channel.step = 1.0;
             channel.bits = u32::BITS - (extent as u32).leading_zeros();
             if is("JOINTS") || attribute.name == PART {
@@ -201,7 +203,11 @@ impl Channel {
         }
         channel.bits = match () {
             () if !is_float => MOST_EXACT_BITS,
-            () if is("TEXCOORD") => bits.uv,
+            () if is("TEXCOORD") => {
+                // A texture that is repeated has as many steps in each repeat.
+                let repeats = extent.ceil().clamp(1.0, f64::from(1_u32 << MOST_EXACT_BITS)) as u32;
+                (bits.uv + repeats.next_power_of_two().ilog2()).min(MOST_EXACT_BITS)
+            }
             () => bits.other,
         };
         let is_share = |component: usize| channel.origins[component] >= 0.0 && most[component] <= 1.0;

@@ -16,7 +16,8 @@ pub struct StreamOptions {
 }
 
 impl Default for StreamOptions {
-    /// 14 bits per coordinate, 10 per coordinate of a normal, 12 of texture coordinates and 10 of others; chunks of 1 to 4 kilobytes.
+    /// 14 bits per coordinate, 10 per coordinate of a normal, 12 of texture coordinates, for each repeat of the texture, and 10 of others; whole numbers below 2^24 are exact, floats among them; chunks of 1
+    /// to 4 kilobytes.
     fn default() -> Self {
         Self {
             position_bits: 14,

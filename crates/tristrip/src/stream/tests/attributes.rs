@@ -138,6 +138,17 @@ fn integers_of_any_type_are_exact() {
 }
 
 #[test]
+fn whole_floats_are_exact_and_repeated_textures_have_as_many_steps() {
+    let mesh = one_attribute("_FEATURE_ID_0", AttributeData::F32(vec![0.0, 2697.0, 1.0, 1200.0, 3.0, 9.0]));
+    assert_eq!(rounded(&mesh).attributes(), mesh.attributes());
+    let mesh = one_attribute("TEXCOORD_0", AttributeData::F32(vec![0.0, 499.75, 0.3, 1.7, 120.1, 9.9]));
+    for (x, y) in floats(&mesh.attributes()[0].data).iter().zip(floats(&rounded(&mesh).attributes()[0].data))
+    {
+        assert!((x - y).abs() < 1.0 / 4095.0, "{x} became {y}");
+    }
+}
+
+#[test]
 fn weights_that_are_no_shares_are_kept() {
     let mesh = one_attribute("WEIGHTS_0", AttributeData::F32(vec![-1.0, 3.0, 0.5, 1.0, 2.0, 0.0]));
     let near = rounded(&mesh);
