@@ -12,7 +12,8 @@
 //!    stays whole, stay in the base mesh, with all bits of their positions.
 //! 3. Parts with morph targets or values that are not read stay whole; so do all parts of a group whose stream would not make the file smaller.
 //! 4. Errors count alike everywhere, or by how large they look from a position ([`PackOptions::with_eye`]): what is far away or faces away is refined later.
-//! 5. Chunks of several meshes alternate: next comes one of the mesh whose error in the scene is the largest.
+//! 5. What is drawn before the first chunk is the base mesh of the stream, or a simplification of its own where that is large beside the chunks.
+//! 6. Chunks of several meshes alternate: next comes one of the mesh whose error in the scene is the largest.
 //!
 //! # Complexity
 //! As of `tristrip::stream::encode`, for each group.
@@ -23,7 +24,7 @@ mod order;
 
 use std::collections::HashMap;
 
-use tristrip::simplify::SimplifyOptions;
+use tristrip::simplify::{Price, SimplifyOptions, simplify_triangles};
 use tristrip::stream::StreamOptions;
 use tristrip::verify::verify_models;
 use tristrip::{Layout, Mesh, StripifyOptions, Strips, stripify};
@@ -38,8 +39,14 @@ use crate::error::Error;
 use crate::observer::{Observer, Stage, begin};
 use crate::parts::map;
 use crate::places::Places;
-use crate::stream::{StreamedMesh, stream_with, used_vertices};
+use crate::stream::{StreamedMesh, drawn_triangles, stream_with, used_vertices};
 use crate::text::counted;
+
+/// The share of a stream that what is drawn before it may take, and the triangles that it may have in any case.
+const BASE_PERCENT: usize = 2;
+const FEWEST_BASE_TRIANGLES: usize = 256;
+/// The triangles of a mesh up to which such a simplification measures distances.
+const MOST_BY_DISTANCE: usize = 200_000;
 
 /// How a model is packed.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -159,7 +166,7 @@ pub fn pack(model: &Model, options: &PackOptions, observer: &dyn Observer) -> Re
     let mut expected: HashMap<usize, Mesh> = HashMap::new();
     let (mut dropped, mut position_error, mut vertices, mut triangles) = (0, 0.0_f64, 0, 0);
     let mut larger = 0;
-    for (group, streamed) in groups.iter().zip(streamed) {
+    for ((group, locked), streamed) in groups.iter().zip(&locked).zip(streamed) {
         let streamed = match streamed {
             Ok(streamed) if pays(group, &streamed) => streamed,
             Ok(_) => {
@@ -174,7 +181,8 @@ pub fn pack(model: &Model, options: &PackOptions, observer: &dyn Observer) -> Re
         };
         let stream = queues.len() as u32;
         let scale = group.scale;
-        for (number, (part, list)) in (0..).zip(group.split(&streamed.stream.base)) {
+        let coarse = drawn_base(group, &streamed, locked)?;
+        for (number, (part, list)) in (0..).zip(group.split(&coarse)) {
             base[part] = list;
             whole_triangles[part] = None;
             let is_one = group.parts.len() == 1;
@@ -251,6 +259,25 @@ fn base_glb(model: &Model, base: Vec<Vec<u32>>, notes: &mut Vec<String>) -> Resu
     });
     let options = EncodeOptions::new(Format::Glb).with_pack(Some(Rounding::None));
     Ok(encode(&redrawn.model, &drawings.collect::<Vec<_>>(), &options)?.bytes)
+}
+
+/// Returns the triangles that are drawn before the first chunk: those of the base mesh, or where these would take more than a small share of the file, those of a simplification of its own: streams
+/// cannot undo all collapses, but nothing has to undo these.
+fn drawn_base(group: &Group, streamed: &StreamedMesh, locked: &[bool]) -> Result<Vec<u32>, Error> {
+    let base = &streamed.stream.base;
+    let chunk_bytes: usize = streamed.stream.chunks.iter().map(|chunk| chunk.bytes.len()).sum();
+    // About a vertex for two triangles, and three bytes of strips for each.
+    let most = chunk_bytes * BASE_PERCENT / 100 / (group.vertex_bytes() / 2 + 3);
+    let most = most.max(FEWEST_BASE_TRIANGLES);
+    if base.len() / 3 <= most {
+        return Ok(base.clone());
+    }
+    let (triangles, _) = drawn_triangles(&group.mesh);
+    // By planes alone it takes a third of the time.
+    let price = if triangles.len() / 3 > MOST_BY_DISTANCE { Price::Planes } else { Price::Distance };
+    let options = SimplifyOptions::default().with_triangles(most).with_locked(locked.to_vec());
+    let coarse = simplify_triangles(&group.mesh, triangles, &options.with_price(price))?;
+    Ok(coarse.sequence.drawn(0)?.into_flattened())
 }
 
 /// Returns whether a stream takes fewer bytes than what it leaves out of the file.
