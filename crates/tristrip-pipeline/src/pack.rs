@@ -29,7 +29,7 @@ use tristrip::stream::StreamOptions;
 use tristrip::verify::verify_models;
 use tristrip::{Layout, Mesh, StripifyOptions, Strips, stripify};
 use tristrip_io::gltf::{ProgressiveGlb, Rounding, StreamedPart, with_stream};
-use tristrip_io::{Drawing, Format, Model};
+use tristrip_io::{Drawing, Format, Model, Part};
 
 use self::eye::error_factors;
 use self::group::{Group, groups, touching_vertices};
@@ -94,13 +94,13 @@ pub struct Packed {
     pub bytes: Vec<u8>,
     /// The meshes of the stream.
     pub meshes: usize,
-    /// The chunks of the stream, and their bytes.
+    /// The chunks of the stream.
     pub chunks: usize,
     /// The bytes before the first chunk.
     pub chunk_start: usize,
-    /// The triangles of all full meshes, and of the base meshes; parts that stay whole count in both.
+    /// The triangles of all full meshes.
     pub triangles: usize,
-    /// The triangles of the base meshes.
+    /// The triangles that are drawn before the first chunk: those of coarse meshes, and of parts that stay whole.
     pub base_triangles: usize,
     /// The vertices that the full meshes use.
     pub vertices: usize,
@@ -145,98 +145,147 @@ pub fn pack(model: &Model, options: &PackOptions, observer: &dyn Observer) -> Re
     let mut notes: Vec<String> = places.note().into_iter().collect();
     let (groups, whole) = groups(model, &places, &mut notes)?;
     let locked = touching_vertices(&groups, (model, &whole), &places);
-    // 1. The meshes.
-    let numbered: Vec<(&Group, &Vec<bool>)> = groups.iter().zip(&locked).collect();
-    let streamed = map(&numbered, |&(group, locked)| {
-        let stream = group.bounds.map_or(options.stream, |bounds| options.stream.with_bounds(bounds));
-        // What is near the eye needs more bits than the mean error of a level is worth.
-        let stream = stream.with_exact_positions(locked.contains(&true) || options.eye.is_some());
-        let mut simplify = SimplifyOptions::default().with_locked(locked.clone());
-        if let Some(eye) = options.eye {
-            simplify =
-                simplify.with_error_factors(error_factors(&group.mesh, &places.lists[group.list], eye));
-        }
-        stream_with(&group.mesh, &simplify, 0, &stream)
+    let lockable: Vec<(&Group, &Vec<bool>)> = groups.iter().zip(&locked).collect();
+    let streamed = map(&lockable, |&(group, locked)| {
+        let streamed = stream_of_group(group, locked, &places, options)?;
+        let coarse = drawn_base(group, &streamed, locked)?;
+        Ok((streamed, coarse))
     });
-    let mut queues = Vec::new();
-    let mut base: Vec<Vec<u32>> =
-        model.parts.iter().map(|part| part.mesh.faces().fans().into_owned()).collect();
-    let mut whole_triangles: Vec<Option<usize>> = base.iter().map(|list| Some(list.len() / 3)).collect();
-    let mut sources: Vec<Option<StreamedPart>> = vec![None; model.parts.len()];
-    let mut expected: HashMap<usize, Mesh> = HashMap::new();
-    let (mut dropped, mut position_error, mut vertices, mut triangles) = (0, 0.0_f64, 0, 0);
-    let mut larger = 0;
-    for ((group, locked), streamed) in groups.iter().zip(&locked).zip(streamed) {
-        let streamed = match streamed {
-            Ok(streamed) if pays(group, &streamed) => streamed,
-            Ok(_) => {
-                larger += group.parts.len();
-                continue;
-            }
+    let mut assembly = Assembly::new(model, notes, options.verify);
+    for (group, streamed) in groups.iter().zip(streamed) {
+        match streamed {
+            Ok((streamed, coarse)) => assembly.add(group, streamed, &coarse)?,
+            // Values that cannot be encoded, such as normals that are not numbers.
             Err(Error::Input(error @ tristrip::Error::Parameter { .. })) => {
-                notes.push(format!("{} whole: {error}", counted(group.parts.len(), "part")));
-                continue;
+                assembly.notes.push(format!("{} whole: {error}", counted(group.parts.len(), "part")));
             }
             Err(error) => return Err(error),
-        };
-        let stream = queues.len() as u32;
-        let scale = group.scale;
-        let coarse = drawn_base(group, &streamed, locked)?;
-        for (number, (part, list)) in (0..).zip(group.split(&coarse)) {
-            base[part] = list;
-            whole_triangles[part] = None;
-            let is_one = group.parts.len() == 1;
-            sources[part] = Some(StreamedPart { stream, part: (!is_one).then_some(number) });
         }
-        if options.verify {
+    }
+    assembly.finish(losses, observer)
+}
+
+/// Encodes the mesh of a group.
+fn stream_of_group(
+    group: &Group,
+    locked: &[bool],
+    places: &Places,
+    options: &PackOptions,
+) -> Result<StreamedMesh, Error> {
+    let stream = group.bounds.map_or(options.stream, |bounds| options.stream.with_bounds(bounds));
+    // What is near the eye needs more bits than the mean error of a level is worth.
+    let stream = stream.with_exact_positions(locked.contains(&true) || options.eye.is_some());
+    let mut simplify = SimplifyOptions::default().with_locked(locked.to_vec());
+    if let Some(eye) = options.eye {
+        simplify = simplify.with_error_factors(error_factors(&group.mesh, &places.lists[group.list], eye));
+    }
+    stream_with(&group.mesh, &simplify, 0, &stream)
+}
+
+/// What the file will have.
+struct Assembly<'a> {
+    model: &'a Model,
+    /// For each part the triangles that are drawn before the first chunk, and how it is refined, if it is.
+    drawn: Vec<Vec<u32>>,
+    sources: Vec<Option<StreamedPart>>,
+    queues: Vec<Queue>,
+    /// What a reader has to find of the parts that are refined; `None` if nothing is proven.
+    expected: Option<HashMap<usize, Mesh>>,
+    /// Parts whose stream would not be smaller, and triangles within one position.
+    larger: usize,
+    dropped: usize,
+    /// The counts of the parts that are refined.
+    triangles: usize,
+    vertices: usize,
+    position_error: f64,
+    notes: Vec<String>,
+}
+
+impl<'a> Assembly<'a> {
+    fn new(model: &'a Model, notes: Vec<String>, proves: bool) -> Self {
+        let triangles = |part: &Part| part.mesh.faces().fans().into_owned();
+        Self {
+            model,
+            drawn: model.parts.iter().map(triangles).collect(),
+            sources: vec![None; model.parts.len()],
+            queues: Vec::new(),
+            expected: proves.then(HashMap::new),
+            larger: 0,
+            dropped: 0,
+            triangles: 0,
+            vertices: 0,
+            position_error: 0.0,
+            notes,
+        }
+    }
+
+    /// Adds a group with its stream and the triangles that are drawn before it, unless the file would not be smaller for it.
+    fn add(&mut self, group: &Group, streamed: StreamedMesh, coarse: &[u32]) -> Result<(), Error> {
+        if !pays(group, &streamed, coarse) {
+            self.larger += group.parts.len();
+            return Ok(());
+        }
+        let (stream, scale) = (self.queues.len() as u32, group.scale);
+        for (number, (part, list)) in (0..).zip(group.split(coarse)) {
+            self.drawn[part] = list;
+            let part_number = (group.parts.len() > 1).then_some(number);
+            self.sources[part] = Some(StreamedPart { stream, part: part_number });
+        }
+        if let Some(expected) = &mut self.expected {
             expected.extend(group.expected(&streamed.stream)?);
         }
-        dropped += streamed.dropped_triangles;
-        triangles += streamed.triangles;
-        vertices += streamed.vertices;
-        position_error = position_error.max(f64::from(streamed.stream.position_error) * scale);
-        queues.push(Queue { chunks: streamed.stream.chunks, scale });
+        self.dropped += streamed.dropped_triangles;
+        self.triangles += streamed.triangles;
+        self.vertices += streamed.vertices;
+        self.position_error = self.position_error.max(f64::from(streamed.stream.position_error) * scale);
+        self.queues.push(Queue { chunks: streamed.stream.chunks, scale });
+        Ok(())
     }
-    if larger > 0 {
-        notes.push(format!("{} whole: streams would not be smaller", counted(larger, "part")));
+
+    /// Writes the file, and proves it.
+    fn finish(mut self, losses: Vec<String>, observer: &dyn Observer) -> Result<Packed, Error> {
+        let mut note = |count: usize, noun: &str, what: &str| {
+            if count > 0 {
+                self.notes.push(format!("{} {what}", counted(count, noun)));
+            }
+        };
+        note(self.larger, "part", "whole: streams would not be smaller");
+        note(self.dropped, "triangle", "within one position dropped");
+        if self.queues.is_empty() {
+            self.notes.push("no stream: the file is a plain GLB".into());
+        }
+        begin(observer, Stage::Encode)?;
+        let base_triangles = self.drawn.iter().map(|list| list.len() / 3).sum();
+        for (list, _) in self.drawn.iter().zip(&self.sources).filter(|(_, source)| source.is_none()) {
+            self.triangles += list.len() / 3;
+            self.vertices += used_vertices(list);
+        }
+        let mut bytes = coarse_glb(self.model, self.drawn, &mut self.notes)?;
+        let mut chunk_start = bytes.len();
+        if !self.queues.is_empty() {
+            bytes = with_stream(bytes, &self.sources, &in_order(&self.queues))?;
+            let opened = ProgressiveGlb::open(bytes.clone())?;
+            chunk_start = opened.map_or(bytes.len(), |glb| glb.chunk_start());
+        }
+        let mut proven = None;
+        if let Some(expected) = &self.expected {
+            begin(observer, Stage::ReadBack)?;
+            proven = Some(prove(self.model, &bytes, expected)?);
+        }
+        Ok(Packed {
+            bytes,
+            meshes: self.queues.len(),
+            chunks: self.queues.iter().map(|queue| queue.chunks.len()).sum(),
+            chunk_start,
+            triangles: self.triangles,
+            base_triangles,
+            vertices: self.vertices,
+            position_error: self.position_error,
+            proven,
+            notes: self.notes,
+            losses,
+        })
     }
-    if dropped > 0 {
-        notes.push(format!("dropped {} within one position", counted(dropped, "triangle")));
-    }
-    // 2. The file.
-    begin(observer, Stage::Encode)?;
-    let chunk_count = queues.iter().map(|queue| queue.chunks.len()).sum();
-    let meshes = queues.len();
-    let base_triangles = base.iter().map(|list| list.len() / 3).sum();
-    for (part, whole) in whole_triangles.iter().enumerate() {
-        let Some(count) = whole else { continue };
-        triangles += count;
-        vertices += used_vertices(model.parts[part].mesh.faces().corners());
-    }
-    let glb = base_glb(model, base, &mut notes)?;
-    let chunks = in_order(&queues);
-    let bytes = if meshes == 0 { glb } else { with_stream(glb, &sources, &chunks)? };
-    let opened = ProgressiveGlb::open(bytes.clone())?;
-    let chunk_start = opened.map_or(bytes.len(), |glb| glb.chunk_start());
-    // 3. The proof.
-    let mut proven = None;
-    if options.verify {
-        begin(observer, Stage::ReadBack)?;
-        proven = Some(prove(model, &bytes, &expected)?);
-    }
-    Ok(Packed {
-        bytes,
-        meshes,
-        chunks: chunk_count,
-        chunk_start,
-        triangles,
-        base_triangles,
-        vertices,
-        position_error,
-        proven,
-        notes,
-        losses,
-    })
 }
 
 /// Writes a model as a GLB and reads it, so that it has a scene.
@@ -245,9 +294,9 @@ fn as_scene(model: &Model) -> Result<Model, Error> {
     Ok(tristrip_io::read(&glb, Format::Glb)?)
 }
 
-/// Writes the base meshes, as strips where that takes fewer indices, in few bytes.
-fn base_glb(model: &Model, base: Vec<Vec<u32>>, notes: &mut Vec<String>) -> Result<Vec<u8>, Error> {
-    let redrawn = tristrip_io::with_triangles(model, base, Format::Glb)?;
+/// Writes what is drawn before the first chunk, as strips where that takes fewer indices, in few bytes.
+fn coarse_glb(model: &Model, drawn: Vec<Vec<u32>>, notes: &mut Vec<String>) -> Result<Vec<u8>, Error> {
+    let redrawn = tristrip_io::with_triangles(model, drawn, Format::Glb)?;
     notes.extend(kept_vertices(&redrawn, &()));
     let strips: Vec<Strips> =
         map(&redrawn.model.parts, |part| stripify(&part.mesh, &StripifyOptions::default()))
@@ -281,10 +330,9 @@ fn drawn_base(group: &Group, streamed: &StreamedMesh, locked: &[bool]) -> Result
 }
 
 /// Returns whether a stream takes fewer bytes than what it leaves out of the file.
-fn pays(group: &Group, streamed: &StreamedMesh) -> bool {
-    let base = &streamed.stream.base;
-    let vertices = streamed.vertices.saturating_sub(used_vertices(base));
-    let triangles = streamed.triangles.saturating_sub(base.len() / 3);
+fn pays(group: &Group, streamed: &StreamedMesh, coarse: &[u32]) -> bool {
+    let vertices = streamed.vertices.saturating_sub(used_vertices(coarse));
+    let triangles = streamed.triangles.saturating_sub(coarse.len() / 3);
     let index = if streamed.vertices < 1 << 16 { 2 } else { 4 };
     let left_out = vertices * group.vertex_bytes() + triangles * 3 * index;
     streamed.stream.chunks.iter().map(|chunk| chunk.bytes.len()).sum::<usize>() < left_out

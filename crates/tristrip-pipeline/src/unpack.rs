@@ -89,7 +89,7 @@ pub fn unpack(glb: &ProgressiveGlb, goal: StreamGoal, base_dir: Option<&Path>) -
             break;
         }
         if let Err(fault) = decoder.update(chunk.bytes) {
-            problem = Some(format!("{fault}; the level before it is used"));
+            problem = Some(format!("{fault}; what came before it is used"));
             break;
         }
         let stream = chunk.stream as usize;
@@ -102,12 +102,8 @@ pub fn unpack(glb: &ProgressiveGlb, goal: StreamGoal, base_dir: Option<&Path>) -
         }
     }
     let used = decoder.offset() as usize;
-    let is_at_end = used == all.len() && glb.is_complete();
-    if problem.is_none() && !is_reached && !is_at_end {
-        problem = Some(format!(
-            "the file ends within its stream: {used} of {} bytes of chunks are complete",
-            glb.chunk_bytes()
-        ));
+    if problem.is_none() && !is_reached {
+        problem = early_end(glb, &mut decoder);
     }
     if let StreamGoal::Level(Level::Number(found)) = goal
         && let full = decoder.parts().map(StreamPart::full_level).sum()
@@ -115,7 +111,6 @@ pub fn unpack(glb: &ProgressiveGlb, goal: StreamGoal, base_dir: Option<&Path>) -
     {
         return Err(Error::Level { found, last: full });
     }
-    // 2. The meshes.
     let reached = Reached { decoder: &decoder, streams: &streams, target: progress.target };
     let (meshes, level) = reached.meshes(goal, last)?;
     Ok(Unpacked {
@@ -129,6 +124,17 @@ pub fn unpack(glb: &ProgressiveGlb, goal: StreamGoal, base_dir: Option<&Path>) -
         chunks: decoder.chunk_count(),
         problem,
     })
+}
+
+/// Says why a stream ends before all its bytes are decoded, if it does: a head that is none, or the end of the file.
+fn early_end(glb: &ProgressiveGlb, decoder: &mut Decoder) -> Option<String> {
+    let used = decoder.offset() as usize;
+    if let Err(fault) = decoder.update(&glb.chunks()[used..]) {
+        return Some(fault.to_string());
+    }
+    let all = glb.chunk_bytes();
+    (used < all)
+        .then(|| format!("the file ends within its stream: {used} of {all} bytes of chunks are complete"))
 }
 
 /// A goal, and the level that it asks for once that is known.
@@ -223,7 +229,7 @@ pub struct StreamFigures {
     pub chunks: Vec<ChunkFigures>,
     /// The meshes that are there.
     pub meshes: usize,
-    /// Triangles and vertices of the full meshes, as the stream says.
+    /// The triangles of the full meshes, as the stream says.
     pub triangles: usize,
     /// The vertices of the full meshes, as the stream says.
     pub vertices: usize,
@@ -237,10 +243,7 @@ pub struct StreamFigures {
     pub problem: Option<String>,
 }
 
-/// Decodes a stream, and returns what its chunks hold and what its components cost.
-///
-/// # Errors
-/// None now: a damaged stream gives the figures of what is before the damage.
+/// Decodes a stream, and returns what its chunks hold and what its components cost. A damaged stream gives the figures of what is before the damage.
 ///
 /// ```
 /// use tristrip_io::gltf::ProgressiveGlb;
@@ -272,13 +275,7 @@ pub fn stream_figures(glb: &ProgressiveGlb) -> StreamFigures {
             error: decoder.parts().map(StreamPart::error).fold(0.0, f32::max),
         });
     }
-    if problem.is_none() && (decoder.offset() as usize) < glb.chunk_bytes() {
-        problem = Some(format!(
-            "the file ends after {} of {} bytes of chunks",
-            decoder.offset(),
-            glb.chunk_bytes()
-        ));
-    }
+    let problem = problem.or_else(|| early_end(glb, &mut decoder));
     let mut costs = StreamCosts::default();
     decoder.parts().filter_map(StreamPart::costs).for_each(|own| costs.add(&own));
     StreamFigures {

@@ -67,11 +67,10 @@ pub(super) fn groups(
             whole.push(part);
             continue;
         }
-        let kind = |a: &'_ Attribute| (a.components, a.normalized, discriminant(&a.data));
-        let attributes = mesh.attributes().iter().map(|a| {
-            let (components, normalized, data) = kind(a);
-            (a.name.as_str(), components, normalized, data)
-        });
+        let attributes = mesh
+            .attributes()
+            .iter()
+            .map(|a| (a.name.as_str(), a.components, a.normalized, discriminant(&a.data)));
         let key = (places.of_part[part], attributes.collect());
         let group = *keys.entry(key).or_insert(members.len());
         if group == members.len() {
@@ -186,14 +185,20 @@ impl Group {
         12 + self.mesh.attributes().iter().filter(|attribute| attribute.name != PART).map(of).sum::<usize>()
     }
 
-    /// Returns triangles of the mesh by parts, over the vertices of these.
-    pub(super) fn split(&self, triangles: &[u32]) -> Vec<(usize, Vec<u32>)> {
+    /// Returns triangles of the mesh by parts.
+    fn lists(&self, triangles: &[u32]) -> Vec<Vec<u32>> {
         let mut lists = vec![Vec::new(); self.parts.len()];
         for triangle in triangles.chunks_exact(3) {
-            let member = self.parts.partition_point(|member| member.first <= triangle[0]) - 1;
-            lists[member].extend(triangle.iter().map(|&v| v - self.parts[member].first));
+            lists[self.parts.partition_point(|member| member.first <= triangle[0]) - 1].extend(triangle);
         }
+        lists
+    }
+
+    /// Returns triangles of the mesh by parts, over the vertices of these.
+    pub(super) fn split(&self, triangles: &[u32]) -> Vec<(usize, Vec<u32>)> {
+        let lists = self.lists(triangles);
         let outward = |(member, mut list): (&Member, Vec<u32>)| {
+            list.iter_mut().for_each(|v| *v -= member.first);
             member.used.outward(&mut list);
             (member.part, list)
         };
@@ -203,10 +208,7 @@ impl Group {
     /// Returns the meshes that a decoder should give for each part.
     pub(super) fn expected(&self, stream: &EncodedStream) -> Result<Vec<(usize, Mesh)>, Error> {
         let all = moved(&self.mesh, |position| stream.decoded(position))?;
-        let mut lists = vec![Vec::new(); self.parts.len()];
-        for triangle in all.faces().corners().chunks_exact(3) {
-            lists[self.parts.partition_point(|member| member.first <= triangle[0]) - 1].extend(triangle);
-        }
+        let lists = self.lists(all.faces().corners());
         let of = |(member, list): (&Member, Vec<u32>)| {
             Ok((member.part, all.with_faces(Faces::from_triangles(list)?)?))
         };
