@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::mem::discriminant;
 
-use tristrip::stream::{EncodedStream, PART};
+use tristrip::stream::{EncodedStream, PART, StreamLimits};
 use tristrip::{Attribute, AttributeData, Faces, MAX_COUNT, Mesh};
 use tristrip_io::Model;
 
@@ -13,9 +13,6 @@ use crate::simplify::touching::{PlacedPositions, touching};
 use crate::simplify::{Compact, UsedVertices};
 use crate::stream::drawn_triangles;
 use crate::text::counted;
-
-/// The most meshes of a stream: readers refuse more.
-const MOST_MESHES: usize = 256;
 
 /// A part within a group.
 pub(super) struct Member {
@@ -91,12 +88,11 @@ pub(super) fn groups(
         members[*group].1.iter().map(|&part| model.parts[part].mesh.faces().triangle_count()).sum()
     };
     by_size.sort_by_key(|group| std::cmp::Reverse(size(group)));
-    note(
-        by_size.iter().skip(MOST_MESHES).map(|&group| members[group].1.len()).sum(),
-        "a stream has at most 256 meshes",
-    );
-    by_size.iter().skip(MOST_MESHES).for_each(|&group| whole.extend(&members[group].1));
-    by_size.truncate(MOST_MESHES);
+    // Readers refuse more meshes.
+    let smaller = by_size.split_off(by_size.len().min(StreamLimits::default().meshes));
+    let more: Vec<usize> = smaller.iter().flat_map(|&group| members[group].1.iter().copied()).collect();
+    note(more.len(), "a stream has no more meshes");
+    whole.extend(more);
     by_size.sort_unstable();
     let groups =
         by_size.into_iter().map(|group| Group::new(model, places, members[group].0, &members[group].1));
