@@ -8,10 +8,11 @@
  * @module
  */
 import { SMALL_CONTEXTS, USUAL_SQUARE } from './constants.js';
-import { Fault } from './error.js';
+import { fail } from './error.js';
 import { FAN_CELLS, Fans, VERTEX } from './fans.js';
-import { grown } from './growth.js';
+import { grown, integers } from './growth.js';
 import { Simple } from './slots.js';
+import { clz32, min } from './math.js';
 import { decodeSmall } from './numbers.js';
 import { next, NONE, previous, Surface } from './surface.js';
 
@@ -38,10 +39,10 @@ const SAME_POINT = 1;
 export function decodeTriangles(coder, triangleCount) {
   const kinds = new Simple(2);
   const distances = new Simple(SMALL_CONTEXTS);
-  let opposite = new Int32Array(3);
+  let opposite = integers(3);
   let length = 0;
   const push = () => {
-    if (coder.isPastEnd) throw new Fault('the end of the chunk', `${triangleCount} triangles`);
+    if (coder.isPastEnd) fail('the end of the chunk', `${triangleCount} triangles`);
     opposite = grown(opposite, length + 3);
     opposite.fill(NONE, length, length + 3);
     length += 3;
@@ -56,11 +57,11 @@ export function decodeTriangles(coder, triangleCount) {
       if (length < 3 * triangleCount && kinds.decode(coder, IS_TRIANGLE)) {
         push();
       } else if (corner + 1 === length || kinds.decode(coder, IS_BORDER)) {
-        if (coder.isPastEnd) throw new Fault('the end of the chunk', `${triangleCount} triangles`);
+        if (coder.isPastEnd) fail('the end of the chunk', `${triangleCount} triangles`);
         continue;
       } else {
         other = corner + decodeSmall(coder, distances) + 1;
-        if (other >= length || opposite[other] !== NONE) throw new Fault('an edge of two triangles twice', 'edges of at most two triangles');
+        if (other >= length || opposite[other] !== NONE) fail('an edge of two triangles twice', 'edges of at most two triangles');
       }
       opposite[corner] = other;
       opposite[other] = corner;
@@ -81,13 +82,13 @@ export function decodeTriangles(coder, triangleCount) {
 export function decodeFans(coder, surface, placeModel, channels, knownBits) {
   const fans = new Fans();
   const flags = new Simple(2);
-  const around = new Int32Array(2);
+  const around = integers(2);
   const { place } = placeModel;
   const most = 2 ** knownBits - 1;
   const earlier = (/** @type {number} */ context) => {
     const fan = fans.count;
     if (fan === 0 || !flags.decode(coder, context)) return NONE;
-    return coder.decodeBits(32 - Math.clz32(fan)) % fan;
+    return coder.bits(32 - clz32(fan)) % fan;
   };
   // Fans have the order of their lowest corners.
   for (let lowest = 0; fans.count < surface.fanCount; lowest += (lowest & 7) === 2 ? 6 : 1) {
@@ -108,7 +109,7 @@ export function decodeFans(coder, surface, placeModel, channels, knownBits) {
     if (twin !== NONE) {
       for (let j = 0; j < 3; j++) place[j] = cells[FAN_CELLS * twin + j];
     } else if (isKnown) {
-      let square = 0;
+      let square = 1;
       for (let j = 0; j < 3; j++) {
         const ofA = cells[FAN_CELLS * a + j];
         const ofB = cells[FAN_CELLS * b + j];
@@ -125,7 +126,7 @@ export function decodeFans(coder, surface, placeModel, channels, knownBits) {
     if (sameVertex !== NONE) {
       vertex = cells[FAN_CELLS * sameVertex + VERTEX];
     } else {
-      const length = isKnown ? 2 : Math.min(fan, 1);
+      const length = isKnown ? 2 : min(fan, 1);
       if (length > 0) around[0] = cells[FAN_CELLS * (isKnown ? a : fan - 1) + VERTEX];
       if (length > 1) around[1] = cells[FAN_CELLS * b + VERTEX];
       for (const channel of channels) channel.decode(coder, vertex, around, length);

@@ -6,8 +6,9 @@
  * @module
  */
 import { CHANNEL_LEVEL, MOST_AXES } from './constants.js';
-import { grown } from './growth.js';
-import { Level, logarithm, NumberModel } from './numbers.js';
+import { grown, integers } from './growth.js';
+import { abs, clamped, floor, logarithm, max, min } from './math.js';
+import { expectLevel, learnLevel, NumberModel } from './numbers.js';
 import { Simple } from './slots.js';
 
 /** @import { RangeDecoder } from './range_coder.js' */
@@ -18,7 +19,7 @@ export const OCTAHEDRAL = 1;
 export const TANGENT = 2;
 export const NAMES = 3;
 
-const features = new Int32Array(3);
+const features = integers(3);
 
 /**
  * Returns the level of a number.
@@ -43,12 +44,12 @@ export class ChannelModel {
     this.kind = kind;
     this.width = width;
     this.bits = bits;
-    const axes = Math.min(width, MOST_AXES);
+    const axes = min(width, MOST_AXES);
     this.#numbers = new NumberModel(axes);
-    this.#levels = Array.from({ length: axes }, () => new Level(CHANNEL_LEVEL));
+    this.#levels = Array.from({ length: axes }, () => Int32Array.from(CHANNEL_LEVEL));
     this.#isKept = new Simple(axes);
     /** The integers of all vertices. */
-    this.values = new Int32Array(0);
+    this.values = integers(0);
   }
 
   /**
@@ -68,7 +69,7 @@ export class ChannelModel {
       const kept = length > 0 ? values[width * around[0] + component] : 0;
       const at = width * vertex + component;
       if (this.kind === NAMES || (this.kind === TANGENT && component === 2)) {
-        values[at] = this.#isKept.decode(coder, axis) ? kept : coder.decodeBits(this.bits);
+        values[at] = this.#isKept.decode(coder, axis) ? kept : coder.bits(this.bits);
         continue;
       }
       let sum = 0;
@@ -77,19 +78,19 @@ export class ChannelModel {
       for (let i = 0; i < length; i++) {
         const value = values[width * around[i] + component];
         sum += value;
-        if (value < lowest) lowest = value;
-        if (value > highest) highest = value;
+        lowest = min(lowest, value);
+        highest = max(highest, value);
       }
       const count = length > 0 ? length : 1;
-      const expected = Math.floor((2 * sum + count) / (2 * count));
+      const expected = floor((2 * sum + count) / (2 * count));
       const spread = sizeOf(highest - lowest);
       features[0] = 32;
       features[1] = spread;
-      features[2] = sizeOf(Math.abs(expected - kept)) - spread;
+      features[2] = sizeOf(abs(expected - kept)) - spread;
       const level = this.#levels[axis];
-      const difference = numbers.decode(coder, axis, level.expect(features));
-      level.learn(features, numbers.error);
-      values[at] = Math.min(Math.max(expected + difference, 0), most);
+      const difference = numbers.decode(coder, axis, expectLevel(level, features));
+      learnLevel(level, features, numbers.error);
+      values[at] = clamped(expected + difference, 0, most);
     }
   }
 }

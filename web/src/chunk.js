@@ -7,7 +7,8 @@
  * Numbers are written seven bits at a time, the lowest first, with the eighth bit of each byte but the last set.
  * @module
  */
-import { Fault } from './error.js';
+import { MOST_HEAD_BYTES } from './constants.js';
+import { fail } from './error.js';
 
 /**
  * The head of a chunk.
@@ -41,7 +42,7 @@ export class Reader {
    * @returns {number}
    */
   take(count) {
-    if (count > this.bytes.length - this.at) throw new Fault('the end of the chunk', this.expected);
+    if (count > this.bytes.length - this.at) fail('the end of the chunk', this.expected);
     this.at += count;
     return this.at - count;
   }
@@ -61,7 +62,7 @@ export class Reader {
       number += (byte & 0x7f) * scale;
       if (byte < 0x80 && number <= 0xffffffff) return number;
     }
-    throw new Fault('a number of more than 32 bits', expected);
+    fail('a number of more than 32 bits', expected);
   }
 
   float() {
@@ -79,23 +80,16 @@ export class Reader {
  * @returns {ChunkHead | undefined}
  */
 export function readChunkHead(bytes) {
-  const reader = new Reader(bytes, 'the head of a chunk');
-  // Five numbers, then eight bytes.
-  for (let i = 0, ends = 0, length = 0; ends < 5; i++) {
-    if (i === bytes.length) return undefined;
-    length++;
-    if (bytes[i] < 0x80 || length === 5) {
-      ends++;
-      length = 0;
-    }
-    if (bytes[i] >= 0x80 && length === 0) break;
-    if (ends === 5 && bytes.length < i + 9) return undefined;
-  }
+  // Zeros after the end are no part of it.
+  const padded = new Uint8Array(MOST_HEAD_BYTES);
+  padded.set(bytes.subarray(0, MOST_HEAD_BYTES));
+  const reader = new Reader(padded, '');
   const number = () => reader.number('the head of a chunk');
   const [stream, payloadBytes, visits, level, triangles] = [number(), number(), number(), number(), number()];
   const error = reader.float();
   const checksum = reader.view.getUint32(reader.take(4), true);
-  return { stream, payloadBytes, visits, level, triangles, error, checksum, headBytes: reader.at };
+  const headBytes = reader.at;
+  return headBytes > bytes.length ? undefined : { stream, payloadBytes, visits, level, triangles, error, checksum, headBytes };
 }
 
 /** The remainders of all bytes. */
@@ -106,11 +100,7 @@ const REMAINDERS = Int32Array.from({ length: 256 }, (_, byte) => {
 
 /** A CRC-32. */
 export class Checksum {
-  #state;
-
-  constructor() {
-    this.#state = -1;
-  }
+  #state = -1;
 
   /** @param {Uint8Array} bytes */
   addBytes(bytes) {

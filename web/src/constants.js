@@ -11,25 +11,18 @@ export const LEAST_RANGE = 1 << 24;
 export const MOST_TRIMMED = 4;
 
 /** A slot counts up to this. */
-export const MOST_COUNT = 250;
-/** A probability of a slot is at least this, and as much less than `WHOLE`. */
-export const LEAST_SHARE = 32;
+export const MOST_COUNT = 255;
 
 /** The exponentials of scores, from e⁰ to e⁻⁸. */
 export const FALLS_LENGTH = 256;
-/** The largest score. */
-export const MOST_SCORE = 1 << 21;
-/** How fast scores move, in 1/128: those of decisions, and those of runs of corners. */
-export const DECISION_RATE = 10;
-export const RUN_RATE = 5;
+/** How slowly scores move: by one part in two to this power of an error. */
+export const SCORE_RATE = 4;
 
 /** The levels of numbers that have symbols of their own, from −2 on in quarters of an octave. */
 export const LEVELS = 80;
 /** The symbol of the usual bucket, and the last one. */
 export const MIDDLE_SYMBOL = 9;
 export const LAST_SYMBOL = 15;
-/** The largest weight of a feature of a level, in 1/65536. */
-export const MOST_LEVEL_WEIGHT = 1 << 17;
 /** The largest bucket. */
 export const MOST_BUCKET = 59;
 /** The contexts of small numbers, and the bits of the largest one. */
@@ -40,19 +33,16 @@ export const MOST_SMALL_BITS = 25;
 export const MOST_CORNERS = 1024;
 /** The fans of a point among which one is chosen. */
 export const MOST_TWINS = 1024;
-/** The features of a mark: valence and used corners; then ages; then the distance from the mean. */
+/** The features of a mark: valence and free corners; then ages; then the distance from the mean. */
 export const AGE_FEATURES = 16 * 8 * 4;
-export const DISTANCE_FEATURES = AGE_FEATURES + 8 * 8;
+export const DISTANCE_FEATURES = AGE_FEATURES + 8;
 export const MARK_FEATURES = DISTANCE_FEATURES + 32;
-/** The roles of an edge; its shapes and valences; the numbers of corners. */
+/** The roles of an edge; its lengths, and the valences at its other end, of which the first one stands for a border. */
 export const ROLES = 3;
-export const SHAPES = 9 * 16;
-export const VALENCES = 8 * 8;
-export const COUNT_SCORES = 8 * 32;
-/** So many runs are all learned from, of later ones one in four. */
-export const LEARNED_RUNS = 1 << 11;
+export const LENGTHS = 16;
+export const VALENCES = 16;
 /** A fan of more corners has no choices by scores. */
-export const MOST_CHOICES = 24;
+export const MOST_CHOICES = 15;
 
 /** The estimates beside the mean of the polygon. */
 export const ESTIMATES = 4;

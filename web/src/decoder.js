@@ -1,15 +1,15 @@
 import { decodeFans, decodeTriangles } from './base.js';
 import { Checksum, Reader, readChunkHead } from './chunk.js';
-import { MOST_HEAD_BYTES } from './constants.js';
-import { Fault, StreamError } from './error.js';
+import { fail, StreamError } from './error.js';
 import { FAN_CELLS, VERTEX } from './fans.js';
 import { attributeOf } from './grid.js';
-import { grown } from './growth.js';
+import { arrayOf, integers, Waiting } from './growth.js';
 import { decodeWeights, readHead } from './head.js';
 import { PlaceModel } from './places.js';
 import { RangeDecoder } from './range_coder.js';
 import { Refiner } from './refiner.js';
 import { NONE } from './surface.js';
+import { max, min } from './math.js';
 
 /**
  * @import { ChunkHead } from './chunk.js'
@@ -34,9 +34,12 @@ import { NONE } from './surface.js';
 /** @type {StreamLimits} */
 const USUAL_LIMITS = { meshes: 256, triangles: 2 ** 26, chunkBytes: 2 ** 28, corners: 2 ** 30 };
 
+/** Streams have about two triangles in three bytes, more where surfaces are flat. For so many there is room before they come. */
+const TRIANGLES_PER_BYTE = 64;
+
 /** @param {number} error that of a level */
 function checkError(error) {
-  if (!(error >= 0 && Number.isFinite(error))) throw new Fault(`an error of ${error}`, 'a finite number of at least 0');
+  if (!(error >= 0 && Number.isFinite(error))) fail(`an error of ${error}`, 'a finite number of at least 0');
 }
 
 /** A mesh that a stream has built so far. */
@@ -44,6 +47,8 @@ export class StreamPart {
   #head;
   #refiner;
   #error;
+  /** The bytes of its chunks, without their heads. */
+  #payloadBytes;
 
   /**
    * Decodes the base mesh.
@@ -55,18 +60,19 @@ export class StreamPart {
     const head = readHead(reader);
     checkError(chunk.error);
     if (head.baseTriangles !== chunk.triangles || chunk.visits !== 0 || chunk.level !== 0) {
-      throw new Fault(`a base mesh of ${head.baseTriangles} triangles at level ${chunk.level}`, `${chunk.triangles} at level 0`);
+      fail(`a base mesh of ${head.baseTriangles} triangles at level ${chunk.level}`, `${chunk.triangles} at level 0`);
     }
     const coder = new RangeDecoder(payload.subarray(reader.at));
     const placeModel = new PlaceModel(decodeWeights(coder));
     const surface = decodeTriangles(coder, head.baseTriangles);
-    if (!surface.hasDistinctFans()) throw new Fault('a triangle with two corners in one fan', 'triangles of three points');
+    if (!surface.hasDistinctFans()) fail('a triangle with two corners in one fan', 'triangles of three points');
     const channels = head.channels.map((channel) => channel.model);
     const fans = decodeFans(coder, surface, placeModel, channels, head.positionBits - head.unknownBits);
-    if (coder.isPastEnd) throw new Fault('the end of the chunk', 'all vertices of the base mesh');
+    if (coder.isPastEnd) fail('the end of the chunk', 'all vertices of the base mesh');
     this.#head = head;
     this.#refiner = new Refiner(surface, fans, channels, placeModel, head.positionBits, head.unknownBits);
     this.#error = chunk.error;
+    this.#payloadBytes = payload.length;
   }
 
   /**
@@ -81,18 +87,21 @@ export class StreamPart {
     const refiner = this.#refiner;
     const { surface } = refiner;
     refiner.mostTriangles = chunk.triangles;
+    // Room for all that follows, unless so few bytes cannot be expected to build it.
+    this.#payloadBytes += payload.length;
+    refiner.reserve(min(this.#head.triangles, TRIANGLES_PER_BYTE * this.#payloadBytes));
     for (let i = 0; i < chunk.visits; i++) {
       if (refiner.next === NONE) refiner.beginBatch(coder);
-      if (refiner.next === NONE) throw new Fault('a refinement of nothing', 'a base mesh with triangles');
+      if (refiner.next === NONE) fail('a refinement of nothing', 'a base mesh with triangles');
       refiner.visit(coder);
-      if (refiner.cornerCount > mostCorners) {
-        throw new Fault(`${refiner.cornerCount} corners around vertices that are visited`, `at most ${mostCorners}`);
+      if (refiner.corners > mostCorners) {
+        fail(`${refiner.corners} corners around vertices that are visited`, `at most ${mostCorners}`);
       }
       if (coder.isPastEnd || surface.triangleCount > chunk.triangles) break;
     }
-    if (coder.isPastEnd || refiner.groupCount !== chunk.level || surface.triangleCount !== chunk.triangles) {
+    if (coder.isPastEnd || refiner.level !== chunk.level || surface.triangleCount !== chunk.triangles) {
       const words = (/** @type {number} */ level, /** @type {number} */ triangles) => `level ${level} of ${triangles} triangles`;
-      throw new Fault(words(refiner.groupCount, surface.triangleCount), words(chunk.level, chunk.triangles));
+      fail(words(refiner.level, surface.triangleCount), words(chunk.level, chunk.triangles));
     }
     this.#error = chunk.error;
   }
@@ -113,13 +122,13 @@ export class StreamPart {
   }
 
   /** The visits, and the corners around the vertices that were split. For the decoder only. */
-  get cornerCount() {
-    return this.#refiner.cornerCount;
+  get corners() {
+    return this.#refiner.corners;
   }
 
   /** The level so far: the collapses that are undone. */
   get level() {
-    return this.#refiner.groupCount;
+    return this.#refiner.level;
   }
 
   /** The level of the full mesh, as the stream says. */
@@ -193,7 +202,7 @@ export class StreamPart {
   fingerprint() {
     const { fans } = this.#refiner;
     const checksum = new Checksum();
-    const places = new Int32Array(3 * fans.vertexCount);
+    const places = integers(3 * fans.vertexCount);
     for (let at = 0; at < FAN_CELLS * fans.count; at += FAN_CELLS) {
       for (let j = 0; j < 3; j++) places[3 * fans.cells[at + VERTEX] + j] = fans.cells[at + j];
     }
@@ -210,8 +219,7 @@ export class StreamPart {
 export class Decoder {
   #limits;
   /** What has arrived of the next chunk. */
-  #waiting = new Uint8Array(0);
-  #waitingLength = 0;
+  #waiting = new Waiting();
   #offset = 0;
   #chunkCount = 0;
   /** @type {(StreamPart | undefined)[]} */
@@ -234,44 +242,18 @@ export class Decoder {
    */
   update(bytes) {
     if (this.#fault) throw this.#fault;
-    let rest = bytes instanceof Uint8Array ? bytes : new Uint8Array(bytes);
-    for (let decoded = 0; ; decoded++) {
-      // Complete chunks are decoded where they lie, unless their first bytes have waited.
-      const known = this.#waitingLength;
-      if (known > 0) this.#waitForChunk(rest);
-      const taken = this.#nextChunk(known > 0 ? this.#waiting.subarray(0, this.#waitingLength) : rest);
-      if (taken === 0) {
-        if (known === 0) this.#wait(rest);
-        return decoded;
-      }
-      rest = rest.subarray(taken - known);
-      this.#waitingLength = 0;
+    const waiting = this.#waiting;
+    const known = waiting.length;
+    // Complete chunks are decoded where they lie, unless bytes have waited for the first one.
+    let rest = arrayOf(bytes);
+    if (known > 0) rest = waiting.add(rest);
+    let decoded = 0;
+    for (let taken; (taken = this.#nextChunk(rest)) > 0; decoded++) rest = rest.subarray(taken);
+    if (known === 0 || decoded > 0) {
+      waiting.length = 0;
+      waiting.add(rest);
     }
-  }
-
-  /**
-   * Adds what belongs to the next chunk.
-   * @param {Uint8Array} bytes
-   */
-  #waitForChunk(bytes) {
-    const known = this.#waitingLength;
-    const headBytes = Math.max(MOST_HEAD_BYTES - known, 0);
-    this.#wait(bytes.subarray(0, headBytes));
-    let length = this.#waitingLength;
-    try {
-      const head = readChunkHead(this.#waiting.subarray(0, length));
-      if (head) length = head.headBytes + Math.min(head.payloadBytes, this.#limits.chunkBytes);
-    } catch {
-      // The fault is found again where its place is known.
-    }
-    if (length > this.#waitingLength) this.#wait(bytes.subarray(headBytes, length - known));
-  }
-
-  /** @param {Uint8Array} bytes */
-  #wait(bytes) {
-    this.#waiting = grown(this.#waiting, this.#waitingLength + bytes.length);
-    this.#waiting.set(bytes, this.#waitingLength);
-    this.#waitingLength += bytes.length;
+    return decoded;
   }
 
   /**
@@ -290,10 +272,9 @@ export class Decoder {
       return head.headBytes + payload.length;
     } catch (error) {
       const at = `chunk ${this.#chunkCount} at byte ${this.#offset}`;
-      if (error instanceof Fault) this.#fault = new StreamError(at, error.found, error.expected);
+      if (error instanceof StreamError) this.#fault = new StreamError(at, error.found, error.expected);
       else if (error instanceof RangeError) this.#fault = new StreamError(at, 'a mesh that does not fit into memory', 'a smaller one');
       else throw error;
-      this.#waitingLength = 0;
       throw this.#fault;
     }
   }
@@ -305,8 +286,8 @@ export class Decoder {
    */
   #payload(bytes, { headBytes, payloadBytes, stream, checksum }) {
     const { chunkBytes, meshes } = this.#limits;
-    if (payloadBytes > chunkBytes) throw new Fault(`${payloadBytes} bytes`, `at most ${chunkBytes}`);
-    if (stream >= meshes) throw new Fault(`mesh ${stream}`, `at most ${meshes} meshes`);
+    if (payloadBytes > chunkBytes) fail(`${payloadBytes} bytes`, `at most ${chunkBytes}`);
+    if (stream >= meshes) fail(`mesh ${stream}`, `at most ${meshes} meshes`);
     if (bytes.length < headBytes + payloadBytes) return undefined;
     const payload = bytes.subarray(headBytes, headBytes + payloadBytes);
     const found = new Checksum();
@@ -314,7 +295,7 @@ export class Decoder {
     found.addBytes(payload);
     const hexadecimal = (/** @type {number} */ number) => number.toString(16).padStart(8, '0');
     if (found.value !== checksum) {
-      throw new Fault(`checksum ${hexadecimal(found.value)}`, `${hexadecimal(checksum)}: the chunk is damaged`);
+      fail(`checksum ${hexadecimal(found.value)}`, `${hexadecimal(checksum)}: the chunk is damaged`);
     }
     return payload;
   }
@@ -324,14 +305,18 @@ export class Decoder {
    * @param {Uint8Array} payload
    */
   #decode(head, payload) {
+    const { corners, strips, triangles } = this.#limits;
     const part = this.#parts[head.stream];
-    const others = this.parts.reduce((sum, other) => sum + (other === part ? 0 : other.triangleCount), 0);
-    const most = Math.max(this.#limits.triangles - others, 0);
-    if (head.triangles > most) throw new Fault(`${head.triangles} triangles`, `at most ${most}`);
-    const otherCorners = this.parts.reduce((sum, other) => sum + (other === part ? 0 : other.cornerCount), 0);
-    const { corners, strips } = this.#limits;
+    let most = triangles;
+    let mostCorners = corners;
+    for (const other of this.parts) {
+      if (other === part) continue;
+      most -= other.triangleCount;
+      mostCorners -= other.corners;
+    }
+    if (head.triangles > most) fail(`${head.triangles} triangles`, `at most ${max(most, 0)}`);
     try {
-      if (part) part.refine(head, payload, Math.max(corners - otherCorners, 0));
+      if (part) part.refine(head, payload, max(mostCorners, 0));
       else this.#parts[head.stream] = new StreamPart(head, payload);
     } finally {
       // What a faulty chunk has built stays.

@@ -14,14 +14,12 @@ export class StreamError extends Error {
   }
 }
 
-/** A fault whose place is known to the caller. */
-export class Fault {
-  /**
-   * @param {string} found
-   * @param {string} expected
-   */
-  constructor(found, expected) {
-    this.found = found;
-    this.expected = expected;
-  }
+/**
+ * Throws a fault whose place is known to the caller.
+ * @param {string} found
+ * @param {string} expected
+ * @returns {never}
+ */
+export function fail(found, expected) {
+  throw new StreamError('', found, expected);
 }

@@ -1,4 +1,4 @@
-import { grown } from './growth.js';
+import { grown, integers } from './growth.js';
 import { NONE } from './surface.js';
 
 /** The cells of a fan: its position, in steps of the current precision; then as follows. */
@@ -8,11 +8,11 @@ export const SUM = 3;
 export const COUNT = 6;
 /** The fan that a batch visits after this one, or none. */
 export const NEXT = 7;
-/** The batches in which it arose and was last split; 0 for the base mesh. */
+/** The batch in which it arose; 0 for the base mesh. */
 export const BORN = 8;
-export const LAST_SPLIT = 9;
-/** The corners that the batch has used, at most 255. */
-export const USED = 10;
+/** The corners that a batch has used, at most 255, and the number of the batch. */
+export const USED = 9;
+export const USED_IN = 10;
 /** Whether it is open: 1 or 0. */
 export const IS_OPEN = 11;
 export const VERTEX = 12;
@@ -22,11 +22,9 @@ export const LEADER = 14;
 
 /** What is known of each fan. */
 export class Fans {
-  constructor() {
-    this.count = 0;
-    this.vertexCount = 0;
-    this.cells = new Int32Array(0);
-  }
+  count = 0;
+  vertexCount = 0;
+  cells = integers(0);
 
   /**
    * Adds a fan; its position is to be set.
@@ -42,7 +40,7 @@ export class Fans {
     const at = FAN_CELLS * fan;
     cells[at + NEXT] = NONE;
     cells[at + BORN] = batch;
-    cells[at + LAST_SPLIT] = batch;
+    cells[at + USED_IN] = batch;
     cells[at + IS_OPEN] = isOpen;
     cells[at + VERTEX] = vertex;
     cells[at + LEADER] = fan;
@@ -58,27 +56,49 @@ export class Fans {
   }
 
   /**
-   * Adds the position of another fan to those around a fan, or removes it.
-   * @param {number} fan
-   * @param {number} other
-   * @param {number} sign 1 or −1
+   * Adds positions to those around a fan.
+   * @param {number} at the first cell of the fan
+   * @param {number} x @param {number} y @param {number} z their sum
+   * @param {number} count their number
    */
-  around(fan, other, sign) {
+  add(at, x, y, z, count) {
     const { cells } = this;
-    const at = FAN_CELLS * fan;
-    const from = FAN_CELLS * other;
-    for (let j = 0; j < 3; j++) cells[at + SUM + j] += sign * cells[from + j];
-    cells[at + COUNT] = (cells[at + COUNT] + sign) & 0xffff;
+    cells[at + SUM] += x;
+    cells[at + SUM + 1] += y;
+    cells[at + SUM + 2] += z;
+    cells[at + COUNT] = (cells[at + COUNT] + count) & 0xffff;
+  }
+
+  /**
+   * Returns the corners that a batch has used, at most 255.
+   * @param {number} at the first cell of a fan
+   * @param {number} batch
+   */
+  used(at, batch) {
+    return this.cells[at + USED_IN] === batch ? this.cells[at + USED] : 0;
+  }
+
+  /**
+   * Counts corners that a batch has used, and takes others away that it had counted.
+   * @param {number} at the first cell of a fan
+   * @param {number} batch
+   * @param {number} count
+   * @param {number} tooMany
+   */
+  use(at, batch, count, tooMany) {
+    const { cells } = this;
+    const used = this.used(at, batch) + count;
+    cells[at + USED] = Math.max((used < 255 ? used : 255) - tooMany, 0);
+    cells[at + USED_IN] = batch;
   }
 
   /**
    * Returns how far the position of a fan is from the mean of those around, times their number.
-   * @param {number} fan
+   * @param {number} at the first cell of the fan
    * @param {number} j the axis
    */
-  laplacian(fan, j) {
+  laplacian(at, j) {
     const { cells } = this;
-    const at = FAN_CELLS * fan;
     return (Math.imul(cells[at + j], cells[at + COUNT]) - cells[at + SUM + j]) | 0;
   }
 }

@@ -8,7 +8,8 @@
  */
 import { Decoder } from './decoder.js';
 import { StreamError } from './error.js';
-import { grown } from './growth.js';
+import { arrayOf, Waiting } from './growth.js';
+import { min } from './math.js';
 
 /** @import { DecoderOptions } from './decoder.js' */
 
@@ -20,6 +21,7 @@ const JSON_CHUNK = 0x4e4f534a;
 const BIN_CHUNK = 0x004e4942;
 const HEADER_BYTES = 12;
 const CHUNK_HEADER_BYTES = 8;
+const JSON_START = HEADER_BYTES + CHUNK_HEADER_BYTES;
 /** The most bytes of the JSON, unless a limit says less. */
 const MOST_JSON_BYTES = 2 ** 28;
 
@@ -27,18 +29,12 @@ const MOST_JSON_BYTES = 2 ** 28;
 export class GlbDecoder {
   #decoder;
   #mostJsonBytes;
-  /** What has arrived of the next header or of the JSON. */
-  #waiting = new Uint8Array(HEADER_BYTES);
-  #waitingLength = 0;
-  /** What to do with the next bytes when so many are there. */
-  #wanted = HEADER_BYTES + CHUNK_HEADER_BYTES;
-  #then = this.#readHeader;
+  /** What has arrived of the headers and of the JSON. */
+  #waiting = new Waiting();
   /** The bytes before the stream that are still to be skipped, and those of the stream that are still to come. */
   #skipped = 0;
   #streamLeft = 0;
   #streamStart = 0;
-  /** The length of the file up to the binary chunk. */
-  #binStart = 0;
   /** @type {StreamError | undefined} */
   #fault;
   /** @type {any} */
@@ -59,19 +55,14 @@ export class GlbDecoder {
    */
   update(bytes) {
     if (this.#fault) throw this.#fault;
-    let rest = bytes instanceof Uint8Array ? bytes : new Uint8Array(bytes);
-    while (this.#wanted > 0) {
-      const taken = rest.subarray(0, this.#wanted - this.#waitingLength);
-      this.#waiting = grown(this.#waiting, this.#waitingLength + taken.length);
-      this.#waiting.set(taken, this.#waitingLength);
-      this.#waitingLength += taken.length;
-      rest = rest.subarray(taken.length);
-      if (this.#waitingLength < this.#wanted) return 0;
-      const complete = this.#waiting.subarray(0, this.#wanted);
-      this.#waitingLength = 0;
-      this.#then(complete);
+    let rest = arrayOf(bytes);
+    if (!this.#json) {
+      rest = this.#waiting.add(rest);
+      const start = this.#readStart(rest);
+      if (start === 0) return 0;
+      rest = rest.subarray(start);
     }
-    const skipped = Math.min(this.#skipped, rest.length);
+    const skipped = min(this.#skipped, rest.length);
     this.#skipped -= skipped;
     const ofStream = rest.subarray(skipped, skipped + this.#streamLeft);
     this.#streamLeft -= ofStream.length;
@@ -79,64 +70,55 @@ export class GlbDecoder {
   }
 
   /**
-   * @param {string} at
+   * @param {number} at the byte
    * @param {string} found
    * @param {string} expected
    * @returns {never}
    */
   #fail(at, found, expected) {
-    this.#fault = new StreamError(at, found, expected);
+    this.#fault = new StreamError(`byte ${at}`, found, expected);
     throw this.#fault;
   }
 
   /**
-   * Reads the header of the file and that of its first chunk.
+   * Reads the headers of the file and the JSON. Returns where the data of the binary chunk start, or 0 if that has not arrived.
    * @param {Uint8Array} bytes
    */
-  #readHeader(bytes) {
+  #readStart(bytes) {
+    if (bytes.length < JSON_START) return 0;
     const view = new DataView(bytes.buffer, bytes.byteOffset);
-    const length = view.getUint32(HEADER_BYTES, true);
-    if (view.getUint32(0, true) !== MAGIC || view.getUint32(4, true) !== 2) this.#fail('byte 0', 'no GLB of version 2', 'a GLB with a stream');
-    if (view.getUint32(HEADER_BYTES + 4, true) !== JSON_CHUNK) this.#fail(`byte ${HEADER_BYTES}`, 'another chunk', 'a JSON chunk');
-    if (length > this.#mostJsonBytes) this.#fail(`byte ${HEADER_BYTES}`, `${length} bytes of JSON`, `at most ${this.#mostJsonBytes}`);
-    this.#binStart = HEADER_BYTES + 2 * CHUNK_HEADER_BYTES + length;
-    this.#wanted = length + CHUNK_HEADER_BYTES;
-    this.#then = this.#readJson;
-  }
-
-  /**
-   * Reads the JSON and the header of the binary chunk.
-   * @param {Uint8Array} bytes
-   */
-  #readJson(bytes) {
-    const jsonBytes = bytes.length - CHUNK_HEADER_BYTES;
-    const at = `byte ${HEADER_BYTES + CHUNK_HEADER_BYTES}`;
+    const number = (/** @type {number} */ at) => view.getUint32(at, true);
+    const jsonBytes = number(HEADER_BYTES);
+    if (number(0) !== MAGIC || number(4) !== 2) this.#fail(0, 'no GLB of version 2', 'a GLB with a stream');
+    if (number(HEADER_BYTES + 4) !== JSON_CHUNK) this.#fail(HEADER_BYTES, 'another chunk', 'a JSON chunk');
+    if (jsonBytes > this.#mostJsonBytes) this.#fail(HEADER_BYTES, `${jsonBytes} bytes of JSON`, `at most ${this.#mostJsonBytes}`);
+    const end = JSON_START + jsonBytes;
+    const start = end + CHUNK_HEADER_BYTES;
+    if (bytes.length < start) return 0;
+    let json;
     try {
-      this.#json = JSON.parse(new TextDecoder('utf-8', { fatal: true }).decode(bytes.subarray(0, jsonBytes)));
+      json = JSON.parse(new TextDecoder('utf-8', { fatal: true }).decode(bytes.subarray(JSON_START, end)));
     } catch {
-      this.#fail(at, 'no JSON', 'a glTF document');
+      this.#fail(JSON_START, 'no JSON', 'a glTF document');
     }
-    const json = this.#json;
     const extension = json?.extensions?.[EXTENSION];
-    if (!extension) this.#fail(at, `no extension ${EXTENSION}`, 'a GLB with a stream');
-    if (extension.version !== VERSION) this.#fail(at, `version ${extension.version} of the stream`, `version ${VERSION}`);
-    const view = json.bufferViews?.[extension.bufferView];
-    const { buffer, byteOffset = 0, byteLength } = view ?? {};
+    if (!extension) this.#fail(JSON_START, `no extension ${EXTENSION}`, 'a GLB with a stream');
+    if (extension.version !== VERSION) this.#fail(JSON_START, `version ${extension.version} of the stream`, `version ${VERSION}`);
+    const { buffer, byteOffset = 0, byteLength } = json.bufferViews?.[extension.bufferView] ?? {};
     const isCount = (/** @type {unknown} */ x) => Number.isSafeInteger(x) && Number(x) >= 0;
     if (buffer !== 0 || json.buffers?.[0]?.uri !== undefined || !isCount(byteOffset) || !isCount(byteLength)) {
-      this.#fail(at, 'a stream without a buffer view in the file', 'one');
+      this.#fail(JSON_START, 'a stream without a buffer view in the file', 'one');
     }
-    const header = new DataView(bytes.buffer, bytes.byteOffset + jsonBytes);
-    const length = header.getUint32(0, true);
-    const isBinary = header.getUint32(4, true) === BIN_CHUNK;
-    if (!isBinary || byteOffset + byteLength > length) {
-      this.#fail(`byte ${this.#binStart - CHUNK_HEADER_BYTES}`, isBinary ? `${length} bytes` : 'another chunk', `a binary chunk of at least ${byteOffset + byteLength} bytes`);
+    const isBinary = number(end + 4) === BIN_CHUNK;
+    if (!isBinary || byteOffset + byteLength > number(end)) {
+      this.#fail(end, isBinary ? `${number(end)} bytes` : 'another chunk', `a binary chunk of at least ${byteOffset + byteLength} bytes`);
     }
     this.#skipped = byteOffset;
     this.#streamLeft = byteLength;
-    this.#streamStart = this.#binStart + byteOffset;
-    this.#wanted = 0;
-    this.#waiting = new Uint8Array(0);
+    this.#streamStart = start + byteOffset;
+    this.#json = json;
+    this.#waiting = new Waiting();
+    return start;
   }
 
   /**

@@ -1,4 +1,5 @@
 import { OCTAHEDRAL, TANGENT } from './channels.js';
+import { abs, clamped, floor, max } from './math.js';
 
 /** @import { ChannelModel } from './channels.js' */
 
@@ -65,7 +66,7 @@ export function attributeOf({ name, valueType, components, normalized, origins, 
     }
     for (let j = 0; j < components; j++) {
       const value = isUnit ? unit[j] : origins[j] + values[from + j] * step;
-      array[to + j] = valueType < FIRST_INTEGER ? value : Math.min(Math.max(Math.floor(value + 0.5), lowest), highest);
+      array[to + j] = valueType < FIRST_INTEGER ? value : clamped(floor(value + 0.5), lowest, highest);
     }
   }
   return { name, components, normalized, array };
@@ -80,8 +81,8 @@ export function attributeOf({ name, valueType, components, normalized, origins, 
 function unfold(s, t, unit) {
   const u = s * 2 - 1;
   const v = t * 2 - 1;
-  const z = 1 - Math.abs(u) - Math.abs(v);
-  const below = Math.max(-z, 0);
+  const z = 1 - abs(u) - abs(v);
+  const below = max(-z, 0);
   const x = u < 0 ? u + below : u - below;
   const y = v < 0 ? v + below : v - below;
   const length = Math.sqrt(x * x + y * y + z * z);

@@ -1,4 +1,10 @@
 /**
+ * Returns an array of zeros.
+ * @param {number} length
+ */
+export const integers = (length) => new Int32Array(length);
+
+/**
  * Returns an array of at least some length that starts with the same values: the same one, or one of twice the length.
  * @template {Int32Array | Float64Array | Uint8Array} T
  * @param {T} array
@@ -11,4 +17,30 @@ export function grown(array, length) {
   const longer = new Type(Math.max(2 * array.length, length));
   longer.set(array);
   return longer;
+}
+
+/** Bytes that wait for others. */
+export class Waiting {
+  #bytes = new Uint8Array(0);
+  length = 0;
+
+  /**
+   * Adds bytes; returns all.
+   * @param {Uint8Array} bytes
+   */
+  add(bytes) {
+    const { length } = this;
+    this.length += bytes.length;
+    this.#bytes = grown(this.#bytes, this.length);
+    this.#bytes.set(bytes, length);
+    return this.#bytes.subarray(0, this.length);
+  }
+}
+
+/**
+ * Returns bytes as an array.
+ * @param {Uint8Array | ArrayBuffer} bytes
+ */
+export function arrayOf(bytes) {
+  return bytes instanceof Uint8Array ? bytes : new Uint8Array(bytes);
 }

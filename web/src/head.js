@@ -10,9 +10,10 @@ import {
   SMALL_CONTEXTS,
   USUAL_WEIGHTS,
 } from './constants.js';
-import { Fault } from './error.js';
+import { fail } from './error.js';
 import { ARRAY_TYPES } from './grid.js';
 import { Simple } from './slots.js';
+import { abs } from './math.js';
 import { decodeSmall } from './numbers.js';
 
 /**
@@ -44,21 +45,21 @@ export function readHead(reader) {
   const positionBits = reader.byte();
   const unknownBits = reader.byte();
   if (positionBits === 0 || positionBits > MOST_BITS || unknownBits >= positionBits) {
-    throw new Fault(`${positionBits} bits, ${unknownBits} of them unknown`, '1 to 16 bits per coordinate, and fewer unknown ones');
+    fail(`${positionBits} bits, ${unknownBits} of them unknown`, '1 to 16 bits per coordinate, and fewer unknown ones');
   }
   const origin = [reader.float(), reader.float(), reader.float()];
   const step = reader.float();
   const far = step * 2 ** positionBits;
-  const isFinite = origin.every((x) => Math.abs(x + far) <= 3.4028234663852886e38);
+  const isFinite = origin.every((x) => abs(x + far) <= 3.4028234663852886e38);
   if (!(step >= 0 && isFinite)) {
-    throw new Fault(`origin ${origin.join(' ')}, step ${step}`, 'finite positions and a step of at least 0');
+    fail(`origin ${origin.join(' ')}, step ${step}`, 'finite positions and a step of at least 0');
   }
   const baseTriangles = number();
   const levels = number();
   const triangles = number();
   const vertices = number();
   const channelCount = number();
-  if (channelCount > MOST_CHANNELS) throw new Fault(`${channelCount} attributes`, `at most ${MOST_CHANNELS}`);
+  if (channelCount > MOST_CHANNELS) fail(`${channelCount} attributes`, `at most ${MOST_CHANNELS}`);
   const channels = [];
   for (let i = 0; i < channelCount; i++) channels.push(readChannel(reader));
   return { positionBits, unknownBits, origin, step, baseTriangles, levels, triangles, vertices, channels };
@@ -76,21 +77,20 @@ function readChannel(reader) {
   const kind = reader.byte();
   const bits = reader.byte();
   if (valueType >= ARRAY_TYPES.length || kind > NAMES) {
-    throw new Fault(`values of type ${valueType} and kind ${kind}`, 'types 0 to 7, kinds 0 to 3');
+    fail(`values of type ${valueType} and kind ${kind}`, 'types 0 to 7, kinds 0 to 3');
   }
   const isShaped = kind === OCTAHEDRAL ? components === 3 : kind === TANGENT ? components === 4 : components > 0;
-  const isVector = kind === OCTAHEDRAL || kind === TANGENT;
-  // Types 0 and 1 are floats.
-  if (!isShaped || bits > MOST_CHANNEL_BITS || normalized > 1 || (isVector && (bits === 0 || valueType > 1))) {
-    throw new Fault(`${components} components of ${bits} bits`, 'components and a type that fit the kind, and at most 24 bits');
-  }
   const isLinear = kind === LINEAR || kind === NAMES;
+  // Types 0 and 1 are floats.
+  if (!isShaped || bits > MOST_CHANNEL_BITS || normalized > 1 || (!isLinear && (bits === 0 || valueType > 1))) {
+    fail(`${components} components of ${bits} bits`, 'components and a type that fit the kind, and at most 24 bits');
+  }
   const origins = [];
   for (let i = 0; isLinear && i < components; i++) origins.push(reader.double());
   const step = isLinear ? reader.double() : 0;
   const far = step * 2 ** bits;
   if (!(step >= 0 && origins.every((origin) => Number.isFinite(origin + far)))) {
-    throw new Fault(`a step of ${step}`, 'finite values and a step of at least 0');
+    fail(`a step of ${step}`, 'finite values and a step of at least 0');
   }
   const width = kind === OCTAHEDRAL ? 2 : kind === TANGENT ? 3 : components;
   const model = new ChannelModel(kind, width, bits);
@@ -100,12 +100,12 @@ function readChannel(reader) {
 /** @param {Reader} reader */
 function readName(reader) {
   const length = reader.number('a count');
-  if (length > MOST_NAME_BYTES) throw new Fault(`a name of ${length} bytes`, 'at most 256 bytes');
+  if (length > MOST_NAME_BYTES) fail(`a name of ${length} bytes`, 'at most 256 bytes');
   const start = reader.take(length);
   try {
     return new TextDecoder('utf-8', { fatal: true, ignoreBOM: true }).decode(reader.bytes.subarray(start, start + length));
   } catch {
-    throw new Fault('a name that is not UTF-8', 'UTF-8');
+    fail('a name that is not UTF-8', 'UTF-8');
   }
 }
 

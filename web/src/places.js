@@ -23,22 +23,18 @@
  * @module
  */
 import { ALONG_LEVEL, BESIDE_LEVEL, ESTIMATES, MOST_CORNERS, POLYGONS, WEIGHT_ONE } from './constants.js';
-import { clamped, Level, logarithm, NumberModel } from './numbers.js';
+import { COUNT, FAN_CELLS } from './fans.js';
+import { clamped, logarithm } from './math.js';
+import { expectLevel, learnLevel, NumberModel } from './numbers.js';
+import { around, split } from './surface.js';
+import { integers } from './growth.js';
 
-/** @import { RangeDecoder } from './range_coder.js' */
+/**
+ * @import { Fans } from './fans.js'
+ * @import { RangeDecoder } from './range_coder.js'
+ */
 
-/** What is known around a new point. */
-export class Polygon {
-  constructor() {
-    /** The kept point, then aₛ … aₑ. */
-    this.points = new Int32Array(3 * (MOST_CORNERS + 3));
-    this.count = 0;
-    /** The sum of the Laplacians of its points, in 1/16. */
-    this.laplacians = new Float64Array(3);
-  }
-}
-
-const { floor, abs, max } = Math;
+const { floor, abs, max, min } = Math;
 
 /** The sets of numbers: coordinates beside the normal, those along it, and those of the base mesh. */
 const ALONG = 1;
@@ -55,68 +51,55 @@ function quotient(a, b) {
 }
 
 /**
- * Returns the power of two by which a number has more bits than some.
- * @param {number} x below 2³²
- * @param {number} bits
- */
-function surplus(x, bits) {
-  return 1 << max(32 - Math.clz32(x) - bits, 0);
-}
-
-/**
  * Returns 65536 / n.
  * @param {number} n
  */
-export function reciprocal(n) {
+function reciprocal(n) {
   return n > 0 ? floor(65536 / n) : 65536;
 }
+
+/** The points of the polygon relative to the kept one, which is not among them. */
+const points = integers(3 * (MOST_CORNERS + 2));
+/** The mean of the polygon, in 1/16, relative to the kept point; then how the estimates differ from it. */
+const estimates = new Float64Array(3 + 3 * ESTIMATES);
+/** The normal of the polygon, with eight bits along its longest axis. */
+const normal = new Float64Array(3);
+/** The variance of its points along each axis, times the square of their number. */
+const spreads = new Float64Array(3);
+/** The expected point relative to the kept one. */
+const expected = new Float64Array(3);
+const features = Int32Array.of(32, 0, 0, 0, 0);
 
 /** The models of the coordinates of new points. */
 export class PlaceModel {
   #weights;
   #numbers = new NumberModel(3);
-  #levels = [BESIDE_LEVEL, BESIDE_LEVEL, ALONG_LEVEL].map((weights) => new Level(weights));
-  #features = Int32Array.of(32, 0, 0, 0, 0);
-  /** The mean of the polygon, in 1/16, relative to the kept point; then how the estimates differ from it. */
-  #estimates = new Float64Array(3 + 3 * ESTIMATES);
-  /** The normal of the polygon, with eight bits along its longest axis. */
-  #normal = new Float64Array(3);
-  /** The variance of its points along each axis, times the square of their number. */
-  #spreads = new Float64Array(3);
-  /** The expected point relative to the kept one. */
-  #expected = new Float64Array(3);
-
+  #levels = [BESIDE_LEVEL, BESIDE_LEVEL, ALONG_LEVEL].map((weights) => Int32Array.from(weights));
   /** @param {Int32Array} weights for each polygon and estimate, along the normal and beside it */
   constructor(weights) {
     this.#weights = weights;
     /** The last point. */
-    this.place = new Int32Array(3);
+    this.place = integers(3);
   }
 
   /**
    * Decodes the position of a new point, to `place`.
    * @param {RangeDecoder} coder
-   * @param {Polygon} polygon
+   * @param {Fans} fans
+   * @param {number} fan the kept one
    * @param {number} regime
    * @param {number} most the largest coordinate
    */
-  decode(coder, polygon, regime, most) {
-    this.#estimate(polygon);
-    this.#expect(polygon.count, regime);
-    const { points, count } = polygon;
-    const expected = this.#expected;
+  decode(coder, fans, fan, regime, most) {
+    const kept = FAN_CELLS * fan;
+    const count = this.#estimate(fans, kept);
+    this.#expect(count, regime);
     const numbers = this.#numbers;
-    const features = this.#features;
-    const spreads = this.#spreads;
-    const estimates = this.#estimates;
-    const normal = this.#normal;
     let last = 2;
     if (abs(normal[1]) >= abs(normal[last])) last = 1;
     if (abs(normal[0]) >= abs(normal[last])) last = 0;
-    const axis0 = last === 2 ? 0 : last + 1;
-    const axis1 = last === 0 ? 2 : last - 1;
-    const n0 = normal[axis0];
-    const n1 = normal[axis1];
+    const n0 = normal[(last + 1) % 3];
+    const n1 = normal[(last + 2) % 3];
     const n2 = normal[last];
     const rest = n1 * n1 + n2 * n2;
     const square = rest + n0 * n0;
@@ -135,23 +118,23 @@ export class PlaceModel {
     let ofNormal = 0;
     features[4] = 0;
     for (let turn = 0; turn < 3; turn++) {
-      const j = turn === 0 ? axis0 : turn === 1 ? axis1 : last;
+      const j = (last + 1 + turn) % 3;
       const share = turn === 0 ? ofRest - ofSquare : turn === 1 ? ofLast - ofRest : ofSquare - ofLast;
       const size = whole + share;
       features[1] = size - 64;
       features[2] = shift - share;
       features[3] = logarithm(spreads[j] + small) - ofCount - size;
       const level = this.#levels[turn];
-      const middle = (floor((expected[j] + slope + ONE / 2) / ONE) + points[j]) | 0;
-      const difference = numbers.decode(coder, turn === 2 ? ALONG : 0, level.expect(features));
-      level.learn(features, numbers.error);
+      const middle = (floor((expected[j] + slope + ONE / 2) / ONE) + fans.cells[kept + j]) | 0;
+      const difference = numbers.decode(coder, turn === 2 ? ALONG : 0, expectLevel(level, features));
+      learnLevel(level, features, numbers.error);
       features[4] = clamped(numbers.error, -48, 48);
       // Bytes that no encoder has written may lead beyond the grid.
       const found = clamped((middle + difference) | 0, 0, most);
       this.place[j] = found;
       // How far from what is expected of the polygon.
-      ofNormal += normal[j] * (ONE * (found - points[j]) - expected[j]);
-      slope = turn === 0 ? quotient(-n1 * ofNormal, rest) : quotient(-ofNormal * Math.sign(n2), abs(n2));
+      ofNormal += normal[j] * (ONE * (found - fans.cells[kept + j]) - expected[j]);
+      slope = turn === 0 ? quotient(-n1 * ofNormal, rest) : floor((floor((-ofNormal * Math.sign(n2)) / 256) * reciprocal(abs(n2))) / 256);
     }
   }
 
@@ -169,54 +152,77 @@ export class PlaceModel {
   }
 
   /**
-   * Sets the mean, the estimates, the normal and the spreads of a polygon.
-   * @param {Polygon} polygon
+   * Sets the mean, the estimates, the normal and the spreads of a polygon; returns the number of its points.
+   * @param {Fans} fans
+   * @param {number} kept the first cell of the kept fan
+   * @returns {number}
    */
-  #estimate({ points, count, laplacians }) {
-    const estimates = this.#estimates;
-    const normal = this.#normal;
-    const share = reciprocal(count);
-    const end = 3 * count;
-    // 1. The sums of the points relative to the kept one, and of their squares.
-    let most = 0;
+  #estimate(fans, kept) {
+    const { cells } = fans;
+    const { start, count } = split;
+    // 1. The points, their sum and that of their squares; the sum of the Laplacians.
+    let fanCount = cells[kept + COUNT];
+    let laplacianX = fans.laplacian(kept, 0);
+    let laplacianY = fans.laplacian(kept, 1);
+    let laplacianZ = fans.laplacian(kept, 2);
+    let end = 0;
+    for (let i = start; i <= start + count; i++) {
+      const at = FAN_CELLS * around[i];
+      points[end++] = cells[at] - cells[kept];
+      points[end++] = cells[at + 1] - cells[kept + 1];
+      points[end++] = cells[at + 2] - cells[kept + 2];
+      fanCount += cells[at + COUNT];
+      laplacianX = (laplacianX + fans.laplacian(at, 0)) | 0;
+      laplacianY = (laplacianY + fans.laplacian(at, 1)) | 0;
+      laplacianZ = (laplacianZ + fans.laplacian(at, 2)) | 0;
+    }
+    // A triangle at the end of a border has no third point.
+    for (; end < 6; end++) points[end] = points[end - 3];
+    const number = end / 3 + 1;
+    const share = reciprocal(number);
+    const ofFans = reciprocal(fanCount);
+    estimates[9] = floor((laplacianX * ofFans) / 4096);
+    estimates[10] = floor((laplacianY * ofFans) / 4096);
+    estimates[11] = floor((laplacianZ * ofFans) / 4096);
+    let size = 1;
     for (let j = 0; j < 3; j++) {
       let sum = 0;
       let squares = 0;
-      for (let i = j + 3; i < end; i += 3) {
-        const x = points[i] - points[j];
-        sum += x;
-        squares += x * x;
-        most = max(most, abs(x));
+      for (let i = j; i < end; i += 3) {
+        sum += points[i];
+        squares += points[i] * points[i];
       }
       const mean = floor((16 * sum * share) / 65536);
       estimates[j] = mean;
       estimates[3 + j] = -mean;
-      estimates[6 + j] = 8 * (points[3 + j] + points[end - 3 + j] - 2 * points[j]) - mean;
-      estimates[9 + j] = floor((laplacians[j] * share) / 65536);
-      this.#spreads[j] = count * squares - sum * sum;
-      normal[j] = 0;
+      estimates[6 + j] = 8 * (points[j] + points[end - 3 + j]) - mean;
+      spreads[j] = number * squares - sum * sum;
+      size += squares;
     }
-    // 2. The triangles between the kept point and the others, with ten bits along the longest axis.
-    const unit = surplus(most, 10);
+    // 2. The triangles between the kept point and the others, with at most eleven bits.
+    const surplus = max((logarithm(size) >> 4) - 10, 0);
     let area = 0;
+    let normalX = 0;
+    let normalY = 0;
+    let normalZ = 0;
     let centreX = 0;
     let centreY = 0;
     let centreZ = 0;
-    let x = 0;
-    let y = 0;
-    let z = 0;
+    let x = points[0] >> surplus;
+    let y = points[1] >> surplus;
+    let z = points[2] >> surplus;
     for (let i = 3; i < end; i += 3) {
-      const nextX = floor((points[i] - points[0]) / unit);
-      const nextY = floor((points[i + 1] - points[1]) / unit);
-      const nextZ = floor((points[i + 2] - points[2]) / unit);
+      const nextX = points[i] >> surplus;
+      const nextY = points[i + 1] >> surplus;
+      const nextZ = points[i + 2] >> surplus;
       const crossX = y * nextZ - z * nextY;
       const crossY = z * nextX - x * nextZ;
       const crossZ = x * nextY - y * nextX;
       const size = max(abs(crossX), abs(crossY), abs(crossZ));
       area += size;
-      normal[0] += crossX;
-      normal[1] += crossY;
-      normal[2] += crossZ;
+      normalX += crossX;
+      normalY += crossY;
+      normalZ += crossZ;
       centreX += size * (x + nextX);
       centreY += size * (y + nextY);
       centreZ += size * (z + nextZ);
@@ -224,14 +230,16 @@ export class PlaceModel {
       y = nextY;
       z = nextZ;
     }
-    estimates[12] = centreX;
-    estimates[13] = centreY;
-    estimates[14] = centreZ;
-    const longest = surplus(max(abs(normal[0]), abs(normal[1]), abs(normal[2])), 8);
-    for (let j = 0; j < 3; j++) {
-      estimates[12 + j] = area > 0 ? floor((estimates[12 + j] * 16 * unit) / (3 * area)) - estimates[j] : 0;
-      normal[j] = floor(normal[j] / longest);
-    }
+    const ofArea = area > 0 ? floor(4294967296 / (3 * area)) / (1 << (28 - surplus)) : 0;
+    estimates[12] = area > 0 ? floor(centreX * ofArea) - estimates[0] : 0;
+    estimates[13] = area > 0 ? floor(centreY * ofArea) - estimates[1] : 0;
+    estimates[14] = area > 0 ? floor(centreZ * ofArea) - estimates[2] : 0;
+    const longest = max(abs(normalX), abs(normalY), abs(normalZ), 1);
+    const unit = 1 << max((logarithm(longest) >> 3) - 7, 0);
+    normal[0] = floor(normalX / unit);
+    normal[1] = floor(normalY / unit);
+    normal[2] = floor(normalZ / unit);
+    return number;
   }
 
   /**
@@ -240,11 +248,9 @@ export class PlaceModel {
    * @param {number} regime
    */
   #expect(count, regime) {
-    const estimates = this.#estimates;
-    const expected = this.#expected;
-    const [normalX, normalY, normalZ] = this.#normal;
+    const [normalX, normalY, normalZ] = normal;
     const weights = this.#weights;
-    let of = 2 * ESTIMATES * (regime * POLYGONS + Math.min(count - 3, POLYGONS - 1));
+    let of = 2 * ESTIMATES * (regime * POLYGONS + min(count - 3, POLYGONS - 1));
     let x = estimates[0] * WEIGHT_ONE;
     let y = estimates[1] * WEIGHT_ONE;
     let z = estimates[2] * WEIGHT_ONE;

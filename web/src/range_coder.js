@@ -10,18 +10,15 @@ import { LEAST_RANGE, MOST_TRIMMED } from './constants.js';
 export class RangeDecoder {
   #bytes;
   #end;
-  #at;
-  #state;
+  #at = 0;
+  /** The range, and where in it the bytes are. A typed array, since a field holds only 31 bits without an allocation. */
+  #state = Uint32Array.of(0xffffffff, 0);
 
   /** @param {Uint8Array} bytes */
   constructor(bytes) {
     this.#bytes = bytes;
     this.#end = bytes.length;
-    this.#at = 4;
-    /** The range, and where in it the bytes are. A typed array, since a field holds only 31 bits without an allocation. */
-    this.#state = new Uint32Array(2);
-    this.#state[0] = 0xffffffff;
-    for (let i = 0; i < 4; i++) this.#state[1] = (this.#state[1] << 8) | (i < this.#end ? bytes[i] : 0);
+    for (let i = 0; i < 4; i++) this.#read();
   }
 
   /**
@@ -33,26 +30,26 @@ export class RangeDecoder {
     const state = this.#state;
     const bound = Math.imul(state[0] >>> 16, probability) >>> 0;
     const bit = state[1] < bound ? 1 : 0;
-    if (bit) {
-      state[0] = bound;
-    } else {
-      state[1] -= bound;
-      state[0] -= bound;
+    // Which one it is cannot be predicted, so that a branch would be expensive.
+    const no = bit - 1;
+    state[1] -= bound & no;
+    state[0] = (state[0] & no) + ((bound ^ no) - no);
+    while (state[0] < LEAST_RANGE) {
+      this.#read();
+      state[0] <<= 8;
     }
-    if (state[0] < LEAST_RANGE) this.#read(state);
     return bit;
   }
 
   /**
-   * Cuts the range into `total` equal parts, from 1 to 2²⁴; returns the part that is meant, or the last one. `take` follows.
-   * @param {number} total
+   * Cuts the range into two to the power of `bits` equal parts, at most 2¹⁶; returns the part that is meant, or the last one. `take` follows.
+   * @param {number} bits
    * @returns {number}
    */
-  seek(total) {
+  seek(bits) {
     const state = this.#state;
-    state[0] = state[0] / total;
-    const part = Math.floor(state[1] / state[0]);
-    return part < total ? part : total - 1;
+    state[0] >>>= bits;
+    return Math.min(Math.floor(state[1] / state[0]), (1 << bits) - 1);
   }
 
   /**
@@ -64,17 +61,16 @@ export class RangeDecoder {
     const state = this.#state;
     state[1] -= start * state[0];
     state[0] *= size;
-    if (state[0] < LEAST_RANGE) this.#read(state);
+    while (state[0] < LEAST_RANGE) {
+      this.#read();
+      state[0] <<= 8;
+    }
   }
 
-  /** @param {Uint32Array} state */
-  #read(state) {
-    do {
-      const byte = this.#at < this.#end ? this.#bytes[this.#at] : 0;
-      this.#at++;
-      state[1] = (state[1] << 8) | byte;
-      state[0] <<= 8;
-    } while (state[0] < LEAST_RANGE);
+  #read() {
+    const byte = this.#at < this.#end ? this.#bytes[this.#at] : 0;
+    this.#at++;
+    this.#state[1] = (this.#state[1] << 8) | byte;
   }
 
   /**
@@ -82,9 +78,9 @@ export class RangeDecoder {
    * @param {number} count at most 32
    * @returns {number}
    */
-  decodeBits(count) {
-    const high = count > 16 ? this.decodeBits(count - 16) * 65536 : 0;
-    const low = this.seek(1 << (count > 16 ? 16 : count));
+  bits(count) {
+    const high = count > 16 ? this.bits(count - 16) * 65536 : 0;
+    const low = this.seek(count > 16 ? 16 : count);
     this.take(low, 1);
     return high + low;
   }

@@ -3,11 +3,11 @@
  * @module
  */
 import { MOST_CORNERS, MOST_TWINS } from './constants.js';
-import { COUNT, FAN_CELLS, IS_OPEN, LAST_SPLIT, LEADER, NEXT, SUM, TWIN, USED, VERTEX } from './fans.js';
-import { Polygon, reciprocal } from './places.js';
+import { COUNT, FAN_CELLS, IS_OPEN, LEADER, NEXT, SUM, TWIN, VERTEX } from './fans.js';
+import { grown, integers } from './growth.js';
 import { Simple } from './slots.js';
 import { SplitModel } from './splits.js';
-import { next, NONE, previous, Ring } from './surface.js';
+import { around, corners, next, NONE, previous, ring, split } from './surface.js';
 
 /**
  * @import { ChannelModel } from './channels.js'
@@ -15,7 +15,7 @@ import { next, NONE, previous, Ring } from './surface.js';
  * @import { PlaceModel } from './places.js'
  * @import { RangeDecoder } from './range_coder.js'
  * @import { Strips } from './strips.js'
- * @import { Split, Surface } from './surface.js'
+ * @import { Surface } from './surface.js'
  */
 
 /** Contexts of single flags. */
@@ -25,20 +25,28 @@ const MORE_IN_GROUP = 3;
 const SAME_VERTEX = 5;
 const FLAGS = 6;
 
+/** The vertices around a new point, that of the kept fan first. */
+const vertices = integers(MOST_CORNERS + 2);
+
 /** A mesh with what is known for the next split. */
 export class Refiner {
   #channels;
   #placeModel;
   #positionBits;
   #splits;
-  #flags;
-  #batch;
-  #regime;
-  #ring;
-  #rim;
-  #rimLength;
-  #rimVertices;
-  #polygon;
+  #flags = new Simple(FLAGS);
+  #batch = 0;
+  #regime = 0;
+  /** @type {Strips | undefined} the strips of the mesh, if they are kept */
+  strips;
+  /** The collapses that have been undone. */
+  level = 0;
+  /** The corners around the fans that were visited. */
+  corners = 0;
+  /** The most triangles of the level to decode. */
+  mostTriangles = 0;
+  /** The next fan to visit, or none at the end of a batch. */
+  next = NONE;
 
   /**
    * @param {Surface} surface
@@ -56,31 +64,25 @@ export class Refiner {
     this.#positionBits = positionBits;
     this.unknownBits = unknownBits;
     this.#splits = new SplitModel(surface, fans);
-    this.#flags = new Simple(FLAGS);
-    /** @type {Strips | undefined} the strips of the mesh, if they are kept */
-    this.strips = undefined;
-    /** The collapses that have been undone. */
-    this.groupCount = 0;
-    /** The corners around the fans that were visited. */
-    this.cornerCount = 0;
-    /** The most triangles of the level to decode. */
-    this.mostTriangles = 0;
-    this.#batch = 0;
-    this.#regime = 0;
-    /** The next fan to visit, or none at the end of a batch. */
-    this.next = NONE;
-    this.#ring = new Ring();
-    /** The fans around the new point: the kept one, then those around the corners that move. Also their vertices. */
-    this.#rim = new Int32Array(MOST_CORNERS + 2);
-    this.#rimLength = 0;
-    this.#rimVertices = new Int32Array(MOST_CORNERS + 2);
-    this.#polygon = new Polygon();
     for (let fan = 0; fan < fans.count; fan++) {
       const first = surface.first[fan];
       fans.cells[FAN_CELLS * fan + NEXT] = fan + 1 < fans.count ? fan + 1 : NONE;
       fans.cells[FAN_CELLS * fan + IS_OPEN] = surface.opposite(previous(first)) === NONE ? 1 : 0;
     }
     this.#sumAround();
+  }
+
+  /**
+   * Makes room for a number of triangles, and for as many fans as a closed surface has, with a few borders.
+   * @param {number} triangles
+   */
+  reserve(triangles) {
+    const { surface, fans } = this;
+    if (8 * triangles <= surface.cells.length) return;
+    const fanCount = Math.ceil(triangles * 0.53) + 64;
+    surface.cells = grown(surface.cells, 8 * triangles);
+    surface.first = grown(surface.first, fanCount);
+    fans.cells = grown(fans.cells, FAN_CELLS * fanCount);
   }
 
   /**
@@ -92,9 +94,7 @@ export class Refiner {
     this.#splits.batch = this.#batch;
     while (this.unknownBits > 0 && this.#flags.decode(coder, MORE_REFINING)) this.#refinePlaces(coder);
     this.#regime = this.#flags.decode(coder, REGIME) ? 2 : this.#flags.decode(coder, REGIME + 1);
-    const { cells, count } = this.fans;
-    for (let at = USED; at < FAN_CELLS * count; at += FAN_CELLS) cells[at] = 0;
-    this.next = count > 0 ? 0 : NONE;
+    this.next = this.fans.count > 0 ? 0 : NONE;
   }
 
   /**
@@ -106,7 +106,7 @@ export class Refiner {
     this.unknownBits--;
     for (let at = 0; at < FAN_CELLS * count; at += FAN_CELLS) {
       const leader = FAN_CELLS * cells[at + LEADER];
-      const bits = leader === at ? coder.decodeBits(3) : 0;
+      const bits = leader === at ? coder.bits(3) : 0;
       for (let j = 0; j < 3; j++) cells[at + j] = leader === at ? (cells[at + j] << 1) | ((bits >> (2 - j)) & 1) : cells[leader + j];
     }
     this.#sumAround();
@@ -118,13 +118,12 @@ export class Refiner {
    */
   visit(coder) {
     const fan = this.next;
-    const ring = this.#ring;
     // The fans of this batch come before it.
     this.next = this.fans.cells[FAN_CELLS * fan + NEXT];
     for (let done = 0; ; done = 1) {
-      this.cornerCount++;
+      this.corners++;
       if (!this.#splits.decodeMark(coder, fan, done)) break;
-      this.surface.collect(fan, ring);
+      this.surface.collect(fan, this.#batch);
       if (ring.length === 0 || ring.length > MOST_CORNERS) break;
       this.#decodeGroup(coder, fan);
       if (this.#isTooLarge(coder)) break;
@@ -146,7 +145,6 @@ export class Refiner {
    */
   #decodeGroup(coder, fan) {
     const { fans, surface } = this;
-    const ring = this.#ring;
     const firstNew = fans.count;
     let of = fan;
     do {
@@ -155,14 +153,14 @@ export class Refiner {
       // Only where a surface has borders a point has several fans.
       if (!ring.isOpen || !this.#flags.decode(coder, MORE_IN_GROUP + hasTwins)) break;
       of = this.#decodeTwin(coder, fan);
-      surface.collect(of, ring);
+      surface.collect(of, this.#batch);
     } while (ring.length > 0 && ring.length <= MOST_CORNERS && !this.#isTooLarge(coder));
     // New fans are visited after this one, from the next batch on, so that fans near each other are visited one after the other.
     const { cells } = fans;
     let after = cells[FAN_CELLS * fan + NEXT];
     for (let made = fans.count - 1; made >= firstNew; after = made--) cells[FAN_CELLS * made + NEXT] = after;
     cells[FAN_CELLS * fan + NEXT] = firstNew;
-    this.groupCount++;
+    this.level++;
   }
 
   /**
@@ -175,7 +173,7 @@ export class Refiner {
     let count = 1;
     for (let twin = twinOf(fan); twin !== fan && count < MOST_TWINS; twin = twinOf(twin)) count++;
     let twin = fan;
-    for (let steps = coder.decodeBits(32 - Math.clz32(count - 1)) % count; steps > 0; steps--) twin = twinOf(twin);
+    for (let steps = coder.bits(32 - Math.clz32(count - 1)) % count; steps > 0; steps--) twin = twinOf(twin);
     return twin;
   }
 
@@ -186,151 +184,93 @@ export class Refiner {
    */
   #decodeSplit(coder, fan, firstNew) {
     const { fans, surface } = this;
-    const ring = this.#ring;
-    const placeModel = this.#placeModel;
+    const { place } = this.#placeModel;
     const isFirst = fans.count === firstNew;
-    this.cornerCount += ring.length;
+    this.corners += ring.length;
     // 1. The corners that move.
-    const split = this.#splits.decodeSplit(coder, fan, ring);
-    // 2. The point.
-    this.#collectRim(fan, split);
-    if (isFirst) {
-      this.#collectPolygon();
-      placeModel.decode(coder, this.#polygon, this.#regime, (1 << (this.#positionBits - this.unknownBits)) - 1);
-    }
+    this.#splits.decodeSplit(coder, fan);
+    // 2. The point. The fans of a group have the position of the first one.
+    if (isFirst) this.#placeModel.decode(coder, fans, fan, this.#regime, (1 << (this.#positionBits - this.unknownBits)) - 1);
     // 3. The vertex.
     let vertex = fans.vertexCount;
     if (!isFirst && this.#flags.decode(coder, SAME_VERTEX)) {
       const count = fans.count - firstNew;
-      const number = coder.decodeBits(32 - Math.clz32(count - 1)) % count;
+      const number = coder.bits(32 - Math.clz32(count - 1)) % count;
       vertex = fans.cells[FAN_CELLS * (firstNew + number) + VERTEX];
     } else if (this.#channels.length > 0) {
-      const rim = this.#rim;
-      const rimVertices = this.#rimVertices;
-      const rimLength = this.#rimLength;
-      for (let i = 0; i < rimLength; i++) rimVertices[i] = fans.cells[FAN_CELLS * rim[i] + VERTEX];
-      for (const channel of this.#channels) channel.decode(coder, vertex, rimVertices, rimLength);
+      const { start, count } = split;
+      vertices[0] = fans.cells[FAN_CELLS * fan + VERTEX];
+      for (let i = 0; i <= count; i++) vertices[i + 1] = fans.cells[FAN_CELLS * around[start + i] + VERTEX];
+      for (const channel of this.#channels) channel.decode(coder, vertex, vertices, count + 2);
     }
-    // 4. Do it. The fans of a group have the position of the first one.
-    this.#useCorners(split);
+    // 4. Do it.
     const made = fans.push(isFirst ? NONE : firstNew, vertex, this.#batch, split.addsStart && split.addsEnd ? 0 : 1);
-    for (let j = 0; j < 3; j++) fans.cells[FAN_CELLS * made + j] = placeModel.place[j];
-    this.#updateAround(split, made);
-    surface.split(fan, ring, split, this.#batch);
+    fans.cells.set(place, FAN_CELLS * made);
+    this.#updateAround(FAN_CELLS * fan, FAN_CELLS * made);
+    surface.split(fan, this.#batch);
     this.strips?.followSplit(split.addsStart, split.addsEnd);
-    fans.cells[FAN_CELLS * fan + LAST_SPLIT] = this.#batch;
   }
 
-  /**
-   * Collects the fans around the new point.
-   * @param {number} fan
-   * @param {Split} split
-   */
-  #collectRim(fan, { start, count, addsStart }) {
-    const rim = this.#rim;
-    const { around, length: n } = this.#ring;
-    rim[0] = fan;
-    this.#rimLength = count > 0 ? count + 2 : 2;
-    rim[1] = around[addsStart ? n : 0];
-    for (let i = 0; i <= count && count > 0; i++) rim[i + 1] = around[start + i <= n ? start + i : start + i - n];
-  }
-
-  /** Collects what is known around a new point. */
-  #collectPolygon() {
-    const rim = this.#rim;
-    const rimLength = this.#rimLength;
-    const { fans } = this;
-    const { points, laplacians } = this.#polygon;
-    laplacians.fill(0);
-    for (let i = 0; i < rimLength; i++) {
-      const at = FAN_CELLS * rim[i];
-      const share = 16 * reciprocal(fans.cells[at + COUNT]);
-      for (let j = 0; j < 3; j++) {
-        points[3 * i + j] = fans.cells[at + j];
-        laplacians[j] += Math.floor((fans.laplacian(rim[i], j) * share) / 65536);
-      }
-    }
-    this.#polygon.count = rimLength;
-    if (rimLength > 2) return;
-    // A triangle at the end of a border has no third point.
-    this.#polygon.count = 3;
-    for (let j = 0; j < 3; j++) points[6 + j] = points[3 + j];
-  }
-
-  /**
-   * Marks the corners of a split as used, before it is done.
-   * @param {Split} split
-   */
-  #useCorners({ start, count, addsStart, addsEnd }) {
-    const { surface } = this;
-    const { corners, length: n } = this.#ring;
-    const rim = this.#rim;
-    const use = (/** @type {number} */ i, sign = 1) => {
-      const { cells } = this.fans;
-      const at = FAN_CELLS * rim[i] + USED;
-      const used = cells[at] + sign;
-      cells[at] = used < 0 ? 0 : used > 255 ? 255 : used;
-    };
-    let moved = 0;
-    for (let i = 0; i < count; i++) {
-      // It may be used already where a group has several splits.
-      if (surface.mark(corners[start + i < n ? start + i : start + i - n]) === this.#batch) {
-        moved++;
-      } else {
-        use(i + 1);
-        use(i + 2);
-      }
-    }
-    if (addsStart) {
-      use(0);
-      use(1);
-    }
-    if (addsEnd) {
-      use(0);
-      use(this.#rimLength - 1);
-    }
-    for (; moved > 0; moved--) use(0, -1);
-  }
-
-  /** Sums up the positions around all fans. */
+  /** Counts the fans around all fans, and sums up their positions. */
   #sumAround() {
     const { surface, fans } = this;
     const { cells } = fans;
-    for (let at = 0; at < FAN_CELLS * fans.count; at += FAN_CELLS) {
-      for (let i = SUM; i <= COUNT; i++) cells[at + i] = 0;
-    }
-    for (let triangle = 0; triangle < surface.triangleCount; triangle++) {
-      for (let corner = 8 * triangle; corner < 8 * triangle + 3; corner++) {
-        const fan = surface.fan(corner);
-        fans.around(fan, surface.fan(next(corner)), 1);
-        if (surface.after(corner) === NONE) fans.around(fan, surface.fan(previous(corner)), 1);
-      }
+    for (let at = 0; at < FAN_CELLS * fans.count; at += FAN_CELLS) cells.fill(0, at + SUM, at + COUNT + 1);
+    for (let corner = 0; corner < 8 * surface.triangleCount; corner += (corner & 7) === 2 ? 6 : 1) {
+      const at = FAN_CELLS * surface.fan(corner);
+      let from = FAN_CELLS * surface.fan(next(corner));
+      fans.add(at, cells[from], cells[from + 1], cells[from + 2], 1);
+      if (surface.after(corner) !== NONE) continue;
+      from = FAN_CELLS * surface.fan(previous(corner));
+      fans.add(at, cells[from], cells[from + 1], cells[from + 2], 1);
     }
   }
 
   /**
-   * Does the same for a split, before it is done.
-   * @param {Split} split
-   * @param {number} made the new fan
+   * Changes what is known of the fans around a new fan, before it is split off: the corners that are used, the number of fans around and the sum of their
+   * positions.
+   * @param {number} kept @param {number} made the first cells of the kept and the new fan
    */
-  #updateAround({ count, addsStart, addsEnd }, made) {
-    const { fans } = this;
-    const rim = this.#rim;
-    const rimLength = this.#rimLength;
-    const kept = rim[0];
-    // The first and the last one stay neighbours of the kept fan if a triangle is added there.
-    const firstLost = addsStart ? 2 : 1;
-    const lostEnd = count === 0 ? 0 : addsEnd ? rimLength - 1 : rimLength;
-    fans.around(made, kept, 1);
-    for (let i = 1; i < rimLength; i++) {
-      const fan = rim[i];
-      fans.around(made, fan, 1);
-      if (i >= firstLost && i < lostEnd) {
-        fans.around(fan, kept, -1);
-        fans.around(kept, fan, -1);
+  #updateAround(kept, made) {
+    const { fans, surface } = this;
+    const { cells } = fans;
+    const batch = this.#batch;
+    const { start, count, addsStart, addsEnd } = split;
+    const x = cells[made];
+    const y = cells[made + 1];
+    const z = cells[made + 2];
+    const movedX = x - cells[kept];
+    const movedY = y - cells[kept + 1];
+    const movedZ = z - cells[kept + 2];
+    let lost = 0;
+    let notFree = 0;
+    let before = 0;
+    for (let i = 0; i <= count; i++) {
+      // The corner between this fan and the next one moves.
+      let used = 0;
+      if (i < count) {
+        const corner = corners[start + i];
+        // It may be used already where a group has several splits.
+        if (surface.mark(corner) === batch) notFree++;
+        else used = 1;
+        surface.setMark(corner, batch);
       }
-      fans.around(fan, made, 1);
+      const at = FAN_CELLS * around[start + i];
+      // The first and the last one stay neighbours of the kept fan if a triangle is added there.
+      const stays = count === 0 || (i === 0 && addsStart) || (i === count && addsEnd);
+      fans.use(at, batch, before + used + (stays ? 1 : 0), 0);
+      before = used;
+      fans.add(made, cells[at], cells[at + 1], cells[at + 2], 1);
+      if (stays) {
+        fans.add(at, x, y, z, 1);
+      } else {
+        lost++;
+        fans.add(at, movedX, movedY, movedZ, 0);
+        fans.add(kept, -cells[at], -cells[at + 1], -cells[at + 2], 0);
+      }
     }
-    fans.around(kept, made, 1);
+    fans.add(made, cells[kept], cells[kept + 1], cells[kept + 2], 1);
+    fans.add(kept, x, y, z, 1 - lost);
+    fans.use(kept, batch, (addsStart ? 1 : 0) + (addsEnd ? 1 : 0), notFree);
   }
 }

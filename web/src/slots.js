@@ -1,9 +1,9 @@
 /**
- * Probabilities of decisions, learned while decoding. A slot is a probability of 22 bits, less one half, above a count of 10 bits: so new slots are
- * zeros, and memory that is not used is not touched.
+ * Probabilities of decisions, learned while decoding. A slot is a probability of 24 bits above a count of 8 bits.
  * @module
  */
-import { LEAST_SHARE, MOST_COUNT, WHOLE } from './constants.js';
+import { MOST_COUNT } from './constants.js';
+import { integers } from './growth.js';
 
 /** @import { RangeDecoder } from './range_coder.js' */
 
@@ -16,7 +16,7 @@ export class Simple {
 
   /** @param {number} size the contexts */
   constructor(size) {
-    this.#slots = new Int32Array(size);
+    this.#slots = integers(size).fill(1 << 31);
   }
 
   /**
@@ -28,27 +28,24 @@ export class Simple {
   decode(coder, context) {
     const slots = this.#slots;
     const slot = slots[context];
-    const count = slot & 1023;
-    const share = slot >> 10;
-    const half = share >> 6;
-    const least = LEAST_SHARE - (WHOLE >> 1);
-    const bit = coder.decode((half < least ? least : half > -least ? -least : half) + (WHOLE >> 1));
-    const target = (-bit & ((1 << 22) - 1)) - (1 << 21);
-    const change = Math.imul((target - share) >> 6, RATES[count]) >> 9;
+    const count = slot & 255;
+    const bit = coder.decode((slot >>> 16) | 1);
+    const change = Math.imul(((-bit & 0xffffff) - (slot >>> 8)) >> 8, RATES[count]);
     // One more, up to the limit.
-    slots[context] = ((share + change) << 10) | (count + ((count - MOST_COUNT) >>> 31));
+    slots[context] = slot + ((change << 1) & ~255) + ((count - MOST_COUNT) >>> 31);
     return bit;
   }
 
   /**
-   * Decodes a number of less than 16 by four decisions, the highest bit first. Each context has 16 slots.
+   * Decodes a number of up to four bits by as many decisions, the highest bit first. Each context has 16 slots.
    * @param {RangeDecoder} coder
    * @param {number} context
+   * @param {number} bits
    * @returns {number}
    */
-  decodeSymbol(coder, context) {
+  decodeNumber(coder, context, bits) {
     let node = 1;
-    while (node < 16) node = 2 * node + this.decode(coder, 16 * context + node);
-    return node - 16;
+    for (let i = 0; i < bits; i++) node = 2 * node + this.decode(coder, 16 * context + node);
+    return node - (1 << bits);
   }
 }

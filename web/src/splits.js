@@ -3,44 +3,48 @@
  *
  * In each batch, triangles that a split has moved or added are used: no other split of the batch moves them. For each fan, in the order of the batch:
  *
- * 1. Is there a (further) split? Features: the valence and the used corners, the age of the fan, and how far it is from the mean of its neighbours.
+ * 1. Is there a (further) split? Features: the valence and the free corners, the age of the fan, and how far it is from the mean of its neighbours.
  * 2. An open fan: is a triangle only added at its end, and at which one?
- * 3. The corners that move, as one choice among all runs of free corners. An edge of the fan is the first of a run, the last, within, or not of it. Its
- *    features are its length, compared with the other edges and with the line between its neighbours, and the valence at its other end.
- * 4. Corners at the end of an open fan: is there a triangle beyond?
+ * 3. How many corners move, given the valence and how many free corners follow one another.
+ * 4. The first of them, as one choice among all that so many free corners follow. An edge of the fan is the first of a run, the last, within, or not of
+ *    it. Its features are its length, compared with the other edges, and the valence at its other end.
+ * 5. Corners at the end of an open fan: is there a triangle beyond?
  *
  * Based on: Pajarola, Rossignac, "Compressed Progressive Meshes", 2000.
  * @module
  */
 import {
-  AGE_FEATURES, COUNT_SCORES, DISTANCE_FEATURES, LEARNED_RUNS, MARK_FEATURES, MOST_CHOICES, MOST_CORNERS, ROLES, RUN_RATE, SHAPES, VALENCES,
+  AGE_FEATURES, DISTANCE_FEATURES, LENGTHS, MARK_FEATURES, MOST_CHOICES, MOST_CORNERS, ROLES, SCORE_RATE, VALENCES, WHOLE,
 } from './constants.js';
-import { BORN, COUNT, FAN_CELLS, IS_OPEN, LAST_SPLIT, USED } from './fans.js';
-import { clamped, logarithm } from './numbers.js';
-import { FALLS, learn, placeOf, Scores } from './scores.js';
+import { BORN, COUNT, FAN_CELLS, IS_OPEN } from './fans.js';
+import { clamped, logarithm } from './math.js';
+import { Scores, WEIGHTS } from './scores.js';
 import { Simple } from './slots.js';
-import { Split } from './surface.js';
+import { around, corners, ring, split } from './surface.js';
+import { integers } from './growth.js';
 
 /**
  * @import { RangeDecoder } from './range_coder.js'
  * @import { Fans } from './fans.js'
- * @import { Ring, Surface } from './surface.js'
+ * @import { Surface } from './surface.js'
  */
 
 /** What an edge is to a run of corners: its first edge, one within, or its last one. */
 const [FIRST, WITHIN, LAST] = [0, 1, 2];
 
-/**
- * Returns the error of a probability.
- * @param {boolean} is what it is of
- * @param {number} weight
- * @param {number} unit
- */
-function errorOf(is, weight, unit) {
-  return (is ? 65536 : 0) - ((weight * unit) >>> 16);
-}
+/** Edges of a fan with choices by scores. */
+const EDGES = MOST_CHOICES + 1;
 
-const newArray = () => new Int32Array(2 * MOST_CHOICES + 2);
+// What is known while a run is decoded: the first corners of runs of each number of corners, as bits; of each edge the rows of its features and scores;
+// of each choice its first corner and share; the errors of all corners, as if they were repeated before the first one.
+const starts = integers(EDGES);
+const ofLengths = integers(EDGES);
+const ofValences = integers(EDGES);
+const firsts = integers(EDGES);
+const ends = integers(2 * EDGES);
+const choices = integers(EDGES);
+const shares = integers(EDGES);
+const errors = integers(2 * EDGES + 1);
 
 /** The models of splits. */
 export class SplitModel {
@@ -48,25 +52,9 @@ export class SplitModel {
   #fans;
   #marks = new Scores(MARK_FEATURES);
   #sides = new Simple(4);
-  /** The scores of shapes and valences, a row of roles each, and those of the numbers of corners. */
-  #edgeScores = new Int32Array(ROLES * (SHAPES + VALENCES));
-  #countScores = new Int32Array(COUNT_SCORES);
-  /** The runs that were decoded. */
-  #runCount = 0;
-  /** The mean of the logarithm of the distances of fans from the mean of those around, in 1/256 of 1/8. */
-  #usual = 0;
-  /** The rows of the features of each edge. */
-  #shapes = newArray();
-  #valences = newArray();
-  #firsts = newArray();
-  #ends = newArray();
-  #lengths = newArray();
-  #ofFirsts = newArray();
-  #ofEnds = newArray();
-  #ofCounts = newArray();
-  /** The scores of all runs, then their weights. */
-  #weights = new Int32Array(MOST_CHOICES * MOST_CHOICES);
-  #split = new Split();
+  #counts = new Simple(16 * 16 * 16);
+  /** The scores of lengths and valences, a row of roles each. */
+  #scores = integers(ROLES * (LENGTHS + VALENCES));
 
   /**
    * @param {Surface} surface
@@ -92,62 +80,46 @@ export class SplitModel {
     const at = FAN_CELLS * fan;
     const open = cells[at + IS_OPEN];
     const count = cells[at + COUNT];
-    const n = count > open ? count - open : 0;
-    const used = cells[at + USED];
-    if (n + open < 2 || n > MOST_CORNERS || (used >= n && open === 0)) return 0;
-    const sum = Math.abs(fans.laplacian(fan, 0)) + Math.abs(fans.laplacian(fan, 1)) + Math.abs(fans.laplacian(fan, 2));
-    const distance = logarithm(sum + 1) - logarithm(count);
-    const relative = ((distance - (this.#usual >> 8)) >> 1) + 16;
-    this.#usual += (distance * 256 - this.#usual) >> 7;
+    const free = count - open - fans.used(at, this.batch);
+    if (count < 2 || count > MOST_CORNERS || (free <= 0 && open === 0)) return 0;
+    const sum = Math.abs(fans.laplacian(at, 0)) + Math.abs(fans.laplacian(at, 1)) + Math.abs(fans.laplacian(at, 2));
+    const distance = ((logarithm(sum + 1) - logarithm(count)) >> 2) + 4;
     const age = (this.batch - cells[at + BORN]) & 255;
-    const quiet = (this.batch - cells[at + LAST_SPLIT]) & 255;
     return this.#marks.decode(
       coder,
-      (clamped(n, 0, 15) * 8 + clamped(used, 0, 7)) * 4 + done * 2 + open,
-      AGE_FEATURES + clamped(age, 0, 7) * 8 + clamped(quiet, 0, 7),
-      DISTANCE_FEATURES + clamped(relative, 0, 31),
+      ((count < 15 ? count : 15) * 8 + clamped(free, 0, 7)) * 4 + done * 2 + open,
+      AGE_FEATURES + (age < 7 ? age : 7),
+      DISTANCE_FEATURES + clamped(distance, 0, 31),
     );
   }
 
   /**
-   * Decodes which corners of a fan move.
+   * Decodes which corners of a fan move: `split`.
    * @param {RangeDecoder} coder
-   * @param {number} fan
-   * @param {Ring} ring
-   * @returns {Split} valid until the next call
+   * @param {number} fan the one whose corners were collected
    */
-  decodeSplit(coder, fan, ring) {
+  decodeSplit(coder, fan) {
     const sides = this.#sides;
-    const split = this.#split;
-    const { corners, length: n, isOpen } = ring;
-    const lengths = this.#lengths;
-    let canMove = false;
-    for (let i = 0; i < n && !canMove; i++) canMove = this.#isFree(corners[i]);
-    if (isOpen && (!canMove || sides.decode(coder, 0))) {
-      split.addsEnd = sides.decode(coder, 1) === 1;
-      split.addsStart = !split.addsEnd;
-      split.start = split.addsEnd ? 0 : n;
-      split.count = 0;
-      return split;
-    }
+    const { length: n, isOpen } = ring;
+    const canMove = n > MOST_CHOICES ? corners.subarray(0, n).some((corner) => this.#isFree(corner)) : ring.free !== 0;
     split.start = 0;
     split.count = 1;
-    if (canMove && n > MOST_CHOICES) {
-      this.#decodePlain(coder, ring);
-    } else if (canMove) {
-      // How many free corners follow one another, around a closed fan not all.
-      const most = isOpen ? n : n > 1 ? n - 1 : 1;
-      for (let i = isOpen ? n - 1 : 2 * n - 1, run = 0; i >= 0; i--) {
-        run = this.#isFree(corners[i < n ? i : i - n]) ? run + 1 : 0;
-        if (i < n) lengths[i] = run < most ? run : most;
-      }
-      this.#lookAround(fan, ring);
-      this.#decodeRun(coder, n, isOpen);
+    split.addsStart = split.addsEnd = true;
+    if (isOpen && (!canMove || sides.decode(coder, 0))) {
+      split.count = 0;
+      split.addsEnd = sides.decode(coder, 1) === 1;
+      split.addsStart = !split.addsEnd;
+      if (split.addsStart) split.start = n;
+      return;
     }
-    split.addsStart = !(isOpen && split.start === 0) || sides.decode(coder, 2) === 1;
-    const isAtEnd = isOpen && split.start + split.count === n && split.addsStart;
-    split.addsEnd = !isAtEnd || sides.decode(coder, 3) === 1;
-    return split;
+    if (canMove) this.#decodeRun(coder, fan);
+    const end = split.start + split.count;
+    if (isOpen && split.start === 0) split.addsStart = sides.decode(coder, 2) === 1;
+    if (isOpen && end === n && split.addsStart) split.addsEnd = sides.decode(coder, 3) === 1;
+    for (let i = n; i < end; i++) {
+      corners[i] = corners[i - n];
+      around[i + 1] = around[i + 1 - n];
+    }
   }
 
   /** @param {number} corner */
@@ -158,155 +130,141 @@ export class SplitModel {
   /**
    * Decodes a run of free corners where there are many.
    * @param {RangeDecoder} coder
-   * @param {Ring} ring
    */
-  #decodePlain(coder, { corners, length: n, isOpen }) {
-    const choose = (/** @type {number} */ number) => coder.decodeBits(32 - Math.clz32(number - 1)) % number;
+  #decodePlain(coder) {
+    const { length: n, isOpen } = ring;
+    const choose = (/** @type {number} */ number) => coder.bits(32 - Math.clz32(number - 1)) % number;
     const free = [];
     for (let i = 0; i < n; i++) if (this.#isFree(corners[i])) free.push(i);
     const start = free[choose(free.length)];
     const most = isOpen ? n - start : n - 1;
     let run = 1;
     while (run < most && this.#isFree(corners[(start + run) % n])) run++;
-    this.#split.start = start;
-    this.#split.count = 1 + choose(run);
+    split.start = start;
+    split.count = 1 + choose(run);
+  }
+
+  /**
+   * Decodes a run of free corners: their number, and the first one.
+   * @param {RangeDecoder} coder
+   * @param {number} fan
+   */
+  #decodeRun(coder, fan) {
+    const { length: n, isOpen, free } = ring;
+    if (n > MOST_CHOICES) {
+      this.#decodePlain(coder);
+      return;
+    }
+    // 1. Where so many free corners follow one another; around a closed fan not all.
+    const twice = isOpen ? free : free | (free << n);
+    const largest = isOpen ? n : n - 1;
+    let longest = 1;
+    starts[1] = free;
+    while (longest < largest) {
+      const rest = starts[longest] & (twice >> longest);
+      if (rest === 0) break;
+      starts[++longest] = rest;
+    }
+    // 2. The number of corners.
+    let count = 1;
+    if (longest > 1) count = Math.min(1 + this.#counts.decodeNumber(coder, 16 * n + longest, n > 8 ? 4 : 3), longest);
+    split.count = count;
+    let rest = starts[count];
+    split.start = 31 - Math.clz32(rest);
+    if ((rest & (rest - 1)) === 0) return;
+    // 3. The scores of where it starts: those of its first edge, of the edges within, and of the last edge. Around a closed fan, edges are counted
+    //    twice.
+    const scores = this.#scores;
+    const edgeCount = isOpen ? n + 1 : n;
+    this.#lookAround(fan, edgeCount);
+    let within = 0;
+    for (let i = 0; i < edgeCount; i++) {
+      const a = ofLengths[i];
+      const b = ofValences[i];
+      ends[i] = within + scores[a + LAST] + scores[b + LAST];
+      within = (within + scores[a + WITHIN] + scores[b + WITHIN]) | 0;
+      firsts[i] = scores[a + FIRST] + scores[b + FIRST] - within;
+    }
+    if (!isOpen) for (let i = 0; i < count; i++) ends[n + i] = ends[i] + within;
+    let number = 0;
+    let most = 1 << 31;
+    for (; rest !== 0; rest &= rest - 1) {
+      const i = 31 - Math.clz32(rest & -rest);
+      const score = (firsts[i] + ends[i + count]) | 0;
+      choices[number] = i;
+      shares[number++] = score;
+      if (score > most) most = score;
+    }
+    // 4. Their shares of the whole.
+    let all = 0;
+    for (let c = 0; c < number; c++) {
+      const place = (most - shares[c]) >>> 11;
+      all += shares[c] = WEIGHTS[place < 255 ? place : 255];
+    }
+    const unit = Math.floor(0xffffffff / all);
+    // 5. The choice. What rounding has left belongs to the last one.
+    const part = coder.seek(16);
+    let choice = 0;
+    let passed = 0;
+    let sum = 0;
+    errors.fill(0);
+    for (let c = 0; c < number; c++) {
+      if (part >= sum) {
+        choice = c;
+        passed = sum;
+      }
+      const share = (shares[c] * unit) >>> 16;
+      sum += shares[c] = share;
+      errors[EDGES + choices[c]] = -share >> SCORE_RATE;
+    }
+    coder.take(passed, choice < number - 1 ? shares[choice] : WHOLE - passed);
+    const start = choices[choice];
+    split.start = start;
+    // 6. Learn. An edge is within the runs that have begun before it and not ended.
+    errors[EDGES + start] = (WHOLE - shares[choice]) >> SCORE_RATE;
+    let open = 0;
+    for (let by = 1; by <= count && !isOpen; by++) {
+      errors[EDGES - by] = errors[EDGES + n - by];
+      if (by < count) open += errors[EDGES - by];
+    }
+    for (let i = 0; i < edgeCount; i++) {
+      const a = ofLengths[i];
+      const b = ofValences[i];
+      const first = errors[EDGES + i];
+      const last = errors[EDGES + i - count];
+      scores[a + FIRST] += first;
+      scores[a + WITHIN] += open;
+      scores[a + LAST] += last;
+      scores[b + FIRST] += first;
+      scores[b + WITHIN] += open;
+      scores[b + LAST] += last;
+      open += first - errors[EDGES + i - count + 1];
+    }
   }
 
   /**
    * Finds the features of the edges of a fan.
    * @param {number} fan
-   * @param {Ring} ring
+   * @param {number} edgeCount
    */
-  #lookAround(fan, { around, length: n, isOpen }) {
+  #lookAround(fan, edgeCount) {
     const { cells } = this.#fans;
-    const shapes = this.#shapes;
-    const valences = this.#valences;
-    const firsts = this.#firsts;
-    const edgeCount = isOpen ? n + 1 : n;
-    const ofRing = clamped(n, 4, 11) - 4;
-    const center = FAN_CELLS * fan;
-    let before = FAN_CELLS * around[n - 1];
-    let at = FAN_CELLS * around[0];
-    let sum = 0;
+    const x = cells[FAN_CELLS * fan];
+    const y = cells[FAN_CELLS * fan + 1];
+    const z = cells[FAN_CELLS * fan + 2];
+    let sum = 1;
     for (let i = 0; i < edgeCount; i++) {
-      const after = FAN_CELLS * around[i < n ? i + 1 : n];
-      const square = this.#square(at, center);
-      const length = logarithm(square);
-      const isBorder = isOpen && (i === 0 || i === n);
-      const chord = isBorder ? 8 : clamped((length - logarithm(this.#square(before, after)) + 16) >> 2, 0, 7);
+      const at = FAN_CELLS * around[i];
+      const dx = cells[at] - x;
+      const dy = cells[at + 1] - y;
+      const dz = cells[at + 2] - z;
+      const square = dx * dx + dy * dy + dz * dz + 1;
       sum += square;
-      // The lengths, until all are known.
-      firsts[i] = length;
-      shapes[i] = ROLES * 16 * chord;
-      valences[i] = ROLES * (SHAPES + (clamped(cells[at + COUNT], 3, 10) - 3) * 8 + ofRing);
-      before = at;
-      at = after;
+      ofLengths[i] = logarithm(square);
+      ofValences[i] = ROLES * (LENGTHS + Math.min(cells[at + COUNT], 15));
     }
     const mean = logarithm(sum) - logarithm(edgeCount);
-    for (let i = 0; i < edgeCount; i++) shapes[i] += ROLES * clamped(((5 * (firsts[i] - mean)) >> 4) + 8, 0, 15);
-  }
-
-  /**
-   * Returns the square of the distance of two fans, which are given by their cells.
-   * @param {number} a
-   * @param {number} b
-   */
-  #square(a, b) {
-    const { cells } = this.#fans;
-    const x = cells[a] - cells[b];
-    const y = cells[a + 1] - cells[b + 1];
-    const z = cells[a + 2] - cells[b + 2];
-    return x * x + y * y + z * z;
-  }
-
-  /**
-   * Decodes a run of free corners: the first one, and their number.
-   * @param {RangeDecoder} coder
-   * @param {number} n
-   * @param {boolean} isOpen
-   */
-  #decodeRun(coder, n, isOpen) {
-    const scores = this.#edgeScores;
-    const counts = this.#countScores;
-    const shapes = this.#shapes;
-    const valences = this.#valences;
-    const firsts = this.#firsts;
-    const ends = this.#ends;
-    const lengths = this.#lengths;
-    const ofFirsts = this.#ofFirsts;
-    const ofEnds = this.#ofEnds;
-    const ofCounts = this.#ofCounts;
-    const weights = this.#weights;
-    const edgeCount = isOpen ? n + 1 : n;
-    const ofCount = 32 * (clamped(n, 4, 11) - 4);
-    // 1. The scores of a run are those of its first edge, of the edges within, of the last edge, and of its length. Around a closed fan, edges are
-    //    counted twice.
-    let within = 0;
-    for (let i = 0; i < edgeCount; i++) {
-      const shape = shapes[i];
-      const valence = valences[i];
-      ends[i] = within + scores[shape + LAST] + scores[valence + LAST];
-      within += scores[shape + WITHIN] + scores[valence + WITHIN];
-      firsts[i] = scores[shape + FIRST] + scores[valence + FIRST] - within;
-    }
-    if (!isOpen) for (let i = 0; i < n; i++) ends[n + i] = ends[i] + within;
-    let number = 0;
-    let most = -(2 ** 31);
-    for (let i = 0; i < n; i++) {
-      for (let c = 1; c <= lengths[i]; c++) {
-        const score = firsts[i] + ends[i + c] + counts[ofCount + c];
-        if (score > most) most = score;
-        weights[number++] = score;
-      }
-    }
-    // 2. Their weights, and the sums of those with a first edge, with a last one, and with a number of corners.
-    ofEnds.fill(0);
-    ofCounts.fill(0);
-    let all = 0;
-    number = 0;
-    for (let i = 0; i < n; i++) {
-      const before = all;
-      for (let c = 1; c <= lengths[i]; c++) {
-        const weight = FALLS[placeOf(most - weights[number])] >> 12;
-        weights[number++] = weight;
-        ofEnds[i + c] += weight;
-        ofCounts[c] += weight;
-        all += weight;
-      }
-      ofFirsts[i] = all - before;
-    }
-    // 3. The choice.
-    const part = coder.seek(all);
-    let start = 0;
-    let passed = 0;
-    number = 0;
-    for (; part >= passed + ofFirsts[start]; start++) {
-      passed += ofFirsts[start];
-      number += lengths[start];
-    }
-    let count = 1;
-    for (; part >= passed + weights[number]; count++) passed += weights[number++];
-    coder.take(passed, weights[number]);
-    this.#split.start = start;
-    this.#split.count = count;
-    if (++this.#runCount > LEARNED_RUNS && this.#runCount % 4 !== 0) return;
-    // 4. Learn. An edge is within the runs that have begun before it and not ended.
-    const unit = Math.floor(0xffffffff / all);
-    let open = 0;
-    if (!isOpen) for (let i = 0; i < n; i++) open += ofEnds[n + i];
-    for (let i = 0; i < edgeCount; i++) {
-      const ending = isOpen ? ofEnds[i] : ofEnds[i] + ofEnds[n + i];
-      const beginning = i < n ? ofFirsts[i] : 0;
-      open -= ending;
-      const steps = i >= start ? i - start : isOpen ? n + 1 : i + n - start;
-      for (let role = 0; role < ROLES; role++) {
-        const isIt = role === FIRST ? steps === 0 : role === LAST ? steps === count : steps > 0 && steps < count;
-        const error = errorOf(isIt, role === FIRST ? beginning : role === LAST ? ending : open, unit);
-        learn(scores, shapes[i] + role, error, RUN_RATE);
-        learn(scores, valences[i] + role, error, RUN_RATE);
-      }
-      open += beginning;
-    }
-    for (let c = 1; c <= n; c++) learn(counts, ofCount + c, errorOf(c === count, ofCounts[c], unit), RUN_RATE);
+    for (let i = 0; i < edgeCount; i++) ofLengths[i] = ROLES * clamped(((5 * (ofLengths[i] - mean)) >> 4) + 8, 0, 15);
+    if (ring.isOpen) ofValences[0] = ofValences[edgeCount - 1] = ROLES * LENGTHS;
   }
 }

@@ -14,7 +14,7 @@
  * @module
  */
 import { MOST_CORNERS } from './constants.js';
-import { grown } from './growth.js';
+import { grown, integers } from './growth.js';
 
 /** No corner: an edge of one triangle. */
 export const NONE = -1;
@@ -39,29 +39,18 @@ export function previous(corner) {
   return corner + 2 - 3 * ((corner | (corner >> 1)) & 1);
 }
 
-/** The corners of a fan, counterclockwise: at most `MOST_CORNERS` and one more. */
-export class Ring {
-  constructor() {
-    this.corners = new Int32Array(MOST_CORNERS + 1);
-    /** The fans at the other ends of its edges, one more than the corners. */
-    this.around = new Int32Array(MOST_CORNERS + 2);
-    this.length = 0;
-    /** Whether the fan is open, if it has no more corners. */
-    this.isOpen = false;
-  }
-}
+/**
+ * The corners of a fan, counterclockwise, at most `MOST_CORNERS` and one more; and the fans at the other ends of its edges, one more. Both twice, so that
+ * runs need not end at the last one.
+ */
+export const corners = integers(2 * MOST_CORNERS + 2);
+export const around = integers(2 * MOST_CORNERS + 2);
 
-/** What a split of a fan does. */
-export class Split {
-  constructor() {
-    /** The first of the corners that move, and their number. */
-    this.start = 0;
-    this.count = 0;
-    /** Whether a triangle is added before and after these corners. */
-    this.addsStart = false;
-    this.addsEnd = false;
-  }
-}
+/** What else is known of that fan: which of the first 32 corners are free, if there are not more. */
+export const ring = { length: 0, isOpen: false, free: 0 };
+
+/** What a split of that fan does: the first of the corners that move, their number, and whether a triangle is added before and after these corners. */
+export const split = { start: 0, count: 0, addsStart: false, addsEnd: false };
 
 /** Triangles with neighbours. */
 export class Surface {
@@ -76,21 +65,18 @@ export class Surface {
      * Eight cells for each triangle: the fans of its three corners, a mark, what is opposite to its corners, and one that is not used. A corner is the
      * place of its fan.
      */
-    this.cells = new Int32Array(8 * triangleCount);
+    this.cells = integers(8 * triangleCount);
     this.triangleCount = triangleCount;
     /** A corner of each fan, the first one counterclockwise if the fan is open. */
-    this.first = new Int32Array(triangleCount);
+    this.first = integers(triangleCount);
     this.fanCount = 0;
+    const cornerOf = (/** @type {number} */ i) => i + 5 * Math.floor(i / 3);
     for (let i = 0; i < 3 * triangleCount; i++) {
-      const corner = Math.floor(i / 3) * 8 + (i % 3);
-      const other = opposite[i];
-      this.cells[corner] = NONE;
-      this.cells[corner + OPPOSITE] = other === NONE ? NONE : Math.floor(other / 3) * 8 + (other % 3);
+      this.cells[cornerOf(i)] = NONE;
+      this.cells[cornerOf(i) + OPPOSITE] = opposite[i] === NONE ? NONE : cornerOf(opposite[i]);
     }
-    for (let triangle = 0; triangle < triangleCount; triangle++) {
-      for (let corner = triangle * 8; corner < triangle * 8 + 3; corner++) {
-        if (this.cells[corner] === NONE) this.#addFan(this.#firstAround(corner));
-      }
+    for (let i = 0; i < 3 * triangleCount; i++) {
+      if (this.cells[cornerOf(i)] === NONE) this.#addFan(this.#firstAround(cornerOf(i)));
     }
   }
 
@@ -173,105 +159,92 @@ export class Surface {
   /**
    * Collects the corners of a fan.
    * @param {number} fan
-   * @param {Ring} ring
+   * @param {number} used the mark of triangles that are not free
    */
-  collect(fan, ring) {
+  collect(fan, used) {
     const { cells } = this;
-    const { corners, around } = ring;
     const first = this.first[fan];
     let length = 0;
-    let at = first;
+    let free = 0;
+    let last = NONE;
     ring.isOpen = true;
-    while (at !== NONE) {
+    for (let at = first; at !== NONE; ) {
       const after = next(at);
+      const opposite = cells[after + OPPOSITE];
+      if (cells[at | MARK] !== used) free |= 1 << length;
       corners[length] = at;
       around[length++] = cells[after];
-      const opposite = cells[after + OPPOSITE];
+      last = cells[previous(at)];
       at = opposite === NONE ? NONE : next(opposite);
       if (at === first || length > MOST_CORNERS) {
         ring.isOpen = false;
         break;
       }
     }
+    around[length] = last;
+    ring.free = free;
     ring.length = length;
-    if (length > 0) around[length] = cells[previous(corners[length - 1])];
   }
 
   /**
-   * Makes two corners opposite to each other; one of them may be `NONE`.
-   * @param {number} a
-   * @param {number} b
+   * Sets what is opposite to a corner, or to `NONE`.
+   * @param {number} corner
+   * @param {number} opposite
    */
-  #join(a, b) {
-    if (a !== NONE) this.cells[a + OPPOSITE] = b;
-    if (b !== NONE) this.cells[b + OPPOSITE] = a;
+  #join(corner, opposite) {
+    if (corner !== NONE) this.cells[corner + OPPOSITE] = opposite;
   }
 
   /**
-   * Appends a triangle without neighbours; returns its first corner.
+   * Appends a triangle; returns its first corner.
    * @param {number} a @param {number} b @param {number} c its fans
    * @param {number} mark
+   * @param {number} ofA @param {number} ofB @param {number} ofC what is opposite to its corners
    */
-  #push(a, b, c, mark) {
+  #push(a, b, c, mark, ofA, ofB, ofC) {
     const corner = 8 * this.triangleCount++;
     const cells = (this.cells = grown(this.cells, corner + 8));
     cells[corner] = a;
     cells[corner + 1] = b;
     cells[corner + 2] = c;
     cells[corner + MARK] = mark;
-    cells[corner + OPPOSITE] = NONE;
-    cells[corner + OPPOSITE + 1] = NONE;
-    cells[corner + OPPOSITE + 2] = NONE;
+    cells[corner + OPPOSITE] = ofA;
+    cells[corner + OPPOSITE + 1] = ofB;
+    cells[corner + OPPOSITE + 2] = ofC;
+    this.#join(ofA, corner);
+    this.#join(ofB, corner + 1);
+    this.#join(ofC, corner + 2);
     return corner;
   }
 
   /**
-   * Moves successive corners of a fan to a new fan, and adds the triangles before and after them. Marks all these triangles.
-   * @param {number} fan
-   * @param {Ring} ring all its corners
-   * @param {Split} split
+   * Moves successive corners of a fan to a new fan, and adds the triangles before and after them, which get a mark.
+   * @param {number} fan the one whose corners were collected
    * @param {number} mark
    */
-  split(fan, ring, split, mark) {
+  split(fan, mark) {
     const { start, count, addsStart, addsEnd } = split;
-    const { corners, length: n, isOpen } = ring;
+    const { length: n, isOpen } = ring;
     const made = this.fanCount;
     const end = start + count;
-    const first = corners[start < n ? start : start - n];
-    const last = count === 0 ? NONE : corners[end - 1 < n ? end - 1 : end - 1 - n];
     // 1. The edges on both sides of the corners that move. Each is named by the corner opposite to it.
     const before = start > 0 ? next(corners[start - 1]) : isOpen ? NONE : next(corners[n - 1]);
     const after = isOpen && end === n ? NONE : previous(corners[end < n ? end : end - n]);
-    const startFan = count > 0 ? this.cells[next(first)] : before === NONE ? NONE : this.cells[next(before)];
-    const endFan = count > 0 ? this.cells[previous(last)] : after === NONE ? NONE : this.cells[previous(after)];
+    const first = count > 0 ? previous(corners[start]) : NONE;
+    const last = count > 0 ? next(corners[end - 1]) : NONE;
     // 2. Move.
-    for (let i = start; i < end; i++) {
-      const corner = corners[i < n ? i : i - n];
-      this.cells[corner] = made;
-      this.setMark(corner, mark);
-    }
-    // 3. Add. In S = (k aₛ v), the edge to v is opposite to corner 0, that from v to k to corner 1, that from k to corner 2.
+    for (let i = start; i < end; i++) this.cells[corners[i]] = made;
+    // 3. Add. In S = (k aₛ v), the edge to v is opposite to corner 0, that from v to k to corner 1, that from k to corner 2. In E = (k v aₑ), the edge
+    //    from v to aₑ is opposite to corner 0, that from aₑ to k to corner 1, that from k to v to corner 2.
     let addedStart = NONE;
     let addedEnd = NONE;
-    if (addsStart) {
-      addedStart = this.#push(fan, startFan, made, mark);
-      this.#join(addedStart + 2, before);
-      this.#join(addedStart, count === 0 ? NONE : previous(first));
-    }
-    // In E = (k v aₑ), the edge from v to aₑ is opposite to corner 0, that from aₑ to k to corner 1, that from k to v to corner 2.
-    if (addsEnd) {
-      addedEnd = this.#push(fan, made, endFan, mark);
-      this.#join(addedEnd + 1, after);
-      this.#join(addedEnd, count === 0 ? NONE : next(last));
-    }
-    if (addsStart && addsEnd) this.#join(addedStart + 1, addedEnd + 2);
+    if (addsStart) addedStart = this.#push(fan, around[start], made, mark, first, NONE, before);
+    if (addsEnd) addedEnd = this.#push(fan, made, around[end], mark, last, after, addsStart ? addedStart + 1 : NONE);
     // 4. The first corners. An open fan starts where there is nothing clockwise.
-    if (addsEnd && after === NONE) this.first[endFan] = addedEnd + 2;
-    if (addsStart && count === 0) this.first[startFan] = addedStart + 1;
-    this.#pushFan(addsStart ? addedStart + 2 : count > 0 ? first : addedEnd + 1);
-    if (!isOpen && addsEnd) this.first[fan] = addedEnd;
-    else if (start > 0) this.first[fan] = corners[0];
-    else if (addsStart) this.first[fan] = addedStart;
-    else this.first[fan] = addedEnd;
+    this.#pushFan(addsStart ? addedStart + 2 : count > 0 ? corners[start] : addedEnd + 1);
+    const firsts = this.first;
+    if (addsEnd && after === NONE) firsts[around[end]] = addedEnd + 2;
+    if (addsStart && count === 0) firsts[around[start]] = addedStart + 1;
+    firsts[fan] = !isOpen && addsEnd ? addedEnd : start > 0 ? corners[0] : addsStart ? addedStart : addedEnd;
   }
 }

@@ -37,6 +37,7 @@ mod chunk;
 mod costs;
 mod decoder;
 mod encoder;
+mod fans;
 mod fit;
 mod grid;
 mod head;

@@ -9,12 +9,12 @@
 //! # Complexity
 //! O(n) time.
 
+use super::fans::Fan;
+use super::fans::{Place, square_distance};
 use super::numbers::code_small;
-use super::places::{Place, square_distance};
 use super::range_coder::{BitCoder, code_bits};
 use super::refiner::Refiner;
 use super::slots::Simple;
-use super::splits::Fan;
 use super::surface::{NONE, next, previous};
 
 /// A base mesh to be encoded.
@@ -181,7 +181,7 @@ impl Refiner {
                 let at = |fan: u32| self.fans.get(fan as usize).map_or([0; 3], Fan::place);
                 let (near, square) = if is_known {
                     let [a, b, c] = around.map(at);
-                    ([0, 1, 2].map(|j| a[j].wrapping_add(b[j]).wrapping_sub(c[j])), square_distance(a, b))
+                    ([0, 1, 2].map(|j| a[j].wrapping_add(b[j]).wrapping_sub(c[j])), square_distance(a, b) + 1)
                 } else {
                     (at(fan.wrapping_sub(1)), 1 << 24)
                 };

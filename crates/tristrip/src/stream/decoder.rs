@@ -25,7 +25,7 @@ pub struct StreamError {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StreamLimits {
-    /// Meshes. Each takes about 30 kilobytes beside its triangles, and 20 per attribute.
+    /// Meshes. Each takes about 60 kilobytes beside its triangles, and 20 per attribute.
     pub meshes: usize,
     /// Triangles of all meshes.
     pub triangles: usize,
@@ -146,7 +146,7 @@ impl Decoder {
         self
     }
 
-    /// Keeps strips of the meshes up while they are refined; see [`StreamPart::strips`]. The bunny is decoded in twice the time then.
+    /// Keeps strips of the meshes up while they are refined; see [`StreamPart::strips`]. Decoding takes five times as long then.
     ///
     /// ```
     #[doc = include_str!("example.txt")]

@@ -3,7 +3,8 @@
 //! The bits of a coordinate grow with the logarithm of how far it is from what was expected. Squares are therefore divided by those under the weights before: a few
 //! such fits minimize the sum of the logarithms. They need not be repeated by a decoder, which reads the weights.
 
-use super::places::{ESTIMATES, Estimates, Place, WEIGHT_ONE, Weights};
+use super::fans::Place;
+use super::places::{ESTIMATES, Estimates, WEIGHT_ONE, Weights};
 
 /// A row of the normal equations: the estimates, and the point.
 type Row = [f64; ESTIMATES + 1];

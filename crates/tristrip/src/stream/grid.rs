@@ -1,7 +1,7 @@
 //! Positions and attributes on grids.
 
 use super::channels::ChannelKind;
-use super::places::Place;
+use super::fans::Place;
 use crate::error::Error;
 use crate::mesh::{Attribute, AttributeData};
 

@@ -1,4 +1,4 @@
-//! Numbers as decisions: the size as a bucket relative to what is expected, one of sixteen symbols, then the place within the bucket, then the sign.
+//! Numbers as decisions: the size as a bucket relative to what is expected, one of sixteen symbols, then the place within the bucket, and the sign.
 //!
 //! Buckets have the bounds 0, 1, 2, 3, 4, 6, 8, 12, 16, 24, … : the bucket of a size is the whole part of twice its binary logarithm.
 //!
@@ -12,7 +12,7 @@ use super::range_coder::{BitCoder, code_bits};
 use super::slots::Simple;
 
 /// The levels that have symbols of their own, from −2 on in quarters of an octave.
-const CONTEXTS: usize = 80;
+const CONTEXTS: u32 = 80;
 /// The symbol of the usual bucket.
 const MIDDLE: i32 = 9;
 /// The symbols at both ends are followed by how much farther the bucket is.
@@ -20,12 +20,11 @@ const LAST: i32 = 15;
 /// The largest bucket.
 const MOST_BUCKET: i32 = 59;
 
-/// Returns the binary logarithm of a number, at least 1, in 1/8, with straight lines between the powers of two.
+/// Returns the binary logarithm of a number below 2⁵³, at least 1, in 1/8, with straight lines between the powers of two: the exponent and the first bits of the
+/// float that it is.
 #[inline]
 pub(super) fn logarithm(x: u64) -> i32 {
-    let x = x.max(1);
-    let zeros = x.leading_zeros();
-    8 * (63 - zeros.cast_signed()) + ((x << zeros >> 60) as i32 & 7)
+    ((x.cast_signed() as f64).to_bits() >> 49) as i32 - 8 * 1023
 }
 
 /// Returns the bucket of a size: twice the binary logarithm, roughly.
@@ -48,20 +47,19 @@ impl<const N: usize> Level<N> {
 
     #[inline]
     pub(super) fn expect(&self, features: [i32; N]) -> i32 {
-        let mut sum = 0;
+        let mut sum = 0_i32;
         for i in 0..N {
-            sum += self.weights[i] * features[i];
+            sum = sum.wrapping_add(self.weights[i].wrapping_mul(features[i]));
         }
         sum >> 16
     }
 
-    /// Learns from how far a level was from what was expected; features are less than 1024.
+    /// Learns from how far a level was from what was expected; features are less than 1024. Weights are numbers modulo 2³².
     #[inline]
     pub(super) fn learn(&mut self, features: [i32; N], error: i32) {
         let error = error.clamp(-32, 32);
         for i in 0..N {
-            let weight = self.weights[i] + ((error * features[i]) >> 3);
-            self.weights[i] = weight.clamp(-(1 << 17), 1 << 17);
+            self.weights[i] = self.weights[i].wrapping_add((error * features[i]) >> 3);
         }
     }
 }
@@ -70,14 +68,13 @@ impl<const N: usize> Level<N> {
 #[derive(Debug, Clone)]
 pub(super) struct NumberModel {
     symbols: Simple,
-    halves: Simple,
     escapes: Simple,
 }
 
 impl NumberModel {
     /// Creates the model of numbers in some sets.
     pub(super) fn new(sets: usize) -> Self {
-        Self { symbols: Simple::new(16 * CONTEXTS * sets), halves: Simple::new(16), escapes: Simple::new(32) }
+        Self { symbols: Simple::new(16 * CONTEXTS as usize * sets), escapes: Simple::new(32) }
     }
 
     /// Codes a number of a set. Also returns how far its level is from that which is expected.
@@ -91,12 +88,12 @@ impl NumberModel {
     ) -> (i32, i32) {
         let usual = (level >> 3).clamp(0, MOST_BUCKET);
         let context =
-            ((level + 32) >> 2).clamp(0, (CONTEXTS as u32 - 1).cast_signed()).cast_unsigned() as usize;
+            (level.wrapping_add(32) >> 2).clamp(0, CONTEXTS.cast_signed() - 1).cast_unsigned() as usize;
         let size = number.unsigned_abs();
         let wanted = bucket_of(size);
         // 1. The bucket.
         let symbol = (wanted - usual + MIDDLE).clamp(0, LAST).cast_unsigned() as usize;
-        let symbol = self.symbols.code_symbol(coder, set * CONTEXTS + context, symbol);
+        let symbol = self.symbols.code_number(coder, set * CONTEXTS as usize + context, 4, symbol);
         let of_symbol = (symbol as u32).cast_signed();
         let mut bucket = usual - MIDDLE + of_symbol;
         if symbol == 0 && bucket > 0 {
@@ -107,23 +104,18 @@ impl NumberModel {
                 code_small(coder, &mut self.escapes, (wanted - bucket).max(0).cast_unsigned()).cast_signed();
         }
         let bucket = bucket.clamp(0, MOST_BUCKET).cast_unsigned();
+        if bucket == 0 {
+            return (0, (-16_i32).wrapping_sub(level));
+        }
         // 2. The place within the bucket, and the sign.
-        let mut found = bucket;
-        let mut rest = 0;
-        if bucket >= 4 {
-            rest = bucket / 2 - 2;
-            let high = self.halves.code(coder, symbol, size >> rest & 1 != 0);
-            found = (2 | bucket & 1) << (rest + 1) | u32::from(high) << rest;
-        }
-        if bucket > 0 {
-            let low = size & ((1 << rest) - 1);
-            let read = code_bits(coder, rest + 1, 2 * low + u32::from(number < 0));
-            found |= read >> 1;
-            let error = 2 * logarithm(2 * u64::from(found) + 1) - 16 - level;
-            let found = found.cast_signed();
-            return (if read & 1 != 0 { -found } else { found }, error);
-        }
-        (0, -16 - level)
+        let rest = (bucket >> 1).max(1) - 1;
+        let least = ((2 | bucket & 1) << rest) >> u32::from(bucket < 2);
+        let low = size & ((1 << rest) - 1);
+        let read = code_bits(coder, rest + 1, 2 * low + u32::from(number < 0));
+        let size = least | read >> 1;
+        let error = (2 * logarithm(2 * u64::from(size) + 1) - 16).wrapping_sub(level);
+        let size = size.cast_signed();
+        (if read & 1 != 0 { -size } else { size }, error)
     }
 }
 
@@ -182,6 +174,6 @@ mod tests {
     fn buckets_are_twice_a_logarithm() {
         let buckets = [0, 1, 2, 3, 4, 5, 6, 7, 8, 11, 12, 15, 16].map(bucket_of);
         assert_eq!(buckets, [0, 1, 2, 3, 4, 4, 5, 5, 6, 6, 7, 7, 8]);
-        assert_eq!([1, 2, 3, 15, 16, u64::MAX].map(logarithm), [0, 8, 12, 31, 32, 511]);
+        assert_eq!([1, 2, 3, 15, 16, (1 << 53) - 1].map(logarithm), [0, 8, 12, 31, 32, 423]);
     }
 }

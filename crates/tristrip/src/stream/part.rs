@@ -8,7 +8,7 @@ use super::costs::StreamCosts;
 use super::head::{Head, code_weights};
 use super::places::USUAL_WEIGHTS;
 use super::range_coder::{BitCoder, RangeDecoder};
-use super::refiner::Refiner;
+use super::refiner::{FOLLOWS, Refiner};
 use super::strips::KeptStrips;
 use super::surface::{NONE, Surface};
 use crate::collapse::{CollapseSequence, Rename};
@@ -25,11 +25,16 @@ pub struct StreamPart {
     head: Head,
     refiner: Refiner,
     error: f32,
+    /// The bytes of its chunks, without their heads.
+    payload_bytes: usize,
     /// The error before and the levels after each chunk.
     errors: Vec<(f32, u32)>,
     /// The levels so far, once they have been asked for.
     pub(super) model: OnceLock<Arc<RepairedStrips>>,
 }
+
+/// Streams have about two triangles in three bytes, more where surfaces are flat. For so many there is room before they come.
+const TRIANGLES_PER_BYTE: usize = 64;
 
 /// What was found, and what was expected.
 type Fault = (String, String);
@@ -72,7 +77,15 @@ impl StreamPart {
         }
         let base = 8.0 * payload.len() as f64;
         refiner.costs = counts_bits.then(|| (StreamCosts { base, ..StreamCosts::default() }, 0.0));
-        Ok(Self { head, refiner, error: chunk.error, errors: Vec::new(), model: OnceLock::new() })
+        let payload_bytes = payload.len();
+        Ok(Self {
+            head,
+            refiner,
+            error: chunk.error,
+            payload_bytes,
+            errors: Vec::new(),
+            model: OnceLock::new(),
+        })
     }
 
     /// Decodes a refinement.
@@ -89,6 +102,11 @@ impl StreamPart {
         let mut coder = RangeDecoder::new(payload);
         let refiner = &mut self.refiner;
         refiner.most_triangles = chunk.triangles as usize;
+        // Room for all that follows, unless so few bytes cannot be expected to build it.
+        self.payload_bytes += payload.len();
+        refiner.reserve(
+            (self.head.triangles as usize).min(TRIANGLES_PER_BYTE.saturating_mul(self.payload_bytes)),
+        );
         refiner.account(&coder, |_| None);
         for _ in 0..chunk.visits {
             if refiner.next == NONE {
@@ -426,17 +444,14 @@ impl StreamPart {
         let refiner = &self.refiner;
         let vertex = |fan: u32| refiner.vertices[fan as usize];
         let mut renames: Vec<Vec<Rename>> = Vec::new();
-        let mut start = 0;
-        for &end in &refiner.record_ends {
-            let mut group = Vec::new();
-            for &[kept, removed] in &refiner.record[start as usize..end as usize] {
-                let rename = Rename { removed: vertex(removed), kept: vertex(kept) };
-                if !group.contains(&rename) {
-                    group.push(rename);
-                }
+        let base_fans = (refiner.fans.len() - refiner.record.len()) as u32;
+        for (removed, &kept) in (base_fans..).zip(&refiner.record) {
+            let rename = Rename { removed: vertex(removed), kept: vertex(kept & !FOLLOWS) };
+            match renames.last_mut().filter(|_| kept & FOLLOWS != 0) {
+                Some(group) if group.contains(&rename) => (),
+                Some(group) => group.push(rename),
+                None => renames.push(vec![rename]),
             }
-            renames.push(group);
-            start = end;
         }
         let error_of = |level: usize| {
             let chunk = self.errors.partition_point(|&(_, end)| end as usize <= level);
@@ -454,7 +469,6 @@ impl StreamPart {
             + size_of_val(&refiner.fans[..])
             + size_of_val(&refiner.vertices[..])
             + size_of_val(&refiner.record[..])
-            + size_of_val(&refiner.record_ends[..])
             + values
             + refiner.strips.as_ref().map_or(0, KeptStrips::memory)
     }

@@ -22,11 +22,9 @@
 //! Taubin, Guéziec, Horn, Lazarus: *Progressive Forest Split Compression*, 1998; Alliez, Desbrun: *Progressive Compression for Lossless Transmission of
 //! Triangle Meshes*, 2001 (barycentres, and the normal apart). The combination is ours.
 
+use super::fans::{Fan, Place};
 use super::numbers::{Level, NumberModel, logarithm};
 use super::range_coder::BitCoder;
-
-/// A position on the grid of the stream.
-pub(super) type Place = [i32; 3];
 
 /// The estimates beside the mean of the polygon.
 pub(super) const ESTIMATES: usize = 4;
@@ -54,11 +52,11 @@ const ALONG_LEVEL: [i32; 5] = [36_000, 6_000, 6_000, 9_000, 3_000];
 
 /// 65536 / n.
 #[inline]
-pub(super) fn reciprocal(n: u32) -> i64 {
-    const RECIPROCALS: [u32; 64] = {
-        let mut reciprocals = [65536; 64];
+fn reciprocal(n: u32) -> i64 {
+    const RECIPROCALS: [u32; 257] = {
+        let mut reciprocals = [65536; 257];
         let mut n = 1;
-        while n < 64 {
+        while n < 257 {
             reciprocals[n] = 65536 / n as u32;
             n += 1;
         }
@@ -67,19 +65,12 @@ pub(super) fn reciprocal(n: u32) -> i64 {
     RECIPROCALS.get(n as usize).copied().unwrap_or_else(|| 65536 / n).into()
 }
 
-/// What is known around a new point.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Polygon {
-    /// The kept point, then aₛ … aₑ.
-    pub(super) points: Vec<Place>,
-    /// The sum of the Laplacians of its points, in 1/16.
-    pub(super) laplacians: [i64; 3],
-}
-
 /// The estimates of a point, relative to the kept point.
-#[derive(Debug)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Estimates {
     pub(super) kept: Place,
+    /// The points of the polygon without the kept one.
+    points: Vec<[i64; 3]>,
     /// The mean of the polygon, in 1/16.
     pub(super) mean: [i64; 3],
     /// How the others differ from it, in 1/16.
@@ -101,46 +92,47 @@ fn dot(a: &[i64; 3], b: &[i64; 3]) -> i64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-#[inline]
-pub(super) fn square_distance(a: Place, b: Place) -> u64 {
-    let square = |j: usize| {
-        let difference = u64::from(a[j].abs_diff(b[j]));
-        difference * difference
-    };
-    square(0) + square(1) + square(2)
-}
-
 impl Estimates {
-    pub(super) fn new(polygon: &Polygon, regime: usize) -> Self {
-        let points = &polygon.points;
-        let kept = points[0];
-        let count = i64::from(points.len() as u32);
-        let share = reciprocal(points.len() as u32);
-        // 1. The sums of the points relative to the kept one, and of their squares.
-        let (mut sum, mut squares, mut most) = ([0; 3], [0; 3], 0);
-        for point in &points[1..] {
+    /// Finds them for a point between a kept fan and others around it.
+    #[inline]
+    pub(super) fn look_around(&mut self, fans: &[Fan], (kept, around): (u32, &[u32]), regime: usize) {
+        let of_kept = &fans[kept as usize];
+        let kept = of_kept.place();
+        // A triangle at the end of a border has no third point.
+        let count = (around.len() + 1).max(3);
+        if self.points.len() < count {
+            self.points.resize(2 * count, [0; 3]);
+        }
+        // 1. The points relative to the kept one, their sum, and that of their squares; the sum of the Laplacians.
+        let (mut laplacians, mut fan_count) = (of_kept.laplacian(), u32::from(of_kept.count));
+        for (point, &other) in self.points.iter_mut().zip(around) {
+            let fan = &fans[other as usize];
+            let (place, laplacian) = (fan.place(), fan.laplacian());
+            fan_count += u32::from(fan.count);
             for j in 0..3 {
-                let x = i64::from(point[j]) - i64::from(kept[j]);
-                sum[j] += x;
-                squares[j] += x * x;
-                most |= x.unsigned_abs();
+                point[j] = i64::from(place[j] - kept[j]);
+                laplacians[j] = laplacians[j].wrapping_add(laplacian[j]);
             }
         }
-        // 2. The triangles between the kept point and the others, with ten bits along the longest axis.
-        let surplus = (u64::BITS - most.leading_zeros()).saturating_sub(10);
-        let from_kept = |point: &Place| {
-            let mut offset = [0; 3];
+        if around.len() == 1 {
+            self.points[1] = self.points[0];
+        }
+        let points = &self.points[..count - 1];
+        let (mut sum, mut squares) = ([0; 3], [0; 3]);
+        for point in points {
             for j in 0..3 {
-                offset[j] = (i64::from(point[j]) - i64::from(kept[j])) >> surplus;
+                sum[j] += point[j];
+                squares[j] += point[j] * point[j];
             }
-            offset
-        };
+        }
+        // 2. The triangles between the kept point and the others, with at most eleven bits.
+        let size = logarithm((squares[0] + squares[1] + squares[2] + 1).cast_unsigned());
+        let surplus = (size / 16 - 10).max(0);
         let (mut normal, mut centre, mut area) = ([0_i64; 3], [0; 3], 0);
-        let mut a = from_kept(&points[1]);
-        let last = points[points.len() - 1];
-        let mut ends = [0; 3];
-        for point in &points[2..] {
-            let b = from_kept(point);
+        let (start, end) = (points[0], points[points.len() - 1]);
+        let mut a = start.map(|x| x >> surplus);
+        for point in &points[1..] {
+            let b = point.map(|x| x >> surplus);
             let cross = [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
             let size = cross[0].abs().max(cross[1].abs()).max(cross[2].abs());
             area += size;
@@ -150,23 +142,25 @@ impl Estimates {
             }
             a = b;
         }
+        let of_area = (1 << 32) / (3 * area).max(1);
         // 3. The estimates.
-        let (mut mean, mut others, mut spreads) = ([0; 3], [[0; 3]; ESTIMATES], [0; 3]);
+        let (share, of_around) = (reciprocal(count as u32), reciprocal(fan_count));
+        let number = i64::from(count as u32);
         for j in 0..3 {
-            ends[j] = i64::from(points[1][j]) + i64::from(last[j]) - 2 * i64::from(kept[j]);
-            mean[j] = (16 * sum[j] * share) >> 16;
-            others[0][j] = -mean[j];
-            others[1][j] = 8 * ends[j] - mean[j];
-            others[2][j] = (polygon.laplacians[j] * share) >> 16;
-            others[3][j] =
-                if area == 0 { 0 } else { (centre[j] << (4 + surplus)).div_euclid(3 * area) - mean[j] };
-            spreads[j] = count * squares[j] - sum[j] * sum[j];
+            let mean = (16 * sum[j] * share) >> 16;
+            self.mean[j] = mean;
+            self.others[0][j] = -mean;
+            self.others[1][j] = 8 * (start[j] + end[j]) - mean;
+            self.others[2][j] = (i64::from(laplacians[j]) * of_around) >> 12;
+            self.others[3][j] = if area == 0 { 0 } else { ((centre[j] * of_area) >> (28 - surplus)) - mean };
+            self.spreads[j] = number * squares[j] - sum[j] * sum[j];
         }
         let most = normal[0].unsigned_abs() | normal[1].unsigned_abs() | normal[2].unsigned_abs();
         let surplus = (u64::BITS - most.leading_zeros()).saturating_sub(8);
-        (0..3).for_each(|j| normal[j] >>= surplus);
-        let class = regime * POLYGONS + (points.len() - 3).min(POLYGONS - 1);
-        Self { kept, mean, others, normal, spreads, count, class }
+        self.normal = normal.map(|x| x >> surplus);
+        self.kept = kept;
+        self.count = number;
+        self.class = regime * POLYGONS + (count - 3).min(POLYGONS - 1);
     }
 
     /// Returns the expected point relative to the kept one, in 1/1024.
@@ -233,14 +227,9 @@ impl PlaceModel {
 
         // 2. The coordinates beside the normal, then that along it.
         let mut found = estimates.kept;
-        let (mut before, mut differences) = (0, [0; 3]);
-        for turn in 0..3 {
+        let mut before = 0;
+        let mut code = |turn: usize, slope: i64| {
             let j = order[turn];
-            let slope = match turn {
-                0 => 0,
-                1 => floor_div(-n0 * n1 * differences[0], rest),
-                _ => floor_div(-(n0 * differences[0] + n1 * differences[1]) * n2.signum(), n2.abs()),
-            };
             let size = size + shares[turn];
             let width = log(spreads[j] + small) - of_count - size;
             let features = [32, size - 64, shift - shares[turn], width, before];
@@ -254,8 +243,12 @@ impl PlaceModel {
             before = error.clamp(-48, 48);
             found[j] = middle.wrapping_add(difference).clamp(0, self.most);
             // How far from what is expected of the polygon.
-            differences[turn] = ONE * (i64::from(found[j]) - i64::from(estimates.kept[j])) - expected[j];
-        }
+            ONE * (i64::from(found[j]) - i64::from(estimates.kept[j])) - expected[j]
+        };
+        let across = n0 * code(0, 0);
+        let along = across + n1 * code(1, floor_div(-n1 * across, rest));
+        let rise = (-along * n2.signum()) >> 8;
+        code(2, (rise * reciprocal(n2.unsigned_abs() as u32)) >> 8);
         found
     }
 

@@ -13,7 +13,7 @@
 
 use rustc_hash::FxHashMap;
 
-use super::surface::{MOST_CORNERS, NONE, Surface, corners_of, next, previous, triangle_of};
+use super::surface::{MOST_CORNERS, NONE, Ring, Surface, corners_of, next, previous, triangle_of};
 use crate::collapse::{Collapse, CollapseSequence, Rename};
 use crate::mesh::{is_degenerate, triangles_of};
 
@@ -87,7 +87,7 @@ impl Plan {
 
     /// Keeps all vertices of the triangles that a collapse would have changed.
     fn freeze(&self, collapse: &Collapse<'_>, is_frozen: &mut [bool]) {
-        let mut ring = Vec::new();
+        let mut ring = Ring::new();
         for rename in collapse.renames {
             is_frozen[rename.removed as usize] = true;
             is_frozen[rename.kept as usize] = true;
@@ -97,8 +97,8 @@ impl Plan {
                 if collapse.renames.iter().all(|rename| rename.removed != self.vertices[fan as usize]) {
                     continue;
                 }
-                self.surface.ring(fan, &mut ring);
-                for corner in ring.iter().flat_map(|&corner| corners_of(triangle_of(corner))) {
+                self.surface.ring(fan, NONE, &mut ring);
+                for corner in ring.corners().iter().flat_map(|&corner| corners_of(triangle_of(corner))) {
                     is_frozen[self.vertices[self.surface.fan(corner) as usize] as usize] = true;
                 }
             }
@@ -204,16 +204,16 @@ impl Plan {
             }
             added[side] = t;
         }
-        let mut ring = Vec::new();
-        let is_open = self.surface.ring(fan, &mut ring);
+        let (mut of_removed, mut of_kept) = (Ring::new(), Ring::new());
+        self.surface.ring(fan, NONE, &mut of_removed);
+        let (ring, is_open) = (of_removed.corners(), of_removed.is_open);
         let place = |t: u32| ring.iter().position(|&corner| triangle_of(corner) == t);
         let [start_added, end_added] = added.map(|t| t != NONE);
         let start = if start_added { place(added[0])? + 1 } else { 0 };
         let count = ring.len() - usize::from(start_added) - usize::from(end_added);
         // A fan of many corners is not split.
-        let mut kept_ring = Vec::new();
-        self.surface.ring(kept?, &mut kept_ring);
-        let is_small = kept_ring.len() + count <= MOST_CORNERS / 2;
+        self.surface.ring(kept?, NONE, &mut of_kept);
+        let is_small = of_kept.corners().len() + count <= MOST_CORNERS / 2;
         let is_at_end = !end_added || place(added[1])? % ring.len() == (start + count) % ring.len();
         // An open fan starts with S, and a closed one has both.
         let is_whole =

@@ -23,8 +23,8 @@ pub(super) trait BitCoder {
     /// Codes a decision that is true in `probability` of [`WHOLE`] cases, more than none and less than all. A decoder ignores `bit`; both return the decision.
     fn code(&mut self, probability: u32, bit: bool) -> bool;
 
-    /// Cuts the range into `total` equal parts, from 1 to 2²⁴; returns `part`, or what it is to a decoder, less than `total`. [`take`](Self::take) follows.
-    fn seek(&mut self, total: u32, part: u32) -> u32;
+    /// Cuts the range into two to the power of `bits` equal parts, at most 2¹⁶; returns `part`, or what it is to a decoder. [`take`](Self::take) follows.
+    fn seek(&mut self, bits: u32, part: u32) -> u32;
 
     /// Takes some of the parts, that one among them.
     fn take(&mut self, start: u32, size: u32);
@@ -66,7 +66,7 @@ pub(super) fn code_bits<C: BitCoder>(coder: &mut C, count: u32, number: u32) -> 
         let high = code_bits(coder, count - 16, number >> 16);
         return high << 16 | code_bits(coder, 16, number);
     }
-    let number = coder.seek(1 << count, number & ((1 << count) - 1));
+    let number = coder.seek(count, number & ((1 << count) - 1));
     coder.take(number, 1);
     number
 }
@@ -151,8 +151,8 @@ impl BitCoder for RangeEncoder {
     }
 
     #[inline]
-    fn seek(&mut self, total: u32, part: u32) -> u32 {
-        self.range /= total;
+    fn seek(&mut self, bits: u32, part: u32) -> u32 {
+        self.range >>= bits;
         part
     }
 
@@ -210,9 +210,9 @@ impl BitCoder for RangeDecoder<'_> {
     }
 
     #[inline]
-    fn seek(&mut self, total: u32, _: u32) -> u32 {
-        self.range /= total;
-        (self.code / self.range).min(total - 1)
+    fn seek(&mut self, bits: u32, _: u32) -> u32 {
+        self.range >>= bits;
+        (self.code / self.range).min((1 << bits) - 1)
     }
 
     #[inline]
@@ -253,26 +253,26 @@ mod tests {
 
     proptest! {
         #[test]
-        fn choices_are_read_back(choices in prop::collection::vec((1..=1_u32 << 24, any::<[u32; 3]>()), 0..400)) {
+        fn choices_are_read_back(choices in prop::collection::vec((0..=16_u32, any::<[u32; 3]>()), 0..400)) {
             // Of a number of parts one, in a run of some of them.
-            let choice = |&(total, [part, before, after]): &(u32, [u32; 3])| {
-                let part = part % total;
+            let choice = |&(bits, [part, before, after]): &(u32, [u32; 3])| {
+                let (total, part) = (1 << bits, part % (1 << bits));
                 let start = part - before % (part + 1);
-                (total, part, start, part - start + 1 + after % (total - part))
+                (bits, part, start, part - start + 1 + after % (total - part))
             };
             let mut encoder = RangeEncoder::new();
-            for (total, part, start, size) in choices.iter().map(choice) {
-                assert_eq!(encoder.seek(total, part), part);
+            for (bits, part, start, size) in choices.iter().map(choice) {
+                assert_eq!(encoder.seek(bits, part), part);
                 encoder.take(start, size);
-                code_bits(&mut encoder, part % 33, total.wrapping_mul(part));
+                code_bits(&mut encoder, part % 33, part.wrapping_mul(bits + 54321));
             }
             let bytes = encoder.finish();
             let mut decoder = RangeDecoder::new(&bytes);
-            for (total, part, start, size) in choices.iter().map(choice) {
-                let found = decoder.seek(total, 0);
+            for (bits, part, start, size) in choices.iter().map(choice) {
+                let found = decoder.seek(bits, 0);
                 prop_assert!((start..start + size).contains(&found));
                 decoder.take(start, size);
-                let bits = u64::from(total.wrapping_mul(part)) & ((1 << (part % 33)) - 1);
+                let bits = u64::from(part.wrapping_mul(bits + 54321)) & ((1 << (part % 33)) - 1);
                 prop_assert_eq!(u64::from(code_bits(&mut decoder, part % 33, 0)), bits);
             }
             prop_assert!(!decoder.is_past_end());

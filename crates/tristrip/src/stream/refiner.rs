@@ -5,13 +5,14 @@
 
 use super::channels::ChannelModel;
 use super::costs::StreamCosts;
+use super::fans::{Fan, Place};
 use super::fit::Fit;
-use super::places::{Estimates, Place, PlaceModel, Polygon, Weights, reciprocal};
+use super::places::{Estimates, PlaceModel, Weights};
 use super::range_coder::{BitCoder, code_bits};
 use super::slots::Simple;
-use super::splits::{Fan, Ring, SplitModel};
+use super::splits::SplitModel;
 use super::strips::KeptStrips;
-use super::surface::{MOST_CORNERS, NONE, Split, Surface, next, previous, triangle_of};
+use super::surface::{MOST_CORNERS, NONE, Ring, Split, Surface, triangle_of};
 
 /// A split to be encoded.
 #[derive(Debug, Clone)]
@@ -36,10 +37,8 @@ pub(super) struct Refiner {
     pub(super) fans: Vec<Fan>,
     /// The vertex of each fan.
     pub(super) vertices: Vec<u32>,
-    /// The next fan of the same point; of one fan alone itself.
-    twins: Vec<u32>,
-    /// The first fan of the point.
-    leaders: Vec<u32>,
+    /// The next fan of the same point, and the first one, of all fans up to the last one that has others.
+    twins: Vec<[u32; 2]>,
     /// The attributes of each vertex, one array per channel.
     pub(super) values: Vec<Vec<i32>>,
     pub(super) vertex_count: u32,
@@ -52,10 +51,8 @@ pub(super) struct Refiner {
     pub(super) corner_count: u64,
     /// The collapses that have been undone.
     pub(super) group_count: u32,
-    /// The kept and the new fan of each split.
-    pub(super) record: Vec<[u32; 2]>,
-    /// The number of splits after each group.
-    pub(super) record_ends: Vec<u32>,
+    /// The fan that each split has kept, below [`FOLLOWS`]; splits add fans one after the other.
+    pub(super) record: Vec<u32>,
     batch: u32,
     regime: usize,
     /// The next fan to visit, or none at the end of a batch.
@@ -70,12 +67,12 @@ pub(super) struct Refiner {
     pub(super) fit: Option<Fit>,
     /// The strips of the mesh, if they are kept.
     pub(super) strips: Option<KeptStrips>,
-    ring: Vec<u32>,
-    /// The fans at the other ends of its edges.
-    neighbours: Vec<u32>,
-    rim: Vec<u32>,
-    polygon: Polygon,
+    ring: Ring,
+    estimates: Estimates,
 }
+
+/// Added to the kept fan of a split that belongs to the collapse of the split before.
+pub(super) const FOLLOWS: u32 = 1 << 31;
 
 /// The fans of a point among which one is chosen.
 const MOST_TWINS: u32 = 1024;
@@ -94,7 +91,6 @@ impl Refiner {
             fans: Vec::new(),
             vertices: Vec::new(),
             twins: Vec::new(),
-            leaders: Vec::new(),
             values: vec![Vec::new(); channels.len()],
             vertex_count: 0,
             known_bits: 0,
@@ -103,7 +99,6 @@ impl Refiner {
             corner_count: 0,
             group_count: 0,
             record: Vec::new(),
-            record_ends: Vec::new(),
             batch: 0,
             regime: 0,
             next: NONE,
@@ -114,10 +109,8 @@ impl Refiner {
             costs: None,
             fit: None,
             strips: None,
-            ring: Vec::new(),
-            neighbours: Vec::new(),
-            rim: Vec::new(),
-            polygon: Polygon::default(),
+            ring: Ring::new(),
+            estimates: Estimates::default(),
         }
     }
 
@@ -126,16 +119,11 @@ impl Refiner {
         let fan = self.fans.len() as u32;
         self.fans.push(Fan::new(place, self.batch, is_open));
         self.vertices.push(vertex);
-        match twin {
-            None => {
-                self.twins.push(fan);
-                self.leaders.push(fan);
-            }
-            Some(twin) => {
-                self.twins.push(self.twins[twin as usize]);
-                self.twins[twin as usize] = fan;
-                self.leaders.push(self.leaders[twin as usize]);
-            }
+        if let Some(twin) = twin {
+            self.twins.extend((self.twins.len() as u32..=fan).map(|fan| [fan, fan]));
+            let [next, first] = self.twins[twin as usize];
+            self.twins[fan as usize] = [next, first];
+            self.twins[twin as usize] = [fan, first];
         }
         self.vertex_count = self.vertex_count.max(vertex + 1);
     }
@@ -157,7 +145,6 @@ impl Refiner {
         } else {
             usize::from(self.flags.code(coder, REGIME + 1, regime == 1))
         };
-        self.fans.iter_mut().for_each(|fan| fan.used = 0);
         self.next = if self.fans.is_empty() { NONE } else { 0 };
     }
 
@@ -178,7 +165,7 @@ impl Refiner {
         {
             self.know_bits(self.known_bits + 1, self.unknown_bits - 1);
             for fan in 0..self.fans.len() {
-                let leader = self.leaders[fan] as usize;
+                let leader = self.twins.get(fan).map_or(fan, |&[_, first]| first as usize);
                 if leader != fan {
                     let place = self.fans[leader].place();
                     self.fans[fan].set_place(place);
@@ -208,23 +195,32 @@ impl Refiner {
             let of = &self.fans[fan as usize];
             let is_split = self.splits.code_mark(coder, of, self.batch, done, group.is_some());
             self.account(coder, |costs| Some(&mut costs.marks));
-            if is_split {
-                let mut ring = std::mem::take(&mut self.ring);
-                let is_open = self.surface.ring(fan, &mut ring);
-                let is_small = !ring.is_empty() && ring.len() <= MOST_CORNERS;
-                if is_small {
-                    self.code_group(coder, (fan, &mut ring, is_open), group.unwrap_or(&[]));
-                }
-                self.ring = ring;
-                if !is_small {
-                    break;
-                }
+            if !is_split {
+                break;
             }
-            if !is_split || self.is_too_large(coder) {
+            self.surface.ring(fan, self.batch, &mut self.ring);
+            let n = self.ring.corners().len();
+            if n == 0 || n > MOST_CORNERS {
+                break;
+            }
+            self.code_group(coder, fan, group.unwrap_or(&[]));
+            if self.is_too_large(coder) {
                 break;
             }
             done += 1;
         }
+    }
+
+    /// Makes room for a number of triangles, and for as many fans as a closed surface has, with a few borders.
+    pub(super) fn reserve(&mut self, triangles: usize) {
+        if triangles <= self.surface.capacity() {
+            return;
+        }
+        let fans = (triangles / 2 + triangles / 32 + 64).saturating_sub(self.fans.len());
+        self.surface.reserve(triangles - self.surface.triangle_count(), fans);
+        self.fans.reserve_exact(fans);
+        self.vertices.reserve_exact(fans);
+        self.record.reserve_exact(fans);
     }
 
     /// Returns whether more has been built than the bytes may build; never while encoding.
@@ -249,29 +245,25 @@ impl Refiner {
     }
 
     /// Codes the splits of one collapse: one, or on a seam one for each fan of the new point.
-    fn code_group<C: BitCoder>(
-        &mut self,
-        coder: &mut C,
-        (fan, ring, is_open): (u32, &mut Vec<u32>, bool),
-        wanted: &[Wanted],
-    ) {
+    fn code_group<C: BitCoder>(&mut self, coder: &mut C, fan: u32, wanted: &[Wanted]) {
         let first_new = self.fans.len() as u32;
-        let (mut of, mut is_open) = (fan, is_open);
+        let mut of = fan;
         let mut number = 0;
         loop {
-            self.code_split(coder, (of, ring, is_open), wanted.get(number), first_new);
+            self.code_split(coder, of, wanted.get(number), first_new);
             number += 1;
             // Only where a surface has borders a point has several fans.
-            if !is_open {
+            if !self.ring.is_open {
                 break;
             }
-            let has_twins = usize::from(self.twins[fan as usize] != fan);
+            let has_twins = usize::from(self.twin_of(fan) != fan);
             if !self.flags.code(coder, MORE_IN_GROUP + has_twins, wanted.len() > number) {
                 break;
             }
             of = self.code_twin(coder, fan, wanted.get(number).map_or(fan, |wanted| wanted.fan));
-            is_open = self.surface.ring(of, ring);
-            if ring.is_empty() || ring.len() > MOST_CORNERS || self.is_too_large(coder) {
+            self.surface.ring(of, self.batch, &mut self.ring);
+            let n = self.ring.corners().len();
+            if n == 0 || n > MOST_CORNERS || self.is_too_large(coder) {
                 break;
             }
         }
@@ -282,59 +274,52 @@ impl Refiner {
             next = new;
         }
         self.group_count += 1;
-        self.record_ends.push(self.record.len() as u32);
+    }
+
+    /// Returns the next fan of the same point; of one fan alone itself.
+    fn twin_of(&self, fan: u32) -> u32 {
+        self.twins.get(fan as usize).map_or(fan, |&[next, _]| next)
     }
 
     /// Codes a fan of the point of another one, whose number is counted from it.
     fn code_twin<C: BitCoder>(&self, coder: &mut C, fan: u32, wanted: u32) -> u32 {
-        let (mut count, mut place, mut twin) = (1, 0, self.twins[fan as usize]);
+        let (mut count, mut place, mut twin) = (1, 0, self.twin_of(fan));
         while twin != fan && count < MOST_TWINS {
             if twin == wanted {
                 place = count;
             }
             count += 1;
-            twin = self.twins[twin as usize];
+            twin = self.twin_of(twin);
         }
         let bits = u32::BITS - u32::leading_zeros(count - 1);
         let steps = code_bits(coder, bits, place) % count;
-        (0..steps).fold(fan, |fan, _| self.twins[fan as usize])
+        (0..steps).fold(fan, |fan, _| self.twin_of(fan))
     }
 
-    fn code_split<C: BitCoder>(
-        &mut self,
-        coder: &mut C,
-        (fan, ring, is_open): (u32, &[u32], bool),
-        wanted: Option<&Wanted>,
-        first_new: u32,
-    ) {
+    fn code_split<C: BitCoder>(&mut self, coder: &mut C, fan: u32, wanted: Option<&Wanted>, first_new: u32) {
         let new = self.fans.len() as u32;
-        self.corner_count += ring.len() as u64;
+        let (corners, is_open) = (self.ring.corners(), self.ring.is_open);
+        self.corner_count += corners.len() as u64;
         // 1. The corners that move.
-        let mut around = std::mem::take(&mut self.neighbours);
-        around.clear();
-        around.extend(ring.iter().map(|&corner| self.surface.fan(next(corner))));
-        around.push(self.surface.fan(previous(ring[ring.len() - 1])));
         let wanted_split = wanted.map(|wanted| {
-            let start = ring.iter().position(|&corner| triangle_of(corner) == wanted.first);
-            let of_none = if wanted.adds[1] { 0 } else { ring.len() };
+            let start = corners.iter().position(|&corner| triangle_of(corner) == wanted.first);
+            let of_none = if wanted.adds[1] { 0 } else { corners.len() };
             Split { start: start.unwrap_or(of_none), count: wanted.count, is_open, adds: wanted.adds }
         });
         let known = (&self.surface, &self.fans[..], self.batch);
-        let looked = Ring { fan, corners: ring, around: &around, is_open };
-        let split = self.splits.code_split(coder, known, looked, wanted_split);
+        let split = self.splits.code_split(coder, known, (fan, &self.ring), wanted_split);
         self.account(coder, |costs| Some(&mut costs.corners));
         // 2. The point.
-        let mut rim = std::mem::take(&mut self.rim);
-        collect_rim(fan, &around, split, &mut rim);
+        self.ring.repeat(split);
+        let [_, around] = self.ring.run(split);
         let is_first = new == first_new;
         let place = if is_first {
-            self.collect_polygon(&rim);
-            let estimates = Estimates::new(&self.polygon, self.regime);
+            self.estimates.look_around(&self.fans, (fan, around), self.regime);
             let place = wanted.map_or([0; 3], |wanted| wanted.place.map(|x| x >> self.unknown_bits));
             if let Some(fit) = &mut self.fit {
-                fit.add(&estimates, &self.place_model.weights, place);
+                fit.add(&self.estimates, &self.place_model.weights, place);
             }
-            self.place_model.code(coder, &estimates, place)
+            self.place_model.code(coder, &self.estimates, place)
         } else {
             self.fans[first_new as usize].place()
         };
@@ -348,24 +333,22 @@ impl Refiner {
             let number = code_bits(coder, bits, same_as.unwrap_or(0) as u32) % count;
             self.vertices[(first_new + number) as usize]
         } else {
-            self.code_values(coder, &rim, wanted.map(|wanted| &wanted.values[..]));
+            if !self.channels.is_empty() {
+                let [_, around] = self.ring.run(split);
+                let around: Vec<u32> = std::iter::once(fan).chain(around.iter().copied()).collect();
+                self.code_values(coder, &around, wanted.map(|wanted| &wanted.values[..]));
+            }
             self.vertex_count
         };
         self.account(coder, |costs| Some(&mut costs.attributes));
         // 4. Do it.
-        self.use_corners(&rim, ring, split);
         self.push_fan(place, (!is_first).then_some(first_new), vertex, split.adds != [true; 2]);
-        self.update_around(&rim, split);
-        let added = self.surface.split(fan, ring, split);
-        for corner in added.into_iter().filter(|&corner| corner != NONE) {
-            self.surface.set_mark(corner, self.batch);
-        }
+        self.update_around(fan, split);
+        let added = self.surface.split(fan, &self.ring, split, self.batch);
         if let Some(strips) = &mut self.strips {
             strips.follow_split(&self.surface, added);
         }
-        self.fans[fan as usize].split = self.batch as u8;
-        self.record.push([fan, new]);
-        (self.rim, self.neighbours) = (rim, around);
+        self.record.push(if is_first { fan } else { fan | FOLLOWS });
     }
 
     /// Codes the attributes of a new vertex.
@@ -389,26 +372,6 @@ impl Refiner {
         }
     }
 
-    /// Collects what is known around a new point.
-    fn collect_polygon(&mut self, rim: &[u32]) {
-        let polygon = &mut self.polygon;
-        polygon.points.clear();
-        polygon.laplacians = [0; 3];
-        for &fan in rim {
-            let fan = &self.fans[fan as usize];
-            polygon.points.push(fan.place());
-            let laplacian = fan.laplacian();
-            let share = reciprocal(fan.count.into());
-            for j in 0..3 {
-                polygon.laplacians[j] += (16 * i64::from(laplacian[j]) * share) >> 16;
-            }
-        }
-        // A triangle at the end of a border has no third point.
-        if rim.len() == 2 {
-            polygon.points.push(polygon.points[1]);
-        }
-    }
-
     /// Finds what is around all fans.
     pub(super) fn look_around(&mut self) {
         for fan in 0..self.fans.len() {
@@ -418,82 +381,66 @@ impl Refiner {
         self.sum_around();
     }
 
-    /// Sums up the positions around all fans.
+    /// Counts the fans around all fans, and sums up their positions.
     fn sum_around(&mut self) {
-        for fan in &mut self.fans {
-            fan.clear();
-        }
-        for corner in self.surface.corners() {
-            let fan = self.surface.fan(corner) as usize;
-            let of = |corner: u32| self.surface.fan(corner) as usize;
-            let place = self.fans[of(next(corner))].place();
-            self.fans[fan].add(place);
-            if self.fans[fan].is_open && self.surface.after(corner).is_none() {
-                let place = self.fans[of(previous(corner))].place();
-                self.fans[fan].add(place);
-            }
-        }
-    }
-
-    /// Marks the corners of a split as used, before it is done.
-    fn use_corners(&mut self, rim: &[u32], ring: &[u32], split: Split) {
-        let mut use_one = |i: usize| {
-            let used = &mut self.fans[rim[i] as usize].used;
-            *used = used.saturating_add(1);
+        self.fans.iter_mut().for_each(Fan::clear);
+        let mut add = |fan: u32, other: u32| {
+            let place = self.fans[other as usize].place();
+            self.fans[fan as usize].add(place, 1);
         };
-        let Split { start, count, adds, .. } = split;
-        let mut moved = 0_u8;
-        for i in 0..count {
-            let corner = if start + i < ring.len() { ring[start + i] } else { ring[start + i - ring.len()] };
-            // It may be used already where a group has several splits.
-            if self.surface.mark(corner) == self.batch {
-                moved = moved.saturating_add(1);
-            } else {
-                self.surface.set_mark(corner, self.batch);
-                use_one(i + 1);
-                use_one(i + 2);
+        for cells in self.surface.triangles() {
+            for [i, after, before] in [[0, 1, 2], [1, 2, 0], [2, 0, 1]] {
+                add(cells[i], cells[after]);
+                if cells[4 + after] == NONE {
+                    add(cells[i], cells[before]);
+                }
             }
         }
-        for (is_added, end) in adds.into_iter().zip([1, rim.len() - 1]) {
-            if is_added {
-                use_one(0);
-                use_one(end);
-            }
-        }
-        let kept = &mut self.fans[rim[0] as usize];
-        kept.used = kept.used.saturating_sub(moved);
     }
 
-    /// Changes the sums of the fans around the last fan, before it is split off.
-    fn update_around(&mut self, rim: &[u32], split: Split) {
-        let new = self.fans.len() - 1;
-        let (kept, last) = (rim[0] as usize, rim.len() - 1);
+    /// Changes what is known of the fans around the last fan, before it is split off: the corners that are used, the number of fans around and the sum of their
+    /// positions.
+    fn update_around(&mut self, kept: u32, split: Split) {
+        let [corners, around] = self.ring.run(split);
+        let (kept, new, last) = (kept as usize, self.fans.len() - 1, around.len() - 1);
         let [of_kept, of_new] = [kept, new].map(|fan| self.fans[fan].place());
-        self.fans[new].add(of_kept);
-        for (i, &fan) in rim.iter().enumerate().skip(1) {
-            let place = self.fans[fan as usize].place();
-            self.fans[new].add(place);
-            // The first and the last one stay neighbours of the kept fan if a triangle is added there.
-            let stays = split.count == 0 || i == 1 && split.adds[0] || i == last && split.adds[1];
-            if !stays {
-                self.fans[fan as usize].remove(of_kept);
-                self.fans[kept].remove(place);
+        let moved = difference(of_new, of_kept);
+        let (mut of_lost, mut lost, mut all) = ([0; 3], 0, of_kept);
+        let (mut not_free, mut before) = (0, 0);
+        for (i, &other) in around.iter().enumerate() {
+            // The corner between this fan and the next one moves.
+            let mut used = 0;
+            if let Some(&corner) = corners.get(i) {
+                // It may be used already where a group has several splits.
+                used = u32::from(self.surface.mark(corner) != self.batch);
+                not_free += 1 - used;
+                self.surface.set_mark(corner, self.batch);
             }
-            self.fans[fan as usize].add(of_new);
+            let fan = &mut self.fans[other as usize];
+            let place = fan.place();
+            all = sum(all, place);
+            // The first and the last one stay neighbours of the kept fan if a triangle is added there.
+            let stays = corners.is_empty() || i == 0 && split.adds[0] || i == last && split.adds[1];
+            fan.use_corners(self.batch, before + used + u32::from(stays), 0);
+            before = used;
+            if stays {
+                fan.add(of_new, 1);
+            } else {
+                (of_lost, lost) = (sum(of_lost, place), lost + 1);
+                fan.add(moved, 0);
+            }
         }
-        self.fans[kept].add(of_new);
+        self.fans[new].add(all, around.len() as u32 + 1);
+        let kept = &mut self.fans[kept];
+        kept.use_corners(self.batch, split.adds.map(u32::from).iter().sum(), not_free);
+        kept.add(difference(of_new, of_lost), 1_u32.wrapping_sub(lost));
     }
 }
 
-/// Collects the fans around the new point: the kept one, then those around the corners that move.
-fn collect_rim(fan: u32, around: &[u32], split: Split, rim: &mut Vec<u32>) {
-    let Split { start, count, adds, .. } = split;
-    let n = around.len() - 1;
-    rim.clear();
-    rim.push(fan);
-    match count {
-        0 if adds[0] => rim.push(around[n]),
-        0 => rim.push(around[0]),
-        _ => rim.extend((start..=start + count).map(|i| around[if i <= n { i } else { i - n }])),
-    }
+fn sum(a: Place, b: Place) -> Place {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+fn difference(a: Place, b: Place) -> Place {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }

@@ -4,7 +4,7 @@
 //! After a choice, each score moves by the difference of what was chosen and its probability: the gradient of the bits that the choice took. A
 //! decision is a choice between a score and 0.
 //!
-//! Scores are integers, in units of 1/65536 of a natural logarithm.
+//! Scores are integers modulo 2³², in units of 1/65536 of a natural logarithm.
 //!
 //! # Complexity
 //! O(1) per feature.
@@ -15,7 +15,7 @@
 use super::range_coder::{BitCoder, WHOLE};
 
 /// Falls by one part in 32 of a natural logarithm: 2²⁴ e^(−k / 32), rounded down at each step.
-pub(super) const FALLS: [u32; 256] = {
+const FALLS: [u32; 256] = {
     let mut falls = [1 << 24; 256];
     let mut k = 1;
     while k < falls.len() {
@@ -25,34 +25,38 @@ pub(super) const FALLS: [u32; 256] = {
     falls
 };
 
-/// The shares of [`WHOLE`] of a decision whose score is less than 0.
-const LESS: [u16; 256] = {
-    let mut less = [0; 256];
+/// The same, 4096 at first.
+const WEIGHTS: [u16; 256] = {
+    let mut weights = [0; 256];
     let mut k = 0;
-    while k < less.len() {
-        less[k] = (((FALLS[k] as u64) << 16) / (FALLS[k] as u64 + (1 << 24))) as u16;
+    while k < weights.len() {
+        weights[k] = (FALLS[k] >> 12) as u16;
         k += 1;
     }
-    less
+    weights
 };
 
-/// Where in [`FALLS`] a difference of scores is.
+/// The shares of [`WHOLE`] of a decision: by 1/32 of a natural logarithm, those of scores less than 0 first.
+const SHARES: [u16; 512] = {
+    let mut shares = [0; 512];
+    let mut k = 0;
+    while k < 256 {
+        let less = ((FALLS[k] as u64) << 16) / (FALLS[k] as u64 + (1 << 24));
+        shares[255 - k] = less as u16;
+        shares[256 + k] = (WHOLE as u64 - less) as u16;
+        k += 1;
+    }
+    shares
+};
+
+/// Returns the weight of a choice, from 1 to 4096, whose score is less than the largest one by `difference`.
 #[inline]
-pub(super) fn place_of(difference: u32) -> usize {
-    (difference >> 11).min(255) as usize
+pub(super) fn weight_of(difference: u32) -> u32 {
+    WEIGHTS[(difference >> 11).min(255) as usize].into()
 }
 
-/// The largest score.
-const MOST_SCORE: i32 = 1 << 21;
-
-/// Moves a score by an error in 1/65536, at a rate in 1/128.
-#[inline]
-pub(super) fn learn(score: &mut i32, error: i32, rate: i32) {
-    *score = (*score + ((error * rate) >> 7)).clamp(-MOST_SCORE, MOST_SCORE);
-}
-
-/// How fast the scores of decisions move.
-const DECISION_RATE: i32 = 10;
+/// How slowly the scores of decisions move: by one part in 2⁴ of an error.
+const DECISION_RATE: i32 = 4;
 
 /// The scores of one kind of decision, which has some features.
 #[derive(Debug, Clone)]
@@ -73,16 +77,13 @@ impl Scores {
         features: [usize; N],
         bit: bool,
     ) -> bool {
-        let mut sum = 0;
-        for feature in features {
-            sum += self.scores[feature];
-        }
-        let less = LESS[place_of(sum.unsigned_abs())].into();
-        let share = if sum < 0 { less } else { WHOLE - less };
+        let sum = features.iter().fold(0, |sum: i32, &feature| sum.wrapping_add(self.scores[feature]));
+        let place = ((sum >> 11) + 256).clamp(0, 511);
+        let share: u32 = SHARES[place.cast_unsigned() as usize].into();
         let bit = coder.code(share, bit);
-        let error = if bit { WHOLE.cast_signed() } else { 0 } - share.cast_signed();
+        let error = (i32::from(bit) << 16) - share.cast_signed();
         for feature in features {
-            learn(&mut self.scores[feature], error, DECISION_RATE);
+            self.scores[feature] = self.scores[feature].wrapping_add(error >> DECISION_RATE);
         }
         bit
     }

@@ -4,15 +4,15 @@
 //! Each context has a slot with a probability and a count. After a decision the probability moves towards it by one part in count + 1.5, and the count
 //! grows up to a limit: at first the slot is the mean of what it has seen, later it follows changes.
 //!
-//! Everything is an integer of at most 32 bits: probabilities of 22 bits in slots and 16 bits for the coder.
+//! Everything is an integer of at most 32 bits: probabilities of 24 bits in slots and 16 bits for the coder.
 //!
 //! # Complexity
 //! O(1) per decision; 4 bytes per slot.
 
-use super::range_coder::{BitCoder, WHOLE};
+use super::range_coder::BitCoder;
 
 /// A slot counts up to this.
-const MOST_COUNT: u32 = 250;
+const MOST_COUNT: u8 = 255;
 
 /// 2¹⁵ / (count + 1.5).
 const RATES: [u16; MOST_COUNT as usize + 1] = {
@@ -25,15 +25,16 @@ const RATES: [u16; MOST_COUNT as usize + 1] = {
     rates
 };
 
-/// A slot: a probability of 22 bits above a count of 10 bits.
+/// A slot: a probability of 24 bits above a count of 8 bits.
 const NEW_SLOT: u32 = 1 << 31;
 
 #[inline]
 fn learn(slot: &mut u32, bit: bool) {
-    let (share, count) = ((*slot >> 10).cast_signed(), *slot & 1023);
-    let target = if bit { (1 << 22) - 1 } else { 0 };
-    let change = (((target - share) >> 6) * i32::from(RATES[(count as usize).min(RATES.len() - 1)])) >> 9;
-    *slot = (share + change).cast_unsigned() << 10 | (count + u32::from(count < MOST_COUNT));
+    let count = *slot as u8;
+    let target = i32::from(bit).wrapping_neg() & 0xFF_FFFF;
+    let change = ((target - (*slot >> 8).cast_signed()) >> 8) * i32::from(RATES[usize::from(count)]);
+    // One part in 2⁷ of it, above the count.
+    *slot = slot.wrapping_add(change.cast_unsigned() << 1 & !0xFF) + u32::from(count < MOST_COUNT);
 }
 
 /// A decision with a probability in each of some contexts.
@@ -53,23 +54,29 @@ impl Simple {
         code_slot(coder, &mut self.slots[context], bit)
     }
 
-    /// Codes a number of less than 16 by four decisions, the highest bit first, with the slots of a context; each context has 16.
+    /// Codes a number of up to four bits by as many decisions, the highest bit first, with the slots of a context; each context has 16.
     #[inline]
-    pub(super) fn code_symbol<C: BitCoder>(&mut self, coder: &mut C, context: usize, symbol: usize) -> usize {
+    pub(super) fn code_number<C: BitCoder>(
+        &mut self,
+        coder: &mut C,
+        context: usize,
+        bits: usize,
+        number: usize,
+    ) -> usize {
         let Some(slots) = self.slots[16 * context..].first_chunk_mut::<16>() else { return 0 };
         let mut node = 1;
-        for i in [3, 2, 1, 0] {
-            let bit = code_slot(coder, &mut slots[node & 15], symbol >> i & 1 != 0);
+        for i in (0..bits).rev() {
+            let bit = code_slot(coder, &mut slots[node & 15], number >> i & 1 != 0);
             node = 2 * node + usize::from(bit);
         }
-        node - 16
+        node - (1 << bits)
     }
 }
 
 #[inline]
 fn code_slot<C: BitCoder>(coder: &mut C, slot: &mut u32, bit: bool) -> bool {
-    let share = (*slot >> 16).clamp(32, WHOLE - 32);
-    let bit = coder.code(share, bit);
+    // Neither none nor all.
+    let bit = coder.code(*slot >> 16 | 1, bit);
     learn(slot, bit);
     bit
 }

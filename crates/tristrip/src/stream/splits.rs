@@ -1,111 +1,33 @@
 //! Which fans a batch splits, and which of their corners move.
 //!
 //! # Algorithm
-//! In each batch, triangles that a split has moved or added are *used*: no other split of the batch moves them. For each fan, in the order of their numbers:
+//! In each batch, triangles that a split has moved or added are *used*, others are *free*: no other split of the batch moves those that are used. For each fan, in the order of
+//! the batch:
 //!
-//! 1. Is there a (further) split? Features: the valence and the used corners, the age of the fan, and how far it is from the mean of its neighbours, as
+//! 1. Is there a (further) split? Features: the valence and the free corners, the age of the fan, and how far it is from the mean of its neighbours, as
 //!    a split tells what a curved surface lacks. None of them needs a look at the fans around.
 //! 2. An open fan: is a triangle only added at its end, and at which one?
-//! 3. The corners that move, as one choice among all runs of free corners. An edge of the fan is the first of a run, the last, within, or not of it. Its
-//!    features are its length, compared with the other edges and with the line between its neighbours, and the valence at its other end: edges that are
-//!    not of the finer mesh are long.
-//! 4. Corners at the end of an open fan: is there a triangle beyond?
+//! 3. How many corners move, given the valence and how many free corners follow one another: the shape of the fan says little about it.
+//! 4. The first of them, as one choice among all that so many free corners follow. An edge of the fan is the first of the run, the last, within, or not of
+//!    it. Its features are its length, compared with the other edges, and the valence at its other end: edges that are not of the finer mesh are long.
+//! 5. Corners at the end of an open fan: is there a triangle beyond?
+//!
+//! # Complexity
+//! O(1) for a mark, O(n) for a split of a fan of n corners.
 //!
 //! # References
 //! Pajarola, Rossignac: *Compressed Progressive Meshes*, 2000 (batches of splits, and marks of what splits).
 
+use super::fans::{Fan, square_distance};
 use super::numbers::logarithm;
-use super::places::{Place, square_distance};
-use super::range_coder::{BitCoder, code_bits};
-use super::scores::{FALLS, Scores, learn, place_of};
+use super::range_coder::{BitCoder, WHOLE, code_bits};
+use super::scores::{Scores, weight_of};
 use super::slots::Simple;
-use super::surface::{MOST_CORNERS, NONE, Split, Surface};
+use super::surface::{MOST_CORNERS, Ring, Split, Surface};
 
-/// What is known of a fan. Two of them have room in a cache line: most of the time of decoding goes by while they are fetched.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[repr(align(32))]
-pub(super) struct Fan {
-    /// Its position, in steps of the current precision.
-    place: [u16; 3],
-    /// The number of fans around, modulo 2¹⁶, and the sum of their positions, modulo 2³².
-    pub(super) count: u16,
-    sum: [i32; 3],
-    /// The fan that a batch visits after this one, or none.
-    pub(super) next: u32,
-    /// The batches in which it arose and was last split, modulo 2⁸; 0 for the base mesh.
-    pub(super) born: u8,
-    pub(super) split: u8,
-    /// The corners that the batch has used, at most 255.
-    pub(super) used: u8,
-    pub(super) is_open: bool,
-}
-
-impl Fan {
-    /// Creates a fan of a batch with none around.
-    #[inline]
-    pub(super) fn new(place: Place, batch: u32, is_open: bool) -> Self {
-        let mut fan = Self {
-            place: [0; 3],
-            count: 0,
-            sum: [0; 3],
-            next: NONE,
-            born: batch as u8,
-            split: batch as u8,
-            used: 0,
-            is_open,
-        };
-        fan.set_place(place);
-        fan
-    }
-
-    #[inline]
-    pub(super) fn place(&self) -> Place {
-        let [x, y, z] = self.place;
-        [x.into(), y.into(), z.into()]
-    }
-
-    #[inline]
-    pub(super) fn set_place(&mut self, place: Place) {
-        for j in 0..3 {
-            self.place[j] = place[j].cast_unsigned() as u16;
-        }
-    }
-
-    /// Forgets the fans around.
-    pub(super) fn clear(&mut self) {
-        (self.sum, self.count) = ([0; 3], 0);
-    }
-
-    #[inline]
-    pub(super) fn add(&mut self, place: Place) {
-        for j in 0..3 {
-            self.sum[j] = self.sum[j].wrapping_add(place[j]);
-        }
-        self.count = self.count.wrapping_add(1);
-    }
-
-    #[inline]
-    pub(super) fn remove(&mut self, place: Place) {
-        for j in 0..3 {
-            self.sum[j] = self.sum[j].wrapping_sub(place[j]);
-        }
-        self.count = self.count.wrapping_sub(1);
-    }
-
-    /// Returns how far the position is from the mean of those around, times their number.
-    #[inline]
-    pub(super) fn laplacian(&self) -> Place {
-        let mut laplacian = [0; 3];
-        for j in 0..3 {
-            laplacian[j] = i32::from(self.place[j]).wrapping_mul(self.count.into()).wrapping_sub(self.sum[j]);
-        }
-        laplacian
-    }
-}
-
-/// The features of a mark: valence, used corners, whether the fan is open and has been split in this batch; ages; distance from the mean.
+/// The features of a mark: valence, free corners, whether the fan is open and has been split in this batch; then its age; then its distance from the mean.
 const AGES: usize = 16 * 8 * 4;
-const DISTANCES: usize = AGES + 8 * 8;
+const DISTANCES: usize = AGES + 8;
 const MARK_FEATURES: usize = DISTANCES + 32;
 
 /// What an edge of a fan is to a run of corners: its first edge, one within, or its last one. Scores have one more, which is not used, so that rows have a power of two.
@@ -113,48 +35,25 @@ const FIRST: usize = 0;
 const WITHIN: usize = 1;
 const LAST: usize = 2;
 type Roles = [i32; 4];
-/// The features of an edge: its shape, and the valence at its other end; and those of the number of corners.
-const SHAPES: usize = 9 * 16;
-const VALENCES: usize = 8 * 8;
-const COUNTS: usize = 8 * 32;
-/// How fast the scores of runs move, in 1/128.
-const RUN_RATE: i32 = 5;
-/// So many runs are all learned from, of later ones one in four: that takes a fifth less time, and 0.04 bits more per vertex.
-const LEARNED_RUNS: u32 = 1 << 11;
-/// A fan of more corners has no choices by scores: they would take time in proportion to the square.
-const MOST_CHOICES: usize = 24;
+/// The features of an edge: its length, and the valence at its other end, or that it is a border.
+const LENGTHS: usize = 16;
+const VALENCES: usize = 16;
+const BORDER: u8 = 0;
+/// How slowly the scores of runs move: by one part in 2⁴ of an error.
+const RUN_RATE: i32 = 4;
+/// A fan of more corners has no choices by scores.
+const MOST_CHOICES: usize = 15;
+/// Edges of such a fan, at most, and cells in which an index of four bits cannot be wrong.
+const EDGES: usize = MOST_CHOICES + 1;
 
 /// The models of splits.
 #[derive(Debug, Clone)]
 pub(super) struct SplitModel {
     marks: Scores,
     sides: Simple,
-    shapes: Vec<Roles>,
-    valences: Vec<Roles>,
-    counts: Vec<i32>,
-    /// The mean of the logarithm of the distances of fans from the mean of those around, in 1/256 of 1/8.
-    usual: i32,
-    edges: Edges,
-    /// The runs that were coded.
-    run_count: u32,
-    /// The scores of all runs of a fan, then their weights.
-    weights: Vec<i32>,
-}
-
-/// The features of the edges of a fan.
-#[derive(Debug, Clone, Default)]
-struct Edges {
-    shapes: [usize; 32],
-    valences: [usize; 32],
-}
-
-/// A fan with its corners, and the fans at the other ends of its edges: one more than the corners.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Ring<'a> {
-    pub(super) fan: u32,
-    pub(super) corners: &'a [u32],
-    pub(super) around: &'a [u32],
-    pub(super) is_open: bool,
+    counts: Simple,
+    lengths: [Roles; LENGTHS],
+    valences: [Roles; VALENCES],
 }
 
 impl SplitModel {
@@ -162,13 +61,9 @@ impl SplitModel {
         Self {
             marks: Scores::new(MARK_FEATURES),
             sides: Simple::new(4),
-            shapes: vec![Roles::default(); SHAPES],
-            valences: vec![Roles::default(); VALENCES],
-            counts: vec![0; COUNTS],
-            usual: 0,
-            edges: Edges::default(),
-            run_count: 0,
-            weights: vec![0; MOST_CHOICES * MOST_CHOICES],
+            counts: Simple::new(16 * 16 * 16),
+            lengths: [[0; 4]; LENGTHS],
+            valences: [[0; 4]; VALENCES],
         }
     }
 
@@ -182,23 +77,18 @@ impl SplitModel {
         done: usize,
         bit: bool,
     ) -> bool {
-        let open = usize::from(fan.is_open);
-        let n = (fan.count as usize).saturating_sub(open);
-        let used = fan.used as usize;
-        if n + open < 2 || n > MOST_CORNERS || used >= n && !fan.is_open {
+        let (open, count) = (usize::from(fan.is_open), usize::from(fan.count));
+        let free = count.saturating_sub(open + fan.used(batch) as usize);
+        if !(2..=MOST_CORNERS).contains(&count) || free == 0 && !fan.is_open {
             return false;
         }
         let [x, y, z] = fan.laplacian().map(|x| u64::from(x.unsigned_abs()));
-        let distance = logarithm(x + y + z + 1) - logarithm(fan.count.into());
-        let since = |other: u8| usize::from((batch as u8).wrapping_sub(other).min(7));
-        let (age, quiet) = (since(fan.born), since(fan.split));
-        let usual = &mut self.usual;
-        let relative = ((distance - (*usual >> 8)) >> 1) + 16;
-        *usual += (distance * 256 - *usual) >> 7;
+        let distance = (logarithm(x + y + z + 1) - logarithm(fan.count.into())) >> 2;
+        let age = (batch as u8).wrapping_sub(fan.born).min(7);
         let features = [
-            (n.min(15) * 8 + used.min(7)) * 4 + done.min(1) * 2 + open,
-            AGES + age * 8 + quiet,
-            DISTANCES + relative.clamp(0, 31).cast_unsigned() as usize,
+            (count.min(15) * 8 + free.min(7)) * 4 + done.min(1) * 2 + open,
+            AGES + usize::from(age),
+            DISTANCES + (distance + 4).clamp(0, 31).cast_unsigned() as usize,
         ];
         self.marks.code(coder, features, bit)
     }
@@ -208,12 +98,12 @@ impl SplitModel {
         &mut self,
         coder: &mut C,
         (surface, fans, batch): (&Surface, &[Fan], u32),
-        ring: Ring<'_>,
+        (fan, ring): (u32, &Ring),
         wanted: Option<Split>,
     ) -> Split {
-        let (n, is_open) = (ring.corners.len(), ring.is_open);
-        let is_free = |i: usize| surface.mark(ring.corners[i]) != batch;
-        let can_move = (0..n).any(is_free);
+        let (n, is_open) = (ring.corners().len(), ring.is_open);
+        let is_free = |i: usize| surface.mark(ring.corners()[i]) != batch;
+        let can_move = if n > MOST_CHOICES { (0..n).any(is_free) } else { ring.free != 0 };
         if is_open {
             let moves_none = wanted.is_some_and(|split| split.count == 0);
             if !can_move || self.sides.code(coder, 0, moves_none) {
@@ -226,10 +116,7 @@ impl SplitModel {
         let [start, count] = match () {
             () if !can_move => [0, 1],
             () if n > MOST_CHOICES => code_plain(coder, is_free, (n, is_open), run),
-            () => {
-                self.look_around(fans, &ring);
-                self.code_run(coder, is_free, (n, is_open), run)
-            }
+            () => self.code_run(coder, fans, (fan, ring), run),
         };
         let mut adds = [true; 2];
         if is_open && start == 0 {
@@ -241,162 +128,152 @@ impl SplitModel {
         Split { start, count, is_open, adds }
     }
 
-    /// Finds the features of the edges of a fan.
-    #[inline]
-    fn look_around(&mut self, fans: &[Fan], ring: &Ring<'_>) {
-        let center = fans[ring.fan as usize].place();
-        let n = ring.corners.len();
-        let edge_count = if ring.is_open { n + 1 } else { n };
-        let of_ring = n.clamp(4, 11) - 4;
-        let of = |i: usize| &fans[ring.around[i] as usize];
-        let (mut before, mut at, mut count) = (of(n - 1).place(), of(0).place(), of(0).count);
-        let mut lengths = [0; 32];
-        let mut sum = 0;
-        for i in 0..edge_count.min(32) {
-            let next = of((i + 1).min(n));
-            let after = next.place();
-            let square = square_distance(at, center);
-            sum += square;
-            let length = logarithm(square);
-            lengths[i] = length;
-            let across = logarithm(square_distance(before, after));
-            let is_border = ring.is_open && (i == 0 || i == n);
-            let chord = if is_border { 8 } else { ((length - across + 16) >> 2).clamp(0, 7) };
-            self.edges.shapes[i] = chord.cast_unsigned() as usize * 16;
-            self.edges.valences[i] = (usize::from(count.clamp(3, 10)) - 3) * 8 + of_ring;
-            (before, at, count) = (at, after, next.count);
-        }
-        let mean = logarithm(sum) - logarithm(edge_count as u64);
-        for (shape, length) in self.edges.shapes.iter_mut().zip(lengths).take(edge_count) {
-            let relative = ((5 * (length - mean)) >> 4) + 8;
-            *shape += relative.clamp(0, 15).cast_unsigned() as usize;
-        }
-    }
-
     /// Codes a run of free corners: the first one, and their number.
     #[inline]
     fn code_run<C: BitCoder>(
         &mut self,
         coder: &mut C,
-        is_free: impl Fn(usize) -> bool,
-        (n, is_open): (usize, bool),
-        wanted: [usize; 2],
+        fans: &[Fan],
+        (fan, ring): (u32, &Ring),
+        [wanted_start, wanted_count]: [usize; 2],
     ) -> [usize; 2] {
-        // 1. The scores of a run are those of its first edge, of the edges within, of the last edge, and of its length. Around a closed fan,
-        //    edges are counted twice.
+        // 1. Where so many free corners follow one another, as bits; around a closed fan not all.
+        let (n, is_open) = (ring.corners().len().min(MOST_CHOICES), ring.is_open);
+        let twice = if is_open { ring.free } else { ring.free | ring.free << n };
+        let largest = if is_open { n } else { (n - 1).max(1) };
+        let (mut starts, mut longest) = ([ring.free; EDGES], 1);
+        while longest < largest && starts[longest] & twice >> longest != 0 {
+            starts[longest + 1] = starts[longest] & twice >> longest;
+            longest += 1;
+        }
+        // 2. The number of corners.
+        let mut count = 1;
+        if longest > 1 {
+            let (context, bits) = (16 * n + longest, if n <= 8 { 3 } else { 4 });
+            let wanted = wanted_count.saturating_sub(1).min(15);
+            count = (self.counts.code_number(coder, context, bits, wanted) + 1).min(longest);
+        }
+        [self.code_start(coder, fans, (fan, ring), (starts[count], count), wanted_start), count]
+    }
+
+    /// Codes the first corner of a run, one of some that are given as bits.
+    #[inline]
+    fn code_start<C: BitCoder>(
+        &mut self,
+        coder: &mut C,
+        fans: &[Fan],
+        (fan, ring): (u32, &Ring),
+        (mut starts, count): (u32, usize),
+        wanted_start: usize,
+    ) -> usize {
+        if starts.is_power_of_two() {
+            return starts.trailing_zeros() as usize;
+        }
+        // 1. The scores: those of its first edge, of the edges within, and of the last edge. Around a closed fan, edges are counted twice.
+        let (n, is_open) = (ring.corners().len().min(MOST_CHOICES), ring.is_open);
         let edge_count = if is_open { n + 1 } else { n };
-        let (mut firsts, mut ends, mut within) = ([0; 64], [0; 64], 0);
-        for i in 0..edge_count.min(32) {
-            let (shape, valence) =
-                (&self.shapes[self.edges.shapes[i]], &self.valences[self.edges.valences[i]]);
-            ends[i] = within + shape[LAST] + valence[LAST];
-            within += shape[WITHIN] + valence[WITHIN];
-            firsts[i] = shape[FIRST] + valence[FIRST] - within;
+        let features = edge_features(fans, fan, ring, edge_count);
+        let (mut firsts, mut ends, mut within) = ([0_i32; EDGES], [0_i32; 2 * EDGES], 0_i32);
+        for i in 0..edge_count {
+            let [length, valence] = self.rows(features[i]).map(|row| *row);
+            ends[i] = within.wrapping_add(length[LAST]).wrapping_add(valence[LAST]);
+            within = within.wrapping_add(length[WITHIN]).wrapping_add(valence[WITHIN]);
+            firsts[i] = length[FIRST].wrapping_add(valence[FIRST]).wrapping_sub(within);
         }
         if !is_open {
-            (0..n.min(32)).for_each(|i| ends[n + i] = ends[i] + within);
+            (0..count).for_each(|i| ends[n + i] = ends[i].wrapping_add(within));
         }
-        let (mut lengths, mut run) = ([0; 32], 0);
-        for turn in if is_open { 0..1 } else { 0..2 } {
-            for i in (0..n.min(32)).rev() {
-                run = if is_free(i) { run + 1 } else { 0 };
-                lengths[i] = if turn == 1 { run.min((n - 1).max(1)) } else { run };
+        let (mut choices, mut scores, mut number, mut most) = ([0_u8; EDGES], [0_i32; EDGES], 0, i32::MIN);
+        while starts != 0 {
+            let i = starts.trailing_zeros() as usize & (EDGES - 1);
+            starts &= starts - 1;
+            let score = firsts[i].wrapping_add(ends[i + count]);
+            (choices[number], scores[number]) = (i as u8, score);
+            most = most.max(score);
+            number = (number + 1) & (EDGES - 1);
+        }
+        // 2. Their shares of the whole.
+        let (mut shares, mut all) = ([0; EDGES], 0);
+        for c in 0..number {
+            shares[c] = weight_of(most.wrapping_sub(scores[c]).cast_unsigned());
+            all += shares[c];
+        }
+        let unit = u32::MAX / all;
+        // A start that is not among them is another one, which the encoder notices.
+        let (mut wanted, mut sum) = (0, 0);
+        for c in 0..number {
+            shares[c] = (shares[c] * unit) >> 16;
+            if usize::from(choices[c]) == wanted_start {
+                wanted = sum;
             }
+            sum += shares[c];
         }
-        let counts = &mut self.counts[32 * (n.clamp(4, 11) - 4)..][..32];
-        let (mut number, mut most) = (0, i32::MIN);
-        for i in 0..n.min(32) {
-            let length = lengths[i];
-            let runs = &mut self.weights[number..number + length];
-            for ((run, end), count) in runs.iter_mut().zip(&ends[i + 1..]).zip(&counts[1..]) {
-                *run = firsts[i] + end + count;
-                most = most.max(*run);
-            }
-            number += length;
+        // 3. The choice. What rounding has left belongs to the last one.
+        let part = coder.seek(16, wanted);
+        let (mut choice, mut passed, mut sum) = (0, 0, 0);
+        for c in 0..number - 1 {
+            sum += shares[c];
+            (choice, passed) = if part >= sum { (c + 1, sum) } else { (choice, passed) };
         }
-        self.run_count = self.run_count.wrapping_add(1);
-        let learns = self.run_count <= LEARNED_RUNS || self.run_count.is_multiple_of(4);
-        // 2. Their weights, and the sums of those with a first edge, with a last one, and with a number of corners.
-        let (mut of_firsts, mut of_ends, mut of_counts) = ([0; 32], [0; 64], [0; 32]);
-        let (mut all, mut part, mut at) = (0, 0, 0);
-        for i in 0..n.min(32) {
-            let before = all;
-            let runs = &mut self.weights[at..at + lengths[i]];
-            for run in &mut *runs {
-                *run = (FALLS[place_of((most - *run).cast_unsigned())] >> 12).cast_signed();
-                all += *run;
-            }
-            of_firsts[i] = all - before;
-            at += lengths[i];
-            if i == wanted[0] {
-                part = before + runs.iter().take(wanted[1].saturating_sub(1)).sum::<i32>();
-            }
-            if learns {
-                let of_runs = of_ends[i + 1..].iter_mut().zip(&mut of_counts[1..]);
-                for (run, (end, count)) in runs.iter().zip(of_runs) {
-                    *end += run;
-                    *count += run;
-                }
-            }
+        coder.take(passed, if choice + 1 < number { shares[choice] } else { WHOLE - passed });
+        // 4. The errors of all corners, repeated before the first one.
+        let mut errors = [0_i32; 2 * EDGES];
+        for c in 0..number {
+            let error = (i32::from(c == choice) << 16) - shares[c].cast_signed();
+            errors[EDGES + usize::from(choices[c] & 15)] = error >> RUN_RATE;
         }
-        // 3. The choice.
-        // A run that is not among them is another one, which the encoder notices.
-        let part = part.min(all - 1);
-        let part = coder.seek(all.cast_unsigned(), part.cast_unsigned()).cast_signed();
-        let (mut start, mut passed, mut at) = (0, 0, 0);
-        while part >= passed + of_firsts[start] {
-            passed += of_firsts[start];
-            at += lengths[start];
-            start += 1;
+        if !is_open {
+            (1..=count).for_each(|by| errors[EDGES - by] = errors[EDGES + n - by]);
         }
-        let mut count = 1;
-        while part >= passed + self.weights[at] {
-            passed += self.weights[at];
-            at += 1;
-            count += 1;
-        }
-        coder.take(passed.cast_unsigned(), self.weights[at].cast_unsigned());
-        if !learns {
-            return [start, count];
-        }
-        // 4. Learn. An edge is within the runs that have begun before it and not ended.
-        let unit = u32::MAX / all.cast_unsigned();
-        let share = |weight: i32| ((weight.cast_unsigned() * unit) >> 16).cast_signed();
-        let mut open = if is_open { 0 } else { all - of_ends[..n].iter().sum::<i32>() };
-        for i in 0..edge_count.min(32) {
-            let mut roles = [of_firsts[i], 0, of_ends[i], 0];
-            if !is_open {
-                roles[LAST] += of_ends[n + i];
-            }
-            open -= roles[LAST];
-            roles[WITHIN] = open;
-            open += roles[FIRST];
-            let is = |role: bool| i32::from(role) << 16;
-            let steps = match i.checked_sub(start) {
-                Some(steps) => steps,
-                None if is_open => usize::MAX,
-                None => i + n - start,
-            };
-            let is_within = steps > 0 && steps < count;
-            let errors = [
-                is(i == start) - share(roles[FIRST]),
-                is(is_within) - share(roles[WITHIN]),
-                is(steps == count) - share(roles[LAST]),
-                0,
-            ];
-            let rows = [&mut self.shapes[self.edges.shapes[i]], &mut self.valences[self.edges.valences[i]]];
-            for row in rows {
-                for role in 0..4 {
-                    learn(&mut row[role], errors[role], RUN_RATE);
-                }
-            }
-        }
-        for i in 1..=n.min(31) {
-            let error = if i == count { 1 << 16 } else { 0 } - share(of_counts[i]);
-            learn(&mut counts[i], error, RUN_RATE);
-        }
-        [start, count]
+        self.learn_start(&features[..edge_count], &errors, count);
+        choices[choice].into()
     }
+
+    /// Learns from the errors of all first corners of runs, from `errors[EDGES]` on. An edge is within the runs that have begun before it and not ended.
+    #[inline]
+    fn learn_start(&mut self, features: &[[u8; 2]], errors: &[i32; 2 * EDGES], count: usize) {
+        let (firsts, lasts) = (&errors[EDGES..], &errors[EDGES - count..]);
+        let mut within: i32 = lasts[1..count].iter().sum();
+        for (i, &features) in features.iter().enumerate() {
+            let error = [firsts[i], within, lasts[i], 0];
+            for row in self.rows(features) {
+                for role in 0..4 {
+                    row[role] = row[role].wrapping_add(error[role]);
+                }
+            }
+            within += firsts[i] - lasts[i + 1];
+        }
+    }
+
+    /// Returns the scores of the features of an edge.
+    #[inline]
+    fn rows(&mut self, [length, valence]: [u8; 2]) -> [&mut Roles; 2] {
+        [&mut self.lengths[usize::from(length & 15)], &mut self.valences[usize::from(valence & 15)]]
+    }
+}
+
+/// Finds the features of the edges of a fan.
+#[inline]
+fn edge_features(fans: &[Fan], fan: u32, ring: &Ring, edge_count: usize) -> [[u8; 2]; EDGES] {
+    let (mut features, mut lengths, mut sum) = ([[0; 2]; EDGES], [0; EDGES], 1);
+    let center = fans[fan as usize].place();
+    for ((feature, length), &other) in features.iter_mut().zip(&mut lengths).zip(&ring.around()[..edge_count])
+    {
+        let fan = &fans[other as usize];
+        let square = square_distance(fan.place(), center) + 1;
+        sum += square;
+        *length = logarithm(square);
+        feature[1] = fan.count.min(15) as u8;
+    }
+    let mean = logarithm(sum) - logarithm(edge_count as u64);
+    for (feature, length) in features.iter_mut().zip(lengths).take(edge_count) {
+        let length = ((5 * (length - mean)) >> 4) + 8;
+        feature[0] = length.clamp(0, 15).cast_unsigned() as u8;
+    }
+    if ring.is_open {
+        (features[0][1], features[edge_count - 1][1]) = (BORDER, BORDER);
+    }
+    features
 }
 
 /// Codes a run of free corners where there are many.

@@ -28,9 +28,9 @@
 //!
 //! | model | chunks | mean | full mesh | decoding, ms | with strips, ms |
 //! |---|---|---|---|---|---|
-//! | bunny | 32 | 42.8 (44.6) | 40.8 (42.4) | 102 | 224 |
-//! | horse | 38 | 42.6 (44.4) | 41.2 (42.9) | 168 | 369 |
-//! | dragon | 248 | 43.2 (45.2) | 43.4 (45.4) | 2283 | 4722 |
+//! | bunny | 31 | 42.3 (44.0) | 39.9 (41.2) | 22 | 121 |
+//! | horse | 38 | 42.1 (43.8) | 40.2 (41.5) | 29 | 189 |
+//! | dragon | 249 | 42.4 (44.1) | 42.5 (44.2) | 349 | 1785 |
 //!
 //! # References
 //! Kim, Park, Yang, Neelamkavil: *A Rendering-Efficient Progressive Transmission of 3D Meshes*, 2005 (strips that a stream carries). Porcu, Sanna, Scateni: *Efficiently Keeping an

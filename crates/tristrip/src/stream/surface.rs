@@ -64,9 +64,8 @@ impl Surface {
         let corner = |i: u32| if i == NONE { NONE } else { 8 * (i / 3) + i % 3 };
         let mut surface = Self::default();
         for triangle in opposite.chunks_exact(3) {
-            surface.push([NONE; 3]);
-            let first = surface.cells.len() - 4;
-            (0..3).for_each(|i| surface.cells[first + i] = corner(triangle[i]));
+            let [a, b, c] = [0, 1, 2].map(|i| corner(triangle[i]));
+            surface.cells.extend([NONE, NONE, NONE, 0, a, b, c, NONE]);
         }
         surface.number_fans();
         surface
@@ -91,6 +90,22 @@ impl Surface {
     /// Returns all corners.
     pub(super) fn corners(&self) -> impl Iterator<Item = u32> + use<> {
         (0..self.triangle_count() as u32).flat_map(corners_of)
+    }
+
+    /// Returns the number of triangles that there is room for.
+    pub(super) fn capacity(&self) -> usize {
+        self.cells.capacity() / 8
+    }
+
+    /// Makes room for further triangles and fans.
+    pub(super) fn reserve(&mut self, triangles: usize, fans: usize) {
+        self.cells.reserve_exact(8 * triangles);
+        self.first.reserve_exact(fans);
+    }
+
+    /// Returns the cells of all triangles: their fans, a mark, what is opposite to their corners, and one that is not used.
+    pub(super) fn triangles(&self) -> impl Iterator<Item = &[u32; 8]> {
+        self.cells.as_chunks::<8>().0.iter()
     }
 
     /// Returns the fan of a corner.
@@ -135,20 +150,34 @@ impl Surface {
         (opposite != NONE).then(|| previous(opposite))
     }
 
-    /// Collects the corners of a fan counterclockwise, at most [`MOST_CORNERS`] and one more; returns whether the fan is open, if it has not more.
+    /// Collects the corners of a fan counterclockwise, at most [`MOST_CORNERS`] and one more; `used` is the mark of triangles that are not free.
     #[inline]
-    pub(super) fn ring(&self, fan: u32, ring: &mut Vec<u32>) -> bool {
+    pub(super) fn ring(&self, fan: u32, used: u32, ring: &mut Ring) {
         ring.clear();
         let first = self.first[fan as usize];
-        let mut at = (first != NONE).then_some(first);
-        while let Some(corner) = at {
-            ring.push(corner);
-            at = self.after(corner);
-            if at == Some(first) || ring.len() > MOST_CORNERS {
-                return false;
-            }
+        if first == NONE {
+            return;
         }
-        true
+        let (mut corner, mut n) = (first, 0);
+        let last = loop {
+            let at = (corner >> 3 << 3) as usize;
+            let Some(cells) = self.cells[at..].first_chunk::<8>() else { return };
+            let after = (next(corner) & 3) as usize;
+            ring.free |= u32::from(cells[3] != used) << (n & 31);
+            (ring.corners[n], ring.around[n]) = (corner, cells[after]);
+            n += 1;
+            let opposite = cells[after + OPPOSITE as usize];
+            if opposite == NONE {
+                break self.fan(previous(corner));
+            }
+            corner = next(opposite);
+            if corner == first || n > MOST_CORNERS {
+                ring.is_open = false;
+                break ring.around[0];
+            }
+        };
+        ring.around[n] = last;
+        ring.length = n;
     }
 
     /// Returns whether a fan is open; of one without triangles false.
@@ -159,11 +188,15 @@ impl Surface {
 
     /// Makes two corners opposite to each other; one of them may be none.
     pub(super) fn join(&mut self, a: u32, b: u32) {
-        if a != NONE {
-            self.cells[(a + OPPOSITE) as usize] = b;
-        }
-        if b != NONE {
-            self.cells[(b + OPPOSITE) as usize] = a;
+        self.set_opposite(a, b);
+        self.set_opposite(b, a);
+    }
+
+    /// Sets what is opposite to a corner, or to none.
+    #[inline]
+    fn set_opposite(&mut self, corner: u32, opposite: u32) {
+        if corner != NONE {
+            self.cells[(corner + OPPOSITE) as usize] = opposite;
         }
     }
 
@@ -196,65 +229,49 @@ impl Surface {
         }
     }
 
-    /// Appends a triangle without neighbours; returns its first corner.
-    pub(super) fn push(&mut self, fans: [u32; 3]) -> u32 {
-        let corner = self.cells.len() as u32;
-        let [a, b, c] = fans;
-        self.cells.extend([a, b, c, 0, NONE, NONE, NONE, NONE]);
-        corner
-    }
-
-    /// Moves the successive `corners` of a fan to a new fan, and adds the triangles before and after them. `ring` are all corners of the fan, from `start` on
-    /// `count` of which move. Returns the first corners of the new triangles, which are corners of `fan`.
-    pub(super) fn split(&mut self, fan: u32, ring: &[u32], split: Split) -> [u32; 2] {
+    /// Moves some successive corners of a fan to a new fan, and adds the triangles before and after them, which get a mark. `ring` are those of the fan, [repeated](Ring::repeat).
+    /// Returns the first corners of the new triangles, which are corners of `fan`.
+    pub(super) fn split(&mut self, fan: u32, ring: &Ring, split: Split, mark: u32) -> [u32; 2] {
         let Split { start, count, is_open, adds: [adds_start, adds_end] } = split;
         let new = self.first.len() as u32;
-        let n = ring.len();
-        let at = |i: usize| if i >= n { ring[i - n] } else { ring[i] };
+        let ([moved, around], all) = (ring.run(split), ring.corners());
         // 1. The edges on both sides of the corners that move. Each is named by the corner opposite to it.
-        let before = match (start, is_open) {
-            (0, true) => NONE,
-            (0, false) => next(ring[n - 1]),
-            _ => next(ring[start - 1]),
+        let before = match start.checked_sub(1) {
+            Some(before) => next(all[before]),
+            None if is_open => NONE,
+            None => next(all[all.len() - 1]),
         };
-        let after = match (start + count, is_open) {
-            (end, true) if end == n => NONE,
-            (end, _) => previous(at(end)),
+        let after = match all.get(start + count) {
+            Some(&after) => previous(after),
+            None if is_open => NONE,
+            None => previous(all[start + count - all.len()]),
         };
-        let [first, last] =
-            if count == 0 { [NONE; 2] } else { [previous(at(start)), next(at(start + count - 1))] };
-        let start_fan = match (count, before) {
-            (0, NONE) => NONE,
-            (0, _) => self.fan(next(before)),
-            _ => self.fan(next(at(start))),
-        };
-        let end_fan = match (count, after) {
-            (0, NONE) => NONE,
-            (0, _) => self.fan(previous(after)),
-            _ => self.fan(previous(at(start + count - 1))),
-        };
+        let (first, last) =
+            (moved.first().map_or(NONE, |&c| previous(c)), moved.last().map_or(NONE, |&c| next(c)));
+        let (start_fan, end_fan) = (around[0], around[around.len() - 1]);
         // 2. Move.
-        for i in start..start + count {
-            self.set_fan(at(i), new);
-        }
-        // 3. Add. In S = (k aₛ v), the edge to v is opposite to corner 0, that from v to k to corner 1, that from k to corner 2.
-        let mut added = [NONE; 2];
+        moved.iter().for_each(|&corner| self.set_fan(corner, new));
+        // 3. Add. In S = (k aₛ v), the edge to v is opposite to corner 0, that from v to k to corner 1, that from k to corner 2. In E = (k v aₑ), the
+        //    edge from v to aₑ is opposite to corner 0, that from aₑ to k to corner 1, that from k to v to corner 2.
+        let corner = self.cells.len() as u32;
+        let added = match [adds_start, adds_end] {
+            [true, true] => [corner, corner + 8],
+            [true, false] => [corner, NONE],
+            [false, true] => [NONE, corner],
+            [false, false] => [NONE, NONE],
+        };
+        let [of_start, of_end] = added;
+        let [inner_start, inner_end] =
+            if adds_start && adds_end { [of_start + 1, of_end + 2] } else { [NONE; 2] };
         if adds_start {
-            let corner = self.push([fan, start_fan, new]);
-            self.join(corner + 2, before);
-            self.join(corner, first);
-            added[0] = corner;
+            self.cells.extend([fan, start_fan, new, mark, first, inner_end, before, NONE]);
+            self.set_opposite(first, of_start);
+            self.set_opposite(before, of_start + 2);
         }
-        // In E = (k v aₑ), the edge from v to aₑ is opposite to corner 0, that from aₑ to k to corner 1, that from k to v to corner 2.
         if adds_end {
-            let corner = self.push([fan, new, end_fan]);
-            self.join(corner + 1, after);
-            self.join(corner, last);
-            added[1] = corner;
-        }
-        match added {
-            [start, end] if start != NONE && end != NONE => self.join(start + 1, end + 2),
-            _ => (),
+            self.cells.extend([fan, new, end_fan, mark, last, after, inner_start, NONE]);
+            self.set_opposite(last, of_end);
+            self.set_opposite(after, of_end + 1);
         }
         // 4. The first corners. An open fan starts where there is nothing clockwise.
         if adds_end && after == NONE {
@@ -263,23 +280,67 @@ impl Surface {
         if adds_start && count == 0 {
             self.first[start_fan as usize] = added[0] + 1;
         }
-        let new_first = if adds_start {
-            added[0] + 2
-        } else if count > 0 {
-            at(start)
-        } else {
-            added[1] + 1
-        };
+        let new_first =
+            if adds_start { added[0] + 2 } else { moved.first().map_or(added[1] + 1, |&corner| corner) };
         self.first.push(new_first);
         let kept_first = match () {
             () if !is_open && adds_end => added[1],
-            () if start > 0 => ring[0],
+            () if start > 0 => all[0],
             () if adds_start => added[0],
             () if adds_end => added[1],
-            () => at(count),
+            () => all[count % all.len()],
         };
         self.first[fan as usize] = kept_first;
         added
+    }
+}
+
+/// A fan: its corners, and the fans at the other ends of its edges, one more than the corners.
+#[derive(Debug, Clone)]
+pub(super) struct Ring {
+    length: usize,
+    corners: Vec<u32>,
+    around: Vec<u32>,
+    pub(super) is_open: bool,
+    /// Which of the first 32 corners are free, if there are not more.
+    pub(super) free: u32,
+}
+
+impl Ring {
+    pub(super) fn new() -> Self {
+        // Twice, so that runs need not end at the last corner.
+        let cells = vec![NONE; 2 * MOST_CORNERS + 2];
+        Self { length: 0, corners: cells.clone(), around: cells, is_open: true, free: 0 }
+    }
+
+    fn clear(&mut self) {
+        (self.length, self.is_open, self.free) = (0, true, 0);
+    }
+
+    #[inline]
+    pub(super) fn corners(&self) -> &[u32] {
+        &self.corners[..self.length]
+    }
+
+    #[inline]
+    pub(super) fn around(&self) -> &[u32] {
+        &self.around[..=self.length]
+    }
+
+    /// Repeats the first corners and fans after the last ones, as far as a split moves them.
+    #[inline]
+    pub(super) fn repeat(&mut self, split: Split) {
+        for i in self.length..split.start + split.count {
+            self.corners[i] = self.corners[i - self.length];
+            self.around[i + 1] = self.around[i + 1 - self.length];
+        }
+    }
+
+    /// Returns the corners that a split moves, which are [repeated](Self::repeat), and the fans around them: one more.
+    #[inline]
+    pub(super) fn run(&self, split: Split) -> [&[u32]; 2] {
+        let (start, end) = (split.start, split.start + split.count);
+        [&self.corners[start..end], &self.around[start..=end]]
     }
 }
 

@@ -80,28 +80,30 @@ proptest! {
     #[test]
     fn splits_keep_the_table((mut surface, splits) in (surface(), prop::collection::vec(any::<[u16; 4]>(), 0..60))) {
         surface.check().map_err(TestCaseError::fail)?;
-        let mut ring = Vec::new();
+        let mut ring = Ring::new();
         for [fan, choices @ ..] in splits {
             let fan = u32::from(fan) % surface.first.len() as u32;
-            let is_open = surface.ring(fan, &mut ring);
-            if ring.len() < if is_open { 1 } else { 2 } {
+            surface.ring(fan, NONE, &mut ring);
+            let (corners, is_open) = (ring.corners().to_vec(), ring.is_open);
+            if corners.len() < if is_open { 1 } else { 2 } {
                 continue;
             }
-            let split = split_of(&ring, is_open, choices);
+            let split = split_of(&corners, is_open, choices);
             let before = surface.triangle_count();
-            let added = surface.split(fan, &ring, split);
+            ring.repeat(split);
+            let added = surface.split(fan, &ring, split, 0);
             prop_assert!(surface.has_distinct_fans());
-            surface.check().map_err(|fault| TestCaseError::fail(format!("{fault} after {split:?} of {ring:?}")))?;
+            surface.check().map_err(|fault| TestCaseError::fail(format!("{fault} after {split:?} of {corners:?}")))?;
             prop_assert_eq!(surface.triangle_count() - before, split.adds.iter().filter(|&&adds| adds).count());
             let new = surface.first.len() as u32 - 1;
             for corner in added.into_iter().filter(|&corner| corner != NONE) {
                 prop_assert_eq!(surface.fan(corner), fan);
                 prop_assert!([next(corner), previous(corner)].iter().any(|&corner| surface.fan(corner) == new));
             }
-            let moved = surface.ring(new, &mut ring);
+            surface.ring(new, NONE, &mut ring);
             // With a triangle on both sides it is closed.
-            prop_assert_eq!(moved, split.adds != [true; 2]);
-            prop_assert_eq!(ring.len(), split.count + added.iter().filter(|&&corner| corner != NONE).count());
+            prop_assert_eq!(ring.is_open, split.adds != [true; 2]);
+            prop_assert_eq!(ring.corners().len(), split.count + added.iter().filter(|&&corner| corner != NONE).count());
         }
     }
 }
@@ -110,13 +112,14 @@ proptest! {
 fn a_fan_on_the_border_is_split_at_its_end() {
     // One triangle; a triangle is added at the end of the fan of corner 0, then before its start.
     let mut surface = Surface::new(&[NONE; 3]);
-    surface.split(0, &[0], Split { start: 0, count: 0, is_open: true, adds: [false, true] });
+    let mut ring = Ring::new();
+    surface.ring(0, NONE, &mut ring);
+    surface.split(0, &ring, Split { start: 0, count: 0, is_open: true, adds: [false, true] }, 0);
     surface.check().unwrap();
-    let mut ring = Vec::new();
-    assert!(surface.ring(0, &mut ring));
-    assert_eq!((surface.triangle_count(), &ring[..]), (2, &[8, 0][..]));
-    surface.split(0, &ring, Split { start: 2, count: 0, is_open: true, adds: [true, false] });
+    surface.ring(0, NONE, &mut ring);
+    assert_eq!((surface.triangle_count(), ring.corners(), ring.is_open), (2, &[8, 0][..], true));
+    surface.split(0, &ring, Split { start: 2, count: 0, is_open: true, adds: [true, false] }, 0);
     surface.check().unwrap();
-    assert!(surface.ring(0, &mut ring));
-    assert_eq!((surface.triangle_count(), &ring[..]), (3, &[8, 0, 16][..]));
+    surface.ring(0, NONE, &mut ring);
+    assert_eq!((surface.triangle_count(), ring.corners(), ring.is_open), (3, &[8, 0, 16][..], true));
 }

@@ -1,0 +1,104 @@
+//! What is known of each fan of a mesh that is refined: its position, and the fans around it.
+
+use super::surface::NONE;
+
+/// A position on the grid of the stream.
+pub(super) type Place = [i32; 3];
+
+/// Returns the square of the distance of two positions.
+#[inline]
+pub(super) fn square_distance(a: Place, b: Place) -> u64 {
+    let square = |j: usize| {
+        let difference = i64::from(a[j] - b[j]);
+        (difference * difference).cast_unsigned()
+    };
+    square(0) + square(1) + square(2)
+}
+
+/// What is known of a fan. Two of them have room in a cache line: most of the time of decoding goes by while they are fetched.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[repr(align(32))]
+pub(super) struct Fan {
+    /// Its position, in steps of the current precision.
+    place: [u16; 3],
+    /// The number of fans around, modulo 2¹⁶, and the sum of their positions, modulo 2³².
+    pub(super) count: u16,
+    sum: [i32; 3],
+    /// The fan that a batch visits after this one, or none.
+    pub(super) next: u32,
+    /// The batch in which it arose, modulo 2⁸; 0 for the base mesh.
+    pub(super) born: u8,
+    /// The corners that a batch has used, at most 255, and the number of the batch.
+    used: u8,
+    used_in: u32,
+    pub(super) is_open: bool,
+}
+
+impl Fan {
+    /// Creates a fan of a batch with none around.
+    #[inline]
+    pub(super) fn new(place: Place, batch: u32, is_open: bool) -> Self {
+        let mut fan = Self {
+            place: [0; 3],
+            count: 0,
+            sum: [0; 3],
+            next: NONE,
+            born: batch as u8,
+            used: 0,
+            used_in: batch,
+            is_open,
+        };
+        fan.set_place(place);
+        fan
+    }
+
+    #[inline]
+    pub(super) fn place(&self) -> Place {
+        let [x, y, z] = self.place;
+        [x.into(), y.into(), z.into()]
+    }
+
+    #[inline]
+    pub(super) fn set_place(&mut self, place: Place) {
+        for j in 0..3 {
+            self.place[j] = place[j].cast_unsigned() as u16;
+        }
+    }
+
+    /// Forgets the fans around.
+    pub(super) fn clear(&mut self) {
+        (self.sum, self.count) = ([0; 3], 0);
+    }
+
+    /// Adds the positions of a number of fans around.
+    #[inline]
+    pub(super) fn add(&mut self, places: Place, count: u32) {
+        for j in 0..3 {
+            self.sum[j] = self.sum[j].wrapping_add(places[j]);
+        }
+        self.count = self.count.wrapping_add(count as u16);
+    }
+
+    /// Returns how many corners a batch has used, at most 255.
+    #[inline]
+    pub(super) fn used(&self, batch: u32) -> u32 {
+        if self.used_in == batch { self.used.into() } else { 0 }
+    }
+
+    /// Counts corners that a batch has used, and takes others away that it had counted.
+    #[inline]
+    pub(super) fn use_corners(&mut self, batch: u32, count: u32, too_many: u32) {
+        self.used = (self.used(batch) + count).min(255).saturating_sub(too_many) as u8;
+        self.used_in = batch;
+    }
+
+    /// Returns how far the position is from the mean of those around, times their number.
+    #[inline]
+    pub(super) fn laplacian(&self) -> Place {
+        let mut laplacian = [0; 3];
+        for j in 0..3 {
+            laplacian[j] = i32::from(self.place[j]).wrapping_mul(self.count.into()).wrapping_sub(self.sum[j]);
+        }
+        laplacian
+    }
+}
