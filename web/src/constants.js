@@ -46,6 +46,8 @@ export const MOST_CHOICES = 15;
 
 /** The estimates beside the mean of the polygon. */
 export const ESTIMATES = 4;
+/** The largest Laplacian. */
+export const MOST_LAPLACIAN = 1 << 21;
 /** The numbers of points that have weights of their own: 3, 4, 5, 6, 7, and more. */
 export const POLYGONS = 6;
 /** The batches that have weights of their own: the last, the last but one, and all before. */

@@ -22,7 +22,7 @@
  * Transmission of Triangle Meshes", 2001.
  * @module
  */
-import { ALONG_LEVEL, BESIDE_LEVEL, ESTIMATES, MOST_CORNERS, POLYGONS, WEIGHT_ONE } from './constants.js';
+import { ALONG_LEVEL, BESIDE_LEVEL, ESTIMATES, MOST_CORNERS, MOST_LAPLACIAN, POLYGONS, WEIGHT_ONE } from './constants.js';
 import { COUNT, FAN_CELLS } from './fans.js';
 import { clamped, logarithm } from './math.js';
 import { expectLevel, learnLevel, NumberModel } from './numbers.js';
@@ -181,9 +181,11 @@ export class PlaceModel {
     const number = end / 3 + 1;
     const share = reciprocal(number);
     const ofFans = reciprocal(fanCount);
-    estimates[9] = floor((laplacianX * ofFans) / 4096);
-    estimates[10] = floor((laplacianY * ofFans) / 4096);
-    estimates[11] = floor((laplacianZ * ofFans) / 4096);
+    // Larger ones are those of fans with so many others around that their number has wrapped.
+    const mean = (/** @type {number} */ laplacian) => clamped(floor((laplacian * ofFans) / 4096), -MOST_LAPLACIAN, MOST_LAPLACIAN);
+    estimates[9] = mean(laplacianX);
+    estimates[10] = mean(laplacianY);
+    estimates[11] = mean(laplacianZ);
     let size = 1;
     for (let j = 0; j < 3; j++) {
       let sum = 0;

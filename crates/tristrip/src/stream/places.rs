@@ -39,6 +39,9 @@ pub(super) const USUAL_WEIGHTS: Weights = [[[42, 13], [-6, -12], [12, 14], [32, 
 /// Estimates are in 1/16 of a step, the expected point in 1/1024.
 const ONE: i64 = 16 * WEIGHT_ONE;
 
+/// The largest Laplacian: twice the size of the grid. Larger ones are those of fans with so many others around that their number has wrapped.
+const MOST_LAPLACIAN: i64 = 1 << 21;
+
 /// The most bits of a coordinate.
 pub(super) const MOST_BITS: u32 = 16;
 
@@ -151,7 +154,8 @@ impl Estimates {
             self.mean[j] = mean;
             self.others[0][j] = -mean;
             self.others[1][j] = 8 * (start[j] + end[j]) - mean;
-            self.others[2][j] = (i64::from(laplacians[j]) * of_around) >> 12;
+            let laplacian = (i64::from(laplacians[j]) * of_around) >> 12;
+            self.others[2][j] = laplacian.clamp(-MOST_LAPLACIAN, MOST_LAPLACIAN);
             self.others[3][j] = if area == 0 { 0 } else { ((centre[j] * of_area) >> (28 - surplus)) - mean };
             self.spreads[j] = number * squares[j] - sum[j] * sum[j];
         }

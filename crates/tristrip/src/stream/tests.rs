@@ -227,6 +227,22 @@ fn vertices_in_one_position_are_restored() {
 }
 
 #[test]
+fn a_point_has_more_neighbours_than_are_counted() {
+    // A cone, whose tip has so many neighbours that their number wraps.
+    let count = 66_000;
+    let angle = |i: u32| f64::from(i) / f64::from(count) * std::f64::consts::TAU;
+    let rim = |i: u32| [libm::cos(angle(i)), libm::sin(angle(i)), f64::from(i % 7) / 99.0].map(|x| x as f32);
+    let positions: Vec<_> = std::iter::once([0.0, 0.0, 0.4]).chain((0..count).map(rim)).collect();
+    let triangles = (0..count).flat_map(|i| [0, 1 + i, 1 + (i + 1) % count]).collect();
+    let mesh = Mesh::new(positions, Faces::from_triangles(triangles).unwrap()).unwrap();
+    let (_, stream) = stream_of(&mesh, 0, &StreamOptions::default());
+    let base = stream.chunks[0].triangles;
+    assert!(base < 60_000, "{base}");
+    let decoder = decoded(&stream.bytes());
+    assert_eq!(decoder.part(0).unwrap().triangle_count(), count as usize);
+}
+
+#[test]
 fn chunks_of_several_meshes_come_in_any_order() {
     let meshes = [grid(9, 9), with_attributes(6, 6), grid(3, 2)];
     let streams: Vec<_> = (0..).zip(&meshes).map(|(i, mesh)| stream_of(mesh, i, &small_chunks()).1).collect();

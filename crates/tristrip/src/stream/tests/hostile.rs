@@ -217,13 +217,15 @@ fn check_parts(decoder: &Decoder, most: usize) -> usize {
     refused_sequences
 }
 
+/// `MUTATED_STREAMS=100000` tries so many.
 #[test]
 fn changed_contents_do_no_harm() {
+    let rounds = std::env::var("MUTATED_STREAMS").map_or(10_000, |count| count.parse().unwrap());
     let chunks = chunks_of(&bytes());
     let limits = StreamLimits { meshes: 3, triangles: 500, chunk_bytes: 4000, corners: 1 << 20 };
     let mut random = Random::new(7);
     let [mut right, mut wrong] = [0; 2];
-    for i in 0..10_000 {
+    for i in 0..rounds {
         let bytes = mutated(&mut random, &chunks);
         let mut decoder = Decoder::new(limits).keeping_strips();
         let result = decoder.update(&bytes);
@@ -243,7 +245,7 @@ fn changed_contents_do_no_harm() {
             assert_eq!(fingerprints(&pieces), fingerprints(&decoder));
         }
     }
-    assert!(right > 50 && wrong > 5000, "{right} {wrong}");
+    assert!(right > rounds / 200 && wrong > rounds / 2, "{right} {wrong}");
 }
 
 #[test]
