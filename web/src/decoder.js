@@ -79,9 +79,10 @@ export class StreamPart {
    * Decodes a refinement. For the decoder only.
    * @param {ChunkHead} chunk
    * @param {Uint8Array} payload
+   * @param {number} mostTriangles
    * @param {number} mostCorners
    */
-  refine(chunk, payload, mostCorners) {
+  refine(chunk, payload, mostTriangles, mostCorners) {
     checkError(chunk.error);
     const coder = new RangeDecoder(payload);
     const refiner = this.#refiner;
@@ -89,7 +90,7 @@ export class StreamPart {
     refiner.mostTriangles = chunk.triangles;
     // Room for all that follows, unless so few bytes cannot be expected to build it.
     this.#payloadBytes += payload.length;
-    refiner.reserve(min(this.#head.triangles, TRIANGLES_PER_BYTE * this.#payloadBytes));
+    refiner.reserve(min(this.#head.triangles, TRIANGLES_PER_BYTE * this.#payloadBytes, mostTriangles));
     for (let i = 0; i < chunk.visits; i++) {
       if (refiner.next === NONE) refiner.beginBatch(coder);
       if (refiner.next === NONE) fail('a refinement of nothing', 'a base mesh with triangles');
@@ -316,7 +317,7 @@ export class Decoder {
     }
     if (head.triangles > most) fail(`${head.triangles} triangles`, `at most ${max(most, 0)}`);
     try {
-      if (part) part.refine(head, payload, max(mostCorners, 0));
+      if (part) part.refine(head, payload, most, max(mostCorners, 0));
       else this.#parts[head.stream] = new StreamPart(head, payload);
     } finally {
       // What a faulty chunk has built stays.

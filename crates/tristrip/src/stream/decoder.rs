@@ -267,7 +267,7 @@ impl Decoder {
             return Err(fault(format!("{} triangles", head.triangles), &format!("at most {most}")));
         }
         let result = match &mut self.parts[index] {
-            Some(part) => part.refine(&head, payload, most_corners),
+            Some(part) => part.refine(&head, payload, (most, most_corners)),
             empty => StreamPart::new(&head, payload, self.counts_bits).map(|part| *empty = Some(part)),
         };
         if let Some(part) = self.parts[index].as_mut().filter(|_| self.keeps_strips) {

@@ -93,7 +93,7 @@ impl StreamPart {
         &mut self,
         chunk: &ChunkHead,
         payload: &[u8],
-        most_corners: u64,
+        (most_triangles, most_corners): (usize, u64),
     ) -> Result<(), Fault> {
         if !(chunk.error >= 0.0 && chunk.error.is_finite()) {
             return Err((format!("an error of {}", chunk.error), "a finite number of at least 0".into()));
@@ -104,9 +104,9 @@ impl StreamPart {
         refiner.most_triangles = chunk.triangles as usize;
         // Room for all that follows, unless so few bytes cannot be expected to build it.
         self.payload_bytes += payload.len();
-        refiner.reserve(
-            (self.head.triangles as usize).min(TRIANGLES_PER_BYTE.saturating_mul(self.payload_bytes)),
-        );
+        let expected =
+            TRIANGLES_PER_BYTE.saturating_mul(self.payload_bytes).min(self.head.triangles as usize);
+        refiner.reserve(expected.min(most_triangles));
         refiner.account(&coder, |_| None);
         for _ in 0..chunk.visits {
             if refiner.next == NONE {

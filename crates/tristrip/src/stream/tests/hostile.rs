@@ -110,6 +110,13 @@ fn limits_are_respected() {
     let idle = [chunks[0].clone(), (ChunkHead { visits: 1000, ..chunks[0].0 }, payload)];
     let (_, found) = message(&sealed(&idle), StreamLimits { corners: 100, ..default });
     assert!(found.ends_with("corners around vertices that are visited, expected at most 100"), "{found}");
+    // Room is made for the triangles that a head announces, but not for more than are allowed.
+    let (_, stream) = stream_of(&grid(40, 40), 0, &small_chunks());
+    let allowed = 2 * stream.chunks[0].triangles as usize;
+    let (decoder, _) = message(&stream.bytes(), StreamLimits { triangles: allowed, ..default });
+    let part = decoder.part(0).unwrap();
+    assert!(part.full_triangle_count() == 3200 && allowed < 1600, "{allowed}");
+    assert!(part.surface().capacity() <= 2 * allowed, "{}", part.surface().capacity());
     // A chunk is refused before its bytes have arrived.
     let base = &chunks_of(&bytes)[0];
     let length = base.1.len();
