@@ -34,6 +34,7 @@ import { integers } from './growth.js';
  * @import { RangeDecoder } from './range_coder.js'
  */
 
+// Not those of math.js: calls of imported functions would take 5 % more time in all.
 const { floor, abs, max, min } = Math;
 
 /** The sets of numbers: coordinates beside the normal, those along it, and those of the base mesh. */
