@@ -3,7 +3,7 @@ import { Checksum, Reader, readChunkHead } from './chunk.js';
 import { fail, StreamError } from './error.js';
 import { FAN_CELLS, VERTEX } from './fans.js';
 import { attributeOf } from './grid.js';
-import { arrayOf, integers, Waiting } from './growth.js';
+import { arrayOf, Waiting } from './growth.js';
 import { decodeWeights, readHead } from './head.js';
 import { PlaceModel } from './places.js';
 import { RangeDecoder } from './range_coder.js';
@@ -44,8 +44,6 @@ function checkError(error) {
 
 /** A mesh that a stream has built so far. */
 export class StreamPart {
-  #head;
-  #refiner;
   #error;
   /** The bytes of its chunks, without their heads. */
   #payloadBytes;
@@ -69,8 +67,10 @@ export class StreamPart {
     const channels = head.channels.map((channel) => channel.model);
     const fans = decodeFans(coder, surface, placeModel, channels, head.positionBits - head.unknownBits);
     if (coder.isPastEnd) fail('the end of the chunk', 'all vertices of the base mesh');
-    this.#head = head;
-    this.#refiner = new Refiner(surface, fans, channels, placeModel, head.positionBits, head.unknownBits);
+    /** What the stream says of the mesh. For the package only. */
+    this.head = head;
+    /** The mesh. For the package only. */
+    this.refiner = new Refiner(surface, fans, channels, placeModel, head.positionBits, head.unknownBits);
     this.#error = chunk.error;
     this.#payloadBytes = payload.length;
   }
@@ -85,12 +85,12 @@ export class StreamPart {
   refine(chunk, payload, mostTriangles, mostCorners) {
     checkError(chunk.error);
     const coder = new RangeDecoder(payload);
-    const refiner = this.#refiner;
+    const refiner = this.refiner;
     const { surface } = refiner;
     refiner.mostTriangles = chunk.triangles;
     // Room for all that follows, unless so few bytes cannot be expected to build it.
     this.#payloadBytes += payload.length;
-    refiner.reserve(min(this.#head.triangles, TRIANGLES_PER_BYTE * this.#payloadBytes, mostTriangles));
+    refiner.reserve(min(this.head.triangles, TRIANGLES_PER_BYTE * this.#payloadBytes, mostTriangles));
     for (let i = 0; i < chunk.visits; i++) {
       if (refiner.next === NONE) refiner.beginBatch(coder);
       if (refiner.next === NONE) fail('a refinement of nothing', 'a base mesh with triangles');
@@ -112,44 +112,49 @@ export class StreamPart {
    * @param {typeof Strips} Strips
    */
   keepStrips(Strips) {
-    const refiner = this.#refiner;
+    const refiner = this.refiner;
     if (refiner.strips) refiner.strips.followChunk();
     else refiner.strips = new Strips(refiner.surface, refiner.fans);
   }
 
   /** The strips of the triangles so far, if the decoder keeps them. */
   get strips() {
-    return this.#refiner.strips;
+    return this.refiner.strips;
   }
 
   /** The visits, and the corners around the vertices that were split. For the decoder only. */
   get corners() {
-    return this.#refiner.corners;
+    return this.refiner.corners;
   }
 
   /** The level so far: the collapses that are undone. */
   get level() {
-    return this.#refiner.level;
+    return this.refiner.level;
   }
 
   /** The level of the full mesh, as the stream says. */
   get fullLevel() {
-    return this.#head.levels;
+    return this.head.levels;
   }
 
   /** The triangles so far. */
   get triangleCount() {
-    return this.#refiner.surface.triangleCount;
+    return this.refiner.surface.triangleCount;
   }
 
   /** The triangles of the full mesh, as the stream says. */
   get fullTriangleCount() {
-    return this.#head.triangles;
+    return this.head.triangles;
+  }
+
+  /** The vertices of the full mesh, as the stream says. */
+  get fullVertexCount() {
+    return this.head.vertices;
   }
 
   /** The vertices so far. */
   get vertexCount() {
-    return this.#refiner.fans.vertexCount;
+    return this.refiner.fans.vertexCount;
   }
 
   /** The error of the level, in mesh units. */
@@ -162,7 +167,7 @@ export class StreamPart {
    * @returns {Uint32Array}
    */
   triangles() {
-    const { surface, fans } = this.#refiner;
+    const { surface, fans } = this.refiner;
     const triangles = new Uint32Array(3 * surface.triangleCount);
     for (let i = 0, corner = 0; i < triangles.length; corner += 8) {
       for (let j = 0; j < 3; j++) triangles[i++] = fans.cells[FAN_CELLS * surface.cells[corner + j] + VERTEX];
@@ -170,49 +175,38 @@ export class StreamPart {
     return triangles;
   }
 
+  /** The bits of a coordinate that are known. When one more is, all positions change; otherwise vertices keep them. */
+  get positionBits() {
+    return this.head.positionBits - this.refiner.unknownBits;
+  }
+
   /**
    * Returns the positions of the vertices so far, three coordinates per vertex: each is the middle of what it may be.
+   * @param {number} [first] the vertices that there were after an earlier chunk, which are left out
    * @returns {Float32Array}
    */
-  positions() {
-    const { fans, unknownBits } = this.#refiner;
-    const { origin, step } = this.#head;
+  positions(first = 0) {
+    const { fans, unknownBits } = this.refiner;
+    const { origin, step } = this.head;
     const scale = 2 ** unknownBits;
     const half = (scale - 1) / 2;
-    const positions = new Float32Array(3 * fans.vertexCount);
-    for (let at = 0; at < FAN_CELLS * fans.count; at += FAN_CELLS) {
-      const vertex = fans.cells[at + VERTEX];
+    const positions = new Float32Array(3 * (fans.vertexCount - first));
+    for (let at = FAN_CELLS * (fans.count - 1); at >= 0; at -= FAN_CELLS) {
+      const vertex = fans.cells[at + VERTEX] - first;
+      // Fans of later chunks have later vertices.
+      if (vertex < 0) break;
       for (let j = 0; j < 3; j++) positions[3 * vertex + j] = origin[j] + (fans.cells[at + j] * scale + half) * step;
     }
     return positions;
   }
 
   /**
-   * Returns the attributes of the vertices so far.
+   * Returns the attributes of the vertices so far. They never change.
+   * @param {number} [first] the first of the vertices that are returned
    * @returns {Attribute[]}
    */
-  attributes() {
-    return this.#head.channels.map((channel) => attributeOf(channel, this.vertexCount));
-  }
-
-  /**
-   * Returns a checksum of the mesh so far: the CRC-32 of the vertices of the triangles, then the grid positions of the vertices, then the integers of
-   * each attribute, all as 32-bit numbers with the lowest byte first. Decoders that agree return the same after each chunk.
-   * @returns {number}
-   */
-  fingerprint() {
-    const { fans } = this.#refiner;
-    const checksum = new Checksum();
-    const places = integers(3 * fans.vertexCount);
-    for (let at = 0; at < FAN_CELLS * fans.count; at += FAN_CELLS) {
-      for (let j = 0; j < 3; j++) places[3 * fans.cells[at + VERTEX] + j] = fans.cells[at + j];
-    }
-    for (const vertex of this.triangles()) checksum.addNumber(vertex);
-    for (const step of places) checksum.addNumber(step);
-    for (const { model } of this.#head.channels) {
-      for (const value of model.values.subarray(0, model.width * fans.vertexCount)) checksum.addNumber(value);
-    }
-    return checksum.value;
+  attributes(first = 0) {
+    return this.head.channels.map((channel) => attributeOf(channel, first, this.vertexCount));
   }
 }
 
