@@ -28,6 +28,7 @@ const LINE_COLOR = [0.06, 0.1, 0.18];
  * What a renderer tells a page.
  * @typedef {object} RendererListener
  * @property {(update: Update | undefined) => void} [shown] what has arrived is in the picture; `undefined` for meshes without a stream
+ * @property {(primitives: number) => void} [painted] a frame is drawn, with this many primitives
  * @property {(error: Error) => void} [error] the model cannot be drawn
  * @property {(isLost: boolean) => void} [context] the context is lost, or there again
  */
@@ -221,8 +222,10 @@ export class Renderer {
     });
     // Opaque first, then from back to front.
     items.sort((a, b) => b.depth - a.depth).sort((a, b) => Number(a.isBlended) - Number(b.isBlended));
-    for (const item of items) this.#paintItem(model, item, { eye, keyLight, viewProjection });
+    let painted = 0;
+    for (const item of items) if (this.#paintItem(model, item, { eye, keyLight, viewProjection })) painted++;
     gl.depthMask(true);
+    this.#listener.painted?.(painted);
   }
 
   /**
@@ -246,7 +249,7 @@ export class Renderer {
     const program = this.#programs.get(names.filter(Boolean).join(' '));
     if (!program) {
       this.#isDirty = true;
-      return;
+      return false;
     }
     const { at } = program;
     gl.useProgram(program.program);
@@ -279,6 +282,7 @@ export class Renderer {
       else geometry.draw(gl, part);
     }
     gl.activeTexture(gl.TEXTURE0);
+    return true;
   }
 
   /**
