@@ -27,9 +27,13 @@ import { max, min } from './math.js';
  */
 
 /**
- * What a decoder does beside decoding, and what a stream may ask for at most.
- * @typedef {Partial<StreamLimits> & { strips?: typeof Strips }} DecoderOptions `strips`: the class of the module strips.js, if strips are to be kept
+ * What a decoder does beside decoding.
+ * @typedef {object} StripOptions
+ * @property {typeof Strips} [strips] the class of the module strips.js, if strips are to be kept
+ * @property {boolean} [isLazy] whether strips are only improved when their method `improve` is called, instead of after each chunk: then they depend on the calls, too
  */
+
+/** @typedef {Partial<StreamLimits> & StripOptions} DecoderOptions what a stream may ask for at most, and what a decoder does beside decoding */
 
 /** @type {StreamLimits} */
 const USUAL_LIMITS = { meshes: 256, triangles: 2 ** 26, chunkBytes: 2 ** 28, corners: 2 ** 30 };
@@ -110,10 +114,11 @@ export class StreamPart {
   /**
    * Keeps strips of the triangles up: called after each chunk. For the decoder only.
    * @param {typeof Strips} Strips
+   * @param {boolean} [isLazy]
    */
-  keepStrips(Strips) {
-    const refiner = this.refiner;
-    if (refiner.strips) refiner.strips.followChunk();
+  keepStrips(Strips, isLazy) {
+    const { refiner } = this;
+    if (refiner.strips) isLazy || refiner.strips.improve();
     else refiner.strips = new Strips(refiner.surface, refiner.fans);
   }
 
@@ -300,7 +305,7 @@ export class Decoder {
    * @param {Uint8Array} payload
    */
   #decode(head, payload) {
-    const { corners, strips, triangles } = this.#limits;
+    const { corners, strips, isLazy, triangles } = this.#limits;
     const part = this.#parts[head.stream];
     let most = triangles;
     let mostCorners = corners;
@@ -315,7 +320,7 @@ export class Decoder {
       else this.#parts[head.stream] = new StreamPart(head, payload);
     } finally {
       // What a faulty chunk has built stays.
-      if (strips) this.#parts[head.stream]?.keepStrips(strips);
+      if (strips) this.#parts[head.stream]?.keepStrips(strips, isLazy);
     }
   }
 
