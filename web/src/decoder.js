@@ -48,6 +48,8 @@ function checkError(error) {
 
 /** A mesh that a stream has built so far. */
 export class StreamPart {
+  #head;
+  #refiner;
   #error;
   /** The bytes of its chunks, without their heads. */
   #payloadBytes;
@@ -71,10 +73,8 @@ export class StreamPart {
     const channels = head.channels.map((channel) => channel.model);
     const fans = decodeFans(coder, surface, placeModel, channels, head.positionBits - head.unknownBits);
     if (coder.isPastEnd) fail('the end of the chunk', 'all vertices of the base mesh');
-    /** What the stream says of the mesh. For the package only. */
-    this.head = head;
-    /** The mesh. For the package only. */
-    this.refiner = new Refiner(surface, fans, channels, placeModel, head.positionBits, head.unknownBits);
+    this.#head = head;
+    this.#refiner = new Refiner(surface, fans, channels, placeModel, head.positionBits, head.unknownBits);
     this.#error = chunk.error;
     this.#payloadBytes = payload.length;
   }
@@ -89,12 +89,12 @@ export class StreamPart {
   refine(chunk, payload, mostTriangles, mostCorners) {
     checkError(chunk.error);
     const coder = new RangeDecoder(payload);
-    const refiner = this.refiner;
+    const refiner = this.#refiner;
     const { surface } = refiner;
     refiner.mostTriangles = chunk.triangles;
     // Room for all that follows, unless so few bytes cannot be expected to build it.
     this.#payloadBytes += payload.length;
-    refiner.reserve(min(this.head.triangles, TRIANGLES_PER_BYTE * this.#payloadBytes, mostTriangles));
+    refiner.reserve(min(this.#head.triangles, TRIANGLES_PER_BYTE * this.#payloadBytes, mostTriangles));
     for (let i = 0; i < chunk.visits; i++) {
       if (refiner.next === NONE) refiner.beginBatch(coder);
       if (refiner.next === NONE) fail('a refinement of nothing', 'a base mesh with triangles');
@@ -117,49 +117,49 @@ export class StreamPart {
    * @param {boolean} [isLazy]
    */
   keepStrips(Strips, isLazy) {
-    const { refiner } = this;
+    const refiner = this.#refiner;
     if (refiner.strips) isLazy || refiner.strips.improve();
     else refiner.strips = new Strips(refiner.surface, refiner.fans);
   }
 
   /** The strips of the triangles so far, if the decoder keeps them. */
   get strips() {
-    return this.refiner.strips;
+    return this.#refiner.strips;
   }
 
   /** The visits, and the corners around the vertices that were split. For the decoder only. */
   get corners() {
-    return this.refiner.corners;
+    return this.#refiner.corners;
+  }
+
+  /** What the stream says of the mesh, and the mesh itself. For the package only. */
+  get internals() {
+    return { head: this.#head, refiner: this.#refiner };
   }
 
   /** The level so far: the collapses that are undone. */
   get level() {
-    return this.refiner.level;
+    return this.#refiner.level;
   }
 
   /** The level of the full mesh, as the stream says. */
   get fullLevel() {
-    return this.head.levels;
+    return this.#head.levels;
   }
 
   /** The triangles so far. */
   get triangleCount() {
-    return this.refiner.surface.triangleCount;
+    return this.#refiner.surface.triangleCount;
   }
 
   /** The triangles of the full mesh, as the stream says. */
   get fullTriangleCount() {
-    return this.head.triangles;
-  }
-
-  /** The vertices of the full mesh, as the stream says. */
-  get fullVertexCount() {
-    return this.head.vertices;
+    return this.#head.triangles;
   }
 
   /** The vertices so far. */
   get vertexCount() {
-    return this.refiner.fans.vertexCount;
+    return this.#refiner.fans.vertexCount;
   }
 
   /** The error of the level, in mesh units. */
@@ -172,17 +172,12 @@ export class StreamPart {
    * @returns {Uint32Array}
    */
   triangles() {
-    const { surface, fans } = this.refiner;
+    const { surface, fans } = this.#refiner;
     const triangles = new Uint32Array(3 * surface.triangleCount);
     for (let i = 0, corner = 0; i < triangles.length; corner += 8) {
       for (let j = 0; j < 3; j++) triangles[i++] = fans.cells[FAN_CELLS * surface.cells[corner + j] + VERTEX];
     }
     return triangles;
-  }
-
-  /** The bits of a coordinate that are known. When one more is, all positions change; otherwise vertices keep them. */
-  get positionBits() {
-    return this.head.positionBits - this.refiner.unknownBits;
   }
 
   /**
@@ -191,8 +186,8 @@ export class StreamPart {
    * @returns {Float32Array}
    */
   positions(first = 0) {
-    const { fans, unknownBits } = this.refiner;
-    const { origin, step } = this.head;
+    const { fans, unknownBits } = this.#refiner;
+    const { origin, step } = this.#head;
     const scale = 2 ** unknownBits;
     const half = (scale - 1) / 2;
     const positions = new Float32Array(3 * (fans.vertexCount - first));
@@ -211,7 +206,7 @@ export class StreamPart {
    * @returns {Attribute[]}
    */
   attributes(first = 0) {
-    return this.head.channels.map((channel) => attributeOf(channel, first, this.vertexCount));
+    return this.#head.channels.map((channel) => attributeOf(channel, first, this.vertexCount));
   }
 }
 
