@@ -27,9 +27,13 @@ import { max, min } from './math.js';
  */
 
 /**
- * What a decoder does beside decoding, and what a stream may ask for at most.
- * @typedef {Partial<StreamLimits> & { strips?: typeof Strips }} DecoderOptions `strips`: the class of the module strips.js, if strips are to be kept
+ * What a decoder does beside decoding.
+ * @typedef {object} StripOptions
+ * @property {typeof Strips} [strips] the class of the module strips.js, if strips are to be kept
+ * @property {boolean} [isLazy] whether strips are only improved when their method `improve` is called, instead of after each chunk: then they depend on the calls, too
  */
+
+/** @typedef {Partial<StreamLimits> & StripOptions} DecoderOptions what a stream may ask for at most, and what a decoder does beside decoding */
 
 /** @type {StreamLimits} */
 const USUAL_LIMITS = { meshes: 256, triangles: 2 ** 26, chunkBytes: 2 ** 28, corners: 2 ** 30 };
@@ -44,6 +48,8 @@ function checkError(error) {
 
 /** A mesh that a stream has built so far. */
 export class StreamPart {
+  #head;
+  #refiner;
   #error;
   /** The bytes of its chunks, without their heads. */
   #payloadBytes;
@@ -67,10 +73,8 @@ export class StreamPart {
     const channels = head.channels.map((channel) => channel.model);
     const fans = decodeFans(coder, surface, placeModel, channels, head.positionBits - head.unknownBits);
     if (coder.isPastEnd) fail('the end of the chunk', 'all vertices of the base mesh');
-    /** What the stream says of the mesh. For the package only. */
-    this.head = head;
-    /** The mesh. For the package only. */
-    this.refiner = new Refiner(surface, fans, channels, placeModel, head.positionBits, head.unknownBits);
+    this.#head = head;
+    this.#refiner = new Refiner(surface, fans, channels, placeModel, head.positionBits, head.unknownBits);
     this.#error = chunk.error;
     this.#payloadBytes = payload.length;
   }
@@ -85,12 +89,12 @@ export class StreamPart {
   refine(chunk, payload, mostTriangles, mostCorners) {
     checkError(chunk.error);
     const coder = new RangeDecoder(payload);
-    const refiner = this.refiner;
+    const refiner = this.#refiner;
     const { surface } = refiner;
     refiner.mostTriangles = chunk.triangles;
     // Room for all that follows, unless so few bytes cannot be expected to build it.
     this.#payloadBytes += payload.length;
-    refiner.reserve(min(this.head.triangles, TRIANGLES_PER_BYTE * this.#payloadBytes, mostTriangles));
+    refiner.reserve(min(this.#head.triangles, TRIANGLES_PER_BYTE * this.#payloadBytes, mostTriangles));
     for (let i = 0; i < chunk.visits; i++) {
       if (refiner.next === NONE) refiner.beginBatch(coder);
       if (refiner.next === NONE) fail('a refinement of nothing', 'a base mesh with triangles');
@@ -110,51 +114,52 @@ export class StreamPart {
   /**
    * Keeps strips of the triangles up: called after each chunk. For the decoder only.
    * @param {typeof Strips} Strips
+   * @param {boolean} [isLazy]
    */
-  keepStrips(Strips) {
-    const refiner = this.refiner;
-    if (refiner.strips) refiner.strips.followChunk();
+  keepStrips(Strips, isLazy) {
+    const refiner = this.#refiner;
+    if (refiner.strips) isLazy || refiner.strips.improve();
     else refiner.strips = new Strips(refiner.surface, refiner.fans);
   }
 
   /** The strips of the triangles so far, if the decoder keeps them. */
   get strips() {
-    return this.refiner.strips;
+    return this.#refiner.strips;
   }
 
   /** The visits, and the corners around the vertices that were split. For the decoder only. */
   get corners() {
-    return this.refiner.corners;
+    return this.#refiner.corners;
+  }
+
+  /** What the stream says of the mesh, and the mesh itself. For the package only. */
+  get internals() {
+    return { head: this.#head, refiner: this.#refiner };
   }
 
   /** The level so far: the collapses that are undone. */
   get level() {
-    return this.refiner.level;
+    return this.#refiner.level;
   }
 
   /** The level of the full mesh, as the stream says. */
   get fullLevel() {
-    return this.head.levels;
+    return this.#head.levels;
   }
 
   /** The triangles so far. */
   get triangleCount() {
-    return this.refiner.surface.triangleCount;
+    return this.#refiner.surface.triangleCount;
   }
 
   /** The triangles of the full mesh, as the stream says. */
   get fullTriangleCount() {
-    return this.head.triangles;
-  }
-
-  /** The vertices of the full mesh, as the stream says. */
-  get fullVertexCount() {
-    return this.head.vertices;
+    return this.#head.triangles;
   }
 
   /** The vertices so far. */
   get vertexCount() {
-    return this.refiner.fans.vertexCount;
+    return this.#refiner.fans.vertexCount;
   }
 
   /** The error of the level, in mesh units. */
@@ -167,17 +172,12 @@ export class StreamPart {
    * @returns {Uint32Array}
    */
   triangles() {
-    const { surface, fans } = this.refiner;
+    const { surface, fans } = this.#refiner;
     const triangles = new Uint32Array(3 * surface.triangleCount);
     for (let i = 0, corner = 0; i < triangles.length; corner += 8) {
       for (let j = 0; j < 3; j++) triangles[i++] = fans.cells[FAN_CELLS * surface.cells[corner + j] + VERTEX];
     }
     return triangles;
-  }
-
-  /** The bits of a coordinate that are known. When one more is, all positions change; otherwise vertices keep them. */
-  get positionBits() {
-    return this.head.positionBits - this.refiner.unknownBits;
   }
 
   /**
@@ -186,8 +186,8 @@ export class StreamPart {
    * @returns {Float32Array}
    */
   positions(first = 0) {
-    const { fans, unknownBits } = this.refiner;
-    const { origin, step } = this.head;
+    const { fans, unknownBits } = this.#refiner;
+    const { origin, step } = this.#head;
     const scale = 2 ** unknownBits;
     const half = (scale - 1) / 2;
     const positions = new Float32Array(3 * (fans.vertexCount - first));
@@ -206,7 +206,7 @@ export class StreamPart {
    * @returns {Attribute[]}
    */
   attributes(first = 0) {
-    return this.head.channels.map((channel) => attributeOf(channel, first, this.vertexCount));
+    return this.#head.channels.map((channel) => attributeOf(channel, first, this.vertexCount));
   }
 }
 
@@ -300,7 +300,7 @@ export class Decoder {
    * @param {Uint8Array} payload
    */
   #decode(head, payload) {
-    const { corners, strips, triangles } = this.#limits;
+    const { corners, strips, isLazy, triangles } = this.#limits;
     const part = this.#parts[head.stream];
     let most = triangles;
     let mostCorners = corners;
@@ -315,7 +315,7 @@ export class Decoder {
       else this.#parts[head.stream] = new StreamPart(head, payload);
     } finally {
       // What a faulty chunk has built stays.
-      if (strips) this.#parts[head.stream]?.keepStrips(strips);
+      if (strips) this.#parts[head.stream]?.keepStrips(strips, isLazy);
     }
   }
 

@@ -25,6 +25,16 @@ const JSON_START = HEADER_BYTES + CHUNK_HEADER_BYTES;
 /** The most bytes of the JSON, unless a limit says less. */
 const MOST_JSON_BYTES = 2 ** 28;
 
+/**
+ * @param {number} at the byte
+ * @param {string} found
+ * @param {string} expected
+ * @returns {never}
+ */
+function failAt(at, found, expected) {
+  throw new StreamError(`byte ${at}`, found, expected);
+}
+
 /** Takes a GLB file apart as its bytes arrive, in pieces of any size. */
 export class GlbReader {
   #mostJsonBytes;
@@ -33,8 +43,6 @@ export class GlbReader {
   /** The bytes before the stream that are still to come, and those of the stream. */
   #beforeLeft = 0;
   #streamLeft = 0;
-  /** @type {StreamError | undefined} */
-  #fault;
   /** @type {any} the glTF document, as soon as it has arrived */
   json;
   /** The byte of the file at which the stream starts; 0 if that is not known yet. */
@@ -62,7 +70,6 @@ export class GlbReader {
    * @returns {Uint8Array}
    */
   update(bytes) {
-    if (this.#fault) throw this.#fault;
     let rest = arrayOf(bytes);
     if (!this.json) {
       rest = this.#waiting.add(rest);
@@ -77,17 +84,6 @@ export class GlbReader {
   }
 
   /**
-   * @param {number} at the byte
-   * @param {string} found
-   * @param {string} expected
-   * @returns {never}
-   */
-  #fail(at, found, expected) {
-    this.#fault = new StreamError(`byte ${at}`, found, expected);
-    throw this.#fault;
-  }
-
-  /**
    * Reads the headers of the file and the JSON. Returns where the data of the binary chunk start, or 0 if that has not arrived.
    * @param {Uint8Array} bytes
    */
@@ -96,9 +92,9 @@ export class GlbReader {
     const view = new DataView(bytes.buffer, bytes.byteOffset);
     const number = (/** @type {number} */ at) => view.getUint32(at, true);
     const jsonBytes = number(HEADER_BYTES);
-    if (number(0) !== MAGIC || number(4) !== 2) this.#fail(0, 'no GLB of version 2', 'a GLB with a stream');
-    if (number(HEADER_BYTES + 4) !== JSON_CHUNK) this.#fail(HEADER_BYTES, 'another chunk', 'a JSON chunk');
-    if (jsonBytes > this.#mostJsonBytes) this.#fail(HEADER_BYTES, `${jsonBytes} bytes of JSON`, `at most ${this.#mostJsonBytes}`);
+    if (number(0) !== MAGIC || number(4) !== 2) failAt(0, 'no GLB of version 2', 'a GLB with a stream');
+    if (number(HEADER_BYTES + 4) !== JSON_CHUNK) failAt(HEADER_BYTES, 'another chunk', 'a JSON chunk');
+    if (jsonBytes > this.#mostJsonBytes) failAt(HEADER_BYTES, `${jsonBytes} bytes of JSON`, `at most ${this.#mostJsonBytes}`);
     const end = JSON_START + jsonBytes;
     const start = end + CHUNK_HEADER_BYTES;
     if (bytes.length < start) return 0;
@@ -106,39 +102,30 @@ export class GlbReader {
     try {
       json = JSON.parse(new TextDecoder('utf-8', { fatal: true }).decode(bytes.subarray(JSON_START, end)));
     } catch {
-      this.#fail(JSON_START, 'no JSON', 'a glTF document');
-    }
-    const extension = json?.extensions?.[EXTENSION];
-    if (!extension && this.isPlainToo) {
-      this.#beforeLeft = number(end + 4) === BIN_CHUNK ? number(end) : 0;
-      return this.#begin(json, start, number(8));
-    }
-    if (!extension) this.#fail(JSON_START, `no extension ${EXTENSION}`, 'a GLB with a stream');
-    if (extension.version !== VERSION) this.#fail(JSON_START, `version ${extension.version} of the stream`, `version ${VERSION}`);
-    const { buffer, byteOffset = 0, byteLength } = json.bufferViews?.[extension.bufferView] ?? {};
-    const isCount = (/** @type {unknown} */ x) => Number.isSafeInteger(x) && Number(x) >= 0;
-    if (buffer !== 0 || json.buffers?.[0]?.uri !== undefined || !isCount(byteOffset) || !isCount(byteLength)) {
-      this.#fail(JSON_START, 'a stream without a buffer view in the file', 'one');
+      failAt(JSON_START, 'no JSON', 'a glTF document');
     }
     const isBinary = number(end + 4) === BIN_CHUNK;
-    if (!isBinary || byteOffset + byteLength > number(end)) {
-      this.#fail(end, isBinary ? `${number(end)} bytes` : 'another chunk', `a binary chunk of at least ${byteOffset + byteLength} bytes`);
+    const binaryBytes = isBinary ? number(end) : 0;
+    const extension = json?.extensions?.[EXTENSION];
+    let before = binaryBytes;
+    if (extension || !this.isPlainToo) {
+      if (!extension) failAt(JSON_START, `no extension ${EXTENSION}`, 'a GLB with a stream');
+      if (extension.version !== VERSION) failAt(JSON_START, `version ${extension.version} of the stream`, `version ${VERSION}`);
+      const { buffer, byteOffset = 0, byteLength } = json.bufferViews?.[extension.bufferView] ?? {};
+      const isCount = (/** @type {unknown} */ x) => Number.isSafeInteger(x) && Number(x) >= 0;
+      if (buffer !== 0 || json.buffers?.[0]?.uri !== undefined || !isCount(byteOffset) || !isCount(byteLength)) {
+        failAt(JSON_START, 'a stream without a buffer view in the file', 'one');
+      }
+      if (byteOffset + byteLength > binaryBytes) {
+        failAt(end, isBinary ? `${binaryBytes} bytes` : 'another chunk', `a binary chunk of at least ${byteOffset + byteLength} bytes`);
+      }
+      before = byteOffset;
+      this.#streamLeft = byteLength;
+      this.streamStart = start + byteOffset;
     }
-    this.#beforeLeft = byteOffset;
-    this.#streamLeft = byteLength;
-    this.streamStart = start + byteOffset;
-    return this.#begin(json, start, number(8));
-  }
-
-  /**
-   * @param {any} json
-   * @param {number} start
-   * @param {number} fileBytes
-   */
-  #begin(json, start, fileBytes) {
+    this.beforeBytes = this.#beforeLeft = before;
+    this.fileBytes = number(8);
     this.json = json;
-    this.fileBytes = fileBytes;
-    this.beforeBytes = this.#beforeLeft;
     this.#waiting = new Waiting();
     return start;
   }

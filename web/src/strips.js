@@ -100,8 +100,8 @@ export class Strips {
     if (beyondB !== NONE) paths.pair(oppositeSide(b), oppositeSide(beyondB));
   }
 
-  /** Follows the end of a chunk. For the decoder only. */
-  followChunk() {
+  /** Joins the triangles that are new since the last call to strips, and improves the strips around them. The decoder calls it after each chunk, unless it is told to be lazy. */
+  improve() {
     this.#finishChunk(ROUNDS);
   }
 

@@ -8,7 +8,7 @@ import { FAN_CELLS, VERTEX } from '../src/fans.js';
  * @returns {number}
  */
 export function fingerprint(part) {
-  const { fans } = part.refiner;
+  const { fans } = part.internals.refiner;
   const checksum = new Checksum();
   const places = new Int32Array(3 * fans.vertexCount);
   for (let at = 0; at < FAN_CELLS * fans.count; at += FAN_CELLS) {
@@ -16,7 +16,7 @@ export function fingerprint(part) {
   }
   for (const vertex of part.triangles()) checksum.addNumber(vertex);
   for (const step of places) checksum.addNumber(step);
-  for (const { model } of part.head.channels) {
+  for (const { model } of part.internals.head.channels) {
     for (const value of model.values.subarray(0, model.width * fans.vertexCount)) checksum.addNumber(value);
   }
   return checksum.value;

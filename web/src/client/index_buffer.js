@@ -8,9 +8,9 @@
 /** @import { IndexRange } from './client.js' */
 
 /** The indices of a block, the blocks between two runs that are uploaded with them, and the most ranges before runs farther apart are joined. */
-const BLOCK = 256;
+const BLOCK = 64;
 const GAP = 2;
-const MOST_RANGES = 64;
+const MOST_RANGES = 256;
 
 /** The least room of a buffer that is not empty. */
 const LEAST_ROOM = 1024;

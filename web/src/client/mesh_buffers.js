@@ -32,8 +32,8 @@ export class SentTriangles {
    * Finds the triangles that have changed, and notes their vertices.
    * @param {StreamPart} part
    */
-  update({ refiner }) {
-    const { surface, fans, batch } = refiner;
+  update({ internals }) {
+    const { surface, fans, batch } = internals.refiner;
     const { triangleCount, cells } = surface;
     const vertices = (this.vertices = grown(this.vertices, 3 * triangleCount));
     this.changed = grown(this.changed, triangleCount);
@@ -63,9 +63,9 @@ export class MeshBuffers {
   #hasParts;
   #triangles = new SentTriangles();
   #indices;
-  /** The vertices that were sent, and the bits of their positions. */
+  /** The vertices that were sent, and the bits of their positions that were not known. */
   #vertexCount = 0;
-  #positionBits = 0;
+  #unknownBits = 0;
   /** The numbers of the parts of the vertices, if the mesh has several parts. */
   #partOf = new Float64Array(0);
 
@@ -87,12 +87,13 @@ export class MeshBuffers {
    * @returns {MeshUpdate}
    */
   update(part, isLast) {
-    const firstVertex = part.positionBits === this.#positionBits ? this.#vertexCount : 0;
+    const { head, refiner } = part.internals;
+    const firstVertex = refiner.unknownBits === this.#unknownBits ? this.#vertexCount : 0;
     const positions = part.positions(firstVertex);
     const attributes = part.attributes(firstVertex);
     this.#noteParts(firstVertex, part.vertexCount, attributes);
     this.#vertexCount = part.vertexCount;
-    this.#positionBits = part.positionBits;
+    this.#unknownBits = refiner.unknownBits;
     this.#triangles.update(part);
     return {
       stream: this.#stream,
@@ -101,7 +102,7 @@ export class MeshBuffers {
       triangles: part.triangleCount,
       fullTriangles: part.fullTriangleCount,
       vertices: part.vertexCount,
-      fullVertices: part.fullVertexCount,
+      fullVertices: head.vertices,
       error: part.error,
       firstVertex,
       positions,

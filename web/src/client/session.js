@@ -164,7 +164,7 @@ export class Session {
 
   #newDecoder() {
     const { limits, output } = this.#options;
-    return new Decoder({ ...limits, ...(output === 'lists' ? {} : { strips: Strips }) });
+    return new Decoder({ ...limits, ...(output === 'lists' ? {} : { strips: Strips, isLazy: true }) });
   }
 
   /**

@@ -91,6 +91,7 @@ export class StripSegments {
    */
   update(part, { changed, changedCount, count }, partOf, isLast) {
     const strips = /** @type {import('../strips.js').Strips} */ (part.strips);
+    strips.improve();
     this.#grow(count, strips.verticesSent);
     this.#update++;
     if (part.vertexCount > 0xffff) for (const { indices } of this.#buffers) indices.widen();
