@@ -2,7 +2,7 @@
  * A model as it is drawn: takes the events of the client, and turns them into geometry, textures and nodes.
  * @module
  */
-import { accessorEnd, Binary, readAccessor, viewBytes, viewEnd } from './accessors.js';
+import { accessorEnd, Binary, readAccessor, UnsupportedError, viewBytes, viewEnd } from './accessors.js';
 import { Animation } from './animation.js';
 import { Geometry, IndexData, LOCATIONS, VertexData } from './geometry.js';
 import { readMaterial } from './materials.js';
@@ -107,14 +107,16 @@ export class ShownModel {
     try {
       if (!this.#isClosed) act();
     } catch (error) {
-      this.#listener.error(error instanceof Error ? error : new Error(String(error)));
+      // The exceptions of the language tell nobody what is wrong.
+      const isOurs = error instanceof Error && !(error instanceof TypeError || error instanceof RangeError);
+      this.#listener.error(isOurs ? error : new Error('The document is not one of glTF.', { cause: error }));
     }
   }
 
   /** @param {any} json */
   #open(json) {
     const missing = (json.extensionsRequired ?? []).find((/** @type {string} */ name) => !REQUIRED.has(name));
-    if (missing) throw new Error(`The model needs ${missing}, which is not supported here.`);
+    if (missing) throw new UnsupportedError(`The model needs ${missing}.`);
     this.#json = json;
     const scene = (this.scene = new Scene(json));
     const textures = (this.textures = new Textures(this.#gl, json, () => this.#listener.draw()));
