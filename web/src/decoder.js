@@ -3,7 +3,7 @@ import { Checksum, Reader, readChunkHead } from './chunk.js';
 import { fail, StreamError } from './error.js';
 import { FAN_CELLS, VERTEX } from './fans.js';
 import { attributeOf } from './grid.js';
-import { arrayOf, integers, Waiting } from './growth.js';
+import { arrayOf, Waiting } from './growth.js';
 import { decodeWeights, readHead } from './head.js';
 import { PlaceModel } from './places.js';
 import { RangeDecoder } from './range_coder.js';
@@ -27,9 +27,13 @@ import { max, min } from './math.js';
  */
 
 /**
- * What a decoder does beside decoding, and what a stream may ask for at most.
- * @typedef {Partial<StreamLimits> & { strips?: typeof Strips }} DecoderOptions `strips`: the class of the module strips.js, if strips are to be kept
+ * What a decoder does beside decoding.
+ * @typedef {object} StripOptions
+ * @property {typeof Strips} [strips] the class of the module strips.js, if strips are to be kept
+ * @property {boolean} [isLazy] whether strips are only improved when their method `improve` is called, instead of after each chunk: then they depend on the calls, too
  */
+
+/** @typedef {Partial<StreamLimits> & StripOptions} DecoderOptions what a stream may ask for at most, and what a decoder does beside decoding */
 
 /** @type {StreamLimits} */
 const USUAL_LIMITS = { meshes: 256, triangles: 2 ** 26, chunkBytes: 2 ** 28, corners: 2 ** 30 };
@@ -110,10 +114,11 @@ export class StreamPart {
   /**
    * Keeps strips of the triangles up: called after each chunk. For the decoder only.
    * @param {typeof Strips} Strips
+   * @param {boolean} [isLazy]
    */
-  keepStrips(Strips) {
+  keepStrips(Strips, isLazy) {
     const refiner = this.#refiner;
-    if (refiner.strips) refiner.strips.followChunk();
+    if (refiner.strips) isLazy || refiner.strips.improve();
     else refiner.strips = new Strips(refiner.surface, refiner.fans);
   }
 
@@ -125,6 +130,11 @@ export class StreamPart {
   /** The visits, and the corners around the vertices that were split. For the decoder only. */
   get corners() {
     return this.#refiner.corners;
+  }
+
+  /** What the stream says of the mesh, and the mesh itself. For the package only. */
+  get internals() {
+    return { head: this.#head, refiner: this.#refiner };
   }
 
   /** The level so far: the collapses that are undone. */
@@ -172,47 +182,31 @@ export class StreamPart {
 
   /**
    * Returns the positions of the vertices so far, three coordinates per vertex: each is the middle of what it may be.
+   * @param {number} [first] the vertices that there were after an earlier chunk, which are left out
    * @returns {Float32Array}
    */
-  positions() {
+  positions(first = 0) {
     const { fans, unknownBits } = this.#refiner;
     const { origin, step } = this.#head;
     const scale = 2 ** unknownBits;
     const half = (scale - 1) / 2;
-    const positions = new Float32Array(3 * fans.vertexCount);
-    for (let at = 0; at < FAN_CELLS * fans.count; at += FAN_CELLS) {
-      const vertex = fans.cells[at + VERTEX];
+    const positions = new Float32Array(3 * (fans.vertexCount - first));
+    for (let at = FAN_CELLS * (fans.count - 1); at >= 0; at -= FAN_CELLS) {
+      const vertex = fans.cells[at + VERTEX] - first;
+      // Fans of later chunks have later vertices.
+      if (vertex < 0) break;
       for (let j = 0; j < 3; j++) positions[3 * vertex + j] = origin[j] + (fans.cells[at + j] * scale + half) * step;
     }
     return positions;
   }
 
   /**
-   * Returns the attributes of the vertices so far.
+   * Returns the attributes of the vertices so far. They never change.
+   * @param {number} [first] the first of the vertices that are returned
    * @returns {Attribute[]}
    */
-  attributes() {
-    return this.#head.channels.map((channel) => attributeOf(channel, this.vertexCount));
-  }
-
-  /**
-   * Returns a checksum of the mesh so far: the CRC-32 of the vertices of the triangles, then the grid positions of the vertices, then the integers of
-   * each attribute, all as 32-bit numbers with the lowest byte first. Decoders that agree return the same after each chunk.
-   * @returns {number}
-   */
-  fingerprint() {
-    const { fans } = this.#refiner;
-    const checksum = new Checksum();
-    const places = integers(3 * fans.vertexCount);
-    for (let at = 0; at < FAN_CELLS * fans.count; at += FAN_CELLS) {
-      for (let j = 0; j < 3; j++) places[3 * fans.cells[at + VERTEX] + j] = fans.cells[at + j];
-    }
-    for (const vertex of this.triangles()) checksum.addNumber(vertex);
-    for (const step of places) checksum.addNumber(step);
-    for (const { model } of this.#head.channels) {
-      for (const value of model.values.subarray(0, model.width * fans.vertexCount)) checksum.addNumber(value);
-    }
-    return checksum.value;
+  attributes(first = 0) {
+    return this.#head.channels.map((channel) => attributeOf(channel, first, this.vertexCount));
   }
 }
 
@@ -306,7 +300,7 @@ export class Decoder {
    * @param {Uint8Array} payload
    */
   #decode(head, payload) {
-    const { corners, strips, triangles } = this.#limits;
+    const { corners, strips, isLazy, triangles } = this.#limits;
     const part = this.#parts[head.stream];
     let most = triangles;
     let mostCorners = corners;
@@ -321,7 +315,7 @@ export class Decoder {
       else this.#parts[head.stream] = new StreamPart(head, payload);
     } finally {
       // What a faulty chunk has built stays.
-      if (strips) this.#parts[head.stream]?.keepStrips(strips);
+      if (strips) this.#parts[head.stream]?.keepStrips(strips, isLazy);
     }
   }
 

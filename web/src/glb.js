@@ -13,7 +13,7 @@ import { min } from './math.js';
 
 /** @import { DecoderOptions } from './decoder.js' */
 
-const EXTENSION = 'TRISTRIP_progressive';
+export const EXTENSION = 'TRISTRIP_progressive';
 const VERSION = 1;
 
 const MAGIC = 0x46546c67;
@@ -25,59 +25,62 @@ const JSON_START = HEADER_BYTES + CHUNK_HEADER_BYTES;
 /** The most bytes of the JSON, unless a limit says less. */
 const MOST_JSON_BYTES = 2 ** 28;
 
-/** Decodes the stream in a GLB file as the bytes of the file arrive, in pieces of any size. */
-export class GlbDecoder {
-  #decoder;
+/**
+ * @param {number} at the byte
+ * @param {string} found
+ * @param {string} expected
+ * @returns {never}
+ */
+function failAt(at, found, expected) {
+  throw new StreamError(`byte ${at}`, found, expected);
+}
+
+/** Takes a GLB file apart as its bytes arrive, in pieces of any size. */
+export class GlbReader {
   #mostJsonBytes;
   /** What has arrived of the headers and of the JSON. */
   #waiting = new Waiting();
-  /** The bytes before the stream that are still to be skipped, and those of the stream that are still to come. */
-  #skipped = 0;
+  /** The bytes before the stream that are still to come, and those of the stream. */
+  #beforeLeft = 0;
   #streamLeft = 0;
-  #streamStart = 0;
-  /** @type {StreamError | undefined} */
-  #fault;
-  /** @type {any} */
-  #json;
+  /** @type {any} the glTF document, as soon as it has arrived */
+  json;
+  /** The byte of the file at which the stream starts; 0 if that is not known yet. */
+  streamStart = 0;
+  /** The length of the file, as its header says, and that of the binary chunk before the stream. */
+  fileBytes = 0;
+  beforeBytes = 0;
+  /** @type {Uint8Array} of the bytes that were given last, those of the binary chunk before the stream */
+  before = new Uint8Array(0);
 
-  /** @param {DecoderOptions} [options] */
-  constructor(options = {}) {
-    this.#decoder = new Decoder(options);
-    this.#mostJsonBytes = options.chunkBytes ?? MOST_JSON_BYTES;
+  /**
+   * @param {number} [mostJsonBytes]
+   * @param {boolean} [isPlainToo] whether a file without a stream is taken as well
+   */
+  constructor(mostJsonBytes = MOST_JSON_BYTES, isPlainToo = false) {
+    this.#mostJsonBytes = mostJsonBytes;
+    this.isPlainToo = isPlainToo;
   }
 
   /**
-   * Takes the next bytes of the file, and decodes the chunks that are complete. Returns how many that were.
+   * Takes the next bytes of the file; returns those of the stream among them.
    *
-   * Throws a `StreamError` if the bytes are not those of a GLB with a stream, or as `Decoder.update` does.
+   * Throws a `StreamError` if they are not those of a GLB with a stream.
    * @param {Uint8Array | ArrayBuffer} bytes
-   * @returns {number}
+   * @returns {Uint8Array}
    */
   update(bytes) {
-    if (this.#fault) throw this.#fault;
     let rest = arrayOf(bytes);
-    if (!this.#json) {
+    if (!this.json) {
       rest = this.#waiting.add(rest);
-      const start = this.#readStart(rest);
-      if (start === 0) return 0;
-      rest = rest.subarray(start);
+      rest = rest.subarray(this.#readStart(rest) || rest.length);
     }
-    const skipped = min(this.#skipped, rest.length);
-    this.#skipped -= skipped;
-    const ofStream = rest.subarray(skipped, skipped + this.#streamLeft);
+    const count = min(this.#beforeLeft, rest.length);
+    this.before = rest.subarray(0, count);
+    this.#beforeLeft -= count;
+    const ofStream = rest.subarray(count, count + this.#streamLeft);
     this.#streamLeft -= ofStream.length;
-    return this.#decoder.update(ofStream);
-  }
-
-  /**
-   * @param {number} at the byte
-   * @param {string} found
-   * @param {string} expected
-   * @returns {never}
-   */
-  #fail(at, found, expected) {
-    this.#fault = new StreamError(`byte ${at}`, found, expected);
-    throw this.#fault;
+    return ofStream;
   }
 
   /**
@@ -89,9 +92,9 @@ export class GlbDecoder {
     const view = new DataView(bytes.buffer, bytes.byteOffset);
     const number = (/** @type {number} */ at) => view.getUint32(at, true);
     const jsonBytes = number(HEADER_BYTES);
-    if (number(0) !== MAGIC || number(4) !== 2) this.#fail(0, 'no GLB of version 2', 'a GLB with a stream');
-    if (number(HEADER_BYTES + 4) !== JSON_CHUNK) this.#fail(HEADER_BYTES, 'another chunk', 'a JSON chunk');
-    if (jsonBytes > this.#mostJsonBytes) this.#fail(HEADER_BYTES, `${jsonBytes} bytes of JSON`, `at most ${this.#mostJsonBytes}`);
+    if (number(0) !== MAGIC || number(4) !== 2) failAt(0, 'no GLB of version 2', 'a GLB with a stream');
+    if (number(HEADER_BYTES + 4) !== JSON_CHUNK) failAt(HEADER_BYTES, 'another chunk', 'a JSON chunk');
+    if (jsonBytes > this.#mostJsonBytes) failAt(HEADER_BYTES, `${jsonBytes} bytes of JSON`, `at most ${this.#mostJsonBytes}`);
     const end = JSON_START + jsonBytes;
     const start = end + CHUNK_HEADER_BYTES;
     if (bytes.length < start) return 0;
@@ -99,26 +102,55 @@ export class GlbDecoder {
     try {
       json = JSON.parse(new TextDecoder('utf-8', { fatal: true }).decode(bytes.subarray(JSON_START, end)));
     } catch {
-      this.#fail(JSON_START, 'no JSON', 'a glTF document');
-    }
-    const extension = json?.extensions?.[EXTENSION];
-    if (!extension) this.#fail(JSON_START, `no extension ${EXTENSION}`, 'a GLB with a stream');
-    if (extension.version !== VERSION) this.#fail(JSON_START, `version ${extension.version} of the stream`, `version ${VERSION}`);
-    const { buffer, byteOffset = 0, byteLength } = json.bufferViews?.[extension.bufferView] ?? {};
-    const isCount = (/** @type {unknown} */ x) => Number.isSafeInteger(x) && Number(x) >= 0;
-    if (buffer !== 0 || json.buffers?.[0]?.uri !== undefined || !isCount(byteOffset) || !isCount(byteLength)) {
-      this.#fail(JSON_START, 'a stream without a buffer view in the file', 'one');
+      failAt(JSON_START, 'no JSON', 'a glTF document');
     }
     const isBinary = number(end + 4) === BIN_CHUNK;
-    if (!isBinary || byteOffset + byteLength > number(end)) {
-      this.#fail(end, isBinary ? `${number(end)} bytes` : 'another chunk', `a binary chunk of at least ${byteOffset + byteLength} bytes`);
+    const binaryBytes = isBinary ? number(end) : 0;
+    const extension = json?.extensions?.[EXTENSION];
+    let before = binaryBytes;
+    if (extension || !this.isPlainToo) {
+      if (!extension) failAt(JSON_START, `no extension ${EXTENSION}`, 'a GLB with a stream');
+      if (extension.version !== VERSION) failAt(JSON_START, `version ${extension.version} of the stream`, `version ${VERSION}`);
+      const { buffer, byteOffset = 0, byteLength } = json.bufferViews?.[extension.bufferView] ?? {};
+      const isCount = (/** @type {unknown} */ x) => Number.isSafeInteger(x) && Number(x) >= 0;
+      if (buffer !== 0 || json.buffers?.[0]?.uri !== undefined || !isCount(byteOffset) || !isCount(byteLength)) {
+        failAt(JSON_START, 'a stream without a buffer view in the file', 'one');
+      }
+      if (byteOffset + byteLength > binaryBytes) {
+        failAt(end, isBinary ? `${binaryBytes} bytes` : 'another chunk', `a binary chunk of at least ${byteOffset + byteLength} bytes`);
+      }
+      before = byteOffset;
+      this.#streamLeft = byteLength;
+      this.streamStart = start + byteOffset;
     }
-    this.#skipped = byteOffset;
-    this.#streamLeft = byteLength;
-    this.#streamStart = start + byteOffset;
-    this.#json = json;
+    this.beforeBytes = this.#beforeLeft = before;
+    this.fileBytes = number(8);
+    this.json = json;
     this.#waiting = new Waiting();
     return start;
+  }
+}
+
+/** Decodes the stream in a GLB file as the bytes of the file arrive, in pieces of any size. */
+export class GlbDecoder {
+  #reader;
+  #decoder;
+
+  /** @param {DecoderOptions} [options] */
+  constructor(options = {}) {
+    this.#reader = new GlbReader(options.chunkBytes);
+    this.#decoder = new Decoder(options);
+  }
+
+  /**
+   * Takes the next bytes of the file, and decodes the chunks that are complete. Returns how many that were.
+   *
+   * Throws a `StreamError` if the bytes are not those of a GLB with a stream, or as `Decoder.update` does.
+   * @param {Uint8Array | ArrayBuffer} bytes
+   * @returns {number}
+   */
+  update(bytes) {
+    return this.#decoder.update(this.#reader.update(bytes));
   }
 
   /**
@@ -126,7 +158,7 @@ export class GlbDecoder {
    * their mesh.
    */
   get json() {
-    return this.#json;
+    return this.#reader.json;
   }
 
   /** The meshes whose base has arrived, in the order of their numbers. */
@@ -149,6 +181,6 @@ export class GlbDecoder {
 
   /** The number of bytes of the file up to the end of the last chunk decoded; 0 before the stream begins. */
   get offset() {
-    return this.#streamStart && this.#streamStart + this.#decoder.offset;
+    return this.#reader.streamStart && this.#reader.streamStart + this.#decoder.offset;
   }
 }

@@ -42,13 +42,14 @@ const FIRST_INTEGER = 2;
  */
 
 /**
- * Returns the attribute with the values of the first vertices.
+ * Returns the attribute with the values of some vertices.
  * @param {Channel} channel
- * @param {number} vertexCount
+ * @param {number} first
+ * @param {number} end the vertex after the last one
  * @returns {Attribute}
  */
-export function attributeOf({ name, valueType, components, normalized, origins, step, model }, vertexCount) {
-  const array = new ARRAY_TYPES[valueType](components * vertexCount);
+export function attributeOf({ name, valueType, components, normalized, origins, step, model }, first, end) {
+  const array = new ARRAY_TYPES[valueType](components * (end - first));
   const { values, width } = model;
   const isUnit = model.kind === OCTAHEDRAL || model.kind === TANGENT;
   const most = 2 ** model.bits - 1;
@@ -57,9 +58,9 @@ export function attributeOf({ name, valueType, components, normalized, origins, 
   const lowest = isSigned ? -(2 ** (bits - 1)) : 0;
   const highest = lowest + 2 ** bits - 1;
   const unit = [0, 0, 0, 0];
-  for (let vertex = 0; vertex < vertexCount; vertex++) {
+  for (let vertex = first; vertex < end; vertex++) {
     const from = width * vertex;
-    const to = components * vertex;
+    const to = components * (vertex - first);
     if (isUnit) {
       unfold(values[from] / most, values[from + 1] / most, unit);
       unit[3] = values[from + 2] === 0 ? 1 : -1;

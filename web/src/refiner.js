@@ -35,7 +35,8 @@ export class Refiner {
   #positionBits;
   #splits;
   #flags = new Simple(FLAGS);
-  #batch = 0;
+  /** The batches that have begun. */
+  batch = 0;
   #regime = 0;
   /** @type {Strips | undefined} the strips of the mesh, if they are kept */
   strips;
@@ -90,8 +91,8 @@ export class Refiner {
    * @param {RangeDecoder} coder
    */
   beginBatch(coder) {
-    this.#batch++;
-    this.#splits.batch = this.#batch;
+    this.batch++;
+    this.#splits.batch = this.batch;
     while (this.unknownBits > 0 && this.#flags.decode(coder, MORE_REFINING)) this.#refinePlaces(coder);
     this.#regime = this.#flags.decode(coder, REGIME) ? 2 : this.#flags.decode(coder, REGIME + 1);
     this.next = this.fans.count > 0 ? 0 : NONE;
@@ -123,7 +124,7 @@ export class Refiner {
     for (let done = 0; ; done = 1) {
       this.corners++;
       if (!this.#splits.decodeMark(coder, fan, done)) break;
-      this.surface.collect(fan, this.#batch);
+      this.surface.collect(fan, this.batch);
       if (ring.length === 0 || ring.length > MOST_CORNERS) break;
       this.#decodeGroup(coder, fan);
       if (this.#isTooLarge(coder)) break;
@@ -153,7 +154,7 @@ export class Refiner {
       // Only where a surface has borders a point has several fans.
       if (!ring.isOpen || !this.#flags.decode(coder, MORE_IN_GROUP + hasTwins)) break;
       of = this.#decodeTwin(coder, fan);
-      surface.collect(of, this.#batch);
+      surface.collect(of, this.batch);
     } while (ring.length > 0 && ring.length <= MOST_CORNERS && !this.#isTooLarge(coder));
     // New fans are visited after this one, from the next batch on, so that fans near each other are visited one after the other.
     const { cells } = fans;
@@ -204,10 +205,10 @@ export class Refiner {
       for (const channel of this.#channels) channel.decode(coder, vertex, vertices, count + 2);
     }
     // 4. Do it.
-    const made = fans.push(isFirst ? NONE : firstNew, vertex, this.#batch, split.addsStart && split.addsEnd ? 0 : 1);
+    const made = fans.push(isFirst ? NONE : firstNew, vertex, this.batch, split.addsStart && split.addsEnd ? 0 : 1);
     fans.cells.set(place, FAN_CELLS * made);
     this.#updateAround(FAN_CELLS * fan, FAN_CELLS * made);
-    surface.split(fan, this.#batch);
+    surface.split(fan, this.batch);
     this.strips?.followSplit(split.addsStart, split.addsEnd);
   }
 
@@ -234,7 +235,7 @@ export class Refiner {
   #updateAround(kept, made) {
     const { fans, surface } = this;
     const { cells } = fans;
-    const batch = this.#batch;
+    const batch = this.batch;
     const { start, count, addsStart, addsEnd } = split;
     const x = cells[made];
     const y = cells[made + 1];

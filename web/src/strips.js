@@ -46,6 +46,8 @@ export class Strips {
   #near = new Int32Array(0);
   #marks = new Int32Array(0);
   #search = 0;
+  /** The triangles of the strip that was sent last. */
+  sentTriangles = 0;
 
   /**
    * Builds the strips of a base mesh. For the decoder only.
@@ -98,8 +100,8 @@ export class Strips {
     if (beyondB !== NONE) paths.pair(oppositeSide(b), oppositeSide(beyondB));
   }
 
-  /** Follows the end of a chunk. For the decoder only. */
-  followChunk() {
+  /** Joins the triangles that are new since the last call to strips, and improves the strips around them. The decoder calls it after each chunk, unless it is told to be lazy. */
+  improve() {
     this.#finishChunk(ROUNDS);
   }
 
@@ -159,27 +161,46 @@ export class Strips {
    * @returns {Uint16Array | Uint32Array}
    */
   indices() {
-    const paths = this.#paths;
+    const { triangleCount } = this.#paths;
     const Type = this.#fans.vertexCount < 65536 ? Uint16Array : Uint32Array;
     const indices = new Type(this.verticesSent + Math.max(this.count - 1, 0)).fill(-1);
-    const seen = new Uint8Array(paths.triangleCount);
-    let length = 0;
-    for (let lowest = 0; lowest < paths.triangleCount; lowest++) {
+    const path = new Int32Array(triangleCount);
+    const seen = new Uint8Array(triangleCount);
+    for (let lowest = 0, end = -1; lowest < triangleCount; lowest++) {
       if (seen[lowest]) continue;
-      if (lowest > 0) length++;
-      length = this.#sendPath(this.#startOf(lowest), indices, length, seen);
+      end = this.send(lowest, indices, end + 1, path);
+      for (let i = 0; i < this.sentTriangles; i++) seen[path[i]] = 1;
     }
     return indices;
   }
 
   /**
-   * Returns the end from which the path of a triangle is sent: the one in the direction of its first link, unless only a strip from the other end begins without a swap.
-   * @param {number} lowest the lowest triangle of the path
+   * Writes the vertices of the strip of a triangle to an array; returns where they end.
+   * @param {number} t
+   * @param {Uint16Array | Uint32Array} indices
+   * @param {number} start where they start
+   * @param {Int32Array} path where the triangles of the strip are written to, in their order: `sentTriangles` of them
    */
-  #startOf(lowest) {
+  send(t, indices, start, path) {
+    return this.#sendPath(this.#startOf(t), indices, start, path);
+  }
+
+  /**
+   * Returns the edges over which a triangle is linked to others of its strip, one bit per edge.
+   * @param {number} t
+   */
+  links(t) {
+    return this.#paths.mask(t);
+  }
+
+  /**
+   * Returns the end from which the path of a triangle is sent: the one in the direction of its first link, unless only a strip from the other end begins without a swap.
+   * @param {number} t
+   */
+  #startOf(t) {
     const paths = this.#paths;
-    let start = lowest;
-    for (let exit = LOWEST[paths.mask(start)]; exit < 3; ) {
+    let start = t;
+    for (let exit = LOWEST[paths.mask(t)]; exit < 3; ) {
       const twin = paths.cells[4 * start + exit];
       start = twin >> 2;
       exit = LOWEST[paths.mask(start) & ~(1 << (twin & 3))];
@@ -193,9 +214,9 @@ export class Strips {
    * @param {number} t the first triangle
    * @param {Uint16Array | Uint32Array} indices
    * @param {number} length
-   * @param {Uint8Array} seen the triangles that were sent
+   * @param {Int32Array} path where its triangles are written to
    */
-  #sendPath(t, indices, length, seen) {
+  #sendPath(t, indices, length, path) {
     const paths = this.#paths;
     const { cells } = this.#surface;
     const fans = this.#fans.cells;
@@ -204,12 +225,13 @@ export class Strips {
     let exit = LOWEST[paths.mask(t)];
     const first = exit < 3 ? exit : 1;
     for (const corner of [first + 2, first, first + 1]) indices[length++] = vertex(corner);
-    seen[t] = 1;
+    path[0] = t;
+    let count = 1;
     for (let isEven = false; exit < 3; ) {
       const twin = paths.cells[4 * t + exit];
       const entry = twin & 3;
       t = twin >> 2;
-      seen[t] = 1;
+      path[count++] = t;
       exit = LOWEST[paths.mask(t) & ~(1 << entry)];
       if (exit < 3) {
         if ((exit === (entry < 2 ? entry + 1 : 0)) === isEven) isEven = !isEven;
@@ -217,6 +239,7 @@ export class Strips {
       }
       indices[length++] = vertex(entry + 2);
     }
+    this.sentTriangles = count;
     return length;
   }
 }

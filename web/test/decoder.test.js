@@ -2,6 +2,7 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { crc32 } from 'node:zlib';
 import { Decoder, StreamError } from '../src/index.js';
+import { fingerprint } from '../testing/fingerprint.js';
 import { bunny, chunkBytes, chunksOf, Random, vectors } from '../testing/vectors.js';
 
 /** @param {import('../src/decoder.js').StreamPart} part */
@@ -17,13 +18,13 @@ function assertDrawable(part) {
 function assertDecodes({ bytes, chunks, parts }) {
   const decoder = new Decoder();
   let start = 0;
-  for (const [i, { end, stream, level, triangles, vertices, error, fingerprint }] of chunks.entries()) {
+  for (const [i, { end, stream, level, triangles, vertices, error, fingerprint: expected }] of chunks.entries()) {
     assert.equal(decoder.update(bytes.subarray(start, end)), 1);
     const part = decoder.part(stream);
     assert.ok(part);
     assert.deepEqual(
-      [decoder.chunkCount, decoder.offset, part.level, part.triangleCount, part.vertexCount, part.error, part.fingerprint()],
-      [i + 1, end, level, triangles, vertices, Math.fround(error), fingerprint],
+      [decoder.chunkCount, decoder.offset, part.level, part.triangleCount, part.vertexCount, part.error, fingerprint(part)],
+      [i + 1, end, level, triangles, vertices, Math.fround(error), expected],
     );
     assertDrawable(part);
     start = end;
@@ -41,7 +42,7 @@ function assertDecodes({ bytes, chunks, parts }) {
 
 /** @param {Decoder} decoder */
 function fingerprints(decoder) {
-  return decoder.parts.map((part) => part.fingerprint());
+  return decoder.parts.map((part) => fingerprint(part));
 }
 
 for (const vector of vectors()) {
@@ -142,7 +143,7 @@ test('an error tells where, and what comes before it stays', () => {
   assert.throws(() => decoder.update(bytes), expected);
   assert.equal(decoder.chunkCount, 1);
   assert.equal(decoder.offset, chunks[0].end);
-  assert.equal(decoder.part(0)?.fingerprint(), chunks[0].fingerprint);
+  assert.equal(fingerprint(decoder.part(0)), chunks[0].fingerprint);
 });
 
 test('limits are kept', () => {

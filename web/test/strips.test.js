@@ -5,42 +5,12 @@ import { crc32 } from 'node:zlib';
 import { Decoder } from '../src/index.js';
 import { Random } from '../src/paths.js';
 import { Strips } from '../src/strips.js';
+import { fingerprint } from '../testing/fingerprint.js';
+import { canonical, drawnByStrips, triples } from '../testing/triangles.js';
 import { chunkBytes, chunksOf, Random as Seeded, vectors } from '../testing/vectors.js';
 
 /** The checksums of the strips that the decoder in Rust keeps up. */
 const EXPECTED = JSON.parse(readFileSync(new URL('../../testdata/stream/strips.json', import.meta.url), 'utf8'));
-
-/**
- * Returns the triangles that strips draw, each from its lowest vertex on, sorted. Those with two equal vertices draw nothing.
- * @param {Iterable<number[]>} triangles
- */
-function canonical(triangles) {
-  const rows = [];
-  for (const [a, b, c] of triangles) {
-    if (a === b || b === c || a === c) continue;
-    const least = Math.min(a, b, c);
-    rows.push(least === a ? `${a} ${b} ${c}` : least === b ? `${b} ${c} ${a}` : `${c} ${a} ${b}`);
-  }
-  return rows.sort();
-}
-
-/**
- * What a graphics processor draws of strips with restarts.
- * @param {Uint16Array | Uint32Array} indices
- */
-function* drawn(indices) {
-  const restart = indices instanceof Uint16Array ? 65535 : 4294967295;
-  let start = 0;
-  for (let i = 0; i < indices.length; i++) {
-    if (indices[i] === restart) start = i + 1;
-    else if (i >= start + 2) yield (i - start) % 2 ? [indices[i - 1], indices[i - 2], indices[i]] : [indices[i - 2], indices[i - 1], indices[i]];
-  }
-}
-
-/** @param {Uint32Array} list */
-function* triples(list) {
-  for (let i = 0; i < list.length; i += 3) yield [list[i], list[i + 1], list[i + 2]];
-}
 
 /** @param {import('../src/decoder.js').StreamPart} part */
 function assertStrips(part) {
@@ -48,7 +18,7 @@ function assertStrips(part) {
   assert.ok(strips);
   const indices = strips.indices();
   assert.equal(indices.length, strips.verticesSent + Math.max(strips.count - 1, 0));
-  assert.deepEqual(canonical(drawn(indices)), canonical(triples(part.triangles())));
+  assert.deepEqual(canonical(drawnByStrips(indices)), canonical(triples(part.triangles())));
   return indices;
 }
 
@@ -75,7 +45,7 @@ for (const vector of vectors()) {
     const plain = new Decoder();
     plain.update(vector.bytes);
     assert.ok(plain.parts.every((part) => part.strips === undefined));
-    assert.deepEqual(plain.parts.map((part) => part.fingerprint()), whole.parts.map((part) => part.fingerprint()));
+    assert.deepEqual(plain.parts.map((part) => fingerprint(part)), whole.parts.map((part) => fingerprint(part)));
   });
 }
 

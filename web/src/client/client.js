@@ -36,7 +36,7 @@
  * @typedef {object} IndexUpdate
  * @property {number} part the number of the part; 0 where a mesh has no parts
  * @property {number} length the indices to draw
- * @property {number} capacity the indices that the buffer is to have room for, at least `length`; it never becomes less
+ * @property {number} capacity the indices that the buffer should have room for, at least `length`: so it need not grow at each update
  * @property {2 | 4} bytesPerIndex if it changes, the ranges are all indices
  * @property {number} triangles the triangles of the part
  * @property {number} strips the strips of the part; 0 for lists
@@ -101,7 +101,7 @@
  * @property {(json: any, binaryBytes: number) => void} [document] the glTF document, and the bytes of the binary chunk before the stream: all of it, if there is no stream
  * @property {(bytes: Uint8Array, start: number) => void} [binary] bytes of the binary chunk before the stream, and where they start in it
  * @property {(chunks: ChunkFigures[]) => void} [chunks] chunks that have arrived
- * @property {(update: Update) => void} [update] the first one has the base meshes. The arrays are the page's to keep
+ * @property {(update: Update) => void} [update] the arrays are the page's to keep
  * @property {(progress: Progress) => void} [progress] bytes that have arrived without an update
  * @property {(state: ConnectionState, seconds: number) => void} [connection] `seconds` until the next try, if it is `retrying`
  * @property {(error: ModelError) => void} [error] nothing more comes, unless `retry` is called; what was shown stays good

@@ -1,0 +1,152 @@
+/**
+ * An index buffer that is written piece by piece, and that tells which runs of it have changed.
+ *
+ * Changes are noted by blocks. Runs of changed blocks that are near each other are one range, as uploading a few more indices takes less time than another call.
+ * @module
+ */
+
+/** @import { IndexRange } from './client.js' */
+
+/** The indices of a block, the blocks between two runs that are uploaded with them, and the most ranges before runs farther apart are joined. */
+const BLOCK = 64;
+const GAP = 2;
+const MOST_RANGES = 256;
+
+/** The least room of a buffer that is not empty. */
+const LEAST_ROOM = 1024;
+
+/** An index buffer, and what has changed in it. */
+export class IndexBuffer {
+  /** @type {Uint16Array | Uint32Array} */
+  #indices = new Uint16Array(0);
+  #changed = new Uint8Array(0);
+  /** The indices to draw. */
+  length = 0;
+
+  /** The room for indices. */
+  get capacity() {
+    return this.#indices.length;
+  }
+
+  get bytesPerIndex() {
+    return /** @type {2 | 4} */ (this.#indices.BYTES_PER_ELEMENT);
+  }
+
+  /** The index of primitive restart. */
+  get restart() {
+    return this.bytesPerIndex === 2 ? 0xffff : 0xffffffff;
+  }
+
+  /** Makes all indices four bytes long. */
+  widen() {
+    if (this.bytesPerIndex === 4) return;
+    const { restart, capacity } = this;
+    this.#indices = Uint32Array.from(this.#indices, (index) => (index === restart ? 0xffffffff : index));
+    this.touch(0, capacity);
+  }
+
+  /**
+   * Makes room.
+   * @param {number} length the indices
+   */
+  reserve(length) {
+    const { capacity } = this;
+    if (length <= capacity) return;
+    const Type = /** @type {any} */ (this.#indices.constructor);
+    const longer = new Type(Math.max(length, Math.ceil(1.5 * capacity), LEAST_ROOM));
+    longer.set(this.#indices);
+    this.#indices = longer;
+    const changed = new Uint8Array(Math.ceil(longer.length / BLOCK));
+    changed.set(this.#changed);
+    this.#changed = changed;
+  }
+
+  /**
+   * Notes that indices have changed.
+   * @param {number} start
+   * @param {number} end
+   */
+  touch(start, end) {
+    for (let block = Math.floor(start / BLOCK); block * BLOCK < end; block++) this.#changed[block] = 1;
+  }
+
+  /**
+   * Writes an index within the room, if it is another one.
+   * @param {number} at
+   * @param {number} index
+   */
+  set(at, index) {
+    if (this.#indices[at] === index) return;
+    this.#indices[at] = index;
+    this.#changed[Math.floor(at / BLOCK)] = 1;
+  }
+
+  /**
+   * Writes indices within the room; those that are the same do not count as changed.
+   * @param {number} at
+   * @param {Uint32Array} from
+   * @param {number} start
+   * @param {number} end
+   */
+  write(at, from, start, end) {
+    for (let i = start; i < end; i++) this.set(at + i - start, from[i]);
+  }
+
+  /**
+   * Writes the index of primitive restart.
+   * @param {number} start
+   * @param {number} end
+   */
+  clear(start, end) {
+    for (let i = start; i < end; i++) this.set(i, this.restart);
+  }
+
+  /**
+   * Returns a copy of some indices.
+   * @param {number} start
+   * @param {number} end
+   */
+  slice(start, end) {
+    return this.#indices.slice(start, end);
+  }
+
+  /**
+   * Returns the runs that have changed since the last call, as copies, in order.
+   * @returns {IndexRange[]}
+   */
+  takeChanges() {
+    const runs = this.#changedRuns();
+    for (let gap = GAP; runs.length > MOST_RANGES; gap *= 2) joinNear(runs, gap);
+    this.#changed.fill(0);
+    return runs.map(({ first, end }) => ({ start: first * BLOCK, array: this.#indices.slice(first * BLOCK, Math.min(end * BLOCK, this.length)) }));
+  }
+
+  /** Returns the runs of changed blocks that are drawn; those at most a small gap apart are one. */
+  #changedRuns() {
+    /** @type {{ first: number, end: number }[]} */
+    const runs = [];
+    const count = Math.ceil(this.length / BLOCK);
+    for (let block = 0; block < count; block++) {
+      if (!this.#changed[block]) continue;
+      const last = runs[runs.length - 1];
+      if (last && block - last.end <= GAP) last.end = block + 1;
+      else runs.push({ first: block, end: block + 1 });
+    }
+    return runs;
+  }
+}
+
+/**
+ * Joins runs that are at most a gap apart.
+ * @param {{ first: number, end: number }[]} runs
+ * @param {number} gap
+ */
+function joinNear(runs, gap) {
+  let count = 0;
+  for (const run of runs) {
+    const last = runs[count - 1];
+    if (count > 0 && run.first - last.end <= gap) last.end = run.end;
+    else runs[count++] = run;
+  }
+  runs.length = count;
+}

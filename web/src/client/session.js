@@ -1,0 +1,447 @@
+/**
+ * A model in the worker: from its download to what the page is told.
+ *
+ * ```text
+ * download ─▶ pieces ─▶ GlbReader ─▶ document, binary
+ *                           └─▶ chunks that have arrived ─▶ decoder ─▶ MeshBuffers ─▶ update
+ * ```
+ * # Algorithm
+ * 1. Bytes are cut into chunks when they arrive, and wait. One chunk after another is decoded, with breaks in which messages are read.
+ * 2. What has changed is sent when the page has taken the update before, and either nothing waits or enough time has passed: finding out what has changed takes a bounded share of the time.
+ * 3. To show fewer chunks, a new decoder begins with the first one: refinements cannot be undone, but decoding takes little time.
+ * @module
+ */
+import { readChunkHead } from '../chunk.js';
+import { Decoder } from '../decoder.js';
+import { fail, StreamError } from '../error.js';
+import { EXTENSION, GlbReader } from '../glb.js';
+import { Waiting } from '../growth.js';
+import { Strips } from '../strips.js';
+import { Download, DownloadError, piecesOf } from './download.js';
+import { MeshBuffers } from './mesh_buffers.js';
+
+/**
+ * @import { ChunkFigures, ConnectionState, LoadOptions, MeshUpdate, ModelError, Progress } from './client.js'
+ * @import { Link } from './link.js'
+ */
+
+/** Decoding makes a break after so many milliseconds. */
+const SLICE = 12;
+/** An update waits so long, and this many times the time that the last one took to build, while more chunks wait. */
+const LEAST_INTERVAL = 60;
+const BUILD_SHARE = 3;
+/** Bytes without an update are told this often, in milliseconds. */
+const PROGRESS_INTERVAL = 100;
+/** The most bytes of a chunk, unless a limit says otherwise: those of the decoder. */
+const MOST_CHUNK_BYTES = 2 ** 28;
+
+/**
+ * A chunk that has arrived.
+ * @typedef {object} Chunk
+ * @property {Uint8Array | undefined} bytes until it is decoded, unless the file is kept
+ * @property {number} stream
+ * @property {number} end the bytes of the file up to its end
+ */
+
+/** One model. */
+export class Session {
+  #post;
+  #link;
+  #turn;
+  /** @type {LoadOptions} */
+  #options = {};
+  #isClosed = false;
+  #downloading = new AbortController();
+  #reader = new GlbReader(undefined, true);
+  /** @type {Download | undefined} */
+  #download;
+  #receivedBytes = 0;
+  #totalBytes = 0;
+  /** The bytes of the binary chunk before the stream that have come. */
+  #binaryBytes = 0;
+  /** Whether all bytes have come, or none will come any more because of an error, which is told when all chunks before it are shown. */
+  #hasArrived = false;
+  /** @type {ModelError | undefined} */
+  #error;
+  /** Bytes of the next chunk. */
+  #waiting = new Waiting();
+  /** @type {Chunk[]} */
+  #chunks = [];
+  /** @type {ChunkFigures[]} */
+  #newChunks = [];
+  /** The chunks that are decoded, and those that are to be. */
+  #shown = 0;
+  #target = Infinity;
+  /** The chunks up to the last one that has a base mesh. */
+  #bases = 0;
+  #decoder = new Decoder();
+  /** @type {Map<number, MeshBuffers>} */
+  #buffers = new Map();
+  /** The parts of each mesh that are drawn. @type {Map<number, number[] | undefined>} */
+  #parts = new Map();
+  /** The meshes that have changed since the last update. @type {Set<number>} */
+  #changed = new Set();
+  #isTaken = true;
+  #isPaused = false;
+  #isDecoding = false;
+  /** Whether chunks are decoded again that were shown before. */
+  #isGoingBack = false;
+  #hasToldEnd = false;
+  #lastUpdate = -Infinity;
+  #lastBuild = 0;
+  #lastProgress = -Infinity;
+  #decodeMilliseconds = 0;
+  #buildMilliseconds = 0;
+  /** @type {ConnectionState | undefined} */
+  #state;
+
+  /**
+   * @param {(message: any, transfer?: Transferable[]) => void} post tells the page something
+   * @param {Link} link
+   */
+  constructor(post, link) {
+    this.#post = post;
+    this.#link = link;
+    this.#turn = link.join();
+  }
+
+  /**
+   * Does what the page asks for.
+   * @param {any} message
+   */
+  receive(message) {
+    switch (message.type) {
+      case 'load':
+        return this.#load(message.source, message.options);
+      case 'taken':
+        this.#isTaken = true;
+        return this.#decode();
+      case 'priority':
+        this.#turn.priority = message.priority;
+        return;
+      case 'pause':
+        this.#isPaused = true;
+        return;
+      case 'resume':
+        this.#isPaused = false;
+        this.#link.wake();
+        return this.#decode();
+      case 'retry':
+        if (this.#error?.kind !== 'connection' || !this.#download) return;
+        this.#error = undefined;
+        this.#hasArrived = false;
+        this.#hasToldEnd = false;
+        this.#run(this.#download.pieces());
+        return;
+      case 'show':
+        return this.#show(message.chunkCount);
+      case 'close':
+        this.#isClosed = true;
+        this.#downloading.abort();
+        this.#link.leave(this.#turn);
+        return;
+    }
+  }
+
+  /**
+   * @param {import('./client.js').Source} source
+   * @param {LoadOptions} options
+   */
+  #load(source, options) {
+    this.#options = options;
+    this.#turn.priority = options.priority ?? 0;
+    this.#decoder = this.#newDecoder();
+    if (typeof source === 'string') {
+      const tell = (/** @type {ConnectionState} */ state, /** @type {number} */ seconds) => this.#tellState(state, seconds);
+      this.#download = new Download(source, options, this.#link, this.#turn, this.#downloading.signal, tell);
+      this.#run(this.#download.pieces());
+      return;
+    }
+    const blob = source instanceof Blob ? source : new Blob([/** @type {ArrayBuffer} */ (source)]);
+    this.#totalBytes = blob.size;
+    this.#run(piecesOf(blob, this.#link));
+  }
+
+  #newDecoder() {
+    const { limits, output } = this.#options;
+    return new Decoder({ ...limits, ...(output === 'lists' ? {} : { strips: Strips, isLazy: true }) });
+  }
+
+  /**
+   * @param {ConnectionState} state
+   * @param {number} [seconds]
+   */
+  #tellState(state, seconds = 0) {
+    if (state === this.#state && state !== 'retrying') return;
+    this.#state = state;
+    this.#post({ type: 'connection', state, seconds });
+  }
+
+  /**
+   * Takes the bytes of the file as they arrive.
+   * @param {AsyncGenerator<Uint8Array>} pieces
+   */
+  async #run(pieces) {
+    try {
+      for await (const piece of pieces) {
+        if (this.#isClosed) return;
+        this.#take(piece);
+        this.#decode();
+        await this.#waitWhilePaused();
+      }
+      if (this.#isClosed) return;
+      this.#checkEnd();
+      this.#totalBytes = this.#receivedBytes;
+      this.#tellState('done');
+    } catch (error) {
+      this.#error = this.#explain(error);
+      this.#turn.end();
+    }
+    this.#hasArrived = true;
+    this.#decode();
+  }
+
+  async #waitWhilePaused() {
+    while (this.#isPaused && !this.#isClosed) {
+      this.#tellState('paused');
+      this.#turn.end();
+      await this.#link.change();
+    }
+  }
+
+  /**
+   * Returns what people are told of an error.
+   * @param {unknown} error
+   * @returns {ModelError}
+   */
+  #explain(error) {
+    if (error instanceof DownloadError) return { kind: error.kind, message: error.message };
+    if (error instanceof StreamError) return { kind: this.#reader.json ? 'damaged' : 'not-glb', message: error.message };
+    return { kind: 'limit', message: error instanceof Error ? error.message : String(error) };
+  }
+
+  #checkEnd() {
+    const { json, fileBytes } = this.#reader;
+    if (!json) fail(`a file of ${this.#receivedBytes} bytes`, 'a GLB');
+    if (this.#receivedBytes < fileBytes) fail(`a file that ends after ${this.#receivedBytes} bytes`, `${fileBytes} bytes, as its header says`);
+  }
+
+  /**
+   * Cuts bytes of the file into what they are.
+   * @param {Uint8Array} piece
+   */
+  #take(piece) {
+    const reader = this.#reader;
+    const hadJson = reader.json !== undefined;
+    const stream = reader.update(piece);
+    this.#receivedBytes += piece.length;
+    if (!reader.json) return;
+    this.#totalBytes = this.#download?.totalBytes || reader.fileBytes;
+    if (!hadJson) {
+      this.#parts = partsOf(reader.json);
+      this.#post({ type: 'document', json: reader.json, binaryBytes: reader.beforeBytes });
+    }
+    if (reader.before.length > 0) {
+      const bytes = reader.before.slice();
+      this.#post({ type: 'binary', bytes, start: this.#binaryBytes }, [bytes.buffer]);
+      this.#binaryBytes += reader.before.length;
+    }
+    if (stream.length > 0) this.#cut(stream);
+    const now = performance.now();
+    if (now - this.#lastProgress < PROGRESS_INTERVAL) return;
+    this.#lastProgress = now;
+    this.#post({ type: 'progress', progress: this.#progress() });
+  }
+
+  /**
+   * Cuts bytes of the stream into chunks.
+   * @param {Uint8Array} stream
+   */
+  #cut(stream) {
+    const known = this.#waiting.length;
+    const count = this.#chunks.length;
+    let rest = known > 0 ? this.#waiting.add(stream) : stream;
+    const most = this.#options.limits?.chunkBytes ?? MOST_CHUNK_BYTES;
+    for (let head; (head = readChunkHead(rest)); ) {
+      // The decoder refuses the head of a chunk that is too large.
+      const length = head.headBytes + (head.payloadBytes > most ? 0 : head.payloadBytes);
+      if (rest.length < length) break;
+      this.#addChunk(rest.slice(0, length), head);
+      rest = rest.subarray(length);
+    }
+    if (known > 0 && this.#chunks.length === count) return;
+    const left = rest.slice();
+    this.#waiting = new Waiting();
+    this.#waiting.add(left);
+  }
+
+  /**
+   * @param {Uint8Array} bytes
+   * @param {import('../chunk.js').ChunkHead} head
+   */
+  #addChunk(bytes, { stream, triangles, error, visits }) {
+    const start = this.#chunks.length > 0 ? this.#chunks[this.#chunks.length - 1].end : this.#reader.streamStart;
+    const end = start + bytes.length;
+    this.#chunks.push({ bytes, stream, end });
+    this.#newChunks.push({ stream, end, triangles, error });
+    if (visits === 0) this.#bases = this.#chunks.length;
+  }
+
+  /** Tells the page of chunks that have arrived. */
+  #tellChunks() {
+    if (this.#newChunks.length > 0) this.#post({ type: 'chunks', chunks: this.#newChunks });
+    this.#newChunks = [];
+  }
+
+  /** The chunks that are to be shown. */
+  get #wanted() {
+    return Math.min(Math.max(this.#target, this.#bases), this.#chunks.length);
+  }
+
+  /** @param {number} chunkCount */
+  #show(chunkCount) {
+    this.#target = Number.isNaN(chunkCount) ? Infinity : chunkCount;
+    if (this.#wanted < this.#shown) {
+      if (!this.#options.keepBytes) return;
+      this.#decoder = this.#newDecoder();
+      this.#buffers.clear();
+      this.#shown = 0;
+      this.#decodeMilliseconds = 0;
+      this.#buildMilliseconds = 0;
+      this.#isGoingBack = true;
+    }
+    this.#decode();
+  }
+
+  /** Decodes what has arrived and is to be shown, and tells the page. */
+  async #decode() {
+    if (this.#isDecoding) return;
+    this.#isDecoding = true;
+    try {
+      this.#tellChunks();
+      await this.#decodeChunks();
+    } catch (error) {
+      this.#error = this.#explain(error);
+      this.#hasArrived = true;
+      this.#downloading.abort();
+      this.#link.leave(this.#turn);
+      this.#chunks.length = this.#shown;
+    }
+    this.#isDecoding = false;
+    if (this.#isClosed || !this.#isTaken || this.#shown < this.#wanted) return;
+    const isEnd = this.#hasArrived && !this.#hasToldEnd && this.#shown === this.#chunks.length;
+    if (isEnd && !this.#error) for (const stream of this.#buffers.keys()) this.#changed.add(stream);
+    if (isEnd || this.#changed.size > 0) this.#sendUpdate();
+    if (!isEnd) return;
+    this.#hasToldEnd = true;
+    if (this.#error) this.#post({ type: 'error', error: this.#error });
+  }
+
+  async #decodeChunks() {
+    let end = performance.now() + SLICE;
+    while (!this.#isClosed && !this.#isPaused && this.#shown < this.#wanted) {
+      const start = performance.now();
+      this.#decodeChunk();
+      const now = performance.now();
+      this.#decodeMilliseconds += now - start;
+      const interval = Math.max(LEAST_INTERVAL, BUILD_SHARE * this.#lastBuild);
+      if (this.#isTaken && !this.#isGoingBack && now - this.#lastUpdate > interval) this.#sendUpdate();
+      if (now < end) continue;
+      await pause();
+      end = performance.now() + SLICE;
+    }
+  }
+
+  #decodeChunk() {
+    const chunk = this.#chunks[this.#shown];
+    // Bytes are kept until they have been decoded.
+    this.#decoder.update(/** @type {Uint8Array} */ (chunk.bytes));
+    if (!this.#options.keepBytes) chunk.bytes = undefined;
+    this.#shown++;
+    this.#changed.add(chunk.stream);
+  }
+
+  /** Sends what has changed. */
+  #sendUpdate() {
+    const start = performance.now();
+    const isLast = this.#isComplete;
+    /** @type {MeshUpdate[]} */
+    const meshes = [];
+    for (const stream of this.#changed) {
+      const part = this.#decoder.part(stream);
+      if (!part || !this.#parts.has(stream)) continue;
+      let buffers = this.#buffers.get(stream);
+      if (!buffers) this.#buffers.set(stream, (buffers = new MeshBuffers(stream, this.#parts.get(stream), this.#options.output ?? 'strips')));
+      meshes.push(buffers.update(part, isLast));
+    }
+    this.#changed.clear();
+    this.#isGoingBack = false;
+    this.#isTaken = false;
+    const now = performance.now();
+    this.#lastUpdate = now;
+    this.#lastBuild = now - start;
+    this.#buildMilliseconds += now - start;
+    const transfer = meshes.flatMap(({ positions, attributes, parts }) => [
+      positions.buffer,
+      ...attributes.map(({ array }) => array.buffer),
+      ...parts.flatMap(({ ranges }) => ranges.map(({ array }) => array.buffer)),
+    ]);
+    this.#post({ type: 'update', update: { meshes, progress: this.#progress() } }, transfer);
+  }
+
+  get #isComplete() {
+    return this.#hasArrived && !this.#error && this.#shown === this.#chunks.length;
+  }
+
+  /** @returns {Progress} */
+  #progress() {
+    return {
+      receivedBytes: this.#receivedBytes,
+      shownBytes: this.#isComplete ? this.#receivedBytes : this.#shown > 0 ? this.#chunks[this.#shown - 1].end : 0,
+      totalBytes: this.#totalBytes,
+      shownChunks: this.#shown,
+      receivedChunks: this.#chunks.length,
+      decodeMilliseconds: this.#decodeMilliseconds,
+      buildMilliseconds: this.#buildMilliseconds,
+      isComplete: this.#isComplete,
+    };
+  }
+}
+
+/** Lets the worker read its messages. */
+function pause() {
+  return new Promise((resolve) => {
+    const { port1, port2 } = new MessageChannel();
+    port1.onmessage = () => {
+      port1.close();
+      resolve(undefined);
+    };
+    port2.postMessage(undefined);
+  });
+}
+
+/**
+ * Returns the meshes of the stream that primitives draw, each with the numbers of the parts that they draw, or `undefined` if one draws all of it.
+ * @param {any} json the glTF document
+ */
+function partsOf(json) {
+  /** @type {Map<number, number[] | undefined>} */
+  const parts = new Map();
+  for (const mesh of listOf(json.meshes)) {
+    for (const primitive of listOf(mesh?.primitives)) {
+      const { stream, part } = primitive?.extensions?.[EXTENSION] ?? {};
+      if (!Number.isSafeInteger(stream)) continue;
+      const known = parts.get(stream);
+      if (!Number.isSafeInteger(part)) parts.set(stream, undefined);
+      else if (!parts.has(stream)) parts.set(stream, [part]);
+      else if (known && !known.includes(part)) known.push(part);
+    }
+  }
+  return parts;
+}
+
+/**
+ * @param {any} list
+ * @returns {any[]}
+ */
+const listOf = (list) => (Array.isArray(list) ? list : []);

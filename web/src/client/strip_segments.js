@@ -1,0 +1,261 @@
+/**
+ * Triangle strips of the parts of a mesh, in index buffers of which few ranges change.
+ *
+ * ```text
+ * buffer   │ strip · R R R │ strip · R │ R R R R R R R │ strip · R R │ …        R: primitive restart
+ *            └ segment, with room to grow └ segment of a strip that is gone
+ * ```
+ * # Algorithm
+ * 1. A strip is another one if one of its triangles has other vertices or other links than when it was sent. No strip of which nothing has changed is looked at.
+ * 2. The segments of all triangles of such a strip are freed. The strip is written to the segment that its first triangle had, if it has the room; otherwise to a new one at the end of the buffer.
+ * 3. When more than a third of a buffer is restarts between strips, its segments are moved together.
+ *
+ * A border between parts is a seam, which no strip crosses: a strip is in the buffer of its first vertex.
+ * @module
+ */
+import { grown, integers } from '../growth.js';
+import { IndexBuffer } from './index_buffer.js';
+
+/**
+ * @import { StreamPart } from '../decoder.js'
+ * @import { IndexUpdate } from './client.js'
+ * @import { SentTriangles } from './mesh_buffers.js'
+ */
+
+/** No segment. */
+const NONE = -1;
+/** The cells of a segment: its buffer, its start, its room, the length of its strip with the restart behind it, its triangles, and the update that has written it. */
+const CELLS = 6;
+const START = 1;
+const ROOM = 2;
+const LENGTH = 3;
+const TRIANGLES = 4;
+const WRITTEN_IN = 5;
+/** The share of a buffer that may be restarts between strips, also when nothing more comes, and the restarts that it may have in any case. */
+const MOST_WASTE = 1 / 3;
+const MOST_WASTE_AT_END = 1 / 32;
+const FREE_WASTE = 1024;
+/** A link mask that no triangle has. */
+const UNKNOWN = 255;
+
+/**
+ * Returns the room for a strip: an eighth more than it takes.
+ * @param {number} length with the restart behind it
+ */
+const roomFor = (length) => (length + (length >> 3) + 3) & ~3;
+
+/** The strips of one part, and their figures. */
+class StripBuffer {
+  indices = new IndexBuffer();
+  end = 0;
+  /** Segments without a strip, by the binary logarithm of their room. */
+  free = Array.from({ length: 32 }, () => /** @type {number[]} */ ([]));
+  /** The lengths of all strips, with the restarts behind them. */
+  live = 0;
+  triangles = 0;
+  strips = 0;
+}
+
+/** The strips of each part of a mesh. */
+export class StripSegments {
+  #parts;
+  /** @type {StripBuffer[]} */
+  #buffers;
+  #segments = integers(0);
+  #segmentCount = 0;
+  /** The segments that this update has freed, and the lengths of their strips. */
+  #freed = /** @type {{ segment: number, length: number }[]} */ ([]);
+  /** For each triangle its segment, its links when it was sent, and the last update that has sent it. */
+  #segmentOf = integers(0);
+  #links = new Uint8Array(0);
+  #sentIn = integers(0);
+  #update = 0;
+  #count = 0;
+  /** A strip, and its triangles. */
+  #strip = new Uint32Array(0);
+  #path = integers(0);
+
+  /** @param {number[]} parts the numbers of the parts that are drawn; one that is alone draws all triangles */
+  constructor(parts) {
+    this.#parts = new Map(parts.map((part, i) => [part, i]));
+    this.#buffers = parts.map(() => new StripBuffer());
+  }
+
+  /**
+   * Returns how the strips have changed.
+   * @param {StreamPart} part with strips
+   * @param {SentTriangles} triangles
+   * @param {Float64Array} partOf the part of each vertex; empty if there is one part
+   * @param {boolean} isLast whether nothing more will change
+   * @returns {IndexUpdate[]}
+   */
+  update(part, { changed, changedCount, count }, partOf, isLast) {
+    const strips = /** @type {import('../strips.js').Strips} */ (part.strips);
+    strips.improve();
+    this.#grow(count, strips.verticesSent);
+    this.#update++;
+    if (part.vertexCount > 0xffff) for (const { indices } of this.#buffers) indices.widen();
+    for (let i = 0; i < changedCount; i++) this.#send(changed[i], strips, partOf);
+    for (let t = 0; t < count; t++) if (strips.links(t) !== this.#links[t]) this.#send(t, strips, partOf);
+    this.#clearFreed();
+    for (const [i, { end, live }] of this.#buffers.entries()) {
+      const most = isLast ? MOST_WASTE_AT_END * end : Math.max(MOST_WASTE * end, FREE_WASTE);
+      if (end - live > most) this.#compact(i, isLast);
+    }
+    return [...this.#parts.keys()].map((part, i) => {
+      const { indices, end, live, triangles, strips } = this.#buffers[i];
+      indices.length = end;
+      const { length, capacity, bytesPerIndex } = indices;
+      const ranges = indices.takeChanges();
+      return { part, length, capacity, bytesPerIndex, triangles, strips, verticesSent: live - strips, ranges };
+    });
+  }
+
+  /**
+   * @param {number} count the triangles
+   * @param {number} verticesSent at least as many as those of the longest strip
+   */
+  #grow(count, verticesSent) {
+    this.#segmentOf = grown(this.#segmentOf, count).fill(NONE, this.#count);
+    this.#links = grown(this.#links, count).fill(UNKNOWN, this.#count);
+    this.#sentIn = grown(this.#sentIn, count);
+    this.#path = grown(this.#path, count);
+    if (this.#strip.length < verticesSent) this.#strip = new Uint32Array(2 * verticesSent);
+    this.#count = count;
+  }
+
+  /**
+   * Sends the strip of a triangle, unless this update has sent it.
+   * @param {number} t
+   * @param {import('../strips.js').Strips} strips
+   * @param {Float64Array} partOf
+   */
+  #send(t, strips, partOf) {
+    if (this.#sentIn[t] === this.#update) return;
+    const path = this.#path;
+    const length = strips.send(t, this.#strip, 0, path);
+    const count = strips.sentTriangles;
+    const old = this.#segmentOf[path[0]];
+    for (let i = 0; i < count; i++) {
+      this.#free(this.#segmentOf[path[i]]);
+      this.#links[path[i]] = strips.links(path[i]);
+      this.#sentIn[path[i]] = this.#update;
+    }
+    const number = partOf.length === 0 ? 0 : this.#parts.get(partOf[this.#strip[0]]);
+    const segment = number === undefined ? NONE : this.#place(number, old, length + 1);
+    for (let i = 0; i < count; i++) this.#segmentOf[path[i]] = segment;
+    if (number === undefined) return;
+    const { indices } = this.#buffers[number];
+    const start = this.#segments[CELLS * segment + START];
+    indices.write(start, this.#strip, 0, length);
+    indices.clear(start + length, start + this.#segments[CELLS * segment + ROOM]);
+    this.#occupy(segment, length + 1, count);
+  }
+
+  /**
+   * Frees the segment of a triangle, unless this update has written or freed it.
+   * @param {number} segment
+   */
+  #free(segment) {
+    if (segment === NONE) return;
+    const { at, buffer } = this.#cellsOf(segment);
+    const segments = this.#segments;
+    const length = segments[at + LENGTH];
+    if (length === 0 || segments[at + WRITTEN_IN] === this.#update) return;
+    buffer.live -= length;
+    buffer.strips--;
+    buffer.triangles -= segments[at + TRIANGLES];
+    segments[at + LENGTH] = 0;
+    this.#freed.push({ segment, length });
+  }
+
+  /**
+   * @param {number} segment a free one
+   * @param {number} length of its strip with the restart behind it
+   * @param {number} triangles
+   */
+  #occupy(segment, length, triangles) {
+    const { at, buffer } = this.#cellsOf(segment);
+    this.#segments[at + LENGTH] = length;
+    this.#segments[at + TRIANGLES] = triangles;
+    this.#segments[at + WRITTEN_IN] = this.#update;
+    buffer.live += length;
+    buffer.strips++;
+    buffer.triangles += triangles;
+  }
+
+  /** @param {number} segment */
+  #cellsOf(segment) {
+    const at = CELLS * segment;
+    return { at, buffer: this.#buffers[this.#segments[at]] };
+  }
+
+  /**
+   * Returns a segment for a strip: the old one of its first triangle, a free one, or a new one.
+   * @param {number} number the number of the buffer
+   * @param {number} old
+   * @param {number} length with the restart behind it
+   */
+  #place(number, old, length) {
+    const segments = this.#segments;
+    const isFit = (/** @type {number} */ at) => segments[at] === number && segments[at + LENGTH] === 0 && segments[at + ROOM] >= length;
+    if (old !== NONE && isFit(CELLS * old)) return old;
+    const buffer = this.#buffers[number];
+    const least = 32 - Math.clz32(length - 1);
+    for (let size = least; size < least + 2; size++) {
+      const free = buffer.free[size].pop();
+      if (free !== undefined) return free;
+    }
+    const room = roomFor(length);
+    const start = buffer.end;
+    buffer.end += room;
+    buffer.indices.reserve(buffer.end);
+    buffer.indices.touch(start, buffer.end);
+    const segment = this.#segmentCount++;
+    this.#segments = grown(segments, CELLS * this.#segmentCount);
+    this.#segments.set([number, start, room], CELLS * segment);
+    return segment;
+  }
+
+  /** Clears the segments that were freed and have no strip again. */
+  #clearFreed() {
+    for (const { segment, length } of this.#freed) {
+      const { at, buffer } = this.#cellsOf(segment);
+      if (this.#segments[at + LENGTH] > 0) continue;
+      const start = this.#segments[at + START];
+      buffer.indices.clear(start, start + length);
+      buffer.free[31 - Math.clz32(this.#segments[at + ROOM])].push(segment);
+    }
+    this.#freed.length = 0;
+  }
+
+  /**
+   * Moves the segments of a buffer together, and forgets the free ones.
+   * @param {number} number
+   * @param {boolean} isTight whether they get no more room than they need
+   */
+  #compact(number, isTight) {
+    const segments = this.#segments;
+    const buffer = this.#buffers[number];
+    const { indices } = buffer;
+    const old = Uint32Array.from(indices.slice(0, buffer.end));
+    const order = [];
+    for (let segment = 0; segment < this.#segmentCount; segment++) {
+      const at = CELLS * segment;
+      if (segments[at] === number && segments[at + LENGTH] > 0) order.push(at);
+    }
+    order.sort((a, b) => segments[a + START] - segments[b + START]);
+    buffer.free.forEach((free) => (free.length = 0));
+    buffer.end = 0;
+    for (const at of order) {
+      const from = segments[at + START];
+      const length = segments[at + LENGTH];
+      const room = isTight ? length : Math.min(roomFor(length), segments[at + ROOM]);
+      segments[at + START] = buffer.end;
+      segments[at + ROOM] = room;
+      indices.write(buffer.end, old, from, from + length - 1);
+      indices.clear(buffer.end + length - 1, buffer.end + room);
+      buffer.end += room;
+    }
+  }
+}

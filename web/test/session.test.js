@@ -1,0 +1,298 @@
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import { createServer } from 'node:http';
+import { test } from 'node:test';
+import { Link } from '../src/client/link.js';
+import { Session } from '../src/client/session.js';
+import { GlbDecoder } from '../src/index.js';
+import { document, glb, MESHES } from '../testing/glb.js';
+import { Mirror } from '../testing/mirror.js';
+import { canonical, triples } from '../testing/triangles.js';
+
+/** @import { AddressInfo } from 'node:net' */
+/** @import { LoadOptions, Output, Progress, Source } from '../src/client/client.js' */
+
+const FILE = glb(document());
+
+/** Files of models that are packed, for tests of larger ones. */
+const FILES = (process.env.TRISTRIP_PACKED ?? '').split(':').filter((path) => path !== '');
+
+/** A page that has loaded a model. */
+class Page {
+  mirror = new Mirror();
+  /** @type {any[]} */
+  messages = [];
+  /** @type {Progress | undefined} */
+  progress;
+  /** @type {(() => void)[]} */
+  #looks = [];
+
+  /**
+   * @param {Source} source
+   * @param {LoadOptions} [options]
+   * @param {Link} [link]
+   */
+  constructor(source, options = {}, link = new Link()) {
+    this.link = link;
+    this.session = new Session((message) => this.#receive(message), link);
+    this.session.receive({ type: 'load', source, options });
+  }
+
+  /** @param {any} message */
+  #receive(message) {
+    this.messages.push(message);
+    if (message.type === 'update') {
+      this.mirror.apply(message.update);
+      this.progress = message.update.progress;
+      setTimeout(() => this.session.receive({ type: 'taken' }));
+    }
+    for (const look of [...this.#looks]) look();
+  }
+
+  /**
+   * Waits for a message.
+   * @param {(message: any) => boolean} isIt
+   * @returns {Promise<any>}
+   */
+  until(isIt) {
+    return new Promise((resolve) => {
+      const look = () => {
+        const found = this.messages.find(isIt);
+        if (!found) return;
+        this.#looks.splice(this.#looks.indexOf(look), 1);
+        resolve(found);
+      };
+      this.#looks.push(look);
+      look();
+    });
+  }
+
+  /** Waits until all is shown. */
+  complete() {
+    return this.until(({ type, update }) => type === 'update' && update.progress.isComplete);
+  }
+
+  /** Waits for an error. */
+  async error() {
+    return (await this.until(({ type }) => type === 'error')).error;
+  }
+}
+
+/**
+ * Checks that a page draws what a decoder has.
+ * @param {Page} page
+ * @param {GlbDecoder} decoder
+ * @param {Output} output
+ */
+function assertSame({ mirror }, decoder, output) {
+  for (const [stream, mesh] of mirror.meshes) {
+    const part = decoder.part(stream);
+    assert.ok(part);
+    assert.deepEqual(Float32Array.from(mesh.positions), part.positions());
+    for (const { name, array } of part.attributes().filter(({ name }) => name !== 'part')) {
+      assert.deepEqual([...(mesh.attributes.get(name) ?? [])], [...array]);
+    }
+    const drawn = [...mesh.parts.keys()].flatMap((number) => [...mesh.triangles(number, output)]);
+    assert.deepEqual(canonical(drawn), canonical(triples(part.triangles())));
+  }
+}
+
+/** @param {Uint8Array} bytes */
+function decoded(bytes) {
+  const decoder = new GlbDecoder();
+  decoder.update(bytes);
+  return decoder;
+}
+
+for (const output of /** @type {Output[]} */ (['strips', 'lists'])) {
+  test(`a page draws what a decoder has, as ${output}`, async () => {
+    for (const bytes of [FILE, ...FILES.map((path) => new Uint8Array(readFileSync(path)))]) {
+      const link = new Link();
+      link.bitsPerSecond = 8 * bytes.length;
+      const page = new Page(new Blob([bytes]), { output, keepBytes: true }, link);
+      await page.complete();
+      const decoder = decoded(bytes);
+      assert.equal(page.progress?.shownChunks, decoder.chunkCount);
+      assertSame(page, decoder, output);
+      const [{ mirror }, updates] = [page, page.messages.filter(({ type }) => type === 'update').length];
+      for (const [stream, { uploaded, whole, update }] of mirror.meshes) {
+        if (bytes === FILE) continue;
+        const [{ length, strips, verticesSent }] = /** @type {any} */ (update).parts;
+        console.log(`# ${output} mesh ${stream}: ${updates} updates, ${uploaded} of ${whole} indices sent; ${length} drawn, ${verticesSent} vertices in ${strips} strips`);
+      }
+      for (const part of decoder.parts) part.attributes();
+    }
+  });
+
+  test(`earlier chunks are shown again, as ${output}`, async () => {
+    const page = new Page(new Blob([FILE]), { output, keepBytes: true });
+    await page.complete();
+    const start = FILE.length - 3 - MESHES.bytes.length;
+    for (const count of [5, MESHES.chunks.length - 1, 3, 0, MESHES.chunks.length]) {
+      const known = page.messages.length;
+      page.session.receive({ type: 'show', chunkCount: count });
+      // The chunks of base meshes are always shown.
+      const shown = Math.max(count, 2);
+      await page.until((message) => page.messages.indexOf(message) >= known && message.type === 'update' && message.update.progress.shownChunks === shown);
+      assertSame(page, decoded(FILE.subarray(0, start + MESHES.chunks[shown - 1].end)), output);
+    }
+  });
+}
+
+test('the document, the binary chunk before the stream and the chunks are told', async () => {
+  const page = new Page(new Blob([FILE]));
+  await page.complete();
+  const { json, binaryBytes } = page.messages.find(({ type }) => type === 'document');
+  assert.deepEqual([json, binaryBytes], [document(), 40]);
+  const binary = page.messages.filter(({ type }) => type === 'binary').flatMap(({ bytes, start }) => [start, ...bytes]);
+  assert.deepEqual(binary, [0, ...new Array(40).fill(0)]);
+  const told = page.messages.filter(({ type }) => type === 'chunks').flatMap(({ chunks }) => chunks);
+  const start = FILE.length - 3 - MESHES.bytes.length;
+  assert.deepEqual(
+    told.map(({ end, stream, triangles }) => [end, stream, triangles]),
+    MESHES.chunks.map(({ end, stream, triangles }) => [start + end, stream, triangles]),
+  );
+});
+
+test('of a damaged file everything before the damage is shown, and then the error', async () => {
+  const bytes = FILE.slice();
+  const start = FILE.length - 3 - MESHES.bytes.length;
+  bytes[start + MESHES.chunks[4].end - 1] ^= 1;
+  const page = new Page(new Blob([bytes]), { output: 'lists' });
+  const { kind, message } = await page.error();
+  assert.equal(kind, 'damaged');
+  assert.match(message, /chunk 4 at byte \d+: found checksum/);
+  assert.equal(page.progress?.shownChunks, 4);
+  assertSame(page, decoded(FILE.subarray(0, start + MESHES.chunks[3].end)), 'lists');
+});
+
+test('a file that is no GLB, or is cut off, is an error', async () => {
+  const errors = [];
+  for (const bytes of [new Uint8Array(0), new TextEncoder().encode('solid of a cube, as text'), FILE.slice(0, 500), FILE.slice(0, FILE.length - 100)]) {
+    const page = new Page(new Blob([bytes]));
+    errors.push((await page.error()).kind);
+  }
+  assert.deepEqual(errors, ['not-glb', 'not-glb', 'damaged', 'damaged']);
+});
+
+test('a GLB without a stream is told of as a whole', async () => {
+  const json = { asset: { version: '2.0' }, buffers: [{ byteLength: 40 }] };
+  const page = new Page(new Blob([glb(json)]));
+  const { update } = await page.complete();
+  assert.deepEqual(update.meshes, []);
+  assert.equal(page.messages.find(({ type }) => type === 'document').binaryBytes, 40 + MESHES.bytes.length + 3);
+});
+
+/**
+ * Serves the file; each request is answered by the next function, the last one also further ones.
+ * @param {((request: import('node:http').IncomingMessage, response: import('node:http').ServerResponse) => void)[]} answers
+ */
+async function serve(answers) {
+  /** @type {string[]} */
+  const ranges = [];
+  const server = createServer((request, response) => {
+    const answer = answers[Math.min(ranges.length, answers.length - 1)];
+    ranges.push(`${request.headers.range ?? ''} ${request.headers['if-range'] ?? ''}`.trim());
+    answer(request, response);
+  });
+  await new Promise((resolve) => server.listen(0, '127.0.0.1', () => resolve(undefined)));
+  const { port } = /** @type {AddressInfo} */ (server.address());
+  const close = () => {
+    server.closeAllConnections();
+    server.close();
+  };
+  return { url: `http://127.0.0.1:${port}/model.glb`, ranges, close };
+}
+
+/**
+ * Answers with the file from a byte on, and cuts the connection after some bytes.
+ * @param {number} [most]
+ */
+function sending(most = Infinity, tag = '"a"') {
+  return (/** @type {import('node:http').IncomingMessage} */ request, /** @type {import('node:http').ServerResponse} */ response) => {
+    const first = Number(/^bytes=(\d+)-$/.exec(request.headers.range ?? '')?.[1] ?? 0);
+    const headers = { ETag: tag, 'Content-Length': FILE.length - first };
+    if (first > 0) response.writeHead(206, { ...headers, 'Content-Range': `bytes ${first}-${FILE.length - 1}/${FILE.length}` });
+    else response.writeHead(200, headers);
+    response.write(FILE.subarray(first, first + most), () => (most < FILE.length - first ? setTimeout(() => response.destroy(), 50) : response.end()));
+  };
+}
+
+test('a download goes on where the connection was lost', async () => {
+  const { url, ranges, close } = await serve([sending(1000), sending(700), sending()]);
+  const page = new Page(url, { output: 'lists' });
+  await page.complete();
+  assert.deepEqual(ranges, ['', 'bytes=1000- "a"', 'bytes=1700- "a"']);
+  assertSame(page, decoded(FILE), 'lists');
+  const states = page.messages.filter(({ type }) => type === 'connection').map(({ state }) => state);
+  assert.ok(states.includes('retrying'));
+  assert.equal(states.at(-1), 'done');
+  close();
+});
+
+test('a server that ignores ranges, or is busy, is no error', async () => {
+  const whole = (/** @type {any} */ request, /** @type {import('node:http').ServerResponse} */ response) => {
+    response.writeHead(200, { ETag: '"a"' }).end(FILE);
+  };
+  const busy = (/** @type {any} */ request, /** @type {import('node:http').ServerResponse} */ response) => response.writeHead(503).end();
+  const { url, close } = await serve([sending(1000), busy, whole]);
+  const page = new Page(url, { output: 'lists' });
+  await page.complete();
+  assertSame(page, decoded(FILE), 'lists');
+  close();
+});
+
+test('a file that changes, and one that is not there, are errors', async () => {
+  const changed = await serve([sending(1000), sending(Infinity, '"b"')]);
+  assert.equal((await new Page(changed.url).error()).kind, 'changed');
+  changed.close();
+  const missing = await serve([(request, response) => response.writeHead(404).end()]);
+  const { kind, message } = await new Page(missing.url).error();
+  assert.deepEqual([kind, message], ['status', 'The server answers 404 Not Found']);
+  missing.close();
+});
+
+test('a lost connection can be tried again', async () => {
+  const { url, close } = await serve([(request, response) => response.destroy(), (request, response) => response.destroy(), sending()]);
+  const page = new Page(url, { output: 'lists' });
+  assert.equal((await page.error()).kind, 'connection');
+  page.session.receive({ type: 'retry' });
+  await page.complete();
+  assertSame(page, decoded(FILE), 'lists');
+  close();
+});
+
+test('models of higher priority come first', async () => {
+  const { url, close } = await serve([sending()]);
+  const link = new Link();
+  link.bitsPerSecond = 8 * 4 * FILE.length;
+  const low = new Page(url, { priority: 0 }, link);
+  const high = new Page(url, { priority: 1 }, link);
+  await high.complete();
+  const { length } = low.messages.filter(({ type }) => type === 'update');
+  assert.ok(length <= 1 && !low.progress?.isComplete);
+  await low.complete();
+  close();
+});
+
+test('a model that is paused goes on later, and one that is closed says nothing more', async () => {
+  const { url, close } = await serve([sending()]);
+  const link = new Link();
+  link.bitsPerSecond = 8 * 4 * FILE.length;
+  const page = new Page(url, {}, link);
+  await page.until(({ type }) => type === 'document');
+  page.session.receive({ type: 'pause' });
+  await page.until(({ state }) => state === 'paused');
+  const known = page.messages.length;
+  await new Promise((resolve) => setTimeout(resolve, 100));
+  assert.ok(page.messages.length <= known + 1);
+  page.session.receive({ type: 'resume' });
+  await page.complete();
+  const other = new Page(url, {}, link);
+  await other.until(({ type }) => type === 'document');
+  other.session.receive({ type: 'close' });
+  const count = other.messages.length;
+  await new Promise((resolve) => setTimeout(resolve, 300));
+  assert.equal(other.messages.length, count);
+  close();
+});
