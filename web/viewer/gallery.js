@@ -1,0 +1,90 @@
+/**
+ * The models of the site as cards, and files that are dropped or chosen.
+ * @module
+ */
+import { bytesText, countText, element, make } from './elements.js';
+import { writeState } from './state.js';
+
+/**
+ * A model of `models.json`.
+ * @typedef {object} ListedModel
+ * @property {string} name
+ * @property {string} url
+ * @property {'progressive' | 'packed' | 'static'} kind
+ * @property {number} bytes
+ * @property {number | null} triangles
+ * @property {number | null} vertices
+ * @property {string} [thumbnail]
+ */
+
+const cards = element('cards', HTMLUListElement);
+const notes = element('notes', HTMLElement);
+const text = element('gallery-text', HTMLElement);
+
+/** Fills the gallery from `models.json`, if the site has one. */
+export async function fillGallery() {
+  try {
+    const response = await fetch('models.json');
+    if (!response.ok) throw new Error(String(response.status));
+    const { models, notes: lines = [] } = /** @type {{ models: ListedModel[], notes?: string[] }} */ (await response.json());
+    cards.replaceChildren(...models.map(card));
+    notes.replaceChildren(...lines.map((line) => make('p', {}, line)));
+    if (models.length === 0) text.textContent = 'There are no models here yet.';
+  } catch {
+    text.textContent = 'This site lists no models. Files from this device can be shown.';
+  }
+}
+
+/**
+ * Returns a name for a model without one.
+ * @param {string} url
+ */
+export function nameOf(url) {
+  const last = url.split('/').pop() ?? url;
+  return last.replace(/\.glb$/i, '');
+}
+
+/** @param {ListedModel} model */
+function card({ name, url, kind, bytes, triangles, thumbnail }) {
+  const figures = [bytesText(bytes), triangles === null ? '' : `${countText(triangles)} triangles`, kind === 'static' ? 'not progressive' : ''];
+  const frame = make('span', { class: 'thumbnail' });
+  if (thumbnail) {
+    const image = make('img', { src: thumbnail, alt: '', loading: 'lazy', decoding: 'async', width: '320', height: '240' });
+    image.addEventListener('error', () => image.remove());
+    frame.append(image);
+  }
+  const link = make('a', { href: writeState({ model: url, view: undefined, mode: undefined }) }, frame, make('strong', {}, name), make('span', { class: 'muted' }, figures.filter(Boolean).join(' · ')));
+  return make('li', {}, link);
+}
+
+/**
+ * Takes files that are dropped on the page or chosen.
+ * @param {(file: File) => void} open
+ */
+export function takeFiles(open) {
+  const input = element('file', HTMLInputElement);
+  for (const id of ['open', 'drop']) element(id, HTMLButtonElement).addEventListener('click', () => input.click());
+  input.addEventListener('change', () => {
+    const file = input.files?.[0];
+    // The same file can be chosen again.
+    input.value = '';
+    if (file) open(file);
+  });
+  const hasFile = (/** @type {DragEvent} */ event) => event.dataTransfer?.types.includes('Files');
+  const mark = (/** @type {boolean} */ isOver) => document.body.classList.toggle('is-over', isOver);
+  window.addEventListener('dragover', (event) => {
+    if (!hasFile(event)) return;
+    event.preventDefault();
+    mark(true);
+  });
+  window.addEventListener('dragleave', (event) => {
+    if (event.relatedTarget === null) mark(false);
+  });
+  window.addEventListener('drop', (event) => {
+    if (!hasFile(event)) return;
+    event.preventDefault();
+    mark(false);
+    const file = event.dataTransfer?.files[0];
+    if (file) open(file);
+  });
+}

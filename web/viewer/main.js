@@ -1,0 +1,171 @@
+/**
+ * The page: shows the gallery or a model, as the address says.
+ * @module
+ */
+import { connectControls, resetControls, setMode } from './controls.js';
+import { bytesText, countText, element, setText, timeText } from './elements.js';
+import { fillGallery, nameOf, takeFiles } from './gallery.js';
+import { announce, hideMessage, showError, showMessage } from './messages.js';
+import { connectLevel, follow, setConnection, updatePanel } from './panel.js';
+import { FILE_HASH, readState, writeState } from './state.js';
+import { Viewer } from './viewer.js';
+
+/** The address is changed at most this often, in milliseconds: browsers limit it. */
+const ADDRESS_INTERVAL = 400;
+
+const gallery = element('gallery', HTMLElement);
+const stage = element('stage', HTMLElement);
+const name = element('name', HTMLElement);
+const canvas = element('canvas', HTMLCanvasElement);
+const busy = element('busy', HTMLElement);
+
+/** The URL of the model that is shown, and the last file of this device. @type {string | undefined} */
+let url;
+/** @type {File | undefined} */
+let file;
+
+/**
+ * Shows the stage instead of the gallery, or the other way around.
+ * @param {boolean} isStage
+ */
+function turn(isStage) {
+  stage.hidden = !isStage;
+  gallery.hidden = isStage;
+  document.body.classList.toggle('is-stage', isStage);
+}
+
+/** Starts the viewer. */
+function start() {
+  /** @type {Viewer} */
+  const viewer = new Viewer(canvas, {
+    change: () => schedulePanel(),
+    firstPicture: () => {
+      busy.hidden = true;
+      announce('First picture.');
+    },
+    complete: () => {
+      const { sums, outside, progress } = viewer.figures;
+      const [entry] = performance.getEntriesByName('tristrip:complete', 'measure');
+      announce(`Complete: ${countText(sums.triangles + outside)} triangles, ${bytesText(progress?.totalBytes ?? 0)}, after ${timeText(entry.duration)}.`);
+    },
+    connection: (state, seconds) => {
+      const words = state === 'retrying' ? `connection lost, next try in ${Math.ceil(seconds)} s` : state === 'connecting' || state === 'waiting' ? state : '';
+      setConnection(words);
+      if (state === 'retrying') announce('The connection is lost. It is tried again.');
+      schedulePanel();
+    },
+    error: (error) => {
+      busy.hidden = true;
+      if (error) showError(error, viewer.hasPicture, () => viewer.retry(), replay);
+      else hideMessage();
+    },
+    context: (isLost) => {
+      if (isLost) showMessage('The browser has taken back the graphics memory.', 'The picture comes back as soon as the browser allows.');
+      else hideMessage();
+    },
+  });
+
+  let isScheduled = false;
+  const schedulePanel = () => {
+    if (isScheduled) return;
+    isScheduled = true;
+    setTimeout(viewer.timed(() => {
+      isScheduled = false;
+      if (viewer.state !== 'empty') updatePanel(viewer);
+    }), 50);
+  };
+
+  const begin = () => {
+    hideMessage();
+    setConnection('');
+    follow();
+    resetControls();
+    busy.hidden = false;
+  };
+  const replay = () => {
+    begin();
+    viewer.replay();
+    announce('Loading again.');
+  };
+
+  /**
+   * @param {string | File} source
+   * @param {string} title
+   * @param {string} [view]
+   */
+  const open = (source, title, view) => {
+    begin();
+    turn(true);
+    setText(name, title);
+    document.title = `${title} – tristrip viewer`;
+    canvas.setAttribute('aria-label', `3D view of ${title}`);
+    const { camera } = viewer.renderer;
+    camera.isAutomatic = true;
+    if (view) camera.parse(view);
+    viewer.open(source);
+    announce(`Loading ${title}.`);
+    canvas.focus({ preventScroll: true });
+  };
+
+  const leave = () => {
+    viewer.close();
+    url = undefined;
+    hideMessage();
+    turn(false);
+    document.title = 'tristrip viewer';
+    announce('All models.');
+  };
+
+  /** Shows what the address says. */
+  const route = () => {
+    const state = readState(location.hash);
+    setMode(viewer, state.mode ?? 'textured');
+    if (state.model !== undefined && state.model === url) {
+      const { camera } = viewer.renderer;
+      if (!state.view || !camera.parse(state.view)) camera.reset();
+      viewer.renderer.draw();
+    } else if (state.model !== undefined) {
+      url = state.model;
+      open(url, nameOf(url), state.view);
+    } else if (location.hash === FILE_HASH && file) {
+      url = undefined;
+      open(file, nameOf(file.name));
+    } else if (viewer.state !== 'empty') leave();
+  };
+
+  let timer = 0;
+  connectControls(viewer, {
+    view: () => {
+      timer ||= setTimeout(() => {
+        timer = 0;
+        if (url === undefined) return;
+        const { camera, mode } = viewer.renderer;
+        history.replaceState(null, '', writeState({ model: url, view: camera.isAutomatic ? undefined : camera.toString(), mode }));
+      }, ADDRESS_INTERVAL);
+    },
+    leave: () => {
+      location.hash = '';
+    },
+    replay,
+  });
+  connectLevel(viewer);
+  takeFiles((chosen) => {
+    file = chosen;
+    if (location.hash === FILE_HASH) route();
+    else location.hash = FILE_HASH;
+  });
+  window.addEventListener('hashchange', viewer.timed(route));
+  // For tests.
+  Object.assign(window, { tristrip: Object.freeze({ viewer }) });
+  route();
+}
+
+try {
+  start();
+} catch (error) {
+  turn(true);
+  document.body.classList.add('is-broken');
+  setText(name, 'No 3D view');
+  showMessage(error instanceof Error ? error.message : String(error), 'Current versions of Firefox, Chrome, Edge and Safari have WebGL 2. It may be switched off in the settings, or the graphics driver is too old.');
+}
+fillGallery();

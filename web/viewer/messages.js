@@ -1,0 +1,62 @@
+/**
+ * What people are told: messages over the picture, and short ones that only screen readers read.
+ * @module
+ */
+import { element, make, setText } from './elements.js';
+
+/** @import { ModelError } from '../src/client/client.js' */
+
+const box = element('message', HTMLElement);
+const announcer = element('announcer', HTMLElement);
+
+/** @type {Record<ModelError['kind'], string>} */
+const CAUSES = {
+  connection: 'The connection was lost.',
+  status: 'The server does not give this file.',
+  changed: 'The file on the server has changed while it was loaded.',
+  damaged: 'The file is damaged.',
+  'not-glb': 'This is not a GLB file.',
+  limit: 'The model is too large for this device.',
+};
+
+/**
+ * Shows a message over the picture.
+ * @param {string} text
+ * @param {string} [detail]
+ * @param {Record<string, () => void>} [actions] buttons
+ */
+export function showMessage(text, detail = '', actions = {}) {
+  const buttons = Object.entries(actions).map(([name, act]) => {
+    const button = make('button', { type: 'button' }, name);
+    button.addEventListener('click', act);
+    return button;
+  });
+  box.replaceChildren(make('p', {}, text), ...(detail ? [make('p', { class: 'muted' }, detail)] : []), ...buttons);
+}
+
+/** Removes the message. */
+export function hideMessage() {
+  box.replaceChildren();
+}
+
+/**
+ * Shows why a model ended early.
+ * @param {ModelError} error
+ * @param {boolean} hasPicture whether something of it is shown
+ * @param {() => void} retry goes on
+ * @param {() => void} replay starts again
+ */
+export function showError({ kind, message }, hasPicture, retry, replay) {
+  const rest = hasPicture ? ' What has arrived before is shown.' : '';
+  const actions = { connection: { Retry: retry }, changed: { 'Load again': replay }, status: { 'Load again': replay } };
+  const { [kind]: action = {} } = /** @type {Record<string, Record<string, () => void>>} */ (actions);
+  showMessage(CAUSES[kind] + rest, message, action);
+}
+
+/**
+ * Tells users of screen readers.
+ * @param {string} text
+ */
+export function announce(text) {
+  setText(announcer, text);
+}

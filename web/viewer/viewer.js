@@ -1,0 +1,221 @@
+/**
+ * Loads one model after another, and shows it.
+ * @module
+ */
+import { Client } from '../src/client/client.js';
+import { Renderer } from '../webgl/renderer.js';
+import { Figures } from './figures.js';
+
+/**
+ * @import { ConnectionState, Model, ModelError, ModelEvents, Source } from '../src/client/client.js'
+ * @import { ShownModel } from '../webgl/model.js'
+ */
+
+/** @typedef {'empty' | 'loading' | 'complete' | 'failed'} ViewerState */
+
+/**
+ * What a viewer tells the page.
+ * @typedef {object} ViewerListener
+ * @property {() => void} change the state or the figures have changed
+ * @property {(error: ModelError | undefined) => void} error `undefined`: it goes on
+ * @property {(state: ConnectionState, seconds: number) => void} connection
+ * @property {() => void} firstPicture
+ * @property {() => void} complete
+ * @property {(isLost: boolean) => void} context
+ */
+
+const MARKS = ['tristrip:click', 'tristrip:first-picture', 'tristrip:complete'];
+
+/** The viewer: a client, a renderer, and the model that is open. */
+export class Viewer {
+  renderer;
+  figures = new Figures();
+  /** @type {ViewerState} */
+  state = 'empty';
+  isPaused = false;
+  #client = new Client();
+  #listener;
+  /** @type {Source | undefined} */
+  #source;
+  /** @type {Model | undefined} */
+  #model;
+  /** @type {ShownModel | undefined} */
+  #shown;
+  #isDone = false;
+  #hasPicture = false;
+  #longest = 0;
+
+  /**
+   * Throws an `Error` if the browser has no WebGL 2.
+   * @param {HTMLCanvasElement} canvas
+   * @param {ViewerListener} listener
+   */
+  constructor(canvas, listener) {
+    this.#listener = listener;
+    this.renderer = new Renderer(canvas, {
+      shown: (update) => {
+        if (!update) return;
+        this.figures.show(update);
+        this.#checkEnd();
+        listener.change();
+      },
+      painted: (primitives) => {
+        if (primitives > 0 && !this.#hasPicture) {
+          this.#hasPicture = true;
+          this.#mark('tristrip:first-picture');
+          listener.firstPicture();
+        }
+        this.#checkEnd();
+      },
+      error: (error) => this.#fail({ kind: 'damaged', message: error.message }),
+      context: (isLost) => listener.context(isLost),
+    });
+  }
+
+  /** The milliseconds of the longest call of ours on the main thread. */
+  get longestTask() {
+    return Math.max(this.#longest, this.renderer.longestTask);
+  }
+
+  /** Whether the model has animations. */
+  get isAnimated() {
+    return (this.#shown?.animations.length ?? 0) > 0;
+  }
+
+  /** Whether there is something to look at. */
+  get hasPicture() {
+    return this.#hasPicture;
+  }
+
+  /**
+   * Calls a handler, and keeps its time if it is the longest.
+   * @template {any[]} A
+   * @param {(...values: A) => void} handle
+   * @returns {(...values: A) => void}
+   */
+  timed(handle) {
+    return (...values) => {
+      const start = performance.now();
+      handle(...values);
+      this.#longest = Math.max(this.#longest, performance.now() - start);
+    };
+  }
+
+  /** @param {string} name */
+  #mark(name) {
+    performance.mark(name);
+    if (name !== MARKS[0]) performance.measure(name, MARKS[0], name);
+  }
+
+  /**
+   * Loads a model instead of the one before.
+   * @param {Source} source
+   */
+  open(source) {
+    this.close();
+    for (const name of MARKS) {
+      performance.clearMarks(name);
+      performance.clearMeasures(name);
+    }
+    this.#mark(MARKS[0]);
+    this.#source = source;
+    this.state = 'loading';
+    const figures = this.figures;
+    const shown = (this.#shown = this.renderer.open());
+    const { document, binary, update } = shown.events;
+    /** @type {ModelEvents} */
+    const events = {
+      document: (json, bytes) => {
+        document(json, bytes);
+        if (this.state === 'loading') figures.open(json);
+        this.#listener.change();
+      },
+      binary,
+      update,
+      chunks: (chunks) => {
+        figures.addChunks(chunks);
+        this.#listener.change();
+      },
+      progress: (progress) => {
+        figures.progress = progress;
+        this.#listener.change();
+      },
+      connection: (state, seconds) => {
+        this.#isDone = state === 'done';
+        if (this.#isDone) this.renderer.draw();
+        this.#listener.connection(state, seconds);
+      },
+      error: (error) => this.#fail(error),
+    };
+    const handlers = Object.entries(events).map(([name, handle]) => [name, this.timed(/** @type {any} */ (handle))]);
+    this.#model = this.#client.load(source, Object.fromEntries(handlers), { keepBytes: true });
+    this.#listener.change();
+  }
+
+  /** Loads the model from the start. */
+  replay() {
+    if (this.#source) this.open(this.#source);
+  }
+
+  /** Closes the model, and frees its memory. */
+  close() {
+    this.#model?.close();
+    this.#model = this.#shown = undefined;
+    this.renderer.close();
+    this.figures = new Figures();
+    this.state = 'empty';
+    this.isPaused = this.#isDone = this.#hasPicture = false;
+  }
+
+  /** @param {ModelError} error */
+  #fail(error) {
+    this.state = 'failed';
+    if (error.kind !== 'connection') {
+      this.#model?.close();
+      this.#model = undefined;
+    }
+    this.#listener.error(error);
+    this.#listener.change();
+  }
+
+  /** Finds out whether all is shown. */
+  #checkEnd() {
+    const { isStreamed, progress } = this.figures;
+    if (this.state !== 'loading' || !this.#isDone || this.#shown?.isBusy) return;
+    if (isStreamed && !progress?.isComplete) return;
+    this.state = 'complete';
+    this.#mark('tristrip:complete');
+    this.#listener.complete();
+    this.#listener.change();
+  }
+
+  /** Tries again after the connection was lost. */
+  retry() {
+    this.state = 'loading';
+    this.#model?.retry();
+    this.#listener.error(undefined);
+    this.#listener.change();
+  }
+
+  /** Pauses, or goes on. */
+  togglePause() {
+    if (this.state !== 'loading') return;
+    this.isPaused = !this.isPaused;
+    if (this.isPaused) this.#model?.pause();
+    else this.#model?.resume();
+    this.#listener.change();
+  }
+
+  /**
+   * Shows what a number of chunks gives.
+   * @param {number} chunkCount Infinity for all
+   */
+  show(chunkCount) {
+    this.#model?.show(chunkCount);
+  }
+
+  /** @param {number} bitsPerSecond 0 for no limit */
+  set bandwidth(bitsPerSecond) {
+    this.#client.bandwidth = bitsPerSecond;
+  }
+}

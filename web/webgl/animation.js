@@ -1,0 +1,82 @@
+/**
+ * Animations of glTF: they move nodes.
+ * @module
+ */
+
+/**
+ * @import { Scene } from './scene.js'
+ * @import { NumberArray } from './geometry.js'
+ */
+
+/**
+ * @typedef {object} Track
+ * @property {number} node
+ * @property {'translation' | 'rotation' | 'scale'} path
+ * @property {string} interpolation
+ * @property {NumberArray} times
+ * @property {NumberArray} values
+ */
+
+/** The keyframes of one animation. */
+export class Animation {
+  /** @type {Track[]} */
+  tracks = [];
+
+  /** The seconds until it begins again. */
+  get duration() {
+    return Math.max(0, ...this.tracks.map(({ times }) => times.at(-1) ?? 0));
+  }
+
+  /**
+   * Moves the nodes to where they are at a time.
+   * @param {Scene} scene
+   * @param {number} seconds
+   */
+  apply(scene, seconds) {
+    const time = seconds % (this.duration || 1);
+    for (const track of this.tracks) {
+      const node = scene.nodes.get(track.node);
+      if (node && track.times.length > 0) node[track.path] = sample(track, time);
+    }
+  }
+}
+
+/**
+ * Returns the value of a track at a time.
+ * @param {Track} track
+ * @param {number} time
+ * @returns {number[]}
+ */
+function sample({ path, interpolation, times, values }, time) {
+  const size = path === 'rotation' ? 4 : 3;
+  const isSpline = interpolation === 'CUBICSPLINE';
+  const last = times.length - 1;
+  let [low, high] = [0, last];
+  while (low < high) {
+    const middle = (low + high + 1) >> 1;
+    if (times[middle] <= time) low = middle;
+    else high = middle - 1;
+  }
+  // A spline has a tangent, a value and a tangent per time.
+  const at = (/** @type {number} */ key, shift = isSpline ? size : 0) => Array.from({ length: size }, (_, j) => values[key * size * (isSpline ? 3 : 1) + shift + j]);
+  const a = at(low);
+  if (low === last || time <= times[0] || interpolation === 'STEP') return a;
+  const length = times[low + 1] - times[low];
+  const t = (time - times[low]) / length;
+  const b = at(low + 1);
+  if (isSpline) {
+    const [p, q] = [at(low, 2 * size), at(low + 1, 0)];
+    const [t2, t3] = [t * t, t * t * t];
+    return unit(a.map((x, j) => (2 * t3 - 3 * t2 + 1) * x + length * (t3 - 2 * t2 + t) * p[j] + (3 * t2 - 2 * t3) * b[j] + length * (t3 - t2) * q[j]));
+  }
+  // The shorter way around; keyframes are near enough for a straight line instead of an arc.
+  const sign = size === 4 && a.reduce((sum, x, j) => sum + x * b[j], 0) < 0 ? -1 : 1;
+  return unit(a.map((x, j) => x + t * (sign * b[j] - x)));
+}
+
+/** @param {number[]} value */
+function unit(value) {
+  if (value.length < 4) return value;
+  const length = Math.hypot(...value) || 1;
+  return value.map((x) => x / length);
+}

@@ -1,0 +1,29 @@
+/**
+ * How another page shows a model.
+ * @module
+ */
+import { Client } from '../src/client/client.js';
+import { moveByKey, orbitByPointer, Renderer } from './index.js';
+
+const canvas = /** @type {HTMLCanvasElement} */ (document.querySelector('canvas'));
+const status = /** @type {HTMLElement} */ (document.querySelector('#status'));
+
+const renderer = new Renderer(canvas, {
+  shown(update) {
+    const triangles = update?.meshes.reduce((sum, mesh) => sum + mesh.triangles, 0);
+    if (triangles) status.textContent = `${triangles} triangles`;
+  },
+  error: (error) => (status.textContent = error.message),
+});
+orbitByPointer(canvas, renderer.camera, () => renderer.draw());
+canvas.addEventListener('keydown', (event) => {
+  if (!moveByKey(renderer.camera, event)) return;
+  event.preventDefault();
+  renderer.draw();
+});
+
+const url = location.search.slice(1);
+if (url) {
+  const events = renderer.open().events;
+  new Client().load(url, { ...events, error: (error) => (status.textContent = error.message) });
+}

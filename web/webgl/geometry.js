@@ -1,0 +1,380 @@
+/**
+ * Vertex and index buffers of a mesh, which is patched while it is drawn.
+ *
+ * ```text
+ * patch ─▶ arrays in memory ─ upload, in slices ─▶ buffers ─ all there ─▶ what is drawn
+ * ```
+ *
+ * Vertices are replaced where they are: a vertex keeps its number, so that the indices drawn so far stay right. Indices are replaced in one frame if they are few;
+ * otherwise a copy of the buffer is patched over several frames, and then drawn instead.
+ * @module
+ */
+import { Pulled } from './pulled.js';
+import { SLICE_BYTES } from './budget.js';
+
+/**
+ * @import { MeshUpdate, IndexUpdate } from '../src/client/client.js'
+ * @import { Budget } from './budget.js'
+ */
+
+/** @typedef {Float32Array | Uint8Array | Int8Array | Uint16Array | Int16Array | Uint32Array | Int32Array} NumberArray */
+/** @typedef {Uint8Array | Uint16Array | Uint32Array} IndexArray */
+
+/** The attributes that shaders read, and where.
+ * @type {Record<string, number>} */
+export const LOCATIONS = { POSITION: 0, NORMAL: 1, TEXCOORD_0: 2, TEXCOORD_1: 3, COLOR_0: 4, JOINTS_0: 5, WEIGHTS_0: 6 };
+
+/** Ranges that are less indices apart are uploaded as one. */
+const NEAR = 512;
+const ELEMENT_ARRAY_BUFFER = 0x8893;
+const ARRAY_BUFFER = 0x8892;
+
+/** @type {Map<Function, number>} */
+const GL_TYPES = new Map(
+  /** @type {[Function, number][]} */ ([
+    [Int8Array, 0x1400], [Uint8Array, 0x1401], [Int16Array, 0x1402], [Uint16Array, 0x1403], [Int32Array, 0x1404], [Uint32Array, 0x1405], [Float32Array, 0x1406],
+  ]),
+);
+const glType = (/** @type {NumberArray} */ array) => GL_TYPES.get(array.constructor) ?? 0;
+
+/**
+ * Returns a buffer of a size that begins as another one.
+ * @param {WebGL2RenderingContext} gl
+ * @param {number} target
+ * @param {number} size
+ * @param {WebGLBuffer | null} old
+ * @param {number} oldSize the bytes to copy
+ */
+function copyOf(gl, target, size, old, oldSize) {
+  const buffer = gl.createBuffer();
+  gl.bindBuffer(target, buffer);
+  gl.bufferData(target, size, gl.DYNAMIC_DRAW);
+  if (old && oldSize > 0) {
+    gl.bindBuffer(gl.COPY_READ_BUFFER, old);
+    gl.copyBufferSubData(gl.COPY_READ_BUFFER, target, 0, 0, oldSize);
+    gl.bindBuffer(gl.COPY_READ_BUFFER, null);
+  }
+  return buffer;
+}
+
+/** An attribute of the vertices. */
+export class VertexData {
+  /** @type {WebGLBuffer | null} */
+  buffer = null;
+  #capacity = 0;
+  /** The values that are still to be uploaded. */
+  #from = 0;
+  #to;
+
+  /**
+   * @param {NumberArray} array
+   * @param {number} components
+   * @param {boolean} normalized
+   */
+  constructor(array, components, normalized) {
+    this.array = array;
+    this.components = components;
+    this.normalized = normalized;
+    this.#to = array.length;
+  }
+
+  /**
+   * @param {number} start the first value that changes
+   * @param {NumberArray} values
+   */
+  patch(start, values) {
+    const end = start + values.length;
+    if (end > this.array.length) {
+      const old = this.array;
+      this.array = new /** @type {any} */ (old.constructor)(Math.max(end, 2 * old.length));
+      this.array.set(old);
+    }
+    this.array.set(values, start);
+    this.#from = this.#from < this.#to ? Math.min(this.#from, start) : start;
+    this.#to = Math.max(this.#to, end);
+  }
+
+  /**
+   * Uploads what the budget allows. Returns whether nothing is left.
+   * @param {WebGL2RenderingContext} gl
+   * @param {Budget} budget
+   */
+  upload(gl, budget) {
+    const { array } = this;
+    const size = array.BYTES_PER_ELEMENT;
+    if (this.#from >= this.#to) return true;
+    if (this.#capacity < array.length) {
+      const buffer = copyOf(gl, ARRAY_BUFFER, array.byteLength, this.buffer, this.#capacity * size);
+      gl.deleteBuffer(this.buffer);
+      this.buffer = buffer;
+      this.#capacity = array.length;
+    }
+    gl.bindBuffer(ARRAY_BUFFER, this.buffer);
+    while (this.#from < this.#to) {
+      if (budget.bytes === 0) return false;
+      const count = Math.min(this.#to - this.#from, SLICE_BYTES / size);
+      gl.bufferSubData(ARRAY_BUFFER, this.#from * size, array, this.#from, count);
+      budget.spend(count * size);
+      this.#from += count;
+    }
+    this.#from = this.#to = 0;
+    return true;
+  }
+
+  /** Forgets the buffer of a context that is lost. */
+  forget() {
+    this.buffer = null;
+    this.#capacity = 0;
+    this.#from = 0;
+    this.#to = this.array.length;
+  }
+}
+
+/** The indices of a part. */
+export class IndexData {
+  length = 0;
+  /** What is drawn: the buffer, its indices and their type. */
+  /** @type {WebGLBuffer | null} */
+  buffer = null;
+  shownLength = 0;
+  shownType = 0;
+  #capacity = 0;
+  /** The buffer that is drawn when it is complete. */
+  /** @type {WebGLBuffer | null} */
+  #next = null;
+  #isPrepared = false;
+  /** The ranges that are still to be uploaded: first indices and ends. */
+  /** @type {number[][]} */
+  #ranges = [];
+
+  /** @param {IndexArray | null} array `null` where vertices are drawn in their order
+   * @param {number} length
+   * @param {number} mode as `drawElements` takes it */
+  constructor(array, length, mode) {
+    this.array = array;
+    this.length = length;
+    this.mode = mode;
+    if (array) this.#ranges.push([0, length]);
+  }
+
+  /** @param {IndexUpdate} update */
+  patch({ length, capacity, bytesPerIndex, ranges }) {
+    const Type = bytesPerIndex === 2 ? Uint16Array : Uint32Array;
+    const last = ranges.at(-1);
+    const need = Math.max(length, last ? last.start + last.array.length : 0);
+    let array = this.array;
+    if (!(array instanceof Type) || array.length < need) {
+      array = new Type(Math.max(need, Math.min(capacity, 2 * need)));
+      if (this.array instanceof Type) array.set(this.array);
+      this.array = array;
+    }
+    for (const range of ranges) {
+      array.set(range.array, range.start);
+      this.#ranges.push([range.start, range.start + range.array.length]);
+    }
+    this.length = length;
+  }
+
+  /** Sorts the ranges, and joins those that are near. */
+  #join() {
+    /** @type {number[][]} */
+    const joined = [];
+    for (const [from, to] of this.#ranges.sort((a, b) => a[0] - b[0])) {
+      const last = joined.at(-1);
+      if (last && from - last[1] < NEAR) last[1] = Math.max(last[1], to);
+      else joined.push([from, to]);
+    }
+    this.#ranges = joined;
+  }
+
+  /**
+   * Uploads what the budget allows and what is not drawn yet. Returns whether `show` may follow.
+   * @param {WebGL2RenderingContext} gl
+   * @param {Budget} budget
+   */
+  upload(gl, budget) {
+    const { array } = this;
+    if (!array || this.#ranges.length === 0) return true;
+    if (!this.#isPrepared) {
+      if (budget.bytes === 0) return false;
+      this.#join();
+      const bytes = this.#ranges.reduce((sum, [from, to]) => sum + to - from, 0) * array.BYTES_PER_ELEMENT;
+      const isOther = glType(array) !== this.shownType;
+      if (isOther || this.#capacity < array.byteLength || bytes > Math.min(SLICE_BYTES, budget.bytes)) {
+        this.#next = copyOf(gl, ELEMENT_ARRAY_BUFFER, array.byteLength, this.buffer, isOther ? 0 : this.#capacity);
+      } else budget.spend(bytes);
+      this.#isPrepared = true;
+    }
+    if (!this.#next) return true;
+    gl.bindBuffer(ELEMENT_ARRAY_BUFFER, this.#next);
+    return this.#send(gl, array, budget);
+  }
+
+  /**
+   * @param {WebGL2RenderingContext} gl
+   * @param {IndexArray} array
+   * @param {Budget} [budget]
+   */
+  #send(gl, array, budget) {
+    const size = array.BYTES_PER_ELEMENT;
+    for (let range; (range = this.#ranges[0]); this.#ranges.shift()) {
+      for (let count; range[0] < range[1]; range[0] += count) {
+        if (budget?.bytes === 0) return false;
+        count = Math.min(range[1] - range[0], SLICE_BYTES / size);
+        gl.bufferSubData(ELEMENT_ARRAY_BUFFER, range[0] * size, array, range[0], count);
+        budget?.spend(count * size);
+      }
+    }
+    return true;
+  }
+
+  /**
+   * Draws the new indices from now on.
+   * @param {WebGL2RenderingContext} gl
+   */
+  show(gl) {
+    const { array } = this;
+    if (array && this.#next) {
+      gl.deleteBuffer(this.buffer);
+      this.buffer = this.#next;
+      this.#capacity = array.byteLength;
+      this.#next = null;
+    } else if (array && this.#ranges.length > 0) {
+      gl.bindBuffer(ELEMENT_ARRAY_BUFFER, this.buffer);
+      this.#send(gl, array);
+    }
+    if (array) this.shownType = glType(array);
+    this.shownLength = this.length;
+    this.#isPrepared = false;
+  }
+
+  /** @param {WebGL2RenderingContext} gl */
+  release(gl) {
+    gl.deleteBuffer(this.buffer);
+    gl.deleteBuffer(this.#next);
+  }
+
+  /** Forgets the buffers of a context that is lost. */
+  forget() {
+    this.buffer = this.#next = null;
+    this.#capacity = this.shownLength = this.shownType = 0;
+    this.#isPrepared = false;
+    this.#ranges = this.array ? [[0, this.length]] : [];
+  }
+}
+
+/** A mesh: attributes of its vertices, and the indices of its parts. */
+export class Geometry {
+  /** @type {Map<string, VertexData>} */
+  attributes = new Map();
+  /** @type {Map<number, IndexData>} */
+  parts = new Map();
+  /** @type {Pulled | undefined} */
+  pulled;
+  /** @type {Map<number, WebGLVertexArrayObject>} */
+  #layouts = new Map();
+  #isChanged = true;
+
+  /**
+   * Takes an update of the client.
+   * @param {MeshUpdate} update
+   */
+  patch({ firstVertex, positions, attributes, parts }) {
+    const all = [...attributes, { name: 'POSITION', components: 3, normalized: false, array: positions }];
+    for (const { name, components, normalized, array } of all) {
+      if (!Object.hasOwn(LOCATIONS, name) || array.length === 0) continue;
+      const values = array instanceof Float64Array ? Float32Array.from(array) : array;
+      const known = this.attributes.get(name);
+      if (known) known.patch(firstVertex * components, values);
+      else this.attributes.set(name, new VertexData(values, components, normalized));
+    }
+    this.pulled?.markVertices(firstVertex, firstVertex + positions.length / 3);
+    for (const update of parts) {
+      let part = this.parts.get(update.part);
+      if (!part) this.parts.set(update.part, (part = new IndexData(null, 0, update.strips > 0 ? 5 : 4)));
+      if (part.length === 0) part.mode = update.strips > 0 ? 5 : 4;
+      part.patch(update);
+      for (const { start, array } of update.ranges) this.pulled?.markIndices(update.part, part, start, start + array.length);
+    }
+    this.#isChanged = true;
+  }
+
+  /**
+   * Uploads what the budget allows. Returns whether all of it is drawn from now on.
+   * @param {WebGL2RenderingContext} gl
+   * @param {Budget} budget
+   */
+  upload(gl, budget) {
+    if (this.#isChanged) {
+      gl.bindVertexArray(null);
+      for (const data of this.attributes.values()) if (!data.upload(gl, budget)) return this.#dropLayouts(gl);
+      for (const part of this.parts.values()) if (!part.upload(gl, budget)) return this.#dropLayouts(gl);
+      for (const part of this.parts.values()) part.show(gl);
+      this.#dropLayouts(gl);
+      this.#isChanged = false;
+    }
+    return !this.pulled || this.pulled.upload(gl, budget);
+  }
+
+  /**
+   * Deletes the vertex array objects: buffers may be others now.
+   * @param {WebGL2RenderingContext} gl
+   */
+  #dropLayouts(gl) {
+    for (const layout of this.#layouts.values()) gl.deleteVertexArray(layout);
+    this.#layouts.clear();
+    return false;
+  }
+
+  /**
+   * Draws a part with the program in use.
+   * @param {WebGL2RenderingContext} gl
+   * @param {number} number
+   */
+  draw(gl, number) {
+    const part = this.parts.get(number);
+    if (!part || part.shownLength === 0) return;
+    let layout = this.#layouts.get(number);
+    if (!layout) {
+      layout = gl.createVertexArray();
+      this.#layouts.set(number, layout);
+      gl.bindVertexArray(layout);
+      for (const [name, { buffer, array, components, normalized }] of this.attributes) {
+        gl.bindBuffer(ARRAY_BUFFER, buffer);
+        gl.enableVertexAttribArray(LOCATIONS[name]);
+        gl.vertexAttribPointer(LOCATIONS[name], components, glType(array), normalized, 0, 0);
+      }
+      gl.bindBuffer(ELEMENT_ARRAY_BUFFER, part.buffer);
+    } else gl.bindVertexArray(layout);
+    if (part.array) gl.drawElements(part.mode, part.shownLength, part.shownType, 0);
+    else gl.drawArrays(part.mode, 0, part.shownLength);
+  }
+
+  /** Begins to keep textures of the vertices and indices, for modes that need the triangles one by one. */
+  pull() {
+    this.pulled ??= new Pulled(this);
+  }
+
+  /** @param {WebGL2RenderingContext} gl */
+  unpull(gl) {
+    this.pulled?.release(gl);
+    this.pulled = undefined;
+  }
+
+  /** @param {WebGL2RenderingContext} gl */
+  release(gl) {
+    this.#dropLayouts(gl);
+    this.unpull(gl);
+    for (const { buffer } of this.attributes.values()) gl.deleteBuffer(buffer);
+    for (const part of this.parts.values()) part.release(gl);
+  }
+
+  /** Forgets the objects of a context that is lost; `upload` makes them again. */
+  forget() {
+    this.#layouts.clear();
+    this.pulled = undefined;
+    for (const data of this.attributes.values()) data.forget();
+    for (const part of this.parts.values()) part.forget();
+    this.#isChanged = true;
+  }
+}

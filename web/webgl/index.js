@@ -1,0 +1,7 @@
+/**
+ * Draws progressive models with WebGL 2.
+ * @module
+ */
+export { Camera } from './camera.js';
+export { moveByKey, orbitByPointer } from './orbit.js';
+export { MODES, Renderer } from './renderer.js';

@@ -1,0 +1,354 @@
+/**
+ * A model as it is drawn: takes the events of the client, and turns them into geometry, textures and nodes.
+ * @module
+ */
+import { accessorEnd, Binary, readAccessor, viewBytes, viewEnd } from './accessors.js';
+import { Animation } from './animation.js';
+import { Geometry, IndexData, LOCATIONS, VertexData } from './geometry.js';
+import { readMaterial } from './materials.js';
+import { compose } from './matrix.js';
+import { Scene } from './scene.js';
+import { Textures } from './textures.js';
+
+/**
+ * @import { ModelEvents, Update } from '../src/client/client.js'
+ * @import { Budget } from './budget.js'
+ * @import { Box } from './camera.js'
+ * @import { NumberArray } from './geometry.js'
+ * @import { Material } from './materials.js'
+ */
+
+const EXTENSION = 'TRISTRIP_progressive';
+const MOST_INSTANCES = 10000;
+const REQUIRED = new Set([EXTENSION, 'KHR_texture_transform', 'KHR_materials_unlit', 'KHR_mesh_quantization', 'KHR_materials_emissive_strength', 'EXT_mesh_gpu_instancing', 'EXT_texture_webp']);
+
+/**
+ * @typedef {object} Primitive
+ * @property {Geometry} own that of its accessors: the base mesh, if there is a stream
+ * @property {number | undefined} stream
+ * @property {number} part
+ * @property {Material} material
+ */
+
+/**
+ * What a model tells its owner.
+ * @typedef {object} ModelListener
+ * @property {() => void} change something is to be uploaded or drawn
+ * @property {(bounds: Box) => void} bounds
+ * @property {(error: Error) => void} error
+ * @property {(update: Update | undefined) => void} shown an update is uploaded; or the last one of the meshes outside the stream
+ */
+
+/** A model that is shown. */
+export class ShownModel {
+  #gl;
+  #listener;
+  /** @type {any} */
+  #json;
+  #binary = new Binary();
+  /** What is made of the binary chunk, and how many bytes that needs.
+   * @type {{ end: number, run: (bytes: Uint8Array) => void }[]} */
+  #tasks = [];
+  /** @type {Update[]} */
+  #updates = [];
+  /** @type {Update | undefined} */
+  #current;
+  /** Meshes that are to be uploaded.
+   * @type {Set<Geometry>} */
+  #changed = new Set();
+  /** @type {Map<number, Geometry>} */
+  #streams = new Map();
+  /** @type {Primitive[][]} */
+  #meshes = [];
+  /** @type {Map<number, WebGLTexture | null>} */
+  #joints = new Map();
+  #isClosed = false;
+  /** @type {Scene | undefined} */
+  scene;
+  /** @type {Textures | undefined} */
+  textures;
+  /** @type {Animation[]} */
+  animations = [];
+
+  /**
+   * @param {WebGL2RenderingContext} gl
+   * @param {ModelListener} listener
+   */
+  constructor(gl, listener) {
+    this.#gl = gl;
+    this.#listener = listener;
+  }
+
+  /** The events for `Client.load`.
+   * @returns {Required<Pick<ModelEvents, 'document' | 'binary' | 'update'>>} */
+  get events() {
+    return {
+      document: (json) => this.#guard(() => this.#open(json)),
+      binary: (bytes, start) => {
+        if (this.#tasks.length > 0) this.#binary.add(bytes, start);
+        this.#listener.change();
+      },
+      update: (update) => {
+        this.#updates.push(update);
+        this.#listener.change();
+      },
+    };
+  }
+
+  /** Whether something is still to be uploaded. */
+  get isBusy() {
+    const { length } = this.#binary.bytes;
+    return this.#changed.size > 0 || this.#updates.length > 0 || this.#tasks.some(({ end }) => end <= length);
+  }
+
+  /** @param {() => void} act what may fail for a damaged document */
+  #guard(act) {
+    try {
+      if (!this.#isClosed) act();
+    } catch (error) {
+      this.#listener.error(error instanceof Error ? error : new Error(String(error)));
+    }
+  }
+
+  /** @param {any} json */
+  #open(json) {
+    const missing = (json.extensionsRequired ?? []).find((/** @type {string} */ name) => !REQUIRED.has(name));
+    if (missing) throw new Error(`The model needs ${missing}, which is not supported here.`);
+    this.#json = json;
+    const scene = (this.scene = new Scene(json));
+    const textures = (this.textures = new Textures(this.#gl, json, () => this.#listener.change()));
+    const materials = (json.materials ?? []).map(readMaterial);
+    const plain = readMaterial();
+    this.#meshes = (json.meshes ?? []).map((/** @type {any} */ mesh) => mesh.primitives.map((/** @type {any} */ primitive) => this.#primitive(primitive, mesh.weights, materials[primitive.material] ?? plain)));
+    for (const [index, image] of (json.images ?? []).entries()) {
+      if (image.bufferView !== undefined) this.#later(viewEnd(json, image.bufferView), (bytes) => textures.add(index, viewBytes(json, image.bufferView, bytes)));
+    }
+    for (const [index, { inverseBindMatrices, joints }] of (json.skins ?? []).entries()) {
+      const identity = Array.from({ length: 16 * joints.length }, (_, i) => (i % 16) % 5 === 0 ? 1 : 0);
+      this.#later(accessorEnd(json, inverseBindMatrices), (bytes) => {
+        scene.bindings.set(index, inverseBindMatrices === undefined ? identity : readAccessor(json, inverseBindMatrices, bytes).array);
+        this.#bound();
+      });
+    }
+    for (const node of scene.nodes.values()) {
+      const attributes = json.nodes[node.index].extensions?.EXT_mesh_gpu_instancing?.attributes;
+      if (attributes) this.#readInstances(node, attributes);
+    }
+    for (const animation of json.animations ?? []) this.#readAnimation(animation);
+    this.#bound();
+    this.#listener.change();
+  }
+
+  #bound() {
+    const bounds = this.scene?.bounds;
+    if (bounds) this.#listener.bounds(bounds);
+  }
+
+  /**
+   * Does something when enough of the binary chunk has arrived.
+   * @param {number} end the bytes of it that are needed
+   * @param {(bytes: Uint8Array) => void} run
+   */
+  #later(end, run) {
+    this.#tasks.push({ end, run });
+  }
+
+  /**
+   * @param {any} primitive
+   * @param {number[] | undefined} weights of morph targets
+   * @param {Material} material
+   * @returns {Primitive}
+   */
+  #primitive({ attributes, indices, mode = 4, extensions, targets = [] }, weights = [], material) {
+    const json = this.#json;
+    const { stream, part = 0 } = extensions?.[EXTENSION] ?? {};
+    const own = new Geometry();
+    const morphs = targets.map((/** @type {any} */ target, /** @type {number} */ i) => ({ target, weight: weights[i] ?? 0 })).filter((/** @type {any} */ { weight }) => weight !== 0);
+    const used = [...Object.values(attributes), indices, ...morphs.flatMap((/** @type {any} */ { target }) => Object.values(target))];
+    this.#later(Math.max(...used.map((accessor) => accessorEnd(json, accessor))), (bytes) => {
+      let count = 0;
+      for (const [name, accessor] of Object.entries(attributes)) {
+        if (!Object.hasOwn(LOCATIONS, name)) continue;
+        const { array, components, normalized, count: found } = readAccessor(json, accessor, bytes);
+        if (name === 'POSITION') count = found;
+        let data = new VertexData(array, components, normalized);
+        for (const { target, weight } of morphs) if (name in target) data = morphed(data, readAccessor(json, target[name], bytes).array, weight);
+        own.attributes.set(name, data);
+      }
+      const list = indices === undefined ? null : /** @type {any} */ (readAccessor(json, indices, bytes).array);
+      own.parts.set(part, new IndexData(list, list ? list.length : count, mode));
+      this.#changed.add(own);
+    });
+    return { own, stream, part, material };
+  }
+
+  /**
+   * @param {import('./scene.js').Node} node
+   * @param {Record<string, number>} attributes
+   */
+  #readInstances(node, { TRANSLATION, ROTATION, SCALE }) {
+    const json = this.#json;
+    node.instances = [];
+    this.#later(Math.max(...[TRANSLATION, ROTATION, SCALE].map((accessor) => accessorEnd(json, accessor))), (bytes) => {
+      const [t, r, s] = [TRANSLATION, ROTATION, SCALE].map((index) => (index === undefined ? undefined : readAccessor(json, index, bytes)));
+      const count = Math.min(t?.count ?? r?.count ?? s?.count ?? 0, MOST_INSTANCES);
+      const item = (/** @type {import('./accessors.js').Accessor | undefined} */ from, /** @type {number} */ i, /** @type {number[]} */ usual) => (from ? Array.from(from.array.subarray(i * usual.length, (i + 1) * usual.length)) : usual);
+      node.instances = Array.from({ length: count }, (_, i) => compose(item(t, i, [0, 0, 0]), item(r, i, [0, 0, 0, 1]), item(s, i, [1, 1, 1])));
+      this.#bound();
+    });
+  }
+
+  /** @param {any} animation */
+  #readAnimation({ channels, samplers }) {
+    const json = this.#json;
+    const made = new Animation();
+    this.animations.push(made);
+    for (const { sampler, target } of channels) {
+      const { input, output, interpolation = 'LINEAR' } = samplers[sampler];
+      if (!['translation', 'rotation', 'scale'].includes(target.path)) continue;
+      this.#later(Math.max(accessorEnd(json, input), accessorEnd(json, output)), (bytes) => {
+        const values = readAccessor(json, output, bytes);
+        if (!(values.array instanceof Float32Array)) return;
+        made.tracks.push({ node: target.node, path: target.path, interpolation, times: readAccessor(json, input, bytes).array, values: values.array });
+      });
+    }
+  }
+
+  /**
+   * Goes on with what has arrived, as the budget allows.
+   * @param {Budget} budget
+   */
+  step(budget) {
+    const { length } = this.#binary.bytes;
+    const ready = this.#tasks.filter(({ end }) => end <= length);
+    for (const task of ready) {
+      if (budget.bytes === 0) return;
+      this.#tasks.splice(this.#tasks.indexOf(task), 1);
+      this.#guard(() => task.run(this.#binary.bytes));
+    }
+    if (ready.length > 0 && this.#tasks.length === 0) this.#binary = new Binary();
+    // An update is taken when the one before is drawn: what is uploaded always belongs together.
+    for (;;) {
+      for (const geometry of this.#changed) {
+        if (!geometry.upload(this.#gl, budget)) return;
+        this.#changed.delete(geometry);
+      }
+      if (this.#current || ready.length > 0) this.#listener.shown(this.#current);
+      this.#current = this.#updates.shift();
+      ready.length = 0;
+      if (!this.#current) return;
+      for (const mesh of this.#current.meshes) {
+        let geometry = this.#streams.get(mesh.stream);
+        if (!geometry) this.#streams.set(mesh.stream, (geometry = new Geometry()));
+        geometry.patch(mesh);
+        this.#changed.add(geometry);
+      }
+    }
+  }
+
+  /**
+   * What is to be drawn: each primitive, with its mesh so far.
+   * @returns {{ node: import('./scene.js').Node, geometry: Geometry, part: number, material: Material }[]}
+   */
+  get items() {
+    const items = [];
+    for (const node of this.scene?.nodes.values() ?? []) {
+      for (const { own, stream, part, material } of this.#meshes[node.mesh ?? -1] ?? []) {
+        const streamed = stream === undefined ? undefined : this.#streams.get(stream);
+        // A part without triangles is drawn as its base mesh.
+        const geometry = streamed?.parts.get(part)?.shownLength ? streamed : own;
+        if (geometry.parts.get(part)?.shownLength) items.push({ node, geometry, part, material });
+      }
+    }
+    return items;
+  }
+
+  /**
+   * Keeps textures of a mesh from now on.
+   * @param {Geometry} geometry
+   */
+  pull(geometry) {
+    if (geometry.pulled) return;
+    geometry.pull();
+    this.#changed.add(geometry);
+  }
+
+  /** Keeps textures of no mesh. */
+  unpull() {
+    for (const geometry of this.#geometries) geometry.unpull(this.#gl);
+  }
+
+  /**
+   * Returns the texture of the joints of a skin.
+   * @param {number | undefined} skin
+   */
+  joints(skin) {
+    if (skin === undefined) return undefined;
+    const known = this.#joints.get(skin);
+    if (known) return known;
+    const matrices = this.scene?.joints(skin);
+    if (!matrices) return undefined;
+    const gl = this.#gl;
+    const texture = gl.createTexture();
+    gl.bindTexture(gl.TEXTURE_2D, texture);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32F, 4, matrices.length / 16, 0, gl.RGBA, gl.FLOAT, matrices);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
+    this.#joints.set(skin, texture);
+    return texture;
+  }
+
+  /**
+   * Moves the nodes to where an animation has them.
+   * @param {number} seconds
+   */
+  animate(seconds) {
+    const [animation] = this.animations;
+    if (!this.scene || !animation) return;
+    animation.apply(this.scene, seconds);
+    this.scene.update();
+    this.#dropJoints();
+  }
+
+  #dropJoints() {
+    for (const texture of this.#joints.values()) this.#gl.deleteTexture(texture);
+    this.#joints.clear();
+  }
+
+  get #geometries() {
+    return [...this.#streams.values(), ...this.#meshes.flat().map(({ own }) => own)];
+  }
+
+  /** Deletes all objects of the context. No listener is called after it. */
+  close() {
+    this.#isClosed = true;
+    this.#dropJoints();
+    this.textures?.release();
+    for (const geometry of this.#geometries) geometry.release(this.#gl);
+    this.#changed.clear();
+    this.#updates = [];
+    this.#tasks = [];
+    this.#meshes = [];
+    this.#streams.clear();
+    this.#binary = new Binary();
+  }
+
+  /** Makes all objects again after the context was lost. */
+  restore() {
+    this.#joints.clear();
+    this.textures?.forget();
+    for (const geometry of this.#geometries) {
+      geometry.forget();
+      this.#changed.add(geometry);
+    }
+  }
+}
+
+/**
+ * @param {VertexData} data
+ * @param {NumberArray} target
+ * @param {number} weight
+ */
+function morphed({ array, components, normalized }, target, weight) {
+  return new VertexData(Float32Array.from(array, (x, i) => x + weight * (target[i] ?? 0)), components, normalized);
+}

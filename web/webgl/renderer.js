@@ -1,0 +1,317 @@
+/**
+ * Draws a model into a canvas with WebGL 2, and uploads what arrives between two frames.
+ * @module
+ */
+import { Budget } from './budget.js';
+import { Camera } from './camera.js';
+import { COLOR_TEXTURES, TEXTURES } from './materials.js';
+import { cofactors, determinant, identity, multiply } from './matrix.js';
+import { ShownModel } from './model.js';
+import { Programs } from './programs.js';
+
+/**
+ * @import { Update } from '../src/client/client.js'
+ * @import { Material } from './materials.js'
+ * @import { Program } from './programs.js'
+ */
+
+/** How models are drawn, in the order of the numbers in the shader. @type {['shaded', 'textured', 'wireframe', 'strips', 'normals']} */
+export const MODES = ['shaded', 'textured', 'wireframe', 'strips', 'normals'];
+/** @typedef {typeof MODES[number]} Mode */
+
+const MOST_PIXEL_RATIO = 2;
+/** The key light, to the right of the camera, above it and behind it. */
+const KEY_LIGHT = [0.45, 0.65, 0.61];
+const LINE_COLOR = [0.06, 0.1, 0.18];
+
+/**
+ * What a renderer tells a page.
+ * @typedef {object} RendererListener
+ * @property {(update: Update | undefined) => void} [shown] what has arrived is in the picture; `undefined` for meshes without a stream
+ * @property {(primitives: number) => void} [painted] a frame is drawn, with this many primitives
+ * @property {(error: Error) => void} [error] the model cannot be drawn
+ * @property {(isLost: boolean) => void} [context] the context is lost, or there again
+ */
+
+/** Draws a model into a canvas. */
+export class Renderer {
+  camera = new Camera();
+  /** Frames drawn. */
+  frames = 0;
+  /** The milliseconds of the longest call of ours. */
+  longestTask = 0;
+  #canvas;
+  #gl;
+  #listener;
+  #programs;
+  /** @type {Mode} */
+  #mode = 'textured';
+  /** @type {ShownModel | undefined} */
+  #model;
+  #white;
+  #isDirty = true;
+  #isPlaying = false;
+  /** When the animation began. */
+  #start = 0;
+  #frame = 0;
+  #observer;
+  #end = new AbortController();
+
+  /**
+   * Throws an `Error` if the browser has no WebGL 2.
+   * @param {HTMLCanvasElement} canvas
+   * @param {RendererListener} [listener]
+   */
+  constructor(canvas, listener = {}) {
+    const gl = canvas.getContext('webgl2', { antialias: true, alpha: true, powerPreference: 'high-performance' });
+    if (!gl) throw new Error('This browser cannot draw with WebGL 2, or it is switched off.');
+    this.#canvas = canvas;
+    this.#gl = gl;
+    this.#listener = listener;
+    this.#programs = new Programs(gl);
+    this.#programs.prepare();
+    this.#white = this.#makeWhite();
+    const { signal } = this.#end;
+    canvas.addEventListener('webglcontextlost', (event) => {
+      event.preventDefault();
+      listener.context?.(true);
+    }, { signal });
+    canvas.addEventListener('webglcontextrestored', () => this.#restore(), { signal });
+    // A hidden page has no frames, but goes on loading.
+    document.addEventListener('visibilitychange', () => this.#request(true), { signal });
+    this.#observer = new ResizeObserver(() => this.draw());
+    this.#observer.observe(canvas);
+  }
+
+  #makeWhite() {
+    const gl = this.#gl;
+    const texture = gl.createTexture();
+    gl.bindTexture(gl.TEXTURE_2D, texture);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, 1, 1, 0, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4).fill(255));
+    return texture;
+  }
+
+  #restore() {
+    this.#programs = new Programs(this.#gl);
+    this.#programs.prepare();
+    this.#white = this.#makeWhite();
+    this.#model?.restore();
+    this.#listener.context?.(false);
+    this.draw();
+  }
+
+  /**
+   * Closes the model, and returns an empty one: its `events` go to `Client.load`.
+   * @returns {ShownModel}
+   */
+  open() {
+    this.close();
+    return (this.#model = new ShownModel(this.#gl, {
+      change: () => this.draw(),
+      bounds: (bounds) => {
+        this.camera.bounds = bounds;
+        this.draw();
+      },
+      error: (error) => this.#listener.error?.(error),
+      shown: (update) => this.#listener.shown?.(update),
+    }));
+  }
+
+  /** Closes the model, and frees its memory. */
+  close() {
+    this.#model?.close();
+    this.#model = undefined;
+    this.#isPlaying = false;
+    this.draw();
+  }
+
+  /** Frees everything; the renderer cannot be used after it. */
+  release() {
+    this.close();
+    cancelAnimationFrame(this.#frame);
+    this.#end.abort();
+    this.#observer.disconnect();
+    this.#gl.getExtension('WEBGL_lose_context')?.loseContext();
+  }
+
+  get mode() {
+    return this.#mode;
+  }
+
+  set mode(mode) {
+    this.#mode = mode;
+    if (mode !== 'wireframe' && mode !== 'strips') this.#model?.unpull();
+    this.draw();
+  }
+
+  /** Whether the first animation of the model is played. */
+  get isPlaying() {
+    return this.#isPlaying;
+  }
+
+  set isPlaying(isPlaying) {
+    this.#isPlaying = isPlaying;
+    this.#start = performance.now();
+    this.draw();
+  }
+
+  /** Draws in the next frame. */
+  draw() {
+    this.#isDirty = true;
+    this.#request();
+  }
+
+  #request(isNew = false) {
+    if (this.#frame !== 0 && !isNew) return;
+    cancelAnimationFrame(this.#frame);
+    if (document.hidden) {
+      this.#frame = -1;
+      setTimeout(() => this.#run(), 50);
+    } else this.#frame = requestAnimationFrame(() => this.#run());
+  }
+
+  #run() {
+    const start = performance.now();
+    this.#frame = 0;
+    if (this.#end.signal.aborted || this.#gl.isContextLost()) return;
+    try {
+      this.#model?.step(new Budget());
+      const isDrawn = this.#isDirty;
+      this.#isDirty = false;
+      if (isDrawn || this.#isPlaying) this.#paint();
+    } catch (error) {
+      this.#listener.error?.(error instanceof Error ? error : new Error(String(error)));
+      return;
+    }
+    this.longestTask = Math.max(this.longestTask, performance.now() - start);
+    if (this.#isDirty || this.#isPlaying) this.#request();
+    else if (this.#model?.isBusy) this.draw();
+  }
+
+  #resize() {
+    const canvas = this.#canvas;
+    const ratio = Math.min(window.devicePixelRatio, MOST_PIXEL_RATIO);
+    const width = Math.max(1, Math.round(canvas.clientWidth * ratio));
+    const height = Math.max(1, Math.round(canvas.clientHeight * ratio));
+    if (canvas.width !== width || canvas.height !== height) {
+      canvas.width = width;
+      canvas.height = height;
+    }
+    this.camera.resize(width / height);
+    this.#gl.viewport(0, 0, width, height);
+  }
+
+  #paint() {
+    const gl = this.#gl;
+    const model = this.#model;
+    this.#resize();
+    gl.clearColor(0, 0, 0, 0);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    gl.enable(gl.DEPTH_TEST);
+    gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
+    gl.vertexAttrib4f(4, 1, 1, 1, 1);
+    this.frames++;
+    if (!model) return;
+    if (this.#isPlaying) model.animate((performance.now() - this.#start) / 1000);
+    const { axes, eye, viewProjection } = this.camera;
+    const keyLight = [0, 1, 2].map((i) => KEY_LIGHT.reduce((sum, x, j) => sum + x * axes[j][i], 0));
+    const items = model.items.map((item) => {
+      const { world } = item.node;
+      const isBlended = item.material.alphaMode === 'BLEND' && this.#mode === 'textured';
+      return { ...item, isBlended, depth: isBlended ? Math.hypot(...eye.map((x, i) => x - world[12 + i])) : 0 };
+    });
+    // Opaque first, then from back to front.
+    items.sort((a, b) => b.depth - a.depth).sort((a, b) => Number(a.isBlended) - Number(b.isBlended));
+    let painted = 0;
+    for (const item of items) if (this.#paintItem(model, item, { eye, keyLight, viewProjection })) painted++;
+    gl.depthMask(true);
+    this.#listener.painted?.(painted);
+  }
+
+  /**
+   * @param {ShownModel} model
+   * @param {ShownModel['items'][number] & { isBlended: boolean }} item
+   * @param {{ eye: number[], keyLight: number[], viewProjection: number[] }} view
+   */
+  #paintItem(model, { node, geometry, part, material, isBlended }, { eye, keyLight, viewProjection }) {
+    const gl = this.#gl;
+    const { mode } = this;
+    const joints = model.joints(node.skin);
+    const isTriangles = (geometry.parts.get(part)?.mode ?? 0) >= 4;
+    const isPulled = isTriangles && (mode === 'wireframe' || mode === 'strips');
+    if (isPulled) {
+      model.pull(geometry);
+      if (!geometry.pulled?.isReady && model.isBusy) this.#isDirty = true;
+    }
+    const pulled = isPulled && geometry.pulled?.isReady ? geometry.pulled : undefined;
+    const isSkinned = joints !== undefined && geometry.attributes.has('JOINTS_0') && geometry.attributes.has('WEIGHTS_0');
+    const names = [pulled ? 'PULL' : geometry.attributes.has('NORMAL') ? 'NORMALS' : '', isSkinned ? 'SKIN' : ''];
+    const program = this.#programs.get(names.filter(Boolean).join(' '));
+    if (!program) {
+      this.#isDirty = true;
+      return false;
+    }
+    const { at } = program;
+    gl.useProgram(program.program);
+    let unit = 0;
+    const bind = (/** @type {string} */ name, /** @type {WebGLTexture | null} */ texture) => {
+      gl.activeTexture(gl.TEXTURE0 + unit);
+      gl.bindTexture(gl.TEXTURE_2D, texture);
+      gl.uniform1i(at(name), unit++);
+    };
+    if (isSkinned) bind('joints', joints);
+    gl.uniformMatrix4fv(at('viewProjection'), false, viewProjection);
+    gl.uniform3fv(at('eye'), eye);
+    gl.uniform3fv(at('keyLight'), keyLight);
+    gl.uniform1i(at('mode'), MODES.indexOf(isPulled && !pulled ? 'shaded' : mode));
+    gl.uniform3fv(at('lineColor'), LINE_COLOR);
+    if (pulled) pulled.bind(part, bind);
+    else this.#setMaterial(model, material, program, bind);
+    gl[isBlended ? 'enable' : 'disable'](gl.BLEND);
+    gl.depthMask(!isBlended);
+    const isCulled = !material.isDoubleSided && mode !== 'wireframe';
+    gl[isCulled ? 'enable' : 'disable'](gl.CULL_FACE);
+    for (const instance of isSkinned ? [undefined] : node.instances) {
+      // Joints say where a skin is; its node does not.
+      const world = instance ? multiply(node.world, instance) : identity();
+      const isMirrored = determinant(world) < 0;
+      gl.frontFace(isMirrored ? gl.CW : gl.CCW);
+      gl.uniformMatrix4fv(at('world'), false, world);
+      gl.uniformMatrix3fv(at('normalMatrix'), false, cofactors(world).map((x) => (isMirrored ? -x : x)));
+      if (pulled) pulled.draw(gl, part, at('topology'));
+      else geometry.draw(gl, part);
+    }
+    gl.activeTexture(gl.TEXTURE0);
+    return true;
+  }
+
+  /**
+   * @param {ShownModel} model
+   * @param {Material} material
+   * @param {Program} program
+   * @param {(name: string, texture: WebGLTexture | null) => void} bind
+   */
+  #setMaterial(model, material, { at }, bind) {
+    const gl = this.#gl;
+    const isTextured = this.#mode === 'textured';
+    let hasNormalMap = false;
+    for (const [i, name] of TEXTURES.entries()) {
+      const use = isTextured ? material.textures[i] : undefined;
+      const texture = use && model.textures?.get(use.texture, COLOR_TEXTURES[i]);
+      bind(name, texture ?? this.#white);
+      gl.uniformMatrix3fv(at(`uvMatrix[${i}]`), false, use?.matrix ?? [1, 0, 0, 0, 1, 0, 0, 0, 1]);
+      gl.uniform1i(at(`uvSet[${i}]`), use?.set ?? 0);
+      if (name === 'normalTexture') hasNormalMap = Boolean(texture);
+    }
+    gl.uniform4fv(at('baseColor'), material.baseColor);
+    gl.uniform3fv(at('emissive'), material.emissive);
+    gl.uniform1f(at('metallic'), material.metallic);
+    gl.uniform1f(at('roughness'), material.roughness);
+    gl.uniform1f(at('cutoff'), material.cutoff);
+    gl.uniform1f(at('normalScale'), material.normalScale);
+    gl.uniform1f(at('occlusion'), material.occlusion);
+    gl.uniform1i(at('unlit'), Number(material.isUnlit));
+    gl.uniform1i(at('hasNormalMap'), Number(hasNormalMap));
+    gl.uniform1i(at('alphaMode'), isTextured ? ['OPAQUE', 'MASK', 'BLEND'].indexOf(material.alphaMode) : 0);
+  }
+}

@@ -1,0 +1,121 @@
+/**
+ * Textures of a model. Images are decoded beside the main thread, and large ones uploaded in bands over several frames; a texture is used when it is complete.
+ * @module
+ */
+
+const MOST_SIZE = 4096;
+const BAND_PIXELS = 2 ** 19;
+const TYPES = [/^image\/png$/, /^image\/jpeg$/, /^image\/webp$/];
+
+const nextFrame = () => new Promise((done) => requestAnimationFrame(done));
+
+/** The textures of a model. */
+export class Textures {
+  #gl;
+  #onchange;
+  /** @type {Map<string, WebGLTexture | null>} */
+  #textures = new Map();
+  /** @type {Map<number, Blob>} */
+  #images = new Map();
+  #json;
+  #isReleased = false;
+
+  /**
+   * @param {WebGL2RenderingContext} gl
+   * @param {any} json
+   * @param {() => void} onchange called when a texture is complete
+   */
+  constructor(gl, json, onchange) {
+    this.#gl = gl;
+    this.#json = json;
+    this.#onchange = onchange;
+  }
+
+  /**
+   * Takes an image that has arrived.
+   * @param {number} image its number
+   * @param {Uint8Array} bytes
+   */
+  add(image, bytes) {
+    const { mimeType = '' } = this.#json.images[image];
+    if (TYPES.some((type) => type.test(mimeType))) this.#images.set(image, new Blob([bytes.slice()], { type: mimeType }));
+  }
+
+  /**
+   * Returns a texture if it is complete; otherwise begins to make it, if its image is there.
+   * @param {number} texture its number
+   * @param {boolean} isColor
+   */
+  get(texture, isColor) {
+    const key = `${texture} ${isColor}`;
+    const known = this.#textures.get(key);
+    if (known !== undefined) return known;
+    const { source, sampler, extensions } = this.#json.textures?.[texture] ?? {};
+    const blob = this.#images.get(extensions?.EXT_texture_webp?.source ?? source);
+    if (!blob) return null;
+    this.#textures.set(key, null);
+    // An image that cannot be decoded is left out: the model is drawn without it.
+    this.#make(blob, isColor, this.#json.samplers?.[sampler] ?? {}).then(
+      (made) => {
+        if (this.#isReleased) return this.#gl.deleteTexture(made);
+        this.#textures.set(key, made);
+        this.#onchange();
+      },
+      () => {},
+    );
+    return null;
+  }
+
+  /**
+   * @param {Blob} blob
+   * @param {boolean} isColor
+   * @param {any} sampler
+   */
+  async #make(blob, isColor, { magFilter = 9729, minFilter = 9987, wrapS = 10497, wrapT = 10497 }) {
+    const gl = this.#gl;
+    const plain = /** @type {ImageBitmapOptions} */ ({ premultiplyAlpha: 'none', colorSpaceConversion: 'none' });
+    let bitmap = await createImageBitmap(blob, plain);
+    const scale = Math.min(1, MOST_SIZE / Math.max(bitmap.width, bitmap.height));
+    if (scale < 1) {
+      const large = bitmap;
+      bitmap = await createImageBitmap(large, { ...plain, resizeWidth: Math.ceil(large.width * scale), resizeHeight: Math.ceil(large.height * scale) });
+      large.close();
+    }
+    const { width, height } = bitmap;
+    const texture = gl.createTexture();
+    const bind = () => gl.bindTexture(gl.TEXTURE_2D, texture);
+    bind();
+    gl.texStorage2D(gl.TEXTURE_2D, Math.floor(Math.log2(Math.max(width, height))) + 1, isColor ? gl.SRGB8_ALPHA8 : gl.RGBA8, width, height);
+    const rows = Math.max(1, Math.floor(BAND_PIXELS / width));
+    for (let y = 0; y < height && !this.#isReleased; y += rows) {
+      const band = rows < height ? await createImageBitmap(bitmap, 0, y, width, Math.min(rows, height - y), plain) : bitmap;
+      await nextFrame();
+      bind();
+      gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, y, gl.RGBA, gl.UNSIGNED_BYTE, band);
+      band.close();
+    }
+    bitmap.close();
+    bind();
+    gl.generateMipmap(gl.TEXTURE_2D);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, magFilter);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, minFilter === 9729 || minFilter === 9728 ? minFilter : 9987);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_S, wrapS);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_WRAP_T, wrapT);
+    const anisotropic = gl.getExtension('EXT_texture_filter_anisotropic');
+    if (anisotropic) gl.texParameterf(gl.TEXTURE_2D, anisotropic.TEXTURE_MAX_ANISOTROPY_EXT, 4);
+    return texture;
+  }
+
+  /** Deletes all textures. */
+  release() {
+    this.#isReleased = true;
+    for (const texture of this.#textures.values()) this.#gl.deleteTexture(texture);
+    this.#textures.clear();
+    this.#images.clear();
+  }
+
+  /** Forgets the textures of a context that is lost; they are made again. */
+  forget() {
+    this.#textures.clear();
+  }
+}
