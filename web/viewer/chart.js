@@ -7,10 +7,10 @@ import { bytesText, element, errorText } from './elements.js';
 /** @import { Point } from './figures.js' */
 
 const LEFT = 8;
-const RIGHT = 292;
-const TOP = 18;
+const RIGHT = 252;
+const TOP = 8;
 const BOTTOM = 98;
-const DECADES = Math.LN10;
+const DECADE = Math.LN10;
 
 const chart = element('chart', SVGSVGElement);
 
@@ -40,17 +40,18 @@ export function drawChart(points, shown, totalBytes) {
     return;
   }
   const errors = known.map(({ error }) => Math.log(error));
-  const least = Math.floor(Math.min(...errors) / DECADES) * DECADES;
-  const most = Math.ceil(Math.max(...errors) / DECADES + 1e-9) * DECADES;
+  const least = Math.floor(Math.min(...errors) / DECADE) * DECADE;
+  const most = Math.ceil(Math.max(...errors) / DECADE + 1e-9) * DECADE;
   const total = Math.max(totalBytes, known[known.length - 1].bytes);
   const x = (/** @type {Point} */ { bytes }) => LEFT + ((RIGHT - LEFT) * bytes) / total;
   const y = (/** @type {number} */ log) => BOTTOM - ((BOTTOM - TOP) * (log - least)) / (most - least);
   const at = (/** @type {Point} */ point) => `${x(point).toFixed(1)} ${y(Math.log(point.error)).toFixed(1)}`;
   const shapes = [];
-  for (let log = least; log < most + 0.1; log += DECADES) {
+  const step = most - least > 3.5 * DECADE ? 2 * DECADE : DECADE;
+  for (let log = most; log > least - 0.1; log -= step) {
     shapes.push(shape('path', { d: `M${LEFT} ${y(log).toFixed(1)}H${RIGHT}`, class: 'grid' }));
     const percent = Number((100 * Math.exp(log)).toPrecision(1));
-    shapes.push(shape('text', { x: RIGHT, y: (y(log) - 3).toFixed(1), 'text-anchor': 'end' }, `${percent} %`));
+    shapes.push(shape('text', { x: RIGHT + 6, y: (y(log) + 4).toFixed(1) }, `${percent} %`));
   }
   shapes.push(shape('path', { d: `M${known.map(at).join('L')}`, class: 'curve' }));
   const marked = points[Math.min(shown, points.length) - 1];

@@ -45,16 +45,16 @@ export const countText = (n) => NUMBER.format(n);
 
 /** @param {number} n */
 export function bytesText(n) {
-  if (n < 1000) return `${n} B`;
+  if (n < 1000) return `${n}\u00a0B`;
   const [value, unit] = n < 999500 ? [n / 1e3, 'kB'] : [n / 1e6, 'MB'];
-  return `${value < 10 || (value < 100 && unit === 'MB') ? value.toFixed(1) : Math.round(value)} ${unit}`;
+  return `${value < 10 || (value < 100 && unit === 'MB') ? value.toFixed(1) : Math.round(value)}\u00a0${unit}`;
 }
 
 /**
  * Returns an error as text.
  * @param {number} fraction of the size of the mesh
  */
-export const errorText = (fraction) => `${Number((100 * fraction).toPrecision(2))} % of size`;
+export const errorText = (fraction) => `${Number((100 * fraction).toPrecision(2))}\u00a0% of size`;
 
 /** @param {number} milliseconds */
 export const timeText = (milliseconds) => (milliseconds < 1000 ? `${Math.round(milliseconds)} ms` : `${(milliseconds / 1000).toFixed(1)} s`);

@@ -24,6 +24,8 @@ let url;
 /** @type {File | undefined} */
 let file;
 
+let isStarted = false;
+
 /**
  * Shows the stage instead of the gallery, or the other way around.
  * @param {boolean} isStage
@@ -104,7 +106,8 @@ function start() {
     if (view) camera.parse(view);
     viewer.open(source);
     announce(`Loading ${title}.`);
-    canvas.focus({ preventScroll: true });
+    // A page that opens with a model keeps the focus where the browser has it.
+    if (isStarted) canvas.focus({ preventScroll: true });
   };
 
   const leave = () => {
@@ -158,6 +161,7 @@ function start() {
   // For tests.
   Object.assign(window, { tristrip: Object.freeze({ viewer }) });
   route();
+  isStarted = true;
 }
 
 try {

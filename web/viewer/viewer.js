@@ -72,7 +72,7 @@ export class Viewer {
     });
   }
 
-  /** The milliseconds of the longest call of ours on the main thread. */
+  /** The milliseconds of the longest call of ours on the main thread since the model was opened. */
   get longestTask() {
     return Math.max(this.#longest, this.renderer.longestTask);
   }
@@ -118,6 +118,7 @@ export class Viewer {
       performance.clearMeasures(name);
     }
     this.#mark(MARKS[0]);
+    this.#longest = this.renderer.longestTask = 0;
     this.#source = source;
     this.state = 'loading';
     const figures = this.figures;

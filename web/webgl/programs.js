@@ -16,7 +16,7 @@ const VARIANTS = ['', 'NORMALS', 'NORMALS SKIN', 'SKIN', 'PULL', 'PULL SKIN'];
 export class Programs {
   #gl;
   #parallel;
-  /** @type {Map<string, { program: WebGLProgram, shaders: WebGLShader[], ready?: Program }>} */
+  /** @type {Map<string, { program: WebGLProgram, shaders: WebGLShader[], isNew: boolean, ready?: Program }>} */
   #programs = new Map();
 
   /** @param {WebGL2RenderingContext} gl */
@@ -32,6 +32,11 @@ export class Programs {
    */
   get(name) {
     const known = this.#programs.get(name) ?? this.#compile(name);
+    // It has just begun, and asking would wait for it.
+    if (known.isNew && this.#parallel) {
+      known.isNew = false;
+      return undefined;
+    }
     if (known.ready) return known.ready;
     const gl = this.#gl;
     const { program, shaders } = known;
@@ -48,12 +53,17 @@ export class Programs {
       if (location === undefined) locations.set(uniform, (location = gl.getUniformLocation(program, uniform)));
       return location;
     };
+    // The first question is answered by the driver, all later ones from memory.
+    at('world');
     return (known.ready = { program, at });
   }
 
-  /** Begins to compile what will be needed. */
+  /** Goes on to prepare all variants, one at a time where that blocks. Returns whether all can be used. */
   prepare() {
-    for (const name of VARIANTS) this.#programs.get(name) ?? this.#compile(name);
+    if (this.#gl.isContextLost()) return true;
+    const names = VARIANTS.filter((name) => !this.#programs.get(name)?.ready);
+    for (const name of this.#parallel ? names : names.slice(0, 1)) this.get(name);
+    return names.length === 0;
   }
 
   /** @param {string} name */
@@ -70,8 +80,8 @@ export class Programs {
       return shader;
     });
     gl.linkProgram(program);
-    /** @type {{ program: WebGLProgram, shaders: WebGLShader[], ready?: Program }} */
-    const made = { program, shaders };
+    /** @type {{ program: WebGLProgram, shaders: WebGLShader[], isNew: boolean, ready?: Program }} */
+    const made = { program, shaders, isNew: true };
     this.#programs.set(name, made);
     return made;
   }

@@ -69,7 +69,6 @@ export class Renderer {
     this.#gl = gl;
     this.#listener = listener;
     this.#programs = new Programs(gl);
-    this.#programs.prepare();
     this.#white = this.#makeWhite();
     const { signal } = this.#end;
     canvas.addEventListener('webglcontextlost', (event) => {
@@ -77,6 +76,7 @@ export class Renderer {
       listener.context?.(true);
     }, { signal });
     canvas.addEventListener('webglcontextrestored', () => this.#restore(), { signal });
+    this.#warmUp();
     // A hidden page has no frames, but goes on loading.
     document.addEventListener('visibilitychange', () => this.#request(true), { signal });
     this.#observer = new ResizeObserver(() => this.draw());
@@ -91,9 +91,14 @@ export class Renderer {
     return texture;
   }
 
+  /** Links the programs before they are needed: asking for one that is not linked would block. */
+  #warmUp() {
+    if (!this.#end.signal.aborted && !this.#programs.prepare()) setTimeout(() => this.#warmUp(), 20);
+  }
+
   #restore() {
     this.#programs = new Programs(this.#gl);
-    this.#programs.prepare();
+    this.#warmUp();
     this.#white = this.#makeWhite();
     this.#model?.restore();
     this.#listener.context?.(false);

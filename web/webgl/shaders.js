@@ -110,10 +110,10 @@ vec3 lit(vec3 base, float metallic, float roughness, vec3 n, float open) {
     float k = (roughness + 1.0) * (roughness + 1.0) / 8.0;
     float shine = a2 / (d * d) / (4.0 * (nl * (1.0 - k) + k) * (nv * (1.0 - k) + k));
     vec3 fresnel = f0 + (1.0 - f0) * pow(1.0 - max(dot(h, v), 0.0), 5.0);
-    sum += (diffuse + fresnel * min(shine, 8.0)) * nl * (i == 0 ? 0.72 : 0.22);
+    sum += (diffuse + fresnel * min(shine, 8.0)) * nl * (i == 0 ? 0.85 : 0.2);
   }
   vec3 fresnel = f0 + (max(vec3(1.0 - roughness), f0) - f0) * pow(1.0 - nv, 5.0);
-  sum += open * (diffuse * environment(n, 1.0) * 0.62 + fresnel * environment(reflect(-v, n), roughness));
+  sum += open * (diffuse * environment(n, 1.0) * 0.5 + fresnel * environment(reflect(-v, n), roughness));
   return sum;
 }
 
@@ -133,7 +133,7 @@ void main() {
     uint x = (strip + 1u) * 2654435761u;
     x = (x ^ (x >> 15)) * 2246822519u;
     x ^= x >> 13;
-    vec3 base = mix(vec3(0.5), hue(float(x & 65535u) / 65536.0), 0.55 + 0.3 * float((x >> 16) & 255u) / 255.0);
+    vec3 base = mix(vec3(0.72), hue(float(x & 65535u) / 65536.0), 0.35 + 0.3 * float((x >> 16) & 255u) / 255.0);
     result = vec4(display(lit(base * base, 0.0, 0.7, n, 1.0)), 1);
   } else {
     vec3 width = fwidth(corner);
