@@ -112,9 +112,11 @@ function start() {
 
   const leave = () => {
     viewer.close();
-    url = undefined;
     hideMessage();
     turn(false);
+    const link = url && document.querySelector(`#cards a[href="${CSS.escape(writeState({ model: url, view: undefined, mode: undefined }))}"]`);
+    (link instanceof HTMLElement ? link : element('gallery-title', HTMLElement)).focus();
+    url = undefined;
     document.title = 'tristrip viewer';
     announce('All models.');
   };

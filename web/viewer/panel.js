@@ -90,7 +90,8 @@ export function updatePanel(viewer) {
   const words = state === 'failed' ? 'ended early' : isEnd ? 'complete' : isPaused ? 'paused' : connection || 'loading';
   setText(loaded, totalBytes > 0 ? `${bytesText(isEnd ? totalBytes : receivedBytes)} of ${bytesText(totalBytes)}, ${words}` : words);
   setText(play, isPaused ? 'Continue' : 'Pause');
-  play.disabled = state !== 'loading';
+  // A button that is disabled would lose the focus.
+  play.setAttribute('aria-disabled', String(state !== 'loading'));
   animation.hidden = !viewer.isAnimated;
   for (const group of streamed) group.toggleAttribute('hidden', !isStreamed && state !== 'loading');
 

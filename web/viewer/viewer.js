@@ -56,7 +56,6 @@ export class Viewer {
       shown: (update) => {
         if (!update) return;
         this.figures.show(update);
-        this.#checkEnd();
         listener.change();
       },
       painted: (primitives) => {
@@ -171,10 +170,6 @@ export class Viewer {
   /** @param {ModelError} error */
   #fail(error) {
     this.state = 'failed';
-    if (error.kind !== 'connection') {
-      this.#model?.close();
-      this.#model = undefined;
-    }
     this.#listener.error(error);
     this.#listener.change();
   }

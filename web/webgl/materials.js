@@ -47,7 +47,7 @@ function textureUse(info) {
  * @returns {Material}
  */
 export function readMaterial(material = { doubleSided: true }) {
-  const { pbrMetallicRoughness: pbr = { metallicFactor: 0, roughnessFactor: 0.6, baseColorFactor: [0.6, 0.6, 0.62, 1] }, normalTexture, occlusionTexture, emissiveTexture, extensions } = material;
+  const { pbrMetallicRoughness: pbr = { metallicFactor: 0, roughnessFactor: 0.6, baseColorFactor: [0.53, 0.53, 0.55, 1] }, normalTexture, occlusionTexture, emissiveTexture, extensions } = material;
   const strength = extensions?.KHR_materials_emissive_strength?.emissiveStrength ?? 1;
   return {
     baseColor: pbr.baseColorFactor ?? [1, 1, 1, 1],

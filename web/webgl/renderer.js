@@ -28,7 +28,7 @@ const LINE_COLOR = [0.06, 0.1, 0.18];
  * What a renderer tells a page.
  * @typedef {object} RendererListener
  * @property {(update: Update | undefined) => void} [shown] what has arrived is in the picture; `undefined` for meshes without a stream
- * @property {(primitives: number) => void} [painted] a frame is drawn, with this many primitives
+ * @property {(primitives: number) => void} [painted] a picture is drawn, with this many primitives
  * @property {(error: Error) => void} [error] the model cannot be drawn
  * @property {(isLost: boolean) => void} [context] the context is lost, or there again
  */
@@ -230,7 +230,8 @@ export class Renderer {
     let painted = 0;
     for (const item of items) if (this.#paintItem(model, item, { eye, keyLight, viewProjection })) painted++;
     gl.depthMask(true);
-    this.#listener.painted?.(painted);
+    // Where a program is still compiled, the picture is not complete.
+    if (!this.#isDirty) this.#listener.painted?.(painted);
   }
 
   /**
