@@ -15,6 +15,7 @@
 #![deny(unsafe_code)]
 
 pub mod corpus;
+pub mod distance;
 pub mod docs;
 pub mod failure;
 pub mod hostile;

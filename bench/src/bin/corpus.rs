@@ -6,6 +6,8 @@
 //! ```
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "a program that prints")]
 
+use std::borrow::Borrow;
+use std::cmp::Reverse;
 use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -43,6 +45,14 @@ struct Args {
     /// Only this model; repeatable
     #[arg(long, value_name = "NAME")]
     model: Vec<String>,
+    /// Only every Nth model by the size of the file, from the Ith largest on, which is number 0
+    #[arg(long, value_name = "I/N", value_parser = part)]
+    part: Option<(usize, usize)>,
+}
+
+fn part(text: &str) -> Result<(usize, usize), String> {
+    let numbers = text.split_once('/').and_then(|(i, n)| Some((i.parse().ok()?, n.parse().ok()?)));
+    numbers.filter(|&(i, n)| i < n).ok_or_else(|| "expected I/N with I less than N".to_owned())
 }
 
 fn main() -> Result<ExitCode, Failure> {
@@ -50,6 +60,10 @@ fn main() -> Result<ExitCode, Failure> {
     let folder = args.models.clone().unwrap_or_else(models::default_folder);
     let mut sources = models::find(&folder)?;
     sources.retain(|source| args.model.is_empty() || args.model.contains(&source.name));
+    if let Some((first, every)) = args.part {
+        largest_first(&mut sources);
+        sources = sources.into_iter().skip(first).step_by(every).collect();
+    }
     let program = std::env::current_exe()?;
     let built = program.parent().ok_or("the program has no folder")?;
     let files = built.join("corpus-files");
@@ -108,6 +122,10 @@ fn main() -> Result<ExitCode, Failure> {
     Ok(if problems.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
 }
 
+fn largest_first<S: Borrow<Source>>(sources: &mut [S]) {
+    sources.sort_by_key(|source| Reverse(fs::metadata(&source.borrow().path).map_or(0, |m| m.len())));
+}
+
 /// Checks the models in parallel, the largest files first. The results are sorted by name.
 fn check_all<'a>(
     sources: &'a [Source],
@@ -116,7 +134,7 @@ fn check_all<'a>(
 ) -> Result<Vec<(&'a Source, CheckedModel)>, Failure> {
     let pools = ThreadPools::new()?;
     let mut order: Vec<&Source> = sources.iter().collect();
-    order.sort_by_key(|source| std::cmp::Reverse(fs::metadata(&source.path).map_or(0, |m| m.len())));
+    largest_first(&mut order);
     let (next, results) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
     std::thread::scope(|scope| {
         for _ in 0..WORKERS {

@@ -16,20 +16,18 @@ use std::time::Instant;
 use clap::Parser;
 use tristrip::stream::{Decoder, StreamLimits, StreamOptions};
 use tristrip::verify::verify;
-use tristrip::{Faces, Layout, Mesh, PreparedFaces, StripifyOptions, stripify};
+use tristrip::{Layout, Mesh, StripifyOptions, stripify};
+use tristrip_bench::distance::rms_percent;
 use tristrip_bench::failure::Failure;
 use tristrip_bench::measure::median;
 use tristrip_bench::memory::{CountingAllocator, extra_bytes};
 use tristrip_bench::strip_links;
 use tristrip_bench::text::Table;
 use tristrip_io::read_path;
-use tristrip_pipeline::{ChangedSurface, StreamedMesh, stream_of_mesh, surface_change};
+use tristrip_pipeline::{StreamedMesh, stream_of_mesh};
 
 #[global_allocator]
 static ALLOCATOR: CountingAllocator = CountingAllocator;
-
-/// The points on each surface for distances.
-const POINTS: usize = 200_000;
 
 /// Measure progressive streams
 #[derive(Debug, Parser)]
@@ -221,16 +219,7 @@ impl Measured {
         let sent = (share * all / 100).saturating_sub(args.container_bytes).min(self.bytes.len());
         let level = decoded(&self.bytes[..sent])?;
         let part = level.part(0).ok_or("the base mesh is not complete")?;
-        let prepared = PreparedFaces::new(&self.mesh, false);
-        let first = self.mesh.vertex_count() as u32;
-        let positions: Vec<[f32; 3]> =
-            self.mesh.positions().iter().copied().chain(part.positions()).collect();
-        let before = prepared.faces().fans();
-        let after: Vec<u32> = part.triangles().iter().map(|v| first + v).collect();
-        let both = Mesh::new(positions, Faces::default())?;
-        let surface = ChangedSurface { mesh: &both, before: &before, after: &after, texels: None };
-        let change = surface_change(&[surface], POINTS)?;
-        let percent = 100.0 * change.rms / diagonal(&self.mesh);
+        let percent = rms_percent(&self.mesh, &part.positions(), &part.triangles())?;
         Ok(vec![
             self.name.clone(),
             share.to_string(),
@@ -245,16 +234,4 @@ fn decoded(bytes: &[u8]) -> Result<Decoder, Failure> {
     let mut decoder = Decoder::new(StreamLimits::default());
     decoder.update(bytes).map_err(|error| error.to_string())?;
     Ok(decoder)
-}
-
-/// The diagonal of the box around the used vertices.
-fn diagonal(mesh: &Mesh) -> f64 {
-    let (mut least, mut most) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    for &v in mesh.faces().corners() {
-        for (j, x) in mesh.positions()[v as usize].into_iter().map(f64::from).enumerate() {
-            least[j] = least[j].min(x);
-            most[j] = most[j].max(x);
-        }
-    }
-    (0..3).map(|j| (most[j] - least[j]).powi(2)).sum::<f64>().sqrt()
 }

@@ -25,3 +25,28 @@ pub fn draw(files: &[(String, Vec<(usize, f32)>)]) -> Result<String, Error> {
     };
     svg(&files.iter().map(panel).collect::<Vec<_>>(), 1)
 }
+
+/// Draws how far from the full mesh what is shown of it is, against the seconds since the download began: steps for each named file, from its first picture on. Distances are in percent of
+/// the diagonal; those of 0 are left out.
+///
+/// # Errors
+/// The drawing library fails; no input is known that causes this.
+///
+/// ```
+/// let curves = [("progressive".to_owned(), vec![(0.1, 1.0), (0.5, 0.1)]), ("whole".to_owned(), vec![(2.0, 0.1)])];
+/// assert!(tristrip_lab::rate::draw_arrival("bunny", &curves)?.contains("progressive"));
+/// # Ok::<(), tristrip_lab::Error>(())
+/// ```
+pub fn draw_arrival(title: &str, curves: &[(String, Vec<(f64, f64)>)]) -> Result<String, Error> {
+    let series = |(name, points): &(String, Vec<(f64, f64)>)| {
+        let mark = if points.len() > 1 { Mark::Steps } else { Mark::Points };
+        Series::new(name, mark, points.iter().copied().filter(|&(_, rms)| rms > 0.0).collect())
+    };
+    let panel = Panel::new(
+        &format!("Distance against time: {title}"),
+        Axis::new("seconds since the download began", Scale::Linear { from_zero: true }),
+        Axis::new("RMS distance, % of the diagonal", Scale::Log10),
+        curves.iter().map(series).collect(),
+    );
+    svg(&[panel], 1)
+}

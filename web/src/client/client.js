@@ -101,7 +101,7 @@
  * @property {(json: any, binaryBytes: number) => void} [document] the glTF document, and the bytes of the binary chunk before the stream: all of it, if there is no stream
  * @property {(bytes: Uint8Array, start: number) => void} [binary] bytes of the binary chunk before the stream, and where they start in it
  * @property {(chunks: ChunkFigures[]) => void} [chunks] chunks that have arrived
- * @property {(update: Update) => void} [update] the arrays are the page's to keep
+ * @property {(update: Update) => void | Promise<void>} [update] the arrays are the page's to keep. If it returns a promise, the next update comes after it is fulfilled
  * @property {(progress: Progress) => void} [progress] bytes that have arrived without an update
  * @property {(state: ConnectionState, seconds: number) => void} [connection] `seconds` until the next try, if it is `retrying`
  * @property {(error: ModelError) => void} [error] nothing more comes, unless `retry` is called; what was shown stays good
@@ -220,11 +220,16 @@ export class Model {
       case 'error':
         return events.error?.(message.error);
       case 'update':
-        try {
-          return events.update?.(message.update);
-        } finally {
-          if (!this.#isClosed) this.#post({ type: 'taken' });
-        }
+        this.#take(message.update);
+    }
+  }
+
+  /** @param {Update} update */
+  async #take(update) {
+    try {
+      await this.#events.update?.(update);
+    } finally {
+      if (!this.#isClosed) this.#post({ type: 'taken' });
     }
   }
 
