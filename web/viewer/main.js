@@ -50,8 +50,8 @@ function start() {
       const [entry] = performance.getEntriesByName('tristrip:complete', 'measure');
       announce(`Complete: ${countText(sums.triangles + outside)} triangles, ${bytesText(progress?.totalBytes ?? 0)}, after ${timeText(entry.duration)}.`);
     },
-    connection: (state, seconds) => {
-      const words = state === 'retrying' ? `connection lost, next try in ${Math.ceil(seconds)} s` : state === 'connecting' || state === 'waiting' ? state : '';
+    connection: (state) => {
+      const words = state === 'retrying' ? 'connection lost, trying again' : state === 'connecting' || state === 'waiting' ? state : '';
       setConnection(words);
       if (state === 'retrying') announce('The connection is lost. It is tried again.');
       schedulePanel();

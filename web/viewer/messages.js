@@ -50,7 +50,7 @@ export function showError({ kind, message }, hasPicture, retry, replay) {
   const rest = hasPicture ? ' What has arrived before is shown.' : '';
   const actions = { connection: { Retry: retry }, changed: { 'Load again': replay }, status: { 'Load again': replay } };
   const { [kind]: action = {} } = /** @type {Record<string, Record<string, () => void>>} */ (actions);
-  showMessage(CAUSES[kind] + rest, message.replace(/^[:\s]+/, ''), action);
+  showMessage(CAUSES[kind] + rest, message.replace(/^(The connection was lost)?[:\s]+/, ''), action);
 }
 
 /**

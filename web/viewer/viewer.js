@@ -18,7 +18,7 @@ import { Figures } from './figures.js';
  * @typedef {object} ViewerListener
  * @property {() => void} change the state or the figures have changed
  * @property {(error: ModelError | undefined) => void} error `undefined`: it goes on
- * @property {(state: ConnectionState, seconds: number) => void} connection
+ * @property {(state: ConnectionState) => void} connection
  * @property {() => void} firstPicture
  * @property {() => void} complete
  * @property {(isLost: boolean) => void} context
@@ -140,10 +140,10 @@ export class Viewer {
         figures.progress = progress;
         this.#listener.change();
       },
-      connection: (state, seconds) => {
+      connection: (state) => {
         this.#isDone = state === 'done';
         if (this.#isDone) this.renderer.draw();
-        this.#listener.connection(state, seconds);
+        this.#listener.connection(state);
       },
       error: (error) => this.#fail(error),
     };

@@ -10,8 +10,8 @@ const status = /** @type {HTMLElement} */ (document.querySelector('#status'));
 
 const renderer = new Renderer(canvas, {
   shown(update) {
-    const triangles = update?.meshes.reduce((sum, mesh) => sum + mesh.triangles, 0);
-    if (triangles) status.textContent = `${triangles} triangles`;
+    const { shownBytes = 0, totalBytes = 0 } = update?.progress ?? {};
+    status.textContent = update ? `${shownBytes} of ${totalBytes} bytes are shown.` : 'Shown.';
   },
   error: (error) => (status.textContent = error.message),
 });

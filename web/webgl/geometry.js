@@ -84,12 +84,13 @@ export class VertexData {
    */
   patch(start, values) {
     const end = start + values.length;
-    if (end > this.array.length) {
+    if (start === 0 && end >= this.array.length) this.array = values;
+    else if (end > this.array.length) {
       const old = this.array;
       this.array = new /** @type {any} */ (old.constructor)(Math.max(end, 2 * old.length));
       this.array.set(old);
     }
-    this.array.set(values, start);
+    if (this.array !== values) this.array.set(values, start);
     this.#from = this.#from < this.#to ? Math.min(this.#from, start) : start;
     this.#to = Math.max(this.#to, end);
   }
@@ -104,10 +105,11 @@ export class VertexData {
     const size = array.BYTES_PER_ELEMENT;
     if (this.#from >= this.#to) return true;
     if (this.#capacity < array.length) {
-      const buffer = copyOf(gl, ARRAY_BUFFER, array.byteLength, this.buffer, this.#capacity * size);
+      const capacity = Math.max(array.length, 2 * this.#capacity);
+      const buffer = copyOf(gl, ARRAY_BUFFER, capacity * size, this.buffer, this.#capacity * size);
       gl.deleteBuffer(this.buffer);
       this.buffer = buffer;
-      this.#capacity = array.length;
+      this.#capacity = capacity;
     }
     gl.bindBuffer(ARRAY_BUFFER, this.buffer);
     while (this.#from < this.#to) {
@@ -139,6 +141,9 @@ export class IndexData {
   shownLength = 0;
   shownType = 0;
   #capacity = 0;
+  /** The bytes that a new buffer is to have. */
+  #room = 0;
+  #nextCapacity = 0;
   /** The buffer that is drawn when it is complete. */
   /** @type {WebGLBuffer | null} */
   #next = null;
@@ -162,14 +167,16 @@ export class IndexData {
     const Type = bytesPerIndex === 2 ? Uint16Array : Uint32Array;
     const last = ranges.at(-1);
     const need = Math.max(length, last ? last.start + last.array.length : 0);
+    this.#room = Math.min(capacity, 2 * need) * bytesPerIndex;
     let array = this.array;
-    if (!(array instanceof Type) || array.length < need) {
+    if (last && ranges.length === 1 && last.start === 0 && need === last.array.length) this.array = array = last.array;
+    else if (!(array instanceof Type) || array.length < need) {
       array = new Type(Math.max(need, Math.min(capacity, 2 * need)));
       if (this.array instanceof Type) array.set(this.array);
       this.array = array;
     }
     for (const range of ranges) {
-      array.set(range.array, range.start);
+      if (array !== range.array) array.set(range.array, range.start);
       this.#ranges.push([range.start, range.start + range.array.length]);
     }
     this.length = length;
@@ -201,7 +208,8 @@ export class IndexData {
       const bytes = this.#ranges.reduce((sum, [from, to]) => sum + to - from, 0) * array.BYTES_PER_ELEMENT;
       const isOther = glType(array) !== this.shownType;
       if (isOther || this.#capacity < array.byteLength || bytes > Math.min(SLICE_BYTES, budget.bytes)) {
-        this.#next = copyOf(gl, ELEMENT_ARRAY_BUFFER, array.byteLength, this.buffer, isOther ? 0 : this.#capacity);
+        this.#nextCapacity = Math.max(array.byteLength, this.#room);
+        this.#next = copyOf(gl, ELEMENT_ARRAY_BUFFER, this.#nextCapacity, this.buffer, isOther ? 0 : Math.min(this.#capacity, this.#nextCapacity));
       } else budget.spend(bytes);
       this.#isPrepared = true;
     }
@@ -237,7 +245,7 @@ export class IndexData {
     if (array && this.#next) {
       gl.deleteBuffer(this.buffer);
       this.buffer = this.#next;
-      this.#capacity = array.byteLength;
+      this.#capacity = this.#nextCapacity;
       this.#next = null;
     } else if (array && this.#ranges.length > 0) {
       gl.bindBuffer(ELEMENT_ARRAY_BUFFER, this.buffer);

@@ -2,6 +2,7 @@
  * Shader programs, which are compiled beside the main thread where the browser can.
  * @module
  */
+import { TEXTURES } from './materials.js';
 import { FRAGMENT, shaderSource, VERTEX } from './shaders.js';
 
 /**
@@ -9,6 +10,10 @@ import { FRAGMENT, shaderSource, VERTEX } from './shaders.js';
  * @property {WebGLProgram} program
  * @property {(name: string) => WebGLUniformLocation | null} at the location of a uniform
  */
+
+/** The samplers, in the order of their texture units. */
+const SAMPLERS = [...TEXTURES, 'joints', 'indices', 'positions', 'jointNumbers', 'jointWeights'];
+export const UNITS = new Map(SAMPLERS.map((name, unit) => [name, unit]));
 
 const VARIANTS = ['', 'NORMALS', 'NORMALS SKIN', 'SKIN', 'PULL', 'PULL SKIN'];
 
@@ -53,8 +58,8 @@ export class Programs {
       if (location === undefined) locations.set(uniform, (location = gl.getUniformLocation(program, uniform)));
       return location;
     };
-    // The first question is answered by the driver, all later ones from memory.
-    at('world');
+    gl.useProgram(program);
+    for (const [unit, sampler] of SAMPLERS.entries()) gl.uniform1i(gl.getUniformLocation(program, sampler), unit);
     return (known.ready = { program, at });
   }
 

@@ -7,7 +7,7 @@ import { Camera } from './camera.js';
 import { COLOR_TEXTURES, TEXTURES } from './materials.js';
 import { cofactors, determinant, identity, multiply } from './matrix.js';
 import { ShownModel } from './model.js';
-import { Programs } from './programs.js';
+import { Programs, UNITS } from './programs.js';
 
 /**
  * @import { Update } from '../src/client/client.js'
@@ -50,6 +50,8 @@ export class Renderer {
   #model;
   #white;
   #isDirty = true;
+  /** The programs that know the view of this frame. @type {Set<Program>} */
+  #viewed = new Set();
   #isPlaying = false;
   /** When the animation began. */
   #start = 0;
@@ -227,9 +229,11 @@ export class Renderer {
     });
     // Opaque first, then from back to front.
     items.sort((a, b) => b.depth - a.depth).sort((a, b) => Number(a.isBlended) - Number(b.isBlended));
+    this.#viewed.clear();
     let painted = 0;
     for (const item of items) if (this.#paintItem(model, item, { eye, keyLight, viewProjection })) painted++;
     gl.depthMask(true);
+    gl.activeTexture(gl.TEXTURE0);
     // Where a program is still compiled, the picture is not complete.
     if (!this.#isDirty) this.#listener.painted?.(painted);
   }
@@ -258,21 +262,19 @@ export class Renderer {
       return false;
     }
     const { at } = program;
+    const isUsed = this.#viewed.has(program);
     gl.useProgram(program.program);
-    let unit = 0;
-    const bind = (/** @type {string} */ name, /** @type {WebGLTexture | null} */ texture) => {
-      gl.activeTexture(gl.TEXTURE0 + unit);
-      gl.bindTexture(gl.TEXTURE_2D, texture);
-      gl.uniform1i(at(name), unit++);
-    };
-    if (isSkinned) bind('joints', joints);
-    gl.uniformMatrix4fv(at('viewProjection'), false, viewProjection);
-    gl.uniform3fv(at('eye'), eye);
-    gl.uniform3fv(at('keyLight'), keyLight);
-    gl.uniform1i(at('mode'), MODES.indexOf(isPulled && !pulled ? 'shaded' : mode));
-    gl.uniform3fv(at('lineColor'), LINE_COLOR);
-    if (pulled) pulled.bind(part, bind);
-    else this.#setMaterial(model, material, program, bind);
+    if (!isUsed) {
+      this.#viewed.add(program);
+      gl.uniformMatrix4fv(at('viewProjection'), false, viewProjection);
+      gl.uniform3fv(at('eye'), eye);
+      gl.uniform3fv(at('keyLight'), keyLight);
+      gl.uniform3fv(at('lineColor'), LINE_COLOR);
+      gl.uniform1i(at('mode'), MODES.indexOf(mode));
+    }
+    if (joints) this.#bind('joints', joints);
+    if (pulled) pulled.bind(part, (name, texture) => this.#bind(name, texture));
+    else this.#setMaterial(model, material, program);
     gl[isBlended ? 'enable' : 'disable'](gl.BLEND);
     gl.depthMask(!isBlended);
     const isCulled = !material.isDoubleSided && mode !== 'wireframe';
@@ -287,35 +289,41 @@ export class Renderer {
       if (pulled) pulled.draw(gl, part, at('topology'));
       else geometry.draw(gl, part);
     }
-    gl.activeTexture(gl.TEXTURE0);
     return true;
+  }
+
+  /**
+   * Binds a texture to the unit of a sampler.
+   * @param {string} name
+   * @param {WebGLTexture | null} texture
+   */
+  #bind(name, texture) {
+    const gl = this.#gl;
+    gl.activeTexture(gl.TEXTURE0 + (UNITS.get(name) ?? 0));
+    gl.bindTexture(gl.TEXTURE_2D, texture);
   }
 
   /**
    * @param {ShownModel} model
    * @param {Material} material
    * @param {Program} program
-   * @param {(name: string, texture: WebGLTexture | null) => void} bind
    */
-  #setMaterial(model, material, { at }, bind) {
+  #setMaterial(model, material, { at }) {
     const gl = this.#gl;
     const isTextured = this.#mode === 'textured';
     let hasNormalMap = false;
     for (const [i, name] of TEXTURES.entries()) {
-      const use = isTextured ? material.textures[i] : undefined;
-      const texture = use && model.textures?.get(use.texture, COLOR_TEXTURES[i]);
-      bind(name, texture ?? this.#white);
-      gl.uniformMatrix3fv(at(`uvMatrix[${i}]`), false, use?.matrix ?? [1, 0, 0, 0, 1, 0, 0, 0, 1]);
-      gl.uniform1i(at(`uvSet[${i}]`), use?.set ?? 0);
+      const number = isTextured ? material.textures[i] : undefined;
+      const texture = number === undefined ? null : model.textures?.get(number, COLOR_TEXTURES[i]);
+      this.#bind(name, texture ?? this.#white);
       if (name === 'normalTexture') hasNormalMap = Boolean(texture);
     }
+    gl.uniformMatrix3fv(at('uvMatrix'), false, material.uvMatrices);
+    gl.uniform1iv(at('uvSet'), material.uvSets);
     gl.uniform4fv(at('baseColor'), material.baseColor);
     gl.uniform3fv(at('emissive'), material.emissive);
-    gl.uniform1f(at('metallic'), material.metallic);
-    gl.uniform1f(at('roughness'), material.roughness);
+    gl.uniform4fv(at('factors'), material.factors);
     gl.uniform1f(at('cutoff'), material.cutoff);
-    gl.uniform1f(at('normalScale'), material.normalScale);
-    gl.uniform1f(at('occlusion'), material.occlusion);
     gl.uniform1i(at('unlit'), Number(material.isUnlit));
     gl.uniform1i(at('hasNormalMap'), Number(hasNormalMap));
     gl.uniform1i(at('alphaMode'), isTextured ? ['OPAQUE', 'MASK', 'BLEND'].indexOf(material.alphaMode) : 0);

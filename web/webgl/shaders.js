@@ -150,7 +150,8 @@ in vec3 normal;
 in vec4 uvs, color;
 uniform vec4 baseColor;
 uniform vec3 emissive;
-uniform float metallic, roughness, cutoff, normalScale, occlusion;
+uniform vec4 factors;
+uniform float cutoff;
 uniform bool unlit, hasNormalMap;
 uniform int alphaMode;
 uniform sampler2D baseTexture, metalTexture, normalTexture, occlusionTexture, emissiveTexture;
@@ -167,7 +168,7 @@ vec3 bumped(vec3 n) {
   float size = max(dot(tangent, tangent), dot(bitangent, bitangent));
   if (size < 1e-30) return n;
   vec3 map = texture(normalTexture, at).xyz * 2.0 - 1.0;
-  map.xy *= normalScale;
+  map.xy *= factors.z;
   return normalize(mat3(-tangent * inversesqrt(size), bitangent * inversesqrt(size), n) * vec3(map.x, -map.y, map.z));
 }
 
@@ -187,8 +188,8 @@ void main() {
   if (mode == 1) {
     if (hasNormalMap) n = bumped(n);
     vec4 metal = texture(metalTexture, uv(1));
-    float open = mix(1.0, texture(occlusionTexture, uv(3)).r, occlusion);
-    vec3 shown = unlit ? base.rgb : lit(base.rgb, metallic * metal.b, clamp(roughness * metal.g, 0.05, 1.0), n, open);
+    float open = mix(1.0, texture(occlusionTexture, uv(3)).r, factors.w);
+    vec3 shown = unlit ? base.rgb : lit(base.rgb, factors.x * metal.b, clamp(factors.y * metal.g, 0.05, 1.0), n, open);
     shown += emissive * texture(emissiveTexture, uv(4)).rgb;
     result = vec4(unlit ? pow(shown, vec3(1.0 / 2.2)) : display(shown), base.a);
   } else if (mode == 4) result = vec4(n * 0.5 + 0.5, 1);
