@@ -23,6 +23,7 @@ export class Harness {
   server = new Server({
     '/': new URL('../', import.meta.url),
     '/node_modules/': new URL('node_modules/', import.meta.url),
+    '/models.json': `${this.models.folder}/models.json`,
     '/models/': `${this.models.folder}/`,
   });
 
