@@ -6,7 +6,7 @@ import { statSync } from 'node:fs';
 import path from 'node:path';
 import { test } from 'node:test';
 import { skip, startHarness } from './harness.js';
-import { ownModel, texturedScenes } from './models.js';
+import { largeModels, ownModel, texturedScenes } from './models.js';
 
 /** The share of pixels that may differ from the source, on average and in each scene: texture coordinates are on a grid. */
 const MOST_DIFFERENCE = 0.001;
@@ -37,9 +37,11 @@ async function openStage() {
 test('the full level looks like the source', { skip }, async (t) => {
   /** @type {number[]} */
   const all = [];
-  for (const file of [ownModel('milktruck.glb'), ...texturedScenes]) {
+  const { page, problems } = await openStage();
+  // Scenes with several parts per mesh and with tangents: these are only compared with what is unpacked.
+  const others = ['engine_2cylinder.glb', 'sheencloth.glb'].map((name) => largeModels && path.join(largeModels, name)).filter((name) => name !== undefined);
+  for (const file of [ownModel('milktruck.glb'), ...texturedScenes, ...others]) {
     await t.test(path.basename(file), async () => {
-      const { page, problems } = await openStage();
       const found = await page.evaluate(
         async ({ packed, full, source }) => {
           const { ProgressiveLoader, GLTFLoader, picturesOf, difference, trianglesOf } = window.stage;
@@ -55,7 +57,10 @@ test('the full level looks like the source', { skip }, async (t) => {
             const shown = picturesOf(gltf, { time, box }).pictures;
             return { fromSource: difference(pictures, shown), fromUnpacked: difference(picturesOf(unpacked, { time, box }).pictures, shown) };
           });
-          return { base, triangles: trianglesOf(gltf), expected: trianglesOf(expected), differences };
+          const triangles = trianglesOf(gltf);
+          for (const shown of [gltf, expected, unpacked]) shown.scene.removeFromParent();
+          gltf.progressive.dispose();
+          return { base, triangles, expected: trianglesOf(unpacked), differences };
         },
         pack(file),
       );
@@ -63,12 +68,12 @@ test('the full level looks like the source', { skip }, async (t) => {
       const percent = (/** @type {number} */ share) => `${(100 * share).toFixed(4)} %`;
       for (const { fromSource, fromUnpacked } of found.differences) {
         t.diagnostic(`${path.basename(file)}: ${found.base} to ${found.triangles} triangles, ${percent(fromSource)} of the pixels differ from the source`);
-        assert.ok(fromSource <= MOST_IN_A_SCENE, `${percent(fromSource)} of the pixels differ from the source`);
         assert.ok(fromUnpacked <= ROUNDING, `${percent(fromUnpacked)} of the pixels differ from the unpacked model`);
+        if (others.includes(file)) continue;
+        assert.ok(fromSource <= MOST_IN_A_SCENE, `${percent(fromSource)} of the pixels differ from the source`);
         all.push(fromSource);
       }
       assert.deepEqual(problems, []);
-      await page.context().close();
     });
   }
   assert.ok(all.reduce((sum, one) => sum + one, 0) / all.length <= MOST_DIFFERENCE, `${all}`);
