@@ -12,8 +12,8 @@ const repository = fileURLToPath(new URL('../../', import.meta.url));
 
 /** @returns {string} the path of the command, which is built if it is missing */
 function findCommand() {
-  const { TRISTRIP_COMMAND } = process.env;
-  const command = TRISTRIP_COMMAND ?? path.join(repository, 'target/release/tristrip');
+  const { TRISTRIP_COMMAND, CARGO_TARGET_DIR = 'target' } = process.env;
+  const command = TRISTRIP_COMMAND ?? path.resolve(repository, CARGO_TARGET_DIR, 'release/tristrip');
   if (!existsSync(command)) {
     if (TRISTRIP_COMMAND) throw new Error(`TRISTRIP_COMMAND: there is no ${command}`);
     execFileSync('cargo', ['build', '--release', '--quiet', '-p', 'tristrip-cli'], { cwd: repository, stdio: 'inherit' });
