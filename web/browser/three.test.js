@@ -139,11 +139,11 @@ test('nothing stays on the GPU after dispose', { skip }, async () => {
   const scenes = [ownModel('milktruck.glb'), ...texturedScenes.slice(1, 2)].map((file) => pack(file).packed);
   const { page, problems } = await openStage();
   const found = await page.evaluate(async (scenes) => {
-    const { ProgressiveLoader, renderer, THREE, cameraAt } = window.stage;
+    const { ProgressiveLoader, renderer, live, THREE, cameraAt } = window.stage;
     const loader = new ProgressiveLoader();
     const scene = new THREE.Scene();
     const memory = [];
-    const note = () => memory.push({ ...renderer.info.memory });
+    const note = () => memory.push({ ...renderer.info.memory, ...live });
     // The renderer has textures of its own for materials of this kind.
     const cube = new THREE.Mesh(new THREE.BoxGeometry(), new THREE.MeshStandardMaterial());
     renderer.render(cube, cameraAt(new THREE.Box3().setFromObject(cube), 0));
@@ -295,5 +295,36 @@ test('models in view load before those that are not', { skip }, async () => {
   }, packed);
   server.shape(packed);
   assert.deepEqual(found, ['in view', 'behind']);
+  assert.deepEqual(problems, []);
+});
+
+test('buffers that are replaced are freed on the GPU', { skip }, async () => {
+  const { packed, full, bytes } = pack(ownModel('milktruck.glb'));
+  server.shape(packed, { bytesPerSecond: bytes / 2 });
+  const { page, problems } = await openStage();
+  const found = await page.evaluate(
+    async ({ packed, full }) => {
+      const { ProgressiveLoader, GLTFLoader, renderer, live, THREE, cameraAt } = window.stage;
+      const scene = new THREE.Scene();
+      const buffersOf = async (load) => {
+        const before = live.buffers;
+        await load();
+        renderer.render(scene, cameraAt(new THREE.Box3().setFromObject(scene), 0.1));
+        return live.buffers - before;
+      };
+      const refined = await buffersOf(async () => {
+        const gltf = await new ProgressiveLoader().loadAsync(packed);
+        scene.add(gltf.scene);
+        const camera = cameraAt(new THREE.Box3().setFromObject(scene), 0.1);
+        gltf.progressive.onUpdate(() => renderer.render(scene, camera));
+        await gltf.progressive.done;
+      });
+      const plain = await buffersOf(async () => scene.add((await new GLTFLoader().loadAsync(full)).scene));
+      return { refined, plain };
+    },
+    { packed, full },
+  );
+  server.shape(packed);
+  assert.equal(found.refined, found.plain);
   assert.deepEqual(problems, []);
 });

@@ -271,18 +271,18 @@ export class ProgressiveModel extends EventDispatcher {
 
   /** @param {GLTF} gltf */
   #takeScene(gltf) {
-    this.#isParsing = false;
     const resources = new Resources(gltf);
     if (this.#isClosed && !this.#isComplete) return resources.dispose();
-    this.#gltf = gltf;
     this.#resources = resources;
     const skinned = skinnedMeshes(gltf);
     for (const refined of refinedGeometries(gltf.parser)) {
       this.#meshOf(refined.stream).add(refined, skinned.get(refined.geometry) ?? []);
     }
+    this.#checkAttributes();
+    this.#isParsing = false;
+    this.#gltf = gltf;
     this.#resolveLoaded(Object.assign(gltf, { progressive: this }));
     if (!gltf.parser.json.extensions?.[EXTENSION]) this.#complete();
-    this.#checkAttributes();
     // The page adds its listeners when it is told of the scene.
     if (this.#error) setTimeout(() => this.#report());
   }

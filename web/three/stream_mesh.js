@@ -155,7 +155,7 @@ export class StreamMesh {
    * @param {User} user
    */
   #attach(user) {
-    const { geometry, part } = user;
+    const { geometry, part, names } = user;
     const index = this.#indices[part];
     if (!index || index.count === 0) return;
     if (!user.isAttached) {
@@ -163,8 +163,9 @@ export class StreamMesh {
       user.isAttached = true;
     }
     if (geometry.index !== index) geometry.setIndex(index);
-    for (const [name, attribute] of this.#attributes) {
-      if (geometry.attributes[name] !== attribute) geometry.setAttribute(name, attribute);
+    for (const name of names) {
+      const attribute = this.#attributes.get(name);
+      if (attribute && geometry.attributes[name] !== attribute) geometry.setAttribute(name, attribute);
     }
     geometry.setDrawRange(0, index.count);
   }

@@ -13,6 +13,19 @@ const SIZE = 512;
 /** Pixels that differ by at most this in each channel count as equal. */
 const TOLERANCE = 8;
 
+/** The buffers on the GPU: three.js does not count them. */
+export const live = { buffers: 0 };
+const context = WebGL2RenderingContext.prototype;
+const { createBuffer, deleteBuffer } = context;
+context.createBuffer = function () {
+  live.buffers++;
+  return createBuffer.call(this);
+};
+context.deleteBuffer = function (buffer) {
+  if (buffer) live.buffers--;
+  deleteBuffer.call(this, buffer);
+};
+
 const canvas = /** @type {HTMLCanvasElement} */ (document.getElementById('canvas'));
 export const renderer = new THREE.WebGLRenderer({ canvas, preserveDrawingBuffer: true });
 renderer.setSize(SIZE, SIZE, false);
