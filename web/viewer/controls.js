@@ -69,7 +69,8 @@ export function connectControls(viewer, listener) {
     event.preventDefault();
   }));
   document.addEventListener('keydown', (event) => {
-    if (event.key === 'Escape' && !help.open && viewer.state !== 'empty') listener.leave();
+    const isInList = event.target instanceof HTMLSelectElement;
+    if (event.key === 'Escape' && !isInList && !help.open && viewer.state !== 'empty') listener.leave();
   });
 
   const onClick = (/** @type {string} */ id, /** @type {() => void} */ act) => element(id, HTMLButtonElement).addEventListener('click', viewer.timed(act));

@@ -21,12 +21,16 @@ const cards = element('cards', HTMLUListElement);
 const notes = element('notes', HTMLElement);
 const text = element('gallery-text', HTMLElement);
 
+/** The names of the models, by their URLs. @type {Map<string, string>} */
+const names = new Map();
+
 /** Fills the gallery from `models.json`, if the site has one. */
 export async function fillGallery() {
   try {
     const response = await fetch('models.json');
     if (!response.ok) throw new Error(String(response.status));
     const { models, notes: lines = [] } = /** @type {{ models: ListedModel[], notes?: string[] }} */ (await response.json());
+    for (const { url, name } of models) names.set(url, name);
     cards.replaceChildren(...models.map(card));
     notes.replaceChildren(...lines.map((line) => make('p', {}, line)));
     if (models.length === 0) text.textContent = 'There are no models here yet.';
@@ -36,10 +40,12 @@ export async function fillGallery() {
 }
 
 /**
- * Returns a name for a model without one.
+ * Returns the name of a model.
  * @param {string} url
  */
 export function nameOf(url) {
+  const known = names.get(url);
+  if (known !== undefined) return known;
   const last = url.split('/').pop() ?? url;
   return last.replace(/\.glb$/i, '');
 }

@@ -36,6 +36,13 @@ function turn(isStage) {
   document.body.classList.toggle('is-stage', isStage);
 }
 
+/** @param {string} title of the model */
+function setTitle(title) {
+  setText(name, title);
+  document.title = `${title} – tristrip viewer`;
+  canvas.setAttribute('aria-label', `3D view of ${title}`);
+}
+
 /** Starts the viewer. */
 function start() {
   /** @type {Viewer} */
@@ -98,9 +105,7 @@ function start() {
   const open = (source, title, view) => {
     begin();
     turn(true);
-    setText(name, title);
-    document.title = `${title} – tristrip viewer`;
-    canvas.setAttribute('aria-label', `3D view of ${title}`);
+    setTitle(title);
     const { camera } = viewer.renderer;
     camera.isAutomatic = true;
     if (view) camera.parse(view);
@@ -174,4 +179,5 @@ try {
   setText(name, 'No 3D view');
   showMessage(error instanceof Error ? error.message : String(error), 'Current versions of Firefox, Chrome, Edge and Safari have WebGL 2. It may be switched off in the settings, or the graphics driver is too old.');
 }
-fillGallery();
+// A page that opens with a model learns its name later.
+fillGallery().then(() => url !== undefined && setTitle(nameOf(url)));

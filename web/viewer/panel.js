@@ -21,7 +21,7 @@ const values = new Map();
 
 /**
  * @param {string} name
- * @param {string} value
+ * @param {string} value empty if it is not known
  */
 function setFact(name, value) {
   let shown = values.get(name);
@@ -31,6 +31,7 @@ function setFact(name, value) {
     facts.append(make('div', {}, make('dt', {}, name), shown));
   }
   setText(shown, value);
+  shown.parentElement?.toggleAttribute('hidden', value === '');
 }
 
 /** How the connection is, in words. */
@@ -97,12 +98,12 @@ export function updatePanel(viewer) {
 
   const sums = figures.sums;
   const isShown = sums.fullTriangles > 0;
-  setFact('Triangles', isShown ? `${countText(sums.triangles + outside)} of ${countText(sums.fullTriangles + outside)}` : outside > 0 ? countText(outside) : '–');
-  setFact('Vertices', isShown ? countText(sums.vertices) : '–');
-  setFact('Strips', sums.strips > 0 ? countText(sums.strips) : '–');
-  setFact('Vertices sent', sums.sent > 0 ? `${countText(sums.sent)}, ${(sums.sent / sums.triangles).toFixed(2)} per triangle` : '–');
-  setFact('Error', isShown ? errorText(sums.error) : '–');
-  setFact('Worker', progress && isShown ? `decoding ${timeText(progress.decodeMilliseconds)}, strips ${timeText(progress.buildMilliseconds)}` : '–');
+  setFact('Triangles', isShown ? `${countText(sums.triangles + outside)} of ${countText(sums.fullTriangles + outside)}` : outside > 0 ? countText(outside) : isStreamed ? 'base mesh' : '');
+  setFact('Vertices', isShown ? countText(sums.vertices) : '');
+  setFact('Strips', sums.strips > 0 ? countText(sums.strips) : '');
+  setFact('Vertices sent', sums.sent > 0 ? `${countText(sums.sent)}, ${(sums.sent / sums.triangles).toFixed(2)} per triangle` : '');
+  setFact('Error', isShown ? errorText(sums.error) : '');
+  setFact('Worker', progress && isShown ? `decoding ${timeText(progress.decodeMilliseconds)}, strips ${timeText(progress.buildMilliseconds)}` : '');
 
   level.min = String(Math.min(baseChunks, Math.max(points.length, 1)));
   level.max = String(Math.max(points.length, 1));

@@ -1,0 +1,155 @@
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import { Binary, accessorEnd, readAccessor } from '../webgl/accessors.js';
+import { Animation } from '../webgl/animation.js';
+import { Budget } from '../webgl/budget.js';
+import { Camera } from '../webgl/camera.js';
+import { Geometry } from '../webgl/geometry.js';
+import { readMaterial } from '../webgl/materials.js';
+import { cofactors, compose, determinant, multiply, transformPoint } from '../webgl/matrix.js';
+import { Scene } from '../webgl/scene.js';
+
+/** A document with one accessor over one buffer view. */
+const documentOf = (accessor, view = {}, buffer = {}) => ({
+  buffers: [buffer],
+  bufferViews: [{ buffer: 0, byteLength: 64, ...view }],
+  accessors: [{ bufferView: 0, componentType: 5123, count: 3, type: 'VEC2', ...accessor }],
+});
+const numbers = new Uint8Array(Uint16Array.from({ length: 32 }, (_, i) => i).buffer);
+
+test('accessors are read with offset and stride', () => {
+  assert.deepEqual([...readAccessor(documentOf({}), 0, numbers).array], [0, 1, 2, 3, 4, 5]);
+  assert.deepEqual([...readAccessor(documentOf({ byteOffset: 2 }), 0, numbers).array], [1, 2, 3, 4, 5, 6]);
+  assert.deepEqual([...readAccessor(documentOf({ byteOffset: 4 }, { byteStride: 8 }), 0, numbers).array], [2, 3, 6, 7, 10, 11]);
+});
+
+test('sparse accessors replace values, also of zeros', () => {
+  const json = documentOf({ bufferView: undefined, sparse: { count: 2, indices: { bufferView: 1, componentType: 5121 }, values: { bufferView: 0, byteOffset: 8 } } });
+  json.bufferViews.push({ buffer: 0, byteOffset: 64, byteLength: 2 });
+  const bytes = new Uint8Array([...numbers, 0, 2]);
+  assert.equal(accessorEnd(json, 0), 66);
+  assert.deepEqual([...readAccessor(json, 0, bytes).array], [4, 5, 0, 0, 6, 7]);
+});
+
+test('accessors beyond their view, of other files and of unknown types are refused', () => {
+  for (const json of [documentOf({ count: 17 }), documentOf({ byteOffset: -4 }), documentOf({}, { byteLength: 65 }), documentOf({}, {}, { uri: 'a.bin' }), documentOf({ componentType: 5 }), documentOf({ bufferView: undefined, count: 2 ** 40 }), documentOf({}, { byteStride: 2 })]) {
+    assert.throws(() => readAccessor(json, 0, numbers), Error);
+  }
+});
+
+test('a binary chunk arrives in pieces', () => {
+  const binary = new Binary();
+  for (let start = 0; start < numbers.length; start += 7) binary.add(numbers.subarray(start, start + 7), start);
+  assert.deepEqual(binary.bytes, numbers);
+});
+
+test('matrices are applied from right to left', () => {
+  const turn = compose([1, 2, 3], [0, 0, Math.SQRT1_2, Math.SQRT1_2], [2, 2, 2]);
+  const near = (a, b) => a.forEach((x, i) => assert.ok(Math.abs(x - b[i]) < 1e-12, `${a} is not ${b}`));
+  near(transformPoint(turn, [1, 0, 0]), [1, 4, 3]);
+  near(transformPoint(multiply(turn, turn), [1, 0, 0]), transformPoint(turn, transformPoint(turn, [1, 0, 0])));
+  assert.ok(Math.abs(determinant(turn) - 8) < 1e-12);
+  // The matrix of normals is that of cofactors: here the rotation times 4.
+  near(cofactors(turn).slice(0, 3), [0, 4, 0]);
+});
+
+test('a camera sees what it looks at, and its view is text', () => {
+  const camera = new Camera();
+  camera.resize(0.5);
+  camera.bounds = { min: [-1, 0, 2], max: [3, 2, 4] };
+  for (const corner of [[-1, 0, 2], [3, 2, 4], [3, 0, 2]]) {
+    const m = camera.viewProjection;
+    const w = m[3] * corner[0] + m[7] * corner[1] + m[11] * corner[2] + m[15];
+    assert.ok(transformPoint(m, corner).every((x) => Math.abs(x / w) <= 1), `${corner} is not seen`);
+  }
+  camera.orbit(1, 0.2);
+  camera.pan(0.1, 0.1);
+  const other = new Camera();
+  assert.ok(other.parse(String(camera)));
+  assert.equal(String(other), String(camera));
+  for (const text of ['', '1,2,3', '0,0,-1,0,0,0', '0,0,x,0,0,0', '0,0,Infinity,0,0,0']) assert.ok(!other.parse(text), text);
+});
+
+test('a scene ignores cycles, and bounds its meshes where they stand', () => {
+  const scene = new Scene({
+    scenes: [{ nodes: [0] }],
+    nodes: [{ children: [1, 0, 7], translation: [10, 0, 0] }, { mesh: 0, scale: [2, 2, 2], children: [0] }],
+    meshes: [{ primitives: [{ attributes: { POSITION: 0 } }] }],
+    accessors: [{ min: [0, 0, 0], max: [1, 2, 3] }],
+  });
+  assert.equal(scene.nodes.size, 2);
+  assert.deepEqual(scene.bounds, { min: [10, 0, 0], max: [12, 4, 6] });
+});
+
+test('animations interpolate', () => {
+  const scene = new Scene({ scenes: [{ nodes: [0] }], nodes: [{}] });
+  const animation = new Animation();
+  const times = Float32Array.of(0, 1, 2);
+  animation.tracks.push({ node: 0, path: 'translation', interpolation: 'LINEAR', times, values: Float32Array.of(0, 0, 0, 4, 0, 0, 8, 2, 0) });
+  animation.tracks.push({ node: 0, path: 'scale', interpolation: 'STEP', times, values: Float32Array.of(1, 1, 1, 2, 2, 2, 3, 3, 3) });
+  animation.apply(scene, 1.5);
+  assert.deepEqual(scene.nodes.get(0).translation, [6, 1, 0]);
+  assert.deepEqual(scene.nodes.get(0).scale, [2, 2, 2]);
+});
+
+test('a material without a surface is no metal', () => {
+  assert.equal(readMaterial({ name: 'plain' }).factors[0], 0);
+  assert.equal(readMaterial({ pbrMetallicRoughness: {} }).factors[0], 1);
+});
+
+/** What a context does with buffers, in memory. */
+class FakeContext {
+  bound = new Map();
+  COPY_READ_BUFFER = 1;
+  createBuffer = () => ({ bytes: new Uint8Array(0) });
+  bindBuffer = (target, buffer) => this.bound.set(target, buffer);
+  bufferData = (target, size) => (this.bound.get(target).bytes = new Uint8Array(size));
+  bufferSubData(target, offset, array, from, count) {
+    const part = array.subarray(from, from + count);
+    this.bound.get(target).bytes.set(new Uint8Array(part.buffer, part.byteOffset, part.byteLength), offset);
+  }
+  copyBufferSubData = (from, to, a, b, size) => this.bound.get(to).bytes.set(this.bound.get(from).bytes.subarray(a, a + size), b);
+  deleteBuffer = (buffer) => buffer && (buffer.bytes = undefined);
+  bindVertexArray() {}
+  deleteVertexArray() {}
+}
+
+/** Whether the bytes of two arrays are the same. */
+const isSame = (a, b) => Buffer.from(a.buffer, a.byteOffset, a.byteLength).equals(Buffer.from(b.buffer, b.byteOffset, b.byteLength));
+
+test('buffers follow updates, and indices are shown when all of an update is uploaded', () => {
+  const gl = new FakeContext();
+  const geometry = new Geometry();
+  const vertices = [];
+  let indices = [];
+  let seed = 1;
+  const random = (n) => (seed = (seed * 48271) % 2147483647) % n;
+  for (let round = 0; round < 24; round++) {
+    const bytesPerIndex = round < 12 ? 2 : 4;
+    const firstVertex = round % 7 === 3 ? 0 : random(vertices.length + 1);
+    const count = random(40_000) + 1;
+    const positions = Float32Array.from({ length: 3 * count }, () => random(1000));
+    vertices.length = firstVertex;
+    for (let v = 0; v < count; v++) vertices.push(positions.slice(3 * v, 3 * v + 3));
+    const length = indices.length + random(60_000);
+    const isNew = round === 0 || round === 12;
+    const start = isNew ? 0 : random(indices.length + 1);
+    const Type = bytesPerIndex === 2 ? Uint16Array : Uint32Array;
+    const array = Type.from({ length: length - start }, () => random(65535));
+    indices = [...indices.slice(0, start), ...array];
+    const before = geometry.parts.get(0)?.shownLength;
+    const wasShown = before && geometry.parts.get(0).buffer.bytes.slice(0, before * (round <= 12 ? 2 : 4));
+    geometry.patch({ stream: 0, firstVertex, positions, attributes: [], parts: [{ part: 0, length, capacity: 2 * length, bytesPerIndex, strips: 1, ranges: [{ start, array }] }] });
+    let steps = 0;
+    while (!geometry.upload(gl, new Budget())) {
+      assert.ok(++steps < 1000);
+      const part = geometry.parts.get(0);
+      if (before) assert.ok(isSame(part.buffer.bytes.subarray(0, wasShown.length), wasShown), 'what is drawn has changed before the update was complete');
+    }
+    const part = geometry.parts.get(0);
+    assert.equal(part.shownLength, length);
+    assert.ok(isSame(new Type(part.buffer.bytes.buffer, 0, length), Type.from(indices)), `indices of round ${round}`);
+    const shown = new Float32Array(geometry.attributes.get('POSITION').buffer.bytes.buffer, 0, 3 * vertices.length);
+    assert.ok(isSame(shown, Float32Array.from(vertices.flatMap((v) => [...v]))), `vertices of round ${round}`);
+  }
+});
