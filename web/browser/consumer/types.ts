@@ -15,7 +15,7 @@ export function decode(bytes: Uint8Array): number[] {
 }
 
 export function load(client: Client): Model {
-  return client.load('model.glb', { update: (update: Update) => show(update.progress) }, { output: 'lists', priority: 2 });
+  return client.load('model.glb', { update: (update: Update) => void show(update.progress) }, { output: 'lists', priority: 2 });
 }
 
 function show(progress: Progress | undefined): number {
