@@ -54,7 +54,6 @@ export class Viewer {
     this.#listener = listener;
     this.renderer = new Renderer(canvas, {
       shown: (update) => {
-        if (!update) return;
         this.figures.show(update);
         listener.change();
       },
