@@ -6,7 +6,7 @@ use tristrip_serve::{Content, Server};
 use crate::batch::{self, InputReport, Outcome};
 use crate::console::Console;
 use crate::failure::Failure;
-use crate::logs;
+use crate::logs::Log;
 use crate::task::ServeTask;
 
 /// The report, once the server listens; the keys are those of the JSON output.
@@ -56,10 +56,10 @@ pub(crate) fn run(task: &ServeTask, console: &mut Console) -> bool {
     if !batch::finish(vec![report], console) {
         return false;
     }
-    if !console.is_quiet() {
-        logs::start(task.log);
-    }
-    until_signal(server, console)
+    let log = (!console.is_quiet()).then(|| Log::start(task.log));
+    let ended = until_signal(server, console);
+    log.into_iter().for_each(Log::finish);
+    ended
 }
 
 /// Runs a server until a signal; returns whether it ended as it should.

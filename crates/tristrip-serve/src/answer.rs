@@ -12,6 +12,7 @@ use axum::Router;
 use axum::body::Body;
 use axum::http::header::{
     ACCEPT_RANGES, ALLOW, CONTENT_LENGTH, CONTENT_RANGE, CONTENT_TYPE, ETAG, IF_NONE_MATCH, IF_RANGE, RANGE,
+    TRANSFER_ENCODING,
 };
 use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, Request, StatusCode, Version};
 use axum::response::Response;
@@ -87,6 +88,10 @@ impl Answerer {
             let mut response = text(StatusCode::METHOD_NOT_ALLOWED, "only GET and HEAD");
             response.headers_mut().insert(ALLOW, HeaderValue::from_static("GET, HEAD"));
             return response;
+        }
+        // Lengths in two ways are how one request is hidden in another behind a proxy; GET has no body to send in chunks.
+        if request.headers().contains_key(TRANSFER_ENCODING) {
+            return text(StatusCode::BAD_REQUEST, "a request has no body");
         }
         // Bodies of requests are not read.
         let (mut parts, _) = request.into_parts();

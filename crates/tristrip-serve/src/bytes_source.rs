@@ -58,7 +58,8 @@ impl BytesSource {
         }
     }
 
-    /// Reads all bytes. It may block.
+    /// Reads all bytes.
+    #[cfg(test)]
     pub(crate) fn read(&self) -> io::Result<Vec<u8>> {
         match self {
             Self::Memory(bytes) => Ok(bytes.to_vec()),

@@ -54,7 +54,7 @@ fn of_model(model: &Model) -> Result<Vec<u8>, String> {
     }
     let options = RenderOptions::default().with_size(SIZE[0], SIZE[1]).with_background(None);
     let picture = |model: &Model| {
-        let mode = if model.scene.is_some() { Mode::Textured } else { Mode::Shaded };
+        let mode = if is_coloured(model) { Mode::Textured } else { Mode::Shaded };
         TexturedModel::new(model)
             .and_then(|textured| textured.picture(mode, &options))
             .map_err(|error| error.to_string())
@@ -70,6 +70,20 @@ fn of_model(model: &Model) -> Result<Vec<u8>, String> {
         }
     }
     picture(model)
+}
+
+/// Checks whether a scene has colours: of textures, materials or vertices. White alone is drawn grey, so that it shows on white.
+fn is_coloured(model: &Model) -> bool {
+    let Some(appearance) = model.scene.as_ref().and_then(|scene| scene.appearance().ok()) else {
+        return false;
+    };
+    let is_white = |colour: [f32; 4]| colour[..3].iter().all(|channel| *channel > 0.9);
+    let colours = appearance
+        .materials
+        .iter()
+        .any(|material| material.texture.is_some() || !is_white(material.base_colour));
+    let mut attributes = model.parts.iter().flat_map(|part| part.mesh.attributes());
+    colours || attributes.any(|attribute| attribute.name == "COLOR_0")
 }
 
 /// Draws a cube, for models that are too large.

@@ -10,7 +10,7 @@ use super::{Running, grid, packs, write};
 
 #[test]
 fn files_have_types_tags_and_ranges() {
-    let bytes: Vec<u8> = (0..200_000_u32).map(|i| (i * i >> 7) as u8).collect();
+    let bytes: Vec<u8> = (0..200_000_u32).map(|i| (i.wrapping_mul(i) >> 7) as u8).collect();
     let server = Running::with_files(ServerOptions::default(), &[("a/b c.glb", &bytes), ("empty.txt", b"")]);
     let whole = server.get("/files/a/b%20c.glb");
     assert_eq!(
