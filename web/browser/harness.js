@@ -1,0 +1,72 @@
+/**
+ * What tests in the browser share: pages, what their consoles say, and the end of all that was started.
+ * @module
+ */
+import { after } from 'node:test';
+import { browser, skip } from './chromium.js';
+import { Models } from './models.js';
+import { Server } from './server.js';
+
+export { skip };
+
+/** Messages of the driver, which say nothing about the page. */
+const NOISE = /GPU stall|GL Driver|WebGL-0x|GroupMarkerNotSet/;
+
+/**
+ * A page, and what has gone wrong in it.
+ * @typedef {{ page: import('playwright-core').Page, problems: string[] }} Tab
+ */
+
+/** A server of the folder `web`, of installed packages under `/node_modules/`, and of models under `/models/`; and pages. */
+export class Harness {
+  models = new Models();
+  server = new Server({
+    '/': new URL('../', import.meta.url),
+    '/node_modules/': new URL('node_modules/', import.meta.url),
+    '/models.json': `${this.models.folder}/models.json`,
+    '/models/': `${this.models.folder}/`,
+  });
+
+  /** @returns {Promise<this>} */
+  async start() {
+    await this.server.start();
+    return this;
+  }
+
+  /**
+   * Opens a page.
+   * @param {string} path
+   * @param {import('playwright-core').BrowserContextOptions} [options]
+   * @returns {Promise<Tab>}
+   */
+  async open(path, options = { viewport: { width: 512, height: 512 } }) {
+    const context = await browser.newContext(options);
+    const page = await context.newPage();
+    /** @type {string[]} */
+    const problems = [];
+    page.on('console', (message) => {
+      if (['error', 'warning'].includes(message.type()) && !NOISE.test(message.text())) problems.push(`${message.type()}: ${message.text()}`);
+    });
+    page.on('pageerror', (error) => problems.push(`error: ${error.message}`));
+    await page.goto(`${this.server.origin}${path}`);
+    return { page, problems };
+  }
+
+  close() {
+    this.server.close();
+    this.models.remove();
+  }
+}
+
+/**
+ * Starts a harness for a test file, and ends it and the browser after the tests.
+ * @returns {Promise<Harness>}
+ */
+export async function startHarness() {
+  const harness = await new Harness().start();
+  after(async () => {
+    harness.close();
+    if (!skip) await browser.close();
+  });
+  return harness;
+}

@@ -1,0 +1,72 @@
+/**
+ * Models for tests: sources, and the same ones packed by the command.
+ * @module
+ */
+import { execFileSync } from 'node:child_process';
+import { cpSync, existsSync, mkdtempSync, rmSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import path from 'node:path';
+import { fileURLToPath } from 'node:url';
+
+const repository = fileURLToPath(new URL('../../', import.meta.url));
+
+/** @returns {string} the path of the command, which is built if it is missing */
+function findCommand() {
+  const { TRISTRIP_COMMAND, CARGO_TARGET_DIR = 'target' } = process.env;
+  const command = TRISTRIP_COMMAND ?? path.resolve(repository, CARGO_TARGET_DIR, 'release/tristrip');
+  if (!existsSync(command)) {
+    if (TRISTRIP_COMMAND) throw new Error(`TRISTRIP_COMMAND: there is no ${command}`);
+    execFileSync('cargo', ['build', '--release', '--quiet', '-p', 'tristrip-cli'], { cwd: repository, stdio: 'inherit' });
+  }
+  return command;
+}
+
+/** Folder of the models in the repository. */
+const ownModels = path.join(repository, 'testdata/models');
+
+/** The folder of textured scenes, if `TRISTRIP_MODELS` names that of the models. */
+const textured = process.env.TRISTRIP_MODELS && path.join(process.env.TRISTRIP_MODELS, 'textured');
+
+/** The folder with larger models, if `TRISTRIP_MODELS` names it. */
+export const largeModels = process.env.TRISTRIP_MODELS;
+
+/** A folder of its own for the models of a test file, which is removed at the end. */
+export class Models {
+  /** @type {string} */
+  folder = mkdtempSync(path.join(tmpdir(), 'tristrip-models-'));
+
+  /**
+   * Packs a model, unpacks it again, and puts both beside a copy of the model.
+   * @param {string} file
+   * @param {string[]} [options] of `tristrip pack`
+   * @returns {{ packed: string, full: string, source: string }} names of files in the folder
+   */
+  pack(file, options = []) {
+    const name = path.basename(file).replace(/\.\w+$/, '');
+    const packed = `${name}.packed.glb`;
+    const full = `${name}.full.glb`;
+    const run = (/** @type {string[]} */ ...words) => execFileSync(findCommand(), [...words, '--quiet'], { cwd: this.folder });
+    run('pack', file, '-o', packed, '--position-bits', '14', ...options);
+    run('unpack', packed, '-o', full);
+    // A glTF document has files beside it.
+    const isDocument = file.endsWith('.gltf');
+    const source = isDocument ? `${name}/${path.basename(file)}` : path.basename(file);
+    cpSync(isDocument ? path.dirname(file) : file, path.join(this.folder, isDocument ? name : source), { recursive: true });
+    return { packed, full, source };
+  }
+
+  remove() {
+    rmSync(this.folder, { recursive: true, force: true });
+  }
+}
+
+/**
+ * Returns the path of a model of the repository.
+ * @param {string} name
+ */
+export const ownModel = (name) => path.join(ownModels, name);
+
+/** The textured scenes, if the environment variable `TRISTRIP_MODELS` is set. */
+export const texturedScenes = textured
+  ? ['Duck.glb', 'CesiumMan.glb', 'CesiumMilkTruck/CesiumMilkTruck.gltf', 'Fox/Fox.gltf'].map((name) => path.join(textured, name))
+  : [];

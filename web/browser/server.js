@@ -1,0 +1,176 @@
+/**
+ * A static HTTP server for tests, with a network between it and the browser: slow, interrupted, or one that flips bits.
+ * @module
+ */
+import { createHash } from 'node:crypto';
+import { createReadStream } from 'node:fs';
+import { readFile, stat } from 'node:fs/promises';
+import http from 'node:http';
+import path from 'node:path';
+import { setTimeout as sleep } from 'node:timers/promises';
+
+/** @type {Record<string, string>} */
+const TYPES = {
+  '.css': 'text/css',
+  '.glb': 'model/gltf-binary',
+  '.gltf': 'model/gltf+json',
+  '.html': 'text/html; charset=utf-8',
+  '.jpg': 'image/jpeg',
+  '.js': 'text/javascript',
+  '.json': 'application/json',
+  '.mjs': 'text/javascript',
+  '.png': 'image/png',
+  '.svg': 'image/svg+xml',
+};
+
+/** Bytes are sent this often if the network is slow. */
+const TICKS_PER_SECOND = 50;
+
+/**
+ * How a file arrives.
+ * @typedef {object} Network
+ * @property {number} [bytesPerSecond] no limit unless given
+ * @property {number} [dropAfter] the connection is closed after so many bytes of the file
+ * @property {number} [drops] how often: 1 unless given
+ * @property {number} [flipAt] a bit of this byte of the file is flipped
+ * @property {number} [status] an HTTP status instead of the file
+ */
+
+/**
+ * A request for a file.
+ * @typedef {object} Request
+ * @property {string} path
+ * @property {string} [range]
+ */
+
+/** Serves folders on a free port of this computer. */
+export class Server {
+  #folders;
+  #server = http.createServer((request, response) => void this.#answer(request, response));
+  /** @type {Map<string, Network>} */
+  #networks = new Map();
+  /** All requests so far. @type {Request[]} */
+  requests = [];
+
+  /** @param {Record<string, string | URL>} folders from the starts of paths, such as `/models/`, to folders; longer ones come first */
+  constructor(folders) {
+    this.#folders = Object.entries(folders).sort(([a], [b]) => b.length - a.length);
+  }
+
+  /** @returns {Promise<this>} */
+  async start() {
+    await new Promise((resolve) => this.#server.listen(0, '127.0.0.1', () => resolve(undefined)));
+    return this;
+  }
+
+  /** The start of URLs, without a slash at the end. */
+  get origin() {
+    const { port } = /** @type {import('node:net').AddressInfo} */ (this.#server.address());
+    return `http://127.0.0.1:${port}`;
+  }
+
+  /** Ends all connections. */
+  close() {
+    this.#server.closeAllConnections();
+    this.#server.close();
+  }
+
+  /**
+   * Sets how a file arrives from now on.
+   * @param {string} file its path in URLs
+   * @param {Network} [network]
+   */
+  shape(file, network = {}) {
+    this.#networks.set(file, { drops: 1, ...network });
+  }
+
+  /**
+   * Returns the requests for a file.
+   * @param {string} file its path in URLs
+   */
+  requestsOf(file) {
+    return this.requests.filter((request) => request.path === file);
+  }
+
+  /**
+   * @param {http.IncomingMessage} request
+   * @param {http.ServerResponse} response
+   */
+  async #answer(request, response) {
+    try {
+      await this.#send(request, response);
+    } catch {
+      if (!response.headersSent) response.writeHead(404);
+      response.end();
+    }
+  }
+
+  /**
+   * @param {http.IncomingMessage} request
+   * @param {http.ServerResponse} response
+   */
+  async #send(request, response) {
+    const url = decodeURIComponent(new URL(request.url ?? '/', 'http://localhost').pathname);
+    if (url === '/favicon.ico') return void response.writeHead(204).end();
+    const file = this.#find(url);
+    const { range, 'if-range': ifRange } = request.headers;
+    this.requests.push({ path: url, ...(range && { range }) });
+    const network = this.#networks.get(url) ?? {};
+    if (network.status) return void response.writeHead(network.status).end();
+    const { size, mtimeMs } = await stat(file);
+    const etag = `"${createHash('sha256').update(`${file} ${size} ${mtimeMs}`).digest('hex').slice(0, 16)}"`;
+    const asked = /^bytes=(\d+)-(\d*)$/.exec(range ?? '');
+    const isPart = asked !== null && (ifRange === undefined || ifRange === etag);
+    const start = isPart ? Number(asked[1]) : 0;
+    const end = isPart && asked[2] ? Math.min(Number(asked[2]) + 1, size) : size;
+    if (start >= size && size > 0) return void response.writeHead(416, { 'content-range': `bytes */${size}` }).end();
+    response.writeHead(isPart ? 206 : 200, {
+      'content-type': TYPES[path.extname(file)] ?? 'application/octet-stream',
+      'content-length': end - start,
+      'accept-ranges': 'bytes',
+      'cache-control': 'no-cache',
+      etag,
+      ...(isPart && { 'content-range': `bytes ${start}-${end - 1}/${size}` }),
+    });
+    if (request.method === 'HEAD' || size === 0) return void response.end();
+    if (!this.#networks.has(url)) return void createReadStream(file, { start, end: end - 1 }).pipe(response);
+    await this.#sendSlowly((await readFile(file)).subarray(0, end), start, network, response);
+  }
+
+  /** @param {string} url */
+  #find(url) {
+    const [start, folder] = this.#folders.find(([start]) => url.startsWith(start)) ?? ['', ''];
+    const root = folder instanceof URL ? folder.pathname : folder;
+    const file = path.join(root, url.slice(start.length));
+    if (!root || !path.resolve(file).startsWith(path.resolve(root))) throw new Error(`no folder for ${url}`);
+    return file.endsWith('/') ? `${file}index.html` : file;
+  }
+
+  /**
+   * @param {Uint8Array} bytes the file, up to the last byte that is asked for
+   * @param {number} start
+   * @param {Network} network
+   * @param {http.ServerResponse} response
+   */
+  async #sendSlowly(bytes, start, network, response) {
+    const { flipAt, bytesPerSecond = Infinity } = network;
+    const sent = Uint8Array.from(bytes);
+    if (flipAt !== undefined && flipAt < sent.length) sent[flipAt] ^= 1;
+    const step = Math.ceil(bytesPerSecond / TICKS_PER_SECOND);
+    for (let at = start; at < sent.length && !response.destroyed; ) {
+      const { dropAfter = Infinity, drops = 0 } = network;
+      const isDropped = drops > 0 && at + step >= dropAfter;
+      const end = Math.min(at + step, sent.length, isDropped ? Math.max(dropAfter, at) : Infinity);
+      await new Promise((resolve) => response.write(sent.subarray(at, end), resolve));
+      at = end;
+      if (isDropped) {
+        network.drops = drops - 1;
+        await sleep(10);
+        response.destroy();
+        return;
+      }
+      if (step !== Infinity) await sleep(1000 / TICKS_PER_SECOND);
+    }
+    response.end();
+  }
+}

@@ -1,0 +1,355 @@
+/**
+ * The viewer page in a browser: what people see over a slow link, after errors, with keys, on a phone; and what it costs.
+ */
+import assert from 'node:assert/strict';
+import { statSync, writeFileSync } from 'node:fs';
+import path from 'node:path';
+import { test } from 'node:test';
+import { skip, startHarness } from './harness.js';
+import { heapOf } from './heap.js';
+import { largeModels, ownModel, texturedScenes } from './models.js';
+import { difference } from './pictures.js';
+import { slowdown } from './processor.js';
+
+/** The share of pixels that may differ between two pictures that should be equal, and the least one between two that should not. */
+const EQUAL = 0.0005;
+const DIFFERENT = 0.002;
+
+/** The milliseconds that decoding may take in the worker, and the longest task on the main thread, on a processor that is not shared. */
+const MOST_DECODING = 150;
+const MOST_BLOCKING = 16;
+
+/** The bytes by which memory may grow while 50 models are opened and closed, each of which takes more. */
+const MOST_GROWTH = 2 ** 21;
+
+const needsModels = !largeModels && 'SKIPPED: TRISTRIP_MODELS is not set';
+
+const DESKTOP = { viewport: { width: 1000, height: 700 } };
+const PHONE = { viewport: { width: 390, height: 844 }, deviceScaleFactor: 2, isMobile: true, hasTouch: true };
+
+const harness = await startHarness();
+const { models, server } = harness;
+
+/** @typedef {{ name: string, url: string, bytes: number, start: number }} PackedModel `start`: the bytes before the stream */
+
+/** @param {string} file @returns {PackedModel} */
+function pack(file) {
+  const { packed } = models.pack(file);
+  return { name: packed, url: `/models/${packed}`, bytes: statSync(path.join(models.folder, packed)).size, start: 0 };
+}
+
+const hand = skip ? undefined : pack(ownModel('hand.ply'));
+const truck = skip ? undefined : pack(texturedScenes[2] ?? ownModel('milktruck.glb'));
+
+/** @type {(model: PackedModel | undefined) => PackedModel} */
+const present = (model) => /** @type {PackedModel} */ (model);
+
+if (!skip) {
+  const listed = [present(hand), present(truck)].map(({ name, url, bytes }) => {
+    return { name: name.replace('.packed.glb', ''), url: url.slice(1), kind: 'packed', bytes, triangles: 1000, vertices: 500 };
+  });
+  writeFileSync(path.join(models.folder, 'models.json'), JSON.stringify({ models: listed }));
+}
+
+/** @typedef {import('playwright-core').Page} Page */
+
+/**
+ * Opens the viewer, with the gallery or a model.
+ * @param {PackedModel} [model]
+ * @param {import('playwright-core').BrowserContextOptions} [options]
+ */
+async function openViewer(model, options = DESKTOP) {
+  const tab = await harness.open(`/index.html${model ? `#model=${model.url.slice(1)}` : ''}`, options);
+  await tab.page.waitForFunction('window.tristrip');
+  return tab;
+}
+
+/** @type {(page: Page, state: string) => Promise<unknown>} */
+const waitForState = (page, state) => page.waitForFunction((state) => window.tristrip.viewer.state === state, state);
+
+/** Returns a picture of the model alone. @param {Page} page */
+const picture = (page) => page.locator('#canvas').screenshot({ style: '#view > :not(canvas) { visibility: hidden }' });
+
+/** Waits until a picture is drawn. @param {Page} page */
+const waitForPicture = (page) => page.waitForFunction(() => window.tristrip.viewer.hasPicture);
+
+/** @param {Page} page */
+const triangles = (page) => page.evaluate(() => window.tristrip.viewer.figures.sums.triangles);
+
+test('a model goes from its base to the full picture over a slow link', { skip }, async () => {
+  const model = present(hand);
+  const reference = await openViewer(model);
+  await waitForState(reference.page, 'complete');
+  const full = await picture(reference.page);
+
+  server.shape(model.url, { bytesPerSecond: model.bytes / 5 });
+  const { page, problems } = await openViewer(model);
+  await waitForPicture(page);
+  const pictures = [await picture(page)];
+  for (let i = 0; i < 3; i++) {
+    await page.waitForTimeout(1000);
+    pictures.push(await picture(page));
+  }
+  await waitForState(page, 'complete');
+  pictures.push(await picture(page));
+  server.shape(model.url);
+
+  const differences = [];
+  for (const one of pictures) differences.push(await difference(page, full, one));
+  const text = differences.map((one) => `${(100 * one).toFixed(2)} %`).join(', ');
+  assert.ok(differences[0] > DIFFERENT, `the first picture is a coarse one: ${text}`);
+  assert.ok(differences[4] <= EQUAL, text);
+  for (let i = 1; i < differences.length; i++) assert.ok(differences[i] <= differences[i - 1] + EQUAL, `each picture is nearer than the one before: ${text}`);
+  assert.deepEqual([...problems, ...reference.problems], []);
+});
+
+test('a flipped bit shows a message, and the last good picture stays', { skip }, async () => {
+  const model = present(hand);
+  server.shape(model.url, { flipAt: Math.floor(0.6 * model.bytes) });
+  const { page, problems } = await openViewer(model);
+  await waitForState(page, 'failed');
+  server.shape(model.url);
+  const message = page.locator('#message');
+  await message.locator('p').first().waitFor();
+  assert.match(await message.innerText(), /damaged/);
+  const shown = await triangles(page);
+  assert.ok(shown > 256, `${shown} triangles are shown`);
+  const before = await picture(page);
+  await page.locator('#canvas').focus();
+  await page.keyboard.press('ArrowLeft');
+  await page.waitForTimeout(500);
+  assert.ok((await difference(page, before, await picture(page))) > DIFFERENT, 'the picture can still be turned');
+  assert.equal(await triangles(page), shown);
+  assert.deepEqual(problems, []);
+});
+
+test('a file that is not there, and one that is no GLB, show a message', { skip }, async () => {
+  const { page } = await openViewer();
+  for (const [name, words] of /** @type {[string, RegExp][]} */ ([['models/none.glb', /does not give/], ['models/models.json', /not a GLB/]])) {
+    await page.evaluate((name) => (location.hash = `#model=${name}`), name);
+    await page.locator('#message', { hasText: words }).waitFor();
+  }
+});
+
+test('a lost connection is resumed where it was lost', { skip }, async () => {
+  const model = present(hand);
+  const drop = Math.floor(0.5 * model.bytes);
+  const known = server.requestsOf(model.url).length;
+  server.shape(model.url, { bytesPerSecond: model.bytes / 2, dropAfter: drop });
+  const { page, problems } = await openViewer(model);
+  await waitForState(page, 'complete');
+  server.shape(model.url);
+  const ranges = server.requestsOf(model.url).slice(known).map(({ range }) => range);
+  assert.equal(ranges.length, 2, String(ranges));
+  assert.equal(ranges[1], `bytes=${drop}-`);
+  assert.equal(await page.locator('#message').innerText(), '');
+  assert.deepEqual(problems.filter((problem) => !/ERR_(CONNECTION|INCOMPLETE|CONTENT)/.test(problem)), []);
+});
+
+test('all works with the keyboard', { skip }, async () => {
+  const model = present(hand);
+  const { page, problems } = await openViewer();
+  await page.locator('#cards a').first().focus();
+  await page.keyboard.press('Enter');
+  await waitForState(page, 'complete');
+  const isFocused = (/** @type {string} */ id) => page.evaluate((id) => document.activeElement?.id === id, id);
+  assert.ok(await isFocused('canvas'), 'the canvas has the focus when a model is opened');
+  const start = await picture(page);
+  const changed = async () => {
+    await page.waitForTimeout(300);
+    return difference(page, start, await picture(page));
+  };
+  for (const key of ['ArrowLeft', 'ArrowDown', 'Shift+ArrowRight', '+']) {
+    await page.keyboard.press(key);
+    assert.ok((await changed()) > DIFFERENT, key);
+    await page.keyboard.press('0');
+    assert.ok((await changed()) <= EQUAL, `0 after ${key}`);
+  }
+  for (const [key, mode] of ['shaded', 'textured', 'wireframe', 'strips', 'normals'].entries()) {
+    await page.keyboard.press(String(key + 1));
+    assert.equal(await page.evaluate(() => window.tristrip.viewer.renderer.mode), mode);
+    assert.ok(await page.locator(`#modes input[value=${mode}]`).isChecked());
+  }
+  await page.keyboard.press('?');
+  assert.ok(await page.locator('#help-dialog').isVisible());
+  await page.keyboard.press('Escape');
+  assert.ok(!(await page.locator('#help-dialog').isVisible()));
+  // The level of detail by its slider.
+  const full = await triangles(page);
+  await page.locator('#level').focus();
+  await page.keyboard.press('Home');
+  await page.waitForFunction((full) => window.tristrip.viewer.figures.sums.triangles < full, full);
+  await page.keyboard.press('End');
+  await page.waitForFunction((full) => window.tristrip.viewer.figures.sums.triangles === full, full);
+  await page.keyboard.press('Escape');
+  await page.locator('#gallery').waitFor({ state: 'visible' });
+
+  // Pause and continue.
+  server.shape(model.url, { bytesPerSecond: model.bytes / 4 });
+  await page.locator('#cards a').first().focus();
+  await page.keyboard.press('Enter');
+  await waitForPicture(page);
+  await page.keyboard.press(' ');
+  await page.waitForTimeout(500);
+  const paused = await triangles(page);
+  await page.waitForTimeout(1500);
+  assert.equal(await triangles(page), paused, 'nothing is refined while it is paused');
+  await page.keyboard.press(' ');
+  await waitForState(page, 'complete');
+  server.shape(model.url);
+  assert.deepEqual(problems, []);
+});
+
+test('all controls can be reached by Tab', { skip }, async () => {
+  const { page } = await openViewer(present(hand));
+  await waitForState(page, 'complete');
+  const expected = await page.evaluate(() =>
+    [...document.querySelectorAll('a, button, input:not([type=radio]):not([type=file]), select, canvas')]
+      .filter((element) => element.checkVisibility() && !(/** @type {HTMLButtonElement} */ (element).disabled))
+      .map((element) => element.id || element.className),
+  );
+  const reached = new Set();
+  for (let i = 0; i < expected.length + 4; i++) {
+    await page.keyboard.press('Tab');
+    reached.add(await page.evaluate(() => document.activeElement?.id || document.activeElement?.className));
+  }
+  assert.deepEqual(expected.filter((id) => !reached.has(id)), []);
+});
+
+test('it fits a phone', { skip }, async () => {
+  const { page, problems } = await openViewer(present(truck), PHONE);
+  await waitForState(page, 'complete');
+  const find = () =>
+    page.evaluate(() => {
+      const { width, height } = /** @type {Element} */ (document.getElementById('canvas')).getBoundingClientRect();
+      const small = [...document.querySelectorAll('button, select, #level')].filter((element) => element.checkVisibility() && element.getBoundingClientRect().height < 24);
+      return { overflow: document.documentElement.scrollWidth - innerWidth, width, height, small: small.map(({ id }) => id) };
+    });
+  const found = await find();
+  assert.ok(found.overflow <= 0, `${found.overflow} pixels are beyond the screen`);
+  assert.ok(found.width > 380 && found.height > 250, `canvas of ${found.width} × ${found.height}`);
+  assert.deepEqual(found.small, [], 'controls are large enough for a finger');
+  const before = await picture(page);
+  const box = await page.locator('#canvas').boundingBox();
+  assert.ok(box);
+  const touch = await page.context().newCDPSession(page);
+  const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+  await touch.send('Input.dispatchTouchEvent', { type: 'touchStart', touchPoints: [{ x, y }] });
+  for (let i = 1; i <= 5; i++) await touch.send('Input.dispatchTouchEvent', { type: 'touchMove', touchPoints: [{ x: x + 20 * i, y }] });
+  await touch.send('Input.dispatchTouchEvent', { type: 'touchEnd', touchPoints: [] });
+  await page.waitForTimeout(300);
+  assert.ok((await difference(page, before, await picture(page))) > DIFFERENT, 'one finger turns the model');
+  await page.evaluate(() => (location.hash = ''));
+  await page.locator('#gallery').waitFor({ state: 'visible' });
+  assert.ok((await find()).overflow <= 0);
+  assert.deepEqual(problems, []);
+});
+
+test('the page meets WCAG A and AA, light and dark', { skip }, async (t) => {
+  for (const colorScheme of /** @type {const} */ (['light', 'dark'])) {
+    for (const view of ['gallery', 'model', 'error', 'help']) {
+      await t.test(`${view}, ${colorScheme}`, async () => {
+        const { page } = await openViewer(view === 'gallery' ? undefined : present(truck), { ...DESKTOP, colorScheme });
+        if (view !== 'gallery') await waitForState(page, 'complete');
+        else await page.locator('#cards a').first().waitFor();
+        if (view === 'help') await page.locator('#help').click();
+        if (view === 'error') {
+          await page.evaluate(() => (location.hash = '#model=models/models.json'));
+          await page.locator('#message p').first().waitFor();
+        }
+        await page.addScriptTag({ url: '/node_modules/axe-core/axe.min.js' });
+        const violations = await page.evaluate(async () => {
+          const { violations } = await window.axe.run(document, { runOnly: ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa'] });
+          return violations.map(({ id, nodes }) => `${id}: ${nodes.map(({ target }) => target.join(' ')).join(', ')}`);
+        });
+        assert.deepEqual(violations, []);
+        await page.context().close();
+      });
+    }
+  }
+});
+
+test('memory does not grow with the number of models opened', { skip }, async (t) => {
+  const { page, problems } = await openViewer();
+  const openAll = async (/** @type {number} */ count) => {
+    for (let i = 0; i < count; i++) {
+      const model = present(i % 2 ? hand : truck);
+      await page.evaluate((url) => (location.hash = `#model=${url}`), model.url.slice(1));
+      await waitForState(page, 'complete');
+      await page.evaluate(() => (location.hash = ''));
+      await page.waitForFunction(() => window.tristrip.viewer.state === 'empty');
+    }
+  };
+  await openAll(6);
+  const before = await heapOf(page);
+  await openAll(50);
+  const after = await heapOf(page);
+  const megabytes = (/** @type {number} */ bytes) => `${(bytes / 2 ** 20).toFixed(1)} MB`;
+  for (const place of /** @type {const} */ (['page', 'worker'])) {
+    t.diagnostic(`${place}: ${megabytes(before[place])}, after 50 models ${megabytes(after[place])}`);
+    assert.ok(after[place] < before[place] + MOST_GROWTH, `${place}: ${megabytes(after[place] - before[place])} more`);
+  }
+  assert.deepEqual(problems, []);
+});
+
+test('a whole model is decoded in time', { skip: skip || needsModels }, async (t) => {
+  const bunny = pack(path.join(/** @type {string} */ (largeModels), 'bunny.ply'));
+  const { page } = await harness.open('/browser/pages/blank.html');
+  await page.evaluate(async () => {
+    const { Client } = await import('/src/client/client.js');
+    Object.assign(window, { client: new Client() });
+  });
+  let best = Infinity;
+  // The first run includes the time to compile the decoder.
+  for (let run = 0; run < 6 && (run < 2 || best > MOST_DECODING); run++) {
+    const factor = await slowdown(page);
+    const { decode, build } = await page.evaluate(
+      (url) =>
+        new Promise((resolve) => {
+          const model = window.client.load(url, {
+            update: ({ progress: { isComplete, decodeMilliseconds: decode, buildMilliseconds: build } }) => {
+              if (!isComplete) return;
+              model.close();
+              resolve({ decode, build });
+            },
+          });
+        }),
+      bunny.url,
+    );
+    t.diagnostic(`decoding ${decode.toFixed(0)} ms, strips and buffers ${build.toFixed(0)} ms; the processor is shared: ${factor.toFixed(2)}`);
+    best = Math.min(best, decode / factor);
+  }
+  assert.ok(best <= MOST_DECODING, `${best} ms in the worker`);
+});
+
+test('the page is not blocked while a model is refined', { skip: skip || needsModels }, async (t) => {
+  const bunny = pack(path.join(/** @type {string} */ (largeModels), 'bunny.ply'));
+  let best = Infinity;
+  for (let run = 0; run < 5 && best > MOST_BLOCKING; run++) {
+    const { page } = await openViewer(bunny);
+    await waitForState(page, 'complete');
+    const longest = await page.evaluate(() => window.tristrip.viewer.longestTask);
+    const factor = await slowdown(page);
+    t.diagnostic(`longest task of the page ${longest.toFixed(1)} ms; the processor is shared: ${factor.toFixed(2)}`);
+    best = Math.min(best, longest / factor);
+    await page.context().close();
+  }
+  assert.ok(best <= MOST_BLOCKING, `${best} ms on the main thread`);
+});
+
+test('the first picture of a large model comes soon', { skip: skip || needsModels }, async (t) => {
+  const dragon = pack(path.join(/** @type {string} */ (largeModels), 'dragon.ply'));
+  server.shape(dragon.url, { bytesPerSecond: 5e6 / 8 });
+  let best = Infinity;
+  for (let i = 0; i < 3; i++) {
+    const { page } = await openViewer();
+    await page.waitForTimeout(500);
+    await page.evaluate((url) => (location.hash = `#model=${url}`), dragon.url.slice(1));
+    await waitForPicture(page);
+    const first = await page.evaluate(() => performance.getEntriesByName('tristrip:first-picture', 'measure')[0].duration);
+    t.diagnostic(`${first.toFixed(0)} ms after the click`);
+    best = Math.min(best, first);
+    await page.context().close();
+  }
+  assert.ok(best <= 600, `${best} ms`);
+});

@@ -1,0 +1,57 @@
+/**
+ * The part of a progressive GLB before its stream, as a GLB that ends there: GLTFLoader reads it while the stream arrives.
+ *
+ * ```text
+ * header │ JSON │ BIN: base meshes, textures, … │ (the chunks are left out)
+ * ```
+ * @module
+ */
+
+const MAGIC = 0x46546c67;
+const VERSION = 2;
+const JSON_CHUNK = 0x4e4f534a;
+const BIN_CHUNK = 0x004e4942;
+const HEADER_BYTES = 12;
+const CHUNK_HEADER_BYTES = 8;
+const SPACE = 0x20;
+
+/** The name of the glTF extension. */
+export const EXTENSION = 'TRISTRIP_progressive';
+
+/** @param {number} byteCount */
+const padded = (byteCount) => (byteCount + 3) & ~3;
+
+/**
+ * Returns the bytes of a GLB with the document and the binary chunk before the stream. The buffer of the document is cut there, and the buffer view of
+ * the stream is empty.
+ * @param {any} json the document, which is changed
+ * @param {Uint8Array[]} pieces the bytes of the binary chunk before the stream, in order
+ * @returns {ArrayBuffer}
+ */
+export function baseGlb(json, pieces) {
+  const binaryBytes = pieces.reduce((sum, piece) => sum + piece.length, 0);
+  const stream = json.extensions?.[EXTENSION];
+  if (stream) {
+    const view = json.bufferViews?.[stream.bufferView];
+    if (view) Object.assign(view, { byteOffset: 0, byteLength: 0 });
+    if (json.buffers?.[0]) json.buffers[0].byteLength = binaryBytes;
+  }
+  const text = new TextEncoder().encode(JSON.stringify(json));
+  const binaryStart = HEADER_BYTES + CHUNK_HEADER_BYTES + padded(text.length);
+  const hasBinary = binaryBytes > 0;
+  const length = binaryStart + (hasBinary ? CHUNK_HEADER_BYTES + padded(binaryBytes) : 0);
+  const bytes = new Uint8Array(length);
+  const view = new DataView(bytes.buffer);
+  /** @type {(at: number, ...numbers: number[]) => void} */
+  const write = (at, ...numbers) => numbers.forEach((number, i) => view.setUint32(at + 4 * i, number, true));
+  write(0, MAGIC, VERSION, length, padded(text.length), JSON_CHUNK);
+  bytes.fill(SPACE, HEADER_BYTES + CHUNK_HEADER_BYTES, binaryStart);
+  bytes.set(text, HEADER_BYTES + CHUNK_HEADER_BYTES);
+  if (hasBinary) write(binaryStart, padded(binaryBytes), BIN_CHUNK);
+  let at = binaryStart + CHUNK_HEADER_BYTES;
+  for (const piece of pieces) {
+    bytes.set(piece, at);
+    at += piece.length;
+  }
+  return bytes.buffer;
+}

@@ -1,0 +1,175 @@
+/**
+ * `ProgressiveLoader`: loads progressive GLB files as GLTFLoader loads others.
+ * @module
+ */
+import { Loader, LoaderUtils } from 'three';
+import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
+import { Client } from '../src/client/client.js';
+import { ProgressiveModel } from './model.js';
+import { createPlugin } from './plugin.js';
+
+/**
+ * @import { Camera, LoadingManager } from 'three'
+ * @import { LoadOptions, Source } from '../src/client/client.js'
+ * @import { ProgressiveGLTF } from './model.js'
+ */
+
+/**
+ * How a loader works.
+ * @typedef {object} ProgressiveLoaderOptions
+ * @property {Client} [client] the client, with the worker that decodes; all loaders share one unless told otherwise
+ * @property {GLTFLoader} [gltfLoader] reads the document, the base meshes and all else: one with DRACOLoader, KTX2Loader or plugins
+ */
+
+/**
+ * How a model is loaded.
+ * @typedef {object} ProgressiveLoadOptions
+ * @property {AbortSignal} [signal] stops to load, before or after the scene is there
+ * @property {(event: ProgressEvent) => void} [onProgress] bytes have arrived, also of refinements
+ * @property {number} [priority] the priority until `setPriority`, `setView` or `updatePriorities`; 1 unless told otherwise, that of a model that fills the view
+ * @property {LoadOptions['limits']} [limits]
+ */
+
+/** A model without a place in the world yet: its base comes as if it filled the view. */
+const FIRST_PRIORITY = 1;
+
+/** @type {Client | undefined} */
+let sharedClient;
+
+/** The loaders that have the plugin. @type {WeakSet<GLTFLoader>} */
+const extended = new WeakSet();
+
+/**
+ * Loads progressive GLB files, and others as GLTFLoader does. `onLoad` is called when the base meshes and textures are there; the scene then refines by itself.
+ *
+ * ```js
+ * const gltf = await new ProgressiveLoader().loadAsync('model.glb');
+ * scene.add(gltf.scene);
+ * await gltf.progressive.done;
+ * ```
+ * @extends {Loader<ProgressiveGLTF>}
+ */
+export class ProgressiveLoader extends Loader {
+  #client;
+  #gltfLoader;
+  /** The models that may still be refined. @type {Set<ProgressiveModel>} */
+  #models = new Set();
+
+  /**
+   * @param {LoadingManager} [manager]
+   * @param {ProgressiveLoaderOptions} [options]
+   */
+  constructor(manager, { client, gltfLoader = new GLTFLoader(manager) } = {}) {
+    super(manager);
+    this.#client = client;
+    this.#gltfLoader = gltfLoader;
+    if (!extended.has(gltfLoader)) gltfLoader.register(createPlugin);
+    extended.add(gltfLoader);
+  }
+
+  /** The client with the worker: it begins with the first model. */
+  get client() {
+    return (this.#client ??= sharedClient ??= new Client());
+  }
+
+  /**
+   * Loads a model.
+   * @override
+   * @param {string} url
+   * @param {(gltf: ProgressiveGLTF) => void} onLoad
+   * @param {(event: ProgressEvent) => void} [onProgress] also of refinements
+   * @param {(error: unknown) => void} [onError] only before `onLoad`; afterwards there is the event `error` of `gltf.progressive`
+   * @param {ProgressiveLoadOptions} [options]
+   */
+  load(url, onLoad, onProgress, onError, options = {}) {
+    this.manager.itemStart(url);
+    const end = () => this.manager.itemEnd(url);
+    const fail = (/** @type {unknown} */ error) => {
+      if (onError) onError(error);
+      else console.error(error);
+      this.manager.itemError(url);
+    };
+    const address = this.manager.resolveURL(this.path + url);
+    const path = this.resourcePath || LoaderUtils.extractUrlBase(this.path + url);
+    this.#begin(address, path, { onProgress, ...options }).loaded.then(onLoad, fail).finally(end);
+  }
+
+  /**
+   * Loads a model.
+   * @override
+   * @param {string} url
+   * @param {ProgressiveLoadOptions | ((event: ProgressEvent) => void)} [options] or only `onProgress`
+   * @returns {Promise<ProgressiveGLTF>}
+   */
+  loadAsync(url, options = {}) {
+    const all = typeof options === 'function' ? { onProgress: options } : options;
+    return new Promise((resolve, reject) => this.load(url, resolve, undefined, reject, all));
+  }
+
+  /**
+   * Loads a model from the bytes of a file.
+   * @param {Blob | ArrayBuffer | Uint8Array} data
+   * @param {string} path where external textures are
+   * @param {(gltf: ProgressiveGLTF) => void} onLoad
+   * @param {(error: unknown) => void} [onError]
+   * @param {ProgressiveLoadOptions} [options]
+   */
+  parse(data, path, onLoad, onError = console.error, options = {}) {
+    this.parseAsync(data, path, options).then(onLoad, onError);
+  }
+
+  /**
+   * Loads a model from the bytes of a file.
+   * @param {Blob | ArrayBuffer | Uint8Array} data
+   * @param {string} [path] where external textures are
+   * @param {ProgressiveLoadOptions} [options]
+   * @returns {Promise<ProgressiveGLTF>}
+   */
+  parseAsync(data, path = this.resourcePath, options = {}) {
+    return this.#begin(data, path, options).loaded;
+  }
+
+  /**
+   * Sets the priority of each model to its height on screen, as a fraction of the view: models out of view wait for those that are in it.
+   *
+   * Takes the time to update the matrices of models that are not complete: a few calls per second are enough.
+   * @param {Camera} camera
+   */
+  updatePriorities(camera) {
+    for (const model of this.#models) model.setView(camera);
+  }
+
+  /**
+   * Stops to load all models, also those whose scenes are there: these stay as they are.
+   * @override
+   */
+  abort() {
+    for (const model of this.#models) model.cancel();
+    return this;
+  }
+
+  /**
+   * @param {Source} source
+   * @param {string} path
+   * @param {ProgressiveLoadOptions} options
+   */
+  #begin(source, path, { onProgress, signal, priority = FIRST_PRIORITY, limits }) {
+    /** @type {LoadOptions} */
+    const options = {
+      priority,
+      headers: this.requestHeader,
+      credentials: this.withCredentials ? 'include' : 'same-origin',
+      ...(signal && { signal }),
+      ...(limits && { limits }),
+    };
+    const model = new ProgressiveModel(this.client, source, this.#gltfLoader, path, options);
+    this.#models.add(model);
+    for (const one of this.#models) if (one.isClosed) this.#models.delete(one);
+    if (onProgress) {
+      model.addEventListener('progress', ({ progress: { receivedBytes: loaded, totalBytes: total } }) => {
+        onProgress(new ProgressEvent('progress', { lengthComputable: total > 0, loaded, total }));
+      });
+    }
+    return model;
+  }
+}

@@ -1,0 +1,58 @@
+/**
+ * The size of a model on screen, which decides what is downloaded first.
+ * @module
+ */
+import { Frustum, Matrix4, Sphere, Vector3 } from 'three';
+
+/** @import { Camera, Mesh, Object3D, SkinnedMesh } from 'three' */
+
+const ELEMENT_OF_SCALE = 5;
+
+const frustum = new Frustum();
+const matrix = new Matrix4();
+const sphere = new Sphere();
+const eye = new Vector3();
+
+/** @param {Object3D} object */
+function isShown(object) {
+  for (let at = /** @type {Object3D | null} */ (object); at; at = at.parent) if (!at.visible) return false;
+  return true;
+}
+
+/**
+ * Returns the sphere around the visible meshes of some objects, in world coordinates; its radius is negative if there are none.
+ * @param {Object3D[]} objects with matrices that are up to date
+ */
+function worldSphere(objects) {
+  const union = new Sphere(new Vector3(), -1);
+  for (const object of objects) {
+    object.traverseVisible((node) => {
+      const mesh = /** @type {Mesh} */ (node);
+      if (!mesh.isMesh) return;
+      const bounds = /** @type {SkinnedMesh} */ (mesh).boundingSphere ?? mesh.geometry.boundingSphere;
+      if (bounds) union.union(sphere.copy(bounds).applyMatrix4(mesh.matrixWorld));
+    });
+  }
+  return union;
+}
+
+/**
+ * Returns the height of objects on screen as a fraction of the height of the view; 0 if they are outside of it or invisible. Objects around the camera count
+ * as if they filled it.
+ * @param {Object3D[]} objects
+ * @param {Camera} camera
+ * @returns {number}
+ */
+export function sizeOnScreen(objects, camera) {
+  const shown = objects.filter(isShown);
+  for (const object of shown) object.updateWorldMatrix(true, true);
+  const { center, radius } = worldSphere(shown);
+  if (radius < 0) return 0;
+  camera.updateWorldMatrix(true, false);
+  matrix.copy(camera.matrixWorld).invert().premultiply(camera.projectionMatrix);
+  frustum.setFromProjectionMatrix(matrix, camera.coordinateSystem);
+  if (!frustum.intersectsSphere(sphere.set(center, radius))) return 0;
+  const isPerspective = camera.projectionMatrix.elements[15] === 0;
+  const distance = isPerspective ? Math.max(eye.setFromMatrixPosition(camera.matrixWorld).distanceTo(center), radius) : 1;
+  return (radius * camera.projectionMatrix.elements[ELEMENT_OF_SCALE]) / (distance || 1);
+}
