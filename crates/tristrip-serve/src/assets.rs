@@ -60,10 +60,12 @@ impl Encoding {
                 is_named && weight > 0.0
             })
         };
-        match () {
-            () if accepts("br") => Self::Brotli,
-            () if accepts("gzip") => Self::Gzip,
-            () => Self::Identity,
+        if accepts("br") {
+            Self::Brotli
+        } else if accepts("gzip") {
+            Self::Gzip
+        } else {
+            Self::Identity
         }
     }
 }

@@ -223,8 +223,7 @@ mod tests {
     fn damaged_files_are_removed() {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("a.cached");
-        type Damage = fn(&mut Vec<u8>);
-        let damages: [Damage; 6] = [
+        let damages: [fn(&mut Vec<u8>); 6] = [
             |bytes| bytes[100] ^= 1,
             |bytes| bytes[0] ^= 1,
             |bytes| bytes[9] ^= 1,
