@@ -92,7 +92,7 @@ export class GlbReader {
     const view = new DataView(bytes.buffer, bytes.byteOffset);
     const number = (/** @type {number} */ at) => view.getUint32(at, true);
     const jsonBytes = number(HEADER_BYTES);
-    if (number(0) !== MAGIC || number(4) !== 2) failAt(0, 'no GLB of version 2', 'a GLB with a stream');
+    if (number(0) !== MAGIC || number(4) !== 2) failAt(0, 'no GLB of version 2', 'a GLB');
     if (number(HEADER_BYTES + 4) !== JSON_CHUNK) failAt(HEADER_BYTES, 'another chunk', 'a JSON chunk');
     if (jsonBytes > this.#mostJsonBytes) failAt(HEADER_BYTES, `${jsonBytes} bytes of JSON`, `at most ${this.#mostJsonBytes}`);
     const end = JSON_START + jsonBytes;

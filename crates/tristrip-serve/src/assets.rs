@@ -1,4 +1,4 @@
-//! The viewer: the files of `web/` that belong to it, in the binary, each compressed once when it is first asked for.
+//! The viewer: the bundle in `web/dist`, in the binary, each file compressed once when it is first asked for.
 
 use std::collections::HashMap;
 use std::io::Write;
@@ -16,16 +16,9 @@ use crate::bytes_source::BytesSource;
 use crate::media::{is_compressible, media_type};
 use crate::replies::Resource;
 
-/// The folders that the browser loads. Tests and packages are not among them.
+/// The files that the browser loads. `npm run build` in `web` makes them of the sources beside them.
 #[derive(RustEmbed)]
-#[folder = "$CARGO_MANIFEST_DIR/../../web"]
-#[include = "index.html"]
-#[include = "viewer/**"]
-#[include = "src/**"]
-#[include = "three/**"]
-#[include = "webgl/**"]
-#[exclude = "**/node_modules/**"]
-#[exclude = "**/.*"]
+#[folder = "$CARGO_MANIFEST_DIR/../../web/dist"]
 struct Files;
 
 /// Files below this size are sent as they are.
@@ -155,8 +148,9 @@ mod tests {
 
     #[test]
     fn only_the_viewer_is_in_the_binary() {
-        assert!(has("index.html") && has("src/index.js"));
-        assert!(Files::iter().all(|name| !name.contains("node_modules") && !name.starts_with("test")));
+        let mut names: Vec<_> = Files::iter().collect();
+        names.sort();
+        assert_eq!(names, ["index.html", "style.css", "viewer.js", "worker.js"]);
         assert!(!has("package.json"));
     }
 

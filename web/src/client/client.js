@@ -110,7 +110,7 @@
 /**
  * Why a model ends early.
  * @typedef {object} ModelError
- * @property {'connection' | 'status' | 'changed' | 'damaged' | 'not-glb' | 'limit'} kind `status`: the server refuses; `changed`: the file is another one than before; `limit`: it is too large
+ * @property {'connection' | 'status' | 'changed' | 'damaged' | 'not-glb' | 'limit' | 'worker'} kind `status`: the server refuses; `changed`: the file is another one than before; `limit`: it is too large; `worker`: the worker has failed
  * @property {string} message for people
  */
 
@@ -141,7 +141,7 @@ export class Client {
     this.#worker = worker;
     worker.onmessage = ({ data }) => this.#models.get(data.id)?.receive(data);
     const fail = (/** @type {string} */ message) => {
-      for (const model of this.#models.values()) model.receive({ type: 'error', error: { kind: 'limit', message } });
+      for (const model of this.#models.values()) model.receive({ type: 'error', error: { kind: 'worker', message } });
     };
     worker.onerror = (event) => fail(event.message || 'The worker that decodes models could not be started.');
     worker.onmessageerror = () => fail('A message of the worker could not be read.');
@@ -251,7 +251,7 @@ export class Model {
     this.#post({ type: 'resume' });
   }
 
-  /** Tries again after an error of the connection, from where it was lost. */
+  /** Tries again from where the connection was lost: after an error, or at once instead of after the pause. */
   retry() {
     this.#post({ type: 'retry' });
   }

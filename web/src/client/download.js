@@ -56,6 +56,8 @@ export class Download {
   #signal;
   #tag = '';
   #totalBytes = 0;
+  /** @type {AbortController | undefined} ends the pause before the next try */
+  #pausing;
   /** The tries since bytes have come. */
   #tries = 0;
   receivedBytes = 0;
@@ -106,10 +108,17 @@ export class Download {
     const pause = Math.min(Math.max(least, FIRST_PAUSE * 2 ** (this.#tries - 1)), LONGEST_PAUSE);
     this.#onState('retrying', pause / 1000);
     const end = performance.now() + pause;
-    const wake = new AbortController();
+    const pausing = (this.#pausing = new AbortController());
     // The system says that there is a network again.
-    globalThis.addEventListener?.('online', () => wake.abort(), { signal: this.#signal, once: true });
-    while (!this.#signal.aborted && !wake.signal.aborted && performance.now() < end) await this.#link.change(Math.min(end - performance.now(), 250));
+    globalThis.addEventListener?.('online', () => pausing.abort(), { signal: pausing.signal });
+    while (!this.#signal.aborted && !pausing.signal.aborted && performance.now() < end) await this.#link.change(Math.min(end - performance.now(), 250));
+    pausing.abort();
+  }
+
+  /** Ends the pause before the next try. */
+  hurry() {
+    this.#pausing?.abort();
+    this.#link.wake();
   }
 
   /** Requests the rest of the file, and yields it. */

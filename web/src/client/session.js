@@ -13,7 +13,7 @@
  */
 import { readChunkHead } from '../chunk.js';
 import { Decoder } from '../decoder.js';
-import { fail, StreamError } from '../error.js';
+import { StreamError } from '../error.js';
 import { EXTENSION, GlbReader } from '../glb.js';
 import { Waiting } from '../growth.js';
 import { Strips } from '../strips.js';
@@ -127,6 +127,7 @@ export class Session {
         this.#link.wake();
         return this.#decode();
       case 'retry':
+        this.#download?.hurry();
         if (this.#error?.kind !== 'connection' || !this.#download) return;
         this.#error = undefined;
         this.#hasArrived = false;
@@ -222,8 +223,9 @@ export class Session {
 
   #checkEnd() {
     const { json, fileBytes } = this.#reader;
-    if (!json) fail(`a file of ${this.#receivedBytes} bytes`, 'a GLB');
-    if (this.#receivedBytes < fileBytes) fail(`a file that ends after ${this.#receivedBytes} bytes`, `${fileBytes} bytes, as its header says`);
+    const end = `byte ${this.#receivedBytes}`;
+    if (!json) throw new StreamError(end, 'the end of the file', 'a GLB');
+    if (this.#receivedBytes < fileBytes) throw new StreamError(end, 'the end of the file', `${fileBytes} bytes, as its header says`);
   }
 
   /**

@@ -43,7 +43,7 @@ fn files_have_types_tags_and_ranges() {
 #[test]
 fn heads_are_those_of_gets_without_bodies() {
     let server = Running::with_files(ServerOptions::default(), &[("a.stl", &[7; 5000])]);
-    for path in ["/files/a.stl", "/", "/models.json", "/healthz", "/none", "/src/index.js"] {
+    for path in ["/files/a.stl", "/", "/models.json", "/healthz", "/none", "/viewer.js"] {
         let get = server.get(path);
         let head = request(server.address, &format!("HEAD {path} HTTP/1.1\r\nHost: localhost\r\n"));
         assert_eq!((head.status, head.body.len()), (get.status, 0), "{path}");
@@ -111,12 +111,12 @@ fn the_viewer_is_compressed_and_tagged() {
     let mut tags = Vec::new();
     for encoding in ["identity", "gzip", "br"] {
         let lines = format!("Accept-Encoding: {encoding}\r\n");
-        let script = server.get_with("/src/decoder.js", &lines);
+        let script = server.get_with("/worker.js", &lines);
         assert_eq!((script.status, script.header("content-type")), (200, "text/javascript; charset=utf-8"));
         assert_eq!(script.header("content-encoding"), if encoding == "identity" { "" } else { encoding });
         tags.push(script.header("etag").to_owned());
         let known = server
-            .get_with("/src/decoder.js", &format!("{lines}If-None-Match: {}\r\n", tags[tags.len() - 1]));
+            .get_with("/worker.js", &format!("{lines}If-None-Match: {}\r\n", tags[tags.len() - 1]));
         assert_eq!(known.status, 304);
     }
     tags.dedup();
