@@ -18,6 +18,7 @@ const CAUSES = {
   'not-glb': 'This is not a GLB file.',
   unsupported: 'This viewer cannot show the model.',
   limit: 'The model is too large for this device.',
+  worker: 'This browser cannot decode models.',
 };
 
 /**

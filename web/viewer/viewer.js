@@ -93,14 +93,16 @@ export class Viewer {
   /**
    * Calls a handler, and keeps its time if it is the longest.
    * @template {any[]} A
-   * @param {(...values: A) => void} handle
-   * @returns {(...values: A) => void}
+   * @template R
+   * @param {(...values: A) => R} handle
+   * @returns {(...values: A) => R}
    */
   timed(handle) {
     return (...values) => {
       const start = performance.now();
-      handle(...values);
+      const result = handle(...values);
       this.#longest = Math.max(this.#longest, performance.now() - start);
+      return result;
     };
   }
 

@@ -50,9 +50,10 @@ export class ShownModel {
   /** What is made of the binary chunk, and how many bytes that needs.
    * @type {{ end: number, run: (bytes: Uint8Array) => void }[]} */
   #tasks = [];
-  /** @type {Update[]} */
+  /** Updates that wait, and the one that is uploaded; each with what the client waits for.
+   * @type {{ update: Update, resolve: () => void }[]} */
   #updates = [];
-  /** @type {Update | undefined} */
+  /** @type {{ update: Update, resolve: () => void } | undefined} */
   #current;
   /** Meshes that are to be uploaded.
    * @type {Set<Geometry>} */
@@ -89,10 +90,12 @@ export class ShownModel {
         if (this.#tasks.length > 0) this.#binary.add(bytes, start);
         this.#listener.change();
       },
-      update: (update) => {
-        this.#updates.push(update);
-        this.#listener.change();
-      },
+      // The next one comes when this one is shown.
+      update: (update) =>
+        new Promise((resolve) => {
+          this.#updates.push({ update, resolve });
+          this.#listener.change();
+        }),
     };
   }
 
@@ -239,10 +242,11 @@ export class ShownModel {
         this.#changed.delete(geometry);
         isNew = true;
       }
-      if (this.#current) this.#listener.shown(this.#current);
+      if (this.#current) this.#listener.shown(this.#current.update);
+      this.#current?.resolve();
       this.#current = this.#updates.shift();
       if (!this.#current) return isNew;
-      for (const mesh of this.#current.meshes) {
+      for (const mesh of this.#current.update.meshes) {
         let geometry = this.#streams.get(mesh.stream);
         if (!geometry) this.#streams.set(mesh.stream, (geometry = new Geometry()));
         geometry.patch(mesh);
