@@ -125,7 +125,7 @@ fn many_clients(args: &Args, directory: &Path, expected: &[u8]) -> Result<bool, 
 /// Reads the large file at a rate, and returns whether all its bytes came.
 fn paced(address: SocketAddr, rate: u64, expected: &[u8]) -> std::io::Result<bool> {
     let mut socket = TcpStream::connect(address)?;
-    socket.set_read_timeout(Some(Duration::from_secs(60)))?;
+    socket.set_read_timeout(Some(Duration::from_mins(1)))?;
     socket.write_all(&request("/files/large.glb", "close"))?;
     let mut start = Vec::new();
     let mut byte = [0];

@@ -98,8 +98,8 @@ impl Stored {
     /// Returns a picture, which is drawn once.
     pub(crate) async fn thumbnail(&self) -> Result<Resource, String> {
         let drawn = self.thumbnail.get_or_init(|| async {
-            let bytes = self.bytes.to_vec();
-            match tokio::task::spawn_blocking(move || thumbnails::of_glb(bytes)).await {
+            let bytes = self.bytes.clone();
+            match tokio::task::spawn_blocking(move || thumbnails::of_glb(&bytes)).await {
                 Ok(png) => png.map(Bytes::from),
                 Err(_) => Err("an error in the program ended the drawing".into()),
             }

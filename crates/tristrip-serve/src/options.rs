@@ -217,7 +217,7 @@ impl Default for Limits {
             header_bytes: 16 << 10,
             header_time: Duration::from_secs(10),
             stall_time: Duration::from_secs(30),
-            idle_time: Duration::from_secs(60),
+            idle_time: Duration::from_mins(1),
             grace_time: Duration::from_secs(10),
             streams: 64,
         }

@@ -47,11 +47,8 @@ impl Resource {
         }
         set(headers, ACCEPT_RANGES, "bytes");
         let length = self.source.len();
-        let range = if self.range_applies(request, parsed.as_ref(), modified) {
-            range(request, length)
-        } else {
-            Ok(None)
-        };
+        let range =
+            if range_applies(request, parsed.as_ref(), modified) { range(request, length) } else { Ok(None) };
         let (status, sent) = match range {
             Ok(None) => (StatusCode::OK, 0..length),
             Ok(Some(range)) => {
@@ -81,19 +78,15 @@ impl Resource {
         let since = request.typed_get::<IfModifiedSince>();
         since.zip(self.modified).is_some_and(|(since, modified)| !since.is_modified(modified))
     }
+}
 
-    fn range_applies(
-        &self,
-        request: &HeaderMap,
-        etag: Option<&ETag>,
-        modified: Option<LastModified>,
-    ) -> bool {
-        if !request.contains_key("if-range") {
-            return true;
-        }
-        let condition = request.typed_get::<IfRange>();
-        condition.is_some_and(|condition| !condition.is_modified(etag, modified.as_ref()))
+/// Checks whether a range is of the version that the client has a part of.
+fn range_applies(request: &HeaderMap, etag: Option<&ETag>, modified: Option<LastModified>) -> bool {
+    if !request.contains_key("if-range") {
+        return true;
     }
+    let condition = request.typed_get::<IfRange>();
+    condition.is_some_and(|condition| !condition.is_modified(etag, modified.as_ref()))
 }
 
 /// Returns the one range that a request asks for; `None` for all bytes, an error if there are none in it.

@@ -32,11 +32,11 @@ pub(crate) fn of_source(source: &Source, folder: &Folder, most_bytes: u64) -> Re
 }
 
 /// Draws a GLB.
-pub(crate) fn of_glb(bytes: Vec<u8>) -> Result<Vec<u8>, String> {
-    if let Some(model) = level(bytes.clone())? {
+pub(crate) fn of_glb(bytes: &[u8]) -> Result<Vec<u8>, String> {
+    if let Some(model) = level(bytes.to_vec())? {
         return of_model(&model);
     }
-    of_model(&tristrip_io::read(&bytes, Format::Glb).map_err(|error| error.to_string())?)
+    of_model(&tristrip_io::read(bytes, Format::Glb).map_err(|error| error.to_string())?)
 }
 
 /// Reads a level of a progressive file; `None` for another file.

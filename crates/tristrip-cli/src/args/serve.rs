@@ -50,9 +50,9 @@ pub(crate) struct ListenArgs {
     /// Such a server otherwise answers only to localhost and addresses of this machine, so that pages of other sites cannot read its files. May be given several times.
     #[arg(long, value_name = "NAME")]
     pub(crate) host: Vec<String>,
-    /// Let pages of this origin read the files: https://example.org, or * for all
+    /// Let pages of this origin read the files, or of all origins: *
     ///
-    /// May be given several times.
+    /// An origin is a scheme and a name: `https://example.org`. May be given several times.
     #[arg(long, value_name = "ORIGIN")]
     pub(crate) cors: Vec<String>,
     /// The certificate for HTTPS, in PEM, with those that it depends on

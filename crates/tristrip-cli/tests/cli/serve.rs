@@ -1,5 +1,7 @@
 //! `tristrip serve`, `view`: the server as a process, from its first line to its exit code.
 
+#![expect(clippy::unwrap_used, reason = "a test that panics fails")]
+
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;

@@ -99,14 +99,12 @@ impl TexturedModel {
     /// ```
     pub fn picture(&self, mode: Mode, options: &RenderOptions) -> Result<Vec<u8>, Error> {
         options.check()?;
-        match self.camera(options)? {
-            Some(camera) => encode(&self.seen(&camera, mode, options)?, options),
-            None => {
-                let alpha = if options.background.is_some() { 255 } else { 0 };
-                let [red, green, blue] = options.background.unwrap_or_default();
-                encode(&vec![[red, green, blue, alpha]; (options.width * options.height) as usize], options)
-            }
+        if let Some(camera) = self.camera(options)? {
+            return encode(&self.seen(&camera, mode, options)?, options);
         }
+        let alpha = if options.background.is_some() { 255 } else { 0 };
+        let [red, green, blue] = options.background.unwrap_or_default();
+        encode(&vec![[red, green, blue, alpha]; (options.width * options.height) as usize], options)
     }
 
     /// Returns the camera with perspective that the bounding box fills; `None` without triangles.

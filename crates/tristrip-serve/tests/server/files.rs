@@ -183,7 +183,7 @@ fn origins_that_are_named_may_read() {
 fn a_file_that_becomes_shorter_ends_its_response_alone() {
     let server = Running::with_files(
         ServerOptions::default().with_bandwidth(Some(8_000_000)),
-        &[("a.glb", &[1; 1_500_000]), ("b.glb", b"b")],
+        &[("a.glb", &vec![1; 1_500_000]), ("b.glb", b"b")],
     );
     let mut socket = connect(server.address);
     socket.write_all(b"GET /files/a.glb HTTP/1.1\r\nHost: localhost\r\n\r\n").unwrap();

@@ -1,6 +1,6 @@
 //! The server over real sockets: files, hostile clients, limits, packing, protocols.
 
-#![expect(clippy::panic, reason = "a test that panics fails")]
+#![expect(clippy::panic, clippy::unwrap_used, reason = "a test that panics fails")]
 
 mod client;
 mod files;

@@ -43,7 +43,7 @@ async fn ask_together(
 
 #[tokio::test]
 async fn http2_without_tls_on_the_same_port() {
-    let bytes: Vec<u8> = (0..300_000).map(|i| (i % 251) as u8).collect();
+    let bytes: Vec<u8> = (0..=250).cycle().take(300_000).collect();
     let server = Running::with_files(ServerOptions::default(), &[("a.glb", &bytes)]);
     ask_together(TcpStream::connect(server.address).await.unwrap(), "localhost", &bytes).await;
     let socket = TcpStream::connect(server.address).await.unwrap();
