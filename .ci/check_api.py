@@ -18,7 +18,7 @@ from collections import defaultdict
 from pathlib import Path
 
 # The libraries, and whether each function needs an example.
-LIBRARIES = {"tristrip": True, "tristrip-io": False, "tristrip-pipeline": False, "tristrip-lab": False}
+LIBRARIES = {"tristrip": True, "tristrip-io": False, "tristrip-pipeline": False, "tristrip-lab": False, "tristrip-serve": False}
 TARGET = "target/api"
 # Kinds of items that can be called.
 CALLED = "function"

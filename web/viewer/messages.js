@@ -4,18 +4,19 @@
  */
 import { element, make, setText } from './elements.js';
 
-/** @import { ModelError } from '../src/client/client.js' */
+/** @import { ViewerError } from './viewer.js' */
 
 const box = element('message', HTMLElement);
 const announcer = element('announcer', HTMLElement);
 
-/** @type {Record<ModelError['kind'], string>} */
+/** @type {Record<ViewerError['kind'], string>} */
 const CAUSES = {
   connection: 'The connection was lost.',
   status: 'The server does not give this file.',
   changed: 'The file on the server has changed while it was loaded.',
   damaged: 'The file is damaged.',
   'not-glb': 'This is not a GLB file.',
+  unsupported: 'This viewer cannot show the model.',
   limit: 'The model is too large for this device.',
 };
 
@@ -41,7 +42,7 @@ export function hideMessage() {
 
 /**
  * Shows why a model ended early.
- * @param {ModelError} error
+ * @param {ViewerError} error
  * @param {boolean} hasPicture whether something of it is shown
  * @param {() => void} retry goes on
  * @param {() => void} replay starts again

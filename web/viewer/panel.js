@@ -101,7 +101,8 @@ export function updatePanel(viewer) {
   setFact('Triangles', isShown ? `${countText(sums.triangles + outside)} of ${countText(sums.fullTriangles + outside)}` : outside > 0 ? countText(outside) : isStreamed ? 'base mesh' : '');
   setFact('Vertices', isShown ? countText(sums.vertices) : '');
   setFact('Strips', sums.strips > 0 ? countText(sums.strips) : '');
-  setFact('Vertices sent', sums.sent > 0 ? `${countText(sums.sent)}, ${(sums.sent / sums.triangles).toFixed(2)} per triangle` : '');
+  setFact('Vertices sent', sums.sent > 0 ? countText(sums.sent) : '');
+  setFact('… per triangle', sums.sent > 0 ? (sums.sent / sums.triangles).toFixed(2) : '');
   setFact('Error', isShown ? errorText(sums.error) : '');
   setFact('Worker', progress && isShown ? `decoding ${timeText(progress.decodeMilliseconds)}, strips ${timeText(progress.buildMilliseconds)}` : '');
 

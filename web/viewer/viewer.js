@@ -3,6 +3,7 @@
  * @module
  */
 import { Client } from '../src/client/client.js';
+import { UnsupportedError } from '../webgl/accessors.js';
 import { Renderer } from '../webgl/renderer.js';
 import { Figures } from './figures.js';
 
@@ -11,13 +12,14 @@ import { Figures } from './figures.js';
  * @import { ShownModel } from '../webgl/model.js'
  */
 
+/** @typedef {{ kind: ModelError['kind'] | 'unsupported', message: string }} ViewerError */
 /** @typedef {'empty' | 'loading' | 'complete' | 'failed'} ViewerState */
 
 /**
  * What a viewer tells the page.
  * @typedef {object} ViewerListener
  * @property {() => void} change the state or the figures have changed
- * @property {(error: ModelError | undefined) => void} error `undefined`: it goes on
+ * @property {(error: ViewerError | undefined) => void} error `undefined`: it goes on
  * @property {(state: ConnectionState) => void} connection
  * @property {() => void} firstPicture
  * @property {() => void} complete
@@ -54,7 +56,6 @@ export class Viewer {
     this.#listener = listener;
     this.renderer = new Renderer(canvas, {
       shown: (update) => {
-        if (!update) return;
         this.figures.show(update);
         listener.change();
       },
@@ -66,7 +67,10 @@ export class Viewer {
         }
         this.#checkEnd();
       },
-      error: (error) => this.#fail({ kind: 'damaged', message: error.message }),
+      error: (error) => {
+        this.#model?.close();
+        this.#fail({ kind: error instanceof UnsupportedError ? 'unsupported' : 'damaged', message: error.message });
+      },
       context: (isLost) => listener.context(isLost),
     });
   }
@@ -167,7 +171,7 @@ export class Viewer {
     this.isPaused = this.#isDone = this.#hasPicture = false;
   }
 
-  /** @param {ModelError} error */
+  /** @param {ViewerError} error */
   #fail(error) {
     this.state = 'failed';
     this.#listener.error(error);

@@ -13,6 +13,9 @@ const COMPONENTS = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4, MAT2: 4, MAT3: 9, MAT
 const MOST_ZEROS = 2 ** 24;
 const FIRST_BYTES = 2 ** 16;
 
+/** Why a valid model is not drawn. */
+export class UnsupportedError extends Error {}
+
 /** Bytes that arrive in order. */
 export class Binary {
   #bytes = new Uint8Array(0);
@@ -55,8 +58,8 @@ export class Binary {
  */
 export function viewBytes(json, index, bytes) {
   const { buffer, byteOffset = 0, byteLength, extensions } = json.bufferViews[index];
-  if (buffer !== 0 || json.buffers[0].uri !== undefined) throw new Error('The model refers to another file.');
-  if (extensions) throw new Error(`The model is compressed by ${Object.keys(extensions)[0]}, which is not supported here.`);
+  if (buffer !== 0 || json.buffers[0].uri !== undefined) throw new UnsupportedError('The model refers to another file.');
+  if (extensions) throw new UnsupportedError(`The model is compressed by ${Object.keys(extensions)[0]}.`);
   if (!(byteOffset >= 0 && byteLength >= 0 && byteOffset + byteLength <= bytes.length)) throw new Error('A buffer view is not in the file.');
   return bytes.subarray(byteOffset, byteOffset + byteLength);
 }

@@ -9,9 +9,8 @@ const canvas = /** @type {HTMLCanvasElement} */ (document.querySelector('canvas'
 const status = /** @type {HTMLElement} */ (document.querySelector('#status'));
 
 const renderer = new Renderer(canvas, {
-  shown(update) {
-    const { shownBytes = 0, totalBytes = 0 } = update?.progress ?? {};
-    status.textContent = update ? `${shownBytes} of ${totalBytes} bytes are shown.` : 'Shown.';
+  shown({ progress: { shownBytes, totalBytes } }) {
+    status.textContent = `${shownBytes} of ${totalBytes} bytes are shown.`;
   },
   error: (error) => (status.textContent = error.message),
 });

@@ -2,6 +2,7 @@
  * Draws progressive models with WebGL 2.
  * @module
  */
+export { UnsupportedError } from './accessors.js';
 export { Camera } from './camera.js';
 export { moveByKey, orbitByPointer } from './orbit.js';
 export { MODES, Renderer } from './renderer.js';

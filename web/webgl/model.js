@@ -2,7 +2,7 @@
  * A model as it is drawn: takes the events of the client, and turns them into geometry, textures and nodes.
  * @module
  */
-import { accessorEnd, Binary, readAccessor, viewBytes, viewEnd } from './accessors.js';
+import { accessorEnd, Binary, readAccessor, UnsupportedError, viewBytes, viewEnd } from './accessors.js';
 import { Animation } from './animation.js';
 import { Geometry, IndexData, LOCATIONS, VertexData } from './geometry.js';
 import { readMaterial } from './materials.js';
@@ -33,10 +33,11 @@ const REQUIRED = new Set([EXTENSION, 'KHR_texture_transform', 'KHR_materials_unl
 /**
  * What a model tells its owner.
  * @typedef {object} ModelListener
- * @property {() => void} change something is to be uploaded or drawn
+ * @property {() => void} change something is to be uploaded
+ * @property {() => void} draw the picture is another one
  * @property {(bounds: Box) => void} bounds
  * @property {(error: Error) => void} error
- * @property {(update: Update | undefined) => void} shown an update is uploaded; or the last one of the meshes outside the stream
+ * @property {(update: Update) => void} shown an update is uploaded
  */
 
 /** A model that is shown. */
@@ -106,17 +107,19 @@ export class ShownModel {
     try {
       if (!this.#isClosed) act();
     } catch (error) {
-      this.#listener.error(error instanceof Error ? error : new Error(String(error)));
+      // The exceptions of the language tell nobody what is wrong.
+      const isOurs = error instanceof Error && !(error instanceof TypeError || error instanceof RangeError);
+      this.#listener.error(isOurs ? error : new Error('The document is not one of glTF.', { cause: error }));
     }
   }
 
   /** @param {any} json */
   #open(json) {
     const missing = (json.extensionsRequired ?? []).find((/** @type {string} */ name) => !REQUIRED.has(name));
-    if (missing) throw new Error(`The model needs ${missing}, which is not supported here.`);
+    if (missing) throw new UnsupportedError(`The model needs ${missing}.`);
     this.#json = json;
     const scene = (this.scene = new Scene(json));
-    const textures = (this.textures = new Textures(this.#gl, json, () => this.#listener.change()));
+    const textures = (this.textures = new Textures(this.#gl, json, () => this.#listener.draw()));
     const materials = (json.materials ?? []).map(readMaterial);
     const plain = readMaterial();
     this.#meshes = (json.meshes ?? []).map((/** @type {any} */ mesh) => mesh.primitives.map((/** @type {any} */ primitive) => this.#primitive(primitive, mesh.weights, materials[primitive.material] ?? plain)));
@@ -215,28 +218,30 @@ export class ShownModel {
   }
 
   /**
-   * Goes on with what has arrived, as the budget allows.
+   * Goes on with what has arrived, as the budget allows. Returns whether the picture is another one.
    * @param {Budget} budget
    */
   step(budget) {
     const { length } = this.#binary.bytes;
     const ready = this.#tasks.filter(({ end }) => end <= length);
+    let isNew = false;
     for (const task of ready) {
-      if (budget.bytes === 0) return;
+      if (budget.bytes === 0) return isNew;
       this.#tasks.splice(this.#tasks.indexOf(task), 1);
       this.#guard(() => task.run(this.#binary.bytes));
+      isNew = true;
     }
-    if (ready.length > 0 && this.#tasks.length === 0) this.#binary = new Binary();
+    if (isNew && this.#tasks.length === 0) this.#binary = new Binary();
     // An update is taken when the one before is drawn: what is uploaded always belongs together.
     for (;;) {
       for (const geometry of this.#changed) {
-        if (!geometry.upload(this.#gl, budget)) return;
+        if (!geometry.upload(this.#gl, budget)) return isNew;
         this.#changed.delete(geometry);
+        isNew = true;
       }
-      if (this.#current || ready.length > 0) this.#listener.shown(this.#current);
+      if (this.#current) this.#listener.shown(this.#current);
       this.#current = this.#updates.shift();
-      ready.length = 0;
-      if (!this.#current) return;
+      if (!this.#current) return isNew;
       for (const mesh of this.#current.meshes) {
         let geometry = this.#streams.get(mesh.stream);
         if (!geometry) this.#streams.set(mesh.stream, (geometry = new Geometry()));

@@ -27,7 +27,7 @@ const LINE_COLOR = [0.06, 0.1, 0.18];
 /**
  * What a renderer tells a page.
  * @typedef {object} RendererListener
- * @property {(update: Update | undefined) => void} [shown] what has arrived is in the picture; `undefined` for meshes without a stream
+ * @property {(update: Update) => void} [shown] what has arrived is in the next picture
  * @property {(primitives: number) => void} [painted] a picture is drawn, with this many primitives
  * @property {(error: Error) => void} [error] the model cannot be drawn
  * @property {(isLost: boolean) => void} [context] the context is lost, or there again
@@ -66,7 +66,7 @@ export class Renderer {
    */
   constructor(canvas, listener = {}) {
     const gl = canvas.getContext('webgl2', { antialias: true, alpha: true, powerPreference: 'high-performance' });
-    if (!gl) throw new Error('This browser cannot draw with WebGL 2, or it is switched off.');
+    if (!gl) throw new Error('This browser cannot draw with WebGL\u00a02.');
     this.#canvas = canvas;
     this.#gl = gl;
     this.#listener = listener;
@@ -114,7 +114,8 @@ export class Renderer {
   open() {
     this.close();
     return (this.#model = new ShownModel(this.#gl, {
-      change: () => this.draw(),
+      change: () => this.#request(),
+      draw: () => this.draw(),
       bounds: (bounds) => {
         this.camera.bounds = bounds;
         this.draw();
@@ -182,7 +183,7 @@ export class Renderer {
     this.#frame = 0;
     if (this.#end.signal.aborted || this.#gl.isContextLost()) return;
     try {
-      this.#model?.step(new Budget());
+      if (this.#model?.step(new Budget())) this.#isDirty = true;
       const isDrawn = this.#isDirty;
       this.#isDirty = false;
       if (isDrawn || this.#isPlaying) this.#paint();
@@ -191,8 +192,7 @@ export class Renderer {
       return;
     }
     this.longestTask = Math.max(this.longestTask, performance.now() - start);
-    if (this.#isDirty || this.#isPlaying) this.#request();
-    else if (this.#model?.isBusy) this.draw();
+    if (this.#isDirty || this.#isPlaying || this.#model?.isBusy) this.#request();
   }
 
   #resize() {
@@ -249,10 +249,7 @@ export class Renderer {
     const joints = model.joints(node.skin);
     const isTriangles = (geometry.parts.get(part)?.mode ?? 0) >= 4;
     const isPulled = isTriangles && (mode === 'wireframe' || mode === 'strips');
-    if (isPulled) {
-      model.pull(geometry);
-      if (!geometry.pulled?.isReady && model.isBusy) this.#isDirty = true;
-    }
+    if (isPulled) model.pull(geometry);
     const pulled = isPulled && geometry.pulled?.isReady ? geometry.pulled : undefined;
     const isSkinned = joints !== undefined && geometry.attributes.has('JOINTS_0') && geometry.attributes.has('WEIGHTS_0');
     const names = [pulled ? 'PULL' : geometry.attributes.has('NORMAL') ? 'NORMALS' : '', isSkinned ? 'SKIN' : ''];

@@ -3,6 +3,7 @@
 mod detail;
 mod flight;
 mod groups;
+mod serve;
 mod stream;
 mod view;
 
@@ -22,6 +23,7 @@ use crate::values::{effort_parser, named};
 pub(crate) use detail::{BuildLodArgs, LodArgs, SimplifyArgs};
 pub(crate) use flight::FlyArgs;
 pub(crate) use groups::{FromArgs, GeneralArgs, OutputArgs, SharedArgs, TargetArgs};
+pub(crate) use serve::{LogFormat, ServeArgs, ViewArgs};
 pub(crate) use stream::{InspectArgs, PackArgs, UnpackArgs};
 pub(crate) use view::{CriteriaArgs, LensArgs};
 
@@ -66,6 +68,8 @@ pub(crate) enum Command {
     Pack(PackArgs),
     Unpack(UnpackArgs),
     Inspect(InspectArgs),
+    Serve(Box<ServeArgs>),
+    View(ViewArgs),
     Repro(ReproArgs),
     Completions(CompletionsArgs),
     Man(ManArgs),
@@ -308,6 +312,8 @@ pub(crate) fn parse() -> ParsedCommand {
         Command::Pack(_) => "pack",
         Command::Unpack(_) => "unpack",
         Command::Inspect(_) => "inspect",
+        Command::Serve(_) => "serve",
+        Command::View(_) => "view",
         Command::Repro(_) => "repro",
         Command::Completions(_) => "completions",
         Command::Man(_) => "man",

@@ -16,6 +16,7 @@ use crate::task::Shared;
 /// The two output streams and their settings.
 pub(crate) struct Console {
     quiet: bool,
+    threads: Option<usize>,
     results: Results,
     /// Whether a second thread may animate the progress display.
     ticking: bool,
@@ -52,6 +53,7 @@ impl Console {
     pub(crate) fn new(shared: &Shared, output_is_stdout: bool) -> Self {
         Self {
             quiet: shared.quiet,
+            threads: shared.threads,
             results: match (shared.json, output_is_stdout) {
                 (true, _) => Results::Json,
                 (false, true) => Results::TextBesideMesh,
@@ -101,6 +103,21 @@ impl Console {
     /// Removes the progress display that [`Console::begin`] started.
     pub(crate) fn end(&mut self) {
         std::mem::replace(&mut self.bar, ProgressBar::hidden()).finish_and_clear();
+    }
+
+    /// Returns whether only errors and requested results are printed.
+    pub(crate) fn is_quiet(&self) -> bool {
+        self.quiet
+    }
+
+    /// Returns the number of threads, if the user chose one.
+    pub(crate) fn threads(&self) -> Option<usize> {
+        self.threads
+    }
+
+    /// Prints a line on standard error.
+    pub(crate) fn line(&self, line: &str) {
+        self.print(line);
     }
 
     /// Prints a line on a finished stage: name, result and time.

@@ -72,6 +72,12 @@ impl From<tristrip_pipeline::Error> for Failure {
     }
 }
 
+impl From<tristrip_serve::Error> for Failure {
+    fn from(error: tristrip_serve::Error) -> Self {
+        Self::Input(error.to_string())
+    }
+}
+
 impl From<tristrip_lab::Error> for Failure {
     fn from(error: tristrip_lab::Error) -> Self {
         match error {

@@ -61,6 +61,11 @@ impl Output {
         Self { path, in_directory, format, separate, layout }
     }
 
+    /// Chooses bytes in memory instead of a file.
+    pub(crate) fn in_memory(format: Format) -> Self {
+        Self { path: None, in_directory: false, format, separate: false, layout: Layout::List }
+    }
+
     /// Returns the name for messages and reports.
     pub(crate) fn name(&self) -> String {
         display_name(self.path.as_deref())

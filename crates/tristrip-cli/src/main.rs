@@ -1,8 +1,8 @@
 //! The `tristrip` command: builds verified triangle strips for polygon meshes.
 //!
 //! ```text
-//! args ─▶ task ─▶ input ─▶ tristrip-pipeline, tristrip-lab ─▶ output ─▶ figures ─▶ console
-//!                 strip │ compare │ bound │ analyze │ verify │ convert │ simplify │ lod │ chain │ build_lod │ fly │ pack │ unpack │ inspect │ repro
+//! args ─▶ task ─▶ input ─▶ tristrip-pipeline, tristrip-lab, tristrip-serve ─▶ output ─▶ figures ─▶ console
+//!                 strip │ compare │ bound │ analyze │ verify │ convert │ simplify │ lod │ chain │ build_lod │ fly │ pack │ unpack │ inspect │ serve │ view │ repro
 //! ```
 //! Exit code 0: everything was done and proven. 1: something was not proven, or an input or output was bad. 2: wrong usage.
 
@@ -26,12 +26,14 @@ mod inspect;
 mod job;
 mod join;
 mod lod;
+mod logs;
 mod method;
 mod output;
 mod pack;
 mod reorder;
 mod repro;
 mod search;
+mod serve;
 mod shell;
 mod simplify;
 mod stage;
@@ -40,6 +42,7 @@ mod task;
 mod unpack;
 mod values;
 mod verify;
+mod view;
 mod view_model;
 
 use std::process::ExitCode;
@@ -94,6 +97,8 @@ fn run(task: &Task, console: &mut Console) -> bool {
         Task::Pack(task) => pack::run(task, console),
         Task::Unpack(task) => unpack::run(task, console),
         Task::Inspect(task) => inspect::run(task, console),
+        Task::Serve(task) => serve::run(task, console),
+        Task::View(task) => view::run(task, console),
         Task::Repro(task) => repro::run(task, console),
         Task::Print(text) => {
             console.write_stdout(text);

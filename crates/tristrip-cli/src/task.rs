@@ -2,6 +2,7 @@
 
 mod checks;
 mod levels;
+mod servers;
 mod streams;
 mod views;
 
@@ -22,6 +23,8 @@ use crate::shell;
 use checks::{check_chart, check_distinct_files, check_picture};
 pub(crate) use levels::{BuildLodTask, ChainTask, LodTask};
 use levels::{build_lod_task, chain_task, lod_task};
+pub(crate) use servers::{ServeTask, ViewTask};
+use servers::{serve_task, view_task};
 pub(crate) use streams::{InspectTask, PackTask, UnpackTask};
 use streams::{inspect_task, pack_task, unpack_task};
 use views::fly_task;
@@ -44,6 +47,8 @@ pub(crate) enum Task {
     Pack(PackTask),
     Unpack(UnpackTask),
     Inspect(InspectTask),
+    Serve(Box<ServeTask>),
+    View(ViewTask),
     Repro(ReproTask),
     /// A text to print: completions, or a man page.
     Print(Vec<u8>),
@@ -155,6 +160,8 @@ impl Task {
             | Self::BuildLod(_)
             | Self::Fly(_)
             | Self::Inspect(_)
+            | Self::Serve(_)
+            | Self::View(_)
             | Self::Repro(_)
             | Self::Print(_) => false,
         }
@@ -261,6 +268,8 @@ fn validate(command: Command, papers: &[&str]) -> Result<Task, String> {
         Command::Pack(args) => Task::Pack(pack_task(args)?),
         Command::Unpack(args) => Task::Unpack(unpack_task(args)?),
         Command::Inspect(args) => Task::Inspect(inspect_task(args)?),
+        Command::Serve(args) => Task::Serve(Box::new(serve_task(*args)?)),
+        Command::View(args) => Task::View(view_task(args)?),
         Command::Repro(args) => {
             let selection = select_papers(args.papers, args.section, papers)?;
             let models = args.models.unwrap_or_else(default_models);

@@ -33,6 +33,8 @@ fn the_docs_contain_the_help() {
         "pack",
         "unpack",
         "inspect",
+        "serve",
+        "view",
         "repro",
         "completions",
         "man",

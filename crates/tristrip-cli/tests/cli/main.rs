@@ -17,6 +17,7 @@ mod progressive;
 mod reorder;
 mod repro;
 mod search;
+mod serve;
 mod simplify;
 mod strip;
 mod usage;

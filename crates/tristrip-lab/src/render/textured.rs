@@ -6,6 +6,7 @@ use tristrip_io::gltf::{Appearance, Instance, Material};
 
 use super::camera::Camera;
 use super::colours::PLAIN;
+use super::encoding::encode;
 use super::options::{Mode, RenderOptions};
 use super::raster;
 use super::scene::{Facet, Paint, corner_normals, normal, position};
@@ -81,6 +82,31 @@ impl TexturedModel {
     /// Returns the number of triangles that are drawn; a part counts in each place where the scene shows it. Those without area are not drawn.
     pub fn triangle_count(&self) -> usize {
         self.facets.len()
+    }
+
+    /// Draws the model from the direction of the options, as large as the picture allows, with perspective. Returns the bytes of a PNG file.
+    ///
+    /// # Errors
+    /// A size is 0 or too large, or the view has no direction.
+    ///
+    /// ```
+    /// use tristrip_io::{Format, read};
+    /// use tristrip_lab::render::{Mode, RenderOptions, TexturedModel};
+    /// let model = TexturedModel::new(&read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Format::Obj)?)?;
+    /// let png = model.picture(Mode::Shaded, &RenderOptions::default().with_size(64, 48))?;
+    /// assert!(png.starts_with(b"\x89PNG"));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn picture(&self, mode: Mode, options: &RenderOptions) -> Result<Vec<u8>, Error> {
+        options.check()?;
+        match self.camera(options)? {
+            Some(camera) => encode(&self.seen(&camera, mode, options)?, options),
+            None => {
+                let alpha = if options.background.is_some() { 255 } else { 0 };
+                let [red, green, blue] = options.background.unwrap_or_default();
+                encode(&vec![[red, green, blue, alpha]; (options.width * options.height) as usize], options)
+            }
+        }
     }
 
     /// Returns the camera with perspective that the bounding box fills; `None` without triangles.

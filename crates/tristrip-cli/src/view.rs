@@ -1,0 +1,152 @@
+//! `tristrip view`: models packed in memory, and shown in the browser.
+
+use std::collections::HashSet;
+use std::path::Path;
+
+use serde::Serialize;
+use tristrip_io::Format;
+use tristrip_io::gltf::ProgressiveGlb;
+use tristrip_pipeline::text::counted;
+use tristrip_pipeline::{PackOptions, Packed, pack};
+use tristrip_serve::{Content, MemoryFile, Server};
+
+use crate::batch::{self, InputReport, Outcome};
+use crate::console::Console;
+use crate::failure::Failure;
+use crate::job::Job;
+use crate::serve::until_signal;
+use crate::stage::{load_job, timed};
+use crate::task::ViewTask;
+
+/// The report of one model; the keys are those of the JSON output.
+#[derive(Debug, Default, Serialize)]
+struct ViewReport {
+    file: String,
+    proven: Option<bool>,
+    url: Option<String>,
+    bytes: Option<usize>,
+    notes: Vec<String>,
+    error: Option<String>,
+    /// What is served.
+    #[serde(skip)]
+    content: Option<MemoryFile>,
+}
+
+impl InputReport for ViewReport {
+    fn outcome(&mut self) -> Outcome<'_> {
+        Outcome { file: &self.file, proven: Some(&mut self.proven), error: &mut self.error }
+    }
+}
+
+/// Packs all models, and shows them until a signal; returns whether all succeeded.
+pub(crate) fn run(task: &ViewTask, console: &mut Console) -> bool {
+    let new_report = |job: &Job| ViewReport { file: job.input.name(), ..ViewReport::default() };
+    let show = |_: &Job, _: &ViewReport, _: &str, _: &mut Console| ();
+    let mut reports = batch::process_all(&task.jobs, None, console, new_report, pack_job, show);
+    let mut names = HashSet::new();
+    let mut files: Vec<MemoryFile> = reports.iter_mut().filter_map(|report| report.content.take()).collect();
+    if files.len() < reports.len() {
+        return batch::finish(reports, console);
+    }
+    files.iter_mut().for_each(|file| make_distinct(&mut file.name, &mut names));
+    let names: Vec<String> = files.iter().map(|file| file.name.clone()).collect();
+    let server = match Server::bind(Content::Files(files), &task.options) {
+        Ok(server) => server,
+        Err(error) => {
+            let failure = Failure::from(error);
+            console.error(&failure.to_string());
+            reports.iter_mut().for_each(|report| report.error = Some(failure.to_string()));
+            return batch::finish(reports, console);
+        }
+    };
+    let url_of = |name: &str| format!("{}#model=files/{}", server.url(), tristrip_serve::url_path(name));
+    for (report, name) in reports.iter_mut().zip(&names) {
+        report.url = Some(url_of(name));
+    }
+    let url = match &names[..] {
+        [one] => url_of(one),
+        _ => server.url(),
+    };
+    console.line(&url);
+    if !batch::finish(reports, console) {
+        return false;
+    }
+    if task.opens && webbrowser::open(&url).is_err() {
+        console.note("no browser could be opened: open the address in one");
+    }
+    until_signal(server, console)
+}
+
+fn pack_job(job: &Job, console: &mut Console, report: &mut ViewReport) -> Result<(), Failure> {
+    let name = file_name(job.input.path.as_deref());
+    if let Some(bytes) = progressive(job) {
+        report.bytes = Some(bytes.len());
+        report.content = Some(MemoryFile { name, bytes });
+        return Ok(());
+    }
+    let (model, load) = load_job(job, console)?;
+    console.stage("load", &counted(model.parts.len(), "part"), Some(load));
+    model.notes.iter().for_each(|note| console.note(note));
+    report.notes.clone_from(&model.notes);
+    console.doing("pack");
+    let (packed, seconds) = timed(|| pack(&model, &PackOptions::default(), &()));
+    let packed: Packed = packed?;
+    let what = format!("{} of {}", counted(packed.chunks, "chunk"), counted(packed.meshes, "mesh"));
+    console.stage("pack", &what, Some(seconds));
+    packed.notes.iter().for_each(|note| console.note(note));
+    report.notes.extend(packed.notes);
+    report.proven = packed.proven.map(|_| true);
+    report.bytes = Some(packed.bytes.len());
+    let is_glb = name.to_ascii_lowercase().ends_with(".glb");
+    let name = if is_glb { name } else { format!("{name}.glb") };
+    report.content = Some(MemoryFile { name, bytes: packed.bytes });
+    Ok(())
+}
+
+/// Reads a file that is a progressive GLB already.
+fn progressive(job: &Job) -> Option<Vec<u8>> {
+    let path = job.input.path.as_ref().filter(|path| Format::from_path(path) == Some(Format::Glb))?;
+    let bytes = std::fs::read(path).ok()?;
+    let glb = ProgressiveGlb::open(bytes.clone()).ok()??;
+    glb.is_complete().then_some(bytes)
+}
+
+/// Returns the name of a file as it is served: without what a path of a URL cannot have.
+fn file_name(path: Option<&Path>) -> String {
+    let name = path.and_then(Path::file_name).unwrap_or_default().to_string_lossy();
+    let kept = |c: char| if c.is_alphanumeric() || matches!(c, '.' | '-' | '_' | ' ') { c } else { '_' };
+    let name: String = name.trim_start_matches('.').chars().map(kept).collect();
+    let name = name.trim_end_matches(['.', ' ']);
+    if name.is_empty() { "model".to_owned() } else { name.to_owned() }
+}
+
+/// Adds a number to a name that is taken.
+fn make_distinct(name: &mut String, names: &mut HashSet<String>) {
+    let first = name.clone();
+    let mut number = 1;
+    while !names.insert(name.clone()) {
+        number += 1;
+        *name = format!("{number}-{first}");
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_those_of_the_files_and_distinct() {
+        let name = |path: &str| file_name(Some(Path::new(path)));
+        assert_eq!(name("a/bunny.ply"), "bunny.ply");
+        assert_eq!(name(".hidden.ply"), "hidden.ply");
+        assert_eq!(name("a:b?.ply"), "a_b_.ply");
+        assert_eq!(file_name(None), "model");
+        let mut names = HashSet::new();
+        let distinct = ["a.glb", "a.glb", "a.glb"].map(|name| {
+            let mut name = name.to_owned();
+            make_distinct(&mut name, &mut names);
+            name
+        });
+        assert_eq!(distinct, ["a.glb", "2-a.glb", "3-a.glb"]);
+    }
+}

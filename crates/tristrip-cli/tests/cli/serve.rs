@@ -1,0 +1,163 @@
+//! `tristrip serve`, `view`: the server as a process, from its first line to its exit code.
+
+use std::fs;
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::TcpStream;
+use std::path::PathBuf;
+use std::process::{Child, Command, Stdio};
+
+use predicates::str::contains;
+use serde_json::Value;
+
+use super::{keys, model, tristrip};
+
+/// A process of the command that runs until it gets a signal.
+struct Server {
+    child: Child,
+    report: Value,
+}
+
+impl Server {
+    /// Starts the command with `--json`, and waits for its report.
+    fn start(arguments: &[&str]) -> Self {
+        let mut command = Command::new(assert_cmd::cargo::cargo_bin!("tristrip"));
+        command.args(arguments).arg("--json").stdout(Stdio::piped()).stderr(Stdio::piped());
+        let mut child = command.spawn().unwrap();
+        let mut lines = String::new();
+        let mut stdout = BufReader::new(child.stdout.as_mut().unwrap());
+        // The report ends with the first line that is a bracket alone.
+        while !matches!(lines.lines().last(), Some("}" | "]")) {
+            assert!(stdout.read_line(&mut lines).unwrap() > 0, "no report: {lines}");
+        }
+        Self { child, report: serde_json::from_str(&lines).unwrap() }
+    }
+
+    /// Returns the status and the body of a response.
+    fn get(&self, path: &str) -> (String, Vec<u8>) {
+        let url = self.report["url"].as_str().or(self.report[0]["url"].as_str()).unwrap();
+        let address = url.strip_prefix("http://").unwrap().split('/').next().unwrap();
+        let mut socket = TcpStream::connect(address).unwrap();
+        write!(socket, "GET {path} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n").unwrap();
+        let mut answer = Vec::new();
+        socket.read_to_end(&mut answer).unwrap();
+        let end = answer.windows(4).position(|window| window == b"\r\n\r\n").unwrap() + 4;
+        let body = answer.split_off(end);
+        (String::from_utf8(answer[9..12].to_vec()).unwrap(), body)
+    }
+
+    /// Ends the process by a signal, and returns its exit code and standard error.
+    #[cfg(unix)]
+    fn end(mut self, signal: &str) -> (Option<i32>, String) {
+        let killed =
+            Command::new("kill").args([&format!("-{signal}"), &self.child.id().to_string()]).status();
+        assert!(killed.unwrap().success());
+        let mut text = String::new();
+        self.child.stderr.take().unwrap().read_to_string(&mut text).unwrap();
+        (self.child.wait().unwrap().code(), text)
+    }
+}
+
+impl Drop for Server {
+    fn drop(&mut self) {
+        self.child.kill().unwrap_or_default();
+        self.child.wait().map(|_| ()).unwrap_or_default();
+    }
+}
+
+/// Returns a folder with a model, and the flags of a server that keeps its cache there.
+fn folder() -> (tempfile::TempDir, [String; 5]) {
+    let dir = tempfile::tempdir().unwrap();
+    fs::copy(model("fish_control.ply"), dir.path().join("fish.ply")).unwrap();
+    let path = dir.path().to_str().unwrap().to_owned();
+    let cache = format!("{path}/.cache");
+    (dir, ["serve".into(), path, "--port=0".into(), "--cache".into(), cache])
+}
+
+#[test]
+fn a_folder_is_served_and_packed() {
+    let (dir, flags) = folder();
+    let mut flags: Vec<&str> = flags.iter().map(String::as_str).collect();
+    flags.push("--pack-on-demand");
+    let server = Server::start(&flags);
+    assert_eq!(keys(&server.report), ["file", "url", "address", "port", "pack_on_demand", "notes", "error"]);
+    let packed = dir.path().join("packed.glb");
+    tristrip().args(["pack", "-q"]).arg(model("fish_control.ply")).arg("-o").arg(&packed).assert().success();
+    assert!(server.get("/packed/fish.ply.glb") == ("200".into(), fs::read(&packed).unwrap()));
+    let list: Value = serde_json::from_slice(&server.get("/models.json").1).unwrap();
+    assert_eq!(list["models"][0]["kind"], "packed");
+    let described =
+        fs::read_to_string(PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../FORMAT.md")).unwrap();
+    for key in [keys(&server.report), keys(&list), keys(&list["models"][0])].concat() {
+        assert!(described.contains(&format!("`{key}`")), "FORMAT.md does not describe `{key}`");
+    }
+    #[cfg(unix)]
+    {
+        let (code, log) = server.end("TERM");
+        assert_eq!(code, Some(0));
+        assert!(
+            log.starts_with("http://127.0.0.1:") && log.contains("path=\"/models.json\" status=200"),
+            "{log}"
+        );
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn the_log_is_json_or_quiet() {
+    let (_dir, flags) = folder();
+    let flags: Vec<&str> = flags.iter().map(String::as_str).collect();
+    let server = Server::start(&[&flags[..], &["--log", "json"]].concat());
+    assert_eq!(server.get("/packed/fish.ply.glb").0, "404");
+    let (code, log) = server.end("INT");
+    let line: Value = log.lines().find_map(|line| serde_json::from_str(line).ok()).unwrap();
+    assert_eq!(
+        (code, &line["status"], &line["path"]),
+        (Some(0), &404.into(), &"/packed/fish.ply.glb".into())
+    );
+    let server = Server::start(&[&flags[..], &["--quiet"]].concat());
+    assert_eq!(server.get("/files/fish.ply").0, "200");
+    assert_eq!(server.end("INT"), (Some(0), String::new()));
+}
+
+#[test]
+fn models_are_viewed_from_memory() {
+    let fish = model("fish_control.ply");
+    let server = Server::start(&["view", "--no-open", fish.to_str().unwrap()]);
+    assert_eq!(keys(&server.report), ["file", "proven", "url", "bytes", "notes", "error"]);
+    let url = server.report["url"].as_str().unwrap();
+    assert!(url.ends_with("/#model=files/fish_control.ply.glb"), "{url}");
+    let (status, bytes) = server.get("/files/fish_control.ply.glb");
+    assert_eq!((status.as_str(), bytes.len() as u64), ("200", server.report["bytes"].as_u64().unwrap()));
+    drop(server);
+    // A progressive GLB is served as it is, and two files of one name have two URLs.
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("a.glb");
+    fs::write(&path, &bytes).unwrap();
+    let path = path.to_str().unwrap();
+    let server = Server::start(&["view", "--no-open", path, path]);
+    assert!(server.get("/files/a.glb") == ("200".into(), bytes.clone()));
+    assert!(server.get("/files/2-a.glb") == ("200".into(), bytes));
+    assert_eq!(server.get("/").0, "200");
+}
+
+#[test]
+fn bad_folders_ports_and_flags_are_refused() {
+    let (dir, flags) = folder();
+    let serve = |more: &[&str]| tristrip().args(&flags).args(more).assert();
+    let none = dir.path().join("none");
+    tristrip().arg("serve").arg(&none).assert().code(1).stderr(contains("no such file or directory"));
+    tristrip().args(["view", "--no-open"]).arg(&none).assert().code(1);
+    let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = taken.local_addr().unwrap().port().to_string();
+    let [_, path, _, cache, folder] = &flags;
+    let command = tristrip().args(["serve", path, cache, folder, "--port", &port]).assert();
+    command.code(1).stderr(contains(format!("127.0.0.1:{port}: ")));
+    serve(&["--tls-certificate", "a.pem"]).code(2);
+    serve(&["--tls-certificate", "none.pem", "--tls-key", "none.pem"]).code(1).stderr(contains("none.pem"));
+    serve(&["--cors", "example.org"]).code(1).stderr(contains("cors: found example.org"));
+    serve(&["--bandwidth", "5"]).code(2);
+    serve(&["--header-bytes", "1"]).code(2).stderr(contains("--header-bytes"));
+    serve(&["--stall-time", "0s"]).code(2).stderr(contains("--stall-time"));
+    serve(&["--packings", "0"]).code(2);
+    tristrip().arg("serve").assert().code(2);
+}

@@ -1,0 +1,219 @@
+//! Connections: how many there may be, and how long each may do nothing.
+//!
+//! # Algorithm
+//! 1. A connection over a limit gets a response 503 at once and is closed. Addresses of IPv6 count by their network of 64 bits, which one client has as a whole.
+//! 2. The head of a request has a limit of bytes and of time. So has the TLS handshake.
+//! 3. A watch looks at each connection a few times per limit: one that has no request, or whose client takes nothing, is closed. It waits for nothing that another connection needs.
+//! 4. Little is kept per connection: reading and writing buffers are as small as the head of a request.
+
+use std::collections::HashMap;
+use std::net::{IpAddr, Ipv6Addr};
+use std::pin::pin;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use hyper::service::service_fn;
+use hyper_util::rt::{TokioExecutor, TokioIo, TokioTimer};
+use hyper_util::server::conn::auto;
+use tokio::io::{AsyncRead, AsyncWrite};
+use tokio::net::TcpStream;
+use tokio::sync::watch;
+use tokio::time::{MissedTickBehavior, interval, timeout};
+use tokio_io_timeout::TimeoutStream;
+use tokio_rustls::TlsAcceptor;
+
+use crate::activity::Activity;
+use crate::answer::Answerer;
+use crate::metrics::Metrics;
+use crate::options::Limits;
+
+/// What a client over a limit gets.
+const REFUSAL: &[u8] = b"HTTP/1.1 503 Service Unavailable\r\nRetry-After: 1\r\nContent-Type: text/plain; charset=utf-8\r\nContent-Length: 21\r\nConnection: close\r\n\r\ntoo many connections\n";
+/// The bytes of a stream of HTTP/2 that a client may leave unread, and those of a connection that are sent ahead.
+const SEND_BYTES: usize = 64 << 10;
+
+/// Serves connections.
+#[derive(Clone)]
+pub(crate) struct Connections {
+    pub(crate) answerer: Answerer,
+    pub(crate) limits: Arc<Limits>,
+    pub(crate) metrics: Arc<Metrics>,
+    pub(crate) tls: Option<TlsAcceptor>,
+    pub(crate) clients: Arc<Clients>,
+    /// True once the server stops.
+    pub(crate) stop: watch::Receiver<bool>,
+}
+
+/// The connections of each client.
+#[derive(Debug, Default)]
+pub(crate) struct Clients {
+    counts: Mutex<(usize, HashMap<IpAddr, usize>)>,
+}
+
+/// A connection that counts until this is dropped.
+#[derive(Debug)]
+pub(crate) struct Place {
+    clients: Arc<Clients>,
+    metrics: Arc<Metrics>,
+    network: IpAddr,
+}
+
+impl Clients {
+    /// Counts a connection, or returns the name of the limit that it is over.
+    pub(crate) fn enter(
+        self: &Arc<Self>,
+        client: IpAddr,
+        limits: &Limits,
+        metrics: &Arc<Metrics>,
+    ) -> Result<Place, &'static str> {
+        let network = network(client);
+        let mut counts = self.counts.lock().unwrap_or_else(PoisonError::into_inner);
+        let (all, by_client) = &mut *counts;
+        if *all >= limits.connections {
+            return Err("connections");
+        }
+        let count = by_client.entry(network).or_default();
+        if *count >= limits.connections_per_client {
+            return Err("client");
+        }
+        *count += 1;
+        *all += 1;
+        metrics.connections.inc();
+        Ok(Place { clients: Arc::clone(self), metrics: Arc::clone(metrics), network })
+    }
+}
+
+impl Drop for Place {
+    fn drop(&mut self) {
+        let mut counts = self.clients.counts.lock().unwrap_or_else(PoisonError::into_inner);
+        let (all, by_client) = &mut *counts;
+        *all -= 1;
+        if let Some(count) = by_client.get_mut(&self.network) {
+            *count -= 1;
+            if *count == 0 {
+                by_client.remove(&self.network);
+            }
+        }
+        self.metrics.connections.dec();
+    }
+}
+
+/// Returns what one client has: an address of IPv4, a network of IPv6.
+fn network(client: IpAddr) -> IpAddr {
+    match client.to_canonical() {
+        IpAddr::V6(address) => IpAddr::V6(Ipv6Addr::from_bits(address.to_bits() >> 64 << 64)),
+        v4 @ IpAddr::V4(_) => v4,
+    }
+}
+
+/// Closes a connection with a response, if that can be sent at once.
+pub(crate) fn refuse(socket: &TcpStream) {
+    socket.try_write(REFUSAL).unwrap_or_default();
+}
+
+impl Connections {
+    /// Serves a connection to its end.
+    pub(crate) async fn serve(self, socket: TcpStream, client: IpAddr, place: Place) {
+        let _place = place;
+        // Small responses are sent at once.
+        socket.set_nodelay(true).unwrap_or_default();
+        let mut stream = TimeoutStream::new(socket);
+        stream.set_write_timeout(Some(self.limits.stall_time));
+        let Some(tls) = self.tls.clone() else { return self.serve_stream(Box::pin(stream), client).await };
+        match timeout(self.limits.header_time, tls.accept(Box::pin(stream))).await {
+            Ok(Ok(stream)) => self.serve_stream(stream, client).await,
+            Ok(Err(error)) => tracing::debug!(%client, %error, "no TLS"),
+            Err(_) => self.metrics.count_refused("header-time"),
+        }
+    }
+
+    async fn serve_stream(
+        self,
+        stream: impl AsyncRead + AsyncWrite + Unpin + Send + 'static,
+        client: IpAddr,
+    ) {
+        let activity = Arc::new(Activity::new());
+        let service = service_fn({
+            let (answerer, activity) = (self.answerer.clone(), Arc::clone(&activity));
+            move |request| answerer.clone().answer(request, client, Arc::clone(&activity))
+        });
+        let builder = self.builder();
+        let mut connection = pin!(builder.serve_connection(TokioIo::new(stream), service));
+        let mut watch = interval(self.watch_time());
+        watch.set_missed_tick_behavior(MissedTickBehavior::Delay);
+        let mut stop = self.stop.clone();
+        let mut is_stopping = false;
+        loop {
+            tokio::select! {
+                result = connection.as_mut() => {
+                    if let Err(error) = result {
+                        tracing::debug!(%client, error, "connection ended");
+                    }
+                    return;
+                }
+                _ = watch.tick() => {
+                    if let Some(overdue) = activity.overdue(&self.limits) {
+                        self.metrics.count_refused(overdue.name());
+                        tracing::debug!(%client, limit = overdue.name(), "connection closed");
+                        return;
+                    }
+                }
+                _ = stop.wait_for(|stop| *stop), if !is_stopping => {
+                    is_stopping = true;
+                    connection.as_mut().graceful_shutdown();
+                }
+            }
+        }
+    }
+
+    fn builder(&self) -> auto::Builder<TokioExecutor> {
+        let Limits { header_bytes, header_time, streams, .. } = *self.limits;
+        let mut builder = auto::Builder::new(TokioExecutor::new());
+        builder
+            .http1()
+            .timer(TokioTimer::new())
+            .header_read_timeout(header_time)
+            // The least that hyper takes.
+            .max_buf_size(header_bytes.max(8192));
+        builder
+            .http2()
+            .timer(TokioTimer::new())
+            .max_concurrent_streams(streams)
+            .max_header_list_size(u32::try_from(header_bytes).unwrap_or(u32::MAX))
+            .max_send_buf_size(SEND_BYTES)
+            // A client that is gone is found while nothing is sent.
+            .keep_alive_interval(Some(Duration::from_secs(20)))
+            .keep_alive_timeout(Duration::from_secs(20));
+        builder
+    }
+
+    /// Returns how often a connection is looked at.
+    fn watch_time(&self) -> Duration {
+        let Limits { header_time, stall_time, idle_time, .. } = *self.limits;
+        let shortest = header_time.min(stall_time).min(idle_time);
+        (shortest / 4).clamp(Duration::from_millis(10), Duration::from_secs(1))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn connections_are_counted_by_client_and_in_all() {
+        let limits = Limits::default().with_connections(3, 2);
+        let (clients, metrics) = (Arc::new(Clients::default()), Arc::new(Metrics::new()));
+        let enter = |client: &str| clients.enter(client.parse().unwrap(), &limits, &metrics);
+        let first = enter("10.0.0.1").unwrap();
+        let _second = enter("::ffff:10.0.0.1").unwrap();
+        assert_eq!(enter("10.0.0.1").unwrap_err(), "client");
+        let third = enter("2001:db8::1").unwrap();
+        assert_eq!(enter("10.0.0.2").unwrap_err(), "connections");
+        assert_eq!(metrics.connections.get(), 3);
+        drop(first);
+        let _fourth = enter("2001:db8::2").unwrap();
+        drop(third);
+        let _fifth = enter("2001:db8::3").unwrap();
+        assert_eq!(clients.counts.lock().unwrap().1.len(), 2);
+    }
+}

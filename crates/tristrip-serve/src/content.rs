@@ -1,0 +1,118 @@
+//! What a server shows: the files of a folder, or files in memory.
+
+use std::collections::BTreeMap;
+use std::io;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use bytes::Bytes;
+use tokio::sync::OnceCell;
+
+use crate::bytes_source::BytesSource;
+use crate::catalogue::{Catalogue, Contents, Listed, contents_of_bytes};
+use crate::error::Error;
+use crate::folder::Folder;
+use crate::media::media_type;
+use crate::paths::SitePath;
+use crate::replies::Resource;
+use crate::thumbnails;
+
+/// What a server shows.
+#[derive(Debug, Clone)]
+pub enum Content {
+    /// The files of a folder, and of the folders in it.
+    Folder(PathBuf),
+    /// Files in memory.
+    Files(Vec<MemoryFile>),
+}
+
+/// A file in memory.
+#[derive(Debug, Clone)]
+pub struct MemoryFile {
+    /// Its name, which becomes a part of its URL: `bunny.ply.glb`.
+    pub name: String,
+    /// Its bytes.
+    pub bytes: Vec<u8>,
+}
+
+/// Content that is open.
+#[derive(Debug)]
+pub(crate) enum Store {
+    Folder(Arc<Folder>),
+    Memory(BTreeMap<SitePath, Stored>),
+}
+
+/// A file in memory, with what was found out about it.
+#[derive(Debug)]
+pub(crate) struct Stored {
+    resource: Resource,
+    bytes: Bytes,
+    contents: Contents,
+    thumbnail: OnceCell<Result<Bytes, String>>,
+}
+
+impl Store {
+    pub(crate) fn open(content: Content) -> Result<Self, Error> {
+        match content {
+            Content::Folder(path) => Ok(Self::Folder(Arc::new(Folder::open(&path)?))),
+            Content::Files(files) => {
+                let mut store = BTreeMap::new();
+                for MemoryFile { name, bytes } in files {
+                    let path = SitePath::new(&name).map_err(|_| Error::Parameter {
+                        name: "name",
+                        found: name.clone(),
+                        expected: "a relative path without hidden files or characters that a system reserves",
+                    })?;
+                    store.insert(path, Stored::new(&name, bytes.into()));
+                }
+                Ok(Self::Memory(store))
+            }
+        }
+    }
+}
+
+/// Opens a file of a folder. It may block.
+pub(crate) fn open_resource(folder: &Folder, path: &SitePath) -> io::Result<Resource> {
+    let (file, version) = folder.open_file(path)?;
+    Ok(Resource {
+        source: BytesSource::of_file(file, 0, version.bytes)?,
+        media_type: media_type(path.as_str()),
+        tag: version.tag(),
+        modified: version.modified,
+    })
+}
+
+impl Stored {
+    fn new(name: &str, bytes: Bytes) -> Self {
+        let tag = format!("{:x}-{:08x}", bytes.len(), crc32fast::hash(&bytes));
+        let source = BytesSource::Memory(bytes.clone());
+        let resource = Resource { source, media_type: media_type(name), tag, modified: None };
+        let contents = contents_of_bytes(&bytes);
+        Self { resource, bytes, contents, thumbnail: OnceCell::new() }
+    }
+
+    pub(crate) fn resource(&self) -> &Resource {
+        &self.resource
+    }
+
+    /// Returns a picture, which is drawn once.
+    pub(crate) async fn thumbnail(&self) -> Result<Resource, String> {
+        let drawn = self.thumbnail.get_or_init(|| async {
+            let bytes = self.bytes.to_vec();
+            match tokio::task::spawn_blocking(move || thumbnails::of_glb(bytes)).await {
+                Ok(png) => png.map(Bytes::from),
+                Err(_) => Err("an error in the program ended the drawing".into()),
+            }
+        });
+        let png = drawn.await.clone()?;
+        let tag = format!("{}-png", self.resource.tag);
+        Ok(Resource { source: BytesSource::Memory(png), media_type: "image/png", tag, modified: None })
+    }
+}
+
+/// Lists files in memory.
+pub(crate) fn list(store: &BTreeMap<SitePath, Stored>) -> Catalogue {
+    let listed =
+        |(path, stored): (&SitePath, &Stored)| Listed::file(path, stored.bytes.len() as u64, stored.contents);
+    Catalogue { models: store.iter().map(listed).collect(), notes: Vec::new() }
+}

@@ -1,0 +1,180 @@
+//! The folder of a server, as a handle: nothing outside it is opened, whatever its links are, also if they change meanwhile.
+//!
+//! The handle resolves each component below itself and refuses absolute links and those that lead out of it (`openat2` on Linux). Only regular files are
+//! opened, without waiting for the other end of a pipe.
+
+use std::fs::{File, Metadata};
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+use cap_fs_ext::OpenOptionsSyncExt;
+use cap_std::ambient_authority;
+use cap_std::fs::{Dir, OpenOptions};
+
+use crate::error::Error;
+use crate::paths::SitePath;
+
+/// A folder whose files are served.
+#[derive(Debug)]
+pub(crate) struct Folder {
+    dir: Dir,
+    path: PathBuf,
+}
+
+/// What tells a version of a file from others: it changes when the file is written or replaced.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct Version {
+    pub(crate) bytes: u64,
+    pub(crate) modified: Option<SystemTime>,
+    /// The number of the file in its file system, where systems have one.
+    number: u64,
+}
+
+impl Version {
+    fn new(metadata: &Metadata) -> Self {
+        #[cfg(unix)]
+        let number = std::os::unix::fs::MetadataExt::ino(metadata);
+        #[cfg(not(unix))]
+        let number = 0;
+        Self { bytes: metadata.len(), modified: metadata.modified().ok(), number }
+    }
+
+    /// Returns the version as text without spaces or quotes.
+    pub(crate) fn tag(&self) -> String {
+        let since = self.modified.and_then(|time| time.duration_since(SystemTime::UNIX_EPOCH).ok());
+        let nanoseconds = since.map_or(0, |since| since.as_nanos());
+        format!("{:x}-{nanoseconds:x}-{:x}", self.bytes, self.number)
+    }
+}
+
+impl Folder {
+    pub(crate) fn open(path: &Path) -> Result<Self, Error> {
+        let failed = |source| Error::io(path, source);
+        let real = path.canonicalize().map_err(failed)?;
+        let dir = Dir::open_ambient_dir(&real, ambient_authority()).map_err(failed)?;
+        Ok(Self { dir, path: real })
+    }
+
+    /// Opens a regular file.
+    pub(crate) fn open_file(&self, path: &SitePath) -> io::Result<(File, Version)> {
+        let mut options = OpenOptions::new();
+        options.read(true).nonblock(true);
+        let file = self.dir.open_with(path.as_str(), &options)?.into_std();
+        let metadata = file.metadata()?;
+        if !metadata.is_file() {
+            return Err(io::ErrorKind::NotFound.into());
+        }
+        Ok((file, Version::new(&metadata)))
+    }
+
+    /// Returns the version of a regular file.
+    pub(crate) fn version(&self, path: &SitePath) -> io::Result<Version> {
+        Ok(self.open_file(path)?.1)
+    }
+
+    /// Reads a whole file of at most this size.
+    pub(crate) fn read(&self, path: &SitePath, most_bytes: u64) -> io::Result<Vec<u8>> {
+        let (file, version) = self.open_file(path)?;
+        let mut bytes = Vec::with_capacity(usize::try_from(version.bytes.min(most_bytes)).unwrap_or(0));
+        file.take(most_bytes.saturating_add(1)).read_to_end(&mut bytes)?;
+        if bytes.len() as u64 > most_bytes {
+            return Err(io::ErrorKind::FileTooLarge.into());
+        }
+        Ok(bytes)
+    }
+
+    /// Returns the path of a file without links, for readers that look for other files beside it.
+    pub(crate) fn real_path(&self, path: &SitePath) -> io::Result<PathBuf> {
+        Ok(self.path.join(self.dir.canonicalize(path.as_str())?))
+    }
+
+    /// Returns the path of the folder without links.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Returns the regular files and the folders in a folder, by name; the path is empty for the folder itself. Links to files are among them, links to
+    /// folders are not, so that no scan runs in a circle.
+    pub(crate) fn entries(&self, path: &str) -> io::Result<Vec<Entry>> {
+        let here = if path.is_empty() { "." } else { path };
+        let mut found = Vec::new();
+        for entry in self.dir.read_dir(here)? {
+            let Ok(entry) = entry else { continue };
+            let Ok(name) = entry.file_name().into_string() else { continue };
+            let Ok(kind) = entry.file_type() else { continue };
+            let below = if path.is_empty() { name } else { format!("{path}/{name}") };
+            let Ok(below) = SitePath::new(&below) else { continue };
+            if kind.is_dir() {
+                found.push(Entry { path: below, version: None });
+            } else if let Ok(version) = self.version(&below) {
+                found.push(Entry { path: below, version: Some(version) });
+            }
+        }
+        found.sort_by(|a, b| a.path.cmp(&b.path));
+        Ok(found)
+    }
+}
+
+/// A file or a folder in a folder.
+#[derive(Debug)]
+pub(crate) struct Entry {
+    pub(crate) path: SitePath,
+    /// `None` for a folder.
+    pub(crate) version: Option<Version>,
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::*;
+
+    fn site(path: &str) -> SitePath {
+        SitePath::new(path).unwrap()
+    }
+
+    #[test]
+    fn files_are_opened_and_versions_tell_changes() {
+        let dir = tempfile::tempdir().unwrap();
+        fs::create_dir(dir.path().join("a")).unwrap();
+        fs::write(dir.path().join("a/b.ply"), "ply").unwrap();
+        let folder = Folder::open(dir.path()).unwrap();
+        let (_, first) = folder.open_file(&site("a/b.ply")).unwrap();
+        assert_eq!((first.bytes, folder.read(&site("a/b.ply"), 3).unwrap().as_slice()), (3, &b"ply"[..]));
+        assert_eq!(folder.read(&site("a/b.ply"), 2).unwrap_err().kind(), io::ErrorKind::FileTooLarge);
+        assert!(folder.open_file(&site("a")).is_err());
+        assert!(folder.open_file(&site("b.ply")).is_err());
+        fs::write(dir.path().join("a/b.ply"), "plyy").unwrap();
+        assert_ne!(folder.version(&site("a/b.ply")).unwrap().tag(), first.tag());
+        let names: Vec<_> = folder.entries("").unwrap().iter().map(|entry| entry.path.clone()).collect();
+        assert_eq!(names, [site("a")]);
+        assert_eq!(folder.entries("a").unwrap()[0].path, site("a/b.ply"));
+        assert!(Folder::open(&dir.path().join("none")).is_err());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_do_not_lead_out_and_pipes_are_not_waited_for() {
+        use std::os::unix::fs::symlink;
+        let (dir, outside) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+        fs::write(outside.path().join("secret"), "secret").unwrap();
+        fs::write(dir.path().join("inside.ply"), "ply").unwrap();
+        symlink(outside.path().join("secret"), dir.path().join("absolute")).unwrap();
+        let name = outside.path().file_name().unwrap().to_str().unwrap();
+        symlink(format!("../{name}/secret"), dir.path().join("relative")).unwrap();
+        symlink(outside.path(), dir.path().join("folder")).unwrap();
+        symlink("inside.ply", dir.path().join("good")).unwrap();
+        symlink("circle", dir.path().join("circle")).unwrap();
+        rustix::fs::mkfifoat(rustix::fs::CWD, dir.path().join("pipe"), rustix::fs::Mode::RUSR).unwrap();
+        let folder = Folder::open(dir.path()).unwrap();
+        for path in ["absolute", "relative", "folder/secret", "circle", "pipe"] {
+            assert!(folder.open_file(&site(path)).is_err(), "{path}");
+        }
+        assert_eq!(folder.read(&site("good"), 9).unwrap(), b"ply");
+        let names: Vec<_> =
+            folder.entries("").unwrap().iter().map(|entry| entry.path.as_str().to_owned()).collect();
+        assert_eq!(names, ["good", "inside.ply"]);
+        assert!(folder.real_path(&site("good")).unwrap().ends_with("inside.ply"));
+    }
+}

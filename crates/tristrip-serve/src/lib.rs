@@ -1,0 +1,43 @@
+//! The web server of tristrip: the models of a folder, or of memory, with a gallery and a viewer that refines them while they load.
+//!
+//! ```text
+//! server: accept ─▶ connections: limits, TLS, watch ─▶ answer: host, method, CORS, log ─▶ site: routes
+//!                                                                                         ├─ assets: the viewer
+//!   paths ─▶ folder: a handle that no path leads out of ─▶ replies: ETag, ranges ◀────────┤─ content: files as they are
+//!                 ├─ catalogue: the list of models                                        │
+//!                 └─ packing, thumbnails ─▶ workshop: once for all who ask ─▶ cache ◀─────┘
+//! ```
+//! It speaks HTTP/1.1 and HTTP/2, with or without TLS. What a client may take is limited ([`Limits`]): connections, heads of requests, time without progress.
+//! Files are read in small pieces, so that memory does not grow with their size.
+
+#![forbid(unsafe_code)]
+
+mod activity;
+mod answer;
+mod assets;
+mod bytes_source;
+mod cache;
+mod catalogue;
+mod connections;
+mod content;
+mod error;
+mod folder;
+mod hosts;
+mod media;
+mod metrics;
+mod options;
+mod packing;
+mod paths;
+mod replies;
+mod response_body;
+mod server;
+mod site;
+mod thumbnails;
+mod tls;
+mod workshop;
+
+pub use content::{Content, MemoryFile};
+pub use error::Error;
+pub use options::{Limits, PackingOptions, ServerOptions, TlsFiles};
+pub use paths::url_path;
+pub use server::{Server, StopHandle, default_cache};

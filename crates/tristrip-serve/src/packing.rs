@@ -1,0 +1,176 @@
+//! Packing of files on demand: which files, under which key, and how they are read.
+//!
+//! A key is a hash of all that a result depends on: the file without links, its version, the versions of the files beside it that a `.gltf` or an OBJ may name,
+//! the options, and the version of this crate. So a result is never older than its files.
+//!
+//! Models that are one file are read through the handle of the folder. Readers of `.gltf` and OBJ open other files by their paths; they take no file outside the folder of
+//! the document, links followed, but someone who may change links in the served folder at the same moment could lead them out of it.
+
+use std::fmt::Write;
+use std::sync::Arc;
+
+use sha2::{Digest, Sha256};
+use tristrip_io::{Format, Model};
+use tristrip_pipeline::{PackOptions, pack};
+
+use crate::folder::Folder;
+use crate::paths::SitePath;
+
+/// How deep folders beside a document are looked into, and the most files that are.
+const MOST_DEPTH: usize = 4;
+const MOST_FILES: usize = 4096;
+
+/// A model file in the folder of a server.
+#[derive(Debug, Clone)]
+pub(crate) struct Source {
+    pub(crate) path: SitePath,
+    pub(crate) format: Format,
+    /// What a result of this file depends on.
+    key: String,
+}
+
+impl Source {
+    /// Finds a file with the extension of a model, and what belongs to it. It may block.
+    pub(crate) fn find(folder: &Folder, path: &SitePath) -> Option<Self> {
+        let format = Format::from_path(path.as_str())?;
+        let version = folder.version(path).ok()?;
+        let real = folder.real_path(path).ok()?;
+        let mut key = format!(
+            "{} {}\n{}\n{}\n",
+            env!("CARGO_PKG_NAME"),
+            env!("CARGO_PKG_VERSION"),
+            real.display(),
+            version.tag()
+        );
+        if has_side_files(format) {
+            let mut left = MOST_FILES;
+            let (parent, _) = path.as_str().rsplit_once('/').unwrap_or_default();
+            add_versions(folder, parent, MOST_DEPTH, &mut left, &mut key);
+        }
+        Some(Self { path: path.clone(), format, key })
+    }
+
+    /// Returns the key of what is made of the file with these options.
+    pub(crate) fn key(&self, options: &str) -> String {
+        let mut hash = Sha256::new();
+        hash.update(options.as_bytes());
+        hash.update([0]);
+        hash.update(self.key.as_bytes());
+        hash.finalize()[..20].iter().fold(String::new(), |mut text, byte| {
+            // Writing to a string does not fail.
+            write!(text, "{byte:02x}").unwrap_or_default();
+            text
+        })
+    }
+
+    /// Reads the model, with the materials and images that belong to it.
+    pub(crate) fn read(&self, folder: &Folder, most_bytes: u64) -> Result<Model, String> {
+        let bytes = folder.version(&self.path).map_err(|error| error.to_string())?.bytes;
+        if bytes > most_bytes {
+            return Err(format!("found a file of {bytes} bytes, expected at most {most_bytes}"));
+        }
+        let root = format!("{}/", folder.path().display());
+        // Messages do not say where the folder is.
+        let message = |error: tristrip_io::Error| error.to_string().replace(&root, "");
+        let real = folder.real_path(&self.path).map_err(|error| error.to_string())?;
+        let mut model = if has_side_files(self.format) {
+            tristrip_io::read_path(&real)
+        } else {
+            let bytes = folder.read(&self.path, most_bytes).map_err(|error| error.to_string())?;
+            tristrip_io::read_shared(&Arc::new(bytes), self.format)
+        }
+        .map_err(message)?;
+        if self.format == Format::Obj {
+            tristrip_io::load_materials(&mut model, Some(&real), "");
+        }
+        tristrip_io::embed_images(&mut model, Some(&real)).map_err(message)?;
+        Ok(model)
+    }
+
+    /// Packs the file.
+    pub(crate) fn pack(
+        &self,
+        folder: &Folder,
+        most_bytes: u64,
+        options: &PackOptions,
+    ) -> Result<Vec<u8>, String> {
+        let model = self.read(folder, most_bytes)?;
+        pack(&model, options, &()).map(|packed| packed.bytes).map_err(|error| error.to_string())
+    }
+}
+
+fn has_side_files(format: Format) -> bool {
+    matches!(format, Format::Obj | Format::Gltf)
+}
+
+/// Adds the versions of the files in a folder and below it that are not models: buffers, material libraries, images.
+fn add_versions(folder: &Folder, path: &str, depth: usize, left: &mut usize, key: &mut String) {
+    for entry in folder.entries(path).unwrap_or_default() {
+        let Some(version) = entry.version else {
+            if depth > 0 {
+                add_versions(folder, entry.path.as_str(), depth - 1, left, key);
+            }
+            continue;
+        };
+        if Format::from_path(entry.path.as_str()).is_some() {
+            continue;
+        }
+        if *left == 0 {
+            return;
+        }
+        *left -= 1;
+        // Writing to a string does not fail.
+        writeln!(key, "{} {}", entry.path.as_str(), version.tag()).unwrap_or_default();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+
+    use super::*;
+
+    fn key(folder: &Folder, path: &str) -> String {
+        Source::find(folder, &SitePath::new(path).unwrap()).unwrap().key("")
+    }
+
+    #[test]
+    fn keys_follow_all_files_that_a_result_depends_on() {
+        let dir = tempfile::tempdir().unwrap();
+        let write = |name: &str, text: &str| fs::write(dir.path().join(name), text).unwrap();
+        fs::create_dir_all(dir.path().join("a/textures")).unwrap();
+        write("a/a.gltf", "{}");
+        write("a/a.ply", "ply");
+        write("a/textures/a.png", "png");
+        let folder = Folder::open(dir.path()).unwrap();
+        let before = [key(&folder, "a/a.gltf"), key(&folder, "a/a.ply")];
+        assert_eq!(before, [key(&folder, "a/a.gltf"), key(&folder, "a/a.ply")]);
+        write("a/b.ply", "another model");
+        assert_eq!(key(&folder, "a/a.gltf"), before[0]);
+        write("a/textures/a.png", "another image");
+        assert_ne!(key(&folder, "a/a.gltf"), before[0]);
+        assert_eq!(key(&folder, "a/a.ply"), before[1]);
+        let source = Source::find(&folder, &SitePath::new("a/a.ply").unwrap()).unwrap();
+        assert_ne!(source.key("other options"), before[1]);
+        assert!(Source::find(&folder, &SitePath::new("a/textures/a.png").unwrap()).is_none());
+        assert!(Source::find(&folder, &SitePath::new("none.ply").unwrap()).is_none());
+    }
+
+    #[test]
+    fn messages_do_not_say_where_the_folder_is() {
+        let dir = tempfile::tempdir().unwrap();
+        let gltf = r#"{"asset":{"version":"2.0"},"buffers":[{"uri":"none.bin","byteLength":4}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
+            "bufferViews":[{"buffer":0,"byteLength":4}],"accessors":[{"bufferView":0,"componentType":5126,"count":1,"type":"VEC3"}]}"#;
+        fs::write(dir.path().join("a.gltf"), gltf).unwrap();
+        fs::write(dir.path().join("large.ply"), "ply or not").unwrap();
+        let folder = Folder::open(dir.path()).unwrap();
+        let error = |path: &str| {
+            let source = Source::find(&folder, &SitePath::new(path).unwrap()).unwrap();
+            source.pack(&folder, 9, &PackOptions::default()).unwrap_err()
+        };
+        assert_eq!(error("large.ply"), "found a file of 10 bytes, expected at most 9");
+        let source = Source::find(&folder, &SitePath::new("a.gltf").unwrap()).unwrap();
+        let message = source.read(&folder, 1 << 20).unwrap_err();
+        assert!(message.contains("none.bin") && !message.contains(dir.path().to_str().unwrap()), "{message}");
+    }
+}

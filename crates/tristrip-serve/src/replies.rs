@@ -1,0 +1,194 @@
+//! Responses with bytes: conditions, ranges and the headers that caches and readers of ranges need.
+//!
+//! # Algorithm
+//! As RFC 9110 orders them: `If-None-Match`, or `If-Modified-Since` where that is absent, gives 304; then a range, if `If-Range` is absent or names this very version.
+//! One range gives 206. Several ranges give the whole, which a server may do; a range behind the end gives 416. Requests are only GET and HEAD, so that `If-Match` decides nothing here.
+
+use std::ops::Range;
+use std::time::SystemTime;
+
+use axum::body::Body;
+use axum::http::header::{
+    ACCEPT_RANGES, CACHE_CONTROL, CONTENT_LENGTH, CONTENT_RANGE, CONTENT_TYPE, ETAG, LAST_MODIFIED, RANGE,
+    RETRY_AFTER,
+};
+use axum::http::{HeaderMap, HeaderValue, StatusCode};
+use axum::response::Response;
+use headers::{ETag, HeaderMapExt, IfModifiedSince, IfNoneMatch, IfRange, LastModified};
+
+use crate::bytes_source::BytesSource;
+
+/// Bytes with what a response says of them.
+#[derive(Debug, Clone)]
+pub(crate) struct Resource {
+    pub(crate) source: BytesSource,
+    pub(crate) media_type: &'static str,
+    /// A name of this version of the bytes, in letters, digits and hyphens.
+    pub(crate) tag: String,
+    pub(crate) modified: Option<SystemTime>,
+}
+
+impl Resource {
+    /// Answers a request with these headers. The body is that of a GET.
+    pub(crate) fn reply(&self, request: &HeaderMap) -> Response {
+        let etag = format!("\"{}\"", self.tag);
+        let modified = self.modified.map(LastModified::from);
+        let mut response = Response::new(Body::empty());
+        let headers = response.headers_mut();
+        set(headers, ETAG, &etag);
+        set(headers, CACHE_CONTROL, "no-cache");
+        if let Some(modified) = modified {
+            headers.typed_insert(modified);
+        }
+        let parsed: Option<ETag> = etag.parse().ok();
+        if self.is_known(request, parsed.as_ref()) {
+            *response.status_mut() = StatusCode::NOT_MODIFIED;
+            return response;
+        }
+        set(headers, ACCEPT_RANGES, "bytes");
+        let length = self.source.len();
+        let range = if self.range_applies(request, parsed.as_ref(), modified) {
+            range(request, length)
+        } else {
+            Ok(None)
+        };
+        let (status, sent) = match range {
+            Ok(None) => (StatusCode::OK, 0..length),
+            Ok(Some(range)) => {
+                set(headers, CONTENT_RANGE, &format!("bytes {}-{}/{length}", range.start, range.end - 1));
+                (StatusCode::PARTIAL_CONTENT, range)
+            }
+            Err(()) => {
+                set(headers, CONTENT_RANGE, &format!("bytes */{length}"));
+                headers.remove(ETAG);
+                headers.remove(LAST_MODIFIED);
+                *response.status_mut() = StatusCode::RANGE_NOT_SATISFIABLE;
+                return response;
+            }
+        };
+        headers.insert(CONTENT_TYPE, HeaderValue::from_static(self.media_type));
+        headers.insert(CONTENT_LENGTH, HeaderValue::from(sent.end - sent.start));
+        *response.status_mut() = status;
+        *response.body_mut() = self.source.body(sent.start, sent.end - sent.start);
+        response
+    }
+
+    /// Checks whether the client has this version.
+    fn is_known(&self, request: &HeaderMap, etag: Option<&ETag>) -> bool {
+        if let Some(tags) = request.typed_get::<IfNoneMatch>() {
+            return etag.is_some_and(|etag| !tags.precondition_passes(etag));
+        }
+        let since = request.typed_get::<IfModifiedSince>();
+        since.zip(self.modified).is_some_and(|(since, modified)| !since.is_modified(modified))
+    }
+
+    fn range_applies(
+        &self,
+        request: &HeaderMap,
+        etag: Option<&ETag>,
+        modified: Option<LastModified>,
+    ) -> bool {
+        if !request.contains_key("if-range") {
+            return true;
+        }
+        let condition = request.typed_get::<IfRange>();
+        condition.is_some_and(|condition| !condition.is_modified(etag, modified.as_ref()))
+    }
+}
+
+/// Returns the one range that a request asks for; `None` for all bytes, an error if there are none in it.
+fn range(request: &HeaderMap, length: u64) -> Result<Option<Range<u64>>, ()> {
+    use http_range_header::{RangeUnsatisfiableError, parse_range_header};
+    let Some(text) = request.get(RANGE).and_then(|value| value.to_str().ok()) else { return Ok(None) };
+    let found = match parse_range_header(text).and_then(|ranges| ranges.validate(length)) {
+        Ok(found) => found,
+        Err(RangeUnsatisfiableError::Unsatisfiable) => return Err(()),
+        Err(_) => return Ok(None),
+    };
+    Ok(match found.as_slice() {
+        [one] => Some(*one.start()..one.end() + 1),
+        _ => None,
+    })
+}
+
+fn set(headers: &mut HeaderMap, name: axum::http::HeaderName, text: &str) {
+    if let Ok(value) = HeaderValue::from_str(text) {
+        headers.insert(name, value);
+    }
+}
+
+/// Returns a response with a line of text.
+pub(crate) fn text(status: StatusCode, message: &str) -> Response {
+    let mut response = Response::new(Body::from(format!("{message}\n")));
+    *response.status_mut() = status;
+    let headers = response.headers_mut();
+    headers.insert(CONTENT_TYPE, HeaderValue::from_static("text/plain; charset=utf-8"));
+    headers.insert(CACHE_CONTROL, HeaderValue::from_static("no-store"));
+    if status == StatusCode::SERVICE_UNAVAILABLE {
+        headers.insert(RETRY_AFTER, HeaderValue::from_static("2"));
+    }
+    response
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use super::*;
+
+    fn resource() -> Resource {
+        let source = BytesSource::Memory((0..100).collect::<Vec<u8>>().into());
+        let modified = Some(SystemTime::UNIX_EPOCH + Duration::from_secs(1_000_000));
+        Resource { source, media_type: "model/obj", tag: "a-1".into(), modified }
+    }
+
+    fn status(pairs: &[(&'static str, &str)]) -> (u16, Option<String>, u64) {
+        let mut request = HeaderMap::new();
+        for (name, value) in pairs {
+            request.append(*name, HeaderValue::from_str(value).unwrap());
+        }
+        let response = resource().reply(&request);
+        let range = response.headers().get(CONTENT_RANGE).map(|value| value.to_str().unwrap().to_owned());
+        let length = response
+            .headers()
+            .get(CONTENT_LENGTH)
+            .map_or(0, |value| value.to_str().unwrap().parse().unwrap());
+        (response.status().as_u16(), range, length)
+    }
+
+    #[test]
+    fn ranges_are_those_that_were_asked_for() {
+        let part = |text: &str, length| (206, Some(text.to_owned()), length);
+        assert_eq!(status(&[]), (200, None, 100));
+        assert_eq!(status(&[("range", "bytes=0-9")]), part("bytes 0-9/100", 10));
+        assert_eq!(status(&[("range", "bytes=90-")]), part("bytes 90-99/100", 10));
+        assert_eq!(status(&[("range", "bytes=-1")]), part("bytes 99-99/100", 1));
+        assert_eq!(status(&[("range", "bytes=0-1000")]), part("bytes 0-99/100", 100));
+        assert_eq!(status(&[("range", "bytes=-1000")]), part("bytes 0-99/100", 100));
+        let none = (416, Some("bytes */100".to_owned()), 0);
+        assert_eq!(status(&[("range", "bytes=100-")]), none);
+        assert_eq!(status(&[("range", "bytes=-0")]), none);
+        for whole in ["bytes=0-1,5-6", "lines=1-2", "bytes=9-1", "bytes", "bytes=a-b"] {
+            assert_eq!(status(&[("range", whole)]), (200, None, 100), "{whole}");
+        }
+    }
+
+    #[test]
+    fn conditions_are_compared_with_this_version() {
+        let known = (304, None, 0);
+        assert_eq!(status(&[("if-none-match", "\"a-1\"")]), known);
+        assert_eq!(status(&[("if-none-match", "\"b\", W/\"a-1\"")]), known);
+        assert_eq!(status(&[("if-none-match", "*")]), known);
+        assert_eq!(status(&[("if-none-match", "\"b\"")]).0, 200);
+        let date = "Mon, 12 Jan 1970 13:46:40 GMT";
+        assert_eq!(status(&[("if-modified-since", date)]), known);
+        assert_eq!(status(&[("if-modified-since", "Mon, 12 Jan 1970 13:46:39 GMT")]).0, 200);
+        assert_eq!(status(&[("if-modified-since", date), ("if-none-match", "\"b\"")]).0, 200);
+        let part = ("range", "bytes=0-9");
+        assert_eq!(status(&[part, ("if-range", "\"a-1\"")]).0, 206);
+        assert_eq!(status(&[part, ("if-range", date)]).0, 206);
+        for other in ["\"b\"", "W/\"a-1\"", "Mon, 12 Jan 1970 13:46:39 GMT", "neither"] {
+            assert_eq!(status(&[part, ("if-range", other)]).0, 200, "{other}");
+        }
+    }
+}

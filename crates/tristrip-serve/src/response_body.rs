@@ -1,0 +1,194 @@
+//! The body of a response on its way: paced if the bandwidth is limited, counted, and logged when it ends.
+//!
+//! # Algorithm
+//! A paced body gives its bytes in pieces of a twentieth of a second. The next piece is due when the pieces before it would have arrived at the given rate; a client that was
+//! slower than that gets nothing faster later.
+
+use std::net::IpAddr;
+use std::pin::Pin;
+use std::sync::Arc;
+use std::task::{Context, Poll, ready};
+use std::time::Duration;
+
+use axum::body::Body;
+use axum::http::{Method, StatusCode};
+use bytes::Bytes;
+use http_body::{Body as HttpBody, Frame, SizeHint};
+use tokio::time::{Instant, Sleep, sleep_until};
+
+use crate::activity::Activity;
+use crate::metrics::Metrics;
+
+/// The pieces per second of a paced body, and the fewest bytes of one.
+const PIECES_PER_SECOND: u64 = 20;
+const FEWEST_BYTES: u64 = 64;
+const MOST_BYTES: u64 = 64 << 10;
+
+/// The rate of a body.
+#[derive(Debug)]
+pub(crate) struct Pace {
+    bytes_per_second: u64,
+    due: Pin<Box<Sleep>>,
+    rest: Bytes,
+}
+
+impl Pace {
+    /// Starts now, at a rate in bits per second.
+    pub(crate) fn new(bits_per_second: u64) -> Self {
+        let bytes_per_second = (bits_per_second / 8).max(1);
+        Self { bytes_per_second, due: Box::pin(sleep_until(Instant::now())), rest: Bytes::new() }
+    }
+
+    /// Returns the next piece of what is left, which is not empty, once it is due.
+    fn poll_piece(&mut self, context: &mut Context<'_>) -> Poll<Bytes> {
+        ready!(self.due.as_mut().poll(context));
+        let most = (self.bytes_per_second / PIECES_PER_SECOND).clamp(FEWEST_BYTES, MOST_BYTES);
+        let piece = self.rest.split_to(self.rest.len().min(most as usize));
+        let time = Duration::from_secs_f64(piece.len() as f64 / self.bytes_per_second as f64);
+        let next = self.due.deadline().max(Instant::now()) + time;
+        self.due.as_mut().reset(next);
+        Poll::Ready(piece)
+    }
+}
+
+/// What is logged of a response.
+#[derive(Debug)]
+pub(crate) struct Record {
+    pub(crate) method: Method,
+    pub(crate) path: String,
+    pub(crate) route: &'static str,
+    pub(crate) status: StatusCode,
+    pub(crate) client: IpAddr,
+    pub(crate) started: Instant,
+}
+
+/// A body that is paced, counted and logged.
+#[derive(Debug)]
+pub(crate) struct ResponseBody {
+    inner: Body,
+    pace: Option<Pace>,
+    sent: u64,
+    is_whole: bool,
+    record: Record,
+    metrics: Arc<Metrics>,
+    activity: Arc<Activity>,
+}
+
+impl ResponseBody {
+    pub(crate) fn new(
+        inner: Body,
+        pace: Option<Pace>,
+        record: Record,
+        metrics: Arc<Metrics>,
+        activity: Arc<Activity>,
+    ) -> Self {
+        activity.body_begins();
+        let is_whole = inner.is_end_stream();
+        Self { inner, pace, sent: 0, is_whole, record, metrics, activity }
+    }
+
+    fn poll_inner(&mut self, context: &mut Context<'_>) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
+        let Some(pace) = &mut self.pace else { return Pin::new(&mut self.inner).poll_frame(context) };
+        if pace.rest.is_empty() {
+            match ready!(Pin::new(&mut self.inner).poll_frame(context)) {
+                Some(Ok(frame)) => match frame.into_data() {
+                    Ok(data) => pace.rest = data,
+                    Err(frame) => return Poll::Ready(Some(Ok(frame))),
+                },
+                other => return Poll::Ready(other),
+            }
+        }
+        pace.poll_piece(context).map(|piece| Some(Ok(Frame::data(piece))))
+    }
+}
+
+impl HttpBody for ResponseBody {
+    type Data = Bytes;
+    type Error = axum::Error;
+
+    fn poll_frame(
+        mut self: Pin<&mut Self>,
+        context: &mut Context<'_>,
+    ) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
+        let polled = ready!(self.poll_inner(context));
+        self.activity.progress();
+        match &polled {
+            Some(Ok(frame)) => self.sent += frame.data_ref().map_or(0, |data| data.len() as u64),
+            Some(Err(error)) => tracing::warn!(path = self.record.path, %error, "response ended early"),
+            None => self.is_whole = true,
+        }
+        if self.is_end_stream() {
+            self.is_whole = true;
+        }
+        Poll::Ready(polled)
+    }
+
+    fn is_end_stream(&self) -> bool {
+        self.inner.is_end_stream() && self.pace.as_ref().is_none_or(|pace| pace.rest.is_empty())
+    }
+
+    fn size_hint(&self) -> SizeHint {
+        let inner = self.inner.size_hint();
+        let rest = self.pace.as_ref().map_or(0, |pace| pace.rest.len() as u64);
+        let mut hint = SizeHint::new();
+        if let Some(upper) = inner.upper() {
+            hint.set_upper(upper + rest);
+        }
+        hint.set_lower(inner.lower() + rest);
+        hint
+    }
+}
+
+impl Drop for ResponseBody {
+    fn drop(&mut self) {
+        self.activity.body_ends();
+        let time = self.record.started.elapsed();
+        let Record { method, path, route, status, client, .. } = &self.record;
+        self.metrics.count_response(route, status.as_u16(), self.sent, time);
+        tracing::info!(
+            %method,
+            path,
+            status = status.as_u16(),
+            bytes = self.sent,
+            ms = time.as_millis() as u64,
+            %client,
+            whole = self.is_whole,
+            "request"
+        );
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[tokio::test(start_paused = true)]
+    async fn a_paced_body_takes_its_time() {
+        let record = Record {
+            method: Method::GET,
+            path: "/".into(),
+            route: "files",
+            status: StatusCode::OK,
+            client: IpAddr::from([127, 0, 0, 1]),
+            started: Instant::now(),
+        };
+        let inner = Body::from(vec![1; 100_000]);
+        let (metrics, activity) = (Arc::new(Metrics::new()), Arc::new(Activity::new()));
+        let mut body =
+            ResponseBody::new(inner, Some(Pace::new(400_000)), record, Arc::clone(&metrics), activity);
+        let started = Instant::now();
+        let mut left = 100_000;
+        while let Some(frame) = std::future::poll_fn(|context| Pin::new(&mut body).poll_frame(context)).await
+        {
+            let piece = frame.unwrap().into_data().unwrap();
+            assert!(piece.len() <= 2500);
+            left -= piece.len();
+            assert_eq!(body.size_hint().exact(), Some(left as u64));
+        }
+        let seconds = started.elapsed().as_secs_f64();
+        assert!(left == 0 && (1.9..2.1).contains(&seconds), "{seconds}");
+        assert!(body.is_whole);
+        drop(body);
+        assert!(metrics.text().contains("tristrip_sent_bytes_total 100000"));
+    }
+}

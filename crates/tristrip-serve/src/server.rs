@@ -1,0 +1,289 @@
+//! The server: it listens, accepts connections, and ends them when it is told to stop.
+
+use std::net::{SocketAddr, TcpListener};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+
+use etcetera::{BaseStrategy, choose_base_strategy};
+use tokio::runtime::Builder;
+use tokio::sync::{Mutex, watch};
+use tokio::task::JoinSet;
+use tokio::time::{sleep, timeout};
+use tokio_rustls::TlsAcceptor;
+
+use crate::answer::Answerer;
+use crate::assets::Assets;
+use crate::cache::Cache;
+use crate::catalogue::Scanner;
+use crate::connections::{Clients, Connections, refuse};
+use crate::content::{Content, Store};
+use crate::error::Error;
+use crate::metrics::Metrics;
+use crate::options::{PackingOptions, ServerOptions};
+use crate::site::{Site, router};
+use crate::tls::acceptor;
+use crate::workshop::Workshop;
+
+/// The files that may be open beside the connections and the files that they send.
+const OTHER_FILES: u64 = 128;
+/// How long nothing is accepted after the system refused, for lack of open files or memory.
+const PAUSE: Duration = Duration::from_millis(50);
+
+/// A server that listens, and answers once it runs.
+///
+/// ```
+/// use std::io::{Read, Write};
+/// use tristrip_serve::{Content, MemoryFile, Server, ServerOptions};
+/// let file = MemoryFile { name: "triangle.obj".into(), bytes: b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n".to_vec() };
+/// let server = Server::bind(Content::Files(vec![file]), &ServerOptions::default().with_port(0))?;
+/// let (address, stop) = (server.address(), server.stop_handle());
+/// let running = std::thread::spawn(|| server.run());
+/// let mut socket = std::net::TcpStream::connect(address)?;
+/// socket.write_all(b"GET /files/triangle.obj HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n")?;
+/// let mut response = String::new();
+/// socket.read_to_string(&mut response)?;
+/// assert!(response.starts_with("HTTP/1.1 200 OK") && response.ends_with("f 1 2 3\n"));
+/// stop.stop();
+/// assert!(running.join().is_ok_and(|ended| ended.is_ok()));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct Server {
+    listener: TcpListener,
+    address: SocketAddr,
+    options: ServerOptions,
+    answerer: Answerer,
+    metrics: Arc<Metrics>,
+    tls: Option<Tls>,
+    stop: StopHandle,
+}
+
+/// The certificate in use.
+struct Tls(TlsAcceptor);
+
+impl std::fmt::Debug for Tls {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("Tls")
+    }
+}
+
+/// Stops a server: it accepts no more connections, and ends when running responses have ended, or the grace time has.
+///
+/// ```
+/// use tristrip_serve::{Content, Server, ServerOptions};
+/// let server = Server::bind(Content::Files(Vec::new()), &ServerOptions::default().with_port(0))?;
+/// server.stop_handle().stop();
+/// server.run()?;
+/// # Ok::<(), tristrip_serve::Error>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct StopHandle {
+    sender: Arc<watch::Sender<bool>>,
+}
+
+impl StopHandle {
+    fn new() -> Self {
+        Self { sender: Arc::new(watch::Sender::new(false)) }
+    }
+
+    /// Tells the server to stop.
+    pub fn stop(&self) {
+        self.sender.send_replace(true);
+    }
+}
+
+/// Returns the folder in which packed files are kept if no other is given: `tristrip` in the user's folder of caches.
+///
+/// ```
+/// assert!(tristrip_serve::default_cache().ends_with("tristrip"));
+/// ```
+pub fn default_cache() -> PathBuf {
+    let folder = choose_base_strategy().map_or_else(|_| std::env::temp_dir(), |dirs| dirs.cache_dir());
+    folder.join("tristrip")
+}
+
+impl Server {
+    /// Opens the content and the cache, and listens. Clients that connect wait until the server runs.
+    ///
+    /// # Errors
+    /// The folder or the cache cannot be opened, another program listens at the address, or the certificate or an option is wrong.
+    pub fn bind(content: Content, options: &ServerOptions) -> Result<Self, Error> {
+        let options = options.clone();
+        let store = Store::open(content)?;
+        let tls = options.tls.as_ref().map(acceptor).transpose()?.map(Tls);
+        let metrics = Arc::new(Metrics::new());
+        let workshop = match &store {
+            Store::Folder(_) => Some(Arc::new(open_workshop(&options.packing, &metrics)?)),
+            Store::Memory(_) => None,
+        };
+        let wanted = SocketAddr::new(options.address, options.port);
+        let listen = || {
+            let listener = TcpListener::bind(wanted)?;
+            listener.set_nonblocking(true)?;
+            Ok((listener.local_addr()?, listener))
+        };
+        let (address, listener) = listen().map_err(|source| Error::Address { address: wanted, source })?;
+        let site = Site {
+            store,
+            workshop,
+            packing: options.packing.clone(),
+            metrics: Arc::clone(&metrics),
+            assets: Arc::new(Assets::default()),
+            scanner: Arc::new(Scanner::default()),
+            list: Mutex::new(None),
+        };
+        let answerer = Answerer::new(router(Arc::new(site)), &options, Arc::clone(&metrics))?;
+        let stop = StopHandle::new();
+        Ok(Self { listener, address, options, answerer, metrics, tls, stop })
+    }
+
+    /// Returns the address and the port.
+    pub fn address(&self) -> SocketAddr {
+        self.address
+    }
+
+    /// Returns the URL of the gallery, as a browser on this machine opens it.
+    pub fn url(&self) -> String {
+        let scheme = if self.tls.is_some() { "https" } else { "http" };
+        let mut address = self.address;
+        if address.ip().is_unspecified() {
+            address.set_ip(if address.is_ipv4() {
+                [127, 0, 0, 1].into()
+            } else {
+                std::net::Ipv6Addr::LOCALHOST.into()
+            });
+        }
+        format!("{scheme}://{address}/")
+    }
+
+    /// Returns what stops the server, from any thread.
+    pub fn stop_handle(&self) -> StopHandle {
+        self.stop.clone()
+    }
+
+    /// Answers until the server is stopped.
+    ///
+    /// # Errors
+    /// The system refuses threads or timers.
+    pub fn run(self) -> Result<(), Error> {
+        self.run_on_runtime(false)
+    }
+
+    /// Answers until the server is stopped, or the process gets an interrupt (Ctrl-C) or SIGTERM.
+    ///
+    /// # Errors
+    /// As of [`run`](Self::run), and the system refuses handlers of signals.
+    pub fn run_until_signal(self) -> Result<(), Error> {
+        self.run_on_runtime(true)
+    }
+
+    fn run_on_runtime(self, signals: bool) -> Result<(), Error> {
+        raise_file_limit(self.options.limits.connections as u64);
+        let runtime = Builder::new_multi_thread().enable_all().build().map_err(Error::System)?;
+        let stop = self.stop.clone();
+        let ended = runtime.block_on(async {
+            if signals {
+                watch_signals(stop)?;
+            }
+            self.accept().await
+        });
+        // A packing that has not ended has written nothing, or a whole file.
+        runtime.shutdown_background();
+        ended
+    }
+
+    async fn accept(self) -> Result<(), Error> {
+        let listener = tokio::net::TcpListener::from_std(self.listener).map_err(Error::System)?;
+        let metrics = self.metrics;
+        let limits = Arc::new(self.options.limits);
+        let mut stop = self.stop.sender.subscribe();
+        let connections = Connections {
+            answerer: self.answerer,
+            limits: Arc::clone(&limits),
+            metrics: Arc::clone(&metrics),
+            tls: self.tls.map(|Tls(acceptor)| acceptor),
+            clients: Arc::new(Clients::default()),
+            stop: stop.clone(),
+        };
+        let mut running = JoinSet::new();
+        loop {
+            let accepted = tokio::select! {
+                accepted = listener.accept() => accepted,
+                Some(_) = running.join_next() => continue,
+                _ = stop.wait_for(|stop| *stop) => break,
+            };
+            match accepted {
+                Ok((socket, client)) => match connections.clients.enter(client.ip(), &limits, &metrics) {
+                    Ok(place) => {
+                        running.spawn(connections.clone().serve(socket, client.ip().to_canonical(), place));
+                    }
+                    Err(limit) => {
+                        metrics.count_refused(limit);
+                        if connections.tls.is_none() {
+                            refuse(&socket);
+                        }
+                    }
+                },
+                Err(error) => {
+                    tracing::warn!(%error, "not accepted");
+                    sleep(PAUSE).await;
+                }
+            }
+        }
+        drop(listener);
+        tracing::info!(connections = running.len(), "stopping");
+        let all = async { while running.join_next().await.is_some() {} };
+        if timeout(limits.grace_time, all).await.is_err() {
+            tracing::warn!("responses ended early: the grace time is over");
+        }
+        Ok(())
+    }
+}
+
+fn open_workshop(options: &PackingOptions, metrics: &Arc<Metrics>) -> Result<Workshop, Error> {
+    let folder = options.cache.clone().unwrap_or_else(default_cache);
+    let cache = Cache::open(&folder, options.cache_bytes)?;
+    Workshop::new(options, cache, Arc::clone(metrics))
+}
+
+/// Stops the server at an interrupt or SIGTERM.
+fn watch_signals(stop: StopHandle) -> Result<(), Error> {
+    #[cfg(unix)]
+    let mut terminate =
+        tokio::signal::unix::signal(tokio::signal::unix::SignalKind::terminate()).map_err(Error::System)?;
+    #[cfg(unix)]
+    let mut interrupt =
+        tokio::signal::unix::signal(tokio::signal::unix::SignalKind::interrupt()).map_err(Error::System)?;
+    tokio::spawn(async move {
+        #[cfg(unix)]
+        tokio::select! {
+            _ = interrupt.recv() => (),
+            _ = terminate.recv() => (),
+        }
+        #[cfg(not(unix))]
+        if tokio::signal::ctrl_c().await.is_err() {
+            return;
+        }
+        stop.stop();
+    });
+    Ok(())
+}
+
+/// Lets the process have as many open files as connections need, if the system allows it: one each, and one for what it sends.
+fn raise_file_limit(connections: u64) {
+    #[cfg(unix)]
+    {
+        use rustix::process::{Resource, getrlimit, setrlimit};
+        let wanted = 2 * connections + OTHER_FILES;
+        let mut limit = getrlimit(Resource::Nofile);
+        if limit.current.is_some_and(|current| current < wanted) {
+            limit.current = Some(limit.maximum.map_or(wanted, |maximum| maximum.min(wanted)));
+            if let Err(error) = setrlimit(Resource::Nofile, limit) {
+                tracing::debug!(%error, "limit of open files not raised");
+            }
+        }
+    }
+    #[cfg(not(unix))]
+    let _ = connections;
+}

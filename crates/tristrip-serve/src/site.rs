@@ -1,0 +1,263 @@
+//! The answers of a server: files, packed files, pictures, the list of models, health and figures, by their routes.
+//!
+//! | route | answer |
+//! |---|---|
+//! | `/` and the paths of the viewer's files | the viewer |
+//! | `/models.json` | the list of models |
+//! | `/files/PATH` | a file as it is |
+//! | `/packed/PATH.glb` | a file as progressive GLB, packed now or before |
+//! | `/thumbnails/PATH.png` | a picture of a file |
+//! | `/healthz`, `/metrics` | `ok`; figures for Prometheus |
+
+use std::io;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use axum::Router;
+use axum::extract::State;
+use axum::http::header::{CONTENT_ENCODING, CONTENT_LENGTH, CONTENT_TYPE, ETAG};
+use axum::http::{Extensions, HeaderMap, HeaderValue, StatusCode, Uri, Version};
+use axum::middleware::map_response;
+use axum::response::Response;
+use axum::routing::any;
+use tokio::sync::Mutex;
+use tower_http::compression::{CompressionLayer, CompressionLevel};
+
+use crate::assets::Assets;
+use crate::bytes_source::BytesSource;
+use crate::cache::Made;
+use crate::catalogue::Scanner;
+use crate::content::{Store, list, open_resource};
+use crate::folder::Folder;
+use crate::media::is_compressible;
+use crate::metrics::Metrics;
+use crate::options::PackingOptions;
+use crate::packing::Source;
+use crate::paths::{BadPath, SitePath};
+use crate::replies::{Resource, text};
+use crate::thumbnails;
+use crate::workshop::{JobKey, Refusal, Workshop};
+
+/// How long a list of models is answered without another scan.
+const LIST_TIME: Duration = Duration::from_secs(2);
+/// Smaller files are not compressed.
+const FEWEST_COMPRESSED_BYTES: u64 = 1024;
+
+/// What all requests share.
+#[derive(Debug)]
+pub(crate) struct Site {
+    pub(crate) store: Store,
+    /// `None` where nothing is packed and no picture is kept: files in memory.
+    pub(crate) workshop: Option<Arc<Workshop>>,
+    pub(crate) packing: PackingOptions,
+    pub(crate) metrics: Arc<Metrics>,
+    pub(crate) assets: Arc<Assets>,
+    pub(crate) scanner: Arc<Scanner>,
+    pub(crate) list: Mutex<Option<(Instant, Resource)>>,
+}
+
+/// Builds the routes.
+pub(crate) fn router(site: Arc<Site>) -> Router {
+    let compression = CompressionLayer::new().quality(CompressionLevel::Fastest).compress_when(pays);
+    Router::new()
+        .route("/models.json", any(models))
+        .route("/files/{*path}", any(files))
+        .layer(compression)
+        .layer(map_response(weaken))
+        .route("/packed/{*path}", any(packed))
+        .route("/thumbnails/{*path}", any(thumbnail))
+        .route("/healthz", any(async || text(StatusCode::OK, "ok")))
+        .route("/metrics", any(metrics))
+        .fallback(asset)
+        .with_state(site)
+}
+
+/// Returns the name of a route for the figures.
+pub(crate) fn route_name(path: &str) -> &'static str {
+    match path.split('/').nth(1).unwrap_or_default() {
+        "files" => "files",
+        "packed" => "packed",
+        "thumbnails" => "thumbnails",
+        "models.json" => "models",
+        "healthz" => "healthz",
+        "metrics" => "metrics",
+        name if name.is_empty() || crate::assets::has(path.trim_start_matches('/')) => "viewer",
+        _ => "other",
+    }
+}
+
+/// Checks whether a response is worth compressing: whole, of a type that shrinks, and not small.
+fn pays(status: StatusCode, _: Version, headers: &HeaderMap, _: &Extensions) -> bool {
+    let length = headers.get(CONTENT_LENGTH).and_then(|value| value.to_str().ok()?.parse::<u64>().ok());
+    let media_type = headers.get(CONTENT_TYPE).and_then(|value| value.to_str().ok());
+    status == StatusCode::OK
+        && length.is_some_and(|length| length >= FEWEST_COMPRESSED_BYTES)
+        && media_type.is_some_and(is_compressible)
+}
+
+/// Makes the tag of a response weak that is compressed on its way: its bytes may differ from one time to the next.
+async fn weaken(mut response: Response) -> Response {
+    if response.headers().contains_key(CONTENT_ENCODING)
+        && let Some(tag) = response.headers().get(ETAG).and_then(|tag| tag.to_str().ok())
+        && !tag.starts_with("W/")
+        && let Ok(weak) = HeaderValue::from_str(&format!("W/{tag}"))
+    {
+        response.headers_mut().insert(ETAG, weak);
+    }
+    response
+}
+
+async fn asset(State(site): State<Arc<Site>>, uri: Uri, headers: HeaderMap) -> Response {
+    let name = match uri.path() {
+        "/" => "index.html",
+        path => path.strip_prefix('/').unwrap_or(path),
+    };
+    site.assets.reply(name, &headers).await.unwrap_or_else(not_found)
+}
+
+async fn metrics(State(site): State<Arc<Site>>) -> Response {
+    let mut response = text(StatusCode::OK, site.metrics.text().trim_end());
+    let media_type = HeaderValue::from_static("application/openmetrics-text; version=1.0.0; charset=utf-8");
+    response.headers_mut().insert(CONTENT_TYPE, media_type);
+    response
+}
+
+async fn models(State(site): State<Arc<Site>>, headers: HeaderMap) -> Response {
+    let mut known = site.list.lock().await;
+    if let Some((since, resource)) = &*known
+        && since.elapsed() < LIST_TIME
+    {
+        return resource.reply(&headers);
+    }
+    let catalogue = match &site.store {
+        Store::Memory(store) => list(store),
+        Store::Folder(folder) => {
+            let (folder, scanner) = (Arc::clone(folder), Arc::clone(&site.scanner));
+            let packs = site.packing.on_demand;
+            let scanned = tokio::task::spawn_blocking(move || scanner.scan(&folder, packs));
+            let Ok(catalogue) = scanned.await else { return failed() };
+            catalogue
+        }
+    };
+    let Ok(json) = serde_json::to_vec(&catalogue) else { return failed() };
+    let tag = format!("{:x}-{:08x}", json.len(), crc32fast::hash(&json));
+    let source = BytesSource::Memory(json.into());
+    let resource = Resource { source, media_type: "application/json", tag, modified: None };
+    let response = resource.reply(&headers);
+    *known = Some((Instant::now(), resource));
+    response
+}
+
+async fn files(State(site): State<Arc<Site>>, uri: Uri, headers: HeaderMap) -> Response {
+    let path = match site_path(&uri, "/files/") {
+        Ok(path) => path,
+        Err(response) => return *response,
+    };
+    match &site.store {
+        Store::Memory(store) => {
+            store.get(&path).map_or_else(not_found, |stored| stored.resource().reply(&headers))
+        }
+        Store::Folder(folder) => {
+            let folder = Arc::clone(folder);
+            match tokio::task::spawn_blocking(move || open_resource(&folder, &path)).await {
+                Ok(Ok(resource)) => resource.reply(&headers),
+                Ok(Err(error)) => not_opened(&error),
+                Err(_) => failed(),
+            }
+        }
+    }
+}
+
+async fn packed(State(site): State<Arc<Site>>, uri: Uri, headers: HeaderMap) -> Response {
+    let path = match site_path(&uri, "/packed/") {
+        Ok(path) => path,
+        Err(response) => return *response,
+    };
+    let Some(path) = path.without_extension("glb").filter(|_| site.packing.on_demand) else {
+        return not_found();
+    };
+    let options = site.packing.pack;
+    let most_bytes = site.packing.largest_input_bytes;
+    let work = move |source: &Source, folder: &Folder| source.pack(folder, most_bytes, &options);
+    made(&site, path, "packing", &format!("{options:?}"), "model/gltf-binary", &headers, work).await
+}
+
+async fn thumbnail(State(site): State<Arc<Site>>, uri: Uri, headers: HeaderMap) -> Response {
+    let path = match site_path(&uri, "/thumbnails/") {
+        Ok(path) => path,
+        Err(response) => return *response,
+    };
+    let Some(path) = path.without_extension("png") else { return not_found() };
+    if let Store::Memory(store) = &site.store {
+        let Some(stored) = store.get(&path) else { return not_found() };
+        return match stored.thumbnail().await {
+            Ok(resource) => resource.reply(&headers),
+            Err(message) => text(StatusCode::UNPROCESSABLE_ENTITY, &message),
+        };
+    }
+    let most_bytes = site.packing.largest_input_bytes;
+    let work = move |source: &Source, folder: &Folder| thumbnails::of_source(source, folder, most_bytes);
+    made(&site, path, "thumbnail", thumbnails::OPTIONS, "image/png", &headers, work).await
+}
+
+/// Answers with what is made of a file, now or before.
+async fn made(
+    site: &Site,
+    path: SitePath,
+    kind: &'static str,
+    options: &str,
+    media_type: &'static str,
+    headers: &HeaderMap,
+    work: impl FnOnce(&Source, &Folder) -> Result<Vec<u8>, String> + Send + 'static,
+) -> Response {
+    let (Store::Folder(folder), Some(workshop)) = (&site.store, &site.workshop) else { return not_found() };
+    let found = {
+        let (folder, path) = (Arc::clone(folder), path.clone());
+        tokio::task::spawn_blocking(move || Source::find(&folder, &path)).await
+    };
+    let Ok(Some(source)) = found else { return not_found() };
+    let key = source.key(options);
+    let job = JobKey { kind, key: key.clone(), name: path.as_str().to_owned() };
+    let folder = Arc::clone(folder);
+    match workshop.get(job, move || work(&source, &folder)).await {
+        Ok(Made { source, checksum }) => {
+            let tag = format!("{}-{checksum:08x}", &key[..16]);
+            Resource { source, media_type, tag, modified: None }.reply(headers)
+        }
+        Err(Refusal::Busy) => text(StatusCode::SERVICE_UNAVAILABLE, "too many files are being packed"),
+        Err(Refusal::Failed(message)) => text(StatusCode::UNPROCESSABLE_ENTITY, &message),
+    }
+}
+
+/// Returns the path behind a route.
+fn site_path(uri: &Uri, route: &str) -> Result<SitePath, Box<Response>> {
+    let raw = uri.path().strip_prefix(route).unwrap_or_default();
+    SitePath::decode(raw).map_err(|bad| {
+        Box::new(match bad {
+            BadPath::Malformed => text(StatusCode::BAD_REQUEST, "not a path of a file"),
+            BadPath::Hidden => not_found(),
+        })
+    })
+}
+
+fn not_found() -> Response {
+    text(StatusCode::NOT_FOUND, "not found")
+}
+
+fn failed() -> Response {
+    text(StatusCode::INTERNAL_SERVER_ERROR, "an error in the program ended the request")
+}
+
+/// Answers for a file that is not opened: it is missing, leads out of the folder, or is none; or the server has too many open files.
+fn not_opened(error: &io::Error) -> Response {
+    #[cfg(unix)]
+    if let Some(code) = error.raw_os_error()
+        && [rustix::io::Errno::MFILE, rustix::io::Errno::NFILE]
+            .map(rustix::io::Errno::raw_os_error)
+            .contains(&code)
+    {
+        return text(StatusCode::SERVICE_UNAVAILABLE, "too many open files");
+    }
+    tracing::debug!(%error, "not opened");
+    not_found()
+}

@@ -1,0 +1,107 @@
+//! Pictures of models for the gallery, drawn by the rasterizer of `tristrip-lab`: PNG with a transparent background.
+//!
+//! A progressive file is drawn at a level with few triangles, so that a large model takes no longer than a small one. Another model that is too large is shown as a cube.
+
+use tristrip::Layout;
+use tristrip_io::gltf::ProgressiveGlb;
+use tristrip_io::{Drawing, Format, Model};
+use tristrip_lab::render::{Mode, RenderOptions, TexturedModel};
+use tristrip_pipeline::{StreamGoal, unpack};
+
+use crate::folder::Folder;
+use crate::packing::Source;
+
+/// The width and height in pixels.
+const SIZE: [u32; 2] = [320, 240];
+/// The triangles of a level of a progressive file, and the most of another model: enough that an edge is shorter than a pixel.
+const LEVEL_TRIANGLES: usize = 200_000;
+const MOST_TRIANGLES: usize = 4_000_000;
+
+/// The options that a picture depends on, for keys.
+pub(crate) const OPTIONS: &str = "thumbnail 1 320x240";
+
+/// Draws a file of a folder.
+pub(crate) fn of_source(source: &Source, folder: &Folder, most_bytes: u64) -> Result<Vec<u8>, String> {
+    if source.format == Format::Glb {
+        let bytes = folder.read(&source.path, most_bytes).map_err(|error| error.to_string())?;
+        if let Some(model) = level(bytes)? {
+            return of_model(&model);
+        }
+    }
+    of_model(&source.read(folder, most_bytes)?)
+}
+
+/// Draws a GLB.
+pub(crate) fn of_glb(bytes: Vec<u8>) -> Result<Vec<u8>, String> {
+    if let Some(model) = level(bytes.clone())? {
+        return of_model(&model);
+    }
+    of_model(&tristrip_io::read(&bytes, Format::Glb).map_err(|error| error.to_string())?)
+}
+
+/// Reads a level of a progressive file; `None` for another file.
+fn level(bytes: Vec<u8>) -> Result<Option<Model>, String> {
+    let opened = ProgressiveGlb::open(bytes).map_err(|error| error.to_string())?;
+    let Some(glb) = opened else { return Ok(None) };
+    let unpacked = unpack(&glb, StreamGoal::Triangles(LEVEL_TRIANGLES), None);
+    unpacked.map(|unpacked| Some(unpacked.model)).map_err(|error| error.to_string())
+}
+
+fn of_model(model: &Model) -> Result<Vec<u8>, String> {
+    let triangles: usize = model.parts.iter().map(|part| part.mesh.faces().triangle_count()).sum();
+    if triangles > MOST_TRIANGLES {
+        return cube();
+    }
+    let options = RenderOptions::default().with_size(SIZE[0], SIZE[1]).with_background(None);
+    let picture = |model: &Model| {
+        let mode = if is_coloured(model) { Mode::Textured } else { Mode::Shaded };
+        TexturedModel::new(model)
+            .and_then(|textured| textured.picture(mode, &options))
+            .map_err(|error| error.to_string())
+    };
+    // The materials of an OBJ are drawn as those of the glTF that they become.
+    if model.scene.is_none() && model.materials.as_ref().is_some_and(|materials| !materials.is_empty()) {
+        let faces = vec![Drawing::Faces; model.parts.len()];
+        let glb = tristrip_io::write(model, &faces, Format::Glb, Layout::List)
+            .and_then(|glb| tristrip_io::read(&glb, Format::Glb));
+        // Images that cannot be drawn leave the plain model.
+        if let Some(png) = glb.ok().and_then(|glb| picture(&glb).ok()) {
+            return Ok(png);
+        }
+    }
+    picture(model)
+}
+
+/// Checks whether a scene has colours: of textures, materials or vertices. White alone is drawn grey, so that it shows on white.
+fn is_coloured(model: &Model) -> bool {
+    let Some(appearance) = model.scene.as_ref().and_then(|scene| scene.appearance().ok()) else {
+        return false;
+    };
+    let is_white = |colour: [f32; 4]| colour[..3].iter().all(|channel| *channel > 0.9);
+    let colours = appearance
+        .materials
+        .iter()
+        .any(|material| material.texture.is_some() || !is_white(material.base_colour));
+    let mut attributes = model.parts.iter().flat_map(|part| part.mesh.attributes());
+    colours || attributes.any(|attribute| attribute.name == "COLOR_0")
+}
+
+/// Draws a cube, for models that are too large.
+fn cube() -> Result<Vec<u8>, String> {
+    const CUBE: &[u8] = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1
+f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+    of_model(&tristrip_io::read(CUBE, Format::Obj).map_err(|error| error.to_string())?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cube_is_drawn() {
+        let png = cube().unwrap();
+        assert!(png.starts_with(b"\x89PNG") && png.len() > 500);
+        assert_eq!(png[16..24], [0, 0, 1, 64, 0, 0, 0, 240]);
+        assert_eq!(png, cube().unwrap());
+    }
+}

@@ -1,0 +1,72 @@
+//! A client of HTTP/1.1 that sends what a test wants, also what no client should.
+
+use std::io::{Read, Write};
+use std::net::{SocketAddr, TcpStream};
+use std::time::Duration;
+
+/// A response with its body, chunks put together.
+#[derive(Debug)]
+pub(crate) struct Response {
+    pub(crate) status: u16,
+    headers: Vec<(String, String)>,
+    pub(crate) body: Vec<u8>,
+}
+
+impl Response {
+    /// Returns a header; empty text if it is not there.
+    pub(crate) fn header(&self, name: &str) -> &str {
+        let found = self.headers.iter().find(|(found, _)| found.eq_ignore_ascii_case(name));
+        found.map_or("", |(_, value)| value)
+    }
+
+    pub(crate) fn text(&self) -> String {
+        String::from_utf8(self.body.clone()).unwrap()
+    }
+}
+
+/// Connects, with a time after which reading fails.
+pub(crate) fn connect(address: SocketAddr) -> TcpStream {
+    let socket = TcpStream::connect(address).unwrap();
+    socket.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
+    socket
+}
+
+/// Sends the lines of a request, and reads the response; the connection is closed after it.
+pub(crate) fn request(address: SocketAddr, lines: &str) -> Response {
+    let mut socket = connect(address);
+    socket.write_all(format!("{lines}Connection: close\r\n\r\n").as_bytes()).unwrap();
+    read(&mut socket)
+}
+
+/// Reads a response to the end of the connection.
+pub(crate) fn read(socket: &mut impl Read) -> Response {
+    let mut bytes = Vec::new();
+    // A connection that was reset has sent what there is.
+    socket.read_to_end(&mut bytes).unwrap_or_default();
+    parse(&bytes).unwrap_or_else(|| panic!("no response: {:?}", String::from_utf8_lossy(&bytes)))
+}
+
+/// Returns a response, or none if its head is not there.
+pub(crate) fn parse(bytes: &[u8]) -> Option<Response> {
+    let end = bytes.windows(4).position(|window| window == b"\r\n\r\n")?;
+    let head = std::str::from_utf8(&bytes[..end]).ok()?;
+    let mut lines = head.lines();
+    let status = lines.next()?.split(' ').nth(1)?.parse().ok()?;
+    let header = |line: &str| line.split_once(": ").map(|(name, value)| (name.to_owned(), value.to_owned()));
+    let headers: Vec<(String, String)> = lines.filter_map(header).collect();
+    let mut response = Response { status, headers, body: bytes[end + 4..].to_vec() };
+    if response.header("transfer-encoding") == "chunked" {
+        response.body = without_chunks(&response.body);
+    }
+    Some(response)
+}
+
+fn without_chunks(mut bytes: &[u8]) -> Vec<u8> {
+    let mut body = Vec::new();
+    while let Some(end) = bytes.windows(2).position(|window| window == b"\r\n") {
+        let length = usize::from_str_radix(std::str::from_utf8(&bytes[..end]).unwrap(), 16).unwrap();
+        body.extend(&bytes[end + 2..end + 2 + length]);
+        bytes = &bytes[end + 4 + length..];
+    }
+    body
+}

@@ -1,0 +1,176 @@
+//! Limits: connections, slow heads, clients that read nothing, bandwidth, and the end of a server.
+
+use std::io::{ErrorKind, Read, Write};
+use std::time::{Duration, Instant};
+
+use tristrip_serve::{Limits, ServerOptions};
+
+use super::Running;
+use super::client::{connect, parse, read};
+
+const MILLION: usize = 1_000_000;
+
+fn with(limits: Limits) -> ServerOptions {
+    ServerOptions::default().with_limits(limits)
+}
+
+/// Reads until the server closes, and returns the time that this took.
+fn time_to_close(mut socket: impl Read) -> Duration {
+    let start = Instant::now();
+    let mut bytes = Vec::new();
+    if let Err(error) = socket.read_to_end(&mut bytes) {
+        assert_ne!(error.kind(), ErrorKind::WouldBlock, "the connection stays open");
+    }
+    start.elapsed()
+}
+
+#[test]
+fn connections_over_a_limit_are_refused() {
+    let server = Running::new(with(Limits::default().with_connections(10, 3)));
+    let mut open: Vec<_> = (0..3).map(|_| connect(server.address)).collect();
+    // They count once they are accepted.
+    for socket in &mut open {
+        socket.write_all(b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n").unwrap();
+        assert!(socket.read(&mut [0; 512]).unwrap() > 0);
+    }
+    let mut refused = connect(server.address);
+    let mut bytes = Vec::new();
+    refused.read_to_end(&mut bytes).unwrap_or_default();
+    let response = parse(&bytes).unwrap();
+    assert_eq!((response.status, response.header("retry-after")), (503, "1"));
+    drop(open.pop());
+    // The server notices that it is closed a moment later.
+    let start = Instant::now();
+    while super::client::parse(&attempt(&server)).is_none_or(|response| response.status != 200) {
+        assert!(start.elapsed() < Duration::from_secs(10));
+    }
+    drop(open);
+    while server_metric(&server) == 0 {
+        assert!(start.elapsed() < Duration::from_secs(10));
+    }
+}
+
+fn attempt(server: &Running) -> Vec<u8> {
+    let mut socket = connect(server.address);
+    socket
+        .write_all(b"GET /healthz HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n")
+        .unwrap_or_default();
+    let mut bytes = Vec::new();
+    socket.read_to_end(&mut bytes).unwrap_or_default();
+    bytes
+}
+
+fn server_metric(server: &Running) -> u64 {
+    server.metric("tristrip_refused_connections_total{limit=\"client\"}")
+}
+
+#[test]
+fn slow_heads_and_idle_connections_are_closed_and_hold_up_nobody() {
+    let limits = Limits::default()
+        .with_headers(16 << 10, Duration::from_millis(400))
+        .with_idle_time(Duration::from_millis(300));
+    let server = Running::new(with(limits));
+    // Nothing, half a head, half a head a letter at a time, half the preface of HTTP/2.
+    let silent = connect(server.address);
+    let mut half = connect(server.address);
+    half.write_all(b"GET / HTTP/1.1\r\nHost: local").unwrap();
+    let mut preface = connect(server.address);
+    preface.write_all(b"PRI * HTTP/2").unwrap();
+    let mut slow = connect(server.address);
+    let mut writer = slow.try_clone().unwrap();
+    let writing = std::thread::spawn(move || {
+        for letter in
+            b"GET /healthz HTTP/1.1\r\nHost: localhost\r\nAaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaaa: a\r\n\r\n"
+        {
+            if writer.write_all(&[*letter]).is_err() {
+                return;
+            }
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    });
+    let start = Instant::now();
+    assert_eq!(server.get("/healthz").status, 200);
+    assert!(start.elapsed() < Duration::from_secs(2));
+    for socket in [silent, half, preface] {
+        assert!(time_to_close(socket) < Duration::from_secs(5));
+    }
+    let mut bytes = Vec::new();
+    slow.read_to_end(&mut bytes).unwrap_or_default();
+    assert!(parse(&bytes).is_none_or(|response| response.status == 408));
+    writing.join().unwrap();
+    let mut idle = connect(server.address);
+    idle.write_all(b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n").unwrap();
+    assert!(time_to_close(idle) < Duration::from_secs(5));
+}
+
+#[test]
+fn a_client_that_reads_nothing_is_closed_and_holds_up_nobody() {
+    // More than the buffers of both sockets take.
+    let large = vec![5; 20 * MILLION];
+    let limits = Limits::default().with_stall_time(Duration::from_millis(500));
+    let server = Running::with_files(with(limits), &[("large.glb", &large), ("small.glb", b"a")]);
+    let mut stalled: Vec<_> = (0..20).map(|_| connect(server.address)).collect();
+    for socket in &mut stalled {
+        socket.write_all(b"GET /files/large.glb HTTP/1.1\r\nHost: localhost\r\n\r\n").unwrap();
+    }
+    let start = Instant::now();
+    for _ in 0..20 {
+        assert_eq!(server.get("/files/small.glb").body, b"a");
+    }
+    let whole = server.get("/files/large.glb");
+    assert!(whole.body == large && start.elapsed() < Duration::from_secs(10));
+    std::thread::sleep(Duration::from_millis(1000));
+    let mut socket = stalled.remove(0);
+    let mut bytes = Vec::new();
+    socket.read_to_end(&mut bytes).unwrap_or_default();
+    assert!(bytes.len() < large.len(), "the connection was not closed");
+}
+
+#[test]
+fn bandwidth_is_that_of_each_response() {
+    let bytes = vec![3; 100_000];
+    let server =
+        Running::with_files(ServerOptions::default().with_bandwidth(Some(2_000_000)), &[("a.glb", &bytes)]);
+    let start = Instant::now();
+    let both = std::thread::scope(|scope| {
+        let get = || (server.get("/files/a.glb").body, start.elapsed());
+        [scope.spawn(get), scope.spawn(get)].map(|thread| thread.join().unwrap())
+    });
+    for (body, time) in both {
+        assert!(body == bytes);
+        // 0.4 s by the rate; a busy machine takes longer.
+        assert!(time > Duration::from_millis(350) && time < Duration::from_secs(5), "{time:?}");
+    }
+}
+
+#[test]
+fn running_responses_end_before_the_server_does() {
+    let bytes = vec![3; 100_000];
+    let mut server =
+        Running::with_files(ServerOptions::default().with_bandwidth(Some(2_000_000)), &[("a.glb", &bytes)]);
+    let mut idle = connect(server.address);
+    idle.write_all(b"GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n").unwrap();
+    let mut socket = connect(server.address);
+    socket.write_all(b"GET /files/a.glb HTTP/1.1\r\nHost: localhost\r\n\r\n").unwrap();
+    let mut first = [0; 1];
+    socket.read_exact(&mut first).unwrap();
+    server.stop.stop();
+    let response = read(&mut first.chain(socket));
+    assert!(response.body == bytes);
+    server.thread.take().unwrap().join().unwrap().unwrap();
+    assert!(std::net::TcpStream::connect(server.address).is_err());
+}
+
+#[test]
+fn the_grace_time_ends_what_does_not_end_itself() {
+    let limits = Limits::default().with_grace_time(Duration::from_millis(200));
+    let mut server =
+        Running::with_files(with(limits).with_bandwidth(Some(8000)), &[("a.glb", &vec![3; MILLION])]);
+    let mut socket = connect(server.address);
+    socket.write_all(b"GET /files/a.glb HTTP/1.1\r\nHost: localhost\r\n\r\n").unwrap();
+    socket.read_exact(&mut [0; 100]).unwrap();
+    let start = Instant::now();
+    server.stop.stop();
+    server.thread.take().unwrap().join().unwrap().unwrap();
+    assert!(start.elapsed() < Duration::from_secs(5));
+}

@@ -1,0 +1,109 @@
+//! HTTP/2 without and with TLS, and HTTP/1.1 with TLS.
+
+use std::fs;
+use std::sync::Arc;
+
+use axum::body::Body;
+use bytes::Bytes;
+use futures_util::future::join_all;
+use http_body_util::BodyExt;
+use hyper::client::conn::http2;
+use hyper::{Request, Version};
+use hyper_util::rt::{TokioExecutor, TokioIo};
+use rustls_pki_types::{CertificateDer, ServerName};
+use tokio::io::{AsyncRead, AsyncReadExt, AsyncWrite, AsyncWriteExt};
+use tokio::net::TcpStream;
+use tokio_rustls::TlsConnector;
+use tokio_rustls::rustls::crypto::ring::default_provider;
+use tokio_rustls::rustls::{ClientConfig, RootCertStore};
+use tristrip_serve::{Content, Error, Server, ServerOptions, TlsFiles};
+
+use super::Running;
+
+/// Asks for a file 20 times at once over one connection of HTTP/2.
+async fn ask_together(
+    io: impl AsyncRead + AsyncWrite + Unpin + Send + 'static,
+    authority: &str,
+    bytes: &[u8],
+) {
+    let (sender, connection) = http2::handshake(TokioExecutor::new(), TokioIo::new(io)).await.unwrap();
+    tokio::spawn(connection);
+    let asked = (0..20).map(|_| {
+        let mut sender = sender.clone();
+        let request = Request::get(format!("http://{authority}/files/a.glb")).body(Body::empty()).unwrap();
+        async move {
+            let response = sender.send_request(request).await.unwrap();
+            assert_eq!((response.status().as_u16(), response.version()), (200, Version::HTTP_2));
+            response.into_body().collect().await.unwrap().to_bytes()
+        }
+    });
+    let bodies: Vec<Bytes> = join_all(asked).await;
+    assert!(bodies.iter().all(|body| *body == bytes));
+}
+
+#[tokio::test]
+async fn http2_without_tls_on_the_same_port() {
+    let bytes: Vec<u8> = (0..300_000).map(|i| (i % 251) as u8).collect();
+    let server = Running::with_files(ServerOptions::default(), &[("a.glb", &bytes)]);
+    ask_together(TcpStream::connect(server.address).await.unwrap(), "localhost", &bytes).await;
+    let socket = TcpStream::connect(server.address).await.unwrap();
+    let (mut sender, connection) =
+        http2::handshake(TokioExecutor::new(), TokioIo::new(socket)).await.unwrap();
+    tokio::spawn(connection);
+    let request = Request::get("http://evil.example/files/a.glb").body(Body::empty()).unwrap();
+    assert_eq!(sender.send_request(request).await.unwrap().status().as_u16(), 403);
+    drop(sender);
+    // The end of the server waits for its connections on another thread.
+    tokio::task::spawn_blocking(move || drop(server)).await.unwrap();
+}
+
+#[tokio::test]
+async fn tls_with_both_protocols() {
+    let dir = tempfile::tempdir().unwrap();
+    let signed = rcgen::generate_simple_self_signed(["localhost".to_owned()]).unwrap();
+    let files = TlsFiles { certificate: dir.path().join("cert.pem"), key: dir.path().join("key.pem") };
+    fs::write(&files.certificate, signed.cert.pem()).unwrap();
+    fs::write(&files.key, signed.signing_key.serialize_pem()).unwrap();
+    let bytes = vec![9; 100_000];
+    let server = Running::with_files(ServerOptions::default().with_tls(Some(files)), &[("a.glb", &bytes)]);
+    let connect = async |protocol: &[u8]| {
+        let mut roots = RootCertStore::empty();
+        roots.add(CertificateDer::from(signed.cert.der().to_vec())).unwrap();
+        let config = ClientConfig::builder_with_provider(Arc::new(default_provider()))
+            .with_safe_default_protocol_versions()
+            .unwrap();
+        let mut config = config.with_root_certificates(roots).with_no_client_auth();
+        config.alpn_protocols = vec![protocol.to_vec()];
+        let socket = TcpStream::connect(server.address).await.unwrap();
+        let name = ServerName::try_from("localhost").unwrap();
+        TlsConnector::from(Arc::new(config)).connect(name, socket).await.unwrap()
+    };
+    ask_together(connect(b"h2").await, "localhost", &bytes).await;
+    let mut old = connect(b"http/1.1").await;
+    old.write_all(b"GET /files/a.glb HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n")
+        .await
+        .unwrap();
+    let mut answer = Vec::new();
+    old.read_to_end(&mut answer).await.unwrap();
+    assert!(super::client::parse(&answer).unwrap().body == bytes);
+    tokio::task::spawn_blocking(move || drop(server)).await.unwrap();
+}
+
+#[test]
+fn wrong_options_are_named() {
+    let dir = tempfile::tempdir().unwrap();
+    let first = Server::bind(Content::Folder(dir.path().into()), &cached(dir.path()).with_port(0)).unwrap();
+    let again = cached(dir.path()).with_port(first.address().port());
+    let error = Server::bind(Content::Folder(dir.path().into()), &again).unwrap_err();
+    assert!(matches!(error, Error::Address { .. }), "{error}");
+    let missing = Server::bind(Content::Folder(dir.path().join("none")), &cached(dir.path())).unwrap_err();
+    assert!(missing.to_string().ends_with("none: no such file or directory"), "{missing}");
+    let cors = cached(dir.path()).with_port(0).with_cors(vec!["example.org".into()]);
+    let error = Server::bind(Content::Folder(dir.path().into()), &cors).unwrap_err();
+    assert!(matches!(error, Error::Parameter { name: "cors", .. }), "{error}");
+}
+
+fn cached(dir: &std::path::Path) -> ServerOptions {
+    let packing = tristrip_serve::PackingOptions::default().with_cache(Some(dir.join("cache")), 0);
+    ServerOptions::default().with_packing(packing)
+}
