@@ -22,7 +22,9 @@ const { models, server } = harness;
 
 /** @param {string} file */
 function pack(file) {
-  const { packed, full, source } = models.pack(file);
+  const packed = models.pack(file);
+  const full = models.unpack(packed);
+  const source = models.copy(file);
   const { size } = statSync(path.join(models.folder, packed));
   return { packed: `/models/${packed}`, full: `/models/${full}`, source: `/models/${source}`, bytes: size };
 }
