@@ -30,29 +30,53 @@ const textured = process.env.TRISTRIP_MODELS && path.join(process.env.TRISTRIP_M
 /** The folder with larger models, if `TRISTRIP_MODELS` names it. */
 export const largeModels = process.env.TRISTRIP_MODELS;
 
+/** @param {string} file */
+const nameOf = (file) => path.basename(file).replace(/\.\w+$/, '');
+
 /** A folder of its own for the models of a test file, which is removed at the end. */
 export class Models {
   /** @type {string} */
   folder = mkdtempSync(path.join(tmpdir(), 'tristrip-models-'));
 
   /**
-   * Packs a model, unpacks it again, and puts both beside a copy of the model.
-   * @param {string} file
-   * @param {string[]} [options] of `tristrip pack`
-   * @returns {{ packed: string, full: string, source: string }} names of files in the folder
+   * Runs the command in the folder.
+   * @param {string[]} words
    */
-  pack(file, options = []) {
-    const name = path.basename(file).replace(/\.\w+$/, '');
-    const packed = `${name}.packed.glb`;
-    const full = `${name}.full.glb`;
-    const run = (/** @type {string[]} */ ...words) => execFileSync(findCommand(), [...words, '--quiet'], { cwd: this.folder });
-    run('pack', file, '-o', packed, '--position-bits', '14', ...options);
-    run('unpack', packed, '-o', full);
-    // A glTF document has files beside it.
+  #run(...words) {
+    execFileSync(findCommand(), [...words, '--quiet'], { cwd: this.folder });
+  }
+
+  /**
+   * Packs a model.
+   * @param {string} file
+   * @returns {string} the name of the file in the folder
+   */
+  pack(file) {
+    const packed = `${nameOf(file)}.packed.glb`;
+    this.#run('pack', file, '-o', packed, '--position-bits', '14');
+    return packed;
+  }
+
+  /**
+   * Unpacks a packed model.
+   * @param {string} packed its name in the folder
+   * @returns {string} the name of the file in the folder
+   */
+  unpack(packed) {
+    const full = packed.replace('.packed.glb', '.full.glb');
+    this.#run('unpack', packed, '-o', full);
+    return full;
+  }
+
+  /**
+   * Copies a model, with the files beside a glTF document.
+   * @param {string} file
+   * @returns {string} the path in the folder
+   */
+  copy(file) {
     const isDocument = file.endsWith('.gltf');
-    const source = isDocument ? `${name}/${path.basename(file)}` : path.basename(file);
-    cpSync(isDocument ? path.dirname(file) : file, path.join(this.folder, isDocument ? name : source), { recursive: true });
-    return { packed, full, source };
+    cpSync(isDocument ? path.dirname(file) : file, path.join(this.folder, isDocument ? nameOf(file) : path.basename(file)), { recursive: true });
+    return isDocument ? `${nameOf(file)}/${path.basename(file)}` : path.basename(file);
   }
 
   remove() {

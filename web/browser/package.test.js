@@ -59,7 +59,7 @@ test('a project with Vite and three.js installs, checks, builds and shows a mode
   });
 
   await t.test('vite build', async () => {
-    const { packed } = harness.models.pack(ownModel('milktruck.glb'));
+    const packed = harness.models.pack(ownModel('milktruck.glb'));
     mkdirSync(path.join(project, 'public'));
     cpSync(path.join(harness.models.folder, packed), path.join(project, 'public/model.glb'));
     run(project, 'npx', 'vite', 'build');

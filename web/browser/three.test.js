@@ -22,7 +22,9 @@ const { models, server } = harness;
 
 /** @param {string} file */
 function pack(file) {
-  const { packed, full, source } = models.pack(file);
+  const packed = models.pack(file);
+  const full = models.unpack(packed);
+  const source = models.copy(file);
   const { size } = statSync(path.join(models.folder, packed));
   return { packed: `/models/${packed}`, full: `/models/${full}`, source: `/models/${source}`, bytes: size };
 }
@@ -252,6 +254,30 @@ test('bounds, rays and buffers are right while a model refines', { skip }, async
   assert.ok(found.worst < 1e-3, `${found.worst}`);
   assert.ok(found.arrays <= 9, `${found.arrays} buffers`);
   assert.equal(found.room, found.count, 'no room is left over in the end');
+  assert.deepEqual(problems, []);
+});
+
+test('a skinned mesh stays within its bounds', { skip: skip || (texturedScenes.length === 0 && 'SKIPPED: TRISTRIP_MODELS is not set') }, async () => {
+  const { packed, bytes } = pack(/** @type {string} */ (texturedScenes.find((file) => file.endsWith('CesiumMan.glb'))));
+  server.shape(packed, { bytesPerSecond: bytes / 2 });
+  const { page, problems } = await openStage();
+  const found = await page.evaluate(async (packed) => {
+    const { ProgressiveLoader, renderer, THREE, cameraAt, trianglesOf } = window.stage;
+    const gltf = await new ProgressiveLoader().loadAsync(packed);
+    const mesh = gltf.scene.getObjectByProperty('isSkinnedMesh', true);
+    renderer.render(gltf.scene, cameraAt(new THREE.Box3().setFromObject(gltf.scene), 0));
+    const base = trianglesOf(gltf);
+    await gltf.progressive.done;
+    const { boundingSphere, geometry } = mesh;
+    let outside = 0;
+    for (let i = 0; i < geometry.attributes.position.count; i++) {
+      outside = Math.max(outside, boundingSphere.distanceToPoint(mesh.getVertexPosition(i, new THREE.Vector3())));
+    }
+    return { base, triangles: trianglesOf(gltf), outside, radius: boundingSphere.radius };
+  }, packed);
+  server.shape(packed);
+  assert.ok(found.base < found.triangles);
+  assert.equal(found.outside, 0, `${found.outside} of ${found.radius}`);
   assert.deepEqual(problems, []);
 });
 

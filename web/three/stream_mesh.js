@@ -36,7 +36,8 @@ export class StreamMesh {
   #indices = [];
   #vertexCount = 0;
   #vertexRoom = 0;
-  #error = 0;
+  /** The error of the last update. @type {number | undefined} */
+  #error;
   /** @type {User[]} */
   #users = [];
   /** @type {SkinnedMesh[]} */
@@ -77,8 +78,8 @@ export class StreamMesh {
       for (const { geometry, isAttached } of this.#users) if (isAttached) geometry.dispose();
     }
     if (count > this.#vertexRoom) {
-      // At most double, and no more than the file claims, unless it claims too little.
-      this.#vertexRoom = Math.max(count, Math.min(2 * count, fullVertices));
+      // What the file claims is only used to leave no room over in the end.
+      this.#vertexRoom = fullVertices < count ? 2 * count : Math.min(2 * count, fullVertices);
     }
     if (positions.length > 0) {
       this.#vertexCount = count;
@@ -86,7 +87,8 @@ export class StreamMesh {
       for (const attribute of attributes) this.#write(attribute, firstVertex);
       if (this.#skinned.length > 0) this.#normalizeWeights(firstVertex);
     }
-    for (const mesh of this.#skinned) growSkinnedBounds(mesh, this.#error);
+    // three.js may have computed the bounds before this update.
+    for (const mesh of this.#skinned) growSkinnedBounds(mesh, this.#error ?? error);
     this.#error = error;
     for (const part of parts) this.#writeIndices(part);
     for (const user of this.#users) {
