@@ -4,6 +4,7 @@ import { createServer } from 'node:http';
 import { test } from 'node:test';
 import { Link } from '../src/client/link.js';
 import { Session } from '../src/client/session.js';
+import { warmUp } from '../src/client/warm_up.js';
 import { GlbDecoder } from '../src/index.js';
 import { document, glb, MESHES } from '../testing/glb.js';
 import { Mirror } from '../testing/mirror.js';
@@ -295,4 +296,8 @@ test('a model that is paused goes on later, and one that is closed says nothing 
   await new Promise((resolve) => setTimeout(resolve, 300));
   assert.equal(other.messages.length, count);
   close();
+});
+
+test('the decoder gets ready with a mesh of some size', () => {
+  assert.ok(warmUp() > 5000);
 });

@@ -4,6 +4,10 @@
  */
 import { Link } from './link.js';
 import { Session } from './session.js';
+import { warmUp } from './warm_up.js';
+
+/** If no model has come after so many milliseconds, there is time to get ready for the first one. */
+const IDLE = 200;
 
 /** @type {any} */
 const scope = self;
@@ -25,3 +29,7 @@ scope.onmessage = (/** @type {MessageEvent<any>} */ { data }) => {
   session?.receive(data);
   if (type === 'close') sessions.delete(id);
 };
+
+setTimeout(() => {
+  if (sessions.size === 0) warmUp();
+}, IDLE);
