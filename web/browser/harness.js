@@ -17,11 +17,15 @@ const NOISE = /GPU stall|GL Driver|WebGL-0x|GroupMarkerNotSet/;
  * @typedef {{ page: import('playwright-core').Page, problems: string[] }} Tab
  */
 
-/** A server of the folder `web`, of installed packages under `/node_modules/`, and of models under `/models/`; and pages. */
+/** The files of the bundled viewer: the page as the server of the command has it. */
+const BUNDLE = ['index.html', 'style.css', 'viewer.js', 'worker.js'];
+
+/** A server of the folder `web` with the bundled viewer, of installed packages under `/node_modules/`, and of models under `/models/`; and pages. */
 export class Harness {
   models = new Models();
   server = new Server({
     '/': new URL('../', import.meta.url),
+    ...Object.fromEntries(BUNDLE.map((name) => [`/${name}`, new URL(`../dist/${name}`, import.meta.url)])),
     '/node_modules/': new URL('node_modules/', import.meta.url),
     '/models.json': `${this.models.folder}/models.json`,
     '/models/': `${this.models.folder}/`,
