@@ -22,6 +22,10 @@ const MOST_BLOCKING = 16;
 /** The bytes by which memory may grow while 50 models are opened and closed, each of which takes more. */
 const MOST_GROWTH = 2 ** 21;
 
+/** How long a model is orbited, a minute for the figure of a release, and the share by which memory may grow meanwhile. */
+const ORBIT_SECONDS = Number(process.env.TRISTRIP_ORBIT_SECONDS ?? 12);
+const MOST_ORBIT_GROWTH = 0.1;
+
 const needsModels = !largeModels && 'SKIPPED: TRISTRIP_MODELS is not set';
 
 const DESKTOP = { viewport: { width: 1000, height: 700 } };
@@ -357,4 +361,42 @@ test('the first picture of a large model comes soon', { skip: skip || needsModel
     await page.context().close();
   }
   assert.ok(best <= 600, `${best} ms`);
+});
+
+test('a full model is orbited while another one loads', { skip: skip || needsModels, timeout: 1000 * ORBIT_SECONDS + 240_000 }, async (t) => {
+  const bunny = pack(path.join(/** @type {string} */ (largeModels), 'bunny.ply'));
+  const horse = pack(path.join(/** @type {string} */ (largeModels), 'horse.ply'));
+  const { page, problems } = await openViewer(bunny);
+  await waitForState(page, 'complete');
+  // The other one arrives for as long as this one is looked at.
+  server.shape(horse.url, { bytesPerSecond: horse.bytes / ORBIT_SECONDS });
+  const known = server.requestsOf(horse.url).length;
+  const other = await openViewer(horse, { viewport: { width: 300, height: 400 } });
+  await page.bringToFront();
+  const { width, height } = /** @type {{ width: number, height: number }} */ (await page.locator('#canvas').boundingBox());
+  const orbit = async (/** @type {number} */ seconds) => {
+    await page.mouse.move(width / 2, height / 2 + 60);
+    await page.mouse.down();
+    const end = performance.now() + 1000 * seconds;
+    for (let i = 0; performance.now() < end; i++) {
+      const angle = i / 20;
+      await page.mouse.move(width / 2 + 200 * Math.sin(angle), height / 2 + 60 + 40 * Math.cos(angle));
+      await page.waitForTimeout(16);
+    }
+    await page.mouse.up();
+  };
+  await orbit(ORBIT_SECONDS / 6);
+  const before = await heapOf(page);
+  const frames = await page.evaluate(() => window.tristrip.viewer.renderer.frames);
+  await orbit((5 * ORBIT_SECONDS) / 6);
+  const after = await heapOf(page);
+  const drawn = (await page.evaluate(() => window.tristrip.viewer.renderer.frames)) - frames;
+  await waitForState(other.page, 'complete');
+  server.shape(horse.url);
+  const growth = (/** @type {'page' | 'worker'} */ place) => after[place] / before[place] - 1;
+  t.diagnostic(`${ORBIT_SECONDS} s, ${drawn} frames; memory of the page ${(100 * growth('page')).toFixed(1)} %, of the worker ${(100 * growth('worker')).toFixed(1)} % more`);
+  assert.ok(drawn > 10, `${drawn} frames`);
+  assert.ok(growth('page') <= MOST_ORBIT_GROWTH && growth('worker') <= MOST_ORBIT_GROWTH);
+  assert.equal(server.requestsOf(horse.url).length, known + 1, 'the connection was kept');
+  assert.deepEqual([...problems, ...other.problems], []);
 });

@@ -115,8 +115,8 @@ fn the_viewer_is_compressed_and_tagged() {
         assert_eq!((script.status, script.header("content-type")), (200, "text/javascript; charset=utf-8"));
         assert_eq!(script.header("content-encoding"), if encoding == "identity" { "" } else { encoding });
         tags.push(script.header("etag").to_owned());
-        let known = server
-            .get_with("/worker.js", &format!("{lines}If-None-Match: {}\r\n", tags[tags.len() - 1]));
+        let known =
+            server.get_with("/worker.js", &format!("{lines}If-None-Match: {}\r\n", tags[tags.len() - 1]));
         assert_eq!(known.status, 304);
     }
     tags.dedup();

@@ -16,12 +16,12 @@ pub struct StreamOptions {
 }
 
 impl Default for StreamOptions {
-    /// 14 bits per coordinate, 10 per coordinate of a normal, 12 of texture coordinates, for each repeat of the texture, and 10 of others; whole numbers below 2^24 are exact, floats among them; chunks of 1
+    /// 14 bits per coordinate, 10 per coordinate of a normal, 14 of texture coordinates, for each repeat of the texture, and 10 of others; whole numbers below 2^24 are exact, floats among them; chunks of 1
     /// to 4 kilobytes.
     fn default() -> Self {
         Self {
             position_bits: 14,
-            attribute_bits: AttributeBits { normal: 10, uv: 12, other: 10 },
+            attribute_bits: AttributeBits { normal: 10, uv: 14, other: 10 },
             least_chunk_bytes: 1 << 10,
             most_chunk_bytes: 1 << 12,
             bounds: None,
