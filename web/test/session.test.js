@@ -243,6 +243,26 @@ test('a server that ignores ranges, or is busy, is no error', async () => {
   close();
 });
 
+test('ranges that are not told, and tags that get strong, are no change of the file', async () => {
+  const untold = await serve([
+    sending(1000),
+    (request, response) => {
+      const first = Number(/^bytes=(\d+)-$/.exec(request.headers.range ?? '')?.[1]);
+      response.writeHead(206, { 'Content-Length': FILE.length - first }).end(FILE.subarray(first));
+    },
+  ]);
+  const page = new Page(untold.url, { output: 'lists' });
+  await page.complete();
+  assertSame(page, decoded(FILE), 'lists');
+  untold.close();
+  const weak = await serve([sending(1000, 'W/"a"'), sending()]);
+  const other = new Page(weak.url, { output: 'lists' });
+  await other.complete();
+  assert.deepEqual(weak.ranges, ['', 'bytes=1000-']);
+  assertSame(other, decoded(FILE), 'lists');
+  weak.close();
+});
+
 test('a file that changes, and one that is not there, are errors', async () => {
   const changed = await serve([sending(1000), sending(Infinity, '"b"')]);
   assert.equal((await new Page(changed.url).error()).kind, 'changed');
@@ -261,6 +281,29 @@ test('a lost connection can be tried again', async () => {
   await page.complete();
   assertSame(page, decoded(FILE), 'lists');
   close();
+});
+
+test('an error is told while fewer chunks are shown than have arrived', async () => {
+  const { url, close } = await serve([sending(FILE.length - 200), (request, response) => response.writeHead(404).end()]);
+  const page = new Page(url, { keepBytes: true });
+  await page.until(({ type }) => type === 'document');
+  page.session.receive({ type: 'show', chunkCount: 3 });
+  assert.equal((await page.error()).kind, 'status');
+  assert.equal(page.progress?.shownChunks, 3);
+  page.session.receive({ type: 'show', chunkCount: Infinity });
+  await page.until(({ type, update }) => type === 'update' && update.progress.shownChunks > 3);
+  close();
+});
+
+test('a model that is paused can be shown with fewer chunks', async () => {
+  const page = new Page(new Blob([FILE]), { keepBytes: true });
+  await page.complete();
+  page.session.receive({ type: 'pause' });
+  page.session.receive({ type: 'show', chunkCount: 4 });
+  await page.until(({ type, update }) => type === 'update' && update.progress.shownChunks === 4);
+  page.session.receive({ type: 'show', chunkCount: Infinity });
+  const known = page.messages.length;
+  await page.until((message) => page.messages.indexOf(message) >= known && message.type === 'update' && message.update.progress.isComplete);
 });
 
 test('models of higher priority come first', async () => {

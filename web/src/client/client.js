@@ -78,7 +78,8 @@
  * @property {number} receivedChunks chunks that have arrived, whether or not they are shown
  * @property {number} decodeMilliseconds the time that the worker has taken to decode what is shown
  * @property {number} buildMilliseconds the time that it has taken for strips, buffers and ranges
- * @property {boolean} isComplete whether the whole file has arrived and is shown
+ * @property {boolean} hasArrived whether the whole file has arrived
+ * @property {boolean} isComplete whether all of it is shown, too
  */
 
 /**
@@ -101,7 +102,7 @@
  * @property {(json: any, binaryBytes: number) => void} [document] the glTF document, and the bytes of the binary chunk before the stream: all of it, if there is no stream
  * @property {(bytes: Uint8Array, start: number) => void} [binary] bytes of the binary chunk before the stream, and where they start in it
  * @property {(chunks: ChunkFigures[]) => void} [chunks] chunks that have arrived
- * @property {(update: Update) => void | Promise<void>} [update] the arrays are the page's to keep. If it returns a promise, the next update comes after it is fulfilled
+ * @property {(update: Update) => unknown} [update] the arrays are the page's to keep. If it returns a promise, the next update comes after it is fulfilled
  * @property {(progress: Progress) => void} [progress] bytes that have arrived without an update
  * @property {(state: ConnectionState, seconds: number) => void} [connection] `seconds` until the next try, if it is `retrying`
  * @property {(error: ModelError) => void} [error] nothing more comes, unless `retry` is called; what was shown stays good
@@ -156,14 +157,19 @@ export class Client {
    */
   load(source, events, options = {}) {
     const { signal, ...rest } = options;
+    const isAddress = typeof source === 'string' || source instanceof URL;
+    const from = isAddress ? new URL(source, document.baseURI).href : source;
     const id = this.#count++;
     const post = (/** @type {any} */ message) => this.#worker.postMessage({ ...message, id });
-    const model = new Model(events, post, () => this.#models.delete(id));
+    const close = () => model.close();
+    const model = new Model(events, post, () => {
+      this.#models.delete(id);
+      signal?.removeEventListener('abort', close);
+    });
     this.#models.set(id, model);
-    const isAddress = typeof source === 'string' || source instanceof URL;
-    post({ type: 'load', source: isAddress ? new URL(source, document.baseURI).href : source, options: rest });
-    if (signal?.aborted) model.close();
-    else signal?.addEventListener('abort', () => model.close(), { once: true });
+    post({ type: 'load', source: from, options: rest });
+    if (signal?.aborted) close();
+    else signal?.addEventListener('abort', close);
     return model;
   }
 

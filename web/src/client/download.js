@@ -2,8 +2,9 @@
  * Downloads a file, in pieces, and goes on where it was when the connection is lost.
  *
  * # Algorithm
- * A request for the rest of the file (`Range`) follows each loss, after a pause that doubles while nothing arrives. `If-Range` has the file's tag, so that the rest belongs to the same file; a server
- * that sends the whole file again is asked nothing more: what is known of it is skipped. A download that gets no byte for some time is taken for lost.
+ * A request for the rest of the file (`Range`) follows each loss, after a pause that doubles while nothing arrives. `If-Range` has the file's tag, so that the rest belongs to the same file; other
+ * sites get no `If-Range`, which they would have to allow, and the tags are compared. Of a whole file that is sent again, what is known is skipped. A download that gets no byte for some time is
+ * taken for lost.
  * @module
  */
 
@@ -60,6 +61,8 @@ export class Download {
   #pausing;
   /** The tries since bytes have come. */
   #tries = 0;
+  /** Whether the server does not say which bytes it sends. */
+  #isWithoutRanges = false;
   receivedBytes = 0;
 
   /**
@@ -157,6 +160,8 @@ export class Download {
       }
     } finally {
       clearTimeout(timer);
+      // Ends what is not read.
+      silence.abort();
     }
     if (this.receivedBytes < this.#totalBytes) throw new Loss('the file ended early');
     this.#onState('done', 0);
@@ -192,11 +197,16 @@ export class Download {
   #requestHeaders() {
     /** @type {Record<string, string>} */
     const headers = { ...this.#options.headers };
-    if (this.receivedBytes === 0) return headers;
+    if (this.receivedBytes === 0 || this.#isWithoutRanges) return headers;
     headers.Range = `bytes=${this.receivedBytes}-`;
     // Tags that are weak do not tell that the bytes are the same.
-    if (this.#tag && !this.#tag.startsWith('W/')) headers['If-Range'] = this.#tag;
+    if (this.#tag && !this.#tag.startsWith('W/') && this.#isOfThisSite) headers['If-Range'] = this.#tag;
     return headers;
+  }
+
+  get #isOfThisSite() {
+    const { location } = globalThis;
+    return !location || new URL(this.#url).origin === location.origin;
   }
 
   /**
@@ -211,16 +221,20 @@ export class Download {
     }
     if (!response.ok && status !== 416) throw new DownloadError('status', `The server answers ${status} ${response.statusText}`.trim());
     const tag = headers.get('ETag') ?? headers.get('Last-Modified') ?? '';
-    const isEncoded = headers.has('Content-Encoding');
+    const length = Number(headers.get('Content-Length'));
     const [, first, total] = /^bytes (\d+)-\d+\/(\d+|\*)$/.exec(headers.get('Content-Range') ?? '') ?? [];
-    const isSame = this.#tag === '' || tag === '' || tag === this.#tag;
-    const isRest = status === 206 && Number(first) === this.receivedBytes;
-    if (this.receivedBytes > 0 && (!isSame || status === 416 || (status === 206 && !isRest))) {
+    // Where the range is not told, its length may tell it.
+    const isRest = status === 206 && (first ? Number(first) === this.receivedBytes : length > 0 && length === this.#totalBytes - this.receivedBytes);
+    if (this.receivedBytes > 0 && (!isSameTag(this.#tag, tag) || status === 416 || (status === 206 && first && !isRest))) {
       throw new DownloadError('changed', 'The file on the server has changed since its download began.');
     }
+    if (status === 206 && !isRest) {
+      this.#isWithoutRanges = true;
+      throw new Loss('the server does not say which bytes it sends');
+    }
     this.#tag = tag;
-    const length = status === 206 ? Number(total) : isEncoded ? NaN : Number(headers.get('Content-Length'));
-    this.#totalBytes = length > 0 ? length : 0;
+    const all = status === 206 ? Number(total ?? this.#totalBytes) : headers.has('Content-Encoding') ? NaN : length;
+    this.#totalBytes = all > 0 ? all : 0;
     return status === 206 ? 0 : this.receivedBytes;
   }
 
@@ -228,6 +242,15 @@ export class Download {
   get totalBytes() {
     return this.#totalBytes;
   }
+}
+
+/**
+ * Returns whether two tags are those of one file, as far as they tell. A tag may be weak in one answer and strong in another, where one of them is compressed.
+ * @param {string} a
+ * @param {string} b
+ */
+function isSameTag(a, b) {
+  return a === '' || b === '' || a.replace(/^W\//, '') === b.replace(/^W\//, '');
 }
 
 /**

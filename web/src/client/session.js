@@ -13,7 +13,7 @@
  */
 import { readChunkHead } from '../chunk.js';
 import { Decoder } from '../decoder.js';
-import { StreamError } from '../error.js';
+import { fail, StreamError } from '../error.js';
 import { EXTENSION, GlbReader } from '../glb.js';
 import { Waiting } from '../growth.js';
 import { Strips } from '../strips.js';
@@ -34,6 +34,8 @@ const BUILD_SHARE = 3;
 const PROGRESS_INTERVAL = 100;
 /** The most bytes of a chunk, unless a limit says otherwise: those of the decoder. */
 const MOST_CHUNK_BYTES = 2 ** 28;
+/** The most primitives that a stream refines: each update tells of all parts of a mesh. */
+const MOST_PRIMITIVES = 2 ** 16;
 
 /**
  * A chunk that has arrived.
@@ -86,6 +88,10 @@ export class Session {
   #isDecoding = false;
   /** Whether chunks are decoded again that were shown before. */
   #isGoingBack = false;
+  /** The most chunks that were shown. */
+  #mostShown = 0;
+  /** Whether a chunk could not be decoded, or an update not be built: nothing more is done. */
+  #hasFailed = false;
   #hasToldEnd = false;
   #lastUpdate = -Infinity;
   #lastBuild = 0;
@@ -150,6 +156,7 @@ export class Session {
    */
   #load(source, options) {
     this.#options = options;
+    this.#reader = new GlbReader(options.limits?.chunkBytes, true);
     this.#turn.priority = options.priority ?? 0;
     this.#decoder = this.#newDecoder();
     if (typeof source === 'string') {
@@ -185,25 +192,31 @@ export class Session {
   async #run(pieces) {
     try {
       for await (const piece of pieces) {
-        if (this.#isClosed) return;
+        if (this.#isOver) return;
         this.#take(piece);
         this.#decode();
         await this.#waitWhilePaused();
       }
-      if (this.#isClosed) return;
+      if (this.#isOver) return;
       this.#checkEnd();
       this.#totalBytes = this.#receivedBytes;
       this.#tellState('done');
     } catch (error) {
+      if (this.#isOver) return;
       this.#error = this.#explain(error);
       this.#turn.end();
     }
     this.#hasArrived = true;
+    this.#post({ type: 'progress', progress: this.#progress() });
     this.#decode();
   }
 
+  get #isOver() {
+    return this.#isClosed || this.#hasFailed;
+  }
+
   async #waitWhilePaused() {
-    while (this.#isPaused && !this.#isClosed) {
+    while (this.#isPaused && !this.#isOver) {
       this.#tellState('paused');
       this.#turn.end();
       await this.#link.change();
@@ -225,6 +238,7 @@ export class Session {
     const { json, fileBytes } = this.#reader;
     const end = `byte ${this.#receivedBytes}`;
     if (!json) throw new StreamError(end, 'the end of the file', 'a GLB');
+    if (this.#waiting.length > 0) throw new StreamError(end, 'the end of the stream', 'the rest of a chunk');
     if (this.#receivedBytes < fileBytes) throw new StreamError(end, 'the end of the file', `${fileBytes} bytes, as its header says`);
   }
 
@@ -285,7 +299,8 @@ export class Session {
     const start = this.#chunks.length > 0 ? this.#chunks[this.#chunks.length - 1].end : this.#reader.streamStart;
     const end = start + bytes.length;
     this.#chunks.push({ bytes, stream, end });
-    this.#newChunks.push({ stream, end, triangles, error });
+    // The decoder refuses others.
+    if (Number.isFinite(error)) this.#newChunks.push({ stream, end, triangles, error });
     if (visits === 0) this.#bases = this.#chunks.length;
   }
 
@@ -321,27 +336,47 @@ export class Session {
     this.#isDecoding = true;
     try {
       this.#tellChunks();
-      await this.#decodeChunks();
+      while (this.#canDecode) await this.#decodeChunks();
     } catch (error) {
-      this.#error = this.#explain(error);
-      this.#hasArrived = true;
-      this.#downloading.abort();
-      this.#link.leave(this.#turn);
-      this.#chunks.length = this.#shown;
+      this.#stop(error);
     }
     this.#isDecoding = false;
     if (this.#isClosed || !this.#isTaken || this.#shown < this.#wanted) return;
-    const isEnd = this.#hasArrived && !this.#hasToldEnd && this.#shown === this.#chunks.length;
-    if (isEnd && !this.#error) for (const stream of this.#buffers.keys()) this.#changed.add(stream);
-    if (isEnd || this.#changed.size > 0) this.#sendUpdate();
-    if (!isEnd) return;
+    const isToTellEnd = this.#isComplete && !this.#hasToldEnd;
+    if (isToTellEnd) for (const stream of this.#buffers.keys()) this.#changed.add(stream);
+    try {
+      if (isToTellEnd || this.#changed.size > 0) this.#sendUpdate();
+    } catch (error) {
+      this.#changed.clear();
+      this.#stop(error);
+    }
+    if (this.#hasToldEnd || !(this.#error || this.#isComplete)) return;
     this.#hasToldEnd = true;
     if (this.#error) this.#post({ type: 'error', error: this.#error });
   }
 
+  /**
+   * Ends the download after an error in what has arrived.
+   * @param {unknown} error
+   */
+  #stop(error) {
+    this.#error = this.#explain(error);
+    this.#hasArrived = true;
+    this.#hasFailed = true;
+    this.#downloading.abort();
+    this.#link.leave(this.#turn);
+    this.#chunks.length = this.#shown;
+  }
+
+  /** Whether there is a chunk to decode. While the model is paused, only chunks that were shown before are. */
+  get #canDecode() {
+    const end = this.#isPaused ? Math.min(this.#wanted, this.#mostShown) : this.#wanted;
+    return !this.#isClosed && this.#shown < end;
+  }
+
   async #decodeChunks() {
     let end = performance.now() + SLICE;
-    while (!this.#isClosed && !this.#isPaused && this.#shown < this.#wanted) {
+    while (this.#canDecode) {
       const start = performance.now();
       this.#decodeChunk();
       const now = performance.now();
@@ -360,6 +395,7 @@ export class Session {
     this.#decoder.update(/** @type {Uint8Array} */ (chunk.bytes));
     if (!this.#options.keepBytes) chunk.bytes = undefined;
     this.#shown++;
+    this.#mostShown = Math.max(this.#mostShown, this.#shown);
     this.#changed.add(chunk.stream);
   }
 
@@ -405,6 +441,7 @@ export class Session {
       receivedChunks: this.#chunks.length,
       decodeMilliseconds: this.#decodeMilliseconds,
       buildMilliseconds: this.#buildMilliseconds,
+      hasArrived: this.#hasArrived && !this.#error,
       isComplete: this.#isComplete,
     };
   }
@@ -427,19 +464,20 @@ function pause() {
  * @param {any} json the glTF document
  */
 function partsOf(json) {
-  /** @type {Map<number, number[] | undefined>} */
+  /** @type {Map<number, Set<number> | undefined>} */
   const parts = new Map();
+  let count = 0;
   for (const mesh of listOf(json.meshes)) {
     for (const primitive of listOf(mesh?.primitives)) {
       const { stream, part } = primitive?.extensions?.[EXTENSION] ?? {};
       if (!Number.isSafeInteger(stream)) continue;
-      const known = parts.get(stream);
-      if (!Number.isSafeInteger(part)) parts.set(stream, undefined);
-      else if (!parts.has(stream)) parts.set(stream, [part]);
-      else if (known && !known.includes(part)) known.push(part);
+      if (++count > MOST_PRIMITIVES) fail(`more than ${MOST_PRIMITIVES} primitives`, 'fewer');
+      if (!parts.has(stream)) parts.set(stream, new Set());
+      if (Number.isSafeInteger(part)) parts.get(stream)?.add(part);
+      else parts.set(stream, undefined);
     }
   }
-  return parts;
+  return new Map([...parts].map(([stream, numbers]) => [stream, numbers && [...numbers]]));
 }
 
 /**

@@ -1,7 +1,7 @@
 use super::*;
 use crate::stream::grid::{AttributeBits, Channel};
 
-const BITS: AttributeBits = AttributeBits { normal: 10, uv: 12, other: 10 };
+const BITS: AttributeBits = AttributeBits { normal: 10, uv: 14, other: 10 };
 
 /// Returns values as numbers that are equal only where the values are.
 fn value_bits(data: &AttributeData) -> Vec<i64> {
