@@ -135,6 +135,30 @@ test('a file that is not there, and one that is no GLB, show a message', { skip 
   }
 });
 
+test('a scene without meshes, and an error after the context was lost, show a message', { skip }, async () => {
+  const json = '{"asset":{"version":"2.0"}} ';
+  const header = Uint32Array.of(0x46546c67, 2, 28 + json.length, json.length, 0x4e4f534a);
+  const binary = Uint32Array.of(0, 0x004e4942);
+  writeFileSync(path.join(models.folder, 'empty.glb'), Buffer.concat([Buffer.from(header.buffer), Buffer.from(json), Buffer.from(binary.buffer)]));
+  const { page } = await openViewer();
+  const show = (/** @type {string} */ name) => page.evaluate((name) => (location.hash = `#model=models/${name}`), name);
+  await show('empty.glb');
+  await page.locator('#message', { hasText: 'nothing to show' }).waitFor();
+  assert.ok(await page.locator('#busy').isHidden());
+  await show('none.glb');
+  const error = page.locator('#message', { hasText: /does not give/ });
+  await error.waitFor();
+  await page.evaluate(() => {
+    window.loss = document.querySelector('canvas').getContext('webgl2').getExtension('WEBGL_lose_context');
+    window.loss.loseContext();
+  });
+  await page.locator('#message', { hasText: 'graphics memory' }).waitFor();
+  await page.evaluate(() => window.loss.restoreContext());
+  await error.waitFor();
+  await page.locator('#message button').click();
+  assert.equal(await page.evaluate(() => document.activeElement?.id), 'canvas');
+});
+
 test('a lost connection is resumed where it was lost', { skip }, async () => {
   const model = present(hand);
   const drop = Math.floor(0.5 * model.bytes);

@@ -176,6 +176,16 @@ test('a file that is no GLB, or is cut off, is an error', async () => {
   assert.deepEqual(errors, ['not-glb', 'not-glb', 'damaged', 'damaged']);
 });
 
+test('a GLB without a binary chunk is one', async () => {
+  const text = new TextEncoder().encode('{"asset":{"version":"2.0"}} ');
+  const bytes = new Uint8Array(20 + text.length);
+  [0x46546c67, 2, bytes.length, text.length, 0x4e4f534a].forEach((word, i) => new DataView(bytes.buffer).setUint32(4 * i, word, true));
+  bytes.set(text, 20);
+  const page = new Page(new Blob([bytes]));
+  await page.complete();
+  assert.equal(page.messages.find(({ type }) => type === 'document').binaryBytes, 0);
+});
+
 test('a GLB without a stream is told of as a whole', async () => {
   const json = { asset: { version: '2.0' }, buffers: [{ byteLength: 40 }] };
   const page = new Page(new Blob([glb(json)]));

@@ -1,12 +1,13 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { Binary, accessorEnd, readAccessor } from '../webgl/accessors.js';
+import { Accessors, Binary, accessorEnd, readAccessor, UnsupportedError } from '../webgl/accessors.js';
 import { Animation } from '../webgl/animation.js';
 import { Budget } from '../webgl/budget.js';
 import { Camera } from '../webgl/camera.js';
 import { Geometry } from '../webgl/geometry.js';
 import { readMaterial } from '../webgl/materials.js';
-import { cofactors, compose, determinant, multiply, transformPoint } from '../webgl/matrix.js';
+import { cofactors, compose, determinant, multiply, transformBox, transformPoint } from '../webgl/matrix.js';
+import { ShownModel } from '../webgl/model.js';
 import { Scene } from '../webgl/scene.js';
 
 /** A document with one accessor over one buffer view. */
@@ -37,6 +38,14 @@ test('accessors beyond their view, of other files and of unknown types are refus
   }
 });
 
+test('accessors of zeros share a limit, and each is read once', () => {
+  const zeros = { componentType: 5121, count: 2 ** 21, type: 'VEC4' };
+  const accessors = new Accessors({ accessors: [zeros, zeros, zeros] });
+  assert.equal(accessors.read(0, numbers), accessors.read(0, numbers));
+  accessors.read(1, numbers);
+  assert.throws(() => accessors.read(2, numbers), /too large/);
+});
+
 test('a binary chunk arrives in pieces', () => {
   const binary = new Binary();
   for (let start = 0; start < numbers.length; start += 7) binary.add(numbers.subarray(start, start + 7), start);
@@ -51,6 +60,18 @@ test('matrices are applied from right to left', () => {
   assert.ok(Math.abs(determinant(turn) - 8) < 1e-12);
   // The matrix of normals is that of cofactors: here the rotation times 4.
   near(cofactors(turn).slice(0, 3), [0, 4, 0]);
+});
+
+test('a box is moved as its corners are', () => {
+  const turn = compose([1, -2, 3], [0.1, -0.5, 0.3, 0.8], [2, -1, 0.5]);
+  const [min, max] = [[-1, 0, 2], [3, 5, 4]];
+  const corners = Array.from({ length: 8 }, (_, corner) => transformPoint(turn, [0, 1, 2].map((i) => (corner & (1 << i) ? max : min)[i])));
+  const box = transformBox(turn, { min, max });
+  for (let i = 0; i < 3; i++) {
+    const values = corners.map((corner) => corner[i]);
+    assert.ok(Math.abs(box.min[i] - Math.min(...values)) < 1e-12);
+    assert.ok(Math.abs(box.max[i] - Math.max(...values)) < 1e-12);
+  }
 });
 
 test('a camera sees what it looks at, and its view is text', () => {
@@ -79,6 +100,25 @@ test('a scene ignores cycles, and bounds its meshes where they stand', () => {
   });
   assert.equal(scene.nodes.size, 2);
   assert.deepEqual(scene.bounds, { min: [10, 0, 0], max: [12, 4, 6] });
+});
+
+test('a scene of many nodes is read in linear time, and bounds that are none do not count', () => {
+  const count = 200_000;
+  const bounds = (accessor) => new Scene({
+    scenes: [{ nodes: Array.from({ length: count }, (_, i) => i) }],
+    nodes: Array.from({ length: count }, (_, i) => (i > 1 ? {} : { mesh: i })),
+    meshes: [0, 1].map((POSITION) => ({ primitives: [{ attributes: { POSITION } }] })),
+    accessors: [accessor, { min: [0, 0, 0], max: [1, 1, 1] }],
+  }).bounds;
+  const start = performance.now();
+  for (const accessor of [{ min: 5, max: 5 }, { min: ['a', 0, 0], max: [1, 1, 1] }]) assert.deepEqual(bounds(accessor), { min: [0, 0, 0], max: [1, 1, 1] });
+  assert.ok(performance.now() - start < 10_000);
+});
+
+test('animations may have many tracks', () => {
+  const animation = new Animation();
+  animation.tracks = Array.from({ length: 200_000 }, (_, i) => ({ times: Float32Array.of(0, i) }));
+  assert.equal(animation.duration, 199_999);
 });
 
 test('animations interpolate', () => {
@@ -152,4 +192,70 @@ test('buffers follow updates, and indices are shown when all of an update is upl
     const shown = new Float32Array(geometry.attributes.get('POSITION').buffer.bytes.buffer, 0, 3 * vertices.length);
     assert.ok(isSame(shown, Float32Array.from(vertices.flatMap((v) => [...v]))), `vertices of round ${round}`);
   }
+});
+
+/** Opens a model, and takes what it tells. */
+function openModel(json, bytes, binaryBytes = bytes.length) {
+  const gl = new FakeContext();
+  const told = { errors: [], bounds: [] };
+  const model = new ShownModel(gl, { change() {}, draw() {}, bounds: (box) => told.bounds.push(box), error: (error) => told.errors.push(error), shown() {} });
+  const { document, binary } = model.events;
+  document(json, binaryBytes);
+  binary(bytes, 0);
+  return { gl, model, told };
+}
+
+test('primitives share what they have in common', () => {
+  const count = 30;
+  const json = {
+    scenes: [{ nodes: [0] }],
+    nodes: [{ mesh: 0 }],
+    meshes: [{ primitives: Array.from({ length: count }, () => ({ attributes: { POSITION: 0 }, indices: 1 })) }],
+    buffers: [{}],
+    bufferViews: [{ buffer: 0, byteLength: 64 }],
+    accessors: [{ componentType: 5126, count: 2 ** 20, type: 'VEC3' }, { bufferView: 0, componentType: 5123, count: 30, type: 'SCALAR' }],
+  };
+  const { gl, model, told } = openModel(json, numbers);
+  const buffers = [];
+  const create = gl.createBuffer;
+  gl.createBuffer = () => {
+    const buffer = create();
+    buffers.push(buffer);
+    return buffer;
+  };
+  for (let i = 0; i < 1000 && (model.isBusy || i === 0); i++) {
+    model.step(new Budget());
+    for (const { geometry } of model.items) assert.ok(geometry.attributes.get('POSITION').buffer, 'no primitive is drawn before its buffers are there');
+  }
+  assert.deepEqual(told.errors, []);
+  assert.equal(model.items.length, count);
+  assert.equal(buffers.length, 2);
+  assert.equal(buffers[0].bytes.length, 12 * 2 ** 20);
+  model.close();
+  assert.ok(buffers.every(({ bytes }) => bytes === undefined));
+});
+
+test('a model whose bytes will never come tells it at once', () => {
+  const json = (view, buffer = {}) => ({ ...documentOf({ type: 'VEC3' }, view, buffer), scenes: [{ nodes: [0] }], nodes: [{ mesh: 0 }], meshes: [{ primitives: [{ attributes: { POSITION: 0 } }] }] });
+  for (const view of [{ byteOffset: 1 }, { byteLength: 1e9 }, { byteLength: 'x' }]) assert.match(openModel(json(view), numbers).told.errors[0].message, /not in the file/);
+  assert.ok(openModel(json({}, { uri: 'a.bin' }), new Uint8Array(0)).told.errors[0] instanceof UnsupportedError);
+  assert.deepEqual(openModel(json({}), numbers).told.errors, []);
+});
+
+test('the bounds of instances are computed once per step, and instances are limited together', () => {
+  const nodes = 5;
+  const instanced = { extensions: { EXT_mesh_gpu_instancing: { attributes: { TRANSLATION: 1 } } } };
+  const json = {
+    scenes: [{ nodes: Array.from({ length: nodes }, (_, i) => i) }],
+    nodes: Array.from({ length: nodes }, () => ({ mesh: 0, ...instanced })),
+    meshes: [{ primitives: [{ attributes: { POSITION: 0 } }] }],
+    accessors: [{ componentType: 5126, count: 3, type: 'VEC3', min: [0, 0, 0], max: [1, 1, 1] }, { componentType: 5126, count: 4000, type: 'VEC3' }],
+  };
+  const { model, told } = openModel(json, new Uint8Array(0));
+  let steps = 0;
+  for (; model.isBusy; steps++) model.step(new Budget());
+  assert.ok(told.bounds.length <= steps);
+  assert.deepEqual(told.bounds.at(-1), { min: [0, 0, 0], max: [1, 1, 1] });
+  const instances = [...model.scene.nodes.values()].map((node) => node.instances.length);
+  assert.deepEqual(instances, [4000, 4000, 2000, 0, 0]);
 });

@@ -5,7 +5,7 @@
  */
 import { Sphere } from 'three';
 
-/** @import { Box3, BufferGeometry, SkinnedMesh } from 'three' */
+/** @import { Box3, BufferGeometry, InstancedMesh, SkinnedMesh } from 'three' */
 
 /**
  * Grows a box by vertices.
@@ -46,12 +46,17 @@ export function boundSphere(geometry) {
 const grown = new WeakSet();
 
 /**
- * Grows the bounds of a skinned mesh, which three.js computes in the pose of the first frame, once: by the distance that vertices to come may have from the
- * mesh as it is.
- * @param {SkinnedMesh} mesh
+ * Grows the bounds of a mesh that has its own ones, which three.js computes once: those of a skinned mesh, in the pose of the first frame, by the distance that
+ * vertices to come may have from the mesh as it is. Those of an instanced mesh are computed again from its geometry when they are needed.
+ * @param {SkinnedMesh | InstancedMesh} mesh
  * @param {number} margin in mesh units
  */
-export function growSkinnedBounds({ boundingBox, boundingSphere }, margin) {
+export function growMeshBounds(mesh, margin) {
+  if ('isInstancedMesh' in mesh) {
+    mesh.boundingBox = mesh.boundingSphere = null;
+    return;
+  }
+  const { boundingBox, boundingSphere } = mesh;
   if (boundingBox && !grown.has(boundingBox)) grown.add(boundingBox.expandByScalar(margin));
   if (boundingSphere && !grown.has(boundingSphere)) {
     boundingSphere.radius += margin;

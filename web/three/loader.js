@@ -162,9 +162,8 @@ export class ProgressiveLoader extends Loader {
       ...(signal && { signal }),
       ...(limits && { limits }),
     };
-    const model = new ProgressiveModel(this.client, source, this.#gltfLoader, path, options);
-    this.#models.add(model);
-    for (const one of this.#models) if (one.isClosed) this.#models.delete(one);
+    const model = new ProgressiveModel(this.client, source, this.#gltfLoader, path, options, (closed) => this.#models.delete(closed));
+    if (!model.isClosed) this.#models.add(model);
     if (onProgress) {
       model.addEventListener('progress', ({ progress: { receivedBytes: loaded, totalBytes: total } }) => {
         onProgress(new ProgressEvent('progress', { lengthComputable: total > 0, loaded, total }));

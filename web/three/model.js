@@ -15,7 +15,7 @@ import { StreamMesh } from './stream_mesh.js';
 import { sizeOnScreen } from './view.js';
 
 /**
- * @import { BufferGeometry, Camera, SkinnedMesh } from 'three'
+ * @import { BufferGeometry, Camera, InstancedMesh, SkinnedMesh } from 'three'
  * @import { GLTF, GLTFLoader } from 'three/addons/loaders/GLTFLoader.js'
  * @import { Client, ConnectionState, LoadOptions, Model, ModelError, Progress, Source, Update } from '../src/client/client.js'
  */
@@ -60,6 +60,7 @@ export class ProgressiveModel extends EventDispatcher {
   #model;
   #priority;
   #signal;
+  #forget;
   /** @type {any} */
   #json;
   /** What has arrived of the binary chunk before the stream. @type {Uint8Array[]} */
@@ -94,13 +95,15 @@ export class ProgressiveModel extends EventDispatcher {
    * @param {GLTFLoader} gltfLoader with the plugin
    * @param {string} path where the document's external files are
    * @param {LoadOptions} options
+   * @param {(model: ProgressiveModel) => void} forget called when nothing more will come
    */
-  constructor(client, source, gltfLoader, path, { signal, ...options }) {
+  constructor(client, source, gltfLoader, path, { signal, ...options }, forget) {
     super();
     this.#gltfLoader = gltfLoader;
     this.#path = path;
     this.#priority = options.priority ?? 0;
     this.#signal = signal;
+    this.#forget = forget;
     /** Resolves with the scene when its base meshes are there. @type {Promise<ProgressiveGLTF>} */
     this.loaded = new Promise((resolve, reject) => {
       this.#resolveLoaded = resolve;
@@ -176,11 +179,16 @@ export class ProgressiveModel extends EventDispatcher {
     this.#model.resume();
   }
 
-  /** Tries again after an error of the connection, from where it was lost. */
+  /** Tries again after an error of the connection, from where it was lost; or at once, while it is tried again by itself. */
   retry() {
-    if (this.#isClosed || !this.#error) return;
-    this.#error = undefined;
-    this.done = this.#promiseEnd();
+    if (this.#isClosed) return;
+    if (this.#error) {
+      if (this.#error.kind !== 'connection') return;
+      // It may not be told yet.
+      this.#rejectDone(this.#error);
+      this.#error = undefined;
+      this.done = this.#promiseEnd();
+    }
     this.#model.retry();
   }
 
@@ -223,10 +231,7 @@ export class ProgressiveModel extends EventDispatcher {
 
   #cancel = () => {
     if (this.#isClosed) return;
-    this.#close();
-    const reason = this.#signal?.aborted ? this.#signal.reason : new DOMException('The model is not loaded any more.', 'AbortError');
-    this.#rejectLoaded(reason);
-    this.#rejectDone(reason);
+    this.#end(this.#signal?.aborted ? this.#signal.reason : new DOMException('The model is not loaded any more.', 'AbortError'));
   };
 
   /** Ends the download and frees what the worker has. */
@@ -235,6 +240,7 @@ export class ProgressiveModel extends EventDispatcher {
     this.#signal?.removeEventListener('abort', this.#cancel);
     this.#model.close();
     this.#pieces = [];
+    this.#forget(this);
   }
 
   /**
@@ -254,35 +260,32 @@ export class ProgressiveModel extends EventDispatcher {
     if (this.#missingBytes === 0) this.#parse();
   }
 
-  #parse() {
+  async #parse() {
     this.#isParsing = true;
-    const bytes = baseGlb(this.#json, this.#pieces);
-    this.#pieces = [];
-    this.#gltfLoader.parseAsync(bytes, this.#path).then(
-      (gltf) => this.#takeScene(gltf),
-      (error) => {
-        if (this.#isClosed) return;
-        this.#close();
-        this.#rejectLoaded(error);
-        this.#rejectDone(error);
-      },
-    );
+    try {
+      const bytes = baseGlb(this.#json, this.#pieces);
+      this.#pieces = [];
+      this.#takeScene(await this.#gltfLoader.parseAsync(bytes, this.#path));
+    } catch (error) {
+      this.#end(error);
+    }
   }
 
   /** @param {GLTF} gltf */
   #takeScene(gltf) {
     const resources = new Resources(gltf);
-    if (this.#isClosed && !this.#isComplete) return resources.dispose();
+    // It was cancelled meanwhile.
+    if (this.#isClosed) return resources.dispose();
     this.#resources = resources;
-    const skinned = skinnedMeshes(gltf);
+    const bounded = boundedMeshes(gltf);
     for (const refined of refinedGeometries(gltf.parser)) {
-      this.#meshOf(refined.stream).add(refined, skinned.get(refined.geometry) ?? []);
+      this.#meshOf(refined.stream).add(refined, bounded.get(refined.geometry) ?? []);
     }
     this.#checkAttributes();
     this.#isParsing = false;
     this.#gltf = gltf;
     this.#resolveLoaded(Object.assign(gltf, { progressive: this }));
-    if (!gltf.parser.json.extensions?.[EXTENSION]) this.#complete();
+    if (this.#progress?.isComplete || !gltf.parser.json.extensions?.[EXTENSION]) this.#complete();
     // The page adds its listeners when it is told of the scene.
     if (this.#error) setTimeout(() => this.#report());
   }
@@ -316,24 +319,33 @@ export class ProgressiveModel extends EventDispatcher {
     if (this.#isClosed) return;
     this.#progress = progress;
     this.dispatchEvent({ type: 'progress', progress });
-    if (progress.isComplete) this.#complete();
+    // Small models have arrived before their scene is there, and may still be cancelled.
+    if (progress.isComplete && this.#gltf) this.#complete();
   }
 
   #complete() {
-    if (this.#isComplete || this.#isClosed) return;
+    if (this.#isClosed) return;
     this.#isComplete = true;
     this.#close();
     this.#resolveDone();
-    this.loaded.then(() => this.dispatchEvent({ type: 'complete' }), () => {});
+    setTimeout(() => this.dispatchEvent({ type: 'complete' }));
   }
 
   /** @param {ProgressiveError} error */
   #fail(error) {
     this.#error = error;
     if (this.#gltf) return this.#report();
-    if (this.#isParsing) return;
-    this.#rejectLoaded(error);
-    this.#rejectDone(error);
+    if (!this.#isParsing) this.#end(error);
+  }
+
+  /**
+   * Ends early.
+   * @param {unknown} reason
+   */
+  #end(reason) {
+    if (!this.#isClosed) this.#close();
+    this.#rejectLoaded(reason);
+    this.#rejectDone(reason);
   }
 
   #report() {
@@ -345,16 +357,16 @@ export class ProgressiveModel extends EventDispatcher {
 }
 
 /**
- * Returns the skinned meshes of each geometry.
+ * Returns the meshes of each geometry that have bounds of their own: skinned and instanced ones.
  * @param {GLTF} gltf
- * @returns {Map<BufferGeometry, SkinnedMesh[]>}
+ * @returns {Map<BufferGeometry, (SkinnedMesh | InstancedMesh)[]>}
  */
-function skinnedMeshes({ scenes }) {
+function boundedMeshes({ scenes }) {
   const meshes = new Map();
   for (const scene of scenes) {
     scene.traverse((object) => {
-      const mesh = /** @type {SkinnedMesh} */ (object);
-      if (mesh.isSkinnedMesh) meshes.set(mesh.geometry, [...(meshes.get(mesh.geometry) ?? []), mesh]);
+      const mesh = /** @type {SkinnedMesh & InstancedMesh} */ (object);
+      if (mesh.isSkinnedMesh || mesh.isInstancedMesh) meshes.set(mesh.geometry, [...(meshes.get(mesh.geometry) ?? []), mesh]);
     });
   }
   return meshes;

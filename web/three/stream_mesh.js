@@ -12,11 +12,11 @@
  * @module
  */
 import { Box3, BufferAttribute, DynamicDrawUsage, Vector4 } from 'three';
-import { boundSphere, growBox, growSkinnedBounds } from './bounds.js';
+import { boundSphere, growBox, growMeshBounds } from './bounds.js';
 import { threeName } from './names.js';
 
 /**
- * @import { SkinnedMesh } from 'three'
+ * @import { InstancedMesh, SkinnedMesh } from 'three'
  * @import { Attribute, IndexUpdate, MeshUpdate } from '../src/client/client.js'
  * @import { Refined } from './plugin.js'
  */
@@ -40,19 +40,23 @@ export class StreamMesh {
   #error;
   /** @type {User[]} */
   #users = [];
-  /** @type {SkinnedMesh[]} */
-  #skinned = [];
+  /** The meshes that have bounds of their own. @type {(SkinnedMesh | InstancedMesh)[]} */
+  #bounded = [];
+  #isSkinned = false;
 
   /**
    * Adds a geometry that draws a part.
    * @param {Refined} refined
-   * @param {SkinnedMesh[]} skinned the skinned meshes with this geometry
+   * @param {(SkinnedMesh | InstancedMesh)[]} bounded the skinned and instanced meshes with this geometry
    */
-  add(refined, skinned) {
+  add(refined, bounded) {
     const user = { ...refined, isAttached: false };
     this.#users.push(user);
-    if (skinned.length > 0 && this.#skinned.length === 0) this.#normalizeWeights(0);
-    this.#skinned.push(...skinned);
+    if (!this.#isSkinned && bounded.some((mesh) => 'isSkinnedMesh' in mesh)) {
+      this.#isSkinned = true;
+      this.#normalizeWeights(0);
+    }
+    this.#bounded.push(...bounded);
     user.geometry.boundingBox ??= new Box3();
     this.#attach(user);
     if (user.isAttached) this.#growBounds(user, 0, [{ start: 0, count: Infinity }]);
@@ -85,10 +89,10 @@ export class StreamMesh {
       this.#vertexCount = count;
       this.#write({ name: 'POSITION', components: 3, normalized: false, array: positions }, firstVertex);
       for (const attribute of attributes) this.#write(attribute, firstVertex);
-      if (this.#skinned.length > 0) this.#normalizeWeights(firstVertex);
+      if (this.#isSkinned) this.#normalizeWeights(firstVertex);
     }
     // three.js may have computed the bounds before this update.
-    for (const mesh of this.#skinned) growSkinnedBounds(mesh, this.#error ?? error);
+    for (const mesh of this.#bounded) growMeshBounds(mesh, this.#error ?? error);
     this.#error = error;
     for (const part of parts) this.#writeIndices(part);
     for (const user of this.#users) {

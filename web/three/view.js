@@ -4,7 +4,7 @@
  */
 import { Frustum, Matrix4, Sphere, Vector3 } from 'three';
 
-/** @import { Camera, Mesh, Object3D, SkinnedMesh } from 'three' */
+/** @import { Camera, InstancedMesh, Mesh, Object3D } from 'three' */
 
 const ELEMENT_OF_SCALE = 5;
 
@@ -27,9 +27,10 @@ function worldSphere(objects) {
   const union = new Sphere(new Vector3(), -1);
   for (const object of objects) {
     object.traverseVisible((node) => {
-      const mesh = /** @type {Mesh} */ (node);
+      const mesh = /** @type {Mesh & InstancedMesh} */ (node);
       if (!mesh.isMesh) return;
-      const bounds = /** @type {SkinnedMesh} */ (mesh).boundingSphere ?? mesh.geometry.boundingSphere;
+      if (mesh.isInstancedMesh && !mesh.boundingSphere) mesh.computeBoundingSphere();
+      const bounds = mesh.boundingSphere ?? mesh.geometry.boundingSphere;
       if (bounds) union.union(sphere.copy(bounds).applyMatrix4(mesh.matrixWorld));
     });
   }

@@ -2,6 +2,7 @@
  * The error by the bytes that have arrived, as a small chart: a rate-distortion curve with a logarithmic error.
  * @module
  */
+import { curveOf, isOnCurve } from './curve.js';
 import { bytesText, element, errorText } from './elements.js';
 
 /** @import { Point } from './figures.js' */
@@ -10,7 +11,6 @@ const LEFT = 8;
 const RIGHT = 252;
 const TOP = 8;
 const BOTTOM = 98;
-const DECADE = Math.LN10;
 
 const chart = element('chart', SVGSVGElement);
 
@@ -33,21 +33,17 @@ function shape(tag, attributes, text = '') {
  * @param {number} totalBytes
  */
 export function drawChart(points, shown, totalBytes) {
-  const known = points.filter(({ error }) => error > 0);
-  if (known.length === 0) {
+  const curve = curveOf(points, totalBytes);
+  if (!curve) {
     chart.replaceChildren();
     chart.setAttribute('aria-label', 'No chunk has arrived');
     return;
   }
-  const errors = known.map(({ error }) => Math.log(error));
-  const least = Math.floor(Math.min(...errors) / DECADE) * DECADE;
-  const most = Math.ceil(Math.max(...errors) / DECADE + 1e-9) * DECADE;
-  const total = Math.max(totalBytes, known[known.length - 1].bytes);
+  const { points: known, least, most, step, totalBytes: total } = curve;
   const x = (/** @type {Point} */ { bytes }) => LEFT + ((RIGHT - LEFT) * bytes) / total;
   const y = (/** @type {number} */ log) => BOTTOM - ((BOTTOM - TOP) * (log - least)) / (most - least);
   const at = (/** @type {Point} */ point) => `${x(point).toFixed(1)} ${y(Math.log(point.error)).toFixed(1)}`;
   const shapes = [];
-  const step = most - least > 3.5 * DECADE ? 2 * DECADE : DECADE;
   for (let log = most; log > least - 0.1; log -= step) {
     shapes.push(shape('path', { d: `M${LEFT} ${y(log).toFixed(1)}H${RIGHT}`, class: 'grid' }));
     const percent = Number((100 * Math.exp(log)).toPrecision(1));
@@ -55,11 +51,12 @@ export function drawChart(points, shown, totalBytes) {
   }
   shapes.push(shape('path', { d: `M${known.map(at).join('L')}`, class: 'curve' }));
   const marked = points[Math.min(shown, points.length) - 1];
-  if (marked?.error > 0) shapes.push(shape('circle', { cx: x(marked).toFixed(1), cy: y(Math.log(marked.error)).toFixed(1), r: 4.5 }));
+  const isMarked = isOnCurve(marked);
+  if (isMarked) shapes.push(shape('circle', { cx: x(marked).toFixed(1), cy: y(Math.log(marked.error)).toFixed(1), r: 4.5 }));
   shapes.push(shape('text', { x: LEFT, y: 114 }, '0'), shape('text', { x: RIGHT, y: 114, 'text-anchor': 'end' }, bytesText(total)));
   chart.replaceChildren(...shapes);
   const first = known[0];
   const last = known[known.length - 1];
-  const now = marked ? ` Shown: ${errorText(marked.error)} after ${bytesText(marked.bytes)}.` : '';
+  const now = isMarked ? ` Shown: ${errorText(marked.error)} after ${bytesText(marked.bytes)}.` : '';
   chart.setAttribute('aria-label', `Error from ${errorText(first.error)} after ${bytesText(first.bytes)} to ${errorText(last.error)} after ${bytesText(last.bytes)}.${now}`);
 }

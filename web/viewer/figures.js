@@ -55,9 +55,9 @@ export class Figures {
         if (stream === undefined) {
           const corners = json.accessors?.[indices]?.count ?? count;
           if (mode >= 4) this.outside += mode === 4 ? Math.floor(corners / 3) : Math.max(corners - 2, 0);
-        } else if (min && max) {
-          const size = Math.hypot(...min.map((/** @type {number} */ least, /** @type {number} */ i) => max[i] - least));
-          this.#sizes.set(stream, Math.max(size, this.#sizes.get(stream) ?? 0));
+        } else if (Array.isArray(min) && Array.isArray(max)) {
+          const size = Math.hypot(...[0, 1, 2].map((i) => max[i] - min[i]));
+          if (Number.isFinite(size)) this.#sizes.set(stream, Math.max(size, this.#sizes.get(stream) ?? 0));
         }
       }
     }
@@ -66,7 +66,11 @@ export class Figures {
   /** @param {Iterable<[number, { error: number }]>} meshes */
   #largestError(meshes) {
     let largest = 0;
-    for (const [stream, { error }] of meshes) largest = Math.max(largest, error / (this.#sizes.get(stream) || 1));
+    for (const [stream, { error }] of meshes) {
+      const fraction = error / (this.#sizes.get(stream) || 1);
+      // What a file claims may be infinite.
+      if (Number.isFinite(fraction)) largest = Math.max(largest, fraction);
+    }
     return largest;
   }
 

@@ -45,6 +45,15 @@ function setTitle(title) {
 
 /** Starts the viewer. */
 function start() {
+  /** Shows what is wrong with the model, if anything is. */
+  const showState = () => {
+    const { error, state, hasPicture } = viewer;
+    busy.hidden = state !== 'loading' || hasPicture;
+    if (error) showError(error, hasPicture, () => viewer.retry(), replay);
+    else if (state === 'complete' && !hasPicture) showMessage('There is nothing to show.', 'The scene of this file has no triangles, lines or points.');
+    else hideMessage();
+  };
+
   /** @type {Viewer} */
   const viewer = new Viewer(canvas, {
     change: () => schedulePanel(),
@@ -53,6 +62,7 @@ function start() {
       announce('First picture.');
     },
     complete: () => {
+      showState();
       const { sums, outside, progress } = viewer.figures;
       const [entry] = performance.getEntriesByName('tristrip:complete', 'measure');
       announce(`Complete: ${countText(sums.triangles + outside)} triangles, ${bytesText(progress?.totalBytes ?? 0)}, after ${timeText(entry.duration)}.`);
@@ -63,14 +73,10 @@ function start() {
       if (state === 'retrying') announce('The connection is lost. It is tried again.');
       schedulePanel();
     },
-    error: (error) => {
-      busy.hidden = true;
-      if (error) showError(error, viewer.hasPicture, () => viewer.retry(), replay);
-      else hideMessage();
-    },
+    error: showState,
     context: (isLost) => {
       if (isLost) showMessage('The browser has taken back the graphics memory.', 'The picture comes back as soon as the browser allows.');
-      else hideMessage();
+      else showState();
     },
   });
 

@@ -8,6 +8,7 @@ import { element, make, setText } from './elements.js';
 
 const box = element('message', HTMLElement);
 const announcer = element('announcer', HTMLElement);
+const canvas = element('canvas', HTMLCanvasElement);
 
 /** @type {Record<ViewerError['kind'], string>} */
 const CAUSES = {
@@ -30,7 +31,11 @@ const CAUSES = {
 export function showMessage(text, detail = '', actions = {}) {
   const buttons = Object.entries(actions).map(([name, act]) => {
     const button = make('button', { type: 'button' }, name);
-    button.addEventListener('click', act);
+    button.addEventListener('click', () => {
+      act();
+      // The button is gone, and would leave the focus to nothing.
+      canvas.focus({ preventScroll: true });
+    });
     return button;
   });
   box.replaceChildren(make('p', {}, text), ...(detail ? [make('p', { class: 'muted' }, detail)] : []), ...buttons);

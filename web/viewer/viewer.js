@@ -19,7 +19,7 @@ import { Figures } from './figures.js';
  * What a viewer tells the page.
  * @typedef {object} ViewerListener
  * @property {() => void} change the state or the figures have changed
- * @property {(error: ViewerError | undefined) => void} error `undefined`: it goes on
+ * @property {() => void} error there is one, or it goes on
  * @property {(state: ConnectionState) => void} connection
  * @property {() => void} firstPicture
  * @property {() => void} complete
@@ -34,6 +34,8 @@ export class Viewer {
   figures = new Figures();
   /** @type {ViewerState} */
   state = 'empty';
+  /** Why the model ended early. @type {ViewerError | undefined} */
+  error;
   isPaused = false;
   #client = new Client();
   #listener;
@@ -170,13 +172,15 @@ export class Viewer {
     this.renderer.close();
     this.figures = new Figures();
     this.state = 'empty';
+    this.error = undefined;
     this.isPaused = this.#isDone = this.#hasPicture = false;
   }
 
   /** @param {ViewerError} error */
   #fail(error) {
     this.state = 'failed';
-    this.#listener.error(error);
+    this.error = error;
+    this.#listener.error();
     this.#listener.change();
   }
 
@@ -194,8 +198,9 @@ export class Viewer {
   /** Tries again after the connection was lost. */
   retry() {
     this.state = 'loading';
+    this.error = undefined;
     this.#model?.retry();
-    this.#listener.error(undefined);
+    this.#listener.error();
     this.#listener.change();
   }
 

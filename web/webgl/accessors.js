@@ -9,7 +9,7 @@
 const ARRAYS = { 5120: Int8Array, 5121: Uint8Array, 5122: Int16Array, 5123: Uint16Array, 5125: Uint32Array, 5126: Float32Array };
 /** @type {Record<string, number>} */
 const COMPONENTS = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4, MAT2: 4, MAT3: 9, MAT4: 16 };
-/** The most values of an accessor without a buffer view, which holds zeros. */
+/** The most values of the accessors without buffer views, which hold zeros. */
 const MOST_ZEROS = 2 ** 24;
 const FIRST_BYTES = 2 ** 16;
 
@@ -88,9 +88,10 @@ export function viewEnd(json, index) {
  * @param {any} json
  * @param {number} index
  * @param {Uint8Array} bytes those of the binary chunk
+ * @param {number} [mostZeros] the most values without a buffer view
  * @returns {Accessor}
  */
-export function readAccessor(json, index, bytes) {
+export function readAccessor(json, index, bytes, mostZeros = MOST_ZEROS) {
   const accessor = json.accessors[index];
   const { componentType, normalized = false, count, type, sparse } = accessor;
   const Type = ARRAYS[componentType];
@@ -99,7 +100,7 @@ export function readAccessor(json, index, bytes) {
   /** @type {NumberArray} */
   let array;
   if (accessor.bufferView !== undefined) array = readItems(json, accessor, Type, components, count, bytes);
-  else if (count * components <= MOST_ZEROS) array = new Type(count * components);
+  else if (count * components <= mostZeros) array = new Type(count * components);
   else throw new Error(`Accessor ${index} is too large.`);
   if (sparse) {
     const places = readItems(json, sparse.indices, ARRAYS[sparse.indices.componentType], 1, sparse.count, bytes);
@@ -110,6 +111,38 @@ export function readAccessor(json, index, bytes) {
     }
   }
   return { array, components, normalized, count };
+}
+
+/** The accessors of a document: each is read once, for all that use it. */
+export class Accessors {
+  #json;
+  /** @type {Map<number, Accessor>} */
+  #known = new Map();
+  #zerosLeft = MOST_ZEROS;
+
+  /** @param {any} json */
+  constructor(json) {
+    this.#json = json;
+  }
+
+  /**
+   * Returns the values of an accessor, which are not to be changed.
+   * @param {number} index
+   * @param {Uint8Array} bytes those of the binary chunk
+   */
+  read(index, bytes) {
+    const known = this.#known.get(index);
+    if (known) return known;
+    const accessor = readAccessor(this.#json, index, bytes, this.#zerosLeft);
+    if (this.#json.accessors[index].bufferView === undefined) this.#zerosLeft -= accessor.array.length;
+    this.#known.set(index, accessor);
+    return accessor;
+  }
+
+  /** Forgets the values, which are read again if they are asked for. */
+  clear() {
+    this.#known.clear();
+  }
 }
 
 /**

@@ -24,7 +24,7 @@ export class Animation {
 
   /** The seconds until it begins again. */
   get duration() {
-    return Math.max(0, ...this.tracks.map(({ times }) => times.at(-1) ?? 0));
+    return this.tracks.reduce((most, { times }) => Math.max(most, times.at(-1) ?? 0), 0);
   }
 
   /**

@@ -282,6 +282,8 @@ export class Geometry {
   /** @type {Map<number, WebGLVertexArrayObject>} */
   #layouts = new Map();
   #isChanged = true;
+  /** Whether it has been uploaded: parts that are shared may be so before. */
+  #isUploaded = false;
 
   /**
    * Takes an update of the client.
@@ -320,6 +322,7 @@ export class Geometry {
       for (const part of this.parts.values()) part.show(gl);
       this.#dropLayouts(gl);
       this.#isChanged = false;
+      this.#isUploaded = true;
     }
     return !this.pulled || this.pulled.upload(gl, budget);
   }
@@ -332,6 +335,14 @@ export class Geometry {
     for (const layout of this.#layouts.values()) gl.deleteVertexArray(layout);
     this.#layouts.clear();
     return false;
+  }
+
+  /**
+   * Returns whether there is something to draw of a part.
+   * @param {number} number
+   */
+  isShown(number) {
+    return this.#isUploaded && Boolean(this.parts.get(number)?.shownLength);
   }
 
   /**
@@ -384,5 +395,6 @@ export class Geometry {
     for (const data of this.attributes.values()) data.forget();
     for (const part of this.parts.values()) part.forget();
     this.#isChanged = true;
+    this.#isUploaded = false;
   }
 }

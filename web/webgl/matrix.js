@@ -53,6 +53,25 @@ export function transformPoint(m, p) {
 }
 
 /**
+ * Returns the box around a box that a matrix moves.
+ * @param {Matrix} m
+ * @param {{ min: Vector, max: Vector }} box
+ */
+export function transformBox(m, { min, max }) {
+  const least = m.slice(12, 15);
+  const most = m.slice(12, 15);
+  for (let row = 0; row < 3; row++) {
+    for (let i = 0; i < 3; i++) {
+      const a = m[4 * i + row] * min[i];
+      const b = m[4 * i + row] * max[i];
+      least[row] += Math.min(a, b);
+      most[row] += Math.max(a, b);
+    }
+  }
+  return { min: least, max: most };
+}
+
+/**
  * Returns the cofactors of the upper 3 × 3 numbers: the matrix of normals, up to a factor, and mirrored where the matrix mirrors.
  * @param {Matrix} m
  */

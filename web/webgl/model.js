@@ -2,7 +2,7 @@
  * A model as it is drawn: takes the events of the client, and turns them into geometry, textures and nodes.
  * @module
  */
-import { accessorEnd, Binary, readAccessor, UnsupportedError, viewBytes, viewEnd } from './accessors.js';
+import { accessorEnd, Accessors, Binary, UnsupportedError, viewBytes, viewEnd } from './accessors.js';
 import { Animation } from './animation.js';
 import { Geometry, IndexData, LOCATIONS, VertexData } from './geometry.js';
 import { readMaterial } from './materials.js';
@@ -19,6 +19,7 @@ import { Textures } from './textures.js';
  */
 
 const EXTENSION = 'TRISTRIP_progressive';
+/** The most instances of all nodes together. */
 const MOST_INSTANCES = 10000;
 const REQUIRED = new Set([EXTENSION, 'KHR_texture_transform', 'KHR_materials_unlit', 'KHR_mesh_quantization', 'KHR_materials_emissive_strength', 'EXT_mesh_gpu_instancing', 'EXT_texture_webp']);
 
@@ -47,6 +48,16 @@ export class ShownModel {
   /** @type {any} */
   #json;
   #binary = new Binary();
+  /** The bytes that the binary chunk will have. */
+  #binaryBytes = 0;
+  #accessors = new Accessors(undefined);
+  /** Attributes and indices by what is in them: primitives share them.
+   * @type {Map<string, VertexData>} */
+  #vertices = new Map();
+  /** @type {Map<string, IndexData>} */
+  #indices = new Map();
+  #instancesLeft = MOST_INSTANCES;
+  #areBoundsOld = false;
   /** What is made of the binary chunk, and how many bytes that needs.
    * @type {{ end: number, run: (bytes: Uint8Array) => void }[]} */
   #tasks = [];
@@ -85,14 +96,14 @@ export class ShownModel {
    * @returns {Required<Pick<ModelEvents, 'document' | 'binary' | 'update'>>} */
   get events() {
     return {
-      document: (json) => this.#guard(() => this.#open(json)),
+      document: (json, binaryBytes) => this.#guard(() => this.#open(json, binaryBytes)),
       binary: (bytes, start) => {
         if (this.#tasks.length > 0) this.#binary.add(bytes, start);
         this.#listener.change();
       },
       // The next one comes when this one is shown.
       update: (update) =>
-        new Promise((resolve) => {
+        new Promise((/** @type {(value?: undefined) => void} */ resolve) => {
           this.#updates.push({ update, resolve });
           this.#listener.change();
         }),
@@ -116,11 +127,16 @@ export class ShownModel {
     }
   }
 
-  /** @param {any} json */
-  #open(json) {
+  /**
+   * @param {any} json
+   * @param {number} binaryBytes
+   */
+  #open(json, binaryBytes) {
     const missing = (json.extensionsRequired ?? []).find((/** @type {string} */ name) => !REQUIRED.has(name));
     if (missing) throw new UnsupportedError(`The model needs ${missing}.`);
     this.#json = json;
+    this.#binaryBytes = binaryBytes;
+    this.#accessors = new Accessors(json);
     const scene = (this.scene = new Scene(json));
     const textures = (this.textures = new Textures(this.#gl, json, () => this.#listener.draw()));
     const materials = (json.materials ?? []).map(readMaterial);
@@ -132,8 +148,8 @@ export class ShownModel {
     for (const [index, { inverseBindMatrices, joints }] of (json.skins ?? []).entries()) {
       const identity = Array.from({ length: 16 * joints.length }, (_, i) => (i % 16) % 5 === 0 ? 1 : 0);
       this.#later(accessorEnd(json, inverseBindMatrices), (bytes) => {
-        scene.bindings.set(index, inverseBindMatrices === undefined ? identity : readAccessor(json, inverseBindMatrices, bytes).array);
-        this.#bound();
+        scene.bindings.set(index, inverseBindMatrices === undefined ? identity : this.#accessors.read(inverseBindMatrices, bytes).array);
+        this.#areBoundsOld = true;
       });
     }
     for (const node of scene.nodes.values()) {
@@ -141,22 +157,18 @@ export class ShownModel {
       if (attributes) this.#readInstances(node, attributes);
     }
     for (const animation of json.animations ?? []) this.#readAnimation(animation);
-    this.#bound();
+    this.#areBoundsOld = true;
     this.#listener.change();
   }
 
-  #bound() {
-    const bounds = this.scene?.bounds;
-    if (bounds) this.#listener.bounds(bounds);
-  }
-
   /**
-   * Does something when enough of the binary chunk has arrived.
+   * Does something when enough of the binary chunk has arrived; at once if that will never be, so that it fails.
    * @param {number} end the bytes of it that are needed
    * @param {(bytes: Uint8Array) => void} run
    */
   #later(end, run) {
-    this.#tasks.push({ end, run });
+    if (end <= this.#binaryBytes) this.#tasks.push({ end, run });
+    else run(this.#binary.bytes);
   }
 
   /**
@@ -175,17 +187,50 @@ export class ShownModel {
       let count = 0;
       for (const [name, accessor] of Object.entries(attributes)) {
         if (!Object.hasOwn(LOCATIONS, name)) continue;
-        const { array, components, normalized, count: found } = readAccessor(json, accessor, bytes);
-        if (name === 'POSITION') count = found;
-        let data = new VertexData(array, components, normalized);
-        for (const { target, weight } of morphs) if (name in target) data = morphed(data, readAccessor(json, target[name], bytes).array, weight);
-        own.attributes.set(name, data);
+        const index = /** @type {number} */ (accessor);
+        if (name === 'POSITION') count = this.#accessors.read(index, bytes).count;
+        const deltas = morphs.filter((/** @type {any} */ { target }) => name in target).map((/** @type {any} */ { target, weight }) => ({ index: target[name], weight }));
+        own.attributes.set(name, this.#vertexData(index, deltas, bytes));
       }
-      const list = indices === undefined ? null : /** @type {any} */ (readAccessor(json, indices, bytes).array);
-      own.parts.set(part, new IndexData(list, list ? list.length : count, mode));
+      own.parts.set(part, indices === undefined ? new IndexData(null, count, mode) : this.#indexData(indices, mode, bytes));
       this.#changed.add(own);
     });
     return { own, stream, part, material };
+  }
+
+  /**
+   * Returns the attribute of an accessor.
+   * @param {number} index
+   * @param {{ index: number, weight: number }[]} deltas the accessors that are added
+   * @param {Uint8Array} bytes
+   */
+  #vertexData(index, deltas, bytes) {
+    const key = [index, ...deltas.flatMap((delta) => [delta.index, delta.weight])].join(' ');
+    let data = this.#vertices.get(key);
+    if (!data) {
+      const { array, components, normalized } = this.#accessors.read(index, bytes);
+      data = new VertexData(array, components, normalized);
+      for (const delta of deltas) data = morphed(data, this.#accessors.read(delta.index, bytes).array, delta.weight);
+      this.#vertices.set(key, data);
+    }
+    return data;
+  }
+
+  /**
+   * Returns the indices of an accessor.
+   * @param {number} index
+   * @param {number} mode
+   * @param {Uint8Array} bytes
+   */
+  #indexData(index, mode, bytes) {
+    const key = `${index} ${mode}`;
+    let data = this.#indices.get(key);
+    if (!data) {
+      const { array } = this.#accessors.read(index, bytes);
+      data = new IndexData(/** @type {any} */ (array), array.length, mode);
+      this.#indices.set(key, data);
+    }
+    return data;
   }
 
   /**
@@ -196,11 +241,12 @@ export class ShownModel {
     const json = this.#json;
     node.instances = [];
     this.#later(Math.max(...[TRANSLATION, ROTATION, SCALE].map((accessor) => accessorEnd(json, accessor))), (bytes) => {
-      const [t, r, s] = [TRANSLATION, ROTATION, SCALE].map((index) => (index === undefined ? undefined : readAccessor(json, index, bytes)));
-      const count = Math.min(t?.count ?? r?.count ?? s?.count ?? 0, MOST_INSTANCES);
+      const [t, r, s] = [TRANSLATION, ROTATION, SCALE].map((index) => (index === undefined ? undefined : this.#accessors.read(index, bytes)));
+      const count = Math.min(t?.count ?? r?.count ?? s?.count ?? 0, this.#instancesLeft);
+      this.#instancesLeft -= count;
       const item = (/** @type {import('./accessors.js').Accessor | undefined} */ from, /** @type {number} */ i, /** @type {number[]} */ usual) => (from ? Array.from(from.array.subarray(i * usual.length, (i + 1) * usual.length)) : usual);
       node.instances = Array.from({ length: count }, (_, i) => compose(item(t, i, [0, 0, 0]), item(r, i, [0, 0, 0, 1]), item(s, i, [1, 1, 1])));
-      this.#bound();
+      this.#areBoundsOld = true;
     });
   }
 
@@ -213,9 +259,9 @@ export class ShownModel {
       const { input, output, interpolation = 'LINEAR' } = samplers[sampler];
       if (!['translation', 'rotation', 'scale'].includes(target.path)) continue;
       this.#later(Math.max(accessorEnd(json, input), accessorEnd(json, output)), (bytes) => {
-        const values = readAccessor(json, output, bytes);
+        const values = this.#accessors.read(output, bytes);
         if (!(values.array instanceof Float32Array)) return;
-        made.tracks.push({ node: target.node, path: target.path, interpolation, times: readAccessor(json, input, bytes).array, values: values.array });
+        made.tracks.push({ node: target.node, path: target.path, interpolation, times: this.#accessors.read(input, bytes).array, values: values.array });
       });
     }
   }
@@ -225,16 +271,51 @@ export class ShownModel {
    * @param {Budget} budget
    */
   step(budget) {
-    const { length } = this.#binary.bytes;
-    const ready = this.#tasks.filter(({ end }) => end <= length);
-    let isNew = false;
-    for (const task of ready) {
-      if (budget.bytes === 0) return isNew;
-      this.#tasks.splice(this.#tasks.indexOf(task), 1);
-      this.#guard(() => task.run(this.#binary.bytes));
-      isNew = true;
+    const hasRun = this.#runTasks(budget);
+    if (this.#areBoundsOld) this.#guard(() => this.#bound());
+    return this.#upload(budget) || hasRun;
+  }
+
+  /**
+   * Does what the bytes that have arrived allow. Returns whether that is something.
+   * @param {Budget} budget
+   */
+  #runTasks(budget) {
+    const { bytes } = this.#binary;
+    const tasks = this.#tasks;
+    this.#tasks = [];
+    let hasRun = false;
+    for (const task of tasks) {
+      if (task.end > bytes.length || budget.bytes === 0) this.#tasks.push(task);
+      else {
+        this.#guard(() => task.run(bytes));
+        hasRun = true;
+      }
     }
-    if (isNew && this.#tasks.length === 0) this.#binary = new Binary();
+    if (hasRun && this.#tasks.length === 0) this.#forgetBinary();
+    return hasRun;
+  }
+
+  /** Forgets what only tasks need. */
+  #forgetBinary() {
+    this.#binary = new Binary();
+    this.#accessors.clear();
+    this.#vertices.clear();
+    this.#indices.clear();
+  }
+
+  #bound() {
+    this.#areBoundsOld = false;
+    const bounds = this.scene?.bounds;
+    if (bounds) this.#listener.bounds(bounds);
+  }
+
+  /**
+   * Uploads what the budget allows. Returns whether the picture is another one.
+   * @param {Budget} budget
+   */
+  #upload(budget) {
+    let isNew = false;
     // An update is taken when the one before is drawn: what is uploaded always belongs together.
     for (;;) {
       for (const geometry of this.#changed) {
@@ -265,8 +346,8 @@ export class ShownModel {
       for (const { own, stream, part, material } of this.#meshes[node.mesh ?? -1] ?? []) {
         const streamed = stream === undefined ? undefined : this.#streams.get(stream);
         // A part without triangles is drawn as its base mesh.
-        const geometry = streamed?.parts.get(part)?.shownLength ? streamed : own;
-        if (geometry.parts.get(part)?.shownLength) items.push({ node, geometry, part, material });
+        const geometry = streamed?.isShown(part) ? streamed : own;
+        if (geometry.isShown(part)) items.push({ node, geometry, part, material });
       }
     }
     return items;
@@ -333,13 +414,14 @@ export class ShownModel {
     this.#isClosed = true;
     this.#dropJoints();
     this.textures?.release();
+    // To delete a shared buffer once more does nothing.
     for (const geometry of this.#geometries) geometry.release(this.#gl);
     this.#changed.clear();
     this.#updates = [];
     this.#tasks = [];
     this.#meshes = [];
     this.#streams.clear();
-    this.#binary = new Binary();
+    this.#forgetBinary();
   }
 
   /** Makes all objects again after the context was lost. */

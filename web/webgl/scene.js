@@ -2,7 +2,7 @@
  * The nodes of a glTF scene: where meshes stand, and how skins are bent.
  * @module
  */
-import { compose, identity, multiply, transformPoint } from './matrix.js';
+import { compose, identity, multiply, transformBox } from './matrix.js';
 
 /**
  * @import { Matrix } from './matrix.js'
@@ -35,6 +35,9 @@ export class Scene {
   /** The inverse bind matrices of skins, as they arrive.
    * @type {Map<number, ArrayLike<number>>} */
   bindings = new Map();
+  /** The boxes around meshes, as they are asked for.
+   * @type {Map<number, Box | undefined>} */
+  #boxes = new Map();
 
   /** @param {any} json */
   constructor(json) {
@@ -43,8 +46,8 @@ export class Scene {
     const roots = scenes?.[scene]?.nodes ?? [];
     /** @type {[number, Node | undefined][]} */
     const waiting = roots.map((/** @type {number} */ index) => [index, undefined]);
-    for (let next; (next = waiting.shift()); ) {
-      const [index, parent] = next;
+    // The list grows meanwhile.
+    for (const [index, parent] of waiting) {
       const node = nodes[index];
       // In a tree each node comes once.
       if (!node || this.nodes.has(index)) continue;
@@ -75,38 +78,73 @@ export class Scene {
     /** @type {number[]} */
     const joints = this.#json.skins[skin ?? 0].joints;
     const matrices = new Float32Array(16 * joints.length);
-    for (const [i, joint] of joints.entries()) {
-      const inverse = Array.from({ length: 16 }, (_, j) => bindings[16 * i + j]);
-      matrices.set(multiply(this.nodes.get(joint)?.world ?? identity(), inverse), 16 * i);
-    }
+    for (const [i, joint] of joints.entries()) matrices.set(this.#joint(joint, bindings, i), 16 * i);
     return matrices;
+  }
+
+  /**
+   * @param {number} node
+   * @param {ArrayLike<number>} bindings
+   * @param {number} i the number of the joint in its skin
+   */
+  #joint(node, bindings, i) {
+    const inverse = Array.from({ length: 16 }, (_, j) => bindings[16 * i + j]);
+    return multiply(this.nodes.get(node)?.world ?? identity(), inverse);
+  }
+
+  /**
+   * Returns the box around a mesh, from the bounds of its positions; `undefined` if there are none.
+   * @param {number} mesh
+   * @returns {Box | undefined}
+   */
+  #boxOf(mesh) {
+    if (this.#boxes.has(mesh)) return this.#boxes.get(mesh);
+    const box = emptyBox();
+    for (const primitive of this.#json.meshes?.[mesh]?.primitives ?? []) {
+      const { min, max, normalized, componentType } = this.#json.accessors?.[primitive.attributes.POSITION] ?? {};
+      const unit = normalized ? (MOST[componentType] ?? 1) : 1;
+      const isKnown = [min, max].every((corner) => Array.isArray(corner) && [0, 1, 2].every((i) => Number.isFinite(corner[i])));
+      if (isKnown) for (const corner of [min, max]) include(box, corner.map((/** @type {number} */ x) => x / unit));
+    }
+    const known = isEmpty(box) ? undefined : box;
+    this.#boxes.set(mesh, known);
+    return known;
   }
 
   /** The box around all meshes, from the bounds of their positions; `undefined` if there are none.
    * @returns {Box | undefined} */
   get bounds() {
-    const min = [Infinity, Infinity, Infinity];
-    const max = [-Infinity, -Infinity, -Infinity];
+    const bounds = emptyBox();
     for (const { mesh, world, skin, instances } of this.nodes.values()) {
-      if (mesh === undefined) continue;
+      const box = mesh === undefined ? undefined : this.#boxOf(mesh);
+      if (!box) continue;
       // A skin at rest moves all of a mesh about as its first joint.
-      const first = this.joints(skin)?.slice(0, 16);
-      for (const primitive of this.#json.meshes?.[mesh]?.primitives ?? []) {
-        const bounds = this.#json.accessors?.[primitive.attributes.POSITION];
-        if (!bounds?.min || !bounds.max) continue;
-        const unit = bounds.normalized ? (MOST[bounds.componentType] ?? 1) : 1;
-        for (const instance of instances) {
-          const matrix = first ? Array.from(first) : multiply(world, instance);
-          for (let corner = 0; corner < 8; corner++) {
-            const at = transformPoint(matrix, [0, 1, 2].map((i) => (corner & (1 << i) ? bounds.max : bounds.min)[i] / unit));
-            for (let i = 0; i < 3; i++) {
-              min[i] = Math.min(min[i], at[i]);
-              max[i] = Math.max(max[i], at[i]);
-            }
-          }
-        }
+      const bindings = skin === undefined ? undefined : this.bindings.get(skin);
+      const matrices = bindings ? [this.#joint(this.#json.skins[skin ?? 0].joints[0], bindings, 0)] : instances.map((instance) => multiply(world, instance));
+      for (const matrix of matrices) {
+        const { min, max } = transformBox(matrix, box);
+        include(bounds, min);
+        include(bounds, max);
       }
     }
-    return min[0] <= max[0] ? { min, max } : undefined;
+    return isEmpty(bounds) ? undefined : bounds;
+  }
+}
+
+/** @returns {Box} */
+const emptyBox = () => ({ min: [Infinity, Infinity, Infinity], max: [-Infinity, -Infinity, -Infinity] });
+
+/** @param {Box} box */
+const isEmpty = ({ min, max }) => !(min[0] <= max[0]);
+
+/**
+ * Grows a box by a point.
+ * @param {Box} box
+ * @param {number[]} point
+ */
+function include({ min, max }, point) {
+  for (let i = 0; i < 3; i++) {
+    min[i] = Math.min(min[i], point[i]);
+    max[i] = Math.max(max[i], point[i]);
   }
 }

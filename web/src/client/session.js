@@ -34,6 +34,9 @@ const BUILD_SHARE = 3;
 const PROGRESS_INTERVAL = 100;
 /** The most bytes of a chunk, unless a limit says otherwise: those of the decoder. */
 const MOST_CHUNK_BYTES = 2 ** 28;
+/** The bytes of the headers of a GLB, and of the header of a chunk. */
+const LEAST_FILE = 20;
+const CHUNK_HEADER_BYTES = 8;
 /** The most primitives that a stream refines: each update tells of all parts of a mesh. */
 const MOST_PRIMITIVES = 2 ** 16;
 
@@ -235,11 +238,17 @@ export class Session {
   }
 
   #checkEnd() {
+    const end = this.#receivedBytes;
+    // A file may end with its JSON: as if an empty chunk came after it.
+    if (end >= LEAST_FILE && !this.#reader.json) this.#take(new Uint8Array(CHUNK_HEADER_BYTES));
+    this.#receivedBytes = end;
     const { json, fileBytes } = this.#reader;
-    const end = `byte ${this.#receivedBytes}`;
-    if (!json) throw new StreamError(end, 'the end of the file', 'a GLB');
-    if (this.#waiting.length > 0) throw new StreamError(end, 'the end of the stream', 'the rest of a chunk');
-    if (this.#receivedBytes < fileBytes) throw new StreamError(end, 'the end of the file', `${fileBytes} bytes, as its header says`);
+    const fail = (/** @type {string} */ found, /** @type {string} */ expected) => {
+      throw new StreamError(`byte ${end}`, found, expected);
+    };
+    if (!json) fail('the end of the file', 'a GLB');
+    if (this.#waiting.length > 0) fail('the end of the stream', 'the rest of a chunk');
+    if (end < fileBytes) fail('the end of the file', `${fileBytes} bytes, as its header says`);
   }
 
   /**
