@@ -3,8 +3,8 @@
 //! A key is a hash of all that a result depends on: the file without links, its version, the versions of the files beside it that a `.gltf` or an OBJ may name,
 //! the options, and the version of this crate. So a result is never older than its files.
 //!
-//! Models that are one file are read through the handle of the folder. Readers of `.gltf` and OBJ open other files by their paths; they take no file outside the folder of
-//! the document, links followed, but someone who may change links in the served folder at the same moment could lead them out of it.
+//! A model is read through the handle of the folder. The files that a `.gltf`, a GLB or an OBJ names are opened by their paths: none that is hidden or outside the folder of the
+//! document, links followed, but someone who may change links in the served folder at the same moment could lead them out of it.
 
 use std::fmt::Write;
 use std::sync::Arc;
@@ -65,26 +65,17 @@ impl Source {
 
     /// Reads the model, with the materials and images that belong to it.
     pub(crate) fn read(&self, folder: &Folder, most_bytes: u64) -> Result<Model, String> {
-        let bytes = folder.version(&self.path).map_err(|error| error.to_string())?.bytes;
-        if bytes > most_bytes {
-            return Err(format!("found a file of {bytes} bytes, expected at most {most_bytes}"));
+        let found = folder.version(&self.path).map_err(|error| error.to_string())?.bytes;
+        if found > most_bytes {
+            return Err(format!("found a file of {found} bytes, expected at most {most_bytes}"));
         }
+        let bytes = folder.read(&self.path, most_bytes).map_err(|error| error.to_string())?;
+        let left = most_bytes - bytes.len() as u64;
         let root = format!("{}/", folder.path().display());
         // Messages do not say where the folder is.
         let message = |error: tristrip_io::Error| error.to_string().replace(&root, "");
         let real = folder.real_path(&self.path).map_err(|error| error.to_string())?;
-        let mut model = if has_side_files(self.format) {
-            tristrip_io::read_path(&real)
-        } else {
-            let bytes = folder.read(&self.path, most_bytes).map_err(|error| error.to_string())?;
-            tristrip_io::read_shared(&Arc::new(bytes), self.format)
-        }
-        .map_err(message)?;
-        if self.format == Format::Obj {
-            tristrip_io::load_materials(&mut model, Some(&real), "");
-        }
-        tristrip_io::embed_images(&mut model, Some(&real)).map_err(message)?;
-        Ok(model)
+        tristrip_io::read_beside(&Arc::new(bytes), self.format, &real, left).map_err(message)
     }
 
     /// Packs the file.
@@ -154,6 +145,36 @@ mod tests {
         assert_ne!(source.key("other options"), before[1]);
         assert!(Source::find(&folder, &SitePath::new("a/textures/a.png").unwrap()).is_none());
         assert!(Source::find(&folder, &SitePath::new("none.ply").unwrap()).is_none());
+    }
+
+    #[test]
+    fn files_beside_a_model_are_limited_and_not_hidden() {
+        let dir = tempfile::tempdir().unwrap();
+        let write = |name: &str, text: &str| fs::write(dir.path().join(name), text).unwrap();
+        let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n";
+        let material = "newmtl red\nKd 1 0 0\n";
+        write("shown.obj", &format!("mtllib a.mtl\n{triangle}"));
+        write("large.obj", &format!("mtllib large.mtl\n{triangle}"));
+        write("hidden.obj", &format!("mtllib .a.mtl\n{triangle}"));
+        write("a.mtl", material);
+        write(".a.mtl", material);
+        write("large.mtl", &format!("{material}{}", "#".repeat(1000)));
+        let folder = Folder::open(dir.path()).unwrap();
+        let materials = |path: &str| {
+            let source = Source::find(&folder, &SitePath::new(path).unwrap()).unwrap();
+            source.read(&folder, 500).unwrap().materials.unwrap()
+        };
+        assert!(!materials("shown.obj").is_empty());
+        assert!(materials("large.obj").is_empty() && materials("hidden.obj").is_empty());
+        let image = r#"{"asset":{"version":"2.0"},"images":[{"uri":"IMAGE"}]}"#;
+        write("a.gltf", &image.replace("IMAGE", "%2ehidden.png"));
+        fs::write(dir.path().join(".hidden.png"), b"\x89PNG\r\n\x1a\nsecret").unwrap();
+        let source = Source::find(&folder, &SitePath::new("a.gltf").unwrap()).unwrap();
+        let notes = source.read(&folder, 500).unwrap().notes;
+        assert!(
+            notes.iter().any(|note| note.starts_with("images that the file only refers to: 1")),
+            "{notes:?}"
+        );
     }
 
     #[test]

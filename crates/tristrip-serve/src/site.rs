@@ -179,7 +179,8 @@ async fn packed(State(site): State<Arc<Site>>, uri: Uri, headers: HeaderMap) -> 
     let options = site.packing.pack;
     let most_bytes = site.packing.largest_input_bytes;
     let work = move |source: &Source, folder: &Folder| source.pack(folder, most_bytes, &options);
-    made(&site, path, "packing", &format!("{options:?}"), "model/gltf-binary", &headers, work).await
+    let key = format!("{options:?} {most_bytes}");
+    made(&site, path, "packing", &key, "model/gltf-binary", &headers, work).await
 }
 
 async fn thumbnail(State(site): State<Arc<Site>>, uri: Uri, headers: HeaderMap) -> Response {
@@ -197,7 +198,8 @@ async fn thumbnail(State(site): State<Arc<Site>>, uri: Uri, headers: HeaderMap) 
     }
     let most_bytes = site.packing.largest_input_bytes;
     let work = move |source: &Source, folder: &Folder| thumbnails::of_source(source, folder, most_bytes);
-    made(&site, path, "thumbnail", thumbnails::OPTIONS, "image/png", &headers, work).await
+    let key = format!("{} {most_bytes}", thumbnails::OPTIONS);
+    made(&site, path, "thumbnail", &key, "image/png", &headers, work).await
 }
 
 /// Answers with what is made of a file, now or before.
