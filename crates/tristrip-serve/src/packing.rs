@@ -16,9 +16,9 @@ use tristrip_pipeline::{PackOptions, pack};
 use crate::folder::Folder;
 use crate::paths::SitePath;
 
-/// How deep folders beside a document are looked into, and the most files that are.
+/// How deep folders beside a document are looked into, and the most files and folders that are looked at.
 const MOST_DEPTH: usize = 4;
-const MOST_FILES: usize = 4096;
+const MOST_ENTRIES: usize = 10_000;
 
 /// A model file in the folder of a server.
 #[derive(Debug, Clone)]
@@ -43,7 +43,7 @@ impl Source {
             version.tag()
         );
         if has_side_files(format) {
-            let mut left = MOST_FILES;
+            let mut left = MOST_ENTRIES;
             let (parent, _) = path.as_str().rsplit_once('/').unwrap_or_default();
             add_versions(folder, parent, MOST_DEPTH, &mut left, &mut key);
         }
@@ -96,7 +96,7 @@ fn has_side_files(format: Format) -> bool {
 
 /// Adds the versions of the files in a folder and below it that are not models: buffers, material libraries, images.
 fn add_versions(folder: &Folder, path: &str, depth: usize, left: &mut usize, key: &mut String) {
-    for entry in folder.entries(path).unwrap_or_default() {
+    for entry in folder.entries(path, left).unwrap_or_default() {
         let Some(version) = entry.version else {
             if depth > 0 {
                 add_versions(folder, entry.path.as_str(), depth - 1, left, key);
@@ -106,10 +106,6 @@ fn add_versions(folder: &Folder, path: &str, depth: usize, left: &mut usize, key
         if Format::from_path(entry.path.as_str()).is_some() {
             continue;
         }
-        if *left == 0 {
-            return;
-        }
-        *left -= 1;
         // Writing to a string does not fail.
         writeln!(key, "{} {}", entry.path.as_str(), version.tag()).unwrap_or_default();
     }

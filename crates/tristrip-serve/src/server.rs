@@ -7,15 +7,13 @@ use std::time::Duration;
 
 use etcetera::{BaseStrategy, choose_base_strategy};
 use tokio::runtime::Builder;
-use tokio::sync::{Mutex, watch};
+use tokio::sync::watch;
 use tokio::task::JoinSet;
 use tokio::time::{sleep, timeout};
 use tokio_rustls::TlsAcceptor;
 
 use crate::answer::Answerer;
-use crate::assets::Assets;
 use crate::cache::Cache;
-use crate::catalogue::Scanner;
 use crate::connections::{Clients, Connections, refuse};
 use crate::content::{Content, Store};
 use crate::error::Error;
@@ -124,15 +122,7 @@ impl Server {
             Ok((listener.local_addr()?, listener))
         };
         let (address, listener) = listen().map_err(|source| Error::Address { address: wanted, source })?;
-        let site = Site {
-            store,
-            workshop,
-            packing: options.packing.clone(),
-            metrics: Arc::clone(&metrics),
-            assets: Arc::new(Assets::default()),
-            scanner: Arc::new(Scanner::default()),
-            list: Mutex::new(None),
-        };
+        let site = Site::new(store, workshop, options.packing.clone(), Arc::clone(&metrics));
         let answerer = Answerer::new(router(Arc::new(site)), &options, Arc::clone(&metrics))?;
         let stop = StopHandle::new();
         Ok(Self { listener, address, options, answerer, metrics, tls, stop })
@@ -214,7 +204,7 @@ impl Server {
                 _ = stop.wait_for(|stop| *stop) => break,
             };
             match accepted {
-                Ok((socket, client)) => match connections.clients.enter(client.ip(), &limits, &metrics) {
+                Ok((socket, client)) => match connections.clients.enter(client.ip(), &limits) {
                     Ok(place) => {
                         running.spawn(connections.clone().serve(socket, client.ip().to_canonical(), place));
                     }
