@@ -52,7 +52,7 @@ impl Answerer {
     pub(crate) fn new(routes: Router, options: &ServerOptions, metrics: Arc<Metrics>) -> Result<Self, Error> {
         let has_cors = !options.cors.is_empty();
         let routes = if has_cors { routes.layer(cors(&options.cors)?) } else { routes };
-        let hosts = Arc::new(Hosts::new(options.address, &options.hosts));
+        let hosts = Arc::new(Hosts::new(options.address, &options.hosts)?);
         Ok(Self {
             routes,
             hosts,
