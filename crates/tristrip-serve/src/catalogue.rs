@@ -178,7 +178,8 @@ fn contents_of(file: &File) -> Contents {
     }
 }
 
-fn first_bytes(file: &File, most: u64) -> io::Result<Vec<u8>> {
+/// Reads the first bytes of a file.
+pub(crate) fn first_bytes(file: &File, most: u64) -> io::Result<Vec<u8>> {
     let length = file.metadata()?.len().min(most);
     let mut bytes = vec![0; length as usize];
     let mut filled = 0;
@@ -194,11 +195,18 @@ fn first_bytes(file: &File, most: u64) -> io::Result<Vec<u8>> {
 
 /// Checks whether the JSON of a GLB names the extension; `None` if it has not been read to its end.
 fn says_progressive(start: &[u8]) -> Option<bool> {
-    let length = start.get(12..16).and_then(|bytes| bytes.try_into().ok()).map(u32::from_le_bytes);
-    let Some(length) = length.filter(|_| start.starts_with(b"glTF")) else { return Some(false) };
-    let json = start.get(20..)?.get(..length as usize)?;
+    if !start.starts_with(b"glTF") || start.len() < 16 {
+        return Some(false);
+    }
+    let json = json_of(start)?;
     let name = b"TRISTRIP_progressive";
     Some(json.windows(name.len()).any(|window| window == name))
+}
+
+/// Returns the JSON of a GLB, if it is there to its end.
+pub(crate) fn json_of(start: &[u8]) -> Option<&[u8]> {
+    let length = start.get(12..16).and_then(|bytes| bytes.try_into().ok()).map(u32::from_le_bytes)?;
+    start.get(20..)?.get(..length as usize)
 }
 
 /// Decodes the base meshes, whose heads have the sizes of the full ones; `None` if they are not all there.

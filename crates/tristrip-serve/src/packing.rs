@@ -1,6 +1,6 @@
 //! Packing of files on demand: which files, under which key, and how they are read.
 //!
-//! A key is a hash of all that a result depends on: the file without links, its version, the versions of the files beside it that a `.gltf` or an OBJ may name,
+//! A key is a hash of all that a result depends on: the file without links, its version, the versions of the files beside it that a `.gltf`, a GLB or an OBJ may name,
 //! the options, and the version of this crate. So a result is never older than its files.
 //!
 //! A model is read through the handle of the folder. The files that a `.gltf`, a GLB or an OBJ names are opened by their paths: none that is hidden or outside the folder of the
@@ -13,10 +13,15 @@ use sha2::{Digest, Sha256};
 use tristrip_io::{Format, Model};
 use tristrip_pipeline::{PackOptions, pack};
 
+use crate::catalogue::{first_bytes, json_of};
 use crate::folder::Folder;
 use crate::paths::SitePath;
 
+/// The version of what packings and pictures are: one more whenever the same file gives other bytes and the package has no other version.
+const PACKING_VERSION: u32 = 1;
 /// How deep folders beside a document are looked into, and the most files and folders that are looked at.
+/// The bytes of a GLB in which URIs are looked for.
+const MOST_JSON_BYTES: u64 = 64 << 10;
 const MOST_DEPTH: usize = 4;
 const MOST_ENTRIES: usize = 10_000;
 
@@ -36,13 +41,13 @@ impl Source {
         let version = folder.version(path).ok()?;
         let real = folder.real_path(path).ok()?;
         let mut key = format!(
-            "{} {}\n{}\n{}\n",
+            "{} {} {PACKING_VERSION}\n{}\n{}\n",
             env!("CARGO_PKG_NAME"),
             env!("CARGO_PKG_VERSION"),
             real.display(),
             version.tag()
         );
-        if has_side_files(format) {
+        if names_files(folder, path, format) {
             let mut left = MOST_ENTRIES;
             let (parent, _) = path.as_str().rsplit_once('/').unwrap_or_default();
             add_versions(folder, parent, MOST_DEPTH, &mut left, &mut key);
@@ -90,8 +95,19 @@ impl Source {
     }
 }
 
-fn has_side_files(format: Format) -> bool {
-    matches!(format, Format::Obj | Format::Gltf)
+/// Checks whether a model may name other files: a GLB does if its JSON has a URI, or is too long to be looked at.
+fn names_files(folder: &Folder, path: &SitePath, format: Format) -> bool {
+    match format {
+        Format::Obj | Format::Gltf => true,
+        Format::Glb => {
+            let start = folder.open_file(path).and_then(|(file, _)| first_bytes(&file, MOST_JSON_BYTES));
+            let key = b"\"uri\"";
+            let has_uri =
+                |start: &[u8]| json_of(start).is_none_or(|json| json.windows(key.len()).any(|at| at == key));
+            start.is_ok_and(|start| has_uri(&start))
+        }
+        _ => false,
+    }
 }
 
 /// Adds the versions of the files in a folder and below it that are not models: buffers, material libraries, images.
@@ -129,14 +145,19 @@ mod tests {
         write("a/a.gltf", "{}");
         write("a/a.ply", "ply");
         write("a/textures/a.png", "png");
+        let glb = |json: &str| format!("glTF\x02\0\0\0\0\0\0\0{}\0\0\0JSON{json}", json.len() as u8 as char);
+        write("a/alone.glb", &glb("{}"));
+        write("a/b.glb", &glb(r#"{"images":[{"uri":"textures/a.png"}]}"#));
         let folder = Folder::open(dir.path()).unwrap();
-        let before = [key(&folder, "a/a.gltf"), key(&folder, "a/a.ply")];
-        assert_eq!(before, [key(&folder, "a/a.gltf"), key(&folder, "a/a.ply")]);
+        let keys = || ["a/a.gltf", "a/a.ply", "a/b.glb", "a/alone.glb"].map(|path| key(&folder, path));
+        let before = keys();
+        assert_eq!(before, keys());
         write("a/b.ply", "another model");
         assert_eq!(key(&folder, "a/a.gltf"), before[0]);
         write("a/textures/a.png", "another image");
         assert_ne!(key(&folder, "a/a.gltf"), before[0]);
         assert_eq!(key(&folder, "a/a.ply"), before[1]);
+        assert!(key(&folder, "a/b.glb") != before[2] && key(&folder, "a/alone.glb") == before[3]);
         let source = Source::find(&folder, &SitePath::new("a/a.ply").unwrap()).unwrap();
         assert_ne!(source.key("other options"), before[1]);
         assert!(Source::find(&folder, &SitePath::new("a/textures/a.png").unwrap()).is_none());
