@@ -1,7 +1,9 @@
 //! `tristrip view`: models packed in memory, and shown in the browser.
 
 use std::collections::HashSet;
+use std::io::{self, Write};
 use std::path::Path;
+use std::thread;
 
 use serde::Serialize;
 use tristrip_io::Format;
@@ -71,10 +73,21 @@ pub(crate) fn run(task: &ViewTask, console: &mut Console) -> bool {
     if !batch::finish(reports, console) {
         return false;
     }
-    if task.opens && webbrowser::open(&url).is_err() {
-        console.note("no browser could be opened: open the address in one");
+    if task.opens {
+        open_browser(url, console.is_quiet());
     }
     until_signal(server, console)
+}
+
+/// Opens a browser on a thread of its own: one that runs in the terminal ends only after the server has answered it.
+fn open_browser(url: String, is_quiet: bool) {
+    thread::spawn(move || {
+        if webbrowser::open(&url).is_err() && !is_quiet {
+            let note = "no browser could be opened: open the address in one";
+            // A failure to write to standard error cannot be reported.
+            writeln!(io::stderr(), "  {:<9} {note}", "note").unwrap_or_default();
+        }
+    });
 }
 
 fn pack_job(job: &Job, console: &mut Console, report: &mut ViewReport) -> Result<(), Failure> {

@@ -1,12 +1,12 @@
 //! Reading and writing in a format that is chosen at run time.
 
-use std::path::Path;
 use std::sync::Arc;
 
 use tristrip::Layout;
 
 use crate::error::Error;
 use crate::format::Format;
+use crate::gltf::BufferFiles;
 use crate::model::{Drawing, Model};
 use crate::{gltf, obj, off, ply, stl, tlod};
 
@@ -47,18 +47,18 @@ pub fn read(bytes: &[u8], format: Format) -> Result<Model, Error> {
 /// # Ok::<(), tristrip_io::Error>(())
 /// ```
 pub fn read_shared(bytes: &Arc<Vec<u8>>, format: Format) -> Result<Model, Error> {
-    read_in_folders(bytes, format, &[])
+    read_with_files(bytes, format, &mut BufferFiles::new(&[]))
 }
 
-/// Reads a model whose external buffers, if any, are in the first of several folders that has them.
-pub(crate) fn read_in_folders(
+/// Reads a model whose external buffers, if any, are among files.
+pub(crate) fn read_with_files(
     bytes: &Arc<Vec<u8>>,
     format: Format,
-    folders: &[&Path],
+    files: &mut BufferFiles<'_>,
 ) -> Result<Model, Error> {
     match format {
         Format::Gltf | Format::Glb if !bytes.is_empty() && !tlod::is_tlod(bytes) => {
-            gltf::read_in_folders(Arc::clone(bytes), folders)
+            gltf::read_with_files(Arc::clone(bytes), files)
         }
         _ => read_other(bytes, format),
     }

@@ -93,12 +93,16 @@ pub use appearance::{Appearance, Image, Instance, Material, Texture, Wrap};
 pub use budget::{
     ATTRIBUTE_LIMIT, DECOMPRESSED_LIMIT, GEOMETRY_LIMIT, TRIANGLE_LIMIT, TRIANGLES_PER_PRIMITIVE,
 };
+#[cfg(not(feature = "fs"))]
+pub(crate) use buffer::BufferFiles;
+#[cfg(feature = "fs")]
+pub(crate) use buffer_files::BufferFiles;
 pub use build::losses;
 pub use document::JSON_VALUE_LIMIT;
 pub use pack::{Rounding, pack};
 pub use placements::Placement;
 pub use progressive::{ProgressiveGlb, with_stream};
-pub(crate) use read::read_in_folders;
+pub(crate) use read::read_with_files;
 pub use read::{read, read_separate};
 pub use refine::{StreamMeshes, StreamedPart};
 pub use scene::Scene;

@@ -60,7 +60,7 @@ pub use materials::{Materials, SideFile};
 pub use model::{Drawing, Model, Part, StoredStrips};
 pub use new_vertices::{Extended, NewVertices, fixed_vertices, with_new_vertices};
 #[cfg(feature = "fs")]
-pub use path::{embed_images, load_materials, read_path, replace_file, write_path};
+pub use path::{embed_images, load_materials, read_beside, read_path, replace_file, write_path};
 pub use redraw::{KeptVertices, Redrawn, merge_equal_vertices, with_triangles};
 pub use reorder::{Reordered, reorder};
 pub use vertex_group::VertexGroup;

@@ -9,10 +9,10 @@ use std::sync::Arc;
 
 use tristrip::Layout;
 
-use crate::any_format::{read_in_folders, write};
+use crate::any_format::{read_with_files, write};
 use crate::error::Error;
 use crate::format::Format;
-use crate::gltf::buffer_files::BufferFiles;
+use crate::gltf::BufferFiles;
 use crate::gltf::images::{EmbeddedImages, embed};
 use crate::materials::SideFile;
 use crate::model::{Drawing, Model};
@@ -41,7 +41,46 @@ pub fn read_path(path: impl AsRef<Path>) -> Result<Model, Error> {
     let bytes = fs::read(path).map_err(io_error)?;
     let format = Format::from_path(path).unwrap_or_else(|| Format::from_bytes(&bytes));
     let target = target_of(path);
-    read_in_folders(&Arc::new(bytes), format, &folders(path, &target))
+    let folders = folders(path, &target);
+    read_with_files(&Arc::new(bytes), format, &mut BufferFiles::new(&folders))
+}
+
+/// Reads a model from bytes, and takes the materials and images that belong to it into it, for a program that serves the result to others: the files that
+/// it names are in the folder of `path` or below it, none of them begins with a dot or is in a folder that does, and they have at most `most_bytes`
+/// together. Notes and [`Model::materials`] say which images and libraries are left out; a buffer that is left out is an error.
+///
+/// # Errors
+/// The errors of [`read`](crate::read), and a buffer cannot be read.
+///
+/// ```
+/// use std::sync::Arc;
+/// use tristrip_io::{Format, read_beside};
+/// # let dir = tempfile::tempdir().unwrap();
+/// # let path = dir.path().join("model.obj");
+/// std::fs::write(dir.path().join("a.mtl"), "newmtl red\nKd 1 0 0\n")?;
+/// let obj = Arc::new(b"mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n".to_vec());
+/// let has_materials = |most_bytes| {
+///     let model = read_beside(&obj, Format::Obj, &path, most_bytes)?;
+///     Ok::<_, tristrip_io::Error>(!model.materials.unwrap_or_default().is_empty())
+/// };
+/// assert!(has_materials(100)? && !has_materials(10)?);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn read_beside(
+    bytes: &Arc<Vec<u8>>,
+    format: Format,
+    path: &Path,
+    most_bytes: u64,
+) -> Result<Model, Error> {
+    let target = target_of(path);
+    let folders = folders(path, &target);
+    let mut files = BufferFiles::limited(&folders, most_bytes);
+    let mut model = read_with_files(bytes, format, &mut files)?;
+    if model.scene.is_none() {
+        load_libraries(&mut model, &mut files);
+    }
+    embed_from(&mut model, &mut files)?;
+    Ok(model)
 }
 
 /// Returns the file that a path leads to; a pipe has none of its own.
@@ -72,11 +111,18 @@ fn folders<'a>(path: &'a Path, target: &'a Path) -> Vec<&'a Path> {
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub fn embed_images(model: &mut Model, path: Option<&Path>) -> Result<EmbeddedImages, Error> {
+    match path {
+        Some(path) => {
+            let target = target_of(path);
+            embed_from(model, &mut BufferFiles::new(&folders(path, &target)))
+        }
+        None => embed_from(model, &mut BufferFiles::new(&[])),
+    }
+}
+
+fn embed_from(model: &mut Model, files: &mut BufferFiles<'_>) -> Result<EmbeddedImages, Error> {
     let Some(scene) = &mut model.scene else { return Ok(EmbeddedImages::default()) };
-    let images = match path {
-        Some(path) => embed(scene, &folders(path, &target_of(path)))?,
-        None => embed(scene, &[])?,
-    };
+    let images = embed(scene, files)?;
     if images.embedded > 0 {
         model.notes.push(format!("images copied from separate files into the file: {}", images.embedded));
     }
@@ -107,13 +153,16 @@ pub fn load_materials(model: &mut Model, path: Option<&Path>, stem: &str) {
         model.materials = Some(library_of(scene, &model.parts, stem));
         return;
     }
-    let Some(materials) = &mut model.materials else { return };
     let target = path.map(target_of);
     let folders = match (path, &target) {
         (Some(path), Some(target)) => folders(path, target),
         _ => Vec::new(),
     };
-    let mut files = BufferFiles::new(&folders);
+    load_libraries(model, &mut BufferFiles::new(&folders));
+}
+
+fn load_libraries(model: &mut Model, files: &mut BufferFiles<'_>) {
+    let Some(materials) = &mut model.materials else { return };
     let mut load = |name: &str, problems: &mut Vec<String>| match files.load_named(name) {
         Ok(Some(bytes)) => Some(bytes),
         Ok(None) => {

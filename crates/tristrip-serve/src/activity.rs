@@ -1,11 +1,34 @@
 //! What a connection does: how many responses it waits for or sends, and when it last got on. So connections that only take space are found.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use tokio::time::Instant;
 
 use crate::options::Limits;
+
+/// How many times as long as a connection that gets on nowhere one body may wait for its client, while other bodies of the connection get on: they share what a slow
+/// network takes.
+const BODY_PATIENCE: u32 = 4;
+
+/// Since when a body waits for its client: the milliseconds after the start of the connection.
+#[derive(Debug, Clone)]
+pub(crate) struct ClientWait(Arc<AtomicU64>);
+
+impl ClientWait {
+    const NONE: u64 = u64::MAX;
+
+    /// Notes that the body has given bytes, and that the client may take long until it takes more.
+    pub(crate) fn begins(&self, now: u64) {
+        self.0.store(now, Ordering::Relaxed);
+    }
+
+    /// Notes that the client takes more.
+    pub(crate) fn ends(&self) {
+        self.0.store(Self::NONE, Ordering::Relaxed);
+    }
+}
 
 /// The state of a connection, which its requests share.
 #[derive(Debug)]
@@ -13,8 +36,8 @@ pub(crate) struct Activity {
     start: Instant,
     /// Requests whose responses have not ended.
     requests: AtomicUsize,
-    /// Responses whose bodies have begun and not ended.
-    bodies: AtomicUsize,
+    /// The waits of the bodies that have begun and not ended.
+    bodies: Mutex<Vec<ClientWait>>,
     /// The milliseconds after the start at which something last happened.
     last: AtomicU64,
     has_served: AtomicBool,
@@ -47,7 +70,7 @@ impl Activity {
         Self {
             start: Instant::now(),
             requests: AtomicUsize::new(0),
-            bodies: AtomicUsize::new(0),
+            bodies: Mutex::default(),
             last: AtomicU64::new(0),
             has_served: AtomicBool::new(false),
             is_http2: AtomicBool::new(false),
@@ -68,33 +91,52 @@ impl Activity {
         self.progress();
     }
 
-    pub(crate) fn body_begins(&self) {
-        self.bodies.fetch_add(1, Ordering::Relaxed);
+    /// Notes a body, which waits for its client from now on.
+    pub(crate) fn body_begins(&self) -> ClientWait {
+        let wait = ClientWait(Arc::new(AtomicU64::new(self.now())));
+        self.bodies().push(wait.clone());
+        self.progress();
+        wait
+    }
+
+    pub(crate) fn body_ends(&self, wait: &ClientWait) {
+        self.bodies().retain(|body| !Arc::ptr_eq(&body.0, &wait.0));
         self.progress();
     }
 
-    pub(crate) fn body_ends(&self) {
-        self.bodies.fetch_sub(1, Ordering::Relaxed);
-        self.progress();
+    fn bodies(&self) -> MutexGuard<'_, Vec<ClientWait>> {
+        self.bodies.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Returns the milliseconds since the start.
+    pub(crate) fn now(&self) -> u64 {
+        self.start.elapsed().as_millis() as u64
     }
 
     /// Notes that bytes were taken.
     pub(crate) fn progress(&self) {
-        self.last.store(self.start.elapsed().as_millis() as u64, Ordering::Relaxed);
+        self.last.store(self.now(), Ordering::Relaxed);
     }
 
     /// Returns why the connection should be closed now, if it should.
     ///
     /// A client of HTTP/1.1 that reads nothing is found by its socket, one of HTTP/2 here: its streams wait for it while the socket does not.
     pub(crate) fn overdue(&self, limits: &Limits) -> Option<Overdue> {
-        let since =
-            self.start.elapsed().saturating_sub(Duration::from_millis(self.last.load(Ordering::Relaxed)));
-        let [requests, bodies] = [&self.requests, &self.bodies].map(|count| count.load(Ordering::Relaxed));
-        if bodies > 0 {
-            let stalls = self.is_http2.load(Ordering::Relaxed) && since >= limits.stall_time;
+        let now = self.now();
+        let time_since =
+            |time: &AtomicU64| Duration::from_millis(now.saturating_sub(time.load(Ordering::Relaxed)));
+        let since = time_since(&self.last);
+        let bodies = self.bodies();
+        if !bodies.is_empty() {
+            let body_waits = || {
+                let longest = limits.stall_time.saturating_mul(BODY_PATIENCE);
+                bodies.iter().any(|ClientWait(wait)| time_since(wait) >= longest)
+            };
+            let stalls =
+                self.is_http2.load(Ordering::Relaxed) && (since >= limits.stall_time || body_waits());
             return stalls.then_some(Overdue::Stalled);
         }
-        if requests > 0 {
+        if self.requests.load(Ordering::Relaxed) > 0 {
             return None;
         }
         let (limit, overdue) = if self.has_served.load(Ordering::Relaxed) {
@@ -121,17 +163,38 @@ mod tests {
         activity.request_begins(true);
         after(1000).await;
         assert_eq!(activity.overdue(&limits), None, "packing takes long");
-        activity.body_begins();
+        let wait = activity.body_begins();
         activity.request_ends();
         after(29).await;
         assert_eq!(activity.overdue(&limits), None);
         activity.progress();
         after(30).await;
         assert_eq!(activity.overdue(&limits), Some(Overdue::Stalled));
-        activity.body_ends();
+        activity.body_ends(&wait);
         after(59).await;
         assert_eq!(activity.overdue(&limits), None);
         after(1).await;
         assert_eq!(activity.overdue(&limits), Some(Overdue::Idle));
+    }
+
+    #[tokio::test(start_paused = true)]
+    async fn a_body_that_is_not_read_is_found_beside_others() {
+        let limits = Limits::default();
+        let activity = Activity::new();
+        activity.request_begins(true);
+        let [read, unread] = [activity.body_begins(), activity.body_begins()];
+        activity.request_ends();
+        for _ in 0..11 {
+            tokio::time::advance(Duration::from_secs(10)).await;
+            activity.progress();
+            read.begins(activity.now());
+            assert_eq!(activity.overdue(&limits), None);
+        }
+        tokio::time::advance(Duration::from_secs(10)).await;
+        activity.progress();
+        assert_eq!(activity.overdue(&limits), Some(Overdue::Stalled));
+        // It waits for the server.
+        unread.ends();
+        assert_eq!(activity.overdue(&limits), None);
     }
 }

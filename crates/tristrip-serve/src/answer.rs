@@ -22,10 +22,11 @@ use tower::ServiceExt;
 use tower_http::cors::{AllowOrigin, Any, CorsLayer};
 
 use crate::activity::Activity;
+use crate::connections::Clients;
 use crate::error::Error;
 use crate::hosts::Hosts;
 use crate::metrics::Metrics;
-use crate::options::ServerOptions;
+use crate::options::{Limits, ServerOptions};
 use crate::replies::text;
 use crate::response_body::{Pace, Record, ResponseBody};
 use crate::site::route_name;
@@ -41,6 +42,9 @@ pub(crate) struct Answerer {
     hosts: Arc<Hosts>,
     has_cors: bool,
     bandwidth: Option<u64>,
+    limits: Arc<Limits>,
+    /// The responses of each client that have not ended.
+    responses: Arc<Clients>,
     metrics: Arc<Metrics>,
 }
 
@@ -48,8 +52,16 @@ impl Answerer {
     pub(crate) fn new(routes: Router, options: &ServerOptions, metrics: Arc<Metrics>) -> Result<Self, Error> {
         let has_cors = !options.cors.is_empty();
         let routes = if has_cors { routes.layer(cors(&options.cors)?) } else { routes };
-        let hosts = Arc::new(Hosts::new(options.address, &options.hosts));
-        Ok(Self { routes, hosts, has_cors, bandwidth: options.bandwidth, metrics })
+        let hosts = Arc::new(Hosts::new(options.address, &options.hosts)?);
+        Ok(Self {
+            routes,
+            hosts,
+            has_cors,
+            bandwidth: options.bandwidth,
+            limits: Arc::new(options.limits.clone()),
+            responses: Arc::default(),
+            metrics,
+        })
     }
 
     /// Answers a request.
@@ -59,10 +71,14 @@ impl Answerer {
         client: IpAddr,
         activity: Arc<Activity>,
     ) -> Result<Response<ResponseBody>, Infallible> {
-        let _running = Running::new(&activity, request.version() == Version::HTTP_2);
+        let _running = Running::new(Arc::clone(&activity), request.version() == Version::HTTP_2);
         let (method, path) = (request.method().clone(), request.uri().path().to_owned());
         let (route, started) = (route_name(&path), Instant::now());
-        let mut response = self.route(request).await;
+        let place = self.responses.enter(client, &self.limits);
+        let mut response = match place {
+            Ok(_) => self.route(request).await,
+            Err(_) => text(StatusCode::SERVICE_UNAVAILABLE, "too many requests at once"),
+        };
         set_headers(route, response.headers_mut());
         let record =
             Record { method: method.clone(), path, route, status: response.status(), client, started };
@@ -70,7 +86,7 @@ impl Answerer {
         Ok(response.map(|body| {
             // A response to HEAD has the headers of one to GET.
             let body = if method == Method::HEAD { Body::empty() } else { body };
-            ResponseBody::new(body, pace, record, self.metrics, Arc::clone(&activity))
+            ResponseBody::new(body, pace, record, self.metrics, activity, place.ok())
         }))
     }
 
@@ -106,16 +122,16 @@ impl Answerer {
 }
 
 /// A request that has no response yet; also if its client leaves.
-struct Running<'a>(&'a Activity);
+struct Running(Arc<Activity>);
 
-impl<'a> Running<'a> {
-    fn new(activity: &'a Activity, is_http2: bool) -> Self {
+impl Running {
+    fn new(activity: Arc<Activity>, is_http2: bool) -> Self {
         activity.request_begins(is_http2);
         Self(activity)
     }
 }
 
-impl Drop for Running<'_> {
+impl Drop for Running {
     fn drop(&mut self) {
         self.0.request_ends();
     }

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::io::Write;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use axum::http::header::{ACCEPT_ENCODING, CONTENT_ENCODING, VARY};
+use axum::http::header::{ACCEPT_ENCODING, CONTENT_ENCODING};
 use axum::http::{HeaderMap, HeaderValue};
 use axum::response::Response;
 use bytes::Bytes;
@@ -84,9 +84,6 @@ impl Assets {
         let mut response = Resource { source, media_type, tag, modified: None }.reply(request);
         if encoding != Encoding::Identity && response.status().is_success() {
             response.headers_mut().insert(CONTENT_ENCODING, HeaderValue::from_static(encoding.name()));
-        }
-        if pays {
-            response.headers_mut().insert(VARY, HeaderValue::from_static("accept-encoding"));
         }
         Some(response)
     }

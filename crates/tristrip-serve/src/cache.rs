@@ -20,6 +20,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::SystemTime;
 
 use bytes::Bytes;
+use tempfile::TempDir;
 
 use crate::bytes_source::{BytesSource, read_at};
 use crate::error::Error;
@@ -29,11 +30,16 @@ const VERSION: u32 = 1;
 const HEAD_BYTES: u64 = 24;
 const EXTENSION: &str = "cached";
 const TEMPORARY: &str = "writing";
+const PREFIX: &str = "tristrip-";
+/// The hexadecimal digits of a key.
+const KEY_DIGITS: usize = 40;
 
 /// A folder of cached files.
 #[derive(Debug)]
 pub(crate) struct Cache {
     folder: PathBuf,
+    /// The folder that is removed with this value, if it is one.
+    _temporary: Option<TempDir>,
     most_bytes: u64,
     /// The files whose checksum is that of their bytes, in the version that was read.
     verified: Mutex<HashMap<String, (u64, SystemTime)>>,
@@ -56,17 +62,33 @@ impl Cache {
     /// Opens a folder, which is created if it does not exist, and removes what killed processes left there.
     pub(crate) fn open(folder: &Path, most_bytes: u64) -> Result<Self, Error> {
         let failed = |source| Error::io(folder, source);
-        fs::create_dir_all(folder).map_err(failed)?;
-        for path in files(folder, TEMPORARY).map_err(failed)? {
+        create(folder).map_err(failed)?;
+        if !is_own(folder).map_err(failed)? {
+            return Err(Error::Parameter {
+                name: "cache",
+                found: folder.display().to_string(),
+                expected: "a folder of this user that other users cannot write to",
+            });
+        }
+        for path in files(folder, is_temporary).map_err(failed)? {
             let is_left =
                 File::open(&path).is_ok_and(|file| !matches!(file.try_lock(), Err(TryLockError::WouldBlock)));
             if is_left {
                 fs::remove_file(&path).unwrap_or_default();
             }
         }
-        let cache = Self { folder: folder.to_path_buf(), most_bytes, verified: Mutex::default() };
+        let cache =
+            Self { folder: folder.to_path_buf(), _temporary: None, most_bytes, verified: Mutex::default() };
         cache.evict();
         Ok(cache)
+    }
+
+    /// Opens a new folder that only this user can read, and that ends with the cache.
+    pub(crate) fn temporary(most_bytes: u64) -> Result<Self, Error> {
+        let made = tempfile::Builder::new().prefix(PREFIX).tempdir();
+        let folder = made.map_err(|source| Error::io(&std::env::temp_dir(), source))?;
+        let cache = Self::open(&folder.path().join("cache"), most_bytes)?;
+        Ok(Self { _temporary: Some(folder), ..cache })
     }
 
     /// Returns the bytes of a key, if they are there and not damaged.
@@ -98,7 +120,7 @@ impl Cache {
 
     /// Returns the bytes that all files take.
     pub(crate) fn used_bytes(&self) -> u64 {
-        let files = files(&self.folder, EXTENSION).unwrap_or_default();
+        let files = files(&self.folder, is_cached).unwrap_or_default();
         files.iter().filter_map(|path| fs::metadata(path).ok()).map(|metadata| metadata.len()).sum()
     }
 
@@ -109,7 +131,7 @@ impl Cache {
     fn write(&self, key: &str, bytes: &[u8]) -> io::Result<File> {
         let suffix = format!(".{TEMPORARY}");
         let mut temporary =
-            tempfile::Builder::new().prefix("tristrip-").suffix(&suffix).tempfile_in(&self.folder)?;
+            tempfile::Builder::new().prefix(PREFIX).suffix(&suffix).tempfile_in(&self.folder)?;
         temporary.as_file().lock()?;
         let mut head = Vec::with_capacity(HEAD_BYTES as usize);
         head.extend(MAGIC);
@@ -153,7 +175,7 @@ impl Cache {
 
     /// Removes the least recently used files until the others take few enough bytes.
     fn evict(&self) {
-        let mut found: Vec<(SystemTime, u64, PathBuf)> = files(&self.folder, EXTENSION)
+        let mut found: Vec<(SystemTime, u64, PathBuf)> = files(&self.folder, is_cached)
             .unwrap_or_default()
             .into_iter()
             .filter_map(|path| {
@@ -190,10 +212,40 @@ fn checksum_of(file: &File) -> io::Result<u32> {
     }
 }
 
-/// Returns the files of a folder with an extension.
-fn files(folder: &Path, extension: &str) -> io::Result<Vec<PathBuf>> {
-    let has_extension = |path: &PathBuf| path.extension().is_some_and(|found| found == extension);
-    Ok(fs::read_dir(folder)?.filter_map(|entry| Some(entry.ok()?.path())).filter(has_extension).collect())
+/// Creates a folder that only this user can read, if it does not exist.
+fn create(folder: &Path) -> io::Result<()> {
+    let mut builder = fs::DirBuilder::new();
+    #[cfg(unix)]
+    std::os::unix::fs::DirBuilderExt::mode(&mut builder, 0o700);
+    builder.recursive(true).create(folder)
+}
+
+/// Checks that a folder belongs to this user, and that others cannot write to it: they could give clients any bytes.
+fn is_own(folder: &Path) -> io::Result<bool> {
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::MetadataExt;
+        let metadata = fs::metadata(folder)?;
+        Ok(metadata.uid() == rustix::process::geteuid().as_raw() && metadata.mode() & 0o002 == 0)
+    }
+    #[cfg(not(unix))]
+    fs::metadata(folder).map(|metadata| metadata.is_dir())
+}
+
+/// Returns the files of a folder whose names the cache gives.
+fn files(folder: &Path, is_named: fn(&str) -> bool) -> io::Result<Vec<PathBuf>> {
+    let entries = fs::read_dir(folder)?.filter_map(Result::ok);
+    let is_named = |entry: &fs::DirEntry| entry.file_name().to_str().is_some_and(is_named);
+    Ok(entries.filter(is_named).map(|entry| entry.path()).collect())
+}
+
+fn is_temporary(name: &str) -> bool {
+    name.starts_with(PREFIX) && name.strip_suffix(TEMPORARY).is_some_and(|rest| rest.ends_with('.'))
+}
+
+fn is_cached(name: &str) -> bool {
+    let key = name.strip_suffix(EXTENSION).and_then(|rest| rest.strip_suffix('.'));
+    key.is_some_and(|key| key.len() == KEY_DIGITS && key.bytes().all(|digit| digit.is_ascii_hexdigit()))
 }
 
 #[cfg(test)]
@@ -208,14 +260,15 @@ mod tests {
     fn what_is_put_is_there_again() {
         let dir = tempfile::tempdir().unwrap();
         let cache = Cache::open(dir.path(), 1 << 30).unwrap();
-        assert!(cache.get("a").is_none());
+        let [a, b] = ["a", "b"].map(|name| name.repeat(KEY_DIGITS));
+        assert!(cache.get(&a).is_none());
         let long = vec![7; 200_000];
-        let made = cache.put("a", long.clone());
+        let made = cache.put(&a, long.clone());
         assert_eq!((made.source.len(), made.source.read().unwrap()), (200_000, long.clone()));
-        cache.put("b", b"short".to_vec());
+        cache.put(&b, b"short".to_vec());
         let again = Cache::open(dir.path(), 1 << 30).unwrap();
-        assert_eq!(bytes_of(&again, "a"), Some(long));
-        assert_eq!(bytes_of(&again, "b").as_deref(), Some(&b"short"[..]));
+        assert_eq!(bytes_of(&again, &a), Some(long));
+        assert_eq!(bytes_of(&again, &b).as_deref(), Some(&b"short"[..]));
         assert_eq!(again.used_bytes(), 200_000 + 5 + 2 * HEAD_BYTES);
     }
 
@@ -245,22 +298,25 @@ mod tests {
     fn the_least_recently_used_files_are_evicted() {
         let dir = tempfile::tempdir().unwrap();
         let cache = Cache::open(dir.path(), 3000).unwrap();
-        let used_at = |key: &str, seconds: u64| {
+        let key = |name: &str| name.repeat(KEY_DIGITS);
+        let used_at = |name: &str, seconds: u64| {
             let time = SystemTime::UNIX_EPOCH + std::time::Duration::from_secs(seconds);
-            let file = File::open(dir.path().join(key).with_extension("cached")).unwrap();
+            let file = File::open(dir.path().join(key(name)).with_extension("cached")).unwrap();
             file.set_times(FileTimes::new().set_accessed(time)).unwrap();
         };
-        cache.put("a", vec![1; 900]);
-        cache.put("b", vec![2; 900]);
-        cache.put("c", vec![3; 900]);
+        cache.put(&key("a"), vec![1; 900]);
+        cache.put(&key("b"), vec![2; 900]);
+        cache.put(&key("c"), vec![3; 900]);
+        fs::write(dir.path().join("other.cached"), vec![0; 9000]).unwrap();
         used_at("a", 2000);
         used_at("b", 1000);
         used_at("c", 3000);
-        cache.put("d", vec![4; 900]);
-        assert!(cache.get("b").is_none());
-        assert!(["a", "c", "d"].iter().all(|key| cache.get(key).is_some()));
+        cache.put(&key("d"), vec![4; 900]);
+        assert!(cache.get(&key("b")).is_none());
+        assert!(["a", "c", "d"].iter().all(|name| cache.get(&key(name)).is_some()));
+        assert!(dir.path().join("other.cached").exists());
         // What is larger than the cache is sent, and not kept.
-        let made = cache.put("e", vec![5; 100_000]);
+        let made = cache.put(&key("e"), vec![5; 100_000]);
         assert_eq!(made.source.read().unwrap(), vec![5; 100_000]);
         assert!(cache.used_bytes() <= 3000);
     }
@@ -272,9 +328,27 @@ mod tests {
         fs::write(&left, "half").unwrap();
         let writer = File::create(&written).unwrap();
         writer.lock().unwrap();
-        fs::write(dir.path().join("other"), "of the user").unwrap();
+        let other = dir.path().join("other.writing");
+        fs::write(&other, "of the user").unwrap();
         Cache::open(dir.path(), 0).unwrap();
-        assert!(!left.exists() && written.exists() && dir.path().join("other").exists());
+        assert!(!left.exists() && written.exists() && other.exists());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn folders_are_private_and_those_that_others_can_write_to_are_refused() {
+        use std::os::unix::fs::PermissionsExt;
+        let dir = tempfile::tempdir().unwrap();
+        let folder = dir.path().join("a/b");
+        Cache::open(&folder, 0).unwrap();
+        assert_eq!(fs::metadata(&folder).unwrap().permissions().mode() & 0o777, 0o700);
+        fs::set_permissions(&folder, fs::Permissions::from_mode(0o777)).unwrap();
+        assert!(matches!(Cache::open(&folder, 0), Err(Error::Parameter { name: "cache", .. })));
+        let cache = Cache::temporary(1 << 20).unwrap();
+        let folder = cache.folder.clone();
+        assert_eq!(fs::metadata(&folder).unwrap().permissions().mode() & 0o777, 0o700);
+        drop(cache);
+        assert!(!folder.exists());
     }
 
     #[test]

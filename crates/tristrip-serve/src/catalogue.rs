@@ -1,7 +1,7 @@
 //! The list of models for the gallery, `/models.json`: what is in the folder, with sizes and numbers of triangles where they are cheap to find.
 //!
 //! # Algorithm
-//! 1. The folder is scanned, folders in it too, within a depth and a number of files. Names that no URL can have are left out.
+//! 1. The folder is scanned, folders in it too, within a depth and a number of files and folders. Names that no URL can have are left out.
 //! 2. A GLB is progressive if its JSON says so. The numbers of triangles and vertices are then in the first chunk of each mesh, which are read alone: the file is read from its start until all of them are there.
 //! 3. What was found in a file is kept until the file changes; the whole list is kept for two seconds.
 
@@ -19,9 +19,9 @@ use crate::bytes_source::read_at;
 use crate::folder::{Folder, Version};
 use crate::paths::SitePath;
 
-/// The depth of folders, and the files that are looked at.
+/// The depth of folders, and the files and folders that are looked at.
 const MOST_DEPTH: usize = 16;
-const MOST_FILES: usize = 10_000;
+const MOST_ENTRIES: usize = 10_000;
 /// The first bytes of a file that are read, and the most, to find its numbers.
 const FIRST_BYTES: u64 = 64 << 10;
 const MOST_BYTES: u64 = 64 << 20;
@@ -94,10 +94,10 @@ pub(crate) struct Scanner {
 impl Scanner {
     /// Lists the models of a folder by their paths. It may block.
     pub(crate) fn scan(&self, folder: &Folder, packs: bool) -> Catalogue {
-        let (mut files, mut left, mut notes) = (Vec::new(), MOST_FILES, Vec::new());
+        let (mut files, mut left, mut notes) = (Vec::new(), MOST_ENTRIES, Vec::new());
         collect(folder, "", MOST_DEPTH, &mut left, &mut files);
         if left == 0 {
-            notes.push(format!("only the first {MOST_FILES} files were looked at"));
+            notes.push(format!("only the first {MOST_ENTRIES} files and folders were looked at"));
         }
         files.sort_by(|(a, ..), (b, ..)| a.cmp(b));
         let mut known = self.known.lock().map(|mut known| std::mem::take(&mut *known)).unwrap_or_default();
@@ -141,17 +141,13 @@ fn collect(
     left: &mut usize,
     files: &mut Vec<(SitePath, Version, Format)>,
 ) {
-    for entry in folder.entries(path).unwrap_or_default() {
+    for entry in folder.entries(path, left).unwrap_or_default() {
         let Some(version) = entry.version else {
             if depth > 0 {
                 collect(folder, entry.path.as_str(), depth - 1, left, files);
             }
             continue;
         };
-        if *left == 0 {
-            return;
-        }
-        *left -= 1;
         if let Some(format) = Format::from_path(entry.path.as_str()) {
             files.push((entry.path, version, format));
         }
@@ -182,7 +178,8 @@ fn contents_of(file: &File) -> Contents {
     }
 }
 
-fn first_bytes(file: &File, most: u64) -> io::Result<Vec<u8>> {
+/// Reads the first bytes of a file.
+pub(crate) fn first_bytes(file: &File, most: u64) -> io::Result<Vec<u8>> {
     let length = file.metadata()?.len().min(most);
     let mut bytes = vec![0; length as usize];
     let mut filled = 0;
@@ -198,11 +195,18 @@ fn first_bytes(file: &File, most: u64) -> io::Result<Vec<u8>> {
 
 /// Checks whether the JSON of a GLB names the extension; `None` if it has not been read to its end.
 fn says_progressive(start: &[u8]) -> Option<bool> {
-    let length = start.get(12..16).and_then(|bytes| bytes.try_into().ok()).map(u32::from_le_bytes);
-    let Some(length) = length.filter(|_| start.starts_with(b"glTF")) else { return Some(false) };
-    let json = start.get(20..)?.get(..length as usize)?;
+    if !start.starts_with(b"glTF") || start.len() < 16 {
+        return Some(false);
+    }
+    let json = json_of(start)?;
     let name = b"TRISTRIP_progressive";
     Some(json.windows(name.len()).any(|window| window == name))
+}
+
+/// Returns the JSON of a GLB, if it is there to its end.
+pub(crate) fn json_of(start: &[u8]) -> Option<&[u8]> {
+    let length = start.get(12..16).and_then(|bytes| bytes.try_into().ok()).map(u32::from_le_bytes)?;
+    start.get(20..)?.get(..length as usize)
 }
 
 /// Decodes the base meshes, whose heads have the sizes of the full ones; `None` if they are not all there.

@@ -4,7 +4,8 @@
 //! 1. A connection over a limit gets a response 503 at once and is closed. Addresses of IPv6 count by their network of 64 bits, which one client has as a whole.
 //! 2. The head of a request has a limit of bytes and of time. So has the TLS handshake.
 //! 3. A watch looks at each connection a few times per limit: one that has no request, or whose client takes nothing, is closed. It waits for nothing that another connection needs.
-//! 4. Little is kept per connection: reading and writing buffers are as small as the head of a request.
+//! 4. Responses at once have the limits of connections, in all and per client, so that streams of HTTP/2 have no more open files than connections of HTTP/1.1.
+//! 5. Little is kept per connection: reading and writing buffers are as small as the head of a request.
 
 use std::collections::HashMap;
 use std::net::{IpAddr, Ipv6Addr};
@@ -44,28 +45,22 @@ pub(crate) struct Connections {
     pub(crate) stop: watch::Receiver<bool>,
 }
 
-/// The connections of each client.
+/// The connections of each client, or its responses.
 #[derive(Debug, Default)]
 pub(crate) struct Clients {
     counts: Mutex<(usize, HashMap<IpAddr, usize>)>,
 }
 
-/// A connection that counts until this is dropped.
+/// A connection or a response that counts until this is dropped.
 #[derive(Debug)]
 pub(crate) struct Place {
     clients: Arc<Clients>,
-    metrics: Arc<Metrics>,
     network: IpAddr,
 }
 
 impl Clients {
-    /// Counts a connection, or returns the name of the limit that it is over.
-    pub(crate) fn enter(
-        self: &Arc<Self>,
-        client: IpAddr,
-        limits: &Limits,
-        metrics: &Arc<Metrics>,
-    ) -> Result<Place, &'static str> {
+    /// Counts a connection or a response, or returns the name of the limit that it is over.
+    pub(crate) fn enter(self: &Arc<Self>, client: IpAddr, limits: &Limits) -> Result<Place, &'static str> {
         let network = network(client);
         let mut counts = self.counts.lock().unwrap_or_else(PoisonError::into_inner);
         let (all, by_client) = &mut *counts;
@@ -78,8 +73,7 @@ impl Clients {
         }
         *count += 1;
         *all += 1;
-        metrics.connections.inc();
-        Ok(Place { clients: Arc::clone(self), metrics: Arc::clone(metrics), network })
+        Ok(Place { clients: Arc::clone(self), network })
     }
 }
 
@@ -94,7 +88,22 @@ impl Drop for Place {
                 by_client.remove(&self.network);
             }
         }
-        self.metrics.connections.dec();
+    }
+}
+
+/// A connection in the figures.
+struct Counted(Arc<Metrics>);
+
+impl Counted {
+    fn new(metrics: &Arc<Metrics>) -> Self {
+        metrics.connections.inc();
+        Self(Arc::clone(metrics))
+    }
+}
+
+impl Drop for Counted {
+    fn drop(&mut self) {
+        self.0.connections.dec();
     }
 }
 
@@ -114,7 +123,7 @@ pub(crate) fn refuse(socket: &TcpStream) {
 impl Connections {
     /// Serves a connection to its end.
     pub(crate) async fn serve(self, socket: TcpStream, client: IpAddr, place: Place) {
-        let _place = place;
+        let (_place, _counted) = (place, Counted::new(&self.metrics));
         // Small responses are sent at once.
         socket.set_nodelay(true).unwrap_or_default();
         let mut stream = TimeoutStream::new(socket);
@@ -202,14 +211,14 @@ mod tests {
     #[test]
     fn connections_are_counted_by_client_and_in_all() {
         let limits = Limits::default().with_connections(3, 2);
-        let (clients, metrics) = (Arc::new(Clients::default()), Arc::new(Metrics::new()));
-        let enter = |client: &str| clients.enter(client.parse().unwrap(), &limits, &metrics);
+        let clients = Arc::new(Clients::default());
+        let enter = |client: &str| clients.enter(client.parse().unwrap(), &limits);
         let first = enter("10.0.0.1").unwrap();
         let _second = enter("::ffff:10.0.0.1").unwrap();
         assert_eq!(enter("10.0.0.1").unwrap_err(), "client");
         let third = enter("2001:db8::1").unwrap();
         assert_eq!(enter("10.0.0.2").unwrap_err(), "connections");
-        assert_eq!(metrics.connections.get(), 3);
+        assert_eq!(clients.counts.lock().unwrap().0, 3);
         drop(first);
         let _fourth = enter("2001:db8::2").unwrap();
         drop(third);

@@ -3,14 +3,14 @@
 //! The handle resolves each component below itself and refuses absolute links and those that lead out of it (`openat2` on Linux). Only regular files are
 //! opened, without waiting for the other end of a pipe.
 
-use std::fs::{File, Metadata};
+use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::time::SystemTime;
 
 use cap_fs_ext::OpenOptionsSyncExt;
 use cap_std::ambient_authority;
-use cap_std::fs::{Dir, OpenOptions};
+use cap_std::fs::{Dir, Metadata, OpenOptions};
 
 use crate::error::Error;
 use crate::paths::SitePath;
@@ -34,10 +34,11 @@ pub(crate) struct Version {
 impl Version {
     fn new(metadata: &Metadata) -> Self {
         #[cfg(unix)]
-        let number = std::os::unix::fs::MetadataExt::ino(metadata);
+        let number = cap_std::fs::MetadataExt::ino(metadata);
         #[cfg(not(unix))]
         let number = 0;
-        Self { bytes: metadata.len(), modified: metadata.modified().ok(), number }
+        let modified = metadata.modified().ok().map(cap_std::time::SystemTime::into_std);
+        Self { bytes: metadata.len(), modified, number }
     }
 
     /// Returns the version as text without spaces or quotes.
@@ -60,17 +61,14 @@ impl Folder {
     pub(crate) fn open_file(&self, path: &SitePath) -> io::Result<(File, Version)> {
         let mut options = OpenOptions::new();
         options.read(true).nonblock(true);
-        let file = self.dir.open_with(path.as_str(), &options)?.into_std();
+        let file = self.dir.open_with(path.as_str(), &options)?;
         let metadata = file.metadata()?;
-        if !metadata.is_file() {
-            return Err(io::ErrorKind::NotFound.into());
-        }
-        Ok((file, Version::new(&metadata)))
+        Ok((file.into_std(), version_of(&metadata)?))
     }
 
-    /// Returns the version of a regular file.
+    /// Returns the version of a regular file, which is not opened.
     pub(crate) fn version(&self, path: &SitePath) -> io::Result<Version> {
-        Ok(self.open_file(path)?.1)
+        version_of(&self.dir.metadata(path.as_str())?)
     }
 
     /// Reads a whole file of at most this size.
@@ -95,11 +93,18 @@ impl Folder {
     }
 
     /// Returns the regular files and the folders in a folder, by name; the path is empty for the folder itself. Links to files are among them, links to
-    /// folders are not, so that no scan runs in a circle.
-    pub(crate) fn entries(&self, path: &str) -> io::Result<Vec<Entry>> {
+    /// folders are not, so that no scan runs in a circle. Whatever is in the folder counts: no more entries are read than are left.
+    pub(crate) fn entries(&self, path: &str, left: &mut usize) -> io::Result<Vec<Entry>> {
         let here = if path.is_empty() { "." } else { path };
         let mut found = Vec::new();
+        if *left == 0 {
+            return Ok(found);
+        }
         for entry in self.dir.read_dir(here)? {
+            if *left == 0 {
+                break;
+            }
+            *left -= 1;
             let Ok(entry) = entry else { continue };
             let Ok(name) = entry.file_name().into_string() else { continue };
             let Ok(kind) = entry.file_type() else { continue };
@@ -107,13 +112,25 @@ impl Folder {
             let Ok(below) = SitePath::new(&below) else { continue };
             if kind.is_dir() {
                 found.push(Entry { path: below, version: None });
-            } else if let Ok(version) = self.version(&below) {
+                continue;
+            }
+            let version = if kind.is_symlink() {
+                self.version(&below)
+            } else {
+                entry.metadata().and_then(|metadata| version_of(&metadata))
+            };
+            if let Ok(version) = version {
                 found.push(Entry { path: below, version: Some(version) });
             }
         }
         found.sort_by(|a, b| a.path.cmp(&b.path));
         Ok(found)
     }
+}
+
+/// Returns the version of a regular file; an error for anything else.
+fn version_of(metadata: &Metadata) -> io::Result<Version> {
+    if metadata.is_file() { Ok(Version::new(metadata)) } else { Err(io::ErrorKind::NotFound.into()) }
 }
 
 /// A file or a folder in a folder.
@@ -147,9 +164,15 @@ mod tests {
         assert!(folder.open_file(&site("b.ply")).is_err());
         fs::write(dir.path().join("a/b.ply"), "plyy").unwrap();
         assert_ne!(folder.version(&site("a/b.ply")).unwrap().tag(), first.tag());
-        let names: Vec<_> = folder.entries("").unwrap().iter().map(|entry| entry.path.clone()).collect();
+        let names: Vec<_> =
+            folder.entries("", &mut 100).unwrap().iter().map(|entry| entry.path.clone()).collect();
         assert_eq!(names, [site("a")]);
-        assert_eq!(folder.entries("a").unwrap()[0].path, site("a/b.ply"));
+        assert_eq!(folder.entries("a", &mut 100).unwrap()[0].path, site("a/b.ply"));
+        fs::write(dir.path().join("a/.hidden"), "").unwrap();
+        let mut left = 5;
+        assert_eq!(folder.entries("a", &mut left).unwrap().len(), 1);
+        assert_eq!(left, 3);
+        assert!(folder.entries("a", &mut 0).unwrap().is_empty());
         assert!(Folder::open(&dir.path().join("none")).is_err());
     }
 
@@ -172,8 +195,12 @@ mod tests {
             assert!(folder.open_file(&site(path)).is_err(), "{path}");
         }
         assert_eq!(folder.read(&site("good"), 9).unwrap(), b"ply");
-        let names: Vec<_> =
-            folder.entries("").unwrap().iter().map(|entry| entry.path.as_str().to_owned()).collect();
+        let names: Vec<_> = folder
+            .entries("", &mut 100)
+            .unwrap()
+            .iter()
+            .map(|entry| entry.path.as_str().to_owned())
+            .collect();
         assert_eq!(names, ["good", "inside.ply"]);
         assert!(folder.real_path(&site("good")).unwrap().ends_with("inside.ply"));
     }

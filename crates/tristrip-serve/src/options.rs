@@ -123,7 +123,7 @@ pub struct PackingOptions {
     pub waiting: usize,
     /// The bytes of the largest file that is read for a packing or a picture.
     pub largest_input_bytes: u64,
-    /// The folder of the cache; `None` for [`default_cache`](crate::default_cache).
+    /// The folder of the cache, of this user and not writable by others; `None` for [`default_cache`](crate::default_cache).
     pub cache: Option<PathBuf>,
     /// The bytes that the cache may take.
     pub cache_bytes: u64,

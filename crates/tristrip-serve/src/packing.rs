@@ -1,10 +1,10 @@
 //! Packing of files on demand: which files, under which key, and how they are read.
 //!
-//! A key is a hash of all that a result depends on: the file without links, its version, the versions of the files beside it that a `.gltf` or an OBJ may name,
+//! A key is a hash of all that a result depends on: the file without links, its version, the versions of the files beside it that a `.gltf`, a GLB or an OBJ may name,
 //! the options, and the version of this crate. So a result is never older than its files.
 //!
-//! Models that are one file are read through the handle of the folder. Readers of `.gltf` and OBJ open other files by their paths; they take no file outside the folder of
-//! the document, links followed, but someone who may change links in the served folder at the same moment could lead them out of it.
+//! A model is read through the handle of the folder. The files that a `.gltf`, a GLB or an OBJ names are opened by their paths: none that is hidden or outside the folder of the
+//! document, links followed, but someone who may change links in the served folder at the same moment could lead them out of it.
 
 use std::fmt::Write;
 use std::sync::Arc;
@@ -13,12 +13,17 @@ use sha2::{Digest, Sha256};
 use tristrip_io::{Format, Model};
 use tristrip_pipeline::{PackOptions, pack};
 
+use crate::catalogue::{first_bytes, json_of};
 use crate::folder::Folder;
 use crate::paths::SitePath;
 
-/// How deep folders beside a document are looked into, and the most files that are.
+/// The version of what packings and pictures are: one more whenever the same file gives other bytes and the package has no other version.
+const PACKING_VERSION: u32 = 1;
+/// How deep folders beside a document are looked into, and the most files and folders that are looked at.
+/// The bytes of a GLB in which URIs are looked for.
+const MOST_JSON_BYTES: u64 = 64 << 10;
 const MOST_DEPTH: usize = 4;
-const MOST_FILES: usize = 4096;
+const MOST_ENTRIES: usize = 10_000;
 
 /// A model file in the folder of a server.
 #[derive(Debug, Clone)]
@@ -36,14 +41,14 @@ impl Source {
         let version = folder.version(path).ok()?;
         let real = folder.real_path(path).ok()?;
         let mut key = format!(
-            "{} {}\n{}\n{}\n",
+            "{} {} {PACKING_VERSION}\n{}\n{}\n",
             env!("CARGO_PKG_NAME"),
             env!("CARGO_PKG_VERSION"),
             real.display(),
             version.tag()
         );
-        if has_side_files(format) {
-            let mut left = MOST_FILES;
+        if names_files(folder, path, format) {
+            let mut left = MOST_ENTRIES;
             let (parent, _) = path.as_str().rsplit_once('/').unwrap_or_default();
             add_versions(folder, parent, MOST_DEPTH, &mut left, &mut key);
         }
@@ -65,26 +70,17 @@ impl Source {
 
     /// Reads the model, with the materials and images that belong to it.
     pub(crate) fn read(&self, folder: &Folder, most_bytes: u64) -> Result<Model, String> {
-        let bytes = folder.version(&self.path).map_err(|error| error.to_string())?.bytes;
-        if bytes > most_bytes {
-            return Err(format!("found a file of {bytes} bytes, expected at most {most_bytes}"));
+        let found = folder.version(&self.path).map_err(|error| error.to_string())?.bytes;
+        if found > most_bytes {
+            return Err(format!("found a file of {found} bytes, expected at most {most_bytes}"));
         }
+        let bytes = folder.read(&self.path, most_bytes).map_err(|error| error.to_string())?;
+        let left = most_bytes - bytes.len() as u64;
         let root = format!("{}/", folder.path().display());
         // Messages do not say where the folder is.
         let message = |error: tristrip_io::Error| error.to_string().replace(&root, "");
         let real = folder.real_path(&self.path).map_err(|error| error.to_string())?;
-        let mut model = if has_side_files(self.format) {
-            tristrip_io::read_path(&real)
-        } else {
-            let bytes = folder.read(&self.path, most_bytes).map_err(|error| error.to_string())?;
-            tristrip_io::read_shared(&Arc::new(bytes), self.format)
-        }
-        .map_err(message)?;
-        if self.format == Format::Obj {
-            tristrip_io::load_materials(&mut model, Some(&real), "");
-        }
-        tristrip_io::embed_images(&mut model, Some(&real)).map_err(message)?;
-        Ok(model)
+        tristrip_io::read_beside(&Arc::new(bytes), self.format, &real, left).map_err(message)
     }
 
     /// Packs the file.
@@ -99,13 +95,24 @@ impl Source {
     }
 }
 
-fn has_side_files(format: Format) -> bool {
-    matches!(format, Format::Obj | Format::Gltf)
+/// Checks whether a model may name other files: a GLB does if its JSON has a URI, or is too long to be looked at.
+fn names_files(folder: &Folder, path: &SitePath, format: Format) -> bool {
+    match format {
+        Format::Obj | Format::Gltf => true,
+        Format::Glb => {
+            let start = folder.open_file(path).and_then(|(file, _)| first_bytes(&file, MOST_JSON_BYTES));
+            let key = b"\"uri\"";
+            let has_uri =
+                |start: &[u8]| json_of(start).is_none_or(|json| json.windows(key.len()).any(|at| at == key));
+            start.is_ok_and(|start| has_uri(&start))
+        }
+        _ => false,
+    }
 }
 
 /// Adds the versions of the files in a folder and below it that are not models: buffers, material libraries, images.
 fn add_versions(folder: &Folder, path: &str, depth: usize, left: &mut usize, key: &mut String) {
-    for entry in folder.entries(path).unwrap_or_default() {
+    for entry in folder.entries(path, left).unwrap_or_default() {
         let Some(version) = entry.version else {
             if depth > 0 {
                 add_versions(folder, entry.path.as_str(), depth - 1, left, key);
@@ -115,10 +122,6 @@ fn add_versions(folder: &Folder, path: &str, depth: usize, left: &mut usize, key
         if Format::from_path(entry.path.as_str()).is_some() {
             continue;
         }
-        if *left == 0 {
-            return;
-        }
-        *left -= 1;
         // Writing to a string does not fail.
         writeln!(key, "{} {}", entry.path.as_str(), version.tag()).unwrap_or_default();
     }
@@ -142,18 +145,53 @@ mod tests {
         write("a/a.gltf", "{}");
         write("a/a.ply", "ply");
         write("a/textures/a.png", "png");
+        let glb = |json: &str| format!("glTF\x02\0\0\0\0\0\0\0{}\0\0\0JSON{json}", json.len() as u8 as char);
+        write("a/alone.glb", &glb("{}"));
+        write("a/b.glb", &glb(r#"{"images":[{"uri":"textures/a.png"}]}"#));
         let folder = Folder::open(dir.path()).unwrap();
-        let before = [key(&folder, "a/a.gltf"), key(&folder, "a/a.ply")];
-        assert_eq!(before, [key(&folder, "a/a.gltf"), key(&folder, "a/a.ply")]);
+        let keys = || ["a/a.gltf", "a/a.ply", "a/b.glb", "a/alone.glb"].map(|path| key(&folder, path));
+        let before = keys();
+        assert_eq!(before, keys());
         write("a/b.ply", "another model");
         assert_eq!(key(&folder, "a/a.gltf"), before[0]);
         write("a/textures/a.png", "another image");
         assert_ne!(key(&folder, "a/a.gltf"), before[0]);
         assert_eq!(key(&folder, "a/a.ply"), before[1]);
+        assert!(key(&folder, "a/b.glb") != before[2] && key(&folder, "a/alone.glb") == before[3]);
         let source = Source::find(&folder, &SitePath::new("a/a.ply").unwrap()).unwrap();
         assert_ne!(source.key("other options"), before[1]);
         assert!(Source::find(&folder, &SitePath::new("a/textures/a.png").unwrap()).is_none());
         assert!(Source::find(&folder, &SitePath::new("none.ply").unwrap()).is_none());
+    }
+
+    #[test]
+    fn files_beside_a_model_are_limited_and_not_hidden() {
+        let dir = tempfile::tempdir().unwrap();
+        let write = |name: &str, text: &str| fs::write(dir.path().join(name), text).unwrap();
+        let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n";
+        let material = "newmtl red\nKd 1 0 0\n";
+        write("shown.obj", &format!("mtllib a.mtl\n{triangle}"));
+        write("large.obj", &format!("mtllib large.mtl\n{triangle}"));
+        write("hidden.obj", &format!("mtllib .a.mtl\n{triangle}"));
+        write("a.mtl", material);
+        write(".a.mtl", material);
+        write("large.mtl", &format!("{material}{}", "#".repeat(1000)));
+        let folder = Folder::open(dir.path()).unwrap();
+        let materials = |path: &str| {
+            let source = Source::find(&folder, &SitePath::new(path).unwrap()).unwrap();
+            source.read(&folder, 500).unwrap().materials.unwrap()
+        };
+        assert!(!materials("shown.obj").is_empty());
+        assert!(materials("large.obj").is_empty() && materials("hidden.obj").is_empty());
+        let image = r#"{"asset":{"version":"2.0"},"images":[{"uri":"IMAGE"}]}"#;
+        write("a.gltf", &image.replace("IMAGE", "%2ehidden.png"));
+        fs::write(dir.path().join(".hidden.png"), b"\x89PNG\r\n\x1a\nsecret").unwrap();
+        let source = Source::find(&folder, &SitePath::new("a.gltf").unwrap()).unwrap();
+        let notes = source.read(&folder, 500).unwrap().notes;
+        assert!(
+            notes.iter().any(|note| note.starts_with("images that the file only refers to: 1")),
+            "{notes:?}"
+        );
     }
 
     #[test]

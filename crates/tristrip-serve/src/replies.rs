@@ -9,14 +9,15 @@ use std::time::SystemTime;
 
 use axum::body::Body;
 use axum::http::header::{
-    ACCEPT_RANGES, CACHE_CONTROL, CONTENT_LENGTH, CONTENT_RANGE, CONTENT_TYPE, ETAG, LAST_MODIFIED, RANGE,
-    RETRY_AFTER,
+    ACCEPT_RANGES, CACHE_CONTROL, CONTENT_LENGTH, CONTENT_RANGE, CONTENT_TYPE, ETAG, IF_NONE_MATCH, IF_RANGE,
+    LAST_MODIFIED, RANGE, RETRY_AFTER, VARY,
 };
 use axum::http::{HeaderMap, HeaderValue, StatusCode};
 use axum::response::Response;
 use headers::{ETag, HeaderMapExt, IfModifiedSince, IfNoneMatch, IfRange, LastModified};
 
 use crate::bytes_source::BytesSource;
+use crate::media::is_compressible;
 
 /// Bytes with what a response says of them.
 #[derive(Debug, Clone)]
@@ -40,8 +41,17 @@ impl Resource {
         if let Some(modified) = modified {
             headers.typed_insert(modified);
         }
+        if is_compressible(self.media_type) {
+            headers.insert(VARY, HeaderValue::from_static("accept-encoding"));
+        }
         let parsed: Option<ETag> = etag.parse().ok();
         if self.is_known(request, parsed.as_ref()) {
+            // A client whose bytes were compressed on their way has the weak tag.
+            let weak = format!("W/{etag}");
+            let is_weak = |value: &HeaderValue| value.to_str().is_ok_and(|tags| tags.contains(&weak));
+            if request.get_all(IF_NONE_MATCH).iter().any(is_weak) {
+                set(headers, ETAG, &weak);
+            }
             *response.status_mut() = StatusCode::NOT_MODIFIED;
             return response;
         }
@@ -82,8 +92,12 @@ impl Resource {
 
 /// Checks whether a range is of the version that the client has a part of.
 fn range_applies(request: &HeaderMap, etag: Option<&ETag>, modified: Option<LastModified>) -> bool {
-    if !request.contains_key("if-range") {
-        return true;
+    let Some(value) = request.get(IF_RANGE) else { return true };
+    // A date has to be that of this version, not a later one.
+    let mut as_date = HeaderMap::new();
+    as_date.insert(LAST_MODIFIED, value.clone());
+    if let Some(date) = as_date.typed_get::<LastModified>() {
+        return modified == Some(date);
     }
     let condition = request.typed_get::<IfRange>();
     condition.is_some_and(|condition| !condition.is_modified(etag, modified.as_ref()))
@@ -167,6 +181,20 @@ mod tests {
     }
 
     #[test]
+    fn what_may_be_compressed_varies_and_a_known_weak_tag_stays_weak() {
+        let reply = |name: &'static str, value: &'static str| {
+            let mut request = HeaderMap::new();
+            request.insert(name, HeaderValue::from_static(value));
+            let response = resource().reply(&request);
+            assert_eq!(response.headers()[VARY], "accept-encoding");
+            (response.status().as_u16(), response.headers()[ETAG].clone())
+        };
+        assert_eq!(reply("if-none-match", "\"a-1\""), (304, HeaderValue::from_static("\"a-1\"")));
+        assert_eq!(reply("if-none-match", "\"b\", W/\"a-1\""), (304, HeaderValue::from_static("W/\"a-1\"")));
+        assert_eq!(reply("range", "bytes=0-9").0, 206);
+    }
+
+    #[test]
     fn conditions_are_compared_with_this_version() {
         let known = (304, None, 0);
         assert_eq!(status(&[("if-none-match", "\"a-1\"")]), known);
@@ -180,7 +208,8 @@ mod tests {
         let part = ("range", "bytes=0-9");
         assert_eq!(status(&[part, ("if-range", "\"a-1\"")]).0, 206);
         assert_eq!(status(&[part, ("if-range", date)]).0, 206);
-        for other in ["\"b\"", "W/\"a-1\"", "Mon, 12 Jan 1970 13:46:39 GMT", "neither"] {
+        let dates = ["Mon, 12 Jan 1970 13:46:39 GMT", "Mon, 12 Jan 1970 13:46:41 GMT"];
+        for other in ["\"b\"", "W/\"a-1\"", dates[0], dates[1], "neither"] {
             assert_eq!(status(&[part, ("if-range", other)]).0, 200, "{other}");
         }
     }

@@ -16,7 +16,8 @@ use bytes::Bytes;
 use http_body::{Body as HttpBody, Frame, SizeHint};
 use tokio::time::{Instant, Sleep, sleep_until};
 
-use crate::activity::Activity;
+use crate::activity::{Activity, ClientWait};
+use crate::connections::Place;
 use crate::metrics::Metrics;
 
 /// The pieces per second of a paced body, and the fewest bytes of one.
@@ -72,6 +73,9 @@ pub(crate) struct ResponseBody {
     record: Record,
     metrics: Arc<Metrics>,
     activity: Arc<Activity>,
+    wait: ClientWait,
+    /// The response counts until its body ends.
+    _place: Option<Place>,
 }
 
 impl ResponseBody {
@@ -81,10 +85,11 @@ impl ResponseBody {
         record: Record,
         metrics: Arc<Metrics>,
         activity: Arc<Activity>,
+        place: Option<Place>,
     ) -> Self {
-        activity.body_begins();
+        let wait = activity.body_begins();
         let is_whole = inner.is_end_stream();
-        Self { inner, pace, sent: 0, is_whole, record, metrics, activity }
+        Self { inner, pace, sent: 0, is_whole, record, metrics, activity, wait, _place: place }
     }
 
     fn poll_inner(&mut self, context: &mut Context<'_>) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
@@ -110,8 +115,10 @@ impl HttpBody for ResponseBody {
         mut self: Pin<&mut Self>,
         context: &mut Context<'_>,
     ) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
+        self.wait.ends();
         let polled = ready!(self.poll_inner(context));
         self.activity.progress();
+        self.wait.begins(self.activity.now());
         match &polled {
             Some(Ok(frame)) => self.sent += frame.data_ref().map_or(0, |data| data.len() as u64),
             Some(Err(error)) => tracing::warn!(path = self.record.path, %error, "response ended early"),
@@ -141,7 +148,7 @@ impl HttpBody for ResponseBody {
 
 impl Drop for ResponseBody {
     fn drop(&mut self) {
-        self.activity.body_ends();
+        self.activity.body_ends(&self.wait);
         let time = self.record.started.elapsed();
         let Record { method, path, route, status, client, .. } = &self.record;
         self.metrics.count_response(route, status.as_u16(), self.sent, time);
@@ -175,7 +182,7 @@ mod tests {
         let inner = Body::from(vec![1; 100_000]);
         let (metrics, activity) = (Arc::new(Metrics::new()), Arc::new(Activity::new()));
         let mut body =
-            ResponseBody::new(inner, Some(Pace::new(400_000)), record, Arc::clone(&metrics), activity);
+            ResponseBody::new(inner, Some(Pace::new(400_000)), record, Arc::clone(&metrics), activity, None);
         let started = Instant::now();
         let mut left = 100_000;
         while let Some(frame) = std::future::poll_fn(|context| Pin::new(&mut body).poll_frame(context)).await

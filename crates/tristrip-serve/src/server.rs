@@ -7,15 +7,13 @@ use std::time::Duration;
 
 use etcetera::{BaseStrategy, choose_base_strategy};
 use tokio::runtime::Builder;
-use tokio::sync::{Mutex, watch};
+use tokio::sync::{oneshot, watch};
 use tokio::task::JoinSet;
 use tokio::time::{sleep, timeout};
 use tokio_rustls::TlsAcceptor;
 
 use crate::answer::Answerer;
-use crate::assets::Assets;
 use crate::cache::Cache;
-use crate::catalogue::Scanner;
 use crate::connections::{Clients, Connections, refuse};
 use crate::content::{Content, Store};
 use crate::error::Error;
@@ -93,14 +91,14 @@ impl StopHandle {
     }
 }
 
-/// Returns the folder in which packed files are kept if no other is given: `tristrip` in the user's folder of caches.
+/// Returns the folder in which packed files are kept if no other is given: `tristrip` in the user's folder of caches; `None` for a user without a home. A temporary folder is
+/// then used as long as the server runs.
 ///
 /// ```
-/// assert!(tristrip_serve::default_cache().ends_with("tristrip"));
+/// assert!(tristrip_serve::default_cache().is_none_or(|folder| folder.ends_with("tristrip")));
 /// ```
-pub fn default_cache() -> PathBuf {
-    let folder = choose_base_strategy().map_or_else(|_| std::env::temp_dir(), |dirs| dirs.cache_dir());
-    folder.join("tristrip")
+pub fn default_cache() -> Option<PathBuf> {
+    choose_base_strategy().ok().map(|dirs| dirs.cache_dir().join("tristrip"))
 }
 
 impl Server {
@@ -124,15 +122,7 @@ impl Server {
             Ok((listener.local_addr()?, listener))
         };
         let (address, listener) = listen().map_err(|source| Error::Address { address: wanted, source })?;
-        let site = Site {
-            store,
-            workshop,
-            packing: options.packing.clone(),
-            metrics: Arc::clone(&metrics),
-            assets: Arc::new(Assets::default()),
-            scanner: Arc::new(Scanner::default()),
-            list: Mutex::new(None),
-        };
+        let site = Site::new(store, workshop, options.packing.clone(), Arc::clone(&metrics));
         let answerer = Answerer::new(router(Arc::new(site)), &options, Arc::clone(&metrics))?;
         let stop = StopHandle::new();
         Ok(Self { listener, address, options, answerer, metrics, tls, stop })
@@ -170,7 +160,7 @@ impl Server {
         self.run_on_runtime(false)
     }
 
-    /// Answers until the server is stopped, or the process gets an interrupt (Ctrl-C) or SIGTERM.
+    /// Answers until the server is stopped, or the process gets an interrupt (Ctrl-C) or SIGTERM. A second one ends it at once.
     ///
     /// # Errors
     /// As of [`run`](Self::run), and the system refuses handlers of signals.
@@ -183,10 +173,14 @@ impl Server {
         let runtime = Builder::new_multi_thread().enable_all().build().map_err(Error::System)?;
         let stop = self.stop.clone();
         let ended = runtime.block_on(async {
+            let (second, at_once) = oneshot::channel();
             if signals {
-                watch_signals(stop)?;
+                watch_signals(stop, second)?;
             }
-            self.accept().await
+            tokio::select! {
+                ended = self.accept() => ended,
+                Ok(()) = at_once => Ok(()),
+            }
         });
         // A packing that has not ended has written nothing, or a whole file.
         runtime.shutdown_background();
@@ -214,7 +208,7 @@ impl Server {
                 _ = stop.wait_for(|stop| *stop) => break,
             };
             match accepted {
-                Ok((socket, client)) => match connections.clients.enter(client.ip(), &limits, &metrics) {
+                Ok((socket, client)) => match connections.clients.enter(client.ip(), &limits) {
                     Ok(place) => {
                         running.spawn(connections.clone().serve(socket, client.ip().to_canonical(), place));
                     }
@@ -242,13 +236,15 @@ impl Server {
 }
 
 fn open_workshop(options: &PackingOptions, metrics: &Arc<Metrics>) -> Result<Workshop, Error> {
-    let folder = options.cache.clone().unwrap_or_else(default_cache);
-    let cache = Cache::open(&folder, options.cache_bytes)?;
+    let cache = match options.cache.clone().or_else(default_cache) {
+        Some(folder) => Cache::open(&folder, options.cache_bytes)?,
+        None => Cache::temporary(options.cache_bytes)?,
+    };
     Workshop::new(options, cache, Arc::clone(metrics))
 }
 
-/// Stops the server at an interrupt or SIGTERM.
-fn watch_signals(stop: StopHandle) -> Result<(), Error> {
+/// Stops the server at an interrupt or SIGTERM, and ends it at the second one.
+fn watch_signals(stop: StopHandle, second: oneshot::Sender<()>) -> Result<(), Error> {
     #[cfg(unix)]
     let mut terminate =
         tokio::signal::unix::signal(tokio::signal::unix::SignalKind::terminate()).map_err(Error::System)?;
@@ -256,16 +252,23 @@ fn watch_signals(stop: StopHandle) -> Result<(), Error> {
     let mut interrupt =
         tokio::signal::unix::signal(tokio::signal::unix::SignalKind::interrupt()).map_err(Error::System)?;
     tokio::spawn(async move {
-        #[cfg(unix)]
-        tokio::select! {
-            _ = interrupt.recv() => (),
-            _ = terminate.recv() => (),
+        let mut signal = async || {
+            #[cfg(unix)]
+            let received = tokio::select! {
+                received = interrupt.recv() => received,
+                received = terminate.recv() => received,
+            };
+            #[cfg(not(unix))]
+            let received = tokio::signal::ctrl_c().await.ok();
+            received.is_some()
+        };
+        if signal().await {
+            stop.stop();
+            if signal().await {
+                // The server may have ended.
+                second.send(()).unwrap_or_default();
+            }
         }
-        #[cfg(not(unix))]
-        if tokio::signal::ctrl_c().await.is_err() {
-            return;
-        }
-        stop.stop();
     });
     Ok(())
 }

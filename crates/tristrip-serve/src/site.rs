@@ -10,7 +10,7 @@
 //! | `/healthz`, `/metrics` | `ok`; figures for Prometheus |
 
 use std::io;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use axum::Router;
@@ -20,7 +20,7 @@ use axum::http::{Extensions, HeaderMap, HeaderValue, StatusCode, Uri, Version};
 use axum::middleware::map_response;
 use axum::response::Response;
 use axum::routing::any;
-use tokio::sync::Mutex;
+use tokio::sync::{Semaphore, watch};
 use tower_http::compression::{CompressionLayer, CompressionLevel};
 
 use crate::assets::Assets;
@@ -40,20 +40,83 @@ use crate::workshop::{JobKey, Refusal, Workshop};
 
 /// How long a list of models is answered without another scan.
 const LIST_TIME: Duration = Duration::from_secs(2);
+/// The folders whose files are looked at for packings at once.
+const MOST_FINDS: usize = 4;
 /// Smaller files are not compressed.
 const FEWEST_COMPRESSED_BYTES: u64 = 1024;
 
 /// What all requests share.
 #[derive(Debug)]
 pub(crate) struct Site {
-    pub(crate) store: Store,
+    store: Store,
     /// `None` where nothing is packed and no picture is kept: files in memory.
-    pub(crate) workshop: Option<Arc<Workshop>>,
-    pub(crate) packing: PackingOptions,
-    pub(crate) metrics: Arc<Metrics>,
-    pub(crate) assets: Arc<Assets>,
-    pub(crate) scanner: Arc<Scanner>,
-    pub(crate) list: Mutex<Option<(Instant, Resource)>>,
+    workshop: Option<Arc<Workshop>>,
+    packing: PackingOptions,
+    metrics: Arc<Metrics>,
+    assets: Arc<Assets>,
+    scanner: Scanner,
+    list: Mutex<Option<Listing>>,
+    finds: Arc<Semaphore>,
+}
+
+/// The list of models, and when it was made; `None` as long as it is.
+type Listing = watch::Receiver<Option<(Instant, Resource)>>;
+
+impl Site {
+    pub(crate) fn new(
+        store: Store,
+        workshop: Option<Arc<Workshop>>,
+        packing: PackingOptions,
+        metrics: Arc<Metrics>,
+    ) -> Self {
+        Self {
+            store,
+            workshop,
+            packing,
+            metrics,
+            assets: Arc::new(Assets::default()),
+            scanner: Scanner::default(),
+            list: Mutex::new(None),
+            finds: Arc::new(Semaphore::new(MOST_FINDS)),
+        }
+    }
+
+    /// Returns the list that was made lately, the one that is being made, or a new one. It is made in a task of its own, also if its clients leave, so that there are never two scans.
+    fn listing(self: &Arc<Self>) -> Listing {
+        let mut list = self.list.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(known) = &*list {
+            let is_usable = match &*known.borrow() {
+                Some((since, _)) => since.elapsed() < LIST_TIME,
+                // Without its sender, the scan has failed.
+                None => known.has_changed().is_ok(),
+            };
+            if is_usable {
+                return known.clone();
+            }
+        }
+        let (sender, watch) = watch::channel(None);
+        *list = Some(watch.clone());
+        let site = Arc::clone(self);
+        tokio::task::spawn_blocking(move || {
+            // The sender ends here; without a list if the scan has failed.
+            if let Some(resource) = site.scan() {
+                sender.send_replace(Some((Instant::now(), resource)));
+            }
+        });
+        watch
+    }
+
+    /// Lists the models. It may block.
+    fn scan(&self) -> Option<Resource> {
+        let catalogue = match &self.store {
+            Store::Memory(store) => list(store),
+            Store::Folder(folder) => self.scanner.scan(folder, self.packing.on_demand),
+        };
+        let json = serde_json::to_vec(&catalogue).ok()?;
+        let tag = format!("{:x}-{:08x}", json.len(), crc32fast::hash(&json));
+        let source = BytesSource::Memory(json.into());
+        Some(Resource { source, media_type: "application/json", tag, modified: None })
+    }
 }
 
 /// Builds the routes.
@@ -123,29 +186,11 @@ async fn metrics(State(site): State<Arc<Site>>) -> Response {
 }
 
 async fn models(State(site): State<Arc<Site>>, headers: HeaderMap) -> Response {
-    let mut known = site.list.lock().await;
-    if let Some((since, resource)) = &*known
-        && since.elapsed() < LIST_TIME
-    {
-        return resource.reply(&headers);
+    let mut listing = site.listing();
+    match listing.wait_for(Option::is_some).await.as_deref() {
+        Ok(Some((_, resource))) => resource.reply(&headers),
+        _ => failed(),
     }
-    let catalogue = match &site.store {
-        Store::Memory(store) => list(store),
-        Store::Folder(folder) => {
-            let (folder, scanner) = (Arc::clone(folder), Arc::clone(&site.scanner));
-            let packs = site.packing.on_demand;
-            let scanned = tokio::task::spawn_blocking(move || scanner.scan(&folder, packs));
-            let Ok(catalogue) = scanned.await else { return failed() };
-            catalogue
-        }
-    };
-    let Ok(json) = serde_json::to_vec(&catalogue) else { return failed() };
-    let tag = format!("{:x}-{:08x}", json.len(), crc32fast::hash(&json));
-    let source = BytesSource::Memory(json.into());
-    let resource = Resource { source, media_type: "application/json", tag, modified: None };
-    let response = resource.reply(&headers);
-    *known = Some((Instant::now(), resource));
-    response
 }
 
 async fn files(State(site): State<Arc<Site>>, uri: Uri, headers: HeaderMap) -> Response {
@@ -179,7 +224,8 @@ async fn packed(State(site): State<Arc<Site>>, uri: Uri, headers: HeaderMap) -> 
     let options = site.packing.pack;
     let most_bytes = site.packing.largest_input_bytes;
     let work = move |source: &Source, folder: &Folder| source.pack(folder, most_bytes, &options);
-    made(&site, path, "packing", &format!("{options:?}"), "model/gltf-binary", &headers, work).await
+    let key = format!("{options:?} {most_bytes}");
+    made(&site, path, "packing", &key, "model/gltf-binary", &headers, work).await
 }
 
 async fn thumbnail(State(site): State<Arc<Site>>, uri: Uri, headers: HeaderMap) -> Response {
@@ -197,7 +243,8 @@ async fn thumbnail(State(site): State<Arc<Site>>, uri: Uri, headers: HeaderMap) 
     }
     let most_bytes = site.packing.largest_input_bytes;
     let work = move |source: &Source, folder: &Folder| thumbnails::of_source(source, folder, most_bytes);
-    made(&site, path, "thumbnail", thumbnails::OPTIONS, "image/png", &headers, work).await
+    let key = format!("{} {most_bytes}", thumbnails::OPTIONS);
+    made(&site, path, "thumbnail", &key, "image/png", &headers, work).await
 }
 
 /// Answers with what is made of a file, now or before.
@@ -212,8 +259,14 @@ async fn made(
 ) -> Response {
     let (Store::Folder(folder), Some(workshop)) = (&site.store, &site.workshop) else { return not_found() };
     let found = {
+        let Ok(permit) = Arc::clone(&site.finds).acquire_owned().await else { return failed() };
         let (folder, path) = (Arc::clone(folder), path.clone());
-        tokio::task::spawn_blocking(move || Source::find(&folder, &path)).await
+        tokio::task::spawn_blocking(move || {
+            // Held to the end, also if the client leaves.
+            let _permit = permit;
+            Source::find(&folder, &path)
+        })
+        .await
     };
     let Ok(Some(source)) = found else { return not_found() };
     let key = source.key(options);

@@ -1,6 +1,7 @@
 //! Pictures of models for the gallery, drawn by the rasterizer of `tristrip-lab`: PNG with a transparent background.
 //!
-//! A progressive file is drawn at a level with few triangles, so that a large model takes no longer than a small one. Another model that is too large is shown as a cube.
+//! A progressive file is drawn at a level with few triangles, so that a large model takes no longer than a small one. Another model that is too large is shown as a cube: one with too many triangles,
+//! counted in each place where the scene shows them, or whose triangles hide one another too often.
 
 use tristrip::Layout;
 use tristrip_io::gltf::ProgressiveGlb;
@@ -16,9 +17,11 @@ const SIZE: [u32; 2] = [320, 240];
 /// The triangles of a level of a progressive file, and the most of another model: enough that an edge is shorter than a pixel.
 const LEVEL_TRIANGLES: usize = 200_000;
 const MOST_TRIANGLES: usize = 4_000_000;
+/// The most samples that are tested for a picture, about 800 times all of them: a few seconds.
+const MOST_SAMPLES: u64 = 1 << 30;
 
 /// The options that a picture depends on, for keys.
-pub(crate) const OPTIONS: &str = "thumbnail 1 320x240";
+pub(crate) const OPTIONS: &str = "thumbnail 2 320x240";
 
 /// Draws a file of a folder.
 pub(crate) fn of_source(source: &Source, folder: &Folder, most_bytes: u64) -> Result<Vec<u8>, String> {
@@ -48,16 +51,18 @@ fn level(bytes: Vec<u8>) -> Result<Option<Model>, String> {
 }
 
 fn of_model(model: &Model) -> Result<Vec<u8>, String> {
-    let triangles: usize = model.parts.iter().map(|part| part.mesh.faces().triangle_count()).sum();
-    if triangles > MOST_TRIANGLES {
+    if drawn_triangles(model)? > MOST_TRIANGLES {
         return cube();
     }
     let options = RenderOptions::default().with_size(SIZE[0], SIZE[1]).with_background(None);
     let picture = |model: &Model| {
         let mode = if is_coloured(model) { Mode::Textured } else { Mode::Shaded };
-        TexturedModel::new(model)
-            .and_then(|textured| textured.picture(mode, &options))
-            .map_err(|error| error.to_string())
+        let draw = || {
+            let textured = TexturedModel::new(model)?;
+            let is_small = textured.sample_count(&options)? <= MOST_SAMPLES;
+            if is_small { textured.picture(mode, &options).map(Some) } else { Ok(None) }
+        };
+        draw().map_err(|error: tristrip_lab::Error| error.to_string())
     };
     // The materials of an OBJ are drawn as those of the glTF that they become.
     if model.scene.is_none() && model.materials.as_ref().is_some_and(|materials| !materials.is_empty()) {
@@ -65,11 +70,29 @@ fn of_model(model: &Model) -> Result<Vec<u8>, String> {
         let glb = tristrip_io::write(model, &faces, Format::Glb, Layout::List)
             .and_then(|glb| tristrip_io::read(&glb, Format::Glb));
         // Images that cannot be drawn leave the plain model.
-        if let Some(png) = glb.ok().and_then(|glb| picture(&glb).ok()) {
-            return Ok(png);
+        if let Some(drawn) = glb.ok().and_then(|glb| picture(&glb).ok()) {
+            return drawn.map_or_else(cube, Ok);
         }
     }
-    picture(model)
+    picture(model)?.map_or_else(cube, Ok)
+}
+
+/// Counts the triangles of a model, in each place where its scene shows them.
+fn drawn_triangles(model: &Model) -> Result<usize, String> {
+    let counts = model.parts.iter().map(|part| part.mesh.faces().triangle_count());
+    // The triangles of the parts before each one, and of all.
+    let mut before = vec![0_usize];
+    before.extend(counts.scan(0, |sum: &mut usize, count| {
+        *sum += count;
+        Some(*sum)
+    }));
+    let Some(scene) = &model.scene else { return Ok(before[model.parts.len()]) };
+    let placements = scene.placements().map_err(|error| error.to_string())?;
+    let of_place = |place: &tristrip_io::gltf::Placement| {
+        let [start, end] = [place.parts.start, place.parts.end].map(|part| before.get(part).copied());
+        end.zip(start).map_or(0, |(end, start)| end - start)
+    };
+    Ok(placements.iter().map(of_place).fold(0, usize::saturating_add))
 }
 
 /// Checks whether a scene has colours: of textures, materials or vertices. White alone is drawn grey, so that it shows on white.
@@ -103,5 +126,26 @@ mod tests {
         assert!(png.starts_with(b"\x89PNG") && png.len() > 500);
         assert_eq!(png[16..24], [0, 0, 1, 64, 0, 0, 0, 240]);
         assert_eq!(png, cube().unwrap());
+    }
+
+    #[test]
+    fn triangles_that_hide_one_another_too_often_are_a_cube() {
+        let stacked = |faces: usize| {
+            let obj = format!("v 0 0 0\nv 9 0 0\nv 0 9 0\n{}", "f 1 2 3\n".repeat(faces));
+            of_model(&tristrip_io::read(obj.as_bytes(), Format::Obj).unwrap()).unwrap()
+        };
+        assert_ne!(stacked(1), cube().unwrap());
+        assert_eq!(stacked(20_000), cube().unwrap());
+    }
+
+    #[test]
+    fn triangles_count_in_each_place() {
+        let nodes = vec![r#"{"mesh":0}"#; 9].join(",");
+        let gltf = format!(
+            r#"{{"asset":{{"version":"2.0"}},"nodes":[{nodes}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}}],
+            "accessors":[{{"componentType":5126,"count":6,"type":"VEC3"}}]}}"#
+        );
+        let model = tristrip_io::read(gltf.as_bytes(), Format::Gltf).unwrap();
+        assert_eq!(drawn_triangles(&model), Ok(18));
     }
 }

@@ -180,7 +180,8 @@ impl Workshop {
             }
             Err(message) => {
                 self.metrics.count_job(kind, "failed");
-                tracing::warn!(kind, name, message, milliseconds, "failed");
+                // Quoted: parts of the file may be in it.
+                tracing::warn!(kind, name, error = ?message, milliseconds, "failed");
                 Err(Refusal::Failed(message.into()))
             }
         }

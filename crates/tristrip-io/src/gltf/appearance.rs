@@ -14,12 +14,9 @@
 
 use std::path::Path;
 
+use super::BufferFiles;
 use super::accessor::AccessorResolver;
-#[cfg(not(feature = "fs"))]
-use super::buffer::BufferFiles;
 use super::buffer::decode_data_uri;
-#[cfg(feature = "fs")]
-use super::buffer_files::BufferFiles;
 use super::document::{Located, array};
 use super::placements::Placement;
 use super::scene::Scene;

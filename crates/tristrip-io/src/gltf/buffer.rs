@@ -1,6 +1,7 @@
 //! The buffers of a document: the GLB's own bytes, data URIs, and files.
 
 use std::ops::Range;
+#[cfg(not(feature = "fs"))]
 use std::path::Path;
 use std::sync::Arc;
 
@@ -9,7 +10,7 @@ use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 
 #[cfg(feature = "fs")]
-use super::buffer_files::BufferFiles;
+use super::BufferFiles;
 use super::document::{Document, Located, entries_mut, index};
 use super::json::Value;
 use super::separate::SeparateFiles;
@@ -27,13 +28,11 @@ pub(super) fn load(
     document: &mut Document,
     file: &Arc<Vec<u8>>,
     bin: Option<&Range<usize>>,
-    folders: &[&Path],
+    files: &mut BufferFiles<'_>,
     beside: Option<&SeparateFiles>,
     is_fallback: &[bool],
 ) -> Result<Vec<SharedBytes>, Error> {
     let mut buffers = Vec::new();
-    #[cfg_attr(not(feature = "fs"), allow(unused_mut, reason = "only files are remembered"))]
-    let mut files = BufferFiles::new(folders);
     for (index, buffer) in Located::entries(&document.root, "buffers")?.enumerate() {
         let length_at = buffer.need("byteLength")?;
         let length = length_at.size()?;
@@ -111,12 +110,17 @@ pub(super) fn view_range(
 
 /// The files of a document, where no file is read.
 #[cfg(not(feature = "fs"))]
-pub(super) struct BufferFiles<'a>(std::marker::PhantomData<&'a Path>);
+pub(crate) struct BufferFiles<'a>(std::marker::PhantomData<&'a Path>);
 
 #[cfg(not(feature = "fs"))]
 impl<'a> BufferFiles<'a> {
-    pub(super) fn new(_folders: &'a [&'a Path]) -> Self {
+    pub(crate) fn new(_folders: &'a [&'a Path]) -> Self {
         Self(std::marker::PhantomData)
+    }
+
+    #[allow(clippy::unused_self, reason = "called like the one that reads files")]
+    pub(super) fn later_folders(&self) -> Vec<std::path::PathBuf> {
+        Vec::new()
     }
 
     #[allow(clippy::unused_self, reason = "called like the one that reads files")]

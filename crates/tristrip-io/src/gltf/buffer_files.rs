@@ -4,6 +4,7 @@
 //! files are, and that of the file which the link leads to. The first that has the file is used.
 
 use std::collections::HashMap;
+use std::fs::File;
 use std::io::Read;
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
@@ -15,12 +16,25 @@ use crate::error::Error;
 pub(crate) struct BufferFiles<'a> {
     folders: &'a [&'a Path],
     files: HashMap<PathBuf, Arc<Vec<u8>>>,
+    /// The bytes that may still be read, of files that are not hidden; `None` for all files.
+    left: Option<u64>,
 }
 
 impl<'a> BufferFiles<'a> {
     /// Looks in the first folder first.
     pub(crate) fn new(folders: &'a [&'a Path]) -> Self {
-        Self { folders, files: HashMap::new() }
+        Self { folders, files: HashMap::new(), left: None }
+    }
+
+    /// Reads at most so many bytes, and no file whose name or folder begins with a dot.
+    pub(crate) fn limited(folders: &'a [&'a Path], most_bytes: u64) -> Self {
+        Self { left: Some(most_bytes), ..Self::new(folders) }
+    }
+
+    /// Returns the folders in which the document may look for files later: none if they are limited, since the limit ends with this value.
+    pub(super) fn later_folders(&self) -> Vec<PathBuf> {
+        let folders = if self.left.is_some() { &[] } else { self.folders };
+        folders.iter().map(|folder| folder.to_path_buf()).collect()
     }
 
     /// Reads a file in one of the document's folders, once for all buffers that name it.
@@ -44,6 +58,9 @@ impl<'a> BufferFiles<'a> {
 
     /// Reads a file in one of the folders; `None` if a link leads outside them, or to something else.
     fn load_relative(&mut self, relative: &Path) -> Result<Option<Arc<Vec<u8>>>, Error> {
+        if self.left.is_some() && is_hidden(relative) {
+            return Ok(None);
+        }
         let folders = self.folders;
         let first = folders.first().copied().unwrap_or(Path::new(""));
         let io_error = |source| Error::Io { path: first.join(relative).display().to_string(), source };
@@ -57,12 +74,32 @@ impl<'a> BufferFiles<'a> {
         if let Some(bytes) = self.files.get(&path) {
             return Ok(Some(Arc::clone(bytes)));
         }
+        let left = self.left.unwrap_or(u64::MAX);
+        let exceeded = |found| Error::LimitExceeded {
+            at: first.join(relative).display().to_string(),
+            found,
+            limit: left,
+        };
+        let file = File::open(&path).map_err(io_error)?;
+        let found = file.metadata().map_err(io_error)?.len();
+        if found > left {
+            return Err(exceeded(found));
+        }
         let mut bytes = Vec::new();
-        std::fs::File::open(&path).and_then(|mut f| f.read_to_end(&mut bytes)).map_err(io_error)?;
+        // The file may have grown.
+        file.take(left.saturating_add(1)).read_to_end(&mut bytes).map_err(io_error)?;
+        let found = bytes.len() as u64;
+        let rest = left.checked_sub(found).ok_or_else(|| exceeded(found))?;
+        self.left = self.left.map(|_| rest);
         let bytes = Arc::new(bytes);
         self.files.insert(path, Arc::clone(&bytes));
         Ok(Some(bytes))
     }
+}
+
+fn is_hidden(relative: &Path) -> bool {
+    let is_dotted = |name: &std::ffi::OsStr| name.as_encoded_bytes().starts_with(b".");
+    relative.components().any(|component| matches!(component, Component::Normal(name) if is_dotted(name)))
 }
 
 /// Returns a folder without links; a document named without a folder is in the current one.

@@ -4,7 +4,6 @@
 //! their URI.
 
 use std::collections::HashMap;
-use std::path::Path;
 use std::sync::Arc;
 
 use serde_json::json;
@@ -26,14 +25,13 @@ pub struct EmbeddedImages {
     pub left: Vec<String>,
 }
 
-/// Takes the images of a scene that are files in its folders into the scene.
+/// Takes the images of a scene that are files into the scene.
 ///
 /// # Errors
 /// The document's lists are not arrays.
-pub(crate) fn embed(scene: &mut Scene, folders: &[&Path]) -> Result<EmbeddedImages, Error> {
+pub(crate) fn embed(scene: &mut Scene, files: &mut BufferFiles<'_>) -> Result<EmbeddedImages, Error> {
     let mut out = EmbeddedImages::default();
     let root = &scene.document.root;
-    let mut files = BufferFiles::new(folders);
     let mut found = Vec::new();
     let bytes_named = ExtensionNumbers::of(root).names_bytes;
     for (index, image) in Located::entries(root, "images")?.enumerate() {

@@ -29,6 +29,7 @@ mod types;
 use std::sync::Arc;
 
 use self::packing::{Fixed, Packing};
+use super::BufferFiles;
 use super::accessor::{AccessorResolver, check_views};
 use super::buffer;
 use super::container;
@@ -61,7 +62,9 @@ pub fn pack(glb: Vec<u8>, rounding: Rounding) -> Result<Vec<u8>, Error> {
         drop(container);
         return Ok(Arc::unwrap_or_clone(glb));
     }
-    let buffers = buffer::load(&mut document, &container.file, container.bin.as_ref(), &[], None, &[])?;
+    let mut files = BufferFiles::new(&[]);
+    let buffers =
+        buffer::load(&mut document, &container.file, container.bin.as_ref(), &mut files, None, &[])?;
     check_views(&AccessorResolver { root: &document.root, buffers: &buffers })?;
     let fixed = Fixed::of(&document.root)?;
     let mut scene = Packing { document, buffers, fixed };

@@ -8,6 +8,7 @@ use std::sync::Arc;
 use super::json::{Members, Value};
 use tristrip::{Attribute, Faces, Mesh};
 
+use super::BufferFiles;
 use super::accessor::{AccessorResolver, check_views};
 use super::budget::{ATTRIBUTE_LIMIT, DecodeBudget, GEOMETRY_LIMIT};
 use super::document::{Document, Located, array, uses};
@@ -42,12 +43,12 @@ const NOT_GEOMETRY: [&str; 5] =
 /// ```
 pub fn read(bytes: impl Into<Vec<u8>>, base_dir: Option<&Path>) -> Result<Model, Error> {
     let folders: Vec<&Path> = base_dir.into_iter().collect();
-    read_in_folders(Arc::new(bytes.into()), &folders)
+    read_with_files(Arc::new(bytes.into()), &mut BufferFiles::new(&folders))
 }
 
-/// Reads a document whose external buffers are in the first of several folders that has them.
-pub(crate) fn read_in_folders(bytes: Arc<Vec<u8>>, folders: &[&Path]) -> Result<Model, Error> {
-    read_container(bytes, folders, None, None)
+/// Reads a document whose external buffers are among files.
+pub(crate) fn read_with_files(bytes: Arc<Vec<u8>>, files: &mut BufferFiles<'_>) -> Result<Model, Error> {
+    read_container(bytes, files, None, None)
 }
 
 /// Reads a progressive document whose primitives draw the given meshes of its stream.
@@ -56,7 +57,7 @@ pub(super) fn read_refined(
     folders: &[&Path],
     meshes: &StreamMeshes,
 ) -> Result<Model, Error> {
-    read_container(bytes, folders, None, Some(meshes))
+    read_container(bytes, &mut BufferFiles::new(folders), None, Some(meshes))
 }
 
 /// Reads a document and its buffer that [`separate`](super::separate()) made.
@@ -64,12 +65,12 @@ pub(super) fn read_refined(
 /// # Errors
 /// As of [`read`].
 pub fn read_separate(files: &SeparateFiles) -> Result<Model, Error> {
-    read_container(Arc::new(files.json.clone()), &[], Some(files), None)
+    read_container(Arc::new(files.json.clone()), &mut BufferFiles::new(&[]), Some(files), None)
 }
 
 fn read_container(
     bytes: Arc<Vec<u8>>,
-    folders: &[&Path],
+    files: &mut BufferFiles<'_>,
     beside: Option<&SeparateFiles>,
     meshes: Option<&StreamMeshes>,
 ) -> Result<Model, Error> {
@@ -77,7 +78,7 @@ fn read_container(
     let container = container::open(bytes, &mut notes)?;
     let document = Document::parse(container.json_bytes())?;
     let unknown = unknown_requirements(&document.root);
-    read_document(document, &container, folders, beside, meshes, notes).map_err(|error| match error {
+    read_document(document, &container, files, beside, meshes, notes).map_err(|error| match error {
         Error::Format { .. } if !unknown.is_empty() => {
             let names = unknown.join(" and ");
             Error::Unsupported(format!("{error}; the file requires {names}, which is not supported"))
@@ -89,14 +90,14 @@ fn read_container(
 fn read_document(
     mut document: Document,
     container: &GlbContainer,
-    folders: &[&Path],
+    files: &mut BufferFiles<'_>,
     beside: Option<&SeparateFiles>,
     meshes: Option<&StreamMeshes>,
     mut notes: Vec<String>,
 ) -> Result<Model, Error> {
     let is_fallback = compressed_views::fallback_buffers(&document.root)?;
     let buffers =
-        buffer::load(&mut document, &container.file, container.bin.as_ref(), folders, beside, &is_fallback)?;
+        buffer::load(&mut document, &container.file, container.bin.as_ref(), files, beside, &is_fallback)?;
     let buffers = compressed_views::decompress(&mut document, buffers, &is_fallback, &mut notes)?;
     let buffers = draco::decompress(&mut document, buffers, &mut notes)?;
     let buffers = refine(&mut document, buffers, meshes, &mut notes)?;
@@ -118,7 +119,7 @@ fn read_document(
     let PrimitiveReader { counts, triangles, primitives, .. } = reader;
     counts.add_notes(triangles.counts, root, &mut notes);
     note_document(root, &mut notes)?;
-    let folders = folders.iter().map(|folder| folder.to_path_buf()).collect();
+    let folders = files.later_folders();
     Ok(Model { parts, notes, scene: Some(Scene { document, buffers, primitives, folders }), materials: None })
 }
 

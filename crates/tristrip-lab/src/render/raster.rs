@@ -32,6 +32,15 @@ pub(super) fn draw(facets: &[Facet], shader: &Shader<'_>, options: &RenderOption
     pixels
 }
 
+/// Returns the number of samples that [`draw`] tests for a triangle: those of its bounding box, within the picture.
+pub(super) fn tested_samples(corners: [Vector; 3], options: &RenderOptions) -> u64 {
+    let along = |axis: usize, size: u32| {
+        let scaled = corners.map(|corner| SAMPLES as f64 * corner[axis]);
+        covered(scaled, size as usize * SAMPLES).map_or(0, |samples| samples.len() as u64)
+    };
+    along(0, options.width) * along(1, options.height)
+}
+
 /// The samples of a band: the depth of the nearest triangle, and its number.
 struct Samples {
     width: usize,

@@ -84,6 +84,32 @@ impl TexturedModel {
         self.facets.len()
     }
 
+    /// Returns the number of samples that [`picture`](Self::picture) tests, which is the larger part of its time: the bounding boxes of all triangles, also of
+    /// those that others hide.
+    ///
+    /// # Errors
+    /// As of [`picture`](Self::picture).
+    ///
+    /// ```
+    /// use tristrip_io::{Format, read};
+    /// use tristrip_lab::render::{RenderOptions, TexturedModel};
+    /// let count = |faces: usize| {
+    ///     let obj = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{}", "f 1 2 3\n".repeat(faces));
+    ///     TexturedModel::new(&read(obj.as_bytes(), Format::Obj)?)?.sample_count(&RenderOptions::default())
+    ///         .map_err(Box::<dyn std::error::Error>::from)
+    /// };
+    /// assert_eq!(count(7)?, 7 * count(1)?);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn sample_count(&self, options: &RenderOptions) -> Result<u64, Error> {
+        options.check()?;
+        let Some(camera) = self.camera(options)? else { return Ok(0) };
+        self.facets
+            .iter()
+            .map(|facet| Ok(raster::tested_samples(camera.facet(facet)?.corners, options)))
+            .sum()
+    }
+
     /// Draws the model from the direction of the options, as large as the picture allows, with perspective. Returns the bytes of a PNG file.
     ///
     /// # Errors

@@ -16,7 +16,7 @@ use tokio::net::TcpStream;
 use tokio_rustls::TlsConnector;
 use tokio_rustls::rustls::crypto::ring::default_provider;
 use tokio_rustls::rustls::{ClientConfig, RootCertStore};
-use tristrip_serve::{Content, Error, Server, ServerOptions, TlsFiles};
+use tristrip_serve::{Content, Error, Limits, Server, ServerOptions, TlsFiles};
 
 use super::Running;
 
@@ -54,6 +54,26 @@ async fn http2_without_tls_on_the_same_port() {
     assert_eq!(sender.send_request(request).await.unwrap().status().as_u16(), 403);
     drop(sender);
     // The end of the server waits for its connections on another thread.
+    tokio::task::spawn_blocking(move || drop(server)).await.unwrap();
+}
+
+#[tokio::test]
+async fn streams_of_http2_count_as_connections() {
+    let bytes = vec![9; 20_000_000];
+    let limits = Limits::default().with_connections(10, 3);
+    let server = Running::with_files(ServerOptions::default().with_limits(limits), &[("a.glb", &bytes)]);
+    let socket = TcpStream::connect(server.address).await.unwrap();
+    let (mut sender, connection) =
+        http2::handshake(TokioExecutor::new(), TokioIo::new(socket)).await.unwrap();
+    tokio::spawn(connection);
+    let mut unread = Vec::new();
+    for status in [200, 200, 200, 503, 503] {
+        let request = Request::get("http://localhost/files/a.glb").body(Body::empty()).unwrap();
+        let response = sender.send_request(request).await.unwrap();
+        assert_eq!(response.status().as_u16(), status);
+        unread.push(response.into_body());
+    }
+    drop((unread, sender));
     tokio::task::spawn_blocking(move || drop(server)).await.unwrap();
 }
 
