@@ -22,7 +22,7 @@ use tower::ServiceExt;
 use tower_http::cors::{AllowOrigin, Any, CorsLayer};
 
 use crate::activity::Activity;
-use crate::connections::Clients;
+use crate::clients::Clients;
 use crate::error::Error;
 use crate::hosts::Hosts;
 use crate::metrics::Metrics;

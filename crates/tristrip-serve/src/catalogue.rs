@@ -7,7 +7,6 @@
 
 use std::collections::{BTreeSet, HashMap};
 use std::fs::File;
-use std::io;
 use std::sync::Mutex;
 
 use serde::Serialize;
@@ -15,8 +14,8 @@ use tristrip::stream::{Decoder, StreamPart, chunks};
 use tristrip_io::Format;
 use tristrip_io::gltf::ProgressiveGlb;
 
-use crate::bytes_source::read_at;
 use crate::folder::{Folder, Version};
+use crate::glb_start::{first_bytes, json_of};
 use crate::paths::SitePath;
 
 /// The depth of folders, and the files and folders that are looked at.
@@ -178,21 +177,6 @@ fn contents_of(file: &File) -> Contents {
     }
 }
 
-/// Reads the first bytes of a file.
-pub(crate) fn first_bytes(file: &File, most: u64) -> io::Result<Vec<u8>> {
-    let length = file.metadata()?.len().min(most);
-    let mut bytes = vec![0; length as usize];
-    let mut filled = 0;
-    while filled < bytes.len() {
-        match read_at(file, &mut bytes[filled..], filled as u64)? {
-            0 => break,
-            count => filled += count,
-        }
-    }
-    bytes.truncate(filled);
-    Ok(bytes)
-}
-
 /// Checks whether the JSON of a GLB names the extension; `None` if it has not been read to its end.
 fn says_progressive(start: &[u8]) -> Option<bool> {
     if !start.starts_with(b"glTF") || start.len() < 16 {
@@ -201,12 +185,6 @@ fn says_progressive(start: &[u8]) -> Option<bool> {
     let json = json_of(start)?;
     let name = b"TRISTRIP_progressive";
     Some(json.windows(name.len()).any(|window| window == name))
-}
-
-/// Returns the JSON of a GLB, if it is there to its end.
-pub(crate) fn json_of(start: &[u8]) -> Option<&[u8]> {
-    let length = start.get(12..16).and_then(|bytes| bytes.try_into().ok()).map(u32::from_le_bytes)?;
-    start.get(20..)?.get(..length as usize)
 }
 
 /// Decodes the base meshes, whose heads have the sizes of the full ones; `None` if they are not all there.

@@ -7,10 +7,9 @@
 //! 4. Responses at once have the limits of connections, in all and per client, so that streams of HTTP/2 have no more open files than connections of HTTP/1.1.
 //! 5. Little is kept per connection: reading and writing buffers are as small as the head of a request.
 
-use std::collections::HashMap;
-use std::net::{IpAddr, Ipv6Addr};
+use std::net::IpAddr;
 use std::pin::pin;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 use std::time::Duration;
 
 use hyper::service::service_fn;
@@ -25,6 +24,7 @@ use tokio_rustls::TlsAcceptor;
 
 use crate::activity::Activity;
 use crate::answer::Answerer;
+use crate::clients::{Clients, Place};
 use crate::metrics::Metrics;
 use crate::options::Limits;
 
@@ -45,52 +45,6 @@ pub(crate) struct Connections {
     pub(crate) stop: watch::Receiver<bool>,
 }
 
-/// The connections of each client, or its responses.
-#[derive(Debug, Default)]
-pub(crate) struct Clients {
-    counts: Mutex<(usize, HashMap<IpAddr, usize>)>,
-}
-
-/// A connection or a response that counts until this is dropped.
-#[derive(Debug)]
-pub(crate) struct Place {
-    clients: Arc<Clients>,
-    network: IpAddr,
-}
-
-impl Clients {
-    /// Counts a connection or a response, or returns the name of the limit that it is over.
-    pub(crate) fn enter(self: &Arc<Self>, client: IpAddr, limits: &Limits) -> Result<Place, &'static str> {
-        let network = network(client);
-        let mut counts = self.counts.lock().unwrap_or_else(PoisonError::into_inner);
-        let (all, by_client) = &mut *counts;
-        if *all >= limits.connections {
-            return Err("connections");
-        }
-        let count = by_client.entry(network).or_default();
-        if *count >= limits.connections_per_client {
-            return Err("client");
-        }
-        *count += 1;
-        *all += 1;
-        Ok(Place { clients: Arc::clone(self), network })
-    }
-}
-
-impl Drop for Place {
-    fn drop(&mut self) {
-        let mut counts = self.clients.counts.lock().unwrap_or_else(PoisonError::into_inner);
-        let (all, by_client) = &mut *counts;
-        *all -= 1;
-        if let Some(count) = by_client.get_mut(&self.network) {
-            *count -= 1;
-            if *count == 0 {
-                by_client.remove(&self.network);
-            }
-        }
-    }
-}
-
 /// A connection in the figures.
 struct Counted(Arc<Metrics>);
 
@@ -104,14 +58,6 @@ impl Counted {
 impl Drop for Counted {
     fn drop(&mut self) {
         self.0.connections.dec();
-    }
-}
-
-/// Returns what one client has: an address of IPv4, a network of IPv6.
-fn network(client: IpAddr) -> IpAddr {
-    match client.to_canonical() {
-        IpAddr::V6(address) => IpAddr::V6(Ipv6Addr::from_bits(address.to_bits() >> 64 << 64)),
-        v4 @ IpAddr::V4(_) => v4,
     }
 }
 
@@ -201,28 +147,5 @@ impl Connections {
         let Limits { header_time, stall_time, idle_time, .. } = *self.limits;
         let shortest = header_time.min(stall_time).min(idle_time);
         (shortest / 4).clamp(Duration::from_millis(10), Duration::from_secs(1))
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn connections_are_counted_by_client_and_in_all() {
-        let limits = Limits::default().with_connections(3, 2);
-        let clients = Arc::new(Clients::default());
-        let enter = |client: &str| clients.enter(client.parse().unwrap(), &limits);
-        let first = enter("10.0.0.1").unwrap();
-        let _second = enter("::ffff:10.0.0.1").unwrap();
-        assert_eq!(enter("10.0.0.1").unwrap_err(), "client");
-        let third = enter("2001:db8::1").unwrap();
-        assert_eq!(enter("10.0.0.2").unwrap_err(), "connections");
-        assert_eq!(clients.counts.lock().unwrap().0, 3);
-        drop(first);
-        let _fourth = enter("2001:db8::2").unwrap();
-        drop(third);
-        let _fifth = enter("2001:db8::3").unwrap();
-        assert_eq!(clients.counts.lock().unwrap().1.len(), 2);
     }
 }

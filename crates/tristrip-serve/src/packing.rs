@@ -13,8 +13,8 @@ use sha2::{Digest, Sha256};
 use tristrip_io::{Format, Model};
 use tristrip_pipeline::{PackOptions, pack};
 
-use crate::catalogue::{first_bytes, json_of};
 use crate::folder::Folder;
+use crate::glb_start::{first_bytes, json_of};
 use crate::paths::SitePath;
 
 /// The version of what packings and pictures are: one more whenever the same file gives other bytes and the package has no other version.

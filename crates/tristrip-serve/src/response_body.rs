@@ -17,7 +17,7 @@ use http_body::{Body as HttpBody, Frame, SizeHint};
 use tokio::time::{Instant, Sleep, sleep_until};
 
 use crate::activity::{Activity, ClientWait};
-use crate::connections::Place;
+use crate::clients::Place;
 use crate::metrics::Metrics;
 
 /// The pieces per second of a paced body, and the fewest bytes of one.

@@ -14,7 +14,8 @@ use tokio_rustls::TlsAcceptor;
 
 use crate::answer::Answerer;
 use crate::cache::Cache;
-use crate::connections::{Clients, Connections, refuse};
+use crate::clients::Clients;
+use crate::connections::{Connections, refuse};
 use crate::content::{Content, Store};
 use crate::error::Error;
 use crate::metrics::Metrics;

@@ -140,7 +140,7 @@ mod tests {
 
     #[test]
     fn triangles_count_in_each_place() {
-        let nodes = vec![r#"{"mesh":0}"#; 9].join(",");
+        let nodes = [r#"{"mesh":0}"#; 9].join(",");
         let gltf = format!(
             r#"{{"asset":{{"version":"2.0"}},"nodes":[{nodes}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}}}}]}}],
             "accessors":[{{"componentType":5126,"count":6,"type":"VEC3"}}]}}"#
