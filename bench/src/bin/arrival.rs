@@ -18,7 +18,7 @@ use tristrip::stream::{Decoder, StreamPart, chunks};
 use tristrip_bench::distance::rms_percent;
 use tristrip_bench::failure::Failure;
 use tristrip_bench::text::Table;
-use tristrip_io::gltf::ProgressiveGlb;
+use tristrip_io::gltf::{ProgressiveGlb, Scene};
 use tristrip_io::read_path;
 use tristrip_lab::rate::draw_arrival;
 use tristrip_pipeline::{PackOptions, pack};
@@ -115,7 +115,7 @@ fn whole(mesh: &Mesh, path: &Path, megabits: f64) -> Result<Shown, Failure> {
     let bytes = fs::metadata(path).map_err(|error| format!("{}: {error}", path.display()))?.len() as usize;
     let model = read_path(path)?;
     let part = &model.parts.first().ok_or("no mesh")?.mesh;
-    let places = model.scene.as_ref().map(|scene| scene.placements()).transpose()?;
+    let places = model.scene.as_ref().map(Scene::placements).transpose()?;
     let rows = places.and_then(|places| Some(places.first()?.transform));
     let placed = |p: &[f32; 3]| match rows {
         Some(rows) => {
