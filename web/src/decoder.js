@@ -36,7 +36,7 @@ import { max, min } from './math.js';
 /** @typedef {Partial<StreamLimits> & StripOptions} DecoderOptions what a stream may ask for at most, and what a decoder does beside decoding */
 
 /** @type {StreamLimits} */
-const USUAL_LIMITS = { meshes: 256, triangles: 2 ** 26, chunkBytes: 2 ** 28, corners: 2 ** 30 };
+export const USUAL_LIMITS = { meshes: 256, triangles: 2 ** 26, chunkBytes: 2 ** 28, corners: 2 ** 30 };
 
 /** Streams have about two triangles in three bytes, more where surfaces are flat. For so many there is room before they come. */
 const TRIANGLES_PER_BYTE = 64;

@@ -6,6 +6,7 @@
  * ```
  * @module
  */
+import { BIN_CHUNK, CHUNK_HEADER_BYTES, EXTENSION, HEADER_BYTES, JSON_CHUNK, JSON_START, MAGIC } from './container.js';
 import { Decoder } from './decoder.js';
 import { StreamError } from './error.js';
 import { arrayOf, Waiting } from './growth.js';
@@ -13,15 +14,7 @@ import { min } from './math.js';
 
 /** @import { DecoderOptions } from './decoder.js' */
 
-export const EXTENSION = 'TRISTRIP_progressive';
 const VERSION = 1;
-
-const MAGIC = 0x46546c67;
-const JSON_CHUNK = 0x4e4f534a;
-const BIN_CHUNK = 0x004e4942;
-const HEADER_BYTES = 12;
-const CHUNK_HEADER_BYTES = 8;
-const JSON_START = HEADER_BYTES + CHUNK_HEADER_BYTES;
 /** The most bytes of the JSON, unless a limit says less. */
 const MOST_JSON_BYTES = 2 ** 28;
 

@@ -6,17 +6,10 @@
  * ```
  * @module
  */
+import { BIN_CHUNK, CHUNK_HEADER_BYTES, EXTENSION, HEADER_BYTES, JSON_CHUNK, MAGIC } from '../src/container.js';
 
-const MAGIC = 0x46546c67;
 const VERSION = 2;
-const JSON_CHUNK = 0x4e4f534a;
-const BIN_CHUNK = 0x004e4942;
-const HEADER_BYTES = 12;
-const CHUNK_HEADER_BYTES = 8;
 const SPACE = 0x20;
-
-/** The name of the glTF extension. */
-export const EXTENSION = 'TRISTRIP_progressive';
 
 /** @param {number} byteCount */
 const padded = (byteCount) => (byteCount + 3) & ~3;

@@ -8,7 +8,8 @@
  * @module
  */
 import { EventDispatcher } from 'three';
-import { baseGlb, EXTENSION } from './base_glb.js';
+import { EXTENSION } from '../src/container.js';
+import { baseGlb } from './base_glb.js';
 import { Resources } from './disposal.js';
 import { refinedGeometries } from './plugin.js';
 import { StreamMesh } from './stream_mesh.js';

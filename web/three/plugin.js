@@ -4,7 +4,7 @@
  * `parser.associations` would tell this too, but after a file of several scenes it has the objects of the last one only.
  * @module
  */
-import { EXTENSION } from './base_glb.js';
+import { EXTENSION } from '../src/container.js';
 import { threeName } from './names.js';
 
 /**

@@ -2,6 +2,7 @@
  * A model as it is drawn: takes the events of the client, and turns them into geometry, textures and nodes.
  * @module
  */
+import { EXTENSION } from '../src/container.js';
 import { accessorEnd, Accessors, Binary, UnsupportedError, viewBytes, viewEnd } from './accessors.js';
 import { Animation } from './animation.js';
 import { Geometry, IndexData, LOCATIONS, VertexData } from './geometry.js';
@@ -18,7 +19,6 @@ import { Textures } from './textures.js';
  * @import { Material } from './materials.js'
  */
 
-const EXTENSION = 'TRISTRIP_progressive';
 /** The most instances of all nodes together. */
 const MOST_INSTANCES = 10000;
 const REQUIRED = new Set([EXTENSION, 'KHR_texture_transform', 'KHR_materials_unlit', 'KHR_mesh_quantization', 'KHR_materials_emissive_strength', 'EXT_mesh_gpu_instancing', 'EXT_texture_webp']);

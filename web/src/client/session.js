@@ -12,9 +12,10 @@
  * @module
  */
 import { readChunkHead } from '../chunk.js';
-import { Decoder } from '../decoder.js';
+import { CHUNK_HEADER_BYTES, EXTENSION, JSON_START } from '../container.js';
+import { Decoder, USUAL_LIMITS } from '../decoder.js';
 import { fail, StreamError } from '../error.js';
-import { EXTENSION, GlbReader } from '../glb.js';
+import { GlbReader } from '../glb.js';
 import { Waiting } from '../growth.js';
 import { Strips } from '../strips.js';
 import { Download, DownloadError, piecesOf } from './download.js';
@@ -32,11 +33,6 @@ const LEAST_INTERVAL = 60;
 const BUILD_SHARE = 3;
 /** Bytes without an update are told this often, in milliseconds. */
 const PROGRESS_INTERVAL = 100;
-/** The most bytes of a chunk, unless a limit says otherwise: those of the decoder. */
-const MOST_CHUNK_BYTES = 2 ** 28;
-/** The bytes of the headers of a GLB, and of the header of a chunk. */
-const LEAST_FILE = 20;
-const CHUNK_HEADER_BYTES = 8;
 /** The most primitives that a stream refines: each update tells of all parts of a mesh. */
 const MOST_PRIMITIVES = 2 ** 16;
 
@@ -240,7 +236,7 @@ export class Session {
   #checkEnd() {
     const end = this.#receivedBytes;
     // A file may end with its JSON: as if an empty chunk came after it.
-    if (end >= LEAST_FILE && !this.#reader.json) this.#take(new Uint8Array(CHUNK_HEADER_BYTES));
+    if (end >= JSON_START && !this.#reader.json) this.#take(new Uint8Array(CHUNK_HEADER_BYTES));
     this.#receivedBytes = end;
     const { json, fileBytes } = this.#reader;
     const fail = (/** @type {string} */ found, /** @type {string} */ expected) => {
@@ -286,7 +282,7 @@ export class Session {
     const known = this.#waiting.length;
     const count = this.#chunks.length;
     let rest = known > 0 ? this.#waiting.add(stream) : stream;
-    const most = this.#options.limits?.chunkBytes ?? MOST_CHUNK_BYTES;
+    const most = this.#options.limits?.chunkBytes ?? USUAL_LIMITS.chunkBytes;
     for (let head; (head = readChunkHead(rest)); ) {
       // The decoder refuses the head of a chunk that is too large.
       const length = head.headBytes + (head.payloadBytes > most ? 0 : head.payloadBytes);
