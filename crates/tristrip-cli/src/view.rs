@@ -92,7 +92,11 @@ fn open_browser(url: String, is_quiet: bool) {
 
 fn pack_job(job: &Job, console: &mut Console, report: &mut ViewReport) -> Result<(), Failure> {
     let name = file_name(job.input.path.as_deref());
-    if let Some(bytes) = progressive(job) {
+    if let Some((bytes, cut_off)) = progressive(job) {
+        if let Some(note) = cut_off {
+            console.note(&note);
+            report.notes.push(note);
+        }
         report.bytes = Some(bytes.len());
         report.content = Some(MemoryFile { name, bytes });
         return Ok(());
@@ -116,12 +120,14 @@ fn pack_job(job: &Job, console: &mut Console, report: &mut ViewReport) -> Result
     Ok(())
 }
 
-/// Reads a file that is a progressive GLB already.
-fn progressive(job: &Job) -> Option<Vec<u8>> {
+/// Reads a file that is a progressive GLB already, and says whether it is cut off: the viewer shows what is there.
+fn progressive(job: &Job) -> Option<(Vec<u8>, Option<String>)> {
     let path = job.input.path.as_ref().filter(|path| Format::from_path(path) == Some(Format::Glb))?;
     let bytes = std::fs::read(path).ok()?;
     let glb = ProgressiveGlb::open(bytes.clone()).ok()??;
-    glb.is_complete().then_some(bytes)
+    let (present, all) = (glb.chunks().len(), glb.chunk_bytes());
+    let note = format!("the file is cut off: {present} of {all} bytes of its chunks are there");
+    Some((bytes, (!glb.is_complete()).then_some(note)))
 }
 
 /// Returns the name of a file as it is served: without what a path of a URL cannot have.

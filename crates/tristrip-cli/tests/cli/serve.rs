@@ -138,8 +138,15 @@ fn models_are_viewed_from_memory() {
     let path = path.to_str().unwrap();
     let server = Server::start(&["view", "--no-open", path, path]);
     assert!(server.get("/files/a.glb") == ("200".into(), bytes.clone()));
-    assert!(server.get("/files/2-a.glb") == ("200".into(), bytes));
+    assert!(server.get("/files/2-a.glb") == ("200".into(), bytes.clone()));
     assert_eq!(server.get("/").0, "200");
+    drop(server);
+    // So is one that is cut off.
+    let start = bytes.len() - 100;
+    fs::write(path, &bytes[..start]).unwrap();
+    let server = Server::start(&["view", "--no-open", path]);
+    assert!(server.report["notes"][0].as_str().unwrap().starts_with("the file is cut off"));
+    assert!(server.get("/files/a.glb") == ("200".into(), bytes[..start].to_vec()));
 }
 
 #[test]
