@@ -10,6 +10,7 @@ import { heapOf } from './heap.js';
 import { largeModels, ownModel, texturedScenes } from './models.js';
 import { difference } from './pictures.js';
 import { traced } from './processor_time.js';
+import { morphingSquare } from '../testing/scene_glb.js';
 
 /** The share of pixels that may differ between two pictures that should be equal, and the least one between two that should not. */
 const EQUAL = 0.0005;
@@ -54,6 +55,14 @@ if (!skip) {
   });
   writeFileSync(path.join(models.folder, 'models.json'), JSON.stringify({ models: listed }));
 }
+
+/** A model with morph targets and two animations; its weights at rest are those of the first animation, or zeros. */
+const [morphed, unmorphed] = [{ node: [1, 0] }, {}].map((weights, i) => {
+  const name = `morph${i}.glb`;
+  const { bytes } = morphingSquare(weights);
+  writeFileSync(path.join(models.folder, name), bytes);
+  return { name, url: `/models/${name}`, bytes: bytes.length };
+});
 
 /** @typedef {import('playwright-core').Page} Page */
 
@@ -228,8 +237,68 @@ test('all works with the keyboard', { skip }, async () => {
   assert.deepEqual(problems, []);
 });
 
-test('all controls can be reached by Tab', { skip }, async () => {
-  const { page } = await openViewer(present(hand));
+test('an animation is chosen among several, and is part of the address', { skip }, async () => {
+  const { page, problems } = await openViewer(unmorphed);
+  await waitForState(page, 'complete');
+  const choice = page.getByRole('combobox', { name: 'Animation', exact: true });
+  const isPlayed = page.getByRole('checkbox', { name: 'Animate' });
+  assert.deepEqual(await choice.locator('option').allInnerTexts(), ['Stretch', 'Animation 2']);
+  assert.ok(!(await isPlayed.isChecked()), 'nothing moves unless it is asked for');
+  const rest = await picture(page);
+  await isPlayed.check();
+  await page.waitForURL(/&animation=1$/);
+  const stretched = await picture(page);
+  assert.ok((await difference(page, rest, stretched)) > DIFFERENT, 'weights are animated');
+  await choice.selectOption('Animation 2');
+  await page.waitForURL(/&animation=2$/);
+  assert.ok((await difference(page, rest, await picture(page))) <= EQUAL, 'the second animation does not change the weights');
+  await page.reload();
+  await waitForState(page, 'complete');
+  assert.deepEqual([await choice.inputValue(), await isPlayed.isChecked()], ['1', true]);
+  await page.evaluate(() => (location.hash = location.hash.replace('animation=2', 'animation=1')));
+  await page.waitForTimeout(300);
+  assert.equal(await choice.inputValue(), '0');
+  assert.ok((await difference(page, stretched, await picture(page))) <= EQUAL);
+  await page.locator('#replay').click();
+  await waitForState(page, 'complete');
+  assert.ok(await isPlayed.isChecked(), 'it is played after a replay, too');
+  await isPlayed.uncheck();
+  await page.waitForTimeout(300);
+  assert.ok((await difference(page, stretched, await picture(page))) <= EQUAL, 'it is paused where it is');
+  for (const animation of ['3', '0', '-1', 'x', '1e9']) {
+    await page.evaluate((hash) => (location.hash = hash), `#model=${unmorphed.url.slice(1)}&animation=${animation}`);
+    await page.waitForTimeout(100);
+    assert.deepEqual([await choice.inputValue(), await isPlayed.isChecked()], ['0', false], animation);
+  }
+  await page.evaluate((url) => (location.hash = `#model=${url}`), present(truck).url.slice(1));
+  await waitForState(page, 'complete');
+  assert.ok(await choice.isHidden(), 'there is nothing to choose');
+  const still = await harness.open(`/index.html#model=${unmorphed.url.slice(1)}&animation=2`, { ...DESKTOP, reducedMotion: 'reduce' });
+  await waitForState(still.page, 'complete');
+  assert.deepEqual([await still.page.locator('#animations').inputValue(), await still.page.locator('#animation input').isChecked()], ['1', false]);
+  assert.deepEqual([...problems, ...still.problems], []);
+});
+
+test('morph targets are drawn in all modes, at the weights of the node', { skip }, async () => {
+  const played = await openViewer(unmorphed);
+  await waitForState(played.page, 'complete');
+  const rest = await picture(played.page);
+  await played.page.locator('#animation input').check();
+  const { page, problems } = await openViewer(morphed);
+  await waitForState(page, 'complete');
+  for (const mode of ['textured', 'shaded', 'wireframe', 'strips', 'normals']) {
+    for (const tab of [page, played.page]) await tab.locator(`#modes input[value=${mode}]`).check({ force: true });
+    await page.waitForTimeout(500);
+    const shown = await picture(page);
+    assert.ok((await difference(page, rest, shown)) > DIFFERENT, `${mode} has the morph targets`);
+    assert.ok((await difference(page, shown, await picture(played.page))) <= EQUAL, `${mode} at rest is as the animation has it`);
+  }
+  assert.deepEqual([...problems, ...played.problems], []);
+});
+
+/** @param {PackedModel} model */
+async function assertReached(model) {
+  const { page } = await openViewer(model);
   await waitForState(page, 'complete');
   const expected = await page.evaluate(() =>
     [...document.querySelectorAll('a, button, input:not([type=radio]):not([type=file]), select, canvas')]
@@ -242,6 +311,13 @@ test('all controls can be reached by Tab', { skip }, async () => {
     reached.add(await page.evaluate(() => document.activeElement?.id || document.activeElement?.className));
   }
   assert.deepEqual(expected.filter((id) => !reached.has(id)), []);
+  await page.context().close();
+}
+
+test('all controls can be reached by Tab', { skip }, async () => {
+  // One has levels, the other a choice of animations.
+  await assertReached(present(hand));
+  await assertReached(unmorphed);
 });
 
 test('it fits a phone', { skip }, async () => {
@@ -275,9 +351,9 @@ test('it fits a phone', { skip }, async () => {
 
 test('the page meets WCAG A and AA, light and dark', { skip }, async (t) => {
   for (const colorScheme of /** @type {const} */ (['light', 'dark'])) {
-    for (const view of ['gallery', 'model', 'error', 'help']) {
+    for (const view of ['gallery', 'model', 'animations', 'error', 'help']) {
       await t.test(`${view}, ${colorScheme}`, async () => {
-        const { page } = await openViewer(view === 'gallery' ? undefined : present(truck), { ...DESKTOP, colorScheme });
+        const { page } = await openViewer(view === 'gallery' ? undefined : view === 'animations' ? unmorphed : present(truck), { ...DESKTOP, colorScheme });
         if (view !== 'gallery') await waitForState(page, 'complete');
         else await page.locator('#cards a').first().waitFor();
         if (view === 'help') await page.locator('#help').click();

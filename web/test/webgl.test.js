@@ -8,7 +8,10 @@ import { Geometry } from '../webgl/geometry.js';
 import { readMaterial } from '../webgl/materials.js';
 import { cofactors, compose, determinant, multiply, transformBox, transformPoint } from '../webgl/matrix.js';
 import { ShownModel } from '../webgl/model.js';
+import { addedTargets, MOST_ADDED } from '../webgl/morphs.js';
 import { Scene } from '../webgl/scene.js';
+import { VERTEX } from '../webgl/shaders.js';
+import { morphingSquare, sceneGlb } from '../testing/scene_glb.js';
 
 /** A document with one accessor over one buffer view. */
 const documentOf = (accessor, view = {}, buffer = {}) => ({
@@ -132,6 +135,107 @@ test('animations interpolate', () => {
   assert.deepEqual(scene.nodes.get(0).scale, [2, 2, 2]);
 });
 
+test('animations move the weights of morph targets, of any number', () => {
+  const mesh = { weights: [0.25, 0, 0, 0, 9], primitives: [{ attributes: {}, targets: [{}, {}, {}, {}, {}] }] };
+  const scene = new Scene({ scenes: [{ nodes: [0, 1, 2] }], nodes: [{ mesh: 0 }, { mesh: 0, weights: [0, 1] }, {}], meshes: [mesh] });
+  const weights = (node) => scene.nodes.get(node).weights;
+  assert.deepEqual([0, 1, 2].map(weights), [[0.25, 0, 0, 0, 9], [0, 1, 0, 0, 0], []], 'those of a node come before those of its mesh');
+  const animation = new Animation('Smile');
+  const times = Float32Array.of(0, 2);
+  for (const node of [0, 2, 7]) animation.tracks.push({ node, path: 'weights', interpolation: 'LINEAR', times, values: Float32Array.of(0, 1, 2, 3, 4, 4, 3, 2, 1, 0) });
+  // A spline with a tangent, a value and a tangent per time.
+  const zeros = [0, 0, 0, 0, 0];
+  animation.tracks.push({ node: 1, path: 'weights', interpolation: 'CUBICSPLINE', times, values: Float32Array.of(...zeros, 0, 0, 0, 0, 4, ...zeros, ...zeros, 8, 0, 0, 0, 0, ...zeros) });
+  animation.apply(scene, 1);
+  assert.deepEqual([0, 1, 2].map(weights), [[2, 2, 2, 2, 2], [4, 0, 0, 0, 2], []]);
+  scene.rest();
+  assert.deepEqual([0, 1].map(weights), [[0.25, 0, 0, 0, 9], [0, 1, 0, 0, 0]]);
+});
+
+test('another animation starts from the pose at rest', () => {
+  const { json, bytes } = morphingSquare();
+  json.nodes.push({ translation: [0, 5, 0] });
+  json.scenes[0].nodes.push(1);
+  json.animations[1].channels[0].target.node = 1;
+  const { model } = openModel({ ...json, ...binaryOf(bytes).json }, binaryOf(bytes).bytes);
+  while (model.isBusy) model.step(new Budget());
+  assert.deepEqual(model.animations.map(({ name }) => name), ['Stretch', '']);
+  const pose = () => [model.scene.nodes.get(0).weights, model.scene.nodes.get(1).world.slice(12, 15)];
+  model.animate(0, 50);
+  assert.deepEqual(pose(), [[1, 0], [0, 5, 0]]);
+  model.animate(1, 50);
+  assert.deepEqual(pose(), [[0, 0], [0, 0, 0]]);
+  model.animate(-1, 0);
+  assert.deepEqual(pose(), [[0, 0], [0, 5, 0]]);
+});
+
+test('keyframes may be normalized integers', () => {
+  const { json, arrays } = morphingSquare();
+  arrays[5] = Int8Array.of(127, -128, 0, 64);
+  json.accessors[5] = { ...json.accessors[5], componentType: 5120, normalized: true };
+  const { json: views, bytes } = binaryOf(sceneGlb(json, arrays));
+  const { model } = openModel({ ...json, ...views }, bytes);
+  while (model.isBusy) model.step(new Budget());
+  assert.deepEqual([...model.animations[0].tracks[0].values], [1, -1, 0, 64 / 127].map(Math.fround));
+});
+
+test('the bounds of a mesh have its morph targets', () => {
+  const boundsOf = (weights, change = () => {}) => {
+    const { json } = morphingSquare(weights);
+    change(json);
+    return new Scene(json).bounds.max;
+  };
+  const isStill = (json) => delete json.animations;
+  assert.deepEqual(boundsOf({}, isStill), [1, 1, 0]);
+  assert.deepEqual(boundsOf({ mesh: [0, 1] }, isStill), [2, 1, 0]);
+  assert.deepEqual(boundsOf({ mesh: [0, 1], node: [0.5] }, isStill), [1, 1.5, 0]);
+  assert.deepEqual(boundsOf({}), [2, 2, 0], 'an animation may move all weights to 1');
+  assert.deepEqual(boundsOf({ mesh: 'ab' }, isStill), [1, 1, 0]);
+});
+
+test('the largest weights are added, as many as the shader has room for', () => {
+  assert.deepEqual(addedTargets([0, 0.5, 0, -2]), [[1, 0.5], [3, -2]]);
+  const many = addedTargets(Array.from({ length: 100 }, (_, i) => i - 50));
+  assert.equal(many.length, MOST_ADDED);
+  assert.deepEqual(Math.min(...many.map(([, weight]) => Math.abs(weight))), 18);
+  assert.match(VERTEX, new RegExp(`vec2 added\\[${MOST_ADDED}\\]`));
+});
+
+test('morph targets are uploaded as one texture, and nothing of it stays', () => {
+  const { json, arrays } = morphingSquare({ mesh: [0.5] });
+  // The second target changes normals, too, in integers.
+  json.meshes[0].primitives[0].targets[1].NORMAL = 7;
+  json.accessors.push({ componentType: 5122, normalized: true, count: 4, type: 'VEC3', sparse: { count: 1, indices: { bufferView: 7, componentType: 5121 }, values: { bufferView: 8 } } });
+  const { json: views, bytes: binary } = binaryOf(sceneGlb(json, [...arrays, Uint8Array.of(3), Int16Array.of(32767, 0, -32767)]));
+  const { gl, model, told } = openModel({ ...json, ...views }, binary);
+  while (model.isBusy) model.step(new Budget());
+  assert.deepEqual(told.errors, []);
+  const [texture] = gl.textures;
+  const texels = (target, slot) => [...texture.texels.subarray(16 * (2 * target + slot), 16 * (2 * target + slot + 1))];
+  assert.deepEqual(texels(0, 0), [0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0]);
+  assert.deepEqual(texels(0, 1), new Array(16).fill(0));
+  assert.deepEqual(texels(1, 1), [...new Array(12).fill(0), 1, 0, -1, 0]);
+  model.restore();
+  while (model.isBusy) model.step(new Budget());
+  assert.equal(gl.textures.length, 2, 'it is made again after the context was lost');
+  model.close();
+  assert.ok(gl.textures[1].isDeleted);
+});
+
+test('morph targets beyond the room are left out', () => {
+  const { json } = morphingSquare();
+  const count = 2 ** 20;
+  json.accessors = [{ componentType: 5126, count, type: 'VEC3' }, { componentType: 5126, count, type: 'VEC3' }];
+  delete json.animations;
+  const primitive = { attributes: { POSITION: 0 }, targets: Array.from({ length: 100 }, () => ({ POSITION: 1 })) };
+  json.meshes = [{ primitives: [primitive, primitive] }];
+  const { gl, model, told } = openModel(json, new Uint8Array(0));
+  while (model.isBusy) model.step(new Budget());
+  assert.deepEqual(told.errors, []);
+  assert.equal(model.items.length, 2);
+  assert.deepEqual(gl.textures.map(({ width, height }) => width * height), [8 * count]);
+});
+
 test('a material without a surface is no metal', () => {
   assert.equal(readMaterial({ name: 'plain' }).factors[0], 0);
   assert.equal(readMaterial({ pbrMetallicRoughness: {} }).factors[0], 1);
@@ -152,6 +256,29 @@ class FakeContext {
   deleteBuffer = (buffer) => buffer && (buffer.bytes = undefined);
   bindVertexArray() {}
   deleteVertexArray() {}
+
+  textures = [];
+  createTexture() {
+    this.textures.push({});
+    return this.textures.at(-1);
+  }
+  bindTexture = (target, texture) => this.bound.set('texture', texture);
+  texStorage2D = (target, levels, format, width, height) => Object.assign(this.bound.get('texture'), { format, width, height, texels: new Float32Array(4 * width) });
+  texParameteri() {}
+  texSubImage2D(target, level, x, y, width, height, format, type, array) {
+    // The first row is enough for tests.
+    if (y === 0) this.bound.get('texture').texels.set(array.subarray(0, this.bound.get('texture').texels.length));
+  }
+  getParameter = () => 8192;
+  deleteTexture = (texture) => texture && (texture.isDeleted = true);
+}
+
+/** The binary chunk of a small GLB, and the document's lists of what is in it. */
+function binaryOf(file) {
+  const view = new DataView(file.buffer);
+  const start = 20 + view.getUint32(12, true) + 8;
+  const { buffers, bufferViews } = JSON.parse(new TextDecoder().decode(file.subarray(20, start - 8)));
+  return { json: { buffers, bufferViews }, bytes: file.subarray(start) };
 }
 
 /** Whether the bytes of two arrays are the same. */

@@ -4,7 +4,7 @@
  */
 import { MODES } from '../webgl/renderer.js';
 import { moveByKey, orbitByPointer } from '../webgl/orbit.js';
-import { element } from './elements.js';
+import { element, make } from './elements.js';
 import { announce } from './messages.js';
 
 /**
@@ -15,14 +15,16 @@ import { announce } from './messages.js';
 /**
  * What controls change beside the viewer.
  * @typedef {object} ControlsListener
- * @property {() => void} view the camera has moved, or the mode is another one
+ * @property {() => void} view the camera has moved, or the mode or the animation is another one
  * @property {() => void} leave
  * @property {() => void} replay
  */
 
 const canvas = element('canvas', HTMLCanvasElement);
 const modes = element('modes', HTMLFieldSetElement);
-const animate = /** @type {HTMLInputElement} */ (element('animation', HTMLElement).firstElementChild);
+const animation = element('animation', HTMLElement);
+const animate = /** @type {HTMLInputElement} */ (animation.firstElementChild);
+const animations = element('animations', HTMLSelectElement);
 const help = element('help-dialog', HTMLDialogElement);
 
 /**
@@ -36,9 +38,16 @@ export function setMode({ renderer }, mode) {
   if (input instanceof HTMLInputElement) input.checked = true;
 }
 
-/** Takes back what belongs to one model. */
-export function resetControls() {
-  animate.checked = false;
+/**
+ * Shows which animations the model has, and which one is played.
+ * @param {Viewer} viewer
+ */
+export function showAnimations({ animations: names, playing }) {
+  animation.hidden = names.length === 0;
+  animations.hidden = names.length < 2;
+  animations.replaceChildren(...names.map((name, i) => make('option', { value: String(i) }, name)));
+  animations.value = String(playing.animation);
+  animate.checked = playing.isPlaying;
 }
 
 /**
@@ -97,5 +106,14 @@ export function connectControls(viewer, listener) {
   });
   const bandwidth = element('bandwidth', HTMLSelectElement);
   bandwidth.addEventListener('change', () => (viewer.bandwidth = Number(bandwidth.value)));
-  animate.addEventListener('change', () => (renderer.isPlaying = animate.checked));
+  animate.addEventListener('change', () => {
+    renderer.isPlaying = animate.checked;
+    listener.view();
+  });
+  animations.addEventListener('change', () => {
+    // To choose one is to want to see it.
+    viewer.playing = { animation: Number(animations.value), isPlaying: true };
+    animate.checked = true;
+    listener.view();
+  });
 }

@@ -2,7 +2,7 @@
  * The page: shows the gallery or a model, as the address says.
  * @module
  */
-import { connectControls, resetControls, setMode } from './controls.js';
+import { connectControls, setMode, showAnimations } from './controls.js';
 import { bytesText, countText, element, setText, timeText } from './elements.js';
 import { fillGallery, nameOf, takeFiles } from './gallery.js';
 import { announce, hideMessage, showError, showMessage } from './messages.js';
@@ -25,6 +25,12 @@ let url;
 let file;
 
 let isStarted = false;
+
+/**
+ * Returns what is played of the animation that an address names; it stands still where people want less motion.
+ * @param {number | undefined} animation from 1 on
+ */
+const playingOf = (animation = 0) => ({ animation: Math.max(animation - 1, 0), isPlaying: animation > 0 && !matchMedia('(prefers-reduced-motion: reduce)').matches });
 
 /**
  * Shows the stage instead of the gallery, or the other way around.
@@ -57,6 +63,7 @@ function start() {
   /** @type {Viewer} */
   const viewer = new Viewer(canvas, {
     change: () => schedulePanel(),
+    animations: () => showAnimations(viewer),
     firstPicture: () => {
       busy.hidden = true;
       announce('First picture.');
@@ -94,7 +101,6 @@ function start() {
     hideMessage();
     setConnection('');
     follow();
-    resetControls();
     busy.hidden = false;
   };
   const replay = () => {
@@ -107,15 +113,17 @@ function start() {
    * @param {string | File} source
    * @param {string} title
    * @param {string} [view]
+   * @param {number} [animation]
    */
-  const open = (source, title, view) => {
+  const open = (source, title, view, animation) => {
     begin();
     turn(true);
     setTitle(title);
     const { camera } = viewer.renderer;
     camera.isAutomatic = true;
     if (view) camera.parse(view);
-    viewer.open(source);
+    viewer.open(source, playingOf(animation));
+    showAnimations(viewer);
     announce(`Loading ${title}.`);
     // A page that opens with a model keeps the focus where the browser has it.
     if (isStarted) canvas.focus({ preventScroll: true });
@@ -139,10 +147,14 @@ function start() {
     if (state.model !== undefined && state.model === url) {
       const { camera } = viewer.renderer;
       if (!state.view || !camera.parse(state.view)) camera.reset();
+      const { animation, isPlaying } = playingOf(state.animation);
+      const { playing } = viewer;
+      if (animation !== playing.animation || isPlaying !== playing.isPlaying) viewer.playing = { animation, isPlaying };
+      showAnimations(viewer);
       viewer.renderer.draw();
     } else if (state.model !== undefined) {
       url = state.model;
-      open(url, nameOf(url), state.view);
+      open(url, nameOf(url), state.view, state.animation);
     } else if (location.hash === FILE_HASH && file) {
       url = undefined;
       open(file, nameOf(file.name));
@@ -156,7 +168,9 @@ function start() {
         timer = 0;
         if (url === undefined) return;
         const { camera, mode } = viewer.renderer;
-        history.replaceState(null, '', writeState({ model: url, view: camera.isAutomatic ? undefined : camera.toString(), mode }));
+        const { animation, isPlaying } = viewer.playing;
+        const isNoted = isPlaying || animation > 0;
+        history.replaceState(null, '', writeState({ model: url, view: camera.isAutomatic ? undefined : camera.toString(), mode, animation: isNoted ? animation + 1 : undefined }));
       }, ADDRESS_INTERVAL);
     },
     leave: () => {

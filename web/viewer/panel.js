@@ -13,7 +13,6 @@ const facts = element('facts', HTMLElement);
 const level = element('level', HTMLInputElement);
 const levelText = element('level-text', HTMLElement);
 const play = element('play', HTMLButtonElement);
-const animation = element('animation', HTMLElement);
 const streamed = Array.from(document.querySelectorAll('.streamed'));
 
 /** The values that are shown, by their names. @type {Map<string, HTMLElement>} */
@@ -93,7 +92,6 @@ export function updatePanel(viewer) {
   setText(play, isPaused ? 'Continue' : 'Pause');
   // A button that is disabled would lose the focus.
   play.setAttribute('aria-disabled', String(state !== 'loading'));
-  animation.hidden = !viewer.isAnimated;
   for (const group of streamed) group.toggleAttribute('hidden', !isStreamed && state !== 'loading');
 
   const sums = figures.sums;

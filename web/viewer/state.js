@@ -1,5 +1,5 @@
 /**
- * The model and the view in the address of the page: `#model=models/bunny.glb&view=0.5,0.25,0.3,0,0.1,0&mode=strips`.
+ * The model and the view in the address of the page: `#model=models/bunny.glb&view=0.5,0.25,0.3,0,0.1,0&mode=strips&animation=2`.
  * @module
  */
 import { MODES } from '../webgl/renderer.js';
@@ -14,6 +14,7 @@ export const FILE_HASH = '#file';
  * @property {string | undefined} model its URL
  * @property {string | undefined} view as `Camera.parse` takes it
  * @property {Mode | undefined} mode
+ * @property {number | undefined} [animation] the one that is played or chosen, from 1 on
  */
 
 /**
@@ -40,6 +41,7 @@ export function readState(hash) {
     model: model && isLocal(model) ? model : undefined,
     view: values.get('view') ?? undefined,
     mode: MODES.find((mode) => mode === values.get('mode')),
+    animation: /^[1-9]\d{0,5}$/.test(values.get('animation') ?? '') ? Number(values.get('animation')) : undefined,
   };
 }
 
@@ -47,11 +49,12 @@ export function readState(hash) {
  * @param {PageState} state
  * @returns {string}
  */
-export function writeState({ model, view, mode }) {
+export function writeState({ model, view, mode, animation }) {
   const parts = [
     model === undefined ? '' : `model=${encodeURIComponent(model).replaceAll('%2F', '/')}`,
     view === undefined ? '' : `view=${view}`,
     mode === undefined || mode === 'textured' ? '' : `mode=${mode}`,
+    animation === undefined ? '' : `animation=${animation}`,
   ];
   return `#${parts.filter(Boolean).join('&')}`;
 }

@@ -21,10 +21,16 @@ import { Figures } from './figures.js';
  * @property {() => void} change the state or the figures have changed
  * @property {() => void} error there is one, or it goes on
  * @property {(state: ConnectionState) => void} connection
+ * @property {() => void} animations those of the model are known
  * @property {() => void} firstPicture
  * @property {() => void} complete
  * @property {(isLost: boolean) => void} context
  */
+
+/** @typedef {{ animation: number, isPlaying: boolean }} Playing */
+
+/** @type {Playing} */
+const STILL = { animation: 0, isPlaying: false };
 
 const MARKS = ['tristrip:click', 'tristrip:first-picture', 'tristrip:complete'];
 
@@ -45,6 +51,8 @@ export class Viewer {
   #model;
   /** @type {ShownModel | undefined} */
   #shown;
+  /** What is played when the model has come. */
+  #wanted = STILL;
   #isDone = false;
   #hasPicture = false;
   #longest = 0;
@@ -82,9 +90,24 @@ export class Viewer {
     return Math.max(this.#longest, this.renderer.longestTask);
   }
 
-  /** Whether the model has animations. */
-  get isAnimated() {
-    return (this.#shown?.animations.length ?? 0) > 0;
+  /** The names of the animations of the model. */
+  get animations() {
+    return (this.#shown?.animations ?? []).map(({ name }, i) => name || `Animation ${i + 1}`);
+  }
+
+  /** Whether an animation is played, and which one, from 0 on. @returns {Playing} */
+  get playing() {
+    const { animation, isPlaying } = this.renderer;
+    return this.animations.length > 0 ? { animation, isPlaying } : this.#wanted;
+  }
+
+  /** Plays an animation, as soon as the model has come. One that the model does not have is not played. */
+  set playing(playing) {
+    this.#wanted = playing;
+    if (this.animations.length === 0) return;
+    const isKnown = playing.animation < this.animations.length;
+    this.renderer.animation = isKnown ? playing.animation : 0;
+    this.renderer.isPlaying = isKnown && playing.isPlaying;
   }
 
   /** Whether there is something to look at. */
@@ -117,9 +140,11 @@ export class Viewer {
   /**
    * Loads a model instead of the one before.
    * @param {Source} source
+   * @param {Playing} [playing] what is played
    */
-  open(source) {
+  open(source, playing = STILL) {
     this.close();
+    this.#wanted = playing;
     for (const name of MARKS) {
       performance.clearMarks(name);
       performance.clearMeasures(name);
@@ -136,6 +161,9 @@ export class Viewer {
       document: (json, bytes) => {
         document(json, bytes);
         if (this.state === 'loading') figures.open(json);
+        if (this.animations.length > 0) this.playing = this.#wanted;
+        else this.#wanted = STILL;
+        this.#listener.animations();
         this.#listener.change();
       },
       binary,
@@ -162,7 +190,7 @@ export class Viewer {
 
   /** Loads the model from the start. */
   replay() {
-    if (this.#source) this.open(this.#source);
+    if (this.#source) this.open(this.#source, this.playing);
   }
 
   /** Closes the model, and frees its memory. */

@@ -13,6 +13,19 @@ const COMPONENTS = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4, MAT2: 4, MAT3: 9, MAT
 const MOST_ZEROS = 2 ** 24;
 const FIRST_BYTES = 2 ** 16;
 
+/** What is 1 in normalized integers, by their size in bytes and whether they have a sign. */
+const ONE = { signed: [0, 127, 32767], unsigned: [0, 255, 65535] };
+
+/**
+ * Returns the number that stands for 1 in values.
+ * @param {{ array: NumberArray, normalized: boolean }} values
+ */
+export function unitOf({ array, normalized }) {
+  if (!normalized) return 1;
+  const isSigned = array instanceof Int8Array || array instanceof Int16Array;
+  return ONE[isSigned ? 'signed' : 'unsigned'][array.BYTES_PER_ELEMENT] ?? 1;
+}
+
 /** Why a valid model is not drawn. */
 export class UnsupportedError extends Error {}
 

@@ -1,5 +1,5 @@
 /**
- * Animations of glTF: they move nodes.
+ * Animations of glTF: they move nodes, and the weights of their morph targets.
  * @module
  */
 
@@ -8,10 +8,14 @@
  * @import { NumberArray } from './geometry.js'
  */
 
+/** What tracks change. @type {['translation', 'rotation', 'scale', 'weights']} */
+export const PATHS = ['translation', 'rotation', 'scale', 'weights'];
+/** @typedef {typeof PATHS[number]} Path */
+
 /**
  * @typedef {object} Track
  * @property {number} node
- * @property {'translation' | 'rotation' | 'scale'} path
+ * @property {Path} path
  * @property {string} interpolation
  * @property {NumberArray} times
  * @property {NumberArray} values
@@ -21,6 +25,11 @@
 export class Animation {
   /** @type {Track[]} */
   tracks = [];
+
+  /** @param {string} [name] */
+  constructor(name = '') {
+    this.name = name;
+  }
 
   /** The seconds until it begins again. */
   get duration() {
@@ -36,7 +45,9 @@ export class Animation {
     const time = seconds % (this.duration || 1);
     for (const track of this.tracks) {
       const node = scene.nodes.get(track.node);
-      if (node && track.times.length > 0) node[track.path] = sample(track, time);
+      if (!node || track.times.length === 0) continue;
+      const { length } = node[track.path];
+      if (length > 0) node[track.path] = sample(track, time, length);
     }
   }
 }
@@ -45,10 +56,11 @@ export class Animation {
  * Returns the value of a track at a time.
  * @param {Track} track
  * @param {number} time
+ * @param {number} size how many numbers it is
  * @returns {number[]}
  */
-function sample({ path, interpolation, times, values }, time) {
-  const size = path === 'rotation' ? 4 : 3;
+function sample({ path, interpolation, times, values }, time, size) {
+  const finish = path === 'rotation' ? unit : (/** @type {number[]} */ value) => value;
   const isSpline = interpolation === 'CUBICSPLINE';
   const last = times.length - 1;
   let [low, high] = [0, last];
@@ -58,7 +70,7 @@ function sample({ path, interpolation, times, values }, time) {
     else high = middle - 1;
   }
   // A spline has a tangent, a value and a tangent per time.
-  const at = (/** @type {number} */ key, shift = isSpline ? size : 0) => Array.from({ length: size }, (_, j) => values[key * size * (isSpline ? 3 : 1) + shift + j]);
+  const at = (/** @type {number} */ key, shift = isSpline ? size : 0) => Array.from({ length: size }, (_, j) => values[key * size * (isSpline ? 3 : 1) + shift + j] ?? 0);
   const a = at(low);
   if (low === last || time <= times[0] || interpolation === 'STEP') return a;
   const length = times[low + 1] - times[low];
@@ -67,16 +79,15 @@ function sample({ path, interpolation, times, values }, time) {
   if (isSpline) {
     const [p, q] = [at(low, 2 * size), at(low + 1, 0)];
     const [t2, t3] = [t * t, t * t * t];
-    return unit(a.map((x, j) => (2 * t3 - 3 * t2 + 1) * x + length * (t3 - 2 * t2 + t) * p[j] + (3 * t2 - 2 * t3) * b[j] + length * (t3 - t2) * q[j]));
+    return finish(a.map((x, j) => (2 * t3 - 3 * t2 + 1) * x + length * (t3 - 2 * t2 + t) * p[j] + (3 * t2 - 2 * t3) * b[j] + length * (t3 - t2) * q[j]));
   }
   // The shorter way around; keyframes are near enough for a straight line instead of an arc.
-  const sign = size === 4 && a.reduce((sum, x, j) => sum + x * b[j], 0) < 0 ? -1 : 1;
-  return unit(a.map((x, j) => x + t * (sign * b[j] - x)));
+  const sign = path === 'rotation' && a.reduce((sum, x, j) => sum + x * b[j], 0) < 0 ? -1 : 1;
+  return finish(a.map((x, j) => x + t * (sign * b[j] - x)));
 }
 
 /** @param {number[]} value */
 function unit(value) {
-  if (value.length < 4) return value;
   const length = Math.hypot(...value) || 1;
   return value.map((x) => x / length);
 }

@@ -9,12 +9,13 @@
  * otherwise a copy of the buffer is patched over several frames, and then drawn instead.
  * @module
  */
-import { Pulled } from './pulled.js';
 import { SLICE_BYTES } from './budget.js';
+import { Pulled } from './pulled.js';
 
 /**
  * @import { MeshUpdate, IndexUpdate } from '../src/client/client.js'
  * @import { Budget } from './budget.js'
+ * @import { Morphs } from './morphs.js'
  */
 
 /** @typedef {Float32Array | Uint8Array | Int8Array | Uint16Array | Int16Array | Uint32Array | Int32Array} NumberArray */
@@ -277,6 +278,8 @@ export class Geometry {
   attributes = new Map();
   /** @type {Map<number, IndexData>} */
   parts = new Map();
+  /** @type {Morphs | undefined} */
+  morphs;
   /** @type {Pulled | undefined} */
   pulled;
   /** @type {Map<number, WebGLVertexArrayObject>} */
@@ -319,6 +322,7 @@ export class Geometry {
       gl.bindVertexArray(null);
       for (const data of this.attributes.values()) if (!data.upload(gl, budget)) return this.#dropLayouts(gl);
       for (const part of this.parts.values()) if (!part.upload(gl, budget)) return this.#dropLayouts(gl);
+      if (this.morphs?.upload(gl, budget) === false) return this.#dropLayouts(gl);
       for (const part of this.parts.values()) part.show(gl);
       this.#dropLayouts(gl);
       this.#isChanged = false;
@@ -384,6 +388,7 @@ export class Geometry {
   release(gl) {
     this.#dropLayouts(gl);
     this.unpull(gl);
+    this.morphs?.release(gl);
     for (const { buffer } of this.attributes.values()) gl.deleteBuffer(buffer);
     for (const part of this.parts.values()) part.release(gl);
   }
@@ -392,6 +397,7 @@ export class Geometry {
   forget() {
     this.#layouts.clear();
     this.pulled = undefined;
+    this.morphs?.forget();
     for (const data of this.attributes.values()) data.forget();
     for (const part of this.parts.values()) part.forget();
     this.#isChanged = true;

@@ -3,11 +3,12 @@
  * @module
  */
 import { EXTENSION } from '../src/container.js';
-import { accessorEnd, Accessors, Binary, UnsupportedError, viewBytes, viewEnd } from './accessors.js';
-import { Animation } from './animation.js';
+import { accessorEnd, Accessors, Binary, unitOf, UnsupportedError, viewBytes, viewEnd } from './accessors.js';
+import { Animation, PATHS } from './animation.js';
 import { Geometry, IndexData, LOCATIONS, VertexData } from './geometry.js';
 import { readMaterial } from './materials.js';
 import { compose } from './matrix.js';
+import { MORPHED, Morphs } from './morphs.js';
 import { Scene } from './scene.js';
 import { Textures } from './textures.js';
 
@@ -15,12 +16,13 @@ import { Textures } from './textures.js';
  * @import { ModelEvents, Update } from '../src/client/client.js'
  * @import { Budget } from './budget.js'
  * @import { Box } from './camera.js'
- * @import { NumberArray } from './geometry.js'
  * @import { Material } from './materials.js'
  */
 
 /** The most instances of all nodes together. */
 const MOST_INSTANCES = 10000;
+/** The most texels of the morph targets of all primitives together: 16 bytes each. Targets beyond are left out. */
+const MOST_MORPH_TEXELS = 2 ** 23;
 const REQUIRED = new Set([EXTENSION, 'KHR_texture_transform', 'KHR_materials_unlit', 'KHR_mesh_quantization', 'KHR_materials_emissive_strength', 'EXT_mesh_gpu_instancing', 'EXT_texture_webp']);
 
 /**
@@ -52,11 +54,12 @@ export class ShownModel {
   #binaryBytes = 0;
   #accessors = new Accessors(undefined);
   /** Attributes and indices by what is in them: primitives share them.
-   * @type {Map<string, VertexData>} */
+   * @type {Map<number, VertexData>} */
   #vertices = new Map();
   /** @type {Map<string, IndexData>} */
   #indices = new Map();
   #instancesLeft = MOST_INSTANCES;
+  #morphTexelsLeft = MOST_MORPH_TEXELS;
   #areBoundsOld = false;
   /** What is made of the binary chunk, and how many bytes that needs.
    * @type {{ end: number, run: (bytes: Uint8Array) => void }[]} */
@@ -141,7 +144,7 @@ export class ShownModel {
     const textures = (this.textures = new Textures(this.#gl, json, () => this.#listener.draw()));
     const materials = (json.materials ?? []).map(readMaterial);
     const plain = readMaterial();
-    this.#meshes = (json.meshes ?? []).map((/** @type {any} */ mesh) => mesh.primitives.map((/** @type {any} */ primitive) => this.#primitive(primitive, mesh.weights, materials[primitive.material] ?? plain)));
+    this.#meshes = (json.meshes ?? []).map((/** @type {any} */ mesh) => mesh.primitives.map((/** @type {any} */ primitive) => this.#primitive(primitive, materials[primitive.material] ?? plain)));
     for (const [index, image] of (json.images ?? []).entries()) {
       if (image.bufferView !== undefined) this.#later(viewEnd(json, image.bufferView), (bytes) => textures.add(index, viewBytes(json, image.bufferView, bytes)));
     }
@@ -173,25 +176,23 @@ export class ShownModel {
 
   /**
    * @param {any} primitive
-   * @param {number[] | undefined} weights of morph targets
    * @param {Material} material
    * @returns {Primitive}
    */
-  #primitive({ attributes, indices, mode = 4, extensions, targets = [] }, weights = [], material) {
+  #primitive({ attributes, indices, mode = 4, extensions, targets = [] }, material) {
     const json = this.#json;
     const { stream, part = 0 } = extensions?.[EXTENSION] ?? {};
     const own = new Geometry();
-    const morphs = targets.map((/** @type {any} */ target, /** @type {number} */ i) => ({ target, weight: weights[i] ?? 0 })).filter((/** @type {any} */ { weight }) => weight !== 0);
-    const used = [...Object.values(attributes), indices, ...morphs.flatMap((/** @type {any} */ { target }) => Object.values(target))];
+    const used = [...Object.values(attributes), indices, ...targets.flatMap(Object.values)];
     this.#later(Math.max(...used.map((accessor) => accessorEnd(json, accessor))), (bytes) => {
       let count = 0;
       for (const [name, accessor] of Object.entries(attributes)) {
         if (!Object.hasOwn(LOCATIONS, name)) continue;
         const index = /** @type {number} */ (accessor);
         if (name === 'POSITION') count = this.#accessors.read(index, bytes).count;
-        const deltas = morphs.filter((/** @type {any} */ { target }) => name in target).map((/** @type {any} */ { target, weight }) => ({ index: target[name], weight }));
-        own.attributes.set(name, this.#vertexData(index, deltas, bytes));
+        own.attributes.set(name, this.#vertexData(index, bytes));
       }
+      own.morphs = this.#morphs(targets, count, bytes);
       own.parts.set(part, indices === undefined ? new IndexData(null, count, mode) : this.#indexData(indices, mode, bytes));
       this.#changed.add(own);
     });
@@ -201,19 +202,33 @@ export class ShownModel {
   /**
    * Returns the attribute of an accessor.
    * @param {number} index
-   * @param {{ index: number, weight: number }[]} deltas the accessors that are added
    * @param {Uint8Array} bytes
    */
-  #vertexData(index, deltas, bytes) {
-    const key = [index, ...deltas.flatMap((delta) => [delta.index, delta.weight])].join(' ');
-    let data = this.#vertices.get(key);
+  #vertexData(index, bytes) {
+    let data = this.#vertices.get(index);
     if (!data) {
       const { array, components, normalized } = this.#accessors.read(index, bytes);
       data = new VertexData(array, components, normalized);
-      for (const delta of deltas) data = morphed(data, this.#accessors.read(delta.index, bytes).array, delta.weight);
-      this.#vertices.set(key, data);
+      this.#vertices.set(index, data);
     }
     return data;
+  }
+
+  /**
+   * Returns the morph targets of a primitive, as many as there is room for; `undefined` if there are none.
+   * @param {Record<string, number>[]} targets
+   * @param {number} vertexCount
+   * @param {Uint8Array} bytes
+   */
+  #morphs(targets, vertexCount, bytes) {
+    const names = MORPHED.filter((name) => targets.some((target) => target[name] !== undefined));
+    const texels = names.length * vertexCount;
+    const count = texels > 0 ? Math.min(targets.length, Math.floor(this.#morphTexelsLeft / texels)) : 0;
+    if (count === 0) return undefined;
+    this.#morphTexelsLeft -= count * texels;
+    const read = (/** @type {Record<string, number>} */ target) =>
+      new Map(names.filter((name) => target[name] !== undefined).map((name) => [name, this.#accessors.read(target[name], bytes)]));
+    return new Morphs(targets.slice(0, count).map(read), vertexCount);
   }
 
   /**
@@ -251,17 +266,18 @@ export class ShownModel {
   }
 
   /** @param {any} animation */
-  #readAnimation({ channels, samplers }) {
+  #readAnimation({ channels, samplers, name }) {
     const json = this.#json;
-    const made = new Animation();
+    const made = new Animation(typeof name === 'string' ? name : '');
     this.animations.push(made);
     for (const { sampler, target } of channels) {
       const { input, output, interpolation = 'LINEAR' } = samplers[sampler];
-      if (!['translation', 'rotation', 'scale'].includes(target.path)) continue;
+      if (!PATHS.includes(target.path)) continue;
       this.#later(Math.max(accessorEnd(json, input), accessorEnd(json, output)), (bytes) => {
         const values = this.#accessors.read(output, bytes);
-        if (!(values.array instanceof Float32Array)) return;
-        made.tracks.push({ node: target.node, path: target.path, interpolation, times: this.#accessors.read(input, bytes).array, values: values.array });
+        const unit = unitOf(values);
+        const numbers = unit === 1 ? values.array : Float32Array.from(values.array, (x) => Math.max(x / unit, -1));
+        made.tracks.push({ node: target.node, path: target.path, interpolation, times: this.#accessors.read(input, bytes).array, values: numbers });
       });
     }
   }
@@ -389,13 +405,15 @@ export class ShownModel {
   }
 
   /**
-   * Moves the nodes to where an animation has them.
+   * Moves the nodes to where an animation has them; to where they are without one, if there is no such animation.
+   * @param {number} number that of the animation
    * @param {number} seconds
    */
-  animate(seconds) {
-    const [animation] = this.animations;
-    if (!this.scene || !animation) return;
-    animation.apply(this.scene, seconds);
+  animate(number, seconds) {
+    if (!this.scene) return;
+    // Another animation may have moved other nodes.
+    this.scene.rest();
+    this.animations[number]?.apply(this.scene, seconds);
     this.scene.update();
     this.#dropJoints();
   }
@@ -433,13 +451,4 @@ export class ShownModel {
       this.#changed.add(geometry);
     }
   }
-}
-
-/**
- * @param {VertexData} data
- * @param {NumberArray} target
- * @param {number} weight
- */
-function morphed({ array, components, normalized }, target, weight) {
-  return new VertexData(Float32Array.from(array, (x, i) => x + weight * (target[i] ?? 0)), components, normalized);
 }

@@ -12,9 +12,10 @@ import { FRAGMENT, shaderSource, VERTEX } from './shaders.js';
  */
 
 /** The samplers, in the order of their texture units. */
-const SAMPLERS = [...TEXTURES, 'joints', 'indices', 'positions', 'jointNumbers', 'jointWeights'];
+const SAMPLERS = [...TEXTURES, 'joints', 'indices', 'positions', 'jointNumbers', 'jointWeights', 'deltas'];
 export const UNITS = new Map(SAMPLERS.map((name, unit) => [name, unit]));
 
+/** Those that most models need. Others are compiled when they are needed. */
 const VARIANTS = ['', 'NORMALS', 'NORMALS SKIN', 'SKIN', 'PULL', 'PULL SKIN'];
 
 /** All variants of the program. */
@@ -63,7 +64,7 @@ export class Programs {
     return (known.ready = { program, at });
   }
 
-  /** Goes on to prepare all variants, one at a time where that blocks. Returns whether all can be used. */
+  /** Goes on to prepare the usual variants, one at a time where that blocks. Returns whether all can be used. */
   prepare() {
     if (this.#gl.isContextLost()) return true;
     const names = VARIANTS.filter((name) => !this.#programs.get(name)?.ready);

@@ -9,87 +9,21 @@
  * There are two sets of them. While one is drawn, rows of the other one that have changed are uploaded, over several frames if they are many.
  * @module
  */
-import { SLICE_BYTES } from './budget.js';
+import { unitOf } from './accessors.js';
+import { floats, RowTexture, words } from './row_texture.js';
 
 /**
  * @import { Budget } from './budget.js'
  * @import { Geometry, IndexArray, IndexData, VertexData } from './geometry.js'
  */
 
-const WIDTH = 2048;
 const STRIP = 5;
 const RESTART = 0xffffffff;
 /** How far back the start of a strip is searched for. */
 const MOST_STEPS_BACK = 2 ** 16;
 
-/** Where a row is put together. */
-const words = new Uint32Array(SLICE_BYTES / 4);
-const floats = new Float32Array(words.buffer);
-
 /** @param {IndexArray} array */
 const restartOf = (array) => 2 ** (8 * array.BYTES_PER_ELEMENT) - 1;
-
-/** A texture whose rows are uploaded as they change. */
-class RowTexture {
-  /** @type {WebGLTexture | null} */
-  texture = null;
-  #rows = 0;
-  #dirty = new Uint8Array(0);
-  #format;
-
-  /** @param {'RG32UI' | 'RGB32F' | 'RGBA32F'} format */
-  constructor(format) {
-    this.#format = format;
-  }
-
-  /**
-   * @param {number} from
-   * @param {number} to
-   */
-  mark(from, to) {
-    this.#dirty.fill(1, Math.floor(from / WIDTH), Math.ceil(to / WIDTH));
-  }
-
-  /**
-   * Uploads rows that have changed, as the budget allows. Returns whether none are left.
-   * @param {WebGL2RenderingContext} gl
-   * @param {Budget} budget
-   * @param {number} count of texels
-   * @param {(from: number, to: number) => void} fill writes texels to the start of `words`
-   */
-  upload(gl, budget, count, fill) {
-    const name = this.#format;
-    const [format, type, components] = {
-      RG32UI: [gl.RG_INTEGER, gl.UNSIGNED_INT, 2],
-      RGB32F: [gl.RGB, gl.FLOAT, 3],
-      RGBA32F: [gl.RGBA, gl.FLOAT, 4],
-    }[name];
-    const need = Math.max(Math.ceil(count / WIDTH), 1);
-    if (need > this.#rows) {
-      this.#rows = Math.min(Math.max(need, 2 * this.#rows), gl.getParameter(gl.MAX_TEXTURE_SIZE));
-      gl.deleteTexture(this.texture);
-      this.texture = gl.createTexture();
-      gl.bindTexture(gl.TEXTURE_2D, this.texture);
-      gl.texStorage2D(gl.TEXTURE_2D, 1, gl[name], WIDTH, this.#rows);
-      gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.NEAREST);
-      gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MAG_FILTER, gl.NEAREST);
-      this.#dirty = new Uint8Array(this.#rows).fill(1);
-    }
-    const most = Math.floor(words.length / WIDTH / components);
-    const last = Math.min(need, this.#rows);
-    gl.bindTexture(gl.TEXTURE_2D, this.texture);
-    for (let row = this.#dirty.indexOf(1); row >= 0 && row < last; row = this.#dirty.indexOf(1, row)) {
-      if (budget.bytes === 0) return false;
-      let end = row + 1;
-      while (end < last && end - row < most && this.#dirty[end]) end++;
-      fill(row * WIDTH, Math.min(end * WIDTH, count));
-      gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, row, WIDTH, end - row, format, type, name === 'RG32UI' ? words : floats, 0);
-      budget.spend((end - row) * WIDTH * components * 4);
-      this.#dirty.fill(0, row, end);
-    }
-    return true;
-  }
-}
 
 /** A set of textures that belong together. */
 class Snapshot {
@@ -141,10 +75,8 @@ class Snapshot {
 function fillVertices({ array, components, normalized }, from, to) {
   const values = array.subarray(from * components, to * components);
   floats.set(values);
-  if (!normalized || array instanceof Float32Array) return;
-  const isSigned = array instanceof Int8Array || array instanceof Int16Array;
-  const most = 2 ** (8 * array.BYTES_PER_ELEMENT - (isSigned ? 1 : 0)) - 1;
-  for (let i = 0; i < values.length; i++) floats[i] /= most;
+  const unit = unitOf({ array, normalized });
+  if (unit !== 1) for (let i = 0; i < values.length; i++) floats[i] /= unit;
 }
 
 /**

@@ -52,9 +52,11 @@ export class Renderer {
   #isDirty = true;
   /** The programs that know the view of this frame. @type {Set<Program>} */
   #viewed = new Set();
+  #animation = 0;
   #isPlaying = false;
-  /** When the animation began. */
+  /** When the animation began, or the seconds at which it is paused. */
   #start = 0;
+  #seconds = 0;
   #frame = 0;
   #observer;
   #end = new AbortController();
@@ -129,6 +131,7 @@ export class Renderer {
   close() {
     this.#model?.close();
     this.#model = undefined;
+    this.#animation = this.#seconds = 0;
     this.#isPlaying = false;
     this.draw();
   }
@@ -152,14 +155,29 @@ export class Renderer {
     this.draw();
   }
 
-  /** Whether the first animation of the model is played. */
+  /** Which animation of the model is played, from 0 on. It starts at its first keyframe. */
+  get animation() {
+    return this.#animation;
+  }
+
+  set animation(number) {
+    this.#animation = number;
+    this.#seconds = 0;
+    this.#start = performance.now();
+    this.#model?.animate(this.#isPlaying ? number : -1, 0);
+    this.draw();
+  }
+
+  /** Whether the animation is played. It goes on where it was paused. */
   get isPlaying() {
     return this.#isPlaying;
   }
 
   set isPlaying(isPlaying) {
+    if (isPlaying === this.#isPlaying) return;
+    if (isPlaying) this.#start = performance.now() - 1000 * this.#seconds;
+    else this.#seconds = (performance.now() - this.#start) / 1000;
     this.#isPlaying = isPlaying;
-    this.#start = performance.now();
     this.draw();
   }
 
@@ -219,7 +237,7 @@ export class Renderer {
     gl.vertexAttrib4f(4, 1, 1, 1, 1);
     this.frames++;
     if (!model) return;
-    if (this.#isPlaying) model.animate((performance.now() - this.#start) / 1000);
+    if (this.#isPlaying) model.animate(this.#animation, (performance.now() - this.#start) / 1000);
     const { axes, eye, viewProjection } = this.camera;
     const keyLight = [0, 1, 2].map((i) => KEY_LIGHT.reduce((sum, x, j) => sum + x * axes[j][i], 0));
     const items = model.items.map((item) => {
@@ -252,7 +270,8 @@ export class Renderer {
     if (isPulled) model.pull(geometry);
     const pulled = isPulled && geometry.pulled?.isReady ? geometry.pulled : undefined;
     const isSkinned = joints !== undefined && geometry.attributes.has('JOINTS_0') && geometry.attributes.has('WEIGHTS_0');
-    const names = [pulled ? 'PULL' : geometry.attributes.has('NORMAL') ? 'NORMALS' : '', isSkinned ? 'SKIN' : ''];
+    const morphs = node.weights.some((weight) => weight !== 0) ? geometry.morphs : undefined;
+    const names = [pulled ? 'PULL' : geometry.attributes.has('NORMAL') ? 'NORMALS' : '', isSkinned ? 'SKIN' : '', morphs ? 'MORPH' : ''];
     const program = this.#programs.get(names.filter(Boolean).join(' '));
     if (!program) {
       this.#isDirty = true;
@@ -270,7 +289,10 @@ export class Renderer {
       gl.uniform1i(at('mode'), MODES.indexOf(mode));
     }
     if (joints) this.#bind('joints', joints);
-    if (pulled) pulled.bind(part, (name, texture) => this.#bind(name, texture));
+    /** @type {(name: string, texture: WebGLTexture | null) => void} */
+    const bind = (name, texture) => this.#bind(name, texture);
+    morphs?.bind(gl, program, node.weights, bind);
+    if (pulled) pulled.bind(part, bind);
     else this.#setMaterial(model, material, program);
     gl[isBlended ? 'enable' : 'disable'](gl.BLEND);
     gl.depthMask(!isBlended);

@@ -5,7 +5,7 @@
 import { compose, identity, multiply, transformBox } from './matrix.js';
 
 /**
- * @import { Matrix } from './matrix.js'
+ * @import { Matrix, Vector } from './matrix.js'
  * @import { Box } from './camera.js'
  */
 
@@ -17,6 +17,7 @@ import { compose, identity, multiply, transformBox } from './matrix.js';
  * @property {number[]} translation
  * @property {number[]} rotation
  * @property {number[]} scale
+ * @property {number[]} weights those of the morph targets of the mesh
  * @property {number | undefined} mesh
  * @property {number | undefined} skin
  * @property {Matrix} world
@@ -30,19 +31,26 @@ const MOST = { 5120: 127, 5121: 255, 5122: 32767, 5123: 65535 };
 /** The nodes of the scene that is shown. */
 export class Scene {
   #json;
+  /** How nodes are before an animation moves them. @type {Map<Node, Pick<Node, 'translation' | 'rotation' | 'scale' | 'weights'>>} */
+  #rest = new Map();
   /** @type {Map<number, Node>} parents come before their children */
   nodes = new Map();
   /** The inverse bind matrices of skins, as they arrive.
    * @type {Map<number, ArrayLike<number>>} */
   bindings = new Map();
   /** The boxes around meshes, as they are asked for.
-   * @type {Map<number, Box | undefined>} */
+   * @type {Map<string, Box | undefined>} */
   #boxes = new Map();
+  /** The nodes whose weights an animation moves. @type {Set<number>} */
+  #morphing = new Set();
 
   /** @param {any} json */
   constructor(json) {
     this.#json = json;
-    const { scene = 0, scenes, nodes = [] } = json;
+    const { scene = 0, scenes, nodes = [], animations = [] } = json;
+    for (const { channels = [] } of animations) {
+      for (const { target } of channels) if (target?.path === 'weights') this.#morphing.add(target.node);
+    }
     const roots = scenes?.[scene]?.nodes ?? [];
     /** @type {[number, Node | undefined][]} */
     const waiting = roots.map((/** @type {number} */ index) => [index, undefined]);
@@ -52,11 +60,18 @@ export class Scene {
       // In a tree each node comes once.
       if (!node || this.nodes.has(index)) continue;
       const { matrix, translation = [0, 0, 0], rotation = [0, 0, 0, 1], scale = [1, 1, 1], mesh, skin, children = [] } = node;
-      const made = { index, parent, matrix, translation, rotation, scale, mesh, skin, world: identity(), instances: [identity()] };
+      const rest = { translation, rotation, scale, weights: weightsOf(json.meshes?.[mesh], node.weights) };
+      const made = { index, parent, matrix, ...rest, mesh, skin, world: identity(), instances: [identity()] };
       this.nodes.set(index, made);
+      this.#rest.set(made, rest);
       for (const child of children) waiting.push([child, made]);
     }
     this.update();
+  }
+
+  /** Moves all nodes to where they are without an animation; `update` follows. */
+  rest() {
+    for (const [node, rest] of this.#rest) Object.assign(node, rest);
   }
 
   /** Computes where all nodes are. */
@@ -93,30 +108,57 @@ export class Scene {
   }
 
   /**
-   * Returns the box around a mesh, from the bounds of its positions; `undefined` if there are none.
-   * @param {number} mesh
+   * Returns the box around the mesh of a node, from the bounds of its positions and morph targets; `undefined` if there are none.
+   * @param {Node} node
    * @returns {Box | undefined}
    */
-  #boxOf(mesh) {
-    if (this.#boxes.has(mesh)) return this.#boxes.get(mesh);
+  #boxOf({ index, mesh, weights }) {
+    // Most nodes have no weights, and share the box of their mesh.
+    const key = weights.length === 0 ? `${mesh}` : `${mesh} ${index}`;
+    if (this.#boxes.has(key)) return this.#boxes.get(key);
     const box = emptyBox();
-    for (const primitive of this.#json.meshes?.[mesh]?.primitives ?? []) {
-      const { min, max, normalized, componentType } = this.#json.accessors?.[primitive.attributes.POSITION] ?? {};
-      const unit = normalized ? (MOST[componentType] ?? 1) : 1;
-      const isKnown = [min, max].every((corner) => Array.isArray(corner) && [0, 1, 2].every((i) => Number.isFinite(corner[i])));
-      if (isKnown) for (const corner of [min, max]) include(box, corner.map((/** @type {number} */ x) => x / unit));
+    // An animation of weights moves each target to 1, as a rule.
+    const poses = this.#morphing.has(index) ? [weights, ...weights.map((_, i) => weights.map((_, j) => Number(i === j)))] : [weights];
+    for (const { attributes, targets = [] } of this.#json.meshes?.[mesh ?? -1]?.primitives ?? []) {
+      const corners = this.#cornersOf(attributes.POSITION);
+      if (!corners) continue;
+      for (const pose of poses) {
+        const moved = corners.map((corner) => [...corner]);
+        for (const [i, weight] of pose.entries()) {
+          const added = weight === 0 ? undefined : this.#cornersOf(targets[i]?.POSITION);
+          for (const j of added ? [0, 1, 2] : []) {
+            const ends = /** @type {Vector[]} */ (added).map((corner) => weight * corner[j]);
+            moved[0][j] += Math.min(...ends);
+            moved[1][j] += Math.max(...ends);
+          }
+        }
+        for (const corner of moved) include(box, corner);
+      }
     }
     const known = isEmpty(box) ? undefined : box;
-    this.#boxes.set(mesh, known);
+    this.#boxes.set(key, known);
     return known;
+  }
+
+  /**
+   * Returns the least and the largest values of an accessor of points, if it tells them.
+   * @param {number | undefined} accessor
+   * @returns {Vector[] | undefined}
+   */
+  #cornersOf(accessor) {
+    const { min, max, normalized, componentType } = this.#json.accessors?.[accessor ?? -1] ?? {};
+    const unit = normalized ? (MOST[componentType] ?? 1) : 1;
+    const isKnown = [min, max].every((corner) => Array.isArray(corner) && [0, 1, 2].every((i) => Number.isFinite(corner[i])));
+    return isKnown ? [min, max].map((corner) => corner.slice(0, 3).map((/** @type {number} */ x) => x / unit)) : undefined;
   }
 
   /** The box around all meshes, from the bounds of their positions; `undefined` if there are none.
    * @returns {Box | undefined} */
   get bounds() {
     const bounds = emptyBox();
-    for (const { mesh, world, skin, instances } of this.nodes.values()) {
-      const box = mesh === undefined ? undefined : this.#boxOf(mesh);
+    for (const node of this.nodes.values()) {
+      const { mesh, world, skin, instances } = node;
+      const box = mesh === undefined ? undefined : this.#boxOf(node);
       if (!box) continue;
       // A skin at rest moves all of a mesh about as its first joint.
       const bindings = skin === undefined ? undefined : this.bindings.get(skin);
@@ -129,6 +171,18 @@ export class Scene {
     }
     return isEmpty(bounds) ? undefined : bounds;
   }
+}
+
+/**
+ * Returns a weight for each morph target of a mesh: those of its node, otherwise its own, otherwise zeros.
+ * @param {any} mesh
+ * @param {unknown} [ofNode]
+ * @returns {number[]}
+ */
+function weightsOf(mesh, ofNode) {
+  const given = [ofNode, mesh?.weights].find(Array.isArray) ?? [];
+  const counts = (mesh?.primitives ?? []).map((/** @type {any} */ { targets }) => targets?.length ?? 0);
+  return Array.from({ length: Math.max(0, ...counts) }, (_, i) => (Number.isFinite(given[i]) ? given[i] : 0));
 }
 
 /** @returns {Box} */

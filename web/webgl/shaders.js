@@ -3,6 +3,7 @@
  *
  * - `NORMALS`: vertices have normals; otherwise each triangle is flat.
  * - `SKIN`: vertices are moved by joints.
+ * - `MORPH`: vertices are moved by morph targets, from the texture of morphs.js.
  * - `PULL`: corners come from the textures of pulled.js, triangle by triangle.
  * @module
  */
@@ -29,6 +30,22 @@ mat4 skin(vec4 numbers, vec4 weights) {
   return sum / max(dot(weights, vec4(1)), 1e-6);
 }
 #endif
+#ifdef MORPH
+uniform sampler2D deltas;
+uniform ivec4 slots;
+uniform ivec2 targetSize;
+uniform int addedCount;
+uniform vec2 added[64];
+vec4 delta(int slot, int vertex) {
+  vec4 sum = vec4(0);
+  if (slot < 0) return sum;
+  for (int i = 0; i < addedCount; i++) {
+    int k = (int(added[i].x) * targetSize.x + slot) * targetSize.y + vertex;
+    sum += added[i].y * texelFetch(deltas, ivec2(k & 2047, k >> 11), 0);
+  }
+  return sum;
+}
+#endif
 #ifdef PULL
 uniform usampler2D indices;
 uniform sampler2D positions, jointNumbers, jointWeights;
@@ -48,8 +65,12 @@ void main() {
   gl_Position = vec4(2, 2, 2, 1);
   if (a.x == ~0u || b.x == ~0u || c.x == ~0u) return;
   if (topology == 5 && ((uint(triangle) - a.y) & 1u) == 1u) { uvec2 swap = b; b = c; c = swap; }
-  ivec2 vertex = at(which == 0 ? a.x : which == 1 ? b.x : c.x);
+  uint number = which == 0 ? a.x : which == 1 ? b.x : c.x;
+  ivec2 vertex = at(number);
   vec4 position = vec4(texelFetch(positions, vertex, 0).xyz, 1);
+#ifdef MORPH
+  position.xyz += delta(slots.x, int(number)).xyz;
+#endif
 #ifdef SKIN
   position = skin(texelFetch(jointNumbers, vertex, 0), texelFetch(jointWeights, vertex, 0)) * position;
 #endif
@@ -66,14 +87,20 @@ out vec4 uvs, color;
 void main() {
   vec4 position = vec4(POSITION, 1);
   vec3 n = NORMAL;
+  uvs = vec4(TEXCOORD_0, TEXCOORD_1);
+  color = COLOR_0;
+#ifdef MORPH
+  position.xyz += delta(slots.x, gl_VertexID).xyz;
+  n += delta(slots.y, gl_VertexID).xyz;
+  uvs.xy += delta(slots.z, gl_VertexID).xy;
+  color = clamp(color + delta(slots.w, gl_VertexID), 0.0, 1.0);
+#endif
 #ifdef SKIN
   mat4 bent = skin(JOINTS_0, WEIGHTS_0);
   position = bent * position;
   n = mat3(bent) * n;
 #endif
   normal = normalMatrix * n;
-  uvs = vec4(TEXCOORD_0, TEXCOORD_1);
-  color = COLOR_0;
   gl_PointSize = 3.0;
 #endif
   position = world * position;
