@@ -2,11 +2,12 @@
  * The three.js loader in a browser: pictures compared with those of GLTFLoader and the source, and what it leaves behind.
  */
 import assert from 'node:assert/strict';
-import { statSync } from 'node:fs';
+import { readFileSync, statSync, writeFileSync } from 'node:fs';
 import path from 'node:path';
 import { test } from 'node:test';
 import { skip, startHarness } from './harness.js';
 import { largeModels, ownModel, texturedScenes } from './models.js';
+import { morphingSquare, readGlb, writeGlb } from '../testing/scene_glb.js';
 
 /** The share of pixels that may differ from the source: positions and texture coordinates are on a grid. */
 const MOST_DIFFERENCE = 0.001;
@@ -27,6 +28,21 @@ function pack(file) {
   const { size } = statSync(path.join(models.folder, packed));
   return { packed: `/models/${packed}`, full: `/models/${full}`, source: `/models/${source}`, bytes: size };
 }
+
+/**
+ * Writes a model that is made of another one, and packs it.
+ * @param {string} name
+ * @param {Uint8Array} bytes
+ */
+function packBytes(name, bytes) {
+  const file = path.join(models.folder, name);
+  writeFileSync(file, bytes);
+  const packed = models.pack(file);
+  return { packed: `/models/${packed}`, full: `/models/${models.unpack(packed)}`, bytes: statSync(path.join(models.folder, packed)).size };
+}
+
+/** Messages of the browser about connections that are lost. @param {string} problem */
+const isLoss = (problem) => /ERR_(CONNECTION|INCOMPLETE|CONTENT)/.test(problem);
 
 /** Opens the stage. */
 async function openStage() {
@@ -347,5 +363,284 @@ test('buffers that are replaced are freed on the GPU', { skip }, async () => {
   );
   server.shape(packed);
   assert.equal(found.refined, found.plain);
+  assert.deepEqual(problems, []);
+});
+
+test('a lost connection is retried where it was lost, also after it was given up', { skip }, async () => {
+  const { packed, bytes } = pack(ownModel('hand.ply'));
+  const { page, problems } = await openStage();
+  const drop = Math.floor(0.6 * bytes);
+  server.shape(packed, { dropAfter: drop, drops: Infinity });
+  const known = server.requestsOf(packed).length;
+  const lost = await page.evaluate(async (packed) => {
+    const { ProgressiveLoader, trianglesOf } = window.stage;
+    const gltf = await new ProgressiveLoader().loadAsync(packed);
+    const { progressive } = gltf;
+    const events = [];
+    for (const type of ['error', 'complete']) progressive.addEventListener(type, () => events.push(type));
+    // A retry ends the pause before the next try: the tries would take a minute otherwise.
+    progressive.addEventListener('connection', ({ state }) => state === 'retrying' && setTimeout(() => progressive.retry(), 20));
+    const kind = await progressive.done.catch((error) => error.kind);
+    Object.assign(window, { gltf, events });
+    return { kind, told: progressive.error?.kind, isClosed: progressive.isClosed, triangles: trianglesOf(gltf), received: progressive.progress.receivedBytes };
+  }, packed);
+  assert.deepEqual([lost.kind, lost.told, lost.isClosed, lost.received], ['connection', 'connection', false, drop]);
+  server.shape(packed);
+  const found = await page.evaluate(async () => {
+    const { gltf, events, stage } = window;
+    gltf.progressive.retry();
+    const error = gltf.progressive.error;
+    await gltf.progressive.done;
+    await new Promise((resolve) => setTimeout(resolve, 50));
+    // It is complete: this does nothing.
+    gltf.progressive.retry();
+    return { error, events, triangles: stage.trianglesOf(gltf), isComplete: gltf.progressive.isComplete };
+  });
+  assert.deepEqual([found.error, found.events, found.isComplete], [undefined, ['error', 'complete'], true]);
+  assert.ok(lost.triangles < found.triangles);
+  const ranges = server.requestsOf(packed).slice(known).map(({ range }) => range);
+  assert.deepEqual(new Set(ranges.slice(1)), new Set([`bytes=${drop}-`]), 'no byte is sent twice');
+  assert.deepEqual(problems.filter((problem) => !isLoss(problem)), []);
+});
+
+test('nothing arrives while a model is paused', { skip }, async () => {
+  const { packed, bytes } = pack(ownModel('hand.ply'));
+  server.shape(packed, { bytesPerSecond: bytes / 3 });
+  const { page, problems } = await openStage();
+  const found = await page.evaluate(async (packed) => {
+    const { ProgressiveLoader, trianglesOf } = window.stage;
+    const gltf = await new ProgressiveLoader().loadAsync(packed);
+    const { progressive } = gltf;
+    const states = [];
+    progressive.addEventListener('connection', ({ state }) => states.push(state));
+    await new Promise((resolve) => progressive.addEventListener('update', resolve));
+    progressive.pause();
+    // What is on its way may still come.
+    await new Promise((resolve) => setTimeout(resolve, 500));
+    const note = () => [trianglesOf(gltf), progressive.progress.receivedBytes];
+    const before = note();
+    await new Promise((resolve) => setTimeout(resolve, 1000));
+    const after = note();
+    progressive.resume();
+    await progressive.done;
+    return { before, after, end: note(), states };
+  }, packed);
+  server.shape(packed);
+  assert.deepEqual(found.before, found.after);
+  assert.ok(found.before[0] < found.end[0]);
+  assert.equal(found.end[1], bytes);
+  assert.ok(found.states.includes('paused'), String(found.states));
+  assert.deepEqual(problems, []);
+});
+
+test('variants of materials are those of GLTFLoader, and may be chosen while the mesh refines', { skip }, async () => {
+  const { json, binary } = readGlb(readFileSync(ownModel('milktruck.glb')));
+  const red = json.materials.length;
+  json.materials.push({ name: 'red', pbrMetallicRoughness: { baseColorFactor: [1, 0, 0, 1] } });
+  json.extensionsUsed = [...(json.extensionsUsed ?? []), 'KHR_materials_variants'];
+  json.extensions = { ...json.extensions, KHR_materials_variants: { variants: [{ name: 'red' }] } };
+  for (const { primitives } of json.meshes) {
+    for (const primitive of primitives) primitive.extensions = { ...primitive.extensions, KHR_materials_variants: { mappings: [{ material: red, variants: [0] }] } };
+  }
+  const { packed, full, bytes } = packBytes('variants.glb', writeGlb(json, binary));
+  server.shape(packed, { bytesPerSecond: bytes / 2 });
+  const { page, problems } = await openStage();
+  const found = await page.evaluate(
+    async ({ packed, full }) => {
+      const { ProgressiveLoader, GLTFLoader, picturesOf, difference } = window.stage;
+      const extensionsOf = (gltf) => {
+        const all = [gltf.userData.gltfExtensions?.KHR_materials_variants];
+        gltf.scene.traverse(({ isMesh, userData }) => isMesh && all.push(userData.gltfExtensions));
+        return all;
+      };
+      const choose = async (gltf) => {
+        const meshes = [];
+        gltf.scene.traverse((object) => object.isMesh && meshes.push(object));
+        for (const mesh of meshes) {
+          const [{ material }] = mesh.userData.gltfExtensions.KHR_materials_variants.mappings;
+          mesh.material = await gltf.parser.getDependency('material', material);
+          gltf.parser.assignFinalMaterial(mesh);
+        }
+        return meshes.map(({ material }) => material);
+      };
+      const gltf = await new ProgressiveLoader().loadAsync(packed);
+      const isEarly = !gltf.progressive.isComplete;
+      const extensions = extensionsOf(gltf);
+      const chosen = await choose(gltf);
+      await gltf.progressive.done;
+      const expected = await new GLTFLoader().loadAsync(full);
+      const expectedExtensions = extensionsOf(expected);
+      await choose(expected);
+      const { pictures, box } = picturesOf(expected);
+      const shown = difference(pictures, picturesOf(gltf, { box }).pictures);
+      let disposed = 0;
+      for (const material of new Set(chosen)) material.addEventListener('dispose', () => disposed++);
+      gltf.progressive.dispose();
+      return { isEarly, extensions, expectedExtensions, shown, names: chosen.map(({ name }) => name), disposed, materials: new Set(chosen).size };
+    },
+    { packed, full },
+  );
+  server.shape(packed);
+  assert.ok(found.isEarly);
+  assert.ok(found.extensions[0] && found.extensions.every(Boolean));
+  assert.deepEqual(found.extensions, found.expectedExtensions);
+  assert.ok(found.names.every((name) => name === 'red'));
+  assert.ok(found.shown <= ROUNDING, `${found.shown}`);
+  assert.equal(found.disposed, found.materials, 'materials of variants are freed, too');
+  assert.deepEqual(problems, []);
+});
+
+test('morph targets stay as they are beside a mesh that refines', { skip }, async () => {
+  const { json, binary } = readGlb(readFileSync(ownModel('milktruck.glb')));
+  const square = morphingSquare({ mesh: [0.5, 0], node: [0.25, 1] });
+  const own = readGlb(square.bytes);
+  // The square comes into the scene of the truck.
+  const counts = { views: json.bufferViews.length, accessors: json.accessors.length, meshes: json.meshes.length, nodes: json.nodes.length };
+  const start = (binary.length + 3) & ~3;
+  const joined = new Uint8Array(start + own.binary.length);
+  joined.set(binary);
+  joined.set(own.binary, start);
+  json.buffers[0].byteLength = joined.length;
+  json.bufferViews.push(...own.json.bufferViews.map((view) => ({ ...view, byteOffset: view.byteOffset + start })));
+  json.accessors.push(...own.json.accessors.map((accessor) => ({ ...accessor, bufferView: accessor.bufferView + counts.views })));
+  const at = (/** @type {number} */ accessor) => accessor + counts.accessors;
+  json.meshes.push({ weights: [0.5, 0], primitives: [{ attributes: { POSITION: at(0) }, indices: at(3), targets: [{ POSITION: at(1) }, { POSITION: at(2) }] }] });
+  json.nodes.push({ mesh: counts.meshes, name: 'square', weights: [0.25, 1], translation: [0, 3, 0] });
+  json.scenes[0].nodes.push(counts.nodes);
+  json.animations = [{ name: 'Stretch', samplers: [{ input: at(4), output: at(5) }], channels: [{ sampler: 0, target: { node: counts.nodes, path: 'weights' } }] }];
+  const { packed, full, bytes } = packBytes('morphs.glb', writeGlb(json, joined));
+  server.shape(packed, { bytesPerSecond: bytes / 2 });
+  const { page, problems } = await openStage();
+  const found = await page.evaluate(
+    async ({ packed, full }) => {
+      const { ProgressiveLoader, GLTFLoader, picturesOf, difference, trianglesOf } = window.stage;
+      const gltf = await new ProgressiveLoader().loadAsync(packed);
+      const steps = [];
+      const note = () => {
+        const morphed = [];
+        gltf.scene.traverse((object) => {
+          if (!object.isMesh) return;
+          const { attributes, morphAttributes } = object.geometry;
+          const counts = (morphAttributes.position ?? []).map(({ count }) => count === attributes.position.count);
+          if (counts.length > 0 || object.morphTargetInfluences) morphed.push([object.name, counts, [...(object.morphTargetInfluences ?? [])]]);
+        });
+        steps.push({ morphed, triangles: trianglesOf(gltf) });
+      };
+      note();
+      gltf.progressive.onUpdate(note);
+      await gltf.progressive.done;
+      note();
+      const expected = await new GLTFLoader().loadAsync(full);
+      const differences = [undefined, 50].map((time) => {
+        const { pictures, box } = picturesOf(expected, { time });
+        return difference(pictures, picturesOf(gltf, { time, box }).pictures);
+      });
+      return { steps, differences };
+    },
+    { packed, full },
+  );
+  server.shape(packed);
+  assert.ok(found.steps.length > 3 && found.steps[0].triangles < (found.steps.at(-1)?.triangles ?? 0));
+  for (const { morphed } of found.steps) assert.deepEqual(morphed, [['square', [true, true], [0.25, 1]]]);
+  assert.ok(Math.max(...found.differences) <= ROUNDING, String(found.differences));
+  assert.deepEqual(problems, []);
+});
+
+test('a primitive with morph targets and a stream keeps its base mesh', { skip }, async () => {
+  const { packed } = pack(ownModel('hand.ply'));
+  const { json, binary } = readGlb(readFileSync(path.join(models.folder, path.basename(packed))));
+  const [primitive] = json.meshes[0].primitives;
+  const { POSITION } = primitive.attributes;
+  primitive.targets = [{ POSITION }];
+  json.meshes[0].weights = [0.5];
+  writeFileSync(path.join(models.folder, 'both.glb'), writeGlb(json, binary));
+  const { page, problems } = await openStage();
+  const found = await page.evaluate(async () => {
+    const { ProgressiveLoader, picturesOf } = window.stage;
+    const gltf = await new ProgressiveLoader().loadAsync('/models/both.glb');
+    await gltf.progressive.done;
+    picturesOf(gltf, { views: 1 });
+    const { geometry, morphTargetInfluences } = gltf.scene.getObjectByProperty('isMesh', true);
+    return { count: geometry.attributes.position.count, morphs: geometry.morphAttributes.position[0].count, morphTargetInfluences };
+  });
+  assert.deepEqual(found, { count: json.accessors[POSITION].count, morphs: json.accessors[POSITION].count, morphTargetInfluences: [0.5] });
+  assert.deepEqual(problems, []);
+});
+
+test('a model that is disposed of or aborted while it is downloaded gets nothing more', { skip }, async () => {
+  const { packed, bytes } = pack(ownModel('hand.ply'));
+  server.shape(packed, { bytesPerSecond: bytes / 4 });
+  const { page, problems } = await openStage();
+  for (const how of ['dispose', 'abort', 'cancel']) {
+    const found = await page.evaluate(
+      async ({ packed, how }) => {
+        const { ProgressiveLoader, renderer, live, THREE, cameraAt } = window.stage;
+        const scene = new THREE.Scene();
+        // The renderer has a texture of its own for materials of this kind.
+        const cube = new THREE.Mesh(new THREE.BoxGeometry(), new THREE.MeshStandardMaterial());
+        renderer.render(cube, cameraAt(new THREE.Box3().setFromObject(cube), 0));
+        cube.geometry.dispose();
+        const before = { ...renderer.info.memory, ...live };
+        const stop = new AbortController();
+        const gltf = await new ProgressiveLoader().loadAsync(packed, { signal: stop.signal });
+        const { progressive } = gltf;
+        scene.add(gltf.scene);
+        const camera = cameraAt(new THREE.Box3().setFromObject(scene), 0.1);
+        const events = [];
+        for (const type of ['update', 'progress', 'connection', 'error', 'complete']) progressive.addEventListener(type, () => events.push(type));
+        // It ends in the middle of an update, when the picture was just drawn.
+        await new Promise((resolve) => {
+          progressive.onUpdate(() => {
+            renderer.render(scene, camera);
+            if (how === 'abort') stop.abort(new Error('enough'));
+            else progressive[how]();
+            resolve();
+          });
+        });
+        const done = await progressive.done.catch((error) => [error.name, error.message]);
+        // What ends an update is told of it before the end.
+        const known = events.length;
+        await new Promise((resolve) => setTimeout(resolve, 1500));
+        progressive.pause();
+        progressive.resume();
+        progressive.retry();
+        progressive.cancel();
+        progressive.dispose();
+        progressive.dispose();
+        renderer.render(scene, camera);
+        const after = { ...renderer.info.memory, ...live };
+        return { done, more: events.slice(known), isClosed: progressive.isClosed, isComplete: progressive.isComplete, children: scene.children.length, before, after };
+      },
+      { packed, how },
+    );
+    assert.deepEqual(found.done, how === 'abort' ? ['Error', 'enough'] : ['AbortError', 'The model is not loaded any more.'], how);
+    assert.deepEqual([found.more, found.isClosed, found.isComplete, found.children], [[], true, false, 0], how);
+    assert.deepEqual(found.after, found.before, how);
+  }
+  server.shape(packed);
+  assert.deepEqual(problems, []);
+});
+
+test('one URL loaded twice gives two models, of which each goes its way', { skip }, async () => {
+  const { packed, bytes } = pack(ownModel('hand.ply'));
+  server.shape(packed, { bytesPerSecond: bytes / 2 });
+  const { page, problems } = await openStage();
+  const found = await page.evaluate(async (packed) => {
+    const { ProgressiveLoader, THREE, trianglesOf } = window.stage;
+    THREE.Cache.enabled = true;
+    const loader = new ProgressiveLoader();
+    const [first, second, third] = await Promise.all([loader.loadAsync(packed), loader.loadAsync(packed), new ProgressiveLoader().loadAsync(packed)]);
+    const geometryOf = (gltf) => gltf.scene.getObjectByProperty('isMesh', true).geometry;
+    const before = trianglesOf(first);
+    const areApart = new Set([first, second, third].map(geometryOf)).size === 3;
+    first.progressive.dispose();
+    await Promise.all([second.progressive.done, third.progressive.done]);
+    return { before, areApart, triangles: [first, second, third].map(trianglesOf), isComplete: first.progressive.isComplete };
+  }, packed);
+  server.shape(packed);
+  assert.ok(found.areApart);
+  assert.deepEqual([found.triangles[0], found.isComplete], [found.before, false]);
+  assert.ok(found.triangles[1] > found.before);
+  assert.equal(found.triangles[1], found.triangles[2]);
   assert.deepEqual(problems, []);
 });

@@ -11,7 +11,7 @@ import { ShownModel } from '../webgl/model.js';
 import { addedTargets, MOST_ADDED } from '../webgl/morphs.js';
 import { Scene } from '../webgl/scene.js';
 import { VERTEX } from '../webgl/shaders.js';
-import { morphingSquare, sceneGlb } from '../testing/scene_glb.js';
+import { morphingSquare, readGlb, sceneGlb } from '../testing/scene_glb.js';
 
 /** A document with one accessor over one buffer view. */
 const documentOf = (accessor, view = {}, buffer = {}) => ({
@@ -275,10 +275,8 @@ class FakeContext {
 
 /** The binary chunk of a small GLB, and the document's lists of what is in it. */
 function binaryOf(file) {
-  const view = new DataView(file.buffer);
-  const start = 20 + view.getUint32(12, true) + 8;
-  const { buffers, bufferViews } = JSON.parse(new TextDecoder().decode(file.subarray(20, start - 8)));
-  return { json: { buffers, bufferViews }, bytes: file.subarray(start) };
+  const { json: { buffers, bufferViews }, binary } = readGlb(file);
+  return { json: { buffers, bufferViews }, bytes: binary };
 }
 
 /** Whether the bytes of two arrays are the same. */

@@ -18,18 +18,40 @@ export function sceneGlb(json, arrays) {
     end += padded(byteLength);
     return { buffer: 0, byteOffset, byteLength };
   });
-  const text = new TextEncoder().encode(JSON.stringify({ asset: { version: '2.0' }, buffers: [{ byteLength: end }], bufferViews, ...json }));
+  const binary = new Uint8Array(end);
+  for (const [i, { buffer, byteOffset, byteLength }] of arrays.entries()) {
+    binary.set(new Uint8Array(buffer, byteOffset, byteLength), bufferViews[i].byteOffset);
+  }
+  return writeGlb({ asset: { version: '2.0' }, buffers: [{ byteLength: end }], bufferViews, ...json }, binary);
+}
+
+/**
+ * Returns the bytes of a GLB.
+ * @param {any} json
+ * @param {Uint8Array} binary
+ */
+export function writeGlb(json, binary) {
+  const text = new TextEncoder().encode(JSON.stringify(json));
   const start = 20 + padded(text.length);
-  const bytes = new Uint8Array(start + 8 + end).fill(0x20, 0, start);
+  const length = padded(binary.length);
+  const bytes = new Uint8Array(start + 8 + length).fill(0x20, 0, start);
   const view = new DataView(bytes.buffer);
   [0x46546c67, 2, bytes.length, padded(text.length), 0x4e4f534a].forEach((word, i) => view.setUint32(4 * i, word, true));
   bytes.set(text, 20);
-  view.setUint32(start, end, true);
+  view.setUint32(start, length, true);
   view.setUint32(start + 4, 0x004e4942, true);
-  for (const [i, { buffer, byteOffset, byteLength }] of arrays.entries()) {
-    bytes.set(new Uint8Array(buffer, byteOffset, byteLength), start + 8 + bufferViews[i].byteOffset);
-  }
+  bytes.set(binary, start + 8);
   return bytes;
+}
+
+/**
+ * Returns the document and the binary chunk of a GLB.
+ * @param {Uint8Array} file
+ * @returns {{ json: any, binary: Uint8Array }}
+ */
+export function readGlb(file) {
+  const start = 20 + new DataView(file.buffer, file.byteOffset).getUint32(12, true);
+  return { json: JSON.parse(new TextDecoder().decode(file.subarray(20, start))), binary: file.slice(start + 8) };
 }
 
 /**
