@@ -373,6 +373,59 @@ test('the page meets WCAG A and AA, light and dark', { skip }, async (t) => {
   }
 });
 
+test('what a model has on the GPU is freed with the mode that needs it, and with the model', { skip }, async (t) => {
+  const { page, problems } = await openViewer();
+  await page.evaluate(() => {
+    const live = { Texture: 0, Buffer: 0, VertexArray: 0 };
+    /** The bytes of the textures that have storage. @type {Map<WebGLTexture, number>} */
+    const sizes = new Map();
+    const context = WebGL2RenderingContext.prototype;
+    for (const kind of Object.keys(live)) {
+      const { [`create${kind}`]: create, [`delete${kind}`]: remove } = context;
+      context[`create${kind}`] = function () {
+        live[kind]++;
+        return create.call(this);
+      };
+      context[`delete${kind}`] = function (object) {
+        if (object) live[kind]--;
+        sizes.delete(object);
+        remove.call(this, object);
+      };
+    }
+    const { texStorage2D } = context;
+    context.texStorage2D = function (target, levels, format, width, height) {
+      const bytes = { [this.RG32UI]: 8, [this.RGB32F]: 12, [this.RGBA32F]: 16 }[format] ?? 4;
+      sizes.set(this.getParameter(this.TEXTURE_BINDING_2D), width * height * bytes);
+      texStorage2D.call(this, target, levels, format, width, height);
+    };
+    window.live = () => ({ ...live, bytes: [...sizes.values()].reduce((a, b) => a + b, 0) });
+  });
+  const note = async () => {
+    await page.waitForTimeout(400);
+    return page.evaluate(() => window.live());
+  };
+  const choose = (/** @type {string} */ mode) => page.locator(`#modes input[value=${mode}]`).check({ force: true });
+  const before = await note();
+  for (const model of [present(hand), present(truck), unmorphed]) {
+    await page.evaluate((url) => (location.hash = `#model=${url}`), model.url.slice(1));
+    await waitForState(page, 'complete');
+    const plain = await note();
+    for (const mode of ['wireframe', 'strips']) {
+      await choose(mode);
+      await page.waitForFunction((count) => window.live().Texture > count, plain.Texture);
+      const pulled = await note();
+      t.diagnostic(`${model.name}, ${mode}: ${pulled.Texture - plain.Texture} textures of ${pulled.bytes - plain.bytes} bytes`);
+    }
+    await choose('shaded');
+    assert.deepEqual(await note(), plain, model.name);
+    await choose('wireframe');
+    await page.evaluate(() => (location.hash = ''));
+    await waitForState(page, 'empty');
+    assert.deepEqual(await note(), before, model.name);
+  }
+  assert.deepEqual(problems, []);
+});
+
 test('memory does not grow with the number of models opened', { skip }, async (t) => {
   const { page, problems } = await openViewer();
   const openAll = async (/** @type {number} */ count) => {

@@ -46,3 +46,33 @@ test('errors are fractions of the size, and finite', () => {
   // Bounds that are none leave the size unknown.
   for (const bounds of [{ min: 5, max: 5 }, { min: [0], max: [1] }, { min: ['a', 0, 0], max: [1, 1, 1] }, {}, null]) assert.equal(errorOf(bounds, 0.5), 0.5);
 });
+
+test('chunks are summed up as they would be from scratch, in time that does not grow with the meshes', () => {
+  const meshes = 3000;
+  const figures = new Figures();
+  let seed = 1;
+  const random = (n) => (seed = (seed * 48271) % 2147483647) % n;
+  let reads = 0;
+  const chunkOf = (stream, end) => {
+    const values = { stream, end, triangles: random(1000), error: random(1e6) / 1e3 };
+    return { values, read: new Proxy(values, { get: (of, name) => (reads++, of[name]) }) };
+  };
+  const known = new Map();
+  for (let round = 0; round < 6; round++) {
+    const chunks = Array.from({ length: meshes }, (_, i) => chunkOf(round === 0 ? i : random(meshes), round * meshes + i));
+    figures.addChunks(chunks.map(({ read }) => read));
+    for (const [i, { values }] of chunks.entries()) {
+      known.set(values.stream, values);
+      // All of them from scratch would take too long.
+      if (i % 500 !== 499 && round > 0) continue;
+      if (round === 0 && i > 40) continue;
+      const all = [...known.values()];
+      const { triangles, error } = figures.points[round * meshes + i];
+      assert.equal(triangles, all.reduce((sum, one) => sum + one.triangles, 0));
+      assert.equal(error, Math.max(...all.map((one) => one.error)));
+    }
+  }
+  assert.equal(figures.baseChunks, meshes);
+  assert.equal(figures.points.length, 6 * meshes);
+  assert.equal(reads, 4 * 6 * meshes, 'each chunk is read once');
+});

@@ -360,6 +360,76 @@ test('primitives share what they have in common', () => {
   assert.ok(buffers.every(({ bytes }) => bytes === undefined));
 });
 
+test('primitives share the textures of wireframes, and nothing of them stays', () => {
+  const count = 30;
+  const json = {
+    scenes: [{ nodes: [0] }],
+    nodes: [{ mesh: 0 }],
+    // Two sets of vertices, and indices of their own for each primitive.
+    meshes: [{ primitives: Array.from({ length: count }, (_, i) => ({ attributes: { POSITION: i % 2 }, indices: 2 + i })) }],
+    buffers: [{}],
+    bufferViews: [{ buffer: 0, byteLength: 64 }],
+    accessors: [...[0, 1].map(() => ({ componentType: 5126, count: 5000, type: 'VEC3' })), ...Array.from({ length: count }, () => ({ bufferView: 0, componentType: 5123, count: 30, type: 'SCALAR' }))],
+  };
+  const { gl, model } = openModel(json, numbers);
+  const settle = () => {
+    for (let i = 0; i < 1000 && (model.isBusy || i === 0); i++) model.step(new Budget());
+  };
+  const live = () => gl.textures.filter(({ isDeleted }) => !isDeleted);
+  settle();
+  for (const end of ['unpull', 'close']) {
+    assert.equal(live().length, 0);
+    for (const { geometry } of model.items) model.pull(geometry);
+    settle();
+    assert.deepEqual(model.items.map(({ geometry }) => geometry.pulled.isReady), new Array(count).fill(true));
+    assert.equal(live().length, 2 + count);
+    const bound = new Set();
+    for (const { geometry } of model.items) geometry.pulled.bind(0, (name, texture) => name === 'positions' && bound.add(texture));
+    assert.equal(bound.size, 2);
+    model[end]();
+  }
+  assert.equal(live().length, 0);
+});
+
+test('a mesh that refines has two sets of textures for wireframes, a full one has one', () => {
+  const json = {
+    scenes: [{ nodes: [0] }],
+    nodes: [{ mesh: 0 }],
+    meshes: [{ primitives: [{ attributes: { POSITION: 0 }, extensions: { TRISTRIP_progressive: { stream: 0 } } }] }],
+    accessors: [{ componentType: 5126, count: 3, type: 'VEC3' }],
+  };
+  const { gl, model } = openModel(json, new Uint8Array(0));
+  const updates = [];
+  const update = (level) => {
+    const mesh = { stream: 0, level, fullLevel: 9, firstVertex: 0, positions: new Float32Array(9).fill(level), attributes: [], parts: [{ part: 0, length: 3, capacity: 3, bytesPerIndex: 2, strips: 1, ranges: [{ start: 0, array: Uint16Array.of(0, 1, 2) }] }] };
+    updates.push(model.events.update({ meshes: [mesh] }));
+    while (model.isBusy) model.step(new Budget());
+  };
+  const live = () => gl.textures.filter(({ isDeleted }) => !isDeleted).length;
+  const shown = () => {
+    let value;
+    model.items[0].geometry.pulled.bind(0, (name, texture) => name === 'positions' && (value = texture.texels[0]));
+    return value;
+  };
+  update(1);
+  model.pull(model.items[0].geometry);
+  while (model.isBusy) model.step(new Budget());
+  const found = [[live(), shown()]];
+  for (const level of [2, 9, 9, 3, 4, 9]) {
+    update(level);
+    found.push([live(), shown()]);
+  }
+  assert.deepEqual(found, [[2, 1], [4, 2], [2, 9], [2, 9], [4, 3], [4, 4], [2, 9]]);
+  const before = gl.textures.length;
+  model.restore();
+  while (model.isBusy) model.step(new Budget());
+  assert.equal(live(), 2, 'what a context has lost cannot be deleted');
+  model.pull(model.items[0].geometry);
+  while (model.isBusy) model.step(new Budget());
+  assert.deepEqual([gl.textures.length, shown()], [before + 2, 9]);
+  model.close();
+});
+
 test('a model whose bytes will never come tells it at once', () => {
   const json = (view, buffer = {}) => ({ ...documentOf({ type: 'VEC3' }, view, buffer), scenes: [{ nodes: [0] }], nodes: [{ mesh: 0 }], meshes: [{ primitives: [{ attributes: { POSITION: 0 } }] }] });
   for (const view of [{ byteOffset: 1 }, { byteLength: 1e9 }, { byteLength: 'x' }]) assert.match(openModel(json(view), numbers).told.errors[0].message, /not in the file/);

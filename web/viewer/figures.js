@@ -23,6 +23,43 @@
  * @property {Map<number, { strips: number, sent: number }>} parts
  */
 
+/** The largest of some numbers that change one by one: a tree of the larger one of each two. A change takes the logarithm of their count. */
+class Largest {
+  /** Node 1 is the root, the children of node k are 2 k and 2 k + 1, and the numbers are the leaves. */
+  #tree = new Float64Array(2);
+  /** The leaves, by what they stand for. @type {Map<number, number>} */
+  #leaves = new Map();
+
+  /**
+   * Sets a number.
+   * @param {number} key
+   * @param {number} number at least 0
+   */
+  set(key, number) {
+    let leaf = this.#leaves.get(key);
+    if (leaf === undefined) {
+      leaf = this.#leaves.size;
+      this.#leaves.set(key, leaf);
+      if (2 * leaf >= this.#tree.length) this.#grow();
+    }
+    const tree = this.#tree;
+    let at = tree.length / 2 + leaf;
+    for (tree[at] = number; at > 1; at >>= 1) tree[at >> 1] = Math.max(tree[at], tree[at ^ 1]);
+  }
+
+  #grow() {
+    const old = this.#tree;
+    const tree = (this.#tree = new Float64Array(2 * old.length));
+    tree.set(old.subarray(old.length / 2), old.length);
+    for (let at = old.length - 1; at > 0; at--) tree[at] = Math.max(tree[2 * at], tree[2 * at + 1]);
+  }
+
+  /** The largest one; 0 if there are none. */
+  get most() {
+    return this.#tree[1];
+  }
+}
+
 /** The sums over the meshes of a model. */
 export class Figures {
   /** @type {Progress | undefined} */
@@ -37,8 +74,10 @@ export class Figures {
   outside = 0;
   /** The sizes of the meshes. @type {Map<number, number>} */
   #sizes = new Map();
-  /** The last chunk of each mesh that has arrived. @type {Map<number, ChunkFigures>} */
+  /** The triangles of each mesh that has arrived, their sum, and the largest error. @type {Map<number, number>} */
   #arrived = new Map();
+  #triangles = 0;
+  #errors = new Largest();
   /** @type {Map<number, Shown>} */
   #shown = new Map();
 
@@ -63,25 +102,26 @@ export class Figures {
     }
   }
 
-  /** @param {Iterable<[number, { error: number }]>} meshes */
-  #largestError(meshes) {
-    let largest = 0;
-    for (const [stream, { error }] of meshes) {
-      const fraction = error / (this.#sizes.get(stream) || 1);
-      // What a file claims may be infinite.
-      if (Number.isFinite(fraction)) largest = Math.max(largest, fraction);
-    }
-    return largest;
+  /**
+   * Returns the error of a mesh as a fraction of its size.
+   * @param {number} stream
+   * @param {number} error
+   */
+  #fraction(stream, error) {
+    const fraction = error / (this.#sizes.get(stream) || 1);
+    // What a file claims may be infinite.
+    return Number.isFinite(fraction) ? Math.max(fraction, 0) : 0;
   }
 
   /** @param {ChunkFigures[]} chunks that have arrived */
   addChunks(chunks) {
-    for (const chunk of chunks) {
-      if (!this.#arrived.has(chunk.stream)) this.baseChunks = this.points.length + 1;
-      this.#arrived.set(chunk.stream, chunk);
-      let triangles = 0;
-      for (const mesh of this.#arrived.values()) triangles += mesh.triangles;
-      this.points.push({ bytes: chunk.end, triangles, error: this.#largestError(this.#arrived) });
+    for (const { stream, end, triangles, error } of chunks) {
+      const before = this.#arrived.get(stream);
+      if (before === undefined) this.baseChunks = this.points.length + 1;
+      this.#arrived.set(stream, triangles);
+      this.#triangles += triangles - (before ?? 0);
+      this.#errors.set(stream, this.#fraction(stream, error));
+      this.points.push({ bytes: end, triangles: this.#triangles, error: this.#errors.most });
     }
   }
 
@@ -97,8 +137,9 @@ export class Figures {
 
   /** The sums of what is shown. */
   get sums() {
-    const sums = { triangles: 0, fullTriangles: 0, vertices: 0, strips: 0, sent: 0, error: this.#largestError(this.#shown) };
-    for (const { triangles, fullTriangles, vertices, parts } of this.#shown.values()) {
+    const sums = { triangles: 0, fullTriangles: 0, vertices: 0, strips: 0, sent: 0, error: 0 };
+    for (const [stream, { triangles, fullTriangles, vertices, error, parts }] of this.#shown) {
+      sums.error = Math.max(sums.error, this.#fraction(stream, error));
       sums.triangles += triangles;
       sums.fullTriangles += fullTriangles;
       sums.vertices += vertices;

@@ -16,6 +16,7 @@ import { Pulled } from './pulled.js';
  * @import { MeshUpdate, IndexUpdate } from '../src/client/client.js'
  * @import { Budget } from './budget.js'
  * @import { Morphs } from './morphs.js'
+ * @import { PulledTextures } from './pulled.js'
  */
 
 /** @typedef {Float32Array | Uint8Array | Int8Array | Uint16Array | Int16Array | Uint32Array | Int32Array} NumberArray */
@@ -282,6 +283,8 @@ export class Geometry {
   morphs;
   /** @type {Pulled | undefined} */
   pulled;
+  /** Whether no update is expected. */
+  isFull = true;
   /** @type {Map<number, WebGLVertexArrayObject>} */
   #layouts = new Map();
   #isChanged = true;
@@ -292,7 +295,8 @@ export class Geometry {
    * Takes an update of the client.
    * @param {MeshUpdate} update
    */
-  patch({ firstVertex, positions, attributes, parts }) {
+  patch({ firstVertex, positions, attributes, parts, level, fullLevel }) {
+    this.isFull = level === fullLevel;
     const all = [...attributes, { name: 'POSITION', components: 3, normalized: false, array: positions }];
     for (const { name, components, normalized, array } of all) {
       if (!Object.hasOwn(LOCATIONS, name) || array.length === 0) continue;
@@ -307,7 +311,7 @@ export class Geometry {
       if (!part) this.parts.set(update.part, (part = new IndexData(null, 0, update.strips > 0 ? 5 : 4)));
       if (part.length === 0) part.mode = update.strips > 0 ? 5 : 4;
       part.patch(update);
-      for (const { start, array } of update.ranges) this.pulled?.markIndices(update.part, part, start, start + array.length);
+      for (const { start, array } of update.ranges) this.pulled?.markIndices(part, start, start + array.length);
     }
     this.#isChanged = true;
   }
@@ -373,21 +377,22 @@ export class Geometry {
     else gl.drawArrays(part.mode, 0, part.shownLength);
   }
 
-  /** Begins to keep textures of the vertices and indices, for modes that need the triangles one by one. */
-  pull() {
-    this.pulled ??= new Pulled(this);
+  /**
+   * Begins to keep textures of the vertices and indices, for modes that need the triangles one by one.
+   * @param {PulledTextures} textures of the model
+   */
+  pull(textures) {
+    this.pulled ??= new Pulled(this, textures);
   }
 
-  /** @param {WebGL2RenderingContext} gl */
-  unpull(gl) {
-    this.pulled?.release(gl);
+  /** Forgets these textures. */
+  unpull() {
     this.pulled = undefined;
   }
 
   /** @param {WebGL2RenderingContext} gl */
   release(gl) {
     this.#dropLayouts(gl);
-    this.unpull(gl);
     this.morphs?.release(gl);
     for (const { buffer } of this.attributes.values()) gl.deleteBuffer(buffer);
     for (const part of this.parts.values()) part.release(gl);
@@ -396,7 +401,6 @@ export class Geometry {
   /** Forgets the objects of a context that is lost; `upload` makes them again. */
   forget() {
     this.#layouts.clear();
-    this.pulled = undefined;
     this.morphs?.forget();
     for (const data of this.attributes.values()) data.forget();
     for (const part of this.parts.values()) part.forget();

@@ -9,6 +9,7 @@ import { Geometry, IndexData, LOCATIONS, VertexData } from './geometry.js';
 import { readMaterial } from './materials.js';
 import { compose } from './matrix.js';
 import { MORPHED, Morphs } from './morphs.js';
+import { PulledTextures } from './pulled.js';
 import { Scene } from './scene.js';
 import { Textures } from './textures.js';
 
@@ -78,6 +79,7 @@ export class ShownModel {
   #meshes = [];
   /** @type {Map<number, WebGLTexture | null>} */
   #joints = new Map();
+  #pulled = new PulledTextures();
   #isClosed = false;
   /** @type {Scene | undefined} */
   scene;
@@ -375,13 +377,14 @@ export class ShownModel {
    */
   pull(geometry) {
     if (geometry.pulled) return;
-    geometry.pull();
+    geometry.pull(this.#pulled);
     this.#changed.add(geometry);
   }
 
   /** Keeps textures of no mesh. */
   unpull() {
-    for (const geometry of this.#geometries) geometry.unpull(this.#gl);
+    for (const geometry of this.#geometries) geometry.unpull();
+    this.#pulled.release(this.#gl);
   }
 
   /**
@@ -432,6 +435,7 @@ export class ShownModel {
     this.#isClosed = true;
     this.#dropJoints();
     this.textures?.release();
+    this.unpull();
     // To delete a shared buffer once more does nothing.
     for (const geometry of this.#geometries) geometry.release(this.#gl);
     this.#changed.clear();
@@ -446,7 +450,9 @@ export class ShownModel {
   restore() {
     this.#joints.clear();
     this.textures?.forget();
+    this.#pulled = new PulledTextures();
     for (const geometry of this.#geometries) {
+      geometry.unpull();
       geometry.forget();
       this.#changed.add(geometry);
     }

@@ -6,7 +6,8 @@
  * vertex texture: x, y, z │ x, y, z │ …                              so is vertex k
  * ```
  *
- * There are two sets of them. While one is drawn, rows of the other one that have changed are uploaded, over several frames if they are many.
+ * There are two sets of them. While one is drawn, rows of the other one that have changed are uploaded, over several frames if they are many. A mesh that has
+ * all its triangles keeps one set only.
  * @module
  */
 import { unitOf } from './accessors.js';
@@ -25,20 +26,66 @@ const MOST_STEPS_BACK = 2 ** 16;
 /** @param {IndexArray} array */
 const restartOf = (array) => 2 ** (8 * array.BYTES_PER_ELEMENT) - 1;
 
-/** A set of textures that belong together. */
+/** The attributes that have textures, the samplers of those, and their formats. @type {[string, string, 'RGB32F' | 'RGBA32F'][]} */
+const ATTRIBUTES = [
+  ['POSITION', 'positions', 'RGB32F'],
+  ['JOINTS_0', 'jointNumbers', 'RGBA32F'],
+  ['WEIGHTS_0', 'jointWeights', 'RGBA32F'],
+];
+
+/** One set of textures of a model, by what is in them: primitives that share vertices share their texture. */
+class TextureSet {
+  /** @type {Map<VertexData | IndexData, RowTexture>} */
+  #textures = new Map();
+
+  /**
+   * Returns the texture of some data, if it has one.
+   * @param {VertexData | IndexData | undefined} data
+   */
+  get(data) {
+    return data && this.#textures.get(data);
+  }
+
+  /**
+   * Returns the texture of some data.
+   * @param {VertexData | IndexData} data
+   * @param {'RG32UI' | 'RGB32F' | 'RGBA32F'} format
+   */
+  make(data, format) {
+    let texture = this.#textures.get(data);
+    if (!texture) this.#textures.set(data, (texture = new RowTexture(format)));
+    return texture;
+  }
+
+  /** @param {WebGL2RenderingContext} gl */
+  release(gl) {
+    for (const texture of this.#textures.values()) texture.release(gl);
+    this.#textures.clear();
+  }
+}
+
+/** The textures of a model. */
+export class PulledTextures {
+  sets = [new TextureSet(), new TextureSet()];
+
+  /**
+   * Deletes all; geometries that use them are to forget them.
+   * @param {WebGL2RenderingContext} gl
+   */
+  release(gl) {
+    for (const set of this.sets) set.release(gl);
+  }
+}
+
+/** The textures of a mesh that belong together. */
 class Snapshot {
   isDirty = true;
-  positions = new RowTexture('RGB32F');
-  joints = new RowTexture('RGBA32F');
-  weights = new RowTexture('RGBA32F');
-  /** @type {Map<number, { texture: RowTexture, count: number, mode: number }>} */
+  /** What is drawn of each part. @type {Map<number, { count: number, mode: number }>} */
   parts = new Map();
 
-  /** @param {number} number */
-  part(number) {
-    let part = this.parts.get(number);
-    if (!part) this.parts.set(number, (part = { texture: new RowTexture('RG32UI'), count: 0, mode: 0 }));
-    return part;
+  /** @param {TextureSet} textures */
+  constructor(textures) {
+    this.textures = textures;
   }
 
   /**
@@ -47,23 +94,26 @@ class Snapshot {
    * @param {Budget} budget
    */
   upload(gl, { attributes, parts }, budget) {
-    for (const [name, texture] of /** @type {[string, RowTexture][]} */ ([['POSITION', this.positions], ['JOINTS_0', this.joints], ['WEIGHTS_0', this.weights]])) {
+    for (const [name, , format] of ATTRIBUTES) {
       const data = attributes.get(name);
-      if (data && !texture.upload(gl, budget, data.array.length / data.components, (from, to) => fillVertices(data, from, to))) return false;
+      if (data && !this.textures.make(data, format).upload(gl, budget, data.array.length / data.components, (from, to) => fillVertices(data, from, to))) return false;
     }
     for (const [number, data] of parts) {
-      const part = this.part(number);
-      if (!part.texture.upload(gl, budget, data.length, (from, to) => fillIndices(data, from, to))) return false;
-      part.count = data.length;
-      part.mode = data.mode;
+      if (!this.textures.make(data, 'RG32UI').upload(gl, budget, data.length, (from, to) => fillIndices(data, from, to))) return false;
+      this.parts.set(number, { count: data.length, mode: data.mode });
     }
     this.isDirty = false;
     return true;
   }
 
-  /** @param {WebGL2RenderingContext} gl */
-  release(gl) {
-    for (const { texture } of [this.positions, this.joints, this.weights, ...[...this.parts.values()].map((part) => part.texture)]) gl.deleteTexture(texture);
+  /**
+   * Deletes the textures of a mesh that shares none. They are made again if something changes.
+   * @param {WebGL2RenderingContext} gl
+   * @param {Geometry} geometry
+   */
+  release(gl, { attributes, parts }) {
+    for (const data of [...attributes.values(), ...parts.values()]) this.textures.get(data)?.release(gl);
+    this.isDirty = true;
   }
 }
 
@@ -102,14 +152,21 @@ function fillIndices({ array, mode }, from, to) {
 /** The textures of a mesh. */
 export class Pulled {
   #geometry;
-  #shown = new Snapshot();
-  #next = new Snapshot();
+  /** @type {Snapshot} */
+  #shown;
+  /** @type {Snapshot} */
+  #next;
   /** Whether there is something to draw. */
   isReady = false;
 
-  /** @param {Geometry} geometry */
-  constructor(geometry) {
+  /**
+   * @param {Geometry} geometry
+   * @param {PulledTextures} textures of the model
+   */
+  constructor(geometry, { sets }) {
     this.#geometry = geometry;
+    this.#shown = new Snapshot(sets[0]);
+    this.#next = new Snapshot(sets[1]);
   }
 
   /**
@@ -119,24 +176,24 @@ export class Pulled {
    */
   markVertices(from, to) {
     for (const snapshot of [this.#shown, this.#next]) {
-      for (const texture of [snapshot.positions, snapshot.joints, snapshot.weights]) texture.mark(from, to);
+      for (const [name] of ATTRIBUTES) snapshot.textures.get(this.#geometry.attributes.get(name))?.mark(from, to);
       snapshot.isDirty = true;
     }
   }
 
   /**
    * Notes indices that have changed, with those behind them in the same strip.
-   * @param {number} number of the part
    * @param {IndexData} data
    * @param {number} from
    * @param {number} to
    */
-  markIndices(number, { array, length }, from, to) {
+  markIndices(data, from, to) {
+    const { array, length } = data;
     const restart = array && restartOf(array);
     let end = to;
     while (array && end < length && array[end] !== restart) end++;
     for (const snapshot of [this.#shown, this.#next]) {
-      snapshot.part(number).texture.mark(from, end);
+      snapshot.textures.get(data)?.mark(from, end);
       snapshot.isDirty = true;
     }
   }
@@ -150,6 +207,8 @@ export class Pulled {
     if (!this.#shown.isDirty) return true;
     if (!this.#next.upload(gl, this.#geometry, budget)) return false;
     [this.#shown, this.#next] = [this.#next, this.#shown];
+    // Where nothing more comes, the other set would be kept for nothing.
+    if (this.#geometry.isFull) this.#next.release(gl, this.#geometry);
     this.isReady = true;
     return true;
   }
@@ -160,11 +219,10 @@ export class Pulled {
    * @param {(name: string, texture: WebGLTexture | null) => void} bind binds a texture to a sampler
    */
   bind(number, bind) {
-    const { positions, joints, weights, parts } = this.#shown;
-    bind('indices', parts.get(number)?.texture.texture ?? null);
-    bind('positions', positions.texture);
-    bind('jointNumbers', joints.texture);
-    bind('jointWeights', weights.texture);
+    const { attributes, parts } = this.#geometry;
+    const textureOf = (/** @type {VertexData | IndexData | undefined} */ data) => this.#shown.textures.get(data)?.texture ?? null;
+    bind('indices', textureOf(parts.get(number)));
+    for (const [name, sampler] of ATTRIBUTES) bind(sampler, textureOf(attributes.get(name)));
   }
 
   /**
@@ -180,11 +238,5 @@ export class Pulled {
     gl.uniform1i(topology, mode);
     gl.bindVertexArray(null);
     gl.drawArrays(gl.TRIANGLES, 0, 3 * triangles);
-  }
-
-  /** @param {WebGL2RenderingContext} gl */
-  release(gl) {
-    this.#shown.release(gl);
-    this.#next.release(gl);
   }
 }
