@@ -10,7 +10,7 @@ import { cofactors, compose, determinant, multiply, transformBox, transformPoint
 import { ShownModel } from '../webgl/model.js';
 import { addedTargets, MOST_ADDED } from '../webgl/morphs.js';
 import { Scene } from '../webgl/scene.js';
-import { VERTEX } from '../webgl/shaders.js';
+import { FRAGMENT, VERTEX } from '../webgl/shaders.js';
 import { morphingSquare, readGlb, sceneGlb } from '../testing/scene_glb.js';
 
 /** A document with one accessor over one buffer view. */
@@ -199,6 +199,12 @@ test('the largest weights are added, as many as the shader has room for', () => 
   assert.equal(many.length, MOST_ADDED);
   assert.deepEqual(Math.min(...many.map(([, weight]) => Math.abs(weight))), 18);
   assert.match(VERTEX, new RegExp(`vec2 added\\[${MOST_ADDED}\\]`));
+});
+
+test('shaders take powers of numbers that are not negative: others are black pixels on some drivers', () => {
+  const powers = [...FRAGMENT.matchAll(/\bpow\((.*)/g)].map(([, rest]) => rest);
+  assert.ok(powers.length >= 3);
+  for (const rest of powers) assert.match(rest, /^max\(.*, 0\.0\)/);
 });
 
 test('morph targets are uploaded as one texture, and nothing of it stays', () => {

@@ -121,6 +121,9 @@ vec3 environment(vec3 d, float roughness) {
   return sides + 0.5 * panel * (1.0 - 0.7 * roughness);
 }
 
+// Cosines of unit vectors are a little above 1 at times, and powers of negative numbers are not defined.
+float fresnelPower(float cosine) { return pow(max(1.0 - cosine, 0.0), 5.0); }
+
 vec3 lit(vec3 base, float metallic, float roughness, vec3 n, float open) {
   vec3 v = normalize(eye - place);
   float nv = max(dot(n, v), 1e-3);
@@ -136,10 +139,10 @@ vec3 lit(vec3 base, float metallic, float roughness, vec3 n, float open) {
     float nh = max(dot(n, h), 0.0), d = nh * nh * (a2 - 1.0) + 1.0;
     float k = (roughness + 1.0) * (roughness + 1.0) / 8.0;
     float shine = a2 / (d * d) / (4.0 * (nl * (1.0 - k) + k) * (nv * (1.0 - k) + k));
-    vec3 fresnel = f0 + (1.0 - f0) * pow(1.0 - max(dot(h, v), 0.0), 5.0);
+    vec3 fresnel = f0 + (1.0 - f0) * fresnelPower(max(dot(h, v), 0.0));
     sum += (diffuse + fresnel * min(shine, 8.0)) * nl * (i == 0 ? 0.85 : 0.2);
   }
-  vec3 fresnel = f0 + (max(vec3(1.0 - roughness), f0) - f0) * pow(1.0 - nv, 5.0);
+  vec3 fresnel = f0 + (max(vec3(1.0 - roughness), f0) - f0) * fresnelPower(nv);
   sum += open * (diffuse * environment(n, 1.0) * 0.5 + fresnel * environment(reflect(-v, n), roughness));
   return sum;
 }
@@ -218,7 +221,7 @@ void main() {
     float open = mix(1.0, texture(occlusionTexture, uv(3)).r, factors.w);
     vec3 shown = unlit ? base.rgb : lit(base.rgb, factors.x * metal.b, clamp(factors.y * metal.g, 0.05, 1.0), n, open);
     shown += emissive * texture(emissiveTexture, uv(4)).rgb;
-    result = vec4(unlit ? pow(shown, vec3(1.0 / 2.2)) : display(shown), base.a);
+    result = vec4(unlit ? pow(max(shown, 0.0), vec3(1.0 / 2.2)) : display(shown), base.a);
   } else if (mode == 4) result = vec4(n * 0.5 + 0.5, 1);
   else result = vec4(display(lit(vec3(0.5, 0.5, 0.52), 0.0, 0.55, n, 1.0)), 1);
   result.rgb *= result.a;
