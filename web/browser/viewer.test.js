@@ -2,7 +2,7 @@
  * The viewer page in a browser: what people see over a slow link, after errors, with keys, on a phone; and what it costs.
  */
 import assert from 'node:assert/strict';
-import { statSync, writeFileSync } from 'node:fs';
+import { mkdirSync, statSync, writeFileSync } from 'node:fs';
 import path from 'node:path';
 import { test } from 'node:test';
 import { skip, startHarness } from './harness.js';
@@ -10,7 +10,7 @@ import { heapOf } from './heap.js';
 import { largeModels, ownModel, texturedScenes } from './models.js';
 import { difference } from './pictures.js';
 import { traced } from './processor_time.js';
-import { morphingSquare } from '../testing/scene_glb.js';
+import { morphingSquare, sceneGlb } from '../testing/scene_glb.js';
 
 /** The share of pixels that may differ between two pictures that should be equal, and the least one between two that should not. */
 const EQUAL = 0.0005;
@@ -313,6 +313,96 @@ async function assertReached(model) {
   assert.deepEqual(expected.filter((id) => !reached.has(id)), []);
   await page.context().close();
 }
+
+/** A PNG of one pixel. @param {'red' | 'blue'} color */
+const pixel = (color) => {
+  const data = { red: 'iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4nGP4z8AAAAMBAQDJ/pLvAAAAAElFTkSuQmCC', blue: 'iVBORw0KGgoAAAANSUhEUgAAAAEAAAABCAIAAACQd1PeAAAADElEQVR4nGNgYPgPAAEDAQAIicLsAAAAAElFTkSuQmCC' };
+  return data[color];
+};
+
+/**
+ * Returns a square with a texture.
+ * @param {string} uri that of its image
+ */
+function texturedSquare(uri) {
+  const { json, arrays } = morphingSquare();
+  json.accessors = [json.accessors[0], json.accessors[3], { bufferView: 7, componentType: 5126, count: 4, type: 'VEC2' }].map((accessor) => ({ ...accessor }));
+  json.meshes = /** @type {any} */ ([{ primitives: [{ attributes: { POSITION: 0, TEXCOORD_0: 2 }, indices: 1, material: 0 }] }]);
+  const rest = { images: [{ uri }], textures: [{ source: 0 }], materials: [{ doubleSided: true, extensions: { KHR_materials_unlit: {} }, pbrMetallicRoughness: { baseColorTexture: { index: 0 } } }] };
+  const { animations, ...scene } = json;
+  return sceneGlb({ ...scene, ...rest }, [...arrays, Float32Array.of(0, 0, 1, 0, 0, 1, 1, 1)]);
+}
+
+/** The colour in the middle of the picture. @param {Page} page @returns {Promise<'red' | 'blue' | 'white' | 'other'>} */
+async function middleColor(page) {
+  const png = (await picture(page)).toString('base64');
+  return page.evaluate(async (png) => {
+    const bitmap = await createImageBitmap(await (await fetch(`data:image/png;base64,${png}`)).blob());
+    const canvas = new OffscreenCanvas(1, 1);
+    const context = canvas.getContext('2d');
+    context.drawImage(bitmap, -bitmap.width / 2, -bitmap.height / 2);
+    const [r, g, b] = context.getImageData(0, 0, 1, 1).data;
+    return r > 200 && g > 200 && b > 200 ? 'white' : r > 200 && b < 50 ? 'red' : b > 200 && r < 50 ? 'blue' : 'other';
+  }, png);
+}
+
+test('images in other files come from the folder of the model, and from nowhere else', { skip }, async () => {
+  const write = (/** @type {string} */ name, /** @type {Uint8Array} */ bytes) => writeFileSync(path.join(models.folder, name), bytes);
+  mkdirSync(path.join(models.folder, 'inner/images'), { recursive: true });
+  write('inner/images/a b.png', Buffer.from(pixel('red'), 'base64'));
+  write('outside.png', Buffer.from(pixel('red'), 'base64'));
+  const { page, problems } = await openViewer();
+  const missing = page.locator('#facts div', { hasText: 'Files missing' }).locator('dd');
+  const show = async (/** @type {string} */ uri) => {
+    write('inner/model.glb', texturedSquare(uri));
+    await page.evaluate(() => (location.hash = ''));
+    await waitForState(page, 'empty');
+    const known = server.requests.length;
+    await page.evaluate(() => (location.hash = '#model=models/inner/model.glb'));
+    await waitForState(page, 'complete');
+    await page.waitForTimeout(500);
+    const asked = server.requests.slice(known).map((request) => request.path).filter((path) => !path.endsWith('.glb'));
+    return { color: await middleColor(page), missing: (await missing.count()) > 0 ? await missing.innerText() : '', asked };
+  };
+  assert.deepEqual(await show('images/a%20b.png'), { color: 'red', missing: '', asked: ['/models/inner/images/a b.png'] });
+  assert.deepEqual(await show('./images/../images/a%20b.png'), { color: 'red', missing: '', asked: ['/models/inner/images/a b.png'] });
+  assert.deepEqual(await show(`data:image/png;base64,${pixel('blue')}`), { color: 'blue', missing: '', asked: [] });
+  const { origin } = server;
+  const other = origin.replace('127.0.0.1', 'localhost');
+  for (const uri of ['../outside.png', '%2e%2e/outside.png', '..\\\\outside.png', '/models/outside.png', `${origin}/models/outside.png`, `${other}/models/inner/images/a%20b.png`, `//${other.slice(5)}/a.png`, 'blob:abc', 'javascript:1', 'file:///etc/passwd']) {
+    const found = await show(uri);
+    assert.deepEqual([found.color, found.asked], ['white', []], uri);
+    assert.ok(found.missing.length > 0, uri);
+  }
+  assert.deepEqual(await show('images/none.png'), { color: 'white', missing: 'images/none.png', asked: ['/models/inner/images/none.png'] });
+  assert.deepEqual(problems.filter((problem) => !problem.includes('404')), []);
+});
+
+test('several files may be dropped at once: a model, and its images', { skip }, async () => {
+  const { page, problems } = await openViewer();
+  const drop = (/** @type {[string, string, string][]} */ ...files) =>
+    page.evaluate((files) => {
+      const dataTransfer = new DataTransfer();
+      for (const [name, type, data] of files) dataTransfer.items.add(new File([Uint8Array.from(atob(data), (char) => char.charCodeAt(0))], name, { type }));
+      window.dispatchEvent(new DragEvent('drop', { dataTransfer, bubbles: true, cancelable: true }));
+    }, files);
+  const model = Buffer.from(texturedSquare('textures/my%20image.png')).toString('base64');
+  await drop(['my image.png', 'image/png', pixel('blue')], ['square.glb', '', model]);
+  await waitForState(page, 'complete');
+  await page.waitForTimeout(500);
+  assert.equal(await middleColor(page), 'blue');
+  await drop(['square.glb', '', model]);
+  await page.locator('#facts', { hasText: 'textures/my image.png' }).waitFor();
+  assert.equal(await middleColor(page), 'white');
+  // What cannot be shown is named.
+  await drop(['scene.bin', '', ''], ['scene.gltf', '', Buffer.from('{"asset":{"version":"2.0"},"buffers":[]}').toString('base64')]);
+  await page.locator('#message', { hasText: 'tristrip pack scene.gltf -o model.glb' }).waitFor();
+  const { json, arrays } = morphingSquare();
+  const split = sceneGlb({ ...json, buffers: [{ byteLength: 4, uri: 'far.bin' }] }, arrays);
+  await drop(['split.glb', '', Buffer.from(split).toString('base64')]);
+  await page.locator('#message', { hasText: 'far.bin' }).waitFor();
+  assert.deepEqual(problems, []);
+});
 
 test('all controls can be reached by Tab', { skip }, async () => {
   // One has levels, the other a choice of animations.

@@ -2,6 +2,7 @@
  * The models of the site as cards, and files that are dropped or chosen.
  * @module
  */
+import { isDocument } from './beside.js';
 import { bytesText, countText, element, make } from './elements.js';
 import { writeState } from './state.js';
 
@@ -64,17 +65,21 @@ function card({ name, url, kind, bytes, triangles, thumbnail }) {
 }
 
 /**
- * Takes files that are dropped on the page or chosen.
- * @param {(file: File) => void} open
+ * Takes files that are dropped on the page or chosen: a model, and images that it refers to.
+ * @param {(file: File, beside: File[]) => void} open
  */
 export function takeFiles(open) {
   const input = element('file', HTMLInputElement);
+  const take = (/** @type {FileList | undefined | null} */ list) => {
+    const files = [...(list ?? [])];
+    const model = files.find(({ name }) => /\.glb$/i.test(name)) ?? files.find(({ name }) => isDocument(name)) ?? files[0];
+    if (model) open(model, files);
+  };
   for (const id of ['open', 'drop']) element(id, HTMLButtonElement).addEventListener('click', () => input.click());
   input.addEventListener('change', () => {
-    const file = input.files?.[0];
+    take(input.files);
     // The same file can be chosen again.
     input.value = '';
-    if (file) open(file);
   });
   const hasFile = (/** @type {DragEvent} */ event) => event.dataTransfer?.types.includes('Files');
   const mark = (/** @type {boolean} */ isOver) => document.body.classList.toggle('is-over', isOver);
@@ -90,7 +95,6 @@ export function takeFiles(open) {
     if (!hasFile(event)) return;
     event.preventDefault();
     mark(false);
-    const file = event.dataTransfer?.files[0];
-    if (file) open(file);
+    take(event.dataTransfer?.files);
   });
 }

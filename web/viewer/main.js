@@ -2,6 +2,7 @@
  * The page: shows the gallery or a model, as the address says.
  * @module
  */
+import { besideFile, besideUrl } from './beside.js';
 import { connectControls, setMode, showAnimations } from './controls.js';
 import { bytesText, countText, element, setText, timeText } from './elements.js';
 import { fillGallery, nameOf, takeFiles } from './gallery.js';
@@ -23,6 +24,8 @@ const busy = element('busy', HTMLElement);
 let url;
 /** @type {File | undefined} */
 let file;
+/** The files that were chosen with it. @type {File[]} */
+let beside = [];
 
 let isStarted = false;
 
@@ -122,7 +125,7 @@ function start() {
     const { camera } = viewer.renderer;
     camera.isAutomatic = true;
     if (view) camera.parse(view);
-    viewer.open(source, playingOf(animation));
+    viewer.open(source, typeof source === 'string' ? besideUrl(source) : besideFile(beside), playingOf(animation));
     showAnimations(viewer);
     announce(`Loading ${title}.`);
     // A page that opens with a model keeps the focus where the browser has it.
@@ -179,8 +182,9 @@ function start() {
     replay,
   });
   connectLevel(viewer);
-  takeFiles((chosen) => {
+  takeFiles((chosen, others) => {
     file = chosen;
+    beside = others;
     if (location.hash === FILE_HASH) route();
     else location.hash = FILE_HASH;
   });

@@ -102,6 +102,7 @@ export function updatePanel(viewer) {
   setFact('Vertices sent', sums.sent > 0 ? countText(sums.sent) : '');
   setFact('… per triangle', sums.sent > 0 ? (sums.sent / sums.triangles).toFixed(2) : '');
   setFact('Error', isShown ? errorText(sums.error) : '');
+  setFact('Files missing', [...viewer.missing].map((name) => name.slice(0, 100)).join(', '));
   setFact('Worker', progress && isShown ? `decoding ${timeText(progress.decodeMilliseconds)}, strips ${timeText(progress.buildMilliseconds)}` : '');
 
   level.min = String(Math.min(baseChunks, Math.max(points.length, 1)));

@@ -5,11 +5,13 @@
 import { Client } from '../src/client/client.js';
 import { UnsupportedError } from '../webgl/accessors.js';
 import { Renderer } from '../webgl/renderer.js';
+import { isDocument, nameOfUri } from './beside.js';
 import { Figures } from './figures.js';
 
 /**
  * @import { ConnectionState, Model, ModelError, ModelEvents, Source } from '../src/client/client.js'
  * @import { ShownModel } from '../webgl/model.js'
+ * @import { FindFile } from './beside.js'
  */
 
 /** @typedef {{ kind: ModelError['kind'] | 'unsupported', message: string }} ViewerError */
@@ -43,10 +45,14 @@ export class Viewer {
   /** Why the model ended early. @type {ViewerError | undefined} */
   error;
   isPaused = false;
+  /** The files that the model refers to and that are not there. @type {Set<string>} */
+  missing = new Set();
   #client = new Client();
   #listener;
   /** @type {Source | undefined} */
   #source;
+  /** @type {FindFile | undefined} */
+  #find;
   /** @type {Model | undefined} */
   #model;
   /** @type {ShownModel | undefined} */
@@ -140,10 +146,12 @@ export class Viewer {
   /**
    * Loads a model instead of the one before.
    * @param {Source} source
+   * @param {FindFile} find finds images in other files
    * @param {Playing} [playing] what is played
    */
-  open(source, playing = STILL) {
+  open(source, find, playing = STILL) {
     this.close();
+    this.#find = find;
     this.#wanted = playing;
     for (const name of MARKS) {
       performance.clearMarks(name);
@@ -154,7 +162,14 @@ export class Viewer {
     this.#source = source;
     this.state = 'loading';
     const figures = this.figures;
-    const shown = (this.#shown = this.renderer.open());
+    const missing = (this.missing = new Set());
+    const shown = (this.#shown = this.renderer.open((uri) =>
+      find(uri).catch((error) => {
+        missing.add(nameOfUri(uri));
+        this.#listener.change();
+        throw error;
+      }),
+    ));
     const { document, binary, update } = shown.events;
     /** @type {ModelEvents} */
     const events = {
@@ -190,7 +205,7 @@ export class Viewer {
 
   /** Loads the model from the start. */
   replay() {
-    if (this.#source) this.open(this.#source, this.playing);
+    if (this.#source && this.#find) this.open(this.#source, this.#find, this.playing);
   }
 
   /** Closes the model, and frees its memory. */
@@ -207,7 +222,9 @@ export class Viewer {
   /** @param {ViewerError} error */
   #fail(error) {
     this.state = 'failed';
-    this.error = error;
+    const name = this.#source instanceof File ? this.#source.name : String(this.#source);
+    const isOther = error.kind === 'not-glb' && isDocument(name);
+    this.error = isOther ? { kind: 'not-glb', message: `A .gltf document refers to other files. “tristrip pack ${nameOfUri(name).split('/').pop()} -o model.glb” makes one GLB file of all.` } : error;
     this.#listener.error();
     this.#listener.change();
   }

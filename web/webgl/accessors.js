@@ -71,7 +71,9 @@ export class Binary {
  */
 export function viewBytes(json, index, bytes) {
   const { buffer, byteOffset = 0, byteLength, extensions } = json.bufferViews[index];
-  if (buffer !== 0 || json.buffers[0].uri !== undefined) throw new UnsupportedError('The model refers to another file.');
+  const { uri } = json.buffers[buffer];
+  if (uri !== undefined) throw new UnsupportedError(`Its geometry is in another file${uri.startsWith('data:') ? '' : `, ${uri.slice(0, 100)}`}. Models of one GLB file are shown: “tristrip pack” makes one.`);
+  if (buffer !== 0) throw new Error('A buffer is not in the file.');
   if (extensions) throw new UnsupportedError(`The model is compressed by ${Object.keys(extensions)[0]}.`);
   if (!(byteOffset >= 0 && byteLength >= 0 && byteOffset + byteLength <= bytes.length)) throw new Error('A buffer view is not in the file.');
   return bytes.subarray(byteOffset, byteOffset + byteLength);

@@ -42,6 +42,7 @@ const REQUIRED = new Set([EXTENSION, 'KHR_texture_transform', 'KHR_materials_unl
  * @property {(bounds: Box) => void} bounds
  * @property {(error: Error) => void} error
  * @property {(update: Update) => void} shown an update is uploaded
+ * @property {(uri: string) => Promise<Blob>} find finds an image in another file
  */
 
 /** A model that is shown. */
@@ -143,7 +144,7 @@ export class ShownModel {
     this.#binaryBytes = binaryBytes;
     this.#accessors = new Accessors(json);
     const scene = (this.scene = new Scene(json));
-    const textures = (this.textures = new Textures(this.#gl, json, () => this.#listener.draw()));
+    const textures = (this.textures = new Textures(this.#gl, json, () => this.#listener.draw(), (uri) => this.#listener.find(uri)));
     const materials = (json.materials ?? []).map(readMaterial);
     const plain = readMaterial();
     this.#meshes = (json.meshes ?? []).map((/** @type {any} */ mesh) => mesh.primitives.map((/** @type {any} */ primitive) => this.#primitive(primitive, materials[primitive.material] ?? plain)));

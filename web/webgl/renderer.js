@@ -111,9 +111,10 @@ export class Renderer {
 
   /**
    * Closes the model, and returns an empty one: its `events` go to `Client.load`.
+   * @param {(uri: string) => Promise<Blob>} [find] finds an image that the document refers to in another file; unless it is given, no file is asked for
    * @returns {ShownModel}
    */
-  open() {
+  open(find = async () => Promise.reject(new Error('Images in other files are not asked for.'))) {
     this.close();
     return (this.#model = new ShownModel(this.#gl, {
       change: () => this.#request(),
@@ -124,6 +125,7 @@ export class Renderer {
       },
       error: (error) => this.#listener.error?.(error),
       shown: (update) => this.#listener.shown?.(update),
+      find,
     }));
   }
 

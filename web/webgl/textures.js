@@ -7,12 +7,26 @@ const MOST_SIZE = 4096;
 const BAND_PIXELS = 2 ** 19;
 const TYPES = [/^image\/png$/, /^image\/jpeg$/, /^image\/webp$/];
 
+const DATA = /^data:([\w/+.-]+);base64,/;
+
+/**
+ * Returns the bytes of a data URI; `undefined` of other ones.
+ * @param {string} uri
+ */
+function dataOf(uri) {
+  const [start, type] = DATA.exec(uri) ?? [];
+  return type === undefined ? undefined : new Blob([Uint8Array.from(atob(uri.slice(start?.length)), (char) => char.charCodeAt(0))], { type });
+}
+
 const nextFrame = () => new Promise((done) => requestAnimationFrame(done));
 
 /** The textures of a model. */
 export class Textures {
   #gl;
   #onchange;
+  #find;
+  /** The images in other files that were asked for. @type {Set<number>} */
+  #asked = new Set();
   /** @type {Map<string, WebGLTexture | null>} */
   #textures = new Map();
   /** @type {Map<number, Blob>} */
@@ -24,21 +38,41 @@ export class Textures {
    * @param {WebGL2RenderingContext} gl
    * @param {any} json
    * @param {() => void} onchange called when a texture is complete
+   * @param {(uri: string) => Promise<Blob>} find finds an image in another file
    */
-  constructor(gl, json, onchange) {
+  constructor(gl, json, onchange, find) {
     this.#gl = gl;
     this.#json = json;
     this.#onchange = onchange;
+    this.#find = find;
   }
 
   /**
    * Takes an image that has arrived.
    * @param {number} image its number
-   * @param {Uint8Array} bytes
+   * @param {Blob | Uint8Array} bytes
    */
   add(image, bytes) {
-    const { mimeType = '' } = this.#json.images[image];
-    if (TYPES.some((type) => type.test(mimeType))) this.#images.set(image, new Blob([bytes.slice()], { type: mimeType }));
+    const type = this.#json.images[image].mimeType ?? ('type' in bytes ? bytes.type : '');
+    if (TYPES.some((known) => known.test(type))) this.#images.set(image, new Blob([bytes instanceof Blob ? bytes : bytes.slice()], { type }));
+  }
+
+  /**
+   * Asks for an image that is in another file or in the document, once.
+   * @param {number} image its number
+   */
+  async #ask(image) {
+    const uri = this.#json.images?.[image]?.uri;
+    if (typeof uri !== 'string' || this.#asked.has(image)) return;
+    this.#asked.add(image);
+    try {
+      const blob = dataOf(uri) ?? (await this.#find(uri));
+      if (this.#isReleased) return;
+      this.add(image, blob);
+      this.#onchange();
+    } catch {
+      // The model is drawn without it. Who finds images knows which ones are missing.
+    }
   }
 
   /**
@@ -51,8 +85,12 @@ export class Textures {
     const known = this.#textures.get(key);
     if (known !== undefined) return known;
     const { source, sampler, extensions } = this.#json.textures?.[texture] ?? {};
-    const blob = this.#images.get(extensions?.EXT_texture_webp?.source ?? source);
-    if (!blob) return null;
+    const image = extensions?.EXT_texture_webp?.source ?? source;
+    const blob = this.#images.get(image);
+    if (!blob) {
+      this.#ask(image);
+      return null;
+    }
     this.#textures.set(key, null);
     // An image that cannot be decoded is left out: the model is drawn without it.
     this.#make(blob, isColor, this.#json.samplers?.[sampler] ?? {}).then(
