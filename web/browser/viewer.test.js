@@ -2,7 +2,7 @@
  * The viewer page in a browser: what people see over a slow link, after errors, with keys, on a phone; and what it costs.
  */
 import assert from 'node:assert/strict';
-import { mkdirSync, statSync, writeFileSync } from 'node:fs';
+import { mkdirSync, readFileSync, statSync, writeFileSync } from 'node:fs';
 import path from 'node:path';
 import { test } from 'node:test';
 import { skip, startHarness } from './harness.js';
@@ -402,6 +402,200 @@ test('several files may be dropped at once: a model, and its images', { skip }, 
   await drop(['split.glb', '', Buffer.from(split).toString('base64')]);
   await page.locator('#message', { hasText: 'far.bin' }).waitFor();
   assert.deepEqual(problems, []);
+});
+
+/** Goes to another part of the address. @type {(page: Page, hash: string) => Promise<void>} */
+const goTo = (page, hash) => page.evaluate((hash) => void (location.hash = hash), hash);
+
+test('files that are no models, or broken ones, get a message, and the next model is shown', { skip }, async () => {
+  const whole = readFileSync(path.join(models.folder, present(hand).name));
+  const changed = (/** @type {(bytes: Buffer) => void} */ change) => {
+    const bytes = Buffer.from(whole);
+    change(bytes);
+    return bytes;
+  };
+  /** @type {[string, Uint8Array, RegExp][]} */
+  const files = [
+    ['no bytes', Buffer.alloc(0), /not a GLB file[^]*empty/],
+    ['text', Buffer.from('hello'), /not a GLB file/],
+    ['half a header', whole.subarray(0, 10), /not a GLB file/],
+    ['another version', changed((bytes) => (bytes[4] = 1)), /not a GLB file/],
+    ['too long a document', changed((bytes) => bytes.writeUInt32LE(0x7fffffff, 12)), /not a GLB file/],
+    ['no document', changed((bytes) => bytes.fill(0x7b, 20, 30)), /not a GLB file/],
+    ['cut in the document', whole.subarray(0, 100), /not a GLB file/],
+    ['cut in a chunk', whole.subarray(0, Math.floor(0.7 * whole.length)), /damaged[^]*is shown/],
+    ['a flipped bit', changed((bytes) => (bytes[bytes.length - 10] ^= 1)), /damaged[^]*is shown/],
+  ];
+  const { page, problems } = await openViewer();
+  for (const [what, bytes, message] of files) {
+    writeFileSync(path.join(models.folder, 'broken.glb'), bytes);
+    await goTo(page, '#model=models/broken.glb');
+    await waitForState(page, 'failed');
+    await page.locator('#message p').first().waitFor();
+    assert.match(await page.locator('#message').innerText(), message, what);
+    assert.ok(await page.locator('#busy').isHidden(), what);
+    await goTo(page, `#model=${unmorphed.url.slice(1)}`);
+    await waitForState(page, 'complete');
+    assert.equal(await page.locator('#message').innerText(), '', what);
+  }
+  assert.deepEqual(problems, []);
+});
+
+test('a file of the device that changes after it was chosen is not read, and is not kept by a reload', { skip }, async () => {
+  const file = path.join(models.folder, 'chosen.glb');
+  writeFileSync(file, readFileSync(path.join(models.folder, present(hand).name)));
+  const { page, problems } = await openViewer();
+  await page.setInputFiles('#file', file);
+  await waitForState(page, 'complete');
+  writeFileSync(file, 'another one');
+  await page.locator('#replay').click();
+  await page.locator('#message', { hasText: /cannot be read/ }).waitFor();
+  await page.reload();
+  await page.locator('#drop', { hasText: 'is not kept' }).waitFor();
+  assert.equal(await page.evaluate(() => location.hash), '');
+  assert.deepEqual(problems, []);
+});
+
+test('models that are opened one after another, closed early and found again in the history', { skip }, async () => {
+  const { page, problems } = await openViewer();
+  const [first, second] = [present(hand), present(truck)].map(({ url }) => `#model=${url.slice(1)}`);
+  const nameOf = () => page.locator('#name').innerText();
+  // Two at once: the last one counts.
+  await page.evaluate(([first, second]) => {
+    location.hash = first;
+    location.hash = second;
+  }, [first, second]);
+  await waitForState(page, 'complete');
+  await page.waitForTimeout(300);
+  assert.match(await nameOf(), /truck/i);
+  const all = await triangles(page);
+  // Closed in the middle of decoding.
+  server.shape(present(hand).url, { bytesPerSecond: present(hand).bytes / 4 });
+  await goTo(page, first);
+  await page.waitForFunction(() => window.tristrip.viewer.figures.sums.triangles > 256);
+  await page.locator('.back').click();
+  await waitForState(page, 'empty');
+  assert.ok(await page.evaluate((first) => document.activeElement?.getAttribute('href') === first, first), 'the card has the focus');
+  await page.waitForTimeout(500);
+  assert.equal(await triangles(page), 0);
+  server.shape(present(hand).url);
+  // Back to the first one, to the second one, and forward to the gallery.
+  await page.goBack();
+  await waitForState(page, 'complete');
+  assert.match(await nameOf(), /hand/);
+  await page.goBack();
+  await page.waitForFunction((all) => window.tristrip.viewer.state === 'complete' && window.tristrip.viewer.figures.sums.triangles === all, all);
+  assert.match(await nameOf(), /truck/i);
+  await page.goForward();
+  await page.goForward();
+  await waitForState(page, 'empty');
+  assert.ok(await page.locator('#gallery').isVisible());
+  assert.deepEqual(problems, []);
+});
+
+test('a view is the same after a reload, and one that is none is not taken', { skip }, async () => {
+  const { page, problems } = await openViewer(unmorphed);
+  await waitForState(page, 'complete');
+  // The outline of the focus is in pictures.
+  const unfocused = async () => {
+    await page.evaluate(() => /** @type {HTMLElement} */ (document.activeElement).blur());
+    return picture(page);
+  };
+  const first = await unfocused();
+  await page.locator('#canvas').focus();
+  for (const key of ['ArrowLeft', '+', '+', 'd', '4']) await page.keyboard.press(key);
+  await page.waitForURL(/&view=.*&mode=strips$/);
+  await page.waitForTimeout(300);
+  const moved = await unfocused();
+  await page.reload();
+  await waitForState(page, 'complete');
+  await page.waitForTimeout(500);
+  const again = await difference(page, moved, await unfocused());
+  assert.ok(again <= EQUAL, `${again}`);
+  for (const view of ['0,0,1e300,0,0,0', '0,0,1,1e38,0,0', '0,0,0,0,0,0', 'a,b,c', '1,2', '%00']) {
+    await goTo(page, `#model=${unmorphed.url.slice(1)}&view=${view}&mode=none`);
+    await page.waitForTimeout(300);
+    assert.ok((await difference(page, first, await unfocused())) <= EQUAL, view);
+  }
+  // As near and as far as it goes, and back.
+  for (const key of ['+', '-']) {
+    await page.locator('#canvas').focus();
+    for (let i = 0; i < 150; i++) await page.keyboard.press(key);
+    await page.waitForTimeout(300);
+    assert.ok(await page.evaluate(() => window.tristrip.viewer.renderer.camera.viewProjection.every(Number.isFinite)));
+    await page.locator('#canvas').focus();
+    await page.keyboard.press('0');
+    await page.waitForTimeout(300);
+    assert.ok((await difference(page, first, await unfocused())) <= EQUAL, key);
+  }
+  assert.deepEqual(problems, []);
+});
+
+test('the context is lost while a model loads, and while another one is opened', { skip }, async () => {
+  const reference = await openViewer(unmorphed);
+  await waitForState(reference.page, 'complete');
+  const model = present(hand);
+  server.shape(model.url, { bytesPerSecond: model.bytes / 2 });
+  const { page, problems } = await openViewer(model);
+  await page.locator('#modes input[value=wireframe]').check({ force: true });
+  await page.waitForFunction(() => window.tristrip.viewer.figures.sums.triangles > 256);
+  await page.evaluate(() => {
+    window.loss = document.querySelector('canvas').getContext('webgl2').getExtension('WEBGL_lose_context');
+    window.loss.loseContext();
+  });
+  const message = page.locator('#message', { hasText: 'graphics memory' });
+  await message.waitFor();
+  await page.evaluate(() => window.loss.restoreContext());
+  await waitForState(page, 'complete');
+  server.shape(model.url);
+  assert.equal(await page.locator('#message').innerText(), '');
+  const full = await openViewer({ ...model, url: `${model.url}&mode=wireframe` });
+  await waitForState(full.page, 'complete');
+  for (const tab of [page, full.page]) await tab.waitForTimeout(500);
+  assert.ok((await difference(page, await picture(full.page), await picture(page))) <= EQUAL);
+  await page.evaluate(() => window.loss.loseContext());
+  await message.waitFor();
+  await goTo(page, `#model=${unmorphed.url.slice(1)}`);
+  await page.waitForTimeout(500);
+  assert.ok(await message.isVisible(), 'the message stays when another model is opened');
+  await page.evaluate(() => window.loss.restoreContext());
+  await waitForState(page, 'complete');
+  await page.waitForTimeout(300);
+  assert.equal(await page.locator('#message').innerText(), '');
+  assert.ok((await difference(page, await picture(reference.page), await picture(page))) <= EQUAL);
+  assert.deepEqual([...problems, ...full.problems, ...reference.problems].filter((problem) => !/context/i.test(problem)), []);
+});
+
+test('without WebGL 2 there is a message, and no control that does nothing', { skip }, async () => {
+  const { page, problems } = await openViewer();
+  await page.addInitScript(() => (HTMLCanvasElement.prototype.getContext = () => null));
+  await page.reload();
+  await page.locator('#message', { hasText: 'WebGL' }).waitFor();
+  const controls = await page.evaluate(() => [...document.querySelectorAll('button, select, input, a')].filter((element) => element.checkVisibility()).map((element) => element.className || element.id));
+  assert.deepEqual(controls, ['brand']);
+  assert.deepEqual(problems, []);
+});
+
+test('nothing is beyond a screen of 360 pixels, whatever it shows', { skip }, async () => {
+  const { page } = await openViewer(undefined, { ...PHONE, viewport: { width: 360, height: 640 } });
+  const name = `${'long-name-'.repeat(12)}.glb`;
+  writeFileSync(path.join(models.folder, name), texturedSquare(`${'missing'.repeat(30)}.png`));
+  const fits = async (/** @type {string} */ what) => {
+    await page.waitForTimeout(300);
+    const found = await page.evaluate(() => {
+      const tools = [...document.querySelectorAll('.tools > *')].filter((element) => element.checkVisibility()).map((element) => element.getBoundingClientRect());
+      return { overflow: document.documentElement.scrollWidth - innerWidth, isBeside: tools.every(({ left, right }) => left >= 0 && right <= innerWidth) };
+    });
+    assert.deepEqual(found, { overflow: 0, isBeside: true }, what);
+  };
+  await fits('gallery');
+  for (const model of [`models/${name}`, unmorphed.url.slice(1), present(hand).url.slice(1), 'models/none.glb']) {
+    await goTo(page, `#model=${model}`);
+    await page.waitForFunction(() => ['complete', 'failed'].includes(window.tristrip.viewer.state));
+    await fits(model);
+  }
+  await page.locator('#help').click();
+  await fits('help');
 });
 
 test('all controls can be reached by Tab', { skip }, async () => {

@@ -5,6 +5,7 @@ import { Animation } from '../webgl/animation.js';
 import { Budget } from '../webgl/budget.js';
 import { Camera } from '../webgl/camera.js';
 import { Geometry } from '../webgl/geometry.js';
+import { countTriangles } from '../webgl/indices.js';
 import { readMaterial } from '../webgl/materials.js';
 import { cofactors, compose, determinant, multiply, transformBox, transformPoint } from '../webgl/matrix.js';
 import { ShownModel } from '../webgl/model.js';
@@ -91,7 +92,7 @@ test('a camera sees what it looks at, and its view is text', () => {
   const other = new Camera();
   assert.ok(other.parse(String(camera)));
   assert.equal(String(other), String(camera));
-  for (const text of ['', '1,2,3', '0,0,-1,0,0,0', '0,0,x,0,0,0', '0,0,Infinity,0,0,0']) assert.ok(!other.parse(text), text);
+  for (const text of ['', '1,2,3', '0,0,-1,0,0,0', '0,0,x,0,0,0', '0,0,Infinity,0,0,0', '0,0,1e300,0,0,0', '0,0,1e-300,0,0,0', '0,0,1,0,-1e38,0', '1e16,0,1,0,0,0']) assert.ok(!other.parse(text), text);
 });
 
 test('a scene ignores cycles, and bounds its meshes where they stand', () => {
@@ -205,6 +206,18 @@ test('shaders take powers of numbers that are not negative: others are black pix
   const powers = [...FRAGMENT.matchAll(/\bpow\((.*)/g)].map(([, rest]) => rest);
   assert.ok(powers.length >= 3);
   for (const rest of powers) assert.match(rest, /^max\(.*, 0\.0\)/);
+});
+
+test('triangles of strips are counted without restarts and degenerate ones', () => {
+  const count = (mode, ...indices) => countTriangles({ mode, array: Uint8Array.from(indices), length: indices.length });
+  assert.equal(count(4, 0, 1, 2, 2, 1, 3, 0), 2);
+  assert.equal(count(5, 0, 1, 2, 3), 2);
+  assert.equal(count(5, 0, 1, 2, 255, 3, 4, 5, 6, 255, 7, 8), 3);
+  assert.equal(count(5, 0, 1, 2, 2, 3, 3, 4, 5), 2, 'strips that are joined');
+  assert.equal(count(6, 0, 1, 2, 3, 255, 4, 5, 6), 3);
+  assert.equal(count(1, 0, 1, 2, 3), 0);
+  assert.equal(countTriangles({ mode: 5, array: null, length: 1 }), 0);
+  assert.equal(countTriangles({ mode: 5, array: null, length: 5 }), 3);
 });
 
 test('morph targets are uploaded as one texture, and nothing of it stays', () => {

@@ -54,11 +54,15 @@ function setTitle(title) {
 
 /** Starts the viewer. */
 function start() {
+  /** Whether the context is lost. */
+  let isLost = false;
+
   /** Shows what is wrong with the model, if anything is. */
   const showState = () => {
     const { error, state, hasPicture } = viewer;
     busy.hidden = state !== 'loading' || hasPicture;
-    if (error) showError(error, hasPicture, () => viewer.retry(), replay);
+    if (isLost && state !== 'empty') showMessage('The browser has taken back the graphics memory.', 'The picture comes back as soon as the browser allows.');
+    else if (error) showError(error, hasPicture, () => viewer.retry(), replay);
     else if (state === 'complete' && !hasPicture) showMessage('There is nothing to show.', 'The scene of this file has no triangles, lines or points.');
     else hideMessage();
   };
@@ -84,9 +88,9 @@ function start() {
       schedulePanel();
     },
     error: showState,
-    context: (isLost) => {
-      if (isLost) showMessage('The browser has taken back the graphics memory.', 'The picture comes back as soon as the browser allows.');
-      else showState();
+    context: (isGone) => {
+      isLost = isGone;
+      showState();
     },
   });
 
@@ -101,14 +105,13 @@ function start() {
   };
 
   const begin = () => {
-    hideMessage();
     setConnection('');
     follow();
-    busy.hidden = false;
   };
   const replay = () => {
     begin();
     viewer.replay();
+    showState();
     announce('Loading again.');
   };
 
@@ -127,6 +130,7 @@ function start() {
     if (view) camera.parse(view);
     viewer.open(source, typeof source === 'string' ? besideUrl(source) : besideFile(beside), playingOf(animation));
     showAnimations(viewer);
+    showState();
     announce(`Loading ${title}.`);
     // A page that opens with a model keeps the focus where the browser has it.
     if (isStarted) canvas.focus({ preventScroll: true });
@@ -162,6 +166,11 @@ function start() {
       url = undefined;
       open(file, nameOf(file.name));
     } else if (viewer.state !== 'empty') leave();
+    else if (location.hash === FILE_HASH) {
+      // The page was loaded again.
+      history.replaceState(null, '', '#');
+      setText(element('drop-text', HTMLElement), 'The file of this device that was shown here is not kept. Choose it again to show it.');
+    }
   };
 
   let timer = 0;

@@ -15,6 +15,7 @@ const CAUSES = {
   connection: 'The connection was lost.',
   status: 'The server does not give this file.',
   changed: 'The file on the server has changed while it was loaded.',
+  unreadable: 'This file cannot be read.',
   damaged: 'The file is damaged.',
   'not-glb': 'This is not a GLB file.',
   unsupported: 'This viewer cannot show the model.',

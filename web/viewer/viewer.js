@@ -223,8 +223,9 @@ export class Viewer {
   #fail(error) {
     this.state = 'failed';
     const name = this.#source instanceof File ? this.#source.name : String(this.#source);
+    const isEmpty = error.kind === 'not-glb' && this.figures.progress?.receivedBytes === 0;
     const isOther = error.kind === 'not-glb' && isDocument(name);
-    this.error = isOther ? { kind: 'not-glb', message: `A .gltf document refers to other files. “tristrip pack ${nameOfUri(name).split('/').pop()} -o model.glb” makes one GLB file of all.` } : error;
+    this.error = isOther ? { kind: 'not-glb', message: `A .gltf document refers to other files. “tristrip pack ${nameOfUri(name).split('/').pop()} -o model.glb” makes one GLB file of all.` } : isEmpty ? { kind: 'not-glb', message: 'The file is empty.' } : error;
     this.#listener.error();
     this.#listener.change();
   }
@@ -235,6 +236,7 @@ export class Viewer {
     if (this.state !== 'loading' || !this.#isDone || this.#shown?.isBusy) return;
     if (isStreamed && !progress?.isComplete) return;
     this.state = 'complete';
+    this.figures.outside = this.#shown?.wholeTriangles ?? 0;
     this.#mark('tristrip:complete');
     this.#listener.complete();
     this.#listener.change();

@@ -6,6 +6,7 @@ import { EXTENSION } from '../src/container.js';
 import { accessorEnd, Accessors, Binary, unitOf, UnsupportedError, viewBytes, viewEnd } from './accessors.js';
 import { Animation, PATHS } from './animation.js';
 import { Geometry, IndexData, LOCATIONS, VertexData } from './geometry.js';
+import { countTriangles } from './indices.js';
 import { readMaterial } from './materials.js';
 import { compose } from './matrix.js';
 import { MORPHED, Morphs } from './morphs.js';
@@ -429,6 +430,12 @@ export class ShownModel {
 
   get #geometries() {
     return [...this.#streams.values(), ...this.#meshes.flat().map(({ own }) => own)];
+  }
+
+  /** The triangles of the meshes that no stream refines. Takes time in proportion to their indices. */
+  get wholeTriangles() {
+    const whole = this.#meshes.flat().filter(({ stream }) => stream === undefined);
+    return whole.reduce((sum, { own }) => sum + [...own.parts.values()].reduce((ofParts, part) => ofParts + countTriangles(part), 0), 0);
   }
 
   /** Deletes all objects of the context. No listener is called after it. */

@@ -11,20 +11,18 @@
  * @module
  */
 import { unitOf } from './accessors.js';
+import { restartOf } from './indices.js';
 import { floats, RowTexture, words } from './row_texture.js';
 
 /**
  * @import { Budget } from './budget.js'
- * @import { Geometry, IndexArray, IndexData, VertexData } from './geometry.js'
+ * @import { Geometry, IndexData, VertexData } from './geometry.js'
  */
 
 const STRIP = 5;
 const RESTART = 0xffffffff;
 /** How far back the start of a strip is searched for. */
 const MOST_STEPS_BACK = 2 ** 16;
-
-/** @param {IndexArray} array */
-const restartOf = (array) => 2 ** (8 * array.BYTES_PER_ELEMENT) - 1;
 
 /** The attributes that have textures, the samplers of those, and their formats. @type {[string, string, 'RGB32F' | 'RGBA32F'][]} */
 const ATTRIBUTES = [

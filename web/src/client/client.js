@@ -111,7 +111,7 @@
 /**
  * Why a model ends early.
  * @typedef {object} ModelError
- * @property {'connection' | 'status' | 'changed' | 'damaged' | 'not-glb' | 'limit' | 'worker'} kind `status`: the server refuses; `changed`: the file is another one than before; `limit`: it is too large; `worker`: the worker has failed
+ * @property {'connection' | 'status' | 'changed' | 'unreadable' | 'damaged' | 'not-glb' | 'limit' | 'worker'} kind `status`: the server refuses; `changed`: the file is another one than before; `unreadable`: a file of the device cannot be read; `limit`: it is too large; `worker`: the worker has failed
  * @property {string} message for people
  */
 

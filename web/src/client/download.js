@@ -262,7 +262,16 @@ export async function* piecesOf(blob, link) {
   for (let start = 0; start < blob.size; ) {
     const end = Math.min(start + Math.min(link.pieceBytes, 1 << 18), blob.size);
     await link.deliver(end - start);
-    yield new Uint8Array(await blob.slice(start, end).arrayBuffer());
+    yield await readPiece(blob.slice(start, end));
     start = end;
+  }
+}
+
+/** @param {Blob} piece */
+async function readPiece(piece) {
+  try {
+    return new Uint8Array(await piece.arrayBuffer());
+  } catch {
+    throw new DownloadError('unreadable', 'It may be a folder, or it was changed, moved or deleted after it was chosen.');
   }
 }
