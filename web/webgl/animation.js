@@ -46,10 +46,18 @@ export class Animation {
     for (const track of this.tracks) {
       const node = scene.nodes.get(track.node);
       if (!node || track.times.length === 0) continue;
-      const { length } = node[track.path];
-      if (length > 0) node[track.path] = sample(track, time, length);
+      node[track.path] = sample(track, time, sizeOf(track));
     }
   }
+}
+
+/**
+ * Returns how many numbers a value of a track has.
+ * @param {Track} track
+ */
+function sizeOf({ path, interpolation, times, values }) {
+  if (path !== 'weights') return path === 'rotation' ? 4 : 3;
+  return Math.floor(values.length / times.length / (interpolation === 'CUBICSPLINE' ? 3 : 1));
 }
 
 /**

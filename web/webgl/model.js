@@ -148,7 +148,9 @@ export class ShownModel {
     const textures = (this.textures = new Textures(this.#gl, json, () => this.#listener.draw(), (uri) => this.#listener.find(uri)));
     const materials = (json.materials ?? []).map(readMaterial);
     const plain = readMaterial();
-    this.#meshes = (json.meshes ?? []).map((/** @type {any} */ mesh) => mesh.primitives.map((/** @type {any} */ primitive) => this.#primitive(primitive, materials[primitive.material] ?? plain)));
+    this.#meshes = (json.meshes ?? []).map((/** @type {any} */ mesh, /** @type {number} */ i) =>
+      mesh.primitives.map((/** @type {any} */ primitive) => this.#primitive(primitive, scene.isMorphed(i), materials[primitive.material] ?? plain)),
+    );
     for (const [index, image] of (json.images ?? []).entries()) {
       if (image.bufferView !== undefined) this.#later(viewEnd(json, image.bufferView), (bytes) => textures.add(index, viewBytes(json, image.bufferView, bytes)));
     }
@@ -180,11 +182,13 @@ export class ShownModel {
 
   /**
    * @param {any} primitive
+   * @param {boolean} isMorphed
    * @param {Material} material
    * @returns {Primitive}
    */
-  #primitive({ attributes, indices, mode = 4, extensions, targets = [] }, material) {
+  #primitive({ attributes, indices, mode = 4, extensions, targets: all = [] }, isMorphed, material) {
     const json = this.#json;
+    const targets = isMorphed ? all : [];
     const { stream, part = 0 } = extensions?.[EXTENSION] ?? {};
     const own = new Geometry();
     const used = [...Object.values(attributes), indices, ...targets.flatMap(Object.values)];

@@ -183,6 +183,11 @@ export class Renderer {
     this.draw();
   }
 
+  /** Whether each frame is another one: animations of a hidden page cost nothing. */
+  get #isMoving() {
+    return this.#isPlaying && !document.hidden;
+  }
+
   /** Draws in the next frame. */
   draw() {
     this.#isDirty = true;
@@ -206,13 +211,13 @@ export class Renderer {
       if (this.#model?.step(new Budget())) this.#isDirty = true;
       const isDrawn = this.#isDirty;
       this.#isDirty = false;
-      if (isDrawn || this.#isPlaying) this.#paint();
+      if (isDrawn || this.#isMoving) this.#paint();
     } catch (error) {
       this.#listener.error?.(error instanceof Error ? error : new Error(String(error)));
       return;
     }
     this.longestTask = Math.max(this.longestTask, performance.now() - start);
-    if (this.#isDirty || this.#isPlaying || this.#model?.isBusy) this.#request();
+    if (this.#isDirty || this.#isMoving || this.#model?.isBusy) this.#request();
   }
 
   #resize() {

@@ -17,7 +17,7 @@ import { compose, identity, multiply, transformBox } from './matrix.js';
  * @property {number[]} translation
  * @property {number[]} rotation
  * @property {number[]} scale
- * @property {number[]} weights those of the morph targets of the mesh
+ * @property {number[]} weights those of the morph targets of the mesh; those that are left out are 0
  * @property {number | undefined} mesh
  * @property {number | undefined} skin
  * @property {Matrix} world
@@ -43,6 +43,10 @@ export class Scene {
   #boxes = new Map();
   /** The nodes whose weights an animation moves. @type {Set<number>} */
   #morphing = new Set();
+  /** The meshes of which targets are added by some node. @type {Set<number>} */
+  #morphed = new Set();
+  /** The weights of meshes, which nodes share. @type {Map<number, number[]>} */
+  #weights = new Map();
 
   /** @param {any} json */
   constructor(json) {
@@ -60,7 +64,9 @@ export class Scene {
       // In a tree each node comes once.
       if (!node || this.nodes.has(index)) continue;
       const { matrix, translation = [0, 0, 0], rotation = [0, 0, 0, 1], scale = [1, 1, 1], mesh, skin, children = [] } = node;
-      const rest = { translation, rotation, scale, weights: weightsOf(json.meshes?.[mesh], node.weights) };
+      const weights = Array.isArray(node.weights) ? readWeights(json.meshes?.[mesh], node.weights) : this.#weightsOf(mesh);
+      if (this.#morphing.has(index) || weights.some((weight) => weight !== 0)) this.#morphed.add(mesh);
+      const rest = { translation, rotation, scale, weights };
       const made = { index, parent, matrix, ...rest, mesh, skin, world: identity(), instances: [identity()] };
       this.nodes.set(index, made);
       this.#rest.set(made, rest);
@@ -112,32 +118,75 @@ export class Scene {
    * @param {Node} node
    * @returns {Box | undefined}
    */
-  #boxOf({ index, mesh, weights }) {
-    // Most nodes have no weights, and share the box of their mesh.
-    const key = weights.length === 0 ? `${mesh}` : `${mesh} ${index}`;
-    if (this.#boxes.has(key)) return this.#boxes.get(key);
-    const box = emptyBox();
+  #boxOf(node) {
+    const { index, mesh = -1 } = node;
+    // Most nodes have no weights of their own, and share the box of their mesh.
+    const weights = this.#rest.get(node)?.weights ?? [];
+    const rest = this.#known(weights === this.#weightsOf(mesh) ? `${mesh}` : `${mesh} ${index}`, () => this.#boxAt(mesh, weights));
+    if (!this.#morphing.has(index)) return rest;
     // An animation of weights moves each target to 1, as a rule.
-    const poses = this.#morphing.has(index) ? [weights, ...weights.map((_, i) => weights.map((_, j) => Number(i === j)))] : [weights];
-    for (const { attributes, targets = [] } of this.#json.meshes?.[mesh ?? -1]?.primitives ?? []) {
+    const moving = this.#known(`${mesh} moving`, () => this.#boxOfTargets(mesh));
+    return rest && moving && union(rest, moving);
+  }
+
+  /**
+   * @param {string} key
+   * @param {() => Box | undefined} compute
+   */
+  #known(key, compute) {
+    if (!this.#boxes.has(key)) this.#boxes.set(key, compute());
+    return this.#boxes.get(key);
+  }
+
+  /**
+   * Returns the box around a mesh at some weights.
+   * @param {number} mesh
+   * @param {number[]} weights
+   */
+  #boxAt(mesh, weights) {
+    const box = emptyBox();
+    for (const { attributes, targets = [] } of this.#json.meshes?.[mesh]?.primitives ?? []) {
       const corners = this.#cornersOf(attributes.POSITION);
       if (!corners) continue;
-      for (const pose of poses) {
-        const moved = corners.map((corner) => [...corner]);
-        for (const [i, weight] of pose.entries()) {
-          const added = weight === 0 ? undefined : this.#cornersOf(targets[i]?.POSITION);
-          for (const j of added ? [0, 1, 2] : []) {
-            const ends = /** @type {Vector[]} */ (added).map((corner) => weight * corner[j]);
-            moved[0][j] += Math.min(...ends);
-            moved[1][j] += Math.max(...ends);
-          }
-        }
-        for (const corner of moved) include(box, corner);
+      for (const [i, weight] of weights.entries()) add(corners, weight, this.#cornersOf(targets[i]?.POSITION));
+      for (const corner of corners) include(box, corner);
+    }
+    return isEmpty(box) ? undefined : box;
+  }
+
+  /**
+   * Returns the box around a mesh with each of its morph targets alone.
+   * @param {number} mesh
+   */
+  #boxOfTargets(mesh) {
+    const box = emptyBox();
+    for (const { attributes, targets = [] } of this.#json.meshes?.[mesh]?.primitives ?? []) {
+      for (const { POSITION } of [{}, ...targets]) {
+        const corners = this.#cornersOf(attributes.POSITION);
+        if (!corners) continue;
+        add(corners, 1, this.#cornersOf(POSITION));
+        for (const corner of corners) include(box, corner);
       }
     }
-    const known = isEmpty(box) ? undefined : box;
-    this.#boxes.set(key, known);
-    return known;
+    return isEmpty(box) ? undefined : box;
+  }
+
+  /**
+   * Returns the weights of the morph targets of a mesh.
+   * @param {number} mesh
+   */
+  #weightsOf(mesh) {
+    let weights = this.#weights.get(mesh);
+    if (!weights) this.#weights.set(mesh, (weights = readWeights(this.#json.meshes?.[mesh], this.#json.meshes?.[mesh]?.weights)));
+    return weights;
+  }
+
+  /**
+   * Returns whether morph targets of a mesh are ever added.
+   * @param {number} mesh
+   */
+  isMorphed(mesh) {
+    return this.#morphed.has(mesh);
   }
 
   /**
@@ -174,16 +223,37 @@ export class Scene {
 }
 
 /**
- * Returns a weight for each morph target of a mesh: those of its node, otherwise its own, otherwise zeros.
+ * Returns weights of morph targets, at most as many as there are targets; others are 0.
  * @param {any} mesh
- * @param {unknown} [ofNode]
+ * @param {unknown} given
  * @returns {number[]}
  */
-function weightsOf(mesh, ofNode) {
-  const given = [ofNode, mesh?.weights].find(Array.isArray) ?? [];
-  const counts = (mesh?.primitives ?? []).map((/** @type {any} */ { targets }) => targets?.length ?? 0);
-  return Array.from({ length: Math.max(0, ...counts) }, (_, i) => (Number.isFinite(given[i]) ? given[i] : 0));
+function readWeights(mesh, given) {
+  const most = (mesh?.primitives ?? []).reduce((/** @type {number} */ count, /** @type {any} */ { targets }) => Math.max(count, targets?.length ?? 0), 0);
+  return Array.isArray(given) ? given.slice(0, most).map((weight) => (Number.isFinite(weight) ? weight : 0)) : [];
 }
+
+/**
+ * Adds a morph target to the corners of a box.
+ * @param {Vector[]} corners the least and the largest one
+ * @param {number} weight
+ * @param {Vector[] | undefined} added those of the target
+ */
+function add(corners, weight, added) {
+  if (!added) return;
+  for (let j = 0; j < 3; j++) {
+    const ends = added.map((corner) => weight * corner[j]);
+    corners[0][j] += Math.min(...ends);
+    corners[1][j] += Math.max(...ends);
+  }
+}
+
+/**
+ * @param {Box} a
+ * @param {Box} b
+ * @returns {Box}
+ */
+const union = (a, b) => ({ min: a.min.map((x, i) => Math.min(x, b.min[i])), max: a.max.map((x, i) => Math.max(x, b.max[i])) });
 
 /** @returns {Box} */
 const emptyBox = () => ({ min: [Infinity, Infinity, Infinity], max: [-Infinity, -Infinity, -Infinity] });
