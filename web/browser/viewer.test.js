@@ -566,6 +566,34 @@ test('the context is lost while a model loads, and while another one is opened',
   assert.deepEqual([...problems, ...full.problems, ...reference.problems].filter((problem) => !/context/i.test(problem)), []);
 });
 
+test('a texture that is uploaded while the context is lost is made again', { skip }, async () => {
+  writeFileSync(path.join(models.folder, 'square.glb'), texturedSquare(`data:image/png;base64,${pixel('blue')}`));
+  const { page, problems } = await openViewer();
+  await page.addInitScript(() => {
+    // Those who wait for a frame by a promise wait until they are let go.
+    const { requestAnimationFrame } = window;
+    window.held = [];
+    window.requestAnimationFrame = (callback) => (String(callback).includes('native code') ? window.held.push(callback) : requestAnimationFrame(callback));
+  });
+  await page.reload();
+  await goTo(page, '#model=models/square.glb');
+  await page.waitForFunction(() => window.held.length === 1);
+  await page.evaluate(() => {
+    window.loss = document.querySelector('canvas').getContext('webgl2').getExtension('WEBGL_lose_context');
+    window.loss.loseContext();
+  });
+  await page.locator('#message', { hasText: 'graphics memory' }).waitFor();
+  await page.evaluate(() => window.loss.restoreContext());
+  await page.waitForFunction(() => window.held.length === 2);
+  // The texture of the new context comes first.
+  for (const i of [1, 0]) {
+    await page.evaluate((i) => window.held[i](0), i);
+    await page.waitForTimeout(300);
+  }
+  assert.equal(await middleColor(page), 'blue');
+  assert.deepEqual(problems.filter((problem) => !/CONTEXT_LOST/.test(problem)), []);
+});
+
 test('without WebGL 2 there is a message, and no control that does nothing', { skip }, async () => {
   const { page, problems } = await openViewer();
   await page.addInitScript(() => (HTMLCanvasElement.prototype.getContext = () => null));

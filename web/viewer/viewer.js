@@ -34,6 +34,10 @@ import { Figures } from './figures.js';
 /** @type {Playing} */
 const STILL = { animation: 0, isPlaying: false };
 
+/** What a list of animations has room for. */
+const MOST_NAMES = 500;
+const MOST_LETTERS = 80;
+
 const MARKS = ['tristrip:click', 'tristrip:first-picture', 'tristrip:complete'];
 
 /** The viewer: a client, a renderer, and the model that is open. */
@@ -96,22 +100,26 @@ export class Viewer {
     return Math.max(this.#longest, this.renderer.longestTask);
   }
 
-  /** The names of the animations of the model. */
+  get animationCount() {
+    return this.#shown?.animations.length ?? 0;
+  }
+
+  /** The names of the animations of the model, of the first ones if there are very many. */
   get animations() {
-    return (this.#shown?.animations ?? []).map(({ name }, i) => name || `Animation ${i + 1}`);
+    return (this.#shown?.animations ?? []).slice(0, MOST_NAMES).map(({ name }, i) => name.slice(0, MOST_LETTERS) || `Animation ${i + 1}`);
   }
 
   /** Whether an animation is played, and which one, from 0 on. @returns {Playing} */
   get playing() {
     const { animation, isPlaying } = this.renderer;
-    return this.animations.length > 0 ? { animation, isPlaying } : this.#wanted;
+    return this.animationCount > 0 ? { animation, isPlaying } : this.#wanted;
   }
 
   /** Plays an animation, as soon as the model has come. One that the model does not have is not played. */
   set playing(playing) {
     this.#wanted = playing;
-    if (this.animations.length === 0) return;
-    const isKnown = playing.animation < this.animations.length;
+    if (this.animationCount === 0) return;
+    const isKnown = playing.animation < this.animationCount;
     this.renderer.animation = isKnown ? playing.animation : 0;
     this.renderer.isPlaying = isKnown && playing.isPlaying;
   }
@@ -176,7 +184,7 @@ export class Viewer {
       document: (json, bytes) => {
         document(json, bytes);
         if (this.state === 'loading') figures.open(json);
-        if (this.animations.length > 0) this.playing = this.#wanted;
+        if (this.animationCount > 0) this.playing = this.#wanted;
         else this.#wanted = STILL;
         this.#listener.animations();
         this.#listener.change();

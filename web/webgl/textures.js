@@ -33,6 +33,8 @@ export class Textures {
   #images = new Map();
   #json;
   #isReleased = false;
+  /** How often the context was lost: textures of before are none any more. */
+  #losses = 0;
 
   /**
    * @param {WebGL2RenderingContext} gl
@@ -92,9 +94,11 @@ export class Textures {
       return null;
     }
     this.#textures.set(key, null);
+    const losses = this.#losses;
     // An image that cannot be decoded is left out: the model is drawn without it.
     this.#make(blob, isColor, this.#json.samplers?.[sampler] ?? {}).then(
       (made) => {
+        if (!made || losses !== this.#losses) return;
         if (this.#isReleased) return this.#gl.deleteTexture(made);
         this.#textures.set(key, made);
         this.#onchange();
@@ -105,6 +109,7 @@ export class Textures {
   }
 
   /**
+   * Makes a texture; `null` if the context is lost meanwhile.
    * @param {Blob} blob
    * @param {boolean} isColor
    * @param {any} sampler
@@ -120,6 +125,7 @@ export class Textures {
       large.close();
     }
     const { width, height } = bitmap;
+    const losses = this.#losses;
     const texture = gl.createTexture();
     const bind = () => gl.bindTexture(gl.TEXTURE_2D, texture);
     bind();
@@ -128,6 +134,11 @@ export class Textures {
     for (let y = 0; y < height && !this.#isReleased; y += rows) {
       const band = rows < height ? await createImageBitmap(bitmap, 0, y, width, Math.min(rows, height - y), plain) : bitmap;
       await nextFrame();
+      if (losses !== this.#losses) {
+        band.close();
+        bitmap.close();
+        return null;
+      }
       bind();
       gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, y, gl.RGBA, gl.UNSIGNED_BYTE, band);
       band.close();
@@ -154,6 +165,7 @@ export class Textures {
 
   /** Forgets the textures of a context that is lost; they are made again. */
   forget() {
+    this.#losses++;
     this.#textures.clear();
   }
 }
