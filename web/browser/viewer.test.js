@@ -607,17 +607,21 @@ test('without WebGL 2 there is a message, and no control that does nothing', { s
 test('nothing is beyond a screen of 360 pixels, whatever it shows', { skip }, async () => {
   const { page } = await openViewer(undefined, { ...PHONE, viewport: { width: 360, height: 640 } });
   const name = `${'long-name-'.repeat(12)}.glb`;
+  // Its errors are small.
+  const fine = texturedScenes[3] ? pack(texturedScenes[3]) : present(hand);
   writeFileSync(path.join(models.folder, name), texturedSquare(`${'missing'.repeat(30)}.png`));
   const fits = async (/** @type {string} */ what) => {
     await page.waitForTimeout(300);
     const found = await page.evaluate(() => {
       const tools = [...document.querySelectorAll('.tools > *')].filter((element) => element.checkVisibility()).map((element) => element.getBoundingClientRect());
-      return { overflow: document.documentElement.scrollWidth - innerWidth, isBeside: tools.every(({ left, right }) => left >= 0 && right <= innerWidth) };
+      const chart = /** @type {Element} */ (document.querySelector('#chart'));
+      const cut = [...chart.querySelectorAll('text')].filter((text) => chart.checkVisibility() && text.getBoundingClientRect().right > chart.getBoundingClientRect().right);
+      return { overflow: document.documentElement.scrollWidth - innerWidth, cut: cut.map(({ textContent }) => textContent), isBeside: tools.every(({ left, right }) => left >= 0 && right <= innerWidth) };
     });
-    assert.deepEqual(found, { overflow: 0, isBeside: true }, what);
+    assert.deepEqual(found, { overflow: 0, cut: [], isBeside: true }, what);
   };
   await fits('gallery');
-  for (const model of [`models/${name}`, unmorphed.url.slice(1), present(hand).url.slice(1), 'models/none.glb']) {
+  for (const model of [`models/${name}`, unmorphed.url.slice(1), present(hand).url.slice(1), present(truck).url.slice(1), fine.url.slice(1), 'models/none.glb']) {
     await goTo(page, `#model=${model}`);
     await page.waitForFunction(() => ['complete', 'failed'].includes(window.tristrip.viewer.state));
     await fits(model);

@@ -8,7 +8,9 @@ import { bytesText, element, errorText } from './elements.js';
 /** @import { Point } from './figures.js' */
 
 const LEFT = 8;
-const RIGHT = 252;
+const RIGHT = 240;
+/** The right end of the labels of errors. */
+const LABELS = 299;
 const TOP = 8;
 const BOTTOM = 98;
 
@@ -47,7 +49,7 @@ export function drawChart(points, shown, totalBytes) {
   for (let log = most; log > least - 0.1; log -= step) {
     shapes.push(shape('path', { d: `M${LEFT} ${y(log).toFixed(1)}H${RIGHT}`, class: 'grid' }));
     const percent = Number((100 * Math.exp(log)).toPrecision(1));
-    shapes.push(shape('text', { x: RIGHT + 6, y: (y(log) + 4).toFixed(1) }, `${percent} %`));
+    shapes.push(shape('text', { x: LABELS, y: (y(log) + 4).toFixed(1), 'text-anchor': 'end' }, `${percent} %`));
   }
   shapes.push(shape('path', { d: `M${known.map(at).join('L')}`, class: 'curve' }));
   const marked = points[Math.min(shown, points.length) - 1];
