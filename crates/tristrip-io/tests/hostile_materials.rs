@@ -2,8 +2,11 @@
 //! proportion to the bytes, and no file outside the folder.
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
+#[path = "io/doubling.rs"]
 mod doubling;
+#[path = "io/gltf_documents/mod.rs"]
 mod gltf_documents;
+#[path = "io/random.rs"]
 mod random;
 
 use std::fmt::Write as _;

@@ -1,17 +1,14 @@
 //! glTF with geometry compressed by Draco: read as if it were not, and bounded on wrong streams.
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
-mod doubling;
-mod random;
-
+use crate::doubling::check_linear;
+use crate::random::random;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use doubling::check_linear;
 use draco_gltf::{
     ComponentType, CompressionOptions, DracoPrimitiveEncoding, PackedAttribute, PackedGeometry,
     PackedIndices, PrimitiveMode,
 };
-use random::random;
 use serde_json::{Value, json};
 use tristrip::Layout;
 use tristrip_io::{Drawing, Error, Format, gltf, write};

@@ -2,9 +2,7 @@
 //! and what was read can be written and read again.
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
-mod gltf_documents;
-
-use gltf_documents::*;
+use crate::gltf_documents::*;
 use serde_json::json;
 use tristrip::{Layout, Strips};
 use tristrip_io::{Drawing, Error, Model, gltf};

@@ -1,12 +1,9 @@
 //! Packed scenes: fewer bytes, with the same vertices, and animations that play the same.
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
-mod gltf_documents;
-mod random;
-
-use gltf_documents::scenes::{grid, raw, shared_scene};
-use gltf_documents::{packed as packed_indices, *};
-use random::mutated_documents;
+use crate::gltf_documents::scenes::{grid, raw, shared_scene};
+use crate::gltf_documents::{packed as packed_indices, *};
+use crate::random::mutated_documents;
 use serde_json::{Value, json};
 use tristrip_io::gltf::{Rounding, pack, read};
 

@@ -1,9 +1,7 @@
 //! The text of a document: what is not ours stays byte for byte when indices are written into it.
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
-mod gltf_documents;
-
-use gltf_documents::*;
+use crate::gltf_documents::*;
 use tristrip::{Layout, Strips};
 use tristrip_io::{Drawing, gltf};
 

@@ -1,14 +1,10 @@
 //! Compressed buffer views, with meshoptimizer's own encoders and decoders as the oracle, and files of gltfpack.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests fail by panicking")]
 
-mod compressed;
-mod gltf_documents;
-mod random;
-
-use compressed::{Compression, EXT, KHR, compress, draft_of, model_path, ribbon, same_parts, written};
-use gltf_documents::*;
+use crate::compressed::{Compression, EXT, KHR, compress, draft_of, model_path, ribbon, same_parts, written};
+use crate::gltf_documents::*;
+use crate::random::random;
 use meshopt::EncodeExpMode;
-use random::random;
 use serde_json::{Value, json};
 use tristrip::{Layout, Strips};
 use tristrip_io::{Drawing, Model, gltf};

@@ -2,12 +2,10 @@
 //! has at the corners of its triangles, from the first vertices of the accessors of the finest level.
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
-mod gltf_documents;
-
 use std::collections::BTreeSet;
 
-use gltf_documents::scenes::{grid, raw, shared_scene};
-use gltf_documents::*;
+use crate::gltf_documents::scenes::{grid, raw, shared_scene};
+use crate::gltf_documents::*;
 use serde_json::{Value, json};
 use tristrip::Layout;
 use tristrip_io::{Drawing, Format, LeveledModel, Model, PartLevel, gltf, in_level_order, read, write};

@@ -2,14 +2,10 @@
 //! in linear time.
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
-mod doubling;
-mod gltf_documents;
-mod random;
-
-use doubling::check_linear;
-use gltf_documents::scenes::shared_scene;
-use gltf_documents::*;
-use random::mutated_documents;
+use crate::doubling::check_linear;
+use crate::gltf_documents::scenes::shared_scene;
+use crate::gltf_documents::*;
+use crate::random::mutated_documents;
 use serde_json::{Value, json};
 use tristrip::Layout;
 use tristrip_io::{

@@ -1,18 +1,14 @@
 //! Scenes with fewer triangles: the vertices that nothing draws are dropped with all their values, and everything else stays as it was.
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
-mod gltf_documents;
-mod random;
-mod shrunk;
-
 use std::collections::BTreeSet;
 
-use gltf_documents::scenes::{grid, interleaved, shared_scene};
-use gltf_documents::*;
+use crate::gltf_documents::scenes::{grid, interleaved, shared_scene};
+use crate::gltf_documents::*;
+use crate::random::mutated_documents;
+use crate::shrunk::{count_of, indices, number, shrunk};
 use proptest::prelude::*;
-use random::mutated_documents;
 use serde_json::{Value, json};
-use shrunk::{count_of, indices, number, shrunk};
 use tristrip::Layout;
 use tristrip_io::{Drawing, Format, gltf, reorder, with_triangles, write};
 

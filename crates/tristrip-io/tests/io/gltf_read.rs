@@ -1,8 +1,6 @@
 //! Reading glTF: small documents for each way in which the format can store triangles.
 
-mod gltf_documents;
-
-use gltf_documents::*;
+use crate::gltf_documents::*;
 use serde_json::json;
 use tristrip::AttributeData;
 use tristrip_io::{Error, gltf};

@@ -1,13 +1,9 @@
 //! Compressed buffer views that are wrong: errors that name the place, limits, and changed bytes.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests fail by panicking")]
 
-mod compressed;
-mod gltf_documents;
-mod random;
-
-use compressed::{Compression, EXT, KHR, compress, ribbon};
-use gltf_documents::*;
-use random::random;
+use crate::compressed::{Compression, EXT, KHR, compress, ribbon};
+use crate::gltf_documents::*;
+use crate::random::random;
 use serde_json::{Value, json};
 use tristrip_io::{Error, gltf};
 

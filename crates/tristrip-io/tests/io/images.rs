@@ -1,12 +1,10 @@
 //! Images in separate files: what is taken into the model, what stays where it is, and that the rest does not change.
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
-mod gltf_documents;
-
 use std::fs;
 use std::path::Path;
 
-use gltf_documents::*;
+use crate::gltf_documents::*;
 use serde_json::json;
 use tristrip::Layout;
 use tristrip_io::{Drawing, Model, embed_images, gltf, read_path};

@@ -1,13 +1,11 @@
 //! `.tlod` files: what is written is read again, and whatever else is read gives an error: cut off, changed, too large, or made up.
 #![allow(clippy::unwrap_used, clippy::panic, reason = "tests fail by panicking")]
 
-mod random;
-
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
+use crate::random::random;
 use proptest::prelude::*;
-use random::random;
 use tristrip::simplify::{MergeOrder, SimplifyOptions, merge_tree};
 use tristrip::{
     Attribute, AttributeData, CollapseSequence, Faces, Mesh, Rename, StripifyOptions, Strips, stripify,

@@ -1,12 +1,9 @@
 //! Scenes whose parts get new vertices: each has all values of its source, except for the new normal.
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
-mod gltf_documents;
-mod random;
-
-use gltf_documents::scenes::{raw, shared_scene};
-use gltf_documents::*;
-use random::mutated_documents;
+use crate::gltf_documents::scenes::{raw, shared_scene};
+use crate::gltf_documents::*;
+use crate::random::mutated_documents;
 use serde_json::{Value, json};
 use tristrip::Layout;
 use tristrip_io::{

@@ -2,12 +2,9 @@
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 #![allow(clippy::format_push_string, reason = "a test may be slow")]
 
-mod gltf_documents;
-mod reordered;
-
-use gltf_documents::scenes::{grid, shared_scene};
-use gltf_documents::*;
-use reordered::{check, check_first_uses, drawn, meshes, strips_of};
+use crate::gltf_documents::scenes::{grid, shared_scene};
+use crate::gltf_documents::*;
+use crate::reordered::{check, check_first_uses, drawn, meshes, strips_of};
 use tristrip::verify::verify_models;
 use tristrip::{Attribute, AttributeData, Faces, Layout, Mesh, Strips};
 use tristrip_io::{Drawing, Format, Model, Part, gltf, read, reorder, write};

@@ -1,11 +1,8 @@
 //! Writing GLB: the scene is kept, every layout draws the same triangles, and the Khronos validator accepts the files.
 #![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
-mod gltf_documents;
-mod kept_scenes;
-
-use gltf_documents::*;
-use kept_scenes::{LAYOUTS, check_scene, rich, strips_of, write};
+use crate::gltf_documents::*;
+use crate::kept_scenes::{LAYOUTS, check_scene, rich, strips_of, write};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 use tristrip::{Attribute, AttributeData, Faces, Layout, Mesh, Strips};

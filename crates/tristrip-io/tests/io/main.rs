@@ -1,0 +1,33 @@
+//! Formats and models: what is read, written, refused and kept. One program, because linking takes longer than the tests.
+
+mod compressed;
+mod doubling;
+mod draco;
+mod empty_models;
+mod gltf_bad;
+mod gltf_documents;
+mod gltf_limits;
+mod gltf_read;
+mod gltf_text;
+mod gltf_write;
+mod hostile;
+mod hostile_scenes;
+mod images;
+mod kept_scenes;
+mod levels;
+mod levels_of_detail;
+mod malformed;
+mod meshopt;
+mod meshopt_errors;
+mod models;
+mod new_vertices;
+mod pack;
+mod random;
+mod readers;
+mod reorder;
+mod reorder_scene;
+mod reordered;
+mod round_trip;
+mod shrink;
+mod shrunk;
+mod tlod;

@@ -1,0 +1,9 @@
+//! Whole models through the pipeline: drawn, simplified, chained, packed. One program, because linking takes longer than the tests.
+
+mod chain;
+mod drawing;
+mod filters;
+mod flat_shaded;
+mod models;
+mod normals;
+mod progressive;
