@@ -30,6 +30,7 @@ mod options;
 #[cfg(test)]
 mod oracle;
 mod painted;
+mod pose;
 mod raster;
 mod scene;
 mod shader;

@@ -21,7 +21,7 @@ const MOST_TRIANGLES: usize = 4_000_000;
 const MOST_SAMPLES: u64 = 1 << 30;
 
 /// The options that a picture depends on, for keys.
-pub(crate) const OPTIONS: &str = "thumbnail 2 320x240";
+pub(crate) const OPTIONS: &str = "thumbnail 3 320x240";
 
 /// Draws a file of a folder.
 pub(crate) fn of_source(source: &Source, folder: &Folder, most_bytes: u64) -> Result<Vec<u8>, String> {
