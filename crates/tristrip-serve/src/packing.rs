@@ -16,12 +16,13 @@ use tristrip_pipeline::{PackOptions, pack};
 use crate::folder::Folder;
 use crate::glb_start::{first_bytes, json_of};
 use crate::paths::SitePath;
+use crate::workshop::Deadline;
 
 /// The version of what packings and pictures are: one more whenever the same file gives other bytes and the package has no other version.
 const PACKING_VERSION: u32 = 1;
-/// How deep folders beside a document are looked into, and the most files and folders that are looked at.
 /// The bytes of a GLB in which URIs are looked for.
 const MOST_JSON_BYTES: u64 = 64 << 10;
+/// How deep folders beside a document are looked into, and the most files and folders that are looked at.
 const MOST_DEPTH: usize = 4;
 const MOST_ENTRIES: usize = 10_000;
 
@@ -89,9 +90,10 @@ impl Source {
         folder: &Folder,
         most_bytes: u64,
         options: &PackOptions,
+        deadline: Deadline,
     ) -> Result<Vec<u8>, String> {
         let model = self.read(folder, most_bytes)?;
-        pack(&model, options, &()).map(|packed| packed.bytes).map_err(|error| error.to_string())
+        pack(&model, options, &deadline).map(|packed| packed.bytes).map_err(|error| error.to_string())
     }
 }
 
@@ -130,6 +132,7 @@ fn add_versions(folder: &Folder, path: &str, depth: usize, left: &mut usize, key
 #[cfg(test)]
 mod tests {
     use std::fs;
+    use std::time::Duration;
 
     use super::*;
 
@@ -204,7 +207,7 @@ mod tests {
         let folder = Folder::open(dir.path()).unwrap();
         let error = |path: &str| {
             let source = Source::find(&folder, &SitePath::new(path).unwrap()).unwrap();
-            source.pack(&folder, 9, &PackOptions::default()).unwrap_err()
+            source.pack(&folder, 9, &PackOptions::default(), Deadline::after(Duration::MAX)).unwrap_err()
         };
         assert_eq!(error("large.ply"), "found a file of 10 bytes, expected at most 9");
         let source = Source::find(&folder, &SitePath::new("a.gltf").unwrap()).unwrap();

@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 
 use axum::Router;
 use axum::extract::State;
-use axum::http::header::{CONTENT_ENCODING, CONTENT_LENGTH, CONTENT_TYPE, ETAG};
+use axum::http::header::{CONTENT_ENCODING, CONTENT_LENGTH, CONTENT_TYPE, ETAG, RETRY_AFTER};
 use axum::http::{Extensions, HeaderMap, HeaderValue, StatusCode, Uri, Version};
 use axum::middleware::map_response;
 use axum::response::Response;
@@ -36,7 +36,7 @@ use crate::packing::Source;
 use crate::paths::{BadPath, SitePath};
 use crate::replies::{Resource, text};
 use crate::thumbnails;
-use crate::workshop::{JobKey, Refusal, Workshop};
+use crate::workshop::{Deadline, JobKey, JobKind, Refusal, Workshop};
 
 /// How long a list of models is answered without another scan.
 const LIST_TIME: Duration = Duration::from_secs(2);
@@ -223,9 +223,10 @@ async fn packed(State(site): State<Arc<Site>>, uri: Uri, headers: HeaderMap) -> 
     };
     let options = site.packing.pack;
     let most_bytes = site.packing.largest_input_bytes;
-    let work = move |source: &Source, folder: &Folder| source.pack(folder, most_bytes, &options);
+    let work =
+        move |source: &Source, folder: &Folder, deadline| source.pack(folder, most_bytes, &options, deadline);
     let key = format!("{options:?} {most_bytes}");
-    made(&site, path, "packing", &key, "model/gltf-binary", &headers, work).await
+    made(&site, path, JobKind::Packing, &key, "model/gltf-binary", &headers, work).await
 }
 
 async fn thumbnail(State(site): State<Arc<Site>>, uri: Uri, headers: HeaderMap) -> Response {
@@ -242,20 +243,22 @@ async fn thumbnail(State(site): State<Arc<Site>>, uri: Uri, headers: HeaderMap) 
         };
     }
     let most_bytes = site.packing.largest_input_bytes;
-    let work = move |source: &Source, folder: &Folder| thumbnails::of_source(source, folder, most_bytes);
+    let work = move |source: &Source, folder: &Folder, deadline| {
+        thumbnails::of_source(source, folder, most_bytes, deadline)
+    };
     let key = format!("{} {most_bytes}", thumbnails::OPTIONS);
-    made(&site, path, "thumbnail", &key, "image/png", &headers, work).await
+    made(&site, path, JobKind::Thumbnail, &key, "image/png", &headers, work).await
 }
 
 /// Answers with what is made of a file, now or before.
 async fn made(
     site: &Site,
     path: SitePath,
-    kind: &'static str,
+    kind: JobKind,
     options: &str,
     media_type: &'static str,
     headers: &HeaderMap,
-    work: impl FnOnce(&Source, &Folder) -> Result<Vec<u8>, String> + Send + 'static,
+    work: impl FnOnce(&Source, &Folder, Deadline) -> Result<Vec<u8>, String> + Send + 'static,
 ) -> Response {
     let (Store::Folder(folder), Some(workshop)) = (&site.store, &site.workshop) else { return not_found() };
     let found = {
@@ -272,12 +275,18 @@ async fn made(
     let key = source.key(options);
     let job = JobKey { kind, key: key.clone(), name: path.as_str().to_owned() };
     let folder = Arc::clone(folder);
-    match workshop.get(job, move || work(&source, &folder)).await {
+    match workshop.get(job, move |deadline| work(&source, &folder, deadline)).await {
         Ok(Made { source, checksum }) => {
             let tag = format!("{}-{checksum:08x}", &key[..16]);
             Resource { source, media_type, tag, modified: None }.reply(headers)
         }
         Err(Refusal::Busy) => text(StatusCode::SERVICE_UNAVAILABLE, "too many files are being packed"),
+        Err(Refusal::NotYet) => {
+            let mut response =
+                text(StatusCode::SERVICE_UNAVAILABLE, "not finished yet: the work goes on, ask again");
+            response.headers_mut().insert(RETRY_AFTER, HeaderValue::from_static("10"));
+            response
+        }
         Err(Refusal::Failed(message)) => text(StatusCode::UNPROCESSABLE_ENTITY, &message),
     }
 }

@@ -11,6 +11,7 @@ use tristrip_pipeline::{StreamGoal, unpack};
 
 use crate::folder::Folder;
 use crate::packing::Source;
+use crate::workshop::Deadline;
 
 /// The width and height in pixels.
 const SIZE: [u32; 2] = [320, 240];
@@ -24,14 +25,23 @@ const MOST_SAMPLES: u64 = 1 << 30;
 pub(crate) const OPTIONS: &str = "thumbnail 3 320x240";
 
 /// Draws a file of a folder.
-pub(crate) fn of_source(source: &Source, folder: &Folder, most_bytes: u64) -> Result<Vec<u8>, String> {
+pub(crate) fn of_source(
+    source: &Source,
+    folder: &Folder,
+    most_bytes: u64,
+    deadline: Deadline,
+) -> Result<Vec<u8>, String> {
     if source.format == Format::Glb {
         let bytes = folder.read(&source.path, most_bytes).map_err(|error| error.to_string())?;
+        deadline.check()?;
         if let Some(model) = level(bytes)? {
+            deadline.check()?;
             return of_model(&model);
         }
     }
-    of_model(&source.read(folder, most_bytes)?)
+    let model = source.read(folder, most_bytes)?;
+    deadline.check()?;
+    of_model(&model)
 }
 
 /// Draws a GLB.
