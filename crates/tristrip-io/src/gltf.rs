@@ -103,7 +103,7 @@ pub use document::JSON_VALUE_LIMIT;
 pub use pack::{Rounding, pack};
 pub use placements::Placement;
 pub use pose::{MorphReader, Skin};
-pub use progressive::{ProgressiveGlb, with_stream};
+pub use progressive::{ChunkRange, ProgressiveGlb, with_stream};
 pub(crate) use read::read_with_files;
 pub use read::{read, read_separate};
 pub use refine::{StreamMeshes, StreamedPart};

@@ -40,6 +40,8 @@ use crate::workshop::{Deadline, JobKey, JobKind, Refusal, Workshop};
 
 /// How long a list of models is answered without another scan.
 const LIST_TIME: Duration = Duration::from_secs(2);
+/// How often a list is asked for that does not come.
+const MOST_LISTINGS: usize = 3;
 /// The folders whose files are looked at for packings at once.
 const MOST_FINDS: usize = 4;
 /// Smaller files are not compressed.
@@ -81,7 +83,8 @@ impl Site {
         }
     }
 
-    /// Returns the list that was made lately, the one that is being made, or a new one. It is made in a task of its own, also if its clients leave, so that there are never two scans.
+    /// Returns the list that was made lately, the one that is being made, or a new one. It is made in a task of its own for all clients, so that there are never two scans. Once the
+    /// last client has left, the scan ends early, and its list never comes.
     fn listing(self: &Arc<Self>) -> Listing {
         let mut list = self.list.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(known) = &*list {
@@ -98,8 +101,10 @@ impl Site {
         *list = Some(watch.clone());
         let site = Arc::clone(self);
         tokio::task::spawn_blocking(move || {
-            // The sender ends here; without a list if the scan has failed.
-            if let Some(resource) = site.scan() {
+            // The site itself keeps one receiver.
+            let is_wanted = || sender.receiver_count() > 1;
+            // The sender ends here; without a list if the scan has failed or was not wanted.
+            if let Some(resource) = site.scan(&is_wanted) {
                 sender.send_replace(Some((Instant::now(), resource)));
             }
         });
@@ -107,10 +112,10 @@ impl Site {
     }
 
     /// Lists the models. It may block.
-    fn scan(&self) -> Option<Resource> {
+    fn scan(&self, is_wanted: &dyn Fn() -> bool) -> Option<Resource> {
         let catalogue = match &self.store {
             Store::Memory(store) => list(store),
-            Store::Folder(folder) => self.scanner.scan(folder, self.packing.on_demand),
+            Store::Folder(folder) => self.scanner.scan(folder, self.packing.on_demand, is_wanted)?,
         };
         let json = serde_json::to_vec(&catalogue).ok()?;
         let tag = format!("{:x}-{:08x}", json.len(), crc32fast::hash(&json));
@@ -186,11 +191,14 @@ async fn metrics(State(site): State<Arc<Site>>) -> Response {
 }
 
 async fn models(State(site): State<Arc<Site>>, headers: HeaderMap) -> Response {
-    let mut listing = site.listing();
-    match listing.wait_for(Option::is_some).await.as_deref() {
-        Ok(Some((_, resource))) => resource.reply(&headers),
-        _ => failed(),
+    // A scan may have been given up just before this client came.
+    for _ in 0..MOST_LISTINGS {
+        let mut listing = site.listing();
+        if let Ok(Some((_, resource))) = listing.wait_for(Option::is_some).await.as_deref() {
+            return resource.reply(&headers);
+        }
     }
+    failed()
 }
 
 async fn files(State(site): State<Arc<Site>>, uri: Uri, headers: HeaderMap) -> Response {
@@ -322,4 +330,50 @@ fn not_opened(error: &io::Error) -> Response {
     }
     tracing::debug!(%error, "not opened");
     not_found()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc;
+
+    use tokio::runtime::Builder;
+
+    use super::*;
+    use crate::content::Content;
+
+    #[test]
+    fn a_scan_that_nobody_waits_for_ends_and_the_next_client_gets_a_new_one() {
+        let dir = tempfile::tempdir().unwrap();
+        std::fs::write(dir.path().join("a.stl"), "").unwrap();
+        let store = Store::open(Content::Folder(dir.path().to_path_buf())).unwrap();
+        let packing = PackingOptions::default().with_on_demand(true);
+        let site = Arc::new(Site::new(store, None, packing, Arc::new(Metrics::new())));
+        // One thread for all that blocks: nothing is scanned before the gate opens.
+        let runtime = Builder::new_current_thread().max_blocking_threads(1).enable_time().build().unwrap();
+        runtime.block_on(async {
+            let (open, gate) = mpsc::channel::<()>();
+            let gate = tokio::task::spawn_blocking(move || gate.recv());
+            let left = site.listing();
+            let stored = left.clone();
+            drop(left);
+            let shared = site.listing();
+            drop((shared, stored));
+            open.send(()).unwrap();
+            gate.await.unwrap().unwrap();
+            // The scan that was given up, or a new one: a client never fails by it.
+            let response = models(State(Arc::clone(&site)), HeaderMap::new()).await;
+            assert_eq!(response.status(), 200);
+            let (open, gate) = mpsc::channel::<()>();
+            let gate = tokio::task::spawn_blocking(move || gate.recv());
+            *site.list.lock().unwrap() = None;
+            drop(site.listing());
+            open.send(()).unwrap();
+            gate.await.unwrap().unwrap();
+            // The one thread has ended the scan when it has done this.
+            tokio::task::spawn_blocking(|| ()).await.unwrap();
+            let known = site.list.lock().unwrap().clone().unwrap();
+            assert!(known.borrow().is_none() && known.has_changed().is_err());
+            assert_eq!(models(State(Arc::clone(&site)), HeaderMap::new()).await.status(), 200);
+        });
+    }
 }
