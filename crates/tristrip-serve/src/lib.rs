@@ -34,6 +34,7 @@ mod replies;
 mod response_body;
 mod server;
 mod site;
+mod streams;
 mod thumbnails;
 mod tls;
 mod workshop;
