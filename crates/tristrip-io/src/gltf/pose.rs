@@ -16,7 +16,6 @@ use std::collections::HashMap;
 use tristrip::AttributeData;
 
 use super::accessor::AccessorResolver;
-use super::appearance::Instance;
 use super::budget::DecodeBudget;
 use super::document::{Located, items};
 use super::json::Members;
@@ -156,7 +155,7 @@ impl Scene {
 }
 
 impl MorphReader<'_> {
-    /// Returns how far the morph targets move each vertex of an instance, by the weights of its node or else of its mesh: the weighted sum
+    /// Returns how far the morph targets move each vertex of a part that a node places, by the weights of the node or else of the mesh: the weighted sum
     /// of the targets' values of an attribute, `POSITION` or `NORMAL`. `None` where no target has such values and a weight other than 0.
     ///
     /// # Errors
@@ -167,19 +166,19 @@ impl MorphReader<'_> {
     ///     "meshes":[{"primitives":[{"attributes":{"POSITION":0},"targets":[{"POSITION":0}]}]}],
     ///     "accessors":[{"componentType":5126,"count":3,"type":"VEC3"}]}"#;
     /// let scene = tristrip_io::gltf::read(json.to_vec(), None)?.scene.unwrap_or_default();
-    /// let instance = scene.appearance()?.instances[0];
-    /// assert_eq!(scene.morph_reader().displacements(&instance, "POSITION")?, Some(vec![[0.0; 3]; 3]));
+    /// assert_eq!(scene.morph_reader().displacements(0, Some(0), "POSITION")?, Some(vec![[0.0; 3]; 3]));
     /// # Ok::<(), tristrip_io::Error>(())
     /// ```
     pub fn displacements(
         &mut self,
-        instance: &Instance,
+        part: usize,
+        node: Option<usize>,
         attribute: &str,
     ) -> Result<Option<Vec<[f32; 3]>>, Error> {
         let root = &self.scene.document.root;
-        let Some(source) = self.scene.primitives.get(instance.part) else { return Ok(None) };
+        let Some(source) = self.scene.primitives.get(part) else { return Ok(None) };
         let mesh = Located::entry(root, "meshes", source.mesh)?;
-        let node = instance.node.map(|node| Located::entry(root, "nodes", node)).transpose()?;
+        let node = node.map(|node| Located::entry(root, "nodes", node)).transpose()?;
         let weights = node.and_then(|node| node.field("weights")).or_else(|| mesh.field("weights"));
         let primitive = items(mesh.value, "primitives").get(source.primitive).map(|value| {
             let at = format!("{}.primitives[{}]", mesh.at, source.primitive);
@@ -241,7 +240,10 @@ mod tests {
         assert_eq!(joints[0], [[2.0, 0.0, 0.0, 2.0], [0.0, 2.0, 0.0, 4.0], [0.0, 0.0, 2.0, 9.0]]);
         assert_eq!(joints[1], [[1.0, 0.0, 0.0, 4.0], [0.0, 1.0, 0.0, 5.0], [0.0, 0.0, 1.0, 9.0]]);
         let plain = scene(&format!(r#"{nodes},"skins":[{{"joints":[2]}}]"#)).appearance().unwrap();
-        assert_eq!(plain.skins[0].joints[0][2], [0.0, 0.0, 2.0, 3.0]);
+        assert_eq!(
+            plain.skins[0].joints,
+            [[[2.0, 0.0, 0.0, 0.0], [0.0, 2.0, 0.0, 0.0], [0.0, 0.0, 2.0, 3.0]]]
+        );
         for (skins, message) in [
             (r#""skins":[]"#, "nodes[0].skin: found 0, expected less than 0, the number of skins"),
             (r#""skins":[{"joints":[7]}]"#, "skins[0].joints[0]: found 7, expected less than 3"),
@@ -264,8 +266,7 @@ mod tests {
     fn weights_of_the_node_come_before_those_of_the_mesh() {
         let moved = |node: &str| {
             let scene = scene(&format!(r#""nodes":[{{"mesh":0{node}}}]"#));
-            let instance = scene.appearance().unwrap().instances[0];
-            scene.morph_reader().displacements(&instance, "POSITION").map(|all| all.map(|all| all[0]))
+            scene.morph_reader().displacements(0, Some(0), "POSITION").map(|all| all.map(|all| all[0]))
         };
         // The first rows of both matrices are 1 0 0.
         assert_eq!(moved("").unwrap(), Some([0.5, 0.0, 0.0]));
@@ -281,10 +282,9 @@ mod tests {
             "meshes":[{"primitives":[{"attributes":{"POSITION":0},"targets":[{"POSITION":1}]}]}],
             "accessors":[{"componentType":5126,"count":3,"type":"VEC3"},{"componentType":5126,"count":2000000,"type":"VEC3"}]}"#;
         let scene = crate::gltf::read(zeros.as_bytes(), None).unwrap().scene.unwrap();
-        let instance = scene.appearance().unwrap().instances[0];
         let mut reader = scene.morph_reader();
         let results: Vec<bool> =
-            (0..4).map(|_| reader.displacements(&instance, "POSITION").is_ok()).collect();
+            (0..4).map(|_| reader.displacements(0, Some(0), "POSITION").is_ok()).collect();
         assert_eq!(results, [true, true, false, false]);
     }
 

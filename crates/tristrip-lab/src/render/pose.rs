@@ -16,7 +16,7 @@ use tristrip::{Attribute, Mesh};
 use tristrip_io::Model;
 use tristrip_io::gltf::{Instance, MorphReader, Skin};
 
-use super::textured::values;
+use super::attributes::values;
 use super::vector::{Vector, add, cross, dot, unit};
 use crate::error::Error;
 
@@ -71,7 +71,7 @@ impl<'a> Poses<'a> {
 
     /// Returns how far morph targets move the vertices of a part, if they can be read.
     fn displacements(&mut self, mesh: &Mesh, instance: &Instance, name: &str) -> Option<Vec<[f32; 3]>> {
-        match self.morphs.as_mut()?.displacements(instance, name) {
+        match self.morphs.as_mut()?.displacements(instance.part, instance.node, name) {
             Ok(moved) => moved.filter(|moved| moved.len() == mesh.vertex_count()),
             Err(error) => {
                 self.notes.insert(format!("drawn without morph targets: {error}"));
@@ -136,11 +136,8 @@ impl<'a> Joints<'a> {
         for (joints, weights) in &self.sets {
             let joints = values::<JOINTS>(joints, vertex);
             for (joint, weight) in joints.into_iter().zip(values::<JOINTS>(weights, vertex)) {
-                // Not a number neither.
-                if !(weight > 0.0) {
-                    continue;
-                }
-                let Some(matrix) = self.matrix(joint) else { continue };
+                // Not a number is no weight, either.
+                let Some(matrix) = self.matrix(joint).filter(|_| weight > 0.0) else { continue };
                 let weight = f64::from(weight);
                 total += weight;
                 for (sum, x) in sum.iter_mut().flatten().zip(matrix.iter().flatten()) {

@@ -1,9 +1,10 @@
 //! Whole models: the parts in their places, with normals, texture coordinates, colours and textures.
 
-use tristrip::{Attribute, AttributeData, Mesh};
+use tristrip::Mesh;
 use tristrip_io::Model;
 use tristrip_io::gltf::{Appearance, Instance, Material};
 
+use super::attributes::values;
 use super::camera::Camera;
 use super::colours::PLAIN;
 use super::encoding::encode;
@@ -198,7 +199,7 @@ fn without_scene(model: &Model) -> Appearance {
     let grey = Material { base_colour: [red, green, blue, 1.0], texture: None };
     let place = |part| Instance { part, transform, node: None, skin: None };
     let mut appearance = Appearance::default();
-    appearance.instances = (0..model.parts.len()).map(|part| place(part)).collect();
+    appearance.instances = (0..model.parts.len()).map(place).collect();
     appearance.materials = vec![grey; model.parts.len()];
     appearance
 }
@@ -218,28 +219,4 @@ fn check_count(model: &Model, instances: &[Instance]) -> Result<(), Error> {
         }
     }
     Ok(())
-}
-
-/// Returns the first values of a vertex as floats, integers as fractions of their range where the attribute says so; zeros where it has
-/// fewer.
-pub(super) fn values<const N: usize>(attribute: &Attribute, vertex: u32) -> [f32; N] {
-    let components = usize::from(attribute.components);
-    std::array::from_fn(|i| {
-        let at = vertex as usize * components + i;
-        if i < components { value(attribute, at).unwrap_or_default() } else { 0.0 }
-    })
-}
-
-fn value(attribute: &Attribute, at: usize) -> Option<f32> {
-    let (value, range) = match &attribute.data {
-        AttributeData::F32(all) => return all.get(at).copied(),
-        AttributeData::F64(all) => return Some(*all.get(at)? as f32),
-        AttributeData::U8(all) => (f64::from(*all.get(at)?), f64::from(u8::MAX)),
-        AttributeData::I8(all) => (f64::from(*all.get(at)?), f64::from(i8::MAX)),
-        AttributeData::U16(all) => (f64::from(*all.get(at)?), f64::from(u16::MAX)),
-        AttributeData::I16(all) => (f64::from(*all.get(at)?), f64::from(i16::MAX)),
-        AttributeData::U32(all) => (f64::from(*all.get(at)?), f64::from(u32::MAX)),
-        AttributeData::I32(all) => (f64::from(*all.get(at)?), f64::from(i32::MAX)),
-    };
-    Some(if attribute.normalized { (value / range).max(-1.0) as f32 } else { value as f32 })
 }
