@@ -168,7 +168,7 @@ impl Activity {
         let since = Duration::from_millis(now.saturating_sub(self.last.load(Ordering::Relaxed)));
         let bodies = self.bodies();
         if !bodies.is_empty() {
-            // A body that waits for the server is no fault of the client.
+            // A body that waits for the server says nothing of its client.
             let stalls = self.is_http2.load(Ordering::Relaxed)
                 && since >= limits.stall_time
                 && bodies.iter().all(|body| body.wait(now) >= limits.stall_time);

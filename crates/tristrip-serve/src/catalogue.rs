@@ -229,9 +229,11 @@ fn contents_of(file_bytes: u64, mut read: impl FnMut(u64, u64) -> Option<Vec<u8>
         let length = json_bytes(&start).filter(|length| *length <= MOST_JSON_BYTES)?;
         start.extend(read(HEAD_BYTES, length)?);
         let name = b"TRISTRIP_progressive";
-        contents.is_progressive = start.windows(name.len()).any(|window| window == name);
-        if contents.is_progressive {
-            contents.size = size_of(&ChunkRange::find(start).ok()??, file_bytes, read);
+        // Most files are told apart without parsing.
+        if start.windows(name.len()).any(|window| window == name) {
+            let range = ChunkRange::find(start).ok()??;
+            contents.is_progressive = true;
+            contents.size = size_of(&range, file_bytes, read);
         }
         Some(())
     };
@@ -365,6 +367,11 @@ mod tests {
         assert_eq!(read[..2], [0..20, 20..20 + json]);
         assert!(read.len() == 3 && read[2].start == packed.chunk_start as u64, "{read:?}");
         assert!(read[2].end - read[2].start <= PIECE_BYTES, "{read:?}");
+        // A file that only names the extension.
+        let json = br#"{"asset":{"version":"2.0","generator":"TRISTRIP_progressive"}}  "#;
+        let words = [2, 20 + json.len() as u32, json.len() as u32].map(u32::to_le_bytes).concat();
+        let named = [b"glTF", &words[..], b"JSON", json].concat();
+        assert_eq!(contents_of_bytes(&named), Contents::default());
         // A head that promises more JSON than any scan reads.
         let mut long = packed.bytes.clone();
         long[12..16].copy_from_slice(&u32::MAX.to_le_bytes());
@@ -402,15 +409,15 @@ mod tests {
         let folder = folder_of_models(dir.path());
         let scanner = Scanner::default();
         // Two folders, and four files.
-        for most in 0..6 {
-            let asked = Cell::new(0);
+        for most in 0..6_usize {
+            let asked = Cell::new(0_usize);
             let is_wanted = || {
                 asked.set(asked.get() + 1);
                 asked.get() <= most
             };
             assert!(scanner.scan(&folder, false, &is_wanted).is_none(), "{most}");
             assert_eq!(asked.get(), most + 1);
-            assert_eq!(scanner.known().len(), usize::min(3, (most as usize).saturating_sub(2)), "{most}");
+            assert_eq!(scanner.known().len(), usize::min(3, most.saturating_sub(2)), "{most}");
         }
         // Found again without a byte read.
         let scanner = Scanner { most_bytes: 0, known: Mutex::new(std::mem::take(&mut scanner.known())) };

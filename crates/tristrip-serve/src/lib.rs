@@ -21,6 +21,7 @@ mod catalogue;
 mod clients;
 mod connections;
 mod content;
+mod deadline;
 mod error;
 mod folder;
 mod glb_start;

@@ -1,7 +1,7 @@
 //! Packing of files on demand: which files, under which key, and how they are read.
 //!
 //! A key is a hash of all that a result depends on: the file without links, its version, the versions of the files beside it that a `.gltf`, a GLB or an OBJ may name,
-//! the options, and the version of this crate. So a result is never older than its files.
+//! the options, and the version of this crate. So a result is never older than its files; and one whose files changed while they were read is not kept.
 //!
 //! A model is read through the handle of the folder. The files that a `.gltf`, a GLB or an OBJ names are opened by their paths: none that is hidden or outside the folder of the
 //! document, links followed, but someone who may change links in the served folder at the same moment could lead them out of it.
@@ -13,10 +13,10 @@ use sha2::{Digest, Sha256};
 use tristrip_io::{Format, Model};
 use tristrip_pipeline::{PackOptions, pack};
 
+use crate::deadline::Deadline;
 use crate::folder::Folder;
 use crate::glb_start::{first_bytes, json_of};
 use crate::paths::SitePath;
-use crate::workshop::Deadline;
 
 /// The version of what packings and pictures are: one more whenever the same file gives other bytes and the package has no other version.
 const PACKING_VERSION: u32 = 1;
@@ -67,6 +67,11 @@ impl Source {
             write!(text, "{byte:02x}").unwrap_or_default();
             text
         })
+    }
+
+    /// Checks that nothing has changed since the file was found. It may block.
+    pub(crate) fn is_current(&self, folder: &Folder) -> bool {
+        Self::find(folder, &self.path).is_some_and(|now| now.key == self.key)
     }
 
     /// Reads the model, with the materials and images that belong to it.
@@ -155,10 +160,13 @@ mod tests {
         let keys = || ["a/a.gltf", "a/a.ply", "a/b.glb", "a/alone.glb"].map(|path| key(&folder, path));
         let before = keys();
         assert_eq!(before, keys());
+        let found = Source::find(&folder, &SitePath::new("a/a.gltf").unwrap()).unwrap();
         write("a/b.ply", "another model");
         assert_eq!(key(&folder, "a/a.gltf"), before[0]);
+        assert!(found.is_current(&folder));
         write("a/textures/a.png", "another image");
         assert_ne!(key(&folder, "a/a.gltf"), before[0]);
+        assert!(!found.is_current(&folder));
         assert_eq!(key(&folder, "a/a.ply"), before[1]);
         assert!(key(&folder, "a/b.glb") != before[2] && key(&folder, "a/alone.glb") == before[3]);
         let source = Source::find(&folder, &SitePath::new("a/a.ply").unwrap()).unwrap();

@@ -28,6 +28,7 @@ use crate::bytes_source::BytesSource;
 use crate::cache::Made;
 use crate::catalogue::Scanner;
 use crate::content::{Store, list, open_resource};
+use crate::deadline::Deadline;
 use crate::folder::Folder;
 use crate::media::is_compressible;
 use crate::metrics::Metrics;
@@ -36,7 +37,7 @@ use crate::packing::Source;
 use crate::paths::{BadPath, SitePath};
 use crate::replies::{Resource, text};
 use crate::thumbnails;
-use crate::workshop::{Deadline, JobKey, JobKind, Refusal, Workshop};
+use crate::workshop::{JobKey, JobKind, Refusal, Workshop};
 
 /// How long a list of models is answered without another scan.
 const LIST_TIME: Duration = Duration::from_secs(2);
@@ -59,6 +60,8 @@ pub(crate) struct Site {
     scanner: Scanner,
     list: Mutex<Option<Listing>>,
     finds: Arc<Semaphore>,
+    /// The pictures of files in memory that are drawn now.
+    drawings: Arc<Semaphore>,
 }
 
 /// The list of models, and when it was made; `None` as long as it is.
@@ -72,6 +75,7 @@ impl Site {
         metrics: Arc<Metrics>,
     ) -> Self {
         Self {
+            drawings: Arc::new(Semaphore::new((packing.at_once / 2).clamp(1, Semaphore::MAX_PERMITS))),
             store,
             workshop,
             packing,
@@ -245,7 +249,7 @@ async fn thumbnail(State(site): State<Arc<Site>>, uri: Uri, headers: HeaderMap) 
     let Some(path) = path.without_extension("png") else { return not_found() };
     if let Store::Memory(store) = &site.store {
         let Some(stored) = store.get(&path) else { return not_found() };
-        return match stored.thumbnail().await {
+        return match stored.thumbnail(&site.drawings).await {
             Ok(resource) => resource.reply(&headers),
             Err(message) => text(StatusCode::UNPROCESSABLE_ENTITY, &message),
         };
@@ -281,9 +285,18 @@ async fn made(
     };
     let Ok(Some(source)) = found else { return not_found() };
     let key = source.key(options);
-    let job = JobKey { kind, key: key.clone(), name: path.as_str().to_owned() };
+    let job = JobKey { kind, key: key.clone(), name: path.encoded().to_string() };
     let folder = Arc::clone(folder);
-    match workshop.get(job, move |deadline| work(&source, &folder, deadline)).await {
+    let work = move |deadline| {
+        let made = work(&source, &folder, deadline)?;
+        // What was read may be parts of two versions, and the key is that of the first.
+        if source.is_current(&folder) {
+            Ok(made)
+        } else {
+            Err("the file changed while it was read: ask again".into())
+        }
+    };
+    match workshop.get(job, work).await {
         Ok(Made { source, checksum }) => {
             let tag = format!("{}-{checksum:08x}", &key[..16]);
             Resource { source, media_type, tag, modified: None }.reply(headers)

@@ -9,9 +9,9 @@ use tristrip_io::{Drawing, Format, Model};
 use tristrip_lab::render::{Mode, RenderOptions, TexturedModel};
 use tristrip_pipeline::{StreamGoal, unpack};
 
+use crate::deadline::Deadline;
 use crate::folder::Folder;
 use crate::packing::Source;
-use crate::workshop::Deadline;
 
 /// The width and height in pixels.
 const SIZE: [u32; 2] = [320, 240];
