@@ -23,6 +23,7 @@
 //! Linear time in triangles and samples, and a test of each triangle per band. 150 bytes per triangle, and about as much again while a part
 //! is added or for texture coordinates and colours; 12 bytes per sample of the bands that are drawn at the same time.
 
+mod attributes;
 mod camera;
 mod colours;
 mod encoding;
@@ -30,6 +31,7 @@ mod options;
 #[cfg(test)]
 mod oracle;
 mod painted;
+mod pose;
 mod raster;
 mod scene;
 mod shader;

@@ -88,6 +88,11 @@ fn eggs() -> Vec<u8> {
         views.join(","),
         bin.len()
     );
+    glb(json, &bin)
+}
+
+/// Returns a GLB of a document and its buffer, which is a multiple of four bytes.
+fn glb(json: String, bin: &[u8]) -> Vec<u8> {
     let mut json = json.into_bytes();
     json.resize(json.len().next_multiple_of(4), b' ');
     let mut glb = Vec::new();
@@ -101,6 +106,79 @@ fn eggs() -> Vec<u8> {
     }
     glb.extend(bin);
     glb
+}
+
+/// Returns a square of these vertices, with further attributes of its primitive and members of the document. The accessors: positions,
+/// normals, joints of 8 bits, weights, two matrices, indices.
+fn square(positions: [[f32; 3]; 4], attributes: &str, members: &str) -> Model {
+    let floats = |values: &[f32]| values.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>();
+    let column = |x: f32| [1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0, x, 0.0, 0.0, 1.0];
+    let arrays = [
+        floats(&positions.concat()),
+        floats(&[[0.0, 0.0, 1.0]; 4].concat()),
+        // The last joint is none of the skin.
+        [[0, 1, 9, 9], [0, 1, 9, 9], [0, 1, 9, 9], [1, 0, 9, 9]].concat(),
+        // Weights that do not sum to 1 count by their shares; without weights the first joint counts.
+        floats(&[[1.0, 0.0, 0.0, 0.0], [2.0, 0.0, 0.0, 5.0], [0.5, 0.5, 0.0, 0.0], [0.0; 4]].concat()),
+        floats(&[column(0.0), column(-1.0)].concat()),
+        [0_u32, 1, 2, 2, 1, 3].map(u32::to_le_bytes).concat(),
+    ];
+    let kinds = [
+        (5126, 4, "VEC3"),
+        (5126, 4, "VEC3"),
+        (5121, 4, "VEC4"),
+        (5126, 4, "VEC4"),
+        (5126, 2, "MAT4"),
+        (5125, 6, "SCALAR"),
+    ];
+    let (mut bin, mut views, mut accessors) = (Vec::new(), Vec::new(), Vec::new());
+    for (view, (bytes, (component, count, kind))) in arrays.iter().zip(kinds).enumerate() {
+        views.push(format!(r#"{{"buffer":0,"byteOffset":{},"byteLength":{}}}"#, bin.len(), bytes.len()));
+        let accessor = r#""bufferView":VIEW,"componentType":COMPONENT,"count":COUNT,"type":"KIND""#;
+        let accessor =
+            accessor.replace("VIEW", &view.to_string()).replace("COMPONENT", &component.to_string());
+        accessors
+            .push(format!("{{{}}}", accessor.replace("COUNT", &count.to_string()).replace("KIND", kind)));
+        bin.extend(bytes);
+    }
+    let (views, accessors, length) = (views.join(","), accessors.join(","), bin.len());
+    let json = format!(
+        r#"{{"asset":{{"version":"2.0"}},"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0,"NORMAL":1{attributes}}},"indices":5,
+        "targets":[{{"POSITION":0,"NORMAL":1}}]}}]}}],"accessors":[{accessors}],"bufferViews":[{views}],"buffers":[{{"byteLength":{length}}}],{members}}}"#
+    );
+    read(&glb(json, &bin), Format::Glb).unwrap()
+}
+
+#[test]
+fn skins_and_morph_targets_are_drawn_in_the_rest_pose() {
+    let corners = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0], [2.0, 2.0, 0.0]];
+    let skinned = r#","JOINTS_0":2,"WEIGHTS_0":3"#;
+    // The transform of the node with the skin is not that of the mesh; the second joint stands 4 to the right, and its inverse bind matrix
+    // takes 1 back.
+    let nodes = r#""nodes":[{"mesh":0,"skin":0,"scale":[7,1,1]},{"children":[2]},{"translation":[4,0,0]}],
+        "skins":[{"joints":[1,2],"inverseBindMatrices":4}]"#;
+    let same = |before: &Model, after: &Model| {
+        let models = [before, after].map(|model| TexturedModel::new(model).unwrap());
+        let found = compare(&models[0], &models[1], Mode::Normals).unwrap();
+        assert!(found.shown > 10_000, "{found:?}");
+        found.different == 0
+    };
+    let plain = |corners| square(corners, "", r#""nodes":[{"mesh":0}]"#);
+    let posed = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [1.5, 2.0, 0.0], [5.0, 2.0, 0.0]];
+    assert!(same(&square(corners, skinned, nodes), &plain(posed)));
+    assert!(!same(&square(corners, skinned, nodes), &plain(corners)));
+    // A mesh without joints stays where it is, and so does one whose skin cannot be read.
+    assert!(same(&square(corners, "", nodes), &plain(corners)));
+    let broken = square(corners, skinned, &nodes.replace("[1,2]", "[1,9]"));
+    assert!(same(&broken, &plain(corners)));
+    let notes = TexturedModel::new(&broken).unwrap().notes().to_vec();
+    assert!(notes[0].starts_with("drawn without a skin: skins[0].joints[1]: found 9"), "{notes:?}");
+    // The target is the mesh itself, before the skin.
+    let morphed = square(corners, "", r#""nodes":[{"mesh":0,"weights":[0.5]}]"#);
+    assert!(same(&morphed, &plain(corners.map(|corner| corner.map(|x| 1.5 * x)))));
+    let both = square(corners, skinned, &nodes.replace(r#""skin":0"#, r#""skin":0,"weights":[1]"#));
+    let doubled = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [1.5, 4.0, 0.0], [7.0, 4.0, 0.0]];
+    assert!(same(&both, &plain(doubled)));
 }
 
 fn scene() -> Model {

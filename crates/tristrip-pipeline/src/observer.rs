@@ -190,7 +190,7 @@ pub trait Observer: Sync {
         Box::new(())
     }
 
-    /// Returns whether to cancel. Asked at the beginning of each stage, which then returns [`Error::Cancelled`].
+    /// Returns whether to cancel. Asked at the beginning of each stage, and by `pack` before each mesh, on any thread; the stage then returns [`Error::Cancelled`].
     fn is_cancelled(&self) -> bool {
         false
     }

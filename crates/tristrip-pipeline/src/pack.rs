@@ -147,6 +147,9 @@ pub fn pack(model: &Model, options: &PackOptions, observer: &dyn Observer) -> Re
     let locked = touching_vertices(&groups, (model, &whole), &places);
     let lockable: Vec<(&Group, &Vec<bool>)> = groups.iter().zip(&locked).collect();
     let streamed = map(&lockable, |&(group, locked)| {
+        if observer.is_cancelled() {
+            return Err(Error::Cancelled);
+        }
         let streamed = stream_of_group(group, locked, &places, options)?;
         let coarse = drawn_base(group, &streamed, locked)?;
         Ok((streamed, coarse))

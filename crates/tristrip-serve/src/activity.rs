@@ -6,27 +6,41 @@ use std::time::Duration;
 
 use tokio::time::Instant;
 
+use crate::bytes_source::PIECE_BYTES;
 use crate::options::Limits;
+use crate::streams::StreamEnd;
 
-/// How many times as long as a connection that gets on nowhere one body may wait for its client, while other bodies of the connection get on: they share what a slow
+/// The bytes that each body of a connection could have given while one waits, had they taken turns: then its client leaves that one alone. With fewer, it may only share what a slow
 /// network takes.
+const TURNS_BYTES: u64 = 2 * PIECE_BYTES as u64;
+/// How many times as long as a connection that gets on nowhere one body may wait for its client in any case.
 const BODY_PATIENCE: u32 = 4;
 
-/// Since when a body waits for its client: the milliseconds after the start of the connection.
+/// A body of a connection, and since when it waits for its client.
 #[derive(Debug, Clone)]
-pub(crate) struct ClientWait(Arc<AtomicU64>);
+pub(crate) struct OpenBody(Arc<BodyState>);
 
-impl ClientWait {
+#[derive(Debug)]
+struct BodyState {
+    /// The milliseconds after the start of the connection at which the body gave its last bytes; `NONE` while the server looks for more.
+    since: AtomicU64,
+    /// The share that each body could have given by then.
+    share: AtomicU64,
+    /// `None` once it is used, and for HTTP/1.1.
+    end: Mutex<Option<StreamEnd>>,
+}
+
+impl OpenBody {
     const NONE: u64 = u64::MAX;
 
-    /// Notes that the body has given bytes, and that the client may take long until it takes more.
-    pub(crate) fn begins(&self, now: u64) {
-        self.0.store(now, Ordering::Relaxed);
+    /// Notes that the client takes more.
+    pub(crate) fn is_asked(&self) {
+        self.0.since.store(Self::NONE, Ordering::Relaxed);
     }
 
-    /// Notes that the client takes more.
-    pub(crate) fn ends(&self) {
-        self.0.store(Self::NONE, Ordering::Relaxed);
+    /// Returns how long the body waits for its client.
+    fn wait(&self, now: u64) -> Duration {
+        Duration::from_millis(now.saturating_sub(self.0.since.load(Ordering::Relaxed)))
     }
 }
 
@@ -36,8 +50,10 @@ pub(crate) struct Activity {
     start: Instant,
     /// Requests whose responses have not ended.
     requests: AtomicUsize,
-    /// The waits of the bodies that have begun and not ended.
-    bodies: Mutex<Vec<ClientWait>>,
+    /// The bodies that have begun and not ended.
+    bodies: Mutex<Vec<OpenBody>>,
+    /// The bytes that each of them could have given so far: what they have given, divided by how many they were at that time.
+    share: AtomicU64,
     /// The milliseconds after the start at which something last happened.
     last: AtomicU64,
     has_served: AtomicBool,
@@ -71,6 +87,7 @@ impl Activity {
             start: Instant::now(),
             requests: AtomicUsize::new(0),
             bodies: Mutex::default(),
+            share: AtomicU64::new(0),
             last: AtomicU64::new(0),
             has_served: AtomicBool::new(false),
             is_http2: AtomicBool::new(false),
@@ -91,21 +108,46 @@ impl Activity {
         self.progress();
     }
 
-    /// Notes a body, which waits for its client from now on.
-    pub(crate) fn body_begins(&self) -> ClientWait {
-        let wait = ClientWait(Arc::new(AtomicU64::new(self.now())));
-        self.bodies().push(wait.clone());
+    /// Notes a body, which waits for its client from now on, and the stream that it is sent by.
+    pub(crate) fn body_begins(&self, end: Option<StreamEnd>) -> OpenBody {
+        let (since, share) = (AtomicU64::new(self.now()), AtomicU64::new(self.share.load(Ordering::Relaxed)));
+        let body = OpenBody(Arc::new(BodyState { since, share, end: Mutex::new(end) }));
+        self.bodies().push(body.clone());
         self.progress();
-        wait
+        body
     }
 
-    pub(crate) fn body_ends(&self, wait: &ClientWait) {
-        self.bodies().retain(|body| !Arc::ptr_eq(&body.0, &wait.0));
+    /// Notes that a body has given bytes, and that the client may take long until it takes more.
+    pub(crate) fn body_gives(&self, body: &OpenBody, bytes: u64) {
+        let share = bytes / self.bodies().len().max(1) as u64;
+        let all = self.share.fetch_add(share, Ordering::Relaxed) + share;
+        body.0.share.store(all, Ordering::Relaxed);
+        body.0.since.store(self.now(), Ordering::Relaxed);
         self.progress();
     }
 
-    fn bodies(&self) -> MutexGuard<'_, Vec<ClientWait>> {
+    pub(crate) fn body_ends(&self, ended: &OpenBody) {
+        self.bodies().retain(|body| !Arc::ptr_eq(&body.0, &ended.0));
+        self.progress();
+    }
+
+    fn bodies(&self) -> MutexGuard<'_, Vec<OpenBody>> {
         self.bodies.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Ends the streams whose clients have taken nothing of them for the given time, although they took enough of others; returns how many.
+    pub(crate) fn end_stalled_streams(&self, limits: &Limits) -> usize {
+        let (now, share) = (self.now(), self.share.load(Ordering::Relaxed));
+        let bodies = self.bodies();
+        let is_stalled = |body: &&OpenBody| {
+            let wait = body.wait(now);
+            let had_turns = share.saturating_sub(body.0.share.load(Ordering::Relaxed)) >= TURNS_BYTES;
+            wait >= limits.stall_time && had_turns || wait >= limits.stall_time.saturating_mul(BODY_PATIENCE)
+        };
+        let end_of = |body: &OpenBody| body.0.end.lock().unwrap_or_else(PoisonError::into_inner).take();
+        let ends: Vec<StreamEnd> = bodies.iter().filter(is_stalled).filter_map(end_of).collect();
+        ends.iter().for_each(StreamEnd::end);
+        ends.len()
     }
 
     /// Returns the milliseconds since the start.
@@ -123,19 +165,16 @@ impl Activity {
     /// A client of HTTP/1.1 that reads nothing is found by its socket, one of HTTP/2 here: its streams wait for it while the socket does not.
     pub(crate) fn overdue(&self, limits: &Limits) -> Option<Overdue> {
         let now = self.now();
-        let time_since =
-            |time: &AtomicU64| Duration::from_millis(now.saturating_sub(time.load(Ordering::Relaxed)));
-        let since = time_since(&self.last);
+        let since = Duration::from_millis(now.saturating_sub(self.last.load(Ordering::Relaxed)));
         let bodies = self.bodies();
         if !bodies.is_empty() {
-            let body_waits = || {
-                let longest = limits.stall_time.saturating_mul(BODY_PATIENCE);
-                bodies.iter().any(|ClientWait(wait)| time_since(wait) >= longest)
-            };
-            let stalls =
-                self.is_http2.load(Ordering::Relaxed) && (since >= limits.stall_time || body_waits());
+            // A body that waits for the server says nothing of its client.
+            let stalls = self.is_http2.load(Ordering::Relaxed)
+                && since >= limits.stall_time
+                && bodies.iter().all(|body| body.wait(now) >= limits.stall_time);
             return stalls.then_some(Overdue::Stalled);
         }
+        drop(bodies);
         if self.requests.load(Ordering::Relaxed) > 0 {
             return None;
         }
@@ -163,14 +202,20 @@ mod tests {
         activity.request_begins(true);
         after(1000).await;
         assert_eq!(activity.overdue(&limits), None, "packing takes long");
-        let wait = activity.body_begins();
+        let body = activity.body_begins(None);
         activity.request_ends();
         after(29).await;
         assert_eq!(activity.overdue(&limits), None);
-        activity.progress();
+        activity.body_gives(&body, 10);
+        after(29).await;
+        assert_eq!(activity.overdue(&limits), None);
+        body.is_asked();
+        after(1000).await;
+        assert_eq!(activity.overdue(&limits), None, "it waits for the server");
+        activity.body_gives(&body, 10);
         after(30).await;
         assert_eq!(activity.overdue(&limits), Some(Overdue::Stalled));
-        activity.body_ends(&wait);
+        activity.body_ends(&body);
         after(59).await;
         assert_eq!(activity.overdue(&limits), None);
         after(1).await;
@@ -178,23 +223,42 @@ mod tests {
     }
 
     #[tokio::test(start_paused = true)]
-    async fn a_body_that_is_not_read_is_found_beside_others() {
+    async fn a_stream_that_is_not_read_is_ended_beside_others() {
         let limits = Limits::default();
         let activity = Activity::new();
         activity.request_begins(true);
-        let [read, unread] = [activity.body_begins(), activity.body_begins()];
+        let [read, _unread] = [(); 2].map(|()| activity.body_begins(Some(StreamEnd::default())));
         activity.request_ends();
-        for _ in 0..11 {
-            tokio::time::advance(Duration::from_secs(10)).await;
-            activity.progress();
-            read.begins(activity.now());
+        for second in 1..=40 {
+            tokio::time::advance(Duration::from_secs(1)).await;
+            activity.body_gives(&read, PIECE_BYTES as u64);
             assert_eq!(activity.overdue(&limits), None);
+            assert_eq!(activity.end_stalled_streams(&limits), usize::from(second == 30), "{second}");
         }
-        tokio::time::advance(Duration::from_secs(10)).await;
-        activity.progress();
-        assert_eq!(activity.overdue(&limits), Some(Overdue::Stalled));
-        // It waits for the server.
-        unread.ends();
-        assert_eq!(activity.overdue(&limits), None);
+    }
+
+    #[tokio::test(start_paused = true)]
+    async fn streams_that_share_a_slow_network_have_more_time() {
+        let limits = Limits::default();
+        let activity = Activity::new();
+        activity.request_begins(true);
+        let bodies: Vec<OpenBody> =
+            (0..60).map(|_| activity.body_begins(Some(StreamEnd::default()))).collect();
+        activity.request_ends();
+        // One after the other gives a piece per second: each waits for a minute.
+        for second in 0..300 {
+            tokio::time::advance(Duration::from_secs(1)).await;
+            activity.body_gives(&bodies[second % 60], PIECE_BYTES as u64);
+            assert_eq!((activity.overdue(&limits), activity.end_stalled_streams(&limits)), (None, 0));
+        }
+        // One waits for the server, another for its client, and the network is slow.
+        bodies[1].is_asked();
+        bodies[3..].iter().for_each(|body| activity.body_ends(body));
+        for second in 0..200 {
+            tokio::time::advance(Duration::from_secs(1)).await;
+            activity.body_gives(&bodies[0], 100);
+            // It has waited for 58 seconds before.
+            assert_eq!(activity.end_stalled_streams(&limits), usize::from(second == 62), "{second}");
+        }
     }
 }

@@ -17,6 +17,7 @@ use axum::http::header::{
 use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, Request, StatusCode, Version};
 use axum::response::Response;
 use hyper::body::Incoming;
+use percent_encoding::{CONTROLS, utf8_percent_encode};
 use tokio::time::Instant;
 use tower::ServiceExt;
 use tower_http::cors::{AllowOrigin, Any, CorsLayer};
@@ -80,6 +81,8 @@ impl Answerer {
             Err(_) => text(StatusCode::SERVICE_UNAVAILABLE, "too many requests at once"),
         };
         set_headers(route, response.headers_mut());
+        // Names may have letters that turn the text of a terminal around, or control it.
+        let path = utf8_percent_encode(&path, CONTROLS).to_string();
         let record =
             Record { method: method.clone(), path, route, status: response.status(), client, started };
         let pace = self.bandwidth.map(Pace::new);
@@ -113,6 +116,8 @@ impl Answerer {
         let (mut parts, _) = request.into_parts();
         if method == Method::HEAD {
             parts.method = Method::GET;
+            // Ranges are those of GET alone.
+            parts.headers.remove(RANGE);
         }
         match self.routes.clone().oneshot(Request::from_parts(parts, Body::empty())).await {
             Ok(response) => response,

@@ -48,8 +48,9 @@ impl Encoding {
             values.flat_map(|value| value.split(',')).any(|item| {
                 let mut parts = item.split(';').map(str::trim);
                 let is_named = parts.next().is_some_and(|found| found.eq_ignore_ascii_case(name));
-                let weight =
-                    parts.find_map(|part| part.strip_prefix("q=")).map_or(1.0, |q| q.parse().unwrap_or(0.0));
+                let weight = parts
+                    .find_map(|part| part.strip_prefix(['q', 'Q'])?.strip_prefix('='))
+                    .map_or(1.0, |q| q.parse().unwrap_or(0.0));
                 is_named && weight > 0.0
             })
         };
@@ -139,7 +140,8 @@ mod tests {
         };
         assert_eq!(chosen("gzip, deflate, br"), Encoding::Brotli);
         assert_eq!(chosen("br;q=0, GZIP;q=0.5"), Encoding::Gzip);
-        assert_eq!(chosen("identity, gzip; q=0"), Encoding::Identity);
+        assert_eq!(chosen("identity, gzip; q=0, br; Q=0"), Encoding::Identity);
+        assert_eq!(chosen("br;q=NaN, gzip;q=-1"), Encoding::Identity);
         assert_eq!(Encoding::accepted(&HeaderMap::new()), Encoding::Identity);
     }
 

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use axum::body::Body;
 use bytes::Bytes;
-use futures_util::stream::try_unfold;
+use futures_util::stream::{iter, try_unfold};
 
 /// The bytes that are read from a file at once; a file of at most so many bytes is read when it is opened.
 pub(crate) const PIECE_BYTES: usize = 64 << 10;
@@ -42,7 +42,7 @@ impl BytesSource {
     /// Returns a body of a part of the bytes, which lies within them. A file that has become shorter ends the body with an error, and so the connection.
     pub(crate) fn body(&self, start: u64, length: u64) -> Body {
         match self {
-            Self::Memory(bytes) => Body::from(bytes.slice(start as usize..(start + length) as usize)),
+            Self::Memory(bytes) => in_pieces(bytes.slice(start as usize..(start + length) as usize)),
             Self::File { file, offset, .. } => {
                 let first = offset + start;
                 let state = (Arc::clone(file), first, first + length);
@@ -69,6 +69,17 @@ impl BytesSource {
             }
         }
     }
+}
+
+/// Returns a body that lasts as long as its client reads: a connection whose bodies have all been given away counts as idle, however much of them is still to be sent.
+fn in_pieces(mut bytes: Bytes) -> Body {
+    if bytes.len() <= PIECE_BYTES {
+        return Body::from(bytes);
+    }
+    Body::from_stream(iter(std::iter::from_fn(move || {
+        let piece = bytes.split_to(bytes.len().min(PIECE_BYTES));
+        (!piece.is_empty()).then_some(Ok::<_, io::Error>(piece))
+    })))
 }
 
 /// Reads the next piece on a thread that may block.

@@ -2,28 +2,35 @@
 //!
 //! # Algorithm
 //! 1. The folder is scanned, folders in it too, within a depth and a number of files and folders. Names that no URL can have are left out.
-//! 2. A GLB is progressive if its JSON says so. The numbers of triangles and vertices are then in the first chunk of each mesh, which are read alone: the file is read from its start until all of them are there.
-//! 3. What was found in a file is kept until the file changes; the whole list is kept for two seconds.
+//! 2. Of a GLB, the head and the JSON are read. It is progressive if the JSON says so. The numbers of triangles and vertices are then in the first chunk of each mesh: the stream is
+//!    read from its start until all of them are there, without the base meshes and textures before it.
+//! 3. A scan reads a limited number of bytes. Files that are left are looked at by the next scan, and counted in a note.
+//! 4. What was found in a file is kept until the file changes; the whole list is kept for two seconds.
+//! 5. A scan ends early when nobody waits for it any more. What it has found is kept.
 
-use std::collections::{BTreeSet, HashMap};
-use std::fs::File;
-use std::sync::Mutex;
+use std::collections::{BTreeSet, HashMap, HashSet};
+use std::ops::Range;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use serde::Serialize;
 use tristrip::stream::{Decoder, StreamPart, chunks};
 use tristrip_io::Format;
-use tristrip_io::gltf::ProgressiveGlb;
+use tristrip_io::gltf::ChunkRange;
 
 use crate::folder::{Folder, Version};
-use crate::glb_start::{first_bytes, json_of};
+use crate::glb_start::{HEAD_BYTES, bytes_at, json_bytes};
 use crate::paths::SitePath;
 
 /// The depth of folders, and the files and folders that are looked at.
 const MOST_DEPTH: usize = 16;
 const MOST_ENTRIES: usize = 10_000;
-/// The first bytes of a file that are read, and the most, to find its numbers.
-const FIRST_BYTES: u64 = 64 << 10;
-const MOST_BYTES: u64 = 64 << 20;
+/// The bytes of all files that a scan reads.
+const SCAN_BYTES: u64 = 256 << 20;
+/// The most bytes of JSON that are read. A GLB with more is listed without its numbers, as one that is not progressive.
+const MOST_JSON_BYTES: u64 = 16 << 20;
+/// The first piece of a stream that is read to find its numbers, and the most bytes of it.
+const PIECE_BYTES: u64 = 16 << 10;
+const MOST_STREAM_BYTES: u64 = 16 << 20;
 
 /// What a client gets of a model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -85,130 +92,194 @@ impl Listed {
 }
 
 /// Scans a folder, and remembers what was in its files.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub(crate) struct Scanner {
     known: Mutex<HashMap<SitePath, (Version, Contents)>>,
+    /// The bytes of all files that a scan reads.
+    most_bytes: u64,
+}
+
+impl Default for Scanner {
+    fn default() -> Self {
+        Self { known: Mutex::default(), most_bytes: SCAN_BYTES }
+    }
+}
+
+/// A walk through a folder.
+struct Walk<'a> {
+    folder: &'a Folder,
+    /// Whether the result is still wanted.
+    is_wanted: &'a dyn Fn() -> bool,
+    /// The files and folders that may still be looked at.
+    left: usize,
+    files: Vec<(SitePath, Version, Format)>,
 }
 
 impl Scanner {
-    /// Lists the models of a folder by their paths. It may block.
-    pub(crate) fn scan(&self, folder: &Folder, packs: bool) -> Catalogue {
-        let (mut files, mut left, mut notes) = (Vec::new(), MOST_ENTRIES, Vec::new());
-        collect(folder, "", MOST_DEPTH, &mut left, &mut files);
+    /// Lists the models of a folder by their paths; `None` if the result is not wanted any more. It may block.
+    pub(crate) fn scan(
+        &self,
+        folder: &Folder,
+        packs: bool,
+        is_wanted: &dyn Fn() -> bool,
+    ) -> Option<Catalogue> {
+        let mut walk = Walk { folder, is_wanted, left: MOST_ENTRIES, files: Vec::new() };
+        walk.collect("", MOST_DEPTH)?;
+        let Walk { left, mut files, .. } = walk;
+        let mut notes = Vec::new();
         if left == 0 {
             notes.push(format!("only the first {MOST_ENTRIES} files and folders were looked at"));
         }
         files.sort_by(|(a, ..), (b, ..)| a.cmp(b));
-        let mut known = self.known.lock().map(|mut known| std::mem::take(&mut *known)).unwrap_or_default();
-        let mut found = HashMap::new();
-        let (mut models, mut unpacked) = (Vec::new(), 0_usize);
-        for (path, version, format) in files {
-            let mut contents = Contents::default();
-            if format == Format::Glb {
-                let before = known.remove(&path).filter(|(before, _)| *before == version);
-                contents = match before {
-                    Some((_, contents)) => contents,
-                    None => folder.open_file(&path).map_or(contents, |(file, _)| contents_of(&file)),
-                };
-                found.insert(path.clone(), (version, contents));
+        let mut bytes_left = self.most_bytes;
+        let (mut models, mut unpacked, mut unread) = (Vec::new(), 0_usize, 0_usize);
+        for (path, version, format) in &files {
+            if !is_wanted() {
+                return None;
             }
+            let contents = match format {
+                Format::Glb => self.contents(folder, path, *version, &mut bytes_left).unwrap_or_else(|| {
+                    unread += 1;
+                    Contents::default()
+                }),
+                _ => Contents::default(),
+            };
             if packs && !contents.is_progressive {
                 let url = format!("packed/{}.glb", path.encoded());
-                models.push(Listed::new(&path, url, Kind::Packed, version.bytes, contents));
-            } else if format == Format::Glb {
-                models.push(Listed::file(&path, version.bytes, contents));
+                models.push(Listed::new(path, url, Kind::Packed, version.bytes, contents));
+            } else if *format == Format::Glb {
+                models.push(Listed::file(path, version.bytes, contents));
             } else {
                 unpacked += 1;
             }
         }
-        if let Ok(mut known) = self.known.lock() {
-            *known = found;
-        }
-        if unpacked > 0 {
-            let files = if unpacked == 1 { "file" } else { "files" };
-            notes.push(format!("{unpacked} {files} can be packed with --pack-on-demand"));
-        }
-        Catalogue { models, notes }
-    }
-}
-
-/// Collects the model files below a folder.
-fn collect(
-    folder: &Folder,
-    path: &str,
-    depth: usize,
-    left: &mut usize,
-    files: &mut Vec<(SitePath, Version, Format)>,
-) {
-    for entry in folder.entries(path, left).unwrap_or_default() {
-        let Some(version) = entry.version else {
-            if depth > 0 {
-                collect(folder, entry.path.as_str(), depth - 1, left, files);
+        // Files that are gone are forgotten.
+        let paths: HashSet<&SitePath> = files.iter().map(|(path, ..)| path).collect();
+        self.known().retain(|path, _| paths.contains(path));
+        let mut note = |count: usize, what: &str| {
+            if count > 0 {
+                let files = if count == 1 { "file" } else { "files" };
+                notes.push(format!("{count} {files} {what}"));
             }
-            continue;
         };
-        if let Some(format) = Format::from_path(entry.path.as_str()) {
-            files.push((entry.path, version, format));
+        note(unread, "not looked at yet: the list is whole after some more requests");
+        note(unpacked, "can be packed with --pack-on-demand");
+        Some(Catalogue { models, notes })
+    }
+
+    /// Returns what a GLB holds, known or found now; `None` if too few bytes are left.
+    fn contents(
+        &self,
+        folder: &Folder,
+        path: &SitePath,
+        version: Version,
+        bytes_left: &mut u64,
+    ) -> Option<Contents> {
+        if let Some((known, contents)) = self.known().get(path)
+            && *known == version
+        {
+            return Some(*contents);
         }
+        let mut is_over = false;
+        let contents = folder.open_file(path).map_or(Contents::default(), |(file, _)| {
+            contents_of(version.bytes, |offset, length| {
+                is_over |= length > *bytes_left;
+                *bytes_left = bytes_left.checked_sub(length)?;
+                bytes_at(&file, offset, length).ok()
+            })
+        });
+        if is_over {
+            return None;
+        }
+        self.known().insert(path.clone(), (version, contents));
+        Some(contents)
+    }
+
+    fn known(&self) -> MutexGuard<'_, HashMap<SitePath, (Version, Contents)>> {
+        self.known.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-/// Finds what a GLB holds; a file that is not one holds nothing that is known.
-fn contents_of(file: &File) -> Contents {
-    let mut contents = Contents::default();
-    let mut bytes = FIRST_BYTES;
-    loop {
-        let Ok(start) = first_bytes(file, bytes) else { return contents };
-        let is_whole = (start.len() as u64) < bytes;
-        if !contents.is_progressive {
-            match says_progressive(&start) {
-                Some(false) => return contents,
-                Some(true) => contents.is_progressive = true,
-                None => (),
+impl Walk<'_> {
+    /// Collects the model files below a folder; `None` if they are not wanted any more.
+    fn collect(&mut self, path: &str, depth: usize) -> Option<()> {
+        if !(self.is_wanted)() {
+            return None;
+        }
+        for entry in self.folder.entries(path, &mut self.left).unwrap_or_default() {
+            let Some(version) = entry.version else {
+                if depth > 0 {
+                    self.collect(entry.path.as_str(), depth - 1)?;
+                }
+                continue;
+            };
+            if let Some(format) = Format::from_path(entry.path.as_str()) {
+                self.files.push((entry.path, version, format));
             }
         }
-        if contents.is_progressive {
-            contents.size = size_of(start);
-        }
-        if contents.size.is_some() || is_whole || bytes >= MOST_BYTES {
-            return contents;
-        }
-        bytes *= 4;
+        Some(())
     }
 }
 
-/// Checks whether the JSON of a GLB names the extension; `None` if it has not been read to its end.
-fn says_progressive(start: &[u8]) -> Option<bool> {
-    if !start.starts_with(b"glTF") || start.len() < 16 {
-        return Some(false);
-    }
-    let json = json_of(start)?;
-    let name = b"TRISTRIP_progressive";
-    Some(json.windows(name.len()).any(|window| window == name))
+/// Finds what a GLB of so many bytes holds; a file that is not one, or that cannot be read, holds nothing that is known.
+fn contents_of(file_bytes: u64, mut read: impl FnMut(u64, u64) -> Option<Vec<u8>>) -> Contents {
+    let mut contents = Contents::default();
+    let find = || {
+        let mut start = read(0, HEAD_BYTES.min(file_bytes))?;
+        let length = json_bytes(&start).filter(|length| *length <= MOST_JSON_BYTES)?;
+        start.extend(read(HEAD_BYTES, length)?);
+        let name = b"TRISTRIP_progressive";
+        // Most files are told apart without parsing.
+        if start.windows(name.len()).any(|window| window == name) {
+            let range = ChunkRange::find(start).ok()??;
+            contents.is_progressive = true;
+            contents.size = size_of(&range, file_bytes, read);
+        }
+        Some(())
+    };
+    find();
+    contents
 }
 
 /// Decodes the base meshes, whose heads have the sizes of the full ones; `None` if they are not all there.
-fn size_of(start: Vec<u8>) -> Option<(usize, usize)> {
-    let glb = ProgressiveGlb::open(start).ok()??;
-    let mut decoder = Decoder::new(glb.limits());
-    let mut missing: BTreeSet<u32> = glb.streams().clone();
-    for chunk in chunks(glb.chunks()) {
-        decoder.update(chunk.bytes).ok()?;
-        missing.remove(&chunk.stream);
-        if missing.is_empty() {
-            let sum = |count: fn(&StreamPart) -> usize| decoder.parts().map(count).sum();
-            return Some((sum(StreamPart::full_triangle_count), sum(StreamPart::full_vertex_count)));
+fn size_of(
+    range: &ChunkRange,
+    file_bytes: u64,
+    mut read: impl FnMut(u64, u64) -> Option<Vec<u8>>,
+) -> Option<(usize, usize)> {
+    let Range { start: mut at, end } = range.bytes();
+    let end = end.min(file_bytes);
+    let mut decoder = Decoder::new(range.limits(end.saturating_sub(at)));
+    let mut missing: BTreeSet<u32> = range.streams().clone();
+    let end = end.min(at.saturating_add(MOST_STREAM_BYTES));
+    let (mut bytes, mut piece) = (Vec::new(), PIECE_BYTES);
+    while at < end {
+        let length = piece.min(end - at);
+        bytes.extend(read(at, length)?);
+        at += length;
+        piece *= 2;
+        let mut used = 0;
+        for chunk in chunks(&bytes) {
+            decoder.update(chunk.bytes).ok()?;
+            used += chunk.bytes.len();
+            missing.remove(&chunk.stream);
+            if missing.is_empty() {
+                let sum = |count: fn(&StreamPart) -> usize| decoder.parts().map(count).sum();
+                return Some((sum(StreamPart::full_triangle_count), sum(StreamPart::full_vertex_count)));
+            }
         }
+        bytes.drain(..used);
     }
     None
 }
 
 /// Finds what a GLB in memory holds.
 pub(crate) fn contents_of_bytes(bytes: &[u8]) -> Contents {
-    if says_progressive(bytes) != Some(true) {
-        return Contents::default();
-    }
-    Contents { is_progressive: true, size: size_of(bytes.to_vec()) }
+    contents_of(bytes.len() as u64, |offset, length| {
+        let offset = usize::try_from(offset).ok()?;
+        let rest = bytes.get(offset..)?;
+        Some(rest[..rest.len().min(usize::try_from(length).ok()?)].to_vec())
+    })
 }
 
 #[cfg(test)]
@@ -250,7 +321,7 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let folder = folder_of_models(dir.path());
         let scanner = Scanner::default();
-        let list = scanner.scan(&folder, false);
+        let list = scanner.scan(&folder, false, &|| true).unwrap();
         assert_eq!(
             names(&list),
             [("a.glb", Kind::Static), ("b c/grid.glb", Kind::Progressive), ("broken.glb", Kind::Static)]
@@ -260,7 +331,7 @@ mod tests {
         assert_eq!((grid.triangles, grid.vertices), (Some(59 * 59 * 2), Some(3600)));
         assert_eq!(grid.url, "files/b%20c/grid.glb");
         assert_eq!(grid.thumbnail, "thumbnails/b%20c/grid.glb.png");
-        let list = scanner.scan(&folder, true);
+        let list = scanner.scan(&folder, true, &|| true).unwrap();
         let packed = |name| (name, Kind::Packed);
         assert_eq!(
             names(&list),
@@ -269,17 +340,91 @@ mod tests {
         assert_eq!(list.models[3].url, "packed/z.obj.glb");
         assert!(list.notes.is_empty());
         fs::write(dir.path().join("b c/grid.glb"), "damaged").unwrap();
-        assert_eq!(names(&scanner.scan(&folder, false))[1], ("b c/grid.glb", Kind::Static));
+        assert_eq!(
+            names(&scanner.scan(&folder, false, &|| true).unwrap())[1],
+            ("b c/grid.glb", Kind::Static)
+        );
     }
 
     #[test]
-    fn sizes_are_found_in_the_first_bytes() {
+    fn sizes_are_found_without_the_bytes_before_the_stream() {
         let model = tristrip_io::read(&grid(), Format::Obj).unwrap();
         let packed = pack(&model, &PackOptions::default(), &()).unwrap();
         let size = Some((59 * 59 * 2, 3600));
-        assert_eq!(contents_of_bytes(&packed.bytes), Contents { is_progressive: true, size });
-        assert_eq!(size_of(packed.bytes[..packed.chunk_start].to_vec()), None);
-        assert_eq!(says_progressive(&packed.bytes[..30]), None);
-        assert_eq!(says_progressive(b"glTF"), Some(false));
+        let whole = Contents { is_progressive: true, size };
+        assert_eq!(contents_of_bytes(&packed.bytes), whole);
+        let without_chunks = Contents { size: None, ..whole };
+        assert_eq!(contents_of_bytes(&packed.bytes[..packed.chunk_start]), without_chunks);
+        assert_eq!(contents_of_bytes(&packed.bytes[..30]), Contents::default());
+        assert_eq!(contents_of_bytes(b"glTF"), Contents::default());
+        let mut read = Vec::new();
+        let found = contents_of(packed.bytes.len() as u64, |offset, length| {
+            read.push(offset..offset + length);
+            packed.bytes.get(offset as usize..(offset + length) as usize).map(<[u8]>::to_vec)
+        });
+        assert_eq!(found, whole);
+        let json = u64::from(u32::from_le_bytes(packed.bytes[12..16].try_into().unwrap()));
+        assert_eq!(read[..2], [0..20, 20..20 + json]);
+        assert!(read.len() == 3 && read[2].start == packed.chunk_start as u64, "{read:?}");
+        assert!(read[2].end - read[2].start <= PIECE_BYTES, "{read:?}");
+        // A file that only names the extension.
+        let json = br#"{"asset":{"version":"2.0","generator":"TRISTRIP_progressive"}}  "#;
+        let words = [2, 20 + json.len() as u32, json.len() as u32].map(u32::to_le_bytes).concat();
+        let named = [b"glTF", &words[..], b"JSON", json].concat();
+        assert_eq!(contents_of_bytes(&named), Contents::default());
+        // A head that promises more JSON than any scan reads.
+        let mut long = packed.bytes.clone();
+        long[12..16].copy_from_slice(&u32::MAX.to_le_bytes());
+        assert_eq!(contents_of_bytes(&long), Contents::default());
+    }
+
+    #[test]
+    fn a_scan_reads_a_limited_number_of_bytes_and_the_next_one_goes_on() {
+        let dir = tempfile::tempdir().unwrap();
+        let folder = folder_of_models(dir.path());
+        let grid = fs::read(dir.path().join("b c/grid.glb")).unwrap();
+        (0..5).for_each(|i| fs::write(dir.path().join(format!("{i}.glb")), &grid).unwrap());
+        // Enough for two or three of the files.
+        let scanner = Scanner { most_bytes: 2 * grid.len() as u64 + 1000, ..Scanner::default() };
+        let known = |list: &Catalogue| list.models.iter().filter(|model| model.triangles.is_some()).count();
+        let mut before = 0;
+        loop {
+            let list = scanner.scan(&folder, false, &|| true).unwrap();
+            assert_eq!(list.models.len(), 8);
+            let now = known(&list);
+            assert!(now > before && now <= before + 6, "{now} after {before}");
+            before = now;
+            let is_whole = !list.notes[0].contains("not looked at yet");
+            assert_eq!(is_whole, now == 6, "{:?}", list.notes);
+            if is_whole {
+                break;
+            }
+        }
+    }
+
+    #[test]
+    fn a_scan_ends_when_nobody_wants_it_and_keeps_what_it_found() {
+        use std::cell::Cell;
+        let dir = tempfile::tempdir().unwrap();
+        let folder = folder_of_models(dir.path());
+        let scanner = Scanner::default();
+        // Two folders, and four files.
+        for most in 0..6_usize {
+            let asked = Cell::new(0_usize);
+            let is_wanted = || {
+                asked.set(asked.get() + 1);
+                asked.get() <= most
+            };
+            assert!(scanner.scan(&folder, false, &is_wanted).is_none(), "{most}");
+            assert_eq!(asked.get(), most + 1);
+            assert_eq!(scanner.known().len(), usize::min(3, most.saturating_sub(2)), "{most}");
+        }
+        // Found again without a byte read.
+        let scanner = Scanner { most_bytes: 0, known: Mutex::new(std::mem::take(&mut scanner.known())) };
+        let list = scanner.scan(&folder, false, &|| true).unwrap();
+        assert_eq!(list.notes, ["1 file can be packed with --pack-on-demand"]);
+        fs::remove_file(dir.path().join("a.glb")).unwrap();
+        scanner.scan(&folder, false, &|| true).unwrap();
+        assert_eq!(scanner.known().len(), 2);
     }
 }

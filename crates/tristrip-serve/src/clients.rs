@@ -28,11 +28,10 @@ impl Clients {
         if *all >= limits.connections {
             return Err("connections");
         }
-        let count = by_client.entry(network).or_default();
-        if *count >= limits.connections_per_client {
+        if by_client.get(&network).copied().unwrap_or(0) >= limits.connections_per_client {
             return Err("client");
         }
-        *count += 1;
+        *by_client.entry(network).or_default() += 1;
         *all += 1;
         Ok(Place { clients: Arc::clone(self), network })
     }
@@ -75,7 +74,10 @@ mod tests {
         let third = enter("2001:db8::1").unwrap();
         assert_eq!(enter("10.0.0.2").unwrap_err(), "connections");
         assert_eq!(clients.counts.lock().unwrap().0, 3);
+        let none = limits.clone().with_connections(3, 0);
+        assert_eq!(clients.enter("10.0.0.9".parse().unwrap(), &none).unwrap_err(), "connections");
         drop(first);
+        assert_eq!(clients.enter("10.0.0.9".parse().unwrap(), &none).unwrap_err(), "client");
         let _fourth = enter("2001:db8::2").unwrap();
         drop(third);
         let _fifth = enter("2001:db8::3").unwrap();

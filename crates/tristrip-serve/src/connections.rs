@@ -4,6 +4,7 @@
 //! 1. A connection over a limit gets a response 503 at once and is closed. Addresses of IPv6 count by their network of 64 bits, which one client has as a whole.
 //! 2. The head of a request has a limit of bytes and of time. So has the TLS handshake.
 //! 3. A watch looks at each connection a few times per limit: one that has no request, or whose client takes nothing, is closed. It waits for nothing that another connection needs.
+//!    A stream of HTTP/2 whose client takes nothing is ended alone while others get on (`streams.rs`).
 //! 4. Responses at once have the limits of connections, in all and per client, so that streams of HTTP/2 have no more open files than connections of HTTP/1.1.
 //! 5. Little is kept per connection: reading and writing buffers are as small as the head of a request.
 
@@ -13,7 +14,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use hyper::service::service_fn;
-use hyper_util::rt::{TokioExecutor, TokioIo, TokioTimer};
+use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::server::conn::auto;
 use tokio::io::{AsyncRead, AsyncWrite};
 use tokio::net::TcpStream;
@@ -27,6 +28,7 @@ use crate::answer::Answerer;
 use crate::clients::{Clients, Place};
 use crate::metrics::Metrics;
 use crate::options::Limits;
+use crate::streams::StreamExecutor;
 
 /// What a client over a limit gets.
 const REFUSAL: &[u8] = b"HTTP/1.1 503 Service Unavailable\r\nRetry-After: 1\r\nContent-Type: text/plain; charset=utf-8\r\nContent-Length: 21\r\nConnection: close\r\n\r\ntoo many connections\n";
@@ -112,6 +114,10 @@ impl Connections {
                         tracing::debug!(%client, limit = overdue.name(), "connection closed");
                         return;
                     }
+                    for _ in 0..activity.end_stalled_streams(&self.limits) {
+                        self.metrics.count_refused("stream-stall-time");
+                        tracing::debug!(%client, limit = "stream-stall-time", "stream ended");
+                    }
                 }
                 _ = stop.wait_for(|stop| *stop), if !is_stopping => {
                     is_stopping = true;
@@ -121,9 +127,9 @@ impl Connections {
         }
     }
 
-    fn builder(&self) -> auto::Builder<TokioExecutor> {
+    fn builder(&self) -> auto::Builder<StreamExecutor> {
         let Limits { header_bytes, header_time, streams, .. } = *self.limits;
-        let mut builder = auto::Builder::new(TokioExecutor::new());
+        let mut builder = auto::Builder::new(StreamExecutor);
         builder
             .http1()
             .timer(TokioTimer::new())

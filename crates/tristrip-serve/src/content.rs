@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use bytes::Bytes;
-use tokio::sync::OnceCell;
+use tokio::sync::{OnceCell, Semaphore};
 
 use crate::bytes_source::BytesSource;
 use crate::catalogue::{Catalogue, Contents, Listed, contents_of_bytes};
@@ -95,11 +95,17 @@ impl Stored {
         &self.resource
     }
 
-    /// Returns a picture, which is drawn once.
-    pub(crate) async fn thumbnail(&self) -> Result<Resource, String> {
+    /// Returns a picture, which is drawn once, as soon as there is a permit.
+    pub(crate) async fn thumbnail(&self, permits: &Arc<Semaphore>) -> Result<Resource, String> {
         let drawn = self.thumbnail.get_or_init(|| async {
+            let permit = Arc::clone(permits).acquire_owned().await;
             let bytes = self.bytes.clone();
-            match tokio::task::spawn_blocking(move || thumbnails::of_glb(&bytes)).await {
+            let draw = move || {
+                // Held to the end, also if the client leaves.
+                let _permit = permit;
+                thumbnails::of_glb(&bytes)
+            };
+            match tokio::task::spawn_blocking(draw).await {
                 Ok(png) => png.map(Bytes::from),
                 Err(_) => Err("an error in the program ended the drawing".into()),
             }

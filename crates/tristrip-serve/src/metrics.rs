@@ -63,7 +63,7 @@ impl Metrics {
         registry.register("connections", "Open connections", metrics.connections.clone());
         registry.register(
             "refused_connections",
-            "Connections refused or closed, by the limit",
+            "Connections and streams refused or ended, by the limit",
             metrics.refused.clone(),
         );
         registry.register(
@@ -96,7 +96,7 @@ impl Metrics {
         self.sent_bytes.inc_by(bytes);
     }
 
-    /// Counts a connection that a limit ended.
+    /// Counts a connection or a stream that a limit ended.
     pub(crate) fn count_refused(&self, limit: &'static str) {
         self.refused.get_or_create(&[("limit", limit.into())]).inc();
     }

@@ -117,10 +117,14 @@ pub struct PackingOptions {
     pub on_demand: bool,
     /// How they are packed.
     pub pack: PackOptions,
-    /// The packings and pictures that are made at once.
+    /// The packings that are made at once. Thumbnails do not wait for them: half as many are drawn beside them, at least one.
     pub at_once: usize,
-    /// The packings and pictures that may wait for others; more are refused for the moment.
+    /// The packings that may wait for others, and the thumbnails; more are refused for the moment.
     pub waiting: usize,
+    /// How long a request waits for a packing or a thumbnail. It is then told to come back, and the work goes on.
+    pub wait_time: Duration,
+    /// How long a packing or a thumbnail may take before it is given up. A mesh whose simplification has begun is simplified to its end.
+    pub job_time: Duration,
     /// The bytes of the largest file that is read for a packing or a picture.
     pub largest_input_bytes: u64,
     /// The folder of the cache, of this user and not writable by others; `None` for [`default_cache`](crate::default_cache).
@@ -140,6 +144,9 @@ impl Default for PackingOptions {
             pack: PackOptions::default(),
             at_once: std::thread::available_parallelism().map_or(1, usize::from),
             waiting: 64,
+            // Less than the minute that proxies wait.
+            wait_time: Duration::from_secs(50),
+            job_time: Duration::from_mins(30),
             largest_input_bytes: 512 << 20,
             cache: None,
             cache_bytes: 2 << 30,
@@ -156,16 +163,28 @@ impl PackingOptions {
         Self { on_demand, ..self }
     }
 
-    /// Sets the packings and pictures that are made at once.
+    /// Sets the packings that are made at once.
     #[must_use]
     pub fn with_at_once(self, at_once: usize) -> Self {
         Self { at_once, ..self }
     }
 
-    /// Sets the packings and pictures that may wait for others.
+    /// Sets the packings that may wait for others, and the thumbnails.
     #[must_use]
     pub fn with_waiting(self, waiting: usize) -> Self {
         Self { waiting, ..self }
+    }
+
+    /// Sets how long a request waits for a packing or a thumbnail.
+    #[must_use]
+    pub fn with_wait_time(self, wait_time: Duration) -> Self {
+        Self { wait_time, ..self }
+    }
+
+    /// Sets how long a packing or a thumbnail may take before it is given up.
+    #[must_use]
+    pub fn with_job_time(self, job_time: Duration) -> Self {
+        Self { job_time, ..self }
     }
 
     /// Sets the bytes of the largest file that is read for a packing or a picture.

@@ -1,7 +1,7 @@
 //! Packing of files on demand: which files, under which key, and how they are read.
 //!
 //! A key is a hash of all that a result depends on: the file without links, its version, the versions of the files beside it that a `.gltf`, a GLB or an OBJ may name,
-//! the options, and the version of this crate. So a result is never older than its files.
+//! the options, and the version of this crate. So a result is never older than its files; and one whose files changed while they were read is not kept.
 //!
 //! A model is read through the handle of the folder. The files that a `.gltf`, a GLB or an OBJ names are opened by their paths: none that is hidden or outside the folder of the
 //! document, links followed, but someone who may change links in the served folder at the same moment could lead them out of it.
@@ -13,15 +13,16 @@ use sha2::{Digest, Sha256};
 use tristrip_io::{Format, Model};
 use tristrip_pipeline::{PackOptions, pack};
 
+use crate::deadline::Deadline;
 use crate::folder::Folder;
 use crate::glb_start::{first_bytes, json_of};
 use crate::paths::SitePath;
 
 /// The version of what packings and pictures are: one more whenever the same file gives other bytes and the package has no other version.
 const PACKING_VERSION: u32 = 1;
-/// How deep folders beside a document are looked into, and the most files and folders that are looked at.
 /// The bytes of a GLB in which URIs are looked for.
 const MOST_JSON_BYTES: u64 = 64 << 10;
+/// How deep folders beside a document are looked into, and the most files and folders that are looked at.
 const MOST_DEPTH: usize = 4;
 const MOST_ENTRIES: usize = 10_000;
 
@@ -68,6 +69,11 @@ impl Source {
         })
     }
 
+    /// Checks that nothing has changed since the file was found. It may block.
+    pub(crate) fn is_current(&self, folder: &Folder) -> bool {
+        Self::find(folder, &self.path).is_some_and(|now| now.key == self.key)
+    }
+
     /// Reads the model, with the materials and images that belong to it.
     pub(crate) fn read(&self, folder: &Folder, most_bytes: u64) -> Result<Model, String> {
         let found = folder.version(&self.path).map_err(|error| error.to_string())?.bytes;
@@ -89,9 +95,10 @@ impl Source {
         folder: &Folder,
         most_bytes: u64,
         options: &PackOptions,
+        deadline: Deadline,
     ) -> Result<Vec<u8>, String> {
         let model = self.read(folder, most_bytes)?;
-        pack(&model, options, &()).map(|packed| packed.bytes).map_err(|error| error.to_string())
+        pack(&model, options, &deadline).map(|packed| packed.bytes).map_err(|error| error.to_string())
     }
 }
 
@@ -130,6 +137,7 @@ fn add_versions(folder: &Folder, path: &str, depth: usize, left: &mut usize, key
 #[cfg(test)]
 mod tests {
     use std::fs;
+    use std::time::Duration;
 
     use super::*;
 
@@ -152,10 +160,13 @@ mod tests {
         let keys = || ["a/a.gltf", "a/a.ply", "a/b.glb", "a/alone.glb"].map(|path| key(&folder, path));
         let before = keys();
         assert_eq!(before, keys());
+        let found = Source::find(&folder, &SitePath::new("a/a.gltf").unwrap()).unwrap();
         write("a/b.ply", "another model");
         assert_eq!(key(&folder, "a/a.gltf"), before[0]);
+        assert!(found.is_current(&folder));
         write("a/textures/a.png", "another image");
         assert_ne!(key(&folder, "a/a.gltf"), before[0]);
+        assert!(!found.is_current(&folder));
         assert_eq!(key(&folder, "a/a.ply"), before[1]);
         assert!(key(&folder, "a/b.glb") != before[2] && key(&folder, "a/alone.glb") == before[3]);
         let source = Source::find(&folder, &SitePath::new("a/a.ply").unwrap()).unwrap();
@@ -204,7 +215,7 @@ mod tests {
         let folder = Folder::open(dir.path()).unwrap();
         let error = |path: &str| {
             let source = Source::find(&folder, &SitePath::new(path).unwrap()).unwrap();
-            source.pack(&folder, 9, &PackOptions::default()).unwrap_err()
+            source.pack(&folder, 9, &PackOptions::default(), Deadline::after(Duration::MAX)).unwrap_err()
         };
         assert_eq!(error("large.ply"), "found a file of 10 bytes, expected at most 9");
         let source = Source::find(&folder, &SitePath::new("a.gltf").unwrap()).unwrap();

@@ -16,9 +16,10 @@ use bytes::Bytes;
 use http_body::{Body as HttpBody, Frame, SizeHint};
 use tokio::time::{Instant, Sleep, sleep_until};
 
-use crate::activity::{Activity, ClientWait};
+use crate::activity::{Activity, OpenBody};
 use crate::clients::Place;
 use crate::metrics::Metrics;
+use crate::streams::StreamEnd;
 
 /// The pieces per second of a paced body, and the fewest bytes of one.
 const PIECES_PER_SECOND: u64 = 20;
@@ -73,7 +74,7 @@ pub(crate) struct ResponseBody {
     record: Record,
     metrics: Arc<Metrics>,
     activity: Arc<Activity>,
-    wait: ClientWait,
+    open: OpenBody,
     /// The response counts until its body ends.
     _place: Option<Place>,
 }
@@ -87,9 +88,9 @@ impl ResponseBody {
         activity: Arc<Activity>,
         place: Option<Place>,
     ) -> Self {
-        let wait = activity.body_begins();
+        let open = activity.body_begins(StreamEnd::of_task());
         let is_whole = inner.is_end_stream();
-        Self { inner, pace, sent: 0, is_whole, record, metrics, activity, wait, _place: place }
+        Self { inner, pace, sent: 0, is_whole, record, metrics, activity, open, _place: place }
     }
 
     fn poll_inner(&mut self, context: &mut Context<'_>) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
@@ -115,12 +116,13 @@ impl HttpBody for ResponseBody {
         mut self: Pin<&mut Self>,
         context: &mut Context<'_>,
     ) -> Poll<Option<Result<Frame<Bytes>, axum::Error>>> {
-        self.wait.ends();
+        self.open.is_asked();
         let polled = ready!(self.poll_inner(context));
-        self.activity.progress();
-        self.wait.begins(self.activity.now());
+        let data = polled.as_ref().and_then(|polled| polled.as_ref().ok()?.data_ref());
+        let bytes = data.map_or(0, |data| data.len() as u64);
+        self.activity.body_gives(&self.open, bytes);
         match &polled {
-            Some(Ok(frame)) => self.sent += frame.data_ref().map_or(0, |data| data.len() as u64),
+            Some(Ok(_)) => self.sent += bytes,
             Some(Err(error)) => tracing::warn!(path = self.record.path, %error, "response ended early"),
             None => self.is_whole = true,
         }
@@ -148,7 +150,7 @@ impl HttpBody for ResponseBody {
 
 impl Drop for ResponseBody {
     fn drop(&mut self) {
-        self.activity.body_ends(&self.wait);
+        self.activity.body_ends(&self.open);
         let time = self.record.started.elapsed();
         let Record { method, path, route, status, client, .. } = &self.record;
         self.metrics.count_response(route, status.as_u16(), self.sent, time);

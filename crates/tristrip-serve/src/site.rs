@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 
 use axum::Router;
 use axum::extract::State;
-use axum::http::header::{CONTENT_ENCODING, CONTENT_LENGTH, CONTENT_TYPE, ETAG};
+use axum::http::header::{CONTENT_ENCODING, CONTENT_LENGTH, CONTENT_TYPE, ETAG, RETRY_AFTER};
 use axum::http::{Extensions, HeaderMap, HeaderValue, StatusCode, Uri, Version};
 use axum::middleware::map_response;
 use axum::response::Response;
@@ -28,6 +28,7 @@ use crate::bytes_source::BytesSource;
 use crate::cache::Made;
 use crate::catalogue::Scanner;
 use crate::content::{Store, list, open_resource};
+use crate::deadline::Deadline;
 use crate::folder::Folder;
 use crate::media::is_compressible;
 use crate::metrics::Metrics;
@@ -36,10 +37,12 @@ use crate::packing::Source;
 use crate::paths::{BadPath, SitePath};
 use crate::replies::{Resource, text};
 use crate::thumbnails;
-use crate::workshop::{JobKey, Refusal, Workshop};
+use crate::workshop::{JobKey, JobKind, Refusal, Workshop};
 
 /// How long a list of models is answered without another scan.
 const LIST_TIME: Duration = Duration::from_secs(2);
+/// How often a list is asked for that does not come.
+const MOST_LISTINGS: usize = 3;
 /// The folders whose files are looked at for packings at once.
 const MOST_FINDS: usize = 4;
 /// Smaller files are not compressed.
@@ -57,6 +60,8 @@ pub(crate) struct Site {
     scanner: Scanner,
     list: Mutex<Option<Listing>>,
     finds: Arc<Semaphore>,
+    /// The pictures of files in memory that are drawn now.
+    drawings: Arc<Semaphore>,
 }
 
 /// The list of models, and when it was made; `None` as long as it is.
@@ -70,6 +75,7 @@ impl Site {
         metrics: Arc<Metrics>,
     ) -> Self {
         Self {
+            drawings: Arc::new(Semaphore::new((packing.at_once / 2).clamp(1, Semaphore::MAX_PERMITS))),
             store,
             workshop,
             packing,
@@ -81,7 +87,8 @@ impl Site {
         }
     }
 
-    /// Returns the list that was made lately, the one that is being made, or a new one. It is made in a task of its own, also if its clients leave, so that there are never two scans.
+    /// Returns the list that was made lately, the one that is being made, or a new one. It is made in a task of its own for all clients, so that there are never two scans. Once the
+    /// last client has left, the scan ends early, and its list never comes.
     fn listing(self: &Arc<Self>) -> Listing {
         let mut list = self.list.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(known) = &*list {
@@ -98,8 +105,10 @@ impl Site {
         *list = Some(watch.clone());
         let site = Arc::clone(self);
         tokio::task::spawn_blocking(move || {
-            // The sender ends here; without a list if the scan has failed.
-            if let Some(resource) = site.scan() {
+            // The site itself keeps one receiver.
+            let is_wanted = || sender.receiver_count() > 1;
+            // The sender ends here; without a list if the scan has failed or was not wanted.
+            if let Some(resource) = site.scan(&is_wanted) {
                 sender.send_replace(Some((Instant::now(), resource)));
             }
         });
@@ -107,10 +116,10 @@ impl Site {
     }
 
     /// Lists the models. It may block.
-    fn scan(&self) -> Option<Resource> {
+    fn scan(&self, is_wanted: &dyn Fn() -> bool) -> Option<Resource> {
         let catalogue = match &self.store {
             Store::Memory(store) => list(store),
-            Store::Folder(folder) => self.scanner.scan(folder, self.packing.on_demand),
+            Store::Folder(folder) => self.scanner.scan(folder, self.packing.on_demand, is_wanted)?,
         };
         let json = serde_json::to_vec(&catalogue).ok()?;
         let tag = format!("{:x}-{:08x}", json.len(), crc32fast::hash(&json));
@@ -186,11 +195,14 @@ async fn metrics(State(site): State<Arc<Site>>) -> Response {
 }
 
 async fn models(State(site): State<Arc<Site>>, headers: HeaderMap) -> Response {
-    let mut listing = site.listing();
-    match listing.wait_for(Option::is_some).await.as_deref() {
-        Ok(Some((_, resource))) => resource.reply(&headers),
-        _ => failed(),
+    // A scan may have been given up just before this client came.
+    for _ in 0..MOST_LISTINGS {
+        let mut listing = site.listing();
+        if let Ok(Some((_, resource))) = listing.wait_for(Option::is_some).await.as_deref() {
+            return resource.reply(&headers);
+        }
     }
+    failed()
 }
 
 async fn files(State(site): State<Arc<Site>>, uri: Uri, headers: HeaderMap) -> Response {
@@ -223,9 +235,10 @@ async fn packed(State(site): State<Arc<Site>>, uri: Uri, headers: HeaderMap) -> 
     };
     let options = site.packing.pack;
     let most_bytes = site.packing.largest_input_bytes;
-    let work = move |source: &Source, folder: &Folder| source.pack(folder, most_bytes, &options);
+    let work =
+        move |source: &Source, folder: &Folder, deadline| source.pack(folder, most_bytes, &options, deadline);
     let key = format!("{options:?} {most_bytes}");
-    made(&site, path, "packing", &key, "model/gltf-binary", &headers, work).await
+    made(&site, path, JobKind::Packing, &key, "model/gltf-binary", &headers, work).await
 }
 
 async fn thumbnail(State(site): State<Arc<Site>>, uri: Uri, headers: HeaderMap) -> Response {
@@ -236,26 +249,28 @@ async fn thumbnail(State(site): State<Arc<Site>>, uri: Uri, headers: HeaderMap) 
     let Some(path) = path.without_extension("png") else { return not_found() };
     if let Store::Memory(store) = &site.store {
         let Some(stored) = store.get(&path) else { return not_found() };
-        return match stored.thumbnail().await {
+        return match stored.thumbnail(&site.drawings).await {
             Ok(resource) => resource.reply(&headers),
             Err(message) => text(StatusCode::UNPROCESSABLE_ENTITY, &message),
         };
     }
     let most_bytes = site.packing.largest_input_bytes;
-    let work = move |source: &Source, folder: &Folder| thumbnails::of_source(source, folder, most_bytes);
+    let work = move |source: &Source, folder: &Folder, deadline| {
+        thumbnails::of_source(source, folder, most_bytes, deadline)
+    };
     let key = format!("{} {most_bytes}", thumbnails::OPTIONS);
-    made(&site, path, "thumbnail", &key, "image/png", &headers, work).await
+    made(&site, path, JobKind::Thumbnail, &key, "image/png", &headers, work).await
 }
 
 /// Answers with what is made of a file, now or before.
 async fn made(
     site: &Site,
     path: SitePath,
-    kind: &'static str,
+    kind: JobKind,
     options: &str,
     media_type: &'static str,
     headers: &HeaderMap,
-    work: impl FnOnce(&Source, &Folder) -> Result<Vec<u8>, String> + Send + 'static,
+    work: impl FnOnce(&Source, &Folder, Deadline) -> Result<Vec<u8>, String> + Send + 'static,
 ) -> Response {
     let (Store::Folder(folder), Some(workshop)) = (&site.store, &site.workshop) else { return not_found() };
     let found = {
@@ -270,14 +285,29 @@ async fn made(
     };
     let Ok(Some(source)) = found else { return not_found() };
     let key = source.key(options);
-    let job = JobKey { kind, key: key.clone(), name: path.as_str().to_owned() };
+    let job = JobKey { kind, key: key.clone(), name: path.encoded().to_string() };
     let folder = Arc::clone(folder);
-    match workshop.get(job, move || work(&source, &folder)).await {
+    let work = move |deadline| {
+        let made = work(&source, &folder, deadline)?;
+        // What was read may be parts of two versions, and the key is that of the first.
+        if source.is_current(&folder) {
+            Ok(made)
+        } else {
+            Err("the file changed while it was read: ask again".into())
+        }
+    };
+    match workshop.get(job, work).await {
         Ok(Made { source, checksum }) => {
             let tag = format!("{}-{checksum:08x}", &key[..16]);
             Resource { source, media_type, tag, modified: None }.reply(headers)
         }
         Err(Refusal::Busy) => text(StatusCode::SERVICE_UNAVAILABLE, "too many files are being packed"),
+        Err(Refusal::NotYet) => {
+            let mut response =
+                text(StatusCode::SERVICE_UNAVAILABLE, "not finished yet: the work goes on, ask again");
+            response.headers_mut().insert(RETRY_AFTER, HeaderValue::from_static("10"));
+            response
+        }
         Err(Refusal::Failed(message)) => text(StatusCode::UNPROCESSABLE_ENTITY, &message),
     }
 }
@@ -313,4 +343,50 @@ fn not_opened(error: &io::Error) -> Response {
     }
     tracing::debug!(%error, "not opened");
     not_found()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc;
+
+    use tokio::runtime::Builder;
+
+    use super::*;
+    use crate::content::Content;
+
+    #[test]
+    fn a_scan_that_nobody_waits_for_ends_and_the_next_client_gets_a_new_one() {
+        let dir = tempfile::tempdir().unwrap();
+        std::fs::write(dir.path().join("a.stl"), "").unwrap();
+        let store = Store::open(Content::Folder(dir.path().to_path_buf())).unwrap();
+        let packing = PackingOptions::default().with_on_demand(true);
+        let site = Arc::new(Site::new(store, None, packing, Arc::new(Metrics::new())));
+        // One thread for all that blocks: nothing is scanned before the gate opens.
+        let runtime = Builder::new_current_thread().max_blocking_threads(1).enable_time().build().unwrap();
+        runtime.block_on(async {
+            let (open, gate) = mpsc::channel::<()>();
+            let gate = tokio::task::spawn_blocking(move || gate.recv());
+            let left = site.listing();
+            let stored = left.clone();
+            drop(left);
+            let shared = site.listing();
+            drop((shared, stored));
+            open.send(()).unwrap();
+            gate.await.unwrap().unwrap();
+            // The scan that was given up, or a new one: a client never fails by it.
+            let response = models(State(Arc::clone(&site)), HeaderMap::new()).await;
+            assert_eq!(response.status(), 200);
+            let (open, gate) = mpsc::channel::<()>();
+            let gate = tokio::task::spawn_blocking(move || gate.recv());
+            *site.list.lock().unwrap() = None;
+            drop(site.listing());
+            open.send(()).unwrap();
+            gate.await.unwrap().unwrap();
+            // The one thread has ended the scan when it has done this.
+            tokio::task::spawn_blocking(|| ()).await.unwrap();
+            let known = site.list.lock().unwrap().clone().unwrap();
+            assert!(known.borrow().is_none() && known.has_changed().is_err());
+            assert_eq!(models(State(Arc::clone(&site)), HeaderMap::new()).await.status(), 200);
+        });
+    }
 }

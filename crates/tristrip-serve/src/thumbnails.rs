@@ -9,6 +9,7 @@ use tristrip_io::{Drawing, Format, Model};
 use tristrip_lab::render::{Mode, RenderOptions, TexturedModel};
 use tristrip_pipeline::{StreamGoal, unpack};
 
+use crate::deadline::Deadline;
 use crate::folder::Folder;
 use crate::packing::Source;
 
@@ -21,17 +22,26 @@ const MOST_TRIANGLES: usize = 4_000_000;
 const MOST_SAMPLES: u64 = 1 << 30;
 
 /// The options that a picture depends on, for keys.
-pub(crate) const OPTIONS: &str = "thumbnail 2 320x240";
+pub(crate) const OPTIONS: &str = "thumbnail 3 320x240";
 
 /// Draws a file of a folder.
-pub(crate) fn of_source(source: &Source, folder: &Folder, most_bytes: u64) -> Result<Vec<u8>, String> {
+pub(crate) fn of_source(
+    source: &Source,
+    folder: &Folder,
+    most_bytes: u64,
+    deadline: Deadline,
+) -> Result<Vec<u8>, String> {
     if source.format == Format::Glb {
         let bytes = folder.read(&source.path, most_bytes).map_err(|error| error.to_string())?;
+        deadline.check()?;
         if let Some(model) = level(bytes)? {
+            deadline.check()?;
             return of_model(&model);
         }
     }
-    of_model(&source.read(folder, most_bytes)?)
+    let model = source.read(folder, most_bytes)?;
+    deadline.check()?;
+    of_model(&model)
 }
 
 /// Draws a GLB.

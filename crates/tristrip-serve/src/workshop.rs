@@ -7,6 +7,11 @@
 //! ```
 //! A job goes on when its clients leave, so that its result is there when they come back. It holds a permit only while it works: not while a client
 //! reads the result.
+//!
+//! Thumbnails have permits and threads of their own, so that a gallery does not wait for long packings.
+//!
+//! Two limits of time: a request waits for a job so long, and is then told to come back; a job that takes much longer is given up, at the next place where its work asks
+//! ([`Deadline`]): between stages, and between the meshes of a scene. A single large mesh is simplified to its end.
 
 use std::collections::HashMap;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -15,22 +20,44 @@ use std::time::{Duration, Instant};
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use tokio::sync::{Semaphore, watch};
+use tokio::time::timeout;
 
 use crate::cache::{Cache, Made};
+use crate::deadline::Deadline;
 use crate::error::Error;
 use crate::metrics::Metrics;
 use crate::options::PackingOptions;
 
 /// The stack of each thread that packs, as that of the command's threads.
 const STACK_BYTES: usize = 8 << 20;
+/// The files of the cache that are looked at at once.
+const MOST_LOOKUPS: usize = 8;
 /// The failures that are remembered.
 const MOST_FAILURES: usize = 1024;
+
+/// What jobs make.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum JobKind {
+    Packing,
+    Thumbnail,
+}
+
+impl JobKind {
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Packing => "packing",
+            Self::Thumbnail => "thumbnail",
+        }
+    }
+}
 
 /// Why there is no result.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) enum Refusal {
     /// Too many jobs wait: later there may be room.
     Busy,
+    /// The job takes longer than a request waits. It goes on.
+    NotYet,
     /// The job failed, with this message.
     Failed(Arc<str>),
 }
@@ -41,7 +68,7 @@ type Watch = watch::Receiver<Option<Outcome>>;
 /// What is to be made: the key of its result, and what it is for the figures.
 #[derive(Debug, Clone)]
 pub(crate) struct JobKey {
-    pub(crate) kind: &'static str,
+    pub(crate) kind: JobKind,
     pub(crate) key: String,
     /// The name in the log.
     pub(crate) name: String,
@@ -51,66 +78,101 @@ pub(crate) struct JobKey {
 #[derive(Debug)]
 pub(crate) struct Workshop {
     cache: Cache,
-    pool: ThreadPool,
-    permits: Semaphore,
-    at_once: usize,
+    packings: Lane,
+    thumbnails: Lane,
     most_waiting: usize,
+    wait_time: Duration,
+    job_time: Duration,
     failure_time: Duration,
-    /// Jobs that wait or run.
-    unfinished: AtomicUsize,
+    /// The files of the cache that are looked at now: a large one is read as a whole the first time.
+    lookups: Arc<Semaphore>,
     running: Mutex<HashMap<String, Watch>>,
     failures: Mutex<HashMap<String, (Instant, Arc<str>)>>,
     metrics: Arc<Metrics>,
 }
 
+/// What jobs of one kind share.
+#[derive(Debug)]
+struct Lane {
+    pool: ThreadPool,
+    permits: Semaphore,
+    at_once: usize,
+    /// Jobs that wait or run.
+    unfinished: AtomicUsize,
+}
+
+impl Lane {
+    /// Makes so many jobs at once, on so many threads together; 0 for one per core.
+    fn new(at_once: usize, threads: usize) -> Result<Self, Error> {
+        let at_once = at_once.clamp(1, Semaphore::MAX_PERMITS);
+        let builder = ThreadPoolBuilder::new().stack_size(STACK_BYTES).num_threads(threads);
+        let pool = builder.build().map_err(|error| Error::System(std::io::Error::other(error)))?;
+        Ok(Self { pool, permits: Semaphore::new(at_once), at_once, unfinished: AtomicUsize::new(0) })
+    }
+}
+
 impl Workshop {
     pub(crate) fn new(options: &PackingOptions, cache: Cache, metrics: Arc<Metrics>) -> Result<Self, Error> {
-        let builder =
-            ThreadPoolBuilder::new().stack_size(STACK_BYTES).num_threads(options.threads.unwrap_or(0));
-        let pool = builder.build().map_err(|error| Error::System(std::io::Error::other(error)))?;
-        let at_once = options.at_once.clamp(1, Semaphore::MAX_PERMITS);
+        let drawn_at_once = (options.at_once / 2).max(1);
+        let drawing_threads =
+            options.threads.map_or(drawn_at_once, |threads| threads.clamp(1, drawn_at_once));
         metrics.cache_bytes.set(cache.used_bytes());
         Ok(Self {
             cache,
-            pool,
-            permits: Semaphore::new(at_once),
-            at_once,
+            packings: Lane::new(options.at_once, options.threads.unwrap_or(0))?,
+            thumbnails: Lane::new(drawn_at_once, drawing_threads)?,
             most_waiting: options.waiting,
+            wait_time: options.wait_time,
+            job_time: options.job_time,
             failure_time: options.failure_time,
-            unfinished: AtomicUsize::new(0),
+            lookups: Arc::new(Semaphore::new(MOST_LOOKUPS)),
             running: Mutex::default(),
             failures: Mutex::default(),
             metrics,
         })
     }
 
+    fn lane(&self, kind: JobKind) -> &Lane {
+        match kind {
+            JobKind::Packing => &self.packings,
+            JobKind::Thumbnail => &self.thumbnails,
+        }
+    }
+
     /// Returns the result of a job: from the cache, from a job that runs already, or from `work`.
     pub(crate) async fn get(
         self: &Arc<Self>,
         job: JobKey,
-        work: impl FnOnce() -> Result<Vec<u8>, String> + Send + 'static,
+        work: impl FnOnce(Deadline) -> Result<Vec<u8>, String> + Send + 'static,
     ) -> Outcome {
         if let Some(made) = self.cached(&job.key).await {
             self.metrics.cache_hits.inc();
             return Ok(made);
         }
         let mut watch = self.watch(job, work)?;
-        match watch.wait_for(Option::is_some).await.map(|outcome| outcome.clone()) {
-            Ok(Some(outcome)) => outcome,
-            _ => Err(Refusal::Failed("the job was stopped".into())),
+        match timeout(self.wait_time, watch.wait_for(Option::is_some)).await {
+            Ok(Ok(outcome)) => outcome.clone().unwrap_or(Err(Refusal::NotYet)),
+            Ok(Err(_)) => Err(Refusal::Failed("the job was stopped".into())),
+            Err(_) => Err(Refusal::NotYet),
         }
     }
 
     async fn cached(self: &Arc<Self>, key: &str) -> Option<Made> {
+        let permit = Arc::clone(&self.lookups).acquire_owned().await.ok()?;
         let (this, key) = (Arc::clone(self), key.to_owned());
-        tokio::task::spawn_blocking(move || this.cache.get(&key)).await.ok().flatten()
+        let lookup = tokio::task::spawn_blocking(move || {
+            // Held to the end, also if the client leaves.
+            let _permit = permit;
+            this.cache.get(&key)
+        });
+        lookup.await.ok().flatten()
     }
 
     /// Joins a job that runs, or starts it.
     fn watch(
         self: &Arc<Self>,
         job: JobKey,
-        work: impl FnOnce() -> Result<Vec<u8>, String> + Send + 'static,
+        work: impl FnOnce(Deadline) -> Result<Vec<u8>, String> + Send + 'static,
     ) -> Result<Watch, Refusal> {
         let mut running = lock(&self.running);
         if let Some(watch) = running.get(&job.key) {
@@ -122,11 +184,12 @@ impl Workshop {
         {
             return Err(Refusal::Failed(Arc::clone(message)));
         }
-        if self.unfinished.load(Ordering::Relaxed) >= self.at_once + self.most_waiting {
-            self.metrics.count_job(job.kind, "refused");
+        let lane = self.lane(job.kind);
+        if lane.unfinished.load(Ordering::Relaxed) >= lane.at_once + self.most_waiting {
+            self.metrics.count_job(job.kind.name(), "refused");
             return Err(Refusal::Busy);
         }
-        self.unfinished.fetch_add(1, Ordering::Relaxed);
+        lane.unfinished.fetch_add(1, Ordering::Relaxed);
         let (sender, watch) = watch::channel(None);
         running.insert(job.key.clone(), watch.clone());
         drop(running);
@@ -137,7 +200,7 @@ impl Workshop {
                 this.remember(&job.key, message);
             }
             lock(&this.running).remove(&job.key);
-            this.unfinished.fetch_sub(1, Ordering::Relaxed);
+            this.lane(job.kind).unfinished.fetch_sub(1, Ordering::Relaxed);
             // Nobody may wait any more.
             sender.send_replace(Some(outcome));
         });
@@ -147,7 +210,7 @@ impl Workshop {
     async fn run(
         self: &Arc<Self>,
         job: &JobKey,
-        work: impl FnOnce() -> Result<Vec<u8>, String> + Send + 'static,
+        work: impl FnOnce(Deadline) -> Result<Vec<u8>, String> + Send + 'static,
     ) -> Outcome {
         // A job of the same key may have ended since the cache was asked.
         if let Some(made) = self.cached(&job.key).await {
@@ -156,14 +219,18 @@ impl Workshop {
         }
         self.metrics.cache_misses.inc();
         self.metrics.waiting.inc();
-        let permit = self.permits.acquire().await;
+        let permit = self.lane(job.kind).permits.acquire().await;
         self.metrics.waiting.dec();
         let Ok(_permit) = permit else { return Err(Refusal::Busy) };
         self.metrics.running.inc();
         let started = Instant::now();
-        let (this, key) = (Arc::clone(self), job.key.clone());
+        let (this, key, kind) = (Arc::clone(self), job.key.clone(), job.kind);
         let done = tokio::task::spawn_blocking(move || {
-            let bytes = this.pool.install(work)?;
+            let deadline = Deadline::after(this.job_time);
+            let late = |message| {
+                if deadline.is_over() { format!("it takes longer than {:?}", this.job_time) } else { message }
+            };
+            let bytes = this.lane(kind).pool.install(|| work(deadline)).map_err(late)?;
             let made = this.cache.put(&key, bytes);
             this.metrics.cache_bytes.set(this.cache.used_bytes());
             Ok::<_, String>(made)
@@ -171,7 +238,7 @@ impl Workshop {
         let outcome = done.await.unwrap_or_else(|_| Err("an error in the program ended the job".into()));
         self.metrics.running.dec();
         let milliseconds = started.elapsed().as_millis() as u64;
-        let (kind, name) = (job.kind, &job.name);
+        let (kind, name) = (kind.name(), &job.name);
         match outcome {
             Ok(made) => {
                 self.metrics.count_job(kind, "done");
@@ -216,7 +283,7 @@ mod tests {
     }
 
     fn job(key: &str) -> JobKey {
-        JobKey { kind: "packing", key: key.into(), name: key.into() }
+        JobKey { kind: JobKind::Packing, key: key.into(), name: key.into() }
     }
 
     #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
@@ -227,7 +294,7 @@ mod tests {
         let asked = (0..50).map(|_| {
             let (workshop, runs) = (Arc::clone(&workshop), Arc::clone(&runs));
             tokio::spawn(async move {
-                let work = move || {
+                let work = move |_| {
                     runs.fetch_add(1, Ordering::SeqCst);
                     std::thread::sleep(Duration::from_millis(50));
                     Ok(b"result".to_vec())
@@ -239,7 +306,7 @@ mod tests {
             assert_eq!(answer.await.unwrap(), Ok(b"result".to_vec()));
         }
         assert_eq!(runs.load(Ordering::SeqCst), 1);
-        assert_eq!(workshop.unfinished.load(Ordering::SeqCst), 0);
+        assert_eq!(workshop.packings.unfinished.load(Ordering::SeqCst), 0);
     }
 
     #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
@@ -249,11 +316,11 @@ mod tests {
             PackingOptions { failure_time: Duration::from_millis(100), ..PackingOptions::default() };
         let workshop = workshop(&options, dir.path());
         let failed = |message: &str| Some(Refusal::Failed(message.into()));
-        assert_eq!(workshop.get(job("a"), || Err("first".into())).await.err(), failed("first"));
-        assert_eq!(workshop.get(job("a"), || Err("second".into())).await.err(), failed("first"));
+        assert_eq!(workshop.get(job("a"), |_| Err("first".into())).await.err(), failed("first"));
+        assert_eq!(workshop.get(job("a"), |_| Err("second".into())).await.err(), failed("first"));
         tokio::time::sleep(Duration::from_millis(120)).await;
-        assert!(workshop.get(job("a"), || Ok(vec![1])).await.is_ok());
-        let panicked = workshop.get(job("b"), || panic!("as a test")).await;
+        assert!(workshop.get(job("a"), |_| Ok(vec![1])).await.is_ok());
+        let panicked = workshop.get(job("b"), |_| panic!("as a test")).await;
         assert_eq!(panicked.err(), failed("an error in the program ended the job"));
     }
 
@@ -266,7 +333,9 @@ mod tests {
         let first = tokio::spawn({
             let workshop = Arc::clone(&workshop);
             async move {
-                workshop.get(job("a"), move || gate.recv().map(|()| vec![1]).map_err(|_| "gate".into())).await
+                workshop
+                    .get(job("a"), move |_| gate.recv().map(|()| vec![1]).map_err(|_| "gate".into()))
+                    .await
             }
         });
         while workshop.metrics.running.get() == 0 {
@@ -274,19 +343,83 @@ mod tests {
         }
         let second = tokio::spawn({
             let workshop = Arc::clone(&workshop);
-            async move { workshop.get(job("b"), || Ok(vec![2])).await }
+            async move { workshop.get(job("b"), |_| Ok(vec![2])).await }
         });
         while workshop.metrics.waiting.get() == 0 {
             tokio::time::sleep(Duration::from_millis(1)).await;
         }
-        assert_eq!(workshop.get(job("c"), || Ok(vec![3])).await.err(), Some(Refusal::Busy));
+        assert_eq!(workshop.get(job("c"), |_| Ok(vec![3])).await.err(), Some(Refusal::Busy));
         // A client that leaves does not stop its job.
         second.abort();
         go.send(()).unwrap();
         assert!(first.await.unwrap().is_ok());
-        while workshop.unfinished.load(Ordering::SeqCst) > 0 {
+        while workshop.packings.unfinished.load(Ordering::SeqCst) > 0 {
             tokio::time::sleep(Duration::from_millis(1)).await;
         }
         assert!(workshop.cache.get("b").is_some());
+    }
+
+    #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+    async fn thumbnails_do_not_wait_for_packings() {
+        let dir = tempfile::tempdir().unwrap();
+        let options = PackingOptions::default().with_at_once(2).with_waiting(0).with_threads(Some(1));
+        let workshop = workshop(&options, dir.path());
+        let (go, gate) = mpsc::channel::<()>();
+        let gate = Arc::new(Mutex::new(gate));
+        let packing = |key: &'static str| {
+            let (workshop, gate) = (Arc::clone(&workshop), Arc::clone(&gate));
+            let work = move |_| gate.lock().unwrap().recv().map(|()| vec![1]).map_err(|_| "gate".into());
+            tokio::spawn(async move { workshop.get(job(key), work).await })
+        };
+        let packings = [packing("a"), packing("b")];
+        while workshop.metrics.running.get() < 2 {
+            tokio::time::sleep(Duration::from_millis(1)).await;
+        }
+        assert_eq!(workshop.get(job("c"), |_| Ok(vec![3])).await.err(), Some(Refusal::Busy));
+        let thumbnail = JobKey { kind: JobKind::Thumbnail, ..job("d") };
+        let drawn = timeout(Duration::from_secs(20), workshop.get(thumbnail, |_| Ok(vec![4]))).await;
+        assert_eq!(drawn.unwrap().unwrap().source.read().unwrap(), [4]);
+        go.send(()).unwrap();
+        go.send(()).unwrap();
+        for packing in packings {
+            assert!(packing.await.unwrap().is_ok());
+        }
+    }
+
+    #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+    async fn a_request_does_not_wait_for_a_long_job_and_the_job_goes_on() {
+        let dir = tempfile::tempdir().unwrap();
+        let options = PackingOptions::default().with_wait_time(Duration::from_millis(50));
+        let workshop = workshop(&options, dir.path());
+        let (go, gate) = mpsc::channel::<()>();
+        let work = move |_| gate.recv().map(|()| vec![1]).map_err(|_| "gate".into());
+        assert_eq!(workshop.get(job("a"), work).await.err(), Some(Refusal::NotYet));
+        assert_eq!(workshop.get(job("a"), |_| Ok(vec![2])).await.err(), Some(Refusal::NotYet));
+        go.send(()).unwrap();
+        while workshop.packings.unfinished.load(Ordering::SeqCst) > 0 {
+            tokio::time::sleep(Duration::from_millis(1)).await;
+        }
+        let made = workshop.get(job("a"), |_| Ok(vec![3])).await.unwrap();
+        assert_eq!(made.source.read().unwrap(), [1]);
+    }
+
+    #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
+    async fn a_job_is_given_up_at_its_deadline() {
+        let dir = tempfile::tempdir().unwrap();
+        let options = PackingOptions::default().with_job_time(Duration::from_millis(50));
+        let workshop = workshop(&options, dir.path());
+        let endless = |deadline: Deadline| loop {
+            deadline.check()?;
+            std::thread::sleep(Duration::from_millis(1));
+        };
+        let given_up = workshop.get(job("a"), endless).await.err();
+        assert_eq!(given_up, Some(Refusal::Failed("it takes longer than 50ms".into())));
+        // What is done is kept, also if it is late.
+        let late = |_| {
+            std::thread::sleep(Duration::from_millis(60));
+            Ok(vec![1])
+        };
+        assert!(workshop.get(job("b"), late).await.is_ok());
+        assert!(!Deadline::after(Duration::MAX).is_over());
     }
 }

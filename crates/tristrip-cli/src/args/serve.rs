@@ -71,9 +71,9 @@ pub(crate) struct PackingArgs {
     /// A file is packed once however many clients ask for it, and again when it has changed.
     #[arg(long)]
     pub(crate) pack_on_demand: bool,
-    /// The packings and thumbnails that are made at once [default: one per core]
+    /// The packings that are made at once [default: one per core]
     ///
-    /// Up to 64 others wait; more are refused for the moment.
+    /// Up to 64 others wait; more are refused for the moment. Thumbnails do not wait for packings.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) packings: Option<u16>,
     /// The bytes of the largest file that is packed or drawn, such as 512M or 2G
@@ -111,6 +111,11 @@ pub(crate) struct LimitArgs {
     /// How long a connection may be without a request; over HTTP/1.1 at most --header-time
     #[arg(long, value_name = "TIME", default_value = "1m", value_parser = humantime::parse_duration)]
     pub(crate) idle_time: Duration,
+    /// How long a request waits for a packing or a thumbnail
+    ///
+    /// It then gets status 503 with Retry-After. The work goes on, and its result is there for the next request.
+    #[arg(long, value_name = "TIME", default_value = "50s", value_parser = humantime::parse_duration)]
+    pub(crate) wait_time: Duration,
     /// How long running responses may take once the server stops
     #[arg(long, value_name = "TIME", default_value = "10s", value_parser = humantime::parse_duration)]
     pub(crate) grace_time: Duration,

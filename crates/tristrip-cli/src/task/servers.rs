@@ -33,6 +33,7 @@ pub(super) fn serve_task(args: ServeArgs) -> Result<ServeTask, String> {
         ("--header-time", limits.header_time),
         ("--stall-time", limits.stall_time),
         ("--idle-time", limits.idle_time),
+        ("--wait-time", limits.wait_time),
     ];
     if let Some((flag, _)) = times.iter().find(|(_, time)| time.is_zero()) {
         return Err(format!("{flag}: expected more than 0 seconds"));
@@ -41,6 +42,7 @@ pub(super) fn serve_task(args: ServeArgs) -> Result<ServeTask, String> {
     let mut packing_options = PackingOptions::default()
         .with_on_demand(packing.pack_on_demand)
         .with_largest_input_bytes(largest_input)
+        .with_wait_time(limits.wait_time)
         .with_cache(packing.cache, cache_bytes);
     if let Some(at_once) = packing.packings {
         packing_options = packing_options.with_at_once(usize::from(at_once));

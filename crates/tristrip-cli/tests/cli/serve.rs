@@ -5,8 +5,9 @@
 use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
 
 use predicates::str::contains;
 use serde_json::Value;
@@ -22,7 +23,15 @@ struct Server {
 impl Server {
     /// Starts the command with `--json`, and waits for its report.
     fn start(arguments: &[&str]) -> Self {
+        Self::start_with_browser(arguments, None)
+    }
+
+    /// Does the same, with a program as the user's browser.
+    fn start_with_browser(arguments: &[&str], browser: Option<&Path>) -> Self {
         let mut command = Command::new(assert_cmd::cargo::cargo_bin!("tristrip"));
+        browser.iter().for_each(|browser| {
+            command.env("BROWSER", browser);
+        });
         command.args(arguments).arg("--json").stdout(Stdio::piped()).stderr(Stdio::piped());
         let mut child = command.spawn().unwrap();
         let mut lines = String::new();
@@ -34,12 +43,21 @@ impl Server {
         Self { child, report: serde_json::from_str(&lines).unwrap() }
     }
 
+    fn address(&self) -> &str {
+        let url = self.report["url"].as_str().or(self.report[0]["url"].as_str()).unwrap();
+        url.strip_prefix("http://").unwrap().split('/').next().unwrap()
+    }
+
+    /// Sends a request.
+    fn request(&self, path: &str) -> TcpStream {
+        let mut socket = TcpStream::connect(self.address()).unwrap();
+        write!(socket, "GET {path} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n").unwrap();
+        socket
+    }
+
     /// Returns the status and the body of a response.
     fn get(&self, path: &str) -> (String, Vec<u8>) {
-        let url = self.report["url"].as_str().or(self.report[0]["url"].as_str()).unwrap();
-        let address = url.strip_prefix("http://").unwrap().split('/').next().unwrap();
-        let mut socket = TcpStream::connect(address).unwrap();
-        write!(socket, "GET {path} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n").unwrap();
+        let mut socket = self.request(path);
         let mut answer = Vec::new();
         socket.read_to_end(&mut answer).unwrap();
         let end = answer.windows(4).position(|window| window == b"\r\n\r\n").unwrap() + 4;
@@ -47,12 +65,18 @@ impl Server {
         (String::from_utf8(answer[9..12].to_vec()).unwrap(), body)
     }
 
-    /// Ends the process by a signal, and returns its exit code and standard error.
+    /// Sends a signal.
     #[cfg(unix)]
-    fn end(mut self, signal: &str) -> (Option<i32>, String) {
+    fn signal(&self, signal: &str) {
         let killed =
             Command::new("kill").args([&format!("-{signal}"), &self.child.id().to_string()]).status();
         assert!(killed.unwrap().success());
+    }
+
+    /// Ends the process by a signal, and returns its exit code and standard error.
+    #[cfg(unix)]
+    fn end(mut self, signal: &str) -> (Option<i32>, String) {
+        self.signal(signal);
         let mut text = String::new();
         self.child.stderr.take().unwrap().read_to_string(&mut text).unwrap();
         (self.child.wait().unwrap().code(), text)
@@ -121,6 +145,103 @@ fn the_log_is_json_or_quiet() {
     assert_eq!(server.end("INT"), (Some(0), String::new()));
 }
 
+#[cfg(unix)]
+#[test]
+fn lines_of_the_log_control_no_terminal() {
+    let (_dir, flags) = folder();
+    let flags: Vec<&str> = flags.iter().map(String::as_str).collect();
+    for format in ["text", "json"] {
+        let server = Server::start(&[&flags[..], &["--log", format]].concat());
+        // A control sequence introducer in 8 bits, and letters from right to left.
+        assert_eq!(server.get("/files/\u{9b}31m\u{202e}ylp.ply").0, "400");
+        assert_eq!(server.get("/files/\u{202e}ylp.ply").0, "404");
+        // Raw control characters are no request.
+        assert_eq!(server.get("/files/\u{1b}[31m.ply").0, "400");
+        let (code, log) = server.end("INT");
+        assert_eq!(code, Some(0));
+        assert!(
+            log.contains("/files/%C2%9B31m%E2%80%AEylp.ply") && log.contains("/files/%E2%80%AEylp.ply"),
+            "{log:?}"
+        );
+        let is_harmless = |c: char| c == '\n' || !c.is_control() && c != '\u{202e}';
+        assert!(log.chars().all(is_harmless), "{log:?}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn the_first_signal_waits_for_responses_and_the_second_does_not() {
+    let (dir, flags) = folder();
+    let bytes: Vec<u8> = (0..=250).cycle().take(200_000).collect();
+    fs::write(dir.path().join("large.glb"), &bytes).unwrap();
+    let start = |rate: &str| {
+        let mut flags: Vec<&str> = flags.iter().map(String::as_str).collect();
+        flags.extend(["--grace-time", "10m", "--bandwidth", rate]);
+        let server = Server::start(&flags);
+        let mut socket = server.request("/files/large.glb");
+        socket.read_exact(&mut [0; 20]).unwrap();
+        server.signal("INT");
+        (server, socket)
+    };
+    // Two seconds.
+    let (server, mut socket) = start("800k");
+    let mut rest = Vec::new();
+    socket.read_to_end(&mut rest).unwrap();
+    assert!(rest.ends_with(&bytes));
+    let (code, _) = ended(server);
+    assert_eq!(code, Some(0));
+    // Half an hour.
+    let (mut server, _socket) = start("1k");
+    std::thread::sleep(Duration::from_millis(500));
+    assert!(server.child.try_wait().unwrap().is_none(), "it waits for the response");
+    assert!(TcpStream::connect(server.address()).is_err(), "it accepts nothing more");
+    server.signal("INT");
+    let (code, time) = ended(server);
+    assert!(code == Some(0) && time < Duration::from_secs(10), "{code:?} {time:?}");
+}
+
+/// Waits for the end of a process, and returns its exit code and how long that took.
+#[cfg(unix)]
+fn ended(mut server: Server) -> (Option<i32>, Duration) {
+    let start = Instant::now();
+    while start.elapsed() < Duration::from_mins(1) {
+        if let Some(status) = server.child.try_wait().unwrap() {
+            return (status.code(), start.elapsed());
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    (None, start.elapsed())
+}
+
+#[cfg(unix)]
+#[test]
+fn a_browser_in_the_terminal_is_answered_while_it_runs() {
+    use std::os::unix::fs::PermissionsExt;
+    let dir = tempfile::tempdir().unwrap();
+    // A name of a browser that is waited for. It runs until its folder is removed.
+    let (browser, opened) = (dir.path().join("lynx"), dir.path().join("opened"));
+    let script = format!(
+        "#!/bin/sh\necho \"$1\" > {0}.new\nmv {0}.new {0}\nwhile [ -e {0} ]; do sleep 0.1; done\n",
+        opened.display()
+    );
+    fs::write(&browser, script).unwrap();
+    fs::set_permissions(&browser, fs::Permissions::from_mode(0o755)).unwrap();
+    let fish = model("fish_control.ply");
+    let server = Server::start_with_browser(&["view", fish.to_str().unwrap()], Some(&browser));
+    let start = Instant::now();
+    while !opened.exists() {
+        assert!(start.elapsed() < Duration::from_secs(20), "no browser was opened");
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    let url = fs::read_to_string(&opened).unwrap();
+    assert_eq!(Some(url.trim_end()), server.report["url"].as_str());
+    assert_eq!(server.get("/").0, "200");
+    assert_eq!(server.get("/files/fish_control.ply.glb").0, "200");
+    server.signal("INT");
+    let (code, _) = ended(server);
+    assert_eq!(code, Some(0), "the browser still runs");
+}
+
 #[test]
 fn models_are_viewed_from_memory() {
     let fish = model("fish_control.ply");
@@ -166,6 +287,7 @@ fn bad_folders_ports_and_flags_are_refused() {
     serve(&["--cors", "example.org"]).code(1).stderr(contains("cors: found example.org"));
     serve(&["--bandwidth", "5"]).code(2);
     serve(&["--header-bytes", "1"]).code(2).stderr(contains("--header-bytes"));
+    serve(&["--wait-time", "0s"]).code(2).stderr(contains("--wait-time"));
     serve(&["--stall-time", "0s"]).code(2).stderr(contains("--stall-time"));
     serve(&["--packings", "0"]).code(2);
     tristrip().arg("serve").assert().code(2);

@@ -2,11 +2,12 @@
 //!
 //! ```text
 //! scene ─▶ nodes ─▶ mesh ─▶ primitives that became parts: one instance each, with the product of the nodes' transforms
+//!                └▶ skin ─▶ the matrices of its joints
 //! part ─▶ material ─▶ base colour factor, texture ─▶ sampler: wrapping
 //!                                                 └▶ image ─▶ buffer view, data URI or file
 //! ```
-//! The pose is that of the file: animations, joints and weights of morph targets are not applied. As the specification requires, the
-//! transform of a node with a skin is ignored. Images are found, not decoded.
+//! The pose is the rest pose of the file ([`Skin`], [`Scene::morph_reader`]): animations are not applied. As the specification requires,
+//! the transform of a node with a skin is ignored. Images are found, not decoded.
 //!
 //! # Complexity
 //! Linear in nodes, instances and materials; an image in a buffer is shared, not copied. Many nodes that place a mesh with many primitives
@@ -19,6 +20,7 @@ use super::accessor::AccessorResolver;
 use super::buffer::decode_data_uri;
 use super::document::{Located, array};
 use super::placements::Placement;
+use super::pose::{Skin, SkinReader};
 use super::scene::Scene;
 use super::shared_bytes::{SharedBytes, whole_of};
 use crate::error::Error;
@@ -39,6 +41,8 @@ const INSTANCES_PER_NODE: usize = 4;
 pub struct Appearance {
     /// The parts in the places where the scene shows them, in the order of its nodes. A scene without meshes shows each part once.
     pub instances: Vec<Instance>,
+    /// The skins that instances have, each once.
+    pub skins: Vec<Skin>,
     /// The material of each part, in the order of the parts.
     pub materials: Vec<Material>,
     /// The images that the materials use, each once.
@@ -54,6 +58,10 @@ pub struct Instance {
     pub part: usize,
     /// The rows of the affine transform from the part to the scene: three columns of the linear map, then the translation.
     pub transform: [[f64; 4]; 3],
+    /// The number of the node that places it; `None` in a library of meshes.
+    pub node: Option<usize>,
+    /// The index in [`Appearance::skins`] of the joints that place its vertices.
+    pub skin: Option<usize>,
 }
 
 /// The base colour of a material. The default is white without a texture.
@@ -147,11 +155,16 @@ impl Scene {
     /// # Ok::<(), tristrip_io::Error>(())
     /// ```
     pub fn appearance(&self) -> Result<Appearance, Error> {
-        Ok(Appearance { instances: self.instances()?, ..self.surfaces()? })
+        let mut appearance = self.surfaces()?;
+        let mut skins = SkinReader::new(self);
+        appearance.instances = self.instances(&mut skins)?;
+        let SkinReader { skins, notes, .. } = skins;
+        appearance.notes.extend(notes);
+        Ok(Appearance { skins, ..appearance })
     }
 
     /// Returns the parts in their places.
-    fn instances(&self) -> Result<Vec<Instance>, Error> {
+    fn instances(&self, skins: &mut SkinReader<'_>) -> Result<Vec<Instance>, Error> {
         let placements = self.placements()?;
         let found = placements.iter().map(|place| place.parts.len()).fold(0, usize::saturating_add);
         let limit = FREE_INSTANCES + INSTANCES_PER_NODE * placements.len();
@@ -159,7 +172,10 @@ impl Scene {
             let at = "nodes, parts in their places".into();
             return Err(Error::LimitExceeded { at, found: found as u64, limit: limit as u64 });
         }
-        let of_place = |Placement { parts, transform }| parts.map(move |part| Instance { part, transform });
+        let of_place = |Placement { parts, transform, node }| {
+            let skin = node.and_then(|node| skins.of_node(node));
+            parts.map(move |part| Instance { part, transform, node, skin })
+        };
         Ok(placements.into_iter().flat_map(of_place).collect())
     }
 
@@ -182,7 +198,7 @@ impl Scene {
         if moved > 0 {
             notes.push(format!("textures whose {TEXTURE_TRANSFORM} is not applied: {moved}"));
         }
-        Ok(Appearance { instances: Vec::new(), materials, images, notes })
+        Ok(Appearance { materials, images, notes, ..Appearance::default() })
     }
 
     /// Returns the material of each part.

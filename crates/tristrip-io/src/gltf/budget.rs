@@ -35,6 +35,7 @@ const ALL_PRIMITIVES: u64 = 1 << 23;
 const TIMES_DRAWN: u64 = 16;
 
 /// A limit on the bytes that are decoded.
+#[derive(Debug)]
 pub(super) struct DecodeBudget {
     limit: u64,
     used: u64,

@@ -12,7 +12,7 @@ const BIN_CHUNK: u32 = 0x004E_4942;
 /// The byte order mark of UTF-8.
 const BYTE_ORDER_MARK: &[u8] = b"\xEF\xBB\xBF";
 const HEADER_BYTES: usize = 12;
-const CHUNK_HEADER_BYTES: usize = 8;
+pub(super) const CHUNK_HEADER_BYTES: usize = 8;
 
 /// A file and the byte ranges of its two chunks.
 pub(super) struct GlbContainer {

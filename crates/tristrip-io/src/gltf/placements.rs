@@ -1,7 +1,7 @@
 //! Where the nodes of a scene place the meshes of a document.
 //!
-//! The pose is that of the file: animations and joints are not applied. As the specification requires, the transform of a node with a skin
-//! is ignored.
+//! Animations are not applied. As the specification requires, the transform of a node with a skin is ignored; its joints, which `pose.rs`
+//! finds, place the vertices instead.
 //!
 //! # Complexity
 //! Linear in nodes and parts, however many primitives a mesh has that many nodes place.
@@ -21,6 +21,8 @@ pub struct Placement {
     pub parts: Range<usize>,
     /// The rows of the affine transform from the parts to the scene: three columns of the linear map, then the translation.
     pub transform: [[f64; 4]; 3],
+    /// The number of the node; `None` for all parts of a library of meshes.
+    pub node: Option<usize>,
 }
 
 impl Scene {
@@ -66,7 +68,8 @@ impl Scene {
                     return Err(Error::format(node.at.clone(), found, "finite products of transforms"));
                 }
                 if !parts.is_empty() {
-                    placements.push(Placement { parts: parts.clone(), transform: shown.rows() });
+                    let (parts, transform) = (parts.clone(), shown.rows());
+                    placements.push(Placement { parts, transform, node: Some(number) });
                 }
             }
             if let Some(children) = node.field("children") {
@@ -77,7 +80,7 @@ impl Scene {
         // A document without such nodes is a library of meshes.
         if placements.is_empty() && !self.primitives.is_empty() {
             let parts = 0..self.primitives.len();
-            placements.push(Placement { parts, transform: Transform::IDENTITY.rows() });
+            placements.push(Placement { parts, transform: Transform::IDENTITY.rows(), node: None });
         }
         Ok(placements)
     }

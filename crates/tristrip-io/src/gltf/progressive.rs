@@ -17,7 +17,7 @@ use std::sync::Arc;
 use serde_json::json;
 use tristrip::stream::StreamLimits;
 
-use super::container::{self, GlbContainer};
+use super::container::{self, CHUNK_HEADER_BYTES, GlbContainer};
 use super::document::{Document, Located, entries_mut, list_mut};
 use super::json::{Members, Value};
 use super::keep::compact::set_buffer;
@@ -97,6 +97,71 @@ fn add_extension(members: &mut Members, value: Value) -> Result<(), Error> {
     Ok(())
 }
 
+/// Returns the stream of a document, with its first byte in the binary chunk and its length.
+fn stream_in_bin(root: &Members) -> Result<Option<(StreamInDocument, usize, usize)>, Error> {
+    let Some(stream) = StreamInDocument::find(root)? else { return Ok(None) };
+    let view = Located::entry(root, "bufferViews", stream.view)?;
+    let (offset, length) = (view.size_or("byteOffset", 0)?, view.need("byteLength")?.size()?);
+    if view.size_or("buffer", 0)? != 0 {
+        return Err(view.wrong("the bytes of the GLB"));
+    }
+    match Located::entry(root, "buffers", 0)?.field("uri") {
+        Some(uri) => Err(uri.wrong("the bytes of the GLB")),
+        None => Ok(Some((stream, offset, length))),
+    }
+}
+
+/// Where the chunks of a progressive GLB are in its file, as its JSON says.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ChunkRange {
+    bytes: Range<u64>,
+    streams: BTreeSet<u32>,
+}
+
+impl ChunkRange {
+    /// Finds the chunks of a GLB in its first bytes: the header and the JSON. `None` if it has no stream.
+    ///
+    /// # Errors
+    /// The JSON is cut off or not valid.
+    ///
+    /// ```
+    /// use tristrip_io::gltf::ChunkRange;
+    /// let json = br#"{"asset":{"version":"2.0"}}  "#;
+    /// let mut start = b"glTF\x02\0\0\0\x30\0\0\0\x1c\0\0\0JSON".to_vec();
+    /// start.extend(&json[..28]);
+    /// assert_eq!(ChunkRange::find(start)?, None);
+    /// # Ok::<(), tristrip_io::Error>(())
+    /// ```
+    pub fn find(start: impl Into<Vec<u8>>) -> Result<Option<Self>, Error> {
+        let file = Arc::new(start.into());
+        let Some(container) = container::open_start(Arc::clone(&file)) else {
+            let found = format!("the end of the file after {} bytes", file.len());
+            return Err(Error::format("GLB", found, "a header and JSON"));
+        };
+        let document = Document::parse(container.json_bytes())?;
+        let Some((stream, offset, length)) = stream_in_bin(&document.root)? else { return Ok(None) };
+        // The header of the binary chunk is behind the JSON.
+        let first = (container.json.end as u64 + CHUNK_HEADER_BYTES as u64).saturating_add(offset as u64);
+        Ok(Some(Self { bytes: first..first.saturating_add(length as u64), streams: stream.numbers() }))
+    }
+
+    /// Returns the bytes of the chunks in the file, which may be shorter.
+    pub fn bytes(&self) -> Range<u64> {
+        self.bytes.clone()
+    }
+
+    /// Returns the numbers of the meshes that primitives draw.
+    pub fn streams(&self) -> &BTreeSet<u32> {
+        &self.streams
+    }
+
+    /// Returns limits for a decoder of the chunks, if so many bytes of them are there.
+    pub fn limits(&self, present_bytes: u64) -> StreamLimits {
+        let length = self.bytes.end - self.bytes.start;
+        limits(usize::try_from(length.min(present_bytes)).unwrap_or(usize::MAX))
+    }
+}
+
 /// A progressive GLB, or the first bytes of one, whose stream has not been decoded.
 ///
 /// ```
@@ -138,16 +203,8 @@ impl ProgressiveGlb {
         };
         let container = GlbContainer { file: Arc::clone(&file), json, bin };
         let mut document = Document::parse(container.json_bytes())?;
-        let Some(stream) = StreamInDocument::find(&document.root)? else { return Ok(None) };
+        let Some((stream, offset, length)) = stream_in_bin(&document.root)? else { return Ok(None) };
         let view = Located::entry(&document.root, "bufferViews", stream.view)?;
-        let (offset, length) = (view.size_or("byteOffset", 0)?, view.need("byteLength")?.size()?);
-        if view.size_or("buffer", 0)? != 0 {
-            return Err(view.wrong("the bytes of the GLB"));
-        }
-        let buffer = Located::entry(&document.root, "buffers", 0)?;
-        if let Some(uri) = buffer.field("uri") {
-            return Err(uri.wrong("the bytes of the GLB"));
-        }
         let Some(bin) = container.bin.clone().filter(|bin| bin.len() >= offset) else {
             let found = format!("the end of the file after {} bytes", file.len());
             return Err(Error::format(
@@ -164,7 +221,7 @@ impl ProgressiveGlb {
             start,
             length,
             primitive_count: stream.primitives.len(),
-            streams: stream.primitives.iter().map(|primitive| primitive.source.stream).collect(),
+            streams: stream.numbers(),
         };
         if container::open(Arc::clone(&file), &mut Vec::new()).is_ok() && present == length {
             return Ok(Some(whole));

@@ -90,6 +90,11 @@ impl StreamInDocument {
         Ok(Some(Self { view: view_at.size()?, primitives }))
     }
 
+    /// Returns the numbers of the meshes that primitives draw.
+    pub(super) fn numbers(&self) -> BTreeSet<u32> {
+        self.primitives.iter().map(|primitive| primitive.source.stream).collect()
+    }
+
     /// The bytes of the stream, and where they are.
     fn range(&self, root: &Members, buffers: &[SharedBytes]) -> Result<(usize, Range<usize>), Error> {
         let view = &array(root, "bufferViews")?[self.view];

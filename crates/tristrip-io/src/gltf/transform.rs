@@ -11,6 +11,11 @@ impl Transform {
     pub(super) const IDENTITY: Self =
         Self([[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]]);
 
+    /// Returns the transform of a matrix in the order of files, column after column; the last row of a matrix there is 0 0 0 1.
+    pub(super) fn of_columns(columns: [f64; 16]) -> Self {
+        Self([0, 1, 2].map(|row| [0, 1, 2, 3].map(|column| columns[4 * column + row])))
+    }
+
     /// Returns the transform that applies `inner` first.
     pub(super) fn of(&self, inner: &Self) -> Self {
         Self(self.0.map(|row| {
@@ -34,9 +39,7 @@ impl Transform {
 /// Returns the transform of a node.
 pub(super) fn of_node(node: &Located<'_>) -> Result<Transform, Error> {
     if let Some(matrix) = node.field("matrix") {
-        // Columns in the file, rows here; the last row of the file's matrix is 0 0 0 1.
-        let columns: [f64; 16] = matrix.numbers()?;
-        return Ok(Transform([0, 1, 2].map(|row| [0, 1, 2, 3].map(|column| columns[4 * column + row]))));
+        return Ok(Transform::of_columns(matrix.numbers()?));
     }
     let [tx, ty, tz] = node.field("translation").map_or(Ok([0.0; 3]), |t| t.numbers())?;
     let [x, y, z, w] = node.field("rotation").map_or(Ok([0.0, 0.0, 0.0, 1.0]), |r| r.numbers())?;

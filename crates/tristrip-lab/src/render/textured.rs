@@ -1,27 +1,26 @@
 //! Whole models: the parts in their places, with normals, texture coordinates, colours and textures.
 
-use tristrip::{Attribute, AttributeData, Mesh};
+use tristrip::Mesh;
 use tristrip_io::Model;
 use tristrip_io::gltf::{Appearance, Instance, Material};
 
+use super::attributes::values;
 use super::camera::Camera;
 use super::colours::PLAIN;
 use super::encoding::encode;
 use super::options::{Mode, RenderOptions};
+use super::pose::{Pose, Poses};
 use super::raster;
 use super::scene::{Facet, Paint, corner_normals, normal, position};
 use super::shader::Shader;
 use super::surfaces::{Corners, Surfaces};
 use super::tones::Tones;
-use super::vector::{Vector, cross, dot, unit};
+use super::vector::{Vector, unit};
 use crate::error::Error;
 
 /// How often the triangles of a model may be drawn on average, and how many triangles are always allowed.
 const MAX_COPIES: usize = 16;
 const FREE_TRIANGLES: usize = 1 << 20;
-
-/// The rows of an affine transform.
-type Transform = [[f64; 4]; 3];
 
 /// A model that is ready to be drawn: its triangles in the axes of its scene, and its textures.
 #[derive(Debug)]
@@ -34,9 +33,9 @@ pub struct TexturedModel {
 }
 
 impl TexturedModel {
-    /// Places the parts of a model as its scene does, and decodes its textures. Polygons are drawn as fans around their first corner.
+    /// Places the parts of a model as its scene does, in its rest pose, and decodes its textures. Polygons are drawn as fans around their first corner.
     ///
-    /// The pose is that of [`Appearance`]; every material is opaque. Models without a scene are grey.
+    /// Skins and the weights of morph targets are applied, animations are not; every material is opaque. Models without a scene are grey.
     ///
     /// # Errors
     /// The scene is not valid, an image is not PNG or JPEG or is too large, a coordinate is not finite, or the scene repeats its parts too
@@ -59,12 +58,15 @@ impl TexturedModel {
         check_count(model, &appearance.instances)?;
         let (low, high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         let mut textured = Self { facets: Vec::new(), surfaces, low, high, notes: appearance.notes };
+        let mut poses = Poses::new(model, &appearance.skins);
         for instance in &appearance.instances {
             let Some(part) = model.parts.get(instance.part) else { continue };
+            let pose = poses.of(&part.mesh, instance);
             let texture = appearance.materials.get(instance.part).and_then(|material| material.texture);
             let coordinates = format!("TEXCOORD_{}", texture.map_or(0, |texture| texture.coordinates));
-            textured.add(&part.mesh, instance, &coordinates)?;
+            textured.add(&part.mesh, &pose, instance.part, &coordinates)?;
         }
+        textured.notes.extend(poses.into_notes());
         for corner in textured.facets.iter().flat_map(|facet| facet.corners) {
             for axis in 0..3 {
                 textured.low[axis] = textured.low[axis].min(corner[axis]);
@@ -152,9 +154,8 @@ impl TexturedModel {
         Ok(raster::draw(&facets, &Shader::textured(camera, &self.surfaces, mode), options))
     }
 
-    /// Adds a part in a place.
-    fn add(&mut self, mesh: &Mesh, instance: &Instance, coordinates: &str) -> Result<(), Error> {
-        let moved = Placement::of(&instance.transform);
+    /// Adds a part in a pose.
+    fn add(&mut self, mesh: &Mesh, pose: &Pose<'_>, part: usize, coordinates: &str) -> Result<(), Error> {
         let attribute = |name: &str| mesh.attributes().iter().find(|attribute| attribute.name == name);
         let (normals, coordinates, colours) =
             (attribute("NORMAL"), attribute(coordinates), attribute("COLOR_0"));
@@ -164,7 +165,7 @@ impl TexturedModel {
         for triangle in triangles {
             let mut found = [Vector::default(); 3];
             for (corner, &vertex) in found.iter_mut().zip(triangle) {
-                *corner = moved.point(position(mesh.positions(), vertex)?)?;
+                *corner = pose.point(position(mesh.positions(), vertex)?, vertex)?;
             }
             placed.push(found);
         }
@@ -177,12 +178,12 @@ impl TexturedModel {
             let number = self.surfaces.push(Corners {
                 coordinates: triangle.map(|vertex| coordinates.map_or([0.0; 2], |all| values(all, vertex))),
                 colours: triangle.map(|vertex| colours.map_or([1.0; 3], |all| values(all, vertex))),
-                material: instance.part as u32,
+                material: part as u32,
             });
             let mut facet = Facet { corners, normals: fallback, paint: Paint::Corners(number) };
             for (corner, &vertex) in facet.normals.iter_mut().zip(triangle) {
                 let of_file =
-                    normals.and_then(|normals| moved.normal(values(normals, vertex).map(f64::from)));
+                    normals.and_then(|normals| pose.normal(values(normals, vertex).map(f64::from), vertex));
                 *corner = of_file.unwrap_or(*corner);
             }
             self.facets.push(facet);
@@ -196,8 +197,9 @@ fn without_scene(model: &Model) -> Appearance {
     let transform = [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]];
     let [red, green, blue] = Tones::new().linear(PLAIN);
     let grey = Material { base_colour: [red, green, blue, 1.0], texture: None };
+    let place = |part| Instance { part, transform, node: None, skin: None };
     let mut appearance = Appearance::default();
-    appearance.instances = (0..model.parts.len()).map(|part| Instance { part, transform }).collect();
+    appearance.instances = (0..model.parts.len()).map(place).collect();
     appearance.materials = vec![grey; model.parts.len()];
     appearance
 }
@@ -217,56 +219,4 @@ fn check_count(model: &Model, instances: &[Instance]) -> Result<(), Error> {
         }
     }
     Ok(())
-}
-
-/// Where a part stands.
-struct Placement {
-    rows: Transform,
-    /// The rows of the linear map of normals: the cofactors, which are the transposed inverse times the determinant.
-    of_normals: [Vector; 3],
-}
-
-impl Placement {
-    fn of(rows: &Transform) -> Self {
-        let [a, b, c] = rows.map(|[x, y, z, _]| [x, y, z]);
-        let cofactors = [cross(b, c), cross(c, a), cross(a, b)];
-        let sign = if dot(a, cofactors[0]) < 0.0 { -1.0 } else { 1.0 };
-        Self { rows: *rows, of_normals: cofactors.map(|row| row.map(|x| sign * x)) }
-    }
-
-    fn point(&self, point: Vector) -> Result<Vector, Error> {
-        let moved = self.rows.map(|[x, y, z, offset]| dot([x, y, z], point) + offset);
-        if moved.iter().all(|x| x.is_finite()) {
-            return Ok(moved);
-        }
-        Err(Error::Picture(format!("scene: found a vertex at {moved:?}, expected finite coordinates")))
-    }
-
-    fn normal(&self, normal: Vector) -> Option<Vector> {
-        unit(self.of_normals.map(|row| dot(row, normal)))
-    }
-}
-
-/// Returns the first values of a vertex as floats, integers as fractions of their range where the attribute says so; zeros where it has
-/// fewer.
-fn values<const N: usize>(attribute: &Attribute, vertex: u32) -> [f32; N] {
-    let components = usize::from(attribute.components);
-    std::array::from_fn(|i| {
-        let at = vertex as usize * components + i;
-        if i < components { value(attribute, at).unwrap_or_default() } else { 0.0 }
-    })
-}
-
-fn value(attribute: &Attribute, at: usize) -> Option<f32> {
-    let (value, range) = match &attribute.data {
-        AttributeData::F32(all) => return all.get(at).copied(),
-        AttributeData::F64(all) => return Some(*all.get(at)? as f32),
-        AttributeData::U8(all) => (f64::from(*all.get(at)?), f64::from(u8::MAX)),
-        AttributeData::I8(all) => (f64::from(*all.get(at)?), f64::from(i8::MAX)),
-        AttributeData::U16(all) => (f64::from(*all.get(at)?), f64::from(u16::MAX)),
-        AttributeData::I16(all) => (f64::from(*all.get(at)?), f64::from(i16::MAX)),
-        AttributeData::U32(all) => (f64::from(*all.get(at)?), f64::from(u32::MAX)),
-        AttributeData::I32(all) => (f64::from(*all.get(at)?), f64::from(i32::MAX)),
-    };
-    Some(if attribute.normalized { (value / range).max(-1.0) as f32 } else { value as f32 })
 }

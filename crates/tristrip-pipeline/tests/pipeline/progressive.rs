@@ -5,11 +5,14 @@
 use std::collections::{HashMap, HashSet};
 use std::fmt::Write;
 use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use tristrip::stream::StreamOptions;
 use tristrip_io::gltf::ProgressiveGlb;
 use tristrip_io::{Format, Model, read};
-use tristrip_pipeline::{Level, PackOptions, StreamGoal, Unpacked, pack, stream_figures, unpack};
+use tristrip_pipeline::{
+    Error, Level, Observer, PackOptions, StreamGoal, Unpacked, pack, stream_figures, unpack,
+};
 
 fn model(name: &str) -> Model {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../../testdata/models");
@@ -229,6 +232,34 @@ fn what_is_near_the_eye_is_refined_first() {
     };
     let [from_eye, alike] = [near(Some([0.0, 0.0, 2.0])), near(None)];
     assert!(2 * from_eye > 3 * alike, "{from_eye}, {alike}");
+}
+
+/// Cancels once it has been asked so often.
+struct CancelAt {
+    asked: AtomicUsize,
+    at: usize,
+}
+
+impl Observer for CancelAt {
+    fn is_cancelled(&self) -> bool {
+        self.asked.fetch_add(1, Ordering::Relaxed) >= self.at
+    }
+}
+
+#[test]
+fn packing_is_cancelled_between_stages_and_meshes() {
+    let model = model("milktruck.glb");
+    let run = |at| {
+        let observer = CancelAt { asked: AtomicUsize::new(0), at };
+        let result = pack(&model, &PackOptions::default(), &observer).map(|packed| packed.meshes);
+        (result, observer.asked.into_inner())
+    };
+    let (meshes, asked) = run(usize::MAX);
+    let meshes = meshes.unwrap();
+    assert!(meshes > 1 && asked >= meshes + 3, "{asked} of {meshes}");
+    for at in 0..asked {
+        assert!(matches!(run(at).0, Err(Error::Cancelled)), "{at}");
+    }
 }
 
 #[test]

@@ -2,8 +2,9 @@
 
 use std::fs;
 use std::io::{Read, Write};
+use std::time::Duration;
 
-use tristrip_serve::{Content, MemoryFile, Server, ServerOptions};
+use tristrip_serve::{Content, Limits, MemoryFile, Server, ServerOptions};
 
 use super::client::{connect, read, request};
 use super::{Running, grid, packs, write};
@@ -51,9 +52,15 @@ fn heads_are_those_of_gets_without_bodies() {
             assert_eq!(head.header(name), get.header(name), "{path}: {name}");
         }
     }
-    let part =
-        request(server.address, "HEAD /files/a.stl HTTP/1.1\r\nHost: localhost\r\nRange: bytes=0-9\r\n");
-    assert_eq!((part.status, part.header("content-length")), (206, "10"));
+    // Ranges are defined for GET alone.
+    for range in ["bytes=0-9", "bytes=9000-"] {
+        let lines = format!("HEAD /files/a.stl HTTP/1.1\r\nHost: localhost\r\nRange: {range}\r\n");
+        let whole = request(server.address, &lines);
+        assert_eq!(
+            (whole.status, whole.header("content-length"), whole.header("content-range")),
+            (200, "5000", "")
+        );
+    }
 }
 
 #[test]
@@ -139,7 +146,7 @@ fn models_are_listed_as_they_change() {
     assert_eq!((&model["kind"], &model["triangles"]), (&"packed".into(), &serde_json::Value::Null));
     let packed = server.get("/packed/z.obj.glb");
     write(server.folder.path(), "c.glb", &packed.body);
-    std::thread::sleep(std::time::Duration::from_millis(2100));
+    std::thread::sleep(Duration::from_millis(2100));
     let json: serde_json::Value = serde_json::from_slice(&server.get("/models.json").body).unwrap();
     let model = &json["models"][1];
     assert_eq!((&model["url"], &model["kind"]), (&"files/c.glb".into(), &"progressive".into()));
@@ -225,6 +232,30 @@ fn files_in_memory_are_served_and_drawn() {
     running.join().unwrap().unwrap();
     let bad = MemoryFile { name: "../a".into(), bytes: Vec::new() };
     assert!(Server::bind(Content::Files(vec![bad]), &ServerOptions::default().with_port(0)).is_err());
+}
+
+#[test]
+fn a_file_in_memory_that_is_read_late_arrives_as_a_whole() {
+    // More than the buffers of both sockets take.
+    let bytes: Vec<u8> = (0..=250).cycle().take(20_000_000).collect();
+    let file = MemoryFile { name: "a.glb".into(), bytes: bytes.clone() };
+    let limits = Limits::default().with_idle_time(Duration::from_millis(200));
+    let options = ServerOptions::default().with_port(0).with_limits(limits);
+    let server = Server::bind(Content::Files(vec![file]), &options).unwrap();
+    let (address, stop) = (server.address(), server.stop_handle());
+    let running = std::thread::spawn(|| server.run());
+    let mut socket = connect(address);
+    socket
+        .write_all(
+            b"GET /files/a.glb HTTP/1.1\r\nHost: localhost\r\nRange: bytes=1-\r\nConnection: close\r\n\r\n",
+        )
+        .unwrap();
+    std::thread::sleep(Duration::from_secs(1));
+    let late = read(&mut socket);
+    assert_eq!((late.status, late.header("content-length")), (206, "19999999"));
+    assert!(late.body == bytes[1..]);
+    stop.stop();
+    running.join().unwrap().unwrap();
 }
 
 #[test]

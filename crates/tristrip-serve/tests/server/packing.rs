@@ -153,3 +153,30 @@ fn thumbnails_are_drawn_once() {
     assert_eq!(server.metric("tristrip_jobs_total{kind=\"thumbnail\",result=\"done\"}"), 2);
     assert_eq!(server.get("/thumbnails/none.obj.png").status, 404);
 }
+
+#[test]
+fn a_client_that_would_wait_too_long_is_told_to_come_back() {
+    let packing = PackingOptions::default().with_on_demand(true).with_wait_time(Duration::ZERO);
+    let server =
+        Running::with_files(ServerOptions::default().with_packing(packing), &[("grid.obj", &grid(60))]);
+    let first = server.get("/packed/grid.obj.glb");
+    assert_eq!((first.status, first.header("retry-after")), (503, "10"), "{}", first.text());
+    assert_eq!(first.header("cache-control"), "no-store");
+    let start = Instant::now();
+    while server.metric(DONE) == 0 {
+        assert!(start.elapsed() < Duration::from_secs(20));
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    assert_eq!(server.get("/packed/grid.obj.glb").status, 200);
+}
+
+#[test]
+fn a_packing_is_given_up_at_its_deadline() {
+    let packing = PackingOptions::default().with_on_demand(true).with_job_time(Duration::ZERO);
+    let server =
+        Running::with_files(ServerOptions::default().with_packing(packing), &[("grid.obj", &grid(60))]);
+    let given_up = server.get("/packed/grid.obj.glb");
+    assert_eq!((given_up.status, given_up.text().as_str()), (422, "it takes longer than 0ns\n"));
+    assert_eq!(server.get("/thumbnails/grid.obj.png").status, 422);
+    assert_eq!((server.metric(DONE), server.metric(FAILED)), (0, 1));
+}

@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use axum::body::Body;
 use bytes::Bytes;
@@ -75,6 +76,52 @@ async fn streams_of_http2_count_as_connections() {
     }
     drop((unread, sender));
     tokio::task::spawn_blocking(move || drop(server)).await.unwrap();
+}
+
+#[tokio::test]
+async fn a_stream_that_is_not_read_is_ended_and_others_go_on() {
+    let bytes = vec![9; 8_000_000];
+    let limits = Limits::default().with_stall_time(Duration::from_millis(500));
+    let server = Running::with_files(ServerOptions::default().with_limits(limits), &[("a.glb", &bytes)]);
+    let socket = TcpStream::connect(server.address).await.unwrap();
+    let (sender, connection) = http2::handshake(TokioExecutor::new(), TokioIo::new(socket)).await.unwrap();
+    tokio::spawn(connection);
+    let get = async || {
+        let request = Request::get("http://localhost/files/a.glb").body(Body::empty()).unwrap();
+        sender.clone().send_request(request).await.unwrap().into_body()
+    };
+    let (unread, slow) = (get().await, get().await);
+    let started = Instant::now();
+    // Slower than the limit in all, but never without a byte for so long.
+    let slow = tokio::spawn(async move {
+        let (mut slow, mut received) = (slow, 0);
+        while let Some(frame) = slow.frame().await {
+            received += frame.unwrap().into_data().map_or(0, |data| data.len());
+            tokio::time::sleep(Duration::from_millis(8)).await;
+        }
+        received
+    });
+    let mut whole = 0;
+    while started.elapsed() < Duration::from_millis(1500) {
+        whole += usize::from(get().await.collect().await.unwrap().to_bytes() == bytes);
+    }
+    assert!(whole > 1);
+    // What was in the window of the client is there, and then the stream ends.
+    let ended = unread.collect().await;
+    assert!(
+        ended.is_err_and(
+            |error| error.to_string().contains("stream") || format!("{error:?}").contains("Reset")
+        )
+    );
+    assert_eq!(slow.await.unwrap(), bytes.len());
+    assert!(get().await.collect().await.unwrap().to_bytes() == bytes);
+    drop(sender);
+    tokio::task::spawn_blocking(move || {
+        assert_eq!(server.metric("tristrip_refused_connections_total{limit=\"stream-stall-time\"}"), 1);
+        drop(server);
+    })
+    .await
+    .unwrap();
 }
 
 #[tokio::test]
