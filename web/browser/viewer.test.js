@@ -237,6 +237,25 @@ test('all works with the keyboard', { skip }, async () => {
   assert.deepEqual(problems, []);
 });
 
+test('a thumbnail that is not drawn yet is asked for again, and the page says that the server prepares a model', { skip }, async () => {
+  const { page } = await openViewer();
+  const listed = [present(hand)].map(({ name, url, bytes }) => ({ name, url: url.slice(1), kind: 'packed', bytes, triangles: 1, vertices: 3, thumbnail: 'thumbnails/hand.svg' }));
+  await page.route('**/models.json', (route) => route.fulfill({ json: { models: listed, notes: [] } }));
+  const busy = { status: 503, headers: { 'Retry-After': '2' }, body: 'not finished yet' };
+  let asked = 0;
+  const svg = '<svg xmlns="http://www.w3.org/2000/svg" width="320" height="240"/>';
+  await page.route('**/thumbnails/*', (route) => route.fulfill(asked++ === 0 ? busy : { contentType: 'image/svg+xml', body: svg }));
+  let loaded = 0;
+  await page.route(`**${present(hand).url}`, (route) => (loaded++ < 3 ? route.fulfill(busy) : route.continue()));
+  await page.reload();
+  await page.waitForFunction(() => document.querySelector('#cards img')?.complete && document.querySelector('#cards img').naturalWidth === 320);
+  assert.equal(asked, 2);
+  await page.locator('#cards a').click();
+  await page.locator('#loaded', { hasText: 'the server prepares the model' }).waitFor();
+  await waitForState(page, 'complete');
+  assert.equal(loaded, 4, 'answers of a busy server are no lost connections');
+});
+
 test('an animation is chosen among several, and is part of the address', { skip }, async () => {
   const { page, problems } = await openViewer(unmorphed);
   await waitForState(page, 'complete');

@@ -253,6 +253,18 @@ test('a server that ignores ranges, or is busy, is no error', async () => {
   close();
 });
 
+test('a server that makes the file first is asked again and again', async () => {
+  const busy = (/** @type {any} */ request, /** @type {import('node:http').ServerResponse} */ response) => response.writeHead(503, { 'Retry-After': '0.01' }).end();
+  const { url, ranges, close } = await serve([...Array(12).fill(busy), sending(1000), busy, sending()]);
+  const page = new Page(url, { output: 'lists' });
+  await page.complete();
+  assert.equal(ranges.length, 15);
+  assertSame(page, decoded(FILE), 'lists');
+  const states = page.messages.filter(({ type }) => type === 'connection').map(({ state }) => state);
+  assert.equal(states.filter((state) => state === 'busy').length, 13);
+  close();
+});
+
 test('ranges that are not told, and tags that get strong, are no change of the file', async () => {
   const untold = await serve([
     sending(1000),

@@ -22,6 +22,10 @@ const cards = element('cards', HTMLUListElement);
 const notes = element('notes', HTMLElement);
 const text = element('gallery-text', HTMLElement);
 
+/** How often a thumbnail is asked for again, and the milliseconds before the first time. The pauses double. */
+const MOST_IMAGE_TRIES = 5;
+const IMAGE_PAUSE = 2000;
+
 /** The names of the models, by their URLs. @type {Map<string, string>} */
 const names = new Map();
 
@@ -57,11 +61,24 @@ function card({ name, url, kind, bytes, triangles, thumbnail }) {
   const frame = make('span', { class: 'thumbnail' });
   if (thumbnail) {
     const image = make('img', { src: thumbnail, alt: '', loading: 'lazy', decoding: 'async', width: '320', height: '240' });
-    image.addEventListener('error', () => image.remove());
+    retryImage(/** @type {HTMLImageElement} */ (image), thumbnail);
     frame.append(image);
   }
   const link = make('a', { href: writeState({ model: url, view: undefined, mode: undefined }) }, frame, make('strong', {}, name), make('span', { class: 'muted' }, figures.filter(Boolean).join(' · ')));
   return make('li', {}, link);
+}
+
+/**
+ * Loads an image again some time after it has failed: the server draws the thumbnails of many models one after another. One that does not come is removed.
+ * @param {HTMLImageElement} image
+ * @param {string} url
+ */
+function retryImage(image, url) {
+  let tries = 0;
+  image.addEventListener('error', () => {
+    if (tries === MOST_IMAGE_TRIES) return image.remove();
+    setTimeout(() => (image.src = url), IMAGE_PAUSE * 2 ** tries++);
+  });
 }
 
 /**

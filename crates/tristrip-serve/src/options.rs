@@ -145,7 +145,7 @@ impl Default for PackingOptions {
             at_once: std::thread::available_parallelism().map_or(1, usize::from),
             waiting: 64,
             // Less than the minute that proxies wait.
-            wait_time: Duration::from_secs(50),
+            wait_time: Duration::from_secs(15),
             job_time: Duration::from_mins(30),
             largest_input_bytes: 512 << 20,
             cache: None,

@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 
 use axum::Router;
 use axum::extract::State;
-use axum::http::header::{CONTENT_ENCODING, CONTENT_LENGTH, CONTENT_TYPE, ETAG, RETRY_AFTER};
+use axum::http::header::{CONTENT_ENCODING, CONTENT_LENGTH, CONTENT_TYPE, ETAG};
 use axum::http::{Extensions, HeaderMap, HeaderValue, StatusCode, Uri, Version};
 use axum::middleware::map_response;
 use axum::response::Response;
@@ -303,10 +303,7 @@ async fn made(
         }
         Err(Refusal::Busy) => text(StatusCode::SERVICE_UNAVAILABLE, "too many files are being packed"),
         Err(Refusal::NotYet) => {
-            let mut response =
-                text(StatusCode::SERVICE_UNAVAILABLE, "not finished yet: the work goes on, ask again");
-            response.headers_mut().insert(RETRY_AFTER, HeaderValue::from_static("10"));
-            response
+            text(StatusCode::SERVICE_UNAVAILABLE, "not finished yet: the work goes on, ask again")
         }
         Err(Refusal::Failed(message)) => text(StatusCode::UNPROCESSABLE_ENTITY, &message),
     }

@@ -92,8 +92,8 @@
  */
 
 /**
- * How the connection is. `waiting`: others come first. `paused`: by `pause`. `retrying`: it is lost, and tried again after some time. `done`: all has arrived.
- * @typedef {'connecting' | 'loading' | 'waiting' | 'paused' | 'retrying' | 'done'} ConnectionState
+ * How the connection is. `waiting`: others come first. `paused`: by `pause`. `retrying`: it is lost, and tried again after some time. `busy`: the server asks to come again, because it makes the file first or has too many clients. `done`: all has arrived.
+ * @typedef {'connecting' | 'loading' | 'waiting' | 'paused' | 'retrying' | 'busy' | 'done'} ConnectionState
  */
 
 /**
@@ -104,7 +104,7 @@
  * @property {(chunks: ChunkFigures[]) => void} [chunks] chunks that have arrived
  * @property {(update: Update) => unknown} [update] the arrays are the page's to keep. If it returns a promise, the next update comes after it is fulfilled
  * @property {(progress: Progress) => void} [progress] bytes that have arrived without an update
- * @property {(state: ConnectionState, seconds: number) => void} [connection] `seconds` until the next try, if it is `retrying`
+ * @property {(state: ConnectionState, seconds: number) => void} [connection] `seconds` until the next try, if it is `retrying` or `busy`
  * @property {(error: ModelError) => void} [error] nothing more comes, unless `retry` is called; what was shown stays good
  */
 

@@ -4,7 +4,7 @@
  * # Algorithm
  * A request for the rest of the file (`Range`) follows each loss, after a pause that doubles while nothing arrives. `If-Range` has the file's tag, so that the rest belongs to the same file; other
  * sites get no `If-Range`, which they would have to allow, and the tags are compared. Of a whole file that is sent again, what is known is skipped. A download that gets no byte for some time is
- * taken for lost.
+ * taken for lost. A server that says when to ask again (503 with `Retry-After`), as one does that makes the file first, is asked again for as long as it says so.
  * @module
  */
 
@@ -20,6 +20,8 @@ const SILENCE = 20_000;
 /** The tries without a byte before it fails: at first, and after bytes have come. */
 const FIRST_TRIES = 2;
 const TRIES = 8;
+/** How often a server may say that it is busy. */
+const MOST_BUSY_ANSWERS = 500;
 /** Answers that may be others at the next try. */
 const TEMPORARY = new Set([408, 425, 429, 500, 502, 503, 504]);
 
@@ -40,10 +42,12 @@ class Loss extends Error {
   /**
    * @param {string} message
    * @param {number} pause the milliseconds that the server asks for
+   * @param {boolean} isBusy whether the server is there, and answers later
    */
-  constructor(message, pause = 0) {
+  constructor(message, pause = 0, isBusy = false) {
     super(message);
     this.pause = pause;
+    this.isBusy = isBusy;
   }
 }
 
@@ -59,8 +63,9 @@ export class Download {
   #totalBytes = 0;
   /** @type {AbortController | undefined} ends the pause before the next try */
   #pausing;
-  /** The tries since bytes have come. */
+  /** The tries since bytes have come, without those that a busy server has answered. */
   #tries = 0;
+  #busyAnswers = 0;
   /** Whether the server does not say which bytes it sends. */
   #isWithoutRanges = false;
   receivedBytes = 0;
@@ -84,7 +89,7 @@ export class Download {
 
   /** Yields the bytes of the file that have not come yet. Throws a `DownloadError`; the download may be continued by another call. */
   async *pieces() {
-    for (this.#tries = 0; ; ) {
+    for (this.#tries = this.#busyAnswers = 0; ; ) {
       try {
         yield* this.#request();
         return;
@@ -93,9 +98,10 @@ export class Download {
         if (error instanceof DownloadError) throw error;
         // Errors of `fetch` and of its streams are TypeErrors.
         if (!(error instanceof Loss || error instanceof TypeError || (error instanceof DOMException && error.name !== 'AbortError'))) throw error;
-        const tries = this.receivedBytes > 0 ? TRIES : FIRST_TRIES;
-        if (++this.#tries >= tries) throw new DownloadError('connection', `The connection was lost: ${error.message}`);
-        await this.#pause(error instanceof Loss ? error.pause : 0);
+        const { pause, isBusy } = error instanceof Loss ? error : { pause: 0, isBusy: false };
+        const isLast = isBusy ? ++this.#busyAnswers >= MOST_BUSY_ANSWERS : ++this.#tries >= (this.receivedBytes > 0 ? TRIES : FIRST_TRIES);
+        if (isLast) throw new DownloadError('connection', `The connection was lost: ${error.message}`);
+        await this.#pause(pause, isBusy);
         if (this.#signal.aborted) return;
       } finally {
         this.#turn.end();
@@ -106,10 +112,11 @@ export class Download {
   /**
    * Waits before the next try.
    * @param {number} least the milliseconds that the server asks for
+   * @param {boolean} isBusy
    */
-  async #pause(least) {
-    const pause = Math.min(Math.max(least, FIRST_PAUSE * 2 ** (this.#tries - 1)), LONGEST_PAUSE);
-    this.#onState('retrying', pause / 1000);
+  async #pause(least, isBusy) {
+    const pause = Math.min(isBusy ? least : Math.max(least, FIRST_PAUSE * 2 ** (this.#tries - 1)), LONGEST_PAUSE);
+    this.#onState(isBusy ? 'busy' : 'retrying', pause / 1000);
     const end = performance.now() + pause;
     const pausing = (this.#pausing = new AbortController());
     // The system says that there is a network again.
@@ -152,7 +159,7 @@ export class Download {
           const rest = value.subarray(Math.min(skipped, value.length));
           skipped -= value.length - rest.length;
           if (rest.length === 0) continue;
-          this.#tries = 0;
+          this.#tries = this.#busyAnswers = 0;
           yield* this.#deliver(rest);
         }
       } finally {
@@ -217,7 +224,8 @@ export class Download {
     const { status, headers } = response;
     if (TEMPORARY.has(status)) {
       const seconds = Number(headers.get('Retry-After'));
-      throw new Loss(`the server answers ${status}`, seconds > 0 ? 1000 * seconds : 0);
+      const pause = seconds > 0 ? 1000 * seconds : 0;
+      throw new Loss(`the server answers ${status}`, pause, status === 503 && pause > 0);
     }
     if (!response.ok && status !== 416) throw new DownloadError('status', `The server answers ${status} ${response.statusText}`.trim());
     const tag = headers.get('ETag') ?? headers.get('Last-Modified') ?? '';

@@ -114,7 +114,7 @@ pub(crate) struct LimitArgs {
     /// How long a request waits for a packing or a thumbnail
     ///
     /// It then gets status 503 with Retry-After. The work goes on, and its result is there for the next request.
-    #[arg(long, value_name = "TIME", default_value = "50s", value_parser = humantime::parse_duration)]
+    #[arg(long, value_name = "TIME", default_value = "15s", value_parser = humantime::parse_duration)]
     pub(crate) wait_time: Duration,
     /// How long running responses may take once the server stops
     #[arg(long, value_name = "TIME", default_value = "10s", value_parser = humantime::parse_duration)]
