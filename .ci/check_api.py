@@ -3,8 +3,8 @@
 
     python3 .ci/check_api.py [ROOT]
 
-Reads the JSON that rustdoc writes of each library in LIBRARIES. That format belongs to the unstable part of rustdoc, which
-`RUSTC_BOOTSTRAP=1` opens on a stable toolchain; where the format has changed, the check fails and says so.
+Reads the JSON that rustdoc writes of each library in LIBRARIES, beside its pages. That format belongs to the unstable part of rustdoc,
+which `rustdoc_unstable` opens on a stable toolchain; where the format has changed, the check fails and says so.
 
 A path is a way to name an item from outside: through public modules and re-exports. Functions, and methods of public types except those
 of traits, need an example in their documentation where LIBRARIES says so.
@@ -19,7 +19,7 @@ from pathlib import Path
 
 # The libraries, and whether each function needs an example.
 LIBRARIES = {"tristrip": True, "tristrip-io": False, "tristrip-pipeline": False, "tristrip-lab": False, "tristrip-serve": False}
-TARGET = "target/api"
+RUSTDOC = Path(__file__).parent.resolve() / "rustdoc_unstable"
 # Kinds of items that can be called.
 CALLED = "function"
 # Kinds of items that own methods.
@@ -100,10 +100,11 @@ def problems(document: dict, with_examples: bool) -> list[str]:
 
 def document(root: Path, library: str) -> dict:
     """Returns the JSON of a library."""
-    command = ["cargo", "rustdoc", "--quiet", "--package", library, "--lib", "--all-features", "--target-dir", TARGET]
+    command = ["cargo", "rustdoc", "--quiet", "--package", library, "--lib", "--all-features"]
     command += ["--", "-Z", "unstable-options", "--output-format", "json"]
-    subprocess.run(command, cwd=root, env=os.environ | {"RUSTC_BOOTSTRAP": "1"}, check=True)
-    return json.loads((root / TARGET / "doc" / f"{library.replace('-', '_')}.json").read_text(encoding="utf-8"))
+    subprocess.run(command, cwd=root, env=os.environ | {"RUSTDOC": str(RUSTDOC)}, check=True)
+    target = root / os.environ.get("CARGO_TARGET_DIR", "target")
+    return json.loads((target / "doc" / f"{library.replace('-', '_')}.json").read_text(encoding="utf-8"))
 
 
 def main() -> int:
