@@ -384,7 +384,9 @@ test('a lost connection is retried where it was lost, also after it was given up
     Object.assign(window, { gltf, events });
     return { kind, told: progressive.error?.kind, isClosed: progressive.isClosed, triangles: trianglesOf(gltf), received: progressive.progress.receivedBytes };
   }, packed);
-  assert.deepEqual([lost.kind, lost.told, lost.isClosed, lost.received], ['connection', 'connection', false, drop]);
+  assert.deepEqual([lost.kind, lost.told, lost.isClosed], ['connection', 'connection', false]);
+  // What is on its way when a connection breaks may be lost with it.
+  assert.ok(lost.received > 0 && lost.received <= drop, `${lost.received} of ${drop} bytes`);
   server.shape(packed);
   const found = await page.evaluate(async () => {
     const { gltf, events, stage } = window;
@@ -398,8 +400,10 @@ test('a lost connection is retried where it was lost, also after it was given up
   });
   assert.deepEqual([found.error, found.events, found.isComplete], [undefined, ['error', 'complete'], true]);
   assert.ok(lost.triangles < found.triangles);
-  const ranges = server.requestsOf(packed).slice(known).map(({ range }) => range);
-  assert.deepEqual(new Set(ranges.slice(1)), new Set([`bytes=${drop}-`]), 'no byte is sent twice');
+  // What has come is not asked for again.
+  const firsts = server.requestsOf(packed).slice(known + 1).map(({ range }) => Number(/^bytes=(\d+)-$/.exec(range ?? '')?.[1]));
+  assert.ok(firsts.every((first, i) => first >= (firsts[i - 1] ?? 1)), `${firsts}`);
+  assert.equal(firsts.at(-1), lost.received);
   assert.deepEqual(problems.filter((problem) => !isLoss(problem)), []);
 });
 

@@ -1,6 +1,5 @@
 //! Documents whose buffer views meshoptimizer's own encoders compress.
 #![allow(dead_code, reason = "each test file uses a part of it")]
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests fail by panicking")]
 
 use std::path::PathBuf;
 

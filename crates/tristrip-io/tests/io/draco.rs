@@ -1,8 +1,5 @@
 //! glTF with geometry compressed by Draco: read as if it were not, and bounded on wrong streams.
-#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
-use crate::doubling::check_linear;
-use crate::random::random;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use draco_gltf::{
@@ -12,6 +9,9 @@ use draco_gltf::{
 use serde_json::{Value, json};
 use tristrip::Layout;
 use tristrip_io::{Drawing, Error, Format, gltf, write};
+
+use crate::doubling::check_linear;
+use crate::random::random;
 
 const SIDE: u32 = 12;
 

@@ -1,6 +1,5 @@
 //! Models that draw nothing: each format writes a file that reads as a model which draws nothing, or says that there is nothing to
 //! write.
-#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
 use tristrip::verify::verify_models;
 use tristrip::{Faces, Layout, Mesh, Strips};

@@ -1,11 +1,11 @@
 //! What a document makes of its bytes: values that no byte stands for are limited, arrays that are used again are decoded once,
 //! and what was read can be written and read again.
-#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
-use crate::gltf_documents::*;
 use serde_json::json;
 use tristrip::{Layout, Strips};
 use tristrip_io::{Drawing, Error, Model, gltf};
+
+use crate::gltf_documents::*;
 
 /// A document of one primitive over zeros.
 fn zeros(count: usize, sparse: bool) -> Draft {

@@ -1,9 +1,10 @@
 //! Reading glTF: small documents for each way in which the format can store triangles.
 
-use crate::gltf_documents::*;
 use serde_json::json;
 use tristrip::AttributeData;
 use tristrip_io::{Error, gltf};
+
+use crate::gltf_documents::*;
 
 const FAN: u32 = 6;
 const STRIP: u32 = 5;

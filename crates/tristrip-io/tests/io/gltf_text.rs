@@ -1,9 +1,9 @@
 //! The text of a document: what is not ours stays byte for byte when indices are written into it.
-#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
-use crate::gltf_documents::*;
 use tristrip::{Layout, Strips};
 use tristrip_io::{Drawing, gltf};
+
+use crate::gltf_documents::*;
 
 /// Values in spellings that a JSON library may change or misread, each of which must be in the output as it is here.
 const ODD: [&str; 10] = [

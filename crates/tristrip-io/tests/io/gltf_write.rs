@@ -1,12 +1,12 @@
 //! Writing GLB: the scene is kept, every layout draws the same triangles, and the Khronos validator accepts the files.
-#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
-use crate::gltf_documents::*;
-use crate::kept_scenes::{LAYOUTS, check_scene, rich, strips_of, write};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 use tristrip::{Attribute, AttributeData, Faces, Layout, Mesh, Strips};
 use tristrip_io::{Drawing, Error, Model, Part, gltf};
+
+use crate::gltf_documents::*;
+use crate::kept_scenes::{LAYOUTS, check_scene, rich, strips_of, write};
 
 fn model_of(meshes: impl IntoIterator<Item = Mesh>) -> Model {
     let parts = meshes.into_iter().map(|mesh| Part { mesh, ..Part::default() }).collect();

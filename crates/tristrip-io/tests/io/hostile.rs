@@ -1,8 +1,8 @@
 //! Every truncation and thousands of byte mutations of small valid files give a model or an error, never a panic.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests fail by panicking")]
+
+use tristrip_io::{Format, read};
 
 use crate::random::{mutate, random};
-use tristrip_io::{Format, read};
 
 const OBJ: &str = "o a\nv 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvn 0 0 1\nusemtl m\n\
     f 1/1/1 2/2/1 \\\n 3/1/1\nusemtl n\nf -1//-1 3//1 2//1\ns 1\nl 1 2\n";

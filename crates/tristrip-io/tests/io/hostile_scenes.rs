@@ -1,16 +1,16 @@
 //! Nodes, levels of detail and places of documents that are wrong on purpose: an answer or an error that says where, never a panic,
 //! in linear time.
-#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
-use crate::doubling::check_linear;
-use crate::gltf_documents::scenes::shared_scene;
-use crate::gltf_documents::*;
-use crate::random::mutated_documents;
 use serde_json::{Value, json};
 use tristrip::Layout;
 use tristrip_io::{
     Drawing, Error, Format, Model, PartLevel, SceneLevels, gltf, in_level_order, load_materials, write,
 };
+
+use crate::doubling::check_linear;
+use crate::gltf_documents::scenes::shared_scene;
+use crate::gltf_documents::*;
+use crate::random::mutated_documents;
 
 /// A scene with transforms, children, morph weights and their animation, whose nodes draw three meshes.
 fn scene() -> Draft {

@@ -1,5 +1,4 @@
 //! Images in separate files: what is taken into the model, what stays where it is, and that the rest does not change.
-#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
 use std::fs;
 use std::path::Path;

@@ -1,6 +1,5 @@
 //! Progressive strips of the small free models: at levels across the whole sequence, each level-of-detail model draws what
 //! the oracle draws, with each filter; refining back to the full mesh restores the initial state.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests fail by panicking")]
 
 use std::path::Path;
 use std::sync::Arc;

@@ -1,6 +1,5 @@
 //! Scenes with levels of detail over one vertex array, checked by the bytes that are written: every level draws the values that the source
 //! has at the corners of its triangles, from the first vertices of the accessors of the finest level.
-#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
 use std::collections::BTreeSet;
 

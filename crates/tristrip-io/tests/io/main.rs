@@ -1,5 +1,7 @@
 //! Formats and models: what is read, written, refused and kept. One program, because linking takes longer than the tests.
 
+#![allow(clippy::unwrap_used, clippy::panic, reason = "tests fail by panicking")]
+
 mod compressed;
 mod doubling;
 mod draco;

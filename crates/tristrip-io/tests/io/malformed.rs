@@ -1,5 +1,4 @@
 //! Every file in `testdata/bad` gives the error that a table in the same folder lists, and every listed file exists.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests fail by panicking")]
 
 use std::collections::BTreeMap;
 use std::fs;

@@ -1,13 +1,13 @@
 //! Compressed buffer views, with meshoptimizer's own encoders and decoders as the oracle, and files of gltfpack.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests fail by panicking")]
 
-use crate::compressed::{Compression, EXT, KHR, compress, draft_of, model_path, ribbon, same_parts, written};
-use crate::gltf_documents::*;
-use crate::random::random;
 use meshopt::EncodeExpMode;
 use serde_json::{Value, json};
 use tristrip::{Layout, Strips};
 use tristrip_io::{Drawing, Model, gltf};
+
+use crate::compressed::{Compression, EXT, KHR, compress, draft_of, model_path, ribbon, same_parts, written};
+use crate::gltf_documents::*;
+use crate::random::random;
 
 #[test]
 fn a_compressed_scene_is_the_same_vertex_by_vertex() {

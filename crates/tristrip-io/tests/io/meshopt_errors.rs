@@ -1,11 +1,11 @@
 //! Compressed buffer views that are wrong: errors that name the place, limits, and changed bytes.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests fail by panicking")]
+
+use serde_json::{Value, json};
+use tristrip_io::{Error, gltf};
 
 use crate::compressed::{Compression, EXT, KHR, compress, ribbon};
 use crate::gltf_documents::*;
 use crate::random::random;
-use serde_json::{Value, json};
-use tristrip_io::{Error, gltf};
 
 /// The error of a compressed ribbon after a change of its JSON.
 fn error_after(change: impl FnOnce(&mut Draft)) -> String {

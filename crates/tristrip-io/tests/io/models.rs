@@ -1,6 +1,5 @@
 //! Reads a folder of real models and compares the counts with the table in its README. The environment variable
 //! `TRISTRIP_MODELS` gives the folder; without it nothing is read.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests fail by panicking")]
 
 use std::collections::HashSet;
 use std::path::PathBuf;

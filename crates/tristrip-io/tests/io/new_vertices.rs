@@ -1,14 +1,14 @@
 //! Scenes whose parts get new vertices: each has all values of its source, except for the new normal.
-#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
-use crate::gltf_documents::scenes::{raw, shared_scene};
-use crate::gltf_documents::*;
-use crate::random::mutated_documents;
 use serde_json::{Value, json};
 use tristrip::Layout;
 use tristrip_io::{
     Drawing, Format, Model, NewVertices, fixed_vertices, gltf, with_new_vertices, with_triangles, write,
 };
+
+use crate::gltf_documents::scenes::{raw, shared_scene};
+use crate::gltf_documents::*;
+use crate::random::mutated_documents;
 
 const NEW: [f32; 3] = [0.6, 0.0, -0.8];
 

@@ -1,11 +1,11 @@
 //! Packed scenes: fewer bytes, with the same vertices, and animations that play the same.
-#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
+
+use serde_json::{Value, json};
+use tristrip_io::gltf::{Rounding, pack, read};
 
 use crate::gltf_documents::scenes::{grid, raw, shared_scene};
 use crate::gltf_documents::{packed as packed_indices, *};
 use crate::random::mutated_documents;
-use serde_json::{Value, json};
-use tristrip_io::gltf::{Rounding, pack, read};
 
 fn packed(glb: &[u8], rounding: Rounding) -> Vec<u8> {
     let packed = pack(glb.to_vec(), rounding).unwrap();

@@ -1,5 +1,4 @@
 //! What each reader keeps, drops and reports, on small files.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests fail by panicking")]
 
 use tristrip::{AttributeData, Mesh};
 use tristrip_io::{Format, Model, read};

@@ -1,13 +1,13 @@
 //! Reordered vertices of models in all formats: all data of a vertex moves with it, and first uses are in ascending order.
-#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 #![allow(clippy::format_push_string, reason = "a test may be slow")]
+
+use tristrip::verify::verify_models;
+use tristrip::{Attribute, AttributeData, Faces, Layout, Mesh, Strips};
+use tristrip_io::{Drawing, Format, Model, Part, gltf, read, reorder, write};
 
 use crate::gltf_documents::scenes::{grid, shared_scene};
 use crate::gltf_documents::*;
 use crate::reordered::{check, check_first_uses, drawn, meshes, strips_of};
-use tristrip::verify::verify_models;
-use tristrip::{Attribute, AttributeData, Faces, Layout, Mesh, Strips};
-use tristrip_io::{Drawing, Format, Model, Part, gltf, read, reorder, write};
 
 const LAYOUTS: [Layout; 4] = [Layout::Restart, Layout::Degenerate, Layout::Separate, Layout::List];
 

@@ -1,15 +1,15 @@
 //! Reordered vertices of scenes: the values of all accessors move with their vertices, and groups that cannot be reordered keep their order.
-#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
-use crate::gltf_documents::scenes::{grid, interleaved, raw, shared_scene};
-use crate::gltf_documents::*;
-use crate::random::mutated_documents;
-use crate::reordered::{check, check_first_uses, drawn, meshes, strips_of};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 use tristrip::verify::verify_models;
 use tristrip::{Layout, Mesh, VertexOrder, strip_triangles};
 use tristrip_io::{Format, Reordered, gltf, reorder, write};
+
+use crate::gltf_documents::scenes::{grid, interleaved, raw, shared_scene};
+use crate::gltf_documents::*;
+use crate::random::mutated_documents;
+use crate::reordered::{check, check_first_uses, drawn, meshes, strips_of};
 
 const LAYOUTS: [Layout; 4] = [Layout::Restart, Layout::Degenerate, Layout::Separate, Layout::List];
 

@@ -1,5 +1,4 @@
 //! Meshes written and read back: the same bits with PLY, and with OBJ for the data that it can hold.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests fail by panicking")]
 
 use proptest::prelude::*;
 use tristrip::{Attribute, AttributeData, Faces, Layout, Mesh, Strips};

@@ -1,5 +1,4 @@
 //! Scenes with fewer triangles: the vertices that nothing draws are dropped with all their values, and everything else stays as it was.
-#![allow(clippy::unwrap_used, reason = "tests fail by panicking")]
 
 use std::collections::BTreeSet;
 

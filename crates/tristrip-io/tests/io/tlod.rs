@@ -1,5 +1,4 @@
 //! `.tlod` files: what is written is read again, and whatever else is read gives an error: cut off, changed, too large, or made up.
-#![allow(clippy::unwrap_used, clippy::panic, reason = "tests fail by panicking")]
 
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
