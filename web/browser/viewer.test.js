@@ -237,7 +237,7 @@ test('all works with the keyboard', { skip }, async () => {
   assert.deepEqual(problems, []);
 });
 
-test('a thumbnail that is not drawn yet is asked for again, and the page says that the server prepares a model', { skip }, async () => {
+test('a thumbnail that is not drawn yet is asked for again, and the page says that it waits for a busy server', { skip }, async () => {
   const { page } = await openViewer();
   const listed = [present(hand)].map(({ name, url, bytes }) => ({ name, url: url.slice(1), kind: 'packed', bytes, triangles: 1, vertices: 3, thumbnail: 'thumbnails/hand.svg' }));
   await page.route('**/models.json', (route) => route.fulfill({ json: { models: listed, notes: [] } }));
@@ -251,7 +251,7 @@ test('a thumbnail that is not drawn yet is asked for again, and the page says th
   await page.waitForFunction(() => document.querySelector('#cards img')?.complete && document.querySelector('#cards img').naturalWidth === 320);
   assert.equal(asked, 2);
   await page.locator('#cards a').click();
-  await page.locator('#loaded', { hasText: 'the server prepares the model' }).waitFor();
+  await page.locator('#loaded', { hasText: 'waiting for the server' }).waitFor();
   await waitForState(page, 'complete');
   assert.equal(loaded, 4, 'answers of a busy server are no lost connections');
 });

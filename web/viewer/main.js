@@ -82,10 +82,10 @@ function start() {
       announce(`Complete: ${countText(sums.triangles + outside)} triangles, ${bytesText(progress?.totalBytes ?? 0)}, after ${timeText(entry.duration)}.`);
     },
     connection: (state) => {
-      const words = state === 'retrying' ? 'connection lost, trying again' : state === 'busy' ? 'the server prepares the model' : state === 'connecting' || state === 'waiting' ? state : '';
+      const words = state === 'retrying' ? 'connection lost, trying again' : state === 'busy' ? 'waiting for the server' : state === 'connecting' || state === 'waiting' ? state : '';
       setConnection(words);
       if (state === 'retrying') announce('The connection is lost. It is tried again.');
-      if (state === 'busy') announce('The server prepares the model.');
+      if (state === 'busy') announce('Waiting for the server.');
       schedulePanel();
     },
     error: showState,
