@@ -75,7 +75,16 @@ impl Figures {
     ///
     /// # Errors
     /// Strips name a vertex that their part does not have.
-    pub(crate) fn of(parts: &[(&Strips, usize)], options: &StripifyOptions) -> Result<Self, Error> {
+    ///
+    /// ```
+    /// use tristrip::{StripifyOptions, Strips};
+    /// let mut strips = Strips::default();
+    /// strips.push(&[0, 1, 2, 3]);
+    /// let figures = tristrip_pipeline::Figures::of(&[(&strips, 4)], &StripifyOptions::default())?;
+    /// assert_eq!((figures.triangles, figures.misses_fifo_16), (2, 4));
+    /// # Ok::<(), tristrip_pipeline::Error>(())
+    /// ```
+    pub fn of(parts: &[(&Strips, usize)], options: &StripifyOptions) -> Result<Self, Error> {
         Ok(Self::with_parts(parts, options)?.0)
     }
 

@@ -230,6 +230,23 @@ pub fn parse_method(flags: &str) -> Result<StripifyOptions, Error> {
     Flags::of(flags)?.all_options()
 }
 
+/// Reads a method and its options from flags and their values, as [`parse_method`] does.
+///
+/// # Errors
+/// As of [`parse_method`].
+///
+/// ```
+/// use tristrip_pipeline::{MethodReport, method_of_flags};
+/// let options = method_of_flags(&[("--method", "cache"), ("--vertex-cache", "fifo 24")]);
+/// assert!(options.is_err(), "a vertex cache is written `fifo:24`");
+/// let options = method_of_flags(&[("--method", "best"), ("--effort", "3")])?;
+/// assert_eq!(MethodReport::of(&options).effort(), Some(3));
+/// # Ok::<(), tristrip::Error>(())
+/// ```
+pub fn method_of_flags(flags: &[(&str, &str)]) -> Result<StripifyOptions, Error> {
+    Flags(flags.to_vec()).all_options()
+}
+
 /// Parses the flags of a method, and `--price` of collapses.
 pub(crate) fn parse_with_price(flags: &str) -> Result<(StripifyOptions, Price), Error> {
     let mut flags = Flags::of(flags)?;

@@ -29,13 +29,14 @@ pub fn grouped(digits: &str) -> String {
 ///
 /// ```
 /// use tristrip_pipeline::text::counted;
-/// assert_eq!([counted(1, "strip"), counted(2, "vertex"), counted(2, "mesh")], ["1 strip", "2 vertices", "2 meshes"]);
+/// assert_eq!([counted(1, "strip"), counted(2, "index"), counted(2, "mesh")], ["1 strip", "2 indices", "2 meshes"]);
 /// ```
 pub fn counted(n: usize, noun: &str) -> String {
-    let plural = match noun.strip_suffix("vertex") {
-        Some(start) => format!("{start}vertices"),
-        None if noun.ends_with("sh") => format!("{noun}es"),
-        None => format!("{noun}s"),
-    };
+    let plural =
+        match noun.strip_suffix("ex").filter(|start| start.ends_with("vert") || start.ends_with("ind")) {
+            Some(start) => format!("{start}ices"),
+            None if noun.ends_with("sh") => format!("{noun}es"),
+            None => format!("{noun}s"),
+        };
     if n == 1 { format!("1 {noun}") } else { format!("{} {plural}", count(n)) }
 }

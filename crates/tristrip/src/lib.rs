@@ -55,5 +55,7 @@ pub use mesh::{
 };
 pub use prepare::{PreparedCounts, PreparedFaces};
 pub use strip::{Cost, Layout, Metrics, Strips, VertexOrder, split_joined, strip_triangles};
-pub use stripify::one_shot::{stripify, stripify_faces, stripify_indices, stripify_indices_with};
+pub use stripify::one_shot::{
+    stripify, stripify_faces, stripify_indices, stripify_indices_watched, stripify_indices_with,
+};
 pub use stripify::options::{Method, StripifyOptions};

@@ -1,7 +1,7 @@
 //! Strips in one call: of a mesh, of an index buffer, for which no positions are needed, or of polygons over positions that stay where they
 //! are.
 
-use super::{StripifyOptions, plan_known};
+use super::{StripifyOptions, Watch, plan_known};
 use crate::dual::DualGraph;
 use crate::error::Error;
 use crate::ids::vertices_of;
@@ -66,17 +66,40 @@ pub fn stripify_indices_with<I: Index>(
     vertex_count: usize,
     options: &StripifyOptions,
 ) -> Result<Strips, Error> {
+    stripify_indices_watched(indices, vertex_count, options, &())
+}
+
+/// Computes triangle strips for the triangles of an index buffer as [`stripify_indices_with`] does, and reports the progress of the search,
+/// which may be stopped.
+///
+/// # Errors
+/// As [`stripify_indices_with`].
+///
+/// ```
+/// use tristrip::stripify::Progress;
+/// use tristrip::{StripifyOptions, stripify_indices_watched};
+/// let stop_at_once = |_: Progress| false;
+/// let strips = stripify_indices_watched(&[0_u32, 1, 2, 2, 1, 3], 4, &StripifyOptions::default(), &stop_at_once)?;
+/// assert_eq!(strips.triangles().count(), 2);
+/// # Ok::<(), tristrip::Error>(())
+/// ```
+pub fn stripify_indices_watched<I: Index>(
+    indices: &[I],
+    vertex_count: usize,
+    options: &StripifyOptions,
+    watch: &dyn Watch,
+) -> Result<Strips, Error> {
     check_no_weld(options)?;
     let faces = Faces::from_triangles(vertices_of(indices)?)?;
     check_corners(faces.corners(), vertex_count)?;
     let highest = faces.corners().iter().max().map_or(0, |&v| v as usize);
     if highest / SPARSE < faces.corner_count() {
-        return strips_of(&PreparedFaces::of_triangles(&faces, highest + 1), options);
+        return strips_of(&PreparedFaces::of_triangles(&faces, highest + 1), options, watch);
     }
     // Few of the vertices are used: methods that have arrays per vertex get new numbers, in the same order.
     let used = VertexSubset::of(faces.corners());
     let faces = faces.renamed(used.numbers(faces.corners()));
-    let strips = strips_of(&PreparedFaces::of_triangles(&faces, used.len()), options)?;
+    let strips = strips_of(&PreparedFaces::of_triangles(&faces, used.len()), options, watch)?;
     Ok(strips.map_vertices(|v| used.vertices()[v as usize]))
 }
 
@@ -102,13 +125,17 @@ pub fn stripify_faces<P: Positions + ?Sized>(
     options: &StripifyOptions,
 ) -> Result<Strips, Error> {
     check_no_weld(options)?;
-    strips_of(&PreparedFaces::of_faces(faces, positions)?, options)
+    strips_of(&PreparedFaces::of_faces(faces, positions)?, options, &())
 }
 
 /// Computes the strips of prepared faces.
-fn strips_of(prepared: &PreparedFaces<'_>, options: &StripifyOptions) -> Result<Strips, Error> {
+fn strips_of(
+    prepared: &PreparedFaces<'_>,
+    options: &StripifyOptions,
+    watch: &dyn Watch,
+) -> Result<Strips, Error> {
     let graph = DualGraph::new(prepared.faces());
-    Ok(plan_known(prepared, &graph, options, &())?.strips())
+    Ok(plan_known(prepared, &graph, options, watch)?.strips())
 }
 
 /// Checks that no vertices are to be welded, for which there is no mesh.

@@ -1,0 +1,43 @@
+"""Polygon meshes into render-ready triangle strips, levels of detail and streams, over NumPy arrays.
+
+>>> import tristrip
+>>> strips = tristrip.stripify([[0, 1, 2], [2, 1, 3], [2, 3, 4]])
+>>> strips.indices(layout="restart").tolist()
+[0, 1, 2, 3, 4]
+"""
+
+from __future__ import annotations
+
+from ._errors import (
+    ArrayTypeError,
+    FileError,
+    FormatError,
+    InternalError,
+    Interrupted,
+    LimitError,
+    MeshError,
+    NotProvenError,
+    ParameterError,
+    TristripError,
+)
+from ._native import VERSION as __version__
+from ._native import Strips, set_threads, stripify
+from ._progress import Progress
+
+__all__ = [
+    "ArrayTypeError",
+    "FileError",
+    "FormatError",
+    "InternalError",
+    "Interrupted",
+    "LimitError",
+    "MeshError",
+    "NotProvenError",
+    "ParameterError",
+    "Progress",
+    "Strips",
+    "TristripError",
+    "__version__",
+    "set_threads",
+    "stripify",
+]

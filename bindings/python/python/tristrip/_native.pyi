@@ -1,0 +1,110 @@
+"""The types of the native module, which implements the functions and classes of the package."""
+
+from collections.abc import Iterator, Sequence
+from typing import Any, Literal, TypeAlias, TypedDict, overload
+
+import numpy as np
+import numpy.typing as npt
+
+from ._progress import ProgressArgument
+
+VERSION: str
+
+Method: TypeAlias = Literal[
+    "best", "fewest", "cache", "sequential", "input", "sgi", "stripe-local", "stripe-global", "quad-rows", "tunnel", "eta", "guided-tunnels"
+]
+Cost: TypeAlias = Literal["restart", "degenerate", "opengl", "gl"]
+Layout: TypeAlias = Literal["restart", "degenerate", "separate", "list"]
+OnInterrupt: TypeAlias = Literal["raise", "return"]
+Uint32Array: TypeAlias = npt.NDArray[np.uint32]
+Float32Array: TypeAlias = npt.NDArray[np.float32]
+IndexArray: TypeAlias = npt.NDArray[np.uint8] | npt.NDArray[np.uint16] | npt.NDArray[np.uint32]
+Faces: TypeAlias = npt.ArrayLike | Sequence[Sequence[int]]
+
+def set_threads(threads: int | None) -> None: ...
+
+# --- strips
+
+class Proof(TypedDict):
+    faces: int
+    triangles: int
+
+class Metrics(TypedDict, total=False):
+    triangles: int
+    strips: int
+    isolated: int
+    swaps: int
+    vertices_sent: int
+    gl_cost: int
+    indices_restart: int
+    indices_degenerate: int
+    vertices_per_triangle: float
+    indices_restart_per_triangle: float
+    indices_degenerate_per_triangle: float
+    acmr_fifo_16: float
+    acmr_fifo_32: float
+    atvr_fifo_16: float
+    atvr_fifo_32: float
+    acmr: float
+    atvr: float
+
+class CacheStatistics(TypedDict):
+    misses: int
+    acmr: float
+    atvr: float
+
+class Strips:
+    @classmethod
+    def from_indices(cls, indices: npt.ArrayLike, layout: Layout = "restart") -> Strips: ...
+    @property
+    def vertices(self) -> Uint32Array: ...
+    @property
+    def offsets(self) -> npt.NDArray[np.int64]: ...
+    @property
+    def method(self) -> str | None: ...
+    @property
+    def stopped(self) -> Literal["budget", "interrupt"] | None: ...
+    @property
+    def notes(self) -> list[str]: ...
+    @property
+    def proven(self) -> bool: ...
+    @overload
+    def indices(self, layout: Layout = "restart", *, dtype: type[np.uint8] | Literal["uint8"]) -> npt.NDArray[np.uint8]: ...
+    @overload
+    def indices(self, layout: Layout = "restart", *, dtype: type[np.uint16] | Literal["uint16"]) -> npt.NDArray[np.uint16]: ...
+    @overload
+    def indices(self, layout: Layout = "restart", *, dtype: type[np.uint32] | Literal["uint32"]) -> Uint32Array: ...
+    @overload
+    def indices(self, layout: Layout = "restart", dtype: npt.DTypeLike | None = None) -> IndexArray: ...
+    def triangles(self) -> Uint32Array: ...
+    def verify(self, faces: Faces, vertices: npt.ArrayLike | None = None) -> Proof: ...
+    def metrics(self) -> Metrics: ...
+    def vertex_cache(self, cache: str = "fifo:16", flush: bool = False) -> CacheStatistics: ...
+    def __len__(self) -> int: ...
+    def __getitem__(self, index: int) -> Uint32Array: ...
+    def __iter__(self) -> Iterator[Uint32Array]: ...
+    def __eq__(self, other: object) -> bool: ...
+    def _repr_html_(self) -> str: ...
+
+def stripify(
+    faces: Faces,
+    vertices: npt.ArrayLike | None = None,
+    *,
+    method: Method | str = "best",
+    effort: int | None = None,
+    cost: Cost | None = None,
+    weld: bool = False,
+    verify: bool = False,
+    budget: float | None = None,
+    progress: ProgressArgument = None,
+    on_interrupt: OnInterrupt = "raise",
+    **options: Any,
+) -> Strips: ...
+
+# --- simplification
+
+# --- levels of detail
+
+# --- streams
+
+# --- scenes

@@ -1,0 +1,42 @@
+"""What notebooks show of results: a table, and a picture where there are positions."""
+
+from __future__ import annotations
+
+from html import escape
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ._native import Strips
+
+_SHOWN = {
+    "triangles": "triangles",
+    "strips": "strips",
+    "indices_restart": "indices with restarts",
+    "indices_restart_per_triangle": "per triangle",
+    "indices_degenerate": "indices joined",
+    "acmr_fifo_16": "ACMR, FIFO 16",
+}
+
+
+def table(title: str, rows: dict[str, Any]) -> str:
+    """Return a table of names and values as HTML."""
+    cells = "".join(
+        f'<tr><th style="text-align:left">{escape(name)}</th><td>{escape(_text(value))}</td></tr>'
+        for name, value in rows.items()
+    )
+    return f"<table><caption>{escape(title)}</caption>{cells}</table>"
+
+
+def _text(value: Any) -> str:
+    if isinstance(value, bool) or value is None:
+        return str(value)
+    if isinstance(value, int):
+        return f"{value:,}"
+    return f"{value:.3f}" if isinstance(value, float) else str(value)
+
+
+def strips_html(strips: Strips) -> str:
+    """Return the summary of strips."""
+    metrics: dict[str, Any] = dict(strips.metrics())
+    rows = {name: metrics[key] for key, name in _SHOWN.items()}
+    return table(strips.method or "strips", rows)

@@ -1,0 +1,154 @@
+//! Errors as exceptions, by who must act. The classes stand in `tristrip._errors`, so that they have several bases and can be pickled.
+
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+
+/// A problem found by this crate, or by those below.
+#[derive(Debug)]
+pub(crate) enum Failure {
+    /// An option, or an argument that is no array.
+    Parameter(String),
+    /// Arrays that are no mesh.
+    Mesh(String),
+    /// An array, or an item of one, has a type that cannot be used.
+    Type(String),
+    /// The library's own error.
+    Core(tristrip::Error),
+    /// An error of reading or writing.
+    File(tristrip_io::Error),
+    /// A result could not be proven.
+    Unproven(String),
+    /// The code below panicked: a defect, or an array was changed while it was in use.
+    Panic(String),
+    /// Python raised, as a callback or a signal handler.
+    Python(PyErr),
+}
+
+impl Failure {
+    /// Describes an option with a wrong value.
+    pub(crate) fn option(name: &str, found: impl std::fmt::Display, expected: &str) -> Self {
+        Self::Parameter(format!("{name}: found {found}, expected {expected}"))
+    }
+
+    /// Describes an array with wrong values or of a wrong shape.
+    pub(crate) fn mesh(name: &str, found: impl std::fmt::Display, expected: &str) -> Self {
+        Self::Mesh(format!("{name}: found {found}, expected {expected}"))
+    }
+}
+
+impl From<tristrip::Error> for Failure {
+    fn from(error: tristrip::Error) -> Self {
+        Self::Core(error)
+    }
+}
+
+impl From<tristrip_io::Error> for Failure {
+    fn from(error: tristrip_io::Error) -> Self {
+        match error {
+            tristrip_io::Error::Mesh(error) => Self::Core(error),
+            error => Self::File(error),
+        }
+    }
+}
+
+impl From<tristrip_pipeline::Error> for Failure {
+    fn from(error: tristrip_pipeline::Error) -> Self {
+        use tristrip_pipeline::Error;
+        match error {
+            Error::Input(error) => error.into(),
+            Error::Format(error) => error.into(),
+            Error::Unproven(why) => Self::Unproven(why),
+            other => Self::Parameter(other.to_string()),
+        }
+    }
+}
+
+impl From<PyErr> for Failure {
+    fn from(error: PyErr) -> Self {
+        Self::Python(error)
+    }
+}
+
+impl From<Failure> for PyErr {
+    fn from(failure: Failure) -> Self {
+        Python::attach(|py| match failure {
+            Failure::Python(error) => error,
+            Failure::Parameter(text) => raise(py, "ParameterError", &text),
+            Failure::Mesh(text) => raise(py, "MeshError", &text),
+            Failure::Type(text) => raise(py, "ArrayTypeError", &text),
+            Failure::Unproven(text) => raise(py, "NotProvenError", &text),
+            Failure::Panic(text) => raise(py, "InternalError", &text),
+            Failure::Core(error) => of_core(py, &error),
+            Failure::File(error) => of_file(py, error),
+        })
+    }
+}
+
+fn of_core(py: Python<'_>, error: &tristrip::Error) -> PyErr {
+    use tristrip::Error;
+    match error {
+        Error::Parameter { name, found, expected } => {
+            let name = name.trim_start_matches('-').replace('-', "_");
+            raise(py, "ParameterError", &format!("{name}: found {found}, expected {expected}"))
+        }
+        Error::Format { .. } => raise(py, "FormatError", &error.to_string()),
+        Error::LimitExceeded { .. } => raise(py, "LimitError", &error.to_string()),
+        _ => raise(py, "MeshError", &error.to_string()),
+    }
+}
+
+fn of_file(py: Python<'_>, error: tristrip_io::Error) -> PyErr {
+    use tristrip_io::Error;
+    match error {
+        Error::Io { path, source } => raise_file(py, &path, &source),
+        Error::Format { .. } => raise(py, "FormatError", &error.to_string()),
+        Error::LimitExceeded { .. } => raise(py, "LimitError", &error.to_string()),
+        Error::Mesh(error) => of_core(py, &error),
+        other => raise(py, "ParameterError", &other.to_string()),
+    }
+}
+
+/// Builds an exception of the operating system with its number, text and file.
+pub(crate) fn raise_file(py: Python<'_>, path: &str, source: &std::io::Error) -> PyErr {
+    let Some(number) = source.raw_os_error() else {
+        return raise(py, "FileError", &format!("{path}: {source}"));
+    };
+    let text = match py.import("os").and_then(|os| os.call_method1("strerror", (number,))) {
+        Ok(text) => text.to_string(),
+        Err(_) => source.to_string(),
+    };
+    match class(py, "FileError").and_then(|class| class.call1((number, text, path))) {
+        Ok(exception) => PyErr::from_value(exception),
+        Err(error) => error,
+    }
+}
+
+/// Builds an exception of `tristrip._errors`.
+pub(crate) fn raise(py: Python<'_>, name: &str, text: &str) -> PyErr {
+    match class(py, name).and_then(|class| class.call1((text,))) {
+        Ok(exception) => PyErr::from_value(exception),
+        Err(error) => error,
+    }
+}
+
+fn class<'py>(py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
+    py.import("tristrip._errors")?.getattr(name)
+}
+
+/// Puts the best result so far into an interrupt, as `tristrip.Interrupted`, a `KeyboardInterrupt`. Other exceptions only get the attribute.
+pub(crate) fn with_best(py: Python<'_>, error: PyErr, best: Py<PyAny>) -> PyErr {
+    if error.get_type(py).is(py.get_type::<pyo3::exceptions::PyKeyboardInterrupt>()) {
+        let arguments = PyDict::new(py);
+        let built = arguments
+            .set_item("best", best)
+            .and_then(|()| class(py, "Interrupted"))
+            .and_then(|class| class.call((), Some(&arguments)));
+        return match built {
+            Ok(exception) => PyErr::from_value(exception),
+            Err(error) => error,
+        };
+    }
+    // An exception without attributes cannot take it.
+    let _ = error.value(py).setattr("best", best);
+    error
+}

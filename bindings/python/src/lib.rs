@@ -1,0 +1,33 @@
+//! The native part of the Python package `tristrip`: functions and classes over NumPy arrays, and the command.
+//!
+//! ```text
+//! NumPy arrays ─▶ arrays ─▶ strips │ mesh │ levels │ views │ stream ─▶ arrays, dictionaries with the keys of the command's JSON
+//!      files   ─▶ scene  ─▶ …
+//! ```
+//! Every long computation runs in [`work`]: without the lock of the interpreter, on the threads of one pool, while the calling thread
+//! handles signals and reports progress. Errors become the exceptions of `tristrip._errors` in the module [`errors`]. Types and
+//! defaults that a user sees stand in `python/tristrip/_native.pyi`.
+
+#![forbid(unsafe_code)]
+
+mod arrays;
+mod errors;
+mod method;
+mod pool;
+mod reports;
+mod strips;
+mod work;
+
+use pyo3::prelude::*;
+
+/// The native module of the package `tristrip`, which has the documentation of its functions and classes.
+#[pymodule]
+mod _native {
+    #[pymodule_export]
+    use crate::pool::set_threads;
+    #[pymodule_export]
+    use crate::strips::{Strips, stripify};
+
+    #[pymodule_export]
+    const VERSION: &str = env!("CARGO_PKG_VERSION");
+}

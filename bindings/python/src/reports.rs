@@ -1,0 +1,9 @@
+//! Reports as dictionaries whose keys are those of the command's JSON.
+
+use pyo3::prelude::*;
+use serde::Serialize;
+
+/// Converts a report.
+pub(crate) fn report<'py, T: Serialize>(py: Python<'py>, report: &T) -> PyResult<Bound<'py, PyAny>> {
+    Ok(pythonize::pythonize(py, report)?)
+}

@@ -1,0 +1,262 @@
+//! Runs a computation without the lock of the interpreter, while the calling thread handles signals and reports progress.
+//!
+//! ```text
+//! calling thread:  detach ── every 50 ms: signals, progress ── attach ─▶ result │ interrupt with the best result so far
+//! pool:                  └─▶ computation ─ asks whether to go on ─┘
+//! ```
+//! A computation that searches stops at the next question with its best result so far. One that does not search, or that is between two
+//! stages of the pipeline, is cancelled; then there is no result.
+
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use pyo3::PyClass;
+use pyo3::prelude::*;
+use pyo3::pyclass_init::PyClassInitializer;
+use tristrip::StripifyOptions;
+use tristrip::stripify::{Progress, Watch};
+use tristrip_pipeline::{Event, Observer, Search, Stage, Stopped};
+
+use crate::errors::{Failure, with_best};
+use crate::pool::threads;
+
+/// The time between two checks for signals, and between two reports of progress.
+const CHECK_EVERY: Duration = Duration::from_millis(50);
+
+/// How a computation is watched.
+#[derive(Debug, Default)]
+pub(crate) struct Watching {
+    progress: Option<Py<PyAny>>,
+    budget: Option<Duration>,
+    returns_best: bool,
+    keeps_best: bool,
+}
+
+impl Watching {
+    /// Checks the arguments `progress`, `budget` in seconds and `on_interrupt`.
+    pub(crate) fn new(
+        py: Python<'_>,
+        progress: Option<Bound<'_, PyAny>>,
+        budget: Option<f64>,
+        on_interrupt: &str,
+    ) -> Result<Self, Failure> {
+        let budget = match budget {
+            None => None,
+            Some(seconds) => Some(
+                Duration::try_from_secs_f64(seconds)
+                    .map_err(|_| Failure::option("budget", seconds, "a number of seconds"))?,
+            ),
+        };
+        let returns_best = match on_interrupt {
+            "raise" => false,
+            "return" => true,
+            other => {
+                return Err(Failure::option("on_interrupt", format!("{other:?}"), "'raise' or 'return'"));
+            }
+        };
+        let progress = match progress {
+            None => None,
+            Some(given) => {
+                let adapted = py.import("tristrip._progress")?.call_method1("adapt", (given,))?;
+                (!adapted.is_none()).then(|| adapted.unbind())
+            }
+        };
+        Ok(Self { progress, budget, returns_best, keeps_best: false })
+    }
+
+    /// Keeps the result of a search that is stopped, instead of cancelling what follows it.
+    pub(crate) fn keeping_best(self) -> Self {
+        Self { keeps_best: true, ..self }
+    }
+
+    /// Runs a computation. Its result is that of a search that was stopped if [`Ended::error`] is set.
+    ///
+    /// # Errors
+    /// The computation fails, panics, or was cancelled before it had a result.
+    pub(crate) fn run<T: Send>(
+        self,
+        py: Python<'_>,
+        computation: impl FnOnce(&Watcher) -> Result<T, Failure> + Send,
+    ) -> Result<Ended<T>, Failure> {
+        let watcher = Watcher { budget: self.budget, keeps_best: self.keeps_best, ..Watcher::default() };
+        let pool = threads()?;
+        let (result, error) = py.detach(|| {
+            let (sender, receiver) = mpsc::sync_channel(1);
+            pool.in_place_scope(|scope| {
+                scope.spawn(|_| {
+                    let result = catch_unwind(AssertUnwindSafe(|| computation(&watcher)));
+                    // The receiver is there until the scope ends.
+                    let _ = sender.send(result);
+                });
+                let mut error = None;
+                loop {
+                    match receiver.recv_timeout(CHECK_EVERY) {
+                        Ok(result) => return (Some(result), error),
+                        Err(RecvTimeoutError::Disconnected) => return (None, error),
+                        Err(RecvTimeoutError::Timeout) if error.is_none() => {
+                            error = Python::attach(|py| self.look(py, &watcher)).err();
+                            if error.is_some() {
+                                watcher.stop();
+                            }
+                        }
+                        Err(RecvTimeoutError::Timeout) => (),
+                    }
+                }
+            })
+        });
+        let result = match result {
+            Some(Ok(result)) => result,
+            Some(Err(panic)) => return Err(Failure::Panic(panic_text(&*panic))),
+            None => return Err(Failure::Panic("the computation ended without a result".into())),
+        };
+        let is_interrupt =
+            error.as_ref().is_some_and(|e| e.is_instance_of::<pyo3::exceptions::PyKeyboardInterrupt>(py));
+        match (result, error) {
+            (Ok(value), error) => {
+                Ok(Ended { value, error: error.filter(|_| !(is_interrupt && self.returns_best)) })
+            }
+            // The error of a cancelled computation says less than its cause.
+            (Err(_), Some(error)) => Err(error.into()),
+            (Err(failure), None) => Err(failure),
+        }
+    }
+
+    /// Handles signals, and reports the progress.
+    fn look(&self, py: Python<'_>, watcher: &Watcher) -> PyResult<()> {
+        py.check_signals()?;
+        let Some(progress) = &self.progress else { return Ok(()) };
+        let state = *watcher.state.lock().unwrap_or_else(PoisonError::into_inner);
+        let Some((stage, p)) = state else { return Ok(()) };
+        progress.call1(py, (stage.to_string(), p.steps, p.step_limit, p.strips, p.cost)).map(drop)
+    }
+}
+
+/// The end of a computation.
+#[derive(Debug)]
+pub(crate) struct Ended<T> {
+    pub(crate) value: T,
+    /// Why a search was stopped before its end, where that is to be raised.
+    pub(crate) error: Option<PyErr>,
+}
+
+impl<T> Ended<T> {
+    /// Converts the result into a Python object, which an interrupt takes with it.
+    pub(crate) fn object<'py, O>(
+        self,
+        py: Python<'py>,
+        convert: impl FnOnce(T) -> O,
+    ) -> PyResult<Bound<'py, O>>
+    where
+        O: PyClass<BaseType = PyAny> + Into<PyClassInitializer<O>>,
+    {
+        let object = Bound::new(py, convert(self.value))?;
+        match self.error {
+            None => Ok(object),
+            Some(error) => Err(with_best(py, error, object.into_any().unbind())),
+        }
+    }
+}
+
+/// The state of a computation, which the calling thread reads, and whether it is to stop.
+#[derive(Debug)]
+pub(crate) struct Watcher {
+    state: Mutex<Option<(Stage, Progress)>>,
+    is_stopped: AtomicBool,
+    is_over_budget: AtomicBool,
+    budget: Option<Duration>,
+    /// Whether a search that was stopped has a result that the caller wants.
+    keeps_best: bool,
+    has_best: AtomicBool,
+    started: Instant,
+}
+
+impl Default for Watcher {
+    fn default() -> Self {
+        Self {
+            state: Mutex::default(),
+            is_stopped: AtomicBool::new(false),
+            is_over_budget: AtomicBool::new(false),
+            budget: None,
+            keeps_best: false,
+            has_best: AtomicBool::new(false),
+            started: Instant::now(),
+        }
+    }
+}
+
+impl Watcher {
+    fn stop(&self) {
+        self.is_stopped.store(true, Ordering::Relaxed);
+    }
+
+    fn set(&self, stage: Stage, progress: Progress) {
+        *self.state.lock().unwrap_or_else(PoisonError::into_inner) = Some((stage, progress));
+    }
+}
+
+impl Watch for Watcher {
+    fn go_on(&self, progress: Progress) -> bool {
+        self.set(Stage::Stripify, progress);
+        if self.budget.is_some_and(|budget| self.started.elapsed() >= budget) {
+            self.is_over_budget.store(true, Ordering::Relaxed);
+        }
+        let goes_on = self.stopped().is_none();
+        if !goes_on {
+            self.has_best.store(self.keeps_best, Ordering::Relaxed);
+        }
+        goes_on
+    }
+}
+
+impl Watcher {
+    /// Returns why a search was stopped, if it was.
+    pub(crate) fn stopped(&self) -> Option<Stopped> {
+        if self.is_stopped.load(Ordering::Relaxed) {
+            Some(Stopped::Interrupt)
+        } else {
+            self.is_over_budget.load(Ordering::Relaxed).then_some(Stopped::Budget)
+        }
+    }
+}
+
+/// The watch of the searches of a model.
+struct Searches<'a>(&'a Watcher);
+
+impl Watch for Searches<'_> {
+    fn go_on(&self, progress: Progress) -> bool {
+        self.0.go_on(progress)
+    }
+}
+
+impl Search for Searches<'_> {
+    fn stopped(&self) -> Option<Stopped> {
+        self.0.stopped()
+    }
+}
+
+impl Observer for Watcher {
+    fn event(&self, event: Event<'_>) {
+        if let Event::Begin(stage) = event {
+            self.set(stage, Progress::default());
+        }
+    }
+
+    fn search(&self, _: &StripifyOptions) -> Box<dyn Search + '_> {
+        Box::new(Searches(self))
+    }
+
+    fn is_cancelled(&self) -> bool {
+        self.is_stopped.load(Ordering::Relaxed) && !self.has_best.load(Ordering::Relaxed)
+    }
+}
+
+/// Returns the message of a panic.
+fn panic_text(panic: &(dyn Any + Send)) -> String {
+    let text = panic.downcast_ref::<String>().map(String::as_str);
+    let text = text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no message");
+    format!("{text}; please report it, unless an array was changed by another thread while it was in use")
+}
