@@ -18,7 +18,14 @@ from collections import defaultdict
 from pathlib import Path
 
 # The libraries, and whether each function needs an example.
-LIBRARIES = {"tristrip": True, "tristrip-io": False, "tristrip-pipeline": False, "tristrip-lab": False, "tristrip-serve": False}
+LIBRARIES = {
+    "tristrip": True,
+    "tristrip-io": False,
+    "tristrip-pipeline": False,
+    "tristrip-lab": False,
+    "tristrip-serve": False,
+    "tristrip-cli": True,
+}
 RUSTDOC = Path(__file__).parent.resolve() / "rustdoc_unstable"
 # Kinds of items that can be called.
 CALLED = "function"

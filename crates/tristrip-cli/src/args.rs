@@ -7,12 +7,13 @@ mod serve;
 mod stream;
 mod view;
 
+use std::ffi::OsString;
 use std::path::PathBuf;
 use std::time::Duration;
 
 use clap::builder::styling::{AnsiColor, Styles};
 use clap::error::ErrorKind;
-use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
+use clap::{Args, CommandFactory, Error, FromArgMatches, Parser, Subcommand};
 use clap_complete::Shell;
 use tristrip::Cost;
 use tristrip::Effort;
@@ -42,7 +43,7 @@ const STYLES: Styles = Styles::styled()
 /// Reads OBJ, PLY, OFF, STL, glTF and GLB; writes GLB, PLY and OBJ. Before a result is written, it is proven to draw exactly the
 /// faces of its source, each once, with its winding.
 #[derive(Debug, Parser)]
-#[command(name = "tristrip", version, propagate_version = true, max_term_width = 100, styles = STYLES)]
+#[command(name = "tristrip", bin_name = "tristrip", version, propagate_version = true, max_term_width = 100, styles = STYLES)]
 #[command(
     after_help = "Exit codes: 0 done and proven; 1 not proven, or a bad input or output; 2 wrong usage."
 )]
@@ -294,10 +295,14 @@ pub(crate) struct ParsedCommand {
     pub(crate) subcommand: &'static str,
 }
 
-/// Parses the command line; exits with the help, the version, or exit code 2 for wrong usage.
-pub(crate) fn parse() -> ParsedCommand {
-    let parsed = Cli::from_arg_matches(&command_line().get_matches());
-    let Cli { shared, command } = parsed.unwrap_or_else(|error| error.format(&mut command_line()).exit());
+/// Parses the command line.
+///
+/// # Errors
+/// The usage is wrong, or the help or the version was asked for.
+pub(crate) fn parse(arguments: Vec<OsString>) -> Result<ParsedCommand, Error> {
+    let matches = command_line().try_get_matches_from(arguments)?;
+    let parsed = Cli::from_arg_matches(&matches);
+    let Cli { shared, command } = parsed.map_err(|error| error.format(&mut command_line()))?;
     let subcommand = match &command {
         Command::Strip(_) => "strip",
         Command::Compare(_) => "compare",
@@ -318,7 +323,7 @@ pub(crate) fn parse() -> ParsedCommand {
         Command::Completions(_) => "completions",
         Command::Man(_) => "man",
     };
-    ParsedCommand { command, shared, subcommand }
+    Ok(ParsedCommand { command, shared, subcommand })
 }
 
 /// Returns the command with all subcommands, of which `--version` prints the name of the command.
@@ -326,13 +331,13 @@ pub(crate) fn command_line() -> clap::Command {
     Cli::command().mut_subcommands(|subcommand| subcommand.display_name("tristrip"))
 }
 
-/// Exits with code 2 and a message about flags that do not fit together.
-pub(crate) fn exit_with_usage_error(subcommand: &str, message: &str) -> ! {
+/// Returns the error of flags that do not fit together, with the usage of the subcommand.
+pub(crate) fn usage_error(subcommand: &str, message: &str) -> Error {
     let mut command = command_line();
     command.build();
     match command.find_subcommand_mut(subcommand) {
-        Some(found) => found.error(ErrorKind::ArgumentConflict, message).exit(),
-        None => command.error(ErrorKind::ArgumentConflict, message).exit(),
+        Some(found) => found.error(ErrorKind::ArgumentConflict, message),
+        None => command.error(ErrorKind::ArgumentConflict, message),
     }
 }
 

@@ -31,6 +31,12 @@ const ERROR: Style = AnsiColor::Red.on_default().bold();
 /// The style of the word before a warning.
 const WARNING: Style = AnsiColor::Yellow.on_default().bold();
 
+/// Prints the help or the version to standard output, or wrong usage to standard error.
+pub(crate) fn print_usage(message: &clap::Error) {
+    // A failure to print is not reported: the reader may have closed the pipe early.
+    message.print().unwrap_or_default();
+}
+
 /// How results are printed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Results {

@@ -27,6 +27,11 @@ pub(crate) fn interrupted() -> bool {
     INTERRUPTED.load(Ordering::Relaxed)
 }
 
+/// Forgets the Ctrl-C that stopped an earlier command of this process.
+pub(crate) fn forget_interrupt() {
+    INTERRUPTED.store(false, Ordering::SeqCst);
+}
+
 /// The lowest effort at which `cache` searches for every objective.
 const CACHE_SEARCHES: u8 = 3;
 
@@ -140,5 +145,13 @@ mod tests {
         assert_eq!([Method::Input, Method::Sequential, Method::STRIPE].map(searches_with), [0; 3]);
         assert_eq!([Method::Best, Method::Fewest, Method::Tunnel { length: 9 }].map(searches_with), [1; 3]);
         assert_eq!(SEARCHES.load(Ordering::SeqCst), 0);
+    }
+
+    #[test]
+    fn the_next_command_is_not_interrupted() {
+        INTERRUPTED.store(true, Ordering::SeqCst);
+        assert!(interrupted());
+        forget_interrupt();
+        assert!(!interrupted());
     }
 }

@@ -7,6 +7,7 @@ mod streams;
 mod views;
 
 use std::collections::BTreeSet;
+use std::ffi::OsString;
 use std::path::PathBuf;
 use std::time::Duration;
 
@@ -183,14 +184,16 @@ impl Task {
     }
 }
 
-/// Parses the command line into a task; exits with the help, the version, or exit code 2 for wrong usage. The papers are those that can
-/// be reproduced.
-pub(crate) fn parse(papers: &[&str]) -> (Task, Shared) {
-    let parsed = args::parse();
+/// Parses the command line into a task. The papers are those that can be reproduced.
+///
+/// # Errors
+/// The usage is wrong, or the help or the version was asked for.
+pub(crate) fn parse(arguments: Vec<OsString>, papers: &[&str]) -> Result<(Task, Shared), clap::Error> {
+    let parsed = args::parse(arguments)?;
     let shared = shared(&parsed.shared);
     let task = validate(parsed.command, papers).and_then(|task| task.fitting(&shared));
-    let task = task.unwrap_or_else(|message| args::exit_with_usage_error(parsed.subcommand, &message));
-    (task, shared)
+    let task = task.map_err(|message| args::usage_error(parsed.subcommand, &message))?;
+    Ok((task, shared))
 }
 
 /// Builds a task from flags.

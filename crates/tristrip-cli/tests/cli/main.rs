@@ -9,6 +9,7 @@ mod compare;
 mod convert;
 mod documents;
 mod fly;
+mod library;
 mod lod;
 mod materials;
 mod pareto;

@@ -1,0 +1,152 @@
+//! The `tristrip` command: builds verified triangle strips for polygon meshes. [`run`] is all of it; the program only passes its arguments.
+//!
+//! ```text
+//! args ─▶ task ─▶ input ─▶ tristrip-pipeline, tristrip-lab, tristrip-serve ─▶ output ─▶ figures ─▶ console
+//!                 strip │ compare │ bound │ analyze │ verify │ convert │ simplify │ lod │ chain │ build_lod │ fly │ pack │ unpack │ inspect │ serve │ view │ repro
+//! ```
+//! Exit code 0: everything was done and proven. 1: something was not proven, or an input or output was bad. 2: wrong usage.
+
+#![forbid(unsafe_code)]
+
+mod analyze;
+mod args;
+mod batch;
+mod bound;
+mod build_lod;
+mod chain;
+mod collapses;
+mod compare;
+mod console;
+mod convert;
+mod failure;
+mod figures;
+mod fly;
+mod input;
+mod inspect;
+mod job;
+mod join;
+mod lod;
+mod logs;
+mod method;
+mod output;
+mod pack;
+mod reorder;
+mod repro;
+mod search;
+mod serve;
+mod shell;
+mod simplify;
+mod stage;
+mod strip;
+mod task;
+mod unpack;
+mod values;
+mod verify;
+mod view;
+mod view_model;
+
+use std::ffi::OsString;
+
+use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
+
+use console::Console;
+use task::Task;
+
+/// The exit code if everything was done and proven, and of the help and the version.
+const DONE: u8 = 0;
+/// The exit code if something was not proven, or an input or output was bad.
+const FAILED: u8 = 1;
+/// The exit code of wrong usage.
+const WRONG_USAGE: u8 = 2;
+/// The stack of each thread: that of a main thread, since tasks run on these threads.
+const STACK_BYTES: usize = 8 << 20;
+
+/// Runs the command with arguments, the first of which is the name of the program, and returns its exit code.
+///
+/// - 0: everything was done and proven, or the help or the version was printed.
+/// - 1: something was not proven, or an input or output was bad; a message says what.
+/// - 2: wrong usage; a message names the flag.
+///
+/// It reads and writes the standard streams of the process. Help and messages call the program `tristrip`, whatever the first argument is.
+///
+/// # Signals
+/// Searches install a handler of Ctrl-C in place of that of the process, and it stays installed: on Ctrl-C outside of a search, or on a second
+/// one, it ends the process with exit code 130. Nothing else ends the process. The web server handles Ctrl-C and SIGTERM, and its handlers
+/// stay, too. Whether a search was interrupted is a state of the process: run one command at a time.
+///
+/// ```
+/// assert_eq!(tristrip_cli::run(["tristrip", "--version"]), 0);
+/// assert_eq!(tristrip_cli::run(["tristrip", "bound", "../../testdata/models/fish_control.ply", "--quiet"]), 0);
+/// assert_eq!(tristrip_cli::run(["tristrip", "bound", "missing.ply"]), 1);
+/// assert_eq!(tristrip_cli::run(["tristrip", "bound"]), 2);
+/// ```
+pub fn run<I, T>(arguments: I) -> u8
+where
+    I: IntoIterator<Item = T>,
+    T: Into<OsString>,
+{
+    run_command(arguments.into_iter().map(Into::into).collect())
+}
+
+/// Does what [`run`] says.
+fn run_command(arguments: Vec<OsString>) -> u8 {
+    search::forget_interrupt();
+    let papers: Vec<&str> = tristrip_lab::repro::keys().collect();
+    let (task, shared) = match task::parse(arguments, &papers) {
+        Ok(parsed) => parsed,
+        Err(message) => {
+            console::print_usage(&message);
+            return if message.use_stderr() { WRONG_USAGE } else { DONE };
+        }
+    };
+    let mut console = Console::new(&shared, task.output_is_stdout());
+    let pool = match pool(shared.threads) {
+        Ok(pool) => pool,
+        Err(error) => {
+            console.error(&format!("threads: {error}"));
+            return FAILED;
+        }
+    };
+    let succeeded = pool.install(|| run_task(&task, &mut console));
+    if succeeded && console.finish() { DONE } else { FAILED }
+}
+
+/// Builds the threads of the command. With one thread, it is the calling thread, unless that is in a pool already: it never leaves the
+/// pool that it entered for an earlier command.
+fn pool(threads: Option<usize>) -> Result<ThreadPool, ThreadPoolBuildError> {
+    let builder = ThreadPoolBuilder::new().stack_size(STACK_BYTES);
+    match threads {
+        Some(1) if rayon::current_thread_index().is_none() => {
+            builder.num_threads(1).use_current_thread().build()
+        }
+        Some(n) => builder.num_threads(n).build(),
+        None => builder.build(),
+    }
+}
+
+/// Runs a task; returns whether everything was done and proven.
+fn run_task(task: &Task, console: &mut Console) -> bool {
+    match task {
+        Task::Strip(task) => strip::run(task, console),
+        Task::Compare(task) => compare::run(task, console),
+        Task::Bound(task) => bound::run(task, console),
+        Task::Analyze(task) => analyze::run(task, console),
+        Task::Verify(task) => verify::run(task, console),
+        Task::Convert(task) => convert::run(task, console),
+        Task::Simplify(task) => simplify::run(task, console),
+        Task::Lod(task) => lod::run(task, console),
+        Task::Chain(task) => chain::run(task, console),
+        Task::BuildLod(task) => build_lod::run(task, console),
+        Task::Fly(task) => fly::run(task, console),
+        Task::Pack(task) => pack::run(task, console),
+        Task::Unpack(task) => unpack::run(task, console),
+        Task::Inspect(task) => inspect::run(task, console),
+        Task::Serve(task) => serve::run(task, console),
+        Task::View(task) => view::run(task, console),
+        Task::Repro(task) => repro::run(task, console),
+        Task::Print(text) => {
+            console.write_stdout(text);
+            true
+        }
+    }
+}
