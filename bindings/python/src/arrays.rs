@@ -113,7 +113,10 @@ fn polygons(name: &str, given: &Bound<'_, PyAny>) -> Result<Faces, Failure> {
 }
 
 /// Converts an argument into an array of any type. Values that a mask hides cannot be kept out of it, so that none may be.
-fn as_array<'py>(name: &str, given: &Bound<'py, PyAny>) -> Result<Bound<'py, PyUntypedArray>, Failure> {
+pub(crate) fn as_array<'py>(
+    name: &str,
+    given: &Bound<'py, PyAny>,
+) -> Result<Bound<'py, PyUntypedArray>, Failure> {
     let py = given.py();
     let numpy = py.import("numpy")?;
     let masked = numpy.getattr("ma")?;
@@ -244,7 +247,7 @@ fn first_at(array: &Bound<'_, PyUntypedArray>, value: &Bound<'_, PyAny>) -> PyRe
     })
 }
 
-fn shape_text(shape: &[usize]) -> String {
+pub(crate) fn shape_text(shape: &[usize]) -> String {
     let sizes: Vec<String> = shape.iter().map(ToString::to_string).collect();
     match sizes.len() {
         1 => format!("shape ({},)", sizes[0]),

@@ -11,10 +11,13 @@
 #![forbid(unsafe_code)]
 
 mod arrays;
+mod attributes;
+mod command;
 mod errors;
 mod method;
 mod pool;
 mod reports;
+mod simplify;
 mod strips;
 mod work;
 
@@ -24,7 +27,11 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _native {
     #[pymodule_export]
+    use crate::command::run_command;
+    #[pymodule_export]
     use crate::pool::set_threads;
+    #[pymodule_export]
+    use crate::simplify::{Simplified, simplify};
     #[pymodule_export]
     use crate::strips::{Strips, stripify};
 

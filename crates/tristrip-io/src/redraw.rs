@@ -53,6 +53,30 @@ pub struct KeptVertices {
 }
 
 impl Redrawn {
+    /// Returns the number that each vertex of a part had before.
+    ///
+    /// # Errors
+    /// There is no such part.
+    ///
+    /// ```
+    /// use tristrip_io::{Format, read, with_triangles};
+    /// let model = read(b"v 9 9 9\nv 0 1 0\nv 0 0 0\nv 1 0 0\nf 2 3 4\n", Format::Obj)?;
+    /// let smaller = with_triangles(&model, vec![vec![1, 2, 3]], Format::Ply)?;
+    /// assert_eq!(smaller.old_vertices(0)?, [1, 2, 3]);
+    /// # Ok::<(), tristrip_io::Error>(())
+    /// ```
+    pub fn old_vertices(&self, part: usize) -> Result<Vec<u32>, Error> {
+        let (Some(order), Some(new)) = (self.order_of.get(part), self.model.parts.get(part)) else {
+            let message = format!("part {part}: found {} parts", self.order_of.len());
+            return Err(Error::Unsupported(message));
+        };
+        let vertex_count = new.mesh.vertex_count();
+        Ok(match order.map(|order| self.orders[order].new_to_old()) {
+            Some(old) => old.iter().copied().take(vertex_count).collect(),
+            None => (0..vertex_count as u32).collect(),
+        })
+    }
+
     /// Returns strips over the old vertices of a part, all of them in use, as strips over its new vertices.
     ///
     /// # Errors

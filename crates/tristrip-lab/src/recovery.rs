@@ -115,7 +115,7 @@ pub fn measure(levels: &ModelLevels, sweeps: &[Sweep], rounds: usize) -> Result<
 }
 
 /// Builds a level model of each part, and draws the full mesh.
-fn build(levels: &ModelLevels, kind: ModelKind) -> (ModelRecovery, Option<ModelCursor<'_>>) {
+fn build(levels: &ModelLevels, kind: ModelKind) -> (ModelRecovery, Option<ModelCursor>) {
     let start = Instant::now();
     let built = levels.cursor(kind);
     let mut measured = ModelRecovery {
@@ -141,7 +141,7 @@ fn build(levels: &ModelLevels, kind: ModelKind) -> (ModelRecovery, Option<ModelC
 }
 
 /// Returns the seconds of a sweep down from the full mesh and up again.
-fn time(cursor: &mut ModelCursor<'_>, down: &[usize]) -> Result<f64, Error> {
+fn time(cursor: &mut ModelCursor, down: &[usize]) -> Result<f64, Error> {
     let full = cursor.level();
     let start = Instant::now();
     for &level in down {

@@ -13,6 +13,8 @@ mod part;
 mod view;
 mod written;
 
+use std::sync::Arc;
+
 use tristrip::lod::{Camera, ModelKind, RepairOptions, ViewCriteria};
 use tristrip::{Mesh, Strips};
 use tristrip_io::Model;
@@ -42,7 +44,7 @@ pub struct ModelLevels {
     /// The parts in their order.
     pub parts: Vec<LevelPart>,
     /// The collapses of all parts in one order.
-    pub order: LevelOrder,
+    pub order: Arc<LevelOrder>,
     /// The collapses to the base mesh.
     pub collapses: Collapses,
     /// The counts of the full mesh.
@@ -176,7 +178,7 @@ impl ModelLevels {
         // No mesh collapses to nothing: that is as far as possible.
         let stopped = collapses.stopped.filter(|_| goal > 0);
         notes.extend(stopped.map(|stopped| format!("target {}, {stopped}", count(goal))));
-        let order = LevelOrder::new(&done);
+        let order = Arc::new(LevelOrder::new(&done));
         let all = parts.into_iter().zip(prepared.parts()).zip(strips).zip(done);
         let parts = all.map(|(((part, prepared), strips), done)| {
             LevelPart::new(part.compact.used, prepared.mesh.vertex_count(), strips, done.sequence)
@@ -361,7 +363,7 @@ impl ModelLevels {
     /// assert_eq!(levels.cursor(ModelKind::Mts)?.level(), levels.collapse_count());
     /// # Ok::<(), tristrip_pipeline::Error>(())
     /// ```
-    pub fn cursor(&self, kind: ModelKind) -> Result<ModelCursor<'_>, Error> {
+    pub fn cursor(&self, kind: ModelKind) -> Result<ModelCursor, Error> {
         ModelCursor::new(&self.order, &self.parts, kind)
     }
 

@@ -27,8 +27,8 @@ use crate::surface_change::{ChangedSurface, SurfaceChange, surface_change};
 use crate::text::counted;
 pub use groups::CollapseRules;
 pub(crate) use groups::{TriangleGoal, simplify_all};
+use normals::{Copies, Rebuilding, RebuiltPart, redraw};
 pub use normals::{NormalCounts, Normals};
-use normals::{Rebuilding, RebuiltPart, redraw};
 pub use order::LevelOrder;
 pub(crate) use order::PartCollapses;
 pub(crate) use parts::{Compact, Part, UsedVertices, diagonal};
@@ -49,6 +49,8 @@ pub struct SimplifyOptions {
     pub normals: Normals,
     /// What is rounded when a GLB is packed into few bytes; by default weights of joints to 16 bits.
     pub rounding: Rounding,
+    /// Whether the result is compared with the original, which takes as long as the collapses.
+    pub measure: bool,
     /// Whether the collapses, and the bytes of a file, are proven.
     pub verify: bool,
     /// The format in which the result will be written. A scene that is written as GLB keeps the unused vertices that other parts of it
@@ -60,7 +62,15 @@ impl SimplifyOptions {
     /// Sets the goal.
     pub fn new(goal: Goal) -> Self {
         let (rules, normals) = (CollapseRules::default(), Normals::default());
-        Self { goal, rules, normals, rounding: Rounding::Weights, verify: true, format: Format::Ply }
+        Self {
+            goal,
+            rules,
+            normals,
+            rounding: Rounding::Weights,
+            measure: true,
+            verify: true,
+            format: Format::Ply,
+        }
     }
 
     /// Sets what collapses may do, and what they cost.
@@ -79,6 +89,21 @@ impl SimplifyOptions {
     #[must_use]
     pub fn with_rounding(self, rounding: Rounding) -> Self {
         Self { rounding, ..self }
+    }
+
+    /// Sets whether the result is compared with the original.
+    ///
+    /// ```
+    /// use tristrip_io::{Format, read};
+    /// use tristrip_pipeline::{Goal, SimplifyOptions, simplify};
+    /// let model = read(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", Format::Obj)?;
+    /// let options = SimplifyOptions::new(Goal::default()).with_measure(false);
+    /// assert!(simplify(&model, &options)?.change.is_none());
+    /// # Ok::<(), tristrip_pipeline::Error>(())
+    /// ```
+    #[must_use]
+    pub fn with_measure(self, measure: bool) -> Self {
+        Self { measure, ..self }
     }
 
     /// Sets whether the collapses are proven.
@@ -102,8 +127,8 @@ pub struct Simplified {
     pub redrawn: Redrawn,
     /// The collapses, and how they ended.
     pub collapses: Collapses,
-    /// How far the surface is from the original.
-    pub change: SurfaceChange,
+    /// How far the surface is from the original; `None` if it was not measured.
+    pub change: Option<SurfaceChange>,
     /// What happened to the normals of the parts.
     pub normals: NormalCounts,
     /// A sentence on the goal, if it was not reached: what held it back, and what to try.
@@ -115,6 +140,8 @@ pub struct Simplified {
     /// Whether the collapses are proven.
     pub proven: bool,
     options: SimplifyOptions,
+    /// The vertices of each part that were added for new normals.
+    copies: Vec<Option<Copies>>,
 }
 
 /// Simplifies a model by half-edge collapses, the cheapest first. Borders between the parts of a mesh collapse on both sides; vertices that touch parts
@@ -228,10 +255,14 @@ fn simplify_to<'a>(
     warning.iter().for_each(|warning| observer.event(Event::Warning(warning)));
 
     // 3. How far the result is from the original.
-    begin(observer, Stage::Compare)?;
     let rebuilt = normals.rebuild(&parts, &done)?;
-    let change = change(&parts, &done, &rebuilt, &texture_sizes(model))?;
-    observer.event(Event::Compared(&change));
+    let mut measured = None;
+    if options.measure {
+        begin(observer, Stage::Compare)?;
+        let change = change(&parts, &done, &rebuilt, &texture_sizes(model))?;
+        observer.event(Event::Compared(&change));
+        measured = Some(change);
+    }
 
     // 4. The proof of the collapses.
     if options.verify {
@@ -248,11 +279,12 @@ fn simplify_to<'a>(
         Ok(corners)
     };
     let triangles = parts.iter().zip(&done).map(base).collect::<Result<_, Error>>()?;
-    let redrawn = redraw(model, &parts, rebuilt, triangles, options.format)?;
+    let (redrawn, copies) = redraw(model, &parts, rebuilt, triangles, options.format)?;
     Ok(Simplified {
         redrawn,
+        copies,
         collapses,
-        change,
+        change: measured,
         normals: normals.counts(&parts),
         warning,
         mesh,
@@ -263,6 +295,32 @@ fn simplify_to<'a>(
 }
 
 impl Simplified {
+    /// Returns the vertex of the source model that each vertex of a part is, or is a copy of with another normal.
+    ///
+    /// # Errors
+    /// There is no such part.
+    ///
+    /// ```
+    /// use tristrip_io::{Format, read};
+    /// use tristrip_pipeline::{Amount, Goal, SimplifyOptions, simplify};
+    /// let corners = "v 1 1 0\nv 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\n";
+    /// let model = read([corners, "f 2 3 1\nf 3 4 1\nf 4 5 1\nf 5 2 1\n"].concat().as_bytes(), Format::Obj)?;
+    /// let goal = Goal { amount: Some(Amount::Triangles(2)), ..Goal::default() };
+    /// let simplified = simplify(&model, &SimplifyOptions::new(goal))?;
+    /// assert_eq!(simplified.source_vertices(0)?, [1, 2, 3, 4]);
+    /// # Ok::<(), tristrip_pipeline::Error>(())
+    /// ```
+    pub fn source_vertices(&self, part: usize) -> Result<Vec<u32>, Error> {
+        let mut vertices = self.redrawn.old_vertices(part)?;
+        if let Some(Some(Copies { first, sources })) = self.copies.get(part) {
+            for vertex in &mut vertices {
+                let source = vertex.checked_sub(*first).and_then(|copy| sources.get(copy as usize));
+                *vertex = source.copied().unwrap_or(*vertex);
+            }
+        }
+        Ok(vertices)
+    }
+
     /// Encodes the simplified model as a triangle list in the format of the options, and proves the bytes if requested.
     ///
     /// # Errors

@@ -21,7 +21,7 @@ from ._errors import (
     TristripError,
 )
 from ._native import VERSION as __version__
-from ._native import Strips, set_threads, stripify
+from ._native import Simplified, Strips, run_command, set_threads, simplify, stripify
 from ._progress import Progress
 
 __all__ = [
@@ -35,9 +35,12 @@ __all__ = [
     "NotProvenError",
     "ParameterError",
     "Progress",
+    "Simplified",
     "Strips",
     "TristripError",
     "__version__",
+    "run_command",
     "set_threads",
+    "simplify",
     "stripify",
 ]

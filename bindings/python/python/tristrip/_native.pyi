@@ -1,6 +1,6 @@
 """The types of the native module, which implements the functions and classes of the package."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Literal, TypeAlias, TypedDict, overload
 
 import numpy as np
@@ -21,6 +21,7 @@ Float32Array: TypeAlias = npt.NDArray[np.float32]
 IndexArray: TypeAlias = npt.NDArray[np.uint8] | npt.NDArray[np.uint16] | npt.NDArray[np.uint32]
 Faces: TypeAlias = npt.ArrayLike | Sequence[Sequence[int]]
 
+def run_command(arguments: Sequence[str]) -> int: ...
 def set_threads(threads: int | None) -> None: ...
 
 # --- strips
@@ -102,6 +103,59 @@ def stripify(
 ) -> Strips: ...
 
 # --- simplification
+
+class Simplified:
+    @property
+    def vertices(self) -> Float32Array: ...
+    @property
+    def faces(self) -> Uint32Array: ...
+    @property
+    def normals(self) -> Float32Array | None: ...
+    @property
+    def uv(self) -> Float32Array | None: ...
+    @property
+    def colors(self) -> npt.NDArray[Any] | None: ...
+    @property
+    def attributes(self) -> dict[str, npt.NDArray[Any]]: ...
+    @property
+    def sources(self) -> Uint32Array: ...
+    @property
+    def surface_error(self) -> float: ...
+    @property
+    def rms_deviation(self) -> float | None: ...
+    @property
+    def largest_deviation(self) -> float | None: ...
+    @property
+    def diagonal(self) -> float: ...
+    @property
+    def warning(self) -> str | None: ...
+    @property
+    def notes(self) -> list[str]: ...
+    def __iter__(self) -> Iterator[npt.NDArray[Any]]: ...
+    def _repr_html_(self) -> str: ...
+
+def simplify(
+    vertices: npt.ArrayLike,
+    faces: Faces,
+    *,
+    ratio: float | None = None,
+    triangles: int | None = None,
+    error: float | str | None = None,
+    normals: npt.ArrayLike | None = None,
+    uv: npt.ArrayLike | None = None,
+    colors: npt.ArrayLike | None = None,
+    attributes: Mapping[str, npt.ArrayLike] | None = None,
+    weight: str | None = None,
+    price: Literal["distance", "planes", "quadric"] = "distance",
+    permissive: bool = False,
+    lock_borders: bool = False,
+    weld_distance: float | str | None = None,
+    normals_mode: Literal["auto", "keep", "rebuild"] = "auto",
+    measure: bool = False,
+    verify: bool = True,
+    progress: ProgressArgument = None,
+) -> Simplified: ...
+
 
 # --- levels of detail
 

@@ -6,7 +6,7 @@ from html import escape
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from ._native import Strips
+    from ._native import Simplified, Strips
 
 _SHOWN = {
     "triangles": "triangles",
@@ -33,6 +33,21 @@ def _text(value: Any) -> str:
     if isinstance(value, int):
         return f"{value:,}"
     return f"{value:.3f}" if isinstance(value, float) else str(value)
+
+
+def simplified_html(simplified: Simplified) -> str:
+    """Return the summary of a simplified mesh."""
+    rows: dict[str, Any] = {
+        "triangles": len(simplified.faces),
+        "vertices": len(simplified.vertices),
+        "surface error": simplified.surface_error,
+    }
+    if simplified.rms_deviation is not None:
+        rows["RMS deviation"] = simplified.rms_deviation
+        rows["largest deviation"] = simplified.largest_deviation
+    if simplified.warning:
+        rows["warning"] = simplified.warning
+    return table("simplified mesh", rows)
 
 
 def strips_html(strips: Strips) -> str:

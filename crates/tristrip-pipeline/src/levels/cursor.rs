@@ -1,6 +1,7 @@
 //! A model at a level: a cursor of each part, which move together in the order of all collapses.
 
 use std::fmt;
+use std::sync::Arc;
 
 use tristrip::lod::{LevelCursor, LevelModel, ModelKind};
 
@@ -23,30 +24,48 @@ use crate::simplify::LevelOrder;
 /// assert_eq!(cursor.of_parts_mut()[0].strips().triangles().count(), 1);
 /// # Ok::<(), tristrip_pipeline::Error>(())
 /// ```
-pub struct ModelCursor<'a> {
-    order: &'a LevelOrder,
+pub struct ModelCursor {
+    order: Arc<LevelOrder>,
+    models: Vec<Arc<dyn LevelModel>>,
     level: usize,
     levels: Vec<usize>,
     /// The parts that the last move changed, each once.
     moved: Vec<u32>,
     cursors: Vec<Box<dyn LevelCursor>>,
-    model_memory: usize,
 }
 
-impl<'a> ModelCursor<'a> {
+impl ModelCursor {
     /// Builds a level model of each part, and stands at the full mesh.
-    pub(super) fn new(order: &'a LevelOrder, parts: &[LevelPart], kind: ModelKind) -> Result<Self, Error> {
+    pub(super) fn new(order: &Arc<LevelOrder>, parts: &[LevelPart], kind: ModelKind) -> Result<Self, Error> {
         let built = map(parts, |part| kind.build(part.strips(), part.sequence()));
-        let models = built.into_iter().collect::<Result<Vec<_>, _>>()?;
+        Self::start(Arc::clone(order), built.into_iter().collect::<Result<_, _>>()?)
+    }
+
+    fn start(order: Arc<LevelOrder>, models: Vec<Arc<dyn LevelModel>>) -> Result<Self, Error> {
         let level = order.collapse_count();
-        Ok(Self {
-            order,
-            level,
-            levels: order.of_parts(level)?,
-            moved: Vec::new(),
-            model_memory: models.iter().map(|model| model.memory()).sum(),
-            cursors: models.into_iter().map(LevelModel::start).collect(),
-        })
+        let levels = order.of_parts(level)?;
+        let cursors = models.iter().cloned().map(LevelModel::start).collect();
+        Ok(Self { order, models, level, levels, moved: Vec::new(), cursors })
+    }
+
+    /// Returns another cursor over the same level models, at the full mesh: for another instance or view.
+    ///
+    /// # Errors
+    /// None where this cursor was built.
+    ///
+    /// ```
+    /// use tristrip::lod::ModelKind;
+    /// use tristrip_io::{Format, read};
+    /// use tristrip_pipeline::{LevelsOptions, levels};
+    /// let model = read(b"v 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n", Format::Obj)?;
+    /// let mut far = levels(&model, &LevelsOptions::default())?.cursor(ModelKind::Blocks)?;
+    /// let near = far.another()?;
+    /// far.set_level(0)?;
+    /// assert!(near.level() > far.level());
+    /// # Ok::<(), tristrip_pipeline::Error>(())
+    /// ```
+    pub fn another(&self) -> Result<Self, Error> {
+        Self::start(Arc::clone(&self.order), self.models.clone())
     }
 
     /// Returns the level of the model.
@@ -94,7 +113,7 @@ impl<'a> ModelCursor<'a> {
 
     /// Returns the memory of the level models in bytes, without that of the cursors.
     pub fn model_memory(&self) -> usize {
-        self.model_memory
+        self.models.iter().map(|model| model.memory()).sum()
     }
 
     /// Returns the memory of the cursors of the parts in bytes.
@@ -103,7 +122,7 @@ impl<'a> ModelCursor<'a> {
     }
 }
 
-impl fmt::Debug for ModelCursor<'_> {
+impl fmt::Debug for ModelCursor {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("ModelCursor").field("level", &self.level).finish_non_exhaustive()
     }

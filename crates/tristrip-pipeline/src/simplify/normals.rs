@@ -158,6 +158,15 @@ fn changeable(
 
 const NO_TEXTURE: &str = "their tangents need texture coordinates (TEXCOORD_0)";
 
+/// The vertices that were added to a part as copies of others.
+#[derive(Debug, Clone)]
+pub(super) struct Copies {
+    /// The number of the first copy.
+    pub(super) first: u32,
+    /// The vertex that each is a copy of.
+    pub(super) sources: Vec<u32>,
+}
+
 /// A simplified part with new vertices.
 pub(super) struct RebuiltPart {
     /// The new vertices, as copies of those of the reduced part.
@@ -214,10 +223,11 @@ pub(super) fn redraw(
     rebuilt: Vec<Option<RebuiltPart>>,
     mut triangles: Vec<Vec<u32>>,
     format: Format,
-) -> Result<Redrawn, Error> {
+) -> Result<(Redrawn, Vec<Option<Copies>>), Error> {
     if rebuilt.iter().all(Option::is_none) {
         tristrip_io::merge_equal_vertices(model, &mut triangles, format)?;
-        return Ok(tristrip_io::with_triangles(model, triangles, format)?);
+        let redrawn = tristrip_io::with_triangles(model, triangles, format)?;
+        return Ok((redrawn, vec![None; parts.len()]));
     }
     let mut added = Vec::with_capacity(parts.len());
     for ((part, rebuilt), triangles) in parts.iter().zip(rebuilt).zip(&mut triangles) {
@@ -232,7 +242,11 @@ pub(super) fn redraw(
         triangles.iter_mut().for_each(|v| *v += first.unwrap_or(0));
     }
     tristrip_io::merge_equal_vertices(&extended.model, &mut triangles, format)?;
-    Ok(tristrip_io::with_triangles(&extended.model, triangles, format)?)
+    let redrawn = tristrip_io::with_triangles(&extended.model, triangles, format)?;
+    let copies = |(new, first): (Option<NewVertices>, Option<u32>)| {
+        new.zip(first).map(|(new, first)| Copies { first, sources: new.sources })
+    };
+    Ok((redrawn, added.into_iter().zip(extended.first).map(copies).collect()))
 }
 
 fn has(mesh: &Mesh, name: &str) -> bool {

@@ -1,0 +1,20 @@
+"""The command: `tristrip`, or `python -m tristrip`."""
+
+from __future__ import annotations
+
+import signal
+import sys
+
+from ._native import run_command
+
+
+def main() -> int:
+    """Run the command with the arguments of the process, and return its exit code."""
+    # Ctrl-C ends the process, as for any command; the command itself changes this during searches.
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    sys.stdout.flush()
+    return run_command(["tristrip", *sys.argv[1:]])
+
+
+if __name__ == "__main__":
+    sys.exit(main())
