@@ -151,6 +151,7 @@ def simplify(
     lock_borders: bool = False,
     weld_distance: float | str | None = None,
     normals_mode: Literal["auto", "keep", "rebuild"] = "auto",
+    fit: bool = True,
     measure: bool = False,
     verify: bool = True,
     progress: ProgressArgument = None,
