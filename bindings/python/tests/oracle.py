@@ -1,7 +1,8 @@
 """An independent oracle: index buffers as triangles, in plain NumPy, without the package.
 
 Triangle i of a strip consists of its vertices i, i + 1, i + 2, in that order for even i and with the first two
-exchanged for odd i. Triangles with two equal vertices draw nothing. Two triangles are the same if one is a rotation of the other.
+exchanged for odd i. Triangles with two equal vertices draw nothing. Two triangles are the same if one is a rotation
+of the other.
 """
 
 from __future__ import annotations
