@@ -86,14 +86,13 @@ impl From<Failure> for PyErr {
 
 fn of_core(py: Python<'_>, error: &tristrip::Error) -> PyErr {
     use tristrip::Error;
-    let argument = |flag: &str| flag.trim_start_matches('-').replace('-', "_");
     match error {
-        // Of all options, one is left that the method does not have.
         Error::Parameter { name: "flag", found, .. } => {
-            raise(py, "ParameterError", &format!("{}: is not an option of this method", argument(found)))
+            let name = found.trim_start_matches('-').replace('-', "_");
+            raise(py, "ParameterError", &format!("{name}: no option of this method"))
         }
         Error::Parameter { name, found, expected } => {
-            let name = argument(name);
+            let name = name.trim_start_matches('-').replace('-', "_");
             raise(py, "ParameterError", &format!("{name}: found {found}, expected {expected}"))
         }
         Error::Format { .. } => raise(py, "FormatError", &error.to_string()),

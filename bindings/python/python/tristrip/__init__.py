@@ -21,7 +21,7 @@ from ._errors import (
     TristripError,
 )
 from ._native import VERSION as __version__
-from ._native import Simplified, Strips, run_command, set_threads, simplify, stripify
+from ._native import Levels, Simplified, Strips, run_command, set_threads, simplify, stripify
 from ._progress import Progress
 
 __all__ = [
@@ -30,6 +30,7 @@ __all__ = [
     "FormatError",
     "InternalError",
     "Interrupted",
+    "Levels",
     "LimitError",
     "MeshError",
     "NotProvenError",

@@ -176,6 +176,83 @@ def simplify(
 
 # --- levels of detail
 
+LevelModel: TypeAlias = Literal[
+    "progressive-mesh", "naive", "progressive", "mts", "sets", "lod-strips", "blocks", "skip"
+]
+
+class LevelRow(TypedDict):
+    level: int
+    triangles: int
+    surface_error: float
+    strips: int
+    indices_restart: int
+    indices_restart_per_triangle: float
+
+class LevelMemory(TypedDict):
+    model: int
+    cursor: int
+
+class Levels:
+    def __init__(
+        self,
+        vertices: npt.ArrayLike,
+        faces: Faces,
+        *,
+        model: LevelModel = "blocks",
+        base: float | None = None,
+        price: Literal["distance", "planes", "quadric"] = "distance",
+        normals: npt.ArrayLike | None = None,
+        uv: npt.ArrayLike | None = None,
+        colors: npt.ArrayLike | None = None,
+        attributes: Mapping[str, npt.ArrayLike] | None = None,
+        method: Method | str = "best",
+        effort: int | None = None,
+        cost: Cost | None = None,
+        verify: bool = True,
+        progress: ProgressArgument = None,
+        **options: Any,
+    ) -> None: ...
+    @property
+    def level(self) -> int: ...
+    @property
+    def last_level(self) -> int: ...
+    @property
+    def part_count(self) -> int: ...
+    @property
+    def model(self) -> LevelModel: ...
+    @property
+    def triangle_count(self) -> int: ...
+    @property
+    def surface_error(self) -> float: ...
+    @property
+    def diagonal(self) -> float: ...
+    @property
+    def notes(self) -> list[str]: ...
+    @property
+    def stopped(self) -> Literal["budget", "interrupt"] | None: ...
+    @property
+    def memory(self) -> LevelMemory: ...
+    def vertices(self, part: int = 0) -> Float32Array: ...
+    def set_level(self, level: int | str) -> int: ...
+    def set_triangles(self, triangles: int) -> int: ...
+    def set_error(self, error: float | str) -> int: ...
+    def set_pixels(
+        self, pixels: float, distance: float, *, field_of_view: float = 45.0, rows: float = 1080.0
+    ) -> int: ...
+    def strips(self, part: int = 0) -> Strips: ...
+    def indices(
+        self, layout: Layout = "restart", dtype: npt.DTypeLike | None = None, *, part: int = 0
+    ) -> IndexArray: ...
+    def triangles(self, part: int = 0) -> Uint32Array: ...
+    def update(
+        self, layout: Layout = "restart", dtype: npt.DTypeLike | None = None, *, part: int = 0
+    ) -> tuple[IndexArray, list[tuple[int, int]]]: ...
+    def renaming(self, part: int = 0) -> Uint32Array: ...
+    def verify(self) -> None: ...
+    def another(self) -> Levels: ...
+    def table(self, steps: int = 20) -> list[LevelRow]: ...
+    def _repr_html_(self) -> str: ...
+
 # --- streams
 
 # --- scenes
