@@ -192,9 +192,10 @@ class LevelMemory(TypedDict):
     model: int
     cursor: int
 
+@final
 class Levels:
-    def __init__(
-        self,
+    def __new__(
+        cls,
         vertices: npt.ArrayLike,
         faces: Faces,
         *,
@@ -211,7 +212,7 @@ class Levels:
         verify: bool = True,
         progress: ProgressArgument = None,
         **options: Any,
-    ) -> None: ...
+    ) -> Levels: ...
     @property
     def level(self) -> int: ...
     @property
