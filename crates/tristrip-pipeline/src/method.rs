@@ -275,7 +275,7 @@ impl<'a> Flags<'a> {
 
     fn number<T: FromStr>(&mut self, flag: &'static str) -> Result<Option<T>, Error> {
         let number =
-            |text: &str| text.parse().map_err(|_| invalid(flag, text, "a number in the range of the flag"));
+            |text: &str| text.parse().map_err(|_| invalid(flag, text, "a whole number of 0 or more"));
         self.take(flag).map(number).transpose()
     }
 
@@ -310,11 +310,10 @@ impl<'a> Flags<'a> {
             }
         }
         if matches!(name, "best" | "fewest" | "cache")
-            && let Some(level) = self.number("--effort")?
+            && let Some(text) = self.take("--effort")
         {
-            let effort = Effort::new(level);
-            options =
-                options.with_effort(effort.ok_or_else(|| invalid("--effort", &level.to_string(), "0 to 9"))?);
+            let effort = text.parse().ok().and_then(Effort::new);
+            options = options.with_effort(effort.ok_or_else(|| invalid("--effort", text, "0 to 9"))?);
         }
         if !matches!(name, "sequential" | "input" | "sgi" | "tunnel")
             && let Some(seed) = self.number("--seed")?

@@ -1,17 +1,29 @@
 """The types of the native module, which implements the functions and classes of the package."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, Literal, TypeAlias, TypedDict, overload
+from typing import Any, Literal, TypeAlias, TypedDict, final, overload
 
 import numpy as np
 import numpy.typing as npt
+from typing_extensions import NotRequired
 
 from ._progress import ProgressArgument
 
 VERSION: str
 
 Method: TypeAlias = Literal[
-    "best", "fewest", "cache", "sequential", "input", "sgi", "stripe-local", "stripe-global", "quad-rows", "tunnel", "eta", "guided-tunnels"
+    "best",
+    "fewest",
+    "cache",
+    "sequential",
+    "input",
+    "sgi",
+    "stripe-local",
+    "stripe-global",
+    "quad-rows",
+    "tunnel",
+    "eta",
+    "guided-tunnels",
 ]
 Cost: TypeAlias = Literal["restart", "degenerate", "opengl", "gl"]
 Layout: TypeAlias = Literal["restart", "degenerate", "separate", "list"]
@@ -30,7 +42,7 @@ class Proof(TypedDict):
     faces: int
     triangles: int
 
-class Metrics(TypedDict, total=False):
+class Metrics(TypedDict):
     triangles: int
     strips: int
     isolated: int
@@ -46,14 +58,15 @@ class Metrics(TypedDict, total=False):
     acmr_fifo_32: float
     atvr_fifo_16: float
     atvr_fifo_32: float
-    acmr: float
-    atvr: float
+    acmr: NotRequired[float]
+    atvr: NotRequired[float]
 
 class CacheStatistics(TypedDict):
     misses: int
     acmr: float
     atvr: float
 
+@final
 class Strips:
     @classmethod
     def from_indices(cls, indices: npt.ArrayLike, layout: Layout = "restart") -> Strips: ...
@@ -70,9 +83,13 @@ class Strips:
     @property
     def proven(self) -> bool: ...
     @overload
-    def indices(self, layout: Layout = "restart", *, dtype: type[np.uint8] | Literal["uint8"]) -> npt.NDArray[np.uint8]: ...
+    def indices(
+        self, layout: Layout = "restart", *, dtype: type[np.uint8] | Literal["uint8"]
+    ) -> npt.NDArray[np.uint8]: ...
     @overload
-    def indices(self, layout: Layout = "restart", *, dtype: type[np.uint16] | Literal["uint16"]) -> npt.NDArray[np.uint16]: ...
+    def indices(
+        self, layout: Layout = "restart", *, dtype: type[np.uint16] | Literal["uint16"]
+    ) -> npt.NDArray[np.uint16]: ...
     @overload
     def indices(self, layout: Layout = "restart", *, dtype: type[np.uint32] | Literal["uint32"]) -> Uint32Array: ...
     @overload
@@ -82,9 +99,9 @@ class Strips:
     def metrics(self) -> Metrics: ...
     def vertex_cache(self, cache: str = "fifo:16", flush: bool = False) -> CacheStatistics: ...
     def __len__(self) -> int: ...
-    def __getitem__(self, index: int) -> Uint32Array: ...
+    def __getitem__(self, index: int, /) -> Uint32Array: ...
     def __iter__(self) -> Iterator[Uint32Array]: ...
-    def __eq__(self, other: object) -> bool: ...
+    def __eq__(self, other: object, /) -> bool: ...
     def _repr_html_(self) -> str: ...
 
 def stripify(
@@ -104,6 +121,7 @@ def stripify(
 
 # --- simplification
 
+@final
 class Simplified:
     @property
     def vertices(self) -> Float32Array: ...
@@ -157,7 +175,6 @@ def simplify(
     progress: ProgressArgument = None,
 ) -> Simplified: ...
 
-
 # --- levels of detail
 
 LevelModel: TypeAlias = Literal[
@@ -176,9 +193,10 @@ class LevelMemory(TypedDict):
     model: int
     cursor: int
 
+@final
 class Levels:
-    def __init__(
-        self,
+    def __new__(
+        cls,
         vertices: npt.ArrayLike,
         faces: Faces,
         *,
@@ -195,7 +213,7 @@ class Levels:
         verify: bool = True,
         progress: ProgressArgument = None,
         **options: Any,
-    ) -> None: ...
+    ) -> Levels: ...
     @property
     def level(self) -> int: ...
     @property
