@@ -1,0 +1,233 @@
+"""Meshes and scenes of trimesh."""
+
+from __future__ import annotations
+
+import io
+import json
+import struct
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .._errors import ArrayTypeError
+from ._arrays import (
+    COLOUR,
+    NORMAL,
+    UV,
+    Array,
+    Faces,
+    Part,
+    bytes_of_colours,
+    part_of,
+    required,
+    split_corners,
+    warn,
+    warn_of_rounding,
+)
+from ._scenes import is_scene, scene_of, scene_of_glb
+
+if TYPE_CHECKING:
+    from .._native import Scene
+
+#: The attributes of glTF that trimesh reads, beside those that begin with an underscore.
+_READ_BY_TRIMESH = {"POSITION", NORMAL, UV, COLOUR}
+
+
+def to_trimesh(
+    mesh: Any,
+    faces: Any = None,
+    *,
+    normals: Any = None,
+    uv: Any = None,
+    colors: Any = None,
+    attributes: Mapping[str, Any] | None = None,
+    material: Any = None,
+) -> Any:
+    """Convert a mesh or a scene for trimesh.
+
+    Args:
+        mesh: a `Scene`, one of its parts, a `Simplified`, a pair of vertices and faces, or vertices of shape (n, 3).
+        faces: with vertices only: faces as of `stripify`, or `Strips`, of which the triangles are taken in their order.
+        normals, uv, colors, attributes: arrays with one row per vertex, as of `simplify`. trimesh has `uv` with v upwards, as these are.
+        material: a material of trimesh.
+
+    Returns:
+        A `trimesh.Trimesh` that is not processed: vertices and faces keep their order, and polygons are triangles. Of a `Scene`, a
+        `trimesh.Scene` with its nodes, materials and images.
+
+    Raises:
+        ImportError: trimesh is not installed.
+        MeshError, ArrayTypeError: the arrays have wrong values or a wrong shape.
+
+    Warns:
+        ConversionWarning: colours are rounded to 8 bits, or a scene has what trimesh does not read: animations, skins, other attributes.
+
+    >>> import tristrip
+    >>> strips = tristrip.stripify([[0, 1, 2], [2, 1, 3]])
+    >>> tristrip.to_trimesh([[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]], strips).faces.tolist()
+    [[3, 2, 1], [1, 2, 0]]
+    """
+    trimesh = required("trimesh")
+    if is_scene(mesh):
+        return _scene(trimesh, mesh)
+    part = part_of(mesh, faces, normals=normals, uv=uv, colors=colors, attributes=attributes)
+    found = part.attributes
+    colours = found.get(COLOUR)
+    arguments: dict[str, Any] = {}
+    if colours is not None:
+        warn_of_rounding(colours)
+        colours = _with_opacity(bytes_of_colours(colours))
+    if UV in found or material is not None:
+        visual = trimesh.visual.texture.TextureVisuals(uv=found.get(UV), material=material)
+        if colours is not None:
+            visual.vertex_attributes["color"] = colours
+        arguments["visual"] = visual
+    elif colours is not None:
+        arguments["vertex_colors"] = colours
+    return trimesh.Trimesh(
+        vertices=part.vertices,
+        faces=part.triangles(),
+        vertex_normals=found.get(NORMAL),
+        vertex_attributes=dict(part.other_attributes()),
+        metadata={} if part.name is None else {"name": part.name},
+        process=False,
+        validate=False,
+        **arguments,
+    )
+
+
+def _with_opacity(colours: Array) -> Array:
+    if colours.shape[1] == 4:
+        return colours
+    return np.column_stack([colours, np.full(len(colours), 255, np.uint8)])
+
+
+def _scene(trimesh: Any, scene: Any) -> Any:
+    """Convert a scene by way of GLB, which trimesh reads with nodes, materials and images."""
+    glb = bytes(scene.to_bytes("glb"))
+    (size,) = struct.unpack_from("<I", glb, 12)
+    document = json.loads(glb[20 : 20 + size])
+    primitives = [primitive for mesh in document.get("meshes", []) for primitive in mesh["primitives"]]
+    names = {name for primitive in primitives for name in primitive["attributes"] if not name.startswith("_")}
+    lost = sorted(names - _READ_BY_TRIMESH)
+    lost += ["morph targets"] * any("targets" in primitive for primitive in primitives)
+    lost += [what for what in ("animations", "skins") if document.get(what)]
+    if lost:
+        warn(f"trimesh does not read {', '.join(lost)}")
+    for part in scene.parts:
+        if COLOUR in part.attributes:
+            warn_of_rounding(part.attributes[COLOUR])
+    return trimesh.load(io.BytesIO(glb), file_type="glb", force="scene", process=False)
+
+
+def from_trimesh(mesh: Any, *, normals: bool | None = None, name: str | None = None) -> Scene:
+    """Convert a mesh or a scene of trimesh.
+
+    Args:
+        mesh: a `trimesh.Trimesh` or a `trimesh.Scene`.
+        normals: whether vertex normals are taken; by default where the mesh has them already, since trimesh computes them when asked.
+        name: the name of a single mesh.
+
+    Returns:
+        A `Scene` with the faces in their order, texture coordinates, vertex colours and other attributes. Colours of faces become those
+        of vertices, which are split where they differ. A mesh with a material, and a scene, are converted by way of GLB: the scene keeps
+        materials, images and nodes, and the transforms of nodes stay with them. The names of other attributes begin with an
+        underscore then, as glTF requires. Positions are 32-bit floats.
+
+    Raises:
+        ImportError: trimesh is not installed.
+        ArrayTypeError: the argument is no mesh or scene of trimesh.
+
+    Warns:
+        ConversionWarning: attributes of faces, paths and point clouds are left out.
+    """
+    trimesh = required("trimesh")
+    if isinstance(mesh, trimesh.Scene):
+        return scene_of_glb(_kept(trimesh, mesh).export(file_type="glb", include_normals=normals))
+    if not isinstance(mesh, trimesh.Trimesh):
+        raise ArrayTypeError(f"mesh: found {type(mesh).__name__}, expected a Trimesh or a Scene of trimesh")
+    if mesh.visual.kind == "texture" and mesh.visual.material is not None:
+        scene = trimesh.Scene()
+        for number, one in enumerate(_by_material(trimesh, _prepared(mesh))):
+            scene.add_geometry(one, geom_name=name or f"mesh_{number}", node_name=name or f"mesh_{number}")
+        return scene_of_glb(scene.export(file_type="glb", include_normals=normals))
+    return scene_of(part_of_trimesh(mesh, normals=normals, name=name))
+
+
+def part_of_trimesh(mesh: Any, *, normals: bool | None = None, name: str | None = None) -> Part:
+    """Take the arrays of a mesh, without its material."""
+    mesh = _prepared(mesh)
+    attributes: dict[str, Array] = {}
+    if normals or (normals is None and "vertex_normals" in mesh._cache):
+        attributes[NORMAL] = np.asarray(mesh.vertex_normals)
+    if mesh.visual.kind == "vertex":
+        attributes[COLOUR] = np.asarray(mesh.visual.vertex_colors)
+    elif mesh.visual.kind == "texture":
+        if mesh.visual.uv is not None:
+            attributes[UV] = np.asarray(mesh.visual.uv)[:, :2]
+        if "color" in mesh.visual.vertex_attributes:
+            attributes[COLOUR] = np.asarray(mesh.visual.vertex_attributes["color"])
+    attributes.update({key: np.asarray(values) for key, values in mesh.vertex_attributes.items()})
+    return Part(np.asarray(mesh.vertices), Faces.of("faces", np.asarray(mesh.faces)), attributes, name)
+
+
+def _kept(trimesh: Any, scene: Any) -> Any:
+    """Return a scene with its meshes prepared for GLB, and without what is no mesh."""
+    kept = scene.copy()
+    others = [key for key, geometry in kept.geometry.items() if not isinstance(geometry, trimesh.Trimesh)]
+    if others:
+        warn(f"left out {len(others)} paths or point clouds: {', '.join(others[:3])}{', …' * (len(others) > 3)}")
+        kept.delete_geometry(others)
+    for key, geometry in list(kept.geometry.items()):
+        parts = list(_by_material(trimesh, _prepared(geometry)))
+        kept.geometry[key] = parts[0]
+        for number, part in enumerate(parts[1:], 1):
+            for node in [node for node in kept.graph.nodes_geometry if kept.graph[node][1] == key]:
+                # A child of the node that has the first part, so that both move together.
+                kept.add_geometry(
+                    part, geom_name=f"{key}_{number}", node_name=f"{node}_{number}", parent_node_name=node
+                )
+    return kept
+
+
+def _prepared(mesh: Any) -> Any:
+    """Return a mesh with colours of vertices instead of faces, and say what is lost."""
+    if mesh.face_attributes:
+        warn(f"left out attributes of faces: {', '.join(map(str, mesh.face_attributes))}")
+    if mesh.visual.kind != "face":
+        return mesh
+    faces = np.asarray(mesh.faces)
+    colours = np.repeat(np.asarray(mesh.visual.face_colors), 3, axis=0)
+    faces, old, corner = split_corners(faces, len(mesh.vertices), colours)
+    has_normals = "vertex_normals" in mesh._cache
+    return type(mesh)(
+        vertices=np.asarray(mesh.vertices)[old],
+        faces=faces,
+        vertex_normals=np.asarray(mesh.vertex_normals)[old] if has_normals else None,
+        vertex_attributes={key: np.asarray(values)[old] for key, values in mesh.vertex_attributes.items()},
+        vertex_colors=colours[corner],
+        metadata=mesh.metadata,
+        process=False,
+        validate=False,
+    )
+
+
+def _by_material(trimesh: Any, mesh: Any) -> Iterator[Any]:
+    """Yield a mesh for each of several materials of one mesh."""
+    numbers = getattr(mesh.visual, "face_materials", None)
+    materials = getattr(getattr(mesh.visual, "material", None), "materials", None)
+    if numbers is None or not materials or len(numbers) != len(mesh.faces):
+        yield mesh
+        return
+    for number in np.unique(numbers):
+        visual = trimesh.visual.texture.TextureVisuals(uv=mesh.visual.uv, material=materials[number])
+        yield trimesh.Trimesh(
+            vertices=mesh.vertices,
+            faces=np.asarray(mesh.faces)[np.asarray(numbers) == number],
+            vertex_normals=mesh.vertex_normals if "vertex_normals" in mesh._cache else None,
+            vertex_attributes=dict(mesh.vertex_attributes),
+            visual=visual,
+            process=False,
+            validate=False,
+        )
