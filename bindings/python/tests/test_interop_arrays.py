@@ -72,12 +72,12 @@ def test_split_corners(count: int, data: st.DataObject) -> None:
     values = np.array(data.draw(st.lists(st.integers(0, 2), min_size=3 * count, max_size=3 * count)), float).reshape(
         -1, 1
     )
-    new, old, corner = arrays.split_corners(faces, 10, values)
-    assert old[new].tolist() == faces.tolist()
-    assert values[corner[new.ravel()]].tolist() == values.tolist()
+    new, old, corner = arrays.split_corners(faces.ravel(), 10, values)
+    assert old[new].tolist() == faces.ravel().tolist()
+    assert values[corner[new]].tolist() == values.tolist()
     assert sorted(set(old)) == list(range(10)) and (np.diff(old) >= 0).all()
     assert len({(int(v), float(x)) for v, x in zip(faces.ravel(), values[:, 0], strict=True)}) == len(np.unique(new))
-    assert set(np.flatnonzero(corner < 0)) == set(range(len(old))) - set(new.ravel())
+    assert set(np.flatnonzero(corner < 0)) == set(range(len(old))) - set(new)
 
 
 @pytest.mark.parametrize(

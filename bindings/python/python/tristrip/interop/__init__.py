@@ -6,10 +6,10 @@ class `ConversionWarning`.
 
 from __future__ import annotations
 
-from ._arrays import ConversionWarning
+from ._arrays import ConversionWarning, split_corners
 from ._meshio import from_meshio, to_meshio
 from ._open3d import from_open3d, to_open3d
-from ._pyvista import from_pyvista, plot_strips, strips_from_pyvista, to_pyvista
+from ._pyvista import from_pyvista, plot_strips, strip_colours, strips_from_pyvista, to_pyvista
 from ._trimesh import from_trimesh, to_trimesh
 
 __all__ = [
@@ -19,6 +19,8 @@ __all__ = [
     "from_pyvista",
     "from_trimesh",
     "plot_strips",
+    "split_corners",
+    "strip_colours",
     "strips_from_pyvista",
     "to_meshio",
     "to_open3d",

@@ -17,6 +17,7 @@ from .._native import Strips
 NORMAL = "NORMAL"
 UV = "TEXCOORD_0"
 COLOUR = "COLOR_0"
+TANGENT = "TANGENT"
 
 Array: TypeAlias = npt.NDArray[Any]
 
@@ -106,6 +107,13 @@ class Faces:
         within = np.arange(ends[-1]) - np.repeat(ends[:-1], sizes)
         return Faces(ends, self.corners[np.repeat(self.offsets[order], sizes) + within])
 
+    def turned_over(self) -> Faces:
+        """Return the faces with their corners in reverse, from the same first corner on."""
+        sizes = self.sizes
+        first = np.repeat(self.offsets[:-1], sizes)
+        within = np.arange(len(self.corners)) - first
+        return Faces(self.offsets, self.corners[first + (np.repeat(sizes, sizes) - within) % np.repeat(sizes, sizes)])
+
     def as_argument(self) -> Any:
         """Return the faces as `stripify` takes them."""
         sizes = self.sizes
@@ -118,18 +126,43 @@ class Faces:
 
 @dataclass
 class Part:
-    """One mesh, with positions as they were given."""
+    """One mesh, with positions as they were given, and texture coordinates from the lower edge of the image.
+
+    material: a dictionary as `tristrip.Part` takes and has it.
+    """
 
     vertices: Array
     faces: Faces | Strips
     attributes: dict[str, Array] = field(default_factory=dict)
     name: str | None = None
-    material: Any = None
+    material: dict[str, Any] | None = None
 
     def triangles(self) -> npt.NDArray[np.int64]:
         if isinstance(self.faces, Strips):
             return self.faces.triangles().astype(np.int64)
         return self.faces.triangles()
+
+    def placed(self, transform: Array) -> Part:
+        """Return the part in another place: normals and tangents turn with it, and faces that the transform mirrors are turned over."""
+        if np.array_equal(transform, np.eye(4)):
+            return self
+        linear = transform[:3, :3]
+        faces, attributes = self.faces, dict(self.attributes)
+        vertices = (self.vertices @ linear.T + transform[:3, 3]).astype(self.vertices.dtype)
+        is_mirrored = np.linalg.det(linear) < 0
+        if is_mirrored:
+            faces = self.polygons().turned_over()
+        if NORMAL in attributes:
+            # The cofactors of the map: its inverse transposed, but for the length, also where there is no inverse.
+            a, b, c = linear.T
+            cofactors = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)]) * (-1 if is_mirrored else 1)
+            attributes[NORMAL] = _unit(attributes[NORMAL] @ cofactors).astype(attributes[NORMAL].dtype)
+        if TANGENT in attributes:
+            given = attributes[TANGENT]
+            turned = _unit(given[:, :3] @ linear.T)
+            side = given[:, 3:] * (-1 if is_mirrored else 1)
+            attributes[TANGENT] = np.concatenate([turned, side], axis=1).astype(given.dtype)
+        return Part(vertices, faces, attributes, self.name, self.material)
 
     def polygons(self) -> Faces:
         return Faces.of("faces", self.triangles()) if isinstance(self.faces, Strips) else self.faces
@@ -151,10 +184,13 @@ def part_of(
     """Take one mesh: vertices and faces or strips, a pair of them, or an object that has both, such as a `Simplified`."""
     found: dict[str, Any] = {}
     name = material = None
-    if faces is None and hasattr(mesh, "vertices") and hasattr(mesh, "faces"):
+    if hasattr(mesh, "vertices") and hasattr(mesh, "faces"):
         found.update(mesh.attributes)
-        name, material = getattr(mesh, "name", None), getattr(mesh, "material", None)
-        vertices, faces = mesh.vertices, _faces_of(mesh)
+        if UV in found and mesh.uv is not None:
+            # Those of a part count from the lower edge of the image, as other packages have them.
+            found[UV] = mesh.uv
+        name, material = getattr(mesh, "name", None), _material_of(mesh)
+        vertices, faces = mesh.vertices, _faces_of(mesh) if faces is None else faces
     elif faces is None:
         try:
             vertices, faces = mesh
@@ -189,11 +225,23 @@ def part_of(
 
 def _faces_of(mesh: Any) -> Any:
     polygons = getattr(mesh, "polygons", None)
-    return mesh.faces if polygons is None else polygons
+    if polygons is None:
+        return mesh.faces
+    offsets, corners = polygons
+    return Faces(offsets.astype(np.int64), corners.astype(np.int64))
+
+
+def _material_of(mesh: Any) -> dict[str, Any] | None:
+    properties = getattr(mesh, "material_properties", None)
+    return None if properties is None else {**properties, "name": mesh.material}
 
 
 def _ends(sizes: Array) -> npt.NDArray[np.int64]:
     return np.concatenate([np.zeros(1, np.int64), np.cumsum(sizes, dtype=np.int64)])
+
+
+def _unit(vectors: Array) -> Array:
+    return vectors / np.maximum(np.linalg.norm(vectors, axis=1), np.finfo(np.float64).tiny)[:, None]
 
 
 def _integers(name: str, array: Array) -> npt.NDArray[np.int64]:
@@ -284,29 +332,28 @@ def _is_colour(values: Array) -> bool:
 
 
 def split_corners(
-    faces: Array, vertex_count: int, values: Array
+    corners: Array, vertex_count: int, values: Array
 ) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64], npt.NDArray[np.int64]]:
     """Split vertices where the corners of faces at them have different values.
 
     Args:
-        faces: shape (n, 3).
+        corners: the vertices of all corners, shape (n,).
         vertex_count: the number of vertices.
-        values: one row per corner, shape (3 n, k).
+        values: one row per corner, shape (n, k).
 
     Returns:
-        The faces over the split vertices, for each of those the vertex that it is a copy of, and a corner that has its value, -1 for
+        The corners over the split vertices, for each of those the vertex that it is a copy of, and a corner that has its value, -1 for
         vertices that no face has. Copies of a vertex are neighbours, so that vertices that are not split keep their order.
     """
-    corners = faces.ravel().astype(np.int64)
-    if len(values) == 0:
-        numbers = np.empty(0, np.int64)
-    else:
-        numbers = np.unique(values, axis=0, return_inverse=True)[1].ravel()
+    corners = np.asarray(corners, np.int64)
+    count = len(corners) + 1
+    numbers = np.unique(values, axis=0, return_inverse=True)[1].ravel() if count > 1 else corners
     unused = np.setdiff1d(np.arange(vertex_count), corners)
-    keys = np.concatenate([corners * (len(numbers) + 1) + numbers, unused * (len(numbers) + 1)])
-    kept, first, new = np.unique(keys, return_index=True, return_inverse=True)
+    keys, first, new = np.unique(
+        np.concatenate([corners * count + numbers, unused * count]), return_index=True, return_inverse=True
+    )
     corner = np.where(first < len(corners), first, -1)
-    return new.ravel()[: len(corners)].reshape(-1, 3), kept // (len(numbers) + 1), corner
+    return new.ravel()[: len(corners)].astype(np.int64), keys // count, corner
 
 
 def joined(parts: Sequence[Part]) -> tuple[Part, npt.NDArray[np.int64]]:

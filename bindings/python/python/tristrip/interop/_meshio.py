@@ -74,8 +74,9 @@ def to_meshio(
     meshio = required("meshio")
     cell_data: dict[str, npt.NDArray[np.int64]] = {}
     if is_scene(mesh):
-        part, numbers = joined(placed_parts(mesh))
-        if len(mesh.parts) > 1:
+        parts = placed_parts(mesh)
+        part, numbers = joined(parts)
+        if len(parts) > 1:
             cell_data[_PART] = numbers
     else:
         part = part_of(mesh, faces, normals=normals, uv=uv, colors=colors, attributes=attributes)
@@ -109,7 +110,7 @@ def from_meshio(mesh: Any, *, name: str | None = None) -> Scene:
     Warns:
         ConversionWarning: cells without a surface, cell data, nodes on edges, or point data that are no numbers are left out.
     """
-    return scene_of(part_of_meshio(mesh, name=name))
+    return scene_of([part_of_meshio(mesh, name=name)])
 
 
 def part_of_meshio(mesh: Any, *, name: str | None = None) -> Part:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,11 +25,12 @@ from ._arrays import (
     split_corners,
     warn,
 )
-from ._scenes import is_scene, placed_parts, scenes_of
+from ._scenes import is_scene, placed_parts, scene_of
 
 if TYPE_CHECKING:
     from .._native import Scene
 
+_DEFAULTS = {"metallic": 0.0, "roughness": 1.0}
 #: The names of vertex and triangle attributes of tensor meshes.
 _NAMES: dict[str | None, str] = {"normals": NORMAL, "colors": COLOUR, "texture_uvs": UV}
 _TENSOR_NAMES = {NORMAL: "normals", COLOUR: "colors"}
@@ -51,36 +54,46 @@ def to_open3d(
         mesh: a `Scene`, one of its parts, a `Simplified`, a pair of vertices and faces or strips, or vertices of shape (n, 3).
         faces: with vertices only: faces as of `stripify`, or `Strips`, of which the triangles are taken in their order.
         normals, uv, colors, attributes: arrays with one row per vertex, as of `simplify`. Open3D has `uv` with v upwards, as these are.
-        image: of a texture: an array of shape (height, width, 3) of uint8; with `tensor=False` only.
+        image: of a texture, its upper row first: an array of shape (height, width, 3) of uint8.
         tensor: whether a mesh of `open3d.t.geometry` is made, which has all attributes.
 
     Returns:
         An `open3d.geometry.TriangleMesh`, or an `open3d.t.geometry.TriangleMesh`. Faces keep their order, polygons are triangles. The
-        parts of a `Scene` are joined, placed as its nodes place them, with the images of its materials as textures.
+        parts of a `Scene` are joined, placed as its nodes place them. The images of their materials are the textures; of a material without
+        an image, a pixel of its colour is. A tensor mesh has the material of a scene with a single one.
 
     Raises:
-        ImportError: Open3D is not installed.
+        ImportError: Open3D is not installed; or Pillow, which reads the images of materials.
         MeshError, ArrayTypeError: the arrays have wrong values or a wrong shape.
 
     Warns:
-        ConversionWarning: the opacity of colours, and with `tensor=False` other attributes, are left out.
+        ConversionWarning: the opacity of colours, properties of materials, and with `tensor=False` other attributes, are left out.
+
+    >>> import tristrip
+    >>> points = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]]
+    >>> tristrip.to_open3d(points, tristrip.stripify([[0, 1, 2], [2, 1, 3]]))
+    TriangleMesh with 4 points and 2 triangles.
     """
     open3d = required("open3d")
-    images: list[Any] = [] if image is None else [np.ascontiguousarray(image)]
-    materials: Array | None = None
-    if is_scene(mesh):
-        parts = placed_parts(mesh)
-        part, numbers = joined(parts)
-        images, of_parts = _images(parts)
-        # Polygons have more than one triangle each.
-        materials = np.repeat(of_parts[numbers], part.polygons().sizes - 2) if images else None
-    else:
-        part = part_of(mesh, faces, normals=normals, uv=uv, colors=colors, attributes=attributes)
+    parts = (
+        placed_parts(mesh)
+        if is_scene(mesh)
+        else [part_of(mesh, faces, normals=normals, uv=uv, colors=colors, attributes=attributes)]
+    )
+    if image is not None:
+        parts = [
+            replace(part, material={"name": None, "base_color": (1.0,) * 4, "image": np.asarray(image)})
+            for part in parts
+        ]
+    materials, of_parts = _materials(parts)
+    if materials and len(parts) > 1:
+        parts = [_with_coordinates(part) for part in parts]
+    part, numbers = joined(parts)
     triangles = part.triangles()
     if len(part.vertices) > _MOST_VERTICES:
         raise MeshError(f"vertices: found {len(part.vertices)}, expected fewer than 2^31")
     if tensor:
-        return _tensor(open3d, part, triangles)
+        return _tensor(open3d, part, triangles, materials)
     found = part.attributes
     vector = open3d.utility
     made = open3d.geometry.TriangleMesh(
@@ -92,20 +105,69 @@ def to_open3d(
         made.vertex_colors = vector.Vector3dVector(_opaque(found[COLOUR]))
     if UV in found:
         made.triangle_uvs = vector.Vector2dVector(found[UV].astype(np.float64)[triangles.ravel()])
-    if images:
-        made.textures = [open3d.geometry.Image(one) for one in images]
-        made.triangle_material_ids = vector.IntVector(
-            np.zeros(len(triangles), np.int32) if materials is None else materials.astype(np.int32)
+    if materials:
+        # Open3D has the lower row of a texture first.
+        made.textures = [open3d.geometry.Image(np.ascontiguousarray(np.flipud(_pixels(one)))) for one in materials]
+        # Polygons have more than one triangle each.
+        of_triangles = np.repeat(of_parts[numbers], part.polygons().sizes - 2)
+        made.triangle_material_ids = vector.IntVector(of_triangles.astype(np.int32))
+        lost = [
+            key
+            for key in ("metallic", "roughness")
+            if any(one.get(key, _DEFAULTS[key]) != _DEFAULTS[key] for one in materials)
+        ]
+        lost += ["the factor of an image"] * any(
+            "base_color_image" in one and one["base_color_image"] and _is_tinted(one) for one in materials
         )
+        if lost:
+            warn(f"left out {', '.join(lost)} of materials: only meshes of open3d.t.geometry have them (tensor=True)")
     others = [name for name, _ in part.other_attributes()]
     if others:
         warn(f"left out {', '.join(others)}: only meshes of open3d.t.geometry have other attributes (tensor=True)")
     return made
 
 
-def _images(parts: list[Part]) -> tuple[list[Any], Array]:
-    """Return the different images of parts, and the number of the image of each part."""
-    return [], np.zeros(len(parts), np.int64)
+def _materials(parts: list[Part]) -> tuple[list[dict[str, Any]], Array]:
+    """Return the different materials of parts, and the number of the material of each part; none if no part has one."""
+    materials: list[dict[str, Any]] = []
+    numbers = []
+    if all(part.material is None for part in parts):
+        return [], np.zeros(len(parts), np.int64)
+    for part in parts:
+        material = part.material or {"name": None, "base_color": (1.0,) * 4}
+        known = [
+            number
+            for number, one in enumerate(materials)
+            if one is material or ("image" not in one and one == material)
+        ]
+        if not known:
+            materials.append(material)
+        numbers.append(known[0] if known else len(materials) - 1)
+    return materials, np.array(numbers, np.int64)
+
+
+def _with_coordinates(part: Part) -> Part:
+    """Return a part with texture coordinates: where it has none, its texture has one pixel."""
+    if UV in part.attributes:
+        return replace(part, attributes={**part.attributes, UV: part.attributes[UV].astype(np.float32)})
+    return replace(part, attributes={**part.attributes, UV: np.zeros((len(part.vertices), 2), np.float32)})
+
+
+def _is_tinted(material: dict[str, Any]) -> bool:
+    return tuple(material["base_color"])[:3] != (1.0, 1.0, 1.0)
+
+
+def _pixels(material: dict[str, Any]) -> Array:
+    """Return the image of a material, upper row first; or a pixel of its colour."""
+    if "image" in material:
+        pixels: Array = material["image"]
+        return pixels
+    if material.get("base_color_image"):
+        image = required("PIL.Image", "pillow").open(io.BytesIO(material["base_color_image"]))
+        return np.asarray(image if image.mode in ("L", "RGB") else image.convert("RGB"))
+    linear = np.array(material["base_color"][:3])
+    encoded = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+    return np.rint(255 * encoded).astype(np.uint8).reshape(1, 1, 3)
 
 
 def _opaque(colours: Array) -> Array:
@@ -120,7 +182,7 @@ def _opaque(colours: Array) -> Array:
     return colours / float(np.iinfo(colours.dtype).max)
 
 
-def _tensor(open3d: Any, part: Part, triangles: Array) -> Any:
+def _tensor(open3d: Any, part: Part, triangles: Array, materials: list[dict[str, Any]]) -> Any:
     def of(values: Array) -> Any:
         return open3d.core.Tensor(np.ascontiguousarray(values))
 
@@ -135,7 +197,22 @@ def _tensor(open3d: Any, part: Part, triangles: Array) -> Any:
             if name == COLOUR:
                 values = _opaque(values).astype(np.float32) if values.dtype != np.uint8 else values[:, :3]
             made.vertex[_TENSOR_NAMES.get(name, name)] = of(values if values.ndim == 2 else values[:, None])
+    if len(materials) > 1:
+        warn(f"left out {len(materials)} materials: a mesh of open3d.t.geometry has one")
+    elif materials:
+        _set_material(open3d, made, materials[0])
     return made
+
+
+def _set_material(open3d: Any, mesh: Any, material: dict[str, Any]) -> None:
+    made = mesh.material
+    made.set_default_properties()
+    made.material_name = "defaultLit"
+    made.vector_properties["base_color"] = np.array(material["base_color"], np.float32)
+    for key in ("metallic", "roughness"):
+        made.scalar_properties[key] = material.get(key, _DEFAULTS[key])
+    if "image" in material or material.get("base_color_image"):
+        made.texture_maps["albedo"] = open3d.t.geometry.Image(open3d.core.Tensor(np.array(_pixels(material))))
 
 
 def from_open3d(mesh: Any, *, name: str | None = None) -> Scene:
@@ -147,22 +224,24 @@ def from_open3d(mesh: Any, *, name: str | None = None) -> Scene:
 
     Returns:
         A `Scene` with the faces in their order, normals, colours and other attributes of vertices. Texture coordinates of corners become
-        those of vertices, which are split where they differ. A mesh with several textures becomes a part per texture.
+        those of vertices, which are split where they differ. A mesh with textures becomes a part per texture, and that of a tensor
+        mesh has its material.
 
     Raises:
-        ImportError: Open3D is not installed.
+        ImportError: Open3D is not installed; or Pillow, which writes the images of textures.
         ArrayTypeError: the argument is no triangle mesh of Open3D.
 
     Warns:
-        ConversionWarning: attributes of triangles are left out.
+        ConversionWarning: attributes of triangles, and maps of the material but that of the colour, are left out.
     """
-    return scenes_of(parts_of_open3d(mesh, name=name))
+    return scene_of(parts_of_open3d(mesh, name=name))
 
 
 def parts_of_open3d(mesh: Any, *, name: str | None = None) -> list[Part]:
     """Take the arrays of a mesh."""
     open3d = required("open3d")
     left_out: list[str] = []
+    is_legacy = isinstance(mesh, open3d.geometry.TriangleMesh)
     if isinstance(mesh, open3d.t.geometry.TriangleMesh):
         mesh = mesh.cpu()
         given = {key: mesh.vertex[key].numpy() for key in mesh.vertex if key != "positions"}
@@ -171,7 +250,7 @@ def parts_of_open3d(mesh: Any, *, name: str | None = None) -> list[Part]:
         triangles = mesh.triangle["indices"].numpy() if "indices" in mesh.triangle else np.empty((0, 3), np.int64)
         coordinates = of_triangles.pop("texture_uvs", None)
         left_out += [f"{key} of triangles" for key in of_triangles if key != "normals"]
-    elif isinstance(mesh, open3d.geometry.TriangleMesh):
+    elif is_legacy:
         vertices, triangles = np.asarray(mesh.vertices), np.asarray(mesh.triangles)
         given = {"normals": np.asarray(mesh.vertex_normals)} if mesh.has_vertex_normals() else {}
         given |= {"colors": np.asarray(mesh.vertex_colors)} if mesh.has_vertex_colors() else {}
@@ -182,10 +261,64 @@ def parts_of_open3d(mesh: Any, *, name: str | None = None) -> list[Part]:
     attributes = attributes_of(given, _NAMES, left_out)
     if coordinates is not None:
         coordinates = coordinates.reshape(-1, 2)
-        triangles, old, corner = split_corners(triangles, len(vertices), coordinates)
+        corners, old, corner = split_corners(triangles.ravel(), len(vertices), coordinates)
+        triangles = corners.reshape(-1, 3)
         vertices = vertices[old]
         attributes = {key: values[old] for key, values in attributes.items()}
         attributes[UV] = np.where(corner[:, None] < 0, 0, coordinates[corner])
     if left_out:
         warn(f"left out {'; '.join(left_out)}")
-    return [Part(vertices, Faces.of("triangles", triangles), attributes, name)]
+    whole = Part(vertices, Faces.of("triangles", triangles), attributes, name)
+    return _by_texture(whole, mesh) if is_legacy else [replace(whole, material=_material_of(mesh))]
+
+
+def _by_texture(whole: Part, mesh: Any) -> list[Part]:
+    """Return a part for each texture of a legacy mesh."""
+    textures, numbers = list(mesh.textures), np.asarray(mesh.triangle_material_ids)
+    if not textures or len(numbers) != len(whole.faces):
+        return [whole]
+    parts = []
+    for number in np.unique(numbers):
+        chosen = np.flatnonzero(numbers == number)
+        used, corners = np.unique(whole.triangles()[chosen], return_inverse=True)
+        material = None
+        if 0 <= number < len(textures) and not textures[number].is_empty():
+            material = {"base_color_image": _png(np.flipud(np.asarray(textures[number])))}
+        parts.append(
+            Part(
+                whole.vertices[used],
+                Faces.of("triangles", corners.reshape(-1, 3)),
+                {key: values[used] for key, values in whole.attributes.items()},
+                whole.name,
+                material,
+            )
+        )
+    return parts
+
+
+def _png(pixels: Array) -> bytes:
+    """Encode an image, upper row first."""
+    if pixels.ndim == 3 and pixels.shape[2] == 1:
+        pixels = pixels[:, :, 0]
+    image = required("PIL.Image", "pillow").fromarray(np.ascontiguousarray(pixels))
+    encoded = io.BytesIO()
+    image.save(encoded, "PNG")
+    return encoded.getvalue()
+
+
+def _material_of(mesh: Any) -> dict[str, Any] | None:
+    """Return the material of a tensor mesh."""
+    if not mesh.has_valid_material():
+        return None
+    given = mesh.material
+    material: dict[str, Any] = {"name": given.material_name}
+    if "base_color" in given.vector_properties:
+        material["base_color"] = np.clip(given.vector_properties["base_color"], 0, 1).tolist()
+    for key, value in _DEFAULTS.items():
+        material[key] = min(max(given.scalar_properties[key] if key in given.scalar_properties else value, 0.0), 1.0)
+    if "albedo" in given.texture_maps:
+        material["base_color_image"] = _png(given.texture_maps["albedo"].as_tensor().cpu().numpy())
+    others = [key for key in given.texture_maps if key != "albedo"]
+    if others:
+        warn(f"left out maps of the material: {', '.join(others)}")
+    return material

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from .._errors import ArrayTypeError, MeshError, ParameterError
 from .._native import Strips
 from ._arrays import COLOUR, NORMAL, UV, Array, Faces, Part, attributes_of, check_range, part_of, required, warn
-from ._scenes import is_scene, scenes_of
+from ._scenes import is_scene, placed_parts, scene_of
 
 if TYPE_CHECKING:
     from .._native import Scene
@@ -34,14 +34,16 @@ def to_pyvista(
     """Convert a mesh, strips or a scene for PyVista.
 
     Args:
-        mesh: a `Scene`, one of its parts, a `Simplified`, a pair of vertices and faces or strips, or vertices of shape (n, 3).
+        mesh: a `Scene`, one of its parts, a `StrippedScene`, a `SimplifiedScene`, a `Simplified`, a pair of vertices and faces or strips,
+            or vertices of shape (n, 3).
         faces: with vertices only: faces as of `stripify`, or `Strips`.
         normals, uv, colors, attributes: arrays with one row per vertex, as of `simplify`.
 
     Returns:
         A `pyvista.PolyData`. Polygons stay polygons, in their order; `Strips` become its `strips`, one cell each. Normals and texture
         coordinates are the active ones, other attributes point data under their names. Of a `Scene`, a `pyvista.MultiBlock` with a
-        block per part; its texture coordinates count upwards, as VTK's do. Materials are left out, as those are no part of such meshes.
+        block per part, placed as its nodes place them; texture coordinates count upwards, as VTK's do. Materials are left out, as they are
+        no part of such meshes.
 
     Raises:
         ImportError: PyVista is not installed.
@@ -56,18 +58,10 @@ def to_pyvista(
     pyvista = required("pyvista")
     if is_scene(mesh):
         blocks = pyvista.MultiBlock()
-        for number, part in enumerate(mesh.parts):
-            arrays = part_of(part)
-            if UV in arrays.attributes:
-                arrays.attributes[UV] = _turned(arrays.attributes[UV])
-            blocks.append(_poly_data(pyvista, arrays), part.name or f"part_{number}")
+        for number, part in enumerate(placed_parts(mesh)):
+            blocks.append(_poly_data(pyvista, part), part.name or f"part_{number}")
         return blocks
     return _poly_data(pyvista, part_of(mesh, faces, normals=normals, uv=uv, colors=colors, attributes=attributes))
-
-
-def _turned(coordinates: Array) -> Array:
-    """Count texture coordinates from the other edge of the image."""
-    return np.column_stack([coordinates[:, 0], 1 - coordinates[:, 1]])
 
 
 def _poly_data(pyvista: Any, part: Part) -> Any:
@@ -107,7 +101,7 @@ def from_pyvista(mesh: Any, *, name: str | None = None) -> Scene:
     Warns:
         ConversionWarning: data of cells, vertices, lines or point data that are no numbers are left out.
     """
-    return scenes_of(parts_of_pyvista(mesh, name=name))
+    return scene_of(parts_of_pyvista(mesh, name=name))
 
 
 def parts_of_pyvista(mesh: Any, *, name: str | None = None) -> list[Part]:
@@ -175,7 +169,9 @@ def strip_colours(count: int) -> npt.NDArray[np.uint8]:
     saturation = 0.45 + 0.4 * ((numbers * 0.5698402910) % 1.0)
     # The colour of a hue: three trapezoids, a third of the circle apart.
     wave = np.clip(np.abs((hue[:, None] * 6 + [0, 4, 2]) % 6 - 3) - 1, 0, 1)
-    colours: npt.NDArray[np.uint8] = np.rint(255 * value[:, None] * (1 - saturation[:, None] * (1 - wave))).astype(np.uint8)
+    colours: npt.NDArray[np.uint8] = np.rint(255 * value[:, None] * (1 - saturation[:, None] * (1 - wave))).astype(
+        np.uint8
+    )
     return colours
 
 

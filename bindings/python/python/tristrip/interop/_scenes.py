@@ -1,7 +1,8 @@
-"""Scenes of this package from the arrays or files that other packages give."""
+"""Scenes of this package, from the arrays or files that other packages give, and as parts where nodes place them."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from .. import _native
@@ -12,31 +13,41 @@ if TYPE_CHECKING:
 
 
 def is_scene(mesh: Any) -> bool:
-    """Check whether an object is a scene: what has parts, and can be written."""
-    return hasattr(mesh, "parts") and hasattr(mesh, "to_bytes")
+    """Check whether an object is a scene, or one that was stripped or simplified."""
+    return isinstance(mesh, _native.Scene | _native.StrippedScene | _native.SimplifiedScene)
 
 
-def placed_parts(scene: Any) -> list[Part]:
-    """Take the parts of a scene."""
-    return [part_of(part) for part in scene.parts]
+def scene_in(mesh: Any) -> Scene:
+    """Return the scene of an object that is one, or has one as its result."""
+    scene: Scene = mesh if isinstance(mesh, _native.Scene) else mesh.scene
+    return scene
 
 
-def scene_of(part: Part) -> Scene:
-    """Build a scene of one part without a material."""
-    return _native.Scene.from_arrays(
-        part.vertices,
-        part.polygons().as_argument(),
-        normals=part.attributes.get(NORMAL),
-        uv=part.attributes.get(UV),
-        colors=part.attributes.get(COLOUR),
-        attributes=dict(part.other_attributes()),
-        name=part.name,
+def placed_parts(mesh: Any) -> list[Part]:
+    """Take the parts of a scene as its nodes place them, a part that several nodes have several times; with strips of a stripped scene."""
+    scene = scene_in(mesh)
+    strips = mesh.parts if isinstance(mesh, _native.StrippedScene) else None
+    parts = [part_of(part, None if strips is None else strips[number]) for number, part in enumerate(scene.parts)]
+    return [parts[number].placed(transform) for number, transform in scene.placements]
+
+
+def scene_of(parts: Sequence[Part]) -> Scene:
+    """Build a scene of parts."""
+    return _native.Scene.from_parts(
+        [
+            _native.Part(
+                part.vertices,
+                part.polygons().as_argument(),
+                normals=part.attributes.get(NORMAL),
+                uv=part.attributes.get(UV),
+                colors=part.attributes.get(COLOUR),
+                attributes=dict(part.other_attributes()),
+                name=part.name,
+                material=part.material,
+            )
+            for part in parts
+        ]
     )
-
-
-def scenes_of(parts: list[Part]) -> Scene:
-    (part,) = parts
-    return scene_of(part)
 
 
 def scene_of_glb(glb: bytes) -> Scene:

@@ -25,13 +25,31 @@ from ._arrays import (
     warn,
     warn_of_rounding,
 )
-from ._scenes import is_scene, scene_of, scene_of_glb
+from ._scenes import is_scene, scene_in, scene_of, scene_of_glb
 
 if TYPE_CHECKING:
     from .._native import Scene
 
 #: The attributes of glTF that trimesh reads, beside those that begin with an underscore.
 _READ_BY_TRIMESH = {"POSITION", NORMAL, UV, COLOUR}
+_EXTENSIONS_READ_BY_TRIMESH = {
+    "KHR_materials_pbrSpecularGlossiness",
+    "EXT_texture_webp",
+    "KHR_draco_mesh_compression",
+    # Says what the file has already: integers as positions, normals and texture coordinates.
+    "KHR_mesh_quantization",
+}
+_IMAGES = ("baseColorTexture", "emissiveTexture", "normalTexture", "occlusionTexture", "metallicRoughnessTexture")
+_FACTORS = (
+    "name",
+    "emissiveFactor",
+    "baseColorFactor",
+    "metallicFactor",
+    "roughnessFactor",
+    "doubleSided",
+    "alphaMode",
+    "alphaCutoff",
+)
 
 
 def to_trimesh(
@@ -70,7 +88,7 @@ def to_trimesh(
     """
     trimesh = required("trimesh")
     if is_scene(mesh):
-        return _scene(trimesh, mesh)
+        return _scene(trimesh, scene_in(mesh))
     part = part_of(mesh, faces, normals=normals, uv=uv, colors=colors, attributes=attributes)
     found = part.attributes
     colours = found.get(COLOUR)
@@ -103,7 +121,7 @@ def _with_opacity(colours: Array) -> Array:
     return np.column_stack([colours, np.full(len(colours), 255, np.uint8)])
 
 
-def _scene(trimesh: Any, scene: Any) -> Any:
+def _scene(trimesh: Any, scene: Scene) -> Any:
     """Convert a scene by way of GLB, which trimesh reads with nodes, materials and images."""
     glb = bytes(scene.to_bytes("glb"))
     (size,) = struct.unpack_from("<I", glb, 12)
@@ -113,6 +131,7 @@ def _scene(trimesh: Any, scene: Any) -> Any:
     lost = sorted(names - _READ_BY_TRIMESH)
     lost += ["morph targets"] * any("targets" in primitive for primitive in primitives)
     lost += [what for what in ("animations", "skins") if document.get(what)]
+    lost += sorted(set(document.get("extensionsUsed", [])) - _EXTENSIONS_READ_BY_TRIMESH)
     if lost:
         warn(f"trimesh does not read {', '.join(lost)}")
     for part in scene.parts:
@@ -132,15 +151,15 @@ def from_trimesh(mesh: Any, *, normals: bool | None = None, name: str | None = N
     Returns:
         A `Scene` with the faces in their order, texture coordinates, vertex colours and other attributes. Colours of faces become those
         of vertices, which are split where they differ. A mesh with a material, and a scene, are converted by way of GLB: the scene keeps
-        materials, images and nodes, and the transforms of nodes stay with them. The names of other attributes begin with an
-        underscore then, as glTF requires. Positions are 32-bit floats.
+        materials, images and nodes, and the transforms of nodes stay with them. Other attributes become 32-bit floats then, and their
+        names begin with an underscore, as glTF requires. Positions are 32-bit floats.
 
     Raises:
         ImportError: trimesh is not installed.
         ArrayTypeError: the argument is no mesh or scene of trimesh.
 
     Warns:
-        ConversionWarning: attributes of faces, paths and point clouds are left out.
+        ConversionWarning: attributes of faces, paths, point clouds, and attributes that glTF cannot hold are left out.
     """
     trimesh = required("trimesh")
     if isinstance(mesh, trimesh.Scene):
@@ -149,10 +168,9 @@ def from_trimesh(mesh: Any, *, normals: bool | None = None, name: str | None = N
         raise ArrayTypeError(f"mesh: found {type(mesh).__name__}, expected a Trimesh or a Scene of trimesh")
     if mesh.visual.kind == "texture" and mesh.visual.material is not None:
         scene = trimesh.Scene()
-        for number, one in enumerate(_by_material(trimesh, _prepared(mesh))):
-            scene.add_geometry(one, geom_name=name or f"mesh_{number}", node_name=name or f"mesh_{number}")
-        return scene_of_glb(scene.export(file_type="glb", include_normals=normals))
-    return scene_of(part_of_trimesh(mesh, normals=normals, name=name))
+        scene.add_geometry(mesh, geom_name=name or "mesh", node_name=name or "mesh")
+        return from_trimesh(scene, normals=normals)
+    return scene_of([part_of_trimesh(mesh, normals=normals, name=name)])
 
 
 def part_of_trimesh(mesh: Any, *, normals: bool | None = None, name: str | None = None) -> Part:
@@ -173,14 +191,20 @@ def part_of_trimesh(mesh: Any, *, normals: bool | None = None, name: str | None 
 
 
 def _kept(trimesh: Any, scene: Any) -> Any:
-    """Return a scene with its meshes prepared for GLB, and without what is no mesh."""
-    kept = scene.copy()
-    others = [key for key, geometry in kept.geometry.items() if not isinstance(geometry, trimesh.Trimesh)]
+    """Return a scene with its meshes prepared for GLB, and without what is no mesh. The given one stays as it is."""
+    kept = trimesh.Scene(metadata=scene.metadata)
+    kept.graph = scene.graph.copy()
+    if scene.has_camera:
+        kept.camera = scene.camera
+    kept.geometry.update(scene.geometry)
+    others = [key for key, geometry in scene.geometry.items() if not isinstance(geometry, trimesh.Trimesh)]
     if others:
         warn(f"left out {len(others)} paths or point clouds: {', '.join(others[:3])}{', …' * (len(others) > 3)}")
         kept.delete_geometry(others)
+    known: dict[int, Any] = {}
     for key, geometry in list(kept.geometry.items()):
         parts = list(_by_material(trimesh, _prepared(geometry)))
+        parts = [_for_glb(trimesh, part, known) for part in parts]
         kept.geometry[key] = parts[0]
         for number, part in enumerate(parts[1:], 1):
             for node in [node for node in kept.graph.nodes_geometry if kept.graph[node][1] == key]:
@@ -199,18 +223,80 @@ def _prepared(mesh: Any) -> Any:
         return mesh
     faces = np.asarray(mesh.faces)
     colours = np.repeat(np.asarray(mesh.visual.face_colors), 3, axis=0)
-    faces, old, corner = split_corners(faces, len(mesh.vertices), colours)
-    has_normals = "vertex_normals" in mesh._cache
-    return type(mesh)(
+    corners, old, corner = split_corners(faces.ravel(), len(mesh.vertices), colours)
+    return _copy(
+        mesh,
         vertices=np.asarray(mesh.vertices)[old],
-        faces=faces,
-        vertex_normals=np.asarray(mesh.vertex_normals)[old] if has_normals else None,
+        faces=corners.reshape(-1, 3),
+        vertex_normals=np.asarray(mesh.vertex_normals)[old] if "vertex_normals" in mesh._cache else None,
         vertex_attributes={key: np.asarray(values)[old] for key, values in mesh.vertex_attributes.items()},
+        visual=None,
         vertex_colors=colours[corner],
-        metadata=mesh.metadata,
-        process=False,
-        validate=False,
     )
+
+
+def _copy(mesh: Any, **changed: Any) -> Any:
+    """Return a mesh with the same arrays but for some."""
+    arguments = {
+        "vertices": mesh.vertices,
+        "faces": mesh.faces,
+        "vertex_normals": mesh.vertex_normals if "vertex_normals" in mesh._cache else None,
+        "vertex_attributes": dict(mesh.vertex_attributes),
+        "metadata": mesh.metadata,
+        "visual": mesh.visual,
+        **changed,
+    }
+    return type(mesh)(process=False, validate=False, **arguments)
+
+
+def _for_glb(trimesh: Any, mesh: Any, known: dict[int, Any]) -> Any:
+    """Return a mesh whose attributes and images trimesh writes without a loss."""
+    attributes = {}
+    for key, given in mesh.vertex_attributes.items():
+        values = np.asarray(given)
+        values = values.reshape(len(values), -1)
+        exact = values.astype(np.float32)
+        is_kept = values.dtype.kind == "f" or values.dtype.kind in "biu" and np.array_equal(exact, values)
+        if not is_kept or not 1 <= values.shape[1] <= 4:
+            warn(
+                f"left out {key} of {given.dtype} with {values.shape[1]} columns: glTF has up to four numbers of 32 bits"
+            )
+        else:
+            attributes[key] = exact
+    changed: dict[str, Any] = {"vertex_attributes": attributes}
+    if mesh.visual.kind == "texture" and mesh.visual.material is not None:
+        given = mesh.visual.material
+        material = known.setdefault(id(given), _with_kept_images(trimesh, given))
+        if material is not given:
+            visual = trimesh.visual.texture.TextureVisuals(uv=mesh.visual.uv, material=material)
+            for key in mesh.visual.vertex_attributes:
+                visual.vertex_attributes[key] = mesh.visual.vertex_attributes[key]
+            changed["visual"] = visual
+    return _copy(mesh, **changed)
+
+
+class _KeptJpeg:
+    """An image that trimesh writes as the JPEG it is: with its own tables, not with those of a lower quality."""
+
+    format = "JPEG"
+
+    def __init__(self, image: Any) -> None:
+        self.image = image
+
+    def save(self, file: Any, format: str) -> None:  # noqa: A002
+        self.image.save(file, format=format, quality="keep")
+
+
+def _with_kept_images(trimesh: Any, material: Any) -> Any:
+    """Return a material as GLB has it, whose JPEG images stay what they are."""
+    pbr = material.to_pbr() if hasattr(material, "to_pbr") else material
+    images = {key: getattr(pbr, key, None) for key in _IMAGES}
+    if not any(getattr(image, "format", None) == "JPEG" for image in images.values()):
+        return material
+    kept = {
+        key: _KeptJpeg(image) if getattr(image, "format", None) == "JPEG" else image for key, image in images.items()
+    }
+    return trimesh.visual.material.PBRMaterial(**kept, **{key: getattr(pbr, key) for key in _FACTORS})
 
 
 def _by_material(trimesh: Any, mesh: Any) -> Iterator[Any]:
