@@ -1,10 +1,10 @@
 """Measure strips of this package, of PyFFI and of VTK in one run, prove each result, and write a table.
 
-    TRISTRIP_MODELS=models python benchmarks/strips.py                 # a few minutes, most of them for PyFFI on the dragon
+    TRISTRIP_MODELS=models python benchmarks/strips.py   # some minutes, most of them for PyFFI on the dragon
     TRISTRIP_MODELS=models python benchmarks/strips.py --models bunny --output -
 
-Each program gets the input in the form that it takes: arrays of NumPy, a `PolyData`, lists of tuples; conversions are not measured. PyFFI
-runs once, the others as often as `--repeat` says, of which the shortest time is taken.
+Each program gets the input in the form that it takes: arrays of NumPy, a `PolyData`, lists of tuples; conversions are
+not measured. PyFFI runs once, the others as often as `--repeat` says, of which the shortest time is taken.
 """
 
 from __future__ import annotations
@@ -14,9 +14,8 @@ import os
 import platform
 import sys
 import time
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -27,6 +26,9 @@ import vtk
 
 import tristrip
 import tristrip.compat.pyffi
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
 
 ROOT = Path(__file__).resolve().parents[3]
 Triangles = npt.NDArray[np.int64]
@@ -71,7 +73,7 @@ def triangles_of(vertices: Triangles, offsets: Triangles) -> Triangles:
     return drawn[(a != b) & (b != c) & (c != a)]
 
 
-def sorted_triangles(triangles: Triangles, keep_winding: bool) -> Triangles:
+def sorted_triangles(triangles: Triangles, *, keep_winding: bool) -> Triangles:
     """Return triangles in an order that depends only on their corners, from the lowest corner on."""
     if keep_winding:
         first = np.argmin(triangles, axis=1)
@@ -91,14 +93,14 @@ def proof_of(vertices: Triangles, offsets: Triangles, faces: Triangles) -> tuple
     except tristrip.NotProvenError:
         is_verified = False
     drawn = triangles_of(vertices, offsets)
-    is_exact = np.array_equal(sorted_triangles(drawn, True), sorted_triangles(faces, True))
+    is_exact = np.array_equal(sorted_triangles(drawn, keep_winding=True), sorted_triangles(faces, keep_winding=True))
     if is_exact != is_verified:
         raise SystemExit("the two proofs contradict each other")
     if is_exact:
         return "yes", True
-    if np.array_equal(sorted_triangles(drawn, False), sorted_triangles(faces, False)):
-        known = {tuple(face) for face in sorted_triangles(faces, True).tolist()}
-        flipped = sum(tuple(face) not in known for face in sorted_triangles(drawn, True).tolist())
+    if np.array_equal(sorted_triangles(drawn, keep_winding=False), sorted_triangles(faces, keep_winding=False)):
+        known = {tuple(face) for face in sorted_triangles(faces, keep_winding=True).tolist()}
+        flipped = sum(tuple(face) not in known for face in sorted_triangles(drawn, keep_winding=True).tolist())
         return f"no: {flipped:,} triangles flipped", False
     return f"no: draws {len(drawn):,} of {len(faces):,} triangles", False
 
@@ -111,7 +113,7 @@ def row(program: str, seconds: float, strips: list[Any], faces: Triangles) -> Ro
     return Row(program, seconds, len(strips), len(vertices) + len(strips) - 1, proof, is_exact)
 
 
-def rows_of(path: Path, repeat: int, with_pyffi: bool) -> tuple[int, list[Row]]:
+def rows_of(path: Path, repeat: int, *, with_pyffi: bool) -> tuple[int, list[Row]]:
     """Measure all programs on one model."""
     mesh = pyvista.read(path).triangulate()
     mesh.clear_data()
@@ -174,16 +176,20 @@ def main() -> int:
     texts = [
         "# Strips in Python",
         "",
-        "Written by `bindings/python/benchmarks/strips.py`. Each result is proven by `Strips.verify` and, apart from it, by sorting the drawn",
-        f"triangles with NumPy; both must agree. Times are the shortest of {options.repeat} runs, of PyFFI one run, without the conversion of the input.",
+        "Written by `bindings/python/benchmarks/strips.py`. Each result is proven by `Strips.verify` and, apart from",
+        "it, by sorting the drawn triangles with NumPy; both must agree. Times are the shortest of",
+        f"{options.repeat} runs, of PyFFI one run, without the conversion of the input.",
         "",
-        f"Python {platform.python_version()}, NumPy {np.__version__}, tristrip {tristrip.__version__}, PyFFI {pyffi.__version__},",
-        f"VTK {vtk.VTK_VERSION} through PyVista {pyvista.__version__}, {os.cpu_count()} processors.",
+        f"Python {platform.python_version()}, NumPy {np.__version__}, tristrip {tristrip.__version__},",
+        f"PyFFI {pyffi.__version__}, VTK {vtk.VTK_VERSION} through PyVista {pyvista.__version__},",
+        f"{os.cpu_count()} processors.",
         "",
     ]
     is_good = True
     for name in options.models:
-        triangle_count, rows = rows_of(folder_of_models() / f"{name}.ply", options.repeat, not options.without_pyffi)
+        triangle_count, rows = rows_of(
+            folder_of_models() / f"{name}.ply", options.repeat, with_pyffi=not options.without_pyffi
+        )
         text = table(name, triangle_count, rows) + "\n" + "\n".join(comparisons(rows)) + "\n"
         print(text, flush=True)
         texts.append(text)
