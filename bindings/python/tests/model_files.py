@@ -1,4 +1,4 @@
-"""The models that tests use: small ones in `testdata/models`, and more in the folder that the variable TRISTRIP_MODELS names."""
+"""The models of tests: small ones in `testdata/models`, and those of the folder that TRISTRIP_MODELS names."""
 
 from __future__ import annotations
 

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+
 from model_files import model_path
 from tristrip.compat import pyffi as ours
 
@@ -63,7 +64,8 @@ def test_both_draw_each_triangle_once(triangles: list[Triangle], stitches: bool)
     found = [module.stripify(triangles, stitchstrips=stitches) for module in (ours, theirs)]
     for strips in found:
         assert drawn(theirs.triangulate(strips)) == once(triangles)
-        assert isinstance(strips, list) and all(isinstance(strip, list) for strip in strips)
+        assert isinstance(strips, list)
+        assert all(isinstance(strip, list) for strip in strips)
         assert all(type(vertex) is int for strip in strips for vertex in strip)
     if not stitches:
         assert words(found[0]) <= words(found[1])
@@ -76,7 +78,8 @@ def test_models_get_fewer_indices(name: str) -> None:
     faces = faces_of(name)
     mine, other = ours.stripify(faces), theirs.stripify(faces)
     assert drawn(ours.triangulate(mine)) == once(faces) == drawn(theirs.triangulate(other))
-    assert words(mine) < words(other) and len(mine) < len(other)
+    assert words(mine) < words(other)
+    assert len(mine) < len(other)
     joined = [stitch(other) for stitch in (ours.stitch_strips, theirs.stitch_strips)]
     assert all(drawn(theirs.triangulate([strip])) == once(faces) for strip in joined)
     assert len(joined[0]) <= len(joined[1])

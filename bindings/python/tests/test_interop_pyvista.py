@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 import tristrip
 from interop_meshes import POLYGONS, attributes, expected_attributes, grid, vertices
 from tristrip.interop._pyvista import parts_of_pyvista, strip_colours
@@ -31,7 +32,8 @@ def test_attributes_there_and_back() -> None:
     (part,) = parts_of_pyvista(mesh)
     assert part.attributes.keys() == expected_attributes().keys()
     for name, values in expected_attributes().items():
-        assert part.attributes[name].dtype == values.dtype and np.array_equal(part.attributes[name], values), name
+        assert part.attributes[name].dtype == values.dtype, name
+        assert np.array_equal(part.attributes[name], values), name
 
 
 def test_meshes_share_no_memory() -> None:
@@ -87,7 +89,8 @@ def test_what_is_left_out_is_warned_of() -> None:
 
 def test_other_datasets_give_their_surface() -> None:
     (part,) = parts_of_pyvista(pyvista.ImageData(dimensions=(3, 3, 3)))
-    assert len(part.faces) == 24 and (part.polygons().sizes == 4).all()
+    assert len(part.faces) == 24
+    assert (part.polygons().sizes == 4).all()
     blocks = pyvista.MultiBlock({"a": pyvista.Sphere(), "b": pyvista.Plane(), "none": None})
     assert [part.name for part in parts_of_pyvista(blocks)] == ["a", "b"]
     with pytest.raises(tristrip.ArrayTypeError, match="expected a PolyData"):
@@ -117,7 +120,9 @@ def test_a_picture_has_the_colour_of_each_strip(tmp_path: Path) -> None:
     assert (tmp_path / "strips.png").stat().st_size > 500
     found = {tuple(colour) for colour in np.unique(picture.reshape(-1, 3), axis=0).tolist()}
     wanted = {tuple(colour) for colour in strip_colours(len(strips)).tolist()}
-    assert len(strips) > 1 and wanted <= found and (255, 255, 255) in found
+    assert len(strips) > 1
+    assert wanted <= found
+    assert (255, 255, 255) in found
     # Each strip covers its part of the picture: pixels per triangle are alike.
     share = {colour: (picture == colour).all(axis=2).sum() for colour in wanted}
     triangles = [len(strip) - 2 for strip in strips]

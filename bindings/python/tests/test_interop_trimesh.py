@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+
 import tristrip
 from interop_meshes import POLYGONS, attributes, expected_attributes, fans, grid, vertices
 from tristrip.interop._trimesh import part_of_trimesh
@@ -39,7 +40,8 @@ def test_attributes_there_and_back() -> None:
 def test_colours_without_texture_coordinates() -> None:
     given = attributes()["colors"]
     mesh = tristrip.to_trimesh(vertices(), POLYGONS, colors=given)
-    assert mesh.visual.kind == "vertex" and np.array_equal(mesh.visual.vertex_colors, given)
+    assert mesh.visual.kind == "vertex"
+    assert np.array_equal(mesh.visual.vertex_colors, given)
     mesh = tristrip.to_trimesh(vertices(), POLYGONS, colors=given[:, :3])
     assert (mesh.visual.vertex_colors[:, 3] == 255).all()
 

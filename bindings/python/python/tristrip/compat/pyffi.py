@@ -3,29 +3,31 @@
     from tristrip.compat import pyffi as tristrip          # instead of: from pyffi.utils import tristrip
     strips = tristrip.stripify(triangles, stitchstrips=True)
 
-A triangle list is any iterable of triples of integers; a strip is a list of integers, and begins with an even winding. As there, triangles
-with a repeated vertex are left out, and a triangle that is given again with the same winding is drawn once. Which strips are found, and
-their order, are not those of PyFFI; they draw the same triangles.
+A triangle list is any iterable of triples of integers; a strip is a list of integers, and begins with an even
+winding. As there, triangles with a repeated vertex are left out, and a triangle that is given again with the same
+winding is drawn once. Which strips are found, and their order, are not those of PyFFI; they draw the same triangles.
 """
 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Sequence
 from itertools import pairwise
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
-from .._native import stripify as _stripify
+from tristrip._native import stripify as _stripify
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Sequence
 
 __all__ = ["OrientedStrip", "stitch_strips", "stripify", "triangulate", "unstitch_strip"]
 
 _NO_FACE = "a strip needs a triangle with three different vertices"
 
 
-def stripify(triangles: Iterable[Sequence[int]], stitchstrips: bool = False) -> list[list[int]]:
+def stripify(triangles: Iterable[Sequence[int]], stitchstrips: bool = False) -> list[list[int]]:  # noqa: FBT001, FBT002
     """Compute strips that draw triangles, each once, with its winding.
 
     Args:
@@ -112,7 +114,7 @@ def triangulate(strips: Iterable[Sequence[int]]) -> list[tuple[int, int, int]]:
     for strip in strips:
         windows = zip(strip, strip[1:], strip[2:], strict=False)
         for number, (a, b, c) in enumerate(windows):
-            if a != b and b != c and c != a:
+            if len({a, b, c}) == 3:
                 triangles.append((a, c, b) if number % 2 else (a, b, c))
     return triangles
 
@@ -191,7 +193,7 @@ class OrientedStrip:
 
 
 def stitch_strips(strips: Iterable[list[int] | tuple[int, ...]]) -> list[int]:
-    """Join strips into one by degenerate triangles, with few of them; strips are reordered and reversed, their winding is kept.
+    """Join strips into one by few degenerate triangles. Strips are reordered and reversed; their winding is kept.
 
     >>> from tristrip.compat import pyffi
     >>> pyffi.stitch_strips([[3, 4, 5], [0, 1, 2, 3]])
@@ -202,7 +204,7 @@ def stitch_strips(strips: Iterable[list[int] | tuple[int, ...]]) -> list[int]:
         return []
     chains = _Chains(given)
     chains.join_where(lambda vertex, bit: (vertex, bit))
-    chains.join_where(lambda vertex, bit: vertex)
+    chains.join_where(lambda vertex, _: vertex)
     ordered = iter(chains.in_order())
     joined = next(ordered)
     for strip in ordered:
@@ -218,14 +220,15 @@ class _Chains:
 
     # Algorithm
 
-    An end of a strip has a vertex, and a bit: whether the strip is `reversed` when it is drawn from this end. Joining two strips costs no
-    vertex where both are equal, one vertex where the bits differ, two vertices where the vertices differ, and three where both differ;
-    and the other ends of both strips keep their vertex and their bit. So ends are paired greedily, equal ones first, unless they belong
-    to the same chain, which a union-find structure tells; and the remaining chains follow each other with equal bits.
+    An end of a strip has a vertex, and a bit: whether the strip is `reversed` when it is drawn from this end. Joining
+    two strips costs no vertex where both are equal, one vertex where the bits differ, two vertices where the vertices
+    differ, and three where both differ; and the other ends of both strips keep their vertex and their bit. So ends
+    are paired greedily, equal ones first, unless they belong to the same chain, which a union-find structure tells;
+    and the remaining chains follow each other with equal bits.
 
     # Complexity
 
-    O(n α(n)) for n strips, and the copying of their vertices.
+    Nearly linear in the number of strips, and the copying of their vertices.
     """
 
     def __init__(self, strips: list[OrientedStrip]) -> None:
@@ -267,7 +270,8 @@ class _Chains:
         kinds: dict[tuple[bool, bool], list[int]] = defaultdict(list)
         for start, end in self._ends():
             kinds[self.bits[start], self.bits[end]].append(start)
-        # Chains of equal bits follow each other; one of two different bits leads from those of 0 to those of 1, and pairs of such lead back.
+        # Chains of equal bits follow each other; one of two different bits leads from those of 0 to those of 1, and
+        # pairs of such lead back.
         mixed = kinds[False, True] + [self._other_end(start) for start in kinds[True, False]]
         firsts = kinds[False, False] + mixed[:1] + kinds[True, True]
         for start in firsts:
@@ -319,7 +323,8 @@ def unstitch_strip(strip: Sequence[int]) -> list[list[int]]:
     for end in range(1, len(strip) + 1):
         if end < len(strip) and strip[end] != strip[end - 1]:
             continue
-        # Of a strip that begins at an odd position, the first vertex is repeated, so that it begins with the same winding.
+        # Of a strip that begins at an odd position, the first vertex is repeated, so that it begins with the same
+        # winding.
         part = [*strip[start : start + start % 2], *strip[start:end]]
         if len(part) - start % 2 >= 3:
             strips.append(part)

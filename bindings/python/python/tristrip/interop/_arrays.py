@@ -1,18 +1,21 @@
-"""The arrays that all conversions have in common: parts of positions, faces of any size or strips, and attributes by name."""
+"""The arrays that all conversions have in common: positions, faces of any size or strips, and attributes by name."""
 
 from __future__ import annotations
 
 import importlib
+import inspect
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
-from .._errors import ArrayTypeError, MeshError
-from .._native import Strips
+from tristrip._errors import ArrayTypeError, MeshError
+from tristrip._native import Strips
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
 
 NORMAL = "NORMAL"
 UV = "TEXCOORD_0"
@@ -28,17 +31,11 @@ class ConversionWarning(UserWarning):
 
 def warn(text: str) -> None:
     """Warn of a loss at the place where the user called the conversion."""
-    depth = 2
-    package = __name__.rsplit(".", 2)[0]
-    frame: Any = None
-    try:
-        import sys
-
-        frame = sys._getframe(1)
-        while frame is not None and str(frame.f_globals.get("__name__", "")).startswith(package + "."):
-            frame, depth = frame.f_back, depth + 1
-    finally:
-        del frame
+    package = __name__.rsplit(".", 2)[0] + "."
+    depth = 1
+    frame = inspect.currentframe()
+    while frame is not None and str(frame.f_globals.get("__name__", "")).startswith(package):
+        frame, depth = frame.f_back, depth + 1
     warnings.warn(text, ConversionWarning, stacklevel=depth)
 
 
@@ -47,7 +44,7 @@ def required(name: str, install: str | None = None) -> Any:
     try:
         return importlib.import_module(name)
     except ImportError as error:
-        package = name.split(".")[0]
+        package = name.split(".", maxsplit=1)[0]
         raise ImportError(
             f"{package} cannot be imported ({error}); install it with: pip install {install or package}", name=package
         ) from error
@@ -143,7 +140,7 @@ class Part:
         return self.faces.triangles()
 
     def placed(self, transform: Array) -> Part:
-        """Return the part in another place: normals and tangents turn with it, and faces that the transform mirrors are turned over."""
+        """Return the part in another place, with its normals and tangents; faces that are mirrored are turned over."""
         if np.array_equal(transform, np.eye(4)):
             return self
         linear = transform[:3, :3]
@@ -181,7 +178,7 @@ def part_of(
     colors: Any = None,
     attributes: Mapping[str, Any] | None = None,
 ) -> Part:
-    """Take one mesh: vertices and faces or strips, a pair of them, or an object that has both, such as a `Simplified`."""
+    """Take one mesh: vertices and faces or strips, a pair of them, or an object with both, such as a `Simplified`."""
     found: dict[str, Any] = {}
     name = material = None
     if hasattr(mesh, "vertices") and hasattr(mesh, "faces"):
@@ -195,9 +192,8 @@ def part_of(
         try:
             vertices, faces = mesh
         except (TypeError, ValueError):
-            raise ArrayTypeError(
-                f"mesh: found {type(mesh).__name__}, expected vertices and faces, a pair of them, or an object with both"
-            ) from None
+            expected = "vertices and faces, a pair of them, or an object with both"
+            raise ArrayTypeError(f"mesh: found {type(mesh).__name__}, expected {expected}") from None
     else:
         vertices = mesh
     vertices = _numbers("vertices", vertices)
@@ -208,12 +204,12 @@ def part_of(
     named = {NORMAL: ("normals", normals), UV: ("uv", uv), COLOUR: ("colors", colors)}
     found.update({name: values for name, (_, values) in named.items() if values is not None})
     found.update(attributes or {})
-    arrays = {key: _numbers(named.get(key, (key, None))[0], values) for key, values in found.items()}
+    arguments = {key: named[key][0] if key in named else key for key in found}
+    arrays = {key: _numbers(arguments[key], values) for key, values in found.items()}
     for key, values in arrays.items():
         if values.ndim not in (1, 2) or len(values) != len(vertices):
-            raise MeshError(
-                f"{named.get(key, (key, None))[0]}: found shape {values.shape}, expected {len(vertices)} rows, one per vertex"
-            )
+            expected = f"{len(vertices)} rows, one per vertex"
+            raise MeshError(f"{arguments[key]}: found shape {values.shape}, expected {expected}")
     kept = faces if isinstance(faces, Strips) else Faces.of("faces", faces)
     corners = kept.vertices if isinstance(kept, Strips) else kept.corners
     # Other packages do not check, and read beyond the end of the vertices.
@@ -287,45 +283,54 @@ def check_range(name: str, faces: Sequence[int] | Array, vertex_count: int) -> N
 
 
 def attributes_of(given: Mapping[str, Any], names: Mapping[str | None, str], left_out: list[str]) -> dict[str, Array]:
-    """Take arrays with one row per vertex as attributes, under other names where there are some, and add what cannot be taken to a list."""
+    """Take arrays with one row per vertex as attributes, under other names where there are some.
+
+    What cannot be taken is added to the list `left_out`.
+    """
     found: dict[str, Array] = {}
     for key, array in given.items():
-        values = np.asarray(array)
+        values = _narrowed(np.asarray(array))
         name = names.get(key, key)
-        if name in found:
-            name = key
-        if values.ndim > 2:
-            values = values.reshape(len(values), -1)
-        if values.dtype.kind == "b":
-            values = values.astype(np.uint8)
-        elif values.dtype.kind in "iu" and values.dtype.itemsize == 8 and name != COLOUR:
-            for narrow in (np.int32, np.uint32):
-                if np.iinfo(narrow).min <= values.min(initial=0) and values.max(initial=0) <= np.iinfo(narrow).max:
-                    values = values.astype(narrow)
-                    break
-        columns = {NORMAL: (3,), UV: (2,), COLOUR: (3, 4)}.get(name)
-        if columns is not None and (values.ndim != 2 or values.shape[1] not in columns):
-            if name == UV and values.ndim == 2 and values.shape[1] == 3:
-                left_out.append(f"the third texture coordinate of {key}")
-                values = values[:, :2]
-            else:
-                name = f"{key}_{values.ndim}" if key == name else key
-        if name == COLOUR and not _is_colour(values):
-            name = key if key != COLOUR else "COLOR"
+        if name == UV and values.ndim == 2 and values.shape[1] == 3:
+            left_out.append(f"the third texture coordinate of {key}")
+            values = values[:, :2]
+        if name in found or not _fits(name, values):
+            # Not what the name says: another attribute.
+            name = key if key != name else f"{key}_OTHER"
         if (
             values.dtype.kind not in "fiu"
-            or values.dtype.kind in "iu"
-            and values.dtype.itemsize == 8
-            or values.size == 0
+            or (values.dtype.kind != "f" and values.dtype.itemsize == 8)
+            or not values.size
         ):
-            left_out.append(f"{key} of {array.dtype if hasattr(array, 'dtype') else type(array).__name__}")
+            left_out.append(f"{key} of {values.dtype}")
         else:
             found[name] = values
     return found
 
 
-def _is_colour(values: Array) -> bool:
-    """Check that values are fractions, or integers of 8 or 16 bits without a sign."""
+def _narrowed(values: Array) -> Array:
+    """Return values in rows: truth values with 8 bits, and integers of 64 bits with 32 where they fit."""
+    if values.ndim > 2:
+        values = values.reshape(len(values), -1)
+    if values.dtype.kind == "b":
+        return values.astype(np.uint8)
+    if values.dtype.kind in "iu" and values.dtype.itemsize == 8:
+        for narrow in (np.int32, np.uint32):
+            limits = np.iinfo(narrow)
+            if limits.min <= values.min(initial=0) and values.max(initial=0) <= limits.max:
+                return values.astype(narrow)
+    return values
+
+
+def _fits(name: str, values: Array) -> bool:
+    """Check that normals, texture coordinates and colours have the columns and values of such."""
+    columns = {NORMAL: (3,), UV: (2,), COLOUR: (3, 4)}.get(name)
+    if columns is None:
+        return True
+    if values.ndim != 2 or values.shape[1] not in columns or values.dtype.kind not in "fiu":
+        return False
+    if name != COLOUR:
+        return True
     if values.dtype.kind == "f":
         return bool(values.min(initial=0) >= 0 and values.max(initial=0) <= 1)
     return values.dtype in (np.uint8, np.uint16)
@@ -342,8 +347,9 @@ def split_corners(
         values: one row per corner, shape (n, k).
 
     Returns:
-        The corners over the split vertices, for each of those the vertex that it is a copy of, and a corner that has its value, -1 for
-        vertices that no face has. Copies of a vertex are neighbours, so that vertices that are not split keep their order.
+        The corners over the split vertices, for each of those the vertex that it is a copy of, and a corner that has
+        its value, -1 for vertices that no face has. Copies of a vertex are neighbours, so that vertices that are not
+        split keep their order.
     """
     corners = np.asarray(corners, np.int64)
     count = len(corners) + 1
@@ -357,7 +363,10 @@ def split_corners(
 
 
 def joined(parts: Sequence[Part]) -> tuple[Part, npt.NDArray[np.int64]]:
-    """Join parts into one, with the number of the part of each face. Attributes that not all parts have alike are left out, with a warning."""
+    """Join parts into one, with the number of the part of each face.
+
+    Attributes that not all parts have alike are left out, with a warning.
+    """
     if len(parts) == 1:
         return parts[0], np.zeros(len(parts[0].polygons()), np.int64)
     faces = [part.polygons() for part in parts]

@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
-from .._errors import ArrayTypeError
+from tristrip._errors import ArrayTypeError
+
 from ._arrays import COLOUR, NORMAL, UV, Array, Faces, Part, attributes_of, check_range, joined, part_of, required, warn
 from ._scenes import is_scene, placed_parts, scene_of
 
 if TYPE_CHECKING:
-    from .._native import Scene
+    from collections.abc import Mapping
+
+    from tristrip._native import Scene
 
 #: The cell data with the number of each face, where faces of several sizes are in blocks of their own.
 _FACE = "face"
@@ -50,15 +52,19 @@ def to_meshio(
     """Convert a mesh, strips or a scene for meshio.
 
     Args:
-        mesh: a `Scene`, one of its parts, a `Simplified`, a pair of vertices and faces or strips, or vertices of shape (n, 3).
+        mesh: a `Scene`, one of its parts, a `Simplified`, a pair of vertices and faces or strips, or vertices of
+            shape (n, 3).
         faces: with vertices only: faces as of `stripify`, or `Strips`, of which the triangles are taken in their order.
-        normals, uv, colors, attributes: arrays with one row per vertex, as of `simplify`.
+        normals: of shape (n, 3), one per vertex.
+        uv: texture coordinates of shape (n, 2).
+        colors: of shape (n, 3) or (n, 4): floats from 0 to 1, or uint8 or uint16.
+        attributes: other values per vertex, by name: arrays of shape (n,) or (n, k).
 
     Returns:
-        A `meshio.Mesh` with a block of cells per face size: "triangle", "quad" and "polygon"; if there are several blocks, the cell data
-        "face" have the number of each face. Attributes are point data under their names: "NORMAL", "TEXCOORD_0", "COLOR_0" and others.
-        The parts of a `Scene` are joined, placed as its nodes place them; the cell data "part" have the number of each. Materials are
-        left out.
+        A `meshio.Mesh` with a block of cells per face size: "triangle", "quad" and "polygon"; if there are several
+        blocks, the cell data "face" have the number of each face. Attributes are point data under their names:
+        "NORMAL", "TEXCOORD_0", "COLOR_0" and others. The parts of a `Scene` are joined, placed as its nodes place
+        them; the cell data "part" have the number of each. Materials are left out.
 
     Raises:
         ImportError: meshio is not installed.
@@ -99,16 +105,17 @@ def from_meshio(mesh: Any, *, name: str | None = None) -> Scene:
         name: the name of the mesh.
 
     Returns:
-        A `Scene` with the triangles, quads and polygons in the order of the blocks, or of the cell data "face" as `to_meshio` writes them.
-        Normals, texture coordinates and colours under the names with which meshio reads OBJ, PLY and VTK, and other point data, are
-        kept. Points with two coordinates lie in the plane z = 0.
+        A `Scene` with the triangles, quads and polygons in the order of the blocks, or of the cell data "face" as
+        `to_meshio` writes them. Normals, texture coordinates and colours under the names with which meshio reads OBJ,
+        PLY and VTK, and other point data, are kept. Points with two coordinates lie in the plane z = 0.
 
     Raises:
         ImportError: meshio is not installed.
         ArrayTypeError: the argument is no mesh of meshio.
 
     Warns:
-        ConversionWarning: cells without a surface, cell data, nodes on edges, or point data that are no numbers are left out.
+        ConversionWarning: cells without a surface, cell data, nodes on edges, or point data that are no numbers are
+            left out.
     """
     return scene_of([part_of_meshio(mesh, name=name)])
 

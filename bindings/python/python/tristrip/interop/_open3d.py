@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._errors import ArrayTypeError, MeshError
+from tristrip._errors import ArrayTypeError, MeshError
+
 from ._arrays import (
     COLOUR,
     NORMAL,
@@ -28,12 +28,14 @@ from ._arrays import (
 from ._scenes import is_scene, placed_parts, scene_of
 
 if TYPE_CHECKING:
-    from .._native import Scene
+    from collections.abc import Mapping
+
+    from tristrip._native import Scene
 
 _DEFAULTS = {"metallic": 0.0, "roughness": 1.0}
 #: The names of vertex and triangle attributes of tensor meshes.
 _NAMES: dict[str | None, str] = {"normals": NORMAL, "colors": COLOUR, "texture_uvs": UV}
-_TENSOR_NAMES = {NORMAL: "normals", COLOUR: "colors"}
+_TENSOR_NAMES = {NORMAL: "normals"}
 _MOST_VERTICES = (1 << 31) - 1
 
 
@@ -51,23 +53,29 @@ def to_open3d(
     """Convert a mesh, strips or a scene for Open3D.
 
     Args:
-        mesh: a `Scene`, one of its parts, a `Simplified`, a pair of vertices and faces or strips, or vertices of shape (n, 3).
+        mesh: a `Scene`, one of its parts, a `Simplified`, a pair of vertices and faces or strips, or vertices of
+            shape (n, 3).
         faces: with vertices only: faces as of `stripify`, or `Strips`, of which the triangles are taken in their order.
-        normals, uv, colors, attributes: arrays with one row per vertex, as of `simplify`. Open3D has `uv` with v upwards, as these are.
+        normals: of shape (n, 3), one per vertex.
+        uv: texture coordinates of shape (n, 2), v upwards.
+        colors: of shape (n, 3) or (n, 4): floats from 0 to 1, or uint8 or uint16.
+        attributes: other values per vertex, by name: arrays of shape (n,) or (n, k).
         image: of a texture, its upper row first: an array of shape (height, width, 3) of uint8.
         tensor: whether a mesh of `open3d.t.geometry` is made, which has all attributes.
 
     Returns:
-        An `open3d.geometry.TriangleMesh`, or an `open3d.t.geometry.TriangleMesh`. Faces keep their order, polygons are triangles. The
-        parts of a `Scene` are joined, placed as its nodes place them. The images of their materials are the textures; of a material without
-        an image, a pixel of its colour is. A tensor mesh has the material of a scene with a single one.
+        An `open3d.geometry.TriangleMesh`, or an `open3d.t.geometry.TriangleMesh`. Faces keep their order, polygons
+        are triangles. The parts of a `Scene` are joined, placed as its nodes place them. The images of their
+        materials are the textures; of a material without an image, a pixel of its colour is. A tensor mesh has the
+        material of a scene with a single one.
 
     Raises:
         ImportError: Open3D is not installed; or Pillow, which reads the images of materials.
         MeshError, ArrayTypeError: the arrays have wrong values or a wrong shape.
 
     Warns:
-        ConversionWarning: the opacity of colours, properties of materials, and with `tensor=False` other attributes, are left out.
+        ConversionWarning: the opacity of colours, properties of materials, and with `tensor=False` other attributes,
+            are left out.
 
     >>> import tristrip
     >>> points = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0]]
@@ -75,11 +83,10 @@ def to_open3d(
     TriangleMesh with 4 points and 2 triangles.
     """
     open3d = required("open3d")
-    parts = (
-        placed_parts(mesh)
-        if is_scene(mesh)
-        else [part_of(mesh, faces, normals=normals, uv=uv, colors=colors, attributes=attributes)]
-    )
+    if is_scene(mesh):
+        parts = placed_parts(mesh)
+    else:
+        parts = [part_of(mesh, faces, normals=normals, uv=uv, colors=colors, attributes=attributes)]
     if image is not None:
         parts = [
             replace(part, material={"name": None, "base_color": (1.0,) * 4, "image": np.asarray(image)})
@@ -94,37 +101,39 @@ def to_open3d(
         raise MeshError(f"vertices: found {len(part.vertices)}, expected fewer than 2^31")
     if tensor:
         return _tensor(open3d, part, triangles, materials)
-    found = part.attributes
-    vector = open3d.utility
+    made = _legacy(open3d, part, triangles)
+    if materials:
+        # Polygons have more than one triangle each.
+        _set_textures(open3d, made, materials, np.repeat(of_parts[numbers], part.polygons().sizes - 2))
+    return made
+
+
+def _legacy(open3d: Any, part: Part, triangles: Array) -> Any:
+    vector, found = open3d.utility, part.attributes
     made = open3d.geometry.TriangleMesh(
         vector.Vector3dVector(part.vertices.astype(np.float64)), vector.Vector3iVector(triangles.astype(np.int32))
     )
     if NORMAL in found:
         made.vertex_normals = vector.Vector3dVector(found[NORMAL].astype(np.float64))
     if COLOUR in found:
-        made.vertex_colors = vector.Vector3dVector(_opaque(found[COLOUR]))
+        made.vertex_colors = vector.Vector3dVector(_fractions(_opaque(found[COLOUR])))
     if UV in found:
         made.triangle_uvs = vector.Vector2dVector(found[UV].astype(np.float64)[triangles.ravel()])
-    if materials:
-        # Open3D has the lower row of a texture first.
-        made.textures = [open3d.geometry.Image(np.ascontiguousarray(np.flipud(_pixels(one)))) for one in materials]
-        # Polygons have more than one triangle each.
-        of_triangles = np.repeat(of_parts[numbers], part.polygons().sizes - 2)
-        made.triangle_material_ids = vector.IntVector(of_triangles.astype(np.int32))
-        lost = [
-            key
-            for key in ("metallic", "roughness")
-            if any(one.get(key, _DEFAULTS[key]) != _DEFAULTS[key] for one in materials)
-        ]
-        lost += ["the factor of an image"] * any(
-            "base_color_image" in one and one["base_color_image"] and _is_tinted(one) for one in materials
-        )
-        if lost:
-            warn(f"left out {', '.join(lost)} of materials: only meshes of open3d.t.geometry have them (tensor=True)")
     others = [name for name, _ in part.other_attributes()]
     if others:
         warn(f"left out {', '.join(others)}: only meshes of open3d.t.geometry have other attributes (tensor=True)")
     return made
+
+
+def _set_textures(open3d: Any, mesh: Any, materials: list[dict[str, Any]], of_triangles: Array) -> None:
+    # Open3D has the lower row of a texture first.
+    mesh.textures = [open3d.geometry.Image(np.ascontiguousarray(np.flipud(_pixels(one)))) for one in materials]
+    mesh.triangle_material_ids = open3d.utility.IntVector(of_triangles.astype(np.int32))
+    lost = [key for key, value in _DEFAULTS.items() if any(one.get(key, value) != value for one in materials)]
+    if any(one.get("base_color_image") and tuple(one["base_color"])[:3] != (1.0,) * 3 for one in materials):
+        lost.append("the factor of an image")
+    if lost:
+        warn(f"left out {', '.join(lost)} of materials: only meshes of open3d.t.geometry have them (tensor=True)")
 
 
 def _materials(parts: list[Part]) -> tuple[list[dict[str, Any]], Array]:
@@ -153,10 +162,6 @@ def _with_coordinates(part: Part) -> Part:
     return replace(part, attributes={**part.attributes, UV: np.zeros((len(part.vertices), 2), np.float32)})
 
 
-def _is_tinted(material: dict[str, Any]) -> bool:
-    return tuple(material["base_color"])[:3] != (1.0, 1.0, 1.0)
-
-
 def _pixels(material: dict[str, Any]) -> Array:
     """Return the image of a material, upper row first; or a pixel of its colour."""
     if "image" in material:
@@ -177,6 +182,10 @@ def _opaque(colours: Array) -> Array:
         if (opacity < highest).any():
             warn(f"{COLOUR}: the opacity is left out, Open3D has none")
         colours = colours[:, :3]
+    return colours
+
+
+def _fractions(colours: Array) -> Array:
     if colours.dtype.kind == "f":
         return colours.astype(np.float64)
     return colours / float(np.iinfo(colours.dtype).max)
@@ -193,9 +202,10 @@ def _tensor(open3d: Any, part: Part, triangles: Array, materials: list[dict[str,
     for name, values in part.attributes.items():
         if name == UV:
             made.triangle.texture_uvs = of(values.astype(np.float32)[triangles])
+        elif name == COLOUR:
+            colours = _opaque(values)
+            made.vertex.colors = of(colours if colours.dtype == np.uint8 else _fractions(colours).astype(np.float32))
         else:
-            if name == COLOUR:
-                values = _opaque(values).astype(np.float32) if values.dtype != np.uint8 else values[:, :3]
             made.vertex[_TENSOR_NAMES.get(name, name)] = of(values if values.ndim == 2 else values[:, None])
     if len(materials) > 1:
         warn(f"left out {len(materials)} materials: a mesh of open3d.t.geometry has one")
@@ -223,9 +233,9 @@ def from_open3d(mesh: Any, *, name: str | None = None) -> Scene:
         name: the name of the mesh.
 
     Returns:
-        A `Scene` with the faces in their order, normals, colours and other attributes of vertices. Texture coordinates of corners become
-        those of vertices, which are split where they differ. A mesh with textures becomes a part per texture, and that of a tensor
-        mesh has its material.
+        A `Scene` with the faces in their order, normals, colours and other attributes of vertices. Texture
+        coordinates of corners become those of vertices, which are split where they differ. A mesh with textures
+        becomes a part per texture, and that of a tensor mesh has its material.
 
     Raises:
         ImportError: Open3D is not installed; or Pillow, which writes the images of textures.
@@ -315,7 +325,7 @@ def _material_of(mesh: Any) -> dict[str, Any] | None:
     if "base_color" in given.vector_properties:
         material["base_color"] = np.clip(given.vector_properties["base_color"], 0, 1).tolist()
     for key, value in _DEFAULTS.items():
-        material[key] = min(max(given.scalar_properties[key] if key in given.scalar_properties else value, 0.0), 1.0)
+        material[key] = min(max(dict(given.scalar_properties).get(key, value), 0.0), 1.0)
     if "albedo" in given.texture_maps:
         material["base_color_image"] = _png(given.texture_maps["albedo"].as_tensor().cpu().numpy())
     others = [key for key in given.texture_maps if key != "albedo"]

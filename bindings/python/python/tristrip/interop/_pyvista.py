@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
 
-from .._errors import ArrayTypeError, MeshError, ParameterError
-from .._native import Strips
-from ._arrays import COLOUR, NORMAL, UV, Array, Faces, Part, attributes_of, check_range, part_of, required, warn
+from tristrip._errors import ArrayTypeError, MeshError, ParameterError
+from tristrip._native import Strips
+
+from ._arrays import COLOUR, NORMAL, UV, Faces, Part, attributes_of, check_range, part_of, required, warn
 from ._scenes import is_scene, placed_parts, scene_of
 
 if TYPE_CHECKING:
-    from .._native import Scene
+    from collections.abc import Mapping
+
+    from tristrip._native import Scene
 
 _NORMALS = "Normals"
 _COORDINATES = "Texture Coordinates"
@@ -34,16 +36,19 @@ def to_pyvista(
     """Convert a mesh, strips or a scene for PyVista.
 
     Args:
-        mesh: a `Scene`, one of its parts, a `StrippedScene`, a `SimplifiedScene`, a `Simplified`, a pair of vertices and faces or strips,
-            or vertices of shape (n, 3).
+        mesh: a `Scene`, one of its parts, a `StrippedScene`, a `SimplifiedScene`, a `Simplified`, a pair of vertices
+            and faces or strips, or vertices of shape (n, 3).
         faces: with vertices only: faces as of `stripify`, or `Strips`.
-        normals, uv, colors, attributes: arrays with one row per vertex, as of `simplify`.
+        normals: of shape (n, 3), one per vertex.
+        uv: texture coordinates of shape (n, 2), v upwards.
+        colors: of shape (n, 3) or (n, 4): floats from 0 to 1, or uint8 or uint16.
+        attributes: other values per vertex, by name: arrays of shape (n,) or (n, k).
 
     Returns:
-        A `pyvista.PolyData`. Polygons stay polygons, in their order; `Strips` become its `strips`, one cell each. Normals and texture
-        coordinates are the active ones, other attributes point data under their names. Of a `Scene`, a `pyvista.MultiBlock` with a
-        block per part, placed as its nodes place them; texture coordinates count upwards, as VTK's do. Materials are left out, as they are
-        no part of such meshes.
+        A `pyvista.PolyData`. Polygons stay polygons, in their order; `Strips` become its `strips`, one cell each.
+        Normals and texture coordinates are the active ones, other attributes point data under their names. Of a
+        `Scene`, a `pyvista.MultiBlock` with a block per part, placed as its nodes place them; texture coordinates
+        count upwards, as VTK's do. Materials are left out, as they are no part of such meshes.
 
     Raises:
         ImportError: PyVista is not installed.
@@ -92,7 +97,8 @@ def from_pyvista(mesh: Any, *, name: str | None = None) -> Scene:
 
     Returns:
         A `Scene` with a part per block. Polygons stay polygons, in their order; strips follow as triangles, see also
-        `strips_from_pyvista`. Active normals and texture coordinates, colours ("RGB", "RGBA" or "COLOR_0") and other point data are kept.
+        `strips_from_pyvista`. Active normals and texture coordinates, colours ("RGB", "RGBA" or "COLOR_0") and other
+        point data are kept.
 
     Raises:
         ImportError: PyVista is not installed.
@@ -118,7 +124,7 @@ def parts_of_pyvista(mesh: Any, *, name: str | None = None) -> list[Part]:
     named = [f"{count} {what}" for what, count in left_out.items() if count]
     named += [f"data of cells: {', '.join(mesh.cell_data.keys())}"] if len(mesh.cell_data) else []
     data = mesh.point_data
-    names = {name: COLOUR for name in _COLOUR_NAMES} | {
+    names = dict.fromkeys(_COLOUR_NAMES, COLOUR) | {
         data.active_normals_name: NORMAL,
         data.active_texture_coordinates_name: UV,
     }

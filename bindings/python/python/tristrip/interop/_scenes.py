@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from .. import _native
+from tristrip import _native
+
 from ._arrays import COLOUR, NORMAL, UV, Part, part_of
 
 if TYPE_CHECKING:
-    from .._native import Scene
+    from collections.abc import Sequence
+
+    from tristrip._native import Scene
 
 
 def is_scene(mesh: Any) -> bool:
@@ -24,7 +26,10 @@ def scene_in(mesh: Any) -> Scene:
 
 
 def placed_parts(mesh: Any) -> list[Part]:
-    """Take the parts of a scene as its nodes place them, a part that several nodes have several times; with strips of a stripped scene."""
+    """Take the parts of a scene as its nodes place them, and with the strips of a stripped scene.
+
+    A part that several nodes have is there several times.
+    """
     scene = scene_in(mesh)
     strips = mesh.parts if isinstance(mesh, _native.StrippedScene) else None
     parts = [part_of(part, None if strips is None else strips[number]) for number, part in enumerate(scene.parts)]

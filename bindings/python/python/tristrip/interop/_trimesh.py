@@ -5,12 +5,12 @@ from __future__ import annotations
 import io
 import json
 import struct
-from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from .._errors import ArrayTypeError
+from tristrip._errors import ArrayTypeError
+
 from ._arrays import (
     COLOUR,
     NORMAL,
@@ -28,7 +28,9 @@ from ._arrays import (
 from ._scenes import is_scene, scene_in, scene_of, scene_of_glb
 
 if TYPE_CHECKING:
-    from .._native import Scene
+    from collections.abc import Iterator, Mapping
+
+    from tristrip._native import Scene
 
 #: The attributes of glTF that trimesh reads, beside those that begin with an underscore.
 _READ_BY_TRIMESH = {"POSITION", NORMAL, UV, COLOUR}
@@ -67,19 +69,23 @@ def to_trimesh(
     Args:
         mesh: a `Scene`, one of its parts, a `Simplified`, a pair of vertices and faces, or vertices of shape (n, 3).
         faces: with vertices only: faces as of `stripify`, or `Strips`, of which the triangles are taken in their order.
-        normals, uv, colors, attributes: arrays with one row per vertex, as of `simplify`. trimesh has `uv` with v upwards, as these are.
+        normals: of shape (n, 3), one per vertex.
+        uv: texture coordinates of shape (n, 2), v upwards.
+        colors: of shape (n, 3) or (n, 4): floats from 0 to 1, or uint8 or uint16.
+        attributes: other values per vertex, by name: arrays of shape (n,) or (n, k).
         material: a material of trimesh.
 
     Returns:
-        A `trimesh.Trimesh` that is not processed: vertices and faces keep their order, and polygons are triangles. Of a `Scene`, a
-        `trimesh.Scene` with its nodes, materials and images.
+        A `trimesh.Trimesh` that is not processed: vertices and faces keep their order, and polygons are triangles. Of
+        a `Scene`, a `trimesh.Scene` with its nodes, materials and images.
 
     Raises:
         ImportError: trimesh is not installed.
         MeshError, ArrayTypeError: the arrays have wrong values or a wrong shape.
 
     Warns:
-        ConversionWarning: colours are rounded to 8 bits, or a scene has what trimesh does not read: animations, skins, other attributes.
+        ConversionWarning: colours are rounded to 8 bits, or a scene has what trimesh does not read: animations,
+            skins, other attributes.
 
     >>> import tristrip
     >>> strips = tristrip.stripify([[0, 1, 2], [2, 1, 3]])
@@ -145,14 +151,16 @@ def from_trimesh(mesh: Any, *, normals: bool | None = None, name: str | None = N
 
     Args:
         mesh: a `trimesh.Trimesh` or a `trimesh.Scene`.
-        normals: whether vertex normals are taken; by default where the mesh has them already, since trimesh computes them when asked.
+        normals: whether vertex normals are taken; by default where the mesh has them already, since trimesh computes
+            them when asked.
         name: the name of a single mesh.
 
     Returns:
-        A `Scene` with the faces in their order, texture coordinates, vertex colours and other attributes. Colours of faces become those
-        of vertices, which are split where they differ. A mesh with a material, and a scene, are converted by way of GLB: the scene keeps
-        materials, images and nodes, and the transforms of nodes stay with them. Other attributes become 32-bit floats then, and their
-        names begin with an underscore, as glTF requires. Positions are 32-bit floats.
+        A `Scene` with the faces in their order, texture coordinates, vertex colours and other attributes. Colours of
+        faces become those of vertices, which are split where they differ. A mesh with a material, and a scene, are
+        converted by way of GLB: the scene keeps materials, images and nodes, and the transforms of nodes stay with
+        them. Other attributes become 32-bit floats then, and their names begin with an underscore, as glTF requires.
+        Positions are 32-bit floats.
 
     Raises:
         ImportError: trimesh is not installed.
@@ -177,7 +185,7 @@ def part_of_trimesh(mesh: Any, *, normals: bool | None = None, name: str | None 
     """Take the arrays of a mesh, without its material."""
     mesh = _prepared(mesh)
     attributes: dict[str, Array] = {}
-    if normals or (normals is None and "vertex_normals" in mesh._cache):
+    if normals or (normals is None and _has_normals(mesh)):
         attributes[NORMAL] = np.asarray(mesh.vertex_normals)
     if mesh.visual.kind == "vertex":
         attributes[COLOUR] = np.asarray(mesh.visual.vertex_colors)
@@ -188,6 +196,11 @@ def part_of_trimesh(mesh: Any, *, normals: bool | None = None, name: str | None 
             attributes[COLOUR] = np.asarray(mesh.visual.vertex_attributes["color"])
     attributes.update({key: np.asarray(values) for key, values in mesh.vertex_attributes.items()})
     return Part(np.asarray(mesh.vertices), Faces.of("faces", np.asarray(mesh.faces)), attributes, name)
+
+
+def _has_normals(mesh: Any) -> bool:
+    """Check whether a mesh has normals already, as the exporters of trimesh do."""
+    return "vertex_normals" in mesh._cache  # noqa: SLF001
 
 
 def _kept(trimesh: Any, scene: Any) -> Any:
@@ -228,7 +241,7 @@ def _prepared(mesh: Any) -> Any:
         mesh,
         vertices=np.asarray(mesh.vertices)[old],
         faces=corners.reshape(-1, 3),
-        vertex_normals=np.asarray(mesh.vertex_normals)[old] if "vertex_normals" in mesh._cache else None,
+        vertex_normals=np.asarray(mesh.vertex_normals)[old] if _has_normals(mesh) else None,
         vertex_attributes={key: np.asarray(values)[old] for key, values in mesh.vertex_attributes.items()},
         visual=None,
         vertex_colors=colours[corner],
@@ -240,7 +253,7 @@ def _copy(mesh: Any, **changed: Any) -> Any:
     arguments = {
         "vertices": mesh.vertices,
         "faces": mesh.faces,
-        "vertex_normals": mesh.vertex_normals if "vertex_normals" in mesh._cache else None,
+        "vertex_normals": mesh.vertex_normals if _has_normals(mesh) else None,
         "vertex_attributes": dict(mesh.vertex_attributes),
         "metadata": mesh.metadata,
         "visual": mesh.visual,
@@ -256,17 +269,18 @@ def _for_glb(trimesh: Any, mesh: Any, known: dict[int, Any]) -> Any:
         values = np.asarray(given)
         values = values.reshape(len(values), -1)
         exact = values.astype(np.float32)
-        is_kept = values.dtype.kind == "f" or values.dtype.kind in "biu" and np.array_equal(exact, values)
+        is_kept = values.dtype.kind == "f" or (values.dtype.kind in "biu" and np.array_equal(exact, values))
         if not is_kept or not 1 <= values.shape[1] <= 4:
-            warn(
-                f"left out {key} of {given.dtype} with {values.shape[1]} columns: glTF has up to four numbers of 32 bits"
-            )
+            found = f"{key} of {given.dtype} with {values.shape[1]} columns"
+            warn(f"left out {found}: glTF has up to four numbers of 32 bits")
         else:
             attributes[key] = exact
     changed: dict[str, Any] = {"vertex_attributes": attributes}
     if mesh.visual.kind == "texture" and mesh.visual.material is not None:
         given = mesh.visual.material
-        material = known.setdefault(id(given), _with_kept_images(trimesh, given))
+        if id(given) not in known:
+            known[id(given)] = _with_kept_images(trimesh, given)
+        material = known[id(given)]
         if material is not given:
             visual = trimesh.visual.texture.TextureVisuals(uv=mesh.visual.uv, material=material)
             for key in mesh.visual.vertex_attributes:
@@ -283,8 +297,8 @@ class _KeptJpeg:
     def __init__(self, image: Any) -> None:
         self.image = image
 
-    def save(self, file: Any, format: str) -> None:  # noqa: A002
-        self.image.save(file, format=format, quality="keep")
+    def save(self, file: Any, **options: Any) -> None:
+        self.image.save(file, quality="keep", **options)
 
 
 def _with_kept_images(trimesh: Any, material: Any) -> Any:
@@ -311,7 +325,7 @@ def _by_material(trimesh: Any, mesh: Any) -> Iterator[Any]:
         yield trimesh.Trimesh(
             vertices=mesh.vertices,
             faces=np.asarray(mesh.faces)[np.asarray(numbers) == number],
-            vertex_normals=mesh.vertex_normals if "vertex_normals" in mesh._cache else None,
+            vertex_normals=mesh.vertex_normals if _has_normals(mesh) else None,
             vertex_attributes=dict(mesh.vertex_attributes),
             visual=visual,
             process=False,
