@@ -23,9 +23,23 @@ from ._errors import (
 from ._native import VERSION as __version__
 from ._native import Levels, Simplified, Strips, run_command, set_threads, simplify, stripify
 from ._progress import Progress
+from .interop import (
+    ConversionWarning,
+    from_meshio,
+    from_open3d,
+    from_pyvista,
+    from_trimesh,
+    plot_strips,
+    strips_from_pyvista,
+    to_meshio,
+    to_open3d,
+    to_pyvista,
+    to_trimesh,
+)
 
 __all__ = [
     "ArrayTypeError",
+    "ConversionWarning",
     "FileError",
     "FormatError",
     "InternalError",
@@ -40,8 +54,18 @@ __all__ = [
     "Strips",
     "TristripError",
     "__version__",
+    "from_meshio",
+    "from_open3d",
+    "from_pyvista",
+    "from_trimesh",
+    "plot_strips",
     "run_command",
     "set_threads",
     "simplify",
     "stripify",
+    "strips_from_pyvista",
+    "to_meshio",
+    "to_open3d",
+    "to_pyvista",
+    "to_trimesh",
 ]
