@@ -17,6 +17,7 @@ mod errors;
 mod method;
 mod pool;
 mod reports;
+mod scene;
 mod simplify;
 mod strips;
 mod work;
@@ -30,6 +31,18 @@ mod _native {
     use crate::command::run_command;
     #[pymodule_export]
     use crate::pool::set_threads;
+    #[pymodule_export]
+    use crate::scene::chain::Chain;
+    #[pymodule_export]
+    use crate::scene::class::Scene;
+    #[pymodule_export]
+    use crate::scene::functions::{convert, load, verify};
+    #[pymodule_export]
+    use crate::scene::part::Part;
+    #[pymodule_export]
+    use crate::scene::simplify::SimplifiedScene;
+    #[pymodule_export]
+    use crate::scene::strip::StrippedScene;
     #[pymodule_export]
     use crate::simplify::{Simplified, simplify};
     #[pymodule_export]

@@ -254,12 +254,10 @@ impl Strips {
                 verify_drawing(&faces, &drawn).map_err(|why| Failure::Unproven(why.to_string()))
             }
         })?;
-        if let Some(error) = ended.error {
-            return Err(error);
-        }
+        let proof = ended.result()?;
         let found = PyDict::new(py);
-        found.set_item("faces", ended.value.faces)?;
-        found.set_item("triangles", ended.value.triangles)?;
+        found.set_item("faces", proof.faces)?;
+        found.set_item("triangles", proof.triangles)?;
         Ok(found)
     }
 

@@ -21,11 +21,27 @@ from ._errors import (
     TristripError,
 )
 from ._native import VERSION as __version__
-from ._native import Simplified, Strips, run_command, set_threads, simplify, stripify
+from ._native import (
+    Chain,
+    Part,
+    Scene,
+    Simplified,
+    SimplifiedScene,
+    StrippedScene,
+    Strips,
+    convert,
+    load,
+    run_command,
+    set_threads,
+    simplify,
+    stripify,
+    verify,
+)
 from ._progress import Progress
 
 __all__ = [
     "ArrayTypeError",
+    "Chain",
     "FileError",
     "FormatError",
     "InternalError",
@@ -34,13 +50,20 @@ __all__ = [
     "MeshError",
     "NotProvenError",
     "ParameterError",
+    "Part",
     "Progress",
+    "Scene",
     "Simplified",
+    "SimplifiedScene",
+    "StrippedScene",
     "Strips",
     "TristripError",
     "__version__",
+    "convert",
+    "load",
     "run_command",
     "set_threads",
     "simplify",
     "stripify",
+    "verify",
 ]
