@@ -87,6 +87,10 @@ impl From<Failure> for PyErr {
 fn of_core(py: Python<'_>, error: &tristrip::Error) -> PyErr {
     use tristrip::Error;
     match error {
+        Error::Parameter { name: "flag", found, .. } => {
+            let name = found.trim_start_matches('-').replace('-', "_");
+            raise(py, "ParameterError", &format!("{name}: no option of this method"))
+        }
         Error::Parameter { name, found, expected } => {
             let name = name.trim_start_matches('-').replace('-', "_");
             raise(py, "ParameterError", &format!("{name}: found {found}, expected {expected}"))

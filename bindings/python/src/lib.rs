@@ -14,7 +14,9 @@ mod arrays;
 mod attributes;
 mod command;
 mod errors;
+mod levels;
 mod method;
+mod numbers;
 mod pool;
 mod reports;
 mod scene;
@@ -29,6 +31,8 @@ use pyo3::prelude::*;
 mod _native {
     #[pymodule_export]
     use crate::command::run_command;
+    #[pymodule_export]
+    use crate::levels::Levels;
     #[pymodule_export]
     use crate::pool::set_threads;
     #[pymodule_export]

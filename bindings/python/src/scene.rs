@@ -154,7 +154,7 @@ impl Scene {
         &self,
         py: Python<'py>,
         method: &str,
-        effort: Option<u8>,
+        effort: Option<i64>,
         cost: Option<&str>,
         weld: bool,
         verify: bool,
@@ -266,7 +266,7 @@ impl Scene {
         weld_distance: Option<&Bound<'py, PyAny>>,
         layout: Option<&str>,
         method: Option<&str>,
-        effort: Option<u8>,
+        effort: Option<i64>,
         cost: Option<&str>,
         weld: bool,
         verify: bool,
@@ -369,7 +369,7 @@ impl Scene {
         &self,
         py: Python<'py>,
         all: bool,
-        effort: u8,
+        effort: i64,
         cost: &str,
         seed: u64,
         weld: bool,
@@ -378,7 +378,8 @@ impl Scene {
     ) -> PyResult<Bound<'py, PyList>> {
         let options = StripifyOptions::default().with_seed(seed).with_weld(weld);
         let options = options.with_cost(cost.parse().map_err(Failure::from)?);
-        let effort = Effort::new(effort).ok_or_else(|| Failure::option("effort", effort, "0 to 9"))?;
+        let level = u8::try_from(effort).ok().and_then(Effort::new);
+        let effort = level.ok_or_else(|| Failure::option("effort", effort, "0 to 9"))?;
         let watching = Watching::new(py, progress, budget, "raise")?;
         let ended = checks::compare(py, &self.data, options, effort, all, watching)?;
         match ended.error {
@@ -476,8 +477,8 @@ impl Scene {
     fn picture<'py>(
         &self,
         py: Python<'py>,
-        width: u32,
-        height: u32,
+        width: i64,
+        height: i64,
         mode: &str,
     ) -> PyResult<Bound<'py, PyBytes>> {
         picture::of_scene(py, &self.data, mode, (width, height))

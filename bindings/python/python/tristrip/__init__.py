@@ -23,6 +23,7 @@ from ._errors import (
 from ._native import VERSION as __version__
 from ._native import (
     Chain,
+    Levels,
     Part,
     Scene,
     Simplified,
@@ -46,6 +47,7 @@ __all__ = [
     "FormatError",
     "InternalError",
     "Interrupted",
+    "Levels",
     "LimitError",
     "MeshError",
     "NotProvenError",

@@ -6,6 +6,7 @@ use std::sync::{Arc, OnceLock};
 
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyList, PyTuple, PyType};
+use tristrip::Layout;
 use tristrip_io::{Format, Model};
 use tristrip_pipeline::{
     ChainOptions, ChainRatios, EncodeOptions, Encoded, MethodReport, WrittenFiles, chain_observed,
@@ -106,6 +107,7 @@ struct ChainFile {
     level_bytes: Vec<usize>,
     written: WrittenFiles,
     output: Option<String>,
+    layout: Layout,
 }
 
 impl Chain {
@@ -198,7 +200,8 @@ impl Chain {
                 let written = destination.write(&encoded)?;
                 let notes = noting.into_notes(encoded.losses.iter().cloned());
                 let (level_bytes, output) = (vec![written.bytes], Some(path.display().to_string()));
-                Ok((ChainFile { encoded, level_bytes, written, output }, notes))
+                let layout = destination.layout;
+                Ok((ChainFile { encoded, level_bytes, written, output, layout }, notes))
             });
             each.collect()
         })
@@ -286,11 +289,17 @@ impl Chain {
         let is_directory = path.is_dir() || last.is_some_and(|last| std::path::is_separator(last.into()));
         let watching = self.watching(py, progress)?;
         let (files, notes, output) = if is_directory {
-            let write = |watcher: &Watcher| {
-                self.write_levels(&path, format.unwrap_or("glb"), layout, verify, watcher)
-            };
-            let (files, notes): (Vec<_>, Vec<_>) = watching.run(py, write)?.result()?.into_iter().unzip();
-            (files, notes.concat(), None)
+            let format = format.unwrap_or("glb");
+            let write = |watcher: &Watcher| self.write_levels(&path, format, layout, verify, watcher);
+            let (files, all): (Vec<_>, Vec<_>) = watching.run(py, write)?.result()?.into_iter().unzip();
+            // The levels have most of their notes in common.
+            let mut notes: Vec<String> = Vec::new();
+            for note in all.concat() {
+                if !notes.contains(&note) {
+                    notes.push(note);
+                }
+            }
+            (files, notes, None)
         } else {
             let destination = Destination::file(&path, format, layout)?;
             let write = |watcher: &Watcher| {
@@ -299,7 +308,8 @@ impl Chain {
                 let (encoded, level_bytes) = found.map_err(|failure| destination.unproven(failure))?;
                 let written = destination.write(&encoded)?;
                 let notes = noting.into_notes(encoded.losses.iter().cloned());
-                Ok((ChainFile { encoded, level_bytes, written, output: None }, notes))
+                let (output, layout) = (None, destination.layout);
+                Ok((ChainFile { encoded, level_bytes, written, output, layout }, notes))
             };
             let (file, notes) = watching.run(py, write)?.result()?;
             (vec![file], notes, Some(path.display().to_string()))
@@ -308,7 +318,7 @@ impl Chain {
         let outputs: Vec<_> = files.iter().map(|file| file.output.clone()).collect();
         let found = PyDict::new(py);
         found.set_item("output", output)?;
-        found.set_item("layout", layout)?;
+        found.set_item("layout", files.first().map(|file| file.layout.name()))?;
         found.set_item("proven", files.iter().all(|file| file.encoded.faces.is_some()).then_some(true))?;
         found.set_item("chain", self.levels_with(py, &bytes, &outputs)?)?;
         let warnings = files.iter().flat_map(|file| file.written.warnings.iter().cloned());

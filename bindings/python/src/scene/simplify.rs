@@ -239,7 +239,7 @@ impl SimplifiedScene {
     /// Returns:
     ///     The bytes of a PNG file.
     #[pyo3(signature = (size = 256))]
-    fn picture<'py>(&self, py: Python<'py>, size: u32) -> PyResult<Bound<'py, PyBytes>> {
+    fn picture<'py>(&self, py: Python<'py>, size: i64) -> PyResult<Bound<'py, PyBytes>> {
         picture::before_and_after(py, [&self.source, &self.result], size)
     }
 

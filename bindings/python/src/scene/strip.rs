@@ -214,7 +214,7 @@ impl StrippedScene {
     /// Returns:
     ///     The bytes of a PNG file, which `IPython.display.Image` shows. Parts are drawn without the transformations of their nodes.
     #[pyo3(signature = (width = 1200, height = 900))]
-    fn picture<'py>(&self, py: Python<'py>, width: u32, height: u32) -> PyResult<Bound<'py, PyBytes>> {
+    fn picture<'py>(&self, py: Python<'py>, width: i64, height: i64) -> PyResult<Bound<'py, PyBytes>> {
         picture::of_strips(py, self.scene.as_read(), &self.stripped.strips, (width, height))
     }
 
