@@ -57,7 +57,7 @@ impl Scene {
     ///     As `load`. A glTF must contain its buffers.
     ///
     /// >>> import tristrip
-    /// >>> tristrip.Scene.from_bytes(b"OFF 3 1 0 0 0 0 1 0 0 0 1 0 3 0 1 2")
+    /// >>> tristrip.Scene.from_bytes(b"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
     /// Scene(OFF, 1 part, 1 face, 3 vertices)
     #[classmethod]
     #[pyo3(signature = (data, format = None))]

@@ -10,7 +10,7 @@ use super::data::SceneData;
 /// `Scene.from_arrays` and `Scene.from_parts`. It never changes, and depends on no file.
 ///
 /// >>> import tristrip
-/// >>> scene = tristrip.Scene.from_bytes(b"v 0 0 0\\nv 1 0 0\\nv 1 1 0\\nv 0 1 0\\nf 1 2 3\\nf 1 3 4\\n")
+/// >>> scene = tristrip.Scene.from_bytes(b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n")
 /// >>> scene
 /// Scene(OBJ, 1 part, 2 faces, 4 vertices)
 /// >>> scene.strip().metrics()["indices_restart"]

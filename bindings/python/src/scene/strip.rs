@@ -30,7 +30,7 @@ use crate::work::{Ended, Watcher, Watching};
 /// >>> stripped
 /// StrippedScene(1 part, 2 triangles, 1 strip, 4 indices, proven, method best, cost restart, effort 2)
 /// >>> stripped.parts[0].indices().tolist()
-/// [1, 0, 3, 2]
+/// [3, 2, 1, 0]
 #[pyclass(frozen, module = "tristrip")]
 #[derive(Debug)]
 pub(crate) struct StrippedScene {
