@@ -70,7 +70,7 @@ fn options_of(arguments: &Bound<'_, PyDict>) -> PyResult<ChainOptions> {
         Some(given) => ratios(&given)?,
         None => return Err(Failure::option("ratios", "None", "ratios that decrease").into()),
     };
-    let effort = item("effort")?.map(|effort| effort.extract()).transpose()?;
+    let effort: Option<i64> = item("effort")?.map(|effort| effort.extract()).transpose()?;
     let cost: Option<String> = item("cost")?.map(|cost| cost.extract()).transpose()?;
     let others = item("options")?.map(Bound::cast_into::<PyDict>).transpose()?;
     let flags = method::flags(py, others.as_ref(), effort, cost.as_deref())?;
