@@ -593,6 +593,7 @@ class Scene:
         lock_borders: bool = False,
         weld_distance: float | str | None = None,
         normals: Literal["auto", "keep", "rebuild"] = "auto",
+        fit: bool = False,
         compact: bool = False,
         measure: bool = True,
         verify: bool = True,
