@@ -284,6 +284,7 @@ impl Scene {
     ///     weld: whether vertices with the same bits in position and all attributes are one.
     ///     budget: the time in seconds after which each search is stopped.
     ///     progress: as of `stripify`.
+    ///     on_interrupt: what Ctrl-C does: "raise" an `Interrupted` with the rows so far as `best`, or "return" them.
     ///
     /// Returns:
     ///     A list of dictionaries, one per method, with the keys of the command's JSON: "method" and its options, "proven", "seconds" ("stripify", "verify"), "error",
@@ -299,7 +300,7 @@ impl Scene {
     /// [1, 1, 1]
     #[pyo3(
         signature = (**given),
-        text_signature = "($self, *, all=False, effort=3, cost='restart', seed=0, weld=False, budget=None, progress=None)"
+        text_signature = "($self, *, all=False, effort=3, cost='restart', seed=0, weld=False, budget=None, progress=None, on_interrupt='raise')"
     )]
     fn compare<'py>(
         &self,

@@ -631,6 +631,7 @@ class Scene:
         weld: bool = False,
         budget: float | None = None,
         progress: ProgressArgument = None,
+        on_interrupt: OnInterrupt = "raise",
     ) -> list[MethodRow]: ...
     def verify(self, result: Scene | Path) -> SceneProof: ...
     def save(

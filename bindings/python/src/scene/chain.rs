@@ -78,7 +78,7 @@ fn options_of(arguments: &Arguments<'_>) -> PyResult<ChainOptions> {
     let options = options.with_rules(rules_of(arguments)?);
     let options = options.with_verify(arguments.extract("verify")?.unwrap_or(true));
     // Checked here, and used where files are written.
-    arguments.watching()?;
+    Watching::new(arguments.py(), None, arguments.extract("budget")?, "raise")?;
     let layout = arguments.extract::<String>("layout")?.map(|layout| layout_of(&layout)).transpose()?;
     // In triangle lists strips save nothing, but the order of triangles does.
     let usual = if layout == Some(Layout::List) { "cache" } else { "best" };
