@@ -8,6 +8,7 @@ mod groups;
 mod normals;
 mod order;
 mod parts;
+mod report;
 pub(crate) mod touching;
 mod vanishing;
 mod warning;
@@ -33,6 +34,7 @@ pub use normals::{NormalCounts, Normals};
 pub use order::LevelOrder;
 pub(crate) use order::PartCollapses;
 pub(crate) use parts::{Compact, Part, UsedVertices, diagonal};
+pub use report::{SimplifyFigures, StoppedReport};
 pub(crate) use warning::warning;
 
 /// The number of points at which the result is compared with the original, in each direction.
@@ -357,11 +359,19 @@ impl Simplified {
     /// # Errors
     /// The format cannot store the model, the bytes are not proven, or the observer cancelled.
     pub fn encode(&self, observer: &dyn Observer) -> Result<Encoded, Error> {
+        self.encode_as(self.options.format, self.options.verify, observer)
+    }
+
+    /// Does the same in another format, and with or without the proof of the bytes. A scene that was simplified for a GLB keeps its unused vertices.
+    ///
+    /// # Errors
+    /// As of [`Simplified::encode`].
+    pub fn encode_as(&self, format: Format, verify: bool, observer: &dyn Observer) -> Result<Encoded, Error> {
         let model = &self.redrawn.model;
         let mut notes = kept_vertices(&self.redrawn, observer);
         let drawings: Vec<Drawing<'_>> = model.parts.iter().map(|_| Drawing::Faces).collect();
-        let options = EncodeOptions::new(self.options.format).with_layout(tristrip::Layout::List);
-        let options = options.with_pack(Some(self.options.rounding)).with_verify(self.options.verify);
+        let options = EncodeOptions::new(format).with_layout(tristrip::Layout::List);
+        let options = options.with_pack(Some(self.options.rounding)).with_verify(verify);
         let encoded = encode_observed(model, &drawings, &options, observer)?;
         notes.extend(encoded.notes);
         Ok(Encoded { notes, ..encoded })

@@ -21,7 +21,23 @@ from ._errors import (
     TristripError,
 )
 from ._native import VERSION as __version__
-from ._native import Levels, Simplified, Strips, run_command, set_threads, simplify, stripify
+from ._native import (
+    Chain,
+    Levels,
+    Part,
+    Scene,
+    Simplified,
+    SimplifiedScene,
+    StrippedScene,
+    Strips,
+    convert,
+    load,
+    run_command,
+    set_threads,
+    simplify,
+    stripify,
+    verify,
+)
 from ._progress import Progress
 from .interop import (
     ConversionWarning,
@@ -39,6 +55,7 @@ from .interop import (
 
 __all__ = [
     "ArrayTypeError",
+    "Chain",
     "ConversionWarning",
     "FileError",
     "FormatError",
@@ -49,15 +66,21 @@ __all__ = [
     "MeshError",
     "NotProvenError",
     "ParameterError",
+    "Part",
     "Progress",
+    "Scene",
     "Simplified",
+    "SimplifiedScene",
+    "StrippedScene",
     "Strips",
     "TristripError",
     "__version__",
+    "convert",
     "from_meshio",
     "from_open3d",
     "from_pyvista",
     "from_trimesh",
+    "load",
     "plot_strips",
     "run_command",
     "set_threads",
@@ -68,4 +91,5 @@ __all__ = [
     "to_open3d",
     "to_pyvista",
     "to_trimesh",
+    "verify",
 ]
