@@ -18,6 +18,7 @@ mod output;
 pub(crate) mod part;
 mod parts;
 mod picture;
+mod placements;
 mod saving;
 pub(crate) mod simplify;
 pub(crate) mod strip;
@@ -25,8 +26,9 @@ pub(crate) mod strip;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use numpy::PyArray2;
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict, PyList, PyType};
+use pyo3::types::{PyBytes, PyDict, PyList, PyRange, PyType};
 use tristrip_pipeline::StripOptions;
 use tristrip_pipeline::text::counted;
 
@@ -115,6 +117,22 @@ impl Scene {
     #[getter]
     fn parts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
         PyList::new(py, parts::parts_of(&self.data)?)
+    }
+
+    /// Where the nodes of a glTF place its parts: for each place the numbers of its parts, a `range`, and the transform from the part to the scene, float64 of
+    /// shape (4, 4), by which positions are multiplied as columns. Animations are not applied. Other scenes have all parts in one place.
+    ///
+    /// >>> import tristrip
+    /// >>> scene = tristrip.Scene.from_arrays([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+    /// >>> [(list(parts), transform.shape) for parts, transform in scene.placements]
+    /// [([0], (4, 4))]
+    #[getter]
+    #[allow(clippy::type_complexity, reason = "a pair per place")]
+    fn placements<'py>(
+        &self,
+        py: Python<'py>,
+    ) -> PyResult<Vec<(Bound<'py, PyRange>, Bound<'py, PyArray2<f64>>)>> {
+        placements::placements(py, &self.data)
     }
 
     /// Notes of the reader: what was dropped or changed.
