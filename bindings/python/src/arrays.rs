@@ -158,7 +158,7 @@ fn check_memory(name: &str, array: &Bound<'_, PyUntypedArray>) -> Result<(), Fai
     Ok(())
 }
 
-fn type_name(given: &Bound<'_, PyAny>) -> String {
+pub(crate) fn type_name(given: &Bound<'_, PyAny>) -> String {
     given.get_type().name().map_or_else(|_| "an object".into(), |name| name.to_string())
 }
 

@@ -72,6 +72,10 @@ impl Strips {
         self
     }
 
+    pub(crate) fn inner(&self) -> &Arc<tristrip::Strips> {
+        &self.strips
+    }
+
     /// Counts the vertices up to the highest that is used.
     fn vertex_count(&self) -> usize {
         self.strips.vertices().iter().max().map_or(0, |&highest| highest as usize + 1)
@@ -238,12 +242,10 @@ impl Strips {
                 verify_drawing(&faces, &drawn).map_err(|why| Failure::Unproven(why.to_string()))
             }
         })?;
-        if let Some(error) = ended.error {
-            return Err(error);
-        }
+        let proof = ended.result()?;
         let found = PyDict::new(py);
-        found.set_item("faces", ended.value.faces)?;
-        found.set_item("triangles", ended.value.triangles)?;
+        found.set_item("faces", proof.faces)?;
+        found.set_item("triangles", proof.triangles)?;
         Ok(found)
     }
 
