@@ -637,7 +637,12 @@ class Scene:
     ) -> list[MethodRow]: ...
     def verify(self, result: Scene | Path) -> SceneProof: ...
     def save(
-        self, path: Path, *, format: WrittenFormat | str | None = None, layout: Layout | None = None, verify: bool = True
+        self,
+        path: Path,
+        *,
+        format: WrittenFormat | str | None = None,
+        layout: Layout | None = None,
+        verify: bool = True,
     ) -> ConvertReport: ...
     def to_bytes(
         self, format: WrittenFormat | str = "glb", *, layout: Layout | None = None, verify: bool = True
