@@ -565,6 +565,8 @@ class Scene:
     @property
     def parts(self) -> list[Part]: ...
     @property
+    def placements(self) -> list[tuple[range, npt.NDArray[np.float64]]]: ...
+    @property
     def notes(self) -> list[str]: ...
     @property
     def format(self) -> ReadFormat | None: ...
@@ -593,6 +595,7 @@ class Scene:
         lock_borders: bool = False,
         weld_distance: float | str | None = None,
         normals: Literal["auto", "keep", "rebuild"] = "auto",
+        fit: bool = False,
         compact: bool = False,
         measure: bool = True,
         verify: bool = True,
@@ -630,10 +633,16 @@ class Scene:
         weld: bool = False,
         budget: float | None = None,
         progress: ProgressArgument = None,
+        on_interrupt: OnInterrupt = "raise",
     ) -> list[MethodRow]: ...
     def verify(self, result: Scene | Path) -> SceneProof: ...
     def save(
-        self, path: Path, *, format: WrittenFormat | str | None = None, layout: Layout | None = None, verify: bool = True
+        self,
+        path: Path,
+        *,
+        format: WrittenFormat | str | None = None,
+        layout: Layout | None = None,
+        verify: bool = True,
     ) -> ConvertReport: ...
     def to_bytes(
         self, format: WrittenFormat | str = "glb", *, layout: Layout | None = None, verify: bool = True
