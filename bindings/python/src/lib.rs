@@ -13,11 +13,14 @@
 mod arrays;
 mod attributes;
 mod command;
+mod decoder;
 mod errors;
+mod input;
 mod method;
 mod pool;
 mod reports;
 mod simplify;
+mod stream;
 mod strips;
 mod work;
 
@@ -29,9 +32,13 @@ mod _native {
     #[pymodule_export]
     use crate::command::run_command;
     #[pymodule_export]
+    use crate::decoder::{Decoder, StreamedPart};
+    #[pymodule_export]
     use crate::pool::set_threads;
     #[pymodule_export]
     use crate::simplify::{Simplified, simplify};
+    #[pymodule_export]
+    use crate::stream::{inspect, pack, unpack};
     #[pymodule_export]
     use crate::strips::{Strips, stripify};
 

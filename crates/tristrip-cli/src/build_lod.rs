@@ -11,12 +11,11 @@ use tristrip_io::tlod::{self, TlodLimits, TlodModel};
 use tristrip_io::{Model, Part};
 use tristrip_lab::text;
 use tristrip_pipeline::text::{count, counted};
-use tristrip_pipeline::{Event, MethodReport, Stopped, StripOptions, strip_observed};
+use tristrip_pipeline::{Event, Joined, MethodReport, Stopped, StripOptions, join, strip_observed};
 
 use crate::batch::{self, InputReport, Outcome};
 use crate::console::Console;
 use crate::failure::Failure;
-use crate::join::{Joined, join};
 use crate::stage::{Stages, load_timed, show_search, timed};
 use crate::task::BuildLodTask;
 
@@ -108,7 +107,7 @@ fn build(task: &BuildLodTask, console: &mut Console, report: &mut BuildReport) -
 
 /// Builds the strips of a mesh, proves them, and builds its merge tree.
 fn collapse(
-    Joined { mesh, notes }: Joined,
+    Joined { mesh, notes, .. }: Joined,
     load: f64,
     task: &BuildLodTask,
     console: &mut Console,

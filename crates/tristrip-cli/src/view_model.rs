@@ -9,12 +9,11 @@ use tristrip::simplify::{MergeOrder, SimplifyOptions, merge_tree};
 use tristrip::{CollapseSequence, Mesh, StripifyOptions, Strips};
 use tristrip_io::tlod::{self, TlodLimits, TlodModel};
 use tristrip_pipeline::text::counted;
-use tristrip_pipeline::{PreparedModel, Search, Stopped};
+use tristrip_pipeline::{Joined, PreparedModel, Search, Stopped, join};
 
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::job::Input;
-use crate::join::{Joined, join};
 use crate::search::SearchWatch;
 use crate::stage::{load_timed, timed};
 
@@ -56,7 +55,7 @@ pub(crate) fn view_model(
     }
     let (model, seconds) = load_timed(input, console)?;
     building.load = Some(seconds);
-    let Joined { mesh, notes } = join(model)?;
+    let Joined { mesh, notes, .. } = join(model)?;
     building.notes = notes;
     console.stage("load", &of_mesh(&mesh), building.load);
     building.notes.iter().for_each(|note| console.note(note));

@@ -36,6 +36,7 @@ mod encode;
 mod error;
 mod figures;
 mod goal;
+mod join;
 mod levels;
 mod method;
 mod observer;
@@ -66,13 +67,14 @@ pub use encode::{EncodeOptions, Encoded, default_layout, encode, encode_observed
 pub use error::Error;
 pub use figures::{Figures, MeshFigures, rounded};
 pub use goal::{Amount, Deviation, Goal, Ratio};
+pub use join::{Joined, join};
 pub use levels::{
     DisplayFilter, DisplayedLevel, DisplayedView, Level, LevelGoal, LevelPart, LevelsOptions, ModelCursor,
     ModelLevels, levels, levels_observed, parse_levels,
 };
 pub use method::{MethodReport, method_of_flags, methods_to_compare, parse_method};
 pub use observer::{Event, Observer, Search, Stage, Stopped};
-pub use pack::{PackOptions, Packed, pack};
+pub use pack::{PackOptions, Packed, PackedReport, pack};
 pub use parts::{PreparedPart, meshes};
 pub use prepared::{PreparedModel, Survey};
 pub use published::{Published, is_published, pack_as_published, unpack_published};
@@ -83,5 +85,8 @@ pub use simplify::{
 pub use stream::{StreamedMesh, stream_of_mesh};
 pub use strip::{StripOptions, Stripped, strip, strip_observed};
 pub use surface_change::{ChangedSurface, SurfaceChange, surface_change};
-pub use unpack::{ChunkFigures, StreamFigures, StreamGoal, Unpacked, stream_figures, unpack};
+pub use unpack::{
+    ChunkFigures, ComponentBits, StreamFigures, StreamGoal, StreamReport, Unpacked, UnpackedReport,
+    stream_figures, unpack,
+};
 pub use verify::{DifferenceReport, verify};

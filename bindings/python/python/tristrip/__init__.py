@@ -21,11 +21,25 @@ from ._errors import (
     TristripError,
 )
 from ._native import VERSION as __version__
-from ._native import Simplified, Strips, run_command, set_threads, simplify, stripify
+from ._native import (
+    Decoder,
+    Simplified,
+    StreamedPart,
+    Strips,
+    inspect,
+    pack,
+    run_command,
+    set_threads,
+    simplify,
+    stripify,
+    unpack,
+)
 from ._progress import Progress
+from ._streams import Packed, Unpacked, decode
 
 __all__ = [
     "ArrayTypeError",
+    "Decoder",
     "FileError",
     "FormatError",
     "InternalError",
@@ -33,14 +47,21 @@ __all__ = [
     "LimitError",
     "MeshError",
     "NotProvenError",
+    "Packed",
     "ParameterError",
     "Progress",
     "Simplified",
+    "StreamedPart",
     "Strips",
     "TristripError",
+    "Unpacked",
     "__version__",
+    "decode",
+    "inspect",
+    "pack",
     "run_command",
     "set_threads",
     "simplify",
     "stripify",
+    "unpack",
 ]

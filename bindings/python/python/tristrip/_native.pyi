@@ -1,12 +1,14 @@
 """The types of the native module, which implements the functions and classes of the package."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, Literal, TypeAlias, TypedDict, overload
+from os import PathLike
+from typing import Any, Literal, TypeAlias, TypedDict, final, overload
 
 import numpy as np
 import numpy.typing as npt
 
 from ._progress import ProgressArgument
+from ._streams import Packed, Unpacked
 
 VERSION: str
 
@@ -20,6 +22,12 @@ Uint32Array: TypeAlias = npt.NDArray[np.uint32]
 Float32Array: TypeAlias = npt.NDArray[np.float32]
 IndexArray: TypeAlias = npt.NDArray[np.uint8] | npt.NDArray[np.uint16] | npt.NDArray[np.uint32]
 Faces: TypeAlias = npt.ArrayLike | Sequence[Sequence[int]]
+#: An object with bytes.
+Buffer: TypeAlias = bytes | bytearray | memoryview
+FilePath: TypeAlias = str | PathLike[str]
+#: A file, or the bytes of one.
+Input: TypeAlias = FilePath | Buffer
+FormatName: TypeAlias = Literal["obj", "ply", "off", "stl", "gltf", "glb"]
 
 def run_command(arguments: Sequence[str]) -> int: ...
 def set_threads(threads: int | None) -> None: ...
@@ -160,5 +168,147 @@ def simplify(
 # --- levels of detail
 
 # --- streams
+
+class PackReport(TypedDict):
+    wire: Literal["tristrip", "paper"]
+    proven: bool | None
+    parts: int
+    meshes: int
+    chunks: int | None
+    vertices: int
+    triangles: int
+    base_triangles: int
+    bytes: int
+    base_bytes: int
+    bits_per_vertex: float | None
+    position_error: float | None
+    notes: list[str]
+    output: str | None
+
+class UnpackReport(TypedDict):
+    proven: bool | None
+    parts: int
+    level: int
+    levels: int
+    triangles: int
+    triangles_full: int
+    surface_error: float
+    bytes: int
+    chunks: int
+    ended_early: bool
+    notes: list[str]
+    output: str | None
+
+class ComponentBits(TypedDict):
+    name: str
+    bits: float
+    per_vertex: float
+
+class ChunkReport(TypedDict):
+    mesh: int
+    end: int
+    level: int
+    triangles: int
+    surface_error: float
+
+class InspectReport(TypedDict):
+    meshes: int
+    vertices: int
+    triangles: int
+    levels: int
+    position_bits: int
+    base_bytes: int
+    chunk_bytes: int
+    bits_per_vertex: float
+    components: list[ComponentBits]
+    chunks: list[ChunkReport]
+    notes: list[str]
+
+def pack(
+    input: Input,
+    output: FilePath | None = None,
+    *,
+    format: FormatName | None = None,
+    eye: Sequence[float] | None = None,
+    position_bits: int | None = None,
+    wire: Literal["tristrip", "paper"] = "tristrip",
+    verify: bool = True,
+    progress: ProgressArgument = None,
+) -> Packed: ...
+def unpack(
+    input: Input,
+    output: FilePath | None = None,
+    *,
+    level: int | str | None = None,
+    triangles: int | None = None,
+    bytes: int | None = None,
+    verify: bool = True,
+    progress: ProgressArgument = None,
+) -> Unpacked: ...
+def inspect(input: Input) -> InspectReport: ...
+@final
+class Decoder:
+    def __new__(
+        cls, *, strips: bool = False, max_bytes: int | None = None, max_triangles: int | None = None
+    ) -> Decoder: ...
+    def update(self, data: Buffer) -> int: ...
+    def finish(self) -> None: ...
+    @property
+    def offset(self) -> int: ...
+    @property
+    def is_complete(self) -> bool: ...
+    @property
+    def has_base(self) -> bool: ...
+    @property
+    def chunk_start(self) -> int | None: ...
+    @property
+    def chunk_end(self) -> int | None: ...
+    @property
+    def chunk_count(self) -> int: ...
+    @property
+    def parts(self) -> list[StreamedPart]: ...
+    @property
+    def level(self) -> int: ...
+    @property
+    def full_level(self) -> int: ...
+    @property
+    def triangle_count(self) -> int: ...
+    @property
+    def full_triangle_count(self) -> int: ...
+    @property
+    def error(self) -> float | None: ...
+    def __copy__(self) -> Decoder: ...
+    def __deepcopy__(self, memo: dict[int, Any], /) -> Decoder: ...
+    def _repr_html_(self) -> str: ...
+
+@final
+class StreamedPart:
+    @property
+    def number(self) -> int: ...
+    @property
+    def level(self) -> int: ...
+    @property
+    def full_level(self) -> int: ...
+    @property
+    def triangle_count(self) -> int: ...
+    @property
+    def full_triangle_count(self) -> int: ...
+    @property
+    def vertex_count(self) -> int: ...
+    @property
+    def full_vertex_count(self) -> int: ...
+    @property
+    def error(self) -> float: ...
+    @property
+    def position_bits(self) -> int: ...
+    @property
+    def vertices(self) -> Float32Array: ...
+    @property
+    def faces(self) -> Uint32Array: ...
+    @property
+    def attributes(self) -> dict[str, npt.NDArray[Any]]: ...
+    def strips(self) -> Strips: ...
+    @property
+    def fingerprint(self) -> int: ...
 
 # --- scenes
