@@ -52,6 +52,7 @@ mod surface_change;
 pub mod text;
 mod unpack;
 mod verify;
+mod view_model;
 
 pub use analyze::{
     Analysis, AnalyzeOptions, DrawMode, LengthBin, PartAnalysis, StoredFigures, StripLengths,
@@ -90,3 +91,4 @@ pub use unpack::{
     stream_figures, unpack,
 };
 pub use verify::{DifferenceReport, verify};
+pub use view_model::{EncodedViewModel, ViewModel, ViewModelOptions, ViewModelReport, view_model};
