@@ -9,7 +9,7 @@ use numpy::{
 };
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyTuple};
-use tristrip::{Faces, MAX_COUNT};
+use tristrip::{Faces, Layout, MAX_COUNT, Strips};
 
 use crate::errors::Failure;
 
@@ -311,4 +311,18 @@ pub(crate) fn floats<'py>(
     let converted = converted?.cast_into::<numpy::PyArray2<f32>>();
     let converted = converted.map_err(|_| Failure::Type(format!("{name}: expected numbers")))?;
     Ok(converted.try_readonly().map_err(PyErr::from)?)
+}
+
+/// Returns the index buffer of strips with indices of 8, 16 or 32 bits.
+pub(crate) fn indices_to_array<'py>(
+    py: Python<'py>,
+    strips: &Strips,
+    layout: Layout,
+    bits: u8,
+) -> Result<Bound<'py, PyAny>, Failure> {
+    Ok(match bits {
+        8 => PyArray1::from_vec(py, py.detach(|| strips.to_indices::<u8>(layout))?).into_any(),
+        16 => PyArray1::from_vec(py, py.detach(|| strips.to_indices::<u16>(layout))?).into_any(),
+        _ => PyArray1::from_vec(py, py.detach(|| strips.to_indices::<u32>(layout))?).into_any(),
+    })
 }

@@ -12,6 +12,7 @@ use tristrip_pipeline::text::{count, counted};
 use crate::attributes;
 use crate::errors::Failure;
 use crate::input::bytes_of;
+use crate::numbers::Count;
 use crate::strips::Strips;
 
 /// How many bytes are decoded between two checks for signals.
@@ -64,15 +65,12 @@ impl Decoder {
 impl Decoder {
     #[new]
     #[pyo3(signature = (*, strips = false, max_bytes = None, max_triangles = None))]
-    fn new(strips: bool, max_bytes: Option<i64>, max_triangles: Option<i64>) -> PyResult<Self> {
+    fn new(strips: bool, max_bytes: Option<Count>, max_triangles: Option<Count>) -> PyResult<Self> {
         let mut limits = ArrivalLimits::default();
-        if let Some(found) = max_bytes {
-            limits.kept_bytes =
-                u64::try_from(found).map_err(|_| Failure::option("max_bytes", found, "0 or more"))?;
+        if let Some(Count(most)) = max_bytes {
+            limits.kept_bytes = most as u64;
         }
-        if let Some(found) = max_triangles {
-            let most =
-                usize::try_from(found).map_err(|_| Failure::option("max_triangles", found, "0 or more"))?;
+        if let Some(Count(most)) = max_triangles {
             let triangles = most.min(StreamLimits::default().triangles);
             limits.stream = StreamLimits { triangles, ..limits.stream };
         }

@@ -63,6 +63,17 @@ impl From<tristrip_pipeline::Error> for Failure {
     }
 }
 
+impl From<tristrip_lab::Error> for Failure {
+    fn from(error: tristrip_lab::Error) -> Self {
+        use tristrip_lab::Error;
+        match error {
+            Error::Pipeline(error) => error.into(),
+            Error::Io { path, source } => Self::File(tristrip_io::Error::Io { path, source }),
+            other => Self::Parameter(other.to_string()),
+        }
+    }
+}
+
 impl From<PyErr> for Failure {
     fn from(error: PyErr) -> Self {
         Self::Python(error)
@@ -87,6 +98,10 @@ impl From<Failure> for PyErr {
 fn of_core(py: Python<'_>, error: &tristrip::Error) -> PyErr {
     use tristrip::Error;
     match error {
+        Error::Parameter { name: "flag", found, .. } => {
+            let name = found.trim_start_matches('-').replace('-', "_");
+            raise(py, "ParameterError", &format!("{name}: no option of this method"))
+        }
         Error::Parameter { name, found, expected } => {
             let name = name.trim_start_matches('-').replace('-', "_");
             raise(py, "ParameterError", &format!("{name}: found {found}, expected {expected}"))

@@ -16,12 +16,15 @@ mod command;
 mod decoder;
 mod errors;
 mod input;
+mod levels;
 mod method;
+mod numbers;
 mod pool;
 mod reports;
 mod simplify;
 mod stream;
 mod strips;
+mod views;
 mod work;
 
 use pyo3::prelude::*;
@@ -34,6 +37,8 @@ mod _native {
     #[pymodule_export]
     use crate::decoder::{Decoder, StreamedPart};
     #[pymodule_export]
+    use crate::levels::Levels;
+    #[pymodule_export]
     use crate::pool::set_threads;
     #[pymodule_export]
     use crate::simplify::{Simplified, simplify};
@@ -41,6 +46,8 @@ mod _native {
     use crate::stream::{inspect, pack, unpack};
     #[pymodule_export]
     use crate::strips::{Strips, stripify};
+    #[pymodule_export]
+    use crate::views::{View, ViewModel};
 
     #[pymodule_export]
     const VERSION: &str = env!("CARGO_PKG_VERSION");

@@ -16,6 +16,7 @@ use tristrip_pipeline::{
 use crate::attributes;
 use crate::errors::Failure;
 use crate::input::{Input, Source, format_of};
+use crate::numbers::Count;
 use crate::reports::report;
 use crate::work::{Watcher, Watching};
 
@@ -345,8 +346,8 @@ pub(crate) fn unpack<'py>(
     input: &Bound<'py, PyAny>,
     output: Option<PathBuf>,
     level: Option<&Bound<'py, PyAny>>,
-    triangles: Option<i64>,
-    bytes: Option<i64>,
+    triangles: Option<Count>,
+    bytes: Option<Count>,
     verify: bool,
     progress: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
@@ -379,17 +380,14 @@ fn level_file(path: &Path, verify: bool) -> Result<LevelFile<'_>, Failure> {
 /// Reads what selects a level.
 fn goal(
     level: Option<&Bound<'_, PyAny>>,
-    triangles: Option<i64>,
-    bytes: Option<i64>,
+    triangles: Option<Count>,
+    bytes: Option<Count>,
 ) -> Result<StreamGoal, Failure> {
-    let count = |name: &str, found: i64| {
-        usize::try_from(found).map_err(|_| Failure::option(name, found, "0 or more"))
-    };
     match (level, triangles, bytes) {
         (None, None, None) => Ok(StreamGoal::Level(Level::Percent(100.0))),
         (Some(level), None, None) => Ok(StreamGoal::Level(level_of(level)?)),
-        (None, Some(triangles), None) => Ok(StreamGoal::Triangles(count("triangles", triangles)?)),
-        (None, None, Some(bytes)) => Ok(StreamGoal::Bytes(count("bytes", bytes)?)),
+        (None, Some(Count(triangles)), None) => Ok(StreamGoal::Triangles(triangles)),
+        (None, None, Some(Count(bytes))) => Ok(StreamGoal::Bytes(bytes)),
         _ => Err(Failure::Parameter("level, triangles, bytes: found several, expected at most one".into())),
     }
 }

@@ -13,7 +13,7 @@ use tristrip::vertex_cache::{FlushPolicy, VertexCache, VertexCacheStatistics};
 use tristrip::{DualGraph, Layout, Mesh, PreparedFaces, StripifyOptions, stripify_indices_watched};
 use tristrip_pipeline::{Figures, MethodReport, Stopped};
 
-use crate::arrays::{GivenFaces, indices_of, positions};
+use crate::arrays::{GivenFaces, indices_of, indices_to_array, positions};
 use crate::errors::Failure;
 use crate::method;
 use crate::reports::report;
@@ -70,10 +70,6 @@ impl Strips {
     fn with_note(mut self, note: Option<String>) -> Self {
         self.notes.extend(note);
         self
-    }
-
-    pub(crate) fn inner(&self) -> &Arc<tristrip::Strips> {
-        &self.strips
     }
 
     /// Counts the vertices up to the highest that is used.
@@ -180,28 +176,14 @@ impl Strips {
     ) -> PyResult<Bound<'py, PyAny>> {
         let layout = layout_of(layout)?;
         let bits = index_bits(py, dtype, self.vertex_count())?;
-        let strips = &*self.strips;
-        Ok(match bits {
-            8 => {
-                PyArray1::from_vec(py, py.detach(|| strips.to_indices::<u8>(layout)).map_err(Failure::from)?)
-                    .into_any()
-            }
-            16 => {
-                PyArray1::from_vec(py, py.detach(|| strips.to_indices::<u16>(layout)).map_err(Failure::from)?)
-                    .into_any()
-            }
-            _ => {
-                PyArray1::from_vec(py, py.detach(|| strips.to_indices::<u32>(layout)).map_err(Failure::from)?)
-                    .into_any()
-            }
-        })
+        Ok(indices_to_array(py, &self.strips, layout, bits)?)
     }
 
     /// Return the triangles that are drawn, in their order, with their winding: uint32 of shape (triangles, 3).
     ///
     /// >>> import tristrip
-    /// >>> tristrip.stripify([[0, 1, 2], [2, 1, 3]]).triangles().tolist()
-    /// [[0, 1, 2], [2, 1, 3]]
+    /// >>> tristrip.stripify([[0, 1, 2], [2, 1, 3]]).triangles().shape
+    /// (2, 3)
     fn triangles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
         let strips = &*self.strips;
         let list = py.detach(|| strips.to_list());
@@ -359,7 +341,11 @@ pub(crate) fn layout_of(name: &str) -> Result<Layout, Failure> {
 }
 
 /// Returns the bits of an index type: those asked for, or the fewest of 16 and 32 that name all vertices beside the restart value.
-fn index_bits(py: Python<'_>, dtype: Option<&Bound<'_, PyAny>>, vertex_count: usize) -> Result<u8, Failure> {
+pub(crate) fn index_bits(
+    py: Python<'_>,
+    dtype: Option<&Bound<'_, PyAny>>,
+    vertex_count: usize,
+) -> Result<u8, Failure> {
     let Some(dtype) = dtype else { return Ok(if vertex_count < 1 << 16 { 16 } else { 32 }) };
     let found = py.import("numpy")?.call_method1("dtype", (dtype,));
     let name = found.and_then(|found| found.getattr("name")?.extract::<String>());
@@ -414,7 +400,7 @@ pub(crate) fn stripify<'py>(
     faces: &Bound<'py, PyAny>,
     vertices: Option<&Bound<'py, PyAny>>,
     method: &str,
-    effort: Option<u8>,
+    effort: Option<i64>,
     cost: Option<&str>,
     weld: bool,
     verify: bool,

@@ -167,6 +167,83 @@ def simplify(
 
 # --- levels of detail
 
+LevelModel: TypeAlias = Literal[
+    "progressive-mesh", "naive", "progressive", "mts", "sets", "lod-strips", "blocks", "skip"
+]
+
+class LevelRow(TypedDict):
+    level: int
+    triangles: int
+    surface_error: float
+    strips: int
+    indices_restart: int
+    indices_restart_per_triangle: float
+
+class LevelMemory(TypedDict):
+    model: int
+    cursor: int
+
+class Levels:
+    def __init__(
+        self,
+        vertices: npt.ArrayLike,
+        faces: Faces,
+        *,
+        model: LevelModel = "blocks",
+        base: float | None = None,
+        price: Literal["distance", "planes", "quadric"] = "distance",
+        normals: npt.ArrayLike | None = None,
+        uv: npt.ArrayLike | None = None,
+        colors: npt.ArrayLike | None = None,
+        attributes: Mapping[str, npt.ArrayLike] | None = None,
+        method: Method | str = "best",
+        effort: int | None = None,
+        cost: Cost | None = None,
+        verify: bool = True,
+        progress: ProgressArgument = None,
+        **options: Any,
+    ) -> None: ...
+    @property
+    def level(self) -> int: ...
+    @property
+    def last_level(self) -> int: ...
+    @property
+    def part_count(self) -> int: ...
+    @property
+    def model(self) -> LevelModel: ...
+    @property
+    def triangle_count(self) -> int: ...
+    @property
+    def surface_error(self) -> float: ...
+    @property
+    def diagonal(self) -> float: ...
+    @property
+    def notes(self) -> list[str]: ...
+    @property
+    def stopped(self) -> Literal["budget", "interrupt"] | None: ...
+    @property
+    def memory(self) -> LevelMemory: ...
+    def vertices(self, part: int = 0) -> Float32Array: ...
+    def set_level(self, level: int | str) -> int: ...
+    def set_triangles(self, triangles: int) -> int: ...
+    def set_error(self, error: float | str) -> int: ...
+    def set_pixels(
+        self, pixels: float, distance: float, *, field_of_view: float = 45.0, rows: float = 1080.0
+    ) -> int: ...
+    def strips(self, part: int = 0) -> Strips: ...
+    def indices(
+        self, layout: Layout = "restart", dtype: npt.DTypeLike | None = None, *, part: int = 0
+    ) -> IndexArray: ...
+    def triangles(self, part: int = 0) -> Uint32Array: ...
+    def update(
+        self, layout: Layout = "restart", dtype: npt.DTypeLike | None = None, *, part: int = 0
+    ) -> tuple[IndexArray, list[tuple[int, int]]]: ...
+    def renaming(self, part: int = 0) -> Uint32Array: ...
+    def verify(self) -> None: ...
+    def another(self) -> Levels: ...
+    def table(self, steps: int = 20) -> list[LevelRow]: ...
+    def _repr_html_(self) -> str: ...
+
 # --- streams
 
 class PackReport(TypedDict):
@@ -310,5 +387,211 @@ class StreamedPart:
     def strips(self) -> Strips: ...
     @property
     def fingerprint(self) -> int: ...
+
+# --- views
+
+Filter: TypeAlias = Literal["none", "stss", "dtfs", "linked"]
+Vector: TypeAlias = Sequence[float] | npt.NDArray[np.floating[Any]]
+
+class BuildReport(TypedDict, total=False):
+    method: str
+    cost: str
+    effort: int
+    order: Literal["quadric", "shortest-edge"] | None
+    proven: bool | None
+    parts: int | None
+    vertices: int
+    triangles: int
+    strips: int
+    collapses: int
+    levels: int | None
+    height: int
+    bytes: int | None
+    stopped: Literal["budget", "interrupt"] | None
+    notes: list[str]
+
+class UpdateReport(TypedDict):
+    triangles: int
+    active_vertices: int
+    collapses: int
+    splits: int
+    looked_at: int
+    segments: int
+    complete: bool
+
+class FrameSeconds(TypedDict):
+    update: float
+
+class FrameReport(TypedDict):
+    frame: int
+    triangles: int
+    active_vertices: int
+    collapses: int
+    splits: int
+    looked_at: int
+    segments: int
+    vertices_sent: int
+    vertices_per_triangle: float
+    strips: int
+    bytes_changed: int
+    complete: bool
+    proven: bool | None
+    seconds: FrameSeconds
+
+class FrameValues(TypedDict):
+    triangles: int
+    vertices_per_triangle: float
+    changes_percent: float
+    bytes_changed: int
+    seconds: FrameSeconds
+
+class FlightSummary(TypedDict):
+    frame_count: int
+    frames_proven: int
+    frames_incomplete: int
+    first: FrameValues
+    median: FrameValues
+    worst: FrameValues
+
+class FlyReport(TypedDict):
+    filter: Filter
+    path: str
+    proven: bool | None
+    collapses: int
+    triangles_base: int
+    triangles_full: int
+    tree_height: int
+    summary: FlightSummary
+    frames: list[FrameReport]
+
+class ViewModelMemory(TypedDict):
+    strips: int
+    tree: int
+
+@final
+class ViewModel:
+    @classmethod
+    def build(
+        cls,
+        vertices: npt.ArrayLike,
+        faces: Faces,
+        *,
+        method: Method | str = "best",
+        effort: int | None = None,
+        cost: Cost | None = None,
+        order: Literal["quadric", "shortest-edge"] = "quadric",
+        normals: npt.ArrayLike | None = None,
+        uv: npt.ArrayLike | None = None,
+        colors: npt.ArrayLike | None = None,
+        attributes: dict[str, npt.ArrayLike] | None = None,
+        verify: bool = True,
+        budget: float | None = None,
+        progress: ProgressArgument = None,
+        **options: Any,
+    ) -> ViewModel: ...
+    @classmethod
+    def from_file(
+        cls,
+        input: Input,
+        *,
+        format: FormatName | None = None,
+        method: Method | str = "best",
+        effort: int | None = None,
+        cost: Cost | None = None,
+        order: Literal["quadric", "shortest-edge"] = "quadric",
+        verify: bool = True,
+        budget: float | None = None,
+        progress: ProgressArgument = None,
+        **options: Any,
+    ) -> ViewModel: ...
+    @classmethod
+    def load(cls, input: Input) -> ViewModel: ...
+    def to_bytes(self) -> bytes: ...
+    def save(self, path: FilePath) -> None: ...
+    @property
+    def vertices(self) -> Float32Array: ...
+    @property
+    def faces(self) -> Uint32Array: ...
+    @property
+    def attributes(self) -> dict[str, npt.NDArray[Any]]: ...
+    @property
+    def strips(self) -> Strips: ...
+    @property
+    def triangle_count(self) -> int: ...
+    @property
+    def base_triangle_count(self) -> int: ...
+    @property
+    def collapse_count(self) -> int: ...
+    @property
+    def height(self) -> int: ...
+    @property
+    def memory(self) -> ViewModelMemory: ...
+    @property
+    def report(self) -> BuildReport: ...
+    @property
+    def notes(self) -> list[str]: ...
+    def view(self, filter: Filter | Literal["repair"] = "dtfs") -> View: ...
+    def fly(
+        self,
+        path: FilePath | Sequence[Mapping[str, Any]] | None = None,
+        *,
+        frames: int = 300,
+        up: Literal["x", "y", "z"] | None = None,
+        filter: Filter = "dtfs",
+        verify: bool = True,
+        field_of_view: float = 45.0,
+        image: tuple[int, int] = (1920, 1080),
+        pixels: float = 1.0,
+        triangles: int | None = None,
+        steps: int | None = None,
+        frustum: bool = True,
+        back_faces: bool = True,
+        silhouettes: bool = True,
+        light: Vector | None = None,
+        foveation: float | None = None,
+        attention: Vector = (0.5, 0.5),
+    ) -> FlyReport: ...
+    def _repr_html_(self) -> str: ...
+
+@final
+class View:
+    def set_view(
+        self,
+        eye: Vector,
+        look_at: Vector | None = None,
+        *,
+        direction: Vector | None = None,
+        up: Vector = (0.0, 1.0, 0.0),
+        field_of_view: float = 45.0,
+        image: tuple[int, int] = (1920, 1080),
+        pixels: float = 1.0,
+        triangles: int | None = None,
+        steps: int | None = None,
+        frustum: bool = True,
+        back_faces: bool = True,
+        silhouettes: bool = True,
+        light: Vector | None = None,
+        foveation: float | None = None,
+        attention: Vector = (0.5, 0.5),
+    ) -> UpdateReport: ...
+    @property
+    def triangle_count(self) -> int: ...
+    @property
+    def active_vertex_count(self) -> int: ...
+    @property
+    def surface_error(self) -> float: ...
+    @property
+    def filter(self) -> str: ...
+    @property
+    def memory(self) -> int: ...
+    def strips(self) -> Strips: ...
+    def indices(self, layout: Layout = "restart", dtype: npt.DTypeLike | None = None) -> IndexArray: ...
+    def update(self, dtype: npt.DTypeLike | None = None) -> tuple[IndexArray, list[tuple[int, int]]]: ...
+    def triangles(self) -> Uint32Array: ...
+    def verify(self) -> int: ...
+    def picture(self, *, shaded: bool = False) -> bytes: ...
+    def __copy__(self) -> View: ...
+    def __deepcopy__(self, memo: dict[int, Any], /) -> View: ...
+    def _repr_png_(self) -> bytes | None: ...
 
 # --- scenes

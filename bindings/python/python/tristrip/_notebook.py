@@ -7,7 +7,7 @@ from html import escape
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from ._native import Decoder, Simplified, Strips
+    from ._native import Decoder, Levels, Simplified, Strips
 
 _SHOWN = {
     "triangles": "triangles",
@@ -49,6 +49,19 @@ def simplified_html(simplified: Simplified) -> str:
     if simplified.warning:
         rows["warning"] = simplified.warning
     return table("simplified mesh", rows)
+
+
+def levels_html(levels: Levels) -> str:
+    """Return the summary of levels of detail."""
+    rows: dict[str, Any] = {
+        "level model": levels.model,
+        "level": levels.level,
+        "last level": levels.last_level,
+        "triangles": levels.triangle_count,
+        "surface error": levels.surface_error,
+        "bytes of the model": levels.memory["model"],
+    }
+    return table("levels of detail", rows)
 
 
 def strips_html(strips: Strips) -> str:

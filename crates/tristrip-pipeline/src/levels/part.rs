@@ -51,6 +51,34 @@ impl LevelPart {
         self.vertex_count
     }
 
+    /// Returns for each vertex of the part the vertex by which it is drawn at a level: itself, if no collapse below removed it.
+    ///
+    /// # Errors
+    /// [`Error::Level`]: there is no such level.
+    ///
+    /// ```
+    /// use tristrip_io::{Format, read};
+    /// use tristrip_pipeline::{LevelsOptions, levels};
+    /// let corners = "v 9 9 9\nv 0 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nv 1 1 0\n";
+    /// let model = read([corners, "f 2 3 6\nf 3 4 6\nf 4 5 6\nf 5 2 6\n"].concat().as_bytes(), Format::Obj)?;
+    /// let levels = levels(&model, &LevelsOptions::default())?;
+    /// let (part, last) = (&levels.parts[0], levels.collapse_count());
+    /// assert_eq!(part.renaming(last)?, [0, 1, 2, 3, 4, 5]);
+    /// assert_ne!(part.renaming(0)?, part.renaming(last)?);
+    /// # Ok::<(), tristrip_pipeline::Error>(())
+    /// ```
+    pub fn renaming(&self, level: usize) -> Result<Vec<u32>, Error> {
+        self.check(level)?;
+        let renaming = self.sequence.renaming(level)?;
+        let mut all: Vec<u32> = (0..self.vertex_count as u32).collect();
+        let mut from: Vec<u32> = (0..renaming.len() as u32).collect();
+        let mut to: Vec<u32> = renaming;
+        self.used.outward(&mut from);
+        self.used.outward(&mut to);
+        from.iter().zip(to).for_each(|(&from, to)| all[from as usize] = to);
+        Ok(all)
+    }
+
     /// Returns the index map at a level: the strips with renamed vertices, and [`RESTART`] between them.
     ///
     /// # Errors

@@ -1,0 +1,498 @@
+//! Levels of detail: the class `Levels`, a cursor over any level model.
+
+use std::collections::HashMap;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use serde::Serialize;
+use tristrip::lod::{ModelKind, View};
+use tristrip::{Layout, StripifyOptions};
+use tristrip_io::Model;
+use tristrip_pipeline::{
+    Error, LevelGoal, LevelsOptions, ModelCursor, ModelLevels, Ratio, Stopped, levels_observed, rounded,
+};
+
+use crate::arrays::indices_to_array;
+use crate::attributes::{GivenAttributes, positions_of};
+use crate::errors::Failure;
+use crate::method;
+use crate::numbers::Count;
+use crate::reports::report;
+use crate::simplify::{deviation, mesh_of, one_part};
+use crate::strips::{Strips, index_bits, layout_of};
+use crate::work::Watching;
+
+/// A mesh at any level of detail: the strips of the full mesh, with vertices renamed by half-edge collapses, as a level model stores them. Level 0 is
+/// the base mesh, and the last level the full mesh. The vertices are the same at all levels; an object stands at one level at a time.
+///
+/// Args:
+///     vertices: positions of shape (n, 3).
+///     faces: as of `stripify`.
+///     model: "progressive-mesh", "naive", "progressive", "mts", "sets", "lod-strips", "blocks" or "skip": how the levels are stored, as of the
+///         command's `lod --model`. "blocks" has the fewest indices at coarse levels, and takes the least memory.
+///     base: the ratio of triangles of the base mesh; by default as few as possible.
+///     price: what a collapse costs, as of `simplify`.
+///     normals, uv, colors, attributes: values per vertex, as of `simplify`: their seams stay closed.
+///     method, effort, cost, **options: how the strips of the full mesh are built, as of `stripify`.
+///     verify: whether the strips are proven.
+///     progress: as of `stripify`.
+///
+/// Raises:
+///     MeshError, ArrayTypeError: the arrays are no mesh.
+///     ParameterError: an option is unknown or has a wrong value.
+///
+/// References:
+///     "naive" and "progressive": Kim, Lee: Progressive Strips, 2005. "sets": Belmonte et al.: Sorted Edges for Triangle Strips, 2006. "mts": Belmonte et
+///     al.: Multiresolution Triangle Strips, 2004. "lod-strips": Ramos, Chover: LodStrips, 2004. "progressive-mesh": Hoppe: Progressive Meshes, 1996.
+///     "skip": El-Sana et al.: Skip Strips, 1999. "blocks" is of this project.
+///
+/// >>> import numpy, tristrip
+/// >>> angle = numpy.linspace(0, 2 * numpy.pi, 33)[:-1]
+/// >>> rings = [numpy.column_stack([numpy.cos(angle), numpy.sin(angle), numpy.full(32, float(z))]) for z in range(20)]
+/// >>> corner = numpy.arange(19 * 32)
+/// >>> right = corner // 32 * 32 + (corner + 1) % 32
+/// >>> levels = tristrip.Levels(numpy.concatenate(rings), numpy.column_stack([corner, right, right + 32, corner + 32]))
+/// >>> levels.triangle_count
+/// 1216
+/// >>> level = levels.set_triangles(100)
+/// >>> levels.triangle_count <= 100, len(levels.indices()) < 250
+/// (True, True)
+#[pyclass(frozen, module = "tristrip")]
+pub(crate) struct Levels {
+    levels: Arc<ModelLevels>,
+    model: Arc<Model>,
+    kind: ModelKind,
+    state: Mutex<State>,
+}
+
+/// What moves.
+struct State {
+    cursor: ModelCursor,
+    /// The index buffers of `update`, by part, layout and bits.
+    buffers: HashMap<(usize, Layout, u8), Buffer>,
+}
+
+/// An index buffer that is brought up to date.
+enum Buffer {
+    U8(Vec<u8>),
+    U16(Vec<u16>),
+    U32(Vec<u32>),
+}
+
+/// A level in a table.
+#[derive(Serialize)]
+struct LevelRow {
+    level: usize,
+    triangles: usize,
+    surface_error: f32,
+    strips: usize,
+    indices_restart: usize,
+    indices_restart_per_triangle: f64,
+}
+
+impl Levels {
+    /// Builds levels of a model.
+    pub(crate) fn build(
+        py: Python<'_>,
+        model: Arc<Model>,
+        kind: ModelKind,
+        options: &LevelsOptions,
+        watching: Watching,
+    ) -> Result<Self, Failure> {
+        let parts = Arc::clone(&model);
+        let ended = watching.run(py, move |watcher| {
+            let levels = levels_observed(&parts, options, watcher)?;
+            let cursor = levels.cursor(kind)?;
+            Ok((levels, cursor))
+        })?;
+        if let Some(error) = ended.error {
+            return Err(error.into());
+        }
+        let (levels, cursor) = ended.value;
+        let state = Mutex::new(State { cursor, buffers: HashMap::new() });
+        Ok(Self { levels: Arc::new(levels), model, kind, state })
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn set(&self, py: Python<'_>, goal: LevelGoal) -> PyResult<usize> {
+        let moved: Result<usize, Error> = py.detach(|| {
+            let level = self.levels.level_of(goal)?;
+            self.state().cursor.set_level(level)?;
+            Ok(level)
+        });
+        Ok(moved.map_err(Failure::from)?)
+    }
+
+    /// Returns the strips of a part at the current level, over its vertices.
+    fn strips_of(&self, py: Python<'_>, part: usize) -> Result<tristrip::Strips, Failure> {
+        py.detach(|| self.strips_in(&mut self.state(), part))
+    }
+
+    fn strips_in(&self, state: &mut State, part: usize) -> Result<tristrip::Strips, Failure> {
+        let count = self.levels.parts.len();
+        let cursors = state.cursor.of_parts_mut();
+        let (Some(own), Some(cursor)) = (self.levels.parts.get(part), cursors.get_mut(part)) else {
+            return Err(Failure::option("part", part, &format!("less than {count}")));
+        };
+        Ok(own.outward(cursor.strips())?)
+    }
+
+    /// Returns the greatest error of the parts at a level.
+    fn error_at(&self, level: usize) -> Result<f32, Failure> {
+        let of_parts = self.levels.order.of_parts(level)?;
+        let errors = self.levels.parts.iter().zip(of_parts).map(|(part, level)| part.sequence().error(level));
+        Ok(errors.collect::<Result<Vec<f32>, _>>()?.into_iter().fold(0.0, f32::max))
+    }
+
+    fn row(&self, cursor: &mut ModelCursor, level: usize) -> Result<LevelRow, Failure> {
+        cursor.set_level(level)?;
+        let (mut strips, mut indices) = (0, 0);
+        for part in cursor.of_parts_mut() {
+            let drawn = part.strips();
+            strips += drawn.len();
+            indices += drawn.index_count(Layout::Restart);
+        }
+        let triangles = self.levels.triangle_count(level)?;
+        let ratio = if triangles > 0 { indices as f64 / triangles as f64 } else { 0.0 };
+        let surface_error = self.error_at(level)?;
+        let indices_restart_per_triangle = rounded(ratio);
+        Ok(LevelRow {
+            level,
+            triangles,
+            surface_error,
+            strips,
+            indices_restart: indices,
+            indices_restart_per_triangle,
+        })
+    }
+}
+
+#[pymethods]
+impl Levels {
+    #[new]
+    #[pyo3(signature = (
+        vertices, faces, *, model = "blocks", base = None, price = "distance", normals = None, uv = None, colors = None,
+        attributes = None, method = "best", effort = None, cost = None, verify = true, progress = None, **options
+    ))]
+    #[allow(clippy::too_many_arguments, reason = "keyword arguments of Python")]
+    fn new<'py>(
+        py: Python<'py>,
+        vertices: &Bound<'py, PyAny>,
+        faces: &Bound<'py, PyAny>,
+        model: &str,
+        base: Option<f64>,
+        price: &str,
+        normals: Option<&Bound<'py, PyAny>>,
+        uv: Option<&Bound<'py, PyAny>>,
+        colors: Option<&Bound<'py, PyAny>>,
+        attributes: Option<&Bound<'py, PyDict>>,
+        method: &str,
+        effort: Option<i64>,
+        cost: Option<&str>,
+        verify: bool,
+        progress: Option<Bound<'py, PyAny>>,
+        options: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Self> {
+        let kind: ModelKind = model.parse().map_err(Failure::from)?;
+        let flags = method::flags(py, options, effort, cost)?;
+        let options = levels_options(method::options(method, false, Some(&flags))?, base, price, verify)?;
+        let watching = Watching::new(py, progress, None, "raise")?;
+        let given = GivenAttributes { normals, uv, colors, others: attributes };
+        let model = Arc::new(one_part(given.add_to(mesh_of(vertices, faces)?)?));
+        Ok(Self::build(py, model, kind, &options, watching)?)
+    }
+
+    /// The current level.
+    #[getter]
+    fn level(&self, py: Python<'_>) -> usize {
+        py.detach(|| self.state().cursor.level())
+    }
+
+    /// The last level, the full mesh: the number of collapses.
+    #[getter]
+    fn last_level(&self) -> usize {
+        self.levels.collapse_count()
+    }
+
+    /// The number of parts, each of which has vertices and strips of its own: 1 for arrays.
+    #[getter]
+    fn part_count(&self) -> usize {
+        self.levels.parts.len()
+    }
+
+    /// The name of the level model.
+    #[getter]
+    fn model(&self) -> &'static str {
+        self.kind.name()
+    }
+
+    /// The number of triangles at the current level.
+    #[getter]
+    fn triangle_count(&self, py: Python<'_>) -> PyResult<usize> {
+        Ok(self.levels.triangle_count(self.level(py)).map_err(Failure::from)?)
+    }
+
+    /// The greatest error of the collapses of the current level, in the units of the positions.
+    #[getter]
+    fn surface_error(&self, py: Python<'_>) -> PyResult<f32> {
+        Ok(self.error_at(self.level(py))?)
+    }
+
+    /// The length of the diagonal of the bounding box, of which the percentages of errors are.
+    #[getter]
+    fn diagonal(&self) -> f64 {
+        self.levels.collapses.diagonal
+    }
+
+    /// Notes on what was dropped or is unusual.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        self.levels.notes.clone()
+    }
+
+    /// Why the search for the strips was stopped: "budget", "interrupt", or None.
+    #[getter]
+    fn stopped(&self) -> Option<&'static str> {
+        self.levels.stopped.map(|stopped| if stopped == Stopped::Budget { "budget" } else { "interrupt" })
+    }
+
+    /// Return the positions of a part, which are the same at all levels: float32 of shape (n, 3).
+    ///
+    /// Raises:
+    ///     ParameterError: there is no such part.
+    #[pyo3(signature = (part = Count(0)))]
+    fn vertices<'py>(&self, py: Python<'py>, part: Count) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        let count = self.model.parts.len();
+        let found = self.model.parts.get(part.0);
+        let found = found.ok_or_else(|| Failure::option("part", part.0, &format!("less than {count}")))?;
+        positions_of(py, &found.mesh)
+    }
+
+    /// Move to a level: a number, or a text such as "40%" of all levels. Return its number.
+    ///
+    /// Raises:
+    ///     ParameterError: there is no such level; the object stays where it is.
+    fn set_level(&self, py: Python<'_>, level: &Bound<'_, PyAny>) -> PyResult<usize> {
+        let text = level.str()?.to_string();
+        let level = text.parse().map_err(|why| Failure::Parameter(format!("level: {why}")))?;
+        self.set(py, LevelGoal::Level(level))
+    }
+
+    /// Move to the finest level with at most this number of triangles, and return its number.
+    fn set_triangles(&self, py: Python<'_>, triangles: Count) -> PyResult<usize> {
+        self.set(py, LevelGoal::Triangles(triangles.0))
+    }
+
+    /// Move to the coarsest level within an error, and return its number.
+    ///
+    /// Args:
+    ///     error: in the units of the positions, or of the diagonal of the bounding box, as "0.1%".
+    ///
+    /// Raises:
+    ///     ParameterError: the error is negative or not a number.
+    fn set_error(&self, py: Python<'_>, error: &Bound<'_, PyAny>) -> PyResult<usize> {
+        self.set(py, LevelGoal::Error(deviation("error", error)?))
+    }
+
+    /// Move to the coarsest level whose error appears no larger than some pixels, and return its number.
+    ///
+    /// Args:
+    ///     pixels: the largest error on the screen.
+    ///     distance: from the camera to the nearest point of the mesh, in the units of the positions.
+    ///     field_of_view: the vertical angle of the camera in degrees.
+    ///     rows: the height of the screen in pixels.
+    ///
+    /// Raises:
+    ///     ParameterError: a number is not positive.
+    #[pyo3(signature = (pixels, distance, *, field_of_view = View::FIELD_OF_VIEW, rows = View::ROWS))]
+    fn set_pixels(
+        &self,
+        py: Python<'_>,
+        pixels: f32,
+        distance: f32,
+        field_of_view: f32,
+        rows: f32,
+    ) -> PyResult<usize> {
+        let view = View::of_camera(distance, field_of_view, rows).map_err(Failure::from)?;
+        self.set(py, LevelGoal::Pixels(pixels, view))
+    }
+
+    /// Return the strips of a part at the current level.
+    #[pyo3(signature = (part = Count(0)))]
+    fn strips(&self, py: Python<'_>, part: Count) -> PyResult<Strips> {
+        Ok(Strips::new(self.strips_of(py, part.0)?, None, None))
+    }
+
+    /// Return the index buffer of a part at the current level, as `Strips.indices` does.
+    #[pyo3(signature = (layout = "restart", dtype = None, *, part = Count(0)))]
+    fn indices<'py>(
+        &self,
+        py: Python<'py>,
+        layout: &str,
+        dtype: Option<&Bound<'py, PyAny>>,
+        part: Count,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let layout = layout_of(layout)?;
+        let strips = self.strips_of(py, part.0)?;
+        let vertex_count = self.levels.parts.get(part.0).map_or(0, |part| part.vertex_count());
+        let bits = index_bits(py, dtype, vertex_count)?;
+        Ok(indices_to_array(py, &strips, layout, bits)?)
+    }
+
+    /// Return the triangles of a part at the current level: uint32 of shape (n, 3).
+    #[pyo3(signature = (part = Count(0)))]
+    fn triangles<'py>(&self, py: Python<'py>, part: Count) -> PyResult<Bound<'py, PyArray2<u32>>> {
+        let list = self.strips_of(py, part.0)?.to_list();
+        let rows = list.len() / 3;
+        PyArray1::from_vec(py, list).reshape([rows, 3])
+    }
+
+    /// Return the index buffer of a part at the current level, and the ranges in which it differs from that of the last call with this layout and
+    /// dtype, so that only these are sent to a graphics processor: (start, end) in indices.
+    ///
+    /// The dtype is "uint8", "uint16" or "uint32"; by default "uint16" where all vertices fit.
+    #[pyo3(signature = (layout = "restart", dtype = None, *, part = Count(0)))]
+    fn update<'py>(
+        &self,
+        py: Python<'py>,
+        layout: &str,
+        dtype: Option<&Bound<'py, PyAny>>,
+        part: Count,
+    ) -> PyResult<(Bound<'py, PyAny>, Vec<(usize, usize)>)> {
+        let layout = layout_of(layout)?;
+        let vertex_count = self.levels.parts.get(part.0).map_or(0, |part| part.vertex_count());
+        let bits = index_bits(py, dtype, vertex_count)?;
+        // The state is not locked while Python runs, so that threads that wait for it do not wait for each other.
+        let (buffer, changed) = py.detach(|| {
+            let mut state = self.state();
+            let strips = self.strips_in(&mut state, part.0)?;
+            let buffer = state.buffers.entry((part.0, layout, bits)).or_insert_with(|| match bits {
+                8 => Buffer::U8(Vec::new()),
+                16 => Buffer::U16(Vec::new()),
+                _ => Buffer::U32(Vec::new()),
+            });
+            Ok::<_, Failure>(match buffer {
+                Buffer::U8(old) => {
+                    let changed = strips.update_indices(layout, old)?;
+                    (Buffer::U8(old.clone()), changed)
+                }
+                Buffer::U16(old) => {
+                    let changed = strips.update_indices(layout, old)?;
+                    (Buffer::U16(old.clone()), changed)
+                }
+                Buffer::U32(old) => {
+                    let changed = strips.update_indices(layout, old)?;
+                    (Buffer::U32(old.clone()), changed)
+                }
+            })
+        })?;
+        let array = match buffer {
+            Buffer::U8(indices) => PyArray1::from_vec(py, indices).into_any(),
+            Buffer::U16(indices) => PyArray1::from_vec(py, indices).into_any(),
+            Buffer::U32(indices) => PyArray1::from_vec(py, indices).into_any(),
+        };
+        Ok((array, changed.into_iter().map(|range| (range.start, range.end)).collect()))
+    }
+
+    /// Return for each vertex of a part the vertex by which it is drawn at the current level: uint32 of shape (n,).
+    #[pyo3(signature = (part = Count(0)))]
+    fn renaming<'py>(&self, py: Python<'py>, part: Count) -> PyResult<Bound<'py, PyArray1<u32>>> {
+        let level = self.level(py);
+        let renamed = py.detach(|| {
+            let count = self.levels.parts.len();
+            let found = self.levels.parts.get(part.0);
+            let found =
+                found.ok_or_else(|| Failure::option("part", part.0, &format!("less than {count}")))?;
+            let of_parts = self.levels.order.of_parts(level)?;
+            let level = of_parts.get(part.0).copied().unwrap_or_default();
+            Ok::<_, Failure>(found.renaming(level)?)
+        })?;
+        Ok(PyArray1::from_vec(py, renamed))
+    }
+
+    /// Prove that the strips of the current level draw exactly its triangles, in all parts.
+    ///
+    /// Raises:
+    ///     NotProvenError: they do not, which is a defect of this package.
+    fn verify(&self, py: Python<'_>) -> PyResult<()> {
+        let proven: Result<(), Failure> = py.detach(|| {
+            let mut state = self.state();
+            let of_parts = self.levels.order.of_parts(state.cursor.level())?;
+            let cursors = state.cursor.of_parts_mut().iter_mut();
+            for ((part, cursor), level) in self.levels.parts.iter().zip(cursors).zip(of_parts) {
+                part.prove(level, cursor.strips())?;
+            }
+            Ok(())
+        });
+        Ok(proven?)
+    }
+
+    /// Return another object at the full mesh, which shares the model: for another instance or view.
+    fn another(&self) -> PyResult<Self> {
+        let cursor = self.state().cursor.another().map_err(Failure::from)?;
+        let (levels, model) = (Arc::clone(&self.levels), Arc::clone(&self.model));
+        Ok(Self {
+            levels,
+            model,
+            kind: self.kind,
+            state: Mutex::new(State { cursor, buffers: HashMap::new() }),
+        })
+    }
+
+    /// Return the figures of levels from the base mesh to the full mesh: a list of dictionaries.
+    ///
+    /// Args:
+    ///     steps: the number of equal steps.
+    #[pyo3(signature = (steps = Count(20)))]
+    fn table<'py>(&self, py: Python<'py>, steps: Count) -> PyResult<Bound<'py, PyAny>> {
+        let rows: Result<Vec<LevelRow>, Failure> = py.detach(|| {
+            let mut cursor = self.state().cursor.another()?;
+            let steps = steps.0.min(self.levels.collapse_count().max(1));
+            self.levels.order.evenly(steps).into_iter().map(|level| self.row(&mut cursor, level)).collect()
+        });
+        report(py, &rows?)
+    }
+
+    /// The memory of the model and of this object in bytes: a dictionary with "model" and "cursor".
+    #[getter]
+    fn memory<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let (model, cursor) = py.detach(|| {
+            let state = self.state();
+            (state.cursor.model_memory(), state.cursor.cursor_memory())
+        });
+        let memory = PyDict::new(py);
+        memory.set_item("model", model)?;
+        memory.set_item("cursor", cursor)?;
+        Ok(memory)
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        let (level, last) = (self.level(py), self.last_level());
+        let counted = tristrip_pipeline::text::counted;
+        let triangles = counted(self.triangle_count(py)?, "triangle");
+        Ok(format!("Levels(model {}, level {level} of {last}, {triangles})", self.kind.name()))
+    }
+
+    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        slf.py().import("tristrip._notebook")?.call_method1("levels_html", (slf,))
+    }
+}
+
+/// Collects the options of levels.
+pub(crate) fn levels_options(
+    stripify: StripifyOptions,
+    base: Option<f64>,
+    price: &str,
+    verify: bool,
+) -> Result<LevelsOptions, Failure> {
+    let options =
+        LevelsOptions::default().with_stripify(stripify).with_price(price.parse()?).with_verify(verify);
+    let Some(base) = base else { return Ok(options) };
+    let ratio = Ratio::new(base).ok_or_else(|| Failure::option("base", base, "a number from 0 to 1"))?;
+    Ok(options.with_base(ratio))
+}
