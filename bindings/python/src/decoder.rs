@@ -9,6 +9,7 @@ use tristrip::stream::{StreamLimits, StreamPart};
 use tristrip_io::gltf::{ArrivalLimits, ArrivingGlb};
 use tristrip_pipeline::text::{count, counted};
 
+use crate::arrays::triangle_rows;
 use crate::attributes;
 use crate::errors::Failure;
 use crate::input::bytes_of;
@@ -315,9 +316,7 @@ impl StreamedPart {
     /// The triangles so far: uint32 of shape (m, 3).
     #[getter]
     fn faces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
-        let triangles = self.with(py, StreamPart::triangles)?;
-        let rows = triangles.len() / 3;
-        PyArray1::from_vec(py, triangles).reshape([rows, 3])
+        triangle_rows(py, self.with(py, StreamPart::triangles)?)
     }
 
     /// The attributes so far by their names: "NORMAL", "TEXCOORD_0", … Where a mesh is that of several primitives, "part" has the number of each vertex's.

@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use numpy::{PyArray1, PyArray2, PyArrayMethods};
+use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict, PyTuple, PyType};
 use serde::Serialize;
@@ -24,7 +24,7 @@ use tristrip_pipeline::{
     DisplayFilter, MethodReport, Observer, Stopped, ViewModelOptions, ViewModelReport, view_model,
 };
 
-use crate::arrays::indices_to_array;
+use crate::arrays::triangle_rows;
 use crate::attributes::{self, GivenAttributes};
 use crate::errors::Failure;
 use crate::input::{Input, format_of};
@@ -32,16 +32,14 @@ use crate::method;
 use crate::numbers::Count;
 use crate::reports::report;
 use crate::simplify::{mesh_of, one_part};
-use crate::strips::{Strips, index_bits, layout_of};
+use crate::strips::{Strips, index_bits};
 use crate::work::{Watcher, Watching};
 
 /// The most frames of a flight whose display strips are proven, as the command proves them.
 const PROOF_COUNT: usize = 20;
 const USUAL_FRAMES: Count = Count(300);
-const USUAL_IMAGE: (u32, u32) = (1920, 1080);
 const UPWARD: [f32; 3] = [0.0, 1.0, 0.0];
 const MIDDLE: [f32; 2] = [0.5, 0.5];
-const FIELD_OF_VIEW: f32 = tristrip::lod::View::FIELD_OF_VIEW;
 
 /// A model of which each view has its own detail: a mesh, its strips, and collapses level by level (Skip Strips). Built by `ViewModel.build` from arrays and by
 /// `ViewModel.from_file` from a mesh file, or read by `ViewModel.load` from a `.tlod` file. It does not change; `view` starts a cursor over it.
@@ -122,14 +120,12 @@ impl ViewModel {
 
 /// Reads the options of a model.
 fn options(
-    py: Python<'_>,
-    (method, effort, cost): (&str, Option<i64>, Option<&str>),
+    method: &str,
     order: &str,
     verify: bool,
     others: Option<&Bound<'_, PyDict>>,
 ) -> PyResult<ViewModelOptions> {
-    let flags = method::flags(py, others, effort, cost)?;
-    let stripify = method::options(method, false, Some(&flags))?;
+    let stripify = method::options(method, false, others)?;
     let order: MergeOrder = order.parse().map_err(Failure::from)?;
     Ok(ViewModelOptions::default().with_stripify(stripify).with_order(order).with_verify(verify))
 }
@@ -141,7 +137,7 @@ impl ViewModel {
     /// Args:
     ///     vertices: positions of shape (n, 3).
     ///     faces: as of `stripify`; polygons become triangles.
-    ///     method, effort, cost, **options: how the strips of the full mesh are built, as of `stripify`.
+    ///     method, **options: how the strips of the full mesh are built, as of `stripify`: `effort`, `cost`, …
     ///     order: the collapses that come first in a level: "quadric" (the cheaper half, so that vertices of features go last) or "shortest-edge" (as
     ///         published).
     ///     normals, uv, colors, attributes: values per vertex, as of `simplify`: their seams stay closed.
@@ -158,8 +154,8 @@ impl ViewModel {
     /// ViewModel(1 triangle, 0 collapses, 1 strip)
     #[classmethod]
     #[pyo3(signature = (
-        vertices, faces, *, method = "best", effort = None, cost = None, order = "quadric", normals = None, uv = None,
-        colors = None, attributes = None, verify = true, budget = None, progress = None, **options
+        vertices, faces, *, method = "best", order = "quadric", normals = None, uv = None, colors = None, attributes = None,
+        verify = true, budget = None, progress = None, **options
     ))]
     #[allow(clippy::too_many_arguments, reason = "keyword arguments of Python")]
     fn build<'py>(
@@ -168,8 +164,6 @@ impl ViewModel {
         vertices: &Bound<'py, PyAny>,
         faces: &Bound<'py, PyAny>,
         method: &str,
-        effort: Option<i64>,
-        cost: Option<&str>,
         order: &str,
         normals: Option<&Bound<'py, PyAny>>,
         uv: Option<&Bound<'py, PyAny>>,
@@ -180,7 +174,7 @@ impl ViewModel {
         progress: Option<Bound<'py, PyAny>>,
         options: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, Self>> {
-        let options = self::options(py, (method, effort, cost), order, verify, options)?;
+        let options = self::options(method, order, verify, options)?;
         let watching = Watching::new(py, progress, budget, "raise")?;
         let given = GivenAttributes { normals, uv, colors, others: attributes };
         let model = one_part(given.add_to(mesh_of(vertices, faces)?)?);
@@ -193,7 +187,7 @@ impl ViewModel {
     /// Args:
     ///     input: a file, or the bytes of one.
     ///     format: its format, by its extension; by default that of the name or of the content.
-    ///     method, effort, cost, order, verify, budget, progress, **options: as of `ViewModel.build`.
+    ///     method, order, verify, budget, progress, **options: as of `ViewModel.build`.
     ///
     /// Raises:
     ///     FileError: the file cannot be read.
@@ -205,25 +199,22 @@ impl ViewModel {
     /// 1
     #[classmethod]
     #[pyo3(signature = (
-        input, *, format = None, method = "best", effort = None, cost = None, order = "quadric", verify = true,
-        budget = None, progress = None, **options
+        input, *, method = "best", order = "quadric", verify = true, budget = None, format = None, progress = None, **options
     ))]
     #[allow(clippy::too_many_arguments, reason = "keyword arguments of Python")]
     fn from_file<'py>(
         _: &Bound<'py, PyType>,
         py: Python<'py>,
         input: &Bound<'py, PyAny>,
-        format: Option<&str>,
         method: &str,
-        effort: Option<i64>,
-        cost: Option<&str>,
         order: &str,
         verify: bool,
         budget: Option<f64>,
+        format: Option<&str>,
         progress: Option<Bound<'py, PyAny>>,
         options: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, Self>> {
-        let options = self::options(py, (method, effort, cost), order, verify, options)?;
+        let options = self::options(method, order, verify, options)?;
         let watching = Watching::new(py, progress, budget, "raise")?;
         let (input, format) = (Input::of(input)?, format_of(format)?);
         let source = input.source();
@@ -286,8 +277,7 @@ impl ViewModel {
     /// The triangles of the full mesh, in the order in which the strips draw them: uint32 of shape (m, 3).
     #[getter]
     fn faces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
-        let triangles = self.model.sequence.triangles();
-        PyArray1::from_slice(py, triangles).reshape([triangles.len() / 3, 3])
+        triangle_rows(py, self.model.sequence.triangles().to_vec())
     }
 
     /// The attributes by their names: "NORMAL", "TEXCOORD_0", …
@@ -402,16 +392,11 @@ impl ViewModel {
     /// >>> flight = model.fly("orbit", frames=4)
     /// >>> [frame["triangles"] for frame in flight["frames"]]
     /// [1, 1, 1, 1]
-    #[pyo3(signature = (
-        path = None, *, frames = USUAL_FRAMES, up = None, filter = "dtfs", verify = true, field_of_view = FIELD_OF_VIEW,
-        image = USUAL_IMAGE, pixels = 1.0, triangles = None, steps = None, frustum = true, back_faces = true,
-        silhouettes = true, light = None, foveation = None, attention = MIDDLE
-    ))]
-    #[allow(
-        clippy::too_many_arguments,
-        clippy::fn_params_excessive_bools,
-        reason = "keyword arguments of Python"
+    #[pyo3(
+        signature = (path = None, *, frames = USUAL_FRAMES, up = None, filter = "dtfs", verify = true, **detail),
+        text_signature = "(self, path=None, *, frames=300, up=None, filter='dtfs', verify=True, field_of_view=45.0, image=(1920, 1080), pixels=1.0, triangles=None, steps=None, frustum=True, back_faces=True, silhouettes=True, light=None, foveation=None, attention=(0.5, 0.5))"
     )]
+    #[allow(clippy::too_many_arguments, reason = "keyword arguments of Python")]
     fn fly<'py>(
         &self,
         py: Python<'py>,
@@ -420,23 +405,10 @@ impl ViewModel {
         up: Option<&str>,
         filter: &str,
         verify: bool,
-        field_of_view: f32,
-        image: (u32, u32),
-        pixels: f32,
-        triangles: Option<Count>,
-        steps: Option<Count>,
-        frustum: bool,
-        back_faces: bool,
-        silhouettes: bool,
-        light: Option<[f32; 3]>,
-        foveation: Option<f32>,
-        attention: [f32; 2],
+        detail: Option<&Bound<'py, PyDict>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let lens = Lens { field_of_view, image: [image.0, image.1] };
-        lens.check().map_err(Failure::from)?;
         let filter: Filter = filter.parse().map_err(Failure::from)?;
-        let seen = Seen { frustum, back_faces, silhouettes };
-        let criteria = criteria(pixels, triangles, steps, seen, light, foveation, attention)?;
+        let Detail { lens, criteria } = Detail::of(detail)?;
         let path = GivenPath::of(path, up)?;
         let options = FlightOptions { criteria, filter, proof_count: if verify { PROOF_COUNT } else { 0 } };
         let ended = Watching::default().run(py, |watcher| {
@@ -546,46 +518,62 @@ impl GivenPath {
     }
 }
 
-/// What counts for the detail beside the error.
-struct Seen {
-    frustum: bool,
-    back_faces: bool,
-    silhouettes: bool,
+/// What a camera sees, and what detail that needs: the keyword arguments that views and flights share.
+#[derive(Debug, Clone, Copy)]
+struct Detail {
+    lens: Lens,
+    criteria: ViewCriteria,
 }
 
-/// Reads what detail a view needs.
-fn criteria(
-    pixels: f32,
-    triangles: Option<Count>,
-    steps: Option<Count>,
-    seen: Seen,
-    light: Option<[f32; 3]>,
-    foveation: Option<f32>,
-    attention: [f32; 2],
-) -> Result<ViewCriteria, Failure> {
-    let mut criteria = ViewCriteria::new(pixels)?
-        .with_frustum(seen.frustum)
-        .with_back_faces(seen.back_faces)
-        .with_silhouettes(seen.silhouettes);
-    if let Some(Count(most)) = triangles {
-        criteria = criteria.with_budget(most);
-    }
-    match steps {
-        Some(Count(0)) => {
-            return Err(Failure::option("steps", 0, "at least 1: a view would never change"));
+impl Detail {
+    /// Reads keyword arguments; those that are `None` have their default.
+    fn of(given: Option<&Bound<'_, PyDict>>) -> Result<Self, Failure> {
+        let (mut lens, mut criteria) = (Lens::default(), ViewCriteria::default());
+        let (mut growth, mut attention) = (None, None);
+        for (name, value) in given.into_iter().flat_map(|given| given.iter()) {
+            let name: String = name.extract()?;
+            if value.is_none() {
+                continue;
+            }
+            match &*name {
+                "field_of_view" => lens.field_of_view = read(&name, &value, "degrees")?,
+                "image" => lens.image = read(&name, &value, "columns and rows")?,
+                "pixels" => criteria = criteria.with_pixels(read(&name, &value, "a number")?)?,
+                "triangles" => criteria = criteria.with_budget(read(&name, &value, "a count")?),
+                "steps" => match read(&name, &value, "a count")? {
+                    0 => return Err(Failure::option("steps", 0, "at least 1: a view would never change")),
+                    steps => criteria = criteria.with_steps(steps),
+                },
+                "frustum" => criteria = criteria.with_frustum(read(&name, &value, "True or False")?),
+                "back_faces" => criteria = criteria.with_back_faces(read(&name, &value, "True or False")?),
+                "silhouettes" => criteria = criteria.with_silhouettes(read(&name, &value, "True or False")?),
+                "light" => criteria = criteria.with_light(read(&name, &value, "three numbers")?)?,
+                "foveation" => growth = Some(read(&name, &value, "a number")?),
+                "attention" => attention = Some(read(&name, &value, "two fractions from 0 to 1")?),
+                _ => return Err(Failure::Parameter(format!("{name}: no option of a view"))),
+            }
         }
-        Some(Count(steps)) => criteria = criteria.with_steps(steps),
-        None => (),
+        lens.check()?;
+        if let Some(growth) = growth {
+            let foveation = Foveation::new(growth)
+                .map_err(|_| Failure::option("foveation", growth, "a finite number of at least 0"))?;
+            criteria = criteria.with_foveation(foveation.with_attention(attention.unwrap_or(MIDDLE))?);
+        }
+        Ok(Self { lens, criteria })
     }
-    if let Some(direction) = light {
-        criteria = criteria.with_light(direction)?;
-    }
-    if let Some(growth) = foveation {
-        let foveation = Foveation::new(growth)
-            .map_err(|_| Failure::option("foveation", growth, "a finite number of at least 0"))?;
-        criteria = criteria.with_foveation(foveation.with_attention(attention)?);
-    }
-    Ok(criteria)
+}
+
+/// Reads the value of an argument.
+fn read<'py, T: for<'a> FromPyObject<'a, 'py>>(
+    name: &str,
+    value: &Bound<'py, PyAny>,
+    expected: &str,
+) -> Result<T, Failure> {
+    let wrong = |_| {
+        let found = value.repr().map_or_else(|_| "an object".into(), |text| text.to_string());
+        Failure::option(name, found, expected)
+    };
+    value.extract().map_err(Into::into).map_err(wrong)
 }
 
 /// The detail of a `ViewModel` for one camera: a cursor that moves from frame to frame. Started by `ViewModel.view`, at the base mesh. Several views of one
@@ -642,18 +630,6 @@ impl Cursor {
     }
 }
 
-/// What `View.set_view` did; the keys are those of a frame in the JSON report of `tristrip fly`.
-#[derive(Serialize)]
-struct UpdateReport {
-    triangles: usize,
-    active_vertices: usize,
-    collapses: usize,
-    splits: usize,
-    looked_at: usize,
-    segments: usize,
-    complete: bool,
-}
-
 impl View {
     fn state(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
@@ -700,15 +676,9 @@ impl View {
     /// >>> view = tristrip.ViewModel.build([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]).view()
     /// >>> view.set_view((0, 0, 5), direction=(0, 0, -1), pixels=2, triangles=1000)["complete"]
     /// True
-    #[pyo3(signature = (
-        eye, look_at = None, *, direction = None, up = UPWARD, field_of_view = FIELD_OF_VIEW, image = USUAL_IMAGE,
-        pixels = 1.0, triangles = None, steps = None, frustum = true, back_faces = true, silhouettes = true, light = None,
-        foveation = None, attention = MIDDLE
-    ))]
-    #[allow(
-        clippy::too_many_arguments,
-        clippy::fn_params_excessive_bools,
-        reason = "keyword arguments of Python"
+    #[pyo3(
+        signature = (eye, look_at = None, *, direction = None, up = UPWARD, **detail),
+        text_signature = "(self, eye, look_at=None, *, direction=None, up=(0.0, 1.0, 0.0), field_of_view=45.0, image=(1920, 1080), pixels=1.0, triangles=None, steps=None, frustum=True, back_faces=True, silhouettes=True, light=None, foveation=None, attention=(0.5, 0.5))"
     )]
     fn set_view<'py>(
         &self,
@@ -717,46 +687,39 @@ impl View {
         look_at: Option<[f32; 3]>,
         direction: Option<[f32; 3]>,
         up: [f32; 3],
-        field_of_view: f32,
-        image: (u32, u32),
-        pixels: f32,
-        triangles: Option<Count>,
-        steps: Option<Count>,
-        frustum: bool,
-        back_faces: bool,
-        silhouettes: bool,
-        light: Option<[f32; 3]>,
-        foveation: Option<f32>,
-        attention: [f32; 2],
-    ) -> PyResult<Bound<'py, PyAny>> {
+        detail: Option<&Bound<'py, PyDict>>,
+    ) -> PyResult<Bound<'py, PyDict>> {
         let look_at = match (look_at, direction) {
             (Some(look_at), None) => look_at,
             (None, Some(direction)) => ahead(eye, direction)?,
             _ => return Err(Failure::Parameter("look_at, direction: expected one of both".into()).into()),
         };
+        let Detail { lens, criteria } = Detail::of(detail)?;
+        let [columns, rows] = lens.image;
         let camera = Camera::new(eye, look_at)
             .and_then(|camera| camera.with_up(up))
-            .and_then(|camera| camera.with_field_of_view(field_of_view))
-            .and_then(|camera| camera.with_image(image.0, image.1))
+            .and_then(|camera| camera.with_field_of_view(lens.field_of_view))
+            .and_then(|camera| camera.with_image(columns, rows))
             .map_err(Failure::from)?;
-        let seen = Seen { frustum, back_faces, silhouettes };
-        let criteria = criteria(pixels, triangles, steps, seen, light, foveation, attention)?;
         let moved = self.with(py, |state| {
-            let update = state.cursor.update(&camera, &criteria)?;
+            let mut update = state.cursor.update(&camera, &criteria)?;
             state.camera = Some(camera);
-            state.pending.ranges.extend(update.changed);
+            state.pending.ranges.append(&mut update.changed);
             let view = state.cursor.view();
-            Ok::<_, Failure>(UpdateReport {
-                triangles: view.triangle_count(),
-                active_vertices: view.active_vertex_count(),
-                collapses: update.collapses,
-                splits: update.splits,
-                looked_at: update.looked_at,
-                segments: update.segments,
-                complete: update.is_complete,
-            })
+            Ok::<_, Failure>((update, [view.triangle_count(), view.active_vertex_count()]))
         });
-        report(py, &moved?)
+        let (update, [triangles, active_vertices]) = moved?;
+        // The keys are those of a frame in the JSON report of `tristrip fly`.
+        let found = PyDict::new(py);
+        let ViewUpdate { collapses, splits, looked_at, segments, .. } = update;
+        let counts =
+            [("triangles", triangles), ("active_vertices", active_vertices), ("collapses", collapses)];
+        let work = [("splits", splits), ("looked_at", looked_at), ("segments", segments)];
+        for (name, count) in counts.into_iter().chain(work) {
+            found.set_item(name, count)?;
+        }
+        found.set_item("complete", update.is_complete)?;
+        Ok(found)
     }
 
     /// The number of triangles of the view.
@@ -795,15 +758,12 @@ impl View {
     /// Return the index buffer of the display strips, as `Strips.indices` does.
     #[pyo3(signature = (layout = "restart", dtype = None))]
     fn indices<'py>(
-        &self,
-        py: Python<'py>,
+        slf: &Bound<'py, Self>,
         layout: &str,
         dtype: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let layout = layout_of(layout)?;
-        let bits = index_bits(py, dtype, self.model.mesh.vertex_count())?;
-        let strips = self.with(py, |state| state.cursor.strips());
-        Ok(indices_to_array(py, &strips, layout, bits)?)
+        let strips = slf.get().strips(slf.py());
+        Bound::new(slf.py(), strips)?.call_method1("indices", (layout, dtype))
     }
 
     /// Return an index buffer to draw, and the ranges in which it differs from that of the last call with this dtype, so that only these are sent to a graphics
@@ -837,9 +797,7 @@ impl View {
 
     /// Return the triangles of the view: uint32 of shape (n, 3).
     fn triangles<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<u32>>> {
-        let list = self.with(py, |state| state.cursor.strips().to_list());
-        let rows = list.len() / 3;
-        PyArray1::from_vec(py, list).reshape([rows, 3])
+        triangle_rows(py, self.with(py, |state| state.cursor.strips().to_list()))
     }
 
     /// Prove that the display strips draw exactly the triangles of the view, and return their number.

@@ -46,31 +46,41 @@ def test_a_model_has_the_mesh_and_its_strips() -> None:
     assert MODEL.triangle_count == len(MODEL.faces) == len(FACES)
     MODEL.strips.verify(FACES, VERTICES)
     report = MODEL.report
-    assert report["method"] == "best" and report["order"] == "quadric" and report["proven"] is True
-    assert report["triangles"] == len(FACES) and report["collapses"] == MODEL.collapse_count
-    assert report["height"] == MODEL.height > 5 and (report["levels"] or 0) > 5 and report["bytes"] is None
+    assert report["method"] == "best"
+    assert report["order"] == "quadric"
+    assert report["proven"] is True
+    assert report["triangles"] == len(FACES)
+    assert report["collapses"] == MODEL.collapse_count
+    assert report["height"] == MODEL.height > 5
+    assert (report["levels"] or 0) > 5
+    assert report["bytes"] is None
     assert 0 < MODEL.base_triangle_count < len(FACES) / 10
-    assert MODEL.memory["strips"] > 0 and MODEL.memory["tree"] > MODEL.memory["strips"]
+    assert MODEL.memory["strips"] > 0
+    assert MODEL.memory["tree"] > MODEL.memory["strips"]
 
 
 @pytest.mark.parametrize("name", FILTERS)
 def test_a_view_draws_its_triangles(name: str) -> None:
     view = MODEL.view(name)  # type: ignore[arg-type]
-    assert view.filter == name and view.triangle_count == MODEL.base_triangle_count
+    assert view.filter == name
+    assert view.triangle_count == MODEL.base_triangle_count
     for step in range(12):
         eye = (5.0 * step, 4.0, -5.0 + 3 * step)
         moved = view.set_view(eye, (30, 0, 30), pixels=1.5)
-        assert moved["complete"] and moved["triangles"] == view.triangle_count == len(view.triangles())
+        assert moved["complete"]
+        assert moved["triangles"] == view.triangle_count == len(view.triangles())
         assert view.verify() == view.triangle_count
         used = np.unique(view.triangles())
-        assert used.max() < len(VERTICES) and len(used) <= view.active_vertex_count == moved["active_vertices"]
+        assert used.max() < len(VERTICES)
+        assert len(used) <= view.active_vertex_count == moved["active_vertices"]
         assert (view.strips().triangles() == view.triangles()).all()
 
 
 def test_the_finest_view_is_the_full_mesh() -> None:
     view = MODEL.view()
     overview(view)
-    assert view.triangle_count == len(FACES) and view.surface_error == 0
+    assert view.triangle_count == len(FACES)
+    assert view.surface_error == 0
     view.strips().verify(FACES, VERTICES)
 
 
@@ -102,11 +112,13 @@ def test_budgets_and_steps_are_kept() -> None:
     slow = MODEL.view()
     moved = slow.set_view((30, 3, -3), (30, 0, 30), pixels=0.1, steps=10)
     # The last split comes with those that it needs.
-    assert not moved["complete"] and moved["collapses"] + moved["splits"] < 10 + MODEL.collapse_count / 10
+    assert not moved["complete"]
+    assert moved["collapses"] + moved["splits"] < 10 + MODEL.collapse_count / 10
     calls = 1
     while not slow.set_view((30, 3, -3), (30, 0, 30), pixels=0.1, steps=200)["complete"]:
         calls += 1
-    assert calls > 2 and slow.verify() > 800
+    assert calls > 2
+    assert slow.verify() > 800
 
 
 def test_a_direction_is_as_good_as_a_point() -> None:
@@ -121,7 +133,8 @@ def test_a_direction_is_as_good_as_a_point() -> None:
 def test_changed_ranges_bring_a_buffer_up_to_date(name: str, dtype: str) -> None:
     view = MODEL.view(name)  # type: ignore[arg-type]
     kept, changed = view.update(dtype)
-    assert kept.dtype == dtype and changed == [(0, len(kept))]
+    assert kept.dtype == dtype
+    assert changed == [(0, len(kept))]
     sent, whole = 0, 0
     for step in range(40):
         view.set_view((10 + 0.3 * step, 3, -3), (30, 0, 30), pixels=1.5)
@@ -149,7 +162,8 @@ def test_changed_ranges_bring_a_buffer_up_to_date(name: str, dtype: str) -> None
 def test_indices_have_any_layout_and_type() -> None:
     view = MODEL.view()
     view.set_view((30, 3, -3), (30, 0, 30), pixels=2.0)
-    assert view.indices().dtype == np.uint16 and view.indices(dtype="uint32").dtype == np.uint32
+    assert view.indices().dtype == np.uint16
+    assert view.indices(dtype="uint32").dtype == np.uint32
     assert view.indices("list").shape == (3 * view.triangle_count,)
     assert (view.indices("list").reshape(-1, 3) == view.triangles()).all()
     with pytest.raises(tristrip.ParameterError, match="dtype"):
@@ -206,13 +220,15 @@ def test_files_and_pickles_hold_the_model(tmp_path: Path) -> None:
     MODEL.save(path)
     assert path.read_bytes() == MODEL.to_bytes()
     for again in (tristrip.ViewModel.load(path), tristrip.ViewModel.load(path.read_bytes()), copy.deepcopy(MODEL)):
-        assert (again.faces == MODEL.faces).all() and again.strips == MODEL.strips
+        assert (again.faces == MODEL.faces).all()
+        assert again.strips == MODEL.strips
         view, other = again.view(), MODEL.view()
         for each in (view, other):
             each.set_view((30, 3, -3), (30, 0, 30))
         assert (view.triangles() == other.triangles()).all()
     pickled = pickle.loads(pickle.dumps(MODEL))
-    assert pickled.to_bytes() == MODEL.to_bytes() and pickled.report["levels"] == MODEL.report["levels"]
+    assert pickled.to_bytes() == MODEL.to_bytes()
+    assert pickled.report["levels"] == MODEL.report["levels"]
     with pytest.raises(TypeError):
         pickle.dumps(MODEL.view())
 
@@ -236,7 +252,9 @@ def test_damaged_files_are_told(tmp_path: Path, models: Path) -> None:
 
 def test_models_of_files_join_parts(models: Path) -> None:
     model = tristrip.ViewModel.from_file(models / "milktruck.glb", order="shortest-edge")
-    assert model.report["parts"] == 4 and model.report["order"] == "shortest-edge" and model.triangle_count == 2856
+    assert model.report["parts"] == 4
+    assert model.report["order"] == "shortest-edge"
+    assert model.triangle_count == 2856
     assert set(model.attributes) == {"NORMAL"}
     assert any("parts joined into one: 4" in note for note in model.notes)
     same = tristrip.ViewModel.from_file((models / "milktruck.glb").read_bytes(), order="shortest-edge")
@@ -255,14 +273,17 @@ def test_wrong_models_are_told() -> None:
     empty = tristrip.ViewModel.build(np.zeros((0, 3)), np.zeros((0, 3), int))
     view = empty.view()
     view.set_view((0, 0, 1), (0, 0, 0))
-    assert view.triangle_count == 0 and view.indices().shape == (0,) and view.update()[1] == []
+    assert view.triangle_count == 0
+    assert view.indices().shape == (0,)
+    assert view.update()[1] == []
 
 
 def test_attributes_keep_their_seams() -> None:
     u = (VERTICES[:, 0] / 59).astype(np.float32)
     uv = np.column_stack([u, u])
     model = tristrip.ViewModel.build(VERTICES, FACES, uv=uv, attributes={"height": VERTICES[:, 1]})
-    assert set(model.attributes) == {"TEXCOORD_0", "height"} and (model.attributes["TEXCOORD_0"] == uv).all()
+    assert set(model.attributes) == {"TEXCOORD_0", "height"}
+    assert (model.attributes["TEXCOORD_0"] == uv).all()
 
 
 @pytest.mark.parametrize("path", ["orbit", "dolly", "flyover", None])
@@ -271,8 +292,11 @@ def test_a_flight_is_that_of_the_command(path: str | None) -> None:
     assert list(flight) == [
         "filter", "path", "proven", "collapses", "triangles_base", "triangles_full", "tree_height", "summary", "frames",
     ]  # fmt: skip
-    assert flight["path"] == (path or "orbit") and flight["proven"] is True and len(flight["frames"]) == 12
-    assert flight["summary"]["frames_proven"] == 12 and flight["triangles_full"] == len(FACES)
+    assert flight["path"] == (path or "orbit")
+    assert flight["proven"] is True
+    assert len(flight["frames"]) == 12
+    assert flight["summary"]["frames_proven"] == 12
+    assert flight["triangles_full"] == len(FACES)
     assert all(frame["complete"] and frame["triangles"] > 0 for frame in flight["frames"])
     again = MODEL.fly(path, frames=12, pixels=2.0, verify=False)
     assert again["proven"] is None
@@ -288,7 +312,8 @@ def test_cameras_are_a_list_or_a_file(tmp_path: Path) -> None:
     file.write_text(json.dumps(cameras))
     listed, read = MODEL.fly(cameras, frames=5), MODEL.fly(file, frames=5)
     assert [f["triangles"] for f in listed["frames"]] == [f["triangles"] for f in read["frames"]]
-    assert listed["path"] == "cameras" and read["path"] == str(file)
+    assert listed["path"] == "cameras"
+    assert read["path"] == str(file)
     assert listed["frames"][0]["triangles"] < listed["frames"][-1]["triangles"]
     wrongs: list[tuple[Any, str]] = [
         ([], "path: cameras: found 0, expected 1 to 10000"),
@@ -317,8 +342,11 @@ def test_pictures_and_texts_show_the_view() -> None:
         view.picture()
     view.set_view((30, 20, -20), (30, 0, 30), image=(160, 90))
     png = view.picture()
-    assert png.startswith(b"\x89PNG") and png == view._repr_png_() and png != view.picture(shaded=True)
-    assert repr(view).startswith("View(") and repr(view).endswith("of 6,962 triangles, filter dtfs)")
+    assert png.startswith(b"\x89PNG")
+    assert png == view._repr_png_()
+    assert png != view.picture(shaded=True)
+    assert repr(view).startswith("View(")
+    assert repr(view).endswith("of 6,962 triangles, filter dtfs)")
     assert repr(MODEL).startswith("ViewModel(6,962 triangles, ")
     assert "<table>" in MODEL._repr_html_()
     assert view.memory > 0
@@ -345,5 +373,6 @@ def test_copies_and_threads_have_views_of_their_own() -> None:
         thread.start()
     for thread in threads:
         thread.join()
-    assert len(results) == 4 and all(results.values())
+    assert len(results) == 4
+    assert all(results.values())
     view.verify()

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from . import _notebook
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
     from ._native import Buffer, Decoder, Float32Array, PackReport, Uint32Array, UnpackReport
 
 
@@ -16,8 +17,8 @@ if TYPE_CHECKING:
 class Packed:
     """A packed model, as `tristrip.pack` returns it.
 
-    report: a dictionary with the keys of the command's JSON: "wire", "proven", "parts", "meshes", "chunks", "vertices", "triangles",
-        "base_triangles", "bytes", "base_bytes", "bits_per_vertex", "position_error", "notes", "output".
+    report: a dictionary with the keys of the command's JSON: "wire", "proven", "parts", "meshes", "chunks", "vertices",
+        "triangles", "base_triangles", "bytes", "base_bytes", "bits_per_vertex", "position_error", "notes", "output".
     bytes: the file.
     """
 
@@ -35,10 +36,12 @@ class Packed:
 
 @dataclass(frozen=True, eq=False)
 class Unpacked:
-    """A level of a stream, as `tristrip.unpack` returns it; all parts in one mesh. It can be unpacked: `vertices, faces = unpacked`.
+    """A level of a stream, as `tristrip.unpack` returns it; all parts in one mesh.
 
-    report: a dictionary with the keys of the command's JSON: "proven", "parts", "level", "levels", "triangles", "triangles_full",
-        "surface_error", "bytes", "chunks", "ended_early", "notes", "output".
+    It can be unpacked: `vertices, faces = unpacked`.
+
+    report: a dictionary with the keys of the command's JSON: "proven", "parts", "level", "levels", "triangles",
+        "triangles_full", "surface_error", "bytes", "chunks", "ended_early", "notes", "output".
     vertices: positions, float32 of shape (n, 3).
     faces: triangles, uint32 of shape (m, 3).
     attributes: arrays by name: "NORMAL", "TEXCOORD_0", …
@@ -69,7 +72,9 @@ def decode(
     max_bytes: int | None = None,
     max_triangles: int | None = None,
 ) -> Iterator[Decoder]:
-    """Decode a progressive GLB from pieces of its bytes, such as those of an HTTP response, and yield the decoder after each of them.
+    r"""Decode a progressive GLB from pieces of its bytes, such as those of an HTTP response.
+
+    Yields the decoder after each piece.
 
     Args:
         chunks: bytes in pieces of any size.
@@ -86,7 +91,7 @@ def decode(
     >>> x, y = numpy.meshgrid(numpy.arange(30), numpy.arange(30))
     >>> lines = [f"v {a} {b} {a * b % 3}" for a, b in zip(x.ravel(), y.ravel())]
     >>> lines += [f"f {i + 1} {i + 2} {i + 32} {i + 31}" for i in range(869) if i % 30 != 29]
-    >>> data = tristrip.pack("\\n".join(lines).encode(), format="obj").bytes
+    >>> data = tristrip.pack("\n".join(lines).encode(), format="obj").bytes
     >>> counts = [state.triangle_count for state in tristrip.decode([data[:-100], data[-100:]])]
     >>> counts[0] < counts[1], counts[1]
     (True, 1682)
