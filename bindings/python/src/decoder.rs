@@ -66,7 +66,7 @@ impl Decoder {
 impl Decoder {
     #[new]
     #[pyo3(signature = (*, strips = false, max_bytes = None, max_triangles = None))]
-    fn new(strips: bool, max_bytes: Option<Count>, max_triangles: Option<Count>) -> PyResult<Self> {
+    fn new(strips: bool, max_bytes: Option<Count>, max_triangles: Option<Count>) -> Self {
         let mut limits = ArrivalLimits::default();
         if let Some(Count(most)) = max_bytes {
             limits.kept_bytes = most as u64;
@@ -77,7 +77,7 @@ impl Decoder {
         }
         let glb = ArrivingGlb::new(limits);
         let glb = if strips { glb.keeping_strips() } else { glb };
-        Ok(Self { state: Arc::new(Mutex::new(glb)) })
+        Self { state: Arc::new(Mutex::new(glb)) }
     }
 
     /// Take the next bytes of the file, and decode the chunks that are complete.

@@ -20,13 +20,11 @@ impl<'py> Input<'py> {
         if let Some(bytes) = bytes_of(given)? {
             return Ok(Self::Bytes(bytes));
         }
-        match given.extract::<PathBuf>() {
-            Ok(path) => Ok(Self::Path(path)),
-            Err(_) => {
-                let found = given.get_type().name()?;
-                Err(Failure::Type(format!("input: found {found}, expected a path or bytes")))
-            }
+        if let Ok(path) = given.extract::<PathBuf>() {
+            return Ok(Self::Path(path));
         }
+        let found = given.get_type().name()?;
+        Err(Failure::Type(format!("input: found {found}, expected a path or bytes")))
     }
 
     /// Returns what does not need the interpreter.

@@ -355,14 +355,14 @@ impl ViewModel {
         let filter: DisplayFilter =
             filter.parse().map_err(|why| Failure::Parameter(format!("filter: {why}")))?;
         let (model, tree) = (&self.model, &self.tree);
-        let cursor = py.detach(|| match filter.scanner() {
-            Some(filter) => Ok::<_, Failure>(Cursor::Filtered(tree.view_by(filter))),
-            None => {
-                let sequence = Arc::clone(&model.sequence);
-                let view = RepairedView::new(tree, &model.strips, sequence, RepairOptions::default())?;
-                Ok(Cursor::Repaired(Box::new(view)))
+        let cursor: Result<Cursor, tristrip::Error> = py.detach(|| {
+            if let Some(filter) = filter.scanner() {
+                return Ok(Cursor::Filtered(Box::new(tree.view_by(filter))));
             }
-        })?;
+            let (sequence, repair) = (Arc::clone(&model.sequence), RepairOptions::default());
+            Ok(Cursor::Repaired(Box::new(RepairedView::new(tree, &model.strips, sequence, repair)?)))
+        });
+        let cursor = cursor.map_err(Failure::from)?;
         let state = State { cursor, camera: None, pending: Pending::default() };
         Ok(View { model: Arc::clone(&self.model), filter, state: Mutex::new(state) })
     }
@@ -530,7 +530,7 @@ impl Detail {
     fn of(given: Option<&Bound<'_, PyDict>>) -> Result<Self, Failure> {
         let (mut lens, mut criteria) = (Lens::default(), ViewCriteria::default());
         let (mut growth, mut attention) = (None, None);
-        for (name, value) in given.into_iter().flat_map(|given| given.iter()) {
+        for (name, value) in given.into_iter().flatten() {
             let name: String = name.extract()?;
             if value.is_none() {
                 continue;
@@ -585,6 +585,9 @@ pub(crate) struct View {
     state: Mutex<State>,
 }
 
+/// An index buffer, and the ranges that changed: their starts and ends.
+type Changed<'py> = (Bound<'py, PyAny>, Vec<(usize, usize)>);
+
 /// What moves.
 #[derive(Clone)]
 struct State {
@@ -595,7 +598,7 @@ struct State {
 
 #[derive(Clone)]
 enum Cursor {
-    Filtered(SkipView),
+    Filtered(Box<SkipView>),
     Repaired(Box<RepairedView>),
 }
 
@@ -775,11 +778,7 @@ impl View {
     /// Raises:
     ///     ParameterError: the dtype is unknown, or a vertex does not fit it.
     #[pyo3(signature = (dtype = None))]
-    fn update<'py>(
-        &self,
-        py: Python<'py>,
-        dtype: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<(Bound<'py, PyAny>, Vec<(usize, usize)>)> {
+    fn update<'py>(&self, py: Python<'py>, dtype: Option<&Bound<'py, PyAny>>) -> PyResult<Changed<'py>> {
         let vertex_count = self.model.mesh.vertex_count();
         let bits = index_bits(py, dtype, vertex_count)?;
         if vertex_count > (1_usize << bits) - 1 {

@@ -125,7 +125,6 @@ fn built(
     let options = ViewModelOptions::default().with_stripify(task.options).with_order(task.order);
     let stages = Stages::new(console, load, show).with_budget(task.budget);
     let built = view_model(model, &options, &stages)?;
-    drop(stages);
     report.model = built.report();
     Ok(built)
 }

@@ -225,13 +225,11 @@ impl ArrivingGlb {
 
     /// Returns what comes after the JSON, as it says.
     fn after_json(&self) -> Result<Stage, Error> {
-        Ok(match ChunkRange::find(&self.start[..])? {
-            Some(range) => Stage::Base(range),
-            None => {
-                let length = self.start.get(8..12).and_then(|bytes| bytes.try_into().ok());
-                Stage::Plain { end: length.map_or(0, u32::from_le_bytes).into() }
-            }
-        })
+        if let Some(range) = ChunkRange::find(&self.start[..])? {
+            return Ok(Stage::Base(range));
+        }
+        let length = self.start.get(8..12).and_then(|bytes| bytes.try_into().ok());
+        Ok(Stage::Plain { end: length.map_or(0, u32::from_le_bytes).into() })
     }
 
     /// Checks that the file is complete: to be called when no more bytes come.
